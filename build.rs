@@ -38,10 +38,8 @@ fn main() {
     println!("cargo::rerun-if-changed={}", root.join("build.rs").display());
     GIVEN.iter().for_each(|name| println!("cargo::rerun-if-env-changed={name}"));
     let [commit, date, epoch] = GIVEN.map(|name| env::var(name).ok());
-    let mut sources = match (&commit, git_directory(&root)) {
-        (None, Some(directory)) => of_git(&root, &directory),
-        _ => Sources::default(),
-    };
+    let is_repository = commit.is_none() && root.join(".git").exists();
+    let mut sources = if is_repository { of_git(&root).unwrap_or_default() } else { Sources::default() };
     if let Some(commit) = commit {
         sources.commit = plain(&commit);
     }
@@ -83,59 +81,28 @@ fn plain(text: &str) -> Option<String> {
     (!text.is_empty() && text.len() <= 64 && text.chars().all(fits)).then(|| text.to_owned())
 }
 
-/// The directory `.git`, or the one that a file `.git` names (worktrees, submodules).
-fn git_directory(root: &Path) -> Option<PathBuf> {
-    let there = root.join(".git");
-    if there.is_dir() {
-        return Some(there);
-    }
-    let text = fs::read_to_string(there).ok()?;
-    Some(root.join(text.strip_prefix("gitdir:")?.trim()))
-}
-
-/// Reads the version with git, or from the files of `.git` if git is missing.
-fn of_git(root: &Path, directory: &Path) -> Sources {
-    let common = fs::read_to_string(directory.join("commondir")).map(|path| directory.join(path.trim()));
-    let common = common.unwrap_or_else(|_| directory.to_owned());
-    let head = fs::read_to_string(directory.join("HEAD")).unwrap_or_default();
-    let name = head.strip_prefix("ref:").map(str::trim);
+/// Reads the version with git.
+fn of_git(root: &Path) -> Option<Sources> {
     // These files change when another commit is checked out or made. Missing files are left out, because cargo would
-    // then run this script every time. If the branch has no file, the log changes with the next commit.
-    let branch = name.into_iter().flat_map(|name| [directory.join(name), common.join(name)]);
-    let other =
-        [common.join("packed-refs"), common.join("reftable/tables.list"), directory.join("logs/HEAD")];
-    for path in [directory.join("HEAD")].into_iter().chain(branch).chain(other).chain(built_from(root)) {
-        if path.exists() {
-            println!("cargo::rerun-if-changed={}", path.display());
-        }
+    // then run this script every time.
+    let places = git(root, &["rev-parse", "--git-path", "HEAD", "--git-path", "logs/HEAD"])?;
+    let files = built_from(root);
+    for path in places.lines().map(|place| root.join(place)).filter(|path| path.exists()).chain(files.clone())
+    {
+        println!("cargo::rerun-if-changed={}", path.display());
     }
-    let said = git(root, &["log", "-1", "--no-show-signature", "--format=%H %ct"]);
-    if let Some((commit, seconds)) = said.as_deref().and_then(|said| said.trim().split_once(' ')) {
-        let status = ["status", "--porcelain", "--untracked-files=no", "--ignore-submodules", "--"];
-        let files = built_from(root).into_iter().map(|path| path.display().to_string()).collect::<Vec<_>>();
-        let all: Vec<&str> = status.into_iter().chain(files.iter().map(String::as_str)).collect();
-        return Sources {
-            commit: plain(commit),
-            date: seconds.parse().ok().and_then(day),
-            changed: git(root, &all).is_some_and(|said| !said.trim().is_empty()),
-        };
-    }
-    let commit = match name {
-        None => Some(head),
-        Some(name) => [directory, &common]
-            .into_iter()
-            .find_map(|place| fs::read_to_string(place.join(name)).ok())
-            .or_else(|| packed(&common, name)),
-    };
-    let whole = |text: &String| text.len() >= 40 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
-    Sources { commit: commit.map(|text| text.trim().to_owned()).filter(whole), ..Sources::default() }
-}
-
-/// The commit of a branch that has no file of its own (a packed reference).
-fn packed(common: &Path, name: &str) -> Option<String> {
-    let text = fs::read_to_string(common.join("packed-refs")).ok()?;
-    let mut lines = text.lines().filter_map(|line| line.split_once(' '));
-    lines.find(|(_, other)| *other == name).map(|(commit, _)| commit.to_owned())
+    let commit = git(root, &["log", "-1", "--no-show-signature", "--format=%H %ct"])?;
+    let (commit, seconds) = commit.trim().split_once(' ')?;
+    let status =
+        ["status", "--porcelain", "--untracked-files=no", "--ignore-submodules", "--"].map(str::to_owned);
+    let all = status.into_iter().chain(files.iter().map(|path| path.display().to_string()));
+    let all: Vec<String> = all.collect();
+    let all: Vec<&str> = all.iter().map(String::as_str).collect();
+    Some(Sources {
+        commit: plain(commit),
+        date: seconds.parse().ok().and_then(day),
+        changed: git(root, &all).is_some_and(|changes| !changes.trim().is_empty()),
+    })
 }
 
 /// The files in the repository from which programs are built.

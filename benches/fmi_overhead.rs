@@ -6,8 +6,8 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use crowd_mechanics::model::CrowdModel;
+use crowd_mechanics::quantities::{guid, scalars};
 use crowd_mechanics::setup;
-use crowd_mechanics::variables::{guid, table};
 use lemons_core::trial::Trial;
 use lemons_fmi::Status::Ok as OK;
 use lemons_verify::bench::fmu::{INPUTS, INTEGERS, Packed, REALS, SPARSE, processor_time};
@@ -18,7 +18,7 @@ const AGENTS: usize = 1000;
 
 /// An instance of the Trial after its first step.
 fn instance(c: &Functions, trial: &Trial, packed: &Packed) -> *mut c_void {
-    let guid = CString::new(guid(&table(trial)).braced().to_string()).expect("no zero");
+    let guid = CString::new(guid(trial).braced().to_string()).expect("no zero");
     let resources = CString::new(packed.resources().to_str().expect("text")).expect("no zero");
     // SAFETY: texts and functions live through the calls, which come in FMI's order.
     unsafe {
@@ -37,7 +37,7 @@ fn overhead(criterion: &mut Criterion) {
     let packed = Packed::new(AGENTS, SPARSE).expect("a Trial");
     let (trial, _) = setup::read(&packed.trial()).expect("a good Trial");
     let places: std::collections::HashMap<String, u32> =
-        table(&trial).into_iter().zip(0..).map(|(row, reference)| (row.name, reference)).collect();
+        scalars(&trial).into_iter().zip(0..).map(|(scalar, reference)| (scalar.name, reference)).collect();
     let references = |names: &[&str]| -> Vec<u32> {
         let all = (0..AGENTS).flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")));
         all.map(|name| places[&name]).collect()

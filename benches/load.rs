@@ -5,11 +5,10 @@
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::pack::Format;
+use crowd_mechanics::quantities::guid;
 use crowd_mechanics::setup;
-use crowd_mechanics::variables::{guid, table};
-use lemons_fmi::Model;
 use lemons_fmi::location::Location;
-use lemons_fmi::v2::Slave;
+use lemons_fmi::{Model, Slave, Version};
 use lemons_verify::bench::fmu::{DENSE, Packed};
 
 const AGENTS: usize = 10_000;
@@ -24,13 +23,13 @@ fn load(criterion: &mut Criterion) {
     group.bench_function(BenchmarkId::new("read, check and pack", AGENTS), |bencher| {
         bencher.iter(|| packed.pack(Format::default()).expect("a good Trial"));
     });
-    let guid = guid(&table(&setup::read(&packed.trial()).expect("a good Trial").0)).to_string();
+    let guid = guid(&setup::read(&packed.trial()).expect("a good Trial").0).to_string();
     let resources = packed.resources();
     // What fmi2Instantiate does.
     let instantiate = || {
         let crowd =
             CrowdModel::load(Location::Path(resources.to_str().expect("text"))).expect("a good Trial");
-        Slave::new(crowd, &guid).expect("its GUID")
+        Slave::new(crowd, Version::V2, &guid).expect("its GUID")
     };
     group.bench_function(BenchmarkId::new("instantiate", AGENTS), |bencher| bencher.iter(instantiate));
     group.bench_function(BenchmarkId::new("initialize", AGENTS), |bencher| {

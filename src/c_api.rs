@@ -10,6 +10,7 @@
 use crate::setup;
 use crate::setup::Setup;
 use crate::setup::{WorldError, dynamics_of, interactions_of};
+use lemons_core::files::source::Disk;
 use lemons_core::files::{Change, WriteError, change_all};
 use lemons_core::trial::{
     DynamicsElement, FileNames, INTERACTIONS, Problems, dynamics_xml, interactions_xml,
@@ -44,7 +45,7 @@ pub enum CallError {
 /// Something cannot be read, computed or written. Then no file has changed.
 pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallError> {
     let directory = parameters.parent().unwrap_or(Path::new(""));
-    let (trial, _) = setup::read_named(directory, names).map_err(CallError::Trial)?;
+    let (trial, _) = setup::read_from(&Disk, directory, names).map_err(CallError::Trial)?;
     let mut world = Setup::of(&trial).world()?;
     world
         .advance(trial.parameters.time_step)

@@ -45,36 +45,36 @@
 //! [`World::drive`] is what people want (a force and a torque of each), [`World::exposures`] how hard each was squeezed
 //! in the last step. `examples/engine_direct.rs` reads a Trial.
 
-#[cfg(test)]
-mod balls;
-mod begin_and_end;
 mod blocks;
-mod chains;
+mod body_kinematics;
+mod broad_phase;
 mod circle;
+mod contact_events;
+mod contact_geometry;
 pub mod contact_law;
 mod contacts;
-mod encounter;
+mod corner_transition;
 mod exposure;
 mod face;
 mod face_grid;
 mod free_flight;
 mod ids;
 mod mechanical_step;
-mod neighbours;
+mod near_pairs;
 mod overlap;
-mod pairs;
-mod passing;
+mod pair_forces;
 mod report;
+#[cfg(test)]
+mod round_bodies;
 mod scene;
 mod shortlist;
 mod springs;
-mod standing;
 mod state;
 mod threads;
 mod wall_contacts;
 mod world;
 
-pub use chains::Chain;
+pub use broad_phase::Crowded;
 pub use contact_law::Regime;
 pub use contacts::Work;
 pub use exposure::Exposure;
@@ -82,8 +82,8 @@ pub use face::{Continuation, Face};
 pub use free_flight::{BodyFlight, FreeFlight};
 pub use ids::{BodyId, CornerId, DiskId, FaceId, LineId, WallId};
 pub use lemons_core::plane::{Pose, Rotation, Twist, Vec2, vec2};
-pub use neighbours::Crowded;
-pub use overlap::{Meeting, Overlap};
+pub use overlap::{Overlap, Proximity};
+pub use pair_forces::PairForce;
 pub use report::{BodyContacts, Contact, ContactReport, Pair};
 pub use scene::{Body, BodySpec, Corner, Disk, DiskSpec, LawTable, PairLaw, Scene, SceneError, WallSpec};
 pub use shortlist::Shortlisting;

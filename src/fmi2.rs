@@ -2,6 +2,6 @@
 
 #![allow(unsafe_code)] // the C boundary
 #![allow(non_snake_case)] // FMI's own names
-#![allow(clippy::missing_safety_doc)] // FMI's contract: see `lemons_fmi::v2::component`
+#![allow(clippy::missing_safety_doc)] // FMI's contract: see `lemons_fmi::calls`
 
 lemons_fmi::export_fmi2!(crate::model::CrowdModel);

@@ -21,8 +21,8 @@
 //!         │           └───────────┘            └───────────────────────────┘
 //!         ▼                                                  ▲
 //!  ┌──────────────────────┐    ┌───────────────────┐         │
-//!  │ variables, arrays:   │───►│ model_description │──► pack ──► an .fmu
-//!  │ names of quantities  │    └───────────────────┘         (resources: its Trials)
+//!  │ quantities: names,   │───►│ model_description │──► pack ──► an .fmu
+//!  │ units, shapes        │    └───────────────────┘         (resources: its Trials)
 //!  └──────────────────────┘
 //! ```
 //!
@@ -30,11 +30,10 @@
 //!
 //! - [`engine`]: pure mechanics, no files, no FMI
 //! - [`setup`]: from the documents of a Trial (`lemons_core::trial`) to the engine's world, and what to warn of
-//! - [`variables`]: quantities, and the table of FMI 2.0 variables
-//! - [`arrays`]: the table of FMI 3.0 variables
+//! - [`quantities`]: the table of quantities: arrays in FMI 3.0, their elements in FMI 2.0
 //! - [`resources`]: from a resource URI to the Trials packed in an FMU
 //! - [`model`]: what an FMU instance simulates
-//! - [`model_description`], [`pack`]: the tables as XML, a Trial as an FMU
+//! - [`model_description`], [`pack`]: the table as XML, a Trial as an FMU
 //! - [`fmi2`], [`fmi3`]: the C functions of FMI 2.0 and 3.0 (their bodies are in `lemons_fmi`)
 //! - [`c_api`]: the C entry point of the paper's scripts
 
@@ -43,7 +42,6 @@
 #[doc = include_str!("../docs/guide/rust.md")]
 struct Guide;
 
-pub mod arrays;
 pub mod c_api;
 pub mod engine;
 pub mod fmi2;
@@ -51,6 +49,6 @@ pub mod fmi3;
 pub mod model;
 pub mod model_description;
 pub mod pack;
+pub mod quantities;
 pub mod resources;
 pub mod setup;
-pub mod variables;

@@ -2,24 +2,23 @@
 //!
 //! A parameter is an edit of the documents. When initialization ends, the engine's world is built from them.
 
-mod arrays;
 mod saved;
 
 pub use saved::Saved;
 
-use crate::engine::{AdvanceError, BodyId, Pair, ThreadsError, World, Wrench, step_count, vec2};
+use crate::engine::{AdvanceError, BodyId, Pair, ThreadsError, Vec2, World, Wrench, step_count, vec2};
+use crate::quantities::{
+    self, MOST_MECHANICAL_STEPS, QUANTITIES, Quantity, SIZES, field, ids_of_pair, place_of_contact,
+};
 use crate::resources::{Resources, ResourcesError};
 use crate::setup::{FINEST_ACCURACY, Setup, WorldError, dynamics_of, interactions_of};
-use crate::variables::{
-    AgentQuantity, MOST_MECHANICAL_STEPS, Quantity, Variable, domain, guid, in_documents, in_documents_mut,
-    is_input, table,
-};
 use lemons_core::files::{Change, WriteError, change_all};
 use lemons_core::trial::{
     DriveTable, DynamicsElement, Problem, Trial, dynamics_xml, interactions_xml, output_names,
 };
 use lemons_fmi::location::Location;
-use lemons_fmi::{Model, Phase, StepError};
+use lemons_fmi::variables::{Role, Scalar, Size, Variable};
+use lemons_fmi::{Model, Part, Phase, StepError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
@@ -62,8 +61,8 @@ pub enum ModelError {
     Output(#[from] WriteError),
 }
 
-/// The values of Reals of the documents that were set.
-type Settings = BTreeMap<Quantity, f64>;
+/// The elements of quantities that were set: of the documents, and who is there at the start.
+type Settings = BTreeMap<(Quantity, usize), f64>;
 
 /// A Trial as it was packed.
 struct Packed {
@@ -85,8 +84,11 @@ impl Packed {
     /// Reads a packed Trial; also returns warnings.
     fn load(resources: &Resources, name: &str) -> Result<(Arc<Packed>, Vec<String>), ResourcesError> {
         let (trial, warnings) = resources.load(name)?;
-        let fingerprint = trial.fingerprint();
-        Ok((Arc::new(Packed { trial, fingerprint, drive: OnceLock::new() }), warnings))
+        Ok((Arc::new(Packed::of(trial)), warnings))
+    }
+
+    fn of(trial: Trial) -> Packed {
+        Packed { fingerprint: trial.fingerprint(), trial, drive: OnceLock::new() }
     }
 
     /// Reads the drive, unless that was done before.
@@ -140,15 +142,35 @@ impl Model for CrowdModel {
     type Saved = Saved;
     type Error = ModelError;
 
+    const NAME: &'static str = "LEMONS crowd mechanics";
+    const IDENTIFIER: &'static str = "CrowdMechanics";
+    const DESCRIPTION: &'static str =
+        "contact mechanics of a dense crowd: rigid bodies of disks, damped springs, Coulomb friction, walls";
+    const STOP_TIME: f64 = 5.0;
     const INTERPOLATES_INPUTS: bool = true;
-    const STATE_VERSION: u32 = 8;
+    const KNOWS_DERIVATIVES: bool = true;
+    const SHOWS_INTERMEDIATE_VALUES: bool = true;
+    const STATE_VERSION: u32 = 9;
+    const SIZES: &'static [Size] = &SIZES;
+    const VARIABLES: &'static [Variable<Quantity>] = &QUANTITIES;
 
     fn load(location: Location<'_>) -> Result<CrowdModel, ModelError> {
-        CrowdModel::from_resources(Resources::at(location)?, matches!(location, Location::Path(_)))
+        let resources = Resources::at(location)?;
+        let (packed, warnings) = Packed::load(&resources, resources.first())?;
+        let any_size = matches!(location, Location::Path(_));
+        Ok(CrowdModel { any_size, warnings, ..CrowdModel::of_packed(resources, packed) })
     }
 
-    fn table(&self) -> Vec<Variable> {
-        table(&self.packed.trial)
+    fn size(&self, place: usize) -> u64 {
+        quantities::sizes(&self.trial)[place]
+    }
+
+    fn scalars(&self) -> Vec<Scalar<Quantity>> {
+        quantities::scalars(&self.packed.trial)
+    }
+
+    fn step_size(&self) -> f64 {
+        self.trial.parameters.time_step
     }
 
     fn take_warnings(&mut self) -> Vec<String> {
@@ -156,73 +178,81 @@ impl Model for CrowdModel {
     }
 
     #[inline(always)]
-    fn real(&mut self, quantity: Quantity) -> Result<f64, ModelError> {
-        match self.in_world(quantity) {
-            Some(value) => Ok(value),
-            None => self.without_world(quantity),
+    fn number(&mut self, quantity: Quantity, element: usize) -> Result<f64, ModelError> {
+        let mut value = [0.0];
+        match &self.world {
+            Some(world) if read(world, quantity, element, &mut value) => Ok(value[0]),
+            _ => self.without_world(quantity, element),
         }
     }
 
-    #[inline(always)]
-    fn integer(&mut self, quantity: Quantity) -> Result<i32, ModelError> {
-        match self.world.as_ref().and_then(|world| count(world, quantity)) {
-            Some(count) => Ok(count),
-            None => self.integer_without_world(quantity),
+    fn numbers(&mut self, quantity: Quantity, values: &mut [f64]) -> Result<(), ModelError> {
+        if self.world.as_ref().is_some_and(|world| read(world, quantity, 0, values)) {
+            return Ok(());
         }
+        for (element, value) in values.iter_mut().enumerate() {
+            *value = self.number(quantity, element)?;
+        }
+        Ok(())
     }
 
-    fn string(&self, quantity: Quantity) -> &str {
+    fn text(&self, quantity: Quantity, element: usize) -> &str {
         match quantity {
             Quantity::Trial => &self.packed.trial.name,
+            Quantity::AgentId => &self.trial.agents[element].id,
+            Quantity::MaterialId => &self.trial.materials.intrinsic[element].id,
             _ => &self.output_directory,
         }
     }
 
+    /// Checks matrices of pairs of materials.
+    fn check(&self, quantity: Quantity, values: &[f64]) -> Result<(), ModelError> {
+        if !quantity.is_of_pairs() {
+            return Ok(());
+        }
+        let (materials, n) = (&self.trial.materials, self.trial.materials.intrinsic.len());
+        for (k, &value) in values.iter().enumerate() {
+            let Some([one, other]) = ids_of_pair(materials, k) else { continue };
+            if value != values[(k % n) * n + k / n] {
+                return Err(ModelError::Asymmetric(one.to_owned(), other.to_owned()));
+            }
+            if value != 0.0 && place_of_contact(materials, k).is_none() {
+                return Err(ModelError::NoContact(one.to_owned(), other.to_owned()));
+            }
+        }
+        Ok(())
+    }
+
     #[inline]
-    fn set_real(&mut self, quantity: Quantity, value: f64, phase: Phase) {
-        if quantity == Quantity::MostMechanicalSteps {
-            self.most_steps = value;
-            if self.chooses_step() {
-                self.world = None;
-            }
-            return;
-        }
-        self.take_over(quantity);
-        match self.world.as_mut().and_then(|world| drive_mut(world, quantity)) {
-            Some(input) => *input = value,
-            None => self.world = None,
-        }
-        if phase != Phase::StepComplete || self.world.is_none() {
-            self.edit(quantity, value);
-        }
-    }
-
-    fn set_integer(&mut self, quantity: Quantity, value: i32, phase: Phase) {
+    fn set(&mut self, quantity: Quantity, element: usize, value: f64, phase: Phase) {
         match quantity {
-            Quantity::Agent(i, AgentQuantity::Active) => match &mut self.world {
-                Some(world) if phase == Phase::StepComplete => {
-                    let changes = world.is_present(BodyId::from(i as usize)) != (value != 0);
-                    if changes && !self.moved.remove(&(i as usize)) {
-                        self.moved.insert(i as usize);
-                    }
-                    world.set_present(BodyId::from(i as usize), value != 0);
-                }
-                _ => {
+            Quantity::MostMechanicalSteps => {
+                self.most_steps = value;
+                if self.chooses_step() {
                     self.world = None;
-                    self.edit(quantity, value.into());
                 }
-            },
+            }
             Quantity::Threads => {
-                self.threads = value;
+                self.threads = value as i32;
                 self.world = None;
             }
-            Quantity::IntermediateSteps => self.intermediate_steps = value,
-            Quantity::PlayDrive => self.play_drive = value != 0,
-            _ => {}
+            Quantity::IntermediateSteps => self.intermediate_steps = value as i32,
+            Quantity::PlayDrive => self.play_drive = value != 0.0,
+            Quantity::Active => self.set_present(element, value, phase),
+            _ => {
+                self.take_over(quantity, element);
+                match self.world.as_mut().and_then(|world| input(world, quantity, element)) {
+                    Some(input) => *input = value,
+                    None => self.world = None,
+                }
+                if phase != Phase::StepComplete || self.world.is_none() {
+                    self.edit(quantity, element, value);
+                }
+            }
         }
     }
 
-    fn set_strings(&mut self, values: &[(Quantity, &str)]) -> Result<(), ModelError> {
+    fn set_texts(&mut self, values: &[(Quantity, &str)]) -> Result<(), ModelError> {
         let last =
             |wanted| values.iter().rev().find(|(quantity, _)| *quantity == wanted).map(|(_, value)| *value);
         for (_, value) in values.iter().filter(|(quantity, _)| *quantity == Quantity::Trial) {
@@ -237,34 +267,28 @@ impl Model for CrowdModel {
         Ok(())
     }
 
-    fn derivative(&self, quantity: Quantity) -> Option<f64> {
-        let (world, Quantity::Agent(i, quantity)) = (self.world.as_ref()?, quantity) else { return None };
-        let body = BodyId::from(i as usize);
-        let (twist, acceleration) = if world.is_present(body) {
-            (world.state().twists[body.index()], world.acceleration(body))
-        } else {
-            Default::default()
+    fn derivative(&self, quantity: Quantity, element: usize) -> Option<f64> {
+        let world = self.world.as_ref()?;
+        let i = if quantity.row().is_vector() { element / 2 } else { element };
+        let motion = |body: BodyId| match world.is_present(body) {
+            true => (world.state().twists[body.index()], world.acceleration(body)),
+            false => Default::default(),
         };
+        let of = |vector: Vec2| if element.is_multiple_of(2) { vector.x } else { vector.y };
         match quantity {
-            AgentQuantity::PositionX => Some(twist.velocity.x),
-            AgentQuantity::PositionY => Some(twist.velocity.y),
-            AgentQuantity::Theta => Some(twist.angular_velocity),
-            AgentQuantity::VelocityX => Some(acceleration.force.x),
-            AgentQuantity::VelocityY => Some(acceleration.force.y),
-            AgentQuantity::Omega => Some(acceleration.torque),
+            Quantity::Position => Some(of(motion(BodyId::from(i)).0.velocity)),
+            Quantity::Theta => Some(motion(BodyId::from(i)).0.angular_velocity),
+            Quantity::Velocity => Some(of(motion(BodyId::from(i)).1.force)),
+            Quantity::Omega => Some(motion(BodyId::from(i)).1.torque),
             _ => None,
         }
     }
 
-    fn set_rate(&mut self, input: Quantity, rate: f64) {
-        self.take_over(input);
-        let Quantity::Agent(i, quantity) = input else { return };
-        let rates = self.rates.entry(i as usize).or_default();
-        match quantity {
-            AgentQuantity::FpX => rates.force.x = rate,
-            AgentQuantity::FpY => rates.force.y = rate,
-            AgentQuantity::Mp => rates.torque = rate,
-            _ => {}
+    fn set_rate(&mut self, quantity: Quantity, element: usize, rate: f64) {
+        self.take_over(quantity, element);
+        if matches!(quantity, Quantity::Fp | Quantity::Mp) {
+            let rates = self.rates.entry(agent_of_drive(quantity, element)).or_default();
+            *part_of_drive(rates, quantity, element) = rate;
         }
     }
 
@@ -282,7 +306,8 @@ impl Model for CrowdModel {
             self.warnings.extend(self.warning_of_step());
         }
         make_directory(&self.output_directory)?;
-        if self.chooses_step() || self.settings.keys().any(|&quantity| !is_input(quantity)) {
+        let inputs_only = self.settings.keys().all(|(quantity, _)| quantity.row().role == Role::Input);
+        if self.chooses_step() || !inputs_only {
             let advice = Setup::of(&self.trial).advice_as_edited();
             self.warnings.extend(advice.iter().map(Problem::without_severity));
         }
@@ -293,28 +318,58 @@ impl Model for CrowdModel {
         Ok(())
     }
 
-    fn advance(&mut self, from: f64, step: f64) -> Result<(), StepError<ModelError>> {
-        self.advance_by(from, step, 0.0, Some(from + step))
+    fn parts(&self, step: f64) -> Vec<f64> {
+        let every = u64::try_from(self.intermediate_steps).unwrap_or(0);
+        let mechanical_step = self.world.as_ref().map(|world| world.mechanical_step);
+        let steps = mechanical_step.and_then(|longest| step_count(step, longest).ok()).unwrap_or(1);
+        // What is refused is refused as a whole.
+        if every == 0 || steps <= every || steps as f64 > self.most_steps {
+            return vec![step];
+        }
+        let dt = step / steps as f64;
+        let part = |first: u64| dt * (steps - first).min(every) as f64;
+        (0..steps).step_by(every as usize).map(part).collect()
+    }
+
+    fn advance(&mut self, part: Part) -> Result<(), StepError<ModelError>> {
+        let Part { from, length, so_far, at_end } = part;
+        self.make_world().map_err(StepError::Refused)?;
+        self.few_steps(length).map_err(StepError::Refused)?;
+        let world = self.world.as_ref().filter(|_| !self.played.is_empty());
+        let drive = world.map(|world| world.drive.clone());
+        if so_far == 0.0 {
+            // The importer's time, which may differ from ours by rounding.
+            self.play(from);
+            self.warn_of_returns(from);
+        }
+        if let Err(error) = self.advance_world(length, so_far) {
+            let told = ModelError::Advance(Setup::of(&self.trial).name_body(&error));
+            // All other errors are found before the step begins.
+            let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
+            if failed {
+                return Err(StepError::Failed(told));
+            }
+            // A refused step changes nothing, the drive that is played neither.
+            if let (Some(world), Some(drive)) = (&mut self.world, drive) {
+                world.drive = drive;
+            }
+            return Err(StepError::Refused(told));
+        }
+        self.warn_of_coincidence();
+        // A rate is used for one step.
+        self.rates.clear();
+        let Some(to) = at_end else { return Ok(()) };
+        self.play(to);
+        self.write_output(to).map_err(|error| StepError::Failed(error.into()))
     }
 
     fn reset(&mut self) -> Result<(), ModelError> {
         if self.packed.trial.name != self.resources.first() {
             self.packed = Packed::load(&self.resources, self.resources.first())?.0;
         }
-        self.trial = self.packed.trial.clone();
-        self.settings.clear();
-        self.play_drive = true;
-        self.played.clear();
-        self.undriven.clear();
-        self.moved.clear();
-        self.threads = 1;
-        self.most_steps = MOST_MECHANICAL_STEPS;
-        self.intermediate_steps = 0;
-        self.output_directory.clear();
-        self.rates.clear();
-        self.tolerance = None;
-        self.world = None;
-        self.said_coincident = None;
+        let (resources, packed) = (self.resources.clone(), self.packed.clone());
+        let warnings = std::mem::take(&mut self.warnings);
+        *self = CrowdModel { any_size: self.any_size, warnings, ..CrowdModel::of_packed(resources, packed) };
         Ok(())
     }
 
@@ -329,18 +384,15 @@ impl Model for CrowdModel {
 
 impl CrowdModel {
     /// Makes the model of one Trial and its drive, without an FMU.
-    ///
-    /// # Errors
-    /// None of a Trial that was read.
-    pub fn of_trial(trial: Trial, drive: DriveTable) -> Result<CrowdModel, ModelError> {
-        CrowdModel::from_resources(Resources::of_one(trial, drive), false)
+    pub fn of_trial(trial: Trial, drive: DriveTable) -> CrowdModel {
+        let packed = Packed::of(trial.clone());
+        CrowdModel::of_packed(Resources::of_one(trial, drive), Arc::new(packed))
     }
 
-    fn from_resources(resources: Resources, any_size: bool) -> Result<CrowdModel, ModelError> {
-        let (packed, warnings) = Packed::load(&resources, resources.first())?;
-        Ok(CrowdModel {
+    fn of_packed(resources: Resources, packed: Arc<Packed>) -> CrowdModel {
+        CrowdModel {
             resources,
-            any_size,
+            any_size: false,
             trial: packed.trial.clone(),
             packed,
             settings: Settings::new(),
@@ -355,9 +407,9 @@ impl CrowdModel {
             rates: BTreeMap::new(),
             tolerance: None,
             world: None,
-            warnings,
+            warnings: Vec::new(),
             said_coincident: None,
-        })
+        }
     }
 
     /// Keeps the packed drive from an agent, before initialization ends. An importer says so by another Fp or Mp; who
@@ -376,45 +428,6 @@ impl CrowdModel {
         &self.trial
     }
 
-    /// Advances by a part of a communication step that begins at `from`, of which `so_far` are over, to the
-    /// communication point if that is its end; all in \[s\].
-    fn advance_by(
-        &mut self,
-        from: f64,
-        part: f64,
-        so_far: f64,
-        to: Option<f64>,
-    ) -> Result<(), StepError<ModelError>> {
-        self.make_world().map_err(StepError::Refused)?;
-        self.few_steps(part).map_err(StepError::Refused)?;
-        let world = self.world.as_ref().filter(|_| !self.played.is_empty());
-        let drive = world.map(|world| world.drive.clone());
-        if so_far == 0.0 {
-            // The importer's time, which may differ from ours by rounding.
-            self.play(from);
-            self.warn_of_returns(from);
-        }
-        if let Err(error) = self.advance_world(part, so_far) {
-            let told = ModelError::Advance(Setup::of(&self.trial).name_body(&error));
-            // All other errors are found before the step begins.
-            let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
-            if failed {
-                return Err(StepError::Failed(told));
-            }
-            // A refused step changes nothing, the drive that is played neither.
-            if let (Some(world), Some(drive)) = (&mut self.world, drive) {
-                world.drive = drive;
-            }
-            return Err(StepError::Refused(told));
-        }
-        self.warn_of_coincidence();
-        // A rate is used for one step.
-        self.rates.clear();
-        let Some(to) = to else { return Ok(()) };
-        self.play(to);
-        self.write_output(to).map_err(|error| StepError::Failed(error.into()))
-    }
-
     /// The agents whom the packed drive drives: those in it of whom the importer has not set Fp or Mp to another value than
     /// the Trial's.
     fn whom_it_plays(&self) -> Result<BTreeSet<usize>, ModelError> {
@@ -424,13 +437,9 @@ impl CrowdModel {
         let (agents, drive) = (self.packed.trial.agents.iter(), &self.packed.drive(&self.resources)?.table);
         let driven = agents.enumerate().filter(|(_, agent)| drive.rows(&agent.id).is_some());
         let mut played: BTreeSet<usize> = driven.map(|(i, _)| i).collect();
-        for (&quantity, &value) in &self.settings {
-            if let Quantity::Agent(i, AgentQuantity::FpX | AgentQuantity::FpY | AgentQuantity::Mp) = quantity
-                && in_documents(&self.packed.trial, quantity) != Some(value)
-            {
-                played.remove(&(i as usize));
-            }
-        }
+        let drives = |i: usize| (self.trial.dynamics[i].fp, self.trial.dynamics[i].mp);
+        let packed = |i: usize| (self.packed.trial.dynamics[i].fp, self.packed.trial.dynamics[i].mp);
+        played.retain(|&i| drives(i) == packed(i));
         played.retain(|i| !self.rates.contains_key(i) && !self.undriven.contains(i));
         Ok(played)
     }
@@ -447,16 +456,31 @@ impl CrowdModel {
 
     /// Before an input of an agent is set: the packed drive no longer drives it, as if it had none.
     #[inline]
-    fn take_over(&mut self, input: Quantity) {
-        use AgentQuantity::{FpX, FpY, Mp};
-        if let Quantity::Agent(i, FpX | FpY | Mp) = input
-            && !self.played.is_empty()
-            && self.played.remove(&(i as usize))
+    fn take_over(&mut self, quantity: Quantity, element: usize) {
+        if self.played.is_empty() || !matches!(quantity, Quantity::Fp | Quantity::Mp) {
+            return;
+        }
+        let i = agent_of_drive(quantity, element);
+        if self.played.remove(&i)
             && let Some(world) = &mut self.world
         {
-            let own = &self.trial.dynamics[i as usize];
-            world.drive[i as usize] = Wrench { force: own.fp, torque: own.mp };
+            let own = &self.trial.dynamics[i];
+            world.drive[i] = Wrench { force: own.fp, torque: own.mp };
         }
+    }
+
+    /// Sets whether an agent is there.
+    fn set_present(&mut self, agent: usize, value: f64, phase: Phase) {
+        let Some(world) = self.world.as_mut().filter(|_| phase == Phase::StepComplete) else {
+            self.world = None;
+            self.settings.insert((Quantity::Active, agent), value);
+            return;
+        };
+        let body = BodyId::from(agent);
+        if world.is_present(body) != (value != 0.0) && !self.moved.remove(&agent) {
+            self.moved.insert(agent);
+        }
+        world.set_present(body, value != 0.0);
     }
 
     fn make_world(&mut self) -> Result<&mut World, ModelError> {
@@ -477,11 +501,11 @@ impl CrowdModel {
 
     /// Takes those out of a new world who are not there at the start.
     fn dismiss(&self, world: &mut World) -> Result<(), ModelError> {
-        let absent = self.settings.iter().filter_map(|(quantity, value)| match quantity {
-            Quantity::Agent(i, AgentQuantity::Active) if *value == 0.0 => Some(BodyId::from(*i as usize)),
-            _ => None,
-        });
-        let absent: Vec<BodyId> = absent.collect();
+        let absent = self
+            .settings
+            .iter()
+            .filter(|((quantity, _), value)| *quantity == Quantity::Active && **value == 0.0);
+        let absent: Vec<BodyId> = absent.map(|((_, agent), _)| BodyId::from(*agent)).collect();
         if absent.is_empty() {
             return Ok(());
         }
@@ -492,7 +516,7 @@ impl CrowdModel {
 
     /// Whether the importer's tolerance chooses the mechanical step.
     fn chooses_step(&self) -> bool {
-        self.tolerance.is_some() && !self.settings.contains_key(&Quantity::TimeStepMechanical)
+        self.tolerance.is_some() && !self.settings.contains_key(&(Quantity::TimeStepMechanical, 0))
     }
 
     /// Gives the documents the mechanical step that is used.
@@ -585,77 +609,37 @@ impl CrowdModel {
         world.advance_on(part, so_far)
     }
 
-    /// Applies a setting of this instance to the documents.
+    /// Applies a setting of this instance to the documents. A pair of materials that never touches has no law.
     #[cold]
-    fn edit(&mut self, quantity: Quantity, value: f64) {
-        if let Some(place) = in_documents_mut(&mut self.trial, quantity) {
-            *place = value;
-        }
-        self.settings.insert(quantity, value);
-    }
-
-    /// Returns a Real that the running world contains.
-    ///
-    /// In groups of three: one match of all would become an indirect jump, which processors predict badly. It takes
-    /// half of the time of a call that reads thousands of values.
-    #[inline(always)]
-    fn in_world(&self, quantity: Quantity) -> Option<f64> {
-        use AgentQuantity::*;
-        let (world, Quantity::Agent(i, quantity)) = (self.world.as_ref()?, quantity) else { return None };
-        let i = i as usize;
-        if quantity == NormalForce {
-            return Some(world.contacts().bodies[i].squeeze);
-        }
-        let (first, second, third) = match quantity {
-            MeanNormalForce | PeakNormalForce | PeakOverlap => {
-                let exposure = &world.exposures()[i];
-                (exposure.mean_force, exposure.peak_force, exposure.peak_overlap)
-            }
-            FpX | FpY | Mp => (world.drive[i].force.x, world.drive[i].force.y, world.drive[i].torque),
-            PositionX | PositionY | Theta => {
-                let pose = &world.state().poses[i];
-                (pose.position.x, pose.position.y, pose.orientation)
-            }
-            VelocityX | VelocityY | Omega => {
-                let twist = &world.state().twists[i];
-                (twist.velocity.x, twist.velocity.y, twist.angular_velocity)
-            }
-            _ => return None,
-        };
-        Some(match quantity {
-            FpX | PositionX | VelocityX | MeanNormalForce => first,
-            FpY | PositionY | VelocityY | PeakNormalForce => second,
-            _ => third,
-        })
-    }
-
-    #[cold]
-    fn integer_without_world(&mut self, quantity: Quantity) -> Result<i32, ModelError> {
-        match quantity {
-            Quantity::Threads => Ok(self.threads),
-            Quantity::IntermediateSteps => Ok(self.intermediate_steps),
-            Quantity::PlayDrive => Ok(self.play_drive.into()),
-            quantity => Ok(count(self.make_world()?, quantity).unwrap_or(0)),
+    fn edit(&mut self, quantity: Quantity, element: usize, value: f64) {
+        if let Some(field) = field(&mut self.trial, quantity, element) {
+            *field = value;
+            self.settings.insert((quantity, element), value);
         }
     }
 
-    /// Returns a Real of the documents, or one for which a world must be made first; 0 otherwise.
+    /// Returns a number of this instance or of the documents, or one for which a world must be made first.
     #[cold]
-    fn without_world(&mut self, quantity: Quantity) -> Result<f64, ModelError> {
+    fn without_world(&mut self, quantity: Quantity, element: usize) -> Result<f64, ModelError> {
         if quantity == Quantity::TimeStepMechanical && self.world.is_none() {
             self.choose_step();
         }
-        if let Some(value) = in_documents(&self.trial, quantity) {
-            return Ok(value);
+        if let Some(field) = field(&mut self.trial, quantity, element) {
+            return Ok(*field);
         }
-        if quantity == Quantity::MostMechanicalSteps {
-            return Ok(self.most_steps);
-        }
-        let world = self.make_world()?;
-        if quantity == Quantity::LargestOverlap {
-            return Ok(world.largest_overlap());
-        }
-        Ok(self.in_world(quantity).unwrap_or(0.0))
+        Ok(match quantity {
+            Quantity::Threads => self.threads.into(),
+            Quantity::IntermediateSteps => self.intermediate_steps.into(),
+            Quantity::PlayDrive => self.play_drive.into(),
+            Quantity::MostMechanicalSteps => self.most_steps,
+            Quantity::Active => self.settings.get(&(quantity, element)).copied().unwrap_or(1.0),
+            _ if quantity.row().role == Role::Calculated => {
+                let mut value = [0.0];
+                read(self.make_world()?, quantity, element, &mut value);
+                value[0]
+            }
+            _ => 0.0,
+        })
     }
 
     fn known_trial(&self, name: &str) -> Result<(), ModelError> {
@@ -669,14 +653,14 @@ impl CrowdModel {
     /// Loads another packed Trial; settings are kept.
     fn choose(&mut self, name: &str) -> Result<(), ModelError> {
         let (packed, warnings) = Packed::load(&self.resources, name)?;
-        if self.any_size {
-            if !self.settings.keys().all(|&quantity| domain(&packed.trial, quantity).is_some()) {
-                return Err(ModelError::OtherSizes(name.to_owned()));
-            }
-        } else if guid(&table(&packed.trial)) != guid(&table(&self.packed.trial)) {
+        if !self.any_size && quantities::guid(&packed.trial) != quantities::guid(&self.packed.trial) {
             return Err(ModelError::OtherVariables(name.to_owned()));
         }
-        self.trial = edited(&packed.trial, &self.settings);
+        // A pair has another element where there are other materials.
+        let same = packed.trial.materials.intrinsic.len() == self.trial.materials.intrinsic.len();
+        let fits = same || !self.settings.keys().any(|(quantity, _)| quantity.is_of_pairs());
+        let edited = edited(&packed.trial, &self.settings).filter(|_| fits);
+        self.trial = edited.ok_or_else(|| ModelError::OtherSizes(name.to_owned()))?;
         self.packed = packed;
         self.warnings.extend(warnings);
         self.world = None;
@@ -719,40 +703,65 @@ fn check_no_link(change: &Change) -> Result<(), WriteError> {
     }
 }
 
-/// Returns the input of a running world behind a quantity, if it is one.
-#[inline]
-fn drive_mut(world: &mut World, quantity: Quantity) -> Option<&mut f64> {
-    let Quantity::Agent(i, quantity) = quantity else { return None };
-    let drive = &mut world.drive[i as usize];
+/// Returns the agent of an element of Fp or Mp.
+fn agent_of_drive(quantity: Quantity, element: usize) -> usize {
+    if quantity == Quantity::Fp { element / 2 } else { element }
+}
+
+/// Returns the part of a drive that an element of Fp or Mp is.
+fn part_of_drive(drive: &mut Wrench, quantity: Quantity, element: usize) -> &mut f64 {
     match quantity {
-        AgentQuantity::FpX => Some(&mut drive.force.x),
-        AgentQuantity::FpY => Some(&mut drive.force.y),
-        AgentQuantity::Mp => Some(&mut drive.torque),
-        _ => None,
+        Quantity::Fp if element.is_multiple_of(2) => &mut drive.force.x,
+        Quantity::Fp => &mut drive.force.y,
+        _ => &mut drive.torque,
     }
 }
 
-/// Returns the number of contacts behind a quantity; `None` if it is another quantity.
+/// Returns the input of a running world behind an element, if it is one.
+#[inline]
+fn input(world: &mut World, quantity: Quantity, element: usize) -> Option<&mut f64> {
+    let is_drive = matches!(quantity, Quantity::Fp | Quantity::Mp);
+    is_drive.then(|| part_of_drive(&mut world.drive[agent_of_drive(quantity, element)], quantity, element))
+}
+
+/// Reads elements of a quantity from a running world, from an element on. Returns whether the world
+/// has it.
 #[inline(always)]
-fn count(world: &World, quantity: Quantity) -> Option<i32> {
-    let contacts = world.contacts();
-    let count = match quantity {
-        Quantity::Agent(i, quantity) => {
-            let body = &contacts.bodies[i as usize];
-            match quantity {
-                AgentQuantity::Active => world.is_present(BodyId::from(i as usize)).into(),
-                AgentQuantity::AgentContacts => body.agent_contacts,
-                AgentQuantity::WallContacts => body.wall_contacts,
-                AgentQuantity::ContactingAgents => body.touching_bodies,
-                _ => return None,
-            }
+fn read(world: &World, quantity: Quantity, first: usize, values: &mut [f64]) -> bool {
+    fn each(first: usize, values: &mut [f64], number: impl Fn(usize) -> f64) {
+        values.iter_mut().enumerate().for_each(|(k, value)| *value = number(first + k));
+    }
+    fn axes(first: usize, values: &mut [f64], vector: impl Fn(usize) -> Vec2) {
+        each(first, values, |k| {
+            let Vec2 { x, y } = vector(k / 2);
+            if k.is_multiple_of(2) { x } else { y }
+        });
+    }
+    let (state, report, exposures) = (world.state(), world.contacts(), world.exposures());
+    match quantity {
+        Quantity::Fp => axes(first, values, |i| world.drive[i].force),
+        Quantity::Mp => each(first, values, |i| world.drive[i].torque),
+        Quantity::Position => axes(first, values, |i| state.poses[i].position),
+        Quantity::Theta => each(first, values, |i| state.poses[i].orientation),
+        Quantity::Velocity => axes(first, values, |i| state.twists[i].velocity),
+        Quantity::Omega => each(first, values, |i| state.twists[i].angular_velocity),
+        Quantity::NormalForce => each(first, values, |i| report.bodies[i].squeeze),
+        Quantity::MeanNormalForce => each(first, values, |i| exposures[i].mean_force),
+        Quantity::PeakNormalForce => each(first, values, |i| exposures[i].peak_force),
+        Quantity::PeakOverlap => each(first, values, |i| exposures[i].peak_overlap),
+        Quantity::Active => each(first, values, |i| world.is_present(BodyId::from(i)).into()),
+        Quantity::AgentContacts => each(first, values, |i| report.bodies[i].agent_contacts.into()),
+        Quantity::WallContacts => each(first, values, |i| report.bodies[i].wall_contacts.into()),
+        Quantity::ContactingAgents => {
+            each(first, values, |i| report.bodies[i].touching_bodies.into());
         }
-        Quantity::AgentContacts => contacts.agent_contacts,
-        Quantity::WallContacts => contacts.wall_contacts,
-        Quantity::CoincidentContacts => u32::try_from(contacts.coincident.len()).unwrap_or(u32::MAX),
-        _ => return None,
-    };
-    Some(i32::try_from(count).unwrap_or(i32::MAX))
+        Quantity::TotalAgentContacts => values.fill(report.agent_contacts.into()),
+        Quantity::TotalWallContacts => values.fill(report.wall_contacts.into()),
+        Quantity::CoincidentContacts => values.fill(report.coincident.len() as f64),
+        Quantity::LargestOverlap => values.fill(world.largest_overlap()),
+        _ => return false,
+    }
+    true
 }
 
 /// Gives a world a number of threads: those of the previous world, if it has as many.
@@ -788,13 +797,15 @@ fn by_tolerance(trial: &Trial, tolerance: f64, most: f64) -> Result<f64, Option<
     Ok(step.max(shortest))
 }
 
-/// A packed Trial with an instance's settings.
-fn edited(packed: &Trial, settings: &Settings) -> Trial {
+/// Returns a packed Trial with an instance's settings; `None` if it does not have what was set.
+fn edited(packed: &Trial, settings: &Settings) -> Option<Trial> {
     let mut trial = packed.clone();
-    for (&quantity, &value) in settings {
-        if let Some(place) = in_documents_mut(&mut trial, quantity) {
-            *place = value;
+    for (&(quantity, element), &value) in settings {
+        if quantity == Quantity::Active {
+            trial.agents.get(element)?;
+        } else {
+            *field(&mut trial, quantity, element)? = value;
         }
     }
-    trial
+    Some(trial)
 }

@@ -3,20 +3,18 @@
 //! The same Trials and binaries give the same bytes, so that FMUs can be compared.
 
 use crate::model::CrowdModel;
-use crate::model_description::{
-    LARGEST_DESCRIPTION, MODEL_IDENTIFIER, model_description, model_description_3, terminals,
-};
+use crate::model_description::{LARGEST_DESCRIPTION, MODEL_IDENTIFIER, model_description, terminals};
+use crate::quantities::{guid, scalars};
 use crate::resources::{TRIALS_FILE, can_be_packed};
 use crate::setup;
-use crate::variables::{guid, table};
 use lemons_core::files::Staged;
 use lemons_core::files::source::{Disk, Source};
 use lemons_core::trial::{DRIVE_FILE, FileNames, Problems, Trial};
-pub use lemons_fmi::Format;
-use lemons_fmi::archive::{Archive, ArchiveError, Version, read};
+use lemons_fmi::archive::{Archive, ArchiveError, read};
 pub use lemons_fmi::archive::{Binary, THIRD_PARTY, host_directory, host_platform, library_file, platforms};
-pub use lemons_fmi::v2::description::Naming;
-use lemons_fmi::v3;
+use lemons_fmi::description::rows_html;
+pub use lemons_fmi::{Format, Naming};
+use lemons_fmi::{Version, instantiation_token};
 use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
 use thiserror::Error;
@@ -122,13 +120,8 @@ impl Package {
         if trials.is_empty() {
             return Err(PackError::NoTrial);
         }
-        if let Format::Fmi2(naming) = self.format {
-            check_size(&trials[0], least_size(&trials[0], naming))?;
-        }
-        let description = match self.format {
-            Format::Fmi2(naming) => model_description(&trials[0], naming),
-            Format::Fmi3 => model_description_3(&trials[0]),
-        };
+        check_size(&trials[0], least_size(&trials[0], self.format))?;
+        let description = model_description(&trials[0], self.format);
         check_size(&trials[0], description.len() as u64)?;
         Ok(Contents { trials, description, warnings })
     }
@@ -142,10 +135,7 @@ impl Package {
     ) -> Result<(), ArchiveError> {
         let Contents { trials, description, .. } = contents;
         let (version, picture) = (self.format.version(), self.picture.and_then(|draw| draw(&trials[0])));
-        let documentation = match version {
-            Version::V2 => documentation(&trials[0]),
-            Version::V3 => documentation_3(&trials[0]),
-        };
+        let documentation = documentation(&trials[0], version);
         let mut archive = Archive::begin(file, version, description, &documentation)?;
         archive.add_binaries(files, MODEL_IDENTIFIER, &self.binaries)?;
         if version == Version::V3 {
@@ -214,7 +204,7 @@ fn check_size(trial: &Trial, size: u64) -> Result<(), PackError> {
 
 /// \[byte\] Lower bound of the size of the model description, accurate to some percent, extrapolated from a few agents:
 /// making all of it takes much time and memory.
-fn least_size(trial: &Trial, naming: Naming) -> u64 {
+fn least_size(trial: &Trial, format: Format) -> u64 {
     const SAMPLE: usize = 50;
     let agents = trial.agents.len();
     if agents <= SAMPLE {
@@ -223,10 +213,10 @@ fn least_size(trial: &Trial, naming: Naming) -> u64 {
     let mut few = trial.clone();
     few.agents.truncate(SAMPLE);
     few.dynamics.truncate(SAMPLE);
-    let many = model_description(&few, naming).len();
+    let many = model_description(&few, format).len();
     few.agents.truncate(1);
     few.dynamics.truncate(1);
-    let one = model_description(&few, naming).len();
+    let one = model_description(&few, format).len();
     (one + (many - one) / (SAMPLE - 1) * (agents - 1)) as u64
 }
 
@@ -242,10 +232,10 @@ fn difference(first: &Trial, other: &Trial) -> Option<String> {
             return Some(format!("agent {place} has the Id {:?} instead of {:?}", b.id, a.id));
         }
     }
-    let (a, b) = (table(first), table(other));
-    if guid(&a) == guid(&b) {
+    if guid(first) == guid(other) {
         return None;
     }
+    let (a, b) = (scalars(first), scalars(other));
     let names = a.iter().zip(&b).find(|(a, b)| a.name != b.name);
     Some(match names {
         Some((a, b)) => format!("it has the variable {} where the first has {}", b.name, a.name),
@@ -283,27 +273,18 @@ fn add_trial<W: Write + Seek>(
 }
 
 /// `documentation/index.html`
-fn documentation(trial: &Trial) -> String {
+fn documentation(trial: &Trial, version: Version) -> String {
+    let (page, token) = match version {
+        Version::V2 => (include_str!("documentation.html"), guid(trial)),
+        Version::V3 => (include_str!("documentation_3.html"), instantiation_token::<CrowdModel>()),
+    };
     let parameters = &trial.parameters;
-    include_str!("documentation.html")
-        .replace("{version}", env!("CARGO_PKG_VERSION"))
+    page.replace("{version}", env!("CARGO_PKG_VERSION"))
         .replace("{trial}", &lemons_core::xml::escaped(&trial.name))
         .replace("{agents}", &trial.agents.len().to_string())
         .replace("{last}", &(trial.agents.len().saturating_sub(1)).to_string())
         .replace("{time_step}", &format!("{:?}", parameters.time_step))
         .replace("{time_step_mechanical}", &format!("{:?}", parameters.time_step_mechanical))
-        .replace("{guid}", &guid(&table(trial)).braced().to_string())
-}
-
-/// `documentation/index.html` of FMI 3.0.
-fn documentation_3(trial: &Trial) -> String {
-    let parameters = &trial.parameters;
-    include_str!("documentation_3.html")
-        .replace("{version}", env!("CARGO_PKG_VERSION"))
-        .replace("{trial}", &lemons_core::xml::escaped(&trial.name))
-        .replace("{agents}", &trial.agents.len().to_string())
-        .replace("{time_step}", &format!("{:?}", parameters.time_step))
-        .replace("{time_step_mechanical}", &format!("{:?}", parameters.time_step_mechanical))
-        .replace("{token}", &v3::token::<CrowdModel>().braced().to_string())
-        .replace("{variables}", &v3::documentation::rows::<CrowdModel>())
+        .replace("{token}", &token.braced().to_string())
+        .replace("{variables}", &rows_html::<CrowdModel>())
 }

@@ -5,6 +5,7 @@ use lemons_core::files::input;
 use lemons_core::trial::{DriveChoice, DriveTable, Problem, Problems, Trial};
 use lemons_fmi::location::{Location, LocationError};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// File with the names of the packed Trials in order, one per line; the first is the default.
@@ -49,7 +50,7 @@ enum Place {
     /// Packed in this directory of an FMU.
     Directory(PathBuf),
     /// One, in memory, with its drive.
-    Memory(Box<(Trial, DriveTable)>),
+    Memory(Arc<(Trial, DriveTable)>),
 }
 
 impl Resources {
@@ -72,7 +73,7 @@ impl Resources {
     /// Holds a Trial that is in memory already, with its drive.
     pub fn of_one(trial: Trial, drive: DriveTable) -> Resources {
         let names = vec![trial.name.clone()];
-        Resources { place: Place::Memory(Box::new((trial, drive))), names }
+        Resources { place: Place::Memory(Arc::new((trial, drive))), names }
     }
 
     /// Returns the names of the packed Trials, the default one first; at least one.

@@ -3,7 +3,6 @@
 mod advice;
 mod plausible;
 mod steps;
-mod surroundings;
 mod usual;
 mod within;
 mod world;
@@ -41,18 +40,10 @@ impl Deref for Setup<'_> {
 /// # Errors
 /// All errors in its files, or more people at one place than can be simulated.
 pub fn read(directory: &Path) -> Result<(Trial, Problems), Problems> {
-    read_named(directory, &FileNames::default())
+    read_from(&Disk, directory, &FileNames::default())
 }
 
-/// Like [`read`], with other file names.
-///
-/// # Errors
-/// Those of [`read`].
-pub fn read_named(directory: &Path, names: &FileNames) -> Result<(Trial, Problems), Problems> {
-    read_from(&Disk, directory, names)
-}
-
-/// Like [`read_named`], from these files.
+/// Like [`read`], from these files, with these names.
 ///
 /// # Errors
 /// Those of [`read`].

@@ -3,14 +3,14 @@
 //! The size of a block does not depend on the number of threads, and forces are first summed within blocks. So the
 //! order of every sum, and with it every bit of the results, is the same for any number of threads.
 
+use super::body_kinematics::BodyKinematics;
+use super::broad_phase::{CellGrid, Crowded, NearMargin, PairLimit, list};
 use super::circle::Circle;
-use super::contacts::{Crossing, Impulse, Load, Stretch, Sums, deepen};
-use super::encounter::Instant;
-use super::exposure::Tally;
-use super::neighbours::{CellGrid, Crowded, Near, Room, list};
-use super::pairs::{Candidates, FIRST_EVALUATION, Pairs};
+use super::contact_geometry::Instant;
+use super::contacts::{Impulse, Load, OutgoingLoad, SpringUpdate, Sums, deepen};
+use super::exposure::ExposureSum;
+use super::near_pairs::{Candidates, FIRST_EVALUATION, NearPairs};
 use super::report::ContactReport;
-use super::standing::Standing;
 use super::wall_contacts::WallContacts;
 use super::{Pose, Scene, State, Threads, Twist, Work};
 
@@ -22,13 +22,13 @@ pub(super) const BLOCK: usize = 512;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Block {
     candidates: Candidates,
-    pairs: Pairs,
+    pairs: NearPairs,
     /// Scratch space.
     walls: WallContacts,
     /// Forces on bodies of later blocks.
-    outgoing: Vec<Crossing>,
+    outgoing: Vec<OutgoingLoad>,
     /// Forces from earlier blocks, in the order of their pairs.
-    incoming: Vec<Crossing>,
+    incoming: Vec<OutgoingLoad>,
     /// Impulses on its bodies by contacts that began or ended within the last step.
     impulses: Vec<Impulse>,
     /// The same on bodies of later blocks, and from earlier blocks.
@@ -44,7 +44,7 @@ pub(super) struct Block {
 pub(super) struct Blocks {
     pub blocks: Vec<Block>,
     /// One for each body.
-    pub standing: Vec<Standing>,
+    pub kinematics: Vec<BodyKinematics>,
     /// One for each body.
     pub flown: Vec<Flown>,
     /// \[m\] For each body the deepest overlap since [`Blocks::load`].
@@ -62,14 +62,14 @@ pub(super) struct Flown {
     /// Its twist, without the half kick by the contacts at the present instant.
     pub twist: Twist,
     /// The sums up to the present instant.
-    pub tally: Tally,
+    pub exposure_sum: ExposureSum,
 }
 
 /// The bodies of a block.
 pub(super) struct Bodies<'a> {
     /// Index of the first of them.
     pub start: usize,
-    pub standing: &'a mut [Standing],
+    pub kinematics: &'a mut [BodyKinematics],
     pub flown: &'a mut [Flown],
     /// Loads by the contacts at the present instant.
     pub loads: &'a [Load],
@@ -82,7 +82,7 @@ impl Blocks {
         let bodies = scene.bodies.len();
         Blocks {
             blocks: vec![Block::default(); bodies.div_ceil(BLOCK)],
-            standing: vec![Standing::default(); bodies],
+            kinematics: vec![BodyKinematics::default(); bodies],
             flown: vec![Flown::default(); bodies],
             deepest: vec![0.0; bodies],
             loads: vec![Load::default(); bodies],
@@ -92,14 +92,14 @@ impl Blocks {
 
     /// Sets pose and twist of a body.
     pub fn put(&mut self, body: usize, pose: Pose, twist: Twist) {
-        self.standing[body] = Standing::at(pose, twist);
+        self.kinematics[body] = BodyKinematics::at(pose, twist);
         self.flown[body].twist = twist;
     }
 
     /// Takes the springs of a state and resets all sums, to begin a communication step.
     pub fn load(&mut self, scene: &Scene, state: &State) {
         self.evaluation = FIRST_EVALUATION;
-        self.flown.iter_mut().for_each(|flown| flown.tally = Tally::default());
+        self.flown.iter_mut().for_each(|flown| flown.exposure_sum = ExposureSum::default());
         self.deepest.fill(0.0);
         for block in &mut self.blocks {
             block.pairs.clear();
@@ -138,26 +138,26 @@ impl Blocks {
         circles: &[Circle],
         listed: impl Fn(usize) -> bool + Sync,
     ) -> Result<(), Crowded> {
-        let room = Room::new(scene);
-        let standing = &self.standing[..];
+        let limit = PairLimit::new(scene);
+        let kinematics = &self.kinematics[..];
         threads.each(self.blocks.iter_mut().enumerate(), |(k, block)| {
             let bodies = (k * BLOCK..((k + 1) * BLOCK).min(circles.len())).filter(|&b| listed(b));
-            list(scene, standing, grid, circles, bodies, &mut block.candidates, &room);
+            list(scene, kinematics, grid, circles, bodies, &mut block.candidates, &limit);
         });
-        room.check(scene, grid, circles)
+        limit.check(scene, grid, circles)
     }
 
     /// Makes the lists of near pairs from the candidates.
-    pub fn renew(&mut self, scene: &Scene, threads: &Threads, near: Near) {
-        let (standing, evaluation) = (&self.standing[..], self.evaluation);
+    pub fn renew(&mut self, scene: &Scene, threads: &Threads, near: NearMargin) {
+        let (kinematics, evaluation) = (&self.kinematics[..], self.evaluation);
         threads.each(self.blocks.iter_mut(), |block| {
             let Block { candidates, pairs, work, .. } = block;
             work.candidates += (candidates.disks.len() + candidates.faces.len()) as u64;
-            pairs.renew(scene, standing, candidates, near.0, evaluation);
+            pairs.renew(scene, kinematics, candidates, near.0, evaluation);
         });
     }
 
-    /// Sums the contact forces at this instant, and lets the springs advance according to `stretch`. Then it applies a
+    /// Sums the contact forces at this instant, and lets the springs advance according to `update`. Then it applies a
     /// function to the bodies of every block and returns the largest result.
     ///
     /// A single thread processes block by block, while each is in the cache. Moving the bodies of a block does not
@@ -166,44 +166,44 @@ impl Blocks {
         &mut self,
         scene: &Scene,
         threads: &Threads,
-        stretch: Stretch,
+        update: SpringUpdate,
         then: impl Fn(usize, Bodies) -> f64 + Send + Sync,
     ) -> f64 {
         let before = self.evaluation;
         // 32 bits, so that a spring has 32 bytes. A communication step has fewer mechanical steps (`MOST_STEPS`).
         self.evaluation += 1;
-        let Blocks { blocks, standing, flown, deepest, loads, .. } = self;
+        let Blocks { blocks, kinematics, flown, deepest, loads, .. } = self;
         if threads.count() == 1 {
             for k in 0..blocks.len() {
-                let of_block = k * BLOCK..standing.len().min((k + 1) * BLOCK);
+                let of_block = k * BLOCK..kinematics.len().min((k + 1) * BLOCK);
                 let (start, loads) = (of_block.start, &mut loads[..of_block.len()]);
                 let deepest = &mut deepest[of_block.clone()];
-                let instant = Instant { scene, standing, before };
-                blocks[k].evaluate(&instant, stretch, start, loads, deepest);
+                let instant = Instant { scene, kinematics, before };
+                blocks[k].evaluate(&instant, update, start, loads, deepest);
                 if blocks.len() > 1 {
                     hand_over(blocks, k);
                     blocks[k].take_in(start, loads, deepest);
                 }
-                let (standing, flown) = (&mut standing[of_block.clone()], &mut flown[of_block]);
+                let (kinematics, flown) = (&mut kinematics[of_block.clone()], &mut flown[of_block]);
                 let block = &mut blocks[k];
                 let impulses = &block.impulses[..];
-                block.result = then(k, Bodies { start, standing, flown, loads, impulses });
+                block.result = then(k, Bodies { start, kinematics, flown, loads, impulses });
             }
         } else {
-            let instant = Instant { scene, standing, before };
+            let instant = Instant { scene, kinematics, before };
             let each =
                 blocks.iter_mut().zip(loads.chunks_mut(BLOCK).zip(deepest.chunks_mut(BLOCK))).enumerate();
             threads.each(each, |(k, (block, (loads, deepest)))| {
-                block.evaluate(&instant, stretch, k * BLOCK, loads, deepest);
+                block.evaluate(&instant, update, k * BLOCK, loads, deepest);
             });
             (0..blocks.len()).for_each(|k| hand_over(blocks, k));
-            let each = blocks.iter_mut().zip(standing.chunks_mut(BLOCK)).enumerate();
+            let each = blocks.iter_mut().zip(kinematics.chunks_mut(BLOCK)).enumerate();
             let loads = loads.chunks_mut(BLOCK).zip(deepest.chunks_mut(BLOCK));
             let each = each.zip(flown.chunks_mut(BLOCK).zip(loads));
-            threads.each(each, |((k, (block, standing)), (flown, (loads, deepest)))| {
+            threads.each(each, |((k, (block, kinematics)), (flown, (loads, deepest)))| {
                 block.take_in(k * BLOCK, loads, deepest);
                 let impulses = &block.impulses[..];
-                block.result = then(k, Bodies { start: k * BLOCK, standing, flown, loads, impulses });
+                block.result = then(k, Bodies { start: k * BLOCK, kinematics, flown, loads, impulses });
             });
         }
         blocks.iter().map(|block| block.result).fold(0.0, f64::max)
@@ -219,7 +219,7 @@ impl Blocks {
 
     /// Returns the contacts at present; changes nothing.
     pub fn report(&self, scene: &Scene) -> ContactReport {
-        let instant = Instant { scene, standing: &self.standing, before: self.evaluation };
+        let instant = Instant { scene, kinematics: &self.kinematics, before: self.evaluation };
         instant.report(self.blocks.iter().map(|block| &block.pairs))
     }
 
@@ -234,7 +234,7 @@ impl Block {
     fn evaluate(
         &mut self,
         instant: &Instant,
-        stretch: Stretch,
+        update: SpringUpdate,
         start: usize,
         loads: &mut [Load],
         deepest: &mut [f64],
@@ -243,12 +243,12 @@ impl Block {
         loads.fill(Load::default());
         impulses.clear();
         let mut sums = Sums { start, loads, deepest, outgoing, impulses, outgoing_impulses, work };
-        instant.evaluate(pairs, walls, stretch, &mut sums);
+        instant.evaluate(pairs, walls, update, &mut sums);
     }
 
     /// Adds the forces from earlier blocks. After that the forces are complete.
     fn take_in(&mut self, start: usize, loads: &mut [Load], deepest: &mut [f64]) {
-        for Crossing { body, load, depth } in self.incoming.drain(..) {
+        for OutgoingLoad { body, load, depth } in self.incoming.drain(..) {
             loads[body.index() - start].add(&load);
             deepen(&mut deepest[body.index() - start], depth);
         }

@@ -72,7 +72,7 @@ impl Relaxation {
 
 /// What a contact keeps from one instant to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Grip {
+pub struct SpringHistory {
     /// \[m\] elongation of the tangential spring.
     pub elongation: f64,
     /// \[m/s\] rate of the elongation: the tangential speed; while the contact slides, that at which the spring and its
@@ -82,18 +82,18 @@ pub struct Grip {
     pub normal: f64,
 }
 
-impl Grip {
+impl SpringHistory {
     /// That of a contact that begins.
-    pub const NONE: Grip = Grip { elongation: 0.0, rate: 0.0, normal: 0.0 };
+    pub const NONE: SpringHistory = SpringHistory { elongation: 0.0, rate: 0.0, normal: 0.0 };
 
     /// That of a contact with these forces, at a tangential speed \[m/s\].
     #[inline]
-    pub fn after(law: &PairLaw, reaction: &Reaction, slip_speed: f64) -> Grip {
+    pub fn after(law: &PairLaw, reaction: &Reaction, slip_speed: f64) -> SpringHistory {
         let Reaction { normal, tangential, elongation, regime } = *reaction;
         let follows = regime == Regime::Sliding && law.tangential_damping > 0.0;
         let force = -tangential - law.tangential_stiffness * elongation;
         let rate = if follows { force / law.tangential_damping } else { slip_speed };
-        Grip { elongation, rate, normal }
+        SpringHistory { elongation, rate, normal }
     }
 
     /// \[N\] The tangential force: that of the spring and its damper.
@@ -149,7 +149,7 @@ impl Grip {
         let slip_then = self.rate + share * (slip_speed - self.rate);
         let elongation = self.following(law, 0.0, &Relaxation::over(law, before));
         let then = Reaction { normal: 0.0, tangential: 0.0, elongation, regime: Regime::Sliding };
-        let zero = Grip::after(law, &then, slip_then);
+        let zero = SpringHistory::after(law, &then, slip_then);
         zero.advanced(law, normal, slip_speed, after, &Relaxation::over(law, after))
     }
 }
@@ -177,15 +177,21 @@ mod tests {
         assert_eq!(sliding.tangential, -limit);
     }
 
-    fn advanced(law: &PairLaw, grip: Grip, normal: f64, slip_speed: f64, duration: f64) -> Reaction {
-        grip.advanced(law, normal, slip_speed, duration, &Relaxation::over(law, duration))
+    fn advanced(
+        law: &PairLaw,
+        history: SpringHistory,
+        normal: f64,
+        slip_speed: f64,
+        duration: f64,
+    ) -> Reaction {
+        history.advanced(law, normal, slip_speed, duration, &Relaxation::over(law, duration))
     }
 
     /// γ_t ds/dt = −F_t − k_t s, against many small steps of Euler's rule.
     #[test]
     fn a_sliding_spring_relaxes_under_the_sliders_force() {
         // Slides to the left under limits of 400 N to 480 N.
-        let held = Grip { elongation: 1e-4, rate: (400.0 - 50.0) / 300.0, normal: 1000.0 };
+        let held = SpringHistory { elongation: 1e-4, rate: (400.0 - 50.0) / 300.0, normal: 1000.0 };
         let steps = 1_000_000;
         let dt = 1e-3 / f64::from(steps);
         let mut elongation = 1e-4;
@@ -205,19 +211,19 @@ mod tests {
 
     #[test]
     fn a_spring_relaxes_where_the_normal_force_is_zero() {
-        let held = Grip { elongation: 3e-4, rate: 0.1, normal: 300.0 };
+        let held = SpringHistory { elongation: 3e-4, rate: 0.1, normal: 300.0 };
         // Zero after three quarters of 1 ms, at a slip speed of 0.25 m/s. Undamped, the spring is then relaxed.
         let undamped = PairLaw { tangential_damping: 0.0, friction: 10.0, ..LAW };
         let reaction = advanced(&undamped, held, -100.0, 0.3, 1e-3);
         assert!((reaction.elongation - 0.25e-3 * 0.275).abs() < 1e-18, "{reaction:?}");
         // With damping it relaxes by e^(−k_t t/γ_t), here under a force of 120 N that falls to zero.
-        let slides = Grip { rate: (120.0 - 150.0) / 300.0, ..held };
+        let slides = SpringHistory { rate: (120.0 - 150.0) / 300.0, ..held };
         let reaction = advanced(&LAW, slides, -1e-12, 0.3, 1e-3);
         let x: f64 = 5e5 * 1e-3 / 300.0;
         let expected = (3e-4 - 120.0 / 5e5) * (-x).exp() + 120.0 / 5e5 * (1.0 - (-x).exp()) / x;
         assert!((reaction.elongation - expected).abs() < 1e-12, "{reaction:?} {expected}");
         // Where it pulls at both times, it holds.
-        let pulls = Grip { normal: -300.0, elongation: 0.0, ..held };
+        let pulls = SpringHistory { normal: -300.0, elongation: 0.0, ..held };
         let strong = PairLaw { friction: 10.0, ..LAW };
         assert_eq!(advanced(&strong, pulls, -100.0, 0.3, 1e-3).elongation, 1e-3 * 0.2);
     }

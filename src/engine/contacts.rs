@@ -1,16 +1,16 @@
 //! Computes all contacts at one time: forces from overlap, relative motion and springs.
 
-use super::begin_and_end::Amendment;
-use super::contact_law::{Grip, Relaxation, normal_force, react};
-use super::encounter::{Encounter, Instant, Touch};
-use super::overlap::{Meeting, meet};
-use super::pairs::{AT_ONCE, DiskPair, FacePair, Overlapping, Pairs, Sight, Spring};
+use super::contact_events::ImpulseCorrection;
+use super::contact_geometry::{ContactForce, ContactGeometry, Instant};
+use super::contact_law::{Relaxation, SpringHistory, normal_force, react};
+use super::near_pairs::{AT_ONCE, DiskPair, FacePair, NearPairs, Overlapping, Separation, Spring};
+use super::overlap::{Proximity, proximity};
 use super::wall_contacts::WallContacts;
 use super::{BodyId, PairLaw, Regime, Scene, Wrench};
 
 /// How an evaluation changes the springs.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Stretch<'a> {
+pub(super) enum SpringUpdate<'a> {
     /// It does not change them.
     Hold,
     /// Each spring advances once, over a mechanical step.
@@ -91,14 +91,14 @@ impl Load {
 
 /// The force of a contact on a body of another block.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Crossing {
+pub(super) struct OutgoingLoad {
     pub body: BodyId,
     pub load: Load,
     /// \[m\] overlap h.
     pub depth: f64,
 }
 
-/// What a contact that began or ended within a step does to a body besides its loads, see [`super::begin_and_end`].
+/// What a contact that began or ended within a step does to a body besides its loads, see [`super::contact_events`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Impulse {
     pub body: BodyId,
@@ -119,7 +119,7 @@ pub(super) struct Sums<'a> {
     /// \[m\] For the bodies of the block, the deepest overlap up to this instant.
     pub deepest: &'a mut [f64],
     /// Forces on bodies of later blocks.
-    pub outgoing: &'a mut Vec<Crossing>,
+    pub outgoing: &'a mut Vec<OutgoingLoad>,
     /// Impulses on the bodies of the block, by contacts that began or ended within the last step.
     pub impulses: &'a mut Vec<Impulse>,
     /// The same on bodies of later blocks.
@@ -130,13 +130,13 @@ pub(super) struct Sums<'a> {
 impl Sums<'_> {
     /// Each force is computed once and applied to both bodies with opposite signs: Newton's third law holds exactly.
     #[inline(always)]
-    fn add(&mut self, receiver: BodyId, giver: Option<BodyId>, touch: &Touch) {
+    fn add(&mut self, receiver: BodyId, giver: Option<BodyId>, force: &ContactForce) {
         self.work.contacts += 1;
-        self.work.sliding += u64::from(touch.reaction.regime == Regime::Sliding);
-        let (force, squeeze, depth) = (touch.force(), touch.reaction.normal.abs(), touch.overlap.depth);
-        self.give(receiver, Load { wrench: touch.on_receiver(force), squeeze }, depth);
+        self.work.sliding += u64::from(force.reaction.regime == Regime::Sliding);
+        let (vector, squeeze, depth) = (force.vector(), force.reaction.normal.abs(), force.overlap.depth);
+        self.give(receiver, Load { wrench: force.on_receiver(vector), squeeze }, depth);
         let Some(giver) = giver else { return };
-        self.give(giver, Load { wrench: touch.on_giver(force), squeeze }, depth);
+        self.give(giver, Load { wrench: force.on_giver(vector), squeeze }, depth);
     }
 
     #[inline(always)]
@@ -147,7 +147,7 @@ impl Sums<'_> {
                 sum.add(&load);
                 deepen(deepest, depth);
             }
-            _ => self.outgoing.push(Crossing { body, load, depth }),
+            _ => self.outgoing.push(OutgoingLoad { body, load, depth }),
         }
     }
 
@@ -159,21 +159,26 @@ impl Sums<'_> {
         receiver: BodyId,
         giver: Option<BodyId>,
         law: &PairLaw,
-        began: (Touch, Amendment),
+        began: (ContactForce, ImpulseCorrection),
         now: u32,
     ) -> Spring {
-        self.amend(receiver, giver, &began);
+        self.add_impulse(receiver, giver, &began);
         self.add(receiver, giver, &began.0);
         kept(law, &began.0, now)
     }
 
     /// The impulse of a contact that began or ended within a step, on both bodies.
     #[cold]
-    fn amend(&mut self, receiver: BodyId, giver: Option<BodyId>, (touch, by): &(Touch, Amendment)) {
-        let Amendment { normal, tangential, squeeze, peak } = *by;
-        let impulse = touch.overlap.normal * normal + touch.overlap.normal.perp() * tangential;
-        let on_receiver = Impulse { body: receiver, wrench: touch.on_receiver(impulse), squeeze, peak };
-        let on_giver = giver.map(|body| Impulse { body, wrench: touch.on_giver(impulse), squeeze, peak });
+    fn add_impulse(
+        &mut self,
+        receiver: BodyId,
+        giver: Option<BodyId>,
+        (force, by): &(ContactForce, ImpulseCorrection),
+    ) {
+        let ImpulseCorrection { normal, tangential, squeeze, peak } = *by;
+        let impulse = force.overlap.normal * normal + force.overlap.normal.perp() * tangential;
+        let on_receiver = Impulse { body: receiver, wrench: force.on_receiver(impulse), squeeze, peak };
+        let on_giver = giver.map(|body| Impulse { body, wrench: force.on_giver(impulse), squeeze, peak });
         for impulse in [Some(on_receiver), on_giver].into_iter().flatten() {
             let inside = impulse.body.index() - self.start < self.loads.len();
             let impulses = if inside { &mut *self.impulses } else { &mut *self.outgoing_impulses };
@@ -200,54 +205,60 @@ pub(super) fn deepen(deepest: &mut f64, depth: f64) {
 }
 
 impl Instant<'_> {
-    /// Sums the contact wrenches of a block's pairs, and lets their springs advance according to `stretch`. Contacts
+    /// Sums the contact wrenches of a block's pairs, and lets their springs advance according to `update`. Contacts
     /// that began or ended within the last step give impulses.
-    pub fn evaluate(&self, pairs: &mut Pairs, walls: &mut WallContacts, stretch: Stretch, sums: &mut Sums) {
+    pub fn evaluate(
+        &self,
+        pairs: &mut NearPairs,
+        walls: &mut WallContacts,
+        update: SpringUpdate,
+        sums: &mut Sums,
+    ) {
         sums.work.pairs += (pairs.disks.len() + pairs.faces.len()) as u64;
         for start in (0..pairs.disks.len()).step_by(AT_ONCE) {
-            self.evaluate_disks(pairs, start, stretch, sums);
+            self.evaluate_disks(pairs, start, update, sums);
         }
-        let Pairs { faces, face_springs, .. } = pairs;
+        let NearPairs { faces, face_springs, .. } = pairs;
         let mut springs = &mut face_springs[..];
         for of_disk in faces.chunk_by(|one, next| one.disk == next.disk) {
             let (springs_of_disk, others) = springs.split_at_mut(of_disk.len());
             springs = others;
-            self.evaluate_walls(of_disk, springs_of_disk, walls, stretch, sums);
+            self.evaluate_walls(of_disk, springs_of_disk, walls, update, sums);
         }
     }
 
     /// The next [`AT_ONCE`] pairs of disks.
     #[inline(always)]
-    fn evaluate_disks(&self, pairs: &mut Pairs, start: usize, stretch: Stretch, sums: &mut Sums) {
+    fn evaluate_disks(&self, pairs: &mut NearPairs, start: usize, update: SpringUpdate, sums: &mut Sums) {
         let mut touching = 0;
-        for &(k, sight) in self.find_overlapping(&pairs.disks, start, &mut pairs.overlapping) {
+        for &(k, separation) in self.find_overlapping(&pairs.disks, start, &mut pairs.overlapping) {
             let (pair, detail) = (&pairs.disks[k], &pairs.disk_details[k]);
             let spring = &mut pairs.disk_springs[k];
             let (receiver, giver) = (pair.first_body, Some(pair.second_body));
-            let encounter = match meet(sight.between, pair.reach) {
-                Meeting::Apart => continue,
-                Meeting::Coincident => {
+            let geometry = match proximity(separation.between, pair.reach) {
+                Proximity::Apart => continue,
+                Proximity::Coincident => {
                     sums.add_coincident(receiver, giver, pair.reach);
                     continue;
                 }
-                Meeting::Touching(overlap) => self.disks_encounter(pair, detail, &sight, overlap),
+                Proximity::Touching(overlap) => self.disk_geometry(pair, detail, &separation, overlap),
             };
             let continues = spring.touched_at == self.before;
-            if let Stretch::Over(step) = stretch
+            if let SpringUpdate::Over(step) = update
                 && !continues
             {
-                // A copy, so that the encounter itself stays in registers.
-                let began = self.began_disks(&{ encounter }, step.dt);
-                *spring = sums.begin(receiver, giver, encounter.law, began, self.before + 1);
+                // A copy, so that the geometry itself stays in registers.
+                let began = self.disks_began(&{ geometry }, step.dt);
+                *spring = sums.begin(receiver, giver, geometry.law, began, self.before + 1);
             } else {
-                let touch = touch(&encounter, continues.then_some(&*spring), stretch);
-                *spring = kept(encounter.law, &touch, self.before + 1);
-                sums.add(receiver, giver, &touch);
+                let force = contact_force(&geometry, continues.then_some(&*spring), update);
+                *spring = kept(geometry.law, &force, self.before + 1);
+                sums.add(receiver, giver, &force);
             }
             touching |= 1 << (k % AT_ONCE);
         }
         let ended = std::mem::replace(&mut pairs.touching[start / AT_ONCE], touching) & !touching;
-        if let Stretch::Over(step) = stretch
+        if let SpringUpdate::Over(step) = update
             && ended != 0
         {
             self.end_disks(pairs, start, ended, step.dt, sums);
@@ -260,67 +271,67 @@ impl Instant<'_> {
         pairs: &[FacePair],
         springs: &mut [Spring],
         walls: &mut WallContacts,
-        stretch: Stretch,
+        update: SpringUpdate,
         sums: &mut Sums,
     ) {
         let (scene, body) = (self.scene, self.scene.body_of(pairs[0].disk));
         let disk = self.circle(&pairs[0]);
-        walls.find(scene, pairs, disk, self.standing[body.index()].position);
+        walls.find(scene, pairs, disk, self.kinematics[body.index()].position);
         for contact in walls.found().iter().filter(|contact| contact.overlap.depth > 0.0) {
             let k = contact.place;
             if contact.coincident {
                 sums.add_coincident(body, None, contact.overlap.depth);
                 continue;
             }
-            let encounter = self.face_encounter(&pairs[k], contact.overlap, contact.part);
+            let geometry = self.face_geometry(&pairs[k], contact.overlap, contact.part);
             let from = walls.keeps(scene, pairs, springs, contact, disk.centre, self.before);
-            match (from, stretch) {
-                (Some(from), Stretch::Over(step))
+            match (from, update) {
+                (Some(from), SpringUpdate::Over(step))
                     if from != k
                         && let Some(passed) =
                             self.passed_bend([&pairs[from], &pairs[k]], contact, &springs[from], step.dt) =>
                 {
                     let [ended, began] = passed;
                     springs[from] = Spring::RELAXED;
-                    sums.amend(body, None, &ended);
-                    springs[k] = sums.begin(body, None, encounter.law, began, self.before + 1);
+                    sums.add_impulse(body, None, &ended);
+                    springs[k] = sums.begin(body, None, geometry.law, began, self.before + 1);
                 }
-                (None, Stretch::Over(step)) => {
+                (None, SpringUpdate::Over(step)) => {
                     if springs[k].touched_at == self.before
-                        && let Some(ended) = self.ended_face(&pairs[k], None, &springs[k], step.dt)
+                        && let Some(ended) = self.face_ended(&pairs[k], None, &springs[k], step.dt)
                     {
                         // It touches another part of the same face.
-                        sums.amend(body, None, &ended);
+                        sums.add_impulse(body, None, &ended);
                     }
-                    let began = self.began_face(&pairs[k], contact, &{ encounter }, step.dt);
-                    springs[k] = sums.begin(body, None, encounter.law, began, self.before + 1);
+                    let began = self.face_began(&pairs[k], contact, &{ geometry }, step.dt);
+                    springs[k] = sums.begin(body, None, geometry.law, began, self.before + 1);
                 }
                 _ => {
-                    let touch = touch(&encounter, from.map(|from| &springs[from]), stretch);
+                    let force = contact_force(&geometry, from.map(|from| &springs[from]), update);
                     if let Some(from) = from {
                         springs[from] = Spring::RELAXED;
                     }
-                    springs[k] = kept(encounter.law, &touch, self.before + 1);
-                    sums.add(body, None, &touch);
+                    springs[k] = kept(geometry.law, &force, self.before + 1);
+                    sums.add(body, None, &force);
                 }
             }
         }
-        let Stretch::Over(step) = stretch else { return };
+        let SpringUpdate::Over(step) = update else { return };
         for (k, spring) in springs.iter().enumerate().filter(|(_, spring)| spring.touched_at == self.before) {
             let held = walls.found().iter().find(|contact| contact.place == k);
-            if let Some(ended) = self.ended_face(&pairs[k], held, spring, step.dt) {
-                sums.amend(body, None, &ended);
+            if let Some(ended) = self.face_ended(&pairs[k], held, spring, step.dt) {
+                sums.add_impulse(body, None, &ended);
             }
         }
     }
 
     /// Pairs of disks that touched in the evaluation before and do not touch now.
     #[cold]
-    fn end_disks(&self, pairs: &Pairs, start: usize, ended: u32, dt: f64, sums: &mut Sums) {
+    fn end_disks(&self, pairs: &NearPairs, start: usize, ended: u32, dt: f64, sums: &mut Sums) {
         for k in places(ended).map(|place| start + place) {
             let (pair, detail, spring) = (&pairs.disks[k], &pairs.disk_details[k], &pairs.disk_springs[k]);
-            if let Some(ended) = self.ended_disks(pair, detail, spring, dt) {
-                sums.amend(pair.first_body, Some(pair.second_body), &ended);
+            if let Some(ended) = self.disks_ended(pair, detail, spring, dt) {
+                sums.add_impulse(pair.first_body, Some(pair.second_body), &ended);
             }
         }
     }
@@ -333,13 +344,13 @@ impl Instant<'_> {
         pairs: &[DiskPair],
         start: usize,
         overlapping: &'a mut Overlapping,
-    ) -> &'a [(usize, Sight)] {
+    ) -> &'a [(usize, Separation)] {
         let mut found = 0;
         for (pair, k) in pairs[start..].iter().zip(start..start + AT_ONCE) {
-            let sight = pair.seen(self.standing);
+            let separation = pair.separation(self.kinematics);
             // The remainder shows the compiler that there is room.
-            overlapping[found % AT_ONCE] = (k, sight);
-            found += usize::from(sight.between.norm_squared() < pair.reach * pair.reach);
+            overlapping[found % AT_ONCE] = (k, separation);
+            found += usize::from(separation.between.norm_squared() < pair.reach * pair.reach);
         }
         &overlapping[..found]
     }
@@ -356,24 +367,28 @@ fn places(mut bits: u32) -> impl Iterator<Item = usize> {
 
 /// Applies the law to a contact: one that keeps a spring, or one that has no past.
 #[inline(always)]
-pub(super) fn touch(encounter: &Encounter, spring: Option<&Spring>, stretch: Stretch) -> Touch {
-    let Encounter { law, law_at, overlap, .. } = *encounter;
-    let (normal_speed, slip_speed) = encounter.speeds();
+pub(super) fn contact_force(
+    geometry: &ContactGeometry,
+    spring: Option<&Spring>,
+    update: SpringUpdate,
+) -> ContactForce {
+    let ContactGeometry { law, law_at, overlap, .. } = *geometry;
+    let (normal_speed, slip_speed) = geometry.speeds();
     let normal = normal_force(law, overlap.depth, normal_speed);
-    let reaction = match (spring, stretch) {
-        (Some(spring), Stretch::Over(step)) => {
+    let reaction = match (spring, update) {
+        (Some(spring), SpringUpdate::Over(step)) => {
             let relaxation = &step.relaxations[law_at as usize];
-            spring.grip.advanced(law, normal, slip_speed, step.dt, relaxation)
+            spring.history.advanced(law, normal, slip_speed, step.dt, relaxation)
         }
-        (Some(spring), Stretch::Hold) => react(law, normal, slip_speed, spring.grip.elongation),
+        (Some(spring), SpringUpdate::Hold) => react(law, normal, slip_speed, spring.history.elongation),
         (None, _) => react(law, normal, slip_speed, 0.0),
     };
-    encounter.touch(reaction)
+    geometry.with(reaction)
 }
 
 /// What the pair keeps of a contact of the evaluation `now`.
 #[inline(always)]
-fn kept(law: &PairLaw, touch: &Touch, now: u32) -> Spring {
-    let grip = Grip::after(law, &touch.reaction, touch.slip_speed);
-    Spring { grip, part: touch.part, touched_at: now }
+fn kept(law: &PairLaw, force: &ContactForce, now: u32) -> Spring {
+    let history = SpringHistory::after(law, &force.reaction, force.slip_speed);
+    Spring { history, part: force.part, touched_at: now }
 }

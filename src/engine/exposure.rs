@@ -39,14 +39,14 @@ impl Exposure {
 
 /// The sums for an [`Exposure`] during a communication step.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Tally {
+pub(super) struct ExposureSum {
     /// \[N.s\] impulse.
     impulse: f64,
     /// \[N\] largest force.
     peak_force: f64,
 }
 
-impl Tally {
+impl ExposureSum {
     /// Adds the contact forces at an instant, weighted by a duration \[s\].
     #[inline(always)]
     pub fn add(&mut self, load: &Load, duration: f64) {
@@ -55,7 +55,7 @@ impl Tally {
     }
 
     /// Adds what a contact that began or ended within a step did besides the forces at instants.
-    pub fn amend(&mut self, impulse: &Impulse) {
+    pub fn add_impulse(&mut self, impulse: &Impulse) {
         self.impulse += impulse.squeeze;
         self.peak_force = if impulse.peak > self.peak_force { impulse.peak } else { self.peak_force };
     }

@@ -7,10 +7,10 @@
 //! 310 (2025) 109524). This keeps second order for forces that depend on velocity.
 
 use super::blocks::{BLOCK, Blocks, Bodies};
+use super::broad_phase::{CellGrid, Crowded, NearMargin, SKIN};
 use super::circle::Circle;
-use super::contacts::{Step, Stretch};
+use super::contacts::{SpringUpdate, Step};
 use super::free_flight::{Course, Ramp};
-use super::neighbours::{CellGrid, Crowded, Near, SKIN};
 use super::shortlist::{Activity, Shortlist, disks_of};
 use super::{Body, BodyId, Pose, Scene, State, Threads, Twist, Work, Wrench};
 
@@ -20,13 +20,13 @@ pub(super) struct Scratch {
     pub blocks: Blocks,
     /// The poses when the candidates were listed.
     listed_at: Vec<Pose>,
-    near: Near,
+    near: NearMargin,
 }
 
 impl Scratch {
     pub fn new(scene: &Scene) -> Scratch {
         let listed_at = vec![Pose::default(); scene.bodies.len()];
-        Scratch { blocks: Blocks::new(scene), listed_at, near: Near::default() }
+        Scratch { blocks: Blocks::new(scene), listed_at, near: NearMargin::default() }
     }
 }
 
@@ -143,7 +143,7 @@ impl<D: Course> CommunicationStep<'_, D> {
             self.flights = D::flights(self.scene, self.mechanical.dt);
         }
         // What was learnt in the step before is not part of the state, and free bodies become active when lists are made.
-        self.scratch.near = Near::default();
+        self.scratch.near = NearMargin::default();
         self.list_candidates(0)?;
         self.take_near();
         Ok(())
@@ -152,9 +152,9 @@ impl<D: Course> CommunicationStep<'_, D> {
     /// Evaluates the contacts, kicks, and flies to the next instant.
     fn step(&mut self, step: u64) {
         // Between two steps, the last half kick of one and the first of the next are done together.
-        let (stretch, kick) = match step {
-            1 => (Stretch::Hold, 0.5 * self.mechanical.dt),
-            _ => (Stretch::Over(&self.mechanical), self.mechanical.dt),
+        let (update, kick) = match step {
+            1 => (SpringUpdate::Hold, 0.5 * self.mechanical.dt),
+            _ => (SpringUpdate::Over(&self.mechanical), self.mechanical.dt),
         };
         let half_kick = 0.5 * self.mechanical.dt;
         // Multiplied, not added up, so that rounding errors do not accumulate.
@@ -163,25 +163,25 @@ impl<D: Course> CommunicationStep<'_, D> {
         let predict = |k: usize, mut bodies: Bodies| {
             // Squares, so that one root is enough for all.
             let (mut moved, mut turned) = (0.0f64, 0.0f64);
-            amend(scene, &mut bodies);
+            apply_impulses(scene, &mut bodies);
             for mover in &movers[k] {
                 let b = mover.body.index() - bodies.start;
                 let (load, flown) = (&bodies.loads[b], &mut bodies.flown[b]);
-                flown.tally.add(load, kick);
+                flown.exposure_sum.add(load, kick);
                 let acceleration = mover.acceleration(&load.wrench);
-                let (before, kicked) = (bodies.standing[b].pose(), kicked(flown.twist, acceleration, kick));
+                let (before, kicked) = (bodies.kinematics[b].pose(), kicked(flown.twist, acceleration, kick));
                 let flight = &flights[mover.flyer as usize];
                 let (pose, twist) = mover.drive.after(begun).fly(flight, before, kicked);
                 flown.twist = twist;
                 let turn = pose.orientation - before.orientation;
                 // The predicted velocity is the one after another half kick.
-                bodies.standing[b].follow(pose, turn, self::kicked(twist, acceleration, half_kick));
+                bodies.kinematics[b].follow(pose, turn, self::kicked(twist, acceleration, half_kick));
                 moved = moved.max((pose.position - before.position).norm_squared());
                 turned = turned.max(mover.reach * turn.abs());
             }
             moved.sqrt() + turned
         };
-        self.leeway -= self.scratch.blocks.evaluate(self.scene, self.threads, stretch, predict);
+        self.leeway -= self.scratch.blocks.evaluate(self.scene, self.threads, update, predict);
         self.work.steps += 1;
     }
 
@@ -189,28 +189,28 @@ impl<D: Course> CommunicationStep<'_, D> {
     fn correct(&mut self) {
         let (scene, movers, half_kick) = (self.scene, &self.movers, 0.5 * self.mechanical.dt);
         let correct = |k: usize, mut bodies: Bodies| {
-            amend(scene, &mut bodies);
+            apply_impulses(scene, &mut bodies);
             for mover in &movers[k] {
                 let b = mover.body.index() - bodies.start;
                 let (load, flown) = (&bodies.loads[b], &mut bodies.flown[b]);
-                flown.tally.add(load, half_kick);
+                flown.exposure_sum.add(load, half_kick);
                 flown.twist = kicked(flown.twist, mover.acceleration(&load.wrench), half_kick);
             }
             0.0
         };
-        self.scratch.blocks.evaluate(self.scene, self.threads, Stretch::Over(&self.mechanical), correct);
+        self.scratch.blocks.evaluate(self.scene, self.threads, SpringUpdate::Over(&self.mechanical), correct);
     }
 
     /// Makes the lists valid again: the near pairs and, if necessary, the candidates.
     fn renew_lists(&mut self, step: u64) -> Result<(), Crowded> {
         let moved = 0.5 * self.scratch.near.0 - self.leeway;
-        self.scratch.near = Near::for_movement(moved / (step - self.listed) as f64);
+        self.scratch.near = NearMargin::for_movement(moved / (step - self.listed) as f64);
         self.listed = step;
         let Scratch { blocks, listed_at, near } = &*self.scratch;
         let leeway = 0.5 * (SKIN - near.0);
         let holds = |mover: &Mover<D>| {
             let b = mover.body.index();
-            !moved_further(leeway, mover.reach, &listed_at[b], &blocks.standing[b].pose())
+            !moved_further(leeway, mover.reach, &listed_at[b], &blocks.kinematics[b].pose())
         };
         if !self.movers.iter().flatten().all(holds) {
             self.list_candidates(step)?;
@@ -234,7 +234,7 @@ impl<D: Course> CommunicationStep<'_, D> {
         let Scratch { blocks, listed_at, .. } = &mut *self.scratch;
         for mover in self.movers.iter().flatten() {
             let b = mover.body.index();
-            listed_at[b] = blocks.standing[b].pose();
+            listed_at[b] = blocks.kinematics[b].pose();
         }
         let activity = &self.shortlist.activity;
         blocks.list(self.scene, self.threads, &grid, &circles, |b| activity[b] == Activity::Active)
@@ -247,7 +247,7 @@ impl<D: Course> CommunicationStep<'_, D> {
         let (mut disks, mut near) = (Vec::new(), Vec::new());
         while let Some(active) = waiting.pop() {
             disks.clear();
-            disks.extend(disks_of(self.scene, active, &self.scratch.blocks.standing[active]));
+            disks.extend(disks_of(self.scene, active, &self.scratch.blocks.kinematics[active]));
             near.clear();
             grid.for_each_near(&circles[active], SKIN, |b| {
                 if self.shortlist.activity[b] == Activity::Free {
@@ -278,7 +278,7 @@ impl<D: Course> CommunicationStep<'_, D> {
     }
 
     fn circle_now(&self, b: usize) -> Circle {
-        let centre = self.scratch.blocks.standing[b].pose().position;
+        let centre = self.scratch.blocks.kinematics[b].pose().position;
         Circle { centre, radius: self.scene.bodies[b].bounding_radius }
     }
 
@@ -303,7 +303,7 @@ impl<D: Course> CommunicationStep<'_, D> {
         let blocks = &mut self.scratch.blocks;
         for (b, body) in self.scene.bodies.iter().enumerate() {
             let (pose, twist) = match self.shortlist.activity[b] {
-                Activity::Active => (blocks.standing[b].pose(), blocks.flown[b].twist),
+                Activity::Active => (blocks.kinematics[b].pose(), blocks.flown[b].twist),
                 Activity::Free => {
                     self.work.shortlisted += 1;
                     let flight = &flights[body.flyer as usize];
@@ -331,10 +331,10 @@ fn moved_further(leeway: f64, reach: f64, then: &Pose, now: &Pose) -> bool {
 
 /// Adds the impulses by contacts that began or ended within the last step.
 #[inline]
-fn amend(scene: &Scene, bodies: &mut Bodies) {
+fn apply_impulses(scene: &Scene, bodies: &mut Bodies) {
     for impulse in bodies.impulses {
         let flown = &mut bodies.flown[impulse.body.index() - bodies.start];
-        flown.tally.amend(impulse);
+        flown.exposure_sum.add_impulse(impulse);
         let gain = per_mass_and_inertia(&scene.bodies[impulse.body.index()], &impulse.wrench);
         flown.twist.velocity += gain.force;
         flown.twist.angular_velocity += gain.torque;

@@ -23,7 +23,7 @@ impl Overlap {
 
 /// The relation of two things at a distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Meeting {
+pub enum Proximity {
     /// No overlap.
     Apart,
     /// Overlapping with a well-defined normal.
@@ -41,20 +41,20 @@ pub const COINCIDENT: f64 = 1e-9;
 ///
 /// `between` \[m\] is the vector from the other's centre to the receiver's; `reach` \[m\] is the sum of the radii.
 #[inline]
-pub fn meet(between: Vec2, reach: f64) -> Meeting {
+pub fn proximity(between: Vec2, reach: f64) -> Proximity {
     let squared = between.norm_squared();
     if squared >= reach * reach {
-        return Meeting::Apart;
+        return Proximity::Apart;
     }
     let distance = squared.sqrt();
     if distance <= COINCIDENT {
-        return Meeting::Coincident;
+        return Proximity::Coincident;
     }
     let depth = reach - distance;
     if depth > 0.0 {
-        Meeting::Touching(Overlap { depth, normal: unit(between, distance) })
+        Proximity::Touching(Overlap { depth, normal: unit(between, distance) })
     } else {
-        Meeting::Apart
+        Proximity::Apart
     }
 }
 
@@ -79,13 +79,13 @@ pub fn meet_face(
     centre: Vec2,
     radius: f64,
     owner: Vec2,
-) -> (Meeting, FacePart) {
+) -> (Proximity, FacePart) {
     match nearest.1 {
         Along::Start if face.before != Continuation::Straight => {
-            return (meet(centre - nearest.0, radius), FacePart::Start);
+            return (proximity(centre - nearest.0, radius), FacePart::Start);
         }
         Along::End if face.after != Continuation::Straight => {
-            return (meet(centre - nearest.0, radius), FacePart::End);
+            return (proximity(centre - nearest.0, radius), FacePart::End);
         }
         _ => {}
     }
@@ -94,7 +94,7 @@ pub fn meet_face(
     let (normal, part) =
         if side >= 0.0 { (face.normal, FacePart::Left) } else { (-face.normal, FacePart::Right) };
     let depth = radius - offset.abs();
-    let meeting = if depth > 0.0 { Meeting::Touching(Overlap { depth, normal }) } else { Meeting::Apart };
+    let meeting = if depth > 0.0 { Proximity::Touching(Overlap { depth, normal }) } else { Proximity::Apart };
     (meeting, part)
 }
 
@@ -125,14 +125,14 @@ mod tests {
     }
 
     /// Of a disk of 0.2 m with the first face.
-    fn met(scene: &Scene, centre: Vec2, owner: Vec2) -> (Meeting, FacePart) {
+    fn met(scene: &Scene, centre: Vec2, owner: Vec2) -> (Proximity, FacePart) {
         let face = &scene.faces[0];
         meet_face(face, nearest_on_face(face, centre), centre, 0.2, owner)
     }
 
     #[test]
     fn the_normal_at_a_face_is_never_a_rounding_error() {
-        let touching = |depth, normal| Meeting::Touching(Overlap { depth, normal });
+        let touching = |depth, normal| Proximity::Touching(Overlap { depth, normal });
         let (start, end) = (vec2(-4.7, -1.3), vec2(5.1, 2.9));
         let scene = wall(&[start, end]);
         let across = scene.faces[0].normal;
@@ -143,7 +143,7 @@ mod tests {
                 // The centre on the line but for rounding: the body's centre of mass tells the side.
                 let (meeting, seen) = met(&scene, on_line, on_line + beside * 0.1);
                 assert_eq!(seen, part);
-                let Meeting::Touching(Overlap { depth, normal }) = meeting else { panic!() };
+                let Proximity::Touching(Overlap { depth, normal }) = meeting else { panic!() };
                 assert!((depth - 0.2).abs() < 1e-15 && normal == across * sign);
                 // Beside it: the centre itself does.
                 let (_, seen) = met(&scene, on_line + beside * 2e-9, on_line - beside);
@@ -155,7 +155,7 @@ mod tests {
         let on_line = vec2(0.3, 0.0);
         assert_eq!(met(&scene, on_line, on_line), (touching(0.2, vec2(0.0, 1.0)), FacePart::Left));
         // At the end of the wall there is a normal only away from it.
-        assert_eq!(met(&scene, vec2(5.1 + 5e-10, 0.0), on_line), (Meeting::Coincident, FacePart::End));
+        assert_eq!(met(&scene, vec2(5.1 + 5e-10, 0.0), on_line), (Proximity::Coincident, FacePart::End));
         assert_eq!(met(&scene, vec2(5.2, 0.0), on_line).1, FacePart::End);
     }
 
@@ -167,22 +167,22 @@ mod tests {
             let (normal, side) =
                 if y < 0.0 { (vec2(0.0, -1.0), FacePart::Right) } else { (vec2(0.0, 1.0), FacePart::Left) };
             let depth = 0.2 - y.abs();
-            assert_eq!((meeting, part), (Meeting::Touching(Overlap { depth, normal }), side));
+            assert_eq!((meeting, part), (Proximity::Touching(Overlap { depth, normal }), side));
         }
     }
 
     #[test]
     fn centres_within_a_nanometre_are_coincident() {
-        assert_eq!(meet(vec2(6e-10, 7e-10), 0.4), Meeting::Coincident);
-        assert_eq!(meet(Vec2::ZERO, 0.4), Meeting::Coincident);
-        assert!(matches!(meet(vec2(2e-9, 0.0), 0.4), Meeting::Touching(_)));
+        assert_eq!(proximity(vec2(6e-10, 7e-10), 0.4), Proximity::Coincident);
+        assert_eq!(proximity(Vec2::ZERO, 0.4), Proximity::Coincident);
+        assert!(matches!(proximity(vec2(2e-9, 0.0), 0.4), Proximity::Touching(_)));
     }
 
     #[test]
     fn contact_point_is_shared() {
         let (a, b, ra, rb) = (vec2(0.1, 0.2), vec2(0.25, 0.3), 0.15, 0.1);
-        let Meeting::Touching(seen_by_a) = meet(a - b, ra + rb) else { panic!() };
-        let Meeting::Touching(seen_by_b) = meet(b - a, ra + rb) else { panic!() };
+        let Proximity::Touching(seen_by_a) = proximity(a - b, ra + rb) else { panic!() };
+        let Proximity::Touching(seen_by_b) = proximity(b - a, ra + rb) else { panic!() };
         let gap = (a + seen_by_a.contact_point(ra)) - (b + seen_by_b.contact_point(rb));
         assert!(gap.norm() < 1e-16);
         assert_eq!(seen_by_a.normal, -seen_by_b.normal);

@@ -1,9 +1,9 @@
 //! What the contacts are at an instant, for those who ask.
 
-use super::contacts::{Stretch, touch};
-use super::encounter::{Instant, Touch};
-use super::overlap::{Meeting, meet};
-use super::pairs::Pairs;
+use super::contact_geometry::{ContactForce, Instant};
+use super::contacts::{SpringUpdate, contact_force};
+use super::near_pairs::NearPairs;
+use super::overlap::{Proximity, proximity};
 use super::wall_contacts::WallContacts;
 use super::{BodyId, DiskId, FaceId, FacePart, Regime, Scene, Vec2, Wrench};
 
@@ -96,20 +96,20 @@ impl ContactReport {
     }
 
     /// Adds a contact and returns |F_n| \[N\].
-    fn add(&mut self, pair: Pair, touch: &Touch) -> f64 {
-        self.largest_overlap = self.largest_overlap.max(touch.overlap.depth);
+    fn add(&mut self, pair: Pair, force: &ContactForce) -> f64 {
+        self.largest_overlap = self.largest_overlap.max(force.overlap.depth);
         self.contacts.push(Contact {
             pair,
-            depth: touch.overlap.depth,
-            normal: touch.overlap.normal,
-            normal_force: touch.reaction.normal,
-            tangential_force: touch.reaction.tangential,
-            elongation: touch.reaction.elongation,
-            normal_speed: touch.normal_speed,
-            slip_speed: touch.slip_speed,
-            regime: touch.reaction.regime,
+            depth: force.overlap.depth,
+            normal: force.overlap.normal,
+            normal_force: force.reaction.normal,
+            tangential_force: force.reaction.tangential,
+            elongation: force.reaction.elongation,
+            normal_speed: force.normal_speed,
+            slip_speed: force.slip_speed,
+            regime: force.reaction.regime,
         });
-        touch.reaction.normal.abs()
+        force.reaction.normal.abs()
     }
 
     /// Adds a pair without a normal.
@@ -134,24 +134,25 @@ impl ContactReport {
 
 impl Instant<'_> {
     /// Returns the contacts of all blocks at present; changes nothing.
-    pub fn report<'a>(&self, blocks: impl Iterator<Item = &'a Pairs> + Clone) -> ContactReport {
+    pub fn report<'a>(&self, blocks: impl Iterator<Item = &'a NearPairs> + Clone) -> ContactReport {
         let mut report = ContactReport::empty(self.scene.bodies.len());
         let mut touching_bodies = Vec::new();
-        let disks = |pairs: &'a Pairs| pairs.disks.iter().zip(&pairs.disk_details).zip(&pairs.disk_springs);
+        let disks =
+            |pairs: &'a NearPairs| pairs.disks.iter().zip(&pairs.disk_details).zip(&pairs.disk_springs);
         for ((pair, detail), spring) in blocks.clone().flat_map(disks) {
             let who = Pair::Disks { first: detail.first, second: detail.second };
-            let sight = pair.seen(self.standing);
-            let squeeze = match meet(sight.between, pair.reach) {
-                Meeting::Apart => continue,
-                Meeting::Coincident => report.add_coincident(who, pair.reach),
-                Meeting::Touching(overlap) => {
+            let separation = pair.separation(self.kinematics);
+            let squeeze = match proximity(separation.between, pair.reach) {
+                Proximity::Apart => continue,
+                Proximity::Coincident => report.add_coincident(who, pair.reach),
+                Proximity::Touching(overlap) => {
                     let spring = (spring.touched_at == self.before).then_some(spring);
-                    let encounter = self.disks_encounter(pair, detail, &sight, overlap);
-                    let touch = touch(&encounter, spring, Stretch::Hold);
-                    let force = touch.force();
-                    report.bodies[pair.first_body.index()].take(&touch.on_receiver(force));
-                    report.bodies[pair.second_body.index()].take(&touch.on_giver(force));
-                    report.add(who, &touch)
+                    let geometry = self.disk_geometry(pair, detail, &separation, overlap);
+                    let force = contact_force(&geometry, spring, SpringUpdate::Hold);
+                    let vector = force.vector();
+                    report.bodies[pair.first_body.index()].take(&force.on_receiver(vector));
+                    report.bodies[pair.second_body.index()].take(&force.on_giver(vector));
+                    report.add(who, &force)
                 }
             };
             let bodies = [pair.first_body, pair.second_body];
@@ -176,14 +177,14 @@ impl Instant<'_> {
     }
 
     /// Adds the contacts with walls.
-    fn report_walls(&self, pairs: &Pairs, report: &mut ContactReport) {
+    fn report_walls(&self, pairs: &NearPairs, report: &mut ContactReport) {
         let mut walls = WallContacts::default();
         let mut springs = &pairs.face_springs[..];
         for of_disk in pairs.faces.chunk_by(|one, next| one.disk == next.disk) {
             let (springs_of_disk, others) = springs.split_at(of_disk.len());
             springs = others;
             let (disk, body) = (self.circle(&of_disk[0]), self.scene.body_of(of_disk[0].disk));
-            walls.find(self.scene, of_disk, disk, self.standing[body.index()].position);
+            walls.find(self.scene, of_disk, disk, self.kinematics[body.index()].position);
             for contact in walls.found().iter().filter(|contact| contact.overlap.depth > 0.0) {
                 let pair = of_disk[contact.place];
                 let who = Pair::Face { disk: pair.disk, face: pair.face, part: contact.part };
@@ -193,11 +194,11 @@ impl Instant<'_> {
                     // Because of rounding, a body may now touch the next face of a line.
                     let from =
                         walls.keeps(self.scene, of_disk, springs_of_disk, contact, disk.centre, self.before);
-                    let encounter = self.face_encounter(&pair, contact.overlap, contact.part);
+                    let geometry = self.face_geometry(&pair, contact.overlap, contact.part);
                     let spring = from.map(|from| &springs_of_disk[from]);
-                    let touch = touch(&encounter, spring, Stretch::Hold);
-                    report.bodies[body.index()].take(&touch.on_receiver(touch.force()));
-                    report.add(who, &touch)
+                    let force = contact_force(&geometry, spring, SpringUpdate::Hold);
+                    report.bodies[body.index()].take(&force.on_receiver(force.vector()));
+                    report.add(who, &force)
                 };
                 let body = &mut report.bodies[body.index()];
                 body.wall_contacts += 1;

@@ -1,15 +1,15 @@
 //! Finds bodies that cannot touch anything during a communication step (App. B), with a proof.
 //!
-//! Without contact a body follows the closed-form solution for its [`Drive`]. So circles can be computed that contain
+//! Without contact a body follows the closed-form solution for its drive. So circles can be computed that contain
 //! each of its disks from beginning to end. Bodies whose circles stay clear of each other and of every wall are *free*.
 //! The proof is maintained during the step: bodies that are not free move by mechanical steps, and as soon as a disk of
 //! one comes nearer than the skin to a circle of a free body, the free body moves by mechanical steps too, from its
 //! closed-form pose at that instant. So a push that travels through a row within one step is not missed.
 
+use super::body_kinematics::BodyKinematics;
+use super::broad_phase::{CellGrid, nears_a_face};
 use super::circle::Circle;
 use super::free_flight::Course;
-use super::neighbours::{CellGrid, nears_a_face};
-use super::standing::Standing;
 use super::{FaceId, Pose, Scene, State};
 
 /// A body whose half path is longer than this many times the largest body's radius is not free: its circle would make
@@ -117,7 +117,7 @@ impl Shortlist {
             swept.push(Circle { centre: middle.position, radius: body.bounding_radius + 0.5 * path });
             let spread = 0.5 * (path + body.reach * turn);
             swept_disks.extend(
-                disks_of(scene, b, &Standing::at(middle, twist))
+                disks_of(scene, b, &BodyKinematics::at(middle, twist))
                     .map(|disk| Circle { radius: disk.radius + spread, ..disk }),
             );
         }
@@ -145,15 +145,19 @@ impl Shortlist {
 }
 
 /// Returns the disks of a body.
-pub(super) fn disks_of(scene: &Scene, body: usize, standing: &Standing) -> impl Iterator<Item = Circle> {
+pub(super) fn disks_of(
+    scene: &Scene,
+    body: usize,
+    kinematics: &BodyKinematics,
+) -> impl Iterator<Item = Circle> {
     let disks = scene.disks[scene.bodies[body].disks.clone()].iter();
-    disks.map(|disk| Circle { centre: standing.centre(disk.offset), radius: disk.radius })
+    disks.map(|disk| Circle { centre: kinematics.centre(disk.offset), radius: disk.radius })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::balls::Ball;
     use super::super::free_flight::Ramp;
+    use super::super::round_bodies::RoundBody;
     use super::super::{Twist, Vec2, Wrench, vec2};
     use super::*;
     use proptest::prelude::*;
@@ -161,7 +165,7 @@ mod tests {
 
     /// A round body of 1 kg with a radius of 1 mm.
     fn speck(relaxation: f64) -> Scene {
-        Ball { mass: 1.0, radius: 0.001, relaxation, stiffness: 1.0 }.scene(1)
+        RoundBody { mass: 1.0, radius: 0.001, relaxation, stiffness: 1.0 }.scene(1)
     }
 
     /// By how much \[m\] the body leaves its swept circle.

@@ -1,7 +1,7 @@
 //! Springs from the vectors in files.
 
 use super::face::nearest_on_face;
-use super::overlap::{COINCIDENT, Meeting, meet_face, unit};
+use super::overlap::{COINCIDENT, Proximity, meet_face, unit};
 use super::{Disk, DiskId, DiskSpring, FaceId, FaceSpring, Pose, Rotation, Scene, Vec2};
 
 impl Scene {
@@ -26,8 +26,8 @@ impl Scene {
         let owner = poses[body.index()].position;
         let (meeting, part) = meet_face(of_wall, nearest, centre, *radius, owner);
         let elongation = match meeting {
-            Meeting::Touching(overlap) => elongation.dot(overlap.normal.perp()),
-            Meeting::Apart | Meeting::Coincident => 0.0,
+            Proximity::Touching(overlap) => elongation.dot(overlap.normal.perp()),
+            Proximity::Apart | Proximity::Coincident => 0.0,
         };
         FaceSpring { disk, face, part, elongation }
     }

@@ -10,8 +10,8 @@
 
 use super::circle::Circle;
 use super::face::{Along, Continuation, beyond, nearest_on_face};
-use super::overlap::{Meeting, Overlap, meet_face, overlap_with_part};
-use super::pairs::{FacePair, Spring};
+use super::near_pairs::{FacePair, Spring};
+use super::overlap::{Overlap, Proximity, meet_face, overlap_with_part};
 use super::{FaceId, FacePart, Scene, Vec2};
 
 /// A contact of a disk with a face.
@@ -81,9 +81,9 @@ impl WallContacts {
             let (meeting, part) =
                 meet_face(&scene.faces[face.index()], nearest, disk.centre, disk.radius, owner);
             let (overlap, coincident) = match meeting {
-                Meeting::Touching(overlap) => (overlap, false),
-                Meeting::Coincident => (Overlap { depth: disk.radius, normal: Vec2::ZERO }, true),
-                Meeting::Apart => continue,
+                Proximity::Touching(overlap) => (overlap, false),
+                Proximity::Coincident => (Overlap { depth: disk.radius, normal: Vec2::ZERO }, true),
+                Proximity::Apart => continue,
             };
             let (gradient, alone) = (overlap.normal, overlap.depth);
             self.contacts.push(WallContact { place, part, overlap, coincident, gradient, alone });

@@ -1,11 +1,11 @@
 //! The world owns scene, drive and state, and advances them in time.
 
 use super::blocks::Blocks;
+use super::broad_phase::{CellGrid, Crowded, NearMargin, SKIN};
 use super::circle::Circle;
-use super::contacts::{Step, Stretch};
+use super::contacts::{SpringUpdate, Step};
 use super::free_flight::Course;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
-use super::neighbours::{CellGrid, Crowded, Near, SKIN};
 use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
 use super::{BodyId, Exposure, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench};
@@ -246,10 +246,14 @@ impl World {
         let there = (0..circles.len()).filter(|&b| present[b]);
         let (grid, alone) = (CellGrid::new(&circles, there, SKIN), Threads::default());
         blocks.list(scene, &alone, &grid, &circles, |b| present[b])?;
-        blocks.renew(scene, &alone, Near::default());
+        blocks.renew(scene, &alone, NearMargin::default());
         // Finds which pairs touch and how deeply; the forces are not used.
-        blocks.evaluate(scene, &alone, Stretch::Hold, |_, bodies| {
-            bodies.flown.iter_mut().zip(bodies.loads).for_each(|(flown, load)| flown.tally.add(load, 0.0));
+        blocks.evaluate(scene, &alone, SpringUpdate::Hold, |_, bodies| {
+            bodies
+                .flown
+                .iter_mut()
+                .zip(bodies.loads)
+                .for_each(|(flown, load)| flown.exposure_sum.add(load, 0.0));
             0.0
         });
         blocks.take_work();
@@ -357,19 +361,21 @@ impl World {
 /// The exposures over a duration \[s\], from the sums and the contacts at its end.
 fn exposures(blocks: &Blocks, duration: f64, contacts: &ContactReport) -> Vec<Exposure> {
     let bodies = blocks.flown.iter().zip(&blocks.deepest).zip(&contacts.bodies);
-    bodies.map(|((flown, deepest), body)| flown.tally.exposure(duration, body.squeeze, *deepest)).collect()
+    bodies
+        .map(|((flown, deepest), body)| flown.exposure_sum.exposure(duration, body.squeeze, *deepest))
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::balls::Ball;
+    use crate::engine::round_bodies::RoundBody;
     use crate::engine::{Pose, Twist, vec2};
 
     /// Two equal and opposite forces that move nobody: their sum of sizes is beyond all numbers.
     #[test]
     fn a_squeeze_beyond_all_numbers_is_an_error_and_changes_nothing() {
-        let scene = Ball { mass: 1e300, radius: 1.0, relaxation: 0.0, stiffness: 1e308 }.scene(3);
+        let scene = RoundBody { mass: 1e300, radius: 1.0, relaxation: 0.0, stiffness: 1e308 }.scene(3);
         let poses = [-1.0, 0.0, 1.0].map(|x| Pose { position: vec2(x, 0.0), orientation: 0.0 });
         let mut world =
             World::new(scene, State::new(poses.to_vec(), vec![Twist::default(); 3]), 1e-12).unwrap();
@@ -381,7 +387,7 @@ mod tests {
     /// Three thousand grains fly to one point, where there are 4.5 million pairs of them.
     #[test]
     fn who_come_together_in_thousands_are_an_error_and_change_nothing() {
-        let scene = Ball { mass: 1e3, radius: 1e-3, relaxation: 0.0, stiffness: 1.0 }.scene(3000);
+        let scene = RoundBody { mass: 1e3, radius: 1e-3, relaxation: 0.0, stiffness: 1.0 }.scene(3000);
         let out = |k: i32| vec2(100.0, 0.0).rotated(crate::engine::Rotation::by(f64::from(k) * 0.002));
         let poses = (0..3000).map(|k| Pose { position: out(k), orientation: 0.0 }).collect();
         let twists = (0..3000).map(|k| Twist { velocity: -out(k), angular_velocity: 0.0 }).collect();
@@ -395,13 +401,13 @@ mod tests {
         world.advance(0.2).unwrap();
     }
 
-    /// Balls in a row that knock against each other: pairs are fewer, as many and more than a word has bits, and their
+    /// Round bodies in a row that knock against each other: pairs are fewer, as many and more than a word has bits, and their
     /// lists are made again while some of them touch.
     #[test]
     fn the_bits_of_touching_pairs_are_those_of_their_springs() {
         let mut seen = Vec::new();
         for count in [2, 32, 33, 34, 66, 600] {
-            let scene = Ball { mass: 1.0, radius: 0.1, relaxation: 0.0, stiffness: 1e4 }.scene(count);
+            let scene = RoundBody { mass: 1.0, radius: 0.1, relaxation: 0.0, stiffness: 1e4 }.scene(count);
             let poses = (0..count).map(|k| Pose { position: vec2(0.201 * k as f64, 0.0), orientation: 0.0 });
             let speed = |k: usize| if k.is_multiple_of(3) { 2.0 } else { -1.0 };
             let twists = (0..count).map(|k| Twist { velocity: vec2(speed(k), 0.0), angular_velocity: 0.0 });
@@ -420,9 +426,9 @@ mod tests {
         assert!([31, 32, 33, 65].iter().all(|pairs| seen.contains(pairs)), "{seen:?}");
     }
 
-    /// Balls that knock against each other in a row; `count` of them are there from the start.
+    /// Round bodies that knock against each other in a row; `count` of them are there from the start.
     fn row(count: usize) -> World {
-        let scene = Ball { mass: 1.0, radius: 0.1, relaxation: 0.5, stiffness: 1e4 }.scene(count);
+        let scene = RoundBody { mass: 1.0, radius: 0.1, relaxation: 0.5, stiffness: 1e4 }.scene(count);
         let poses = (0..count).map(|k| Pose { position: vec2(0.19 * k as f64, 0.0), orientation: 0.0 });
         let speed = |k: usize| if k.is_multiple_of(3) { 2.0 } else { -1.0 };
         let twists = (0..count).map(|k| Twist { velocity: vec2(speed(k), 0.0), angular_velocity: 0.0 });
@@ -462,7 +468,7 @@ mod tests {
     fn a_restored_world_gives_the_same_bits_where_free_bodies_become_active() {
         for spread in [0.3, 0.4, 0.5, 0.6, 0.8] {
             let new = || {
-                let scene = Ball { mass: 1.0, radius: 0.1, relaxation: 0.5, stiffness: 1e4 }.scene(30);
+                let scene = RoundBody { mass: 1.0, radius: 0.1, relaxation: 0.5, stiffness: 1e4 }.scene(30);
                 let place = |k: u32| {
                     let jitter = 0.05 * libm::sin(7.0 * f64::from(k));
                     vec2(spread * f64::from(k % 6) + jitter, spread * f64::from(k / 6))

@@ -4,8 +4,8 @@ use super::{
     CrowdModel, Drive, ModelError, Packed, Settings, by_tolerance, edited, give_threads, make_directory,
 };
 use crate::engine::{BodyId, Exposure, State, World, Wrench};
+use crate::quantities::{Quantity, guid};
 use crate::setup::Setup;
-use crate::variables::{Quantity, domain, guid, table};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -77,14 +77,15 @@ impl CrowdModel {
             self.known_trial(&saved.trial)?;
             Packed::load(&self.resources, &saved.trial)?.0
         };
-        let fits = self.any_size || guid(&table(&packed.trial)) == guid(&table(&self.packed.trial));
+        let fits = self.any_size || guid(&packed.trial) == guid(&self.packed.trial);
         if packed.fingerprint != saved.fingerprint || !fits {
             return Err(ModelError::OtherTrial(saved.trial.clone()));
         }
-        for (&quantity, &value) in &saved.settings {
-            let domain = domain(&packed.trial, quantity);
-            let domain = domain.ok_or(ModelError::Saved("a setting of an unknown variable"))?;
-            domain.check(value).map_err(|_| ModelError::Saved("a setting out of its domain"))?;
+        let unknown = ModelError::Saved("a setting of an unknown variable");
+        let mut trial = edited(&packed.trial, &saved.settings).ok_or(unknown)?;
+        let good = |(quantity, value): (Quantity, f64)| quantity.row().domain.check(value).is_ok();
+        if !saved.settings.iter().all(|((quantity, _), value)| good((*quantity, *value))) {
+            return Err(ModelError::Saved("a setting out of its domain"));
         }
         if !saved.rates.iter().all(|(&i, rate)| i < packed.trial.agents.len() && finite(rate)) {
             return Err(ModelError::Saved("a rate of an unknown agent, or one that is not finite"));
@@ -98,9 +99,8 @@ impl CrowdModel {
         if saved.tolerance.is_some_and(|tolerance| !(tolerance > 0.0 && tolerance.is_finite())) {
             return Err(ModelError::Saved("a tolerance that is not possible"));
         }
-        let mut trial = edited(&packed.trial, &saved.settings);
         if let Some(tolerance) = saved.tolerance
-            && !saved.settings.contains_key(&Quantity::TimeStepMechanical)
+            && !saved.settings.contains_key(&(Quantity::TimeStepMechanical, 0))
             && let Ok(step) = by_tolerance(&trial, tolerance, saved.most_steps)
         {
             trial.parameters.time_step_mechanical = step;

@@ -1,10 +1,9 @@
 //! Warnings about the mechanics of a Trial without errors.
 
-use super::plausible::Doubt;
 use super::steps::{Fastest, rounded_down};
 use super::{Setup, WorldError};
 use crate::engine::{ContactReport, DiskId, Pair, Scene, World};
-use lemons_core::trial::{Places, Problem, Severity, quoted};
+use lemons_core::trial::{FileNames, Problem, Severity, quoted};
 use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -20,43 +19,32 @@ const DRIVEN_FOR: f64 = 10.0;
 impl Setup<'_> {
     /// Returns warnings about overlaps at the start without a spring from an earlier step, and about a mechanical step
     /// that does not resolve the shortest contact.
-    pub(super) fn advice(&self, places: &Places) -> Vec<Problem> {
-        let Places { parameters, agents, geometry, dynamics, .. } = places;
+    pub(super) fn advice(&self, places: &FileNames) -> Vec<Problem> {
+        let FileNames { parameters, dynamics, .. } = places;
         let world = match self.world() {
             Ok(world) => world,
             Err(crowded @ WorldError::Crowded { .. }) => {
-                return vec![Problem {
-                    severity: Severity::Error,
-                    ..warning(dynamics, None, crowded.to_string())
-                }];
+                return vec![Problem::of_file(dynamics, None, crowded.to_string())];
             }
             // Materials that cannot touch were reported as errors already.
             Err(_) => return Vec::new(),
         };
         let scene = world.scene();
         let overlaps = self.overlaps_at_start(scene, world.contacts());
-        let mut advice: Vec<_> =
-            overlaps.into_iter().map(|message| warning(dynamics, None, message)).collect();
+        let mut advice: Vec<_> = overlaps.into_iter().map(|message| warning(dynamics, message)).collect();
         let coincident = self.name_coincident(scene, &world.contacts().coincident);
-        advice.extend(coincident.map(|message| warning(dynamics, None, message)));
+        advice.extend(coincident.map(|message| warning(dynamics, message)));
         advice.extend(self.coarse_step(scene, parameters));
         advice.extend(self.stepping_over(scene, parameters));
         advice.extend(self.unusual(places));
-        advice.extend(self.doubts(scene).into_iter().map(|doubt| match doubt {
-            Doubt::Parameters(attribute, value, message) => {
-                warning(parameters, Some(("Times", attribute, value)), message)
-            }
-            Doubt::Agents(message) => warning(agents, None, message),
-            Doubt::Geometry(message) => warning(geometry, None, message),
-            Doubt::Dynamics(message) => warning(dynamics, None, message),
-        }));
+        advice.extend(self.doubts(scene, places));
         advice
     }
 
     /// Returns the same warnings for a Trial whose numbers were edited after reading.
     pub fn advice_as_edited(&self) -> Vec<Problem> {
         let of = |name: &str| PathBuf::from(format!("{} ({name}, with the parameters as set)", self.name));
-        self.advice(&Places {
+        self.advice(&FileNames {
             parameters: of("Parameters.xml"),
             materials: of("Materials.xml"),
             agents: of("Agents.xml"),
@@ -133,13 +121,13 @@ impl Setup<'_> {
         let ratio = rates.damping / rates.critical_damping();
         if ratio > ABSURD_DAMPING {
             let message = format!("{verdict}: {}", self.absurd_damping(scene, *materials, ratio));
-            return Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message));
+            return Some(self.warning_of_step(file, message));
         }
         let Some(proposed) = steps.proposed() else {
             let message = format!(
                 "no step resolves the contact of {pair}: are mass, moment of inertia and materials right?"
             );
-            return Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message));
+            return Some(self.warning_of_step(file, message));
         };
         let damping = match rates.damping {
             0.0 => String::new(),
@@ -149,7 +137,17 @@ impl Setup<'_> {
             "{verdict} (period {:.2e} s{damping}). A step of at most {proposed:e} s resolves all contacts",
             rates.period()
         );
-        Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message))
+        Some(self.warning_of_step(file, message))
+    }
+
+    /// Returns a warning about `TimeStepMechanical`.
+    pub(super) fn warning_of_step(&self, file: &Path, message: String) -> Problem {
+        Problem {
+            element: Some("Times".into()),
+            attribute: Some("TimeStepMechanical".into()),
+            value: Some(format!("{:?}", self.parameters.time_step_mechanical)),
+            ..warning(file, message)
+        }
     }
 
     /// Returns a message that the damping of two materials is the cause, not the step.
@@ -205,7 +203,7 @@ impl Setup<'_> {
             "a disk of agent {id} may move {moved:.2e} m in it, further than its radius {radius:?} m, and step over a \
              wall or somebody{others}: by Velocity and Fp the agent comes to {speed:.2e} m/s; {cure}"
         );
-        Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message))
+        Some(self.warning_of_step(file, message))
     }
 }
 
@@ -235,16 +233,9 @@ impl Deepest {
     }
 }
 
-fn warning(file: &Path, subject: Option<(&str, &str, f64)>, message: String) -> Problem {
-    Problem {
-        severity: Severity::Warning,
-        file: file.to_owned(),
-        line: None,
-        element: subject.map(|(element, _, _)| element.into()),
-        attribute: subject.map(|(_, attribute, _)| attribute.into()),
-        value: subject.map(|(_, _, value)| format!("{value:?}")),
-        message,
-    }
+/// A warning about a file.
+pub(super) fn warning(file: &Path, message: String) -> Problem {
+    Problem { severity: Severity::Warning, ..Problem::of_file(file, None, message) }
 }
 
 #[cfg(test)]
@@ -261,7 +252,8 @@ mod tests {
         let [parameters, materials, agents, geometry, dynamics] =
             ["Parameters.xml", "Materials.xml", "Agents.xml", "Geometry.xml", "AgentDynamics.xml"]
                 .map(PathBuf::from);
-        let advice = Setup::of(trial).advice(&Places { parameters, materials, agents, geometry, dynamics });
+        let advice =
+            Setup::of(trial).advice(&FileNames { parameters, materials, agents, geometry, dynamics });
         advice.iter().map(ToString::to_string).collect()
     }
 

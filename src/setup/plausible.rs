@@ -2,11 +2,12 @@
 //! of a minute, people outside of the walls or inside a pillar.
 
 use super::Setup;
-use super::surroundings::Surroundings;
+use super::advice::warning;
 use super::within::{Inside, outside_rooms, within_pillars};
 use crate::engine::{CornerId, Disk, FaceId, Scene, Vec2};
 use lemons_core::plane::Bounds;
-use lemons_core::trial::quoted;
+use lemons_core::trial::{FileNames, Problem, quoted};
+use std::path::Path;
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
 const RIM: [f64; 2] = [0.02, 3.0];
@@ -30,49 +31,43 @@ const ENCLOSED: u32 = 24;
 /// Number of people who are tested for being in a room.
 const SAMPLE: usize = 50;
 
-/// A doubt: its file and message.
-pub(super) enum Doubt {
-    Parameters(&'static str, f64, String),
-    Agents(String),
-    Geometry(String),
-    Dynamics(String),
-}
-
 impl Setup<'_> {
     /// Returns all doubts.
-    pub(super) fn doubts(&self, scene: &Scene) -> Vec<Doubt> {
-        let mut doubts: Vec<Doubt> = self.doubts_of_steps().into_iter().collect();
-        doubts.extend(self.doubts_of_bodies(scene));
-        doubts.extend(self.doubts_of_centres(scene));
-        doubts.extend(self.doubts_of_walls(scene));
-        doubts.extend(self.doubts_of_doubled_faces(scene));
-        let places: Vec<Vec2> = self.dynamics.iter().map(|dynamics| dynamics.position).collect();
-        doubts.extend(self.doubts_of_places(scene, &places));
-        doubts.extend(self.doubts_of_pillars(&places));
-        doubts
+    pub(super) fn doubts(&self, scene: &Scene, places: &FileNames) -> impl Iterator<Item = Problem> {
+        let positions: Vec<Vec2> = self.dynamics.iter().map(|dynamics| dynamics.position).collect();
+        let doubts = [
+            (&places.agents, self.doubts_of_bodies(scene)),
+            (&places.agents, self.doubts_of_centres(scene)),
+            (&places.geometry, self.doubts_of_walls(scene)),
+            (&places.geometry, self.doubts_of_doubled_faces(scene)),
+            (&places.dynamics, self.doubts_of_places(scene, &positions)),
+            (&places.dynamics, self.doubts_of_pillars(&positions)),
+        ];
+        let doubts = doubts.into_iter().filter_map(|(file, doubt)| Some(warning(file, doubt?)));
+        self.doubts_of_steps(&places.parameters).into_iter().chain(doubts.collect::<Vec<_>>())
     }
 
-    fn doubts_of_steps(&self) -> Option<Doubt> {
-        let (step, mechanical) = (self.parameters.time_step, self.parameters.time_step_mechanical);
-        let steps = step / mechanical;
+    fn doubts_of_steps(&self, file: &Path) -> Option<Problem> {
+        let step = self.parameters.time_step;
+        let steps = step / self.parameters.time_step_mechanical;
         let message = format!("is short: each TimeStep of {step:?} s takes {steps:.1e} mechanical steps");
-        (steps > MANY_STEPS).then_some(Doubt::Parameters("TimeStepMechanical", mechanical, message))
+        (steps > MANY_STEPS).then(|| self.warning_of_step(file, message))
     }
 
-    fn doubts_of_bodies(&self, scene: &Scene) -> Option<Doubt> {
+    fn doubts_of_bodies(&self, scene: &Scene) -> Option<String> {
         let [small, large] = RIM;
         let doubted = |rim: f64| rim < small || rim > large;
         let mut odd = scene.bodies.iter().enumerate().filter(|(_, body)| doubted(body.bounding_radius));
         let (b, body) = odd.next()?;
         let others = in_all(1 + odd.count(), "agents");
         let (id, width) = (quoted(&self.agents[b].id), 2.0 * body.bounding_radius);
-        Some(Doubt::Agents(format!(
+        Some(format!(
             "agent {id} is {width:.3} m wide{others}: are Radius and Position of its shapes in metres?"
-        )))
+        ))
     }
 
     /// A centre of mass is within the hull of the disks: in each direction one of them reaches beyond it.
-    fn doubts_of_centres(&self, scene: &Scene) -> Option<Doubt> {
+    fn doubts_of_centres(&self, scene: &Scene) -> Option<String> {
         let odd = |disks: &[Disk]| {
             (0..DIRECTIONS).any(|k| {
                 let angle = std::f64::consts::TAU * f64::from(k) / f64::from(DIRECTIONS);
@@ -85,24 +80,18 @@ impl Setup<'_> {
         let (b, _) = all.next()?;
         let others = in_all(1 + all.count(), "agents");
         let id = quoted(&self.agents[b].id);
-        Some(Doubt::Agents(format!(
+        Some(format!(
             "the centre of mass of agent {id} is outside of its own shapes{others}: are their Positions relative to it?"
-        )))
+        ))
     }
 
     /// Faces that lie on each other act like one: that is probably meant, but not their number.
-    fn doubts_of_doubled_faces(&self, scene: &Scene) -> Option<Doubt> {
-        // Of a wall that draws the same face again, the reader has warned with its line.
-        let again = |&&(one, other): &&(FaceId, FaceId)| {
-            let [one, other] = [one, other].map(|face| &scene.faces[face.index()]);
-            let ends = [other.start_corner, other.end_corner];
-            one.wall == other.wall && ends.contains(&one.start_corner) && ends.contains(&one.end_corner)
-        };
-        let doubled: Vec<_> = scene.doubled.iter().filter(|pair| !again(pair)).collect();
+    fn doubts_of_doubled_faces(&self, scene: &Scene) -> Option<String> {
+        let doubled = &scene.doubled;
         let material =
             |face: FaceId| &self.geometry.walls[scene.faces[face.index()].wall.index()].material_id;
-        let differ = |pair: &&&(FaceId, FaceId)| material(pair.0) != material(pair.1);
-        let &&(one, other) = doubled.iter().find(differ).or(doubled.first())?;
+        let differ = |pair: &&(FaceId, FaceId)| material(pair.0) != material(pair.1);
+        let &(one, other) = doubled.iter().find(differ).or(doubled.first())?;
         let [first, second] = [one, other].map(|face| quoted(material(face)));
         let same = |corner: CornerId| {
             let face = &scene.faces[one.index()];
@@ -116,11 +105,11 @@ impl Setup<'_> {
         } else {
             format!(", of {first} or of {second} as rounding decides")
         };
-        Some(Doubt::Geometry(format!(
+        Some(format!(
             "{} lie on each other{}: they act like one wall{of_material}",
             self.both(scene, (one, other)),
             in_all(doubled.len(), "pairs")
-        )))
+        ))
     }
 
     /// Two faces by their walls and ends.
@@ -136,7 +125,7 @@ impl Setup<'_> {
         format!("{} and {}", of(one), of(other))
     }
 
-    fn doubts_of_walls(&self, scene: &Scene) -> Option<Doubt> {
+    fn doubts_of_walls(&self, scene: &Scene) -> Option<String> {
         let size = Bounds::of(scene.corners.iter().map(|corner| corner.position))?.size();
         let agents = scene.bodies.len() as f64;
         let widest = scene.bodies.iter().map(|body| 2.0 * body.bounding_radius).fold(0.0, f64::max);
@@ -149,35 +138,32 @@ impl Setup<'_> {
         } else {
             return None;
         };
-        Some(Doubt::Geometry(message))
+        Some(message)
     }
 
-    fn doubts_of_places(&self, scene: &Scene, places: &[Vec2]) -> Option<Doubt> {
-        let walls = Surroundings::of(scene);
+    fn doubts_of_places(&self, scene: &Scene, places: &[Vec2]) -> Option<String> {
+        let walls = Bounds::of(scene.corners.iter().map(|corner| corner.position));
+        let beyond = |far: f64, place: Vec2| walls.is_none_or(|walls| !walls.grown(far).contains(place));
         let name = |b: usize| quoted(&self.agents[b].id);
         // Far from the middle of the crowd, whatever walls there are.
         let middle = middle_of(places)?;
-        let far = places.iter().enumerate().filter(|(_, place)| (**place - middle).norm() > FAR_AWAY);
-        let lost = match &walls {
-            None => far.map(|(b, _)| b).next(),
-            Some(walls) => walls.beyond(FAR_AWAY, far).next(),
-        };
-        if let Some(b) = lost {
+        let is_far = |place: Vec2| (place - middle).norm() > FAR_AWAY && beyond(FAR_AWAY, place);
+        if let Some(b) = places.iter().position(|place| is_far(*place)) {
             let away = (places[b] - middle).norm();
-            return Some(Doubt::Dynamics(format!(
+            return Some(format!(
                 "agent {} stands {away:.0} m away from the others: is its Position in metres?",
                 name(b)
-            )));
+            ));
         }
         let walls = walls?;
-        let outside: Vec<usize> = walls.beyond(OUTSIDE, places.iter().enumerate()).collect();
+        let outside: Vec<usize> = (0..places.len()).filter(|b| beyond(OUTSIDE, places[*b])).collect();
         let inside = places.len() - outside.len();
         let spread = Bounds::of(places.iter().copied())?.size();
-        if inside == 0 && spread.x.max(spread.y) > SPREAD * walls.bounds.size().x.max(walls.bounds.size().y) {
-            return Some(Doubt::Dynamics(format!(
+        if inside == 0 && spread.x.max(spread.y) > SPREAD * walls.size().x.max(walls.size().y) {
+            return Some(format!(
                 "nobody is between the walls, and people span {:.3} m × {:.3} m: are their Positions in metres?",
                 spread.x, spread.y
-            )));
+            ));
         }
         // If most people are outside, or no person is in a room, being outside is intended.
         if outside.is_empty() || 2 * outside.len() > places.len() || outside.len() == places.len() {
@@ -193,13 +179,11 @@ impl Setup<'_> {
             1 => format!("agent {} stands", name(outside[0])),
             count => format!("{count} agents stand (first {})", name(outside[0])),
         };
-        Some(Doubt::Dynamics(format!(
-            "{who} outside of all walls, but the others are inside: is this intended?"
-        )))
+        Some(format!("{who} outside of all walls, but the others are inside: is this intended?"))
     }
 
     /// Of people who are near closed rooms that they cannot enter.
-    fn doubts_of_closed_rooms(&self, scene: &Scene, places: &[Vec2]) -> Option<Doubt> {
+    fn doubts_of_closed_rooms(&self, scene: &Scene, places: &[Vec2]) -> Option<String> {
         let (mut outside, inside) = outside_rooms(&self.geometry.walls, places)?;
         // Other walls, with doors, may be around both.
         outside.retain(|&b| !is_enclosed(scene, places[b]));
@@ -212,10 +196,10 @@ impl Setup<'_> {
             0 => "the closed walls, and nobody inside".to_owned(),
             inside => format!("the closed walls in which {inside} others stand"),
         };
-        Some(Doubt::Dynamics(format!("{who} outside of {inside}: is this intended?")))
+        Some(format!("{who} outside of {inside}: is this intended?"))
     }
 
-    fn doubts_of_pillars(&self, places: &[Vec2]) -> Option<Doubt> {
+    fn doubts_of_pillars(&self, places: &[Vec2]) -> Option<String> {
         let Inside { agent, wall, count, around } = within_pillars(&self.geometry.walls, places)?;
         let (agent, wall) = (quoted(&self.agents[agent].id), quoted(&self.geometry.walls[wall].id));
         let who = match count {
@@ -226,7 +210,7 @@ impl Setup<'_> {
             1 => "around which the other one stands".to_owned(),
             around => format!("around which {around} others stand"),
         };
-        Some(Doubt::Dynamics(format!("{who}, {others}: is it a pillar?")))
+        Some(format!("{who}, {others}: is it a pillar?"))
     }
 }
 

@@ -1,16 +1,17 @@
 //! The usual values of attributes, and the units in which others may be by mistake.
 
 use super::Setup;
+use super::advice::warning;
 use crate::engine::Vec2;
 use lemons_core::trial::{
-    Agent, AgentDynamics, Contact, DriveTable, Material, Places, Problem, Push, Severity, quoted,
+    Agent, AgentDynamics, Contact, DriveTable, FileNames, Material, Problem, Push, quoted,
 };
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
 /// An attribute, its usual values, and why others are not.
 struct Usual {
-    file: fn(&Places) -> &PathBuf,
+    file: fn(&FileNames) -> &PathBuf,
     element: &'static str,
     attribute: &'static str,
     /// Of the values.
@@ -20,15 +21,9 @@ struct Usual {
     reason: &'static str,
     /// One that is met often: of several units, the one that leads nearest to it is asked for.
     typical: f64,
-    /// Units of values by mistake, and what one of them is in `unit`; those per body are divided by [`Value::body`].
-    mistaken: &'static [(&'static str, f64, Per)],
+    /// Units of values by mistake, and what one of them is in `unit`.
+    mistaken: &'static [(&'static str, f64)],
     values: fn(&Setup<'_>) -> Vec<Value>,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Per {
-    One,
-    Body,
 }
 
 /// A value in a file.
@@ -37,7 +32,7 @@ struct Value {
     /// As it is written.
     shown: String,
     of: String,
-    /// \[kg\] or \[kg m²\] Mass or moment of inertia.
+    /// \[kg\] or \[kg m²\] Mass or moment of inertia by which one in another unit is divided; else 1.
     body: f64,
 }
 
@@ -45,38 +40,17 @@ fn value(value: f64, of: String) -> Value {
     Value { value, shown: format!("{value:?}"), of, body: 1.0 }
 }
 
-/// Of each agent a value, and its mass or moment of inertia.
-fn agents(setup: &Setup<'_>, of: fn(&Agent) -> (f64, f64)) -> Vec<Value> {
-    let one = |agent: &Agent| {
-        let (number, body) = of(agent);
-        Value { body, ..value(number, format!("agent {}", quoted(&agent.id))) }
-    };
-    setup.agents.iter().map(one).collect()
-}
-
-fn dynamics(setup: &Setup<'_>, of: fn(&AgentDynamics) -> f64) -> Vec<Value> {
-    let all = setup.agents.iter().zip(&setup.dynamics);
-    all.map(|(agent, dynamics)| value(of(dynamics), format!("agent {}", quoted(&agent.id)))).collect()
-}
-
-/// A vector of each agent.
-fn vectors(setup: &Setup<'_>, of: fn(&AgentDynamics) -> Vec2) -> Vec<Value> {
-    let all = setup.agents.iter().zip(&setup.dynamics);
-    all.map(|(agent, dynamics)| vector(of(dynamics), format!("agent {}", quoted(&agent.id)))).collect()
-}
-
 fn vector(vector: Vec2, of: String) -> Value {
     Value { shown: format!("{:?},{:?}", vector.x, vector.y), ..value(vector.norm(), of) }
 }
 
-fn radii(setup: &Setup<'_>) -> Vec<Value> {
-    let shapes = setup.agents.iter().flat_map(|agent| agent.shapes.iter().map(move |shape| (agent, shape)));
-    shapes.map(|(agent, shape)| value(shape.radius, format!("agent {}", quoted(&agent.id)))).collect()
-}
-
-fn heights(setup: &Setup<'_>) -> Vec<Value> {
-    let all = setup.agents.iter().filter_map(|agent| Some((agent, agent.height?)));
-    all.map(|(agent, height)| value(height, format!("agent {}", quoted(&agent.id)))).collect()
+/// Values of each agent, made with what the agent is called.
+fn agents<I: IntoIterator<Item = Value>>(
+    setup: &Setup<'_>,
+    of: fn(&Agent, &AgentDynamics, String) -> I,
+) -> Vec<Value> {
+    let all = setup.agents.iter().zip(&setup.dynamics);
+    all.flat_map(|(agent, dynamics)| of(agent, dynamics, format!("agent {}", quoted(&agent.id)))).collect()
 }
 
 fn materials(setup: &Setup<'_>, of: fn(&Material) -> f64) -> Vec<Value> {
@@ -104,7 +78,7 @@ const fn modulus(attribute: &'static str, values: fn(&Setup<'_>) -> Vec<Value>) 
         range: [1e4, 1e12],
         reason: "people have some 1e6 N/m and concrete some 1e9 N/m",
         typical: 4e6,
-        mistaken: &[("MN/m or MPa", 1e6, Per::One), ("GN/m or GPa", 1e9, Per::One)],
+        mistaken: &[("MN/m or MPa", 1e6), ("GN/m or GPa", 1e9)],
         values,
     }
 }
@@ -119,7 +93,7 @@ const fn damping(attribute: &'static str, values: fn(&Setup<'_>) -> Vec<Value>) 
         range: [1.0, f64::INFINITY],
         reason: "people have some 1000 kg/s, and the critical damping is some 10000 kg/s",
         typical: 1000.0,
-        mistaken: &[("t/s", 1e3, Per::One), ("MN s/m", 1e6, Per::One)],
+        mistaken: &[("t/s", 1e3), ("MN s/m", 1e6)],
         values,
     }
 }
@@ -132,8 +106,8 @@ const FORCE: Usual = Usual {
     range: [0.0, 3e4],
     reason: "walking takes Mass · FloorDamping · speed, some 500 N, and a strong push is 2000 N",
     typical: 500.0,
-    mistaken: &[("mN", 1e-3, Per::One)],
-    values: |setup| vectors(setup, |dynamics| dynamics.fp),
+    mistaken: &[("mN", 1e-3)],
+    values: |setup| agents(setup, |_, dynamics, of| [vector(dynamics.fp, of)]),
 };
 
 const TORQUE: Usual = Usual {
@@ -144,8 +118,8 @@ const TORQUE: Usual = Usual {
     range: [0.0, 2000.0],
     reason: "people turn with some 10 N m, and a rider with a bicycle with some 100 N m",
     typical: 10.0,
-    mistaken: &[("N cm", 1e-2, Per::One), ("N mm", 1e-3, Per::One)],
-    values: |setup| dynamics(setup, |dynamics| dynamics.mp),
+    mistaken: &[("N cm", 1e-2), ("N mm", 1e-3)],
+    values: |setup| agents(setup, |_, dynamics, of| [value(dynamics.mp, of)]),
 };
 
 /// The shortest time between two rows of a drive file with different pushes.
@@ -157,7 +131,7 @@ const PACE: Usual = Usual {
     range: [0.0, 30.0],
     reason: "people begin and end a push within seconds",
     typical: 0.1,
-    mistaken: &[("ms", 1e-3, Per::One)],
+    mistaken: &[("ms", 1e-3)],
     values: |_| Vec::new(),
 };
 
@@ -174,7 +148,7 @@ const USUAL: [Usual; 17] = [
         reason: "drives are constant and results are written once in a TimeStep; the step of the integration is \
                  TimeStepMechanical",
         typical: 0.05,
-        mistaken: &[("ms", 1e-3, Per::One)],
+        mistaken: &[("ms", 1e-3)],
         values: |setup| vec![value(setup.parameters.time_step, String::new())],
     },
     Usual {
@@ -185,8 +159,8 @@ const USUAL: [Usual; 17] = [
         range: [1.0, 1000.0],
         reason: "an infant has 3 kg, and people on a loaded cargo bicycle have 300 kg",
         typical: 75.0,
-        mistaken: &[("g", 1e-3, Per::One), ("t", 1e3, Per::One)],
-        values: |setup| agents(setup, |agent| (agent.mass, 1.0)),
+        mistaken: &[("g", 1e-3), ("t", 1e3)],
+        values: |setup| agents(setup, |agent, _, of| [value(agent.mass, of)]),
     },
     Usual {
         file: |places| &places.agents,
@@ -196,8 +170,8 @@ const USUAL: [Usual; 17] = [
         range: [0.3, 2.8],
         reason: "an infant is 0.5 m tall, and the tallest person was 2.72 m tall",
         typical: 1.7,
-        mistaken: &[("cm", 1e-2, Per::One), ("mm", 1e-3, Per::One), ("inches", 0.0254, Per::One)],
-        values: heights,
+        mistaken: &[("cm", 1e-2), ("mm", 1e-3), ("inches", 0.0254)],
+        values: |setup| agents(setup, |agent, _, of| agent.height.map(|height| value(height, of))),
     },
     Usual {
         file: |places| &places.agents,
@@ -209,7 +183,12 @@ const USUAL: [Usual; 17] = [
         reason: "the disks of an adult have 0.08 to 0.14 m",
         typical: 0.1,
         mistaken: &[],
-        values: radii,
+        values: |setup| {
+            agents(setup, |agent, _, of| {
+                let radii = agent.shapes.iter().map(|shape| value(shape.radius, of.clone()));
+                radii.collect::<Vec<_>>()
+            })
+        },
     },
     Usual {
         file: |places| &places.agents,
@@ -219,8 +198,8 @@ const USUAL: [Usual; 17] = [
         range: [3e-3, 300.0],
         reason: "an infant has 0.01 kg m², an adult 1 to 2 kg m², and a rider with a bicycle some 10 kg m²",
         typical: 1.5,
-        mistaken: &[("kg cm²", 1e-4, Per::One), ("kg mm²", 1e-6, Per::One), ("g cm²", 1e-7, Per::One)],
-        values: |setup| agents(setup, |agent| (agent.moment_of_inertia, 1.0)),
+        mistaken: &[("kg cm²", 1e-4), ("kg mm²", 1e-6), ("g cm²", 1e-7)],
+        values: |setup| agents(setup, |agent, _, of| [value(agent.moment_of_inertia, of)]),
     },
     Usual {
         file: |places| &places.agents,
@@ -230,8 +209,10 @@ const USUAL: [Usual; 17] = [
         range: [0.0, 50.0],
         reason: "it is 1/t of the time t in which the floor stops people, and this is 0.1 to 1 s",
         typical: 4.5,
-        mistaken: &[("kg/s", 1.0, Per::Body)],
-        values: |setup| agents(setup, |agent| (agent.floor_damping, agent.mass)),
+        mistaken: &[("kg/s", 1.0)],
+        values: |setup| {
+            agents(setup, |agent, _, of| [Value { body: agent.mass, ..value(agent.floor_damping, of) }])
+        },
     },
     Usual {
         file: |places| &places.agents,
@@ -241,8 +222,12 @@ const USUAL: [Usual; 17] = [
         range: [0.0, 50.0],
         reason: "it is 1/t of the time t in which the floor stops people's turn, and this is 0.1 to 1 s",
         typical: 4.5,
-        mistaken: &[("kg m²/s", 1.0, Per::Body)],
-        values: |setup| agents(setup, |agent| (agent.angular_damping, agent.moment_of_inertia)),
+        mistaken: &[("kg m²/s", 1.0)],
+        values: |setup| {
+            agents(setup, |agent, _, of| {
+                [Value { body: agent.moment_of_inertia, ..value(agent.angular_damping, of) }]
+            })
+        },
     },
     Usual {
         file: |places| &places.dynamics,
@@ -252,8 +237,8 @@ const USUAL: [Usual; 17] = [
         range: [0.0, 15.0],
         reason: "people walk at 1 to 2 m/s, run at up to 10 m/s and ride bicycles at up to 15 m/s",
         typical: 1.3,
-        mistaken: &[("km/h", 1.0 / 3.6, Per::One), ("cm/s", 1e-2, Per::One), ("mm/s", 1e-3, Per::One)],
-        values: |setup| vectors(setup, |dynamics| dynamics.velocity),
+        mistaken: &[("km/h", 1.0 / 3.6), ("cm/s", 1e-2), ("mm/s", 1e-3)],
+        values: |setup| agents(setup, |_, dynamics, of| [vector(dynamics.velocity, of)]),
     },
     Usual {
         file: |places| &places.dynamics,
@@ -263,8 +248,8 @@ const USUAL: [Usual; 17] = [
         range: [0.0, 4.0 * PI],
         reason: "these are two whole turns",
         typical: 1.5,
-        mistaken: &[("degrees", DEGREE, Per::One)],
-        values: |setup| dynamics(setup, |dynamics| dynamics.theta),
+        mistaken: &[("degrees", DEGREE)],
+        values: |setup| agents(setup, |_, dynamics, of| [value(dynamics.theta, of)]),
     },
     Usual {
         file: |places| &places.dynamics,
@@ -274,8 +259,8 @@ const USUAL: [Usual; 17] = [
         range: [0.0, 40.0],
         reason: "people turn at some rad/s, and the fastest skaters at 35 rad/s",
         typical: 1.0,
-        mistaken: &[("degrees/s", DEGREE, Per::One)],
-        values: |setup| dynamics(setup, |dynamics| dynamics.omega),
+        mistaken: &[("degrees/s", DEGREE)],
+        values: |setup| agents(setup, |_, dynamics, of| [value(dynamics.omega, of)]),
     },
     FORCE,
     TORQUE,
@@ -289,7 +274,7 @@ const USUAL: [Usual; 17] = [
         range: [0.0, 2.0],
         reason: "skin and clothes have 0.2 to 0.6, and rubber on concrete has 1",
         typical: 0.5,
-        mistaken: &[("per cent", 1e-2, Per::One)],
+        mistaken: &[("per cent", 1e-2)],
         values: |setup| contacts(setup, |contact| contact.kinetic_friction),
     },
     damping("GammaNormal", |setup| contacts(setup, |contact| contact.gamma_normal)),
@@ -305,10 +290,7 @@ impl Usual {
     /// The unit in which a value probably is, and the value in the right one.
     fn meant(&self, Value { value, body, .. }: &Value) -> Option<(&'static str, f64)> {
         let far = |value: f64| libm::log(value.abs() / self.typical).abs();
-        let all = self
-            .mistaken
-            .iter()
-            .map(|(name, factor, per)| (*name, value * factor / if *per == Per::Body { *body } else { 1.0 }));
+        let all = self.mistaken.iter().map(|(name, factor)| (*name, value * factor / body));
         let nearer = all.filter(|(_, meant)| self.is_met_by(*meant) && far(*meant) < far(*value));
         nearer.min_by(|a, b| far(a.1).total_cmp(&far(b.1)))
     }
@@ -335,16 +317,13 @@ impl Usual {
         Some((first.shown, format!("{whose}{range} is usual, because {}: {ask}", self.reason)))
     }
 
-    fn warning(&self, setup: &Setup<'_>, places: &Places) -> Option<Problem> {
+    fn warning(&self, setup: &Setup<'_>, places: &FileNames) -> Option<Problem> {
         let (shown, message) = self.doubt((self.values)(setup))?;
         Some(Problem {
-            severity: Severity::Warning,
-            file: (self.file)(places).clone(),
-            line: None,
             element: Some(self.element.into()),
             attribute: Some(self.attribute.into()),
             value: Some(shown),
-            message,
+            ..warning((self.file)(places), message)
         })
     }
 }
@@ -361,7 +340,7 @@ fn told(number: f64) -> String {
 
 impl Setup<'_> {
     /// Returns a warning for each attribute with unusual values.
-    pub(super) fn unusual(&self, places: &Places) -> impl Iterator<Item = Problem> {
+    pub(super) fn unusual(&self, places: &FileNames) -> impl Iterator<Item = Problem> {
         USUAL.iter().filter_map(|usual| usual.warning(self, places))
     }
 }

@@ -2,9 +2,10 @@
 
 use super::Setup;
 use crate::engine::{
-    AdvanceError, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Pose, Scene,
-    SceneError, State, Twist, WallSpec, World, Wrench, elongation_vector,
+    AdvanceError, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Scene,
+    SceneError, State, WallSpec, World, Wrench, elongation_vector,
 };
+use lemons_core::plane::Motion;
 use lemons_core::trial::quoted;
 use lemons_core::trial::{
     AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, WallInteraction, stiffness,
@@ -139,10 +140,8 @@ impl Setup<'_> {
 
     /// Returns the state in `AgentDynamics.xml`, with the springs of `AgentInteractions.xml`.
     pub fn state(&self, scene: &Scene) -> State {
-        let poses =
-            self.dynamics.iter().map(|d| Pose { position: d.position, orientation: d.theta }).collect();
-        let twists =
-            self.dynamics.iter().map(|d| Twist { velocity: d.velocity, angular_velocity: d.omega }).collect();
+        let motions = self.dynamics.iter().map(AgentDynamics::motion);
+        let (poses, twists) = motions.map(|motion| (motion.pose, motion.twist)).unzip();
         let mut state = State::new(poses, twists);
         let disk = |agent: usize, shape: usize| DiskId::from(scene.bodies[agent].disks.start + shape);
         state.disk_springs = self
@@ -237,13 +236,10 @@ pub fn dynamics_of(world: &World) -> Vec<AgentDynamics> {
     let state = world.state();
     let motions = state.poses.iter().zip(&state.twists).zip(&world.drive);
     motions
-        .map(|((pose, twist), drive)| AgentDynamics {
-            position: pose.position,
-            velocity: twist.velocity,
-            theta: pose.orientation,
-            omega: twist.angular_velocity,
+        .map(|((&pose, &twist), drive)| AgentDynamics {
             fp: drive.force,
             mp: drive.torque,
+            ..AgentDynamics::of(&Motion { pose, twist })
         })
         .collect()
 }

@@ -2,14 +2,14 @@
 //!
 //! Names are those of FMI 2.0. In FMI 3.0 such a variable is an element of an array: the others stay as they are.
 
-use crowd_mechanics::arrays::{self, SIZES};
 use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::pack::{Binary, Package, host_platform};
+use crowd_mechanics::quantities::{Kind, QUANTITIES, Role, SIZES, guid, of_materials, scalars, sizes};
 use crowd_mechanics::setup;
-use crowd_mechanics::variables::{Kind, guid, table};
+use lemons_core::trial::DriveTable;
 pub use lemons_fmi::Status::{self, Discard as DISCARD, Error as ERROR, Ok as OK, Warning as WARNING};
-use lemons_fmi::v3::arrays::{array_reference, size_reference};
-use lemons_fmi::v3::token;
+use lemons_fmi::variables::Dimension;
+use lemons_fmi::{Model as _, instantiation_token, reference};
 pub use lemons_verify::testing::Version::{self, V2, V3};
 pub use lemons_verify::testing::instance::{Arguments, Functions};
 pub use lemons_verify::testing::{Instance, Message, copy_tree, trial_push as paper};
@@ -186,9 +186,9 @@ pub struct Model {
 impl Model {
     pub fn of(trial: &Path, version: Version) -> Model {
         let (trial, _) = setup::read(trial).expect("a good Trial");
-        let rows = table(&trial);
-        let reals = rows.iter().filter(|row| matches!(row.kind, Kind::Real(_))).map(|row| row.name.clone());
-        let reals: Vec<String> = reals.collect();
+        let rows = scalars(&trial);
+        let reals = rows.iter().filter(|row| matches!(row.variable.kind, Kind::Real(_)));
+        let reals: Vec<String> = reals.map(|row| row.name.clone()).collect();
         let (mut places, mut all, mut starts) = (HashMap::new(), [Vec::new(), Vec::new()], HashMap::new());
         let mut add = |kind: Kind, reference: u32, length: usize| match kind {
             Kind::Real(_) => all[0].push((reference, length)),
@@ -197,36 +197,49 @@ impl Model {
         };
         if version == V2 {
             for (row, reference) in rows.iter().zip(0..) {
-                add(row.kind, reference, 1);
+                add(row.variable.kind, reference, 1);
                 places.insert(row.name.clone(), Place { reference, elements: vec![0], length: 1 });
             }
-            return Model { token: guid(&rows).braced().to_string(), places, reals, all, starts };
+            let token = guid(&trial).braced().to_string();
+            return Model { token, places, reals, all, starts };
         }
-        let mut whole = Vec::new();
-        for (k, array) in arrays::arrays().iter().enumerate() {
-            let (reference, length) = (array_reference::<CrowdModel>(k), arrays::length(&trial, array.block));
+        let sizes = sizes(&trial);
+        let size = |dimension: &Dimension| match *dimension {
+            Dimension::Size(place) => sizes[place],
+            Dimension::Fixed(size) => size,
+        };
+        let mut crowd = CrowdModel::of_trial(trial.clone(), DriveTable::default());
+        for array in &QUANTITIES {
+            let reference = reference::<CrowdModel>(array.quantity).unwrap();
+            let length = array.dimensions.iter().map(size).product::<u64>() as usize;
             add(array.kind, reference, length);
-            starts.extend(arrays::starts(&trial, array.block).map(|values| (reference, values)));
-            let place = |elements| Place { reference, elements, length };
-            for element in 0..length {
-                let quantity = arrays::element(&trial, array.block, element);
-                if let Some(row) = rows.iter().find(|row| Some(row.quantity) == quantity) {
-                    let known = places.entry(row.name.clone()).or_insert_with(|| place(Vec::new()));
-                    known.elements.push(element);
-                }
+            if ![Role::Calculated, Role::CalculatedParameter].contains(&array.role) {
+                let mut values = vec![0.0; length];
+                crowd.numbers(array.quantity, &mut values).unwrap();
+                starts.insert(reference, values);
             }
+            for row in rows.iter().filter(|row| row.variable.quantity == array.quantity) {
+                let both = of_materials(&trial, &row.name).into_iter().map(|(_, element)| element);
+                let mut elements: Vec<usize> = both.collect();
+                if elements.is_empty() {
+                    elements.push(row.element);
+                }
+                places.insert(row.name.clone(), Place { reference, elements, length });
+            }
+        }
+        for array in &QUANTITIES {
+            let reference = reference::<CrowdModel>(array.quantity).unwrap();
+            let length = array.dimensions.iter().map(size).product::<u64>() as usize;
             // Some single numbers of FMI 2.0 have the name of an array: they go first.
-            whole.push((array.name.to_owned(), place((0..length).collect())));
+            let whole = Place { reference, elements: (0..length).collect(), length };
+            places.entry(array.name.to_owned()).or_insert(whole);
         }
-        for (name, place) in whole {
-            places.entry(name).or_insert(place);
+        let others = ["time"].into_iter().chain(SIZES.iter().map(|size| size.name));
+        for (name, reference) in others.zip(0..) {
+            places.insert(name.to_owned(), Place { reference, elements: vec![0], length: 1 });
         }
-        for (k, size) in SIZES.iter().enumerate() {
-            let place = Place { reference: size_reference(k), elements: vec![0], length: 1 };
-            places.insert(size.name.to_owned(), place);
-        }
-        places.insert("time".to_owned(), Place { reference: 0, elements: vec![0], length: 1 });
-        Model { token: token::<CrowdModel>().braced().to_string(), places, reals, all, starts }
+        let token = instantiation_token::<CrowdModel>().braced().to_string();
+        Model { token, places, reals, all, starts }
     }
 
     /// Of the paper's Trial.

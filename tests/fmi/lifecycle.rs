@@ -208,9 +208,9 @@ fn every_function_is_in_a_table_or_is_not_offered() {
         if probe.name.ends_with("SerializedFMUStateSize") {
             continue;
         }
-        let message = crowd.refused((probe.call)(crowd.v3(), crowd.raw, None).unwrap());
+        let message = crowd.refused(probe.call(crowd.v3(), crowd.raw, None).unwrap());
         let said =
-            ["without events and clocks", "no variable of type", "Derivatives is false", "no variable"];
+            ["without events and clocks", "no variable of type", "Derivatives are false", "no variable"];
         assert!(said.iter().any(|words| message.contains(words)), "{message}");
     }
     crowd.steps(0, 1);
@@ -237,10 +237,10 @@ fn every_function_is_in_a_table_or_is_not_offered() {
 fn no_instance_is_an_error() {
     let (v2, v3) = (Crowd::new(V2), Crowd::new(V3));
     for probe in fmi2::Functions::probes() {
-        assert_eq!((probe.call)(v2.v2(), null_mut(), None), Some(ERROR), "{}", probe.name);
+        assert_eq!(probe.call(v2.v2(), null_mut(), None), Some(ERROR), "{}", probe.name);
     }
     for probe in fmi3::Functions::probes() {
-        assert_eq!((probe.call)(v3.v3(), null_mut(), None), Some(ERROR), "{}", probe.name);
+        assert_eq!(probe.call(v3.v3(), null_mut(), None), Some(ERROR), "{}", probe.name);
     }
     unsafe {
         (v2.v2().fmi2FreeInstance)(null_mut());
@@ -275,12 +275,12 @@ fn null_arguments_are_refused_in_words_in_every_state() {
             };
             for probe in fmi2::Functions::probes().into_iter().filter(|_| version == V2) {
                 for null in 0..probe.pointers {
-                    check(probe.name, null, (probe.call)(crowd.v2(), crowd.raw, Some(null)));
+                    check(probe.name, null, probe.call(crowd.v2(), crowd.raw, Some(null)));
                 }
             }
             for probe in fmi3::Functions::probes().into_iter().filter(|_| version == V3) {
                 for null in 0..probe.pointers {
-                    check(probe.name, null, (probe.call)(crowd.v3(), crowd.raw, Some(null)));
+                    check(probe.name, null, probe.call(crowd.v3(), crowd.raw, Some(null)));
                 }
             }
             // The others are wrong in another way too, which is told first.

@@ -24,7 +24,8 @@ def url() -> Iterator[str]:
     line = command.stdout.readline()
     assert line.startswith("the lab is at http://127.0.0.1:"), line
     yield line.split()[4].rstrip(",")
-    command.send_signal(signal.SIGINT)
+    # Not SIGINT: it stays ignored where these tests are started in the background of a shell.
+    command.send_signal(signal.SIGTERM)
     assert command.wait(180) == 0
 
 

@@ -1,6 +1,6 @@
 //! `lemons bench`: what a mechanical step costs, and what the FMU adds.
 
-use crate::tell;
+use crate::print;
 use anyhow::{Result, bail};
 use crowd_mechanics::pack::Format;
 use lemons_core::files::input;
@@ -21,7 +21,7 @@ pub struct Arguments {
 }
 
 pub fn bench(arguments: &Arguments) -> Result<()> {
-    let mut out = tell::out();
+    let mut out = print::out();
     let cases = cases();
     let wanted = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only));
     if !wanted(THROUGH_FMU) && !cases.iter().any(|case| wanted(case.name)) {

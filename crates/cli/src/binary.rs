@@ -4,7 +4,7 @@ use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::Binary;
 use lemons_core::files::input;
 use lemons_decision::decision::PLAN_FILE;
-use lemons_master::Kind;
+use lemons_master::FileType;
 
 /// A shared library of this workspace.
 pub struct Library {
@@ -26,7 +26,7 @@ impl Library {
     /// It is not.
     pub fn check(&self, Binary { platform, path }: &Binary) -> Result<()> {
         let named = || format!("--binary {platform}={}", path.display());
-        Kind::expect(path, &[Kind::Library], "a shared library").with_context(named)?;
+        FileType::expect(path, &[FileType::Library], "a shared library").with_context(named)?;
         let bytes = input::read(path, input::LARGEST_BINARY).context("cannot be read").with_context(named)?;
         if !bytes.windows(self.mark.len()).any(|text| text == self.mark.as_bytes()) {
             bail!("{}: is not the library {}", named(), self.name);

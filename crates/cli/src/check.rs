@@ -1,17 +1,16 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
-use crate::error::{TrialHasErrors, said};
-use crate::tell;
-use crate::words;
+use crate::error::{TrialHasErrors, full_message};
+use crate::messages;
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::DRIVE_FILE;
 use lemons_core::trial::Problems;
 use lemons_core::trial::Trial;
-use lemons_decision::{Plan, WISHES_FILE};
-use lemons_master::{Given, Warning, plan_of};
-use std::io::{self, Write};
+use lemons_decision::{DECISION_FILE, Plan};
+use lemons_master::{TrialInput, Warning, plan_of};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// \[m\] For which `check` names a step.
@@ -25,109 +24,119 @@ pub struct Arguments {
 }
 
 pub fn check(arguments: &Arguments) -> Result<()> {
-    let mut out = tell::out();
-    let mut broken = false;
+    let mut sound = true;
     for path in &arguments.trials {
-        let given = match Given::open(path) {
-            Ok(given) => given,
+        let Report { lines, errors, summary } = match TrialInput::open(path) {
+            Ok(given) => report(&given),
             Err(error) => {
-                broken = true;
-                writeln!(out, "{}", said(&error.into()))?;
+                say!("{}", full_message(&error.into()))?;
+                sound = false;
                 continue;
             }
         };
-        match given.read() {
-            Ok((trial, warnings)) => {
-                print(&mut out, &warnings)?;
-                let wishes = given.wishes();
-                let plan = wishes
-                    .as_deref()
-                    .map(|wishes| plan_of(&trial, wishes).with_context(|| wishes.display().to_string()));
-                let (plan, wished) = match plan.transpose() {
-                    Ok(plan) => (plan, Ok(())),
-                    Err(error) => (None, Err(error)),
-                };
-                let doubts: Vec<String> = plan
-                    .iter()
-                    .flat_map(|plan| [hurried(plan), unmoved(plan), unused(&trial)])
-                    .flatten()
-                    .collect();
-                for doubt in &doubts {
-                    writeln!(out, "warning: {}: {doubt}", path.join(WISHES_FILE).display())?;
-                }
-                let driven = given.drive(&trial);
-                let parameters = &trial.parameters;
-                let missed = driven.as_ref().map(|drive| drive.missed(0.0, parameters.time_step));
-                let missed = missed.ok().flatten();
-                let drive_doubts = driven.as_ref().map(doubts_of_drive).unwrap_or_default();
-                for doubt in &drive_doubts {
-                    writeln!(out, "warning: {}: {doubt}", path.join(DRIVE_FILE).display())?;
-                }
-                if wishes.is_some() && given.directory().join(DRIVE_FILE).exists() {
-                    let plan = path.join(WISHES_FILE);
-                    writeln!(out, "{}", words::warned(&Warning::DriveOfWalkers { plan }))?;
-                }
-                if let Some(missed) = &missed {
-                    let file = path.join(DRIVE_FILE);
-                    let missed = words::missed(missed, "TimeStep");
-                    writeln!(out, "warning: {}: {missed}", file.display())?;
-                }
-                if let (Ok(drive), None) = (&driven, &missed)
-                    && let (between @ 1.., of) = drive.between(0.0, parameters.time_step)
-                {
-                    let file = path.join(DRIVE_FILE);
-                    writeln!(
-                        out,
-                        "note: {}: {between} of {of} rows are between communication points: the drive is interpolated at \
-                         each point and held until the next, so results depend on TimeStep",
-                        file.display()
-                    )?;
-                }
-                let mut errors = 0;
-                if let Err(error) = wished {
-                    errors += 1;
-                    // A zip is unpacked elsewhere.
-                    writeln!(out, "{}", given.under_its_name(&format!("{error:#}")))?;
-                }
-                if let Err(problems) = driven {
-                    errors += problems.errors().count();
-                    print(&mut out, &problems)?;
-                }
-                if errors > 0 {
-                    broken = true;
-                    say_errors(&mut out, path, errors)?;
-                    continue;
-                }
-                if let Some(about) = about_step(&trial) {
-                    writeln!(out, "note: {}: {about}", path.join("Parameters.xml").display())?;
-                }
-                writeln!(
-                    out,
-                    "{}: {}, {}, TimeStep {:?} s, TimeStepMechanical {:?} s: {}",
-                    path.display(),
-                    counted(trial.agents.len(), "agent"),
-                    counted(trial.geometry.walls.len(), "wall"),
-                    parameters.time_step,
-                    parameters.time_step_mechanical,
-                    match warnings.iter().count()
-                        + usize::from(missed.is_some())
-                        + doubts.len()
-                        + drive_doubts.len()
-                    {
-                        0 => "no problem".to_owned(),
-                        1 => "1 warning".to_owned(),
-                        n => format!("{n} warnings"),
-                    }
-                )?;
-            }
-            Err(problems) => {
-                broken = true;
-                print(&mut out, &problems)?;
-                say_errors(&mut out, path, problems.errors().count())?;
-            }
+        lines.iter().try_for_each(|line| say!("{line}"))?;
+        sound &= errors == 0;
+        match errors {
+            0 => say!("{}: {summary}", path.display())?,
+            errors => say!("{}: {}", path.display(), counted(errors, "error"))?,
         }
     }
-    if broken { Err(TrialHasErrors.into()) } else { Ok(()) }
+    if sound { Ok(()) } else { Err(TrialHasErrors.into()) }
+}
+
+/// What is found in a Trial.
+#[derive(Default)]
+struct Report {
+    lines: Vec<String>,
+    errors: usize,
+    /// Of a Trial without errors.
+    summary: String,
+}
+
+impl Report {
+    fn add_problems(&mut self, problems: &Problems) {
+        self.lines.extend(problems.iter().map(ToString::to_string));
+        self.errors += problems.errors().count();
+    }
+
+    fn warn(&mut self, file: &Path, text: impl Display) {
+        self.lines.push(format!("warning: {}: {text}", file.display()));
+    }
+
+    fn note(&mut self, file: &Path, text: impl Display) {
+        self.lines.push(format!("{NOTE}{}: {text}", file.display()));
+    }
+}
+
+/// What a line begins with that is no warning.
+const NOTE: &str = "note: ";
+
+fn report(given: &TrialInput) -> Report {
+    let mut report = Report::default();
+    let trial = match given.read() {
+        Ok((trial, warnings)) => {
+            report.add_problems(&warnings);
+            trial
+        }
+        Err(problems) => {
+            report.add_problems(&problems);
+            return report;
+        }
+    };
+    let [plan_file, drive_file] = [DECISION_FILE, DRIVE_FILE].map(|name| given.path().join(name));
+    let wishes = given.wishes();
+    let plan = wishes
+        .as_deref()
+        .map(|wishes| plan_of(&trial, wishes).with_context(|| wishes.display().to_string()))
+        .transpose();
+    if let Ok(Some(plan)) = &plan {
+        let doubts = [hurried(plan), unmoved(plan), unused(&trial)].into_iter().flatten();
+        doubts.for_each(|doubt| report.warn(&plan_file, doubt));
+    }
+    let parameters = &trial.parameters;
+    let drive = given.drive(&trial);
+    if let Ok(drive) = &drive {
+        doubts_of_drive(drive).into_iter().for_each(|doubt| report.warn(&drive_file, doubt));
+    }
+    if wishes.is_some() && given.directory().join(DRIVE_FILE).exists() {
+        report.lines.push(messages::warning_text(&Warning::DriveOfWalkers { plan: plan_file }));
+    }
+    if let Ok(drive) = &drive {
+        match (drive.missed(0.0, parameters.time_step), drive.between(0.0, parameters.time_step)) {
+            (Some(missed), _) => report.warn(&drive_file, messages::missed(&missed, "TimeStep")),
+            (None, (between @ 1.., of)) => report.note(
+                &drive_file,
+                format!(
+                    "{between} of {of} rows are between communication points: the drive is interpolated at each \
+                     point and held until the next, so results depend on TimeStep"
+                ),
+            ),
+            _ => {}
+        }
+    }
+    if let Err(error) = plan {
+        // A zip is unpacked elsewhere.
+        report.lines.push(given.under_its_name(&format!("{error:#}")));
+        report.errors += 1;
+    }
+    if let Err(problems) = drive {
+        report.add_problems(&problems);
+    }
+    let warnings = report.lines.iter().filter(|line| !line.starts_with(NOTE)).count();
+    if report.errors == 0
+        && let Some(about) = about_step(&trial)
+    {
+        report.note(&given.path().join("Parameters.xml"), about);
+    }
+    report.summary = format!(
+        "{}, {}, TimeStep {:?} s, TimeStepMechanical {:?} s: {}",
+        counted(trial.agents.len(), "agent"),
+        counted(trial.geometry.walls.len(), "wall"),
+        parameters.time_step,
+        parameters.time_step_mechanical,
+        if warnings == 0 { "no problem".to_owned() } else { counted(warnings, "warning") }
+    );
+    report
 }
 
 /// \[m/s\] Nobody walks so fast; numbers of km/h are mostly above it.
@@ -175,11 +184,6 @@ fn unmoved(plan: &Plan) -> Option<String> {
     ))
 }
 
-fn say_errors(out: &mut impl Write, path: &Path, errors: usize) -> io::Result<()> {
-    let noun = if errors == 1 { "error" } else { "errors" };
-    writeln!(out, "{}: {errors} {noun}", path.display())
-}
-
 /// Up to which mechanical step a Trial is stable, and how accurate its own and another one are. `None` if nothing can
 /// touch, since any step is exact then.
 fn about_step(trial: &Trial) -> Option<String> {
@@ -213,8 +217,4 @@ fn length(metres: f64) -> String {
 
 fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
-
-fn print(out: &mut impl Write, problems: &Problems) -> io::Result<()> {
-    problems.iter().try_for_each(|problem| writeln!(out, "{problem}"))
 }

@@ -2,37 +2,19 @@
 
 use crate::binary::DECISION;
 use crate::files::{self, Force};
+use crate::messages::read_or_report;
 use crate::pack::{Fmi, FmuArguments, say_size};
-use crate::words::read_or_say;
 use anyhow::{Context, Result, bail};
 use lemons_core::trial::Trial;
-use lemons_decision::{Plan, WISHES_FILE};
-use lemons_master::{Given, PlanChoice, plan_of};
+use lemons_decision::{DECISION_FILE, Plan};
+use lemons_master::{PlanChoice, TrialInput, plan_of};
 use std::path::{Path, PathBuf};
 
-/// Wishes of everybody, as short as they can be.
+/// DecisionConfig of everybody, as short as they can be.
 const SHORTEST: &str = "  desired_speed = 1.34
   waypoints = [{ x = 6.0, y = 2.5 }]";
 
-const WISHES: &str = "\
-The file decision.toml: first the values for all agents, then those for single \
-agents, by their Id in Agents.xml. An agent walks to its way-points one after the \
-other. It has reached one when the distance is at most its radius. Then it walks \
-around walls to the nearest exit, a line or an area, and leaves. More in \
-docs/walking.md: goals, shares, models of walking.
-
-  desired_speed = 1.34    # m/s; default 1.34
-  waypoints = [           # m; default of radius 0.3
-    { x = 6.0, y = 2.5, radius = 0.45 },
-    { x = 20.0, y = 2.5 },
-  ]
-
-  model = \"collision-free-speed\"    # straight (default), social-force
-  exits = [{ name = \"door\", line = [[9.0, 1.5], [9.0, 4.5]] }]
-
-  [agents.7]              # overrides the values for all agents
-  desired_speed = 0.9
-  waypoints = [{ x = 0.0, y = 1.0 }]";
+const WISHES: &str = include_str!("help/decide.txt");
 
 #[derive(clap::Args)]
 #[command(after_help = WISHES)]
@@ -56,8 +38,8 @@ pub struct Arguments {
 
 pub fn decide(arguments: &Arguments) -> Result<()> {
     let mut file = files::stage(&arguments.output)?;
-    let given = Given::open(&arguments.trial)?;
-    let (trial, warnings) = read_or_say(&given)?;
+    let given = TrialInput::open(&arguments.trial)?;
+    let (trial, warnings) = read_or_report(&given)?;
     for warning in warnings.iter() {
         note!("{warning}");
     }
@@ -76,8 +58,8 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
 }
 
 /// What the people of a Trial do by the wishes in a file; by default, that of the Trial.
-fn wanted(given: &Given, trial: &Trial, plan: Option<&Path>) -> Result<Plan> {
-    let own = given.path().join(WISHES_FILE);
+fn wanted(given: &TrialInput, trial: &Trial, plan: Option<&Path>) -> Result<Plan> {
+    let own = given.path().join(DECISION_FILE);
     let (path, named) = match (plan, given.wishes()) {
         (Some(plan), _) => (plan.to_owned(), plan.to_owned()),
         (None, Some(path)) => (path, own),

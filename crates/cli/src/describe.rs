@@ -1,13 +1,13 @@
 //! `lemons describe`: the model description that a Trial's FMU would have, or its Decision FMU.
 
+use crate::messages::read_or_report;
 use crate::pack::Fmi;
-use crate::tell;
-use crate::words::read_or_say;
+use crate::print;
 use anyhow::{Context, Result};
-use crowd_mechanics::model_description::{model_description, model_description_3};
-use crowd_mechanics::pack::{Format, Naming};
+use crowd_mechanics::model_description::model_description;
+use crowd_mechanics::pack::Naming;
 use lemons_decision::pack::description;
-use lemons_master::{Given, plan_of};
+use lemons_master::{TrialInput, plan_of};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -24,15 +24,14 @@ pub struct Arguments {
 }
 
 pub fn describe(arguments: &Arguments) -> Result<()> {
-    let (trial, _) = read_or_say(&Given::open(&arguments.trial)?)?;
+    let (trial, _) = read_or_report(&TrialInput::open(&arguments.trial)?)?;
     let format = arguments.fmi.format(Naming::Structured);
-    let text = match (&arguments.plan, format) {
-        (Some(plan), _) => {
+    let text = match &arguments.plan {
+        Some(plan) => {
             let plan = plan_of(&trial, plan).with_context(|| plan.display().to_string())?;
             description(&plan, format)
         }
-        (None, Format::Fmi2(naming)) => model_description(&trial, naming),
-        (None, Format::Fmi3) => model_description_3(&trial),
+        None => model_description(&trial, format),
     };
-    Ok(tell::out().write_all(text.as_bytes())?)
+    Ok(print::out().write_all(text.as_bytes())?)
 }

@@ -1,8 +1,8 @@
 //! Commands that another program calls: their arguments are the same words, runs may be in memory, and nothing is printed.
 
-use crate::error::said;
+use crate::error::full_message;
 use crate::measure::Tables;
-use crate::{Arguments, Command, definition, files, interrupt, tell};
+use crate::{Arguments, Command, definition, files, interrupt, print};
 use anyhow::{Context, Result};
 use clap::FromArgMatches;
 use lemons_core::trial::Trial;
@@ -45,11 +45,11 @@ static WRITING: Mutex<()> = Mutex::new(());
 /// The message of the command, with what it noted before.
 pub fn call(words: &[OsString], run: Option<Arc<InMemory>>, stop: Arc<AtomicBool>) -> Result<Done, String> {
     let _stop = interrupt::of_this_thread(stop);
-    let (done, said_, notes) = tell::caught(|| dispatch(words, run));
+    let (done, said, notes) = print::caught(|| dispatch(words, run));
     match done {
-        Ok(done) => Ok(Done { said: said_, notes, ..done }),
+        Ok(done) => Ok(Done { said, notes, ..done }),
         Err(error) => {
-            let why = said(&error);
+            let why = full_message(&error);
             Err(notes.into_iter().chain([why]).collect::<Vec<_>>().join("\n"))
         }
     }

@@ -1,39 +1,25 @@
 //! Failures that have an exit code of their own, and how failures are told.
 
 use anyhow::Result;
-use lemons_master::{Kind, SavedError, Unexpected};
+use lemons_master::{FileType, Unexpected};
 use std::error::Error;
 
 /// A Trial has errors; they have been printed.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("the Trial has errors")]
 pub struct TrialHasErrors;
 
-impl std::fmt::Display for TrialHasErrors {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("the Trial has errors")
-    }
-}
-
-impl std::error::Error for TrialHasErrors {}
-
 /// The options make no sense together; what clap cannot see.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
 pub struct Misused(pub String);
-
-impl std::fmt::Display for Misused {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Misused {}
 
 /// What becomes of several files, each of which is put into its place whatever became of the others: the first error
 /// counts, further ones are told.
 pub fn and_then(done: Result<()>, next: Result<()>) -> Result<()> {
     match (done, next) {
         (Err(first), Err(second)) => {
-            note!("lemons: {}", said(&second));
+            note!("lemons: {}", full_message(&second));
             Err(first)
         }
         (done, next) => done.and(next),
@@ -41,9 +27,9 @@ pub fn and_then(done: Result<()>, next: Result<()>) -> Result<()> {
 }
 
 /// An error with its causes; many of them say their cause themselves, which is not said again.
-pub fn said(error: &anyhow::Error) -> String {
+pub fn full_message(error: &anyhow::Error) -> String {
     let mut text = String::new();
-    for cause in error.chain().map(in_words).filter(|cause| !cause.is_empty()) {
+    for cause in error.chain().map(with_option).filter(|cause| !cause.is_empty()) {
         if text.ends_with(&cause) {
             continue;
         }
@@ -56,20 +42,7 @@ pub fn said(error: &anyhow::Error) -> String {
 }
 
 /// The text of a library's error, and which option or command has to do with it: libraries know of none.
-fn in_words(cause: &(dyn Error + 'static)) -> String {
-    match advice(cause) {
-        Some(Advice::Before(text)) => format!("{text}{cause}"),
-        Some(Advice::After(text)) => format!("{cause}{text}"),
-        None => cause.to_string(),
-    }
-}
-
-enum Advice {
-    Before(&'static str),
-    After(&'static str),
-}
-
-fn advice(cause: &(dyn Error + 'static)) -> Option<Advice> {
+fn with_option(cause: &(dyn Error + 'static)) -> String {
     let of_master = match find::<lemons_sweep::Error>(cause) {
         Some(lemons_sweep::Error::Master(error)) => Some(error),
         _ => find::<lemons_master::Error>(cause),
@@ -78,18 +51,16 @@ fn advice(cause: &(dyn Error + 'static)) -> Option<Advice> {
         Some(lemons_master::Error::Unexpected(error)) => Some(error),
         _ => find::<Unexpected>(cause),
     };
-    if unexpected.is_some_and(|error| error.kind == Kind::SavedRun) {
-        return Some(Advice::After("; lemons run --resume continues it"));
-    }
-    match of_master? {
-        lemons_master::Error::NoVariable(_) => Some(Advice::After("; see lemons info")),
-        lemons_master::Error::IsSsp => Some(Advice::After(": lemons run FILE.ssp")),
-        lemons_master::Error::Saved(SavedError::NoArchive(_) | SavedError::NoRun(_)) => {
-            Some(Advice::After(" (--state writes one)"))
+    let (before, after) = match of_master {
+        _ if unexpected.is_some_and(|error| error.kind == FileType::SavedRun) => {
+            ("", "; lemons run --resume continues it")
         }
-        lemons_master::Error::Saved(SavedError::Algorithm { .. }) => Some(Advice::Before("--algorithm: ")),
-        _ => None,
-    }
+        Some(lemons_master::Error::NoVariable(_)) => ("", "; see lemons info"),
+        Some(lemons_master::Error::IsSsp) => ("", ": lemons run FILE.ssp"),
+        Some(lemons_master::Error::Algorithm { .. }) => ("--algorithm: ", ""),
+        _ => ("", ""),
+    };
+    format!("{before}{cause}{after}")
 }
 
 /// An error of a type, which may be in a box as a cause of another.

@@ -9,10 +9,10 @@ use clap::ValueEnum;
 use crowd_mechanics::setup;
 use lemons_core::files::input;
 use lemons_core::trial::Trial;
-use lemons_decision::{Person, WISHES_FILE, Wishes};
-use lemons_master::{Fmu, Given, Kind, plan_of};
+use lemons_decision::{DECISION_FILE, DecisionConfig, Person};
+use lemons_master::{FileType, Fmu, TrialInput, plan_of};
 use lemons_results::{
-    Area, Record, chaos, chaos_files, given_area, jupedsim, pedpy_into, series, series_files, trial_at_end,
+    Area, Record, chaos, chaos_files, given_area, jupedsim, pedpy, series, series_files, trial_at_end,
     walkable_area,
 };
 use std::io::Write;
@@ -82,7 +82,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     let leaves = *to == Format::Trial && arguments.lets_leave(trial.as_ref())?;
     if leaves && source.is_dir() {
         bail!(
-            "{}: an OutputDirectory does not say who has left ({WISHES_FILE} lets people leave): export from the table of \
+            "{}: an OutputDirectory does not say who has left ({DECISION_FILE} lets people leave): export from the table of \
              the run",
             source.display()
         );
@@ -119,7 +119,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             jupedsim(&run, &area, out)?;
             said.extend(area.said);
         }
-        Format::Pedpy => pedpy_into(&run, files::open(out)?, out)?,
+        Format::Pedpy => pedpy(&run, files::open(out)?, out)?,
         Format::Chaos => {
             claim_all(chaos_files(&run).iter().map(|name| out.join(name)))?;
             chaos(&run, out)?;
@@ -141,7 +141,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             }
             let given = arguments.trial.as_deref().unwrap_or(&before.directory);
             let wishes = wishes_at_end(given, &trial, &mut said)?;
-            let plan = wishes.as_ref().map(|_| out.join(WISHES_FILE));
+            let plan = wishes.as_ref().map(|_| out.join(DECISION_FILE));
             claim_all(trial.files_written(out).into_iter().chain(plan.clone()))?;
             trial.write(out)?;
             if let (Some(text), Some(plan)) = (&wishes, plan) {
@@ -149,7 +149,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
                 file.fill(|file| file.write_all(text.as_bytes()))?;
                 file.persist()?;
             }
-            said.extend(files::staying(out, if wishes.is_some() { &[WISHES_FILE] } else { &[] }));
+            said.extend(files::staying(out, if wishes.is_some() { &[DECISION_FILE] } else { &[] }));
         }
     }
     said.extend(not_exported(*to, &run, leaves));
@@ -194,18 +194,18 @@ impl Arguments {
     fn lets_leave(&self, trial: Option<&Trial>) -> Result<bool> {
         let Some(trial) = trial else { return Ok(false) };
         let given = self.trial.as_deref().unwrap_or(&trial.directory);
-        let Some(path) = Given::find(given)?.and_then(|given| given.wishes()) else { return Ok(false) };
-        let plan = plan_of(trial, &path).with_context(|| given.join(WISHES_FILE).display().to_string())?;
+        let Some(path) = TrialInput::find(given)?.and_then(|given| given.wishes()) else { return Ok(false) };
+        let plan = plan_of(trial, &path).with_context(|| given.join(DECISION_FILE).display().to_string())?;
         Ok(plan.leaving().contains(&true))
     }
 }
 
 /// The `decision.toml` of a Trial for those who are there at the end of its run, if it has one.
 fn wishes_at_end(given: &Path, end: &Trial, said: &mut Vec<String>) -> Result<Option<String>> {
-    let Some(path) = Given::find(given)?.and_then(|given| given.wishes()) else { return Ok(None) };
-    let shown = || given.join(WISHES_FILE).display().to_string();
+    let Some(path) = TrialInput::find(given)?.and_then(|given| given.wishes()) else { return Ok(None) };
+    let shown = || given.join(DECISION_FILE).display().to_string();
     let text = input::read_text(&path, input::LARGEST_SETTINGS).with_context(shown)?;
-    let wishes = Wishes::from_toml(&text).with_context(shown)?;
+    let wishes = DecisionConfig::from_toml(&text).with_context(shown)?;
     said.push(
         "decision.toml is taken along; people begin again with their first way-point, and by shares (share) it is chosen \
          again who takes which exit"
@@ -220,7 +220,7 @@ fn wishes_at_end(given: &Path, end: &Trial, said: &mut Vec<String>) -> Result<Op
 /// What the format or the record does not have.
 fn not_exported(to: Format, run: &Record, leaves: bool) -> Vec<String> {
     let mut said = Vec::new();
-    if matches!(to, Format::Jupedsim | Format::Pedpy) && !run.names().are_ids {
+    if matches!(to, Format::Jupedsim | Format::Pedpy) && run.numeric_ids().is_none() {
         said.push("Ids are not whole numbers: agents are numbered from 0, in the order of the source".into());
     }
     let without_contacts = !run.contacts();
@@ -253,8 +253,15 @@ fn not_exported(to: Format, run: &Record, leaves: bool) -> Vec<String> {
 
 /// That a file can be the table of a run; what is in it is read later.
 pub fn expect_table(path: &Path) -> Result<()> {
-    let tables = [Kind::Text, Kind::Binary, Kind::Parquet, Kind::Stream, Kind::Trial, Kind::Directory];
-    Ok(Kind::expect(path, &tables, "a table that lemons run wrote (CSV, Parquet)")?)
+    let tables = [
+        FileType::Text,
+        FileType::Binary,
+        FileType::Parquet,
+        FileType::Stream,
+        FileType::Trial,
+        FileType::Directory,
+    ];
+    Ok(FileType::expect(path, &tables, "a table that lemons run wrote (CSV, Parquet)")?)
 }
 
 /// \[bytes\] A polygon of more is a mistake.
@@ -291,7 +298,7 @@ pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
             })
             .transpose();
     };
-    if let Some(given) = Given::find(path)? {
+    if let Some(given) = TrialInput::find(path)? {
         return Ok(Some(given.read()?.0));
     }
     let fmu = Fmu::open(path)?;

@@ -7,13 +7,13 @@
 //! - `-` is standard output, for a text or a picture; the command's messages go to standard error then.
 
 use crate::error::Misused;
-use crate::tell;
+use crate::print;
 use anyhow::{Context, Result, bail};
 use clap::{ArgMatches, Command};
 use crowd_mechanics::pack::Binary;
 use lemons_core::files::{Staged, target_of};
 use lemons_core::trial::Trial;
-use lemons_decision::WISHES_FILE;
+use lemons_decision::DECISION_FILE;
 use lemons_results::series_in;
 use std::collections::HashMap;
 use std::io;
@@ -145,7 +145,7 @@ pub fn reads(path: &Path, who: &str) {
     let mut all = vec![path.to_owned()];
     if path.join("Parameters.xml").is_file() {
         // Files that are not there yet would be read by the next command.
-        all.extend([lemons_core::trial::DRIVE_FILE, WISHES_FILE].map(|name| path.join(name)));
+        all.extend([lemons_core::trial::DRIVE_FILE, DECISION_FILE].map(|name| path.join(name)));
         for file in Trial::files_read(path) {
             all.extend(file.parent().filter(|directory| *directory != path).map(Path::to_owned));
             all.push(file);
@@ -234,8 +234,7 @@ pub fn claim_directory(directory: &Path) -> Result<()> {
 /// As [`claim_directory`], or files of an earlier run are there and are not to be replaced.
 pub fn claim_series(directory: &Path) -> Result<Vec<PathBuf>> {
     claim_directory(directory)?;
-    let there: Vec<PathBuf> =
-        series_in(directory, |_, _| true)?.into_iter().map(|name| directory.join(name)).collect();
+    let there: Vec<PathBuf> = series_in(directory)?.into_iter().map(|name| directory.join(name)).collect();
     there.iter().try_for_each(|path| claim(path))?;
     Ok(there)
 }
@@ -254,7 +253,7 @@ pub fn complete() -> Vec<PathBuf> {
 /// Returns warnings about files of a replaced Trial that stay there and are used. The command itself writes `written`.
 pub fn staying(trial: &Path, written: &[&str]) -> impl Iterator<Item = String> {
     let names =
-        [lemons_core::trial::DRIVE_FILE, WISHES_FILE].into_iter().filter(|name| !written.contains(name));
+        [lemons_core::trial::DRIVE_FILE, DECISION_FILE].into_iter().filter(|name| !written.contains(name));
     let files: Vec<PathBuf> = names.map(|name| trial.join(name)).collect();
     files
         .into_iter()
@@ -282,7 +281,7 @@ impl Files {
         if std::mem::replace(&mut self.streams, true) {
             bail!("cannot write -: another result goes there");
         }
-        tell::speak_aside();
+        print::use_standard_error();
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! `lemons info`: what an FMU is and which variables it has.
 
-use crate::tell;
+use crate::print;
 use anyhow::Result;
 use lemons_master::Fmu;
 use lemons_master::ssp::{Fmi, Kind, Single, Type, Variable};
@@ -20,7 +20,7 @@ pub struct Arguments {
 pub fn info(arguments: &Arguments) -> Result<()> {
     let fmu = Fmu::open(&arguments.fmu)?;
     let description = &fmu.description;
-    let mut out = tell::out();
+    let mut out = print::out();
     let count = |kind| {
         let variables = description.variables.iter().filter(|variable| variable.kind == Some(kind));
         variables.map(Variable::count).sum::<usize>()

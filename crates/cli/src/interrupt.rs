@@ -11,7 +11,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock};
 
 /// The user pressed Ctrl-C; what became of the work.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
 pub struct Interrupted(pub String);
 
 impl Interrupted {
@@ -32,14 +33,6 @@ impl Interrupted {
 
 /// Complete files that are told by name.
 const MOST_NAMED: usize = 8;
-
-impl std::fmt::Display for Interrupted {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Interrupted {}
 
 /// As shells count it: 128 and the number of the signal.
 pub const EXIT_CODE: u8 = 130;

@@ -7,7 +7,7 @@
 mod server;
 
 use crate::interrupt::Interrupt;
-use crate::tell;
+use crate::print;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::{Binary, THIRD_PARTY};
 use lemons_core::files::input;
@@ -44,7 +44,7 @@ pub fn lab(arguments: &Arguments) -> Result<()> {
         .with_context(|| format!("cannot listen on port {}", arguments.port))?;
     let address = listener.local_addr()?;
     let url = format!("http://{address}/");
-    let mut out = tell::out();
+    let mut out = print::out();
     writeln!(out, "the lab is at {url}, until Ctrl-C")?;
     out.flush()?;
     if !arguments.no_browser

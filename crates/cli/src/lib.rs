@@ -7,12 +7,11 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 #[macro_use]
-mod tell;
+mod print;
 
 mod bench;
 mod binary;
 mod check;
-mod compared;
 mod connect;
 
 mod decide;
@@ -26,7 +25,6 @@ mod info;
 mod interrupt;
 mod lab;
 mod measure;
-mod misspelt;
 mod output;
 
 mod pack;
@@ -39,11 +37,11 @@ mod sweep;
 mod verify;
 mod version;
 
-mod words;
+mod messages;
 
 use anyhow::Result;
-use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
-use error::{Misused, TrialHasErrors, said};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use error::{Misused, TrialHasErrors, full_message};
 use interrupt::{EXIT_CODE, Interrupted};
 use lemons_core::files::give_up;
 use std::ffi::OsString;
@@ -113,17 +111,9 @@ pub fn definition() -> clap::Command {
     })
 }
 
-fn arguments(all: &mut clap::Command, words: &[OsString]) -> Result<(Arguments, ArgMatches), clap::Error> {
-    let matches = all.try_get_matches_from_mut(words).map_err(|error| {
-        let named = words.get(1).and_then(|name| name.to_str());
-        misspelt::with_tip(error, named.and_then(|name| all.find_subcommand_mut(name)))
-    })?;
-    Ok((Arguments::from_arg_matches(&matches)?, matches))
-}
-
 /// The command `lemons`: reads the command line, does what it says, and returns the exit code.
 pub fn main() -> ExitCode {
-    let done = interrupt::prepare().and_then(|()| command()).and_then(|()| Ok(tell::out().flush()?));
+    let done = interrupt::prepare().and_then(|()| command()).and_then(|()| Ok(print::out().flush()?));
     if done.is_err() {
         interrupt::wait_if_ending();
     }
@@ -132,9 +122,9 @@ pub fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is::<TrialHasErrors>() => ExitCode::from(3),
-        Err(error) if tell::nobody_listens(&error) => ExitCode::SUCCESS,
+        Err(error) if print::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            note!("lemons: {}", said(&error));
+            note!("lemons: {}", full_message(&error));
             if error.is::<Misused>() {
                 return ExitCode::from(2);
             }
@@ -149,18 +139,18 @@ pub fn main() -> ExitCode {
 fn command() -> Result<()> {
     let words: Vec<OsString> = std::env::args_os().collect();
     let mut all = definition();
-    let (arguments, matches) = match arguments(&mut all, &words) {
-        Ok(read) => read,
+    let matches = match all.try_get_matches_from_mut(&words) {
+        Ok(matches) => matches,
         // Where it was asked for, help goes where everything goes.
         Err(asked) if std::io::stdout().is_terminal() || asked.use_stderr() => asked.exit(),
-        Err(asked) => return Ok(write!(tell::out(), "{}", asked.render())?),
+        Err(asked) => return Ok(write!(print::out(), "{}", asked.render())?),
     };
     if let Some((name, matches)) = matches.subcommand()
         && let Some(command) = all.find_subcommand(name)
     {
         files::begin(command, matches)?;
     }
-    execute(arguments.command)
+    execute(Arguments::from_arg_matches(&matches)?.command)
 }
 
 fn execute(command: Command) -> Result<()> {
@@ -195,8 +185,8 @@ mod tests {
     #[test]
     fn examples_of_the_help_are_accepted_by_the_command() {
         for command in Arguments::command().get_subcommands() {
-            let found = examples::EXAMPLES.iter().find(|(name, _)| *name == command.get_name());
-            let (name, lines) = found.unwrap_or_else(|| panic!("{}: no example", command.get_name()));
+            let name = command.get_name();
+            let lines = examples::of_command(name).unwrap_or_else(|| panic!("{name}: no example"));
             for line in lines.replace("\\\n", "").lines() {
                 assert!(format!("{line} ").starts_with(&format!("lemons {name} ")), "{line}");
                 let read = definition().try_get_matches_from(line.split_whitespace());
@@ -206,33 +196,6 @@ mod tests {
                 assert!(line.len() <= 78, "{line}");
             }
         }
-    }
-
-    /// The option that `meant` is, or no tip.
-    #[test]
-    fn the_tip_for_a_misspelt_option_is_the_nearest_one() {
-        for (line, tip) in [
-            ("lemons run X --til left", "--until"),
-            ("lemons run X --untill=3", "--until"),
-            ("lemons crowd --numbr 80", "--number"),
-            ("lemons crowd --persons 80", ""),
-            ("lemons run X --colour red", ""),
-            ("lemons sweep X --thread 2", "--threads"),
-        ] {
-            let words: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
-            let said = arguments(&mut definition(), &words).err().unwrap().render().to_string();
-            let given = words.iter().find_map(|word| word.to_str()?.strip_prefix("--")).unwrap();
-            let given = given.split('=').next().unwrap();
-            assert!(said.contains(&format!("unexpected argument '--{given}' found")), "{said}");
-            let expected = format!("tip: a similar argument exists: '{tip}'");
-            assert!(if tip.is_empty() { !said.contains("tip:") } else { said.contains(&expected) }, "{said}");
-            assert!(
-                said.contains(&format!("Usage: lemons {} [OPTIONS]", words[1].to_str().unwrap())),
-                "{said}"
-            );
-        }
-        let people = ["lemons", "crowd", "--people", "80"].map(OsString::from);
-        assert!(arguments(&mut definition(), &people).is_ok());
     }
 
     /// A path that is not of type `PathBuf` would be neither an input nor an output of [`files`].

@@ -16,8 +16,7 @@ use crate::pictures::look::{positive, seconds};
 use crate::pictures::plot::Format;
 use crate::pictures::source::Source;
 use crate::run::{Until, until};
-use anyhow::{Context, Result, bail};
-use lemons_core::plane::polygon_from_wkt;
+use anyhow::{Result, bail};
 use lemons_core::trial::Trial;
 use lemons_results::Record;
 use lemons_results::measure::{Line, MeasuringArea, Room};
@@ -199,8 +198,7 @@ impl Arguments {
             // Here --area is something else.
             note!("{}", line.replace("--area", "--walkable"));
         }
-        let rings = polygon_from_wkt(&area.wkt).map_err(anyhow::Error::msg)?;
-        Room::of(&rings).context("the walkable area has no ring")
+        Ok(Room::of(&area.polygon))
     }
 
     /// \[m\]

@@ -2,13 +2,13 @@
 
 use crate::binary::{CROWD, Library};
 use crate::files::{self, Force};
+use crate::messages::report_problems;
 use crate::version::BUILD;
-use crate::words::trial_told;
 use anyhow::{Result, anyhow, bail};
 use crowd_mechanics::pack::{Binary, Format, Naming, platforms};
 use lemons_core::trial::Trial;
-use lemons_decision::WISHES_FILE;
-use lemons_master::{Error, Given, binaries_beside};
+use lemons_decision::DECISION_FILE;
+use lemons_master::{Error, TrialInput, binaries_beside};
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::path::{Path, PathBuf};
 
@@ -107,7 +107,7 @@ fn parse_binary(text: &str) -> Result<Binary, String> {
 pub fn pack(arguments: &Arguments) -> Result<()> {
     let binaries = arguments.fmu.binaries(&CROWD)?;
     files::claim_and_try(&arguments.output)?;
-    let trials = arguments.trials.iter().map(|path| Given::open(path)).collect::<Result<Vec<_>, _>>()?;
+    let trials = arguments.trials.iter().map(|path| TrialInput::open(path)).collect::<Result<Vec<_>, _>>()?;
     let warnings =
         write_fmu(&trials, binaries, arguments.fmi.format(arguments.fmu.naming()), true, &arguments.output)?;
     for warning in warnings {
@@ -116,7 +116,7 @@ pub fn pack(arguments: &Arguments) -> Result<()> {
     for trial in trials.iter().filter(|trial| trial.wishes().is_some()) {
         let path = trial.path().display();
         note!(
-            "note: {path}/{WISHES_FILE} is not in this FMU, which is the crowd alone: lemons decide {path} -o FILE.fmu makes \
+            "note: {path}/{DECISION_FILE} is not in this FMU, which is the crowd alone: lemons decide {path} -o FILE.fmu makes \
              the FMU that says where people walk, and lemons connect couples both"
         );
     }
@@ -131,14 +131,14 @@ pub fn say_size(output: &Path) -> Result<()> {
 
 /// Packs Trials; errors of a Trial are printed, one line each. With `drives`, those of its drive, too.
 pub fn write_fmu(
-    trials: &[Given],
+    trials: &[TrialInput],
     binaries: Vec<Binary>,
     format: Format,
     drives: bool,
     output: &Path,
 ) -> Result<Vec<String>> {
     let packed = lemons_master::pack(trials, binaries, format, Some(picture), drives, output);
-    packed.map_err(|error| trial_told(error.into()))
+    packed.map_err(|error| report_problems(error.into()))
 }
 
 /// `model.png`; a Trial that cannot be drawn has none.

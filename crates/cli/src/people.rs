@@ -1,9 +1,9 @@
 //! `lemons person`, `lemons crowd`: people from anthropometric data, and what both commands share.
 
+mod bodies;
 pub mod crowd;
-mod crowd_files;
-mod crowd_outputs;
 mod leave;
+mod outputs;
 pub mod person;
 mod placing;
 mod regions;

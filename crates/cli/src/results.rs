@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use lemons_core::files::{Staged, WriteError};
 use lemons_results::RecordError;
 pub use lemons_results::columns::Column;
-pub use lemons_results::{Cell, Content, Format, FrameWriter, Kind, TableWriter};
+pub use lemons_results::{Cell, CellType, Content, Format, FrameWriter, TableWriter};
 use std::path::{Path, PathBuf};
 
 /// `--format`

@@ -1,26 +1,26 @@
 //! `lemons run`: an FMU, or FMUs coupled by an SSP, stepped like any FMI master would.
 
+mod accuracy;
 mod fmus;
 mod outputs;
 mod recorder;
 mod subject;
 mod trial;
-mod two_steps;
 
-use crate::compared::{Poses, Seen};
 use crate::decide::Walk;
-use crate::error::{Misused, and_then, said};
+use crate::error::{Misused, and_then, full_message};
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
+use crate::print::{ProgressNotes, is_closed_pipe};
 use crate::results::{Format, FormatName, Place};
-use crate::tell::{Interim, nobody_listens};
 use crate::version::BUILD;
+use accuracy::{Poses, run_for};
 use anyhow::{Context, Error, Result, bail, ensure};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_core::trial::DriveChoice;
-use lemons_decision::gait::Gait;
-use lemons_master::{Given, Kind, Saved, Settings, writers};
+use lemons_decision::walking_model::WalkingModel;
+use lemons_master::{FileType, Saved, Settings, TrialInput, writers};
 use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_results::{Frame, Run};
 use lemons_sim::stop::{Still, StopCondition};
@@ -30,9 +30,8 @@ use recorder::{CrowdRecorder, Look, Recorded, Target};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use subject::{Identity, Prepared, Subject};
+use subject::{Prepared, Subject};
 pub use trial::not_set;
-use two_steps::run_for;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -155,8 +154,8 @@ pub struct Job {
     pub state: Option<PathBuf>,
     /// When it ends.
     pub ends: Ends,
-    /// What is done with the poses.
-    pub poses: Poses,
+    /// Whether the poses of all communication points are kept.
+    pub keeps_poses: bool,
 }
 
 impl Arguments {
@@ -179,7 +178,7 @@ impl Arguments {
             ..Settings::of(&self.input)
         };
         let ends = if self.until == Some(Until::Left) { Ends::Left } else { Ends::AtTime };
-        Ok(Job { settings, rows, outputs, state: self.state.clone(), ends, poses: Poses::Ignore })
+        Ok(Job { settings, rows, outputs, state: self.state.clone(), ends, keeps_poses: false })
     }
 }
 
@@ -235,8 +234,8 @@ fn length(text: &str) -> Result<f64, String> {
 
 /// What came of a run.
 pub struct Ended {
-    /// If poses are followed: those of each crowd, and the mechanical steps \[s\].
-    poses: Vec<Seen>,
+    /// If poses are kept: those of each crowd, and the mechanical steps \[s\].
+    poses: Vec<Poses>,
     mechanical_steps: Vec<(String, f64)>,
     /// \[s\] the communication step
     step: f64,
@@ -280,9 +279,9 @@ fn interrupted(why: String) -> Error {
 
 /// Prepares a run of a Trial, an FMU or an SSP.
 fn prepare(settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
-    let runs = [Kind::Trial, Kind::Fmu, Kind::Ssp, Kind::Archive];
-    Kind::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
-    match Given::find(&settings.input)? {
+    let runs = [FileType::Trial, FileType::Fmu, FileType::Ssp, FileType::Archive];
+    FileType::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
+    match TrialInput::find(&settings.input)? {
         Some(given) => trial::prepare(&given, settings, outputs),
         None => fmus::prepare(settings, |system, others, (clock, every), before| match outputs {
             Some(place) => outputs::Outputs::create(system, others, place, &About::of(clock, every, before)),
@@ -302,7 +301,7 @@ impl About {
     fn of(clock: &Clock, every: u64, before: Option<&Saved>) -> About {
         let goes_on = before.is_some();
         let lines = vec![
-            ("lemons_version", written_by(before)),
+            ("lemons_version", writers(before.map_or("", |before| &before.lemons), &BUILD.whole())),
             ("communication_step", format!("{:?}", clock.step)),
             ("every", every.to_string()),
         ];
@@ -310,14 +309,9 @@ impl About {
     }
 }
 
-/// The builds of this program that have written a run.
-fn written_by(before: Option<&Saved>) -> String {
-    writers(before.map_or("", |before| &before.lemons), &BUILD.whole())
-}
-
 /// Runs and records; warnings go to standard error. Ctrl-C ends the run after the step under way.
 pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
-    let Job { settings, rows, outputs, state, ends, mut poses } = job;
+    let Job { settings, rows, outputs, state, ends, keeps_poses } = job;
     let Prepared {
         mut subject,
         crowds,
@@ -326,15 +320,13 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         mechanical_steps,
         output_directories,
         clock,
-        index,
-        every,
         drive_end,
-        identity,
+        record,
         before,
     } = prepare(&settings, outputs.as_ref())?;
     subject.take_warnings().iter().for_each(|warning| note!("{warning}"));
     coupling.push(format!("communication step {:>10} s", clock.step));
-    if matches!(poses, Poses::Keep | Poses::Compare(..)) && mechanical_steps.is_empty() {
+    if keeps_poses && mechanical_steps.is_empty() {
         bail!(
             "--accuracy: nothing here has a parameter TimeStepMechanical, so no mechanical step can be chosen"
         );
@@ -342,11 +334,12 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     if before.is_none() {
         output_directories.iter().try_for_each(|path| claim_series(path))?;
     }
+    let Saved { index, every, .. } = record;
     let about = About::of(&clock, every, before.as_ref());
     let mut recorders = Vec::with_capacity(crowds.len());
     for crowd in &crowds {
         let to = if crowds.len() > 1 { rows.named(&crowd.file_name)? } else { rows.clone() };
-        recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), &mut poses)?);
+        recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), keeps_poses)?);
     }
     let stop = match ends {
         Ends::AtTime => None,
@@ -361,7 +354,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let bar = progress_bar(stop.as_ref(), clock.steps.saturating_sub(index))?;
     let started = Instant::now();
     let mut run =
-        Recording { recorders, stop, every, index, bar, interim: Interim::from(started), interrupt };
+        Recording { recorders, stop, every, index, bar, notes: ProgressNotes::from(started), interrupt };
     let mut done = run.see(&mut *subject, if before.is_none() { Look::Start } else { Look::Resumed });
     if done.is_ok() && !interrupt.pressed() {
         let stepped =
@@ -377,22 +370,8 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let saved = match (&done, file) {
         (Ok(()), Some((file, path))) => {
             let (component, states) = subject.states()?;
-            let Identity { algorithm, wiring, drive } = identity;
-            let saved = Saved {
-                format: Saved::FORMAT,
-                lemons: written_by(before.as_ref()),
-                start: clock.start,
-                step: clock.step,
-                until: clock.until,
-                index,
-                time,
-                every,
-                algorithm,
-                wiring,
-                drive,
-                component,
-                crowd: recorders.iter().map(CrowdRecorder::record).collect(),
-            };
+            let crowd = recorders.iter().map(CrowdRecorder::record).collect();
+            let saved = Saved { index, time, component, crowd, ..record };
             let shown = path.display();
             let written = saved.write(&states, file).with_context(|| format!("cannot write {shown}"));
             written.map(|()| Some(format!("saved run          {shown}   (at t = {time:.3} s)")))
@@ -404,7 +383,9 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         _ => Ok(None),
     };
     let pressing = match (&done, &plans[..], &recorders[..]) {
-        (Ok(()), [plan], [crowd]) if plan.gait == Gait::Straight => pressing(&mut *subject, plan, crowd)?,
+        (Ok(()), [plan], [crowd]) if plan.walking_model == WalkingModel::Straight => {
+            pressing(&mut *subject, plan, crowd)?
+        }
         _ => None,
     };
     // What was simulated before a failure is worth having.
@@ -460,7 +441,7 @@ struct Recording<'a> {
     /// The last communication point of the clock that was reached.
     index: u64,
     bar: ProgressBar,
-    interim: Interim,
+    notes: ProgressNotes,
     interrupt: &'a Interrupt,
 }
 
@@ -495,7 +476,7 @@ impl Recording<'_> {
         let written = point.steps.is_multiple_of(self.every);
         self.see(subject, if written { Look::Written } else { Look::Passed })?;
         self.bar.set_message(format!("t = {:.2} s", point.time));
-        if self.bar.is_hidden() && self.interim.is_due(Instant::now()) {
+        if self.bar.is_hidden() && self.notes.is_due(Instant::now()) {
             note!("t = {:.2} s", point.time);
         }
         match self.stop.as_ref().and_then(StopCondition::left) {
@@ -512,11 +493,11 @@ fn progress_bar(stop: Option<&StopCondition>, steps: u64) -> Result<ProgressBar>
         // How long it takes is not known.
         Some((leave, _)) => {
             let style = ProgressStyle::with_template("{bar:40} {msg}  {pos} of {len} have left")?;
-            crate::tell::bar(leave as u64).with_style(style)
+            crate::print::bar(leave as u64).with_style(style)
         }
         None => {
             let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
-            crate::tell::bar(steps).with_style(style)
+            crate::print::bar(steps).with_style(style)
         }
     })
 }
@@ -613,12 +594,12 @@ fn pressing(
 /// The error of a run that stopped at a time \[s\], after what became of its files was told.
 fn stopped(error: Error, time: f64, placed: Result<()>) -> Error {
     let stopped = format!("stopped at t = {time:?} s");
-    let quiet = nobody_listens(&error);
+    let quiet = is_closed_pipe(&error);
     error.context(match placed {
         Ok(()) => format!("{stopped}; the results until then are written"),
         Err(why) => {
             if !quiet {
-                note!("lemons: {}", said(&why));
+                note!("lemons: {}", full_message(&why));
             }
             stopped
         }

@@ -3,13 +3,13 @@
 use crate::error::Misused;
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
+use crate::messages::report_problems;
 use crate::output::Output;
-use crate::tell::Interim;
+use crate::print::ProgressNotes;
 use crate::version::BUILD;
-use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
 use indicatif::ProgressStyle;
-use lemons_sweep::{Finished, How, Progress, Spec, Swept, check_over, summary, sweep as run};
+use lemons_sweep::{Finished, Options, Progress, Spec, Swept, check_over, summary, sweep as run};
 use std::cell::Cell;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -43,77 +43,7 @@ pub struct Arguments {
     _force: Force,
 }
 
-const EXAMPLE: &str = r#"An example of FILE.toml:
-  trial = "resources/Trial_push"   # relative to this file
-  # fmu = "crowd.fmu"              # instead of a Trial
-  until = 2.0                      # [s]; or "left"
-  # step = 0.01                    # [s]; else the Trial's TimeStep
-  # drive = "push.csv"             # else drive.csv; false: none
-  # plan = "walk.toml"             # else decision.toml; false: none
-  # algorithm = "gauss-seidel"     # of people who walk; else jacobi
-
-  [parameters]                     # or table = "points.csv"
-  "contact.human_naked.human_naked.KineticFriction" = [0.0, 0.4]
-  "agent[*].Mass" = { from = 50, to = 110, count = 4 }
-  "material.human_naked.YoungModulus" = { from = 1e6, to = 3e6,
-    count = 3, spacing = "logarithmic" }
-
-  [measures]
-  reach = { of = "x", take = "reach", agents = ["4"] }
-  squeeze = { of = "peak_squeeze", take = "max" }
-  arrival = { of = "speed", take = "first_above", level = 0.05,
-    agents = ["4"] }
-
-All combinations of parameters are simulated. until: as lemons run --until.
-of: x, y, theta, speed, omega, agent_contacts, wall_contacts,
-contacting_agents, squeeze (the sum of normal forces): at communication
-points; mean_squeeze (over a step), peak_squeeze, peak_overlap (largest
-within a step): of the whole step that ends there, so that no collision is
-missed. Or the name of a variable: "decision.Arrived", "LargestOverlap",
-"agent[*].Velocity.x".
-take: max, min, mean, last, change, reach, first_above, first_at_least.
-Of several agents: across = "max", "min", "mean", "median", "quantile_90".
-
-The numbers of lemons measure (docs/measure.md), of the same run:
-  [lines]                          # [m]
-  door = [8, 2.5, 8, 3.5]
-  [areas]                          # [m]; two corners, or a polygon
-  front = [6, 2, 8, 4]
-  [measures]
-  flow = { line = "door", direction = "right",
-    number = "specific_flow" }
-  dense = { area = "front", number = "voronoi_density", take = "max" }
-  felt = { squeeze = "largest_mean", over = 1, across = "max" }
-  long = { squeeze = "time_above", level = 1000, across = "median" }
-number of a line: people, crossings, first, last, flow, specific_flow
-(width = a number [m] or the name of a parameter; else the line's length),
-gap_10, gap_median, gap_90, across, not_across, evacuation_time.
-number of an area: people, density, voronoi_density, speed;
-take = "mean" or "max".
-walkable = "FILE.wkt" is lemons measure --walkable.
-squeeze: time_above (level [N]), largest_mean (over = 0.1, 1 or 10 [s]),
-peak, impulse, time. Each may have from and until [s].
-
-Where people walk (decision.toml), each point is the run of lemons run
-TRIAL. Parameters may be named crowd.NAME or decision.NAME; without a
-component they are the crowd's. A name in braces stands for the value of a
-parameter, which then chooses a Trial. These are five widths of a door,
-with twenty crowds each:
-  trial = "door_{width}_{seed}"
-  until = 120.0                    # or "left", which needs exits
-  # stop may have at_most instead
-  stop = { of = "decision.Arrived", at_least = 30 }
-
-  [parameters]
-  width = [0.7, 0.8, 0.9, 1.0, 1.2]
-  seed = { from = 1, to = 20 }     # all whole numbers
-
-  [measures]
-  first = { of = "decision.Arrived", take = "first_at_least",
-    level = 1 }
-  evacuation = { of = "decision.Arrived", take = "first_at_least",
-    level = 30 }
-  squeeze = { of = "peak_squeeze", take = "max" }"#;
+const EXAMPLE: &str = include_str!("help/sweep.txt");
 
 /// Messages of failed points that are shown.
 const SHOWN: usize = 3;
@@ -130,7 +60,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     files::claim_directory(&output)?;
     claim_series(&spec)?;
     check_over(&spec.points, &arguments.over).map_err(|error| Misused(format!("--over: {error}")))?;
-    let mut summed = arguments.summary.as_deref().map(Output::open).transpose()?;
+    let mut summary_file = arguments.summary.as_deref().map(Output::open).transpose()?;
     let threads = match arguments.threads {
         Some(threads) => usize::from(threads),
         None => std::thread::available_parallelism().map_or(1, usize::from),
@@ -138,9 +68,9 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let interrupt = Interrupt::watch();
     let style =
         ProgressStyle::with_template("{bar:40} {percent:>3}%  {pos} of {len} points  {msg}{eta} left")?;
-    let bar = crate::tell::bar(spec.points.count as u64).with_style(style);
+    let bar = crate::print::bar(spec.points.count as u64).with_style(style);
     let newest = Cell::new(None);
-    let mut interim = Interim::from(Instant::now());
+    let mut notes = ProgressNotes::from(Instant::now());
     let tell = |at: Progress| {
         newest.set(Some(at));
         if at.failed > 0 {
@@ -152,20 +82,20 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
             bar.reset_eta();
         }
         bar.set_position(at.done as u64);
-        if bar.is_hidden() && interim.is_due(Instant::now()) {
+        if bar.is_hidden() && notes.is_due(Instant::now()) {
             note!("{} of {} points, {} failed", at.done, at.total, at.failed);
         }
     };
     let started = Instant::now();
     let by = BUILD.whole();
-    let how = How { threads, retry: arguments.retry_failed, by: &by };
+    let options = Options { threads, retry: arguments.retry_failed, by: &by };
     let may_end = spec.may_end();
-    let done = run(spec, &output, how, interrupt.flag(), tell);
+    let done = run(spec, &output, options, interrupt.flag(), tell);
     bar.finish_and_clear();
     let Swept { points, measures, rows, progress: at, warnings } = match (done, newest.get()) {
         (Ok(done), _) => done,
         (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(numbers(at))),
-        (Err(lemons_sweep::Error::Master(error)), None) => return Err(trial_told(error.into())),
+        (Err(lemons_sweep::Error::Master(error)), None) => return Err(report_problems(error.into())),
         (Err(error @ (lemons_sweep::Error::Spec(_) | lemons_sweep::Error::In { .. })), None) => {
             return Err(anyhow::Error::new(error).context(arguments.spec.display().to_string()));
         }
@@ -175,7 +105,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     for warning in &warnings {
         note!("note: {warning} (drive = false: only these)");
     }
-    let told = tell_points(&rows, at, wall, threads, may_end);
+    let told = print_points(&rows, at, wall, threads, may_end);
     if at.done < at.total {
         let go_on =
             format!("{} of {} points are finished and kept; go on with the same command", at.done, at.total);
@@ -186,11 +116,11 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         bail!("none of the {} points succeeded: {again}", at.total);
     }
     told?;
-    if let Some(file) = &mut summed {
+    if let Some(file) = &mut summary_file {
         let text = summary(&points, &measures, &rows, &arguments.over)?;
         file.fill(|out| out.write_all(text.as_bytes()))?;
     }
-    if let (Some(file), Some(path)) = (summed, &arguments.summary) {
+    if let (Some(file), Some(path)) = (summary_file, &arguments.summary) {
         file.persist()?;
         say!("summary            {}", path.display())?;
     }
@@ -200,7 +130,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
 /// Claims the directories where points write files themselves.
 fn claim_series(spec: &Spec) -> Result<()> {
     for (_, directory) in spec.points.output_directories() {
-        files::claim_series(Path::new(&directory)).context("OutputDirectory")?;
+        files::claim_series(Path::new(directory)).context("OutputDirectory")?;
     }
     Ok(())
 }
@@ -215,7 +145,7 @@ fn numbers(at: Progress) -> String {
     )
 }
 
-fn tell_points(rows: &[Finished], at: Progress, wall: f64, threads: usize, may_end: bool) -> Result<()> {
+fn print_points(rows: &[Finished], at: Progress, wall: f64, threads: usize, may_end: bool) -> Result<()> {
     let new = at.done - at.before;
     say!("points             {:>10}     ({new} now, {} before)", at.total, at.before)?;
     say!("succeeded          {:>10}", at.done - at.failed)?;

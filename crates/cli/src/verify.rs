@@ -1,7 +1,7 @@
 //! `lemons verify`: the mechanics against things it did not produce.
 
-use crate::error::said;
-use crate::tell;
+use crate::error::full_message;
+use crate::print;
 use anyhow::{Result, bail};
 use lemons_verify::checks::Check;
 use std::io::Write;
@@ -17,7 +17,7 @@ pub struct Arguments {
 }
 
 pub fn verify(arguments: &Arguments) -> Result<()> {
-    let mut out = tell::out();
+    let mut out = print::out();
     let checks = lemons_verify::checks::all();
     let wanted = |check: &&Check| arguments.only.as_ref().is_none_or(|only| check.name.contains(only));
     let (mut passed, mut failed) = (0, 0);
@@ -45,7 +45,7 @@ pub fn verify(arguments: &Arguments) -> Result<()> {
             writeln!(out, "    {against:46} {figure:>9.1e}  {limit:<12}  {verdict}")?;
         }
         if let Some(error) = trouble {
-            writeln!(out, "    {}", said(&error.into()))?;
+            writeln!(out, "    {}", full_message(&error.into()))?;
         }
         out.flush()?;
     }

@@ -15,7 +15,7 @@ mod temporary;
 pub mod words;
 mod written;
 
-pub use temporary::{Scratch, give_up, make_directories, unnamed};
+pub use temporary::{Scratch, give_up, make_directories};
 pub use written::{
     Change, Staged, StagedDirectory, WriteError, change_all, reader_left, target_of, write_atomically,
 };

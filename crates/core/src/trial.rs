@@ -18,7 +18,7 @@ mod xml;
 
 pub use crate::xml::{Problem, Severity, quoted};
 pub use agents::{Agent, Shape};
-pub use documents::{FileNames, INTERACTIONS, Places, Trial, output_names};
+pub use documents::{FileNames, INTERACTIONS, Trial, output_names};
 pub use drive::{DRIVE_FILE, DriveChoice, DriveError, DriveTable, Missed, Push, own_drive};
 pub use dynamics::{AgentDynamics, DynamicsElement, dynamics_xml};
 pub use geometry::{Geometry, Wall};

@@ -1,25 +1,24 @@
 //! The model of the FMU: poses are inputs, drives are outputs.
 
 use crate::error::PlanError;
-use crate::gait::{Walking, Wanted};
-use crate::patience::{Advice, Patience};
 use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
+use crate::stuck::{StuckAction, StuckState};
 use crate::target::{Arrival, Destination, Ways};
+use crate::walking_model::{DesiredMotion, Walking};
 use lemons_core::files::input;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_fmi::location::{Location, LocationError};
-use lemons_fmi::variables::Variable;
-use lemons_fmi::{Model, Phase, StepError, fingerprint};
+use lemons_fmi::variables::{Dependency, Known, Role, Scalar, Size, Variable};
+use lemons_fmi::{Model, Part, Phase, StepError, fingerprint};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
 
-pub mod arrays;
-pub mod table;
+pub mod quantities;
 
-pub use table::{AgentQuantity, Quantity, table};
+pub use quantities::Quantity;
 
 /// Name of the plan's file in the FMU's resources.
 pub const PLAN_FILE: &str = "decision.toml";
@@ -69,7 +68,7 @@ pub struct Agent {
     left: bool,
     /// \[m\] Where the agent was at the last step.
     last: Option<[f64; 2]>,
-    patience: Patience,
+    stuck: StuckState,
 }
 
 impl Agent {
@@ -111,7 +110,7 @@ pub struct Decision {
     /// Found when they are first needed; `None` inside if nobody needs any.
     ways: Option<Option<Arc<Ways>>>,
     /// What all agents want by the model at their present poses, if people see each other and nothing has changed since.
-    wanted: Option<Vec<Wanted>>,
+    wanted: Option<Vec<DesiredMotion>>,
 }
 
 impl Decision {
@@ -123,7 +122,7 @@ impl Decision {
             next: 0,
             left: false,
             last: None,
-            patience: Patience::default(),
+            stuck: StuckState::default(),
         });
         let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
@@ -167,14 +166,14 @@ impl Decision {
             let leaves = arrival == Some(Arrival::Leaves);
             // Who is at a goal is not stuck there.
             let goes = self.goes(i, ways.as_deref()).filter(|_| arrival.is_none());
-            let sees = self.plan.gait.sees_others();
+            let sees = self.plan.walking_model.sees_others();
             let queues = sees && self.wanted(i, ways.as_deref()).queues;
             let agent = &mut self.agents[i];
             let (next, way, at) = (agent.next(), agent.at() - agent.from(), agent.at());
-            // The paper's rule has no patience; and who queues is not stuck.
+            // The paper's rule does not see it; and who queues is not stuck.
             if agent.next == agent.walker.waypoints.len() || sees {
                 let moved = agent.last.is_some();
-                agent.patience.follow(step, way, goes.filter(|_| moved && !queues), self.plan.seed, i as u64);
+                agent.stuck.follow(step, way, goes.filter(|_| moved && !queues), self.plan.seed, i as u64);
             }
             (agent.next, agent.left, agent.last) = (next, leaves, Some([at.x, at.y]));
         }
@@ -250,7 +249,7 @@ impl Decision {
     /// The drive of an agent at its present pose.
     fn drive(&mut self, i: usize) -> Result<Propulsion, DecisionError> {
         let ways = self.ways()?;
-        if self.plan.gait.sees_others() {
+        if self.plan.walking_model.sees_others() {
             let wanted = self.wanted(i, ways.as_deref());
             return Ok(self.propulsion(i, wanted, ways.as_deref()));
         }
@@ -260,7 +259,7 @@ impl Decision {
             return Ok(agent.walker.drive(agent.next(), agent.pose));
         }
         let walking = self.walking(i, ways.as_deref());
-        let wanted = walking.map(|walking| self.plan.gait.wanted(&[Some(walking)], &[])[0]);
+        let wanted = walking.map(|walking| self.plan.walking_model.desired(&[Some(walking)], &[])[0]);
         Ok(self.propulsion(i, wanted.unwrap_or_default(), ways.as_deref()))
     }
 
@@ -287,56 +286,35 @@ impl Decision {
     }
 
     /// What an agent wants by a model in which people see each other.
-    fn wanted(&mut self, i: usize, ways: Option<&Ways>) -> Wanted {
+    fn wanted(&mut self, i: usize, ways: Option<&Ways>) -> DesiredMotion {
         if let Some(wanted) = &self.wanted {
             return wanted[i];
         }
         let people: Vec<Option<Walking<'_>>> =
             (0..self.agents.len()).map(|i| self.walking(i, ways)).collect();
-        let all = self.plan.gait.wanted(&people, &self.faces);
+        let all = self.plan.walking_model.desired(&people, &self.faces);
         let own = all[i];
         self.wanted = Some(all);
         own
     }
 
     /// The drive for what an agent wants by the model, or does because it is stuck.
-    fn propulsion(&self, i: usize, mut wanted: Wanted, ways: Option<&Ways>) -> Propulsion {
-        let Agent { walker, pose, patience, .. } = &self.agents[i];
+    fn propulsion(&self, i: usize, mut wanted: DesiredMotion, ways: Option<&Ways>) -> Propulsion {
+        let Agent { walker, pose, stuck, .. } = &self.agents[i];
         if let Some((direction, speed)) = self.goes(i, ways) {
-            match patience.advice(direction, speed) {
-                Advice::Walk => {}
-                Advice::Step(velocity) => (wanted.velocity, wanted.force) = (velocity, Vec2::ZERO),
-                Advice::Insist(speed) => {
-                    wanted =
-                        Wanted { velocity: direction * speed, facing: Some(direction), ..Wanted::default() };
+            match stuck.action(direction, speed) {
+                StuckAction::Walk => {}
+                StuckAction::Step(velocity) => (wanted.velocity, wanted.force) = (velocity, Vec2::ZERO),
+                StuckAction::Insist(speed) => {
+                    wanted = DesiredMotion {
+                        velocity: direction * speed,
+                        facing: Some(direction),
+                        ..DesiredMotion::default()
+                    };
                 }
             }
         }
         walker.towards(*pose, wanted.velocity, wanted.force, wanted.facing)
-    }
-
-    /// Returns the number behind a quantity that can be set; `None` for a computed one.
-    pub(crate) fn place(&mut self, quantity: Quantity) -> Option<&mut f64> {
-        let Quantity::Agent(i, quantity) = quantity else { return None };
-        let Agent { pose, walker, .. } = self.agents.get_mut(i)?;
-        Some(match quantity {
-            AgentQuantity::PositionX => &mut pose.x,
-            AgentQuantity::PositionY => &mut pose.y,
-            AgentQuantity::Theta => &mut pose.theta,
-            AgentQuantity::Mass => &mut walker.mass,
-            AgentQuantity::MomentOfInertia => &mut walker.moment_of_inertia,
-            AgentQuantity::FloorDamping => &mut walker.floor_damping,
-            AgentQuantity::AngularDamping => &mut walker.angular_damping,
-            AgentQuantity::DesiredSpeed => &mut walker.desired_speed,
-            AgentQuantity::WaypointX(k) => &mut walker.waypoints.get_mut(k)?.x,
-            AgentQuantity::WaypointY(k) => &mut walker.waypoints.get_mut(k)?.y,
-            AgentQuantity::WaypointRadius(k) => &mut walker.waypoints.get_mut(k)?.radius,
-            AgentQuantity::FpX
-            | AgentQuantity::FpY
-            | AgentQuantity::Mp
-            | AgentQuantity::Active
-            | AgentQuantity::NextWaypoint => return None,
-        })
     }
 }
 
@@ -352,8 +330,14 @@ impl Model for Decision {
     type Saved = Saved;
     type Error = DecisionError;
 
-    const INTERPOLATES_INPUTS: bool = false;
+    const NAME: &'static str = "LEMONS decision";
+    const IDENTIFIER: &'static str = "Decision";
+    const DESCRIPTION: &'static str =
+        "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
+    const STOP_TIME: f64 = 30.0;
     const STATE_VERSION: u32 = 3;
+    const SIZES: &'static [Size] = &quantities::SIZES;
+    const VARIABLES: &'static [Variable<Quantity>] = &quantities::QUANTITIES;
 
     fn load(location: Location<'_>) -> Result<Decision, DecisionError> {
         let candidates = location.directories()?;
@@ -367,54 +351,70 @@ impl Model for Decision {
         Ok(Decision::new(Plan::from_toml(&text).map_err(|error| DecisionError::Plan { path, error })?))
     }
 
-    fn table(&self) -> Vec<Variable<Quantity>> {
-        table(&self.plan)
+    fn size(&self, place: usize) -> u64 {
+        [self.agents.len(), self.most_waypoints][place] as u64
+    }
+
+    fn scalars(&self) -> Vec<Scalar<Quantity>> {
+        self.scalars_of_plan()
+    }
+
+    fn step_size(&self) -> f64 {
+        self.plan.time_step
     }
 
     fn take_warnings(&mut self) -> Vec<String> {
         Vec::new()
     }
 
-    fn real(&mut self, quantity: Quantity) -> Result<f64, DecisionError> {
-        if let Some(place) = self.place(quantity) {
-            return Ok(*place);
+    fn number(&mut self, quantity: Quantity, element: usize) -> Result<f64, DecisionError> {
+        if let Some(field) = self.field(quantity, element) {
+            return Ok(*field);
         }
-        let Quantity::Agent(i, quantity) = quantity else { return Ok(0.0) };
-        let drive = self.drive(i)?;
-        match quantity {
-            AgentQuantity::FpX => finite(i, "Fp.x", drive.force[0]),
-            AgentQuantity::FpY => finite(i, "Fp.y", drive.force[1]),
-            _ => finite(i, "Mp", drive.torque),
-        }
-    }
-
-    fn integer(&mut self, quantity: Quantity) -> Result<i32, DecisionError> {
-        let number = match quantity {
-            Quantity::Arrived => self.arrived()?,
-            Quantity::Agent(i, AgentQuantity::Active) => {
-                let ways = self.ways()?;
-                (self.arrival(i, ways.as_deref()) != Some(Arrival::Leaves)).into()
+        let i = element / self.elements_of_each(quantity);
+        Ok(match quantity {
+            Quantity::Fp => {
+                let axis = element % 2;
+                finite(i, ["Fp.x", "Fp.y"][axis], self.drive(i)?.force[axis])?
             }
-            Quantity::Agent(i, _) => self.agents[i].next(),
-        };
-        Ok(i32::try_from(number).unwrap_or(i32::MAX))
+            Quantity::Mp => finite(i, "Mp", self.drive(i)?.torque)?,
+            Quantity::Active => {
+                let ways = self.ways()?;
+                f64::from(self.arrival(i, ways.as_deref()) != Some(Arrival::Leaves))
+            }
+            Quantity::Arrived => self.arrived()? as f64,
+            Quantity::NextWaypoint => self.agents[i].next() as f64,
+            Quantity::WaypointCount => self.agents[i].walker.waypoints.len() as f64,
+            _ => 0.0,
+        })
     }
 
-    fn string(&self, _: Quantity) -> &str {
-        ""
+    fn text(&self, _: Quantity, element: usize) -> &str {
+        &self.plan.agents[element].id
     }
 
-    fn set_real(&mut self, quantity: Quantity, value: f64, _: Phase) {
-        if let Some(place) = self.place(quantity) {
-            *place = value;
+    /// Checks that way-points which nobody has are 0.
+    fn check(&self, quantity: Quantity, values: &[f64]) -> Result<(), DecisionError> {
+        let beyond = |k: &usize| values[*k] != 0.0 && !self.has(quantity, *k);
+        let Some(k) = (0..values.len()).find(beyond) else { return Ok(()) };
+        let i = k / self.elements_of_each(quantity);
+        let count = self.agents[i].walker.waypoints.len();
+        Err(DecisionError::NoWaypoint { agent: self.plan.agents[i].id.clone(), count })
+    }
+
+    fn set(&mut self, quantity: Quantity, element: usize, value: f64, _: Phase) {
+        if let Some(field) = self.field(quantity, element) {
+            *field = value;
             self.wanted = None;
         }
     }
 
-    fn set_integer(&mut self, _: Quantity, _: i32, _: Phase) {}
+    fn dependencies(&self, output: Quantity, known: Known) -> Vec<Dependency<Quantity>> {
+        self.dependencies_of(output, known)
+    }
 
-    fn set_strings(&mut self, _: &[(Quantity, &str)]) -> Result<(), DecisionError> {
-        Ok(())
+    fn depends_on_all(&self, output: Quantity) -> bool {
+        self.needs_all(output)
     }
 
     fn initialize(&mut self, _: f64) -> Result<(), DecisionError> {
@@ -422,8 +422,8 @@ impl Model for Decision {
     }
 
     /// The poses are those at the beginning of the step.
-    fn advance(&mut self, _: f64, step: f64) -> Result<(), StepError<DecisionError>> {
-        self.pass(step).map_err(StepError::Refused)
+    fn advance(&mut self, part: Part) -> Result<(), StepError<DecisionError>> {
+        self.pass(part.length).map_err(StepError::Refused)
     }
 
     fn reset(&mut self) -> Result<(), DecisionError> {
@@ -443,15 +443,18 @@ impl Model for Decision {
         let alike = |(a, b): (&Agent, &Agent)| {
             let count = b.walker.waypoints.len();
             let last = a.last.unwrap_or_default().iter().all(|number| number.is_finite());
-            a.walker.waypoints.len() == count && a.next <= count && last && a.patience.is_sound()
+            a.walker.waypoints.len() == count && a.next <= count && last && a.stuck.is_sound()
         };
         if saved.len() != self.agents.len() || !saved.iter().zip(&self.agents).all(alike) {
             return Err(DecisionError::Saved);
         }
         let mut restored = Decision { agents: saved.clone(), ..self.anew() };
-        for row in self.table() {
-            if restored.place(row.quantity).is_some_and(|value| row.domain.check(*value).is_err()) {
-                return Err(DecisionError::Saved);
+        for row in Self::VARIABLES.iter().filter(|row| matches!(row.role, Role::Input | Role::Parameter)) {
+            for element in 0..self.agents.len() * self.elements_of_each(row.quantity) {
+                let field = restored.field(row.quantity, element);
+                if field.is_some_and(|value| row.domain.check(*value).is_err()) {
+                    return Err(DecisionError::Saved);
+                }
             }
         }
         (self.agents, self.wanted) = (restored.agents, None);
@@ -462,8 +465,8 @@ impl Model for Decision {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::DecisionConfig;
     use crate::person::Person;
-    use crate::wishes::Wishes;
 
     fn decision(wishes: &str) -> Decision {
         let person = Person {
@@ -475,8 +478,8 @@ mod tests {
             pose: Pose::default(),
             disks: Vec::new(),
         };
-        let wishes = Wishes::from_toml(wishes).unwrap();
-        Decision::new(Plan::new(&[person], &wishes, 0.05).unwrap())
+        let wishes = DecisionConfig::from_toml(wishes).unwrap();
+        Decision::new(Plan::among(std::iter::empty(), &[person], &wishes, 0.05).unwrap())
     }
 
     #[test]
@@ -492,8 +495,8 @@ mod tests {
     fn a_drive_beyond_all_numbers_is_an_error_that_names_it() {
         let mut decision = decision("waypoints = [{ x = 1, y = 0 }]");
         // An importer's, not a user's.
-        decision.set_real(Quantity::Agent(0, AgentQuantity::DesiredSpeed), 1.7e308, Phase::StepComplete);
-        let error = decision.real(Quantity::Agent(0, AgentQuantity::FpX)).unwrap_err().to_string();
+        decision.set(Quantity::DesiredSpeed, 0, 1.7e308, Phase::StepComplete);
+        let error = decision.number(Quantity::Fp, 0).unwrap_err().to_string();
         assert!(error.contains("agent[0]") && error.contains("Fp.x"), "{error}");
     }
 

@@ -1,4 +1,4 @@
-//! What is wrong with wishes or a plan.
+//! What is wrong with settings or a plan.
 
 use crate::field::TooLarge;
 use lemons_core::trial::FARTHEST;
@@ -11,7 +11,7 @@ pub(crate) const MOST_WAYPOINTS: usize = 10_000;
 /// Of speeds and strengths: products of a few of them are finite.
 const GREATEST: f64 = 1e9;
 
-/// What is wrong with wishes or a plan. The messages do not name the file.
+/// What is wrong with settings or a plan. The messages do not name the file.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[allow(missing_docs)] // the messages say it
 pub enum PlanError {

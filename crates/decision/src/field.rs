@@ -162,9 +162,9 @@ impl Grid {
         })
     }
 
-    /// Whether somebody can be at some lines, or in an area.
-    pub fn begins(&self, lines: &[[Vec2; 2]], area: Option<&Ring>) -> bool {
-        !self.first(lines, area.map(std::slice::from_ref).unwrap_or_default()).is_empty()
+    /// Whether somebody can be at some lines, or in some areas.
+    pub fn begins(&self, lines: &[[Vec2; 2]], areas: &[Ring]) -> bool {
+        !self.first(lines, areas).is_empty()
     }
 
     /// How far it is to the nearest of some lines, and of the areas that rings enclose.

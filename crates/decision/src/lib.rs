@@ -15,30 +15,30 @@
 //! - [`rule`]: eq. 4 and the way-points
 //! - [`field`]: how far it is around walls
 //! - [`target`]: exits and goals
-//! - [`patience`]: what people do who are stuck
+//! - [`stuck`]: what people do who are stuck
 //! - [`error`]: what is wrong with a plan
 //! - [`person`]: the people of a Trial
-//! - [`gait`]: how people walk among others
-//! - [`wishes`]: a user's `decision.toml`
+//! - [`walking_model`]: how people walk among others
+//! - [`config`]: a user's `decision.toml`
 //! - [`plan`]: the data before the start, of everybody
-//! - [`decision`]: the model of the FMU; [`decision::table`](mod@decision::table), [`decision::arrays`]: its variables
+//! - [`decision`]: the model of the FMU; [`decision::quantities`]: its variables
 //!   in FMI 2.0 and 3.0
 //! - [`pack`]: writes an `.fmu` from a plan and binaries
 
+pub mod config;
 pub mod decision;
 pub mod error;
 pub mod field;
-pub mod gait;
 pub mod pack;
-pub mod patience;
 pub mod person;
 pub mod plan;
 pub mod rule;
+pub mod stuck;
 pub mod target;
-pub mod wishes;
+pub mod walking_model;
 
+pub use config::{DECISION_FILE, DecisionConfig};
 pub use decision::Decision;
 pub use error::PlanError;
 pub use person::Person;
 pub use plan::Plan;
-pub use wishes::{WISHES_FILE, Wishes};

@@ -1,22 +1,22 @@
-//! The plan for the people of a Trial that follows from wishes: everything for each agent.
+//! The plan for the people of a Trial that follows from settings: everything for each agent.
 //!
 //! A plan is TOML (`decision.toml` in the FMU's resources).
 
 mod checked;
 mod destinations;
-mod settled;
+mod normalized;
 
+use crate::config::{AgentConfig, DecisionConfig};
 use crate::error::PlanError;
-use crate::gait::Gait;
 use crate::person::Person;
 use crate::rule::{Pose, Walker, Waypoint};
 use crate::target::{Destination, Target, Ways};
-use crate::wishes::{Wish, Wishes};
+use crate::walking_model::WalkingModel;
 use destinations::{destinations, targets_of};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::Trial;
+pub use normalized::normalized;
 use serde::{Deserialize, Serialize};
-pub use settled::settled;
 
 /// \[m\] Radius of a way-point that gives none.
 const DEFAULT_RADIUS: f64 = 0.3;
@@ -58,7 +58,7 @@ pub struct Plan {
     pub walls: Vec<Vec<[f64; 2]>>,
     /// How people walk among others.
     #[serde(default, skip_serializing_if = "is_straight")]
-    pub gait: Gait,
+    pub walking_model: WalkingModel,
     /// Exits and goals.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub targets: Vec<Target>,
@@ -70,49 +70,41 @@ fn is_zero(seed: &u64) -> bool {
     *seed == 0
 }
 
-fn is_straight(gait: &Gait) -> bool {
-    *gait == Gait::Straight
+fn is_straight(walking_model: &WalkingModel) -> bool {
+    *walking_model == WalkingModel::Straight
 }
 
 impl Plan {
-    /// Makes a plan from wishes for the people of a Trial, among its walls.
+    /// Makes a plan from settings for the people of a Trial, among its walls.
     ///
     /// # Errors
     /// Those of [`Plan::among`].
-    pub fn of(trial: &Trial, wishes: &Wishes) -> Result<Plan, PlanError> {
+    pub fn of(trial: &Trial, config: &DecisionConfig) -> Result<Plan, PlanError> {
         let walls = trial.geometry.walls.iter().map(|wall| &wall.corners[..]);
-        Plan::among(walls, &Person::all_of(trial), wishes, trial.parameters.time_step)
+        Plan::among(walls, &Person::all_of(trial), config, trial.parameters.time_step)
     }
 
-    /// Makes a plan from wishes for these people, where there are no walls.
+    /// Makes a plan from settings for these people among walls.
     ///
     /// # Errors
-    /// Those of [`Plan::among`].
-    pub fn new(people: &[Person], wishes: &Wishes, time_step: f64) -> Result<Plan, PlanError> {
-        Plan::among(std::iter::empty(), people, wishes, time_step)
-    }
-
-    /// Makes a plan from wishes for these people among walls.
-    ///
-    /// # Errors
-    /// There is a wish for an unknown agent, exit or goal, an agent without way-points and exits, an exit to which no
+    /// There is a setting for an unknown agent, exit or goal, an agent without way-points and exits, an exit to which no
     /// way leads, or a number out of range.
     pub fn among<'a>(
         walls: impl Iterator<Item = &'a [Vec2]>,
         people: &[Person],
-        wishes: &Wishes,
+        config: &DecisionConfig,
         time_step: f64,
     ) -> Result<Plan, PlanError> {
-        if let Some(unknown) = wishes.agents.keys().find(|id| people.iter().all(|person| person.id != **id)) {
+        if let Some(unknown) = config.agents.keys().find(|id| people.iter().all(|person| person.id != **id)) {
             return Err(PlanError::UnknownAgent(unknown.clone()));
         }
-        let gait = wishes.gait()?;
-        let targets = targets_of(wishes)?;
-        let destinations = destinations(people, wishes, &targets)?;
-        let nothing = Wish::default();
+        let walking_model = config.walking_model()?;
+        let targets = targets_of(config)?;
+        let destinations = destinations(people, config, &targets)?;
+        let nothing = AgentConfig::default();
         let agents = people.iter().zip(destinations).map(|(person, destination)| {
-            let own = wishes.agents.get(&person.id).unwrap_or(&nothing);
-            let waypoints = own.waypoints.as_ref().or(wishes.waypoints.as_ref());
+            let own = config.agents.get(&person.id).unwrap_or(&nothing);
+            let waypoints = own.waypoints.as_ref().or(config.waypoints.as_ref());
             let waypoints = waypoints.map_or(&[][..], |waypoints| &waypoints[..]);
             if waypoints.is_empty() && destination == Destination::None {
                 return Err(PlanError::NoWaypoint(person.id.clone()));
@@ -120,14 +112,14 @@ impl Plan {
             Ok(Planned {
                 id: person.id.clone(),
                 destination,
-                disks: if gait.sees_others() { person.disks.clone() } else { Vec::new() },
+                disks: if walking_model.sees_others() { person.disks.clone() } else { Vec::new() },
                 pose: person.pose,
                 walker: Walker {
                     mass: person.mass,
                     moment_of_inertia: person.moment_of_inertia,
                     floor_damping: person.floor_damping,
                     angular_damping: person.angular_damping,
-                    desired_speed: own.desired_speed.or(wishes.desired_speed).unwrap_or(DEFAULT_SPEED),
+                    desired_speed: own.desired_speed.or(config.desired_speed).unwrap_or(DEFAULT_SPEED),
                     waypoints: waypoints
                         .iter()
                         .map(|w| Waypoint { x: w.x, y: w.y, radius: w.radius.unwrap_or(DEFAULT_RADIUS) })
@@ -137,10 +129,10 @@ impl Plan {
         });
         let agents = agents.collect::<Result<_, PlanError>>()?;
         // Who sees neither walls nor exits needs no copy of them.
-        let seen = gait.sees_others() || !targets.is_empty();
+        let seen = walking_model.sees_others() || !targets.is_empty();
         let walls = walls.filter(|_| seen).map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
-        let plan =
-            Plan { time_step, seed: wishes.seed.unwrap_or(0), walls, gait, targets, agents }.checked()?;
+        let plan = Plan { time_step, seed: config.seed.unwrap_or(0), walls, walking_model, targets, agents }
+            .checked()?;
         plan.check_ways()?;
         Ok(plan)
     }
@@ -148,7 +140,7 @@ impl Plan {
     /// Reads TOML.
     ///
     /// # Errors
-    /// Those of [`Wishes::from_toml`], or numbers out of range.
+    /// Those of [`DecisionConfig::from_toml`], or numbers out of range.
     pub fn from_toml(text: &str) -> Result<Plan, PlanError> {
         toml::from_str::<Plan>(text).map_err(|error| PlanError::Toml(error.to_string()))?.checked()
     }
@@ -226,13 +218,14 @@ mod tests {
         }
     }
 
-    fn plan(wishes: &str) -> Result<Plan, String> {
-        let wishes = Wishes::from_toml(wishes).map_err(|error| error.to_string())?;
-        Plan::new(&[person("0"), person("two words")], &wishes, 0.05).map_err(|error| error.to_string())
+    fn plan(config: &str) -> Result<Plan, String> {
+        let config = DecisionConfig::from_toml(config).map_err(|error| error.to_string())?;
+        Plan::among(std::iter::empty(), &[person("0"), person("two words")], &config, 0.05)
+            .map_err(|error| error.to_string())
     }
 
     #[test]
-    fn wishes_are_for_everybody_or_for_one() {
+    fn settings_are_for_everybody_or_for_one() {
         let plan = plan(
             "desired_speed = 1\nwaypoints = [{ x = 1, y = 2.5 }]\n[agents.\"two words\"]\nwaypoints = [{ x = 0, y = 0, radius = 2 }, { x = 3, y = 4 }]",
         )
@@ -252,7 +245,7 @@ mod tests {
 
     #[test]
     fn mistakes_are_named() {
-        for (wishes, words) in [
+        for (config, words) in [
             ("waypoint = []", ["waypoint", "line 1"]),
             ("waypoints = [{ x = 1 }]", ["missing field `y`", "line 1"]),
             ("waypoints = [{ x = 1, y = nan }]", ["way-point 0", "y = NaN"]),
@@ -271,8 +264,8 @@ mod tests {
             ("waypoints = [{ x = 1, y = 0 }]\n[agents.9]", ["agents.9", "no agent"]),
             ("waypoints = [", ["line 1", "waypoints"]),
         ] {
-            let message = plan(wishes).unwrap_err();
-            assert!(words.iter().all(|word| message.contains(word)), "{wishes}: {message}");
+            let message = plan(config).unwrap_err();
+            assert!(words.iter().all(|word| message.contains(word)), "{config}: {message}");
         }
         assert_eq!(Plan::from_toml("time_step = 1\nagents = []"), Err(PlanError::Empty));
     }

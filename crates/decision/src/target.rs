@@ -73,20 +73,6 @@ impl Shape {
         }
     }
 
-    fn lines(&self) -> Vec<[Vec2; 2]> {
-        match self {
-            Shape::Line(ends) => vec![*ends],
-            Shape::Area(..) => Vec::new(),
-        }
-    }
-
-    fn area(&self) -> Option<&Ring> {
-        match self {
-            Shape::Line(_) => None,
-            Shape::Area(ring, _) => Some(ring),
-        }
-    }
-
     fn nearest(&self, at: Vec2) -> Vec2 {
         match self {
             Shape::Line([from, to]) => nearest_on_segment(*from, *to, at),
@@ -104,6 +90,17 @@ impl Shape {
             Shape::Area(ring, _) => ring.contains(to),
         }
     }
+}
+
+fn lines_and_areas<'a>(shapes: impl Iterator<Item = &'a Shape>) -> (Vec<[Vec2; 2]>, Vec<Ring>) {
+    let (mut lines, mut areas) = (Vec::new(), Vec::new());
+    for shape in shapes {
+        match shape {
+            Shape::Line(ends) => lines.push(*ends),
+            Shape::Area(ring, _) => areas.push(ring.clone()),
+        }
+    }
+    (lines, areas)
 }
 
 /// The best of a grid of points: as exact as a step in a room need be.
@@ -154,13 +151,7 @@ impl Ways {
         let places = targets.iter().flat_map(Target::points).chain(people.clone().map(|(at, _)| at));
         let grid = Grid::new(walls, places)?;
         let field = |wanted: &[usize]| {
-            let (mut lines, mut areas) = (Vec::new(), Vec::new());
-            for &k in wanted {
-                match &shapes[k] {
-                    Shape::Line(ends) => lines.push(*ends),
-                    Shape::Area(ring, _) => areas.push(ring.clone()),
-                }
-            }
+            let (lines, areas) = lines_and_areas(wanted.iter().map(|k| &shapes[*k]));
             grid.field(&lines, &areas)
         };
         let fields = people.clone().map(|(_, to)| to).collect::<BTreeSet<_>>().len();
@@ -180,7 +171,11 @@ impl Ways {
     pub fn shut(&self) -> Vec<usize> {
         let wanted = |k: &usize| self.to_each[*k].is_some() || (self.to_nearest.is_some() && !self.stay[*k]);
         let all = (0..self.shapes.len()).filter(wanted);
-        all.filter(|k| !self.grid.begins(&self.shapes[*k].lines(), self.shapes[*k].area())).collect()
+        let shut = |k: &usize| {
+            let (lines, areas) = lines_and_areas(std::iter::once(&self.shapes[*k]));
+            !self.grid.begins(&lines, &areas)
+        };
+        all.filter(shut).collect()
     }
 
     fn field(&self, to: Destination) -> Option<&Field> {

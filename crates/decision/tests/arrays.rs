@@ -1,16 +1,16 @@
 //! The decision as arrays, through the functions of FMI 3.0.
 
 use lemons_decision::decision::PLAN_FILE;
+use lemons_decision::pack::description;
 use lemons_decision::rule::Pose;
-use lemons_decision::{Decision, Person, Plan, Wishes};
-use lemons_fmi::Status::{self, Error as ERROR, Ok as OK};
-use lemons_fmi::v2;
-use lemons_fmi::v3::arrays::{array_reference, size_reference};
-use lemons_fmi::v3::{ArrayModel, token};
+use lemons_decision::{Decision, DecisionConfig, Person, Plan};
+use lemons_fmi::Status::{self, Ok as OK};
+use lemons_fmi::{self as fmi, Format, Model, Slave};
 use lemons_verify::testing::instance::{Arguments, Functions};
 use lemons_verify::testing::{Instance, Version};
 use std::ffi::CString;
 use std::ops::Deref;
+use std::path::Path;
 use tempfile::TempDir;
 
 /// Agents, and the way-points of each.
@@ -32,15 +32,16 @@ fn plan() -> Plan {
     let wishes = "waypoints = [{ x = 5, y = 2 }, { x = 6, y = -4, radius = 1 }]\n\
         [agents.\"two words\"]\nwaypoints = [{ x = -3, y = 1 }]\ndesired_speed = 0.9\n\
         [agents.7]\nwaypoints = [{ x = 2, y = 4 }, { x = 2.5, y = 4 }, { x = 9, y = 9 }]";
-    Plan::new(&people, &Wishes::from_toml(wishes).unwrap(), 0.05).unwrap()
+    Plan::among(std::iter::empty(), &people, &DecisionConfig::from_toml(wishes).unwrap(), 0.05).unwrap()
 }
 
 fn reference(name: &str) -> u32 {
     if let Some(place) = Decision::SIZES.iter().position(|size| size.name == name) {
-        return size_reference(place);
+        return 1 + place as u32;
     }
-    let place = Decision::arrays().iter().position(|array| array.name == name);
-    array_reference::<Decision>(place.unwrap_or_else(|| panic!("no variable {name}")))
+    let variable = Decision::VARIABLES.iter().find(|variable| variable.name == name);
+    let variable = variable.unwrap_or_else(|| panic!("no variable {name}"));
+    fmi::reference::<Decision>(variable.quantity).unwrap()
 }
 
 /// An instance of the plan.
@@ -61,7 +62,7 @@ impl Walkers {
     fn new() -> Walkers {
         let resources = TempDir::new().unwrap();
         std::fs::write(resources.path().join(PLAN_FILE), plan().to_toml().unwrap()).unwrap();
-        let token = CString::new(token::<Decision>().braced().to_string()).unwrap();
+        let token = CString::new(fmi::instantiation_token::<Decision>().braced().to_string()).unwrap();
         let path = CString::new(resources.path().to_str().unwrap()).unwrap();
         let functions = Functions::of_model::<Decision>(Version::V3);
         let instance = Instance::new(&functions, &Arguments::new(&token, &path));
@@ -114,39 +115,16 @@ impl Walkers {
     }
 }
 
-/// What is of this model: which of its variables can be read and set when. The rest is in tests/fmi/lifecycle.rs.
+/// SSPs, saved runs and importers hold names, value references and tokens. `DESCRIPTIONS=write` writes the files again.
 #[test]
-fn values_can_be_read_and_set_where_they_may() {
-    type Call = fn(&Walkers) -> Status;
-    type Enter = fn(&Walkers);
-    let table: [(&str, Call); 7] = [
-        ("- x x x x", |i| i.get_real(&[reference("Fp")], 2 * AGENTS).0),
-        ("- x x x x", |i| i.get_integer(&[reference("Arrived")], 1).0),
-        ("- x x x x", |i| i.get_size(&[reference("Waypoints")], 1).0),
-        ("- x x x x", |i| i.get_string(&[reference("AgentId")], AGENTS).0),
-        ("x - x x -", |i| i.try_set("Theta", &[1.0; AGENTS])),
-        ("x - x - -", |i| i.try_set("DesiredSpeed", &[1.0; AGENTS])),
-        ("- - - x -", |i| i.try_step(0.0)),
-    ];
-    let states: [(&str, Enter); 5] = [
-        ("instantiated", |_| ()),
-        ("configuration", |i| i.must(i.enter_configuration())),
-        ("initialization", |i| i.must(i.enter(None, 0.0, None))),
-        ("step complete", |i| i.initialize()),
-        ("terminated", |i| {
-            i.initialize();
-            i.must(i.terminate());
-        }),
-    ];
-    for (row, (cells, call)) in table.into_iter().enumerate() {
-        for ((state, enter), cell) in states.iter().zip(cells.split(' ')) {
-            let instance = Walkers::new();
-            enter(&instance);
-            let before = instance.bytes();
-            let status = call(&instance);
-            assert_eq!(status, if cell == "x" { OK } else { ERROR }, "row {row}, {state}");
-            assert!(status == OK || instance.bytes() == before, "row {row}, {state}: something has changed");
+fn the_descriptions_are_those_that_importers_know() {
+    for (file, format) in [("fmi2.xml", Format::default()), ("fmi3.xml", Format::Fmi3)] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/descriptions").join(file);
+        let own = description(&plan(), format);
+        if std::env::var_os("DESCRIPTIONS").is_some_and(|what| what == "write") {
+            std::fs::write(&path, &own).unwrap();
         }
+        assert!(own == std::fs::read_to_string(&path).unwrap(), "{file}");
     }
 }
 
@@ -155,8 +133,9 @@ fn values_can_be_read_and_set_where_they_may() {
 fn arrays_have_the_bits_of_scalars() {
     let instance = Walkers::initialized();
     let decision = Decision::new(plan());
-    let table = lemons_decision::decision::table(&plan());
-    let mut scalars = v2::Slave::new(decision, &v2::guid(&table).to_string()).unwrap();
+    let table = decision.scalars();
+    let guid = fmi::guid(&table).to_string();
+    let mut scalars = Slave::new(decision, fmi::Version::V2, &guid).unwrap();
     let place = |name: String| table.iter().position(|row| row.name == name).unwrap() as u32;
     scalars.setup_experiment(0.0, None, None).unwrap();
     scalars.enter_initialization().unwrap();

@@ -3,7 +3,7 @@
 use lemons_core::plane::{Vec2, segments_cross, vec2};
 use lemons_decision::decision::Act;
 use lemons_decision::rule::Pose;
-use lemons_decision::{Decision, Person, Plan, PlanError, Wishes};
+use lemons_decision::{Decision, DecisionConfig, Person, Plan, PlanError};
 
 const STEP: f64 = 0.05;
 
@@ -27,8 +27,8 @@ fn room() -> Vec<Vec2> {
 
 const DOOR: &str = "exits = [{ name = \"door\", line = [[6.5, 1.5], [6.5, 2.5]] }]\n";
 
-fn plan(walls: &[Vec<Vec2>], people: &[Person], wishes: &str) -> Result<Plan, PlanError> {
-    Plan::among(walls.iter().map(|wall| &wall[..]), people, &Wishes::from_toml(wishes)?, STEP)
+fn plan(walls: &[Vec<Vec2>], people: &[Person], config: &str) -> Result<Plan, PlanError> {
+    Plan::among(walls.iter().map(|wall| &wall[..]), people, &DecisionConfig::from_toml(config)?, STEP)
 }
 
 /// Everybody goes where the force leads in the end: v = F / (m / t). Returns the places at each step, while they are
@@ -62,8 +62,8 @@ fn alone(way: &[Vec<Option<Vec2>>], who: usize) -> Vec<Vec2> {
 #[test]
 fn one_person_leaves_by_the_door_on_the_shortest_way() {
     for model in ["straight", "collision-free-speed", "social-force"] {
-        let wishes = format!("model = \"{model}\"\n{DOOR}");
-        let plan = plan(&[room()], &[person(0, 1.0, 3.5)], &wishes).unwrap();
+        let config = format!("model = \"{model}\"\n{DOOR}");
+        let plan = plan(&[room()], &[person(0, 1.0, 3.5)], &config).unwrap();
         let way = alone(&walk(plan, 400), 0);
         // To the door's upper post, and on to the line.
         let shortest = (vec2(6.0, 2.5) - vec2(1.0, 3.5)).norm() + 0.5;
@@ -82,10 +82,10 @@ fn one_person_leaves_by_the_door_on_the_shortest_way() {
 /// The outside: the model's own formula for two people one behind the other.
 #[test]
 fn behind_somebody_one_is_as_fast_as_the_gap_over_the_time_gap() {
-    let wishes = format!("model = \"collision-free-speed\"\n{DOOR}[collision-free-speed]\ntime_gap = 0.8\n");
+    let config = format!("model = \"collision-free-speed\"\n{DOOR}[collision-free-speed]\ntime_gap = 0.8\n");
     // They face along x: half of each body's depth is 0.12 m.
     let people = [person(0, 2.0, 2.0), person(1, 2.9, 2.0)];
-    let mut decision = Decision::new(plan(&[], &people, &wishes).unwrap());
+    let mut decision = Decision::new(plan(&[], &people, &config).unwrap());
     let acts = decision.acts().unwrap();
     let speed = |act: &Act| (act.drive.force[0] / 160.0).hypot(act.drive.force[1] / 160.0);
     let gap = 0.9 - 0.24;
@@ -93,16 +93,16 @@ fn behind_somebody_one_is_as_fast_as_the_gap_over_the_time_gap() {
     assert!((speed(&acts[1]) - 1.34).abs() < 1e-9, "nobody is in front of the other");
     // Behind a wall they do not see each other.
     let wall = vec![vec2(2.45, 1.0), vec2(2.45, 3.0)];
-    let mut decision = Decision::new(plan(&[wall], &people, &wishes).unwrap());
+    let mut decision = Decision::new(plan(&[wall], &people, &config).unwrap());
     assert!((speed(&decision.acts().unwrap()[0]) - 1.34).abs() < 1e-9);
 }
 
 /// The outside: the formula, A exp(−gap/B), besides the force for the desired speed.
 #[test]
 fn the_social_force_is_that_of_the_paper() {
-    let wishes = format!("model = \"social-force\"\n{DOOR}[social-force]\nstrength = 1500\nrange = 0.1\n");
+    let config = format!("model = \"social-force\"\n{DOOR}[social-force]\nstrength = 1500\nrange = 0.1\n");
     let people = [person(0, 2.0, 2.0), person(1, 2.5, 2.0)];
-    let mut decision = Decision::new(plan(&[], &people, &wishes).unwrap());
+    let mut decision = Decision::new(plan(&[], &people, &config).unwrap());
     let act = decision.acts().unwrap()[0];
     let wanted = 80.0 * 1.34 * 2.0 - 1500.0 * (-(0.5 - 0.24) / 0.1f64).exp();
     assert!((act.drive.force[0] - wanted).abs() < 1e-6, "{} instead of {wanted}", act.drive.force[0]);
@@ -112,8 +112,8 @@ fn the_social_force_is_that_of_the_paper() {
 fn people_take_the_nearest_exit_their_own_or_one_by_shares() {
     let exits = "exits = [{ name = \"left\", line = [[-1, 1], [-1, 3]]SHARE1 }, { name = \"right\", line = [[11, 1], [11, 3]]SHARE2 }]\n";
     let people: Vec<Person> = (0..10).map(|k| person(k, 0.5 + k as f64, 2.0)).collect();
-    let leaves_right = |wishes: &str| {
-        let way = walk(plan(&[], &people, wishes).unwrap(), 400);
+    let leaves_right = |config: &str| {
+        let way = walk(plan(&[], &people, config).unwrap(), 400);
         (0..10).map(|k| alone(&way, k).last().unwrap().x > 5.0).collect::<Vec<bool>>()
     };
     let plain = exits.replace("SHARE1", "").replace("SHARE2", "");
@@ -150,9 +150,9 @@ fn at_a_goal_people_stay_and_come_together_in_its_middle() {
 
 #[test]
 fn who_has_left_stays_away_and_is_not_seen() {
-    let wishes = format!("model = \"collision-free-speed\"\n{DOOR}");
+    let config = format!("model = \"collision-free-speed\"\n{DOOR}");
     let people = [person(0, 6.5, 2.0), person(1, 5.9, 2.0)];
-    let mut decision = Decision::new(plan(&[room()], &people, &wishes).unwrap());
+    let mut decision = Decision::new(plan(&[room()], &people, &config).unwrap());
     assert_eq!(decision.arrived().unwrap(), 1, "on the line");
     decision.pass(STEP).unwrap();
     // Carried back into the room, and left there for a step.
@@ -166,7 +166,7 @@ fn who_has_left_stays_away_and_is_not_seen() {
     let speed = acts[1].drive.force[0] / 160.0;
     assert!((speed - 1.34).abs() < 0.05, "nobody is in the way: {speed}");
     // From one step to the next over the line, and far beyond it.
-    let mut decision = Decision::new(plan(&[room()], &people[1..], &wishes).unwrap());
+    let mut decision = Decision::new(plan(&[room()], &people[1..], &config).unwrap());
     decision.see(std::iter::once(Pose { x: 6.1, y: 2.0, theta: 0.0 }));
     decision.pass(STEP).unwrap();
     decision.see(std::iter::once(Pose { x: 7.5, y: 2.1, theta: 0.0 }));
@@ -176,8 +176,8 @@ fn who_has_left_stays_away_and_is_not_seen() {
 /// Way-points first, then the exit; and nobody who only has way-points leaves.
 #[test]
 fn waypoints_come_before_the_exit() {
-    let wishes = format!("waypoints = [{{ x = 1.0, y = 1.0 }}]\n{DOOR}");
-    let way = alone(&walk(plan(&[room()], &[person(0, 4.0, 2.0)], &wishes).unwrap(), 600), 0);
+    let config = format!("waypoints = [{{ x = 1.0, y = 1.0 }}]\n{DOOR}");
+    let way = alone(&walk(plan(&[room()], &[person(0, 4.0, 2.0)], &config).unwrap(), 600), 0);
     let nearest = way.iter().map(|at| (*at - vec2(1.0, 1.0)).norm()).fold(f64::INFINITY, f64::min);
     assert!(nearest < 0.35 && way.len() < 600, "{nearest}, {} steps", way.len());
 }
@@ -185,7 +185,7 @@ fn waypoints_come_before_the_exit() {
 #[test]
 fn mistakes_are_named() {
     let closed = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0)].map(|(x, y)| vec2(x, y));
-    for (wishes, words) in [
+    for (config, words) in [
         ("exits = [{ name = \"a\" }]", ["exits[0]", "line"]),
         (
             "exits = [{ line = [[0, 0], [1, 1]], polygon = [[0, 0], [1, 0], [1, 1]] }]",
@@ -230,17 +230,17 @@ fn mistakes_are_named() {
             ["time_gap = 0.0", "positive"],
         ),
     ] {
-        let message = plan(&[closed.to_vec()], &[person(0, 2.0, 2.0)], wishes).unwrap_err().to_string();
-        assert!(words.iter().all(|word| message.contains(word)), "{wishes}: {message}");
+        let message = plan(&[closed.to_vec()], &[person(0, 2.0, 2.0)], config).unwrap_err().to_string();
+        assert!(words.iter().all(|word| message.contains(word)), "{config}: {message}");
     }
 }
 
 /// A plan is what the FMU gets: it must say the same after it was written.
 #[test]
 fn a_plan_with_exits_reads_back() {
-    let wishes = format!(
+    let config = format!(
         "seed = 5\nmodel = \"collision-free-speed\"\n{DOOR}goals = [{{ polygon = [[1, 1], [2, 1], [2, 2]] }}]\n[agents.1]\ngoal = \"goal 0\""
     );
-    let plan = plan(&[room()], &[person(0, 1.0, 3.5), person(1, 2.0, 3.0)], &wishes).unwrap();
+    let plan = plan(&[room()], &[person(0, 1.0, 3.5), person(1, 2.0, 3.0)], &config).unwrap();
     assert_eq!(Plan::from_toml(&plan.to_toml().unwrap()).unwrap(), plan);
 }

@@ -1,5 +1,6 @@
 //! Writes an `.fmu`. The same content gives the same bytes, so that FMUs can be compared.
 
+use crate::Version;
 use lemons_core::files::input;
 use lemons_core::files::source::{Disk, Source};
 use std::io::{Seek, Write};
@@ -49,16 +50,6 @@ impl Binary {
             .into_iter()
             .find(|path| !files.lacks(path))
     }
-}
-
-/// A version of FMI.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Version {
-    /// FMI 2.0
-    #[default]
-    V2,
-    /// FMI 3.0
-    V3,
 }
 
 /// The platforms: the names that FMI 2.0 and FMI 3.0 give their directories, and the extension of shared libraries.

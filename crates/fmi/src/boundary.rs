@@ -3,7 +3,7 @@
 #![allow(unsafe_code)] // the C boundary
 
 use crate::model::Model;
-use crate::slave::{Interface, Slave, SlaveError, Snapshot};
+use crate::slave::{Slave, SlaveError, Snapshot};
 use crate::states::{self, Unknown};
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -98,8 +98,8 @@ impl Log {
 }
 
 /// The object behind an instance.
-pub(crate) struct Component<M: Model, I: Interface<M>> {
-    pub slave: Slave<M, I>,
+pub(crate) struct Component<M: Model> {
+    pub slave: Slave<M>,
     pub log: Log,
     /// Keeps the texts of the last call that returned some alive.
     pub strings: Vec<CString>,
@@ -107,8 +107,8 @@ pub(crate) struct Component<M: Model, I: Interface<M>> {
     broken: bool,
 }
 
-impl<M: Model, I: Interface<M>> Component<M, I> {
-    pub fn new(slave: Slave<M, I>, log: Log) -> Component<M, I> {
+impl<M: Model> Component<M> {
+    pub fn new(slave: Slave<M>, log: Log) -> Component<M> {
         let mut component = Component { slave, log, strings: Vec::new(), broken: false };
         component.tell_warnings();
         component
@@ -198,16 +198,42 @@ pub fn silence_panics() {
     ONCE.call_once(|| std::panic::set_hook(Box::new(|_| {})));
 }
 
+/// The callback within a step of FMI 3.0: `fmi3IntermediateUpdateCallback`.
+pub type IntermediateUpdate =
+    unsafe extern "C" fn(*mut c_void, f64, bool, bool, bool, bool, *mut bool, *mut f64);
+
+/// The importer's callback within a step.
+#[derive(Clone, Copy)]
+pub(crate) struct Intermediate {
+    pub update: Option<IntermediateUpdate>,
+    pub environment: *mut c_void,
+    pub early_return_allowed: bool,
+}
+
+/// The object behind an `fmi2Component` or `fmi3Instance`. The callback lies beside what calls borrow, because the
+/// importer calls functions of the instance while the callback runs.
+pub(crate) struct Instance<M: Model> {
+    component: *mut Component<M>,
+    pub intermediate: Option<Intermediate>,
+}
+
+impl<M: Model> Instance<M> {
+    /// Returns an instance that the importer holds; `None` of NULL.
+    pub fn of<'a>(instance: *mut c_void) -> Option<&'a Instance<M>> {
+        // SAFETY: NULL or an instance of ours by the contract of the C functions.
+        unsafe { instance.cast::<Instance<M>>().as_ref() }
+    }
+}
+
 /// Runs a call on an instance. No panic and no error leaves it.
-pub(crate) fn call<M: Model, I: Interface<M>>(
+pub(crate) fn call<M: Model>(
     instance: *mut c_void,
     name: &str,
-    body: impl FnOnce(&mut Component<M, I>) -> Result<(), Refusal<M>>,
+    body: impl FnOnce(&mut Component<M>) -> Result<(), Refusal<M>>,
 ) -> Status {
-    // SAFETY: not NULL, so an instance of ours by the contract of the C functions.
-    let Some(component) = (unsafe { instance.cast::<Component<M, I>>().as_mut() }) else {
-        return Status::Error;
-    };
+    // SAFETY: the component of an instance lives as long as it, and no other call borrows it.
+    let component = Instance::<M>::of(instance).and_then(|it| unsafe { it.component.as_mut() });
+    let Some(component) = component else { return Status::Error };
     if component.broken {
         component.log.write(Status::Fatal, FATAL, &format!("{name}: the instance broke in an earlier call"));
         return Status::Fatal;
@@ -229,32 +255,31 @@ pub(crate) fn call<M: Model, I: Interface<M>>(
 }
 
 /// Makes an instance; NULL, after a message, if that fails.
-pub(crate) fn make<M: Model, I: Interface<M>>(
+pub(crate) fn make<M: Model>(
     log: Log,
+    intermediate: Option<Intermediate>,
     name: &str,
-    body: impl FnOnce() -> Result<Slave<M, I>, Refusal<M>>,
+    body: impl FnOnce() -> Result<Slave<M>, Refusal<M>>,
 ) -> *mut c_void {
     match catch_unwind(AssertUnwindSafe(body)) {
-        Ok(Ok(slave)) => Box::into_raw(Box::new(Component::new(slave, log))).cast(),
-        Ok(Err(refusal)) => {
-            log.write(Status::Error, ERROR, &format!("{name}: {refusal}"));
-            std::ptr::null_mut()
+        Ok(Ok(slave)) => {
+            let component = Box::into_raw(Box::new(Component::new(slave, log)));
+            return Box::into_raw(Box::new(Instance { component, intermediate })).cast();
         }
-        Err(panic) => {
-            log.write(Status::Fatal, FATAL, &format!("{name}: {}", panic_message(&*panic)));
-            std::ptr::null_mut()
-        }
+        Ok(Err(refusal)) => log.write(Status::Error, ERROR, &format!("{name}: {refusal}")),
+        Err(panic) => log.write(Status::Fatal, FATAL, &format!("{name}: {}", panic_message(&*panic))),
     }
+    std::ptr::null_mut()
 }
 
 /// Frees an instance.
 ///
 /// # Safety
 /// `instance` is NULL or one that [`make`] returned, given back once.
-pub(crate) unsafe fn free<M: Model, I: Interface<M>>(instance: *mut c_void) {
+pub(crate) unsafe fn free<M: Model>(instance: *mut c_void) {
     if !instance.is_null() {
         // SAFETY: as the caller promises.
-        let component = unsafe { Box::from_raw(instance.cast::<Component<M, I>>()) };
+        let component = unsafe { Box::from_raw(Box::from_raw(instance.cast::<Instance<M>>()).component) };
         let _ = catch_unwind(AssertUnwindSafe(|| drop(component)));
     }
 }
@@ -323,7 +348,7 @@ pub(crate) unsafe fn texts<'a>(
     unsafe { array(pointer, length, what)?.iter().map(|&value| text(value, what)).collect() }
 }
 
-impl<M: Model, I: Interface<M>> Component<M, I> {
+impl<M: Model> Component<M> {
     /// The body of `fmi2SetDebugLogging` and `fmi3SetDebugLogging`.
     pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Result<(), Refusal<M>> {
         let mut wanted = [false; 4];

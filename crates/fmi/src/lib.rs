@@ -3,22 +3,23 @@
 //! What an FMU simulates is a [`Model`]. Everything else that FMI requires is here. The modules; each imports only from
 //! those above it:
 //!
-//! - [`variables`]: what a variable is: type, causality, unit, domain
-//! - [`lifecycle`]: the states of an instance
+//! - [`Version`], [`Format`]: the versions of FMI, and what can be chosen when an FMU is written
+//! - [`variables`]: the rows of a model's table: name, type, causality, unit, domain, sizes; their elements (FMI 2.0)
+//! - [`lifecycle`]: the states of an instance, and in which of them a version of FMI allows a function
 //! - [`location`]: resource URI or path -> directories
 //! - [`model`]: what a model must offer
-//! - [`slave`]: one instance: lifecycle, stepping and states
+//! - [`slave`]: one instance: lifecycle, variables, stepping and states
 //! - `states`: the states that importers hold
 //! - [`archive`]: an `.fmu`, the same bytes for the same content
-//! - `units`: units in model descriptions
 //! - `boundary`: what all C functions share: pointers, messages, panics
-//! - `export`: what the macros that export C functions share
-//! - [`v2`] and [`v3`]: what differs between the versions: the variables of an instance, the model description, the C
-//!   functions
-//! - [`Format`]: which of them is written
+//! - [`description`]: the table as XML and HTML
+//! - [`calls`], [`v2`], [`v3`]: the bodies of the C functions: of both versions, of one of them
+//! - [`export_fmi2!`], [`export_fmi3!`]: the C functions for a model
 
 pub mod archive;
 mod boundary;
+pub mod calls;
+pub mod description;
 mod export;
 mod format;
 pub mod lifecycle;
@@ -26,15 +27,12 @@ pub mod location;
 pub mod model;
 pub mod slave;
 mod states;
-mod units;
 pub mod v2;
 pub mod v3;
 pub mod variables;
 
 pub use boundary::{LOG_CATEGORIES, Logger2, Status, silence_panics};
-pub use format::Format;
+pub use format::{Format, Naming, Version};
 pub use lifecycle::{Function, Phase};
-pub use model::{Model, StepError, fingerprint};
-pub use slave::{SlaveError, Snapshot};
-
-use model::token;
+pub use model::{Model, Part, StepError, fingerprint, guid, instantiation_token, reference};
+pub use slave::{Slave, SlaveError, Snapshot};

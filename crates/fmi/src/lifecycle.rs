@@ -1,8 +1,10 @@
 //! The states of an instance, and the functions whose use depends on them.
 
+use crate::Version;
 use serde::{Deserialize, Serialize};
 
-/// The states of a slave (FMI 2.0, section 4.2.4; FMI 3.0, section 4.2.1). A slave with synchronous steps has no others.
+/// The states of a slave (FMI 2.0, section 4.2.4; FMI 3.0, section 4.2.1). A slave with synchronous
+/// steps has no others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// After it was made or reset.
@@ -45,4 +47,31 @@ pub enum Function {
     GetStatus,
     /// Of what is not offered, such as events.
     Unsupported,
+}
+
+/// Returns whether a version of FMI allows a function in a phase.
+pub fn allowed(function: Function, version: Version, phase: Phase) -> bool {
+    // A letter for each phase, in their order; FMI 2.0 has neither Configuration nor Intermediate.
+    // A synchronous slave is never in the middle of a step, so that there is nothing to cancel.
+    let [of_2, of_3] = match function {
+        Function::SetDebugLogging => ["I-IS-TE", "ICISITE"],
+        Function::SetupExperiment => ["I------", "-------"],
+        Function::EnterConfigurationMode => ["-------", "I------"],
+        Function::ExitConfigurationMode => ["-------", "-C-----"],
+        Function::EnterInitializationMode => ["I------", "I------"],
+        Function::ExitInitializationMode => ["--I----", "--I----"],
+        Function::Terminate | Function::DoStep => ["---S---", "---S---"],
+        Function::Reset | Function::State => ["I-IS-TE", "ICIS-TE"],
+        Function::Get => ["--IS-TE", "-CISITE"],
+        Function::Set => ["I-IS---", "ICIS---"],
+        Function::GetVariableDependencies => ["-------", "ICIS-TE"],
+        Function::GetDirectionalDerivative => ["--IS-TE", "--ISITE"],
+        Function::SetInputDerivatives => ["I-IS---", "-------"],
+        Function::GetOutputDerivatives => ["---S-TE", "---SITE"],
+        Function::CancelStep => ["-------", "-------"],
+        Function::GetStatus => ["---S-T-", "-------"],
+        Function::Unsupported => ["-------", "---S---"],
+    };
+    let phases = if version == Version::V2 { of_2 } else { of_3 };
+    phases.as_bytes()[phase as usize] != b'-'
 }

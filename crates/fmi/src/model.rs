@@ -1,23 +1,48 @@
-//! What an FMU simulates.
+//! The model behind an FMU, and what identifies its interface.
 
 use crate::Phase;
 use crate::location::Location;
-use crate::variables::Variable;
+use crate::variables::{Dependency, Known, Scalar, Size, Variable};
 use serde::{Serialize, de::DeserializeOwned};
 use std::error::Error;
 use std::fmt::Debug;
 use uuid::Uuid;
 
-/// Returns a hash of a content. A saved state contains it, to check that it is restored into the same model.
+/// Returns a hash of a content. A saved state contains it, to check that it is restored into the
+/// same model.
 pub fn fingerprint(content: &[u8]) -> u128 {
     Uuid::new_v5(&Uuid::NAMESPACE_OID, content).as_u128()
 }
 
-/// Returns what identifies an interface, of a line for each variable.
-pub(crate) fn token(lines: impl Iterator<Item = String>) -> Uuid {
+fn token(lines: impl Iterator<Item = String>) -> Uuid {
     /// Makes interfaces of other programs with the same words another token.
     const NAMESPACE: Uuid = Uuid::from_u128(0x6c65_6d6f_6e73_4d75_8f63_726f_7764_3031);
     Uuid::new_v5(&NAMESPACE, lines.collect::<String>().as_bytes())
+}
+
+/// Returns the GUID of an FMI 2.0 interface. It depends on names, types, value references and
+/// causalities only.
+pub fn guid<Q>(scalars: &[Scalar<Q>]) -> Uuid {
+    token(scalars.iter().enumerate().map(|(reference, Scalar { name, variable, .. })| {
+        format!("{reference} {name} {} {:?}\n", variable.kind.name(), variable.role)
+    }))
+}
+
+/// Returns the instantiation token of FMI 3.0. It depends on names, types, dimensions, value
+/// references and causalities only.
+pub fn instantiation_token<M: Model>() -> Uuid {
+    let sizes = M::SIZES.iter().map(|size| format!("{}\n", size.name));
+    let variables = M::VARIABLES.iter().map(|Variable { name, kind, dimensions, role, .. }| {
+        format!("{name} {} {dimensions:?} {role:?}\n", kind.name())
+    });
+    token(["FMI 3.0\n".to_owned()].into_iter().chain(sizes).chain(variables))
+}
+
+/// Returns the value reference of a quantity in FMI 3.0, after those of `time` (0) and of the
+/// structural parameters.
+pub fn reference<M: Model>(quantity: M::Quantity) -> Option<u32> {
+    let place = M::VARIABLES.iter().position(|variable| variable.quantity == quantity)?;
+    Some((1 + M::SIZES.len() + place) as u32)
 }
 
 /// Why a model did not advance.
@@ -29,20 +54,65 @@ pub enum StepError<E> {
     Failed(E),
 }
 
-/// The model behind an FMU, called by [`Slave`](crate::slave::Slave). The slave checks lifecycle, value references, types,
-/// domains and times. The model gets only calls that are allowed and well-formed.
+/// A part of a communication step; the whole one where no values are wanted within it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// \[s\] where the communication step begins.
+    pub from: f64,
+    /// \[s\] of this part; positive.
+    pub length: f64,
+    /// \[s\] of the parts before it.
+    pub so_far: f64,
+    /// \[s\] the communication point at its end, if this is the last part.
+    pub at_end: Option<f64>,
+}
+
+impl Part {
+    /// Returns a whole communication step, from a communication point and over a length, both
+    /// \[s\].
+    pub fn whole(from: f64, length: f64) -> Part {
+        Part { from, length, so_far: 0.0, at_end: Some(from + length) }
+    }
+
+    /// Returns the time at its end \[s\].
+    pub fn end(self) -> f64 {
+        self.at_end.unwrap_or(self.from + self.so_far + self.length)
+    }
+}
+
+/// The model behind an FMU, called by [`Slave`](crate::Slave). The slave checks lifecycle, value
+/// references, types, lengths, domains and times. The model gets only calls that are allowed and
+/// well-formed.
+///
+/// Values are elements of the variables of [`Model::VARIABLES`], numbers of any type are `f64`.
 pub trait Model: Sized + Send {
-    /// Identifies the quantity behind a variable.
-    type Quantity: Copy + Debug + Send + Sync;
+    /// Identifies a variable.
+    type Quantity: Copy + Debug + PartialEq + Send + Sync + 'static;
     /// Everything on which the model's future depends: its part of the FMU state.
     type Saved: Clone + Debug + PartialEq + Send + Serialize + DeserializeOwned + Sync + 'static;
     /// Why a call is refused. The model is then unchanged, if not stated otherwise.
     type Error: Error + Send + Sync + 'static;
 
-    /// `canInterpolateInputs`
-    const INTERPOLATES_INPUTS: bool;
+    /// `modelName`
+    const NAME: &'static str;
+    /// `modelIdentifier`: the stem of the binaries' names.
+    const IDENTIFIER: &'static str;
+    /// Description for users.
+    const DESCRIPTION: &'static str;
+    /// \[s\] `DefaultExperiment.stopTime`; the start time is 0.
+    const STOP_TIME: f64;
+    /// Whether inputs can vary linearly within a step (FMI 2.0).
+    const INTERPOLATES_INPUTS: bool = false;
+    /// Whether derivatives of outputs are known.
+    const KNOWS_DERIVATIVES: bool = false;
+    /// Whether values can be shown within a step (FMI 3.0).
+    const SHOWS_INTERMEDIATE_VALUES: bool = false;
     /// Version of the format; increased whenever [`Model::Saved`] changes.
     const STATE_VERSION: u32;
+    /// The structural parameters.
+    const SIZES: &'static [Size];
+    /// The variables, which are the same for every content.
+    const VARIABLES: &'static [Variable<Self::Quantity>];
 
     /// Loads the model from the resource location, exactly as the importer gives it.
     ///
@@ -50,63 +120,101 @@ pub trait Model: Sized + Send {
     /// The resources are missing or damaged.
     fn load(location: Location<'_>) -> Result<Self, Self::Error>;
 
+    /// Returns the value of the structural parameter at a place of [`Model::SIZES`] for what is
+    /// loaded.
+    fn size(&self, place: usize) -> u64;
+
     /// Returns the variables of FMI 2.0. They never change during the life of the model.
-    fn table(&self) -> Vec<Variable<Self::Quantity>>;
+    fn scalars(&self) -> Vec<Scalar<Self::Quantity>>;
+
+    /// Returns the usual communication step \[s\].
+    fn step_size(&self) -> f64;
 
     /// Returns the warnings since the last call.
     fn take_warnings(&mut self) -> Vec<String>;
 
-    /// Returns the value of a Real.
+    /// Returns a number.
     ///
     /// # Errors
-    /// The values that were set do not fit together, so that the Real cannot be computed.
-    fn real(&mut self, quantity: Self::Quantity) -> Result<f64, Self::Error>;
+    /// The values that were set do not fit together, so that the number cannot be computed.
+    fn number(&mut self, quantity: Self::Quantity, element: usize) -> Result<f64, Self::Error>;
 
-    /// Returns the value of an Integer, or of a Boolean: 0 or 1.
+    /// Returns all elements of an array of numbers.
     ///
     /// # Errors
-    /// Those of [`Model::real`].
-    fn integer(&mut self, quantity: Self::Quantity) -> Result<i32, Self::Error>;
+    /// Those of [`Model::number`].
+    fn numbers(&mut self, quantity: Self::Quantity, values: &mut [f64]) -> Result<(), Self::Error> {
+        for (element, value) in values.iter_mut().enumerate() {
+            *value = self.number(quantity, element)?;
+        }
+        Ok(())
+    }
 
-    /// Returns the value of a String.
-    fn string(&self, quantity: Self::Quantity) -> &str;
+    /// Returns a text.
+    fn text(&self, quantity: Self::Quantity, element: usize) -> &str;
 
-    /// Sets a Real that can be set in the present phase to a value of its domain.
-    fn set_real(&mut self, quantity: Self::Quantity, value: f64, phase: Phase);
+    /// Checks that all elements of an array fit together, before they are set.
+    ///
+    /// # Errors
+    /// They do not.
+    fn check(&self, _quantity: Self::Quantity, _values: &[f64]) -> Result<(), Self::Error> {
+        Ok(())
+    }
 
-    /// Sets an Integer, or a Boolean to 0 or 1, as [`Model::set_real`].
-    fn set_integer(&mut self, quantity: Self::Quantity, value: i32, phase: Phase);
+    /// Sets a number that can be set in the present phase to a value of its domain.
+    fn set(&mut self, quantity: Self::Quantity, element: usize, value: f64, phase: Phase);
 
-    /// Sets Strings, all or none.
+    /// Sets texts, all or none.
     ///
     /// # Errors
     /// A text is not a value of its variable.
-    fn set_strings(&mut self, values: &[(Self::Quantity, &str)]) -> Result<(), Self::Error>;
+    fn set_texts(&mut self, _values: &[(Self::Quantity, &str)]) -> Result<(), Self::Error> {
+        Ok(())
+    }
 
     /// Returns the derivative of a Real with respect to time \[1/s\]; `None` if it is not known.
-    fn derivative(&self, _quantity: Self::Quantity) -> Option<f64> {
+    fn derivative(&self, _quantity: Self::Quantity, _element: usize) -> Option<f64> {
         None
     }
 
     /// Lets an input vary linearly over the next step, at a rate per second. Called only if
     /// [`Model::INTERPOLATES_INPUTS`].
-    fn set_rate(&mut self, _input: Self::Quantity, _rate: f64) {}
+    fn set_rate(&mut self, _input: Self::Quantity, _element: usize, _rate: f64) {}
 
-    /// Takes the tolerance of the experiment, a positive and finite number, or none if the importer defines none. Called
-    /// before initialization begins. A model that has no use for it ignores it.
+    /// Returns the known elements on which the elements of an output depend at a communication
+    /// point.
+    fn dependencies(&self, _output: Self::Quantity, _known: Known) -> Vec<Dependency<Self::Quantity>> {
+        Vec::new()
+    }
+
+    /// Returns whether each element of an output depends on all that [`Model::dependencies`] names.
+    fn depends_on_all(&self, _output: Self::Quantity) -> bool {
+        false
+    }
+
+    /// Takes the tolerance of the experiment, a positive and finite number, or none if the importer
+    /// defines none. Called before initialization begins. A model that has no use for it ignores
+    /// it.
     fn set_tolerance(&mut self, _tolerance: Option<f64>) {}
 
-    /// Ends initialization: the model is built from the values that were set. The simulation begins at `start` \[s\].
+    /// Ends initialization: the model is built from the values that were set. The simulation begins
+    /// at `start` \[s\].
     ///
     /// # Errors
     /// The values that were set do not fit together.
     fn initialize(&mut self, start: f64) -> Result<(), Self::Error>;
 
-    /// Advances from a communication point by a step, which is positive, to `from + step`, which is finite, all \[s\].
+    /// Returns the lengths \[s\] of the parts of a communication step \[s\] after which values are
+    /// wanted; one part if none are wanted.
+    fn parts(&self, step: f64) -> Vec<f64> {
+        vec![step]
+    }
+
+    /// Advances by a part of a communication step, to a time that is finite.
     ///
     /// # Errors
     /// [`StepError`] says whether anything has changed.
-    fn advance(&mut self, from: f64, step: f64) -> Result<(), StepError<Self::Error>>;
+    fn advance(&mut self, part: Part) -> Result<(), StepError<Self::Error>>;
 
     /// Returns to the state after [`Model::load`].
     ///

@@ -1,12 +1,14 @@
-//! One FMU instance without the C interface: lifecycle, stepping and states, for every version of FMI. How its variables
-//! are read and set is in [`v2`](crate::v2) and [`v3`](crate::v3).
+//! One FMU instance without the C interface, of either version of FMI: lifecycle, variables,
+//! stepping, states.
 //!
 //! A call that is refused does not change the instance.
 
-use crate::lifecycle::{Function, Phase};
-use crate::model::{Model, StepError};
-use crate::variables::{Domain, Kind, Role};
+use crate::Version;
+use crate::lifecycle::{Function, Phase, allowed};
+use crate::model::{Model, Part, StepError, guid, instantiation_token, reference};
+use crate::variables::{Dimension, Domain, Known, Role, Scalar, Type, Variable};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use thiserror::Error;
 use uuid::Uuid;
 
@@ -33,7 +35,7 @@ pub enum SlaveError<E> {
     )]
     Size { name: &'static str, declared: u64, loaded: u64 },
     #[error("{name} = {value}: must be at least 1 and at most {most}")]
-    SizeValue { name: &'static str, value: u64, most: u64 },
+    SizeValue { name: String, value: u64, most: u64 },
     #[error("{name}: its derivative is not known, only those of continuous motion are")]
     NoDerivative { name: String },
     #[error("the derivative of order {order} of {name}: only order 1 is known")]
@@ -84,40 +86,44 @@ pub struct Snapshot<S> {
     model: S,
 }
 
-/// What differs between the versions of FMI.
-pub trait Interface<M: Model>: Sized {
-    /// The standard's word for the token: GUID or instantiationToken.
-    const TOKEN: &'static str;
+/// A variable that a value reference leads to, without what only messages need: calls read
+/// thousands of them.
+#[derive(Clone, Copy)]
+struct Row<Q> {
+    /// `None` for the time and the structural parameters of FMI 3.0.
+    quantity: Option<Q>,
+    /// FMI 2.0: the element.
+    element: u32,
+    of: Type,
+    role: Role,
+    domain: Domain,
+}
 
-    /// Whether bytes may follow those of a state: importers of FMI 2.0 pass buffers that are longer.
-    const LONGER_STATES: bool;
-
-    /// The interface of a model.
-    fn of(model: &M) -> Self;
-
-    /// Identifies the interface: it depends on names, types, value references and causalities only.
-    fn token(&self) -> Uuid;
-
-    /// Returns the states in which the standard allows a function.
-    fn allowed(function: Function) -> &'static [Phase];
-
-    /// Returns the values of the structural parameters, if there are any.
-    fn sizes(&self) -> &[u64] {
-        &[]
-    }
-
-    /// Sets all structural parameters. Returns whether they can have these values.
-    fn set_sizes(&mut self, sizes: &[u64]) -> bool {
-        sizes.is_empty()
+impl<Q: Copy> Row<Q> {
+    fn new(variable: &Variable<Q>, element: usize) -> Row<Q> {
+        Row {
+            quantity: Some(variable.quantity),
+            element: element as u32,
+            of: variable.kind.into(),
+            role: variable.role,
+            domain: variable.domain,
+        }
     }
 }
 
 /// One FMU instance.
-pub struct Slave<M: Model, I: Interface<M>> {
+pub struct Slave<M: Model> {
     pub(crate) model: M,
-    pub(crate) interface: I,
+    version: Version,
     token: Uuid,
-    pub(crate) phase: Phase,
+    /// The variables by value reference. In FMI 2.0 each is an element; in FMI 3.0 the time, the
+    /// structural parameters, and whole variables.
+    rows: Vec<Row<M::Quantity>>,
+    /// FMI 2.0: the variables, for messages.
+    scalars: Vec<Scalar<M::Quantity>>,
+    /// FMI 3.0: the structural parameters as they were set.
+    sizes: Vec<u64>,
+    phase: Phase,
     time: f64,
     experiment: Option<Experiment>,
 }
@@ -125,20 +131,29 @@ pub struct Slave<M: Model, I: Interface<M>> {
 /// The result of a call.
 pub(crate) type Answer<M, T> = Result<T, SlaveError<<M as Model>::Error>>;
 
-impl<M: Model, I: Interface<M>> Slave<M, I> {
+impl<M: Model> Slave<M> {
     /// Makes an instance of a model.
     ///
     /// # Errors
     /// The token is not that of the model.
-    pub fn new(model: M, given: &str) -> Answer<M, Slave<M, I>> {
-        let interface = I::of(&model);
-        let token = interface.token();
+    pub fn new(model: M, version: Version, given: &str) -> Answer<M, Slave<M>> {
+        let mut scalars = Vec::new();
+        let (rows, token, word) = match version {
+            Version::V2 => {
+                scalars = model.scalars();
+                let row = |scalar: &Scalar<M::Quantity>| Row::new(scalar.variable, scalar.element);
+                (scalars.iter().map(row).collect(), guid(&scalars), "GUID")
+            }
+            Version::V3 => (rows_of_arrays::<M>(), instantiation_token::<M>(), "instantiationToken"),
+        };
         let bare = |text: &str| text.trim_matches(['{', '}']).to_ascii_lowercase();
         if bare(given) != token.to_string() {
             let expected = token.braced().to_string();
-            return Err(SlaveError::Token { word: I::TOKEN, given: given.to_owned(), expected });
+            return Err(SlaveError::Token { word, given: given.to_owned(), expected });
         }
-        Ok(Slave { model, interface, token, phase: Phase::Instantiated, time: 0.0, experiment: None })
+        let sizes = sizes(&model, version);
+        let (phase, time, experiment) = (Phase::Instantiated, 0.0, None);
+        Ok(Slave { model, version, token, rows, scalars, sizes, phase, time, experiment })
     }
 
     /// Returns the current communication point \[s\].
@@ -156,17 +171,19 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
     /// # Errors
     /// It is not allowed.
     pub fn check(&self, function: Function) -> Answer<M, ()> {
-        if I::allowed(function).contains(&self.phase) {
+        if allowed(function, self.version, self.phase) {
             Ok(())
         } else {
             Err(SlaveError::NotAllowed { phase: self.phase })
         }
     }
 
-    /// `fmi2SetupExperiment`: start time and, if given, stop time of the simulation \[s\], and tolerance.
+    /// `fmi2SetupExperiment`: start time and, if given, stop time of the simulation \[s\], and
+    /// tolerance.
     ///
     /// # Errors
-    /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is not positive and finite.
+    /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is not
+    /// positive and finite.
     pub fn setup_experiment(
         &mut self,
         start: f64,
@@ -198,6 +215,21 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
         Ok(())
     }
 
+    /// `fmi3EnterInitializationMode`: with what FMI 2.0 sets up before.
+    ///
+    /// # Errors
+    /// Those of [`Slave::setup_experiment`].
+    pub fn enter_with_experiment(
+        &mut self,
+        start: f64,
+        stop: Option<f64>,
+        tolerance: Option<f64>,
+    ) -> Answer<M, ()> {
+        self.check(Function::EnterInitializationMode)?;
+        self.set_experiment(start, stop, tolerance)?;
+        self.enter_initialization()
+    }
+
     /// Enters Initialization Mode.
     ///
     /// # Errors
@@ -212,21 +244,23 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
     /// Leaves Initialization Mode.
     ///
     /// # Errors
-    /// Wrong phase, or values that do not fit together.
+    /// Wrong phase; structural parameters that are not the sizes of what is loaded; values that do
+    /// not fit together.
     pub fn exit_initialization(&mut self) -> Answer<M, ()> {
         self.check(Function::ExitInitializationMode)?;
+        (0..self.sizes.len()).try_for_each(|place| self.check_size(place))?;
         self.model.initialize(self.time)?;
         self.phase = Phase::StepComplete;
         Ok(())
     }
 
-    /// Ends the simulation.
+    /// Calls a function that does nothing but lead to a phase.
     ///
     /// # Errors
     /// Wrong phase.
-    pub fn terminate(&mut self) -> Answer<M, ()> {
-        self.check(Function::Terminate)?;
-        self.phase = Phase::Terminated;
+    pub fn change_phase(&mut self, function: Function, to: Phase) -> Answer<M, ()> {
+        self.check(function)?;
+        self.phase = to;
         Ok(())
     }
 
@@ -237,30 +271,431 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
     pub fn reset(&mut self) -> Answer<M, ()> {
         self.check(Function::Reset)?;
         self.model.reset()?;
-        self.interface = I::of(&self.model);
+        self.sizes = sizes(&self.model, self.version);
         (self.phase, self.time, self.experiment) = (Phase::Instantiated, 0.0, None);
         Ok(())
+    }
+
+    /// Refuses a structural parameter that is not the size of what is loaded.
+    fn check_size(&self, place: usize) -> Answer<M, ()> {
+        let (declared, loaded) = (self.sizes[place], self.model.size(place));
+        if declared == loaded {
+            return Ok(());
+        }
+        Err(SlaveError::Size { name: M::SIZES[place].name, declared, loaded })
+    }
+
+    #[inline]
+    fn row(&self, reference: u32, of: Type) -> Answer<M, Row<M::Quantity>> {
+        match self.rows.get(reference as usize) {
+            Some(row) if row.of == of => Ok(*row),
+            _ => Err(SlaveError::UnknownReference { kind: of.name(self.version), reference }),
+        }
+    }
+
+    /// FMI 3.0: the array of a value reference.
+    fn array(&self, reference: u32) -> Option<&'static Variable<M::Quantity>> {
+        M::VARIABLES.get((reference as usize).checked_sub(1 + M::SIZES.len())?)
+    }
+
+    /// Returns the number of elements of a variable, whose sizes must be those of what is loaded.
+    #[inline]
+    fn length(&self, reference: u32) -> Answer<M, usize> {
+        if self.version == Version::V2 {
+            return Ok(1);
+        }
+        let mut length = 1;
+        for dimension in self.array(reference).map_or(&[][..], |array| array.dimensions) {
+            length *= match *dimension {
+                Dimension::Fixed(size) => size as usize,
+                Dimension::Size(place) => {
+                    self.check_size(place)?;
+                    self.sizes[place] as usize
+                }
+            };
+        }
+        Ok(length)
+    }
+
+    /// Checks types, and that the number of elements of all variables together is that of the
+    /// values.
+    fn check_count(&self, references: &[u32], of: Type, given: usize) -> Answer<M, ()> {
+        if self.version == Version::V2 {
+            return Ok(());
+        }
+        let mut wanted = 0;
+        for &reference in references {
+            self.row(reference, of)?;
+            wanted += self.length(reference)?;
+        }
+        if wanted == given { Ok(()) } else { Err(SlaveError::ValueCount { given, wanted: wanted as u64 }) }
+    }
+
+    /// Returns the name of a variable, or of an element of an array, for messages.
+    #[cold]
+    fn name(&self, reference: u32, element: Option<usize>) -> String {
+        let reference = reference as usize;
+        if self.version == Version::V2 {
+            return self.scalars[reference].name.clone();
+        }
+        match (self.array(reference as u32), element) {
+            (Some(array), Some(element)) if !array.dimensions.is_empty() => {
+                format!("{}[{element}]", array.name)
+            }
+            (Some(array), _) => array.name.to_owned(),
+            (None, _) => reference.checked_sub(1).map_or("time", |place| M::SIZES[place].name).to_owned(),
+        }
+    }
+
+    /// Reads Reals.
+    ///
+    /// # Errors
+    /// Wrong phase, unknown references, a wrong number of values; in initialization, values that do
+    /// not fit together.
+    pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Answer<M, ()> {
+        self.get(references, Type::Real, values, |number| number)
+    }
+
+    /// Reads Integers.
+    ///
+    /// # Errors
+    /// Those of [`Slave::get_real`].
+    pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Answer<M, ()> {
+        self.get(references, Type::Integer, values, |number| number as i32)
+    }
+
+    /// Reads Booleans.
+    ///
+    /// # Errors
+    /// Those of [`Slave::get_real`].
+    pub fn get_boolean(&mut self, references: &[u32], values: &mut [impl From<bool>]) -> Answer<M, ()> {
+        self.get(references, Type::Boolean, values, |number| (number != 0.0).into())
+    }
+
+    fn get<T>(
+        &mut self,
+        references: &[u32],
+        of: Type,
+        values: &mut [T],
+        from: impl Fn(f64) -> T,
+    ) -> Answer<M, ()> {
+        self.check(Function::Get)?;
+        if self.version == Version::V2 {
+            for (&reference, value) in references.iter().zip(values) {
+                if let Row { quantity: Some(quantity), element, .. } = self.row(reference, of)? {
+                    *value = from(self.model.number(quantity, element as usize)?);
+                }
+            }
+            return Ok(());
+        }
+        self.check_count(references, of, values.len())?;
+        let (mut rest, mut numbers) = (values, Vec::new());
+        for &reference in references {
+            let (these, others) = rest.split_at_mut(self.length(reference)?);
+            numbers.clear();
+            numbers.resize(these.len(), self.time);
+            if let Some(quantity) = self.row(reference, of)?.quantity {
+                self.model.numbers(quantity, &mut numbers)?;
+            }
+            these.iter_mut().zip(&numbers).for_each(|(value, number)| *value = from(*number));
+            rest = others;
+        }
+        Ok(())
+    }
+
+    /// Reads texts.
+    ///
+    /// # Errors
+    /// Wrong phase, unknown references, a wrong number of values.
+    pub fn get_string(&self, references: &[u32], count: usize) -> Answer<M, Vec<String>> {
+        self.check(Function::Get)?;
+        self.check_count(references, Type::String, count)?;
+        let mut texts = Vec::with_capacity(count);
+        for &reference in references {
+            let Row { quantity: Some(quantity), element, .. } = self.row(reference, Type::String)? else {
+                continue;
+            };
+            let elements = (element as usize..).take(self.length(reference)?);
+            texts.extend(elements.map(|element| self.model.text(quantity, element).to_owned()));
+        }
+        Ok(texts)
+    }
+
+    /// `fmi3GetUInt64`: structural parameters.
+    ///
+    /// # Errors
+    /// Those of [`Slave::get_string`].
+    pub fn get_size(&self, references: &[u32], values: &mut [u64]) -> Answer<M, ()> {
+        self.check(Function::Get)?;
+        self.check_count(references, Type::Size, values.len())?;
+        for (value, &reference) in values.iter_mut().zip(references) {
+            *value = self.sizes[reference as usize - 1];
+        }
+        Ok(())
+    }
+
+    /// `fmi3SetUInt64`: structural parameters, in Configuration Mode.
+    ///
+    /// # Errors
+    /// Wrong phase, unknown references, a wrong number of values, or a value that is 0 or far too
+    /// large. Then none of them is set.
+    pub fn set_size(&mut self, references: &[u32], values: &[u64]) -> Answer<M, ()> {
+        self.check(Function::Set)?;
+        self.check_count(references, Type::Size, values.len())?;
+        for (&reference, &value) in references.iter().zip(values) {
+            if self.phase != Phase::Configuration {
+                let (name, when) = (self.name(reference, None), "outside Configuration Mode");
+                return Err(SlaveError::NotSettable { name, when });
+            }
+            if !(1..=MOST).contains(&value) {
+                return Err(SlaveError::SizeValue { name: self.name(reference, None), value, most: MOST });
+            }
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            self.sizes[reference as usize - 1] = value;
+        }
+        Ok(())
+    }
+
+    /// Refuses a variable that cannot be set in this phase.
+    #[inline]
+    fn check_settable(&self, reference: u32, role: Role) -> Answer<M, ()> {
+        let before = matches!(self.phase, Phase::Instantiated | Phase::Initialization);
+        let when = match role {
+            _ if self.phase == Phase::Configuration => "in Configuration Mode",
+            Role::Input => return Ok(()),
+            Role::Parameter | Role::Exact if before => return Ok(()),
+            Role::Parameter | Role::Exact => "after initialization",
+            Role::Calculated | Role::CalculatedParameter => "at all: it is computed",
+        };
+        Err(SlaveError::NotSettable { name: self.name(reference, None), when })
+    }
+
+    /// Sets Reals.
+    ///
+    /// # Errors
+    /// Wrong phase, unknown references, a wrong number of values, or values outside their domain.
+    /// Then none of them is set.
+    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Answer<M, ()> {
+        self.set(references, Type::Real, values)
+    }
+
+    /// Sets Integers.
+    ///
+    /// # Errors
+    /// Those of [`Slave::set_real`].
+    pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Answer<M, ()> {
+        let numbers: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
+        self.set(references, Type::Integer, &numbers)
+    }
+
+    /// Sets Booleans.
+    ///
+    /// # Errors
+    /// Those of [`Slave::set_real`].
+    pub fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Answer<M, ()> {
+        let numbers: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
+        self.set(references, Type::Boolean, &numbers)
+    }
+
+    fn set(&mut self, references: &[u32], of: Type, values: &[f64]) -> Answer<M, ()> {
+        self.check(Function::Set)?;
+        self.check_count(references, of, values.len())?;
+        let mut rest = values;
+        for &reference in references {
+            let row = self.row(reference, of)?;
+            self.check_settable(reference, row.role)?;
+            let (these, others) = rest.split_at(self.length(reference)?);
+            for (element, &value) in these.iter().enumerate() {
+                row.domain.check(value).map_err(|must| SlaveError::Value {
+                    name: self.name(reference, Some(element)),
+                    value: if of == Type::Integer { format!("{value:.0}") } else { format!("{value:?}") },
+                    must,
+                })?;
+            }
+            if let (Version::V3, Some(quantity)) = (self.version, row.quantity) {
+                self.model.check(quantity, these)?;
+            }
+            rest = others;
+        }
+        let mut rest = values;
+        for &reference in references {
+            let row = self.row(reference, of)?;
+            let (these, others) = rest.split_at(self.length(reference)?);
+            if let Some(quantity) = row.quantity {
+                for (element, &value) in (row.element as usize..).zip(these) {
+                    self.model.set(quantity, element, value, self.phase);
+                }
+            }
+            rest = others;
+        }
+        Ok(())
+    }
+
+    /// Sets texts.
+    ///
+    /// # Errors
+    /// Those of [`Slave::set_real`]; a text is not a value of its variable.
+    pub fn set_string(&mut self, references: &[u32], values: &[&str]) -> Answer<M, ()> {
+        self.check(Function::Set)?;
+        self.check_count(references, Type::String, values.len())?;
+        let mut texts = Vec::with_capacity(references.len());
+        for (&reference, &value) in references.iter().zip(values) {
+            let row = self.row(reference, Type::String)?;
+            self.check_settable(reference, row.role)?;
+            texts.extend(row.quantity.map(|quantity| (quantity, value)));
+        }
+        Ok(self.model.set_texts(&texts)?)
+    }
+
+    /// Reads derivatives with respect to time, of order 1.
+    ///
+    /// # Errors
+    /// Wrong phase, unknown references, a wrong number of values, other orders, or variables whose
+    /// derivative is not known. Then the values are unchanged.
+    pub fn get_output_derivatives(
+        &self,
+        references: &[u32],
+        orders: &[i32],
+        values: &mut [f64],
+    ) -> Answer<M, ()> {
+        self.check(Function::GetOutputDerivatives)?;
+        self.check_count(references, Type::Real, values.len())?;
+        let mut found = Vec::with_capacity(values.len());
+        for (&reference, &order) in references.iter().zip(orders) {
+            let row = self.row(reference, Type::Real)?;
+            if order != 1 {
+                return Err(SlaveError::OutputOrder { name: self.name(reference, None), order });
+            }
+            for element in (row.element as usize..).take(self.length(reference)?) {
+                let derivative = row.quantity.and_then(|quantity| self.model.derivative(quantity, element));
+                let unknown = || SlaveError::NoDerivative { name: self.name(reference, None) };
+                found.push(derivative.ok_or_else(unknown)?);
+            }
+        }
+        values.copy_from_slice(&found);
+        Ok(())
+    }
+
+    /// `fmi2SetRealInputDerivatives`: over the next step the inputs vary linearly, at these rates
+    /// per second, from their values at its start. A rate is used for one step.
+    ///
+    /// # Errors
+    /// Wrong phase, unknown references, variables that are not inputs, orders other than 1, rates
+    /// that are not finite, or a model that does not interpolate inputs. Then nothing is set.
+    pub fn set_input_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &[f64],
+    ) -> Answer<M, ()> {
+        self.check(Function::SetInputDerivatives)?;
+        if !M::INTERPOLATES_INPUTS {
+            let why = "canInterpolateInputs is false: inputs are held over a step";
+            return Err(SlaveError::Unsupported(why));
+        }
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            let row = self.row(reference, Type::Real)?;
+            if row.role != Role::Input {
+                return Err(SlaveError::NoInput { name: self.name(reference, None) });
+            }
+            if order != 1 {
+                return Err(SlaveError::Order { name: self.name(reference, None), order });
+            }
+            if !value.is_finite() {
+                let name = format!("the derivative of {}", self.name(reference, None));
+                return Err(SlaveError::Value { name, value: format!("{value:?}"), must: "finite" });
+            }
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            let row = self.row(reference, Type::Real)?;
+            if let Some(quantity) = row.quantity {
+                self.model.set_rate(quantity, row.element as usize, value);
+            }
+        }
+        Ok(())
+    }
+
+    /// `fmi3GetVariableDependencies`: of the elements of an output, as indices from 0, the value
+    /// reference of the variable on which each depends, and the index of its element. Until
+    /// initialization ends, the initial dependencies (FMI 3.0, section 2.2.9).
+    ///
+    /// # Errors
+    /// Wrong phase or an unknown reference.
+    pub fn dependencies(&self, of: u32) -> Answer<M, Vec<(usize, u32, usize)>> {
+        self.check(Function::GetVariableDependencies)?;
+        let Some(array) = self.array(of) else {
+            let unknown = SlaveError::UnknownReference { kind: "any", reference: of };
+            return if (of as usize) < self.rows.len() { Ok(Vec::new()) } else { Err(unknown) };
+        };
+        let known = match self.phase {
+            Phase::Instantiated | Phase::Configuration | Phase::Initialization => Known::InputsAndParameters,
+            _ => Known::Inputs,
+        };
+        let own = self.model.dependencies(array.quantity, known).into_iter();
+        let own = own.filter_map(|on| Some((on.dependent, reference::<M>(on.on)?, on.element)));
+        if !self.model.depends_on_all(array.quantity) {
+            return Ok(own.collect());
+        }
+        let all: BTreeSet<(u32, usize)> = own.map(|(_, on, element)| (on, element)).collect();
+        let elements = self.length(of)?;
+        if elements * all.len() > MOST_DEPENDENCIES {
+            let many = "each element depends on those of all agents, which are too many to be listed";
+            return Err(SlaveError::Unsupported(many));
+        }
+        let each = (0..elements).flat_map(|k| all.iter().map(move |&(on, element)| (k, on, element)));
+        Ok(each.collect())
     }
 
     /// A communication step: from the communication point `from` over `step`, both \[s\].
     ///
     /// # Errors
-    /// Wrong phase, a communication point that is not the slave's time, or a step that is not positive, goes beyond the
-    /// stop time, or is refused by the model. Then nothing has changed. If the model fails during the step, the slave is
-    /// in the error state.
+    /// Wrong phase, a communication point that is not the slave's time, or a step that is not
+    /// positive, goes beyond the stop time, or is refused by the model. Then nothing has changed.
+    /// If the model fails during the step, the slave is in the error state.
     pub fn do_step(&mut self, from: f64, step: f64) -> Answer<M, ()> {
         self.check_step(from, step)?;
-        match self.model.advance(from, step) {
+        self.do_part(Part::whole(from, step))
+    }
+
+    /// Returns the parts of a communication step from `from` of a length `step`, both \[s\].
+    ///
+    /// # Errors
+    /// Those of [`Slave::do_step`], before anything is changed.
+    pub(crate) fn parts(&self, from: f64, step: f64) -> Answer<M, Vec<Part>> {
+        self.check_step(from, step)?;
+        let lengths = self.model.parts(step);
+        let (mut so_far, last) = (0.0, lengths.len() - 1);
+        let part = |(k, length): (usize, f64)| {
+            let part = Part { from, length, so_far, at_end: (k == last).then_some(from + step) };
+            so_far += length;
+            part
+        };
+        Ok(lengths.into_iter().enumerate().map(part).collect())
+    }
+
+    /// Does a part of a communication step.
+    ///
+    /// # Errors
+    /// The model refuses the first part, and nothing has changed; or it fails, and the slave is in
+    /// the error state.
+    pub(crate) fn do_part(&mut self, part: Part) -> Answer<M, ()> {
+        match self.model.advance(part) {
             Ok(()) => {
-                self.time = from + step;
+                self.time = part.end();
                 Ok(())
             }
-            Err(StepError::Refused(error)) => Err(error.into()),
-            Err(StepError::Failed(error)) => {
+            Err(StepError::Refused(error)) if part.so_far == 0.0 => Err(error.into()),
+            Err(StepError::Refused(error) | StepError::Failed(error)) => {
                 self.phase = Phase::Error;
                 Err(error.into())
             }
         }
+    }
+
+    /// Begins or ends the importer's callback.
+    pub(crate) fn set_intermediate(&mut self, intermediate: bool) {
+        self.phase = if intermediate { Phase::Intermediate } else { Phase::StepComplete };
     }
 
     /// Checks a communication step, before anything is changed.
@@ -269,7 +704,8 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
         if !(step > 0.0 && step.is_finite()) {
             return Err(SlaveError::StepSize(step));
         }
-        // Masters add up their own times. A difference of half a step is another communication point.
+        // Masters add up their own times. A difference of half a step is another communication
+        // point.
         let tolerance = (1e-5 * from.abs().max(step)).min(0.5 * step);
         if (from - self.time).abs() > tolerance || from.is_nan() {
             return Err(SlaveError::CommunicationPoint { given: from, expected: self.time });
@@ -284,11 +720,6 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
         Ok(())
     }
 
-    /// Takes the time at the end of a step \[s\].
-    pub(crate) fn set_time(&mut self, time: f64) {
-        self.time = time;
-    }
-
     /// Saves the state.
     ///
     /// # Errors
@@ -296,14 +727,14 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
     pub fn snapshot(&self) -> Answer<M, Snapshot<M::Saved>> {
         self.check(Function::State)?;
         let (phase, time, experiment) = (self.phase, self.time, self.experiment);
-        let sizes = self.interface.sizes().to_vec();
-        Ok(Snapshot { phase, time, experiment, sizes, model: self.model.save() })
+        Ok(Snapshot { phase, time, experiment, sizes: self.sizes.clone(), model: self.model.save() })
     }
 
     /// Restores a state.
     ///
     /// # Errors
-    /// Wrong phase, a snapshot of another model, or one with impossible times. Then nothing has changed.
+    /// Wrong phase, a snapshot of another model, or one with impossible times. Then nothing has
+    /// changed.
     pub fn restore(&mut self, snapshot: &Snapshot<M::Saved>) -> Answer<M, ()> {
         self.check(Function::State)?;
         let possible = snapshot.experiment.is_none_or(|Experiment { start, stop }| {
@@ -312,17 +743,15 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
         if !(possible && snapshot.time.is_finite()) {
             return Err(SlaveError::Snapshot("a time that is not possible"));
         }
-        if !I::allowed(Function::State).contains(&snapshot.phase) {
+        if !allowed(Function::State, self.version, snapshot.phase) {
             return Err(SlaveError::Snapshot("a phase that is not possible"));
         }
-        let before = self.interface.sizes().to_vec();
-        if !self.interface.set_sizes(&snapshot.sizes) {
+        let sizes = &snapshot.sizes;
+        if sizes.len() != self.sizes.len() || !sizes.iter().all(|size| (1..=MOST).contains(size)) {
             return Err(SlaveError::Snapshot("sizes that are not possible"));
         }
-        if let Err(error) = self.model.restore(&snapshot.model) {
-            self.interface.set_sizes(&before);
-            return Err(error.into());
-        }
+        self.model.restore(&snapshot.model)?;
+        self.sizes.clone_from(sizes);
         (self.phase, self.time, self.experiment) = (snapshot.phase, snapshot.time, snapshot.experiment);
         Ok(())
     }
@@ -336,7 +765,7 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
             postcard::to_stdvec(snapshot).map_err(|_| SlaveError::Snapshot("it cannot be written"))?;
         let mut bytes = Vec::with_capacity(HEADER + content.len() + 4);
         bytes.extend_from_slice(MAGIC);
-        bytes.extend_from_slice(&Self::version().to_le_bytes());
+        bytes.extend_from_slice(&state_version::<M>().to_le_bytes());
         bytes.extend_from_slice(self.token.as_bytes());
         bytes.extend_from_slice(&(content.len() as u64).to_le_bytes());
         bytes.extend_from_slice(&content);
@@ -357,7 +786,7 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
         if take(0, 8)? != MAGIC {
             return Err(SlaveError::Snapshot("it does not begin like a state"));
         }
-        if take(8, 4)? != Self::version().to_le_bytes() {
+        if take(8, 4)? != state_version::<M>().to_le_bytes() {
             return Err(SlaveError::Snapshot("another version of the format"));
         }
         if take(12, 16)? != self.token.as_bytes() {
@@ -369,7 +798,8 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
         if take(end, 4)? != crc32fast::hash(&bytes[..end]).to_le_bytes() {
             return Err(SlaveError::Snapshot("its checksum is wrong"));
         }
-        if bytes.len() > end + 4 && !I::LONGER_STATES {
+        // Importers of FMI 2.0 pass buffers that are longer.
+        if bytes.len() > end + 4 && self.version == Version::V3 {
             return Err(SlaveError::Snapshot("bytes follow it"));
         }
         match postcard::take_from_bytes(&bytes[HEADER..end]) {
@@ -377,54 +807,31 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
             _ => Err(SlaveError::Snapshot("its content is malformed")),
         }
     }
-
-    /// The versions of this format and of the model, in one number.
-    fn version() -> u32 {
-        FORMAT << 16 | M::STATE_VERSION
-    }
 }
 
-/// The part of a variable that every call needs, without what only messages need: calls read thousands of them.
-#[derive(Clone, Copy)]
-pub(crate) struct Row<Q> {
-    pub quantity: Q,
-    pub kind: BareKind,
-    pub role: Role,
-    pub domain: Domain,
+/// Returns the variables of FMI 3.0, by value reference.
+fn rows_of_arrays<M: Model>() -> Vec<Row<M::Quantity>> {
+    let other = |of, role| Row { quantity: None, element: 0, of, role, domain: Domain::Finite };
+    let sizes = M::SIZES.iter().map(|_| other(Type::Size, Role::Parameter));
+    let arrays = M::VARIABLES.iter().map(|variable| Row::new(variable, 0));
+    [other(Type::Real, Role::Calculated)].into_iter().chain(sizes).chain(arrays).collect()
 }
 
-/// A [`Kind`] without its unit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum BareKind {
-    Real,
-    Integer,
-    Boolean,
-    String,
+/// Returns the structural parameters of FMI 3.0 for what is loaded.
+fn sizes<M: Model>(model: &M, version: Version) -> Vec<u64> {
+    let count = if version == Version::V3 { M::SIZES.len() } else { 0 };
+    (0..count).map(|place| model.size(place)).collect()
 }
 
-impl From<Kind> for BareKind {
-    fn from(kind: Kind) -> BareKind {
-        match kind {
-            Kind::Real(_) => BareKind::Real,
-            Kind::Integer => BareKind::Integer,
-            Kind::Boolean => BareKind::Boolean,
-            Kind::String => BareKind::String,
-        }
-    }
+/// Returns the versions of the format of states and of the model, in one number.
+fn state_version<M: Model>() -> u32 {
+    FORMAT << 16 | M::STATE_VERSION
 }
 
-/// Why a variable of a role cannot be set in a phase, as the end of "… cannot be set …"; `None` if it can.
-#[inline]
-pub(crate) fn not_settable(role: Role, phase: Phase) -> Option<&'static str> {
-    let before = matches!(phase, Phase::Instantiated | Phase::Initialization);
-    match role {
-        Role::Input => None,
-        Role::Parameter | Role::Exact if before => None,
-        Role::Parameter | Role::Exact => Some("after initialization"),
-        Role::Calculated | Role::CalculatedParameter => Some("at all: it is computed"),
-    }
-}
-
+/// Largest value of a structural parameter.
+const MOST: u64 = 100_000_000;
+/// Each on all: the largest number of dependencies that are listed.
+const MOST_DEPENDENCIES: usize = 10_000_000;
 const MAGIC: &[u8; 8] = b"LEMONSst";
 /// Increased whenever [`Snapshot`] changes.
 const FORMAT: u32 = 3;

@@ -1,4 +1,7 @@
-//! What an FMU's variables are: name, type, causality, unit, domain.
+//! The variables of an FMU: name, type, causality, unit, domain, sizes. A model has one table of
+//! them.
+
+use crate::Version;
 
 /// Causality, variability and `initial` of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,24 +21,55 @@ pub enum Role {
 /// An FMI type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// `fmi2Real`, with its unit.
+    /// Real or Float64, with its unit.
     Real(Unit),
-    /// `fmi2Integer`
+    /// Integer or Int32; models give and take whole numbers.
     Integer,
-    /// `fmi2Boolean`; models give and take it as 0 or 1.
+    /// Boolean; models give and take 0 or 1.
     Boolean,
-    /// `fmi2String`
+    /// String
     String,
 }
 
 impl Kind {
-    /// The FMI name.
+    /// Returns the type's name in FMI 2.0.
     pub fn name(self) -> &'static str {
-        match self {
-            Kind::Real(_) => "Real",
-            Kind::Integer => "Integer",
-            Kind::Boolean => "Boolean",
-            Kind::String => "String",
+        Type::from(self).name(Version::V2)
+    }
+}
+
+/// A [`Kind`] without its unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Type {
+    Real,
+    Integer,
+    Boolean,
+    String,
+    /// A structural parameter of FMI 3.0.
+    Size,
+}
+
+impl Type {
+    /// Returns the name in a version of FMI.
+    pub fn name(self, version: Version) -> &'static str {
+        let [of_2, of_3] = match self {
+            Type::Real => ["Real", "Float64"],
+            Type::Integer => ["Integer", "Int32"],
+            Type::Boolean => ["Boolean", "Boolean"],
+            Type::String => ["String", "String"],
+            Type::Size => ["", "UInt64"],
+        };
+        if version == Version::V2 { of_2 } else { of_3 }
+    }
+}
+
+impl From<Kind> for Type {
+    fn from(kind: Kind) -> Type {
+        match kind {
+            Kind::Real(_) => Type::Real,
+            Kind::Integer => Type::Integer,
+            Kind::Boolean => Type::Boolean,
+            Kind::String => Type::String,
         }
     }
 }
@@ -99,19 +133,145 @@ impl Domain {
     }
 }
 
-/// A variable that is one number or text; `Q` identifies the quantity of the model.
-#[derive(Debug, Clone, PartialEq)]
+/// A structural parameter: a number of things of which arrays have one element each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Size {
+    /// Name of the variable.
+    pub name: &'static str,
+    /// Description for users.
+    pub description: &'static str,
+}
+
+/// A dimension of an array.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// As many elements as a structural parameter says: its place among them.
+    Size(usize),
+    /// A constant number of elements.
+    Fixed(u64),
+}
+
+/// A row of a model's table: a variable of FMI 3.0. The variables of FMI 2.0 are its elements.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Variable<Q> {
-    /// Structured name.
-    pub name: String,
-    /// The quantity of the model.
+    /// What the model knows it by.
     pub quantity: Q,
-    /// FMI type.
+    /// Structured name.
+    pub name: &'static str,
+    /// Type, with the unit.
     pub kind: Kind,
     /// Causality, variability and `initial` in one.
     pub role: Role,
-    /// The values that it can have.
+    /// The values that each element can have.
     pub domain: Domain,
+    /// From the outermost; none for a single value. Elements are in row-major order.
+    pub dimensions: &'static [Dimension],
+    /// Description for users.
+    pub description: &'static str,
+}
+
+/// A variable of FMI 2.0: an element of a [`Variable`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scalar<Q: 'static> {
+    /// Structured name.
+    pub name: String,
     /// Description for users.
     pub description: String,
+    /// The variable whose element it is.
+    pub variable: &'static Variable<Q>,
+    /// Index of the element, from 0.
+    pub element: usize,
+}
+
+/// Begins a row of a table: a method of [`Variable`] says the role, and what users read.
+pub const fn row<Q>(
+    quantity: Q,
+    name: &'static str,
+    dimensions: &'static [Dimension],
+    kind: Kind,
+) -> Variable<Q> {
+    let (role, domain) = (Role::Calculated, Domain::Finite);
+    Variable { quantity, name, kind, role, domain, dimensions, description: "" }
+}
+
+impl<Q: Copy> Variable<Q> {
+    /// Makes it an input.
+    pub const fn input(self, description: &'static str) -> Variable<Q> {
+        Variable { role: Role::Input, description, ..self }
+    }
+
+    /// Makes it an output whose start value can be set.
+    pub const fn exact(self, description: &'static str) -> Variable<Q> {
+        Variable { role: Role::Exact, description, ..self }
+    }
+
+    /// Makes it an output that is computed.
+    pub const fn calculated(self, description: &'static str) -> Variable<Q> {
+        Variable { role: Role::Calculated, description, ..self }
+    }
+
+    /// Makes it a parameter with values in a domain.
+    pub const fn parameter(self, domain: Domain, description: &'static str) -> Variable<Q> {
+        Variable { role: Role::Parameter, domain, description, ..self }
+    }
+
+    /// Makes it a parameter that is computed.
+    pub const fn calculated_parameter(self, description: &'static str) -> Variable<Q> {
+        Variable { role: Role::CalculatedParameter, description, ..self }
+    }
+}
+
+impl<Q> Variable<Q> {
+    /// Returns whether the elements are x and y of vectors.
+    pub fn is_vector(&self) -> bool {
+        self.dimensions.last() == Some(&Dimension::Fixed(2))
+    }
+
+    /// Returns the variables of FMI 2.0 at an index of the dimensions before that of x and y: one,
+    /// or one for each of x and y. Their names begin with `prefix`, their descriptions with
+    /// `about`.
+    pub fn scalars(
+        &'static self,
+        index: usize,
+        prefix: &str,
+        about: &str,
+    ) -> impl Iterator<Item = Scalar<Q>> {
+        let axes: &[&str] = if self.is_vector() { &["x", "y"] } else { &[""] };
+        axes.iter().enumerate().map(move |(k, axis)| {
+            let point = if axis.is_empty() { "" } else { "." };
+            Scalar {
+                name: format!("{prefix}{}{point}{axis}", self.name),
+                description: format!("{about}{}", self.description.replacen("x and y", axis, axes.len() - 1)),
+                variable: self,
+                element: index * axes.len() + k,
+            }
+        })
+    }
+}
+
+/// An element that depends on another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Dependency<Q> {
+    /// Index of the dependent element, from 0.
+    pub dependent: usize,
+    /// The variable on which it depends.
+    pub on: Q,
+    /// Index of the element on which it depends, from 0.
+    pub element: usize,
+}
+
+/// The variables that count as known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Known {
+    /// During the simulation.
+    Inputs,
+    /// Until initialization ends.
+    InputsAndParameters,
+}
+
+impl Known {
+    /// Returns whether variables of a role count.
+    pub fn includes(self, role: Role) -> bool {
+        role == Role::Input || self == Known::InputsAndParameters && role == Role::Parameter
+    }
 }

@@ -2,13 +2,14 @@
 //! FMI's state "fatal", the column of section 4.2.4 that no call of a sound model reaches.
 
 use lemons_fmi::location::Location;
-use lemons_fmi::v2::guid;
-use lemons_fmi::variables::{Domain, Kind, Role, Variable, units};
-use lemons_fmi::{Model, Phase, Status, StepError};
+use lemons_fmi::variables::{Kind, Scalar, Size, Variable, row, units};
+use lemons_fmi::{Model, Part, Phase, Status, StepError, guid};
 use lemons_verify::testing::fmi2;
 use lemons_verify::testing::instance::{Arguments, Functions};
 use lemons_verify::testing::{Instance, Message};
 use std::ffi::{CStr, CString};
+
+static X: [Variable<()>; 1] = [row((), "x", &[], Kind::Real(units::ONE)).input("")];
 
 /// Its one variable is an input; at 13 it breaks.
 struct Brittle {
@@ -31,56 +32,52 @@ impl Model for Brittle {
     type Saved = f64;
     type Error = Never;
 
-    const INTERPOLATES_INPUTS: bool = false;
+    const NAME: &'static str = "brittle";
+    const IDENTIFIER: &'static str = "Brittle";
+    const DESCRIPTION: &'static str = "";
+    const STOP_TIME: f64 = 1.0;
     const STATE_VERSION: u32 = 1;
+    const SIZES: &'static [Size] = &[];
+    const VARIABLES: &'static [Variable<()>] = &X;
 
     fn load(location: Location<'_>) -> Result<Brittle, Never> {
         assert!(location.text() != "broken", "no such place");
         Ok(Brittle { x: 0.0 })
     }
 
-    fn table(&self) -> Vec<Variable<()>> {
-        vec![Variable {
-            name: "x".into(),
-            quantity: (),
-            kind: Kind::Real(units::ONE),
-            role: Role::Input,
-            domain: Domain::Finite,
-            description: String::new(),
-        }]
+    fn size(&self, _: usize) -> u64 {
+        unreachable!()
+    }
+
+    fn scalars(&self) -> Vec<Scalar<()>> {
+        X[0].scalars(0, "", "").collect()
+    }
+
+    fn step_size(&self) -> f64 {
+        1.0
     }
 
     fn take_warnings(&mut self) -> Vec<String> {
         Vec::new()
     }
 
-    fn real(&mut self, (): ()) -> Result<f64, Never> {
+    fn number(&mut self, (): (), _: usize) -> Result<f64, Never> {
         Ok(self.x)
     }
 
-    fn integer(&mut self, (): ()) -> Result<i32, Never> {
+    fn text(&self, (): (), _: usize) -> &str {
         unreachable!()
     }
 
-    fn string(&self, (): ()) -> &str {
-        unreachable!()
-    }
-
-    fn set_real(&mut self, (): (), value: f64, _: Phase) {
+    fn set(&mut self, (): (), _: usize, value: f64, _: Phase) {
         self.x = value;
-    }
-
-    fn set_integer(&mut self, (): (), _: i32, _: Phase) {}
-
-    fn set_strings(&mut self, _: &[((), &str)]) -> Result<(), Never> {
-        Ok(())
     }
 
     fn initialize(&mut self, _: f64) -> Result<(), Never> {
         Ok(())
     }
 
-    fn advance(&mut self, _: f64, _: f64) -> Result<(), StepError<Never>> {
+    fn advance(&mut self, _: Part) -> Result<(), StepError<Never>> {
         assert!(self.x != 13.0, "x is {}", self.x);
         Ok(())
     }
@@ -100,7 +97,7 @@ impl Model for Brittle {
 }
 
 fn instantiate_at(location: &CStr) -> Result<Instance, Vec<Message>> {
-    let guid = CString::new(guid(&Brittle { x: 0.0 }.table()).braced().to_string()).unwrap();
+    let guid = CString::new(guid(&Brittle { x: 0.0 }.scalars()).braced().to_string()).unwrap();
     let functions = Functions::V2(Box::new(fmi2::Functions::of_model::<Brittle>()));
     Instance::new(&functions, &Arguments::new(&guid, location))
 }
@@ -124,7 +121,7 @@ fn a_panic_is_fatal_and_told_and_the_instance_can_be_freed() {
     let probes = fmi2::Functions::probes();
     assert_eq!(probes.len(), 30, "all but those that make and free instances, and two that tell the version");
     for probe in probes {
-        assert_eq!((probe.call)(instance.v2(), instance.raw, None), Some(Status::Fatal), "{}", probe.name);
+        assert_eq!(probe.call(instance.v2(), instance.raw, None), Some(Status::Fatal), "{}", probe.name);
         fatal(&instance.take_messages(), [probe.name, ""]);
     }
     drop(instance);

@@ -1,10 +1,12 @@
-//! Where a Trial comes from.
+//! Where a Trial comes from, what is known of its people, and what drives them.
 
-use crate::driven::{Basis, parts};
 use crate::{Refused, crowd, upload};
-use lemons_core::trial::Trial;
+use lemons_core::trial::{DriveTable, Trial};
+use lemons_decision::Plan;
+use lemons_people::Person;
 use lemons_people::placing::Watch;
 use serde::Deserialize;
+use serde_json::Value;
 
 /// Where a Trial comes from.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -16,7 +18,7 @@ pub enum Base {
         name: String,
     },
     /// It is made.
-    Crowd(Box<crowd::Wanted>),
+    Crowd(Box<crowd::CrowdRequest>),
     /// It is the user's.
     Upload {
         /// The name of the zip or the folder.
@@ -26,22 +28,76 @@ pub enum Base {
     },
 }
 
-/// Makes it, or reads it.
-///
-/// # Errors
-/// It is impossible or has errors, or `watch` stopped the placing.
-pub fn basis(base: &Base, bytes: &[u8], watch: &mut Watch) -> Result<Basis, Refused> {
-    match base {
-        Base::Example { name } => upload::example(name),
-        Base::Crowd(wanted) => crowd::crowd(wanted, bytes, watch),
-        Base::Upload { name, files } => upload::open(name, &parts(files, bytes)?, upload::LARGEST_CONTENT),
+/// A Trial, what is known of its people, and what drives them.
+#[derive(Debug, Clone)]
+pub struct Driven {
+    /// The Trial.
+    pub trial: Trial,
+    /// Everybody's measures, if the lab has made them.
+    pub people: Option<Vec<Person>>,
+    /// The text of its drive.csv; empty if it has none.
+    pub drive: String,
+    /// The same, read.
+    pub table: DriveTable,
+    /// The text of its decision.toml; empty if it has none.
+    pub wishes: String,
+    /// The same for the Trial's people.
+    pub plan: Option<Plan>,
+}
+
+/// A Trial before edits.
+#[derive(Debug, Clone)]
+pub struct Basis {
+    /// The Trial.
+    pub driven: Driven,
+    /// Warnings.
+    pub notes: Vec<String>,
+    /// Of a crowd: how it was placed.
+    pub made: Value,
+}
+
+impl Driven {
+    /// A Trial that only its AgentDynamics.xml drives.
+    pub fn alone(trial: Trial, people: Option<Vec<Person>>) -> Driven {
+        let (drive, wishes) = (String::new(), String::new());
+        Driven { trial, people, drive, table: DriveTable::default(), wishes, plan: None }
     }
 }
 
 impl Base {
+    /// Makes the Trial, or reads it.
+    ///
+    /// # Errors
+    /// It is impossible or has errors, or `watch` stopped the placing.
+    pub fn basis(&self, bytes: &[u8], watch: &mut Watch) -> Result<Basis, Refused> {
+        match self {
+            Base::Example { name } => upload::example(name),
+            Base::Crowd(wanted) => crowd::crowd(wanted, bytes, watch),
+            Base::Upload { name, files } => {
+                upload::open(name, &split(files, bytes)?, upload::LARGEST_CONTENT)
+            }
+        }
+    }
+
     /// Lines \[m\] beyond the doors of a crowd's room, for the people who are there.
     pub fn beyond_doors(&self, trial: &Trial) -> Vec<[[f64; 2]; 2]> {
         let Base::Crowd(wanted) = self else { return Vec::new() };
         wanted.room.exits(trial.dynamics.iter().map(|here| here.position))
     }
+}
+
+/// Returns the files that lie one after the other in the bytes, by their names and lengths.
+///
+/// # Errors
+/// The bytes are fewer than is said.
+pub fn split<'a>(files: &'a [(String, usize)], bytes: &'a [u8]) -> Result<Vec<(&'a str, &'a [u8])>, Refused> {
+    let mut rest = bytes;
+    let part = |(name, length): &'a (String, usize)| {
+        let (part, others) = rest
+            .split_at_checked(*length)
+            .ok_or_else(|| Refused(format!("{name}: its content is missing: open it again")))?;
+        rest = others;
+        Ok((&**name, part))
+    };
+    files.iter().map(part).collect()
 }

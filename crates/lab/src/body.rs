@@ -1,7 +1,7 @@
 //! Bodies in three dimensions, and their sections.
 
-use crate::driven::Driven;
-use crate::{Refused, Reply, within};
+use crate::base::Driven;
+use crate::{Refused, Reply, require, within};
 use lemons_people::{Body3d, Mesh, Person, Polygon};
 use serde_json::json;
 
@@ -13,7 +13,7 @@ const MOST: usize = 1000;
 /// # Errors
 /// A measure is not a person's.
 pub fn of_person(person: &Person) -> Result<Reply, Refused> {
-    let body = Body3d::of(person).map_err(Refused::of)?;
+    let body = Body3d::of(person)?;
     let ([vertices, triangles], bytes) = body.mesh().packed();
     Ok(Reply { value: json!({ "vertices": vertices, "triangles": triangles }), bytes })
 }
@@ -24,7 +24,7 @@ pub fn of_person(person: &Person) -> Result<Reply, Refused> {
 /// A measure is not a person's, or the altitude is out of range.
 pub fn section_of(person: &Person, altitude: f64) -> Result<Vec<Vec<[f64; 2]>>, Refused> {
     within("altitude [m]", altitude, [0.0, 3.0])?;
-    Ok(outlines(&Body3d::of(person).map_err(Refused::of)?.slice_at(altitude)))
+    Ok(outlines(&Body3d::of(person)?.slice_at(altitude)))
 }
 
 fn outlines(polygons: &[Polygon]) -> Vec<Vec<[f64; 2]>> {
@@ -37,9 +37,8 @@ fn outlines(polygons: &[Polygon]) -> Vec<Vec<[f64; 2]>> {
 /// There are too many people.
 pub fn of_everybody(of: &Driven) -> Result<Vec<Option<Body3d>>, Refused> {
     let agents = &of.trial.agents;
-    if agents.len() > MOST {
-        return Err(Refused(format!("bodies of {} people are too many: at most {MOST}", agents.len())));
-    }
+    let count = agents.len();
+    require(count <= MOST, || format!("bodies of {count} people are too many: at most {MOST}"))?;
     let person = |(k, agent)| of.people.as_ref().map_or_else(|| Person::fitting(agent), |people| people[k]);
     Ok(agents.iter().enumerate().map(|one| Body3d::of(&person(one)).ok()).collect())
 }

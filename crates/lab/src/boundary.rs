@@ -6,29 +6,29 @@
 //! module `page`, which returns whether to stop.
 
 use crate::{Lab, Reply, Request};
-use lemons_people::placing::{Progress, Stage};
+use lemons_people::placing::Progress;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 
 #[derive(Default)]
-struct Desk {
+struct Exchange {
     lab: Lab,
     request: Vec<u8>,
     answer: Vec<u8>,
 }
 
 thread_local! {
-    static DESK: RefCell<Desk> = RefCell::default();
+    static EXCHANGE: RefCell<Exchange> = RefCell::default();
 }
 
 /// Makes room for a request of `length` bytes and returns its place.
 #[allow(unsafe_code)] // A name for the page: no other library is linked to it.
 #[unsafe(no_mangle)]
 pub extern "C" fn lab_room(length: usize) -> *mut u8 {
-    DESK.with_borrow_mut(|desk| {
-        desk.request = vec![0; length];
-        desk.request.as_mut_ptr()
+    EXCHANGE.with_borrow_mut(|exchange| {
+        exchange.request = vec![0; length];
+        exchange.request.as_mut_ptr()
     })
 }
 
@@ -36,15 +36,15 @@ pub extern "C" fn lab_room(length: usize) -> *mut u8 {
 #[allow(unsafe_code)] // As above.
 #[unsafe(no_mangle)]
 pub extern "C" fn lab_ask() -> *const u8 {
-    DESK.with_borrow_mut(|desk| {
-        let request = std::mem::take(&mut desk.request);
-        desk.answer = answer(&mut desk.lab, &request, &mut |progress| {
+    EXCHANGE.with_borrow_mut(|exchange| {
+        let request = std::mem::take(&mut exchange.request);
+        exchange.answer = answer(&mut exchange.lab, &request, &mut |progress| {
             let (iteration, limit) = (progress.iteration as f64, progress.limit as f64);
             let stop =
                 lab_progress(number_of(progress), iteration, limit, progress.overlap, progress.density);
             if stop == 0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         });
-        desk.answer.as_ptr()
+        exchange.answer.as_ptr()
     })
 }
 
@@ -52,7 +52,7 @@ pub extern "C" fn lab_ask() -> *const u8 {
 #[allow(unsafe_code)] // As above.
 #[unsafe(no_mangle)]
 pub extern "C" fn lab_length() -> usize {
-    DESK.with_borrow(|desk| desk.answer.len())
+    EXCHANGE.with_borrow(|exchange| exchange.answer.len())
 }
 
 /// Answers a request as it lies in memory.
@@ -81,16 +81,9 @@ fn joined(value: &Value, bytes: &[u8]) -> Vec<u8> {
     [&length.to_le_bytes(), text.as_bytes(), bytes].concat()
 }
 
-/// A run that is computed again has no overlap (`take`).
+/// The page's number of a stage; 5 is that of a run that is computed again, which has no overlap (`files`).
 fn number_of(of: &Progress) -> u32 {
-    match of.stage {
-        _ if of.overlap.is_nan() => 5,
-        Stage::Growing => 0,
-        Stage::Spreading => 1,
-        Stage::Shaking => 2,
-        Stage::Pressing => 3,
-        Stage::Thinning => 4,
-    }
+    if of.overlap.is_nan() { 5 } else { of.stage as u32 }
 }
 
 #[cfg(target_arch = "wasm32")]

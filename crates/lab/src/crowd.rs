@@ -1,15 +1,15 @@
 //! A crowd: how many, of whom, in which room -> a Trial.
 
-use crate::driven::{Basis, Driven, parts};
+use crate::base::{Basis, Driven, split};
 use crate::room::{self, REGION};
-use crate::{Refused, within};
+use crate::{Refused, require, within};
 use lemons_people::placing::{
     Dense, Ended, Orientation, Packing, Region, TOLERANCE, Watch, dense, measure, placing_seed, wider,
 };
 use lemons_people::room::Room;
 use lemons_people::{
-    Agent, CrowdStatistics, CustomMeasures, CustomStatistics, Person, Population, Proportions, Sex, Shape,
-    Source, Survey, TrialSettings, TruncatedNormal, crowd_trial, heading,
+    Agent, CrowdStatistics, CustomMeasures, Person, Population, Proportions, Sex, Shape, Source, Survey,
+    TrialSettings, TruncatedNormal, crowd_trial, heading,
 };
 use serde::Deserialize;
 use serde_json::json;
@@ -23,7 +23,7 @@ pub const LARGEST_SEED: u64 = (1 << 53) - 1;
 
 /// A crowd. The same one is made by `lemons crowd`, where it has the options.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-pub struct Wanted {
+pub struct CrowdRequest {
     /// How many; 1 to [`MOST_PEOPLE`].
     pub number: Option<u32>,
     /// \[1/m²\] Instead of the number.
@@ -80,34 +80,31 @@ pub struct Four {
 }
 
 impl Four {
-    fn measures(self, like: CustomMeasures) -> CustomMeasures {
-        let normal = |[mean, sd, min, max]: [f64; 4]| TruncatedNormal { mean, sd, min, max };
+    fn of(self, sex: Sex) -> CustomMeasures {
         let Four { breadth, depth, stature, mass } = self;
-        let [breadth, depth, stature, mass] = [breadth, depth, stature, mass].map(normal);
-        CustomMeasures { breadth, depth, stature, mass, ..like }
+        let normal = |[mean, sd, min, max]: [f64; 4]| TruncatedNormal { mean, sd, min, max };
+        CustomMeasures { measures: [breadth, depth, stature, mass].map(normal), ..CustomMeasures::paper(sex) }
     }
 }
 
-impl Wanted {
+impl CrowdRequest {
     fn population(&self, bytes: &[u8]) -> Result<Population, Refused> {
         let source = match &self.people {
             People::Survey => Source::Ansur,
             People::Statistics(own) => {
-                let CustomStatistics { men, women } = CustomStatistics::default();
-                let (men, women) = (own.male.measures(men), own.female.measures(women));
-                Source::Custom(Box::new(CustomStatistics { men, women }))
+                Source::Custom(Box::new([own.male.of(Sex::Male), own.female.of(Sex::Female)]))
             }
             People::Table { files } => {
                 let mut survey = Survey::default();
                 let named: Vec<_> = files.iter().map(|(_, name, length)| (name.clone(), *length)).collect();
-                for ((sex, ..), (name, content)) in files.iter().zip(parts(&named, bytes)?) {
-                    survey.add(*sex, Path::new(name), content).map_err(Refused::of)?;
+                for ((sex, ..), (name, content)) in files.iter().zip(split(&named, bytes)?) {
+                    survey.add(*sex, Path::new(name), content)?;
                 }
                 Source::Survey(survey)
             }
         };
         let proportions = Proportions { men: self.men, ..Proportions::default() };
-        Population::new(source, proportions).map_err(Refused::of)
+        Ok(Population::new(source, proportions)?)
     }
 
     fn number(&self, region: &Region) -> Result<u32, Refused> {
@@ -129,7 +126,7 @@ impl Wanted {
 ///
 /// # Errors
 /// A number is out of range, there is no room, or `watch` stopped the placing.
-pub fn crowd(wanted: &Wanted, bytes: &[u8], watch: &mut Watch) -> Result<Basis, Refused> {
+pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<Basis, Refused> {
     within("seed", wanted.seed as f64, [0.0, LARGEST_SEED as f64])?;
     let direction = within("direction [°]", wanted.direction.unwrap_or(0.0), [-360.0, 360.0])?;
     let speed = within("speed [m/s]", wanted.speed, [0.0, 20.0])?;
@@ -148,20 +145,19 @@ pub fn crowd(wanted: &Wanted, bytes: &[u8], watch: &mut Watch) -> Result<Basis, 
             Agent::Bicycle(_) => None,
         })
         .collect();
-    let shapes = people.iter().map(Shape::of).collect::<Result<Vec<_>, _>>().map_err(Refused::of)?;
+    let shapes = people.iter().map(Shape::of).collect::<Result<Vec<_>, _>>()?;
     let packing = placed(wanted, &shapes, &region, watch)?;
     let largest_overlap = measure(&shapes, &whole, &packing.poses).largest_overlap;
-    if largest_overlap > TOLERANCE {
-        return Err(Refused(format!("{REGION} goes over a wall: somebody would stand in it")));
-    }
+    require(largest_overlap <= TOLERANCE, || {
+        format!("{REGION} goes over a wall: somebody would stand in it")
+    })?;
     let settings = TrialSettings {
         desired_velocity: heading(direction) * speed,
         people: if wanted.clothes { "human_clothes" } else { "human_naked" }.into(),
         ..TrialSettings::default()
     };
     let name = format!("crowd_{number}_seed_{}", wanted.seed);
-    let trial =
-        crowd_trial(&name, &people, &shapes, &packing.poses, geometry, &settings).map_err(Refused::of)?;
+    let trial = crowd_trial(&name, &people, &shapes, &packing.poses, geometry, &settings)?;
     let agents: Vec<Agent> = people.iter().copied().map(Agent::Pedestrian).collect();
     let made = json!({
         "density": packing.density, "area": region.area(), "iterations": packing.iterations,
@@ -170,11 +166,16 @@ pub fn crowd(wanted: &Wanted, bytes: &[u8], watch: &mut Watch) -> Result<Basis, 
     Ok(Basis { driven: Driven::alone(trial, Some(people)), notes: Vec::new(), made })
 }
 
-fn placed(wanted: &Wanted, shapes: &[Shape], region: &Region, watch: &mut Watch) -> Result<Packing, Refused> {
+fn placed(
+    wanted: &CrowdRequest,
+    shapes: &[Shape],
+    region: &Region,
+    watch: &mut Watch,
+) -> Result<Packing, Refused> {
     let orientation =
         wanted.direction.map_or(Orientation::Free, |angle| Orientation::Towards(angle.to_radians()));
     let settings = Dense { orientation, seed: placing_seed(wanted.seed), ..Dense::default() };
-    let packing = dense(&wider(shapes), region, &settings, watch).map_err(Refused::of)?;
+    let packing = dense(&wider(shapes), region, &settings, watch)?;
     match packing.ended {
         _ if packing.complete => Ok(packing),
         Ended::Cancelled => Err(Refused("the placing was stopped".into())),

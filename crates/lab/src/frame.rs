@@ -1,7 +1,14 @@
-//! Frames: what pages keep of a run, and send back to ask about.
+//! Frames: what pages keep of a run, and send back to ask about; who overlaps and who crosses a line.
 
-use crate::Refused;
-use lemons_core::plane::{Motion, Pose, Twist, vec2};
+use crate::{Refused, Reply, require};
+use crowd_mechanics::engine::{Pair, World};
+use crowd_mechanics::setup::Setup;
+use lemons_core::plane::{Motion, Pose, Twist, Vec2, vec2};
+use lemons_core::trial::{Interactions, Trial};
+use lemons_people::placing::TOLERANCE;
+use lemons_results::measure::{Line, Way};
+use serde_json::json;
+use std::collections::BTreeSet;
 
 /// Numbers of an agent in a frame: x, y \[m\], orientation \[rad\], velocity along x and y \[m/s\], angular velocity
 /// \[rad/s\], mean squeeze of the last communication step \[N\], number of contacts. The place of who has left is not a
@@ -13,9 +20,9 @@ pub const COLUMNS: usize = 8;
 /// # Errors
 /// The bytes are of another length.
 pub fn frame(bytes: &[u8], people: usize) -> Result<Vec<Motion>, Refused> {
-    if bytes.len() != 8 * COLUMNS * people {
-        return Err(Refused(format!("a frame of {people} people has not {} bytes", bytes.len())));
-    }
+    require(bytes.len() == 8 * COLUMNS * people, || {
+        format!("a frame of {people} people has not {} bytes", bytes.len())
+    })?;
     let (numbers, _) = bytes.as_chunks::<8>();
     let numbers: Vec<f64> = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
     let (rows, _) = numbers.as_chunks::<COLUMNS>();
@@ -24,4 +31,64 @@ pub fn frame(bytes: &[u8], people: usize) -> Result<Vec<Motion>, Refused> {
         twist: Twist { velocity: vec2(vx, vy), angular_velocity },
     };
     Ok(rows.iter().map(motion).collect())
+}
+
+/// Those who overlap now, by more than [`TOLERANCE`]: their places, whether walls are among them, and the deepest overlap
+/// \[m\]. Of one agent only those that it overlaps.
+pub fn overlapping(world: &World, of: Option<usize>) -> (BTreeSet<usize>, bool, f64) {
+    let body = |disk| Some(world.scene().body_of(disk).index());
+    let (mut found, mut wall, mut deepest) = (BTreeSet::new(), false, 0.0_f64);
+    for contact in world.contacts().contacts.iter().filter(|contact| contact.depth > TOLERANCE) {
+        let bodies = match contact.pair {
+            Pair::Disks { first, second } => [body(first), body(second)],
+            Pair::Face { disk, .. } => [body(disk), None],
+        };
+        if of.is_none() || bodies.contains(&of) {
+            found.extend(bodies.into_iter().flatten().filter(|body| Some(*body) != of));
+            wall |= bodies[1].is_none();
+            deepest = deepest.max(contact.depth);
+        }
+    }
+    (found, wall, deepest)
+}
+
+/// Returns whom an agent would overlap at another pose (x, y \[m\], angle \[rad\]).
+///
+/// # Errors
+/// There is no such agent, or a number is not finite.
+pub fn overlaps(trial: &Trial, agent: usize, [x, y, theta]: [f64; 3]) -> Result<Reply, Refused> {
+    let mut trial = trial.clone();
+    let here =
+        trial.dynamics.get_mut(agent).filter(|_| [x, y, theta].iter().all(|number| number.is_finite()));
+    let here = here.ok_or_else(|| Refused(format!("there is no agent {agent} there")))?;
+    (here.position, here.theta) = (vec2(x, y), theta);
+    // Springs that the Trial remembers are of other places.
+    trial.interactions = Interactions::default();
+    let world = Setup::of(&trial).world()?;
+    let (agents, wall, depth) = overlapping(&world, Some(agent));
+    Ok(Reply::of(json!({ "agents": agents, "wall": wall, "depth": depth })))
+}
+
+/// Returns who crosses a line \[m\] between successive frames: place of the later frame, agent, 1 from left to right of
+/// the line, -1 from right to left.
+///
+/// # Errors
+/// The bytes are no frames, or there are none.
+pub fn flow(people: usize, line: [[f64; 2]; 2], bytes: &[u8]) -> Result<Reply, Refused> {
+    let size = 8 * COLUMNS * people;
+    require(!bytes.is_empty() && bytes.len().is_multiple_of(size), || {
+        format!("{} bytes are not frames of {people} people", bytes.len())
+    })?;
+    let [from, to] = line.map(Vec2::from);
+    let line = Line { from, to };
+    let frames = bytes.chunks_exact(size).map(|bytes| frame(bytes, people)).collect::<Result<Vec<_>, _>>()?;
+    let mut crossings = Vec::new();
+    for (k, pair) in frames.windows(2).enumerate() {
+        for (agent, (before, after)) in pair[0].iter().zip(&pair[1]).enumerate() {
+            if let Some(crossing) = line.crossing(before.pose.position, after.pose.position) {
+                crossings.push((k + 1, agent, if crossing.way == Way::Right { 1 } else { -1 }));
+            }
+        }
+    }
+    Ok(Reply::of(json!({ "crossings": crossings })))
 }

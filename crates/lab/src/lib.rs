@@ -10,28 +10,25 @@
 //!
 //! - [`person`], [`body`]: one person; bodies in three dimensions, and sections
 //! - [`room`], [`crowd`], [`upload`]: where a Trial comes from
-//! - [`driven`]: what they make; [`scene`]: what a page draws of it
-//! - [`frame`]: what it keeps of a run; [`look`]: what it asks of it
-//! - [`take`]: files to keep
+//! - [`scene`]: what a page draws of it
+//! - [`frame`]: what it keeps of a run, and asks of it
+//! - [`files`]: files to keep
 
 pub mod base;
 pub mod body;
 pub mod boundary;
 pub mod crowd;
-pub mod driven;
 pub mod edit;
+pub mod files;
 pub mod frame;
-pub mod look;
 pub mod motion;
 pub mod person;
 pub mod room;
 pub mod run;
 pub mod scene;
-pub mod take;
 pub mod upload;
 
-use base::Base;
-use driven::Basis;
+use base::{Base, Basis};
 use lemons_people::placing::Watch;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -42,15 +39,15 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 #[serde(tag = "ask", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Request {
     /// A person's shape.
-    Person(person::Wanted),
+    Person(person::PersonRequest),
     /// The surface of a person's body.
-    Body(person::Wanted),
+    Body(person::PersonRequest),
     /// The bicycle that others are drawn around.
     Bicycle {},
     /// A crowd, an example or an upload, as it is to be run.
     Show(Box<Shown>),
     /// A room that is drawn.
-    Room(room::Wanted),
+    Room(room::RoomRequest),
     /// The room in a Geometry.xml (the bytes).
     Geometry {
         /// The file's name, for messages.
@@ -105,7 +102,7 @@ pub enum Request {
         /// The run's number.
         run: u32,
         /// Which file.
-        wanted: take::Wanted,
+        wanted: files::FileRequest,
     },
 }
 
@@ -136,21 +133,25 @@ impl Reply {
     }
 }
 
-/// Why there is no answer, for the person before the page.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{0}")]
+/// Why there is no answer, for the person before the page. Any error becomes one with its message.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Refused(pub String);
 
-impl Refused {
-    fn of(error: impl std::fmt::Display) -> Refused {
+impl<E: std::error::Error> From<E> for Refused {
+    fn from(error: E) -> Refused {
         Refused(error.to_string())
     }
 }
 
-/// That a number is in its range. `what` names it, with its unit.
+/// Checks a condition; `message` says what is wrong if it does not hold.
+fn require(holds: bool, message: impl FnOnce() -> String) -> Result<(), Refused> {
+    if holds { Ok(()) } else { Err(Refused(message())) }
+}
+
+/// Checks that a number is in its range. `what` names it, with its unit.
 fn within(what: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Refused> {
-    let inside = (low..=high).contains(&value);
-    if inside { Ok(value) } else { Err(Refused(format!("{what} = {value}: must be {low} to {high}"))) }
+    require((low..=high).contains(&value), || format!("{what} = {value}: must be {low} to {high}"))?;
+    Ok(value)
 }
 
 /// The lab of one page.
@@ -177,11 +178,11 @@ impl Lab {
             Request::Room(wanted) => room::drawn(wanted),
             Request::Geometry { name } => room::upload(name, bytes),
             Request::Overlaps { run, agent, x, y, theta } => {
-                look::overlaps(&self.present(*run)?.driven().trial, *agent, [*x, *y, *theta])
+                frame::overlaps(&self.present(*run)?.driven().trial, *agent, [*x, *y, *theta])
             }
             Request::Advance { run, steps } => self.present(*run)?.advance(*steps),
             Request::Forces { run } => self.present(*run)?.forces(bytes),
-            Request::Flow { run, line } => look::flow(self.present(*run)?.people(), *line, bytes),
+            Request::Flow { run, line } => frame::flow(self.present(*run)?.people(), *line, bytes),
             Request::Sections { run, altitude } => {
                 let run = self.present(*run)?;
                 body::sections(run.bodies()?, *altitude, run.driven().people.is_none())
@@ -190,7 +191,7 @@ impl Lab {
                 let run = self.present(*run)?;
                 Ok(body::surfaces(run.bodies()?, run.driven().people.is_none()))
             }
-            Request::Take { run, wanted } => take::take(wanted, self.present(*run)?, bytes, watch),
+            Request::Take { run, wanted } => files::file(wanted, self.present(*run)?, bytes, watch),
         }
     }
 
@@ -209,7 +210,7 @@ impl Lab {
         let known =
             self.basis.as_ref().is_some_and(|(base, files, _)| (base, *files) == (&shown.base, digest));
         if !known {
-            self.basis = Some((shown.base.clone(), digest, base::basis(&shown.base, bytes, watch)?));
+            self.basis = Some((shown.base.clone(), digest, shown.base.basis(bytes, watch)?));
         }
         let Some((base, _, basis)) = &self.basis else {
             return Err(Refused("there is nothing to show".into()));

@@ -1,11 +1,11 @@
 //! What drives people: as the Trial says, nothing, pushes, ways to walk, or exits and goals.
 
-use crate::driven::Driven;
+use crate::base::Driven;
 use crate::{Refused, within};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{DRIVE_FILE, DriveTable, Pulse, Trial, drive_of_pulses};
 use lemons_decision::rule::Waypoint;
-use lemons_decision::{Person, Plan, Wishes, plan};
+use lemons_decision::{DecisionConfig, Person, Plan, plan};
 use lemons_people::heading;
 use serde::Deserialize;
 
@@ -32,7 +32,7 @@ pub enum Motion {
     /// They walk around walls, to exits and goals.
     Go {
         /// As decision.toml says it. Without exits, everybody goes to the nearest of several goals.
-        wishes: Wishes,
+        wishes: DecisionConfig,
     },
 }
 
@@ -74,16 +74,15 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
         Motion::Walk { speed, ways } => driven.wishes = wishes(&driven.trial, *speed, ways)?,
     }
     if let Motion::Go { wishes } = motion {
-        driven.wishes =
-            plan::settled(&driven.trial, wishes).and_then(|all| all.to_toml()).map_err(Refused::of)?;
+        driven.wishes = plan::normalized(&driven.trial, wishes).and_then(|all| all.to_toml())?;
     }
     let Driven { trial, drive, wishes, .. } = &driven;
     let table = match drive.as_str() {
         "" => DriveTable::default(),
-        text => DriveTable::from_csv(text.as_bytes()).map_err(Refused::of)?,
+        text => DriveTable::from_csv(text.as_bytes())?,
     };
-    let plan = (!wishes.is_empty()).then(|| Plan::of(trial, &Wishes::from_toml(wishes)?));
-    let plan = plan.transpose().map_err(Refused::of)?;
+    let plan = (!wishes.is_empty()).then(|| Plan::of(trial, &DecisionConfig::from_toml(wishes)?));
+    let plan = plan.transpose()?;
     Ok(Driven { table, plan, ..driven })
 }
 
@@ -99,9 +98,9 @@ fn forget_deleted(driven: &mut Driven) -> Result<(), Refused> {
         driven.drive = driven.table.text_for(&driven.trial);
     }
     if !driven.wishes.is_empty() {
-        let wishes = Wishes::from_toml(&driven.wishes).map_err(Refused::of)?;
+        let wishes = DecisionConfig::from_toml(&driven.wishes)?;
         if let Some(fewer) = wishes.without_others(&Person::all_of(&driven.trial)) {
-            driven.wishes = fewer.to_toml().map_err(Refused::of)?;
+            driven.wishes = fewer.to_toml()?;
         }
     }
     Ok(())
@@ -134,7 +133,7 @@ fn wishes(trial: &Trial, speed: f64, ways: &[Vec<Waypoint>]) -> Result<String, R
         within("y of a way-point [m]", *y, [-1e4, 1e4])?;
         within("radius of a way-point [m]", *radius, [0.01, 1000.0])?;
     }
-    let wishes = Wishes::nearest_of(&Person::all_of(trial), speed, ways);
+    let wishes = DecisionConfig::nearest_of(&Person::all_of(trial), speed, ways);
     let wishes = wishes.ok_or_else(|| Refused("nobody can walk: there is no way".into()))?;
-    wishes.to_toml().map_err(Refused::of)
+    Ok(wishes.to_toml()?)
 }

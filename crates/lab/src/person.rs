@@ -1,7 +1,7 @@
 //! A person: four measures -> five disks, and where the person stands in the survey.
 
 use crate::body::section_of;
-use crate::{Refused, Reply};
+use crate::{Refused, Reply, require};
 use lemons_people::{BICYCLE_MEASURES, Bicycle, Measure, Person, Sex, Shape, ansur};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 /// A person's sex and measures.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Wanted {
+pub struct PersonRequest {
     /// "male" or "female".
     pub sex: Sex,
     /// \[m\] bideltoid breadth; `None`: the survey's median, as for the others.
@@ -24,7 +24,7 @@ pub struct Wanted {
     pub altitude: Option<f64>,
 }
 
-impl Wanted {
+impl PersonRequest {
     fn measures(&self) -> [f64; 4] {
         let survey = ansur(self.sex);
         let given = [self.breadth, self.depth, self.stature, self.mass];
@@ -39,10 +39,10 @@ impl Wanted {
         let measures = self.measures();
         for (measure, value) in Measure::ALL.iter().zip(measures) {
             let [low, high] = measure.possible();
-            if !(low..=high).contains(&value) {
-                let (name, unit) = (measure.name(), measure.unit());
-                return Err(Refused(format!("{name} = {value} {unit}: a person has {low} to {high} {unit}")));
-            }
+            let (name, unit) = (measure.name(), measure.unit());
+            require((low..=high).contains(&value), || {
+                format!("{name} = {value} {unit}: a person has {low} to {high} {unit}")
+            })?;
         }
         Ok(Person::from_measures(self.sex, measures))
     }
@@ -52,10 +52,10 @@ impl Wanted {
 ///
 /// # Errors
 /// A measure is not a person's, or the chest is deeper than the shoulders are broad.
-pub fn person(wanted: &Wanted) -> Result<Reply, Refused> {
+pub fn person(wanted: &PersonRequest) -> Result<Reply, Refused> {
     let (sex, measures, person) = (wanted.sex, wanted.measures(), wanted.person()?);
     let survey = ansur(sex);
-    let shape = Shape::of(&person).map_err(Refused::of)?;
+    let shape = Shape::of(&person)?;
     let about = |(k, measure): (usize, &Measure)| {
         let of = &survey.measures[k];
         json!({
@@ -80,9 +80,10 @@ pub fn bicycle() -> Reply {
     let corners = |(length, width): (f64, f64)| {
         [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| [0.5 * x * length, 0.5 * y * width])
     };
-    let measures = BICYCLE_MEASURES.into_iter().zip(bicycle.measures()).map(|(name, value)| {
-        json!({ "name": name, "unit": if name == "mass" { "kg" } else { "m" }, "value": value })
-    });
+    let measures = BICYCLE_MEASURES
+        .into_iter()
+        .zip(bicycle.measures())
+        .map(|((name, unit), value)| json!({ "name": name, "unit": unit, "value": value }));
     Reply::of(json!({
         "rectangles": bicycle.rectangles().map(corners), "measures": measures.collect::<Vec<_>>(),
     }))

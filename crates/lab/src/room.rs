@@ -1,11 +1,11 @@
 //! Rooms: an outline, obstacles, doors. While they are drawn, when they are made, and from a file.
 
-use crate::{Refused, Reply, within};
-use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
+use crate::{Refused, Reply, require, within};
+use lemons_core::plane::{Bounds, Ring, Vec2};
 use lemons_core::trial::Geometry;
-use lemons_people::nearest_wall;
 use lemons_people::placing::Region;
-use lemons_people::room::{Edit, Gap, Room};
+use lemons_people::room::{Edit, Room};
+use lemons_people::{Door, nearest_wall};
 use serde::Deserialize;
 use serde_json::json;
 use std::path::Path;
@@ -20,7 +20,7 @@ const REACH: [f64; 2] = [-1000.0, 1000.0];
 /// What is asked of a room that is drawn.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Wanted {
+pub struct RoomRequest {
     /// As it was.
     pub room: Room,
     /// What is done to it.
@@ -35,22 +35,22 @@ pub struct Wanted {
 ///
 /// # Errors
 /// The edit is of something that is not there, or an outline has no corners.
-pub fn drawn(Wanted { room, edit, near }: &Wanted) -> Result<Reply, Refused> {
+pub fn drawn(RoomRequest { room, edit, near }: &RoomRequest) -> Result<Reply, Refused> {
     let mut room = room.clone();
     if let Some(edit) = edit {
-        room.change(*edit).map_err(Refused::of)?;
+        room.change(*edit)?;
     }
-    let rings = room.rings().map_err(Refused::of)?;
-    let course = |gap: &Gap| points(&gap.door().course(&rings));
+    let rings = room.rings()?;
+    let course = |door: &Door| points(&door.course(&rings));
     let shape = |ring: &Ring| {
         let (Bounds { low, .. }, size) = (ring.bounds(), ring.bounds().size());
         let middles: Vec<Vec2> = ring.sides().map(|(start, end)| (start + end) * 0.5).collect();
         let bounds = [size.x, size.y, low.x, low.y];
         json!({ "bounds": bounds, "upright": ring.is_upright(), "middles": points(&middles) })
     };
-    let near = near.and_then(|[x, y]| nearest_wall(&rings, vec2(x, y)));
+    let near = near.and_then(|place| nearest_wall(&rings, place.into()));
     let near = near.map(|(ring, foot)| {
-        json!({ "ring": ring, "side": foot.side, "at": [foot.place.x, foot.place.y], "away": foot.distance })
+        json!({ "ring": ring, "side": foot.side, "at": <[f64; 2]>::from(foot.place), "away": foot.distance })
     });
     let doors: Vec<_> = room.doors.iter().map(course).collect();
     let rings: Vec<_> = rings.iter().map(shape).collect();
@@ -75,11 +75,9 @@ fn check<'a>(corners: impl IntoIterator<Item = &'a [f64; 2]>) -> Result<(), Refu
 pub fn built(room: &Room) -> Result<(Region, Geometry), Refused> {
     let corners = || room.outline.iter().chain(room.obstacles.iter().flatten());
     let count = corners().count();
-    if count > MOST_CORNERS {
-        return Err(Refused(format!("{count} corners: at most {MOST_CORNERS} are allowed")));
-    }
+    require(count <= MOST_CORNERS, || format!("{count} corners: at most {MOST_CORNERS} are allowed"))?;
     check(corners())?;
-    room.built("concrete").map_err(Refused::of)
+    Ok(room.built("concrete")?)
 }
 
 /// Returns a part of a room: where people are placed.
@@ -88,7 +86,7 @@ pub fn built(room: &Room) -> Result<(Region, Geometry), Refused> {
 /// Its sides cross, or it goes beyond the room.
 pub fn part(whole: &Region, corners: &[[f64; 2]]) -> Result<Region, Refused> {
     check(corners)?;
-    let corners: Vec<Vec2> = corners.iter().map(|[x, y]| vec2(*x, *y)).collect();
+    let corners: Vec<Vec2> = corners.iter().copied().map(Vec2::from).collect();
     whole.part(&corners).map_err(|error| Refused(format!("{REGION}: {error}")))
 }
 
@@ -99,7 +97,7 @@ pub fn part(whole: &Region, corners: &[[f64; 2]]) -> Result<Region, Refused> {
 pub fn upload(name: &str, bytes: &[u8]) -> Result<Reply, Refused> {
     let mut files = lemons_core::files::source::Memory::default();
     files.put(Path::new(name), bytes.to_vec());
-    let (geometry, warnings) = Geometry::read_from(&files, Path::new(name)).map_err(Refused::of)?;
+    let (geometry, warnings) = Geometry::read_from(&files, Path::new(name))?;
     let region = Region::from_walls(&geometry).map_err(|error| Refused(format!("{name}: {error}")))?;
     let mut rings = region.rings().iter().map(|ring| points(ring.corners()));
     let outline = rings.next();

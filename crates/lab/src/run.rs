@@ -1,10 +1,10 @@
 //! A Trial, moving.
 
+use crate::base::Driven;
 use crate::body;
-use crate::driven::Driven;
 use crate::frame::{COLUMNS, frame};
-use crate::{Refused, Reply};
-use crowd_mechanics::engine::{BodyId, Chain, State, Vec2, World, vec2};
+use crate::{Refused, Reply, require};
+use crowd_mechanics::engine::{BodyId, PairForce, State, Vec2, World, vec2};
 use crowd_mechanics::setup::Setup;
 use lemons_people::Body3d;
 use lemons_results::Frame;
@@ -40,8 +40,8 @@ impl Run {
     pub fn begin(driven: Driven) -> Result<Run, Refused> {
         let Driven { trial, table, plan, .. } = driven.clone();
         let documents = Documents { trial, drive: table, plan };
-        let mut simulation = Simulation::new(documents, Algorithm::Jacobi).map_err(Refused::of)?;
-        simulation.begin(0.0, None).map_err(Refused::of)?;
+        let mut simulation = Simulation::new(documents, Algorithm::Jacobi)?;
+        simulation.begin(0.0, None)?;
         Ok(Run { driven, simulation, steps: 0, overlap: 0.0, bodies: OnceCell::new() })
     }
 
@@ -78,7 +78,7 @@ impl Run {
     /// The engine refuses it; the run is then where it was.
     pub fn step(&mut self) -> Result<(), Refused> {
         // Communication points are multiples, as those of `lemons run`.
-        self.simulation.step_to(self.time_at(self.steps + 1)).map_err(Refused::of)?;
+        self.simulation.step_to(self.time_at(self.steps + 1))?;
         self.steps += 1;
         self.overlap = self.overlap.max(self.world().largest_overlap());
         Ok(())
@@ -90,20 +90,18 @@ impl Run {
     /// # Errors
     /// Too many steps, or the engine refuses one; the run is then where it was before that one.
     pub fn advance(&mut self, steps: u32) -> Result<Reply, Refused> {
-        if steps > MOST_STEPS {
-            return Err(Refused(format!("{steps} steps at once: at most {MOST_STEPS}")));
-        }
+        require(steps <= MOST_STEPS, || format!("{steps} steps at once: at most {MOST_STEPS}"))?;
         let people = self.people();
-        if (8 * COLUMNS * people) as u64 * u64::from(steps) > MOST_BYTES {
-            return Err(Refused(format!("{steps} steps of {people} people at once have more than 100 MB")));
-        }
+        require((8 * COLUMNS * people) as u64 * u64::from(steps) <= MOST_BYTES, || {
+            format!("{steps} steps of {people} people at once have more than 100 MB")
+        })?;
         self.check_work()?;
         let mut bytes = Vec::new();
         for _ in 0..steps {
             self.step()?;
             bytes.extend(self.frame());
         }
-        let arrived = self.simulation.arrived().map_err(Refused::of)?;
+        let arrived = self.simulation.arrived()?;
         let value = json!({ "time": self.time_at(self.steps), "overlap": self.overlap, "arrived": arrived });
         Ok(Reply { value, bytes })
     }
@@ -116,13 +114,12 @@ impl Run {
         let parameters = &self.driven.trial.parameters;
         let mechanical = parameters.time_step / parameters.time_step_mechanical;
         let people = self.people();
-        if mechanical * people as f64 <= MOST_WORK {
-            return Ok(());
-        }
-        Err(Refused(format!(
-            "a TimeStep of {} s has {mechanical:.3e} mechanical steps: too many for a page with {people} people",
-            parameters.time_step
-        )))
+        require(mechanical * people as f64 <= MOST_WORK, || {
+            format!(
+                "a TimeStep of {} s has {mechanical:.3e} mechanical steps: too many for a page with {people} people",
+                parameters.time_step
+            )
+        })
     }
 
     /// \[s\]
@@ -160,7 +157,7 @@ impl Run {
     /// # Errors
     /// It is not a frame of these people.
     pub fn forces(&self, bytes: &[u8]) -> Result<Reply, Refused> {
-        let forces = self.chains(bytes)?.into_iter();
+        let forces = self.pair_forces(bytes)?.into_iter();
         let numbers = forces.flat_map(|of| [of.from.x, of.from.y, of.to.x, of.to.y, of.normal_force]);
         Ok(Reply { value: json!({}), bytes: numbers.flat_map(f64::to_le_bytes).collect() })
     }
@@ -169,17 +166,17 @@ impl Run {
     ///
     /// # Errors
     /// It is not a frame of these people.
-    pub fn chains(&self, bytes: &[u8]) -> Result<Vec<Chain>, Refused> {
+    pub fn pair_forces(&self, bytes: &[u8]) -> Result<Vec<PairForce>, Refused> {
         let (mut poses, twists): (Vec<_>, Vec<_>) =
             frame(bytes, self.people())?.into_iter().map(|motion| (motion.pose, motion.twist)).unzip();
-        let mut shadow = Setup::of(&self.driven.trial).world().map_err(Refused::of)?;
+        let mut shadow = Setup::of(&self.driven.trial).world()?;
         for (b, pose) in poses.iter_mut().enumerate().filter(|(_, pose)| !pose.position.is_finite()) {
             shadow.set_present(BodyId::from(b), false);
             pose.position = Vec2::ZERO;
         }
         let crowded = shadow.restore(State::new(poses.clone(), twists));
-        crowded.map_err(|crowded| Refused::of(Setup::of(&self.driven.trial).too_crowded(crowded)))?;
-        Ok(shadow.chains(&poses))
+        crowded.map_err(|crowded| Setup::of(&self.driven.trial).too_crowded(crowded))?;
+        Ok(shadow.pair_forces(&poses))
     }
 
     /// What the rows of the table of `lemons run` say.

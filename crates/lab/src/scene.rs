@@ -1,10 +1,9 @@
 //! What a page draws of a Trial: everything that does not move.
 
-use crate::look::overlapping;
+use crate::frame::overlapping;
 use crate::run::Run;
 use crowd_mechanics::setup::Setup;
-use lemons_core::plane::{Rotation, shown_orientation};
-use lemons_core::trial::{Agent, Shape, Wall};
+use lemons_core::trial::{Agent, Wall};
 use lemons_people::Person;
 use serde_json::{Value, json};
 
@@ -15,18 +14,13 @@ pub fn of(run: &Run) -> Value {
     let driven = run.driven();
     let trial = &driven.trial;
     let agent = |agent: &Agent| {
-        // A Trial may show its disks at another orientation than 0; the engine turns them back, too.
-        let ends = agent.shapes.first().zip(agent.shapes.last());
-        let own = ends.map_or(0.0, |(first, last)| shown_orientation(first.position, last.position));
-        let disk = |disk: &Shape| {
-            let place = disk.position.rotated(Rotation::by(-own));
-            [place.x, place.y, disk.radius]
-        };
-        let disks: Vec<[f64; 3]> = agent.shapes.iter().map(disk).collect();
+        // A Trial may show its disks at another orientation than 0.
+        let disks = agent.disks_facing_x().into_iter();
+        let disks: Vec<[f64; 3]> = disks.map(|(place, radius)| [place.x, place.y, radius]).collect();
         json!({ "id": agent.id, "mass": agent.mass, "disks": disks })
     };
     let wall = |wall: &Wall| {
-        let corners: Vec<[f64; 2]> = wall.corners.iter().map(|corner| [corner.x, corner.y]).collect();
+        let corners: Vec<[f64; 2]> = wall.corners.iter().copied().map(Into::into).collect();
         json!({ "id": wall.id, "corners": corners })
     };
     let person = |person: &Person| {

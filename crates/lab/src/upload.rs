@@ -1,12 +1,12 @@
 //! A zip or a folder -> a Trial; and the Trials that come with the lab.
 
-use crate::Refused;
-use crate::driven::{Basis, Driven};
+use crate::base::{Basis, Driven};
+use crate::{Refused, require};
 use crowd_mechanics::setup;
 use lemons_core::files::input::{self, Bounded};
 use lemons_core::files::source::{Memory, Source};
 use lemons_core::trial::{DRIVE_FILE, DriveTable, FileNames, Parameters};
-use lemons_decision::WISHES_FILE;
+use lemons_decision::DECISION_FILE;
 use serde_json::Value;
 use std::io::{Cursor, Read as _};
 use std::path::{Component, Path, PathBuf};
@@ -63,7 +63,8 @@ impl Found {
     /// Whether the lab reads a file of this name.
     fn wants(&mut self, path: &Path) -> bool {
         let is_xml = path.extension().is_some_and(|extension| extension == "xml");
-        let wanted = is_xml || path.file_name().is_some_and(|name| name == DRIVE_FILE || name == WISHES_FILE);
+        let wanted =
+            is_xml || path.file_name().is_some_and(|name| name == DRIVE_FILE || name == DECISION_FILE);
         if !wanted {
             self.others.push(path.to_owned());
         }
@@ -186,25 +187,25 @@ fn with_parameters(found: &mut Found, notes: &mut Vec<String>) -> Result<PathBuf
 }
 
 fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<Basis, Refused> {
-    let (trial, warnings) = setup::read_from(files, place, &FileNames::default()).map_err(Refused::of)?;
-    if trial.agents.len() > MOST_PEOPLE {
-        let people = trial.agents.len();
-        return Err(Refused(format!("{people} people are too many for a page: at most {MOST_PEOPLE}")));
-    }
+    let (trial, warnings) = setup::read_from(files, place, &FileNames::default())?;
+    let people = trial.agents.len();
+    require(people <= MOST_PEOPLE, || {
+        format!("{people} people are too many for a page: at most {MOST_PEOPLE}")
+    })?;
     let text = |name: &str| {
         let path = place.join(name);
         if files.lacks(&path) {
             return Ok(String::new());
         }
-        let bytes = files.read(&path, LARGEST_CONTENT).map_err(Refused::of)?;
+        let bytes = files.read(&path, LARGEST_CONTENT)?;
         String::from_utf8(bytes).map_err(|error| Refused(format!("{}: {error}", path.display())))
     };
     let mut driven =
-        Driven { drive: text(DRIVE_FILE)?, wishes: text(WISHES_FILE)?, ..Driven::alone(trial, None) };
+        Driven { drive: text(DRIVE_FILE)?, wishes: text(DECISION_FILE)?, ..Driven::alone(trial, None) };
     if !driven.drive.is_empty() {
         let table = DriveTable::from_csv(driven.drive.as_bytes())
             .and_then(|table| table.check_agents(Some(&driven.trial)).map(|()| table));
-        driven.table = table.map_err(|error| Refused::of(error.of_file(&place.join(DRIVE_FILE))))?;
+        driven.table = table.map_err(|error| error.of_file(&place.join(DRIVE_FILE)))?;
     }
     notes.extend(warnings.iter().map(ToString::to_string));
     Ok(Basis { driven, notes, made: Value::Null })

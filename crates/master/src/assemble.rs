@@ -2,11 +2,12 @@
 
 use crate::channel::{Wire, channel_of};
 use crate::error::{Error, Place, Result};
+use crate::file_type::FileType;
 use crate::fmu::Fmu;
-use crate::kind::Kind as FileKind;
+use crate::instance::number;
 use crate::ssp::{
-    Affine, Allowance, Archive, Connector, Extent, Interface, Kind, ParameterSet, Single, SystemStructure,
-    Type, Unit, Value, Variable, conversion, located,
+    Affine, Allowance, Archive, Connector, Extent, Interface, Kind, Parameter, ParameterSet, Single,
+    SystemStructure, Type, Unit, Variable, conversion, located,
 };
 use crate::system::{Component, System, component_of};
 use lemons_core::files::Scratch;
@@ -35,7 +36,7 @@ pub struct Assembled {
 /// # Errors
 /// The archive or one of its files is broken, holds what is not served, or does not fit together.
 pub fn assemble(path: &Path, algorithm: Algorithm, further: &[(String, String)]) -> Result<Assembled> {
-    FileKind::expect(path, &FileKind::ARCHIVES, "an SSP")?;
+    FileType::expect(path, &FileType::ARCHIVES, "an SSP")?;
     assemble_archive(path, algorithm, further).place(|| path.display().to_string())
 }
 
@@ -47,11 +48,11 @@ fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, Strin
     for (place, described) in structure.components.iter().enumerate() {
         let wrong = |error: Error| {
             let (line, source, why) = (described.line, &described.source, error.whole());
-            Error::ssp(located(line, "Component", "source", source, why))
+            Error::from(located(line, "Component", "source", source, why))
         };
         let mut fmu = unpack(&mut archive, &described.source, &mut allowance).map_err(wrong)?;
         let parameters = texts(&structure, place, further);
-        fmu.configure(parameters.iter().map(|(name, text)| (*name, text.as_str()))).map_err(wrong)?;
+        fmu.configure(parameters.into_iter()).map_err(wrong)?;
         let fmu = fmu.shown_as(&described.source);
         for connector in &described.connectors {
             check(connector, &fmu.description, &structure)?;
@@ -65,37 +66,32 @@ fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, Strin
     Ok(Assembled { system, start: structure.start, stop: structure.stop, ignored })
 }
 
-/// The parameters of a component that are whole numbers or texts, in the order in which they count.
+/// The parameters of a component, in the order in which they count.
 fn texts<'a>(
     structure: &'a SystemStructure,
     place: usize,
     further: &'a [(String, String)],
-) -> Vec<(&'a str, String)> {
+) -> Vec<(&'a str, &'a str)> {
     let own = &structure.components[place];
-    let text = |value: &Value| match value {
-        Value::Integer(value) => Some(value.to_string()),
-        Value::String(text) => Some(text.clone()),
-        _ => None,
-    };
     let inside = |name: &'a str| name.strip_prefix(own.name.as_str())?.strip_prefix('.');
     let of = |sets: &'a [ParameterSet]| sets.iter().flat_map(|set| &set.parameters);
-    let own = of(&own.parameters).map(|parameter| (Some(parameter.name.as_str()), text(&parameter.value)));
-    let outer = of(&structure.parameters).map(|parameter| (inside(&parameter.name), text(&parameter.value)));
-    let further = further.iter().map(|(name, text)| (inside(name), Some(text.clone())));
-    own.chain(outer).chain(further).filter_map(|(name, text)| Some((name?, text?))).collect()
+    let own = of(&own.parameters).map(|parameter| (Some(parameter.name.as_str()), parameter.text.as_str()));
+    let outer = of(&structure.parameters).map(|parameter| (inside(&parameter.name), parameter.text.as_str()));
+    let further = further.iter().map(|(name, text)| (inside(name), text.as_str()));
+    own.chain(outer).chain(further).filter_map(|(name, text)| Some((name?, text))).collect()
 }
 
 fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
-    let scratch = Scratch::new().map_err(Error::io("cannot make a temporary directory"))?;
+    let scratch = Scratch::new().map_err(Error::of("cannot make a temporary directory"))?;
     let path = scratch.path().join("component.fmu");
-    let mut file = File::create(&path).map_err(Error::io("cannot make a temporary file"))?;
+    let mut file = File::create(&path).map_err(Error::of("cannot make a temporary file"))?;
     archive.copy(source, &mut file, allowance)?;
     Fmu::unzip(&path, allowance)
 }
 
 /// Whether the FMU has the variable that a connector names, of that kind, type, unit and size.
 fn check(connector: &Connector, interface: &Interface, structure: &SystemStructure) -> Result<()> {
-    let wrong = |why: String| Error::ssp(located(connector.line, "Connector", "name", &connector.name, why));
+    let wrong = |why: String| Error::from(located(connector.line, "Connector", "name", &connector.name, why));
     let variable = variable_of(interface, &connector.name);
     let (variable, _) = variable.ok_or_else(|| wrong("the FMU has no such variable".into()))?;
     if variable.kind != Some(connector.kind) {
@@ -190,7 +186,7 @@ fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
         let ((source, output), (_, input)) = (structure.port(connection.from), structure.port(connection.to));
         let wrong = |why: String| {
             let text = format!("{} of {:?}: {why}", output.name, source.name);
-            Error::ssp(located(line, "Connection", "endConnector", &input.name, format!("from {text}")))
+            Error::from(located(line, "Connection", "endConnector", &input.name, format!("from {text}")))
         };
         let (here, there) = (interface(connection.from.component), interface(connection.to.component));
         let (from, sent) = end(here, output, &connection.from_indices).map_err(wrong)?;
@@ -264,7 +260,7 @@ fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Resu
         for parameter in &set.parameters {
             let wrong = |error: Error| {
                 let (file, line, why) = (&set.file, parameter.line, error.whole());
-                Error::Unusable(format!("{file}:{line}: <Parameter> name={:?}: {why}", parameter.name))
+                Error::new(format!("{file}:{line}: <Parameter> name={:?}: {why}", parameter.name))
             };
             let target = match owner {
                 Some(place) => Some((place, parameter.name.as_str())),
@@ -281,7 +277,7 @@ fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Resu
             if components[place].fmu.is_structural(name) {
                 continue;
             }
-            set_parameter(&components[place], name, &parameter.value, set, structure).map_err(wrong)?;
+            set_parameter(&components[place], name, parameter, set, structure).map_err(wrong)?;
         }
     }
     Ok(ignored)
@@ -290,30 +286,27 @@ fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Resu
 fn set_parameter(
     component: &Component,
     name: &str,
-    value: &Value,
+    parameter: &Parameter,
     set: &ParameterSet,
     structure: &SystemStructure,
 ) -> Result<()> {
     let (instance, interface) = (&component.instance, &component.fmu.description);
     let single = interface.single(name);
     let variable = single.ok_or_else(|| Error::NoVariable(name.to_owned()))?.variable;
-    let value_of = instance.select([name])?;
-    match (value, &variable.of) {
-        (Value::Real(value, unit), Type::Real(own)) => {
-            let defined = |name: &String| {
-                set.units.get(name).or_else(|| structure.unit(name)).or_else(|| interface.unit(name))
-            };
-            let own_definition = own.as_ref().and_then(|name| interface.unit(name));
-            let map = conversion(
-                (unit.as_deref(), unit.as_ref().and_then(defined)),
-                (own.as_deref(), own_definition),
-            );
-            instance.set(&value_of, &[map.map_err(Error::Unusable)?.apply(*value)])
-        }
-        (Value::Integer(value), Type::Real(_)) => instance.set(&value_of, &[f64::from(*value)]),
-        (Value::Integer(value), Type::Integer) => instance.set(&value_of, &[*value]),
-        (Value::Boolean(value), Type::Boolean) => instance.set(&value_of, &[*value]),
-        (Value::String(value), Type::String) => instance.set(&value_of, std::slice::from_ref(value)),
-        (_, of) => Err(Error::Unusable(format!("the FMU's variable is of type {}", of.name()))),
+    let Parameter { of, text, .. } = parameter;
+    if let (Type::Real(unit), Type::Real(own)) = (of, &variable.of) {
+        let defined = |name: &String| {
+            set.units.get(name).or_else(|| structure.unit(name)).or_else(|| interface.unit(name))
+        };
+        let here = (unit.as_deref(), unit.as_ref().and_then(defined));
+        let there = (own.as_deref(), own.as_ref().and_then(|name| interface.unit(name)));
+        let value: f64 = number(text).map_err(Error::of(format!("{name}={text}: not a number")))?;
+        let value = conversion(here, there).map_err(Error::new)?.apply(value);
+        return instance.set(&instance.select([name])?, &[value]);
     }
+    let becomes = of.name() == variable.of.name() || (of.name(), variable.of.name()) == ("Integer", "Real");
+    if !becomes {
+        return Err(Error::new(format!("the FMU's variable is of type {}", variable.of.name())));
+    }
+    instance.set_text(&[name], text)
 }

@@ -5,97 +5,37 @@
 
 #![allow(unsafe_code)] // the C boundary, from its other side
 
-mod v2;
-mod v3;
+mod location;
+mod logger;
+mod signatures;
 mod values;
 
 pub use values::Value;
 
+use crate::error::{Error, Result};
+use crate::messages::Messages;
 use crate::ssp::Fmi;
 use lemons_fmi::Status;
 use libloading::Library;
-use std::ffi::{CString, NulError, c_int, c_uint, c_void};
+use location::{file_uri, path_text};
+use logger::Logger;
+use signatures::{
+    fmi2DeSerializeFMUstate, fmi2DoStep, fmi2FreeInstance, fmi2GetFMUstate, fmi2Instantiate,
+    fmi2SerializeFMUstate, fmi2SerializedFMUstateSize, fmi2SetFMUstate, fmi2SetupExperiment, fmi2Terminate,
+    fmi3DoStep, fmi3EnterInitializationMode, fmi3InstantiateCoSimulation,
+};
+use std::ffi::{CStr, CString, c_int, c_uint, c_void};
 use std::fmt;
-use std::fs::File;
-use std::io::{self, Read};
-use std::path::{Path, PathBuf};
-use std::ptr::{NonNull, null_mut};
-use std::rc::Rc;
+use std::path::Path;
+use std::ptr::{NonNull, null, null_mut};
+use std::sync::Arc;
 
-/// Why a C function of an FMU cannot be called, or gives nothing.
-#[derive(Debug, thiserror::Error)]
-pub enum CallError {
-    /// The library cannot be loaded.
-    #[error(transparent)]
-    Load(#[from] libloading::Error),
-    /// The file of the library ends before what its header speaks of: a loader would get SIGBUS.
-    #[error("{}: is cut off: its table of sections ends at byte {end}, the file at byte {length}", path.display())]
-    CutOff {
-        /// The file.
-        path: PathBuf,
-        /// \[byte\] the length that its header speaks of
-        end: u64,
-        /// \[byte\] its length
-        length: u64,
-    },
-    /// The library is none of an FMU.
-    #[error("has no function {name}")]
-    NoSymbol {
-        /// Of the function.
-        name: &'static str,
-        /// What the loader says.
-        source: libloading::Error,
-    },
-    /// The FMU lacks a function that not every FMU needs.
-    #[error("the FMU has no function {0}")]
-    NoFunction(&'static str),
-    /// A zero would end a text.
-    #[error("{what}")]
-    Zero {
-        /// Which text.
-        what: String,
-        /// Where it is.
-        source: NulError,
-    },
-    /// There is no URI or path of the directory `resources`.
-    #[error("{}", path.display())]
-    Resources {
-        /// The directory.
-        path: PathBuf,
-        /// Why not.
-        source: io::Error,
-    },
-    /// The FMU refuses to be instantiated.
-    #[error("{0} returned NULL")]
-    NoInstance(&'static str),
-    /// The FMU has not given a state.
-    #[error("the FMU gave no state")]
-    NoState,
-    /// A value that the FMU gave, or that it is given, is not one of a smaller type.
-    #[error("{call}: {value} is not a value of {of}")]
-    Range {
-        /// The C function.
-        call: &'static str,
-        /// The value.
-        value: i128,
-        /// The smaller type.
-        of: &'static str,
-    },
-    /// A step has ended otherwise than as a whole.
-    #[error("{call}: {why}")]
-    Ended {
-        /// The C function.
-        call: &'static str,
-        /// What the FMU said.
-        why: String,
-    },
-}
-
-type Result<T> = std::result::Result<T, CallError>;
+/// \[byte\] The largest state, and the largest sum of those of all components, which are held in memory: some ten times
+/// that of 100 000 agents in contact.
+pub const LARGEST_STATE: usize = 1_000_000_000;
 
 /// What a C function returned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[must_use]
 pub struct Answer {
     pub(crate) code: c_int,
     /// The function's name.
@@ -131,11 +71,6 @@ impl fmt::Display for Answer {
     }
 }
 
-/// Who hears what an instance tells; perhaps called from threads of the FMU's.
-pub(crate) type Hears = dyn Fn(Option<Status>, &str) + Send + Sync;
-
-type Plain = unsafe extern "C" fn(*mut c_void) -> c_int;
-
 /// What FMI 2.0 and FMI 3.0 call a function.
 type Names = [&'static str; 2];
 
@@ -168,14 +103,19 @@ const REQUIRED_V3: [&str; 6] = [
     "fmi3DoStep",
 ];
 
+/// `fmi2CoSimulation`
+const CO_SIMULATION: c_int = 1;
+const FALSE: c_int = 0;
+const TRUE: c_int = 1;
+
 /// A function of a library, by its name.
 ///
 /// # Safety
 /// `F` is the type that FMI gives it, and it is used no longer than the library lives.
-unsafe fn function<F: Copy>(library: &Library, name: &'static str) -> Result<F> {
+unsafe fn function<F: Copy>(library: &Library, name: &str) -> Result<F> {
     // SAFETY: the caller's.
     let symbol = unsafe { library.get::<F>(name) };
-    Ok(*symbol.map_err(|_| CallError::NoFunction(name))?)
+    Ok(*symbol.map_err(|_| Error::new(format!("the FMU has no function {name}")))?)
 }
 
 /// What an instance is made of.
@@ -196,17 +136,18 @@ pub(crate) struct Made<'a> {
 pub struct Calls {
     component: NonNull<c_void>,
     fmi: Fmi,
+    pub(crate) messages: Arc<Messages>,
     // FMUs keep pointers to it.
-    _logger: v2::Logger,
+    _logger: Logger,
     library: Library,
 }
 
 impl Drop for Calls {
     fn drop(&mut self) {
-        type Free = unsafe extern "C" fn(*mut c_void);
         // SAFETY: FMI's type; an instance of this library, freed once.
         unsafe {
-            if let Ok(free) = self.function::<Free>(self.name(["fmi2FreeInstance", "fmi3FreeInstance"])) {
+            let name = self.name(["fmi2FreeInstance", "fmi3FreeInstance"]);
+            if let Ok(free) = function::<fmi2FreeInstance>(&self.library, name) {
                 free(self.component.as_ptr());
             }
         }
@@ -218,231 +159,247 @@ impl Calls {
     ///
     /// # Errors
     /// The library cannot be loaded or is none of an FMU; or the FMU refuses.
-    pub(crate) fn new(made: &Made, hears: Box<Hears>) -> Result<Calls> {
+    pub(crate) fn new(made: &Made, messages: Arc<Messages>) -> Result<Calls> {
         let name = c_text(made.name, || format!("instance name={:?}", made.name))?;
         let guid = c_text(made.guid, || format!("guid={:?}", made.guid))?;
-        let place = match made.fmi {
-            Fmi::V2 => v2::file_uri,
-            Fmi::V3 => v3::path,
-        };
+        let place = if made.fmi == Fmi::V2 { file_uri } else { path_text };
         let resources = made.resources.is_dir().then(|| place(made.resources)).transpose()?;
-        let resources = resources.as_deref();
+        let resources = resources.as_deref().map_or(null(), CStr::as_ptr);
         let library = load(made.library)?;
         let required = if made.fmi == Fmi::V2 { &REQUIRED_V2[..] } else { &REQUIRED_V3 };
         for &name in required {
             // SAFETY: it is not called.
-            let found = unsafe { library.get::<Plain>(name) };
-            found.map_err(|source| CallError::NoSymbol { name, source })?;
+            let found = unsafe { library.get::<fmi2Terminate>(name) };
+            found.map_err(Error::of(format!("has no function {name}")))?;
         }
-        let logger = v2::Logger::new(hears, made.memory_functions);
-        let (component, call) = match made.fmi {
-            Fmi::V2 => v2::instantiate(&library, &name, &guid, resources, &logger)?,
-            Fmi::V3 => v3::instantiate(&library, &name, &guid, resources, &logger)?,
+        let logger = Logger::new(messages.clone(), made.memory_functions);
+        let (name, guid) = (name.as_ptr(), guid.as_ptr());
+        // With logging: else an FMU tells no warnings; what it tells with the status Ok is not kept.
+        // SAFETY: FMI's types and arguments; the callbacks and their environment live as long as the instance.
+        let (call, component) = unsafe {
+            match made.fmi {
+                Fmi::V2 => {
+                    let instantiate = function::<fmi2Instantiate>(&library, "fmi2Instantiate")?;
+                    let callbacks = logger.callbacks();
+                    let own = instantiate(name, CO_SIMULATION, guid, resources, callbacks, FALSE, TRUE);
+                    ("fmi2Instantiate", own)
+                }
+                Fmi::V3 => {
+                    let call = "fmi3InstantiateCoSimulation";
+                    let instantiate = function::<fmi3InstantiateCoSimulation>(&library, call)?;
+                    let (to, log) = (logger.environment(), Some(logger::log_3 as _));
+                    // Without Event Mode, early return and intermediate updates.
+                    let none = (null(), 0);
+                    let own = instantiate(
+                        name, guid, resources, false, true, false, false, none.0, none.1, to, log, None,
+                    );
+                    (call, own)
+                }
+            }
         };
-        let component = NonNull::new(component).ok_or(CallError::NoInstance(call))?;
-        Ok(Calls { component, fmi: made.fmi, _logger: logger, library })
+        let component = NonNull::new(component).ok_or_else(|| Error::new(format!("{call} returned NULL")))?;
+        Ok(Calls { component, fmi: made.fmi, messages, _logger: logger, library })
     }
 
     fn name(&self, [v2, v3]: Names) -> &'static str {
         if self.fmi == Fmi::V2 { v2 } else { v3 }
     }
 
+    /// Calls a function of the library, which gets the instance first. A refusal is an error.
+    ///
     /// # Safety
-    /// As that of [`function`].
-    unsafe fn function<F: Copy>(&self, name: &'static str) -> Result<F> {
+    /// `F` is the type that FMI gives to the function.
+    unsafe fn call<F: Copy>(
+        &self,
+        call: &'static str,
+        with: impl FnOnce(F, *mut c_void) -> c_int,
+    ) -> Result<Answer> {
         // SAFETY: the caller's.
-        unsafe { function(&self.library, name) }
+        let function = unsafe { function::<F>(&self.library, call)? };
+        self.messages.done(Answer { code: with(function, self.component.as_ptr()), call })
     }
 
     /// Calls a function that takes the instance only.
-    fn plain(&self, call: &'static str) -> Result<Answer> {
+    ///
+    /// # Errors
+    /// The FMU refuses it, or lacks the function.
+    pub(crate) fn plain(&self, names: Names) -> Result<Answer> {
         // SAFETY: FMI's type; an instance of this library.
-        let code = unsafe { self.function::<Plain>(call)?(self.component.as_ptr()) };
-        Ok(Answer { code, call })
+        unsafe { self.call(self.name(names), |run: fmi2Terminate, own| run(own)) }
     }
 
     /// At a start time \[s\], with a tolerance if there is one, without stop time.
     ///
     /// # Errors
-    /// The FMU lacks a function.
+    /// The FMU refuses it, or lacks a function.
     pub(crate) fn enter_initialization(&self, start: f64, tolerance: Option<f64>) -> Result<Answer> {
-        match self.fmi {
-            Fmi::V2 => v2::enter_initialization(self, start, tolerance),
-            Fmi::V3 => v3::enter_initialization(self, start, tolerance),
+        let (defined, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
+        let name = "fmi3EnterInitializationMode";
+        if self.fmi == Fmi::V3 {
+            // SAFETY: FMI's type; an instance of this library.
+            return unsafe {
+                self.call(name, |enter: fmi3EnterInitializationMode, own| {
+                    enter(own, defined, tolerance, start, false, 0.0)
+                })
+            };
         }
-    }
-
-    pub(crate) fn exit_initialization(&self) -> Result<Answer> {
-        self.plain(self.name(["fmi2ExitInitializationMode", "fmi3ExitInitializationMode"]))
-    }
-
-    pub(crate) fn terminate(&self) -> Result<Answer> {
-        self.plain(self.name(["fmi2Terminate", "fmi3Terminate"]))
+        // SAFETY: FMI's type; an instance of this library.
+        unsafe {
+            self.call("fmi2SetupExperiment", |set_up: fmi2SetupExperiment, own| {
+                set_up(own, defined.into(), tolerance, start, FALSE, 0.0)
+            })
+        }?;
+        self.plain(["fmi2EnterInitializationMode", name])
     }
 
     /// Reads all values of the variables: in FMI 2.0 one for each reference.
-    fn get<T>(&self, call: &'static str, references: &[u32], values: &mut [T]) -> Result<Answer> {
-        type V2<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut T) -> c_int;
-        type V3<T> = unsafe extern "C" fn(*mut c_void, *const u32, usize, *mut T, usize) -> c_int;
-        let (component, count) = (self.component.as_ptr(), references.len());
-        let (references, length, to) = (references.as_ptr(), values.len(), values.as_mut_ptr());
-        assert!(self.fmi == Fmi::V3 || count == length, "a value for each reference");
-        // SAFETY: FMI's types; an instance of this library; both arrays are as long as said.
-        let code = unsafe {
-            match self.fmi {
-                Fmi::V2 => self.function::<V2<T>>(call)?(component, references, count, to),
-                Fmi::V3 => self.function::<V3<T>>(call)?(component, references, count, to, length),
-            }
-        };
-        Ok(Answer { code, call })
+    fn get<T>(&self, call: &'static str, references: &[u32], values: &mut [T]) -> Result<()> {
+        // SAFETY: a function that writes as many values as said.
+        unsafe { self.pass(call, references, values.as_mut_ptr(), values.len()) }
     }
 
     /// Sets all values of the variables: in FMI 2.0 one for each reference.
-    fn set<T>(&self, call: &'static str, references: &[u32], values: &[T]) -> Result<Answer> {
-        type V2<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *const T) -> c_int;
-        type V3<T> = unsafe extern "C" fn(*mut c_void, *const u32, usize, *const T, usize) -> c_int;
-        let (component, count) = (self.component.as_ptr(), references.len());
-        let (references, length, from) = (references.as_ptr(), values.len(), values.as_ptr());
+    pub(crate) fn set<T>(&self, call: &'static str, references: &[u32], values: &[T]) -> Result<()> {
+        // SAFETY: a function that reads as many values as said, and writes none.
+        unsafe { self.pass(call, references, values.as_ptr().cast_mut(), values.len()) }
+    }
+
+    /// # Safety
+    /// A function that reads or sets values of this type, and an array of as many as said.
+    unsafe fn pass<T>(
+        &self,
+        call: &'static str,
+        references: &[u32],
+        values: *mut T,
+        length: usize,
+    ) -> Result<()> {
+        type V2<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut T) -> c_int;
+        type V3<T> = unsafe extern "C" fn(*mut c_void, *const u32, usize, *mut T, usize) -> c_int;
+        let (count, references) = (references.len(), references.as_ptr());
         assert!(self.fmi == Fmi::V3 || count == length, "a value for each reference");
         // SAFETY: FMI's types; an instance of this library; both arrays are as long as said.
-        let code = unsafe {
+        unsafe {
             match self.fmi {
-                Fmi::V2 => self.function::<V2<T>>(call)?(component, references, count, from),
-                Fmi::V3 => self.function::<V3<T>>(call)?(component, references, count, from, length),
+                Fmi::V2 => self.call(call, |run: V2<T>, own| run(own, references, count, values)),
+                Fmi::V3 => self.call(call, |run: V3<T>, own| run(own, references, count, values, length)),
             }
-        };
-        Ok(Answer { code, call })
+        }
+        .map(drop)
     }
 
     /// From a time over a step, both \[s\]; nothing before that time is asked for any more.
     ///
     /// # Errors
-    /// The FMU has returned early, or wants an event or the end.
+    /// The FMU refuses the step, has returned early, or wants an event or the end.
     pub(crate) fn do_step(&self, time: f64, step: f64) -> Result<Answer> {
-        match self.fmi {
-            Fmi::V2 => v2::do_step(self, time, step),
-            Fmi::V3 => v3::do_step(self, time, step),
+        if self.fmi == Fmi::V2 {
+            // SAFETY: FMI's type; an instance of this library.
+            return unsafe {
+                self.call("fmi2DoStep", |do_step: fmi2DoStep, own| do_step(own, time, step, TRUE))
+            };
         }
+        // The FMU might write something else than a `bool` is.
+        let (mut event, mut end, mut early, mut last) = (0_u8, 0_u8, 0_u8, f64::NAN);
+        let flags = [&raw mut event, &raw mut end, &raw mut early].map(<*mut u8>::cast);
+        let call = "fmi3DoStep";
+        // SAFETY: FMI's type; an instance of this library; it is told where all four go.
+        let answer = unsafe {
+            self.call(call, |do_step: fmi3DoStep, own| {
+                do_step(own, time, step, true, flags[0], flags[1], flags[2], &raw mut last)
+            })
+        }?;
+        let within = format!("at t = {last:?} s, within the step from {time:?} s over {step:?} s");
+        let why = match (end, event, early) {
+            (0, 0, 0) => return Ok(answer),
+            (0, 0, _) => format!("the FMU has returned {within}"),
+            (0, ..) => format!("the FMU wants Event Mode at t = {last:?} s, which this master has not"),
+            _ => format!("the FMU ends the simulation {within}"),
+        };
+        Err(Error::new(format!("{call}: {why}")))
     }
 
-    /// Sets structural parameters in Configuration Mode (FMI 3.0).
+    /// Returns the present state of the instance as bytes: `fmi2GetFMUstate`, `fmi2SerializeFMUstate`.
     ///
     /// # Errors
-    /// The FMU lacks a function.
-    pub(crate) fn configure(&self, references: &[u32], sizes: &[u64]) -> Result<Answer> {
-        let answer = self.plain("fmi3EnterConfigurationMode")?;
-        if answer.status() != Some(Status::Ok) {
-            return Ok(answer);
+    /// The FMU refuses a call, or the state is too large for the memory.
+    pub(crate) fn save(&self) -> Result<Vec<u8>> {
+        let mut state = State { calls: self, pointer: null_mut() };
+        state.hand(["fmi2GetFMUstate", "fmi3GetFMUState"])?;
+        let (pointer, mut size) = (state.there()?, 0_usize);
+        let call = self.name(["fmi2SerializedFMUstateSize", "fmi3SerializedFMUStateSize"]);
+        // SAFETY: FMI's type; a state of this instance.
+        unsafe { self.call(call, |run: fmi2SerializedFMUstateSize, own| run(own, pointer, &raw mut size)) }?;
+        if size > LARGEST_STATE {
+            return Err(Error::new(format!("{call} returned {size} bytes, more than {LARGEST_STATE}")));
         }
-        let answer = self.set("fmi3SetUInt64", references, sizes)?;
-        if answer.status() != Some(Status::Ok) {
-            return Ok(answer);
-        }
-        self.plain("fmi3ExitConfigurationMode")
+        let mut bytes = Vec::new();
+        bytes.try_reserve_exact(size).map_err(Error::of(format!("a state of {size} bytes")))?;
+        bytes.resize(size, 0_u8);
+        let call = self.name(["fmi2SerializeFMUstate", "fmi3SerializeFMUState"]);
+        // SAFETY: FMI's type; a state of this instance; the bytes are as many as said.
+        unsafe {
+            self.call(call, |run: fmi2SerializeFMUstate, own| run(own, pointer, bytes.as_mut_ptr(), size))
+        }?;
+        Ok(bytes)
+    }
+
+    /// Goes to a state that was saved: `fmi2DeSerializeFMUstate`, `fmi2SetFMUstate`.
+    ///
+    /// # Errors
+    /// The FMU refuses the bytes.
+    pub(crate) fn restore(&self, bytes: &[u8]) -> Result<()> {
+        let mut state = State { calls: self, pointer: null_mut() };
+        let call = self.name(["fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"]);
+        let to = &raw mut state.pointer;
+        // SAFETY: FMI's type; the pointer is NULL; the bytes are as many as said.
+        unsafe {
+            self.call(call, |run: fmi2DeSerializeFMUstate, own| run(own, bytes.as_ptr(), bytes.len(), to))
+        }?;
+        let (call, pointer) = (self.name(["fmi2SetFMUstate", "fmi3SetFMUState"]), state.there()?);
+        // SAFETY: FMI's type; a state of this instance.
+        unsafe { self.call(call, |run: fmi2SetFMUstate, own| run(own, pointer)) }.map(drop)
     }
 }
 
 /// A state that an instance holds for us, or none yet; given back when this is dropped.
-pub(crate) struct Held {
-    calls: Rc<Calls>,
+struct State<'a> {
+    calls: &'a Calls,
     /// NULL, or of this instance.
     pointer: *mut c_void,
 }
 
-/// The type of `fmi2GetFMUstate` and `fmi2FreeFMUstate`.
-type OfPointer = unsafe extern "C" fn(*mut c_void, *mut *mut c_void) -> c_int;
-
-impl Drop for Held {
+impl Drop for State<'_> {
     fn drop(&mut self) {
         if !self.pointer.is_null() {
             // There is nobody to tell of a refusal.
-            let _ = self.of_pointer(["fmi2FreeFMUstate", "fmi3FreeFMUState"]);
+            let _ = self.hand(["fmi2FreeFMUstate", "fmi3FreeFMUState"]);
         }
     }
 }
 
-impl Held {
-    pub(crate) fn none(calls: &Rc<Calls>) -> Held {
-        Held { calls: calls.clone(), pointer: null_mut() }
+impl State<'_> {
+    /// Calls a function that makes the state, or takes it back.
+    fn hand(&mut self, names: Names) -> Result<Answer> {
+        let to = &raw mut self.pointer;
+        // SAFETY: FMI's type; the pointer is NULL or a state of this instance.
+        unsafe { self.calls.call(self.calls.name(names), |run: fmi2GetFMUstate, own| run(own, to)) }
     }
 
-    fn of_pointer(&mut self, names: Names) -> Result<Answer> {
-        let call = self.calls.name(names);
-        // SAFETY: FMI's type; the pointer is NULL or a state of this instance, which lives.
-        let code = unsafe {
-            self.calls.function::<OfPointer>(call)?(self.calls.component.as_ptr(), &raw mut self.pointer)
-        };
-        Ok(Answer { code, call })
-    }
-
-    /// `fmi2GetFMUstate`
-    pub(crate) fn take(&mut self) -> Result<Answer> {
-        self.of_pointer(["fmi2GetFMUstate", "fmi3GetFMUState"])
-    }
-
-    /// `fmi2SetFMUstate`
-    pub(crate) fn put(&self) -> Result<Answer> {
-        type Set = unsafe extern "C" fn(*mut c_void, *mut c_void) -> c_int;
-        self.is_there()?;
-        let call = self.calls.name(["fmi2SetFMUstate", "fmi3SetFMUState"]);
-        // SAFETY: FMI's type; a state of this instance.
-        let code = unsafe { self.calls.function::<Set>(call)?(self.calls.component.as_ptr(), self.pointer) };
-        Ok(Answer { code, call })
-    }
-
-    /// `fmi2SerializedFMUstateSize`: the size \[byte\].
-    pub(crate) fn size(&self) -> Result<(Answer, usize)> {
-        type Size = unsafe extern "C" fn(*mut c_void, *mut c_void, *mut usize) -> c_int;
-        self.is_there()?;
-        let call = self.calls.name(["fmi2SerializedFMUstateSize", "fmi3SerializedFMUStateSize"]);
-        let (component, mut size) = (self.calls.component.as_ptr(), 0);
-        // SAFETY: FMI's type; a state of this instance.
-        let code = unsafe { self.calls.function::<Size>(call)?(component, self.pointer, &raw mut size) };
-        Ok((Answer { code, call }, size))
-    }
-
-    /// `fmi2SerializeFMUstate`
-    pub(crate) fn serialize(&self, bytes: &mut [u8]) -> Result<Answer> {
-        type Serialize = unsafe extern "C" fn(*mut c_void, *mut c_void, *mut u8, usize) -> c_int;
-        self.is_there()?;
-        let call = self.calls.name(["fmi2SerializeFMUstate", "fmi3SerializeFMUState"]);
-        let (component, size) = (self.calls.component.as_ptr(), bytes.len());
-        // SAFETY: FMI's type; a state of this instance; the bytes are as many as said.
-        let code = unsafe {
-            self.calls.function::<Serialize>(call)?(component, self.pointer, bytes.as_mut_ptr(), size)
-        };
-        Ok(Answer { code, call })
-    }
-
-    /// `fmi2DeSerializeFMUstate`
-    pub(crate) fn deserialize(&mut self, bytes: &[u8]) -> Result<Answer> {
-        type Deserialize = unsafe extern "C" fn(*mut c_void, *const u8, usize, *mut *mut c_void) -> c_int;
-        let call = self.calls.name(["fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"]);
-        let (component, size) = (self.calls.component.as_ptr(), bytes.len());
-        // SAFETY: FMI's type; the pointer is NULL or a state of this instance; the bytes are as many as said.
-        let code = unsafe {
-            self.calls.function::<Deserialize>(call)?(component, bytes.as_ptr(), size, &raw mut self.pointer)
-        };
-        Ok(Answer { code, call })
-    }
-
-    fn is_there(&self) -> Result<()> {
-        if self.pointer.is_null() { Err(CallError::NoState) } else { Ok(()) }
+    fn there(&self) -> Result<*mut c_void> {
+        if self.pointer.is_null() { Err(Error::new("the FMU gave no state")) } else { Ok(self.pointer) }
     }
 }
 
 /// `what` is said of a text that holds a zero.
 fn c_text(text: &str, what: impl FnOnce() -> String) -> Result<CString> {
-    CString::new(text).map_err(|source| CallError::Zero { what: what(), source })
+    CString::new(text).map_err(|source| Error::of(what())(source))
 }
 
 fn load(path: &Path) -> Result<Library> {
-    if cfg!(all(target_os = "linux", target_pointer_width = "64")) {
-        check_length(path)?;
-    }
+    let cannot = |error: libloading::Error| Error::new(error.to_string());
     // SAFETY: what a library does when it is loaded is the FMU's; see the module.
     #[cfg(not(windows))]
-    return Ok(unsafe { Library::new(path) }?);
+    return unsafe { Library::new(path) }.map_err(cannot);
     #[cfg(windows)]
     {
         use libloading::os::windows;
@@ -450,49 +407,13 @@ fn load(path: &Path) -> Result<Library> {
         let flags = windows::LOAD_WITH_ALTERED_SEARCH_PATH;
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         // SAFETY: as above.
-        Ok(unsafe { windows::Library::load_with_flags(path, flags) }?.into())
+        Ok(unsafe { windows::Library::load_with_flags(path, flags) }.map_err(cannot)?.into())
     }
-}
-
-/// That a library of 64-bit Linux has a length: `dlopen` maps what lies behind the end of a file that is cut off, and
-/// looks into it. The table of sections is the last thing that linkers write. What else is wrong is left to `dlopen`.
-fn check_length(path: &Path) -> Result<()> {
-    let mut header = [0; 64];
-    let Ok(mut file) = File::open(path) else { return Ok(()) };
-    let (Ok(()), Ok(metadata)) = (file.read_exact(&mut header), file.metadata()) else { return Ok(()) };
-    // e_ident: ELF, of 64 bits
-    if !header.starts_with(b"\x7fELF\x02") {
-        return Ok(());
-    }
-    let (_, fields) = header.split_at(40);
-    let sections = fields.first_chunk().map_or(0, |bytes| u64::from_ne_bytes(*bytes));
-    // e_shentsize, e_shnum
-    let [entry, entries] = [58, 60].map(|at| u64::from(u16::from_ne_bytes([header[at], header[at + 1]])));
-    let (end, length) = (sections.saturating_add(entry * entries), metadata.len());
-    if end > length { Err(CallError::CutOff { path: path.to_owned(), end, length }) } else { Ok(()) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A loader that was given such a file got SIGBUS.
-    #[test]
-    #[cfg(target_os = "linux")]
-    fn a_library_that_is_cut_off_is_an_error_at_every_length() {
-        let whole = std::fs::read(crate::own_binary().unwrap().path).unwrap();
-        let directory = tempfile::TempDir::new().unwrap();
-        let path = directory.path().join("library.so");
-        std::fs::write(&path, &whole).unwrap();
-        assert!(load(&path).is_ok());
-        let lengths = [0, 1, 63, 64, 4096, whole.len() - 1];
-        for length in lengths.into_iter().chain((1..20).map(|part| whole.len() / 20 * part)) {
-            std::fs::write(&path, &whole[..length]).unwrap();
-            let said = crate::whole(&load(&path).unwrap_err());
-            let expected = if length < 64 { "library.so: " } else { "library.so: is cut off: " };
-            assert!(said.contains(expected), "{length}: {said}");
-        }
-    }
 
     #[test]
     fn a_status_that_fmi_does_not_know_is_told_as_a_number() {

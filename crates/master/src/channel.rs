@@ -29,24 +29,6 @@ pub(crate) trait Exchange {
     fn send(&mut self, c: usize, instance: &Instance) -> Result<()>;
 }
 
-/// The values that arrive where a value is sent.
-pub(crate) trait Arrives: Value {
-    /// Of Reals, converted.
-    fn arrive(&self, _: Affine) -> Self {
-        self.clone()
-    }
-}
-
-impl Arrives for f64 {
-    fn arrive(&self, map: Affine) -> f64 {
-        map.apply(*self)
-    }
-}
-
-impl Arrives for i32 {}
-impl Arrives for bool {}
-impl Arrives for String {}
-
 /// One channel for each type that is connected, in the order of [`channel_of`].
 pub(crate) fn channels(components: usize) -> [Box<dyn Exchange>; 4] {
     [
@@ -101,13 +83,13 @@ struct Source {
     map: Affine,
 }
 
-impl<T: Arrives> Channel<T> {
+impl<T: Value> Channel<T> {
     fn new(components: usize) -> Channel<T> {
         Channel { outputs: vec![Outputs::default(); components], inputs: vec![Inputs::default(); components] }
     }
 }
 
-impl<T: Arrives> Exchange for Channel<T> {
+impl<T: Value> Exchange for Channel<T> {
     fn connect(&mut self, wires: &[Wire], instances: &[&Instance]) -> Result<()> {
         // One output may feed several inputs and is read once.
         let mut places = HashMap::new();
@@ -167,7 +149,7 @@ impl<T: Arrives> Exchange for Channel<T> {
         values.clear();
         let outputs = &self.outputs;
         values.extend(
-            sources.iter().map(|source| outputs[source.component].newest[source.place].arrive(source.map)),
+            sources.iter().map(|source| outputs[source.component].newest[source.place].converted(source.map)),
         );
         instance.set(selection, values)
     }

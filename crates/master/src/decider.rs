@@ -5,7 +5,7 @@ use crate::fmu::Fmu;
 use lemons_core::files::input;
 use lemons_core::trial::Trial;
 use lemons_decision::decision::PLAN_FILE;
-use lemons_decision::{Plan, Wishes};
+use lemons_decision::{DecisionConfig, Plan};
 use std::path::{Path, PathBuf};
 
 /// Which file says where the people of a Trial walk.
@@ -27,7 +27,7 @@ pub enum PlanChoice {
 pub fn plan_of(trial: &Trial, path: &Path) -> Result<Plan> {
     // What lies in the Trial is not a pipe on purpose.
     let text = input::read_text(path, input::LARGEST_SETTINGS).place(|| "cannot be read".to_owned())?;
-    let wishes = Wishes::from_toml(&text)?;
+    let wishes = DecisionConfig::from_toml(&text)?;
     Ok(Plan::of(trial, &wishes)?)
 }
 

@@ -1,13 +1,11 @@
 //! An instance of an FMU.
 
-use crate::calls::{Answer, Calls, Value};
+use crate::calls::{Calls, Value};
 use crate::error::{Cause, Error, Result};
-use crate::messages::{Messages, done};
 use crate::selection::{Part, Selection};
 use crate::ssp::{Address, Interface, Type};
 use lemons_fmi::Status;
 use std::cell::{Cell, RefCell};
-use std::rc::Rc;
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -28,9 +26,8 @@ type Later = Box<dyn FnOnce(&Instance) -> Result<()>>;
 
 /// An instance of an FMU.
 pub struct Instance {
-    pub(crate) calls: Rc<Calls>,
-    pub(crate) messages: Arc<Messages>,
-    pub(crate) description: Arc<Interface>,
+    calls: Calls,
+    description: Arc<Interface>,
     /// Whether initialization has begun.
     initialized: Cell<bool>,
     /// Arrays: FMI 3.0 does not let their other elements be read before initialization.
@@ -39,19 +36,20 @@ pub struct Instance {
 
 impl Instance {
     /// One that was just made, of an FMU of this description.
-    pub(crate) fn new(calls: Rc<Calls>, messages: Arc<Messages>, description: Arc<Interface>) -> Instance {
+    pub(crate) fn new(calls: Calls, description: Arc<Interface>) -> Instance {
         let (initialized, later) = (Cell::new(false), RefCell::default());
-        Instance { calls, messages, description, initialized, later }
+        Instance { calls, description, initialized, later }
     }
 
-    fn done(&self, answer: Answer) -> Result<()> {
-        done(&self.messages, answer)
-    }
-
-    /// Sets the structural parameters that were chosen.
+    /// Sets the structural parameters that were chosen, in Configuration Mode (FMI 3.0).
     pub(crate) fn configure(&self, sizes: &Sizes) -> Result<()> {
         let Sizes { references, values } = sizes;
-        if references.is_empty() { Ok(()) } else { self.done(self.calls.configure(references, values)?) }
+        if references.is_empty() {
+            return Ok(());
+        }
+        self.calls.plain(["", "fmi3EnterConfigurationMode"])?;
+        self.calls.set("fmi3SetUInt64", references, values)?;
+        self.calls.plain(["", "fmi3ExitConfigurationMode"]).map(drop)
     }
 
     /// Values by their names.
@@ -90,8 +88,8 @@ impl Instance {
         let kind = kind.ok_or_else(|| Error::NoVariable(first.to_owned()))?;
         let selection = self.select(names)?;
         let count = selection.len();
-        let wrong = |why, source| Error::Value { name: first.to_owned(), text: text.to_owned(), why, source };
-        let not_a_number = |error| wrong("not a number", Some(error));
+        let wrong = |why: &str| format!("{first}={text}: {why}");
+        let not_a_number = |error: Cause| Error::of(wrong("not a number"))(error);
         match kind {
             Type::Real(_) => self.set::<f64>(&selection, &vec![number(text).map_err(not_a_number)?; count]),
             Type::Integer => self.set::<i32>(&selection, &vec![number(text).map_err(not_a_number)?; count]),
@@ -100,13 +98,13 @@ impl Instance {
                 let value = match text {
                     "true" | "1" => true,
                     "false" | "0" => false,
-                    _ => return Err(wrong("neither true nor false", None)),
+                    _ => return Err(Error::new(wrong("neither true nor false"))),
                 };
                 self.set(&selection, &vec![value; count])
             }
             other => {
                 let of = other.name();
-                Err(Error::Unusable(format!("{first}: variables of type {of} cannot be set here")))
+                Err(Error::new(format!("{first}: variables of type {of} cannot be set here")))
             }
         }
     }
@@ -128,7 +126,7 @@ impl Instance {
     /// The FMU refuses the call.
     pub fn enter_initialization(&self, start: f64, tolerance: Option<f64>) -> Result<()> {
         let tolerance = tolerance.or(self.description.tolerance);
-        self.done(self.calls.enter_initialization(start, tolerance)?)?;
+        self.calls.enter_initialization(start, tolerance)?;
         self.initialized.set(true);
         let later = std::mem::take(&mut *self.later.borrow_mut());
         later.into_iter().try_for_each(|set| set(self))
@@ -139,7 +137,7 @@ impl Instance {
     /// # Errors
     /// The FMU refuses the call.
     pub fn exit_initialization(&self) -> Result<()> {
-        self.done(self.calls.exit_initialization()?)
+        self.calls.plain(["fmi2ExitInitializationMode", "fmi3ExitInitializationMode"]).map(drop)
     }
 
     /// Sets values. Arrays wait for initialization, so that the last value counts and sizes are those of the Trial that
@@ -153,8 +151,7 @@ impl Instance {
             self.later.borrow_mut().push(Box::new(move |instance| instance.set(&selection, &values)));
             return Ok(());
         }
-        let set =
-            |part: &Part, values: &[T]| self.done(T::set(&self.calls, part.of, &part.references, values)?);
+        let set = |part: &Part, values: &[T]| T::set(&self.calls, part.of, &part.references, values);
         selection.write(values, |part, values| self.get_part(part, values), set)
     }
 
@@ -167,7 +164,7 @@ impl Instance {
     }
 
     fn get_part<T: Value>(&self, part: &Part, values: &mut [T]) -> Result<()> {
-        self.done(T::get(&self.calls, part.of, &part.references, values)?)
+        T::get(&self.calls, part.of, &part.references, values)
     }
 
     /// Reads values.
@@ -198,9 +195,9 @@ impl Instance {
     pub fn step(&self, time: f64, step: f64) -> Result<()> {
         let answer = self.calls.do_step(time, step)?;
         if answer.status() == Some(Status::Warning) {
-            self.messages.warned(time, answer);
+            self.calls.messages.warned(time, answer);
         }
-        self.done(answer)
+        Ok(())
     }
 
     /// `fmi2Terminate`, `fmi3Terminate`
@@ -208,12 +205,28 @@ impl Instance {
     /// # Errors
     /// The FMU refuses the call.
     pub fn terminate(&self) -> Result<()> {
-        self.done(self.calls.terminate()?)
+        self.calls.plain(["fmi2Terminate", "fmi3Terminate"]).map(drop)
+    }
+
+    /// Returns the present state as bytes: `fmi2GetFMUstate`, `fmi2SerializeFMUstate`.
+    ///
+    /// # Errors
+    /// The FMU refuses a call, or the state is too large for the memory.
+    pub fn state(&self) -> Result<Vec<u8>> {
+        self.calls.save()
+    }
+
+    /// Goes to a state: `fmi2DeSerializeFMUstate`, `fmi2SetFMUstate`.
+    ///
+    /// # Errors
+    /// Bytes that are none of such an FMU, or its refusal.
+    pub fn restore(&self, bytes: &[u8]) -> Result<()> {
+        self.calls.restore(bytes)
     }
 
     /// The warnings of the FMU since the last call: the first 1000, the number of further ones, and the time \[s\] of
     /// the first step that returned the status Warning.
     pub fn warnings(&self) -> Vec<String> {
-        self.messages.warnings()
+        self.calls.messages.warnings()
     }
 }

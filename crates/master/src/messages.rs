@@ -70,11 +70,11 @@ impl Messages {
         }
     }
 
-    /// What was logged as an error in a call that succeeded is not the reason of a later refusal.
-    fn forget_errors(&self) {
-        if let Ok(mut errors) = self.errors.lock() {
-            *errors = Heard::default();
-        }
+    /// The result of a call; its error is what the FMU has logged about it.
+    pub fn done(&self, answer: Answer) -> Result<Answer> {
+        // What was logged as an error in a call that succeeded is not the reason of a later refusal.
+        let said = self.errors();
+        if answer.succeeded() { Ok(answer) } else { Err(Error::Refused { answer, said }) }
     }
 
     /// Notes a step from a time \[s\] that returned the status Warning.
@@ -108,15 +108,6 @@ impl Messages {
     }
 }
 
-/// The result of a call; its error is what the FMU has logged about it.
-pub(crate) fn done(messages: &Messages, answer: Answer) -> Result<()> {
-    if !answer.succeeded() {
-        return Err(Error::Refused { answer, said: messages.errors() });
-    }
-    messages.forget_errors();
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -142,9 +133,10 @@ mod tests {
         let messages = Messages::default();
         messages.hear(Some(Status::Error), "harmless");
         messages.hear(Some(Status::Warning), "to be looked at");
-        done(&messages, Answer { code: Status::Ok as i32, call: "fmi2SetReal" }).unwrap();
+        messages.done(Answer { code: Status::Ok as i32, call: "fmi2SetReal" }).unwrap();
         messages.hear(Some(Status::Error), "the reason");
-        let error = done(&messages, Answer { code: Status::Error as i32, call: "fmi2DoStep" }).unwrap_err();
+        let refused = Answer { code: Status::Error as i32, call: "fmi2DoStep" };
+        let error = messages.done(refused).unwrap_err();
         assert_eq!(error.to_string(), "the reason");
         assert_eq!(messages.warnings(), ["to be looked at"]);
     }

@@ -3,12 +3,12 @@
 
 use crate::assemble::{Assembled, assemble};
 use crate::decider::PlanChoice;
+use crate::drive_feed::DriveFeed;
 use crate::error::{Error, Place, Result};
+use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::instance::Instance;
-use crate::kind::Kind;
-use crate::pushes::Pushes;
-use crate::refusal::{PrepareError, Warning};
+use crate::prepare_error::{PrepareError, Warning};
 use crate::saved::Saved;
 use crate::settings::Settings;
 use crate::system::{Component, PLAY_DRIVE, System};
@@ -47,7 +47,7 @@ pub struct Prepared {
     /// What the components simulate, for those whose FMU contains Trials.
     pub trials: Vec<Option<Trial>>,
     /// What drives the crowd.
-    pub pushes: Pushes,
+    pub feed: DriveFeed,
     /// The communication points.
     pub clock: Clock,
     /// One communication point in so many is recorded, beginning with the first.
@@ -65,7 +65,7 @@ impl Model for Prepared {
 
     fn step_to(&mut self, time: f64) -> Result<()> {
         // A system of several components has no drive.
-        self.pushes.apply(&self.system.components()[0].instance, self.system.time())?;
+        self.feed.apply(&self.system.components()[0].instance, self.system.time())?;
         self.system.step_to(time)
     }
 }
@@ -117,8 +117,8 @@ impl Prepared {
             (false, _) => crowd.fmu.drive(trial, &settings.drive)?,
         };
         let agents = trial.map_or(&[][..], |trial| &trial.agents);
-        let pushes = Pushes::new(&crowd.instance, agents, drive, plays)?;
-        if before.as_ref().is_some_and(|before| pushes.drive.fingerprint() != before.drive) {
+        let feed = DriveFeed::new(&crowd.instance, agents, drive, plays)?;
+        if before.as_ref().is_some_and(|before| feed.drive.fingerprint() != before.drive) {
             return Err(PrepareError::OtherDrive);
         }
         let (step, every) = match &before {
@@ -127,13 +127,13 @@ impl Prepared {
         };
         let clock = Clock::new(start, step, until).map_err(Error::from);
         let clock = clock.place(|| settings.input.display().to_string())?;
-        warnings.extend(pushes.drive.missed(start, step).map(Warning::Missed));
+        warnings.extend(feed.drive.missed(start, step).map(Warning::Missed));
         warnings.extend(settings.between(before.as_ref(), &clock));
-        let undriven = !coupled && before.is_none() && pushes.drive.end().is_none();
+        let undriven = !coupled && before.is_none() && feed.drive.end().is_none();
         if undriven && trial.is_some() && is_still(&crowd.instance, agents.len())? {
             warnings.push(Warning::Still);
         }
-        Ok(Prepared { system, trials, pushes, clock, every, before, coupled, warnings })
+        Ok(Prepared { system, trials, feed, clock, every, before, coupled, warnings })
     }
 }
 
@@ -161,7 +161,8 @@ fn is_ssp(settings: &Settings) -> bool {
 
 fn open(settings: &Settings, parameters: &[(String, String)]) -> Result<Opened, PrepareError> {
     let input = &settings.input;
-    Kind::expect(input, &[Kind::Fmu, Kind::Ssp, Kind::Archive], "an FMU or an SSP").map_err(Error::from)?;
+    FileType::expect(input, &[FileType::Fmu, FileType::Ssp, FileType::Archive], "an FMU or an SSP")
+        .map_err(Error::from)?;
     if matches!(settings.plan, PlanChoice::File(_)) {
         return Err(PrepareError::PlanWithoutTrial);
     }
@@ -257,7 +258,7 @@ fn named(path: &Path) -> String {
 
 /// Reads the run that is to go on.
 pub fn read_saved(path: &Path) -> Result<(Saved, Vec<Vec<u8>>), PrepareError> {
-    Kind::expect(path, &[Kind::SavedRun], "a saved run").map_err(PrepareError::NotSaved)?;
+    FileType::expect(path, &[FileType::SavedRun], "a saved run").map_err(PrepareError::NotSaved)?;
     Ok(Saved::read(path)?)
 }
 

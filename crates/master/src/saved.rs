@@ -1,8 +1,8 @@
 //! A saved run: `run.toml` and the state of each component, in a zip.
 
-use crate::error::{Place, Result, SavedError};
-use crate::ssp::{Allowance, distinct};
-use crate::state::LARGEST_STATE;
+use crate::calls::LARGEST_STATE;
+use crate::error::{Error, Place, Result};
+use crate::ssp::{Allowance, sound};
 use crate::system::{Component, System};
 use lemons_core::files::Staged;
 use lemons_core::files::input;
@@ -102,8 +102,8 @@ pub fn writers(before: &str, now: &str) -> String {
 }
 
 /// What is wrong with `run.toml`.
-fn wrong(why: impl Display) -> SavedError {
-    SavedError::Content(format!("{RUN}: {why}"))
+fn wrong(why: impl Display) -> Error {
+    Error::new(format!("{RUN}: {why}"))
 }
 
 impl Saved {
@@ -136,10 +136,10 @@ impl Saved {
     }
 
     /// That the states of all components can be read again.
-    fn check_states(states: &[Vec<u8>], most: usize) -> Result<(), SavedError> {
+    fn check_states(states: &[Vec<u8>], most: usize) -> Result<()> {
         let size = states.iter().fold(0, |sum: usize, state| sum.saturating_add(state.len()));
         if size > most {
-            return Err(SavedError::Content(format!(
+            return Err(Error::new(format!(
                 "the states of all components have {size} bytes together, more than {most}"
             )));
         }
@@ -150,7 +150,7 @@ impl Saved {
     ///
     /// # Errors
     /// It cannot be written, or the states have more than [`LARGEST_STATE`] together.
-    pub fn write(&self, states: &[Vec<u8>], file: Staged) -> Result<(), SavedError> {
+    pub fn write(&self, states: &[Vec<u8>], file: Staged) -> Result<()> {
         Saved::check_states(states, LARGEST_STATE)?;
         let mut zip = ZipWriter::new(BufWriter::new(file));
         let options = SimpleFileOptions::default()
@@ -158,7 +158,7 @@ impl Saved {
             .unix_permissions(0o644)
             .compression_method(CompressionMethod::Deflated);
         zip.start_file(RUN, options)?;
-        zip.write_all(toml::to_string(self)?.as_bytes())?;
+        zip.write_all(toml::to_string(self).map_err(wrong)?.as_bytes())?;
         for (component, state) in self.component.iter().zip(states) {
             zip.start_file(component.state.as_str(), options)?;
             zip.write_all(state)?;
@@ -176,11 +176,11 @@ impl Saved {
         Saved::read_archive(path).place(|| format!("saved run {}", path.display()))
     }
 
-    fn read_archive(path: &Path) -> Result<(Saved, Vec<Vec<u8>>), SavedError> {
-        let zip = ZipArchive::new(BufReader::new(input::open(path)?)).map_err(SavedError::NoArchive)?;
-        let mut zip = distinct(zip)?;
+    fn read_archive(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
+        let zip = ZipArchive::new(BufReader::new(input::open(path)?)).map_err(Error::of("is none"))?;
+        let mut zip = sound(zip)?;
         if zip.index_for_name(RUN).is_none() {
-            return Err(SavedError::NoRun(RUN));
+            return Err(Error::new(format!("it contains no {RUN}, so it is not a saved run")));
         }
         let mut text = Vec::new();
         Allowance::new(LARGEST_RUN).copy(RUN, zip.by_name(RUN)?, &mut text)?;
@@ -192,7 +192,7 @@ impl Saved {
             let name = &component.state;
             if zip.index_for_name(name).is_none() {
                 let component = &component.name;
-                return Err(SavedError::Content(format!(
+                return Err(Error::new(format!(
                     "it contains no {name:?}, the state of component {component:?}"
                 )));
             }
@@ -202,14 +202,14 @@ impl Saved {
             left.copy(name, entry, &mut bytes)?;
             if bytes.len() as u64 != component.bytes {
                 let said = component.bytes;
-                return Err(SavedError::Content(format!("{name}: has not the {said} bytes that {RUN} says")));
+                return Err(Error::new(format!("{name}: has not the {said} bytes that {RUN} says")));
             }
             states.push(bytes);
         }
         Ok((saved, states))
     }
 
-    fn parse(text: &str) -> Result<Saved, SavedError> {
+    fn parse(text: &str) -> Result<Saved> {
         /// What every version has.
         #[derive(Deserialize)]
         struct Version {
@@ -274,34 +274,34 @@ impl Saved {
     ///
     /// # Errors
     /// It is not; the message says why.
-    pub fn check(&self, components: &[[String; 3]], algorithm: &str, wiring: &str) -> Result<(), SavedError> {
+    pub fn check(&self, components: &[[String; 3]], algorithm: &str, wiring: &str) -> Result<()> {
         let there: Vec<&str> = self.component.iter().map(|component| component.name.as_str()).collect();
         let here: Vec<&str> = components.iter().map(|[name, ..]| name.as_str()).collect();
         if there != here {
             let (there, here) = (there.join(", "), here.join(", "));
             let why = format!("the saved run is of the components {there}; here are {here}");
-            return Err(SavedError::Content(why));
+            return Err(Error::new(why));
         }
         for (there, [_, model, guid]) in self.component.iter().zip(components) {
             if there.guid != *guid {
                 let ComponentRecord { name, model: saved, guid: other, .. } = there;
-                return Err(SavedError::Content(format!(
+                return Err(Error::new(format!(
                     "component {name:?}: the saved run is of {saved:?} with the GUID {other}; here is {model:?} with {guid}"
                 )));
             }
         }
         if self.algorithm != algorithm {
-            return Err(SavedError::Algorithm { there: self.algorithm.clone(), here: algorithm.to_owned() });
+            return Err(Error::Algorithm { there: self.algorithm.clone(), here: algorithm.to_owned() });
         }
         if self.wiring != wiring {
             let why = "the components are connected otherwise than in the saved run";
-            return Err(SavedError::Content(why.to_owned()));
+            return Err(Error::new(why.to_owned()));
         }
         Ok(())
     }
 
     /// As [`Saved::check`], of a system.
-    pub(crate) fn check_system(&self, system: &System) -> Result<(), SavedError> {
+    pub(crate) fn check_system(&self, system: &System) -> Result<()> {
         let of = |component: &Component| {
             let description = &component.fmu.description;
             [component.name.clone(), description.model_name.clone(), description.guid.clone()]

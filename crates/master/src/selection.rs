@@ -16,7 +16,7 @@ pub struct Selection {
 }
 
 /// What one call reads or sets.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Part {
     pub(crate) of: Native,
     pub(crate) references: Vec<u32>,
@@ -44,49 +44,42 @@ impl Selection {
     /// The FMU has no such value.
     pub(crate) fn new(interface: &Interface, addresses: &[Address]) -> Result<Selection> {
         let count = addresses.len();
-        if interface.fmi == Fmi::V2 {
-            let references = addresses.iter().map(|address| address.reference).collect();
-            let of = Native::Float64;
-            let part = Part { of, references, length: count, places: None, whole: true, arrays: false };
-            let parts = if count > 0 { vec![part] } else { Vec::new() };
-            return Ok(Selection { parts, count });
-        }
         let mut parts: Vec<Part> = Vec::new();
-        // Where the values of a variable begin, in which part.
-        let mut begins: HashMap<u32, (usize, usize)> = HashMap::new();
         let mut places: Vec<Vec<Place>> = Vec::new();
-        for (selected, address) in (0..).zip(addresses) {
-            let (at, begin) = match begins.get(&address.reference) {
-                Some(known) => *known,
+        // Where the values of an array begin, in which part.
+        let mut begins: HashMap<u32, (usize, usize)> = HashMap::new();
+        for (selected, &Address { reference, element }) in (0..).zip(addresses) {
+            let known = begins.get(&reference).copied();
+            let (at, begin) = match known {
+                Some(known) => known,
                 None => {
-                    let variable = interface.referenced(address.reference);
-                    let variable = variable.ok_or(Error::NoReference(address.reference))?;
-                    let at = parts.iter().position(|part| part.of == variable.native).unwrap_or_else(|| {
-                        let of = variable.native;
-                        let references = Vec::new();
-                        parts.push(Part {
-                            of,
-                            references,
-                            length: 0,
-                            places: None,
-                            whole: false,
-                            arrays: false,
-                        });
+                    // In FMI 2.0 several variables may have one reference, and each is a single value.
+                    let (of, values, array) = if interface.fmi == Fmi::V2 {
+                        (Native::Float64, 1, false)
+                    } else {
+                        let variable = interface.referenced(reference);
+                        let variable = variable.ok_or_else(|| no_reference(reference))?;
+                        (variable.native, variable.count(), variable.is_array())
+                    };
+                    let at = parts.iter().position(|part| part.of == of).unwrap_or_else(|| {
+                        parts.push(Part { of, ..Part::default() });
                         places.push(Vec::new());
                         parts.len() - 1
                     });
                     let part = &mut parts[at];
                     let begin = part.length;
-                    part.references.push(address.reference);
-                    part.length += variable.count();
-                    part.arrays |= variable.is_array();
-                    begins.insert(address.reference, (at, begin));
+                    part.references.push(reference);
+                    part.length += values;
+                    part.arrays |= array;
+                    if interface.fmi == Fmi::V3 {
+                        begins.insert(reference, (at, begin));
+                    }
                     (at, begin)
                 }
             };
-            let of_call = begin + address.element.unwrap_or(0) as usize;
+            let of_call = begin + element.unwrap_or(0) as usize;
             if of_call >= parts[at].length {
-                return Err(Error::NoReference(address.reference));
+                return Err(no_reference(reference));
             }
             places[at].push(Place { selected, of_call: of_call as u32 });
         }
@@ -161,4 +154,9 @@ impl Selection {
         }
         Ok(())
     }
+}
+
+fn no_reference(reference: u32) -> Error {
+    let what = "the FMU has no variable with the value reference";
+    Error::new(format!("{what} {reference}, or not so many values in it"))
 }

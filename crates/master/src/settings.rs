@@ -1,7 +1,7 @@
 //! What is run, and how.
 
 use crate::decider::PlanChoice;
-use crate::refusal::{PrepareError, Warning};
+use crate::prepare_error::{PrepareError, Warning};
 use crate::saved::Saved;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::trial::DriveChoice;

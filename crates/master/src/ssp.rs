@@ -5,7 +5,6 @@
 //! - [`connect`]: interfaces -> the structure that connects equal names
 //! - [`Archive`], [`write_archive`]: the `.ssp`
 //! - [`Allowance`]: how much an archive may unpack to
-//! - [`Error`]: what is wrong; a problem in an XML file names file, line, element, attribute and value
 //!
 //! Served of the standard: components that are FMUs for co-simulation, connections with unit conversion and
 //! linear transformation, parameter values (inline or `.ssv`), the default experiment; of SSP 2.0 arrays that are
@@ -16,19 +15,17 @@ mod allowance;
 mod archive;
 mod connect;
 mod document;
-mod error;
 mod interface;
 mod read;
 mod unit;
 mod write;
 
 pub use allowance::Allowance;
-pub use archive::{Archive, distinct, leads_outside, write_archive};
+pub use archive::{Archive, sound, write_archive};
 pub use connect::{Connected, Participant, connect};
 pub use document::{
     Component, Connection, Connector, Extent, Kind, Native, Parameter, ParameterSet, Port, STRUCTURE_FILE,
-    SystemStructure, Type, Value, located,
+    SystemStructure, Type, located,
 };
-pub use error::{Error, Result};
 pub use interface::{Address, CoSimulation, Dimension, Fmi, Interface, Single, Variable};
 pub use unit::{Affine, Unit, conversion};

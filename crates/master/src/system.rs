@@ -14,9 +14,8 @@ use crate::channel::{Exchange, Wire, channel_of, channels};
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::instance::Instance;
-use crate::refusal::Warning;
+use crate::prepare_error::Warning;
 use crate::ssp::{Single, Type};
-use crate::state::State;
 use lemons_core::trial::Trial;
 use lemons_sim::Algorithm;
 use std::collections::{BTreeMap, BTreeSet};
@@ -227,11 +226,11 @@ impl System {
         Ok(())
     }
 
-    /// The state of each component at the current communication point.
+    /// The state of each component at the current communication point, as bytes.
     ///
     /// # Errors
     /// A component refuses it.
-    pub fn states(&mut self) -> Result<Vec<State>> {
+    pub fn states(&mut self) -> Result<Vec<Vec<u8>>> {
         let mut states = Vec::with_capacity(self.components.len());
         self.each(|system, c| {
             states.push(system.components[c].instance.state()?);
@@ -248,7 +247,7 @@ impl System {
     pub fn restore(&mut self, time: f64, states: &[Vec<u8>]) -> Result<()> {
         if states.len() != self.components.len() {
             let (states, components) = (states.len(), self.components.len());
-            return Err(Error::Unusable(format!("{states} states for {components} components")));
+            return Err(Error::new(format!("{states} states for {components} components")));
         }
         self.each(|system, c| system.components[c].instance.restore(&states[c]))?;
         self.time = time;

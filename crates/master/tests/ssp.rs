@@ -11,36 +11,9 @@ use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
 /// As another tool might write it: other prefixes, system outputs, geometry, parameters in a file.
-const FOREIGN: &str = r#"<?xml version="1.0"?>
-<SystemStructureDescription xmlns="http://ssp-standard.org/SSP1/SystemStructureDescription"
-    xmlns:c="http://ssp-standard.org/SSP1/SystemStructureCommon" version="1.0" name="foreign">
-  <System name="root">
-    <Connectors><Connector name="seen" kind="output"><c:Real/></Connector><Connector name="told" kind="input"/></Connectors>
-    <ParameterBindings><ParameterBinding prefix="a." source="values.ssv"/></ParameterBindings>
-    <Elements>
-      <Component name="a" source="./resources/a%20b.fmu">
-        <Connectors><Connector name="y" kind="output"><c:Real unit="m"/><ConnectorGeometry x="1" y="0"/></Connector></Connectors>
-        <ElementGeometry x1="0" y1="0" x2="1" y2="1"/>
-      </Component>
-      <Component name="b" source="resources/b.fmu" implementation="any">
-        <Connectors><Connector name="u" kind="input"/><Connector name="p" kind="parameter"><c:Integer/></Connector></Connectors>
-      </Component>
-    </Elements>
-    <Connections>
-      <Connection startElement="b" startConnector="u" endElement="a" endConnector="y" suppressUnitConversion="1">
-        <c:LinearTransformation factor="-2"/><ConnectionGeometry pointsX="" pointsY=""/>
-      </Connection>
-      <Connection startElement="a" startConnector="y" endConnector="seen"/>
-    </Connections>
-  </System>
-  <Units><c:Unit name="m"><c:BaseUnit m="1"/></c:Unit></Units>
-  <DefaultExperiment startTime="1" stopTime="2.5"/>
-</SystemStructureDescription>
-"#;
+const FOREIGN: &str = include_str!("ssp_files/foreign.ssd");
 
-const VALUES: &str = r#"<ParameterSet xmlns="http://ssp-standard.org/SSP1/SystemStructureParameterValues" version="1.0" name="v">
-  <Parameters><Parameter name="k"><Real value="3" unit="m"/></Parameter></Parameters>
-</ParameterSet>"#;
+const VALUES: &str = include_str!("ssp_files/values.ssv");
 
 fn zip(path: &Path, files: &[(&str, &str)]) {
     let mut zip = ZipWriter::new(File::create(path).unwrap());
@@ -90,93 +63,35 @@ fn a_foreign_structure_is_read() {
     assert_eq!(first, again);
 }
 
+/// What is replaced in a file, by what, and what is said of it.
+fn mistakes(file: &str) -> Vec<(String, String, String)> {
+    let all = include_str!("ssp_files/mistakes.txt");
+    let (_, own) = all.split_once(&format!("[{file}]\n")).unwrap();
+    let own = own.split("\n\n[").next().unwrap();
+    let lines: Vec<String> =
+        own.lines().map(|line| line.get(2..).unwrap_or_default().replace("\\n", "\n")).collect();
+    let rows: Vec<_> = lines.chunks(3).map(|row| (row[0].clone(), row[1].clone(), row[2].clone())).collect();
+    assert!(rows.len() > 10, "{file}");
+    rows
+}
+
+#[test]
+fn hostile_descriptions_are_refused_by_element_attribute_and_value() {
+    let good = include_str!("ssp_files/modelDescription.xml");
+    for (from, to, words) in mistakes("modelDescription.xml") {
+        assert!(good.contains(&from), "{from}");
+        let read = Interface::read(good.replacen(&from, &to, 1).as_bytes());
+        let said = read.map_or_else(|error| error.to_string(), |_| "read".to_owned());
+        assert!(said.starts_with("modelDescription.xml:") && said.contains(&words), "{to}: {said}");
+    }
+}
+
 #[test]
 fn what_is_wrong_or_not_served_is_named() {
-    let table = [
-        (
-            r#"version="1.0" name"#,
-            r#"version="3.0" name"#,
-            r#":3: <SystemStructureDescription> version="3.0": only"#,
-        ),
-        (r#"<Component name="a""#, r#"<System name="a""#, "not well-formed"),
-        (r#"</System>"#, "", "not well-formed"),
-        (r#"<Elements>"#, r#"<Elements><System name="inner"/>"#, r#"<System> name="inner": is not served"#),
-        (
-            r#"<Elements>"#,
-            r#"<Elements><SignalDictionaryReference dictionary="d"/>"#,
-            "<SignalDictionaryReference>: is not served",
-        ),
-        (r#"<Component name="b""#, r#"<Component name="a""#, r#":12: <Component> name="a": two components"#),
-        (r#"<Component name="b""#, r#"<Component name="""#, r#"name="": must not be empty"#),
-        (r#" implementation="any""#, r#" implementation="ModelExchange""#, "only co-simulation is"),
-        (r#" implementation="any""#, r#" type="application/x-ssp-package""#, "only FMUs are"),
-        (
-            r#"name="p" kind="parameter""#,
-            r#"name="u" kind="input""#,
-            r#"<Connector> name="u": two connectors"#,
-        ),
-        (r#"name="p" kind="parameter""#, r#"name="p" kind="thing""#, r#"kind="thing": is not a kind"#),
-        ("<c:Integer/>", "<c:Float65/>", "<Float65>: is not a type of SSP"),
-        (
-            r#"startElement="b""#,
-            r#"startElement="z""#,
-            r#":17: <Connection> startElement="z": there is no such"#,
-        ),
-        (
-            r#"endConnector="y" suppress"#,
-            r#"endConnector="z" suppress"#,
-            r#"endConnector="z": component "a" has no such"#,
-        ),
-        (r#"startConnector="u""#, r#"startConnector="p""#, "only an output and an input are served"),
-        (r#"suppressUnitConversion="1""#, r#"suppressUnitConversion="maybe""#, "must be true or false"),
-        (r#"factor="-2""#, r#"factor="two""#, r#"<LinearTransformation> factor="two": must be a number"#),
-        (r#"factor="-2""#, r#"factor="1e999""#, "must be finite"),
-        (
-            "c:LinearTransformation factor=\"-2\"",
-            "c:BooleanMappingTransformation",
-            "<BooleanMappingTransformation>: is not",
-        ),
-        (
-            r#"startConnector="y" endConnector="seen""#,
-            r#"startConnector="y" endConnector="told""#,
-            r#"endConnector="told": connectors of the system"#,
-        ),
-        (
-            r#"startConnector="y" endConnector="seen""#,
-            r#"startConnector="y" endConnector="nothing""#,
-            r#"endConnector="nothing": the system has no such connector"#,
-        ),
-        (
-            r#"startConnector="y" endConnector="seen""#,
-            r#"startConnector="y" endElement="b" endConnector="u""#,
-            r#":20: <Connection>: feeds the input "u" of "b", which line 17 feeds already"#,
-        ),
-        (r#"source="values.ssv""#, r#"source="other.ssv""#, r#"source="other.ssv": there is no other.ssv"#),
-        (r#"source="values.ssv""#, r#"source="../values.ssv""#, "leads outside of the archive"),
-        (
-            r#"source="values.ssv""#,
-            r#"source="http://host/values.ssv""#,
-            "there is no http://host/values.ssv",
-        ),
-        (r#"prefix="a." "#, r#"sourceBase="component" "#, "only files of the archive are"),
-        (
-            r#"source="values.ssv"/>"#,
-            r#"source="values.ssv"><ParameterMapping source="m.ssm"/></ParameterBinding>"#,
-            "<ParameterMapping>: is not served",
-        ),
-        (r#"m="1""#, r#"m="one""#, r#"<BaseUnit> m="one": must be a whole number"#),
-        (r#"m="1""#, r#"m="1" factor="0""#, r#"factor="0": must not be zero"#),
-        (r#"stopTime="2.5""#, r#"stopTime="NaN""#, r#"stopTime="NaN": must be finite"#),
-        (
-            r#"<?xml version="1.0"?>"#,
-            r#"<!DOCTYPE x [<!ENTITY e "boom">]>"#,
-            "SystemStructure.ssd:1: <!DOCTYPE>: document types are not allowed",
-        ),
-    ];
-    for (from, to, words) in table {
-        assert!(FOREIGN.contains(from), "{from}");
-        let said = read(&FOREIGN.replacen(from, to, 1)).expect_err(to);
-        assert!(said.contains(words) && said.contains("SystemStructure.ssd"), "{to}: {said}");
+    for (from, to, words) in mistakes("foreign.ssd") {
+        assert!(FOREIGN.contains(&from), "{from}");
+        let said = read(&FOREIGN.replacen(&from, &to, 1)).expect_err(&to);
+        assert!(said.contains(&words) && said.contains("SystemStructure.ssd"), "{to}: {said}");
         assert!(said.lines().count() == 1, "{said}");
     }
     let broken = read(&FOREIGN.replace("values.ssv", "SystemStructure.ssd")).unwrap_err();

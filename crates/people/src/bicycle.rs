@@ -2,12 +2,8 @@
 //! arbitrary shapes"). They can be placed and written to files. The mechanics does not simulate them; neither does the
 //! paper's.
 
-use crate::normal::{TruncatedNormal, TruncatedNormalError};
-use crate::random::uniform;
-use lemons_core::plane::Disk;
-use lemons_core::plane::vec2;
-use rand_chacha::rand_core::Rng;
-use thiserror::Error;
+use crate::normal::TruncatedNormal;
+use lemons_core::plane::{Disk, vec2};
 
 /// A bicycle and its rider: two rectangles with the same centre. Lengths are along the gaze (direction of travel).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,18 +23,19 @@ pub struct Bicycle {
 /// Largest number of cells along a rectangle in [`Bicycle::covering_disks`].
 const MOST_CELLS: f64 = 64.0;
 
-/// The names of a bicycle's measures, in the order of [`Bicycle::measures`].
-pub const BICYCLE_MEASURES: [&str; 5] = ["wheel width", "length", "handlebar", "top tube", "mass"];
+/// Names and units of a bicycle's measures, in the order of [`Bicycle::measures`].
+pub const BICYCLE_MEASURES: [(&str, &str); 5] =
+    [("wheel width", "m"), ("length", "m"), ("handlebar", "m"), ("top tube", "m"), ("mass", "kg")];
 
-/// A measure of a bicycle that is not positive and finite, or whose statistics are impossible.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[allow(missing_docs)] // the messages say it
-pub enum BicycleError {
-    #[error("{measure} = {value}: must be positive and finite")]
-    NotPositive { measure: &'static str, value: f64 },
-    #[error("bicycle's {measure}: {error}")]
-    Statistics { measure: &'static str, error: TruncatedNormalError },
-}
+/// The paper's distributions of the measures of bicycles. They are independent, because no survey gives their
+/// correlations.
+pub const PAPER_BICYCLES: [TruncatedNormal; 5] = [
+    TruncatedNormal { mean: 0.06, sd: 0.005, min: 0.02, max: 0.2 },
+    TruncatedNormal { mean: 1.42, sd: 0.05, min: 1.0, max: 2.0 },
+    TruncatedNormal { mean: 0.45, sd: 0.05, min: 0.3, max: 0.9 },
+    TruncatedNormal { mean: 0.61, sd: 0.05, min: 0.4, max: 0.9 },
+    TruncatedNormal { mean: 30.0, sd: 5.0, min: 10.0, max: 100.0 },
+];
 
 impl Bicycle {
     /// The paper's template: 11.137 × 142 cm and 59.863 × 68.912 cm.
@@ -50,17 +47,9 @@ impl Bicycle {
         [self.wheel_width, self.length, self.handlebar, self.top_tube, self.mass]
     }
 
-    /// Checks that it has an area and a mass.
-    ///
-    /// # Errors
-    /// A measure is not positive and finite.
-    pub fn check(&self) -> Result<(), BicycleError> {
-        for (measure, value) in BICYCLE_MEASURES.into_iter().zip(self.measures()) {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(BicycleError::NotPositive { measure, value });
-            }
-        }
-        Ok(())
+    /// Makes a bicycle from measures in the order of [`BICYCLE_MEASURES`].
+    pub fn from_measures([wheel_width, length, handlebar, top_tube, mass]: [f64; 5]) -> Bicycle {
+        Bicycle { wheel_width, length, handlebar, top_tube, mass }
     }
 
     /// Returns length and breadth \[m\] of the bicycle's rectangle, then of the rider's. Both are centred on the centre
@@ -108,70 +97,15 @@ impl Bicycle {
     }
 }
 
-/// Distributions of the measures of bicycles. They are independent, because no survey gives their correlations.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BicycleStatistics {
-    /// \[m\] width across the wheels.
-    pub wheel_width: TruncatedNormal,
-    /// \[m\] length over both wheels.
-    pub length: TruncatedNormal,
-    /// \[m\] width across the handlebar.
-    pub handlebar: TruncatedNormal,
-    /// \[m\] length of the top tube.
-    pub top_tube: TruncatedNormal,
-    /// \[kg\] mass of bicycle and rider.
-    pub mass: TruncatedNormal,
-}
-
-impl Default for BicycleStatistics {
-    /// The paper's defaults.
-    fn default() -> BicycleStatistics {
-        let normal = |mean, sd, min, max| TruncatedNormal { mean, sd, min, max };
-        BicycleStatistics {
-            wheel_width: normal(0.06, 0.005, 0.02, 0.2),
-            length: normal(1.42, 0.05, 1.0, 2.0),
-            handlebar: normal(0.45, 0.05, 0.3, 0.9),
-            top_tube: normal(0.61, 0.05, 0.4, 0.9),
-            mass: normal(30.0, 5.0, 10.0, 100.0),
-        }
-    }
-}
-
-impl BicycleStatistics {
-    fn all(&self) -> [TruncatedNormal; 5] {
-        [self.wheel_width, self.length, self.handlebar, self.top_tube, self.mass]
-    }
-
-    /// Checks that bicycles can be drawn.
-    ///
-    /// # Errors
-    /// The first measure whose distribution is impossible.
-    pub fn check(&self) -> Result<(), BicycleError> {
-        for (measure, normal) in BICYCLE_MEASURES.into_iter().zip(self.all()) {
-            normal.check().map_err(|error| BicycleError::Statistics { measure, error })?;
-        }
-        Ok(())
-    }
-
-    /// Draws one bicycle. The statistics must have passed [`check`](BicycleStatistics::check).
-    pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R) -> Bicycle {
-        let [wheel_width, length, handlebar, top_tube, mass] =
-            self.all().map(|normal| normal.quantile(uniform(rng)));
-        Bicycle { wheel_width, length, handlebar, top_tube, mass }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::generator;
 
     #[test]
     fn area_and_inertia_are_those_of_a_fine_grid() {
         let around = Bicycle { wheel_width: 0.8, ..Bicycle::TEMPLATE };
         let inside = Bicycle { handlebar: 0.1, top_tube: 0.5, ..Bicycle::TEMPLATE };
         for bicycle in [Bicycle::TEMPLATE, around, inside] {
-            bicycle.check().unwrap();
             let cell = 1e-3;
             let (mut area, mut polar) = (0.0, 0.0);
             for i in -800..800 {
@@ -212,35 +146,5 @@ mod tests {
             assert!(ahead < 0.5 * bicycle.length + 0.03, "{ahead}");
             assert!(aside < 0.5 * bicycle.handlebar + 0.04, "{aside}");
         }
-    }
-
-    #[test]
-    fn drawn_bicycles_follow_the_statistics() {
-        let statistics = BicycleStatistics::default();
-        statistics.check().unwrap();
-        let rng = &mut generator(3);
-        let drawn: Vec<[f64; 5]> = (0..40_000).map(|_| statistics.draw(rng).measures()).collect();
-        for (place, normal) in statistics.all().into_iter().enumerate() {
-            let values = drawn.iter().map(|measures| measures[place]);
-            let mean = values.clone().sum::<f64>() / drawn.len() as f64;
-            let sd = (values.map(|x| (x - mean).powi(2)).sum::<f64>() / drawn.len() as f64).sqrt();
-            // The bounds are three standard deviations away or more: 1 % of the deviation at most.
-            assert!(
-                (mean / normal.mean - 1.0).abs() < 0.005 && (sd / normal.sd - 1.0).abs() < 0.02,
-                "{place}"
-            );
-        }
-    }
-
-    #[test]
-    fn bad_statistics_are_named() {
-        let mut statistics = BicycleStatistics::default();
-        statistics.top_tube.sd = -1.0;
-        assert_eq!(
-            statistics.check().unwrap_err().to_string(),
-            "bicycle's top tube: the standard deviation = -1: must be positive"
-        );
-        let wrong = Bicycle { mass: 0.0, ..Bicycle::TEMPLATE };
-        assert_eq!(wrong.check().unwrap_err().to_string(), "mass = 0: must be positive and finite");
     }
 }

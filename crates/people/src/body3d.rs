@@ -25,14 +25,14 @@ mod template;
 pub use export::{write_geojson, write_obj, write_stl, write_wkt};
 pub use landmarks::TORSO_ALTITUDE;
 pub use mesh::{Mesh, MeshPart};
-pub use sections::{CrowdSection, Placed, section};
+pub use sections::{CrowdSection, section};
 pub use slices::Polygon;
 
-use crate::person::Person;
+use crate::error::{Result, require};
+use crate::person::{Measure, Person};
 use lemons_core::plane::Vec2;
 use skin::Ring;
 use slices::volume;
-use std::fmt;
 use template::{Skins, Template, other_side};
 
 /// \[kg/m³\] Density of a body with air in its lungs. The volume of a body is mass / density.
@@ -71,47 +71,9 @@ impl Part {
     }
 }
 
-impl fmt::Display for Part {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-/// Why a body cannot be made.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum BodyError {
-    /// A measure that no person has.
-    #[error("{measure} = {value} {unit}: must be from {least} to {most} {unit} for a body")]
-    Measure {
-        /// Name of the measure.
-        measure: &'static str,
-        /// Its value.
-        value: f64,
-        /// Its unit.
-        unit: &'static str,
-        /// The smallest possible value.
-        least: f64,
-        /// The largest possible value.
-        most: f64,
-    },
-    /// A chest that is deeper than the shoulders are broad.
-    #[error("chest depth = {depth} m: must not exceed the bideltoid breadth, {breadth} m")]
-    DeeperThanBroad {
-        /// \[m\] chest depth.
-        depth: f64,
-        /// \[m\] bideltoid breadth.
-        breadth: f64,
-    },
-}
-
-/// \[m, m, m, kg\] Name, unit, smallest and largest value of the measures of a body. The ranges are wider than those of
-/// any custom statistics of the paper.
-const LIMITS: [(&str, &str, f64, f64); 4] = [
-    ("bideltoid breadth", "m", 0.25, 0.8),
-    ("chest depth", "m", 0.1, 0.5),
-    ("stature", "m", 1.0, 2.5),
-    ("mass", "kg", 20.0, 250.0),
-];
+/// \[m, m, m, kg\] Smallest and largest measures of a body, in the order of [`Measure::ALL`]. The ranges are wider than
+/// those of any custom statistics of the paper.
+const LIMITS: [(f64, f64); 4] = [(0.25, 0.8), (0.1, 0.5), (1.0, 2.5), (20.0, 250.0)];
 
 /// A person's body, standing upright with hanging arms.
 ///
@@ -162,7 +124,7 @@ impl Body3d {
     ///
     /// # Errors
     /// A measure is not a number, or no person has it, or the depth exceeds the breadth.
-    pub fn of(person: &Person) -> Result<Body3d, BodyError> {
+    pub fn of(person: &Person) -> Result<Body3d> {
         Body3d::possible(person)?;
         let (mut skins, girth_factor) = fit(&Template::of(person), person.mass / BODY_DENSITY);
         skins.lean_arm();
@@ -177,17 +139,16 @@ impl Body3d {
     ///
     /// # Errors
     /// Those of [`Body3d::of`].
-    pub fn possible(person: &Person) -> Result<(), BodyError> {
-        let given = [person.breadth, person.depth, person.stature, person.mass];
-        for (value, (measure, unit, least, most)) in given.into_iter().zip(LIMITS) {
-            if !(least..=most).contains(&value) {
-                return Err(BodyError::Measure { measure, value, unit, least, most });
-            }
+    pub fn possible(person: &Person) -> Result<()> {
+        let given = Measure::ALL.into_iter().zip(person.measures());
+        for ((measure, value), (least, most)) in given.zip(LIMITS) {
+            let (name, unit) = (measure.name(), measure.unit());
+            require((least..=most).contains(&value), || {
+                format!("{name} = {value} {unit}: must be from {least} to {most} {unit} for a body")
+            })?;
         }
-        if person.depth > person.breadth {
-            return Err(BodyError::DeeperThanBroad { depth: person.depth, breadth: person.breadth });
-        }
-        Ok(())
+        // What is left is the depth, which must not exceed the breadth.
+        person.check()
     }
 
     /// Moves the body so that the centroid of the section at the torso's altitude is on the axis.

@@ -20,30 +20,26 @@
 //! Where the file gives no value, the paper's default is used. The default of `spearman`, the rank correlations in the
 //! order breadth, depth, stature, mass, is that of ANSUR II.
 
-use crate::bicycle::BicycleStatistics;
+use crate::bicycle::PAPER_BICYCLES;
 use crate::copula::Correlations;
+use crate::error::{PeopleError, Result};
 use crate::normal::TruncatedNormal;
-use crate::population::{CustomMeasures, CustomStatistics};
+use crate::person::Sex;
+use crate::population::CustomMeasures;
 use serde::Deserialize;
-use thiserror::Error;
 
 /// Custom statistics of people and bicycles, and the proportions of both.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Custom {
-    /// Statistics of people.
-    pub people: CustomStatistics,
-    /// Statistics of bicycles.
-    pub bicycles: BicycleStatistics,
+    /// Statistics of people, in the order of [`Sex::ALL`].
+    pub people: [CustomMeasures; 2],
+    /// Distributions of the measures of bicycles.
+    pub bicycles: [TruncatedNormal; 5],
     /// Fraction of the pedestrians that are men, if the file gives it.
     pub men: Option<f64>,
     /// Fraction of the agents that are pedestrians, if the file gives it.
     pub pedestrians: Option<f64>,
 }
-
-/// A text that is not TOML, has unknown keys, or values of the wrong type; with line and column.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error("{0}")]
-pub struct CustomError(String);
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields, default)]
@@ -85,36 +81,17 @@ struct Wanted {
     max: Option<f64>,
 }
 
-/// Centimetres in a metre; kilograms in a kilogram.
-const CM: f64 = 100.0;
-const KG: f64 = 1.0;
-
-impl Wanted {
-    /// Replaces the given values of the default; `units` is the number of file units in an SI unit.
-    fn over(&self, default: &mut TruncatedNormal, units: f64) {
-        let fields = [
-            (self.mean, &mut default.mean),
-            (self.sd, &mut default.sd),
-            (self.min, &mut default.min),
-            (self.max, &mut default.max),
-        ];
-        for (said, field) in fields {
-            if let Some(said) = said {
-                *field = said / units;
-            }
-        }
-    }
-}
-
-impl People {
-    fn over(&self, default: &mut CustomMeasures) {
-        self.breadth.over(&mut default.breadth, CM);
-        self.depth.over(&mut default.depth, CM);
-        self.stature.over(&mut default.stature, CM);
-        self.mass.over(&mut default.mass, KG);
-        if let Some(spearman) = self.spearman {
-            default.spearman = spearman;
-        }
+/// Replaces the given values of the defaults. Lengths are in cm; the last measure is the mass, in kg.
+fn replace<const N: usize>(defaults: &mut [TruncatedNormal; N], wanted: [Wanted; N]) {
+    for (k, (normal, wanted)) in defaults.iter_mut().zip(wanted).enumerate() {
+        let units = if k + 1 == N { 1.0 } else { 100.0 };
+        let or = |wanted: Option<f64>, default: f64| wanted.map_or(default, |value| value / units);
+        *normal = TruncatedNormal {
+            mean: or(wanted.mean, normal.mean),
+            sd: or(wanted.sd, normal.sd),
+            min: or(wanted.min, normal.min),
+            max: or(wanted.max, normal.max),
+        };
     }
 }
 
@@ -122,19 +99,20 @@ impl Custom {
     /// Reads the text of a file. [`Population::new`](crate::Population::new) checks that people can be drawn.
     ///
     /// # Errors
-    /// The text is not valid; see [`CustomError`].
-    pub fn from_toml(text: &str) -> Result<Custom, CustomError> {
-        let file: File = toml::from_str(text).map_err(|error| CustomError(error.to_string()))?;
-        let mut custom = Custom { men: file.men, pedestrians: file.pedestrians, ..Custom::default() };
-        file.male.over(&mut custom.people.men);
-        file.female.over(&mut custom.people.women);
-        let (said, bicycles) = (&file.bicycle, &mut custom.bicycles);
-        said.wheel_width.over(&mut bicycles.wheel_width, CM);
-        said.length.over(&mut bicycles.length, CM);
-        said.handlebar.over(&mut bicycles.handlebar, CM);
-        said.top_tube.over(&mut bicycles.top_tube, CM);
-        said.mass.over(&mut bicycles.mass, KG);
-        Ok(custom)
+    /// The text is not TOML, has unknown keys, or values of the wrong type; with line and column.
+    pub fn from_toml(text: &str) -> Result<Custom> {
+        let File { men, pedestrians, male, female, bicycle } =
+            toml::from_str(text).map_err(|error| PeopleError::new(error.to_string()))?;
+        let mut people = Sex::ALL.map(CustomMeasures::paper);
+        for (custom, wanted) in people.iter_mut().zip([male, female]) {
+            let People { breadth, depth, stature, mass, spearman } = wanted;
+            replace(&mut custom.measures, [breadth, depth, stature, mass]);
+            custom.spearman = spearman.unwrap_or(custom.spearman);
+        }
+        let mut bicycles = PAPER_BICYCLES;
+        let Bicycles { wheel_width, length, handlebar, top_tube, mass } = bicycle;
+        replace(&mut bicycles, [wheel_width, length, handlebar, top_tube, mass]);
+        Ok(Custom { people, bicycles, men, pedestrians })
     }
 }
 
@@ -145,13 +123,14 @@ mod tests {
 
     #[test]
     fn what_is_not_said_is_the_default() {
-        assert_eq!(Custom::from_toml("").unwrap(), Custom::default());
+        let defaults = Custom::from_toml("").unwrap();
+        assert_eq!(defaults.people, Sex::ALL.map(CustomMeasures::paper));
         let text = "men = 0.25\n[female]\nbreadth = { mean = 40 }\nmass.max = 99\n[bicycle]\nlength.sd = 7";
         let custom = Custom::from_toml(text).unwrap();
-        let mut wanted = Custom { men: Some(0.25), ..Custom::default() };
-        wanted.people.women.breadth.mean = 0.4;
-        wanted.people.women.mass.max = 99.0;
-        wanted.bicycles.length.sd = 0.07;
+        let mut wanted = Custom { men: Some(0.25), ..defaults };
+        wanted.people[1].measures[0].mean = 0.4;
+        wanted.people[1].measures[3].max = 99.0;
+        wanted.bicycles[1].sd = 0.07;
         assert_eq!(custom, wanted);
     }
 
@@ -163,22 +142,17 @@ mod tests {
         let text: Vec<&str> = lines.take_while(|line| *line != "```").collect();
         assert!(text.len() > 10);
         let mut custom = Custom::from_toml(&text.join("\n")).unwrap();
-        let spearman = custom.people.men.spearman;
+        let spearman = custom.people[0].spearman;
         assert_eq!((spearman[0][1], custom.men, custom.pedestrians), (0.7, Some(0.5), Some(1.0)));
-        custom.people.men.spearman = CustomStatistics::default().men.spearman;
-        assert_eq!(custom.people, CustomStatistics::default());
-        assert_eq!(custom.bicycles, BicycleStatistics::default());
+        custom.people[0].spearman = CustomMeasures::paper(Sex::Male).spearman;
+        assert_eq!((custom.people, custom.bicycles), (Sex::ALL.map(CustomMeasures::paper), PAPER_BICYCLES));
     }
 
     #[test]
     fn mistakes_are_named() {
         let said = |text: &str| Custom::from_toml(text).unwrap_err().to_string();
-        assert!(
-            said("[male]\nheight.mean = 1").contains("unknown field `height`"),
-            "{}",
-            said("[male]\nheight.mean = 1")
-        );
-        assert!(said("[male]\nmass.mean = 'heavy'").contains("line 2"), "");
+        assert!(said("[male]\nheight.mean = 1").contains("unknown field `height`"));
+        assert!(said("[male]\nmass.mean = 'heavy'").contains("line 2"));
         let custom = Custom::from_toml("[male]\nmass.sd = -3").unwrap();
         let population = Population::new(Source::Custom(Box::new(custom.people)), Proportions::default());
         assert_eq!(

@@ -9,7 +9,7 @@ mod body3d;
 mod copula;
 mod custom;
 mod doors;
-mod leaving;
+mod error;
 mod light_xml;
 mod normal;
 mod person;
@@ -23,30 +23,24 @@ mod table;
 mod trial;
 
 pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
-pub use bicycle::{BICYCLE_MEASURES, Bicycle, BicycleError, BicycleStatistics};
+pub use bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES};
 pub use body3d::{
-    BODY_DENSITY, Body3d, BodyError, CrowdSection, GIRTH_FACTORS, Mesh, MeshPart, Part, Placed, Polygon,
-    TORSO_ALTITUDE, section, write_geojson, write_obj, write_stl, write_wkt,
+    BODY_DENSITY, Body3d, CrowdSection, GIRTH_FACTORS, Mesh, MeshPart, Part, Polygon, TORSO_ALTITUDE,
+    section, write_geojson, write_obj, write_stl, write_wkt,
 };
-pub use copula::{Correlations, CorrelationsError};
-pub use custom::{Custom, CustomError};
-pub use doors::{Door, DoorError, nearest_wall, with_doors};
-pub use leaving::{closed_walls, cut_doors};
-pub use lemons_core::plane::{Disk, Moments, union};
-pub use light_xml::{
-    Along, LightAgent, LightDisk, LightError, LightRectangle, LightSettings, LightShapes, light_xml,
-    read_light_xml,
-};
-pub use normal::{TruncatedNormal, TruncatedNormalError};
-pub use person::{Measure, Person, PersonError, Sex};
-pub use population::{
-    Agent, CustomMeasures, CustomStatistics, Population, PopulationError, Proportions, Source,
-};
-pub use random::{Generator, generator};
-pub use shape::{Shape, ShapeError};
-pub use survey::{Survey, SurveyError};
-pub use table::{CrowdStatistics, Kind, KindStatistics, Summary, crowd_csv};
+pub use copula::Correlations;
+pub use custom::Custom;
+pub use doors::{Door, closed_walls, cut_doors, nearest_wall};
+pub use error::PeopleError;
+pub use lemons_core::plane::{Disk, Moments};
+pub use light_xml::light_xml;
+pub use normal::TruncatedNormal;
+pub use person::{Measure, Person, Sex};
+pub use population::{Agent, CustomMeasures, Population, Proportions, Source};
+pub use shape::Shape;
+pub use survey::Survey;
+pub use table::{CrowdStatistics, KindStatistics, Summary, crowd_csv};
 pub use trial::{
-    Overwrite, TRIAL_FILES, TrialError, TrialSettings, crowd_trial, heading, may_write, paper_materials,
-    walls, write_trial, write_trial_with, write_trial_zip, zip_trial,
+    Overwrite, TRIAL_FILES, TrialSettings, crowd_trial, heading, may_write, paper_materials, walls,
+    write_trial, write_trial_zip, zip_trial,
 };

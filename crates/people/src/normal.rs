@@ -1,11 +1,13 @@
 //! The normal distribution. Results are the same bits on every machine because it uses `libm`, never the platform's
 //! library.
 
-use thiserror::Error;
+use crate::error::{Result, require};
 
-/// Horner's rule; the constant coefficient is the last one.
-fn polynomial(coefficients: &[f64], x: f64) -> f64 {
-    coefficients.iter().fold(0.0, |sum, coefficient| sum * x + coefficient)
+/// The ratio of two polynomials, by Horner's rule; the constant coefficients are the last ones.
+fn ratio(coefficients: [[f64; 2]; 8], x: f64) -> f64 {
+    let [above, below] =
+        coefficients.iter().fold([0.0; 2], |sum, pair| [sum[0] * x + pair[0], sum[1] * x + pair[1]]);
+    above / below
 }
 
 /// Returns the probability that a standard normal variable is below `z`.
@@ -16,73 +18,36 @@ pub(crate) fn cumulative(z: f64) -> f64 {
 /// Inverse of [`cumulative`], relative error about 1e-16: Wichura's algorithm AS 241 (Applied Statistics 37, 1988).
 #[allow(clippy::excessive_precision)] // the digits as published
 pub(crate) fn inverse(p: f64) -> f64 {
-    const CENTRE: [&[f64]; 2] = [
-        &[
-            2.509_080_928_730_122_672_7e3,
-            3.343_057_558_358_812_810_5e4,
-            6.726_577_092_700_870_085_3e4,
-            4.592_195_393_154_987_145_7e4,
-            1.373_169_376_550_946_112_5e4,
-            1.971_590_950_306_551_442_7e3,
-            1.331_416_678_917_843_774_5e2,
-            3.387_132_872_796_366_608,
-        ],
-        &[
-            5.226_495_278_852_854_561e3,
-            2.872_908_573_572_194_267_4e4,
-            3.930_789_580_009_271_061e4,
-            2.121_379_430_158_659_586_7e4,
-            5.394_196_021_424_751_107_7e3,
-            6.871_870_074_920_579_083e2,
-            4.231_333_070_160_091_125_2e1,
-            1.0,
-        ],
+    const CENTRE: [[f64; 2]; 8] = [
+        [2.509_080_928_730_122_672_7e3, 5.226_495_278_852_854_561e3],
+        [3.343_057_558_358_812_810_5e4, 2.872_908_573_572_194_267_4e4],
+        [6.726_577_092_700_870_085_3e4, 3.930_789_580_009_271_061e4],
+        [4.592_195_393_154_987_145_7e4, 2.121_379_430_158_659_586_7e4],
+        [1.373_169_376_550_946_112_5e4, 5.394_196_021_424_751_107_7e3],
+        [1.971_590_950_306_551_442_7e3, 6.871_870_074_920_579_083e2],
+        [1.331_416_678_917_843_774_5e2, 4.231_333_070_160_091_125_2e1],
+        [3.387_132_872_796_366_608, 1.0],
     ];
-    const SIDE: [&[f64]; 2] = [
-        &[
-            7.745_450_142_783_414_076_4e-4,
-            2.272_384_498_926_918_458_33e-2,
-            2.417_807_251_774_506_117_7e-1,
-            1.270_458_252_452_368_382_58,
-            3.647_848_324_763_204_605_04,
-            5.769_497_221_460_691_405_5,
-            4.630_337_846_156_545_295_9,
-            1.423_437_110_749_683_577_34,
-        ],
-        &[
-            1.050_750_071_644_416_843_24e-9,
-            5.475_938_084_995_344_946e-4,
-            1.519_866_656_361_645_719_66e-2,
-            1.481_039_764_274_800_745_9e-1,
-            6.897_673_349_851_000_045_5e-1,
-            1.676_384_830_183_803_849_4,
-            2.053_191_626_637_758_821_87,
-            1.0,
-        ],
+    const SIDE: [[f64; 2]; 8] = [
+        [7.745_450_142_783_414_076_4e-4, 1.050_750_071_644_416_843_24e-9],
+        [2.272_384_498_926_918_458_33e-2, 5.475_938_084_995_344_946e-4],
+        [2.417_807_251_774_506_117_7e-1, 1.519_866_656_361_645_719_66e-2],
+        [1.270_458_252_452_368_382_58, 1.481_039_764_274_800_745_9e-1],
+        [3.647_848_324_763_204_605_04, 6.897_673_349_851_000_045_5e-1],
+        [5.769_497_221_460_691_405_5, 1.676_384_830_183_803_849_4],
+        [4.630_337_846_156_545_295_9, 2.053_191_626_637_758_821_87],
+        [1.423_437_110_749_683_577_34, 1.0],
     ];
-    const TAIL: [&[f64]; 2] = [
-        &[
-            2.010_334_399_292_288_132_65e-7,
-            2.711_555_568_743_487_578_15e-5,
-            1.242_660_947_388_078_438_6e-3,
-            2.653_218_952_657_612_309_3e-2,
-            2.965_605_718_285_048_912_3e-1,
-            1.784_826_539_917_291_335_8,
-            5.463_784_911_164_114_369_9,
-            6.657_904_643_501_103_777_2,
-        ],
-        &[
-            2.044_263_103_389_939_785_64e-15,
-            1.421_511_758_316_445_888_7e-7,
-            1.846_318_317_510_054_681_8e-5,
-            7.868_691_311_456_132_591e-4,
-            1.487_536_129_085_061_485_25e-2,
-            1.369_298_809_227_358_053_1e-1,
-            5.998_322_065_558_879_376_9e-1,
-            1.0,
-        ],
+    const TAIL: [[f64; 2]; 8] = [
+        [2.010_334_399_292_288_132_65e-7, 2.044_263_103_389_939_785_64e-15],
+        [2.711_555_568_743_487_578_15e-5, 1.421_511_758_316_445_888_7e-7],
+        [1.242_660_947_388_078_438_6e-3, 1.846_318_317_510_054_681_8e-5],
+        [2.653_218_952_657_612_309_3e-2, 7.868_691_311_456_132_591e-4],
+        [2.965_605_718_285_048_912_3e-1, 1.487_536_129_085_061_485_25e-2],
+        [1.784_826_539_917_291_335_8, 1.369_298_809_227_358_053_1e-1],
+        [5.463_784_911_164_114_369_9, 5.998_322_065_558_879_376_9e-1],
+        [6.657_904_643_501_103_777_2, 1.0],
     ];
-    let ratio = |[above, below]: [&[f64]; 2], x: f64| polynomial(above, x) / polynomial(below, x);
     if p <= 0.0 || p >= 1.0 {
         return if p <= 0.0 { f64::NEG_INFINITY } else { f64::INFINITY };
     }
@@ -108,24 +73,6 @@ pub struct TruncatedNormal {
     pub max: f64,
 }
 
-/// Why it is impossible to draw from a [`TruncatedNormal`].
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[allow(missing_docs)] // the messages say it
-pub enum TruncatedNormalError {
-    #[error("{field} = {value}: must be a finite number")]
-    NotFinite { field: &'static str, value: f64 },
-    #[error("the standard deviation = {0}: must be positive")]
-    Deviation(f64),
-    #[error("min = {0}: must be positive")]
-    Minimum(f64),
-    #[error("min = {min}, max = {max}: min must be below max")]
-    Empty { min: f64, max: f64 },
-    #[error(
-        "min = {min}, max = {max}: more than {FARTHEST} standard deviations ({sd}) away from the mean {mean}"
-    )]
-    OutOfReach { mean: f64, sd: f64, min: f64, max: f64 },
-}
-
 /// \[standard deviations\] Bounds further from the mean than this are taken for a mistake: less than one in 10⁹ of the
 /// untruncated distribution is there.
 const FARTHEST: f64 = 6.0;
@@ -136,26 +83,19 @@ impl TruncatedNormal {
     /// # Errors
     /// A number is not finite; the deviation or the minimum is not positive; min ≥ max; the bounds are too far from the
     /// mean.
-    pub fn check(&self) -> Result<(), TruncatedNormalError> {
+    pub fn check(&self) -> Result<()> {
         let &TruncatedNormal { mean, sd, min, max } = self;
         for (field, value) in [("mean", mean), ("standard deviation", sd), ("min", min), ("max", max)] {
-            if !value.is_finite() {
-                return Err(TruncatedNormalError::NotFinite { field, value });
-            }
+            require(value.is_finite(), || format!("{field} = {value}: must be a finite number"))?;
         }
-        if sd <= 0.0 {
-            return Err(TruncatedNormalError::Deviation(sd));
-        }
-        if min <= 0.0 {
-            return Err(TruncatedNormalError::Minimum(min));
-        }
-        if min >= max {
-            return Err(TruncatedNormalError::Empty { min, max });
-        }
-        if min > mean + FARTHEST * sd || max < mean - FARTHEST * sd {
-            return Err(TruncatedNormalError::OutOfReach { mean, sd, min, max });
-        }
-        Ok(())
+        require(sd > 0.0, || format!("the standard deviation = {sd}: must be positive"))?;
+        require(min > 0.0, || format!("min = {min}: must be positive"))?;
+        require(min < max, || format!("min = {min}, max = {max}: min must be below max"))?;
+        require(min <= mean + FARTHEST * sd && max >= mean - FARTHEST * sd, || {
+            format!(
+                "min = {min}, max = {max}: more than {FARTHEST} standard deviations ({sd}) away from the mean {mean}"
+            )
+        })
     }
 
     /// Returns the value below which the fraction `rank` (0…1) of the distribution lies, by exact inversion.

@@ -1,9 +1,10 @@
 //! A person, described by four measures.
 
-use lemons_core::plane::Vec2;
+use crate::error::{Result, require};
+use crate::shape::bounds;
+use lemons_core::plane::Disk;
 use lemons_core::trial::Agent;
 use serde::Deserialize;
-use thiserror::Error;
 
 /// Sex, which selects the statistics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize)]
@@ -45,30 +46,30 @@ impl Measure {
     /// All measures, in the order of all tables and matrices here.
     pub const ALL: [Measure; 4] = [Measure::Breadth, Measure::Depth, Measure::Stature, Measure::Mass];
 
+    /// Name, unit and range.
+    fn about(self) -> (&'static str, &'static str, [f64; 2]) {
+        match self {
+            Measure::Breadth => ("bideltoid breadth", "m", [0.1, 2.0]),
+            Measure::Depth => ("chest depth", "m", [0.05, 2.0]),
+            Measure::Stature => ("stature", "m", [0.3, 3.0]),
+            Measure::Mass => ("mass", "kg", [1.0, 500.0]),
+        }
+    }
+
     /// Returns the name in words.
     pub fn name(self) -> &'static str {
-        match self {
-            Measure::Breadth => "bideltoid breadth",
-            Measure::Depth => "chest depth",
-            Measure::Stature => "stature",
-            Measure::Mass => "mass",
-        }
+        self.about().0
+    }
+
+    /// Returns "m" or "kg".
+    pub fn unit(self) -> &'static str {
+        self.about().1
     }
 
     /// Returns the range \[m\] or \[kg\] of human measures, from children to giants. A number outside is probably in
     /// another unit.
     pub fn possible(self) -> [f64; 2] {
-        match self {
-            Measure::Breadth => [0.1, 2.0],
-            Measure::Depth => [0.05, 2.0],
-            Measure::Stature => [0.3, 3.0],
-            Measure::Mass => [1.0, 500.0],
-        }
-    }
-
-    /// Returns "m" or "kg".
-    pub fn unit(self) -> &'static str {
-        if self == Measure::Mass { "kg" } else { "m" }
+        self.about().2
     }
 }
 
@@ -87,16 +88,6 @@ pub struct Person {
     pub mass: f64,
 }
 
-/// Measures that no person has.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[allow(missing_docs)] // the messages say it
-pub enum PersonError {
-    #[error("{} = {value} {}: must be positive and finite", measure.name(), measure.unit())]
-    NotPositive { measure: Measure, value: f64 },
-    #[error("chest depth = {depth} m: must not exceed the bideltoid breadth, {breadth} m")]
-    TooDeep { breadth: f64, depth: f64 },
-}
-
 /// \[m\] Stature of somebody whose height is not known.
 const USUAL_STATURE: f64 = 1.75;
 
@@ -104,15 +95,9 @@ impl Person {
     /// A person whose measures fit an agent of a Trial: its disks' extents are breadth and depth. The sex cannot be known:
     /// it is taken for a man.
     pub fn fitting(agent: &Agent) -> Person {
-        let disks = agent.disks_facing_x();
-        let extent = |along: fn(Vec2) -> f64| {
-            let none = (f64::INFINITY, f64::NEG_INFINITY);
-            let (low, high) = disks.iter().fold(none, |(low, high), (place, radius)| {
-                (f64::min(low, along(*place) - radius), f64::max(high, along(*place) + radius))
-            });
-            high - low
-        };
-        let (depth, breadth) = (extent(|place| place.x), extent(|place| place.y));
+        let disks = agent.disks_facing_x().into_iter().map(|(centre, radius)| Disk { radius, centre });
+        let size = bounds(disks).size();
+        let (depth, breadth) = (size.x, size.y);
         let stature = agent.height.unwrap_or(USUAL_STATURE);
         Person { sex: Sex::Male, breadth, depth: depth.min(breadth), stature, mass: agent.mass }
     }
@@ -131,16 +116,16 @@ impl Person {
     ///
     /// # Errors
     /// A measure is not positive and finite, or the chest is deeper than the shoulders are broad.
-    pub fn check(&self) -> Result<(), PersonError> {
+    pub fn check(&self) -> Result<()> {
         for (measure, value) in Measure::ALL.into_iter().zip(self.measures()) {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(PersonError::NotPositive { measure, value });
-            }
+            require(value > 0.0 && value.is_finite(), || {
+                format!("{} = {value} {}: must be positive and finite", measure.name(), measure.unit())
+            })?;
         }
-        if self.depth > self.breadth {
-            return Err(PersonError::TooDeep { breadth: self.breadth, depth: self.depth });
-        }
-        Ok(())
+        let Person { breadth, depth, .. } = self;
+        require(depth <= breadth, || {
+            format!("chest depth = {depth} m: must not exceed the bideltoid breadth, {breadth} m")
+        })
     }
 }
 
@@ -151,7 +136,7 @@ mod tests {
     #[test]
     fn impossible_people_are_refused_by_name() {
         let right = Person { sex: Sex::Male, breadth: 0.5, depth: 0.25, stature: 1.8, mass: 80.0 };
-        assert_eq!(right.check(), Ok(()));
+        right.check().unwrap();
         assert_eq!(Person::from_measures(right.sex, right.measures()), right);
         for (wrong, message) in [
             (Person { mass: -80.0, ..right }, "mass = -80 kg: must be positive and finite"),

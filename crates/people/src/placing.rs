@@ -1,30 +1,28 @@
 //! Places shapes: on a [`grid()`], by the [`paper()`]'s algorithm, or [`dense()`]ly without overlap.
 
-mod among;
 mod dense;
 mod fire;
+mod free_space;
 mod grid;
 mod hull;
 mod measure;
 mod neighbours;
 mod paper;
-mod pile;
-mod random;
 mod region;
-mod region_error;
+mod soft_disks;
 
+use crate::error::{Result, require};
 use crate::shape::Shape;
-use lemons_core::plane::{Disk, Pose, Rotation};
+use lemons_core::plane::{Disk, Pose};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-pub use among::Part;
 pub use dense::{Dense, dense};
+pub use free_space::FreeSpace;
 pub use grid::{Grid, grid};
 pub use measure::{Measure, measure};
 pub use paper::{Paper, paper};
 pub use region::Region;
-pub use region_error::RegionError;
 
 /// \[m\] Overlaps up to this count as none: clothes yield far more.
 pub const TOLERANCE: f64 = 1e-4;
@@ -41,6 +39,25 @@ pub enum Orientation {
     Fixed(f64),
     /// \[rad\] This direction at the beginning. Shapes turn when others press on them.
     Towards(f64),
+}
+
+impl Orientation {
+    /// \[rad\] The direction at the beginning; `None`: any.
+    fn start(self) -> Option<f64> {
+        match self {
+            Orientation::Free => None,
+            Orientation::Fixed(angle) | Orientation::Towards(angle) => Some(angle),
+        }
+    }
+
+    /// Whether shapes may turn.
+    fn turns(self) -> bool {
+        !matches!(self, Orientation::Fixed(_))
+    }
+
+    fn check(self) -> Result<()> {
+        check("the direction", self.start().unwrap_or(0.0), true, "a finite angle in radians")
+    }
 }
 
 /// The progress of a placing algorithm.
@@ -62,7 +79,7 @@ pub struct Progress {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Shapes grow to their full size.
-    Growing,
+    Growing = 0,
     /// Shapes of full size push each other apart.
     Spreading,
     /// Shapes that overlap are moved elsewhere.
@@ -106,91 +123,6 @@ pub struct Packing {
     pub iterations: u64,
 }
 
-/// Why shapes cannot be placed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum PlacingError {
-    /// A shape without disks.
-    #[error("shape {shape} has no disks")]
-    NoDisks {
-        /// Index of the shape.
-        shape: usize,
-    },
-    /// A disk that is not finite, not positive or too large.
-    #[error(
-        "shape {shape}, disk {disk}: radius {radius} m at ({x}, {y}) m; the radius must be positive and the size at most {LARGEST} m"
-    )]
-    Disk {
-        /// Index of the shape.
-        shape: usize,
-        /// Index of the disk in the shape.
-        disk: usize,
-        /// \[m\] radius.
-        radius: f64,
-        /// \[m\] centre, x.
-        x: f64,
-        /// \[m\] centre, y.
-        y: f64,
-    },
-    /// A setting out of range.
-    #[error("{name} = {value}: must be {wanted}")]
-    Setting {
-        /// Name of the setting.
-        name: &'static str,
-        /// The given value.
-        value: f64,
-        /// The allowed values.
-        wanted: &'static str,
-    },
-    /// The shapes have a larger area than the region.
-    #[error(
-        "{shapes} shapes cover {covered:.3} m², but the region has {area:.3} m²: it cannot hold them without overlap"
-    )]
-    NoRoom {
-        /// Number of shapes.
-        shapes: usize,
-        /// \[m²\] Sum of their areas.
-        covered: f64,
-        /// \[m²\] Area of the region.
-        area: f64,
-    },
-    /// Too few shapes for a density.
-    #[error("a density of {density} /m² on {area:.3} m² needs {needed} shapes; {given} are given")]
-    TooFewShapes {
-        /// \[1/m²\] The wanted density.
-        density: f64,
-        /// \[m²\] Area of the region.
-        area: f64,
-        /// Number of shapes for that density.
-        needed: u64,
-        /// Number of given shapes.
-        given: usize,
-    },
-    /// A grid that has fewer places than there are shapes.
-    #[error(
-        "the grid of {along:.3} m × {across:.3} m has {places} places in the region; {shapes} shapes are given"
-    )]
-    NoPlaces {
-        /// Number of places inside the region.
-        places: usize,
-        /// \[m\] Spacing along the direction.
-        along: f64,
-        /// \[m\] Spacing across the direction.
-        across: f64,
-        /// Number of given shapes.
-        shapes: usize,
-    },
-    /// A grid that is too narrow for the shapes.
-    #[error("a grid of {along:.3} m × {across:.3} m is too narrow: shapes on it overlap by {overlap:.4} m")]
-    TooNarrow {
-        /// \[m\] Spacing along the direction.
-        along: f64,
-        /// \[m\] Spacing across the direction.
-        across: f64,
-        /// \[m\] Largest overlap.
-        overlap: f64,
-    },
-}
-
 impl Packing {
     /// Shapes at poses: complete if nothing overlaps.
     fn of(poses: Vec<Pose>, measured: &Measure, ended: Ended, iterations: u64) -> Packing {
@@ -215,35 +147,25 @@ pub fn wider(shapes: &[Shape]) -> Vec<Shape> {
     shapes.iter().map(|shape| Shape { disks: shape.disks.iter().map(wider).collect() }).collect()
 }
 
-fn check_shapes(shapes: &[Shape]) -> Result<(), PlacingError> {
+fn check_shapes(shapes: &[Shape]) -> Result<()> {
     for (shape, s) in shapes.iter().enumerate() {
-        if s.disks.is_empty() {
-            return Err(PlacingError::NoDisks { shape });
-        }
-        for (disk, d) in s.disks.iter().enumerate() {
-            let size = d.centre.norm() + d.radius;
-            // Also false for NaN.
-            if !(d.radius > 0.0 && size <= LARGEST) {
-                let (radius, x, y) = (d.radius, d.centre.x, d.centre.y);
-                return Err(PlacingError::Disk { shape, disk, radius, x, y });
-            }
+        require(!s.disks.is_empty(), || format!("shape {shape} has no disks"))?;
+        for (disk, Disk { radius, centre }) in s.disks.iter().enumerate() {
+            // False for NaN, too.
+            require(*radius > 0.0 && centre.norm() + radius <= LARGEST, || {
+                let (x, y) = (centre.x, centre.y);
+                format!(
+                    "shape {shape}, disk {disk}: radius {radius} m at ({x}, {y}) m; the radius must be positive and the size at most {LARGEST} m"
+                )
+            })?;
         }
     }
     Ok(())
 }
 
 /// Checks that a setting is finite and in its range.
-fn check(name: &'static str, value: f64, ok: bool, wanted: &'static str) -> Result<(), PlacingError> {
-    if ok && value.is_finite() { Ok(()) } else { Err(PlacingError::Setting { name, value, wanted }) }
-}
-
-fn check_orientation(orientation: Orientation) -> Result<(), PlacingError> {
-    match orientation {
-        Orientation::Free => Ok(()),
-        Orientation::Fixed(angle) | Orientation::Towards(angle) => {
-            check("the direction", angle, true, "a finite angle in radians")
-        }
-    }
+fn check(name: &str, value: f64, ok: bool, wanted: &str) -> Result<()> {
+    require(ok && value.is_finite(), || format!("{name} = {value}: must be {wanted}"))
 }
 
 /// Returns the same angle within half a turn of zero.
@@ -256,12 +178,6 @@ fn wrapped(angle: f64) -> f64 {
     } else {
         angle
     }
-}
-
-/// The disks of a shape at a pose.
-fn disks_at(shape: &Shape, pose: Pose) -> impl Iterator<Item = Disk> + '_ {
-    let turn = Rotation::by(pose.orientation);
-    shape.disks.iter().map(move |d| Disk { centre: pose.position + d.centre.rotated(turn), ..*d })
 }
 
 /// \[m\] Radius of the smallest circle about the origin that contains the shape.

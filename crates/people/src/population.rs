@@ -1,84 +1,61 @@
 //! Populations: from which statistics people are drawn, and how many of each kind.
 
 use crate::anthropometry::{SexStatistics, ansur};
-use crate::bicycle::{Bicycle, BicycleError, BicycleStatistics};
-use crate::copula::{Copula, Correlations, CorrelationsError};
-use crate::normal::{TruncatedNormal, TruncatedNormalError};
-use crate::person::{Measure, Person, PersonError, Sex};
-use crate::random::{Generator, generator, place, uniform};
+use crate::bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES};
+use crate::copula::{Copula, Correlations};
+use crate::error::{Result, require};
+use crate::normal::TruncatedNormal;
+use crate::person::{Measure, Person, Sex};
+use crate::random::Random;
 use crate::survey::Survey;
-use rand_chacha::rand_core::Rng;
-use thiserror::Error;
 
 /// The source of the people of a [`Population`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// The statistics of the public survey ANSUR II, see [`ansur`].
     Ansur,
-    /// Custom statistics.
-    Custom(Box<CustomStatistics>),
+    /// Custom statistics, in the order of [`Sex::ALL`].
+    Custom(Box<[CustomMeasures; 2]>),
     /// Real people, drawn with replacement.
     Survey(Survey),
     /// Always the same person. The proportion of men then has no effect.
     Fixed(Person),
 }
 
-/// Custom statistics for both sexes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CustomStatistics {
-    /// Statistics of men.
-    pub men: CustomMeasures,
-    /// Statistics of women.
-    pub women: CustomMeasures,
-}
-
 /// Custom statistics for one sex.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CustomMeasures {
-    /// \[m\] bideltoid breadth.
-    pub breadth: TruncatedNormal,
-    /// \[m\] chest depth.
-    pub depth: TruncatedNormal,
-    /// \[m\] stature.
-    pub stature: TruncatedNormal,
-    /// \[kg\] mass.
-    pub mass: TruncatedNormal,
+    /// Distributions \[m, kg\] of the measures, in the order of [`Measure::ALL`].
+    pub measures: [TruncatedNormal; 4],
     /// Spearman's rank correlations between them, in the order of [`Measure::ALL`]. Where no four measures can have all
     /// of these, all are weakened by one common factor, as little as possible.
     pub spearman: Correlations,
 }
 
 impl CustomMeasures {
-    fn all(&self) -> [TruncatedNormal; 4] {
-        [self.breadth, self.depth, self.stature, self.mass]
-    }
-}
-
-impl Default for CustomStatistics {
-    /// The paper's defaults, with the rank correlations of ANSUR II.
-    fn default() -> CustomStatistics {
-        let length = |mean: f64, sd: f64, min: f64, max: f64| TruncatedNormal {
-            mean: mean / 100.0,
-            sd: sd / 100.0,
-            min: min / 100.0,
-            max: max / 100.0,
+    /// Returns the paper's defaults, with the rank correlations of ANSUR II.
+    pub fn paper(sex: Sex) -> CustomMeasures {
+        // In cm and kg.
+        let measures = match sex {
+            Sex::Male => [
+                [51.0, 2.0, 30.0, 65.0],
+                [26.0, 2.0, 15.0, 45.0],
+                [178.0, 8.0, 140.0, 240.0],
+                [85.0, 15.0, 30.0, 160.0],
+            ],
+            Sex::Female => [
+                [45.0, 1.5, 30.0, 60.0],
+                [24.0, 1.5, 15.0, 45.0],
+                [164.0, 7.0, 140.0, 210.0],
+                [67.0, 11.0, 30.0, 130.0],
+            ],
         };
-        CustomStatistics {
-            men: CustomMeasures {
-                breadth: length(51.0, 2.0, 30.0, 65.0),
-                depth: length(26.0, 2.0, 15.0, 45.0),
-                stature: length(178.0, 8.0, 140.0, 240.0),
-                mass: TruncatedNormal { mean: 85.0, sd: 15.0, min: 30.0, max: 160.0 },
-                spearman: ansur(Sex::Male).spearman,
-            },
-            women: CustomMeasures {
-                breadth: length(45.0, 1.5, 30.0, 60.0),
-                depth: length(24.0, 1.5, 15.0, 45.0),
-                stature: length(164.0, 7.0, 140.0, 210.0),
-                mass: TruncatedNormal { mean: 67.0, sd: 11.0, min: 30.0, max: 130.0 },
-                spearman: ansur(Sex::Female).spearman,
-            },
-        }
+        let measures = std::array::from_fn(|k| {
+            let units = if Measure::ALL[k] == Measure::Mass { 1.0 } else { 100.0 };
+            let [mean, sd, min, max] = measures[k].map(|value: f64| value / units);
+            TruncatedNormal { mean, sd, min, max }
+        });
+        CustomMeasures { measures, spearman: ansur(sex).spearman }
     }
 }
 
@@ -107,34 +84,6 @@ pub enum Agent {
     Bicycle(Bicycle),
 }
 
-/// Why a population is impossible.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[allow(missing_docs)] // the messages say it
-pub enum PopulationError {
-    #[error("proportion of {of} = {value}: must be within 0…1")]
-    Proportion { of: &'static str, value: f64 },
-    #[error("{} statistics, {}: {error}", sex.name(), measure.name())]
-    Statistics { sex: Sex, measure: Measure, error: TruncatedNormalError },
-    #[error(
-        "{} statistics, {}: {limit} = {value:.3} {unit}: measures of people are {} to {} {unit}",
-        sex.name(), measure.name(), measure.possible()[0], measure.possible()[1], unit = measure.unit()
-    )]
-    Impossible { sex: Sex, measure: Measure, limit: &'static str, value: f64 },
-    #[error("{} statistics: {error}", sex.name())]
-    Correlations { sex: Sex, error: CorrelationsError },
-    #[error(
-        "{} statistics: chest depth exceeds bideltoid breadth in {refused} of {tried} draws: few people are possible",
-        sex.name()
-    )]
-    TooDeep { sex: Sex, refused: u32, tried: u32 },
-    #[error("the survey has no {} people, but their proportion is not 0", sex.name())]
-    Nobody { sex: Sex },
-    #[error("the fixed person: {0}")]
-    Person(#[from] PersonError),
-    #[error(transparent)]
-    Bicycle(#[from] BicycleError),
-}
-
 /// Number of test draws; at least [`LEAST_POSSIBLE`] of them must be possible people.
 const TRIAL_DRAWS: u32 = 2000;
 /// With fewer, the statistics are taken for a mistake: drawing could take for ever.
@@ -156,37 +105,41 @@ struct Statistics {
 }
 
 impl Statistics {
-    fn survey(sex: Sex) -> Result<Statistics, PopulationError> {
-        let statistics = ansur(sex);
-        let copula = Copula::new(&statistics.spearman);
-        let copula = copula.map_err(|error| PopulationError::Correlations { sex, error })?;
-        Ok(Statistics { sex, copula, margins: Margins::Survey(statistics) })
+    fn survey(sex: Sex) -> Result<Statistics> {
+        let survey = ansur(sex);
+        Ok(Statistics { sex, copula: copula(sex, &survey.spearman)?, margins: Margins::Survey(survey) })
     }
 
-    fn custom(sex: Sex, custom: &CustomMeasures) -> Result<Statistics, PopulationError> {
-        for (measure, normal) in Measure::ALL.into_iter().zip(custom.all()) {
-            normal.check().map_err(|error| PopulationError::Statistics { sex, measure, error })?;
+    fn custom(sex: Sex, custom: &CustomMeasures) -> Result<Statistics> {
+        let name = sex.name();
+        for (measure, normal) in Measure::ALL.into_iter().zip(custom.measures) {
+            let (what, unit) = (measure.name(), measure.unit());
+            normal.check().map_err(|error| error.of(format!("{name} statistics, {what}")))?;
             let [least, most] = measure.possible();
             for (limit, value) in [("min", normal.min), ("max", normal.max)] {
-                if !(least..=most).contains(&value) {
-                    return Err(PopulationError::Impossible { sex, measure, limit, value });
-                }
+                require((least..=most).contains(&value), || {
+                    format!(
+                        "{name} statistics, {what}: {limit} = {value:.3} {unit}: measures of people are {least} to {most} {unit}"
+                    )
+                })?;
             }
         }
-        let copula = Copula::new(&custom.spearman);
-        let copula = copula.map_err(|error| PopulationError::Correlations { sex, error })?;
-        let statistics = Statistics { sex, copula, margins: Margins::Custom(custom.all()) };
-        let rng = &mut generator(0);
-        let refused = (0..TRIAL_DRAWS).filter(|_| statistics.candidate(rng).check().is_err()).count() as u32;
-        if TRIAL_DRAWS - refused < LEAST_POSSIBLE {
-            return Err(PopulationError::TooDeep { sex, refused, tried: TRIAL_DRAWS });
-        }
+        let copula = copula(sex, &custom.spearman)?;
+        let statistics = Statistics { sex, copula, margins: Margins::Custom(custom.measures) };
+        let random = &mut Random::new(0);
+        let refused =
+            (0..TRIAL_DRAWS).filter(|_| statistics.candidate(random).check().is_err()).count() as u32;
+        require(TRIAL_DRAWS - refused >= LEAST_POSSIBLE, || {
+            format!(
+                "{name} statistics: chest depth exceeds bideltoid breadth in {refused} of {TRIAL_DRAWS} draws: few people are possible"
+            )
+        })?;
         Ok(statistics)
     }
 
     /// One draw; its chest may be deeper than its shoulders are broad.
-    fn candidate<R: Rng + ?Sized>(&self, rng: &mut R) -> Person {
-        let ranks = self.copula.ranks(rng);
+    fn candidate(&self, random: &mut Random) -> Person {
+        let ranks = self.copula.ranks(random);
         let measures = match &self.margins {
             Margins::Survey(statistics) => {
                 std::array::from_fn(|place| statistics.measures[place].quantile(ranks[place]))
@@ -197,14 +150,18 @@ impl Statistics {
     }
 
     /// Draws until the chest is not deeper than the shoulders are broad.
-    fn draw<R: Rng + ?Sized>(&self, rng: &mut R) -> Person {
+    fn draw(&self, random: &mut Random) -> Person {
         loop {
-            let person = self.candidate(rng);
+            let person = self.candidate(random);
             if person.depth <= person.breadth {
                 return person;
             }
         }
     }
+}
+
+fn copula(sex: Sex, spearman: &Correlations) -> Result<Copula> {
+    Copula::new(spearman).map_err(|error| error.of(format!("{} statistics", sex.name())))
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -223,7 +180,7 @@ enum Ready {
 pub struct Population {
     people: Ready,
     proportions: Proportions,
-    bicycles: BicycleStatistics,
+    bicycles: [TruncatedNormal; 5],
 }
 
 impl Default for Population {
@@ -239,11 +196,11 @@ impl Population {
     /// # Errors
     /// A proportion is outside 0…1, statistics are impossible, a survey has no people of a sex whose proportion is not
     /// 0, or the fixed person is impossible.
-    pub fn new(source: Source, proportions: Proportions) -> Result<Population, PopulationError> {
+    pub fn new(source: Source, proportions: Proportions) -> Result<Population> {
         for (of, value) in [("men", proportions.men), ("pedestrians", proportions.pedestrians)] {
-            if !(0.0..=1.0).contains(&value) {
-                return Err(PopulationError::Proportion { of, value });
-            }
+            require((0.0..=1.0).contains(&value), || {
+                format!("proportion of {of} = {value}: must be within 0…1")
+            })?;
         }
         let people = match source {
             Source::Ansur => Ready::Statistics(Box::new([
@@ -251,75 +208,73 @@ impl Population {
                 Statistics::survey(Sex::Female)?,
             ])),
             Source::Custom(custom) => Ready::Statistics(Box::new([
-                Statistics::custom(Sex::Male, &custom.men)?,
-                Statistics::custom(Sex::Female, &custom.women)?,
+                Statistics::custom(Sex::Male, &custom[0])?,
+                Statistics::custom(Sex::Female, &custom[1])?,
             ])),
             Source::Survey(survey) => {
                 for (sex, share) in [(Sex::Male, proportions.men), (Sex::Female, 1.0 - proportions.men)] {
-                    if share > 0.0 && survey.people(sex).is_empty() {
-                        return Err(PopulationError::Nobody { sex });
-                    }
+                    require(share == 0.0 || !survey.people(sex).is_empty(), || {
+                        format!("the survey has no {} people, but their proportion is not 0", sex.name())
+                    })?;
                 }
                 Ready::Survey(survey)
             }
             Source::Fixed(person) => {
-                person.check()?;
+                person.check().map_err(|error| error.of("the fixed person"))?;
                 Ready::Fixed(person)
             }
         };
-        Ok(Population { people, proportions, bicycles: BicycleStatistics::default() })
+        Ok(Population { people, proportions, bicycles: PAPER_BICYCLES })
     }
 
-    /// Replaces the statistics of bicycles.
+    /// Replaces the distributions of the measures of bicycles.
     ///
     /// # Errors
-    /// The statistics are impossible.
-    pub fn with_bicycles(self, bicycles: BicycleStatistics) -> Result<Population, PopulationError> {
-        bicycles.check()?;
+    /// A distribution is impossible.
+    pub fn with_bicycles(self, bicycles: [TruncatedNormal; 5]) -> Result<Population> {
+        for ((measure, _), normal) in BICYCLE_MEASURES.into_iter().zip(bicycles) {
+            normal.check().map_err(|error| error.of(format!("bicycle's {measure}")))?;
+        }
         Ok(Population { bicycles, ..self })
     }
 
     /// Draws one person.
-    pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R) -> Person {
+    fn draw(&self, random: &mut Random) -> Person {
         if let Ready::Fixed(person) = self.people {
             return person;
         }
         // `uniform` excludes 0 and 1: a proportion of 0 or 1 excludes the other sex.
-        let sex = if uniform(rng) < self.proportions.men { Sex::Male } else { Sex::Female };
-        self.draw_of(sex, rng)
-    }
-
-    /// Draws one person of a sex whose proportion is not 0.
-    fn draw_of<R: Rng + ?Sized>(&self, sex: Sex, rng: &mut R) -> Person {
+        let sex = if random.inside_unit() < self.proportions.men { Sex::Male } else { Sex::Female };
         match &self.people {
-            Ready::Statistics(statistics) => statistics[sex as usize].draw(rng),
+            Ready::Statistics(statistics) => statistics[sex as usize].draw(random),
             Ready::Survey(survey) => {
                 let people = survey.people(sex);
-                people[place(rng, people.len())]
+                people[random.index(people.len())]
             }
             Ready::Fixed(person) => *person,
         }
     }
 
     /// Draws one agent: a pedestrian or a bicycle.
-    pub fn draw_agent<R: Rng + ?Sized>(&self, rng: &mut R) -> Agent {
-        if uniform(rng) < self.proportions.pedestrians {
-            Agent::Pedestrian(self.draw(rng))
-        } else {
-            Agent::Bicycle(self.bicycles.draw(rng))
+    fn draw_agent(&self, random: &mut Random) -> Agent {
+        if random.inside_unit() < self.proportions.pedestrians {
+            return Agent::Pedestrian(self.draw(random));
         }
+        Agent::Bicycle(Bicycle::from_measures(
+            self.bicycles.map(|normal| normal.quantile(random.inside_unit())),
+        ))
     }
 
     /// Returns an endless sequence of people, the same for the same seed.
     pub fn people(&self, seed: u64) -> impl Iterator<Item = Person> + use<'_> {
-        let mut rng: Generator = generator(seed);
-        std::iter::repeat_with(move || self.draw(&mut rng))
+        let mut random = Random::new(seed);
+        std::iter::repeat_with(move || self.draw(&mut random))
     }
 
     /// Returns an endless sequence of agents, the same for the same seed.
     pub fn agents(&self, seed: u64) -> impl Iterator<Item = Agent> + use<'_> {
-        let mut rng: Generator = generator(seed);
-        std::iter::repeat_with(move || self.draw_agent(&mut rng))
+        let mut random = Random::new(seed);
+        std::iter::repeat_with(move || self.draw_agent(&mut random))
     }
 }
 
@@ -333,8 +288,10 @@ mod tests {
         Population::new(source, Proportions { men, pedestrians: 1.0 }).unwrap()
     }
 
-    fn custom() -> Source {
-        Source::Custom(Box::default())
+    fn custom(change: impl FnOnce(&mut [CustomMeasures; 2])) -> Source {
+        let mut statistics = Sex::ALL.map(CustomMeasures::paper);
+        change(&mut statistics);
+        Source::Custom(Box::new(statistics))
     }
 
     fn mean_and_sd(values: &[f64]) -> (f64, f64) {
@@ -386,55 +343,46 @@ mod tests {
                 }
                 // 0.5 cm, 1 kg.
                 let allowed = if measure == Measure::Mass { 1.0 } else { 0.005 };
-                println!(
-                    "{} {}: mean {:+.3} %, deviation {:+.3} %, quantiles within {worst:.5} {}",
-                    sex.name(),
-                    measure.name(),
-                    100.0 * off[0],
-                    100.0 * off[1],
-                    measure.unit()
-                );
                 assert!(worst < allowed, "{sex:?} {measure:?}: {worst}");
             }
             let ranked = drawn.map(|values| ranks(&values));
             for (row, a) in ranked.iter().enumerate() {
                 for (column, b) in ranked.iter().enumerate().skip(row + 1) {
                     let (found, wanted) = (correlation(a, b), survey.spearman[row][column]);
-                    println!(
-                        "{} rank correlation ({row}, {column}): {found:.4}, survey {wanted}",
-                        sex.name()
-                    );
                     assert!((found - wanted).abs() < 0.02, "{sex:?} ({row}, {column}): {found} {wanted}");
                 }
             }
         }
     }
 
+    /// Within the bounds, with the mean and the deviation: the bounds are three deviations away or more.
+    fn follows(values: &[f64], normal: &TruncatedNormal) {
+        assert!(values.iter().all(|value| (normal.min..=normal.max).contains(value)));
+        let (mean, sd) = mean_and_sd(values);
+        assert!((mean / normal.mean - 1.0).abs() < 0.005, "{normal:?}: {mean}");
+        assert!((sd / normal.sd - 1.0).abs() < 0.02, "{normal:?}: {sd}");
+    }
+
     #[test]
     fn custom_people_follow_their_statistics_and_belong_together() {
-        let statistics = CustomStatistics::default();
-        for (men, measures) in [(1.0, statistics.men), (0.0, statistics.women)] {
-            let people: Vec<Person> = of(custom(), men).people(2).take(50_000).collect();
+        for (sex, men) in [(Sex::Male, 1.0), (Sex::Female, 0.0)] {
+            let statistics = CustomMeasures::paper(sex);
+            let people: Vec<Person> = of(custom(|_| {}), men).people(2).take(50_000).collect();
             let drawn = columns(&people);
-            for (values, normal) in drawn.iter().zip(measures.all()) {
-                assert!(values.iter().all(|value| (normal.min..=normal.max).contains(value)));
-                let (mean, sd) = mean_and_sd(values);
-                assert!((mean / normal.mean - 1.0).abs() < 0.005, "{normal:?}: {mean}");
-                assert!((sd / normal.sd - 1.0).abs() < 0.02, "{normal:?}: {sd}");
-            }
+            drawn.iter().zip(&statistics.measures).for_each(|(values, normal)| follows(values, normal));
             let ranked = drawn.map(|values| ranks(&values));
             let found = correlation(&ranked[0], &ranked[3]);
-            assert!((found - measures.spearman[0][3]).abs() < 0.02, "{found}");
+            assert!((found - statistics.spearman[0][3]).abs() < 0.02, "{found}");
         }
     }
 
     #[test]
     fn depth_never_exceeds_breadth() {
-        let mut statistics = CustomStatistics::default();
         // One in two candidates is too deep.
-        statistics.men.depth.mean = statistics.men.breadth.mean;
-        statistics.men.depth.max = 0.8;
-        let source = Source::Custom(Box::new(statistics));
+        let source = custom(|statistics| {
+            statistics[0].measures[1].mean = statistics[0].measures[0].mean;
+            statistics[0].measures[1].max = 0.8;
+        });
         for person in of(source, 1.0).people(3).take(20_000) {
             assert!(person.depth <= person.breadth && Shape::of(&person).is_ok());
         }
@@ -448,16 +396,16 @@ mod tests {
         let proportions = Proportions { men: 0.3, pedestrians: 0.8 };
         let population = Population::new(Source::Ansur, proportions).unwrap();
         let agents: Vec<Agent> = population.agents(5).take(50_000).collect();
-        let people: Vec<Person> = agents
-            .iter()
-            .filter_map(|agent| match agent {
-                Agent::Pedestrian(person) => Some(*person),
-                Agent::Bicycle(bicycle) => {
-                    bicycle.check().unwrap();
-                    None
-                }
-            })
-            .collect();
+        let (mut people, mut bicycles) = (Vec::new(), Vec::new());
+        for agent in &agents {
+            match agent {
+                Agent::Pedestrian(person) => people.push(*person),
+                Agent::Bicycle(bicycle) => bicycles.push(bicycle.measures()),
+            }
+        }
+        for (place, normal) in PAPER_BICYCLES.iter().enumerate() {
+            follows(&bicycles.iter().map(|measures| measures[place]).collect::<Vec<f64>>(), normal);
+        }
         let pedestrians = people.len() as f64 / agents.len() as f64;
         let men = people.iter().filter(|person| person.sex == Sex::Male).count() as f64 / people.len() as f64;
         // Three standard deviations of the counts.
@@ -476,8 +424,8 @@ mod tests {
             let bits = people.iter().flat_map(Person::measures).map(f64::to_bits);
             bits.fold(0u64, |hash, bits| hash.rotate_left(5).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ bits)
         };
-        let custom: Vec<Person> = of(custom(), 0.5).people(42).take(1000).collect();
-        assert_eq!([fold(&first), fold(&custom)], [15_789_684_364_619_433_590, 14_494_445_155_975_987_607]);
+        let custom: Vec<Person> = of(custom(|_| {}), 0.5).people(42).take(1000).collect();
+        assert_eq!([fold(&first), fold(&custom)], [9_030_841_601_320_801_798, 12_141_358_003_826_211_628]);
     }
 
     #[test]
@@ -510,38 +458,27 @@ mod tests {
             message(Source::Fixed(person), 0.5, 1.0),
             "the fixed person: mass = -55 kg: must be positive and finite"
         );
-        let change = |change: fn(&mut CustomStatistics)| {
-            let mut statistics = CustomStatistics::default();
-            change(&mut statistics);
-            message(Source::Custom(Box::new(statistics)), 0.5, 1.0)
-        };
+        let change = |change: fn(&mut CustomMeasures)| message(custom(|[men, _]| change(men)), 0.5, 1.0);
         assert_eq!(
-            change(|statistics| statistics.women.mass.sd = 0.0),
-            "female statistics, mass: the standard deviation = 0: must be positive"
+            change(|men| men.measures[3].sd = 0.0),
+            "male statistics, mass: the standard deviation = 0: must be positive"
         );
         assert_eq!(
-            change(|statistics| statistics.men.stature.min = 2.5),
-            "male statistics, stature: min = 2.5, max = 2.4: min must be below max"
+            change(|men| men.measures[2].max = 4.0),
+            "male statistics, stature: max = 4.000 m: measures of people are 0.3 to 3 m"
         );
         assert_eq!(
-            change(|statistics| statistics.men.spearman[0][1] = 2.0),
+            change(|men| men.spearman[0][1] = 2.0),
             "male statistics: correlation (0, 1) = 2: must be within −1…1, and 1 on the diagonal"
         );
-        let deep = change(|statistics| {
-            statistics.men.depth = TruncatedNormal { mean: 0.8, sd: 0.02, min: 0.7, max: 0.9 };
-        });
+        let deep = TruncatedNormal { mean: 0.8, sd: 0.02, min: 0.7, max: 0.9 };
         assert_eq!(
-            deep,
+            message(custom(|[men, _]| men.measures[1] = deep), 0.5, 1.0),
             "male statistics: chest depth exceeds bideltoid breadth in 2000 of 2000 draws: few people are possible"
         );
-        let mut bicycles = BicycleStatistics::default();
-        bicycles.mass.mean = 1e6;
-        let error = Population::default().with_bicycles(bicycles).unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .starts_with("bicycle's mass: min = 10, max = 100: more than 6 standard deviations"),
-            "{error}"
-        );
+        let mut bicycles = PAPER_BICYCLES;
+        bicycles[4].mean = 1e6;
+        let error = Population::default().with_bicycles(bicycles).unwrap_err().to_string();
+        assert!(error.starts_with("bicycle's mass: min = 10, max = 100: more than 6"), "{error}");
     }
 }

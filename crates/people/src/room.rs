@@ -1,11 +1,11 @@
 //! A room as it is drawn: its corners and doors, changes that leave doors on their walls, and the walls in the end.
 
-use crate::placing::{Region, RegionError};
-use crate::{Door, DoorError, nearest_wall, walls, with_doors};
+use crate::error::{PeopleError, Result};
+use crate::placing::Region;
+use crate::{Door, cut_doors, nearest_wall, walls};
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use lemons_core::trial::Geometry;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 /// A room. Outlines may go round in either direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -16,17 +16,7 @@ pub struct Room {
     /// \[m\] The corners of each.
     pub obstacles: Vec<Vec<[f64; 2]>>,
     /// Gaps in the walls.
-    pub doors: Vec<Gap>,
-}
-
-/// A gap in the wall nearest to a place: a [`Door`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Gap {
-    /// \[m\] Its middle (x, y).
-    pub at: [f64; 2],
-    /// \[m\]
-    pub width: f64,
+    pub doors: Vec<Door>,
 }
 
 /// A change of a room. Ring 0 is its outline, obstacles follow; side 0 begins at corner 0.
@@ -46,37 +36,16 @@ pub enum Edit {
     Stretch { width: f64, height: f64 },
 }
 
-/// Why there is no such room.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[allow(missing_docs)] // the messages say it
-pub enum RoomError {
-    #[error("there is no corner {corner} of ring {ring}")]
-    Corner { ring: usize, corner: usize },
-    #[error("the outline or an obstacle has no corners")]
-    Empty,
-    #[error("the room: {0} (the holes are obstacles)")]
-    Region(#[from] RegionError),
-    #[error(transparent)]
-    Door(#[from] DoorError),
-}
-
-impl Gap {
-    /// Returns the same door.
-    pub fn door(&self) -> Door {
-        let [x, y] = self.at;
-        Door { at: vec2(x, y), width: self.width }
-    }
-}
-
 impl Room {
     /// Returns the outline, then the obstacles. Each has as many sides as corners, also if two of them lie on each other.
     ///
     /// # Errors
     /// One has no corners.
-    pub fn rings(&self) -> Result<Vec<Ring>, RoomError> {
+    pub fn rings(&self) -> Result<Vec<Ring>> {
         let ring = |corners: &Vec<[f64; 2]>| {
             let closed = vectors(corners).into_iter().chain(vectors(corners).first().copied());
-            Ring::through(closed.collect()).ok_or(RoomError::Empty)
+            Ring::through(closed.collect())
+                .ok_or_else(|| PeopleError::new("the outline or an obstacle has no corners"))
         };
         std::iter::once(&self.outline).chain(&self.obstacles).map(ring).collect()
     }
@@ -86,7 +55,7 @@ impl Room {
     ///
     /// # Errors
     /// There is no such corner, or none would be left. The room is then of no use.
-    pub fn change(&mut self, edit: Edit) -> Result<(), RoomError> {
+    pub fn change(&mut self, edit: Edit) -> Result<()> {
         let before = self.rings()?;
         match edit {
             Edit::Move { ring, corner, to } => self.corners(ring, corner)?[corner] = to,
@@ -95,8 +64,8 @@ impl Room {
             Edit::Clear { ring } => {
                 self.corners(ring, 0)?.clear();
                 self.obstacles.retain(|obstacle| !obstacle.is_empty());
-                let on = |gap: &Gap| nearest_wall(&before, gap.door().at).is_some_and(|(on, _)| on == ring);
-                self.doors.retain(|gap| !on(gap));
+                let on = |door: &Door| nearest_wall(&before, door.at).is_some_and(|(on, _)| on == ring);
+                self.doors.retain(|door| !on(door));
                 // Others have another number now, but are where they were.
                 return self.rings().map(|_| ());
             }
@@ -109,28 +78,28 @@ impl Room {
             }
         }
         let after = self.rings()?;
-        for gap in &mut self.doors {
-            let door = gap.door();
+        for door in &mut self.doors {
             let carried = door.carried(&before, &after);
-            if carried != door {
-                gap.at = [carried.at.x, carried.at.y].map(|place| (place * 1000.0).round() / 1000.0);
+            if carried != *door {
+                let whole = |place: f64| (place * 1000.0).round() / 1000.0;
+                door.at = vec2(whole(carried.at.x), whole(carried.at.y));
             }
         }
         Ok(())
     }
 
     /// The corners of a ring that has this one.
-    fn corners(&mut self, ring: usize, corner: usize) -> Result<&mut Vec<[f64; 2]>, RoomError> {
+    fn corners(&mut self, ring: usize, corner: usize) -> Result<&mut Vec<[f64; 2]>> {
         let mut rings = std::iter::once(&mut self.outline).chain(&mut self.obstacles);
         let found = rings.nth(ring).filter(|corners| corner < corners.len());
-        found.ok_or(RoomError::Corner { ring, corner })
+        found.ok_or_else(|| PeopleError::new(format!("there is no corner {corner} of ring {ring}")))
     }
 
     /// Returns a line \[m\] behind each door, where people have left who are in the room now: [`Door::exit`]. Empty if
     /// the outline or an obstacle has no corners.
     pub fn exits(&self, people: impl Iterator<Item = Vec2> + Clone) -> Vec<[[f64; 2]; 2]> {
         let rings = self.rings().unwrap_or_default();
-        let lines = self.doors.iter().filter_map(|gap| gap.door().exit(&rings, people.clone()));
+        let lines = self.doors.iter().filter_map(|door| door.exit(&rings, people.clone()));
         lines.map(|line| line.map(|end| [end.x, end.y])).collect()
     }
 
@@ -138,11 +107,14 @@ impl Room {
     ///
     /// # Errors
     /// Walls cross, an obstacle is not inside, or a door is not at a wall.
-    pub fn built(&self, material: &str) -> Result<(Region, Geometry), RoomError> {
+    pub fn built(&self, material: &str) -> Result<(Region, Geometry)> {
         let holes: Vec<Vec<Vec2>> = self.obstacles.iter().map(|hole| vectors(hole)).collect();
-        let inside = Region::polygon(&vectors(&self.outline), &holes)?;
-        let doors: Vec<Door> = self.doors.iter().map(Gap::door).collect();
-        let geometry = with_doors(walls(inside.rings(), material), inside.rings(), &doors)?;
+        let inside = Region::polygon(&vectors(&self.outline), &holes)
+            .map_err(|error| PeopleError::new(format!("the room: {error} (the holes are obstacles)")))?;
+        let mut geometry = cut_doors(walls(inside.rings(), material), &self.doors)?;
+        for (id, wall) in geometry.walls.iter_mut().enumerate() {
+            wall.id = id.to_string();
+        }
         Ok((inside, geometry))
     }
 }
@@ -162,7 +134,7 @@ mod tests {
 
     /// 4 m by 3 m, with an obstacle, and a door in the wall on the right, on the left and in the obstacle.
     fn room() -> Room {
-        let gap = |x, y| Gap { at: [x, y], width: 0.5 };
+        let gap = |x, y| Door { at: vec2(x, y), width: 0.5 };
         Room {
             outline: vec![[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]],
             obstacles: vec![vec![[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]],
@@ -181,20 +153,20 @@ mod tests {
         let after = changed(Edit::Move { ring: 0, corner: 2, to: [6.0, 4.0] });
         assert_eq!(after.outline, [[0.0, 0.0], [4.0, 0.0], [6.0, 4.0], [0.0, 3.0]]);
         // A quarter of the way from (4, 0) to (6, 4).
-        assert_eq!(after.doors[0], Gap { at: [4.5, 1.0], width: 0.5 });
+        assert_eq!(after.doors[0], Door { at: vec2(4.5, 1.0), width: 0.5 });
         assert_eq!(after.doors[1..], room().doors[1..]);
         let after = changed(Edit::Move { ring: 1, corner: 0, to: [1.0, 0.5] });
-        assert_eq!(after.doors[2].at, [1.5, 0.75]);
+        assert_eq!(after.doors[2].at, vec2(1.5, 0.75));
         // Millimetres: a third of the way.
         let mut third = room();
-        third.doors[0].at = [4.0, 1.0];
+        third.doors[0].at = vec2(4.0, 1.0);
         third.change(Edit::Move { ring: 0, corner: 2, to: [4.0, 3.1] }).unwrap();
-        assert_eq!(third.doors[0].at, [4.0, 1.033]);
+        assert_eq!(third.doors[0].at, vec2(4.0, 1.033));
         // Back and forth, also over its neighbour.
         for to in [[4.0, 0.0], [9.0, 9.0]] {
             let mut room = room();
             room.change(Edit::Move { ring: 0, corner: 2, to }).unwrap();
-            assert!(room.doors[0].at.iter().all(|place| place.is_finite()));
+            assert!(room.doors[0].at.is_finite());
         }
     }
 
@@ -204,10 +176,10 @@ mod tests {
         for corner in &mut far.outline {
             *corner = [corner[0] - 1.0, corner[1] + 10.0];
         }
-        far.doors = vec![Gap { at: [3.0, 10.75], width: 0.5 }];
+        far.doors = vec![Door { at: vec2(3.0, 10.75), width: 0.5 }];
         far.change(Edit::Stretch { width: 5.5, height: 6.0 }).unwrap();
         assert_eq!(far.outline, [[-1.0, 10.0], [4.5, 10.0], [4.5, 16.0], [-1.0, 16.0]]);
-        assert_eq!(far.doors[0].at, [4.5, 11.5]);
+        assert_eq!(far.doors[0].at, vec2(4.5, 11.5));
         let mut flat = room();
         flat.outline = vec![[1.0, 0.0], [1.0, 3.0], [1.0, 1.0]];
         flat.change(Edit::Stretch { width: 5.0, height: 6.0 }).unwrap();
@@ -223,10 +195,10 @@ mod tests {
         assert_eq!(after.outline, room().outline[1..]);
         let after = changed(Edit::Clear { ring: 1 });
         assert_eq!((after.obstacles.len(), &after.doors[..]), (0, &room().doors[..2]));
-        let refused = |edit| room().change(edit).unwrap_err();
-        assert_eq!(refused(Edit::Remove { ring: 0, corner: 4 }), RoomError::Corner { ring: 0, corner: 4 });
-        assert_eq!(refused(Edit::Clear { ring: 2 }), RoomError::Corner { ring: 2, corner: 0 });
-        assert_eq!(refused(Edit::Clear { ring: 0 }), RoomError::Empty);
+        let refused = |edit| room().change(edit).unwrap_err().to_string();
+        assert_eq!(refused(Edit::Remove { ring: 0, corner: 4 }), "there is no corner 4 of ring 0");
+        assert_eq!(refused(Edit::Clear { ring: 2 }), "there is no corner 0 of ring 2");
+        assert_eq!(refused(Edit::Clear { ring: 0 }), "the outline or an obstacle has no corners");
     }
 
     #[test]

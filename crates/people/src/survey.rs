@@ -3,13 +3,14 @@
 //! The public files ("ANSUR II MALE Public.csv", "… FEMALE …") have one line per person, lengths in mm, and the
 //! column `weightkg` in tenths of a kg. Bideltoid breadth, chest depth, measured stature and measured mass are read.
 
-use crate::person::{Measure, Person, Sex};
+use crate::error::{PeopleError, Result, require};
+use crate::person::{Person, Sex};
 use csv::{ByteRecord, ReaderBuilder};
 use lemons_core::files::input;
 use lemons_core::trial::Problem;
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::fmt::Display;
+use std::path::Path;
 
 /// A column: the number of its units in an SI unit and, in its own unit, the range of human values, children included.
 /// The range detects files in other units.
@@ -35,26 +36,12 @@ pub struct Survey {
     women: Vec<Person>,
 }
 
-/// Why the file of a survey cannot be used.
-#[derive(Debug, Error)]
-#[allow(missing_docs)] // the messages say it
-pub enum SurveyError {
-    #[error("{}: cannot be read: {error}", file.display())]
-    Read { file: PathBuf, error: std::io::Error },
-    #[error("{}: is not CSV: {error}", file.display())]
-    Csv { file: PathBuf, error: csv::Error },
-    #[error("{}: has no column {column:?}", file.display())]
-    NoColumn { file: PathBuf, column: &'static str },
-    #[error("{}: has more than one column {column:?}", file.display())]
-    Twice { file: PathBuf, column: &'static str },
-    #[error("{}: has no people", file.display())]
-    Nobody { file: PathBuf },
-    /// Cells that are not measures of a person: a line for each of the first 20.
-    #[error("{}", first(.0))]
-    Cells(Vec<Problem>),
+fn of_file(file: &Path, fault: impl Display) -> PeopleError {
+    PeopleError::new(format!("{}: {fault}", file.display()))
 }
 
-/// Such as `male.csv:12: chestdepth = "x": must be a decimal number`.
+/// The first 20 cells that are not measures of a person, each on a line such as
+/// `male.csv:12: chestdepth = "x": must be a decimal number`.
 fn first(cells: &[Problem]) -> String {
     const SHOWN: usize = 20;
     let mut lines: Vec<String> = cells.iter().take(SHOWN).map(Problem::to_string).collect();
@@ -85,13 +72,12 @@ impl Survey {
     /// # Errors
     /// The first file that cannot be read or lacks a column; or else all cells that are not a measure, with their
     /// places.
-    pub fn read(men: Option<&Path>, women: Option<&Path>) -> Result<Survey, SurveyError> {
+    pub fn read(men: Option<&Path>, women: Option<&Path>) -> Result<Survey> {
         let mut survey = Survey::default();
         for (sex, file) in [(Sex::Male, men), (Sex::Female, women)] {
             if let Some(file) = file {
-                let bytes = input::read(file, input::LARGEST_SETTINGS)
-                    .map_err(|error| SurveyError::Read { file: file.to_owned(), error })?;
-                survey.add(sex, file, &bytes)?;
+                let unreadable = |error| of_file(file, format_args!("cannot be read: {error}"));
+                survey.add(sex, file, &input::read(file, input::LARGEST_SETTINGS).map_err(unreadable)?)?;
             }
         }
         Ok(survey)
@@ -101,8 +87,8 @@ impl Survey {
     ///
     /// # Errors
     /// Those of [`Survey::read`].
-    pub fn add(&mut self, sex: Sex, file: &Path, content: &[u8]) -> Result<(), SurveyError> {
-        let csv_error = |error| SurveyError::Csv { file: file.to_owned(), error };
+    pub fn add(&mut self, sex: Sex, file: &Path, content: &[u8]) -> Result<()> {
+        let csv_error = |error| of_file(file, format_args!("is not CSV: {error}"));
         let content = content.strip_prefix(b"\xef\xbb\xbf").unwrap_or(content);
         let mut reader = ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(content);
         let header = reader.byte_headers().map_err(csv_error)?.clone();
@@ -110,20 +96,16 @@ impl Survey {
             let mut places =
                 header.iter().enumerate().filter(|(_, name)| name.eq_ignore_ascii_case(column.as_bytes()));
             match (places.next(), places.next()) {
-                (Some((place, _)), None) => Ok(place),
-                (None, _) => Err(SurveyError::NoColumn { file: file.to_owned(), column }),
-                (Some(_), Some(_)) => Err(SurveyError::Twice { file: file.to_owned(), column }),
+                (found, None) => Ok(found.map(|(place, _)| place)),
+                _ => Err(of_file(file, format_args!("has more than one column {column:?}"))),
             }
         };
         let mut places = [0; 4];
         for (found, column) in places.iter_mut().zip(&COLUMNS) {
-            *found = place(column.name)?;
+            let missing = || of_file(file, format_args!("has no column {:?}", column.name));
+            *found = place(column.name)?.ok_or_else(missing)?;
         }
-        let gender = match place("gender") {
-            Ok(place) => Some(place),
-            Err(SurveyError::NoColumn { .. }) => None,
-            Err(error) => return Err(error),
-        };
+        let gender = place("gender")?;
         let (mut people, mut bad) = (Vec::new(), Vec::new());
         let mut record = ByteRecord::new();
         while reader.read_byte_record(&mut record).map_err(csv_error)? {
@@ -166,12 +148,8 @@ impl Survey {
             }
             people.push(person);
         }
-        if !bad.is_empty() {
-            return Err(SurveyError::Cells(bad));
-        }
-        if people.is_empty() {
-            return Err(SurveyError::Nobody { file: file.to_owned() });
-        }
+        require(bad.is_empty(), || first(&bad))?;
+        require(!people.is_empty(), || of_file(file, "has no people").to_string())?;
         match sex {
             Sex::Male => self.men.append(&mut people),
             Sex::Female => self.women.append(&mut people),
@@ -186,11 +164,6 @@ impl Survey {
             Sex::Female => &self.women,
         }
     }
-
-    /// Returns a measure \[m or kg\] of all people of one sex.
-    pub fn values(&self, sex: Sex, measure: Measure) -> impl Iterator<Item = f64> + '_ {
-        self.people(sex).iter().map(move |person| person.measures()[measure as usize])
-    }
 }
 
 #[cfg(test)]
@@ -203,7 +176,7 @@ mod tests {
         10032,479,253,1702,726,Male,\"Left, \"\"hand\",Cura\xe7ao\r\n\
         10033,544,282,1735,929,Male,Left hand,New York\r\n";
 
-    fn read(content: &[u8]) -> Result<Survey, SurveyError> {
+    fn read(content: &[u8]) -> Result<Survey> {
         let mut survey = Survey::default();
         survey.add(Sex::Male, Path::new("male.csv"), content).map(|()| survey)
     }
@@ -216,8 +189,6 @@ mod tests {
         let people = measures.map(|measures| Person::from_measures(Sex::Male, measures));
         assert_eq!(survey.people(Sex::Male), people);
         assert!(survey.people(Sex::Female).is_empty());
-        let masses: Vec<f64> = survey.values(Sex::Male, Measure::Mass).collect();
-        assert_eq!(masses, [81.5, 72.6, 92.9]);
         // Other columns and their order do not matter, nor a byte order mark, nor the case of the names.
         let mut other =
             b"\xef\xbb\xbfSTATURE, WeightKG ,ChestDepth,bideltoidbreadth\n1776, 815,237,493\n".to_vec();

@@ -1,64 +1,11 @@
 //! Tables of a crowd: its agents as CSV, and its statistics.
 
 use crate::bicycle::BICYCLE_MEASURES;
-use crate::person::{Measure, Sex};
+use crate::person::Measure;
 use crate::population::Agent;
-use serde::{Serialize, Serializer};
+use lemons_core::xml::number;
+use serde::Serialize;
 use std::fmt;
-
-/// A kind of agents in the tables.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
-    /// Pedestrians, men or women.
-    Pedestrian(Sex),
-    /// Bicycles with their riders.
-    Bicycle,
-}
-
-impl Kind {
-    /// All kinds, in the order of the tables.
-    pub const ALL: [Kind; 3] = [Kind::Pedestrian(Sex::Male), Kind::Pedestrian(Sex::Female), Kind::Bicycle];
-
-    /// Returns the kind of an agent.
-    pub fn of(agent: &Agent) -> Kind {
-        match agent {
-            Agent::Pedestrian(person) => Kind::Pedestrian(person.sex),
-            Agent::Bicycle(_) => Kind::Bicycle,
-        }
-    }
-
-    /// Returns "male", "female" or "bicycle".
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Pedestrian(sex) => sex.name(),
-            Kind::Bicycle => "bicycle",
-        }
-    }
-
-    /// Returns names and units of its measures.
-    pub fn measures(self) -> Vec<(&'static str, &'static str)> {
-        match self {
-            Kind::Pedestrian(_) => Measure::ALL.map(|measure| (measure.name(), measure.unit())).to_vec(),
-            Kind::Bicycle => {
-                BICYCLE_MEASURES.map(|name| (name, if name == "mass" { "kg" } else { "m" })).to_vec()
-            }
-        }
-    }
-}
-
-impl Serialize for Kind {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
-    }
-}
-
-/// The measures of an agent, in the order of [`Kind::measures`].
-fn measures(agent: &Agent) -> Vec<f64> {
-    match agent {
-        Agent::Pedestrian(person) => person.measures().to_vec(),
-        Agent::Bicycle(bicycle) => bicycle.measures().to_vec(),
-    }
-}
 
 /// Statistics of one measure over some agents.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -80,40 +27,47 @@ pub struct Summary {
 /// Statistics of one kind of agents.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct KindStatistics {
-    /// The kind.
-    pub kind: Kind,
+    /// "male", "female" or "bicycle".
+    pub kind: &'static str,
     /// Number of agents.
     pub count: usize,
     /// Fraction of the whole crowd, 0…1.
     pub proportion: f64,
-    /// Statistics of each measure, in the order of [`Kind::measures`].
+    /// Statistics of each measure, in the order of [`Measure::ALL`] or [`BICYCLE_MEASURES`].
     pub measures: Vec<Summary>,
 }
 
-/// Statistics of each kind that a crowd has, in the order of [`Kind::ALL`].
+/// Statistics of each kind that a crowd has: men, women, bicycles.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct CrowdStatistics(pub Vec<KindStatistics>);
 
 impl CrowdStatistics {
     /// Computes the statistics of agents.
     pub fn of(agents: &[Agent]) -> CrowdStatistics {
-        let mut kinds = Vec::new();
-        for kind in Kind::ALL {
+        let people = Measure::ALL.map(|measure| (measure.name(), measure.unit()));
+        let kinds = [("male", &people[..]), ("female", &people[..]), ("bicycle", &BICYCLE_MEASURES[..])];
+        let statistics = kinds.into_iter().filter_map(|(kind, names)| {
             let members: Vec<Vec<f64>> =
-                agents.iter().filter(|agent| Kind::of(agent) == kind).map(measures).collect();
-            if members.is_empty() {
-                continue;
-            }
-            let names = kind.measures().into_iter().enumerate();
-            let measures = names.map(|(place, (measure, unit))| {
-                let values: Vec<f64> = members.iter().map(|member| member[place]).collect();
-                summary(measure, unit, &values)
-            });
-            let measures = measures.collect();
+                agents.iter().map(kind_and_measures).filter(|of| of.0 == kind).map(|of| of.1).collect();
+            let column = |place: usize| members.iter().map(|member| member[place]).collect::<Vec<f64>>();
+            let measures = names.iter().enumerate();
+            let measures = measures.map(|(place, (name, unit))| summary(name, unit, &column(place)));
             let proportion = members.len() as f64 / agents.len() as f64;
-            kinds.push(KindStatistics { kind, count: members.len(), proportion, measures });
-        }
-        CrowdStatistics(kinds)
+            (!members.is_empty()).then(|| KindStatistics {
+                kind,
+                count: members.len(),
+                proportion,
+                measures: measures.collect(),
+            })
+        });
+        CrowdStatistics(statistics.collect())
+    }
+}
+
+fn kind_and_measures(agent: &Agent) -> (&'static str, Vec<f64>) {
+    match agent {
+        Agent::Pedestrian(person) => (person.sex.name(), person.measures().to_vec()),
+        Agent::Bicycle(bicycle) => ("bicycle", bicycle.measures().to_vec()),
     }
 }
 
@@ -124,7 +78,7 @@ impl fmt::Display for CrowdStatistics {
             if place > 0 {
                 writeln!(f)?;
             }
-            write!(f, "{}: {count} ({:.1} %)", kind.name(), 100.0 * proportion)?;
+            write!(f, "{kind}: {count} ({:.1} %)", 100.0 * proportion)?;
             for Summary { measure, unit, mean, sd, min, max } in measures {
                 let (scale, unit) = if *unit == "m" { (100.0, "cm") } else { (1.0, *unit) };
                 write!(f, "\n    {measure:<18}{:8.2}", mean * scale)?;
@@ -171,37 +125,24 @@ pub fn crowd_csv(agents: &[Agent]) -> String {
         "handlebar_m",
         "top_tube_m",
     ];
-    let mut rows = vec![header.map(String::from).to_vec()];
+    // Writing rows of one length into memory cannot fail, so the results are dropped.
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let _ = writer.write_record(header);
     for (id, agent) in agents.iter().enumerate() {
-        let empty = String::new;
-        let mut row = vec![id.to_string()];
-        match agent {
+        let (kind, sex, cells) = match agent {
             Agent::Pedestrian(person) => {
-                row.extend(["pedestrian".into(), person.sex.name().into()]);
-                row.extend(person.measures().map(number));
-                row.extend(std::array::from_fn::<_, 4, _>(|_| empty()));
+                let [breadth, depth, stature, mass] = person.measures().map(Some);
+                let cells = [breadth, depth, stature, mass, None, None, None, None];
+                ("pedestrian", person.sex.name(), cells)
             }
             Agent::Bicycle(bicycle) => {
-                let [wheel_width, length, handlebar, top_tube, mass] = bicycle.measures().map(number);
-                row.extend(["bicycle".into(), empty(), empty(), empty(), empty(), mass]);
-                row.extend([wheel_width, length, handlebar, top_tube]);
+                let [wheel_width, length, handlebar, top_tube, mass] = bicycle.measures().map(Some);
+                ("bicycle", "", [None, None, None, mass, wheel_width, length, handlebar, top_tube])
             }
-        }
-        rows.push(row);
-    }
-    csv_text(&rows)
-}
-
-/// The shortest decimal that is read back as the same double.
-fn number(value: f64) -> String {
-    format!("{value:?}")
-}
-
-/// Writing rows of one length into memory cannot fail, so the results are dropped.
-fn csv_text(rows: &[Vec<String>]) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        let _ = writer.write_record(row);
+        };
+        let row = [id.to_string(), kind.to_owned(), sex.to_owned()];
+        let _ = writer
+            .write_record(row.into_iter().chain(cells.map(|cell| cell.map_or_else(String::new, number))));
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
 }
@@ -210,7 +151,7 @@ fn csv_text(rows: &[Vec<String>]) -> String {
 mod tests {
     use super::*;
     use crate::bicycle::Bicycle;
-    use crate::person::Person;
+    use crate::person::{Person, Sex};
     use crate::population::{Population, Proportions, Source};
 
     fn person(sex: Sex, breadth: f64, mass: f64) -> Agent {

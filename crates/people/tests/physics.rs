@@ -42,11 +42,14 @@ const PASSAGE: Vec2 = vec2(6.2, 2.7);
 /// A Trial of such people at these poses with these velocities \[m/s\], on a floor with this rate \[1/s\].
 fn trial(people: &[(Pose, Vec2)], floor: f64) -> Trial {
     let shape = Shape::of(&PERSON).unwrap();
-    let settings = TrialSettings { floor_damping: floor, angular_damping: floor, ..TrialSettings::default() };
+    let settings = TrialSettings::default();
     let poses: Vec<Pose> = people.iter().map(|(pose, _)| *pose).collect();
     let (persons, shapes) = (vec![PERSON; people.len()], vec![shape; people.len()]);
     let open = Geometry { dimensions: None, walls: Vec::new() };
     let mut trial = crowd_trial("physics", &persons, &shapes, &poses, open, &settings).unwrap();
+    for agent in &mut trial.agents {
+        (agent.floor_damping, agent.angular_damping) = (floor, floor);
+    }
     for (dynamics, (_, velocity)) in trial.dynamics.iter_mut().zip(people) {
         dynamics.velocity = *velocity;
         // Who walks at a steady speed pushes as much as the floor brakes.

@@ -4,13 +4,12 @@ use crate::colour::{Colour, ColourMap, Ramp, Theme};
 use crate::scene::Scene;
 use crate::style::{Fill, Values};
 use crate::text::short;
-use std::borrow::Cow;
 
 #[derive(Debug, Clone)]
-pub(crate) struct Colouring<'a> {
+pub(crate) struct Colouring {
     pub single: Colour,
     pub scale: Option<Scale>,
-    pub values: Cow<'a, [f64]>,
+    pub values: Vec<f64>,
 }
 
 /// The meaning of the colour map.
@@ -46,9 +45,9 @@ impl Scale {
     }
 }
 
-impl<'a> Colouring<'a> {
+impl Colouring {
     /// In a scene with a density map the scale is that of the map, and bodies have no values.
-    pub fn new(scene: &Scene, fill: &'a Fill, theme: Theme) -> Colouring<'a> {
+    pub fn new(scene: &Scene, fill: &Fill, theme: Theme) -> Colouring {
         if let Some(map) = &scene.density {
             let high = map.values().into_iter().fold(0.0, f64::max);
             let (low, high) = given(map.range).unwrap_or((0.0, if high > 0.0 { high } else { 1.0 }));
@@ -57,29 +56,26 @@ impl<'a> Colouring<'a> {
             let nothing = nothing.then(|| zero("density", "1/m²"));
             let title = titled("density", "1/m²");
             let scale = Scale { title, low, high, clipped: false, nothing, ramp };
-            return Colouring { single: ramp.at(0.0), scale: Some(scale), values: Cow::Borrowed(&[]) };
+            return Colouring { single: ramp.at(0.0), scale: Some(scale), values: Vec::new() };
         }
-        let areas;
         let Values { values, label, unit, range, quantile, beyond, map } = match fill {
-            Fill::Single(colour) => {
-                return Colouring { single: *colour, scale: None, values: Cow::Borrowed(&[]) };
-            }
-            Fill::Values(values) => values,
-            Fill::BodyArea => {
-                let values = scene.bodies.iter().map(|body| body.area).collect();
-                let (label, unit) = ("body area".to_owned(), "m²".to_owned());
-                areas = Values { values, label, unit, ..Values::default() };
-                &areas
-            }
+            Fill::Single(colour) => return Colouring { single: *colour, scale: None, values: Vec::new() },
+            Fill::Values(values) => values.clone(),
+            Fill::BodyArea => Values {
+                values: scene.bodies.iter().map(|body| body.area).collect(),
+                label: "body area".to_owned(),
+                unit: "m²".to_owned(),
+                ..Values::default()
+            },
         };
         let finite = || values.iter().copied().filter(|v| v.is_finite());
         // All values are zero, or all are unknown: a colour bar would need invented ends.
-        let nothing = given(*range).is_none() && finite().all(|value| value == 0.0);
+        let nothing = given(range).is_none() && finite().all(|value| value == 0.0);
         let nothing = nothing.then(|| match finite().next() {
-            Some(_) => zero(label, unit),
+            Some(_) => zero(&label, &unit),
             None => format!("{label}: not known"),
         });
-        let (low, high) = given(*range).unwrap_or_else(|| {
+        let (low, high) = given(range).unwrap_or_else(|| {
             let low = finite().fold(f64::INFINITY, f64::min);
             let high = finite().fold(f64::NEG_INFINITY, f64::max);
             match map {
@@ -91,17 +87,13 @@ impl<'a> Colouring<'a> {
                 ColourMap::Viridis => (low, high),
             }
         });
-        let mut title = titled(label, unit);
+        let mut title = titled(&label, &unit);
         if let Some(quantile) = quantile {
             title += &format!(", to the {} % quantile", short(100.0 * quantile));
         }
-        let clipped = *beyond || quantile.is_some() || finite().any(|value| value > high);
-        let ramp = Ramp::new(*map, theme);
+        let clipped = beyond || quantile.is_some() || finite().any(|value| value > high);
+        let ramp = Ramp::new(map, theme);
         let scale = Scale { title, low, high, clipped, nothing, ramp };
-        let values = match fill {
-            Fill::Values(own) => Cow::Borrowed(own.values.as_slice()),
-            _ => Cow::Owned(values.clone()),
-        };
         Colouring { single: Colour::MISSING, scale: Some(scale), values }
     }
 

@@ -1,7 +1,7 @@
 //! People per area.
 
-use crate::plane::{View, near};
-use lemons_core::plane::{Vec2, vec2};
+use crate::plane::near;
+use lemons_core::plane::{Bounds, Vec2, vec2};
 use lemons_core::trial::Wall;
 
 /// \[m\] Default standard deviation of the kernel: slightly more than half a shoulder breadth.
@@ -24,7 +24,7 @@ const REACH: f64 = 6.0;
 /// 1 again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DensityMap {
-    view: View,
+    view: Bounds,
     kernel: f64,
     columns: usize,
     rows: usize,
@@ -40,17 +40,13 @@ pub struct DensityMap {
 impl DensityMap {
     /// Makes an empty map of a part of the plane. `kernel` \[m\] is the standard deviation of the Gaussian; if it is
     /// not positive and finite, [`DENSITY_KERNEL`] is used.
-    pub fn new(view: View, kernel: f64, walls: &[Wall]) -> DensityMap {
+    pub fn new(view: Bounds, kernel: f64, walls: &[Wall]) -> DensityMap {
         let sides = walls.iter().flat_map(|wall| wall.corners.windows(2).map(|side| [side[0], side[1]]));
         let walls: Vec<[Vec2; 2]> = sides.filter(|[a, b]| near(*a) && near(*b) && a != b).collect();
         let kernel = if kernel.is_finite() && kernel > 0.0 { kernel } else { DENSITY_KERNEL };
-        let view = if near(view.low) && near(view.high) {
-            view
-        } else {
-            View { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) }
-        };
+        let view = if near(view.low) && near(view.high) { view } else { Bounds::UNIT };
         let size = vec2((view.high.x - view.low.x).max(1e-3), (view.high.y - view.low.y).max(1e-3));
-        let view = View { low: view.low, high: view.low + size };
+        let view = Bounds { low: view.low, high: view.low + size };
         let finest = kernel / if walls.is_empty() { CELLS_PER_KERNEL } else { CELLS_AT_WALLS };
         let cells = |cell: f64| ((size.x / cell).ceil().max(1.0), (size.y / cell).ceil().max(1.0));
         let mut cell = finest;
@@ -136,7 +132,7 @@ impl DensityMap {
     }
 
     /// Returns the part of the plane that the map covers.
-    pub fn view(&self) -> View {
+    pub fn view(&self) -> Bounds {
         self.view
     }
 

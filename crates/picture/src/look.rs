@@ -45,9 +45,7 @@ pub(crate) struct Look<'a> {
 impl Look<'_> {
     /// Chooses the width of lines of force for these scenes at this scale.
     pub fn new<'a>(style: &'a Style, scenes: &[&Scene], frame: &Frame) -> Look<'a> {
-        let forces = scenes.iter().flat_map(|s| drawable_forces(s)).map(|f| f.normal_force);
-        let given = style.forces.filter(|f| f.is_finite() && *f > 0.0);
-        let largest = given.unwrap_or_else(|| forces.fold(0.0, f64::max));
+        let largest = largest_force(style, scenes);
         let areas = || scenes.iter().flat_map(|s| s.drawn()).map(|(_, _, body)| body.area);
         let size = (areas().sum::<f64>() / areas().count().max(1) as f64).max(0.0).sqrt();
         let mut widest = FORCE_STROKE * frame.unit;
@@ -102,12 +100,16 @@ impl Look<'_> {
 
     /// \[N\] The round force in the legend.
     fn sample_force(&self, scenes: &[&Scene]) -> Option<f64> {
-        let given = self.style.forces.filter(|f| f.is_finite() && *f > 0.0);
-        let forces = scenes.iter().flat_map(|s| drawable_forces(s)).map(|f| f.normal_force);
-        // A given scale belongs to a movie: its legend stays when there are no forces.
-        let largest = given.unwrap_or_else(|| forces.fold(0.0, f64::max));
+        let largest = largest_force(self.style, scenes);
         (largest > 0.0).then(|| round_below(largest))
     }
+}
+
+/// \[N\] The force with the widest line. A given one belongs to a movie: its legend stays when there are no forces.
+fn largest_force(style: &Style, scenes: &[&Scene]) -> f64 {
+    let given = style.forces.filter(|f| f.is_finite() && *f > 0.0);
+    let forces = scenes.iter().flat_map(|s| drawable_forces(s)).map(|f| f.normal_force);
+    given.unwrap_or_else(|| forces.fold(0.0, f64::max))
 }
 
 pub(crate) fn measured(scenes: &[&Scene]) -> bool {

@@ -1,8 +1,8 @@
 //! Layout of the page.
 
-use crate::plane::{View, near};
+use crate::plane::near;
 use crate::scene::Scene;
-use lemons_core::plane::{Vec2, vec2};
+use lemons_core::plane::{Bounds, Vec2, vec2};
 
 /// \[px\] Page width at which lines and letters have their nominal sizes in px.
 pub(crate) const NOMINAL_WIDTH: f64 = 400.0;
@@ -32,18 +32,18 @@ pub(crate) fn page_width(asked: f64) -> f64 {
 }
 
 /// The view of a scene, not smaller than can be drawn.
-pub(crate) fn view_of(scene: &Scene) -> View {
+pub(crate) fn view_of(scene: &Scene) -> Bounds {
     let view = scene.view.filter(|v| near(v.low) && near(v.high)).unwrap_or_else(|| scene.extent());
     let grow = |low: f64, high: f64| 0.5 * (SMALLEST_VIEW - (high - low)).max(0.0);
     let by = vec2(grow(view.low.x, view.high.x), grow(view.low.y, view.high.y));
-    View { low: view.low - by, high: view.high + by }
+    Bounds { low: view.low - by, high: view.high + by }
 }
 
 /// Position and scale of the view on the page.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame {
     pub unit: f64,
-    pub view: View,
+    pub view: Bounds,
     /// \[px/m\] Scale.
     pub scale: f64,
     /// \[px\] Upper left corner and size of the view.
@@ -54,7 +54,7 @@ pub(crate) struct Frame {
 
 impl Frame {
     /// Fits the view below `top`, as large as possible and centred in a width `room` from `left` on.
-    pub fn fit(view: View, unit: f64, left: f64, room: f64, top: f64) -> Frame {
+    pub fn fit(view: Bounds, unit: f64, left: f64, room: f64, top: f64) -> Frame {
         let size = view.high - view.low;
         let scale = (room / size.x).min(TALLEST * room / size.y);
         let drawn = size * scale;
@@ -63,13 +63,13 @@ impl Frame {
 
     /// Whether the border would cut a disk.
     pub fn cuts(&self, p: Vec2, r: f64) -> bool {
-        let View { low, high } = self.view;
+        let Bounds { low, high } = self.view;
         p.x - r < low.x || p.x + r > high.x || p.y - r < low.y || p.y + r > high.y
     }
 
     /// Whether a disk is completely off the page.
     pub fn misses(&self, p: Vec2, r: f64) -> bool {
-        let View { low, high } = self.view;
+        let Bounds { low, high } = self.view;
         let r = r + MARGIN * self.unit / self.scale;
         p.x + r < low.x || p.x - r > high.x || p.y + r < low.y || p.y - r > high.y
     }

@@ -1,19 +1,10 @@
-//! Points, poses and rectangles that can be drawn.
+//! Points and poses that can be drawn.
 
 use lemons_core::plane::{Pose, Vec2};
 
 /// \[m\] Points further from the origin are not drawn, nor are points that are not finite. Decimals and the
 /// rasterizer's single precision are not sufficient there.
 const FARTHEST: f64 = 1e6;
-
-/// A rectangle of the plane.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct View {
-    /// \[m\] Lower left corner.
-    pub low: Vec2,
-    /// \[m\] Upper right corner.
-    pub high: Vec2,
-}
 
 /// Whether a body at this pose can be drawn.
 pub(crate) fn drawable(pose: &Pose) -> bool {

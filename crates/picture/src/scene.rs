@@ -3,8 +3,8 @@
 use crate::bicycle::Bicycle;
 use crate::body::Body;
 use crate::density::DensityMap;
-use crate::plane::{View, drawable, near};
-use lemons_core::plane::{Pose, Vec2, vec2};
+use crate::plane::{drawable, near};
+use lemons_core::plane::{Bounds, Pose, Vec2, vec2};
 use lemons_core::trial::Trial;
 
 /// A contact force, drawn as a line whose width is proportional to it.
@@ -48,7 +48,7 @@ pub struct Scene<'a> {
     /// One pose for each agent, in their order. An agent without a finite pose is not drawn.
     pub poses: Vec<Pose>,
     /// The visible part of the plane; `None`: all walls, bodies, bicycles and trails.
-    pub view: Option<View>,
+    pub view: Option<Bounds>,
     /// Forces between bodies, drawn on top of them.
     pub forces: Vec<Force>,
     /// Trails of the agents.
@@ -85,29 +85,14 @@ impl<'a> Scene<'a> {
 
     /// Returns the smallest rectangle around all walls, bodies, bicycles and trails; a metre about the origin if there
     /// are none.
-    pub fn extent(&self) -> View {
-        let mut low = vec2(f64::INFINITY, f64::INFINITY);
-        let mut high = -low;
-        let mut include = |p: Vec2, r: f64| {
-            low = vec2(low.x.min(p.x - r), low.y.min(p.y - r));
-            high = vec2(high.x.max(p.x + r), high.y.max(p.y + r));
-        };
-        for wall in &self.trial.geometry.walls {
-            wall.corners.iter().filter(|c| near(**c)).for_each(|c| include(*c, 0.0));
-        }
-        for trail in &self.trails {
-            trail.points.iter().filter(|p| near(**p)).for_each(|p| include(*p, 0.0));
-        }
-        for (_, pose, body) in self.drawn() {
-            body.disks_at(pose).for_each(|(centre, radius)| include(centre, radius));
-        }
-        for bicycle in self.drawn_bicycles() {
-            bicycle.corners().for_each(|corner| include(corner, 0.0));
-        }
-        if !(low.is_finite() && high.is_finite()) {
-            return View { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) };
-        }
-        View { low, high }
+    pub fn extent(&self) -> Bounds {
+        let corners = self.trial.geometry.walls.iter().flat_map(|wall| &wall.corners);
+        let trails = self.trails.iter().flat_map(|trail| &trail.points);
+        let lines = corners.chain(trails).copied().filter(|p| near(*p));
+        let disks = self.drawn().flat_map(|(_, pose, body)| body.disks_at(pose));
+        let rims = disks.flat_map(|(centre, radius)| [-1.0, 1.0].map(|s| centre + vec2(radius, radius) * s));
+        let bicycles = self.drawn_bicycles().flat_map(Bicycle::corners);
+        Bounds::of(lines.chain(rims).chain(bicycles)).unwrap_or(Bounds::UNIT)
     }
 
     /// The bicycles that can be drawn.

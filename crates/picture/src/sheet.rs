@@ -6,11 +6,10 @@ use crate::furniture::{Header, colour_bar, footer_height, lettered, scale_bar, s
 use crate::lettering::{self, Anchor, Place};
 use crate::look::Look;
 use crate::page::{BAND_GAP, CAP_HEIGHT, Frame, MARGIN, NOMINAL_WIDTH, Page, page_width, view_of};
-use crate::plane::View;
 use crate::scene::Scene;
 use crate::style::{Fill, Style};
 use crate::world::{CUT_BORDER, is_cut, world};
-use lemons_core::plane::vec2;
+use lemons_core::plane::Bounds;
 
 /// \[px\] Distance between two panels.
 const GUTTER: f64 = 14.0;
@@ -60,8 +59,8 @@ pub fn sheet(panels: &[Panel], columns: usize, style: &Style) -> String {
         .collect();
     // As large as on the page of a single scene, if the headings leave room.
     let mut unit = width / NOMINAL_WIDTH * if columns > 1 { FINER } else { 1.0 };
-    let view = scenes.iter().map(|s| view_of(s)).reduce(around);
-    let view = view.unwrap_or(View { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) });
+    let views = scenes.iter().map(|s| view_of(s));
+    let view = Bounds::of(views.flat_map(|view| [view.low, view.high])).unwrap_or(Bounds::UNIT);
     // Objects that extend beyond their panel are cut, so that they do not reach the next one.
     let cut = {
         let anywhere = Frame::fit(view, unit, 0.0, width, 0.0);
@@ -142,11 +141,4 @@ fn shared(colourings: &mut [Colouring]) -> Option<Scale> {
     let scale = Scale { low, high, clipped, ..first };
     colourings.iter_mut().filter(|c| c.scale.is_some()).for_each(|c| c.scale = Some(scale.clone()));
     Some(scale)
-}
-
-fn around(a: View, b: View) -> View {
-    View {
-        low: vec2(a.low.x.min(b.low.x), a.low.y.min(b.low.y)),
-        high: vec2(a.high.x.max(b.high.x), a.high.y.max(b.high.y)),
-    }
 }

@@ -11,16 +11,16 @@ pub struct Style {
     pub fill: Fill,
     /// Colour of everything else.
     pub theme: Theme,
-    /// The agents' Ids, on the bodies.
-    pub ids: Visibility,
-    /// A mark that shows where each body faces.
-    pub orientation: Visibility,
+    /// Whether the agents' Ids are drawn, on the bodies.
+    pub ids: bool,
+    /// Whether a mark shows where each body faces.
+    pub orientation: bool,
     /// \[s\] Time, written above the scene.
     pub time: Option<f64>,
     /// Number of decimals of times.
     pub time_decimals: usize,
-    /// The bodies; hidden if only a density map is to be drawn.
-    pub bodies: Visibility,
+    /// Whether the bodies are drawn; not if only a density map is to be drawn.
+    pub bodies: bool,
     /// \[N\] The force with the widest line; `None`: the largest force of the picture. If it is given (for movies), the
     /// legend is drawn even without forces.
     pub forces: Option<f64>,
@@ -32,11 +32,11 @@ impl Default for Style {
             width: 400.0,
             fill: Fill::Single(Colour::BODY),
             theme: Theme::Light,
-            ids: Visibility::Hidden,
-            orientation: Visibility::Shown,
+            ids: false,
+            orientation: true,
             time: None,
             time_decimals: 2,
-            bodies: Visibility::Shown,
+            bodies: true,
             forces: None,
         }
     }
@@ -71,19 +71,4 @@ pub struct Values {
     pub beyond: bool,
     /// The colour map.
     pub map: ColourMap,
-}
-
-/// Whether an element is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Visibility {
-    /// Drawn.
-    Shown,
-    /// Not drawn.
-    Hidden,
-}
-
-impl Visibility {
-    pub(crate) fn shown(self) -> bool {
-        self == Visibility::Shown
-    }
 }

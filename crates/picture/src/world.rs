@@ -29,14 +29,13 @@ pub(crate) const CUT_BORDER: f64 = 0.4 * MARGIN;
 
 /// The bodies that are drawn, with their indices.
 fn seen<'a>(scene: &'a Scene, style: &Style, frame: &Frame) -> Vec<(usize, &'a Pose, &'a Body)> {
-    let seen = |(_, pose, body): &(usize, &Pose, &Body)| {
-        style.bodies.shown() && !frame.misses(pose.position, body.reach)
-    };
+    let seen =
+        |(_, pose, body): &(usize, &Pose, &Body)| style.bodies && !frame.misses(pose.position, body.reach);
     scene.drawn().filter(seen).collect()
 }
 
 fn ridden<'a>(scene: &'a Scene, style: &Style, frame: &Frame) -> Vec<&'a Bicycle> {
-    let seen = |b: &&Bicycle| style.bodies.shown() && !frame.misses(b.pose.position, b.reach());
+    let seen = |b: &&Bicycle| style.bodies && !frame.misses(b.pose.position, b.reach());
     scene.drawn_bicycles().filter(seen).collect()
 }
 
@@ -107,7 +106,7 @@ pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame,
         trails(out, scene, palette, frame);
     }
     forces(out, scene, look, frame);
-    if style.ids.shown() {
+    if style.ids {
         let crossed = !scene.trails.is_empty() || !scene.forces.is_empty();
         let pen = text_of(PEN * lettering::CAP, PX);
         *out += &format!("<g class=\"ids\" fill=\"none\" stroke-width=\"{pen}\">\n");
@@ -184,7 +183,7 @@ fn bodies(
             let _ = write!(out, " fill=\"{fill}\"");
         }
         let _ = write!(out, "><title>{}</title><path d=\"{}\"/>", escaped(id), body.outline);
-        if style.orientation.shown() && !outlined {
+        if style.orientation && !outlined {
             mark(out, body, fill);
         }
         *out += "</g>\n";

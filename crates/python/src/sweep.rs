@@ -5,9 +5,9 @@ use crate::simulation::{Simulation, refused};
 use lemons_master::PlanChoice;
 use lemons_results::measure::LATEST;
 use lemons_sim::{Algorithm, Clock};
-use lemons_sweep::{Finished, Measured, Models, Plan, Template, Values, check_parameters, identity};
+use lemons_sweep::{Finished, Measured, Models, Plan, Template, check_parameters, identity};
 use pyo3::create_exception;
-use pyo3::exceptions::{PyException, PyOverflowError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyException, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyInt, PyString};
 use serde_json::{Map, Value};
@@ -26,25 +26,38 @@ fn wrong(error: impl std::fmt::Display) -> PyErr {
 
 /// The points of a sweep: a row of parameter values for each.
 #[pyclass(frozen, module = "lemons_fmu._native")]
-pub struct Points(lemons_sweep::Points);
+pub struct Points {
+    points: lemons_sweep::Points,
+    /// Of each parameter.
+    kinds: Vec<Kind>,
+}
+
+/// What the values of a parameter are.
+#[derive(Clone, Copy)]
+enum Kind {
+    Integer,
+    Real,
+    Text,
+}
 
 /// The values of a parameter: all whole numbers, all numbers, or all texts.
-fn values(name: &str, values: &[Bound<'_, PyAny>]) -> PyResult<Values> {
-    let is_truth = |value: &Bound<'_, PyAny>| value.is_instance_of::<PyBool>();
+fn values(name: &str, values: &[Bound<'_, PyAny>]) -> PyResult<(Kind, Vec<String>)> {
     if values.iter().all(|value| value.is_instance_of::<PyString>()) {
-        return Ok(Values::Texts(values.iter().map(|value| value.extract()).collect::<PyResult<_>>()?));
+        return Ok((Kind::Text, values.iter().map(|value| value.extract()).collect::<PyResult<_>>()?));
     }
+    let is_other =
+        |value: &Bound<'_, PyAny>| value.is_instance_of::<PyBool>() || value.is_instance_of::<PyString>();
     let other = || wrong(format!("parameter {name}: values must be all numbers or all texts"));
-    if values.iter().any(|value| is_truth(value) || value.is_instance_of::<PyString>()) {
+    if values.iter().any(is_other) {
         return Err(other());
     }
     if values.iter().all(|value| value.is_instance_of::<PyInt>()) {
-        let integers = values.iter().map(|value| value.extract()).collect::<PyResult<_>>();
-        let large = |_| PyOverflowError::new_err(format!("parameter {name}: an integer is too large"));
-        return Ok(Values::Integers(integers.map_err(large)?));
+        let text = |value: &Bound<'_, PyAny>| value.extract().map(|value: i64| value.to_string());
+        let large = |_| wrong(format!("parameter {name}: an integer is too large"));
+        return Ok((Kind::Integer, values.iter().map(text).collect::<PyResult<_>>().map_err(large)?));
     }
-    let reals = values.iter().map(|value| value.extract()).collect::<PyResult<_>>();
-    Ok(Values::Reals(reals.map_err(|_| other())?))
+    let text = |value: &Bound<'_, PyAny>| value.extract().map(|value: f64| format!("{value:?}"));
+    Ok((Kind::Real, values.iter().map(text).collect::<PyResult<_>>().map_err(|_| other())?))
 }
 
 #[pymethods]
@@ -52,25 +65,33 @@ impl Points {
     /// Makes the points of parameters and their values: all combinations (a grid), or a point for each row.
     #[staticmethod]
     fn of(columns: Vec<(String, Vec<Bound<'_, PyAny>>)>, grid: bool) -> PyResult<Points> {
-        let columns: Vec<(String, Values)> = columns
-            .into_iter()
-            .map(|(name, all)| Ok((name.clone(), values(&name, &all)?)))
-            .collect::<PyResult<_>>()?;
-        let made =
-            if grid { lemons_sweep::Points::grid(columns) } else { lemons_sweep::Points::table(columns) };
-        made.map(Points).map_err(wrong)
+        let (mut kinds, mut all) = (Vec::new(), Vec::new());
+        for (name, column) in columns {
+            let (kind, column) = values(&name, &column)?;
+            kinds.push(kind);
+            all.push((name, column));
+        }
+        let points = if grid {
+            lemons_sweep::Points::grid(all).map_err(wrong)?
+        } else {
+            lemons_sweep::Points::of_rows(all)
+        };
+        if points.count == 0 {
+            return Err(wrong("there are no points"));
+        }
+        Ok(Points { points, kinds })
     }
 
     /// The number of points.
     #[getter]
     fn count(&self) -> usize {
-        self.0.count
+        self.points.count
     }
 
     /// Names of the parameters.
     #[getter]
     fn names(&self) -> Vec<&str> {
-        self.0.columns.iter().map(|(name, _)| name.as_str()).collect()
+        self.points.parameters.iter().map(|parameter| parameter.name.as_str()).collect()
     }
 
     /// The values of a parameter at these points.
@@ -80,22 +101,24 @@ impl Points {
         column: usize,
         points: Vec<usize>,
     ) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        let (_, values) = &self.0.columns[column];
-        points.into_iter().map(|point| value(py, values, point)).collect()
+        points.into_iter().map(|point| self.value(py, column, point)).collect()
     }
 
     /// The values of all parameters at a point.
     fn values<'py>(&self, py: Python<'py>, point: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        self.0.columns.iter().map(|(_, values)| value(py, values, point)).collect()
+        (0..self.kinds.len()).map(|column| self.value(py, column, point)).collect()
     }
 }
 
-fn value<'py>(py: Python<'py>, values: &Values, point: usize) -> PyResult<Bound<'py, PyAny>> {
-    Ok(match values {
-        Values::Integers(values) => values[point].into_pyobject(py)?.into_any(),
-        Values::Reals(values) => values[point].into_pyobject(py)?.into_any(),
-        Values::Texts(values) => values[point].clone().into_pyobject(py)?.into_any(),
-    })
+impl Points {
+    fn value<'py>(&self, py: Python<'py>, column: usize, point: usize) -> PyResult<Bound<'py, PyAny>> {
+        let text = self.points.parameters[column].at(point);
+        Ok(match self.kinds[column] {
+            Kind::Integer => text.parse::<i64>().map_err(wrong)?.into_pyobject(py)?.into_any(),
+            Kind::Real => text.parse::<f64>().map_err(wrong)?.into_pyobject(py)?.into_any(),
+            Kind::Text => text.into_pyobject(py)?.into_any(),
+        })
+    }
 }
 
 /// What the points of a sweep simulate.
@@ -120,7 +143,7 @@ impl Study {
     /// walk by `plan`, by default by the Trial's decision.toml, or not at all.
     #[new]
     fn new(points: Py<Points>, what: &str, plan: Option<&str>, walk: bool) -> PyResult<Study> {
-        let all = &points.get().0;
+        let all = &points.get().points;
         let plan = match plan {
             Some(text) => Plan::File(template(text, all)?),
             None if walk => Plan::Own,
@@ -147,14 +170,14 @@ impl Study {
 
     /// The places of parameters that are set: the others only choose a model.
     fn set(&self) -> Vec<usize> {
-        let columns = 0..self.points.get().0.columns.len();
+        let columns = 0..self.points.get().points.parameters.len();
         columns.filter(|column| !self.models.only_chooses(*column)).collect()
     }
 
     /// Checks that a model has all variables that are set.
     fn check(&self, simulation: &Simulation) -> PyResult<()> {
         let only_chooses = |column: usize| self.models.only_chooses(column);
-        let checked = check_parameters(&self.points.get().0, only_chooses, &simulation.simulation);
+        let checked = check_parameters(&self.points.get().points, only_chooses, &simulation.simulation);
         checked.map_err(|error| refused(error.whole()))
     }
 
@@ -168,7 +191,7 @@ impl Study {
 
     /// The same of all models together, by what is different in them; and of the points.
     fn identity_of_all(&self, each: Vec<String>) -> String {
-        let points = &self.points.get().0;
+        let points = &self.points.get().points;
         let mut all = Map::from_iter([("points".to_owned(), identity::of_points(points))]);
         if each.len() > 1 {
             all.extend(identity::of_models(points, &each, &self.models));
@@ -206,7 +229,7 @@ impl Table {
             let text = format!("{}: is not a file; give the name of a table (.csv)", path.display());
             return Err(SweepError::new_err(text));
         }
-        lemons_sweep::Table::open(&path, &identity, &points.0, None).map(Some).map(Table).map_err(cannot)
+        lemons_sweep::Table::open(&path, &identity, &points.points, None).map(Some).map(Table).map_err(cannot)
     }
 
     /// Names of the measures; None as long as no point has any.

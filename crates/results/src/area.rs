@@ -1,12 +1,10 @@
 //! The walkable area that walls enclose.
 
 use crate::outlines::{Outline, Outlines};
+use crate::shapes::{Contour, Shape, contour, overlay, ring};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
-use i_overlay::float::single::SingleFloatOverlay;
-use lemons_core::plane::{
-    Bounds, ConvexHull, Ring, Vec2, polygon_from_wkt, polygon_to_wkt, segments_touch, vec2,
-};
+use lemons_core::plane::{Bounds, Polygon, Ring, Vec2, convex_hull, segments_touch, vec2};
 use lemons_core::trial::Wall;
 
 /// \[m\] Distance of a bounding box from people and walls: more than half of a person's breadth.
@@ -23,20 +21,10 @@ const GRAINS: f64 = 1e6;
 /// The area where people can be.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Area {
-    /// \[m\] The area as a `POLYGON` in well-known text.
-    pub wkt: String,
-    /// \[m\] Lowest x and y.
-    pub low: Vec2,
-    /// \[m\] Highest x and y.
-    pub high: Vec2,
+    /// \[m\] The area.
+    pub polygon: Polygon,
     /// What the area was made of, and what could not be used, in words for the user.
     pub said: Vec<String>,
-}
-
-/// An outline and what is not in it.
-struct Polygon {
-    outer: Ring,
-    holes: Vec<Ring>,
 }
 
 /// Returns the area of people who were at these positions \[m\]. PedPy and JuPedSim want one polygon. It is the first of
@@ -111,10 +99,10 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
     let parting: Vec<(Vec2, Vec2)> = open
         .iter()
         .flat_map(|corners| corners.windows(2).map(|side| (side[0], side[1])))
-        .filter(|&(a, b)| !is_outline(a, b) && polygon.meets(a, b))
+        .filter(|&(a, b)| !is_outline(a, b) && meets(&polygon, a, b))
         .collect();
     if !parting.is_empty() {
-        match polygon.parted(&parting, positions) {
+        match parted(&polygon, &parting, positions) {
             Some(parted) => {
                 said.push(format!("open walls in it are taken out, {THICKNESS} m thick"));
                 polygon = parted;
@@ -126,7 +114,7 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
             ),
         }
     }
-    polygon.area(said)
+    Area { polygon, said }
 }
 
 /// Returns the area that a user gives as well-known text, `POLYGON ((x y, …), (hole), …)` in m.
@@ -134,21 +122,19 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
 /// # Errors
 /// The text is not such a polygon, a ring crosses itself or another one, or a position \[m\] is outside.
 pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Area, String> {
-    let rings = polygon_from_wkt(wkt)?;
+    let polygon = Polygon::from_wkt(wkt)?;
     let name = |k: usize| if k == 0 { "the outer ring".to_owned() } else { format!("hole {k}") };
     let far = |ring: &Ring| ring.corners().iter().any(|p| !(p.x.abs() <= FARTHEST && p.y.abs() <= FARTHEST));
-    if let Some(k) = rings.iter().position(far) {
+    if let Some(k) = polygon.rings().position(far) {
         return Err(format!("{} has a corner further than {FARTHEST:e} m from the origin", name(k)));
     }
-    if let Some(k) = rings.iter().position(|ring| ring.corners().len() > MOST_CORNERS) {
+    if let Some(k) = polygon.rings().position(|ring| ring.corners().len() > MOST_CORNERS) {
         return Err(format!("{} has more than {MOST_CORNERS} corners", name(k)));
     }
-    if let Some(k) = rings.iter().position(|ring| !ring.is_simple()) {
+    if let Some(k) = polygon.rings().position(|ring| !ring.is_simple()) {
         return Err(format!("{} crosses itself or has no area", name(k)));
     }
-    let mut rings = rings.into_iter();
-    let outer = rings.next().ok_or("POLYGON has no ring")?;
-    let holes: Vec<Ring> = rings.collect();
+    let Polygon { outer, holes } = &polygon;
     for (k, hole) in holes.iter().enumerate() {
         let corner = hole.corners()[0];
         if !outer.contains(corner) || outer.touches(hole) {
@@ -160,7 +146,6 @@ pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Ar
             return Err(format!("{} meets {}", name(k + 1), name(other + 1)));
         }
     }
-    let polygon = Polygon { outer, holes };
     let outside: Vec<Vec2> = positions.filter(|position| !polygon.contains(*position)).collect();
     if let Some(first) = outside.first() {
         let count = outside.len();
@@ -169,7 +154,7 @@ pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Ar
             first.x, first.y
         ));
     }
-    Ok(polygon.area(vec!["walkable area: the polygon given; walls are not looked at".into()]))
+    Ok(Area { polygon, said: vec!["walkable area: the polygon given; walls are not looked at".into()] })
 }
 
 /// The rooms that people were in, and beside each opening the convex hull of where they were outside. `None` if
@@ -195,18 +180,16 @@ fn with_yards(
             [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| p + vec2(x, y) * MARGIN),
         );
     }
-    let mut shapes: Vec<Vec<[f64; 2]>> = rooms.iter().map(|room| counter_clockwise(&room.ring)).collect();
+    let mut shapes: Shape = rooms.iter().map(|room| counter_clockwise(&room.ring)).collect();
     let mut beyond = 0;
     for (mut yard, (a, b)) in yards.into_iter().zip(&bridges) {
         if !yard.is_empty() {
             yard.extend([*a, *b]);
-            let hull = ConvexHull::of(yard)?;
-            shapes.push(hull.corners().iter().map(|p| [p.x, p.y]).collect());
+            shapes.push(convex_hull(yard).iter().map(|p| [p.x, p.y]).collect());
             beyond += 1;
         }
     }
-    let nothing: Vec<Vec<[f64; 2]>> = Vec::new();
-    let union = shapes.overlay(&nothing, OverlayRule::Subject, FillRule::NonZero);
+    let union = overlay(&shapes, &Shape::new(), OverlayRule::Subject, FillRule::NonZero);
     let polygon = of_people(union, positions)?;
     let mut all: Vec<String> = rooms.iter().map(|room| room.described()).collect();
     let openings = if beyond == 1 { "the opening" } else { "each opening" };
@@ -216,13 +199,13 @@ fn with_yards(
 }
 
 /// The one polygon that has everybody in it.
-fn of_people(shapes: Vec<Vec<Vec<[f64; 2]>>>, mut positions: impl Iterator<Item = Vec2>) -> Option<Polygon> {
-    let ring = |contour: Vec<[f64; 2]>| {
+fn of_people(shapes: Vec<Shape>, mut positions: impl Iterator<Item = Vec2>) -> Option<Polygon> {
+    let rounded = |contour: Contour| {
         let whole = |x: f64| libm::round(x * GRAINS) / GRAINS;
-        Ring::through(contour.iter().map(|[x, y]| vec2(whole(*x), whole(*y))).collect())
+        ring(&contour.iter().map(|point| point.map(whole)).collect())
     };
     let polygons = shapes.into_iter().filter_map(|shape| {
-        let mut rings = shape.into_iter().filter_map(ring);
+        let mut rings = shape.into_iter().filter_map(rounded);
         Some(Polygon { outer: rings.next()?, holes: rings.collect() })
     });
     let polygons: Vec<Polygon> = polygons.collect();
@@ -231,50 +214,37 @@ fn of_people(shapes: Vec<Vec<Vec<[f64; 2]>>>, mut positions: impl Iterator<Item 
     (polygon.outer.is_simple() && positions.all(|p| polygon.contains(p))).then_some(polygon)
 }
 
-/// As i_overlay wants it.
-fn counter_clockwise(ring: &Ring) -> Vec<[f64; 2]> {
-    let mut corners: Vec<[f64; 2]> = ring.corners().iter().map(|p| [p.x, p.y]).collect();
+/// As the rule `NonZero` wants it.
+fn counter_clockwise(ring: &Ring) -> Contour {
+    let mut corners = contour(ring);
     if ring.signed_area() < 0.0 {
         corners.reverse();
     }
     corners
 }
 
-impl Polygon {
-    fn contains(&self, p: Vec2) -> bool {
-        self.outer.contains(p) && !self.holes.iter().any(|hole| hole.contains(p))
-    }
+/// Whether part of a line may be in a polygon.
+fn meets(polygon: &Polygon, a: Vec2, b: Vec2) -> bool {
+    let touches = |ring: &Ring| ring.sides().any(|(c, d)| segments_touch(a, b, c, d));
+    [(a + b) * 0.5, a, b].into_iter().any(|p| polygon.contains(p)) || polygon.rings().any(touches)
+}
 
-    /// Whether part of a line may be in it.
-    fn meets(&self, a: Vec2, b: Vec2) -> bool {
-        self.contains((a + b) * 0.5) || self.contains(a) || self.contains(b) || {
-            let mut rings = std::iter::once(&self.outer).chain(&self.holes);
-            rings.any(|ring| ring.sides().any(|(c, d)| segments_touch(a, b, c, d)))
-        }
-    }
-
-    /// Without walls; `None` if everybody is not in one piece then.
-    fn parted(&self, walls: &[(Vec2, Vec2)], positions: impl Iterator<Item = Vec2>) -> Option<Polygon> {
-        let rings = std::iter::once(&self.outer).chain(&self.holes);
-        let mut subject: Vec<Vec<[f64; 2]>> = rings.map(counter_clockwise).collect();
-        subject[1..].iter_mut().for_each(|hole| hole.reverse());
-        let strips: Vec<Vec<[f64; 2]>> = walls
-            .iter()
-            .filter(|(a, b)| a != b)
-            .map(|&(a, b)| {
-                let along = (b - a) * (0.5 * THICKNESS / (b - a).norm());
-                let aside = vec2(-along.y, along.x);
-                let (a, b) = (a - along, b + along);
-                [a - aside, b - aside, b + aside, a + aside].map(|p| [p.x, p.y]).to_vec()
-            })
-            .collect();
-        of_people(subject.overlay(&strips, OverlayRule::Difference, FillRule::NonZero), positions)
-    }
-
-    fn area(&self, said: Vec<String>) -> Area {
-        let Bounds { low, high } = self.outer.bounds();
-        Area { wkt: polygon_to_wkt(std::iter::once(&self.outer).chain(&self.holes)), low, high, said }
-    }
+/// A polygon without walls; `None` if everybody is not in one piece then.
+fn parted(
+    polygon: &Polygon,
+    walls: &[(Vec2, Vec2)],
+    positions: impl Iterator<Item = Vec2>,
+) -> Option<Polygon> {
+    let mut subject: Shape = polygon.rings().map(counter_clockwise).collect();
+    subject[1..].iter_mut().for_each(|hole| hole.reverse());
+    let strip = |&(a, b): &(Vec2, Vec2)| {
+        let along = (b - a) * (0.5 * THICKNESS / (b - a).norm());
+        let aside = vec2(-along.y, along.x);
+        let (a, b) = (a - along, b + along);
+        [a - aside, b - aside, b + aside, a + aside].map(|p| [p.x, p.y]).to_vec()
+    };
+    let strips: Shape = walls.iter().filter(|(a, b)| a != b).map(strip).collect();
+    of_people(overlay(&subject, &strips, OverlayRule::Difference, FillRule::NonZero), positions)
 }
 
 fn bounding_box(points: impl Iterator<Item = Vec2>) -> Outline {
@@ -307,8 +277,10 @@ mod tests {
             square("in it", 4.25, 4.25, 0.5),
         ];
         let area = area(&walls, &[(1.0, 1.0), (9.0, 9.5)]);
-        assert_eq!(area.wkt, "POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0), (4 4, 5 4, 5 5, 4 5, 4 4))");
-        assert_eq!((area.low, area.high), (vec2(0.0, 0.0), vec2(10.0, 10.0)));
+        assert_eq!(
+            area.polygon.to_wkt(),
+            "POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0), (4 4, 5 4, 5 5, 4 5, 4 4))"
+        );
         assert_eq!(area.said, ["walkable area: inside of wall \"room\"", "wall \"pillar\" is taken out"]);
     }
 
@@ -319,9 +291,14 @@ mod tests {
             square("room", 0.0, 0.0, 10.0),
             square("next", 12.0, 0.0, 5.0),
         ];
-        assert!(area(&walls, &[(1.0, 1.0)]).wkt.starts_with("POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0))"));
+        assert!(
+            area(&walls, &[(1.0, 1.0)])
+                .polygon
+                .to_wkt()
+                .starts_with("POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0))")
+        );
         let both = area(&walls, &[(1.0, 1.0), (13.0, 1.0)]);
-        assert_eq!(both.wkt, "POLYGON ((-5 -5, 25 -5, 25 25, -5 25, -5 -5))");
+        assert_eq!(both.polygon.to_wkt(), "POLYGON ((-5 -5, 25 -5, 25 25, -5 25, -5 -5))");
         assert_eq!(both.said.iter().filter(|text| text.contains("people inside and outside")).count(), 2);
     }
 
@@ -332,10 +309,10 @@ mod tests {
         // The wall and the pillar are taken out.
         let expected = "POLYGON ((-0.5 4, -0.5 -0.5, 8.5 -0.5, 8.5 4, -0.5 4), \
             (-0.01 -0.01, -0.01 0.01, 8.01 0.01, 8.01 -0.01, -0.01 -0.01), (4 1, 4 2, 5 2, 5 1, 4 1))";
-        assert_eq!(area.wkt, expected);
+        assert_eq!(area.polygon.to_wkt(), expected);
         assert!(area.said[0].contains("bounding box"), "{:?}", area.said);
         assert_eq!(
-            self::area(&[], &[(1.0, 2.0)]).wkt,
+            self::area(&[], &[(1.0, 2.0)]).polygon.to_wkt(),
             "POLYGON ((0.5 1.5, 1.5 1.5, 1.5 2.5, 0.5 2.5, 0.5 1.5))"
         );
     }
@@ -357,28 +334,17 @@ mod tests {
                 "open walls in it are taken out, 0.02 m thick"
             ]
         );
-        assert_eq!(area.wkt.matches("), (").count(), 1, "{}", area.wkt);
+        assert_eq!(area.polygon.to_wkt().matches("), (").count(), 1, "{}", area.polygon.to_wkt());
         let whole = self::area(&sides[..4], &[(1.0, 2.0)]);
-        assert_eq!(whole.wkt, "POLYGON ((0 3, 0 0, 4 0, 4 3, 0 3))");
+        assert_eq!(whole.polygon.to_wkt(), "POLYGON ((0 3, 0 0, 4 0, 4 3, 0 3))");
         let gap = self::area(&sides[..3], &[(1.0, 2.0)]);
         assert!(gap.said[0].ends_with("its opening of 3 m closed by a straight line"), "{:?}", gap.said);
         assert_eq!(inside(&gap, &[(1.0, 2.0), (4.1, 2.0)]), [true, false]);
     }
 
-    #[test]
-    fn a_room_with_a_way_out() {
-        let room = [(4.0, 2.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0), (4.0, 0.0), (4.0, 1.0)];
-        let open = area(&[wall("room", &room)], &[(1.0, 2.0)]);
-        assert_eq!(open.wkt, "POLYGON ((4 2, 4 3, 0 3, 0 0, 4 0, 4 1, 4 2))");
-        let said = "walkable area: inside of wall \"room\", its opening of 1 m closed by a straight line";
-        assert_eq!(open.said, [said]);
-    }
-
     /// Whether points are in an area.
     fn inside(area: &Area, points: &[(f64, f64)]) -> Vec<bool> {
-        let mut rings = polygon_from_wkt(&area.wkt).unwrap().into_iter();
-        let polygon = Polygon { outer: rings.next().unwrap(), holes: rings.collect() };
-        points.iter().map(|&(x, y)| polygon.contains(vec2(x, y))).collect()
+        points.iter().map(|&(x, y)| area.polygon.contains(vec2(x, y))).collect()
     }
 
     #[test]
@@ -407,7 +373,12 @@ mod tests {
         );
         let points = [(5.0, 3.0), (5.0, 1.0), (-0.1, 2.0), (7.0, 3.0)];
         assert_eq!(inside(&area, &points), [false, true, false, true]);
-        assert_eq!(area.wkt.matches("), (").count(), 0, "the screen stands at the wall: {}", area.wkt);
+        assert_eq!(
+            area.polygon.to_wkt().matches("), (").count(),
+            0,
+            "the screen stands at the wall: {}",
+            area.polygon.to_wkt()
+        );
         // A screen from wall to wall parts people: one polygon cannot say it.
         let through = wall("through", &[(5.0, 4.0), (5.0, 0.0)]);
         let parted = self::area(&[&walls[..2], &[through]].concat(), &[(1.0, 2.0), (7.0, 1.0)]);
@@ -419,26 +390,16 @@ mod tests {
         let people = || [vec2(1.0, 1.0), vec2(3.0, 1.0)].into_iter();
         let area =
             given_area(" polygon((0 0, 4 0, 4 3, 0 3, 0 0), (2 2, 2.5 2, 2 2.5, 2 2))\n", people()).unwrap();
-        assert_eq!(area.wkt, "POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0), (2 2, 2.5 2, 2 2.5, 2 2))");
-        assert_eq!((area.low, area.high), (vec2(0.0, 0.0), vec2(4.0, 3.0)));
+        assert_eq!(area.polygon.to_wkt(), "POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0), (2 2, 2.5 2, 2 2.5, 2 2))");
         for (text, expected) in [
-            ("", "is not a POLYGON"),
-            ("POLYGON", "is not a POLYGON"),
-            ("POLYGON ()", "no ring"),
-            ("POLYGON EMPTY", "is not a POLYGON"),
             ("POLYGONE ((0 0, 4 0, 4 3, 0 0))", "is not a POLYGON"),
-            ("POINT (0 0)", "is not a POLYGON"),
-            ("POLYGON ((0 0, 4 0, 4 3))", "is not closed"),
             ("POLYGON ((0 0, 4 0, 1e300 3, 0 0))", "the outer ring has a corner further than 1e6 m"),
-            ("POLYGON ((0 0, 4 0, 4 inf, 0 0))", "\"4 inf\" is not a corner"),
             ("POLYGON ((0 0, 4 4, 4 0, 0 4, 0 0))", "the outer ring crosses itself"),
             ("POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0), (5 5, 6 5, 5 6, 5 5))", "hole 1 is not inside"),
             (
                 "POLYGON ((0 0, 2 0, 2 3, 0 3, 0 0))",
                 "1 positions of people are not in it, the first at x = 3.0",
             ),
-            ("POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0) (2 2, 3 2, 2 3, 2 2))", "separated by commas"),
-            ("POLYGON ((0 0, é", "is not a POLYGON"),
         ] {
             let said = given_area(text, people()).unwrap_err();
             assert!(said.contains(expected), "{text}: {said}");
@@ -452,7 +413,7 @@ mod tests {
         let thin = wall("thin", &[(5.0, 1.0), (7.0, 1.0), (5.0, 1.0)]);
         let walls = [room, bow, thin, square("niche", 0.0, 5.0, 1.0), square("through", 9.0, 5.0, 3.0)];
         let area = area(&walls, &[(5.0, 5.0)]);
-        assert_eq!(area.wkt, "POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0))");
+        assert_eq!(area.polygon.to_wkt(), "POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0))");
         for text in
             ["\"bow\" crosses itself", "\"thin\" crosses itself", "\"niche\" touches", "\"through\" touches"]
         {

@@ -2,8 +2,8 @@
 //! it; `tests/columns.csv` is the same for programs in other languages.
 
 use crate::cell::Cell;
-pub use crate::cell::Kind;
-use crate::run::{Observed, OfStep, Totals};
+pub use crate::cell::CellType;
+use crate::run::{Observed, Totals};
 use lemons_core::plane::Motion;
 
 /// A column of the table of a run, which is an output of the FMU.
@@ -23,8 +23,8 @@ pub struct Quantity {
 
 impl Quantity {
     /// Counts are integers, everything else is a double.
-    pub const fn kind(&self) -> Kind {
-        if self.unit.is_some() { Kind::Real } else { Kind::Integer }
+    pub const fn kind(&self) -> CellType {
+        if self.unit.is_some() { CellType::Real } else { CellType::Integer }
     }
 }
 
@@ -33,7 +33,6 @@ impl Quantity {
 pub(crate) struct AgentRow {
     pub motion: Motion,
     pub observed: Observed,
-    pub of_step: OfStep,
     pub active: bool,
     pub totals: Totals,
 }
@@ -64,6 +63,18 @@ impl Field<'_> {
             Field::Size(_) => return Err("a finite number from 0 on"),
             Field::Count(_) => return Err("a valid number of contacts"),
             Field::Flag(_) => return Err("1 (there) or 0 (left)"),
+        }
+        Ok(())
+    }
+
+    /// Sets the value of an FMU, whose doubles may be anything.
+    ///
+    /// # Errors
+    /// What the number must be.
+    pub fn set_any(self, number: f64) -> Result<(), &'static str> {
+        match self {
+            Field::Real(value) | Field::Size(value) => *value = number,
+            other => return other.set(number),
         }
         Ok(())
     }
@@ -154,26 +165,23 @@ pub const SQUEEZE: Quantity = quantity(
 /// first versions have none of these outputs.
 pub const OF_STEP: [Quantity; 3] = [
     quantity("mean_normal_force", "MeanNormalForce", Some("N"), "mean squeeze since the row before", |row| {
-        Field::Size(&mut row.of_step.mean_normal_force)
+        Field::Size(&mut row.observed.of_step.get_or_insert_default().mean_normal_force)
     }),
     quantity(
         "peak_normal_force",
         "PeakNormalForce",
         Some("N"),
         "largest squeeze since the row before",
-        |row| Field::Size(&mut row.of_step.peak_normal_force),
+        |row| Field::Size(&mut row.observed.of_step.get_or_insert_default().peak_normal_force),
     ),
     quantity(
         "peak_overlap",
         "PeakOverlap",
         Some("m"),
         "deepest overlap of a contact since the row before",
-        |row| Field::Size(&mut row.of_step.peak_overlap),
+        |row| Field::Size(&mut row.observed.of_step.get_or_insert_default().peak_overlap),
     ),
 ];
-
-/// \[N\] Time average of the squeeze since the row before.
-pub const MEAN_SQUEEZE: Quantity = OF_STEP[0];
 
 /// 1 if the agent is there, 0 if not: it touches nothing and stands where it was last.
 pub const ACTIVE: Quantity = quantity(
@@ -232,7 +240,7 @@ impl Groups {
     }
 
     /// The quantities of an agent, in the order of the columns.
-    fn of_agent(self) -> impl Iterator<Item = &'static Quantity> {
+    pub(crate) fn of_agent(self) -> impl Iterator<Item = &'static Quantity> {
         let contacts = CONTACTS.iter().chain([&SQUEEZE]).filter(move |_| self.contacts);
         let of_step = OF_STEP.iter().filter(move |_| self.contacts && self.of_step);
         let active = [&ACTIVE].into_iter().filter(move |_| self.active);
@@ -240,7 +248,7 @@ impl Groups {
     }
 
     /// The quantities of the whole crowd, which come last.
-    fn of_crowd(self) -> impl Iterator<Item = &'static Quantity> {
+    pub(crate) fn of_crowd(self) -> impl Iterator<Item = &'static Quantity> {
         TOTALS.iter().filter(move |_| self.totals)
     }
 
@@ -249,11 +257,26 @@ impl Groups {
         self.of_agent().chain(self.of_crowd())
     }
 
+    /// Returns the variables of an FMU that these columns are, in their order: of each agent, then of the crowd; with their
+    /// types.
+    pub fn variables(self, agents: usize) -> Vec<(String, CellType)> {
+        // In a table there are numbers.
+        let kind = |quantity: &Quantity| {
+            if quantity.name == ACTIVE.name { CellType::Boolean } else { quantity.kind() }
+        };
+        let of_agent = |i: usize| {
+            let name = move |quantity: &Quantity| format!("agent[{i}].{}", quantity.variable);
+            self.of_agent().map(move |quantity| (name(quantity), kind(quantity)))
+        };
+        let of_crowd = self.of_crowd().map(|quantity| (quantity.variable.to_owned(), quantity.kind()));
+        (0..agents).flat_map(of_agent).chain(of_crowd).collect()
+    }
+
     /// All columns of the table.
     pub fn columns(self) -> Vec<Column> {
         let id = Column {
             name: ID.into(),
-            kind: Kind::Text,
+            kind: CellType::Text,
             unit: None,
             variable: "agent[i]".into(),
             description: "Id of the agent in Agents.xml; its place i if the FMU holds no Trial".into(),
@@ -278,7 +301,7 @@ pub struct Column {
     /// No two columns of a table have the same name.
     pub name: String,
     /// Type of its values.
-    pub kind: Kind,
+    pub kind: CellType,
     /// `None` for counts and texts.
     pub unit: Option<String>,
     /// Name of the FMU's variable, or what it is if it is not a variable.
@@ -292,7 +315,7 @@ impl Column {
     pub fn time() -> Column {
         Column {
             name: TIME.into(),
-            kind: Kind::Real,
+            kind: CellType::Real,
             unit: Some("s".into()),
             variable: "time".into(),
             description: "time of the communication point".into(),

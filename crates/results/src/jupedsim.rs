@@ -6,7 +6,7 @@ use crate::error::RecordError;
 use crate::record::Record;
 use crate::run::Frame;
 use lemons_core::files::{Staged, WriteError};
-use lemons_core::plane::Pose;
+use lemons_core::plane::{Bounds, Pose};
 use rusqlite::{Connection, OpenFlags, params};
 use std::io;
 use std::path::Path;
@@ -29,27 +29,14 @@ const TABLES: &str = "
 pub fn jupedsim(record: &Record, area: &Area, path: &Path) -> Result<(), RecordError> {
     let rate = record.frame_rate()?;
     let mut staged = Staged::beside(path).map_err(WriteError::at(path))?;
-    // What is wrong with the record has another message than what is wrong with the file.
-    let mut wrong = None;
-    let filled = staged.fill(|file| match fill(file, record, area, rate) {
-        Ok(()) => Ok(()),
-        Err(Fault::Database(error)) => Err(io::Error::other(error)),
-        Err(Fault::Record(error)) => {
-            wrong = Some(error);
-            Err(io::ErrorKind::Other.into())
-        }
-    });
-    wrong.map_or(Ok(()), Err)?;
-    Ok(filled.and_then(|()| staged.persist()).map_err(WriteError::at(path))?)
+    let filled = staged.fill(|file| Ok(fill(file, record, area, rate, path)));
+    filled.map_err(WriteError::at(path))??;
+    Ok(staged.persist().map_err(WriteError::at(path))?)
 }
 
-/// Why a database is not complete.
-enum Fault {
-    Database(rusqlite::Error),
-    Record(RecordError),
-}
-
-fn fill(file: &Path, record: &Record, area: &Area, rate: f64) -> Result<(), Fault> {
+/// Fills a database; messages call it `path`.
+fn fill(file: &Path, record: &Record, area: &Area, rate: f64, path: &Path) -> Result<(), RecordError> {
+    let cannot = |error: rusqlite::Error| WriteError::at(path)(io::Error::other(error));
     let begin = || -> rusqlite::Result<Connection> {
         // The file is there. One that was taken away as the program ends is not made anew.
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
@@ -59,57 +46,45 @@ fn fill(file: &Path, record: &Record, area: &Area, rate: f64) -> Result<(), Faul
         database.execute_batch(TABLES)?;
         Ok(database)
     };
-    let mut database = begin().map_err(Fault::Database)?;
-    let transaction = database.transaction().map_err(Fault::Database)?;
-    let hash = hash(&area.wkt);
-    head(&transaction, area, hash, rate).map_err(Fault::Database)?;
+    let mut database = begin().map_err(cannot)?;
+    let transaction = database.transaction().map_err(cannot)?;
+    let wkt = area.polygon.to_wkt();
+    let hash = hash(&wkt);
+    head(&transaction, area, (&wkt, hash), rate).map_err(cannot)?;
     {
-        let prepared = |text| transaction.prepare(text).map_err(Fault::Database);
+        let prepared = |text| transaction.prepare(text).map_err(cannot);
         let mut rows = prepared("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)")?;
         let mut frames = prepared("INSERT INTO frame_data VALUES (?, ?)")?;
-        let numbers = record.names().numbers;
+        let numbers = record.numbers();
         let mut insert = |at: usize, frame: &Frame| -> rusqlite::Result<()> {
             let at = at as i64;
             frames.execute([at, hash])?;
             // Who has left has no more rows there.
             for (place, agent) in frame.present() {
                 let (number, Pose { position, orientation }) = (numbers[place], agent.pose);
-                rows.execute(params![
-                    at,
-                    number,
-                    position.x,
-                    position.y,
-                    libm::cos(orientation),
-                    libm::sin(orientation)
-                ])?;
+                let (sin, cos) = (libm::sin(orientation), libm::cos(orientation));
+                rows.execute(params![at, number, position.x, position.y, cos, sin])?;
             }
             Ok(())
         };
-        let mut refused = None;
-        let read = record.each(|at, frame| {
-            insert(at, &frame).map_err(|error| {
-                refused = Some(error);
-                RecordError::wrong(file, "cannot be written")
-            })
-        });
-        refused.map_or(Ok(()), |error| Err(Fault::Database(error)))?;
-        read.map_err(Fault::Record)?;
+        record.each(|at, frame| Ok(insert(at, &frame).map_err(cannot)?))?;
     }
-    transaction.commit().map_err(Fault::Database)?;
-    database.close().map_err(|(_, error)| Fault::Database(error))
+    transaction.commit().map_err(cannot)?;
+    Ok(database.close().map_err(|(_, error)| cannot(error))?)
 }
 
 /// What stands before the rows.
-fn head(database: &Connection, area: &Area, hash: i64, rate: f64) -> rusqlite::Result<()> {
+fn head(database: &Connection, area: &Area, (wkt, hash): (&str, i64), rate: f64) -> rusqlite::Result<()> {
     let mut metadata = database.prepare("INSERT INTO metadata VALUES (?, ?)")?;
     metadata.execute(["version", "2"])?;
     metadata.execute(["fps", &format!("{rate:?}")])?;
-    let limits = [("xmin", area.low.x), ("xmax", area.high.x), ("ymin", area.low.y), ("ymax", area.high.y)];
+    let Bounds { low, high } = area.polygon.outer.bounds();
+    let limits = [("xmin", low.x), ("xmax", high.x), ("ymin", low.y), ("ymax", high.y)];
     for (key, value) in limits {
         metadata.execute([key, &format!("{value:?}")])?;
     }
     metadata.execute(["walkable_area", &area.said.join("; ")])?;
-    database.execute("INSERT INTO geometry VALUES (?, ?)", params![hash, area.wkt])?;
+    database.execute("INSERT INTO geometry VALUES (?, ?)", params![hash, wkt])?;
     Ok(())
 }
 

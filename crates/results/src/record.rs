@@ -1,7 +1,7 @@
 //! A recorded run that is read frame by frame, as often as needed.
 
 use crate::error::RecordError;
-use crate::run::{Frame, Names, Run, names_of, order_of};
+use crate::run::{Frame, Run, numeric, order_of};
 use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::Trial;
 use std::path::{Path, PathBuf};
@@ -113,9 +113,14 @@ impl Record {
         Ok(Record { order, ids, ..self })
     }
 
-    /// Numbers of the agents: the Ids if all are different whole numbers from 0 on, otherwise their places.
-    pub fn names(&self) -> Names {
-        names_of(&self.ids)
+    /// The agents' Ids as numbers; `None` unless all are different whole numbers from 0 on.
+    pub fn numeric_ids(&self) -> Option<Vec<i64>> {
+        numeric(&self.ids)
+    }
+
+    /// Numbers of the agents: their Ids, or else their places, from 0.
+    pub fn numbers(&self) -> Vec<i64> {
+        self.numeric_ids().unwrap_or_else(|| (0..self.ids.len() as i64).collect())
     }
 
     /// Reads all frames in the order of time and calls `what` with the number of the frame, from 0, and the frame.
@@ -233,19 +238,10 @@ impl Record {
 impl From<Run> for Record {
     fn from(run: Run) -> Record {
         let Run { source, ids, frames } = run;
-        Record {
-            times: frames.iter().map(|frame| frame.time).collect(),
-            first: frames.first().map(|frame| frame.agents.clone()).unwrap_or_default(),
-            contacts: frames.iter().all(|frame| frame.interactions.is_some()),
-            own_ids: ids.clone(),
-            ids: ids.clone(),
-            order: None,
-            every: 1,
-            source,
-            pass: Rc::new(move |each| {
-                frames.iter().try_for_each(|frame| each(frame.clone()))?;
-                Ok(ids.clone())
-            }),
-        }
+        let pass = move |each: &mut Each<'_>| {
+            frames.iter().try_for_each(|frame| each(frame.clone()))?;
+            Ok(ids.clone())
+        };
+        Record::new(&source, pass).expect("frames in memory are read without an error")
     }
 }

@@ -1,6 +1,6 @@
 //! What was recorded of a crowd.
 
-use crate::columns::{AgentRow, Groups};
+use crate::columns::{AgentRow, Groups, Quantity};
 use crate::error::RecordError;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{Interactions, Trial};
@@ -72,15 +72,6 @@ pub struct Totals {
     pub wall_contacts: u32,
 }
 
-/// Numbers of agents, for tools that know no other names.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Names {
-    /// In the order of the run's Ids.
-    pub numbers: Vec<i64>,
-    /// Whether the numbers are the Ids. Otherwise they are the places among the agents, from 0.
-    pub are_ids: bool,
-}
-
 impl Run {
     /// \[s\] Times of the first and of the last frame.
     pub fn times(&self) -> (f64, f64) {
@@ -99,15 +90,34 @@ impl Frame {
         self.agents.iter().enumerate().filter(|(place, _)| self.is_there(*place))
     }
 
+    /// Makes a frame of the values of an FMU at a time \[s\], in the order of [`Groups::variables`].
+    ///
+    /// # Errors
+    /// A sentence with a number that cannot be.
+    pub fn of_values(time: f64, agents: usize, groups: Groups, values: &[f64]) -> Result<Frame, String> {
+        let mut values = values.iter().copied();
+        let mut rows = vec![AgentRow::default(); agents];
+        let mut set = |row: &mut AgentRow, quantity: &Quantity| {
+            let value = values.next().unwrap_or(f64::NAN);
+            let wrong = |must| format!("{}: {value:?} is not {must}", quantity.variable);
+            (quantity.field)(row).set_any(value).map_err(wrong)
+        };
+        for row in &mut rows {
+            groups.of_agent().try_for_each(|quantity| set(row, quantity))?;
+        }
+        if let Some(first) = rows.first_mut() {
+            groups.of_crowd().try_for_each(|quantity| set(first, quantity))?;
+        }
+        Ok(Frame { place: format!("t = {time:?} s"), ..Frame::of_rows(time, &rows, groups) })
+    }
+
     /// Makes a frame of the rows of all agents, with these groups of columns.
     pub(crate) fn of_rows(time: f64, rows: &[AgentRow], groups: Groups) -> Frame {
-        let observed =
-            |row: &AgentRow| Observed { of_step: groups.of_step.then_some(row.of_step), ..row.observed };
         let totals = rows.first().map(|row| row.totals);
         Frame {
             time,
             agents: rows.iter().map(|row| row.motion).collect(),
-            observed: groups.contacts.then(|| rows.iter().map(observed).collect()),
+            observed: groups.contacts.then(|| rows.iter().map(|row| row.observed).collect()),
             active: groups.active.then(|| rows.iter().map(|row| row.active).collect()),
             totals: totals.filter(|_| groups.totals),
             ..Frame::default()
@@ -116,11 +126,9 @@ impl Frame {
 
     /// The row of an agent.
     pub(crate) fn row(&self, place: usize) -> AgentRow {
-        let observed = self.observed.as_ref().map(|all| all[place]).unwrap_or_default();
         AgentRow {
             motion: self.agents[place],
-            observed,
-            of_step: observed.of_step.unwrap_or_default(),
+            observed: self.observed.as_ref().map(|all| all[place]).unwrap_or_default(),
             active: self.is_there(place),
             totals: self.totals.unwrap_or_default(),
         }
@@ -158,13 +166,10 @@ pub(crate) fn order_of(ids: &[String], trial: &Trial, source: &Path) -> Result<V
     order.collect()
 }
 
-/// The Ids, if all are different whole numbers, else places.
-pub(crate) fn names_of(ids: &[String]) -> Names {
-    let numbers: Option<Vec<i64>> = ids.iter().map(|id| id.parse().ok()).collect();
-    let numbers = numbers.filter(|numbers| {
-        let different: BTreeSet<_> = numbers.iter().collect();
-        different.len() == numbers.len() && numbers.iter().all(|&number| number >= 0)
-    });
-    let are_ids = numbers.is_some();
-    Names { numbers: numbers.unwrap_or_else(|| (0..ids.len() as i64).collect()), are_ids }
+/// The Ids as numbers; `None` unless all are different whole numbers from 0 on.
+pub(crate) fn numeric(ids: &[String]) -> Option<Vec<i64>> {
+    let numbers: Vec<i64> =
+        ids.iter().map(|id| id.parse().ok().filter(|id| *id >= 0)).collect::<Option<_>>()?;
+    let different: BTreeSet<_> = numbers.iter().collect();
+    (different.len() == numbers.len()).then_some(numbers)
 }

@@ -2,8 +2,8 @@
 
 use crate::error::RecordError;
 use crate::record::{Each, Record};
-use crate::run::{Frame, Observed, Run};
-use crate::text::{only_own, own};
+use crate::run::{Frame, Observed};
+use crate::text::{files_of, own};
 use lemons_core::files::{Change, change_all};
 use lemons_core::trial::{
     AgentDynamics, DynamicsElement, Interactions, Trial, dynamics_xml, interactions_xml, output_names,
@@ -18,16 +18,6 @@ const INTERACTIONS: &str = "AgentInteractions t=";
 /// What stands between a prefix and `.xml`.
 fn time_of<'a>(name: &'a str, prefix: &str) -> Option<&'a str> {
     name.strip_prefix(prefix)?.strip_suffix(".xml")
-}
-
-impl Run {
-    /// Reads a whole series into memory; see [`Record::series`].
-    ///
-    /// # Errors
-    /// As [`Record::series`].
-    pub fn read_series(directory: &Path, trial: &Trial) -> Result<Run, RecordError> {
-        Record::series(directory, trial)?.read(|_| true)
-    }
 }
 
 impl Record {
@@ -54,18 +44,16 @@ struct Series {
 
 impl Series {
     fn open(directory: &Path, trial: &Trial) -> Result<Series, RecordError> {
-        let cannot = |error| RecordError::Read { path: directory.to_owned(), error };
         let (mut times, mut contacts) = (Vec::new(), Vec::new());
-        for entry in std::fs::read_dir(directory).map_err(cannot)? {
-            let name = entry.map_err(cannot)?.file_name();
-            let Some(name) = name.to_str() else { continue };
-            if let Some(text) = time_of(name, DYNAMICS) {
+        directory.read_dir().map_err(|error| RecordError::Read { path: directory.to_owned(), error })?;
+        for name in series_in(directory)? {
+            if let Some(text) = time_of(&name, INTERACTIONS) {
+                contacts.push(text.to_owned());
+            } else if let Some(text) = time_of(&name, DYNAMICS) {
                 let time = text.parse::<f64>().ok().filter(|time| time.is_finite());
                 let message = "the name holds no time in seconds after \"t=\"";
-                let time = time.ok_or_else(|| RecordError::wrong(&directory.join(name), message))?;
+                let time = time.ok_or_else(|| RecordError::wrong(&directory.join(&name), message))?;
                 times.push((time, text.to_owned()));
-            } else if let Some(text) = time_of(name, INTERACTIONS) {
-                contacts.push(text.to_owned());
             }
         }
         times.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
@@ -77,7 +65,6 @@ impl Series {
             let path = directory.join(format!("{DYNAMICS}{}.xml", pair[1].1));
             return Err(RecordError::wrong(&path, format!("t={} is the same time", pair[0].1)));
         }
-        contacts.sort();
         if let Some(alone) = contacts.iter().find(|text| times.iter().all(|(_, time)| time != *text)) {
             let path = directory.join(format!("{INTERACTIONS}{alone}.xml"));
             return Err(RecordError::wrong(
@@ -128,22 +115,16 @@ fn observed(agents: usize, interactions: &Interactions) -> Vec<Observed> {
     all
 }
 
-/// Names of the files of a series that a directory holds; none if there is no such directory. `is_own` says of a name,
-/// with its time \[s\], whether it is of the run that is written there.
+/// Returns the names of the files of a series that a directory holds; none if there is no such directory.
 ///
 /// # Errors
-/// A file is of another run and would be taken for one of this run, or the directory cannot be read.
-pub fn series_in(
-    directory: &Path,
-    is_own: impl Fn(&str, Option<f64>) -> bool,
-) -> Result<Vec<String>, RecordError> {
-    let of_series = |name: &str| time_of(name, DYNAMICS).or(time_of(name, INTERACTIONS)).is_some();
-    only_own(directory, |name| of_series(name).then(|| is_own(name, series_time(name))))
+/// The directory cannot be read.
+pub fn series_in(directory: &Path) -> Result<Vec<String>, RecordError> {
+    files_of(directory, is_of_series)
 }
 
-/// The time \[s\] in the name of a file of a series.
-pub fn series_time(name: &str) -> Option<f64> {
-    time_of(name, DYNAMICS).or(time_of(name, INTERACTIONS))?.parse().ok()
+fn is_of_series(name: &str) -> bool {
+    time_of(name, DYNAMICS).or(time_of(name, INTERACTIONS)).is_some()
 }
 
 /// Names of the files that [`series`] writes. Files of interactions are removed where a frame has none.
@@ -164,8 +145,7 @@ pub fn series(record: &Record, trial: &Trial, directory: &Path) -> Result<(), Re
             format!("{place}: column t: as near to the frame before as no file name tells")
         }));
     }
-    let kind = |name: &str| time_of(name, DYNAMICS).or(time_of(name, INTERACTIONS)).is_some();
-    own(directory, names.as_flattened(), kind)?;
+    own(directory, names.as_flattened(), is_of_series)?;
     record.each(|k, frame| {
         let [dynamics, interactions] = &names[k];
         let agents: Vec<AgentDynamics> = frame.agents.iter().map(AgentDynamics::of).collect();

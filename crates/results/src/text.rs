@@ -6,20 +6,13 @@ use lemons_core::files::{Staged, WriteError};
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-/// Writes a text file that `pedpy.load_trajectory` reads: the frame rate, then lines `id frame x y z`, with x, y, z in m.
+/// Writes a text that `pedpy.load_trajectory` reads: the frame rate, then lines `id frame x y z`, with x, y, z in m.
+/// Messages call the file `path`.
 ///
 /// # Errors
 /// The run has no constant frame rate, or the file cannot be written.
-pub fn pedpy(record: &Record, path: &Path) -> Result<(), RecordError> {
-    pedpy_into(record, Staged::beside(path).map_err(WriteError::at(path))?, path)
-}
-
-/// As [`pedpy`], into an open file. Messages call it `path`.
-///
-/// # Errors
-/// As [`pedpy`].
-pub fn pedpy_into(record: &Record, file: Staged, path: &Path) -> Result<(), RecordError> {
-    let (rate, names) = (record.frame_rate()?, record.names());
+pub fn pedpy(record: &Record, file: Staged, path: &Path) -> Result<(), RecordError> {
+    let (rate, numbers) = (record.frame_rate()?, record.numbers());
     let mut out = BufWriter::new(file);
     let cannot = WriteError::at(path);
     let head = writeln!(out, "# framerate: {rate:?} fps\n# id frame x/m y/m z/m");
@@ -27,7 +20,7 @@ pub fn pedpy_into(record: &Record, file: Staged, path: &Path) -> Result<(), Reco
     record.each(|k, frame| {
         // Who has left has no more rows there.
         let written = frame.present().try_for_each(|(place, agent)| {
-            let number = names.numbers[place];
+            let number = numbers[place];
             writeln!(out, "{number} {k} {:?} {:?} 0.0", agent.pose.position.x, agent.pose.position.y)
         });
         Ok(written.map_err(WriteError::at(path))?)
@@ -76,34 +69,29 @@ pub(crate) fn own(
 ) -> Result<(), RecordError> {
     lemons_core::files::make_directories(directory).map_err(WriteError::at(directory))?;
     let names: std::collections::BTreeSet<&str> = names.iter().map(String::as_str).collect();
-    only_own(directory, |name| kind(name).then(|| names.contains(name))).map(drop)
+    match files_of(directory, kind)?.iter().find(|name| !names.contains(name.as_str())) {
+        Some(stranger) => {
+            let message = "is of another run and would be taken for this one's: choose an empty directory";
+            Err(RecordError::wrong(&directory.join(stranger), message))
+        }
+        None => Ok(()),
+    }
 }
 
-/// The names of a kind in a directory, which need not exist: `is_own` says of those whether they are of this run.
-pub(crate) fn only_own(
-    directory: &Path,
-    is_own: impl Fn(&str) -> Option<bool>,
-) -> Result<Vec<String>, RecordError> {
+/// The names of a kind in a directory, which need not exist, sorted.
+pub(crate) fn files_of(directory: &Path, kind: impl Fn(&str) -> bool) -> Result<Vec<String>, RecordError> {
     let cannot = |error| RecordError::Read { path: directory.to_owned(), error };
     let entries = match std::fs::read_dir(directory) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
         entries => entries.map_err(cannot)?,
     };
-    let mut own = Vec::new();
+    let mut names = Vec::new();
     for entry in entries {
         let name = entry.map_err(cannot)?.file_name().to_string_lossy().into_owned();
-        match is_own(&name) {
-            Some(true) => own.push(name),
-            Some(false) => {
-                let message =
-                    "is of another run and would be taken for this one's: choose an empty directory";
-                return Err(RecordError::wrong(&directory.join(name), message));
-            }
-            None => {}
-        }
+        names.extend(kind(&name).then_some(name));
     }
-    own.sort();
-    Ok(own)
+    names.sort();
+    Ok(names)
 }
 
 fn ended(out: BufWriter<Staged>, path: &Path) -> Result<(), RecordError> {

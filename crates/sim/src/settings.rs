@@ -1,10 +1,10 @@
 //! Parameters and start values of a Trial by the names of its FMUs' variables, with values as text.
 
 use crate::simulation::{SimError, Simulation};
-use crowd_mechanics::variables::{self, AgentQuantity};
+use crowd_mechanics::quantities::Quantity;
 use lemons_core::files::words;
 use lemons_decision::decision;
-use lemons_fmi::variables::{Kind, Role, Variable};
+use lemons_fmi::variables::{Kind, Role, Scalar};
 use lemons_fmi::{Model, Phase};
 use std::collections::BTreeMap;
 use std::fmt::Debug;
@@ -51,15 +51,15 @@ pub fn meant(unknown: &str, all: impl Iterator<Item = String>) -> Option<String>
 }
 
 /// Variables of a model by name.
-pub(crate) struct Names<Q>(BTreeMap<String, Variable<Q>>);
+pub(crate) struct Names<Q: 'static>(BTreeMap<String, Scalar<Q>>);
 
 impl<Q: Copy + Debug> Names<Q> {
-    pub(crate) fn of(table: Vec<Variable<Q>>) -> Names<Q> {
-        Names(table.into_iter().map(|variable| (variable.name.clone(), variable)).collect())
+    pub(crate) fn of(scalars: Vec<Scalar<Q>>) -> Names<Q> {
+        Names(scalars.into_iter().map(|scalar| (scalar.name.clone(), scalar)).collect())
     }
 
     /// Returns the variables that a name stands for; `None` if one of them is unknown.
-    pub(crate) fn find(&self, name: &str) -> Option<Vec<&Variable<Q>>> {
+    pub(crate) fn find(&self, name: &str) -> Option<Vec<&Scalar<Q>>> {
         named(name, |name| self.0.contains_key(name)).iter().map(|name| self.0.get(name)).collect()
     }
 
@@ -72,32 +72,31 @@ impl<Q: Copy + Debug> Names<Q> {
         Some(self.find(name)?.iter().map(|variable| format!("{prefix}.{}", variable.name)).collect())
     }
 
-    /// Returns the quantities that a name stands for, and whether each is a Real; `None` if one is a text.
-    fn numbers(&self, name: &str) -> Option<Vec<(Q, bool)>> {
-        let number = |variable: &&Variable<Q>| match variable.kind {
-            Kind::Real(_) => Some((variable.quantity, true)),
-            Kind::Integer | Kind::Boolean => Some((variable.quantity, false)),
-            Kind::String => None,
+    /// Returns the elements that a name stands for; `None` if one is a text.
+    fn numbers(&self, name: &str) -> Option<Vec<(Q, usize)>> {
+        let number = |scalar: &&Scalar<Q>| {
+            let of = scalar.variable;
+            (of.kind != Kind::String).then_some((of.quantity, scalar.element))
         };
         self.find(name)?.iter().map(number).collect()
     }
 }
 
 /// Sets variables of a model, which is not initialized, to the value that a text means.
-fn set<M: Model>(model: &mut M, variables: &[&Variable<M::Quantity>], text: &str) -> Result<(), SimError>
+fn set<M: Model>(model: &mut M, scalars: &[&Scalar<M::Quantity>], text: &str) -> Result<(), SimError>
 where
     SimError: From<M::Error>,
 {
-    let Some(first) = variables.first() else { return Ok(()) };
+    let Some(first) = scalars.first() else { return Ok(()) };
     let wrong =
         |why: &str| SimError::Value { name: first.name.clone(), text: text.to_owned(), why: why.into() };
-    if !matches!(first.role, Role::Input | Role::Parameter | Role::Exact) {
+    if !matches!(first.variable.role, Role::Input | Role::Parameter | Role::Exact) {
         return Err(wrong("it is computed, and cannot be set"));
     }
-    let number = match first.kind {
+    let number = match first.variable.kind {
         Kind::String => {
-            let values: Vec<_> = variables.iter().map(|variable| (variable.quantity, text)).collect();
-            return Ok(model.set_strings(&values)?);
+            let values: Vec<_> = scalars.iter().map(|scalar| (scalar.variable.quantity, text)).collect();
+            return Ok(model.set_texts(&values)?);
         }
         Kind::Real(_) => text.trim().parse().map_err(|_| wrong("not a number"))?,
         Kind::Integer => f64::from(text.trim().parse::<i32>().map_err(|_| wrong("not a number"))?),
@@ -107,12 +106,9 @@ where
             _ => return Err(wrong("neither true nor false")),
         },
     };
-    first.domain.check(number).map_err(|must| wrong(&format!("must be {must}")))?;
-    for variable in variables {
-        match variable.kind {
-            Kind::Real(_) => model.set_real(variable.quantity, number, Phase::Instantiated),
-            _ => model.set_integer(variable.quantity, number as i32, Phase::Instantiated),
-        }
+    first.variable.domain.check(number).map_err(|must| wrong(&format!("must be {must}")))?;
+    for Scalar { variable, element, .. } in scalars {
+        model.set(variable.quantity, *element, number, Phase::Instantiated);
     }
     Ok(())
 }
@@ -139,7 +135,9 @@ impl Simulation {
             return (Of::Decision, name);
         }
         let both = name.starts_with("agent[")
-            && decision.find(name).is_some_and(|found| found.iter().all(|of| of.role == Role::Parameter));
+            && decision
+                .find(name)
+                .is_some_and(|found| found.iter().all(|of| of.variable.role == Role::Parameter));
         // What only Decision has needs its prefix: the crowd may get such a variable later.
         let both = both && self.crowd_names.find(name).is_some();
         (if both { Of::Both } else { Of::Crowd }, name)
@@ -161,21 +159,22 @@ impl Simulation {
             return Err(SimError::Unknown { name: name.to_owned(), text: text.to_owned(), meant });
         }
         let mut overwritten = None;
-        if let Some(variables) = crowd.flatten() {
-            set(&mut self.crowd, &variables, text)?;
-            for variable in &variables {
-                use AgentQuantity::{FpX, FpY, Mp};
-                if let variables::Quantity::Agent(agent, FpX | FpY | Mp) = variable.quantity {
-                    self.crowd.keep_drive_from(agent as usize);
+        if let Some(scalars) = crowd.flatten() {
+            set(&mut self.crowd, &scalars, text)?;
+            for Scalar { variable, element, .. } in &scalars {
+                match variable.quantity {
+                    Quantity::Fp => self.crowd.keep_drive_from(element / 2),
+                    Quantity::Mp => self.crowd.keep_drive_from(*element),
+                    _ => {}
                 }
             }
-            let fed = variables.iter().find(|variable| is_fed(variable.quantity));
-            overwritten = fed.filter(|_| self.decision.is_some()).map(|variable| variable.name.clone());
+            let fed = scalars.iter().find(|scalar| scalar.variable.role == Role::Input);
+            overwritten = fed.filter(|_| self.decision.is_some()).map(|scalar| scalar.name.clone());
         }
-        if let (Some(variables), Some(decision)) = (decision.flatten(), &mut self.decision) {
-            set(decision, &variables, text)?;
-            let fed = variables.iter().find(|variable| variable.role == Role::Input);
-            overwritten = overwritten.or(fed.map(|variable| variable.name.clone()));
+        if let (Some(scalars), Some(decision)) = (decision.flatten(), &mut self.decision) {
+            set(decision, &scalars, text)?;
+            let fed = scalars.iter().find(|scalar| scalar.variable.role == Role::Input);
+            overwritten = overwritten.or(fed.map(|scalar| scalar.name.clone()));
         }
         Ok(overwritten)
     }
@@ -223,9 +222,13 @@ impl Simulation {
         };
         let mut found: BTreeMap<&str, (String, [f64; 2], usize)> = BTreeMap::new();
         for (name, of_decision) in &names.0 {
-            let parameter = of_decision.role == Role::Parameter && matches!(of_decision.kind, Kind::Real(_));
+            let (variable, element) = (of_decision.variable, of_decision.element);
+            let parameter = variable.role == Role::Parameter && matches!(variable.kind, Kind::Real(_));
             let Some(of_crowd) = self.crowd_names.0.get(name).filter(|_| parameter) else { continue };
-            let values = [decision.real(of_decision.quantity)?, self.crowd.real(of_crowd.quantity)?];
+            let values = [
+                decision.number(variable.quantity, element)?,
+                self.crowd.number(of_crowd.variable.quantity, of_crowd.element)?,
+            ];
             if values[0] != values[1] {
                 let quantity = name.split_once("].").map_or("", |(_, quantity)| quantity);
                 found.entry(quantity).or_insert_with(|| (name.clone(), values, 0)).2 += 1;
@@ -235,9 +238,9 @@ impl Simulation {
     }
 
     /// Returns the outputs of Decision; none where nobody walks.
-    pub fn decision_outputs(&self) -> Vec<Variable<decision::Quantity>> {
-        let table = self.decision.as_ref().map(Model::table).unwrap_or_default();
-        table.into_iter().filter(|variable| variable.role == Role::Calculated).collect()
+    pub fn decision_outputs(&self) -> Vec<Scalar<decision::Quantity>> {
+        let scalars = self.decision.as_ref().map(Model::scalars).unwrap_or_default();
+        scalars.into_iter().filter(|scalar| scalar.variable.role == Role::Calculated).collect()
     }
 
     /// Returns the names of all variables; those of Decision with their prefix.
@@ -272,9 +275,9 @@ impl Simulation {
     pub fn is_fed(&self, full: &str) -> bool {
         let of = |prefix| within(prefix, full);
         let Some(decision) = &self.decision_names else { return false };
-        let crowd = of(CROWD).and_then(|name| self.crowd_names.0.get(name));
-        let decision = of(DECISION).and_then(|name| decision.0.get(name));
-        crowd.is_some_and(|of| is_fed(of.quantity)) || decision.is_some_and(|of| of.role == Role::Input)
+        let crowd = of(CROWD).and_then(|name| self.crowd_names.0.get(name)).map(|of| of.variable.role);
+        let decision = of(DECISION).and_then(|name| decision.0.get(name)).map(|of| of.variable.role);
+        crowd == Some(Role::Input) || decision == Some(Role::Input)
     }
 
     /// Finds variables that are read together, in an order: of people whom both have, those of the crowd.
@@ -287,10 +290,14 @@ impl Simulation {
             let (of, variable) = self.meaning(name);
             let found = match (of, &self.decision_names) {
                 (Of::Decision, Some(names)) => names.numbers(variable).map(|found| {
-                    all.extend(found.into_iter().map(|(quantity, real)| Selected::Decision(quantity, real)));
+                    all.extend(
+                        found.into_iter().map(|(quantity, element)| Selected::Decision(quantity, element)),
+                    );
                 }),
                 _ => self.crowd_names.numbers(variable).map(|found| {
-                    all.extend(found.into_iter().map(|(quantity, real)| Selected::Crowd(quantity, real)));
+                    all.extend(
+                        found.into_iter().map(|(quantity, element)| Selected::Crowd(quantity, element)),
+                    );
                 }),
             };
             found.ok_or_else(|| (name.clone(), self.meant(of, name, variable)))?;
@@ -306,8 +313,10 @@ impl Simulation {
         let mut values = Vec::with_capacity(selection.0.len());
         for selected in &selection.0 {
             values.push(match (selected, &mut self.decision) {
-                (Selected::Crowd(quantity, real), _) => read(&mut self.crowd, *quantity, *real)?,
-                (Selected::Decision(quantity, real), Some(decision)) => read(decision, *quantity, *real)?,
+                (Selected::Crowd(quantity, element), _) => self.crowd.number(*quantity, *element)?,
+                (Selected::Decision(quantity, element), Some(decision)) => {
+                    decision.number(*quantity, *element)?
+                }
                 (Selected::Decision(..), None) => 0.0,
             });
         }
@@ -325,13 +334,13 @@ pub enum Value {
     Text(String),
 }
 
-fn value<M: Model>(model: &mut M, variable: &Variable<M::Quantity>) -> Result<Value, M::Error> {
-    let quantity = variable.quantity;
-    Ok(match variable.kind {
-        Kind::Real(_) => Value::Real(model.real(quantity)?),
-        Kind::Integer => Value::Integer(model.integer(quantity)?),
-        Kind::Boolean => Value::Boolean(model.integer(quantity)? != 0),
-        Kind::String => Value::Text(model.string(quantity).to_owned()),
+fn value<M: Model>(model: &mut M, scalar: &Scalar<M::Quantity>) -> Result<Value, M::Error> {
+    let (quantity, element) = (scalar.variable.quantity, scalar.element);
+    Ok(match scalar.variable.kind {
+        Kind::Real(_) => Value::Real(model.number(quantity, element)?),
+        Kind::Integer => Value::Integer(model.number(quantity, element)? as i32),
+        Kind::Boolean => Value::Boolean(model.number(quantity, element)? != 0.0),
+        Kind::String => Value::Text(model.text(quantity, element).to_owned()),
     })
 }
 
@@ -339,26 +348,16 @@ fn value<M: Model>(model: &mut M, variable: &Variable<M::Quantity>) -> Result<Va
 #[derive(Debug, Clone)]
 pub struct Selection(Vec<Selected>);
 
-/// A quantity, and whether it is a Real: others are Integers or Booleans.
+/// An element of a quantity.
 #[derive(Debug, Clone, Copy)]
 enum Selected {
-    Crowd(variables::Quantity, bool),
-    Decision(decision::Quantity, bool),
-}
-
-fn read<M: Model>(model: &mut M, quantity: M::Quantity, real: bool) -> Result<f64, M::Error> {
-    if real { model.real(quantity) } else { Ok(f64::from(model.integer(quantity)?)) }
+    Crowd(Quantity, usize),
+    Decision(decision::Quantity, usize),
 }
 
 /// The rest of a name after a prefix and a point.
 fn within<'a>(prefix: &str, name: &'a str) -> Option<&'a str> {
     name.strip_prefix(prefix)?.strip_prefix('.')
-}
-
-/// Whether Decision feeds a quantity of the crowd.
-fn is_fed(quantity: variables::Quantity) -> bool {
-    use AgentQuantity::{Active, FpX, FpY, Mp};
-    matches!(quantity, variables::Quantity::Agent(_, FpX | FpY | Mp | Active))
 }
 
 /// Names of the variables of Decision.

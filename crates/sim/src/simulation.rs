@@ -3,13 +3,13 @@
 use crate::settings::{DecisionNames, Names};
 use crowd_mechanics::engine::{Pose, World, Wrench, vec2};
 use crowd_mechanics::model::{CrowdModel, ModelError, Saved as SavedCrowd};
-use crowd_mechanics::variables::{AgentQuantity, Quantity};
+use crowd_mechanics::quantities::Quantity;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::decision::{Act, DecisionError, Saved as SavedDecision};
 use lemons_decision::rule::Pose as SeenPose;
 use lemons_decision::{Decision, Plan};
-use lemons_fmi::{Model, Phase, StepError, fingerprint};
+use lemons_fmi::{Model, Part, Phase, StepError, fingerprint};
 use lemons_results::{Frame, Observed, OfStep, Totals};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -144,10 +144,10 @@ impl Simulation {
             None => (drive, DriveTable::default()),
             Some(_) => (DriveTable::default(), drive),
         };
-        let crowd = CrowdModel::of_trial(trial, played)?;
+        let crowd = CrowdModel::of_trial(trial, played);
         let decision = plan.map(Decision::new);
-        let decision_names = decision.as_ref().map(|decision| Names::of(decision.table()));
-        let crowd_names = Names::of(crowd.table());
+        let decision_names = decision.as_ref().map(|decision| Names::of(decision.scalars()));
+        let crowd_names = Names::of(crowd.scalars());
         let acts = Vec::new();
         Ok(Simulation {
             crowd,
@@ -171,14 +171,17 @@ impl Simulation {
     pub fn begin(&mut self, start: f64, tolerance: Option<f64>) -> Result<(), SimError> {
         self.time = start;
         self.crowd.set_tolerance(tolerance);
-        self.adds = self.crowd.integer(Quantity::PlayDrive)? != 0;
+        self.adds = self.crowd.number(Quantity::PlayDrive, 0)? != 0.0;
         if let Some(decision) = &mut self.decision {
             decision.initialize(start)?;
             let mut poses = Vec::with_capacity(self.ids.len());
-            for i in 0..self.ids.len() as u32 {
-                let mut real = |quantity| self.crowd.real(Quantity::Agent(i, quantity));
-                use AgentQuantity::{PositionX, PositionY, Theta};
-                poses.push(SeenPose { x: real(PositionX)?, y: real(PositionY)?, theta: real(Theta)? });
+            for i in 0..self.ids.len() {
+                let mut number = |quantity, element| self.crowd.number(quantity, element);
+                poses.push(SeenPose {
+                    x: number(Quantity::Position, 2 * i)?,
+                    y: number(Quantity::Position, 2 * i + 1)?,
+                    theta: number(Quantity::Theta, i)?,
+                });
             }
             decision.see(poses.into_iter());
             self.acts = decision.acts()?;
@@ -207,14 +210,13 @@ impl Simulation {
         if self.walks() {
             self.pushes.insert(agent, push);
         } else {
-            self.set_drive(agent as u32, push, Phase::StepComplete);
+            self.set_drive(agent, push, Phase::StepComplete);
         }
     }
 
     /// Takes an agent out, or lets it come back where it was. Of people who walk, Decision says it in each step.
     pub fn set_present(&mut self, agent: usize, present: bool) {
-        let quantity = Quantity::Agent(agent as u32, AgentQuantity::Active);
-        self.crowd.set_integer(quantity, present.into(), Phase::StepComplete);
+        self.crowd.set(Quantity::Active, agent, present.into(), Phase::StepComplete);
     }
 
     /// Returns the last communication point \[s\].
@@ -262,7 +264,7 @@ impl Simulation {
 
     /// Returns the value of a parameter of the crowd that is a text.
     pub fn text(&self, quantity: Quantity) -> &str {
-        self.crowd.string(quantity)
+        self.crowd.text(quantity, 0)
     }
 
     /// Returns the warnings since the last call.
@@ -334,29 +336,31 @@ impl Simulation {
 
     /// Drives the crowd as those who walk do, with what is added.
     fn drive_crowd(&mut self, phase: Phase) {
-        for i in 0..self.acts.len() as u32 {
-            let act = self.acts[i as usize];
+        for i in 0..self.acts.len() {
+            let act = self.acts[i];
             let [x, y] = act.drive.force;
             let mut drive = Wrench { force: vec2(x, y), torque: act.drive.torque };
             if phase == Phase::StepComplete
                 && self.adds
-                && let Some([x, y, torque]) = self.added.at(&self.ids[i as usize], self.time)
+                && let Some([x, y, torque]) = self.added.at(&self.ids[i], self.time)
             {
                 drive = Wrench { force: drive.force + vec2(x, y), torque: drive.torque + torque };
             }
-            if let (Phase::StepComplete, Some(push)) = (phase, self.pushes.get(&(i as usize))) {
+            if let (Phase::StepComplete, Some(push)) = (phase, self.pushes.get(&i)) {
                 drive = Wrench { force: drive.force + push.force, torque: drive.torque + push.torque };
             }
             self.set_drive(i, drive, phase);
-            let active = Quantity::Agent(i, AgentQuantity::Active);
-            self.crowd.set_integer(active, act.active.into(), phase);
+            self.crowd.set(Quantity::Active, i, act.active.into(), phase);
         }
     }
 
-    fn set_drive(&mut self, agent: u32, drive: Wrench, phase: Phase) {
-        use AgentQuantity::{FpX, FpY, Mp};
-        for (quantity, value) in [(FpX, drive.force.x), (FpY, drive.force.y), (Mp, drive.torque)] {
-            self.crowd.set_real(Quantity::Agent(agent, quantity), value, phase);
+    fn set_drive(&mut self, agent: usize, Wrench { force, torque }: Wrench, phase: Phase) {
+        for (quantity, element, value) in [
+            (Quantity::Fp, 2 * agent, force.x),
+            (Quantity::Fp, 2 * agent + 1, force.y),
+            (Quantity::Mp, agent, torque),
+        ] {
+            self.crowd.set(quantity, element, value, phase);
         }
     }
 
@@ -397,13 +401,13 @@ impl crate::run::Model for Simulation {
         match self.algorithm {
             Algorithm::Jacobi => {
                 self.drive_crowd(Phase::StepComplete);
-                self.crowd.advance(from, step)?;
+                self.crowd.advance(Part::whole(from, step))?;
                 self.decide(&poses, step)?;
             }
             Algorithm::GaussSeidel => {
                 self.decide(&poses, step)?;
                 self.drive_crowd(Phase::StepComplete);
-                self.crowd.advance(from, step)?;
+                self.crowd.advance(Part::whole(from, step))?;
             }
         }
         self.time = time;

@@ -8,7 +8,32 @@ use lemons_sim::{Algorithm, Documents};
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
-/// Of what is simulated: its Trial, its drive, its communication step; and of people who walk, their plan.
+/// Returns what must be equal of several models, by their digests: which point has which, and which parameters only
+/// choose.
+pub fn of_models(points: &Points, digests: &[String], models: &Models) -> Map<String, Value> {
+    let mut digest = Sha256::new();
+    digests.iter().for_each(|one| digest.update(one));
+    (0..points.count).for_each(|point| digest.update((models.place(point) as u64).to_le_bytes()));
+    (0..points.parameters.len()).for_each(|place| digest.update([u8::from(models.only_chooses(place))]));
+    let digest = hex(&digest.finalize());
+    Map::from_iter([("models".to_owned(), json!({ "count": digests.len(), "sha256": digest }))])
+}
+
+/// Returns the digest of a map, by its text.
+///
+/// # Errors
+/// It cannot be written.
+pub fn digest(map: &Map<String, Value>) -> Result<String> {
+    Ok(hex(&Sha256::digest(serde_json::to_string(map)?)))
+}
+
+/// Returns what must be equal of points.
+pub fn of_points(points: &Points) -> Value {
+    let names: Vec<&str> = points.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    json!({ "parameters": names, "count": points.count, "sha256": points.sha256() })
+}
+
+/// Returns what must be equal of a Trial, its drive, its communication step \[s\]; and of people who walk, their plan.
 ///
 /// # Errors
 /// The plan cannot be written.
@@ -27,34 +52,11 @@ pub fn of_documents(documents: &Documents, algorithm: Algorithm, step: f64) -> R
     Ok(all)
 }
 
-/// Of several of them, by their digests: which point has which, and which parameters only choose.
-pub fn of_models(points: &Points, each: &[String], models: &Models) -> Map<String, Value> {
-    let mut digest = Sha256::new();
-    each.iter().for_each(|one| digest.update(one));
-    (0..points.count).for_each(|point| digest.update((models.place(point) as u64).to_le_bytes()));
-    (0..points.columns.len()).for_each(|column| digest.update([u8::from(models.only_chooses(column))]));
-    let digest = hex(&digest.finalize());
-    Map::from_iter([("models".to_owned(), json!({ "count": each.len(), "sha256": digest }))])
-}
-
-/// Of a map, by its text.
-///
-/// # Errors
-/// It cannot be written as JSON.
-pub fn digest(map: &Map<String, Value>) -> Result<String> {
-    Ok(hex(&Sha256::digest(serde_json::to_string(map)?)))
-}
-
-/// Of points.
-pub fn of_points(points: &Points) -> Value {
-    let names: Vec<&str> = points.columns.iter().map(|(name, _)| name.as_str()).collect();
-    json!({ "parameters": names, "count": points.count, "sha256": points.sha256() })
-}
-
-/// Of what is done with it.
+/// Returns what must be equal of points and measures.
 pub(crate) fn of_spec(spec: &Spec) -> Map<String, Value> {
     let mut all = spec.identity.clone();
     all.insert("points".into(), of_points(&spec.points));
-    all.extend(spec.places.walkable_digest().map(|digest| ("walkable".into(), digest.into())));
+    let walkable = spec.places.walkable.as_ref().map(|walkable| hex(&Sha256::digest(&walkable.wkt)));
+    all.extend(walkable.map(|digest| ("walkable".into(), digest.into())));
     all
 }

@@ -5,10 +5,11 @@
 //! points that are not yet in its [`Table`] and appends their results as they finish; a sweep that was killed goes on
 //! there.
 
+mod accumulators;
 mod axes;
-mod courses;
 mod error;
 pub mod identity;
+mod loaded;
 mod measure;
 mod models;
 mod output;
@@ -17,27 +18,26 @@ mod points;
 mod simulate;
 mod spec;
 mod stop;
-mod subject;
 mod summary;
 mod sweep;
 mod table;
 mod template;
 
 pub use error::{Error, Result};
+pub use loaded::check_parameters;
 pub use measure::Measure;
 pub use measure::across::Across;
 pub use measure::area::InArea;
 pub use measure::line::{OverLine, Width};
 pub use measure::output::{OfOutput, Take};
 pub use measure::squeeze::{Exposed, OfSqueeze};
-pub use models::{Models, Plan, Simulated};
+pub use models::{Model, Models, Plan};
 pub use output::Of;
 pub use places::Places;
-pub use points::{Points, Values};
+pub use points::{Parameter, Points};
 pub use spec::{End, Spec};
 pub use stop::Stop;
-pub use subject::check_parameters;
 pub use summary::{check_over, summary};
-pub use sweep::{How, Progress, Swept, sweep};
+pub use sweep::{Options, Progress, Swept, sweep};
 pub use table::{Finished, Measured, Table};
 pub use template::Template;

@@ -24,13 +24,13 @@ pub enum Plan {
 }
 
 /// What is simulated at a point: a Trial, or the one in an FMU, and where people walk.
-pub type Simulated = (PathBuf, PlanChoice);
+pub type Model = (PathBuf, PlanChoice);
 
 /// What is simulated at all points.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Models {
     /// Each of them once.
-    pub all: Vec<Simulated>,
+    pub all: Vec<Model>,
     /// The place of each point's own; `None` if all have the first.
     of_points: Option<Vec<usize>>,
     /// Of each parameter, whether it only chooses.
@@ -42,44 +42,38 @@ impl Models {
     ///
     /// # Errors
     /// There are too many.
-    pub fn of(points: &Points, model: &Template, plan: &Plan) -> Result<Models> {
-        let only: Vec<bool> =
-            (0..points.columns.len()).map(|column| only_chooses(model, plan, column)).collect();
-        let chooses: Vec<usize> = (0..only.len()).filter(|column| only[*column]).collect();
-        if chooses.is_empty() {
-            return Ok(Models {
-                all: vec![simulated(points, model, plan, 0)],
-                of_points: None,
-                chooses: only,
-            });
+    pub fn of(points: &Points, path: &Template, plan: &Plan) -> Result<Models> {
+        let model = |point: usize| -> Model {
+            let plan = match plan {
+                Plan::Own | Plan::Needed => PlanChoice::Own,
+                Plan::None => PlanChoice::None,
+                Plan::File(template) => PlanChoice::File(template.path(points, point)),
+            };
+            (path.path(points, point), plan)
+        };
+        let parameters = 0..points.parameters.len();
+        let chooses: Vec<bool> = parameters.map(|parameter| only_chooses(path, plan, parameter)).collect();
+        if !chooses.contains(&true) {
+            return Ok(Models { all: vec![model(0)], of_points: None, chooses });
         }
-        let (mut all, mut known, mut places) = (Vec::new(), HashMap::new(), HashMap::new());
+        let (mut all, mut known) = (Vec::new(), HashMap::new());
         let mut of_points = Vec::with_capacity(points.count);
         for point in 0..points.count {
-            // There are far more points than models: a path is made once.
-            let text = |column: &usize| points.columns[*column].1.text(point);
-            let chosen: Vec<String> = chooses.iter().map(text).collect();
-            if let Some(place) = known.get(&chosen) {
-                of_points.push(*place);
-                continue;
-            }
-            if known.len() == MOST_MODELS {
-                return Err(Error::Spec(format!("there are more than {MOST_MODELS} Trials, FMUs or plans")));
-            }
-            let own = simulated(points, model, plan, point);
-            let place = *places.entry(own).or_insert_with_key(|own: &Simulated| {
+            let place = *known.entry(model(point)).or_insert_with_key(|own: &Model| {
                 all.push(own.clone());
                 all.len() - 1
             });
-            known.insert(chosen, place);
             of_points.push(place);
+            if all.len() > MOST_MODELS {
+                return Err(Error::Spec(format!("there are more than {MOST_MODELS} Trials, FMUs or plans")));
+            }
         }
-        Ok(Models { all, of_points: Some(of_points), chooses: only })
+        Ok(Models { all, of_points: Some(of_points), chooses })
     }
 
-    /// Whether a parameter only chooses what is simulated, and is no variable of it.
-    pub fn only_chooses(&self, column: usize) -> bool {
-        self.chooses[column]
+    /// Returns whether a parameter only chooses what is simulated, and is no variable of it.
+    pub fn only_chooses(&self, parameter: usize) -> bool {
+        self.chooses[parameter]
     }
 
     /// The place of a point's own.
@@ -88,17 +82,7 @@ impl Models {
     }
 }
 
-/// What is simulated at a point.
-pub(crate) fn simulated(points: &Points, model: &Template, plan: &Plan, point: usize) -> Simulated {
-    let plan = match plan {
-        Plan::Own | Plan::Needed => PlanChoice::Own,
-        Plan::None => PlanChoice::None,
-        Plan::File(template) => PlanChoice::File(template.path(points, point)),
-    };
-    (model.path(points, point), plan)
-}
-
-/// Whether the parameter in a column only chooses what is simulated.
-pub(crate) fn only_chooses(model: &Template, plan: &Plan, column: usize) -> bool {
-    model.uses(column) || matches!(plan, Plan::File(template) if template.uses(column))
+/// Whether a parameter only chooses what is simulated.
+pub(crate) fn only_chooses(path: &Template, plan: &Plan, parameter: usize) -> bool {
+    path.uses(parameter) || matches!(plan, Plan::File(template) if template.uses(parameter))
 }

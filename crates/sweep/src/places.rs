@@ -2,27 +2,26 @@
 
 use crate::error::{Error, Place, Result};
 use lemons_core::files::input;
-use lemons_core::plane::{Vec2, polygon_from_wkt};
+use lemons_core::plane::Vec2;
 use lemons_core::trial::Wall;
 use lemons_results::measure::{Line, MeasuringArea, Room};
 use lemons_results::{given_area, walkable_area};
-use sha2::{Digest, Sha256};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What `lines`, `areas` and `walkable` of a `sweep.toml` say; the numbers are those of `lemons measure`.
 #[derive(Debug, Clone, Default)]
 pub struct Places {
     /// With their names.
     lines: Vec<(String, Line)>,
-    areas: Vec<(String, MeasuringArea)>,
-    walkable: Option<Walkable>,
+    pub(crate) areas: Vec<(String, MeasuringArea)>,
+    pub(crate) walkable: Option<Walkable>,
 }
 
 /// Where people can be, as a user gives it.
 #[derive(Debug, Clone)]
-struct Walkable {
-    path: PathBuf,
-    wkt: String,
+pub(crate) struct Walkable {
+    pub path: PathBuf,
+    pub wkt: String,
 }
 
 /// \[bytes\] A polygon of more is a mistake.
@@ -67,23 +66,12 @@ impl Places {
         })
     }
 
-    /// The file of the walkable area, if one is given.
-    pub(crate) fn input(&self) -> Option<&Path> {
-        self.walkable.as_ref().map(|walkable| walkable.path.as_path())
-    }
-
-    /// Whether an area is given for nothing.
-    pub(crate) fn only_walkable(&self) -> bool {
-        self.walkable.is_some() && self.areas.is_empty()
-    }
-
     /// A line by its name.
     ///
     /// # Errors
     /// A sentence: there is none.
     pub(crate) fn line(&self, name: &str) -> Result<Line, String> {
-        let found = self.lines.iter().find(|(known, _)| known == name).map(|(_, line)| *line);
-        found.ok_or_else(|| missing("line", "lines", name, self.lines.iter().map(|(name, _)| name)))
+        find("line", &self.lines, name).copied()
     }
 
     /// An area by its name.
@@ -91,25 +79,15 @@ impl Places {
     /// # Errors
     /// A sentence: there is none.
     pub(crate) fn area(&self, name: &str) -> Result<&MeasuringArea, String> {
-        let found = self.areas.iter().find(|(known, _)| known == name).map(|(_, area)| area);
-        found.ok_or_else(|| missing("area", "areas", name, self.areas.iter().map(|(name, _)| name)))
-    }
-
-    /// Whether a user says where people can be.
-    pub(crate) fn has_walkable(&self) -> bool {
-        self.walkable.is_some()
+        find("area", &self.areas, name)
     }
 
     /// Where people could be who were at these positions \[m\].
     ///
     /// # Errors
     /// A sentence: somebody was outside of the polygon of `walkable`.
-    pub(crate) fn room(
-        &self,
-        walls: &[Wall],
-        positions: impl Iterator<Item = Vec2> + Clone,
-    ) -> Result<Room, String> {
-        let positions = positions.filter(|position| position.is_finite());
+    pub(crate) fn room(&self, walls: &[Wall], positions: &[Vec2]) -> Result<Room, String> {
+        let positions = positions.iter().copied().filter(|position| position.is_finite());
         let area = match &self.walkable {
             Some(Walkable { path, wkt }) => {
                 let given = given_area(wkt, positions);
@@ -117,22 +95,20 @@ impl Places {
             }
             None => walkable_area(walls, positions),
         };
-        let rings = polygon_from_wkt(&area.wkt)?;
-        Room::of(&rings).ok_or_else(|| "the walkable area has no ring".into())
-    }
-
-    /// The SHA-256 of the walkable area, if one is given.
-    pub(crate) fn walkable_digest(&self) -> Option<String> {
-        self.walkable.as_ref().map(|walkable| crate::points::hex(&Sha256::digest(&walkable.wkt)))
+        Ok(Room::of(&area.polygon))
     }
 }
 
-fn missing<'a>(one: &str, all: &str, name: &str, known: impl Iterator<Item = &'a String>) -> String {
-    let known: Vec<String> = known.map(|name| format!("{name:?}")).collect();
-    match &known[..] {
-        [] => format!("{one} = {name:?}: the file has no [{all}]"),
-        known => format!("{one} = {name:?}: there is none in [{all}], only {}", known.join(", ")),
+/// A line or an area by its name.
+fn find<'a, T>(what: &str, all: &'a [(String, T)], name: &str) -> Result<&'a T, String> {
+    if let Some((_, found)) = all.iter().find(|(known, _)| known == name) {
+        return Ok(found);
     }
+    let known: Vec<String> = all.iter().map(|(name, _)| format!("{name:?}")).collect();
+    Err(match &known[..] {
+        [] => format!("{what} = {name:?}: the file has no [{what}s]"),
+        known => format!("{what} = {name:?}: there is none in [{what}s], only {}", known.join(", ")),
+    })
 }
 
 /// None at all where they are no finite numbers.

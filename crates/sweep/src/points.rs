@@ -1,23 +1,26 @@
-//! The points of a sweep: a row of parameter values for each.
+//! The points of a sweep: each has a value of every parameter.
 
+use crate::error::{Error, Place, Result};
+use lemons_core::files::input;
 use sha2::{Digest, Sha256};
+use std::path::Path;
 
-/// The values of one parameter at all points.
+/// A parameter of a sweep.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Values {
-    /// For an Integer or a Real.
-    Integers(Vec<i64>),
-    /// For a Real.
-    Reals(Vec<f64>),
-    /// For a String.
-    Texts(Vec<String>),
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// Its different values, as text that is read back as the same number.
+    values: Vec<String>,
+    /// How many points one after the other have the same value.
+    repeat: usize,
 }
 
 /// The points of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Points {
-    /// Names of the parameters, each with its values at all points.
-    pub columns: Vec<(String, Values)>,
+    /// What varies.
+    pub parameters: Vec<Parameter>,
     /// Number of points.
     pub count: usize,
 }
@@ -26,96 +29,43 @@ pub struct Points {
 pub(crate) const OUTPUT_DIRECTORY: &str = "OutputDirectory";
 
 /// A larger number of points is taken for a mistake.
-pub(crate) const MOST_POINTS: usize = 10_000_000;
-/// \[byte\] Largest size of the values of all parameters at all points.
-const LARGEST_POINTS: usize = 1_000_000_000;
+const MOST_POINTS: usize = 10_000_000;
+/// \[byte\] Largest size of a table of points.
+const LARGEST_TABLE: u64 = 200_000_000;
 
-/// The memory that is left for values; refuses values as soon as they need more.
-pub(crate) struct Room {
-    left: usize,
-}
-
-impl Room {
-    pub(crate) fn new() -> Room {
-        Room { left: LARGEST_POINTS }
+impl Parameter {
+    /// Returns the value at a point.
+    pub fn at(&self, point: usize) -> &str {
+        &self.values[point / self.repeat % self.values.len()]
     }
 
-    /// Reserves memory for `values` values of a size \[byte\].
-    pub(crate) fn take(&mut self, values: usize, size: usize) -> Result<(), String> {
-        let left = values.checked_mul(size).and_then(|bytes| self.left.checked_sub(bytes));
-        self.left = left.ok_or_else(|| {
-            let most = LARGEST_POINTS / 1_000_000;
-            format!("the values of all parameters at all points need more than {most} MB; use fewer points or parameters")
-        })?;
-        Ok(())
-    }
-
-    /// Reserves memory for copies of a text.
-    pub(crate) fn take_text(&mut self, text: &str, times: usize) -> Result<(), String> {
-        self.take(times, size_of::<String>() + text.len())
-    }
-}
-
-impl Values {
-    /// Returns the number of values.
-    pub fn len(&self) -> usize {
-        match self {
-            Values::Integers(values) => values.len(),
-            Values::Reals(values) => values.len(),
-            Values::Texts(values) => values.len(),
-        }
-    }
-
-    /// Returns whether there are no values.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Returns the value at a point as text that is read back as the same number.
-    pub fn text(&self, point: usize) -> String {
-        match self {
-            Values::Integers(values) => values[point].to_string(),
-            Values::Reals(values) => format!("{:?}", values[point]),
-            Values::Texts(values) => values[point].clone(),
-        }
-    }
-
-    fn taken(&self, places: impl Iterator<Item = usize>) -> Values {
-        match self {
-            Values::Integers(values) => Values::Integers(places.map(|k| values[k]).collect()),
-            Values::Reals(values) => Values::Reals(places.map(|k| values[k]).collect()),
-            Values::Texts(values) => Values::Texts(places.map(|k| values[k].clone()).collect()),
-        }
-    }
-
-    fn digest(&self, point: usize, digest: &mut Sha256) {
-        match self {
-            Values::Integers(values) => digest.update(values[point].to_le_bytes()),
-            Values::Reals(values) => digest.update(values[point].to_le_bytes()),
-            Values::Texts(values) => {
-                digest.update((values[point].len() as u64).to_le_bytes());
-                digest.update(values[point].as_bytes());
-            }
-        }
+    /// Returns all values that points have.
+    pub fn values(&self) -> &[String] {
+        &self.values
     }
 }
 
 impl Points {
     /// Returns the points that write files themselves, with their directories.
-    pub fn output_directories(&self) -> impl Iterator<Item = (usize, String)> {
-        let own = |name: &str| name.strip_prefix("crowd.").unwrap_or(name) == OUTPUT_DIRECTORY;
-        let values = self.columns.iter().find(|(name, _)| own(name));
-        let of =
-            |values: &'_ Values| (0..self.count).map(|point| (point, values.text(point))).collect::<Vec<_>>();
-        let texts = values.into_iter().flat_map(move |(_, values)| of(values));
-        texts.filter(|(_, text)| !text.is_empty())
+    pub fn output_directories(&self) -> impl Iterator<Item = (usize, &str)> {
+        let is_directory = |name: &str| name.strip_prefix("crowd.").unwrap_or(name) == OUTPUT_DIRECTORY;
+        let parameter = self.parameters.iter().find(|parameter| is_directory(&parameter.name));
+        let all = parameter
+            .into_iter()
+            .flat_map(|parameter| (0..self.count).map(|point| (point, parameter.at(point))));
+        all.filter(|(_, directory)| !directory.is_empty())
     }
 
-    /// Returns all combinations. The last parameter varies fastest.
+    /// Returns a parameter by its name.
+    pub(crate) fn parameter(&self, name: &str) -> Option<&Parameter> {
+        self.parameters.iter().find(|parameter| parameter.name == name)
+    }
+
+    /// Returns all combinations of values. The last parameter varies fastest.
     ///
     /// # Errors
-    /// There are no points, too many, or too many for that many parameters.
-    pub fn grid(axes: Vec<(String, Values)>) -> Result<Points, String> {
+    /// A parameter has no values, or there are too many points.
+    pub fn grid(axes: Vec<(String, Vec<String>)>) -> Result<Points, String> {
         let mut count = 1_usize;
         for (name, values) in &axes {
             if values.is_empty() {
@@ -123,61 +73,84 @@ impl Points {
             }
             count = count.checked_mul(values.len()).filter(|n| *n <= MOST_POINTS).ok_or_else(too_many)?;
         }
-        let mut room = Room::new();
-        for (name, values) in &axes {
-            let mut take = || match values {
-                Values::Texts(texts) => {
-                    texts.iter().try_for_each(|text| room.take_text(text, count / texts.len()))
-                }
-                Values::Integers(_) | Values::Reals(_) => room.take(count, size_of::<f64>()),
-            };
-            take().map_err(|why| format!("{name}: {why}"))?;
-        }
         let mut repeat = count;
-        let columns = axes.into_iter().map(|(name, values)| {
+        let parameters = axes.into_iter().map(|(name, values)| {
             repeat /= values.len();
-            let column = values.taken((0..count).map(|point| point / repeat % values.len()));
-            (name, column)
+            Parameter { name, values, repeat }
         });
-        Ok(Points { columns: columns.collect(), count })
+        Ok(Points { parameters: parameters.collect(), count })
     }
 
-    /// Returns one point for each row of columns.
+    /// Reads a CSV with one row for each point. A column of integers, or of other numbers, has numbers; any other one has
+    /// texts.
     ///
     /// # Errors
-    /// There are no points, too many, or columns of different lengths.
-    pub fn table(columns: Vec<(String, Values)>) -> Result<Points, String> {
-        let count = columns.first().map_or(0, |(_, values)| values.len());
-        if count == 0 {
-            return Err("there are no points".into());
+    /// The file cannot be read, or has no points, too many, or a number that is not finite.
+    pub(crate) fn read(path: &Path) -> Result<Points> {
+        let named = || path.display().to_string();
+        let file = input::open_bounded(path, LARGEST_TABLE).place(named)?;
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
+        let header: Vec<String> = reader.headers().place(named)?.iter().map(str::to_owned).collect();
+        let mut columns: Vec<Vec<String>> = vec![Vec::new(); header.len()];
+        let mut count = 0;
+        for row in reader.records() {
+            let row = row.place(named)?;
+            count += 1;
+            columns.iter_mut().zip(&row).for_each(|(column, cell)| column.push(cell.to_owned()));
+            if count > MOST_POINTS {
+                return Err(Error::Spec(too_many())).place(named);
+            }
         }
-        if count > MOST_POINTS {
-            return Err(too_many());
+        if count == 0 || header.is_empty() {
+            return Err(Error::Spec("there are no points".into())).place(named);
         }
-        match columns.iter().find(|(_, values)| values.len() != count) {
-            Some((name, values)) => Err(format!("{name}: {} values, not {count}", values.len())),
-            None => Ok(Points { columns, count }),
-        }
+        let columns = header.into_iter().zip(columns).map(|(name, cells)| match normalized(cells) {
+            Ok(values) => Ok((name, values)),
+            Err(what) => Err(Error::Spec(format!("{name}: {what}"))),
+        });
+        Ok(Points::of_rows(columns.collect::<Result<_>>().place(named)?))
     }
 
-    /// Returns the SHA-256 of the names and of all values row by row: numbers as 8 little-endian bytes, texts as length
-    /// and UTF-8.
+    /// Returns one point for each row of columns of the same length.
+    pub fn of_rows(columns: Vec<(String, Vec<String>)>) -> Points {
+        let count = columns.first().map_or(0, |(_, values)| values.len());
+        let columns = columns.into_iter();
+        let parameters = columns.map(|(name, values)| Parameter { name, values, repeat: 1 }).collect();
+        Points { parameters, count }
+    }
+
+    /// Returns the SHA-256 of the names and all values.
     pub fn sha256(&self) -> String {
-        let names: Vec<&str> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
         let mut digest = Sha256::new();
-        digest.update(serde_json::to_string(&names).unwrap_or_default());
-        for point in 0..self.count {
-            self.columns.iter().for_each(|(_, values)| values.digest(point, &mut digest));
+        for Parameter { name, values, repeat } in &self.parameters {
+            digest.update(format!("{name:?} {repeat} {values:?}"));
         }
         hex(&digest.finalize())
     }
 }
 
-pub(crate) fn too_many() -> String {
+/// The cells of a column, its numbers as they are written everywhere else.
+fn normalized(cells: Vec<String>) -> Result<Vec<String>, String> {
+    // "007" is a text, not the number 7.
+    let is_padded = |cell: &String| cell.len() > 1 && cell.starts_with('0') && !cell.starts_with("0.");
+    let is_integer = |cell: &String| cell.parse().is_ok_and(|value: i64| value.to_string() == *cell);
+    if cells.iter().all(is_integer) || cells.iter().any(is_padded) {
+        return Ok(cells);
+    }
+    let Some(numbers) = cells.iter().map(|cell| cell.parse().ok()).collect::<Option<Vec<f64>>>() else {
+        return Ok(cells);
+    };
+    match numbers.iter().position(|number| !number.is_finite()) {
+        Some(row) => Err(format!("{}: must be a finite number (point {row})", cells[row])),
+        None => Ok(numbers.iter().map(|number| format!("{number:?}")).collect()),
+    }
+}
+
+fn too_many() -> String {
     format!("there are more than {MOST_POINTS} points")
 }
 
-/// Hexadecimal, as hashes in a manifest.
+/// Hexadecimal digits.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -186,35 +159,48 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
 mod tests {
     use super::*;
 
+    fn texts(values: &[&str]) -> Vec<String> {
+        values.iter().map(|value| (*value).to_owned()).collect()
+    }
+
     #[test]
     fn the_last_name_varies_fastest() {
-        let axes = vec![
-            ("a".to_owned(), Values::Reals(vec![1.0, 2.0])),
-            ("b".to_owned(), Values::Texts(vec!["x".into(), "y".into(), "z".into()])),
-        ];
+        let axes = vec![("a".to_owned(), texts(&["1.0", "2.0"])), ("b".to_owned(), texts(&["x", "y", "z"]))];
         let points = Points::grid(axes).unwrap();
-        assert_eq!(points.count, 6);
-        assert_eq!(points.columns[0].1, Values::Reals(vec![1.0, 1.0, 1.0, 2.0, 2.0, 2.0]));
-        assert_eq!(points.columns[1].1.text(4), "y");
-        assert!(
-            Points::grid(vec![("a".into(), Values::Reals(vec![]))]).unwrap_err().contains("a: no values")
-        );
-        let long = || ("a".to_owned(), Values::Integers((0..5000).collect()));
+        let all: Vec<String> = (0..points.count)
+            .map(|point| points.parameters.iter().map(|parameter| parameter.at(point)).collect())
+            .collect();
+        assert_eq!(all, ["1.0x", "1.0y", "1.0z", "2.0x", "2.0y", "2.0z"]);
+        assert!(Points::grid(vec![("a".into(), vec![])]).unwrap_err().contains("a: no values"));
+        let long = || ("a".to_owned(), vec!["1".to_owned(); 5000]);
         assert!(Points::grid(vec![long(), long()]).unwrap_err().contains("more than"));
     }
 
-    /// They took all the memory that there was.
     #[test]
-    fn many_parameters_at_many_points_are_refused() {
-        let many = ("a".to_owned(), Values::Integers((0..1_000_000).collect()));
-        let ones = (0..1000).map(|k| (format!("p{k}"), Values::Reals(vec![1.0])));
-        let said = Points::grid(std::iter::once(many.clone()).chain(ones).collect()).unwrap_err();
-        assert!(
-            said.starts_with("p124: the values of all parameters at all points need more than 1000 MB"),
-            "{said}"
-        );
-        let text = ("t".to_owned(), Values::Texts(vec!["x".repeat(10_000)]));
-        let said = Points::grid(vec![many, text]).unwrap_err();
-        assert!(said.starts_with("t: the values"), "{said}");
+    fn numbers_of_a_table_are_normalized_and_finite() {
+        let directory = tempfile::TempDir::new().unwrap();
+        let path = directory.path().join("points.csv");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            let points = Points::read(&path).map_err(|error| error.whole());
+            points.map(|points| points.parameters[0].values().join(" "))
+        };
+        for (cells, values) in [
+            ("1\n2", "1 2"),
+            ("70.50\n1e-3", "70.5 0.001"),
+            ("007\n8", "007 8"),
+            ("none\n1.50", "none 1.50"),
+            ("2\n1e300", "2.0 1e300"),
+        ] {
+            assert_eq!(read(&format!("Mass\n{cells}\n")).unwrap(), values);
+        }
+        for cell in ["nan", "-NaN", "inf", "+Infinity", "1e999"] {
+            let error = read(&format!("Mass,Other\n70.5,1\n{cell},2\n")).unwrap_err();
+            assert!(
+                error.ends_with(&format!("points.csv: Mass: {cell}: must be a finite number (point 1)")),
+                "{error}"
+            );
+        }
+        assert!(read("Mass\n").unwrap_err().ends_with("points.csv: there are no points"));
     }
 }

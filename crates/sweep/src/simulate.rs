@@ -1,186 +1,147 @@
 //! Simulates one point.
 
-use crate::courses::Courses;
+use crate::accumulators::Accumulators;
 use crate::error::{Error, Place, Result};
 use crate::identity;
+use crate::loaded::LoadedModel;
 use crate::models::Models;
 use crate::spec::Spec;
-use crate::subject::{Reads, Subject};
 use lemons_results::measure::{Leaving, Over};
+use lemons_sim::Simulation;
 use lemons_sim::stop::places;
-use lemons_sim::{Point, Simulation};
 use serde_json::{Map, Value};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Data shared by all points.
 pub struct Job {
     pub spec: Spec,
     models: Models,
-    subjects: Vec<Shared>,
-    /// The only one, which all points need.
-    _only: Option<Arc<Subject>>,
-}
-
-/// One of the models: in memory while a worker uses it.
-struct Shared {
-    /// By which it is known again.
-    digest: String,
-    subject: Mutex<Weak<Subject>>,
+    /// By which the models are known again.
+    digests: Vec<String>,
 }
 
 impl Job {
-    /// Loads and checks all models, one after the other; a single one stays loaded. Returns what must be equal to
-    /// continue, and what is probably not meant.
+    /// Loads and checks all models, one after the other. Returns what must be equal to continue, and what is probably not
+    /// meant.
+    ///
+    /// # Errors
+    /// A model cannot be used.
     pub fn open(spec: Spec) -> Result<(Job, Map<String, Value>, Vec<String>)> {
         let models = spec.models()?;
-        let (mut subjects, mut warnings) = (Vec::new(), Vec::new());
-        let (mut identity, mut only) = (identity::of_spec(&spec), None);
-        for simulated in &models.all {
-            let subject = Subject::open(&spec, simulated);
+        let (mut digests, mut warnings) = (Vec::new(), Vec::new());
+        let mut identity = identity::of_spec(&spec);
+        for model in &models.all {
+            let path = model.0.display();
             // With several, a sentence about a parameter does not say of which one.
-            let subject = match subject {
+            let loaded = match LoadedModel::open(&spec, model) {
                 Err(error @ Error::Spec(_)) if models.all.len() > 1 => {
-                    Err(error).place(|| simulated.0.display().to_string())?
+                    Err(error).place(|| path.to_string())?
                 }
-                subject => Arc::new(subject?),
+                loaded => loaded?,
             };
-            let named = |warning: &String| format!("{}: {warning}", simulated.0.display());
-            warnings.extend(subject.warnings.iter().map(named));
-            let own = identity::of_documents(&subject.documents, spec.algorithm, subject.clock.step)?;
-            let (digest, subject_of) = (identity::digest(&own)?, Mutex::new(Arc::downgrade(&subject)));
-            subjects.push(Shared { digest, subject: subject_of });
+            warnings.extend(loaded.warnings.iter().map(|warning| format!("{path}: {warning}")));
+            digests.push(identity::digest(&loaded.identity)?);
             if models.all.len() == 1 {
-                identity.extend(own);
-                only = Some(subject);
+                identity.extend(loaded.identity);
             }
         }
-        if only.is_none() {
-            let all: Vec<String> = subjects.iter().map(|shared| shared.digest.clone()).collect();
-            identity.extend(identity::of_models(&spec.points, &all, &models));
+        if models.all.len() > 1 {
+            identity.extend(identity::of_models(&spec.points, &digests, &models));
         }
-        Ok((Job { spec, models, subjects, _only: only }, identity, warnings))
+        Ok((Job { spec, models, digests }, identity, warnings))
     }
 
-    /// One of the models, loaded again if nobody uses it now.
-    fn subject(&self, place: usize) -> Result<Arc<Subject>> {
-        let Shared { digest, subject } = &self.subjects[place];
-        let mut kept = subject.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(subject) = kept.upgrade() {
-            return Ok(subject);
-        }
-        let simulated = &self.models.all[place];
-        let subject = Arc::new(Subject::open(&self.spec, simulated)?);
-        let own = identity::of_documents(&subject.documents, self.spec.algorithm, subject.clock.step)?;
-        if identity::digest(&own)? != *digest {
-            let path = simulated.0.display();
+    /// Loads one of the models again.
+    fn load(&self, place: usize) -> Result<LoadedModel> {
+        let model = LoadedModel::open(&self.spec, &self.models.all[place])?;
+        if identity::digest(&model.identity)? != self.digests[place] {
+            let path = self.models.all[place].0.display();
             return Err(Error::Spec(format!("{path}: it was changed while the sweep was running")));
         }
-        *kept = Arc::downgrade(&subject);
-        Ok(subject)
+        Ok(model)
     }
 }
 
 /// Simulates points one after the other.
 pub struct Worker<'a> {
     job: &'a Job,
-    /// Of the last point: the place of its model, its subject and its simulation.
-    last: Option<(usize, Arc<Subject>, Simulation)>,
+    /// That of the last point, with its place.
+    model: Option<(usize, LoadedModel)>,
+    /// That of the last point, unless it failed.
+    simulation: Option<Simulation>,
 }
 
 impl<'a> Worker<'a> {
     pub fn new(job: &'a Job) -> Worker<'a> {
-        Worker { job, last: None }
+        Worker { job, model: None, simulation: None }
     }
 
     /// Simulates a point and returns its measures, and when it ended by itself \[s\] if it may; `None` if `stop` was set
-    /// meanwhile. The worker can be used again unless this failed.
+    /// meanwhile.
+    ///
+    /// # Errors
+    /// The point cannot be simulated.
     pub fn simulate(&mut self, point: usize, stop: &AtomicBool) -> Result<Option<Vec<Option<f64>>>> {
         let (job, place) = (self.job, self.job.models.place(point));
-        let (_, subject, mut simulation) = match self.last.take() {
-            Some(last) if last.0 == place => last,
-            // Nothing of the former stays in memory beside it.
-            other => {
-                drop(other);
-                let subject = job.subject(place)?;
-                let simulation = Simulation::new(subject.documents.clone(), job.spec.algorithm)?;
-                (place, subject, simulation)
-            }
+        // Nothing of another model stays in memory beside this one.
+        if self.model.take_if(|(last, _)| *last != place).is_some() {
+            self.simulation = None;
+        }
+        let (_, model) = match &mut self.model {
+            Some(model) => model,
+            none => none.insert((place, job.load(place)?)),
         };
-        let measured = simulate(&mut simulation, &job.spec, &subject, point, stop)?;
-        self.last = Some((place, subject, simulation));
-        Ok(measured)
+        let mut simulation = match self.simulation.take() {
+            Some(simulation) => simulation,
+            None => Simulation::new(model.documents.clone(), job.spec.algorithm)?,
+        };
+        let values = simulate(&mut simulation, &job.spec, model, point, stop)?;
+        self.simulation = Some(simulation);
+        Ok(values)
     }
 }
 
 fn simulate(
     simulation: &mut Simulation,
     spec: &Spec,
-    subject: &Subject,
+    model: &LoadedModel,
     point: usize,
     stop: &AtomicBool,
 ) -> Result<Option<Vec<Option<f64>>>> {
     simulation.reset()?;
-    for (column, (name, values)) in spec.points.columns.iter().enumerate() {
-        if !spec.only_chooses(column) {
-            simulation.set(name, &values.text(point))?;
+    for (place, parameter) in spec.points.parameters.iter().enumerate() {
+        if !spec.only_chooses(place) {
+            simulation.set(&parameter.name, parameter.at(point))?;
         }
     }
     simulation.begin(0.0, None)?;
-    let courses = Courses::begin(spec, subject, point).map_err(Error::Spec)?;
-    let leaving = subject.leave.map(Leaving::of);
-    let mut measured = Measured { spec, subject, courses, leaving, ended: None };
-    let mut over = measured.see(simulation)?.is_break();
-    if !over {
-        let step = |simulation: &mut Simulation, _: Point| match stop.load(Ordering::Relaxed) {
-            true => Ok(ControlFlow::Break(())),
-            false => measured.see(simulation),
+    let mut accumulators = Accumulators::begin(spec, model, point)?;
+    let mut leaving = model.leave.map(Leaving::of);
+    // [s] When the condition held, or all had left.
+    let mut ended = None;
+    let mut observe = |simulation: &mut Simulation| -> Result<ControlFlow<()>> {
+        if stop.load(Ordering::Relaxed) {
+            return Ok(ControlFlow::Break(()));
+        }
+        let frame = simulation.frame();
+        let holds = match spec.stop.as_ref().zip(model.stop.as_ref()) {
+            Some((condition, reading)) => condition.holds(&reading.read(simulation, &frame)?),
+            None => false,
         };
-        over = lemons_sim::run::<_, Error>(simulation, &subject.clock, 0, step)?.is_break();
+        let over = leaving.as_mut().and_then(|leaving| leaving.see(frame.time, &places(&frame)));
+        ended = (holds || over == Some(Over::Left)).then_some(frame.time);
+        accumulators.add(simulation, frame)?;
+        Ok(if holds || over.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    };
+    if observe(simulation)?.is_continue() {
+        let _ =
+            lemons_sim::run::<_, Error>(simulation, &model.clock, 0, |simulation, _| observe(simulation))?;
     }
     if stop.load(Ordering::Relaxed) {
         return Ok(None);
     }
-    let Measured { courses, ended, .. } = measured;
-    let mut values = courses.finish(&subject.documents.trial.geometry.walls).map_err(Error::Spec)?;
-    values.extend(spec.may_end().then_some(ended.filter(|_| over)));
+    let mut values = accumulators.finish(&model.documents.trial.geometry.walls).map_err(Error::Spec)?;
+    values.extend(spec.may_end().then_some(ended));
     Ok(Some(values))
-}
-
-/// The measures of a run under way.
-struct Measured<'a> {
-    spec: &'a Spec,
-    subject: &'a Subject,
-    courses: Courses<'a>,
-    /// It ends when people have left.
-    leaving: Option<Leaving>,
-    /// \[s\] When its condition held, or all had left.
-    ended: Option<f64>,
-}
-
-impl Measured<'_> {
-    /// Sees a communication point; breaks if the point ends there.
-    fn see(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>> {
-        let frame = simulation.frame();
-        for (place, reads) in self.subject.measures.iter().enumerate() {
-            if let Reads::Output(reading) = reads {
-                let values = reading.read(simulation, &frame)?;
-                self.courses.see_values(place, frame.time, values.into_iter());
-            }
-        }
-        let mut holds = match self.spec.stop.as_ref().zip(self.subject.stop.as_ref()) {
-            Some((stop, reading)) => stop.holds(reading.read(simulation, &frame)?.into_iter()),
-            None => false,
-        };
-        let mut stuck = false;
-        if let Some(leaving) = &mut self.leaving {
-            let over = leaving.see(frame.time, &places(&frame));
-            holds |= over == Some(Over::Left);
-            stuck = over == Some(Over::Standstill);
-        }
-        self.ended = holds.then_some(frame.time);
-        self.courses.see_frame(frame).map_err(Error::Spec)?;
-        Ok(if holds || stuck { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
-    }
 }

@@ -1,16 +1,16 @@
 //! Reads `sweep.toml`.
 
-use crate::axes::{axis, read_table};
+use crate::axes::Axis;
 use crate::error::{Error, Place, Result};
 use crate::measure::Measure;
-use crate::models::{Models, Plan, only_chooses, simulated};
+use crate::models::{Models, Plan, only_chooses};
 use crate::places::Places;
 use crate::points::{OUTPUT_DIRECTORY, Points};
 use crate::stop::Stop;
 use crate::template::Template;
 use lemons_core::files::input;
 use lemons_core::trial::DriveChoice;
-use lemons_master::{Kind, PlanChoice};
+use lemons_master::{FileType, PlanChoice};
 use lemons_results::measure::LATEST;
 use lemons_sim::Algorithm;
 use serde::Deserialize;
@@ -78,9 +78,10 @@ struct Document {
     until: EndText,
     stop: Option<Stop>,
     step: Option<f64>,
-    drive: Option<DriveText>,
-    plan: Option<PlanText>,
-    algorithm: Option<AlgorithmText>,
+    drive: Option<FileText>,
+    plan: Option<FileText>,
+    #[serde(default, with = "AlgorithmText")]
+    algorithm: Algorithm,
     parameters: Option<toml::Table>,
     table: Option<PathBuf>,
     #[serde(default)]
@@ -104,22 +105,16 @@ enum Word {
     Left,
 }
 
+/// A file, or whether the Trial's own is used.
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum DriveText {
-    Switch(bool),
-    File(PathBuf),
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum PlanText {
+enum FileText {
     Switch(bool),
     File(String),
 }
 
 #[derive(Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(remote = "Algorithm", rename_all = "kebab-case")]
 enum AlgorithmText {
     Jacobi,
     GaussSeidel,
@@ -136,7 +131,7 @@ impl Spec {
     /// # Errors
     /// A sentence with the key and what is wrong.
     pub fn read(path: &Path) -> Result<Spec> {
-        Kind::expect(path, &[Kind::Text, Kind::Stream], "a sweep.toml (lemons sweep --help)")
+        FileType::expect(path, &[FileType::Text, FileType::Stream], "a sweep.toml (lemons sweep --help)")
             .map_err(lemons_master::Error::from)?;
         let text = input::read_text(path, input::LARGEST_SETTINGS)
             .place(|| format!("cannot read {}", path.display()))?;
@@ -169,18 +164,22 @@ impl Spec {
                 return Err(Error::Spec(format!("{key}: must be a positive number of seconds")));
             }
         }
-        let table = document.table.map(|table| directory.join(table));
-        let mut inputs: Vec<PathBuf> = table.iter().cloned().collect();
-        let points = match (document.parameters, table) {
+        let mut inputs = Vec::new();
+        let points = match (document.parameters, document.table) {
             (Some(axes), None) => {
                 let axes = axes.into_iter().map(|(name, value)| {
-                    let values = axis(value).place(|| format!("parameters: {name}"))?;
+                    let place = || format!("parameters: {name}");
+                    let values =
+                        value.try_into::<Axis>().place(place)?.values().map_err(Error::Spec).place(place)?;
                     Ok((name, values))
                 });
                 let axes = axes.collect::<Result<Vec<_>>>()?;
                 Points::grid(axes).map_err(|message| Error::Spec(format!("parameters: {message}")))?
             }
-            (None, Some(table)) => read_table(&table)?,
+            (None, Some(table)) => {
+                inputs.push(directory.join(table));
+                Points::read(&inputs[0])?
+            }
             _ => return Err(Error::Spec("give one of [parameters] and table".into())),
         };
         check_directories(&points)?;
@@ -193,7 +192,11 @@ impl Spec {
             return Err(Error::Spec("measures: must not be empty".into()));
         }
         let mut names = HashSet::from(RESERVED);
-        let given = points.columns.iter().map(|(name, _)| name).chain(measures.iter().map(|(name, _)| name));
+        let given = points
+            .parameters
+            .iter()
+            .map(|parameter| &parameter.name)
+            .chain(measures.iter().map(|(name, _)| name));
         for name in given {
             if !names.insert(name) {
                 return Err(Error::Spec(format!("{name:?}: the table already has a column with this name")));
@@ -201,12 +204,12 @@ impl Spec {
         }
         let walkable = document.walkable.map(|path| directory.join(path));
         let places = Places::read(document.lines, document.areas, walkable)?;
-        inputs.extend(places.input().map(Path::to_owned));
+        inputs.extend(places.walkable.as_ref().map(|walkable| walkable.path.clone()));
         for (name, measure) in &measures {
             let checked = measure.check(&places, &points);
             checked.map_err(|what| Error::Spec(format!("measures: {name}: {what}")))?;
         }
-        if places.only_walkable() {
+        if places.walkable.is_some() && places.areas.is_empty() {
             return Err(Error::Spec("walkable: is for [areas], and there are none".into()));
         }
         if let Some(stop) = &document.stop {
@@ -218,24 +221,24 @@ impl Spec {
         let model = template(key, &model)?;
         let plan = match &document.plan {
             None => Plan::Own,
-            Some(PlanText::Switch(true)) => Plan::Needed,
-            Some(PlanText::Switch(false)) => Plan::None,
-            Some(PlanText::File(text)) => Plan::File(template("plan", text)?),
+            Some(FileText::Switch(true)) => Plan::Needed,
+            Some(FileText::Switch(false)) => Plan::None,
+            Some(FileText::File(text)) => Plan::File(template("plan", text)?),
         };
         let drive = match document.drive {
-            None | Some(DriveText::Switch(true)) => DriveChoice::Own,
-            Some(DriveText::Switch(false)) => DriveChoice::None,
-            Some(DriveText::File(path)) => DriveChoice::File(directory.join(path)),
+            None | Some(FileText::Switch(true)) => DriveChoice::Own,
+            Some(FileText::Switch(false)) => DriveChoice::None,
+            Some(FileText::File(path)) => DriveChoice::File(directory.join(path)),
         };
         if let DriveChoice::File(path) = &drive {
             inputs.push(path.clone());
         }
-        let algorithm = match document.algorithm {
-            None | Some(AlgorithmText::Jacobi) => Algorithm::Jacobi,
-            Some(AlgorithmText::GaussSeidel) => Algorithm::GaussSeidel,
-        };
-        let Document { stop, step, .. } = document;
-        let mut spec = Spec {
+        let Document { stop, step, algorithm, .. } = document;
+        for (path, plan) in Models::of(&points, &model, &plan)?.all {
+            inputs.push(path);
+            inputs.extend(if let PlanChoice::File(path) = plan { Some(path) } else { None });
+        }
+        Ok(Spec {
             model,
             until,
             stop,
@@ -248,18 +251,7 @@ impl Spec {
             places,
             inputs,
             identity,
-        };
-        for (path, plan) in spec.models()?.all {
-            spec.inputs.push(path);
-            spec.inputs.extend(if let PlanChoice::File(path) = plan { Some(path) } else { None });
-        }
-        Ok(spec)
-    }
-
-    /// What is simulated at a point.
-    pub fn simulated(&self, point: usize) -> (PathBuf, PlanChoice) {
-        let Spec { points, model, plan, .. } = self;
-        simulated(points, model, plan, point)
+        })
     }
 
     /// What is simulated at all points.
@@ -273,15 +265,15 @@ impl Spec {
     }
 
     /// Whether a parameter only chooses what is simulated, and is no variable of it.
-    pub(crate) fn only_chooses(&self, column: usize) -> bool {
-        only_chooses(&self.model, &self.plan, column)
+    pub(crate) fn only_chooses(&self, parameter: usize) -> bool {
+        only_chooses(&self.model, &self.plan, parameter)
     }
 }
 
 /// That no two points have the same OutputDirectory, where they would overwrite each other's files.
 fn check_directories(points: &Points) -> Result<()> {
     let mut seen = HashSet::new();
-    match points.output_directories().find(|(_, directory)| !seen.insert(directory.clone())) {
+    match points.output_directories().find(|(_, directory)| !seen.insert(*directory)) {
         Some((_, twice)) => Err(Error::Spec(format!(
             "{OUTPUT_DIRECTORY} = {twice:?}: two points have it, and would overwrite each other's files; with \
              a table of points, each can have its own"
@@ -293,7 +285,6 @@ fn check_directories(points: &Points) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::points::Values;
 
     const GOOD: &str = r#"
         trial = "push"
@@ -309,15 +300,11 @@ mod tests {
     #[test]
     fn a_grid() {
         let spec = Spec::from_toml(GOOD, Path::new("dir")).unwrap();
-        assert_eq!(
-            (spec.simulated(0).0, spec.until, spec.points.count),
-            (PathBuf::from("dir/push"), End::At(2.0), 6)
-        );
-        let (name, values) = &spec.points.columns[0];
-        let Values::Reals(values) = values else { panic!("{values:?}") };
-        assert_eq!(name, "agent[*].Mass");
-        assert_eq!((values[0], values[5]), (50.0, 200.0));
-        assert!((values[2] - 100.0).abs() < 1e-12);
+        let model = &spec.models().unwrap().all[0].0;
+        assert_eq!((model, spec.until, spec.points.count), (&PathBuf::from("dir/push"), End::At(2.0), 6));
+        let mass = &spec.points.parameters[0];
+        assert_eq!((mass.name.as_str(), mass.at(0), mass.at(5)), ("agent[*].Mass", "50.0", "200.0"));
+        assert!((mass.at(2).parse::<f64>().unwrap() - 100.0).abs() < 1e-12);
         assert_eq!(spec.drive, DriveChoice::None);
     }
 
@@ -427,7 +414,7 @@ mod tests {
             .replace("\"push\"", "\"door_{width}_{seed}\"\nplan = \"{width}.toml\"")
             .replace("[0, 0.5]", "[0.4]\nwidth = [0.8, 1.0]\nseed = { from = 1, to = 3 }");
         let spec = Spec::from_toml(&text, Path::new("in")).unwrap();
-        assert_eq!(spec.points.columns[3].1, Values::Integers([1, 2, 3].repeat(6)));
+        assert_eq!(spec.points.parameters[3].values(), ["1", "2", "3"]);
         let models = spec.models().unwrap();
         assert_eq!((spec.points.count, models.all.len(), spec.inputs.len()), (18, 6, 12));
         let plan = |name: &str| PlanChoice::File(PathBuf::from(name));
@@ -458,8 +445,8 @@ mod tests {
             let text = format!("{{ from = {from:e}, to = {to:e}, count = 101, spacing = {spacing:?} }}");
             let text = GOOD.replace("[0, 0.5]", &text);
             let points = Spec::from_toml(&text, Path::new("")).unwrap().points;
-            let Values::Reals(values) = &points.columns[1].1 else { panic!("numbers") };
-            let values = &values[..101];
+            let values: Vec<f64> =
+                points.parameters[1].values().iter().map(|text| text.parse().unwrap()).collect();
             let rising = |pair: &[f64]| if from < to { pair[0] < pair[1] } else { pair[0] > pair[1] };
             assert!(
                 values.iter().all(|value| value.is_finite()) && values.windows(2).all(rising),
@@ -468,26 +455,6 @@ mod tests {
             assert_eq!((values[0], values[100]), (from, to));
             let error = values[50] - middle;
             assert!(error.abs() <= 1e-2 * f64::abs(middle), "{text}: {}", values[50]);
-        }
-    }
-
-    #[test]
-    fn a_table_with_what_is_no_finite_number_is_refused() {
-        let directory = tempfile::TempDir::new().unwrap();
-        let path = directory.path().join("points.csv");
-        for (cell, refused) in [
-            ("nan", true),
-            ("-NaN", true),
-            ("inf", true),
-            ("+Infinity", true),
-            ("1e999", true),
-            ("1e300", false),
-            ("none", false),
-        ] {
-            std::fs::write(&path, format!("Mass,Other\n70.5,1\n{cell},2\n")).unwrap();
-            let said = read_table(&path).map_or_else(|error| error.whole(), |_| "taken".into());
-            let expected = format!("points.csv: Mass: {cell}: must be a finite number (point 1)");
-            assert!(if refused { said.ends_with(&expected) } else { said == "taken" }, "{said}");
         }
     }
 }

@@ -38,11 +38,11 @@ impl Stop {
 
     /// Whether it holds for all these values. Those of agents who have left (`None`) do not count; for nobody it does not
     /// hold.
-    pub(crate) fn holds(&self, values: impl Iterator<Item = Option<f64>>) -> bool {
+    pub(crate) fn holds(&self, values: &[Option<f64>]) -> bool {
         let beyond = |value: f64| {
             self.at_least.is_none_or(|least| value >= least) && self.at_most.is_none_or(|most| value <= most)
         };
-        let mut there = values.flatten().peekable();
+        let mut there = values.iter().flatten().copied().peekable();
         there.peek().is_some() && there.all(beyond)
     }
 }
@@ -55,13 +55,11 @@ mod tests {
     fn it_holds_for_all_or_not_at_all() {
         let stop = |text: &str| toml::from_str::<Stop>(text).unwrap();
         let least = stop("of = 'x'\nat_least = 2");
-        assert!(
-            least.holds([2.0, 3.0].map(Some).into_iter()) && !least.holds([2.0, 1.9].map(Some).into_iter())
-        );
-        assert!(!least.holds([2.0, f64::NAN].map(Some).into_iter()));
-        assert!(least.holds([None, Some(2.0)].into_iter()) && !least.holds([None, None].into_iter()));
+        assert!(least.holds(&[2.0, 3.0].map(Some)) && !least.holds(&[2.0, 1.9].map(Some)));
+        assert!(!least.holds(&[2.0, f64::NAN].map(Some)));
+        assert!(least.holds(&[None, Some(2.0)]) && !least.holds(&[None, None]));
         let most = stop("of = 'decision.Left'\nat_most = 0");
-        assert!(most.holds([0.0].map(Some).into_iter()) && !most.holds([1.0].map(Some).into_iter()));
+        assert!(most.holds(&[0.0].map(Some)) && !most.holds(&[1.0].map(Some)));
         for (text, said) in [
             ("of = 'x'", "one of at_least and at_most"),
             ("of = 'x'\nat_least = 1\nat_most = 2", "one of at_least and at_most"),

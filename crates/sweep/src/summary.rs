@@ -18,7 +18,7 @@ const QUANTILES: [(f64, &str); 3] = [(0.1, "quantile_10"), (0.5, "median"), (0.9
 /// # Errors
 /// One is not.
 pub fn check_over(points: &Points, over: &[String]) -> Result<()> {
-    let known = |name: &String| points.columns.iter().any(|(own, _)| own == name);
+    let known = |name: &String| points.parameters.iter().any(|own| own.name == *name);
     match over.iter().find(|name| !known(name)) {
         Some(name) => Err(Error::Spec(format!("there is no parameter {name:?}"))),
         None => Ok(()),
@@ -31,11 +31,11 @@ pub fn check_over(points: &Points, over: &[String]) -> Result<()> {
 /// # Errors
 /// The table cannot be written.
 pub fn summary(points: &Points, measures: &[String], rows: &[Finished], over: &[String]) -> Result<String> {
-    let fixed: Vec<_> = points.columns.iter().filter(|(name, _)| !over.contains(name)).collect();
+    let fixed: Vec<_> = points.parameters.iter().filter(|own| !over.contains(&own.name)).collect();
     let may_end = measures.last().is_some_and(|name| name == ENDED);
     let mut cases: BTreeMap<Vec<String>, (usize, Case)> = BTreeMap::new();
     for row in rows {
-        let key = fixed.iter().map(|(_, values)| values.text(row.point)).collect();
+        let key = fixed.iter().map(|own| own.at(row.point).to_owned()).collect();
         let (_, case) = cases.entry(key).or_insert_with(|| {
             (row.point, Case { values: vec![Vec::new(); measures.len()], ..Case::default() })
         });
@@ -44,7 +44,7 @@ pub fn summary(points: &Points, measures: &[String], rows: &[Finished], over: &[
     let mut ordered: Vec<_> = cases.into_iter().collect();
     ordered.sort_by_key(|(_, (first, _))| *first);
     let mut out = csv::Writer::from_writer(Vec::new());
-    let names = fixed.iter().map(|(name, _)| name.clone()).chain(["runs", "failed"].map(str::to_owned));
+    let names = fixed.iter().map(|own| own.name.clone()).chain(["runs", "failed"].map(str::to_owned));
     let stuck = may_end.then(|| "stuck".to_owned());
     let of_measures = measures.iter().flat_map(|name| {
         let more = QUANTILES.iter().map(|(_, quantile)| *quantile);
@@ -133,7 +133,6 @@ fn within(t: f64, freedom: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::points::Values;
 
     /// Tabulated values.
     #[test]
@@ -155,8 +154,8 @@ mod tests {
     #[test]
     fn runs_that_differ_in_the_seed_are_one_case() {
         let axes = vec![
-            ("width".to_owned(), Values::Reals(vec![1.2, 0.9])),
-            ("seed".to_owned(), Values::Integers(vec![1, 2, 3])),
+            ("width".to_owned(), ["1.2", "0.9"].map(str::to_owned).to_vec()),
+            ("seed".to_owned(), ["1", "2", "3"].map(str::to_owned).to_vec()),
         ];
         let points = Points::grid(axes).unwrap();
         let number = |value: f64| Some(Measured::Number(value));

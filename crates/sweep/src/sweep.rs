@@ -5,11 +5,12 @@ use crate::points::Points;
 use crate::simulate::{Job, Worker};
 use crate::spec::{ENDED, Spec};
 use crate::table::{Finished, Measured, Table};
+use std::io;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
-use std::thread::JoinHandle;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::Builder;
 use std::time::{Duration, Instant};
 
 /// The progress of a sweep.
@@ -25,9 +26,9 @@ pub struct Progress {
     pub before: usize,
 }
 
-/// Settings of a sweep.
+/// How a sweep is run.
 #[derive(Debug, Clone, Copy)]
-pub struct How<'a> {
+pub struct Options<'a> {
     /// Number of threads.
     pub threads: usize,
     /// Whether failed points are simulated again.
@@ -52,17 +53,17 @@ pub struct Swept {
 
 /// Simulates the points that a sweep's table does not contain yet.
 ///
-/// `tell` is called when points are finished. When `stop` is set, points in progress are given up, and their threads end
-/// at the next communication point. Failed points are kept with their message.
+/// `report` is called when points are finished. When `stop` is set, points in progress are given up at their next
+/// communication point. Failed points are kept with their message.
 ///
 /// # Errors
 /// A Trial, an FMU, a plan or the drive cannot be used, the table belongs to another sweep, or it cannot be written.
 pub fn sweep(
     spec: Spec,
     table: &Path,
-    How { threads, retry, by }: How<'_>,
+    Options { threads, retry, by }: Options<'_>,
     stop: &AtomicBool,
-    mut tell: impl FnMut(Progress),
+    mut report: impl FnMut(Progress),
 ) -> Result<Swept> {
     let (job, mut identity, warnings) = Job::open(spec)?;
     identity.insert("program".into(), by.into());
@@ -77,14 +78,14 @@ pub fn sweep(
     let failed = table.rows().filter(|row| row.outcome.is_err()).count();
     let mut progress =
         Progress { done, failed: if retry { 0 } else { failed }, total: points.count, before: done };
-    tell(progress);
-    let (next, over) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let queue = Arc::new(Queue { job, points: left, next, over });
+    report(progress);
+    let queue =
+        Arc::new(Queue { job, points: left, next: AtomicUsize::new(0), over: AtomicBool::new(false) });
     simulate(&queue, threads, stop, |rows| {
         table.add(rows)?;
         progress.done += rows.len();
         progress.failed += rows.iter().filter(|row| row.outcome.is_err()).count();
-        tell(progress);
+        report(progress);
         Ok(())
     })?;
     let points = queue.job.spec.points.clone();
@@ -105,83 +106,82 @@ struct Queue {
 
 impl Queue {
     fn work(&self, finished: &Sender<Finished>) {
-        let mut worker = None;
-        while !self.over.load(Ordering::Relaxed) {
-            let Some(&point) = self.points.get(self.next.fetch_add(1, Ordering::Relaxed)) else { return };
-            let Some(outcome) = one(&self.job, &mut worker, point, &self.over) else { return };
-            if finished.send(Finished { point, outcome }).is_err() {
+        let mut worker = Worker::new(&self.job);
+        while let Some(&point) = self.points.get(self.next.fetch_add(1, Ordering::Relaxed)) {
+            let outcome = worker.simulate(point, &self.over).map_err(|error| error.whole()).transpose();
+            let Some(outcome) = outcome else { return };
+            let number = |value: Option<f64>| value.map(Measured::Number);
+            let outcome = outcome.map(|values| values.into_iter().map(number).collect());
+            if finished.send(Finished { point, outcome }).is_err() || self.over.load(Ordering::Relaxed) {
                 return;
             }
         }
     }
 }
 
-/// Time between two checks of `stop`.
-const LOOK: Duration = Duration::from_millis(50);
-
-/// Gives points to threads. Finished points are written every second, or every hundredth of the elapsed time.
+/// Simulates points in threads, and writes what is finished. Threads that are stopped are not waited for: a step may
+/// take long.
 fn simulate(
     queue: &Arc<Queue>,
     threads: usize,
     stop: &AtomicBool,
-    mut write: impl FnMut(&[Finished]) -> Result<()>,
+    write: impl FnMut(&[Finished]) -> Result<()>,
 ) -> Result<()> {
     let (finished, arrived) = channel();
-    let mut workers = Vec::new();
-    for _ in 0..threads.min(queue.points.len()) {
+    let begin = |_| {
         let (queue, finished) = (queue.clone(), finished.clone());
-        let worker = std::thread::Builder::new().name("sweep".into()).spawn(move || queue.work(&finished));
-        workers.push(worker.place(|| "cannot start a thread".into())?);
-    }
+        Builder::new().name("sweep".into()).spawn(move || queue.work(&finished))
+    };
+    let workers: io::Result<Vec<_>> = (0..threads.min(queue.points.len())).map(begin).collect();
     // The channel closes when all workers have ended.
     drop(finished);
+    let done = workers.place(|| "cannot start a thread".into()).and_then(|workers| {
+        match collect(&arrived, stop, write)? {
+            Ended::Stopped => Ok(()),
+            Ended::Finished => {
+                workers.into_iter().try_for_each(|worker| worker.join().map_err(|_| Error::Worker))
+            }
+        }
+    });
+    queue.over.store(true, Ordering::Relaxed);
+    done
+}
+
+/// Why no more points are collected.
+enum Ended {
+    Finished,
+    Stopped,
+}
+
+/// How long it takes at most until a stop is noticed.
+const LATENCY: Duration = Duration::from_millis(50);
+
+/// Writes finished points as they arrive: at first each second, later each hundredth of the elapsed time.
+fn collect(
+    arrived: &Receiver<Finished>,
+    stop: &AtomicBool,
+    mut write: impl FnMut(&[Finished]) -> Result<()>,
+) -> Result<Ended> {
     let (start, mut last) = (Instant::now(), Instant::now());
     let mut pending: Vec<Finished> = Vec::new();
     loop {
         let between = Duration::from_secs(1).max(start.elapsed() / 100);
-        let message = arrived.recv_timeout(between.saturating_sub(last.elapsed()).min(LOOK));
-        let over = message == Err(RecvTimeoutError::Disconnected);
+        let message = arrived.recv_timeout(between.saturating_sub(last.elapsed()).min(LATENCY));
+        let ended = match message {
+            Err(RecvTimeoutError::Disconnected) => Some(Ended::Finished),
+            _ if stop.load(Ordering::Relaxed) => Some(Ended::Stopped),
+            _ => None,
+        };
         pending.extend(message);
-        let stopped = stop.load(Ordering::Relaxed);
-        if stopped {
-            queue.over.store(true, Ordering::Relaxed);
-        }
-        if (over || stopped || last.elapsed() >= between) && !pending.is_empty() {
+        if (ended.is_some() || last.elapsed() >= between) && !pending.is_empty() {
             pending.extend(arrived.try_iter());
             pending.sort_by_key(|row| row.point);
-            if let Err(error) = write(&pending) {
-                queue.over.store(true, Ordering::Relaxed);
-                return Err(error);
-            }
+            write(&pending)?;
             pending.clear();
             last = Instant::now();
         }
-        if over {
-            break;
-        }
-        if stopped {
-            return Ok(());
+        if let Some(ended) = ended {
+            return Ok(ended);
         }
     }
-    match workers.into_iter().map(JoinHandle::join).find(Result::is_err) {
-        Some(_) => Err(Error::Worker),
-        None => Ok(()),
-    }
-}
-
-/// Simulates a point; `None` if it was stopped. After a failure the next point gets a new simulation.
-fn one<'a>(
-    job: &'a Job,
-    worker: &mut Option<Worker<'a>>,
-    point: usize,
-    stop: &AtomicBool,
-) -> Option<std::result::Result<Vec<Option<Measured>>, String>> {
-    let mut used = worker.take().unwrap_or_else(|| Worker::new(job));
-    let outcome = used.simulate(point, stop).map_err(|error| error.whole()).transpose()?;
-    let number = |value: Option<f64>| value.map(Measured::Number);
-    let outcome = outcome.map(|values| values.into_iter().map(number).collect());
-    if outcome.is_ok() {
-        *worker = Some(used);
-    }
-    Some(outcome)
 }

@@ -32,7 +32,7 @@ impl Template {
         let (mut pieces, mut rest) = (Vec::new(), text);
         while let Some((before, after)) = rest.split_once('{') {
             let Some((name, further)) = after.split_once('}') else { break };
-            let column = points.columns.iter().position(|(known, _)| known == name);
+            let column = points.parameters.iter().position(|known| known.name == name);
             let column = column.ok_or_else(|| format!("{text}: there is no parameter {name:?}"))?;
             pieces.extend([Piece::Text(before.to_owned()), Piece::Value(column)]);
             rest = further;
@@ -41,17 +41,16 @@ impl Template {
         Ok(Template { directory: directory.to_owned(), pieces })
     }
 
-    /// A path without parameters, whatever is written in it.
+    /// Makes a path without parameters, whatever is written in it.
     pub fn of_path(path: &Path) -> Template {
-        let pieces = vec![Piece::Text(String::new())];
-        Template { directory: path.to_owned(), pieces }
+        Template { directory: path.to_owned(), pieces: Vec::new() }
     }
 
     /// The path at a point. Numbers are written as in the table of results.
     pub fn path(&self, points: &Points, point: usize) -> PathBuf {
         let written = self.pieces.iter().map(|piece| match piece {
             Piece::Text(text) => text.clone(),
-            Piece::Value(column) => points.columns[*column].1.text(point),
+            Piece::Value(column) => points.parameters[*column].at(point).to_owned(),
         });
         let written = written.collect::<String>();
         if written.is_empty() { self.directory.clone() } else { self.directory.join(written) }
@@ -66,14 +65,13 @@ impl Template {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::points::Values;
 
     #[test]
     fn values_stand_in_for_names() {
         let axes = vec![
-            ("width".to_owned(), Values::Reals(vec![0.8, 1.0])),
-            ("seed".to_owned(), Values::Integers(vec![1, 2])),
-            ("Mass".to_owned(), Values::Reals(vec![60.0])),
+            ("width".to_owned(), ["0.8", "1.0"].map(str::to_owned).to_vec()),
+            ("seed".to_owned(), ["1", "2"].map(str::to_owned).to_vec()),
+            ("Mass".to_owned(), vec!["60.0".to_owned()]),
         ];
         let points = Points::grid(axes).unwrap();
         let read = |text: &str| Template::read(text, Path::new("in"), &points);

@@ -1,5 +1,4 @@
 //! Runs one input of a fuzzer without it: `cargo run -p lemons-verify --features fuzz --example one TARGET FILE`.
-//! With `FUZZ_TOLD=1` in the environment every call of an FMU is shown, with its status and what was logged.
 
 fn main() {
     let mut arguments = std::env::args().skip(1);

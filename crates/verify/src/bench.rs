@@ -7,7 +7,7 @@
 pub mod accuracy;
 pub mod fmu;
 
-use crate::checks::scenes::{BODIES, at, pedestrian, wall, world};
+use crate::checks::scenes::{BODIES, Random, at, pedestrian, wall, world};
 use crate::checks::{Error, Result};
 use cpu_time::ThreadTime;
 use crowd_mechanics::engine::{Shortlisting, World, Wrench};
@@ -64,31 +64,18 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// Pseudo-random numbers in [−1, 1), the same on every machine (SplitMix64).
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) as f64 / (1u64 << 63) as f64 - 1.0
-    }
-}
-
 /// Pedestrians on a lattice \[m\] in a closed box, slightly turned and shifted; each pushes in another direction.
 fn crowd(agents: usize, spacing: Vec2, turned: f64, push: f64) -> World {
     let columns = ((agents as f64 * spacing.y / spacing.x).sqrt().round() as usize).max(1);
     let rows = agents.div_ceil(columns);
-    let mut numbers = Numbers(30);
+    let mut numbers = Random(30);
     let motions: Vec<(Pose, Twist)> = (0..agents)
         .map(|k| {
             let place = at(
-                spacing.x * ((k % columns) as f64 + 0.5) + 0.01 * numbers.next(),
-                spacing.y * ((k / columns) as f64 + 0.5) + 0.01 * numbers.next(),
+                spacing.x * ((k % columns) as f64 + 0.5) + 0.01 * numbers.signed(),
+                spacing.y * ((k / columns) as f64 + 0.5) + 0.01 * numbers.signed(),
             );
-            (Pose { orientation: turned * numbers.next(), ..place }, Twist::default())
+            (Pose { orientation: turned * numbers.signed(), ..place }, Twist::default())
         })
         .collect();
     let (width, height) = (spacing.x * columns as f64, spacing.y * rows as f64);
@@ -97,8 +84,8 @@ fn crowd(agents: usize, spacing: Vec2, turned: f64, push: f64) -> World {
         world(&vec![pedestrian(MASS, RATE); agents], &[around], BODIES, &motions, MECHANICAL_STEP);
     for drive in &mut world.drive {
         *drive = Wrench {
-            force: vec2(push * numbers.next(), push * numbers.next()),
-            torque: 0.02 * push * numbers.next(),
+            force: vec2(push * numbers.signed(), push * numbers.signed()),
+            torque: 0.02 * push * numbers.signed(),
         };
     }
     world

@@ -20,7 +20,7 @@ pub mod stability;
 pub mod symmetry;
 pub mod walls;
 
-use crowd_mechanics::engine::World;
+use crowd_mechanics::engine::{Pose, Twist, World};
 pub use error::{Error, Result};
 
 /// One row of the table.
@@ -129,6 +129,66 @@ pub fn tables() -> Result<String> {
 pub(crate) fn farthest_apart([one, other]: &[World; 2]) -> f64 {
     let poses = one.state().poses.iter().zip(&other.state().poses);
     largest(poses.map(|(a, b)| (a.position - b.position).norm()))
+}
+
+/// Largest difference of place, angle, velocity and angular velocity of a body.
+pub(crate) fn apart(a: &(Pose, Twist), b: &(Pose, Twist)) -> f64 {
+    largest([apart_in_pose(&a.0, &b.0), apart_in_twist(&a.1, &b.1)])
+}
+
+pub(crate) fn apart_in_pose(a: &Pose, b: &Pose) -> f64 {
+    largest([(a.position - b.position).norm(), (a.orientation - b.orientation).abs()])
+}
+
+pub(crate) fn apart_in_twist(a: &Twist, b: &Twist) -> f64 {
+    largest([(a.velocity - b.velocity).norm(), (a.angular_velocity - b.angular_velocity).abs()])
+}
+
+/// Steps \[s\] and figures, from a step on that is halved each time.
+type Halved = Vec<(f64, f64)>;
+
+pub(crate) fn halved(first: f64, count: i32, figure: impl Fn(f64) -> Result<f64>) -> Result<Halved> {
+    let steps = (0..count).map(|halvings| first / f64::powi(2.0, halvings));
+    steps.map(|step| Ok((step, figure(step)?))).collect()
+}
+
+/// By how much the order at which figures fall is less than expected.
+pub(crate) fn shortfall(figures: &Halved, expected: f64) -> f64 {
+    let halvings = figures.len() - 1;
+    let fall = (figures[0].1 / figures[halvings].1).abs();
+    (expected - fall.log2() / halvings as f64).max(0.0)
+}
+
+/// The largest difference of the ratios of figures from an expected one.
+pub(crate) fn off_ratio(figures: &Halved, expected: f64) -> f64 {
+    largest(figures.windows(2).map(|pair| (pair[0].1 / pair[1].1 - expected).abs()))
+}
+
+/// A damped oscillator: x'' + 2 decay x' + (k/m) x = 0.
+pub(crate) struct Oscillator {
+    /// \[1/s\]
+    pub decay: f64,
+    /// \[1/s\] Angular frequency.
+    pub pulsation: f64,
+}
+
+impl Oscillator {
+    /// With these stiffness, damping and mass.
+    pub fn new(stiffness: f64, damping: f64, mass: f64) -> Oscillator {
+        let decay = damping / (2.0 * mass);
+        Oscillator { decay, pulsation: (stiffness / mass - decay * decay).sqrt() }
+    }
+
+    /// Speed at a time \[s\], from 0 on with another speed.
+    pub fn speed(&self, first: f64, time: f64) -> f64 {
+        let (sin, cos) = (self.pulsation * time).sin_cos();
+        first * (-self.decay * time).exp() * (cos - self.decay / self.pulsation * sin)
+    }
+
+    /// Speed when it comes back to 0, divided by that at first.
+    pub fn restitution(&self) -> f64 {
+        (-std::f64::consts::PI * self.decay / self.pulsation).exp()
+    }
 }
 
 /// The largest of some differences; NaN if one is not a number.

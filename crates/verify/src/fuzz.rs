@@ -2,9 +2,8 @@
 //! program under test breaks a promise. The fuzzers are one-liners around them; `tests/replay.rs` runs
 //! them on the inputs that the fuzzers kept.
 //!
-//! - `fmi_calls`, `decision_calls`: sequences of FMI calls with any arguments
+//! - `calls`: sequences of FMI calls with any arguments, on FMUs of both versions
 //! - `states`: damaged states with a good checksum
-//! - `fmi3_calls`, `decision3_calls`, `states3`: the same for FMI 3.0, with whole arrays and their sizes
 //! - `trial_xml`: any bytes as one file of a Trial
 //! - `fmu_archive`: any bytes as an `.fmu`, or as its `modelDescription.xml`
 //! - `ssp_archive`: any bytes as an `.ssp`, as its structure, or as an FMU's interface
@@ -13,30 +12,23 @@
 //! - `table_csv`: any bytes as the table of a run
 //! - `sweep_toml`: any text as a `sweep.toml`, any bytes as the table of points that it names
 //! - `run_file`: any bytes as a saved run, or as its `run.toml`
-//! - `light_xml`: any text as a light XML file
 
 mod calls;
 mod files;
 mod inputs;
 mod models;
 
-use crate::testing::Version;
 use calls::{calls, states};
 use files::{decision_toml, fmu_archive, ssp_archive, trial_xml};
-use inputs::{drive_csv, light_xml, run_file, sweep_toml, table_csv};
-use models::Subject;
+use inputs::{drive_csv, run_file, sweep_toml, table_csv};
 
 /// A fuzz target.
 pub type Target = fn(&[u8]);
 
 /// The targets, by the names of their fuzzers and of the directories of their inputs.
-pub const TARGETS: [(&str, Target); 15] = [
-    ("fmi_calls", |data| calls(Subject::Crowd, Version::V2, data)),
-    ("decision_calls", |data| calls(Subject::Decision, Version::V2, data)),
-    ("states", |data| states(Version::V2, data)),
-    ("fmi3_calls", |data| calls(Subject::Crowd, Version::V3, data)),
-    ("decision3_calls", |data| calls(Subject::Decision, Version::V3, data)),
-    ("states3", |data| states(Version::V3, data)),
+pub const TARGETS: [(&str, Target); 10] = [
+    ("calls", calls),
+    ("states", states),
     ("trial_xml", trial_xml),
     ("fmu_archive", fmu_archive),
     ("ssp_archive", ssp_archive),
@@ -45,7 +37,6 @@ pub const TARGETS: [(&str, Target); 15] = [
     ("table_csv", table_csv),
     ("sweep_toml", sweep_toml),
     ("run_file", run_file),
-    ("light_xml", light_xml),
 ];
 
 /// The FMUs silence panics in their host; here a panic is what is looked for, and is shown.

@@ -13,40 +13,15 @@ fn inputs(target: &str) -> Vec<PathBuf> {
     files
 }
 
-fn replay(targets: &[&str]) {
-    for target in targets {
+#[test]
+fn inputs_of_all_targets() {
+    for (target, run) in TARGETS {
         let files = inputs(target);
         assert!(files.len() >= 5, "the inputs of {target} are gone: {files:?}");
         for file in files {
             // Shown when it fails.
             println!("{}", file.display());
-            lemons_verify::fuzz::run(target, &std::fs::read(&file).unwrap());
-        }
-    }
-}
-
-/// libFuzzer ends at a line of another form.
-#[test]
-fn dictionaries_are_of_the_form_that_libfuzzer_reads() {
-    for (target, _) in TARGETS {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/dictionaries").join(target);
-        let Ok(bytes) = std::fs::read(&path) else { continue };
-        let text = String::from_utf8(bytes).unwrap();
-        for line in text.lines().filter(|line| !line.starts_with('#')) {
-            let word = line.strip_prefix('"').and_then(|line| line.strip_suffix('"'));
-            let mut rest = word.filter(|word| !word.is_empty()).unwrap_or_else(|| panic!("{path:?}: {line}"));
-            while let Some((before, after)) = rest.split_once('\\') {
-                assert!(!before.contains('"'), "{path:?}: {line}");
-                let hexadecimal = |text: &str| u8::from_str_radix(text, 16).is_ok();
-                let escaped = match after.as_bytes() {
-                    [b'\\' | b'"', ..] => 1,
-                    [b'x', _, _, ..] if hexadecimal(&after[1..3]) => 3,
-                    _ => panic!("{path:?}: {line}"),
-                };
-                rest = &after[escaped..];
-            }
-            assert!(!rest.contains('"'), "{path:?}: {line}");
-            assert!(line.bytes().all(|byte| (b' '..=b'~').contains(&byte)), "{path:?}: {line}");
+            run(&std::fs::read(&file).unwrap());
         }
     }
 }
@@ -65,28 +40,8 @@ fn random(seed: u64) -> Vec<u8> {
 
 #[test]
 fn random_calls() {
-    for seed in 0..100 {
+    for seed in 0..400 {
         println!("seed {seed}");
-        for target in ["fmi_calls", "decision_calls", "fmi3_calls", "decision3_calls"] {
-            lemons_verify::fuzz::run(target, &random(seed));
-        }
+        lemons_verify::fuzz::run("calls", &[&[seed as u8], &random(seed)[..]].concat());
     }
-}
-
-#[test]
-fn calls() {
-    replay(&["fmi_calls", "decision_calls", "fmi3_calls", "decision3_calls"]);
-}
-
-#[test]
-fn states() {
-    replay(&["states", "states3"]);
-}
-
-#[test]
-fn files() {
-    let others = TARGETS.iter().map(|(name, _)| *name).filter(|name| !name.contains("calls"));
-    let others: Vec<&str> = others.filter(|name| !name.starts_with("states")).collect();
-    assert_eq!(others.len(), 9);
-    replay(&others);
 }

@@ -6,11 +6,11 @@ use std::net::{TcpListener, TcpStream};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Connections whose request has not come yet. The oldest makes room for a new one.
-const MOST_WAITING: usize = 64;
+/// Connections at a time. The oldest makes room for a new one.
+const MOST_CONNECTIONS: usize = 64;
 /// \[byte\] Of a request; what follows its head is not read.
 const LARGEST_HEAD: usize = 16_384;
-/// For a request to come, and for each part of an answer to be taken.
+/// For a request to come, and for the next part of an answer to be taken.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// What is asked.
@@ -29,14 +29,18 @@ pub struct Answer {
     pub content: Cow<'static, [u8]>,
 }
 
-/// A connection whose request has not come yet, or only its beginning.
-struct Waiting {
+/// A connection, from its first byte to the last one of its answer.
+struct Connection {
     stream: TcpStream,
+    /// When something came or was taken last.
     since: Instant,
-    head: Vec<u8>,
+    request: Vec<u8>,
+    /// Head and content; empty as long as the request is not complete.
+    answer: [Cow<'static, [u8]>; 2],
+    sent: usize,
 }
 
-/// Answers, each connection once, as long as it goes on.
+/// Answers, each connection once, as long as it goes on. No connection waits for another one.
 ///
 /// # Errors
 /// No connection can be taken.
@@ -46,14 +50,14 @@ pub fn serve(
     answer: impl Fn(&Request) -> Answer,
 ) -> Result<()> {
     listener.set_nonblocking(true)?;
-    let mut all: Vec<Waiting> = Vec::new();
+    let mut all: Vec<Connection> = Vec::new();
     while goes_on() {
         match listener.accept() {
             Ok((stream, _)) if stream.set_nonblocking(true).is_ok() => {
-                if all.len() == MOST_WAITING {
+                if all.len() == MOST_CONNECTIONS {
                     all.remove(0);
                 }
-                all.push(Waiting { stream, since: Instant::now(), head: Vec::new() });
+                all.push(Connection::new(stream));
             }
             // Who asked is gone.
             Ok(_) => {}
@@ -62,7 +66,7 @@ pub fn serve(
             // Perhaps too many files are open.
             Err(_) => drop(all.remove(0)),
         }
-        all.retain_mut(|one| one.waits(&answer).unwrap_or(false));
+        all.retain_mut(|connection| connection.goes_on(&answer).unwrap_or(false));
         sleep(Duration::from_millis(if all.is_empty() { 20 } else { 2 }));
     }
     Ok(())
@@ -72,40 +76,52 @@ fn is_nothing(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }
 
-impl Waiting {
-    /// Reads what has come, and answers a request that is complete. Returns whether it is still to come.
-    fn waits(&mut self, answer: impl Fn(&Request) -> Answer) -> Result<bool> {
-        let mut part = [0; 4096];
-        loop {
-            if let Some(end) = self.head.windows(4).position(|end| end == b"\r\n\r\n") {
-                let text = String::from_utf8_lossy(&self.head[..end]);
-                let (request, head_only) = request_of(&text);
-                let answer = answer(&request);
-                return self.send(&answer, head_only).map(|()| false);
-            }
-            if self.head.len() > LARGEST_HEAD {
-                return Ok(false);
-            }
-            match self.stream.read(&mut part) {
-                Ok(0) => return Ok(false),
-                Ok(length) => self.head.extend_from_slice(&part[..length]),
-                Err(error) if is_nothing(error.kind()) => return Ok(self.since.elapsed() < PATIENCE),
-                Err(error) => return Err(error),
-            }
+impl Connection {
+    fn new(stream: TcpStream) -> Connection {
+        let answer = [Cow::default(), Cow::default()];
+        Connection { stream, since: Instant::now(), request: Vec::new(), answer, sent: 0 }
+    }
+
+    /// Reads what has come, and sends what is taken. Returns whether there is more to do.
+    fn goes_on(&mut self, answer: impl Fn(&Request) -> Answer) -> Result<bool> {
+        let moved = if self.answer[0].is_empty() { self.receive(answer) } else { self.send() };
+        match moved {
+            Ok(0) => Ok(false),
+            Ok(_) => Ok(true),
+            Err(error) if is_nothing(error.kind()) => Ok(self.since.elapsed() < PATIENCE),
+            Err(error) => Err(error),
         }
     }
 
-    fn send(&self, answer: &Answer, head_only: bool) -> Result<()> {
-        let Answer { status, head, content } = answer;
-        let mut stream = &self.stream;
-        stream.set_nonblocking(false)?;
-        stream.set_write_timeout(Some(PATIENCE))?;
-        let head = format!(
-            "HTTP/1.1 {status}\r\nContent-Length: {}\r\nConnection: close\r\n{head}\r\n",
-            content.len()
-        );
-        stream.write_all(head.as_bytes())?;
-        if head_only { Ok(()) } else { stream.write_all(content) }
+    /// Reads a part of the request; when it is complete, it is answered.
+    fn receive(&mut self, answer: impl Fn(&Request) -> Answer) -> Result<usize> {
+        let mut part = [0; 4096];
+        let length = self.stream.read(&mut part)?;
+        self.request.extend_from_slice(&part[..length]);
+        if let Some(end) = self.request.windows(4).position(|end| end == b"\r\n\r\n") {
+            let text = String::from_utf8_lossy(&self.request[..end]);
+            let (request, head_only) = request_of(&text);
+            let Answer { status, head, content } = answer(&request);
+            let head = format!(
+                "HTTP/1.1 {status}\r\nContent-Length: {}\r\nConnection: close\r\n{head}\r\n",
+                content.len()
+            );
+            let content = if head_only { Cow::default() } else { content };
+            (self.answer, self.since) = ([Cow::Owned(head.into_bytes()), content], Instant::now());
+        } else if self.request.len() > LARGEST_HEAD {
+            return Ok(0);
+        }
+        Ok(length)
+    }
+
+    /// Sends the next part of the answer; nothing is left after the last one.
+    fn send(&mut self) -> Result<usize> {
+        let [head, content] = &self.answer;
+        let rest = head.get(self.sent..).filter(|rest| !rest.is_empty());
+        let rest = rest.unwrap_or_else(|| &content[self.sent - head.len()..]);
+        let length = self.stream.write(rest)?;
+        (self.sent, self.since) = (self.sent + length, Instant::now());
+        Ok(length)
     }
 }
 
@@ -125,6 +141,9 @@ mod tests {
     use std::net::Ipv4Addr;
     use std::sync::atomic::{AtomicBool, Ordering};
 
+    /// \[byte\] More than a connection takes that nobody reads from.
+    const LARGE: usize = 64_000_000;
+
     /// What a server answers that repeats what was asked.
     fn told(asked: &mut TcpStream, text: &str) -> String {
         asked.write_all(text.as_bytes()).unwrap();
@@ -141,12 +160,15 @@ mod tests {
         let echo = |request: &Request| Answer {
             status: "200 OK",
             head: "X-Lab: here\r\n".to_owned(),
-            content: Cow::Owned(format!("{} {} {}", request.method, request.path, request.host).into_bytes()),
+            content: match request.path {
+                "/large" => Cow::Owned(vec![b'x'; LARGE]),
+                path => Cow::Owned(format!("{} {path} {}", request.method, request.host).into_bytes()),
+            },
         };
         std::thread::scope(|scope| {
             let server = scope.spawn(|| serve(&listener, || !over.load(Ordering::Relaxed), echo));
             let connect = || TcpStream::connect(address).unwrap();
-            let idle: Vec<TcpStream> = (0..3 * MOST_WAITING).map(|_| connect()).collect();
+            let idle: Vec<TcpStream> = (0..3 * MOST_CONNECTIONS).map(|_| connect()).collect();
             let answer = told(&mut connect(), "GET /a?b HTTP/1.1\r\nhOsT:  me \r\nHost: other\r\n\r\n");
             let (head, content) = answer.split_once("\r\n\r\n").unwrap();
             assert!(
@@ -163,6 +185,13 @@ mod tests {
             assert!(told(&mut connect(), "\r\n\r\n").ends_with("\r\n\r\n  "));
             let answer = told(&mut slow, "st: me\r\n\r\n");
             assert!(answer.contains("Content-Length: 9\r\n") && answer.ends_with("\r\n\r\n"), "{answer}");
+            // Who takes an answer slowly keeps nobody waiting, and gets all of it.
+            let mut slow = connect();
+            slow.write_all(b"GET /large HTTP/1.1\r\n\r\n").unwrap();
+            assert!(told(&mut connect(), "GET /a HTTP/1.1\r\n\r\n").ends_with("GET /a "));
+            let mut large = Vec::new();
+            slow.read_to_end(&mut large).unwrap();
+            assert!(large.len() > LARGE && large.ends_with(b"xxx"), "{}", large.len());
             // The oldest of those who asked nothing have been closed.
             let mut oldest = &idle[0];
             assert_eq!(oldest.read(&mut [0; 1]).unwrap(), 0);

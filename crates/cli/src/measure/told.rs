@@ -1,13 +1,13 @@
 //! The numbers of a measurement on a terminal, 80 columns wide.
 
 use super::summary::{OfArea, OfLine, OfPeople, OfSqueeze, Summary};
-use crate::tell;
+use crate::print;
 use anyhow::Result;
 use lemons_results::measure::{Crossings, Left, MeanMax};
 use std::io::Write;
 
 pub fn tell(summary: &Summary) -> Result<()> {
-    let mut out = tell::out();
+    let mut out = print::out();
     let Summary { from, until, frames, people, .. } = summary;
     writeln!(out, "{:<18} {from:.3} to {until:.3} s, {frames} frames, {people} people", "measured")?;
     if let Some(left) = &summary.left {

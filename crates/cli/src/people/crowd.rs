@@ -1,8 +1,8 @@
 //! `lemons crowd`: people drawn, placed and written.
 
-use super::crowd_files::{Bodies, light};
-use super::crowd_outputs::{Outputs, PICTURE, say};
+use super::bodies::Bodies;
 use super::leave::LeaveArguments;
+use super::outputs::{Outputs, of_crowds, say};
 use super::placing::PlacingArguments;
 use super::regions::REGION_HELP;
 use super::source::{CUSTOM_HELP, Mixed, SourceArguments};
@@ -12,20 +12,20 @@ use crate::error::{Misused, TrialHasErrors, and_then};
 use crate::files;
 use crate::interrupt::Interrupt;
 use crate::pack::{Fmi, FmuArguments, write_fmu};
-use crate::tell;
+use crate::print;
 use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
 use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
 use lemons_core::trial::Trial;
-use lemons_decision::{Plan, WISHES_FILE, Wishes};
-use lemons_master::Given;
+use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
+use lemons_master::TrialInput;
 use lemons_people::{
     Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings,
-    crowd_csv, crowd_trial, heading, light_xml, may_write, write_trial, write_trial_with, write_trial_zip,
+    crowd_csv, crowd_trial, heading, light_xml, may_write, write_trial, write_trial_zip,
 };
-use lemons_picture::{Fill, Scene};
+use lemons_picture::Scene;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -214,7 +214,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
     let mut outputs = arguments.outputs()?;
     // Of a Trial that is refused nothing more is told.
-    let beside = if leaving.wanted() { &[WISHES_FILE][..] } else { &[] };
+    let beside = if leaving.wanted() { &[DECISION_FILE][..] } else { &[] };
     for said in trial.output.iter().flat_map(|directory| files::staying(directory, beside)) {
         note!("{said}");
     }
@@ -256,7 +256,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
 
     outputs.fill("--population", |file| file.write_all(crowd_csv(&agents).as_bytes()))?;
     if let Some(output) = outputs.of("--light-xml") {
-        let text = light_xml(&light(&agents, &shapes, &packing.poses))?;
+        let text = light_xml(&agents, &shapes, &packing.poses);
         output.fill(|file| file.write_all(text.as_bytes()))?;
     }
     let bodies = Bodies { agents: &agents, poses: &packing.poses, interrupt: &interrupt };
@@ -277,15 +277,15 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         let step = made.parameters.time_step_mechanical;
         let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
         writeln!(out, "mechanical step    {step:>10} {note}")?;
-        outputs.draw(&Scene::at_start(&made), Fill::BodyArea)?;
+        outputs.draw(&Scene::at_start(&made), &of_crowds())?;
         let ways = placing.ways_out(&place, &packing.poses);
         let wishes = leaving.wanted().then(|| leaving.text(&ways, trial.speed));
         if let Some(text) = &wishes {
             // A run would refuse it.
-            let plan = Wishes::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
+            let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
             plan.context("--leave: people cannot leave")?;
         }
-        let beside: Vec<(&str, &str)> = wishes.iter().map(|text| (WISHES_FILE, &text[..])).collect();
+        let beside: Vec<(&str, &str)> = wishes.iter().map(|text| (DECISION_FILE, &text[..])).collect();
         done = trial.write(&made, &beside, binaries, &interrupt, &mut out)?;
     } else if outputs.has_pictures() {
         outputs.draw_mixed(&agents, &shapes, &packing.poses, place.geometry, &settings)?;
@@ -296,8 +296,8 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             "nothing was written: give -o TRIAL, --fmu, --zip, or another file (lemons crowd --help)"
         )?;
     }
-    done = and_then(done, outputs.persist(&interrupt, &mut out));
-    let told = tell::out().write_all(&out);
+    done = and_then(done, outputs.persist(|| interrupt.check(), &mut out));
+    let told = print::out().write_all(&out);
     done.and(Ok(told?))
 }
 
@@ -333,7 +333,6 @@ impl TrialArguments {
             time_step: self.time_step,
             people: if self.material == Wear::Naked { "human_naked" } else { "human_clothes" }.into(),
             desired_velocity: heading(direction) * speed,
-            ..TrialSettings::default()
         }
     }
 
@@ -355,7 +354,7 @@ impl TrialArguments {
         }
         let scratch = Scratch::new().context("cannot make a temporary directory")?;
         let directory = scratch.path().join(&trial.name);
-        write_trial(trial, &directory, Overwrite::Trials)?;
+        write_trial(trial, &[], &directory, Overwrite::Trials)?;
         match setup::read(&directory) {
             Ok((_, warnings)) => warnings.iter().for_each(|warning| {
                 // The file's name without the place where it lies for the moment.
@@ -376,7 +375,7 @@ impl TrialArguments {
         if let (Some(file), Some(binaries)) = (&self.fmu, binaries) {
             // Its warnings are those printed already.
             let written = write_fmu(
-                &[Given::open(&directory)?],
+                &[TrialInput::open(&directory)?],
                 binaries,
                 self.fmi.format(self.packing.naming()),
                 true,
@@ -396,7 +395,7 @@ impl TrialArguments {
         }
         interrupt.check()?;
         if let Some(directory) = &self.output {
-            let written = write_trial_with(trial, beside, directory, self.overwrite());
+            let written = write_trial(trial, beside, directory, self.overwrite());
             wrote("Trial", directory, written.map_err(Into::into));
         }
         Ok(done)
@@ -453,7 +452,7 @@ impl Arguments {
         }
         if let Some(directory) = output {
             files::claim_directory(directory)?;
-            let wishes = self.leaving.wanted().then_some(&WISHES_FILE);
+            let wishes = self.leaving.wanted().then_some(&DECISION_FILE);
             TRIAL_FILES.iter().chain(wishes).try_for_each(|file| files::claim(&directory.join(file)))?;
         }
         Outputs::open(&[
@@ -463,9 +462,9 @@ impl Arguments {
             ("--sections-wkt", "sections", sections_wkt),
             ("--obj", "bodies", obj),
             ("--stl", "bodies", stl),
-            ("--svg", PICTURE, svg),
-            ("--pdf", PICTURE, pdf),
-            ("--png", PICTURE, png),
+            ("--svg", "picture", svg),
+            ("--pdf", "picture", pdf),
+            ("--png", "picture", png),
         ])
     }
 }

@@ -1,18 +1,17 @@
 //! `lemons person`: one person's shape, and the files of the body.
 
+use super::outputs::Outputs;
 use super::{SexArgument, breadth, depth, line, mass, stature};
-use crate::error::{Misused, and_then};
+use crate::error::Misused;
 use crate::files::Force;
-use crate::output::Output;
-use crate::tell;
+use crate::print;
 use anyhow::Result;
 use lemons_core::plane::{Pose, vec2};
 use lemons_core::trial::Geometry;
 use lemons_people::{
-    Body3d, Placed, Shape, TrialSettings, crowd_trial, section, write_geojson, write_obj, write_stl,
-    write_wkt,
+    Body3d, Shape, TrialSettings, crowd_trial, section, write_geojson, write_obj, write_stl, write_wkt,
 };
-use lemons_picture::{Scene, Style, pdf, svg};
+use lemons_picture::{Scene, Style};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -90,45 +89,36 @@ pub fn person(arguments: &Arguments) -> Result<()> {
         line("moment of inertia", shape.inertia(person.mass), "kg m²   (about the centroid)")
     )?;
 
-    let mut outputs = Vec::new();
-    let mut add = |path: &Option<PathBuf>, fill: &dyn Fn(&mut Output) -> Result<()>| -> Result<()> {
-        let Some(path) = path else { return Ok(()) };
-        let mut output = Output::open(path)?;
-        fill(&mut output)?;
-        outputs.push(output);
-        Ok(())
-    };
+    let options: [(&str, &str, &Option<PathBuf>); 6] = [
+        ("--obj", "", obj),
+        ("--stl", "", stl),
+        ("--geojson", "", geojson),
+        ("--wkt", "", wkt),
+        ("--svg", "", picture),
+        ("--pdf", "", print),
+    ];
+    let mut outputs = Outputs::open(&options)?;
     if [obj, stl, geojson, wkt].into_iter().any(Option::is_some) {
         let body = Body3d::of(&person)?;
         writeln!(out, "{}", line("volume of the body", 1e3 * body.volume(), "l"))?;
         let mesh = body.mesh();
-        add(obj, &|output| output.fill(|file| write_obj(&mesh.parts, file)))?;
-        add(stl, &|output| output.fill(|file| write_stl(&mesh.parts, file)))?;
-        let placed = [Placed { body: &body, pose: ORIGIN }];
+        outputs.fill("--obj", |file| write_obj(&mesh.parts, file))?;
+        outputs.fill("--stl", |file| write_stl(&mesh.parts, file))?;
+        let placed = [(&body, ORIGIN)];
         let stack = body.stack(arguments.slice_height / 100.0);
         let sections: Vec<_> = stack.iter().map(|(altitude, _)| section(&placed, *altitude)).collect();
-        add(geojson, &|output| output.fill(|file| write_geojson(&sections, file)))?;
-        add(wkt, &|output| output.fill(|file| write_wkt(&sections, file)))?;
+        outputs.fill("--geojson", |file| write_geojson(&sections, file))?;
+        outputs.fill("--wkt", |file| write_wkt(&sections, file))?;
     }
-    if picture.is_some() || print.is_some() {
+    if outputs.has_pictures() {
         let open = Geometry { dimensions: None, walls: Vec::new() };
         let settings = TrialSettings::default();
         let trial = crowd_trial("person", &[person], &[shape], &[ORIGIN], open, &settings)?;
-        let text = svg(&Scene::at_start(&trial), &Style::default());
-        add(picture, &|output| output.fill(|file| file.write_all(text.as_bytes())))?;
-        add(print, &|output| {
-            let page = pdf(&text)?;
-            output.fill(|file| file.write_all(&page))
-        })?;
+        outputs.draw(&Scene::at_start(&trial), &Style::default())?;
     }
-    let mut done = Ok(());
-    for output in outputs {
-        let path = output.path().to_owned();
-        let placed = output.persist().and_then(|()| Ok(writeln!(out, "{}", path.display())?));
-        done = and_then(done, placed);
-    }
-    let told = tell::out().write_all(&out);
-    done.and(Ok(told?))
+    let done = outputs.persist(|| Ok(()), &mut out);
+    let printed = print::out().write_all(&out);
+    done.and(Ok(printed?))
 }
 
 const ORIGIN: Pose = Pose { position: vec2(0.0, 0.0), orientation: 0.0 };

@@ -9,10 +9,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lemons_core::plane::{Bounds, Pose, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use lemons_people::placing::{
-    Dense, Ended, Grid, Measure, Orientation, Packing, Paper, Progress, Region, RegionError, Stage, dense,
-    grid, measure, paper, placing_seed, wider,
+    Dense, Ended, Grid, Measure, Orientation, Packing, Paper, Progress, Region, Stage, dense, grid, measure,
+    paper, placing_seed, wider,
 };
-use lemons_people::{Door, Shape, closed_walls, cut_doors, nearest_wall, walls};
+use lemons_people::{Door, PeopleError, Shape, closed_walls, cut_doors, nearest_wall, walls};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -214,13 +214,13 @@ impl PlacingArguments {
     }
 
     /// Of an open wall, what to do.
-    fn with_a_way_out(&self, error: &RegionError, geometry: &Geometry) -> anyhow::Error {
+    fn with_a_way_out(&self, error: &PeopleError, geometry: &Geometry) -> anyhow::Error {
         let corners = geometry.walls.iter().flat_map(|wall| wall.corners.iter().copied());
         match (error, Bounds::of(corners)) {
-            (RegionError::OpenWall { .. }, _) if !self.doors.is_empty() => {
+            (PeopleError::OpenWall { .. }, _) if !self.doors.is_empty() => {
                 anyhow!("{error}; --door needs closed walls: close it, and {OPENINGS}")
             }
-            (RegionError::OpenWall { .. }, Some(Bounds { low, high })) => anyhow!(
+            (PeopleError::OpenWall { .. }, Some(Bounds { low, high })) => anyhow!(
                 "{error}; --region says where people stand among walls with openings, for example --region {},{},{},{}",
                 low.x,
                 low.y,
@@ -352,7 +352,7 @@ impl PlacingArguments {
                 let settings = Paper { orientation, seed, ..Paper::default() };
                 paper(&wider(shapes), region, &settings, &mut watch)
             }
-            PackingArgument::Grid => grid(shapes, region, &Grid { orientation, seed, ..Grid::default() }),
+            PackingArgument::Grid => grid(shapes, region, &Grid { orientation, seed }),
         };
         bar.0.finish_and_clear();
         let count = shapes.len();
@@ -438,7 +438,7 @@ struct Bar(ProgressBar);
 impl Bar {
     fn new() -> Result<Bar> {
         let style = ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}")?;
-        let bar = crate::tell::bar(0).with_style(style);
+        let bar = crate::print::bar(0).with_style(style);
         bar.enable_steady_tick(Duration::from_millis(100));
         Ok(Bar(bar))
     }

@@ -6,23 +6,12 @@ use anyhow::{Context, Result, bail};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{FARTHEST, Geometry};
 use lemons_people::Door;
-use lemons_people::placing::{Part, Region};
+use lemons_people::placing::{FreeSpace, Region};
 
 /// More are a mistake.
 const MOST: f64 = 1e6;
 
-pub const REGION_HELP: &str = "\
-Regions: in the shell, a region with a space or a semicolon is put between quotes.
-
-  --region 0,0,8,6 --number 40                 # a box
-  --region \"0,0 8,0 8,6 0,6\" --density 3       # a polygon
-  --region \"0,0,4,6; number=40\" --region \"4,0,8,6; density=3\"
-
-A region without a number of its own gets its part of --number, by area, or --density. People stand \
-within the region and overlap no wall. A closed wall that holds more than half of the region is a \
-room: people stand inside it. Other closed walls are obstacles: nobody stands inside them. An open \
-wall may go through a region: nobody stands across it. Where regions overlap, the ground belongs to \
-the first of them.";
+pub const REGION_HELP: &str = include_str!("../help/regions.txt");
 
 /// How many people stand on a ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,16 +98,17 @@ pub fn grounds(regions: &[RegionArgument], geometry: &Geometry, place: &str) -> 
     for (k, RegionArgument { corners, amount }) in regions.iter().enumerate() {
         let name = format!("region {k} of {place}");
         let earlier: Vec<&Region> = drawn.iter().collect();
-        let part = Region::among(corners, geometry, &earlier).with_context(|| format!("--region: {name}"))?;
+        let free =
+            Region::free_space(corners, geometry, &earlier).with_context(|| format!("--region: {name}"))?;
         drawn.push(Region::polygon(corners, &[]).context("--region")?);
-        let said = described(&part);
-        let Part { region, rooms, obstacles, .. } = part;
+        let said = described(&free);
+        let FreeSpace { region, rooms, obstacles, .. } = free;
         grounds.push(Ground { region, name, amount: *amount, rooms, obstacles, said });
     }
     Ok(grounds)
 }
 
-fn described(Part { rooms, obstacles, walls, .. }: &Part) -> String {
+fn described(FreeSpace { rooms, obstacles, walls, .. }: &FreeSpace) -> String {
     let few = |what: &str, ids: &[String]| match ids {
         [] => None,
         [one] => Some(format!("{what} {one}")),

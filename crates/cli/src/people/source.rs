@@ -31,28 +31,7 @@ pub struct SourceArguments {
     fixed: Option<Person>,
 }
 
-pub const CUSTOM_HELP: &str = "\
-A file for --custom: truncated normal distributions in cm and kg. The values below are \
-the defaults. The defaults for women are (mean, sd, min, max): breadth 45, 1.5, 30, 60; \
-depth 24, 1.5, 15, 45; stature 164, 7, 140, 210; mass 67, 11, 30, 130.
-
-  men = 0.5             # probabilities; the options --men and
-  pedestrians = 1.0     # --pedestrians override them
-  [male]
-  breadth = { mean = 51, sd = 2, min = 30, max = 65 }
-  depth = { mean = 26, sd = 2, min = 15, max = 45 }
-  stature = { mean = 178, sd = 8, min = 140, max = 240 }
-  mass = { mean = 85, sd = 15, min = 30, max = 160 }
-  [female]              # the same keys
-  [bicycle]
-  wheel_width = { mean = 6, sd = 0.5, min = 2, max = 20 }
-  length = { mean = 142, sd = 5, min = 100, max = 200 }
-  handlebar = { mean = 45, sd = 5, min = 30, max = 90 }
-  top_tube = { mean = 61, sd = 5, min = 40, max = 90 }
-  mass = { mean = 30, sd = 5, min = 10, max = 100 }
-
-The rank correlations between the four measures of a person are those of the survey. A \
-matrix `spearman` of 4 x 4 numbers in [male] or [female] replaces them.";
+pub const CUSTOM_HELP: &str = include_str!("../help/custom.txt");
 
 fn part(text: &str) -> Result<f64, String> {
     super::within(text, 0.0, 1.0, "")

@@ -10,8 +10,8 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_picture::{
-    Colour, ColourMap, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, View, Visibility,
-    body_area, ids_without_room,
+    Bounds, Colour, ColourMap, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, body_area,
+    ids_without_room,
 };
 use lemons_results::Run;
 use std::path::PathBuf;
@@ -60,7 +60,7 @@ pub struct Look {
     no_orientation: bool,
     /// Part of the plane that is drawn, in metres. Default: walls, bodies and trails
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = view, allow_hyphen_values = true)]
-    view: Option<View>,
+    view: Option<Bounds>,
     /// Draw light on dark
     #[arg(long)]
     dark: bool,
@@ -109,9 +109,9 @@ fn range(text: &str) -> Result<(f64, f64), String> {
     }
 }
 
-fn view(text: &str) -> Result<View, String> {
+fn view(text: &str) -> Result<Bounds, String> {
     match numbers(text) {
-        Some([x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(View { low: vec2(x0, y0), high: vec2(x1, y1) }),
+        Some([x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Bounds { low: vec2(x0, y0), high: vec2(x1, y1) }),
         _ => Err("must be the lower left and the upper right corner, as in -1,0,4,2.5".into()),
     }
 }
@@ -255,7 +255,7 @@ impl<'f> Looks<'f> {
             other_parameters: false,
         };
         // One moment after the other: those of a long movie would not go into memory together.
-        let (mut spread, mut widest, mut extent) = (Spread::default(), None, None::<View>);
+        let (mut spread, mut widest, mut extent) = (Spread::default(), None, None::<Bounds>);
         for time in times {
             interrupt.check()?;
             let moment = footage.at(*time);
@@ -320,7 +320,6 @@ impl<'f> Looks<'f> {
                 map,
             })
         };
-        let shown = |shown: bool| if shown { Visibility::Shown } else { Visibility::Hidden };
         Style {
             width: f64::from(self.look.width),
             fill: match (&self.shown, self.look.fill) {
@@ -333,8 +332,8 @@ impl<'f> Looks<'f> {
                 }
             },
             theme: self.look.theme(),
-            ids: shown(self.look.ids),
-            orientation: shown(!self.look.no_orientation),
+            ids: self.look.ids,
+            orientation: !self.look.no_orientation,
             time: Some(moment.time),
             forces: self.widest,
             time_decimals: self.decimals,
@@ -386,8 +385,8 @@ fn thinned(points: impl Iterator<Item = Vec2>) -> Vec<Vec2> {
     kept
 }
 
-fn around(a: View, b: View) -> View {
-    View {
+fn around(a: Bounds, b: Bounds) -> Bounds {
+    Bounds {
         low: vec2(a.low.x.min(b.low.x), a.low.y.min(b.low.y)),
         high: vec2(a.high.x.max(b.high.x), a.high.y.max(b.high.y)),
     }

@@ -1,7 +1,7 @@
 //! A run at any time: between its frames everything is linear.
 
 use anyhow::bail;
-use crowd_mechanics::engine::{BodyId, Chain, Crowded, State, World};
+use crowd_mechanics::engine::{BodyId, Crowded, PairForce, State, World};
 use crowd_mechanics::setup::{Setup, WorldError};
 use lemons_core::plane::{Motion, Pose, vec2};
 use lemons_core::trial::Trial;
@@ -162,8 +162,8 @@ impl Shadow {
             // No run of this Trial has so many in one place.
             return (Vec::new(), false);
         }
-        let chain = |Chain { from, to, normal_force }| Force { from, to, normal_force };
-        let forces = self.0.chains(&moment.poses()).into_iter().map(chain).collect();
+        let chain = |PairForce { from, to, normal_force }| Force { from, to, normal_force };
+        let forces = self.0.pair_forces(&moment.poses()).into_iter().map(chain).collect();
         let (relative, absolute) = AGREEMENT;
         let agree = self.0.contacts().bodies.iter().zip(observed(frame)).all(|(computed, recorded)| {
             (computed.squeeze - recorded.normal_force).abs()

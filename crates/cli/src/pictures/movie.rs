@@ -3,7 +3,7 @@
 use super::look::{Look, Looks, positive, seconds};
 use super::moment::Footage;
 use super::plot::OTHER_PARAMETERS;
-use super::source::{End, Source, Wanted};
+use super::source::{End, KeptFrames, Source};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
@@ -89,7 +89,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let interrupt = Interrupt::watch();
     let mut file = Output::open(&path)?;
     let until = arguments.until.unwrap_or(End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME));
-    let footage = source.footage(source.runs().then_some(until), Wanted::All, &interrupt)?;
+    let footage = source.footage(source.runs().then_some(until), KeptFrames::All, &interrupt)?;
     let first = arguments.from.unwrap_or_else(|| footage.first());
     let last = match arguments.until {
         Some(End::At(time) | End::NotBefore(time)) => time,
@@ -111,7 +111,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let of_path = || path.display().to_string();
     let mut film = Film::begin(file.writer(), kind, *frame_rate, times.len()).with_context(of_path)?;
     let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  frame {pos} of {len}  {eta} left")?;
-    let progress = crate::tell::bar(times.len() as u64).with_style(style);
+    let progress = crate::print::bar(times.len() as u64).with_style(style);
     for batch in times.chunks(BATCH) {
         let scenes: Vec<(Scene, Style)> = batch
             .iter()

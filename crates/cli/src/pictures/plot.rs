@@ -4,7 +4,7 @@ use super::look::{Look, Looks, seconds};
 use super::moment::Moment;
 use super::quantity::Quantity;
 use super::series::{Selection, chart};
-use super::source::{End, Source, Wanted};
+use super::source::{End, KeptFrames, Source};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
@@ -12,7 +12,7 @@ use crate::output::Output;
 use crate::run::{Until, until};
 use anyhow::{Result, bail};
 use lemons_picture::{
-    ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, Style, Visibility, chart_svg, pdf, png, sheet, svg,
+    ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, Style, chart_svg, pdf, png, sheet, svg,
 };
 use lemons_results::measure::within;
 use std::io::Write;
@@ -142,7 +142,7 @@ impl Format {
 fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, at, look, .. } = arguments;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
-    let wanted = if look.needs_all() { Wanted::All } else { Wanted::Around(at.clone()) };
+    let wanted = if look.needs_all() { KeptFrames::All } else { KeptFrames::Around(at.clone()) };
     let footage = source.footage(latest.map(End::NotBefore), wanted, interrupt)?;
     at.iter().try_for_each(|time| footage.check(*time))?;
     // Poses between two frames would stand beside forces of one of them.
@@ -186,7 +186,7 @@ fn columns(panels: usize, aspect: f64) -> usize {
 
 fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let opened = source.open(source.end(arguments.until)?, Wanted::All, interrupt)?;
+    let opened = source.open(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
     let (from, until) = (arguments.from, arguments.until.and_then(Until::time));
     let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
     let chart = chart(opened, look, &selection)?;
@@ -196,7 +196,7 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
 
 fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let footage = source.footage(source.end(arguments.until)?, Wanted::All, interrupt)?;
+    let footage = source.footage(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
     let until = arguments.until.and_then(Until::time);
     let within = |time: f64| within(time, arguments.from, until);
     let places: Vec<usize> =
@@ -219,7 +219,6 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     map.range = look.range();
     note!("density: {}", map.described());
     scene.density = Some(map);
-    let bodies = if one { Visibility::Shown } else { Visibility::Hidden };
     let time = one.then_some(moment.time);
-    Ok(svg(&scene, &Style { bodies, time, ..looks.style(&moment) }))
+    Ok(svg(&scene, &Style { bodies: one, time, ..looks.style(&moment) }))
 }

@@ -2,7 +2,6 @@
 
 use super::look::positive;
 use super::moment::Footage;
-use crate::compared::Poses;
 use crate::decide::Walk;
 use crate::embedded::InMemory;
 use crate::error::Misused;
@@ -13,7 +12,7 @@ use anyhow::{Context, Result, bail};
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_master::Settings;
-pub use lemons_results::Wanted;
+pub use lemons_results::KeptFrames;
 use lemons_results::{Frame, Record, Run};
 use lemons_sim::{Algorithm, Clock, Documents, Simulation};
 use std::path::{Path, PathBuf};
@@ -98,7 +97,7 @@ impl End {
 
 impl Source {
     /// A Trial or an FMU is run until then; without an end it is shown as it begins.
-    pub fn open(&self, until: Option<End>, wanted: Wanted, interrupt: &Interrupt) -> Result<Opened> {
+    pub fn open(&self, until: Option<End>, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Opened> {
         let (trial, found) = self.find(until, wanted.clone(), interrupt)?;
         let run = match found {
             Found::Made(run) => run,
@@ -109,7 +108,7 @@ impl Source {
 
     /// As [`Source::open`] with all frames; those of earlier results stay in their file.
     pub fn record_of(&self, until: Option<End>, interrupt: &Interrupt) -> Result<(Option<Trial>, Record)> {
-        let (trial, found) = self.find(until, Wanted::All, interrupt)?;
+        let (trial, found) = self.find(until, KeptFrames::All, interrupt)?;
         let record = match found {
             Found::Made(run) => run.into(),
             Found::Recorded(record) => record,
@@ -120,7 +119,7 @@ impl Source {
     fn find(
         &self,
         until: Option<End>,
-        wanted: Wanted,
+        wanted: KeptFrames,
         interrupt: &Interrupt,
     ) -> Result<(Option<Trial>, Found)> {
         let runs = self.runs();
@@ -216,7 +215,7 @@ impl Source {
     }
 
     /// With shapes and walls.
-    pub fn footage(&self, until: Option<End>, wanted: Wanted, interrupt: &Interrupt) -> Result<Footage> {
+    pub fn footage(&self, until: Option<End>, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Footage> {
         let Opened { trial, run } = self.open(until, wanted, interrupt)?;
         let need = || {
             format!(
@@ -237,7 +236,7 @@ impl Source {
     }
 
     /// As `lemons run` does it, in memory.
-    fn record(&self, until: End, wanted: Wanted, interrupt: &Interrupt) -> Result<Run> {
+    fn record(&self, until: End, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Run> {
         let settings = Settings {
             parameters: name_and_value_of_all(&self.settings)?,
             step: self.step,
@@ -252,7 +251,7 @@ impl Source {
             End::Still => Ends::Still,
             End::Left => Ends::Left,
         };
-        let job = Job { settings, rows, outputs: None, state: None, ends, poses: Poses::Ignore };
+        let job = Job { settings, rows, outputs: None, state: None, ends, keeps_poses: false };
         let mut ended = simulate(job, interrupt)?;
         ended.complete()?;
         if ended.stopped.is_some() {

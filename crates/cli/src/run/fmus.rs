@@ -1,17 +1,16 @@
 //! A run of an FMU, or of FMUs that an SSP couples: frames of its crowds, from the outputs of their FMUs.
 
 use super::outputs::Outputs;
-use super::subject::{CrowdInfo, Identity, Prepared, States, Subject};
+use super::subject::{CrowdInfo, Prepared, States, Subject, record_of};
 use crate::connect::plain_names;
-use crate::results::{Column, Kind};
-use crate::words::{refused, warned};
-use anyhow::{Context, Error, Result};
-use lemons_core::plane::{Motion, Pose, Twist, vec2};
+use crate::messages::{not_prepared, warning_text};
+use crate::results::{CellType, Column};
+use anyhow::{Error, Result, anyhow};
 use lemons_core::trial::Trial;
 use lemons_master::ssp::{Interface, Kind as Causality, Type};
-use lemons_master::{Component, Saved, Selection, Settings, System, plan_in, wiring_of};
+use lemons_master::{Saved, Selection, Settings, System, plan_in, wiring_of};
+use lemons_results::Frame;
 use lemons_results::columns::{self, Groups};
-use lemons_results::{Frame, Observed, OfStep, Totals};
 use lemons_sim::{Clock, Model};
 use std::path::PathBuf;
 
@@ -21,19 +20,17 @@ struct FmuRun {
     outputs: Option<Outputs>,
 }
 
-/// Outputs of a crowd.
+/// Reads the frames of a crowd from the outputs of its FMU.
 struct Reader {
     /// Place among the components.
     place: usize,
-    motions: Selection,
-    contacts: Selection,
-    squeezes: Selection,
-    /// Empty if the FMU has none.
-    steps: Selection,
-    /// Whether agents are there; empty if nothing decides about it.
-    active: Selection,
-    /// Empty if the FMU has none.
-    totals: Selection,
+    agents: usize,
+    groups: Groups,
+    /// Types of the values, in their order.
+    kinds: Vec<CellType>,
+    reals: Selection,
+    integers: Selection,
+    booleans: Selection,
 }
 
 /// What is chosen before initialization.
@@ -45,9 +42,9 @@ pub fn prepare(
     settings: &Settings,
     outputs: impl FnOnce(&System, Vec<usize>, (&Clock, u64), Option<&Saved>) -> Result<Option<Outputs>>,
 ) -> Result<Prepared> {
-    let mut run = lemons_master::Prepared::of(settings).map_err(refused)?;
+    let mut run = lemons_master::Prepared::of(settings).map_err(not_prepared)?;
     for warning in &run.warnings {
-        note!("{}", warned(warning));
+        note!("{}", warning_text(warning));
     }
     let (system, trials) = (&run.system, std::mem::take(&mut run.trials));
     let (mut readers, mut crowds, mut others) = (Vec::new(), Vec::new(), Vec::new());
@@ -91,13 +88,12 @@ pub fn prepare(
         mechanical_steps,
         output_directories,
         clock: run.clock,
-        index: run.before.as_ref().map_or(0, |before| before.index),
-        every: run.every,
-        drive_end: run.pushes.drive.end(),
-        identity: Identity {
+        drive_end: run.feed.drive.end(),
+        record: Saved {
             algorithm: algorithm.to_string(),
             wiring: wiring_of(system),
-            drive: run.pushes.drive.fingerprint(),
+            drive: run.feed.drive.fingerprint(),
+            ..record_of(&run.clock, run.every, run.before.as_ref())
         },
         before: run.before.take(),
         subject: Box::new(FmuRun { run, crowds: readers, outputs }),
@@ -136,7 +132,6 @@ impl Subject for FmuRun {
 
     fn states(&mut self) -> Result<States> {
         let states = self.run.system.states()?;
-        let states = states.iter().map(lemons_master::State::bytes).collect::<Result<Vec<_>, _>>()?;
         Ok((Saved::components(&self.run.system, &states), states))
     }
 
@@ -154,20 +149,18 @@ impl Reader {
     fn of(system: &System, place: usize, agents: usize, trial: Option<Trial>) -> Result<(Reader, CrowdInfo)> {
         let component = &system.components()[place];
         let trial = trial.filter(|trial| trial.agents.len() == agents);
-        let select = |rows: &[columns::Quantity]| {
-            let names =
-                (0..agents).flat_map(|i| rows.iter().map(move |row| format!("agent[{i}].{}", row.variable)));
-            component.instance.select(names)
-        };
         let description = &component.fmu.description;
-        let steps =
-            if has_steps(description, agents) { select(&columns::OF_STEP)? } else { Selection::default() };
-        let (totals, active) = (totals_of(component)?, active_of(system, place, agents)?);
+        let has_all = |group: &[columns::Quantity]| {
+            group.iter().all(|quantity| is_output(description, quantity.variable, quantity))
+        };
+        let has_steps = |i: usize| {
+            columns::OF_STEP.iter().all(|quantity| is_output(description, &of_agent(i, quantity), quantity))
+        };
         let groups = Groups {
             contacts: true,
-            of_step: !steps.is_empty(),
-            active: !active.is_empty(),
-            totals: !totals.is_empty(),
+            of_step: (0..agents).all(has_steps),
+            active: may_leave(system, place, agents)?,
+            totals: has_all(&columns::TOTALS),
         };
         let mut about: Vec<_> = trial.iter().map(|trial| ("trial", trial.name.clone())).collect();
         about.push(("component", component.name.clone()));
@@ -176,101 +169,92 @@ impl Reader {
             Some(trial) => trial.agents.iter().map(|agent| agent.id.clone()).collect(),
             None => (0..agents).map(|i| i.to_string()).collect(),
         };
-        let columns = columns_of(description, groups);
         let crowd = CrowdInfo {
             component: component.name.clone(),
             file_name: String::new(),
             ids,
             trial,
             groups,
-            columns,
+            columns: columns_of(description, groups),
             about,
+        };
+        let variables = groups.variables(agents);
+        let select = |kind: CellType| {
+            component.instance.select(variables.iter().filter(|(_, own)| *own == kind).map(|(name, _)| name))
         };
         let reader = Reader {
             place,
-            motions: select(&columns::MOTION)?,
-            contacts: select(&columns::CONTACTS)?,
-            squeezes: select(&[columns::SQUEEZE])?,
-            steps,
-            active,
-            totals,
+            agents,
+            groups,
+            reals: select(CellType::Real)?,
+            integers: select(CellType::Integer)?,
+            booleans: select(CellType::Boolean)?,
+            kinds: variables.into_iter().map(|(_, kind)| kind).collect(),
         };
         Ok((reader, crowd))
     }
 
     fn frame(&self, system: &System) -> Result<Frame> {
-        let instance = &system.components()[self.place].instance;
-        let motions: Vec<f64> = instance.values(&self.motions)?;
-        let squeezes: Vec<f64> = instance.values(&self.squeezes)?;
-        let steps: Vec<f64> = instance.values(&self.steps)?;
-        let contacts: Vec<i32> = instance.values(&self.contacts)?;
-        let totals: Vec<i32> = instance.values(&self.totals)?;
-        let active: Vec<bool> = instance.values(&self.active)?;
-        let (motions, contacts, steps) = (motions.as_chunks().0, contacts.as_chunks().0, steps.as_chunks().0);
-        let mut frame = frame(system.time(), motions, contacts, &squeezes, steps, &totals)?;
-        frame.active = (!active.is_empty()).then_some(active);
-        Ok(frame)
+        let component = &system.components()[self.place];
+        let instance = &component.instance;
+        let mut reals = instance.values::<f64>(&self.reals)?.into_iter();
+        let mut integers = instance.values::<i32>(&self.integers)?.into_iter().map(f64::from);
+        let mut booleans = instance.values::<bool>(&self.booleans)?.into_iter().map(f64::from);
+        let next = |kind: &CellType| match kind {
+            CellType::Real => reals.next(),
+            CellType::Integer => integers.next(),
+            _ => booleans.next(),
+        };
+        let values: Vec<f64> = self.kinds.iter().filter_map(next).collect();
+        let frame = Frame::of_values(system.time(), self.agents, self.groups, &values);
+        frame.map_err(|what| anyhow!("{}: {what}", component.name))
     }
 }
 
+/// The name of a variable of an agent.
+fn of_agent(i: usize, quantity: &columns::Quantity) -> String {
+    format!("agent[{i}].{}", quantity.variable)
+}
+
+/// Whether an FMU has this output, with the type of the quantity.
+fn is_output(description: &Interface, name: &str, quantity: &columns::Quantity) -> bool {
+    let found = description.single(name).map(|single| single.variable);
+    found.is_some_and(|variable| {
+        let is_type = match quantity.kind() {
+            CellType::Real => matches!(variable.of, Type::Real(_)),
+            _ => variable.of == Type::Integer,
+        };
+        is_type && variable.kind == Some(Causality::Output)
+    })
+}
+
 /// How many agents' outputs an FMU has under the names of our mechanics, from 0 on.
-pub fn agents_of(description: &Interface) -> usize {
-    let is = |name: &str, real: bool| {
-        let found = description.single(name).map(|single| single.variable);
-        let found = found.filter(|variable| variable.kind == Some(Causality::Output));
-        found.is_some_and(|variable| matches!(variable.of, Type::Real(_)) == real)
-    };
-    let has = |i: usize| {
-        let reals = columns::MOTION.iter().chain([&columns::SQUEEZE]).map(|row| (row.variable, true));
-        let mut names = reals.chain(columns::CONTACTS.iter().map(|row| (row.variable, false)));
-        names.all(|(name, real)| is(&format!("agent[{i}].{name}"), real))
-    };
-    (0..).take_while(|&i| has(i)).count()
+fn agents_of(description: &Interface) -> usize {
+    let needed = || columns::MOTION.iter().chain(&columns::CONTACTS).chain([&columns::SQUEEZE]);
+    let has = |i: &usize| needed().all(|quantity| is_output(description, &of_agent(*i, quantity), quantity));
+    (0..).take_while(has).count()
 }
 
-/// Integer outputs of the whole crowd; none if one is missing.
-fn totals_of(component: &Component) -> lemons_master::Result<Selection> {
-    let totals = columns::TOTALS.iter().map(|row| {
-        let found = component.fmu.description.single(row.variable)?;
-        let own = found.variable;
-        (own.of == Type::Integer && own.kind == Some(Causality::Output)).then_some(found.address())
-    });
-    let addresses = totals.collect::<Option<Vec<_>>>().unwrap_or_default();
-    component.instance.select_at(&addresses)
-}
-
-/// The inputs that say whether agents are there, if another component decides about it or somebody is not there from the
-/// start; else none.
-fn active_of(system: &System, place: usize, agents: usize) -> lemons_master::Result<Selection> {
+/// Whether inputs say who is there, and another component decides about it or somebody is not there from the start.
+fn may_leave(system: &System, place: usize, agents: usize) -> Result<bool> {
     let component = &system.components()[place];
-    let name = |i: usize| format!("agent[{i}].{}", columns::ACTIVE.variable);
-    let address = |i: usize| {
-        let found = component.fmu.description.single(&name(i))?;
-        let own = found.variable;
-        (own.of == Type::Boolean && own.kind == Some(Causality::Input)).then_some(found.address())
+    let names: Vec<String> = (0..agents).map(|i| of_agent(i, &columns::ACTIVE)).collect();
+    let is_input = |name: &String| {
+        let found = component.fmu.description.single(name).map(|single| single.variable);
+        found.is_some_and(|variable| variable.of == Type::Boolean && variable.kind == Some(Causality::Input))
     };
-    let addresses = (0..agents).map(address).collect::<Option<Vec<_>>>().unwrap_or_default();
-    let all = component.instance.select_at(&addresses)?;
-    let there: Vec<bool> = component.instance.values(&all)?;
-    let decided = (0..all.len()).any(|i| system.feeds(place, &name(i)));
-    Ok(if decided || there.contains(&false) { all } else { Selection::default() })
-}
-
-/// Whether all these agents have the outputs of [`columns::OF_STEP`].
-fn has_steps(description: &Interface, agents: usize) -> bool {
-    let names = |i: usize| columns::OF_STEP.iter().map(move |row| format!("agent[{i}].{}", row.variable));
-    let has = |name: String| {
-        let found = description.single(&name);
-        found.is_some_and(|single| matches!(single.variable.of, Type::Real(_)))
-    };
-    (0..agents).flat_map(names).all(has)
+    if !names.iter().all(is_input) {
+        return Ok(false);
+    }
+    let there: Vec<bool> = component.instance.values(&component.instance.select(&names)?)?;
+    Ok(there.contains(&false) || names.iter().any(|name| system.feeds(place, name)))
 }
 
 /// The columns of the table.
 fn columns_of(description: &Interface, groups: Groups) -> Vec<Column> {
     let mut all = groups.columns();
     // What the FMU itself says comes first: it might count in other units.
-    for column in all.iter_mut().filter(|column| column.kind == Kind::Real) {
+    for column in all.iter_mut().filter(|column| column.kind == CellType::Real) {
         if let Some(name) = column.variable.strip_prefix("agent[i].") {
             let own = description.single(&format!("agent[0].{name}"));
             let said = own.and_then(|own| own.variable.of.unit()).map(str::to_owned);
@@ -278,46 +262,4 @@ fn columns_of(description: &Interface, groups: Groups) -> Vec<Column> {
         }
     }
     all
-}
-
-/// What the outputs of all agents say at a time \[s\].
-fn frame(
-    time: f64,
-    motions: &[[f64; 6]],
-    contacts: &[[i32; 3]],
-    squeezes: &[f64],
-    steps: &[[f64; 3]],
-    totals: &[i32],
-) -> Result<Frame> {
-    let agents = motions.iter().map(|&[x, y, vx, vy, orientation, angular_velocity]| Motion {
-        pose: Pose { position: vec2(x, y), orientation },
-        twist: Twist { velocity: vec2(vx, vy), angular_velocity },
-    });
-    let counted = |count: i32| u32::try_from(count).context("the FMU counts less than no contacts");
-    let observed = contacts.iter().zip(squeezes).enumerate().map(|(i, (counts, &normal_force))| {
-        let [agent_contacts, wall_contacts, contacting_agents] = counts.map(counted);
-        Ok(Observed {
-            agent_contacts: agent_contacts?,
-            wall_contacts: wall_contacts?,
-            contacting_agents: contacting_agents?,
-            normal_force,
-            of_step: steps.get(i).map(|&[mean_normal_force, peak_normal_force, peak_overlap]| OfStep {
-                mean_normal_force,
-                peak_normal_force,
-                peak_overlap,
-            }),
-        })
-    });
-    let totals = match totals {
-        &[agents, walls] => Some(Totals { agent_contacts: counted(agents)?, wall_contacts: counted(walls)? }),
-        _ => None,
-    };
-    Ok(Frame {
-        time,
-        agents: agents.collect(),
-        observed: Some(observed.collect::<Result<_>>()?),
-        totals,
-        place: format!("t = {time:?} s"),
-        ..Frame::default()
-    })
 }

@@ -1,13 +1,14 @@
 //! What a run records of a crowd: its table or frames in memory, its extremes.
 
 use super::About;
+use super::accuracy::Poses;
 use super::subject::CrowdInfo;
-use crate::compared::{Follower, Poses, Seen};
 use crate::results::{self, Content, Format, FrameWriter, Place, told};
 use anyhow::{Result, bail};
 use lemons_core::files::Staged;
+use lemons_core::trial::Agent;
 use lemons_master::{CrowdRecord, Saved};
-use lemons_results::{Frame, Recorder, Run, Wanted};
+use lemons_results::{Frame, KeptFrames, Recorder, Run};
 use lemons_sim::{ExposureSum, Extremes, Greatest};
 use std::path::{Path, PathBuf};
 
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub enum Target {
     Table(Place),
     /// Those that are wanted.
-    Memory(Wanted),
+    Memory(KeptFrames),
 }
 
 enum Rows {
@@ -36,7 +37,8 @@ pub struct CrowdRecorder {
     exposure: ExposureSum,
     /// Whether the greatest peak was since then.
     peak_passed: bool,
-    follower: Follower,
+    /// If they are kept.
+    poses: Option<Poses>,
     /// Of the last communication point.
     last: Frame,
 }
@@ -48,8 +50,8 @@ pub struct Recorded {
     pub lines: Vec<String>,
     /// If it was to be kept in memory.
     pub run: Option<Run>,
-    /// Poses, if they were followed.
-    pub poses: Option<Seen>,
+    /// Poses, if they were kept.
+    pub poses: Option<Poses>,
 }
 
 /// A communication point at which a run is looked at.
@@ -71,7 +73,7 @@ impl CrowdRecorder {
         to: Target,
         about: &About,
         before: Option<&Saved>,
-        poses: &mut Poses,
+        keeps_poses: bool,
     ) -> Result<CrowdRecorder> {
         let (ids, component) = (crowd.ids.clone(), crowd.component.clone());
         let record = before.and_then(|saved| saved.crowd.iter().find(|record| record.component == component));
@@ -100,8 +102,12 @@ impl CrowdRecorder {
             }
             Target::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),
         };
+        let rim = |agent: &Agent| {
+            agent.shapes.iter().map(|shape| shape.position.norm() + shape.radius).fold(0.0, f64::max)
+        };
+        let rims = crowd.trial.as_ref().map(|trial| trial.agents.iter().map(rim).collect());
         Ok(CrowdRecorder {
-            follower: poses.follower(crowd.trial.as_ref(), ids.len()),
+            poses: keeps_poses.then(|| Poses { ids: ids.clone(), rims, points: Vec::new() }),
             may_leave: crowd.groups.active,
             of_step: crowd.groups.of_step,
             component,
@@ -116,7 +122,9 @@ impl CrowdRecorder {
 
     /// Sees the frame of a communication point: extremes, and rows if they are wanted.
     pub fn see(&mut self, mut frame: Frame, look: Look) -> Result<()> {
-        self.follower.see(&frame);
+        if let Some(poses) = &mut self.poses {
+            poses.add(&frame);
+        }
         if look == Look::Resumed {
             self.last = frame;
             return Ok(());
@@ -190,7 +198,6 @@ impl CrowdRecorder {
             lines.push(squeeze("greatest squeeze", mean_squeeze, "communication point"));
         }
         let (mut run, mut done) = (None, Ok(()));
-        let poses = self.follower.finish(&self.ids);
         match self.rows {
             Rows::Table(writer, path) => {
                 done = results::place(writer.finish(), &path);
@@ -203,7 +210,7 @@ impl CrowdRecorder {
                 Err(error) => done = Err(error.into()),
             },
         }
-        (Recorded { lines, run, poses }, done)
+        (Recorded { lines, run, poses: self.poses }, done)
     }
 }
 

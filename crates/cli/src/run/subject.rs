@@ -1,9 +1,10 @@
 //! What a run steps: a Trial in memory, or FMUs.
 
+use crate::version::BUILD;
 use anyhow::{Error, Result};
 use lemons_core::trial::Trial;
 use lemons_decision::Plan;
-use lemons_master::{ComponentRecord, Saved};
+use lemons_master::{ComponentRecord, Saved, writers};
 use lemons_results::Frame;
 use lemons_results::columns::{Column, Groups};
 use lemons_sim::{Clock, Model};
@@ -73,21 +74,28 @@ pub struct Prepared {
     /// Directories into which crowds write XML files.
     pub output_directories: Vec<PathBuf>,
     pub clock: Clock,
-    /// The last communication point of the clock that was reached.
-    pub index: u64,
-    /// One communication point in so many is recorded.
-    pub every: u64,
     /// \[s\] When the drive ends, if there is one.
     pub drive_end: Option<f64>,
-    /// What a saved run says of the run besides where it is.
-    pub identity: Identity,
+    /// What a saved run would say, but for components and crowds.
+    pub record: Saved,
     pub before: Option<Saved>,
 }
 
-/// What must be the same where a saved run goes on.
-pub struct Identity {
-    pub algorithm: String,
-    pub wiring: String,
-    /// Fingerprint of the drive.
-    pub drive: String,
+/// What a saved run would say at the first communication point, or where another one goes on.
+pub fn record_of(clock: &Clock, every: u64, before: Option<&Saved>) -> Saved {
+    Saved {
+        format: Saved::FORMAT,
+        lemons: writers(before.map_or("", |before| &before.lemons), &BUILD.whole()),
+        start: clock.start,
+        step: clock.step,
+        until: clock.until,
+        index: before.map_or(0, |before| before.index),
+        time: before.map_or(clock.start, |before| before.time),
+        every,
+        algorithm: String::new(),
+        wiring: String::new(),
+        drive: String::new(),
+        component: Vec::new(),
+        crowd: Vec::new(),
+    }
 }

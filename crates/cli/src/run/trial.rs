@@ -2,14 +2,14 @@
 
 use super::About;
 use super::outputs::OutputTable;
-use super::subject::{CrowdInfo, Identity, Prepared, States, Subject};
-use crate::results::{Cell, Column, Kind, Place};
-use crate::words::{refused, warned};
+use super::subject::{CrowdInfo, Prepared, States, Subject, record_of};
+use crate::messages::{not_prepared, warning_text};
+use crate::results::{Cell, CellType, Column, Place};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use crowd_mechanics::model_description::MODEL_NAME;
-use crowd_mechanics::variables::{Quantity, guid, table};
-use lemons_fmi::variables::{Kind as VariableKind, Variable};
-use lemons_master::{ComponentRecord, Given, PrepareError, Settings, Warning, read_saved};
+use crowd_mechanics::quantities::{Quantity, guid};
+use lemons_fmi::variables::{Kind as VariableKind, Scalar};
+use lemons_master::{ComponentRecord, PrepareError, Saved, Settings, TrialInput, Warning, read_saved};
 use lemons_results::Frame;
 use lemons_results::columns::Groups;
 use lemons_sim::settings::{DECISION, Selection};
@@ -34,7 +34,7 @@ struct TrialRun {
 /// The outputs of Decision, and which of them are Reals, Integers or Booleans.
 struct DecisionOutputs {
     selection: Selection,
-    kinds: Vec<Kind>,
+    kinds: Vec<CellType>,
     table: OutputTable,
 }
 
@@ -44,19 +44,19 @@ impl DecisionOutputs {
         if variables.is_empty() {
             return Ok(None);
         }
-        let column = |variable: &Variable<_>| Column {
-            name: format!("{DECISION}.{}", variable.name),
-            kind: match variable.kind {
-                VariableKind::Real(_) => Kind::Real,
-                VariableKind::Integer => Kind::Integer,
-                _ => Kind::Boolean,
+        let column = |scalar: &Scalar<_>| Column {
+            name: format!("{DECISION}.{}", scalar.name),
+            kind: match scalar.variable.kind {
+                VariableKind::Real(_) => CellType::Real,
+                VariableKind::Integer => CellType::Integer,
+                _ => CellType::Boolean,
             },
-            unit: match variable.kind {
+            unit: match scalar.variable.kind {
                 VariableKind::Real(unit) => Some(unit.name.to_owned()),
                 _ => None,
             },
-            variable: variable.name.clone(),
-            description: variable.description.clone(),
+            variable: scalar.name.clone(),
+            description: scalar.description.clone(),
         };
         let columns: Vec<Column> = variables.iter().map(column).collect();
         let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
@@ -91,9 +91,9 @@ impl Subject for TrialRun {
     fn write_outputs(&mut self) -> Result<()> {
         let Some(DecisionOutputs { selection, kinds, table }) = &mut self.outputs else { return Ok(()) };
         let values = self.simulation.read(selection)?;
-        let cell = |(value, kind): (f64, &Kind)| match kind {
-            Kind::Real => Cell::Real(value),
-            Kind::Integer => Cell::Integer(value as i32),
+        let cell = |(value, kind): (f64, &CellType)| match kind {
+            CellType::Real => Cell::Real(value),
+            CellType::Integer => Cell::Integer(value as i32),
             _ => Cell::Boolean(value != 0.0),
         };
         table.row(self.simulation.time(), values.into_iter().zip(kinds.iter()).map(cell).collect())
@@ -122,9 +122,9 @@ impl Subject for TrialRun {
 }
 
 /// Prepares a run of a Trial; outputs of Decision go to a table, if they are wanted. Warnings are printed.
-pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
-    settings.check().map_err(refused)?;
-    let saved = settings.resume.as_deref().map(read_saved).transpose().map_err(refused)?;
+pub fn prepare(given: &TrialInput, settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
+    settings.check().map_err(not_prepared)?;
+    let saved = settings.resume.as_deref().map(read_saved).transpose().map_err(not_prepared)?;
     let (documents, problems, plan) = documents(given, settings)?;
     problems.iter().for_each(|problem| note!("{problem}"));
     let (drive, walking) = (documents.drive.clone(), documents.plan.clone());
@@ -134,7 +134,7 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
         let overwritten = simulation.set(name, value).map_err(not_set)?;
         if let Some(input) = overwritten {
             let (name, value) = (name.clone(), value.clone());
-            note!("{}", warned(&Warning::Overwritten { name, value, input }));
+            note!("{}", warning_text(&Warning::Overwritten { name, value, input }));
         }
     }
     if let Some(threads) = settings.threads {
@@ -142,39 +142,39 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
     }
     for (name, [decision, crowd], people) in simulation.differing()? {
         let values = [(DECISION.to_owned(), decision), (CROWD.to_owned(), crowd)];
-        note!("{}", warned(&Warning::Differs { name, values, people }));
+        note!("{}", warning_text(&Warning::Differs { name, values, people }));
     }
     let (before, states) = saved.unzip();
-    let until = settings.until_of(before.as_ref(), 0.0, None).map_err(refused)?;
+    let until = settings.until_of(before.as_ref(), 0.0, None).map_err(not_prepared)?;
     simulation.begin(0.0, settings.tolerance)?;
     let name = if walking.is_some() { WALKERS } else { CROWD };
-    let guid = guid(&table(&trial)).braced().to_string();
+    let guid = guid(&trial).braced().to_string();
     let of_saved = || format!("saved run {}", settings.resume.as_deref().unwrap_or(given.path()).display());
     if let (Some(before), Some(states)) = (&before, &states) {
         match (&plan, before.component[0].name.as_str()) {
-            (Some(plan), CROWD) => return Err(refused(PrepareError::NowWalks(plan.clone()))),
-            (None, WALKERS) => return Err(refused(PrepareError::NoLongerWalks)),
+            (Some(plan), CROWD) => return Err(not_prepared(PrepareError::NowWalks(plan.clone()))),
+            (None, WALKERS) => return Err(not_prepared(PrepareError::NoLongerWalks)),
             _ => {}
         }
         let component = [name.to_owned(), MODEL_NAME.to_owned(), guid.clone()];
         let checked = before.check(&[component], &settings.algorithm.to_string(), "");
         checked.map_err(lemons_master::Error::from).with_context(of_saved)?;
-        ensure!(before.drive == drive.fingerprint(), refused(PrepareError::OtherDrive));
+        ensure!(before.drive == drive.fingerprint(), not_prepared(PrepareError::OtherDrive));
         simulation.restore(&states[0]).with_context(of_saved)?;
     }
     let (step, every) = match &before {
-        Some(before) => settings.same_points(before).map_err(refused)?,
+        Some(before) => settings.same_points(before).map_err(not_prepared)?,
         None => (settings.step.unwrap_or(trial.parameters.time_step), settings.every.unwrap_or(1)),
     };
     let clock = Clock::new(0.0, step, until).with_context(|| settings.input.display().to_string())?;
     let missed = drive.missed(0.0, step).map(Warning::Missed);
     for warning in missed.into_iter().chain(settings.between(before.as_ref(), &clock)) {
-        note!("{}", warned(&warning));
+        note!("{}", warning_text(&warning));
     }
     match plan {
-        Some(plan) if drive_end.is_some() => note!("{}", warned(&Warning::DriveOfWalkers { plan })),
+        Some(plan) if drive_end.is_some() => note!("{}", warning_text(&Warning::DriveOfWalkers { plan })),
         None if before.is_none() && drive_end.is_none() && is_still(&simulation) => {
-            note!("{}", warned(&Warning::Still));
+            note!("{}", warning_text(&Warning::Still));
         }
         _ => {}
     }
@@ -211,15 +211,13 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
             .map(PathBuf::from)
             .into_iter()
             .collect(),
-        index: before.as_ref().map_or(0, |before| before.index),
-        clock,
-        every,
-        drive_end,
-        identity: Identity {
+        record: Saved {
             algorithm: settings.algorithm.to_string(),
-            wiring: String::new(),
             drive: drive.fingerprint(),
+            ..record_of(&clock, every, before.as_ref())
         },
+        clock,
+        drive_end,
         before,
         subject: Box::new(TrialRun { simulation, outputs, name, guid }),
     })
@@ -227,18 +225,18 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
 
 /// The documents of a run; errors of a Trial are printed.
 pub fn documents(
-    given: &Given,
+    given: &TrialInput,
     settings: &Settings,
 ) -> Result<(Documents, lemons_core::trial::Problems, Option<PathBuf>)> {
     let read = given.documents(&settings.drive, &settings.plan);
-    read.map_err(|error| crate::words::trial_told(error.into()))
+    read.map_err(|error| crate::messages::report_problems(error.into()))
 }
 
 /// Why a parameter was not set, in the words of the command.
 pub fn not_set(error: SimError) -> Error {
     match error {
         SimError::Unknown { name, text, meant: Some(value) } => {
-            refused(PrepareError::OfOther { name, value: text, meant: value })
+            not_prepared(PrepareError::OfOther { name, value: text, meant: value })
         }
         SimError::Unknown { meant: None, .. } => anyhow!("--set {error}; see lemons info"),
         SimError::Value { .. } => anyhow!("--set {error}"),

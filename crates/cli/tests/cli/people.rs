@@ -1,13 +1,18 @@
 //! `lemons crowd` and `lemons person` as their users meet them.
 
 use crate::common::{assert_code, err, lemons, out};
-use lemons_people::{LightShapes, read_light_xml};
+use lemons_core::xml::{Document, Element};
 use std::fs;
+use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
 
 fn narrow(text: &str) {
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+}
+
+fn child<'a>(element: Element<'a>, name: &str) -> Element<'a> {
+    element.elements().find(|child| child.name() == name).unwrap()
 }
 
 #[test]
@@ -29,25 +34,31 @@ fn mixed_crowds_go_into_the_light_file_and_pictures() {
         "{altitudes:?}"
     );
     assert!(table.contains("bicycles have no three-dimensional bodies"), "{table}");
-    let agents = read_light_xml(&fs::read_to_string(at.join("light.xml")).unwrap()).unwrap();
+    let light = fs::read(at.join("light.xml")).unwrap();
+    let light = Document::parse(Path::new("light.xml"), &light, u32::MAX).unwrap();
+    let agents: Vec<Element> = light.any_root().elements().collect();
     assert_eq!(agents.len(), 9);
     // Each within the box; rectangles of two bicycles do not overlap.
     let mut rectangles = Vec::new();
-    for agent in &agents {
-        match &agent.shapes {
-            LightShapes::Pedestrian(disks) => assert_eq!(disks.len(), 5),
-            LightShapes::Bicycle { bike, rider } => {
-                assert!(bike.max.y - bike.min.y > bike.max.x - bike.min.x, "along y");
-                rectangles.push([bike.clone(), rider.clone()]);
-            }
+    for agent in agents {
+        let shapes: Vec<Element> = child(agent, "Shapes").elements().collect();
+        if child(agent, "type").content().unwrap() == "pedestrian" {
+            assert_eq!(shapes.len(), 5);
+            continue;
         }
+        let [bike, rider] = [shapes[0], shapes[1]].map(|shape| {
+            ["min_x", "min_y", "max_x", "max_y"]
+                .map(|name| child(shape, name).content().unwrap().parse::<f64>().unwrap())
+        });
+        assert!(bike[3] - bike[1] > bike[2] - bike[0], "along y");
+        rectangles.push([bike, rider]);
     }
     assert!(rectangles.len() >= 2 && rectangles.len() < 9);
     for (place, one) in rectangles.iter().enumerate() {
         for a in one {
-            assert!(a.min.x > 0.0 && a.min.y > 0.0 && a.max.x < 6.0 && a.max.y < 6.0);
+            assert!(a.iter().all(|place| (0.0..6.0).contains(place)));
             for b in rectangles[..place].iter().flatten() {
-                let apart = a.max.x < b.min.x || b.max.x < a.min.x || a.max.y < b.min.y || b.max.y < a.min.y;
+                let apart = a[2] < b[0] || b[2] < a[0] || a[3] < b[1] || b[3] < a[1];
                 assert!(apart, "{a:?} {b:?}");
             }
         }
@@ -76,7 +87,7 @@ fn mixed_crowds_go_into_the_light_file_and_pictures() {
                     .parse()
                     .unwrap()
             };
-            let (length, breadth) = (rectangle.max.y - rectangle.min.y, rectangle.max.x - rectangle.min.x);
+            let (length, breadth) = (rectangle[3] - rectangle[1], rectangle[2] - rectangle[0]);
             assert!((number("width") - length).abs() < 2e-4, "{class} {text}");
             assert!((number("height") - breadth).abs() < 2e-4, "{class} {text}");
         }
@@ -84,7 +95,7 @@ fn mixed_crowds_go_into_the_light_file_and_pictures() {
         let place = text.split(')').next().unwrap();
         let cut = place.find([' ', '-']).unwrap();
         let (x, y): (f64, f64) = (place[..cut].parse().unwrap(), place[cut..].trim().parse().unwrap());
-        let (centre_x, centre_y) = (0.5 * (bike.min.x + bike.max.x), 0.5 * (bike.min.y + bike.max.y));
+        let (centre_x, centre_y) = (0.5 * (bike[0] + bike[2]), 0.5 * (bike[1] + bike[3]));
         assert!((x - centre_x).abs() < 2e-4 && (y - centre_y).abs() < 2e-4, "{text}");
     }
     assert!(fs::read(at.join("m.png")).unwrap().starts_with(b"\x89PNG"));
@@ -122,7 +133,7 @@ fn an_interrupt_leaves_nothing_behind() {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
     std::thread::sleep(std::time::Duration::from_millis(300));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     assert_code(&output, 130);
     assert!(err(&output).contains("interrupted: nothing was written"), "{}", err(&output));

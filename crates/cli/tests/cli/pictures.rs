@@ -161,7 +161,7 @@ fn an_interrupted_movie_leaves_nothing() {
     while names() == before && running.try_wait().unwrap().is_none() {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
-    let signal = std::process::Command::new("kill").args(["-INT", &running.id().to_string()]).status();
+    let signal = std::process::Command::new("kill").args(["-TERM", &running.id().to_string()]).status();
     assert!(signal.unwrap().success());
     assert_eq!(running.wait().unwrap().code(), Some(130));
     assert_eq!(names(), before);

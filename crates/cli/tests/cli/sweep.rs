@@ -1,7 +1,7 @@
 //! `lemons sweep`: what it finds is what single runs find, and nothing is lost.
 
 use crate::common::{assert_code, command, default_trial, done, err, lemons, out};
-use std::collections::HashMap;
+use crate::walked_sweep::read_csv;
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;
@@ -32,12 +32,6 @@ fn write_spec(at: &Path, until: f64, parameters: &str) {
         trial.to_str().unwrap()
     );
     fs::write(at.join("push.toml"), text).unwrap();
-}
-
-/// Rows by their column.
-fn read_csv(path: &Path) -> Vec<HashMap<String, String>> {
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
-    reader.deserialize().map(|row| row.unwrap()).collect()
 }
 
 #[test]
@@ -124,7 +118,11 @@ fn a_sweep_of_long_steps_can_be_interrupted() {
     let at = directory.path();
     write_spec(at, 1500.0, "\"agent[2].Mass\" = [60, 70, 80]");
     let spec = fs::read_to_string(at.join("push.toml")).unwrap();
-    fs::write(at.join("push.toml"), spec.replace("until =", "step = 1500\nuntil =")).unwrap();
+    // All press against a wall: nobody is ever free, which would take no time.
+    done(at, &["crowd", "-n", "40", "--box", "4x4", "--speed", "1", "-o", "pressed"]);
+    let (trial, _) = spec.split_once('\n').unwrap();
+    let pressed = spec.replace(trial, "trial = \"pressed\"").replace("until =", "step = 1500\nuntil =");
+    fs::write(at.join("push.toml"), pressed).unwrap();
     let mut running = command(at, &["sweep", "push.toml", "--threads", "2"]);
     let mut running = running.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     while !at.join("push.csv").exists() {
@@ -132,7 +130,7 @@ fn a_sweep_of_long_steps_can_be_interrupted() {
         std::thread::sleep(Duration::from_millis(1));
     }
     std::thread::sleep(Duration::from_secs(1));
-    let signal = std::process::Command::new("kill").args(["-INT", &running.id().to_string()]).status();
+    let signal = std::process::Command::new("kill").args(["-TERM", &running.id().to_string()]).status();
     assert!(signal.unwrap().success());
     let output = running.wait_with_output().unwrap();
     assert_code(&output, 130);

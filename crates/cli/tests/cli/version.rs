@@ -175,31 +175,6 @@ fn it_is_run_again_for_a_commit_and_not_for_a_question() {
     next(&tree, "a worktree of a packed branch");
 }
 
-/// No directory holds a git then.
-const NO_GIT: (&str, &str) = ("PATH", "");
-
-#[test]
-fn without_git_the_commit_is_read_from_its_files() {
-    let directory = TempDir::new().unwrap();
-    let root = repository(directory.path());
-    let check = |root: &Path| {
-        let said = script(root, &[NO_GIT]);
-        assert_eq!(said.commit, git(root, &["rev-parse", "HEAD"]));
-        assert_eq!((said.date.as_str(), said.changed), ("", false));
-    };
-    check(&root);
-    git(&root, &["worktree", "add", "-q", "-b", "other", "../tree"]);
-    let tree = root.join("../tree").canonicalize().unwrap();
-    check(&tree);
-    git(&root, &["pack-refs", "--all"]);
-    check(&root);
-    check(&tree);
-    git(&root, &["checkout", "-q", "--detach"]);
-    check(&root);
-    fs::write(root.join(".git/HEAD"), "rubbish").unwrap();
-    assert_eq!(script(&root, &[NO_GIT]).commit, "");
-}
-
 #[test]
 fn sources_without_git_have_a_version_only_wherever_they_lie() {
     let directory = TempDir::new().unwrap();

@@ -148,18 +148,3 @@ impl Scratch {
         self.0.path()
     }
 }
-
-/// An empty file in the system's temporary directory for what only this process needs, to be written and read. It has no
-/// name any more, so that nothing is left of it when it is closed.
-///
-/// # Errors
-/// It cannot be made.
-pub fn unnamed() -> io::Result<File> {
-    let mut options = File::options();
-    options.read(true).write(true).create_new(true);
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    // The name is removed when `_temporary` is dropped here.
-    let (_temporary, file) = Temporary::new(&std::env::temp_dir(), |path| options.open(path))?;
-    Ok(file)
-}

@@ -12,6 +12,9 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// A square with a side of 1 m about the origin: where nothing is.
+    pub const UNIT: Bounds = Bounds { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) };
+
     /// Returns the rectangle around points \[m\]; `None` without any.
     pub fn of(points: impl IntoIterator<Item = Vec2>) -> Option<Bounds> {
         let mut points = points.into_iter();
@@ -31,6 +34,14 @@ impl Bounds {
     pub fn grown(self, margin: f64) -> Bounds {
         let margin = vec2(margin, margin);
         Bounds { low: self.low - margin, high: self.high + margin }
+    }
+
+    /// Returns whether two rectangles have a common point.
+    pub fn meets(&self, other: &Bounds) -> bool {
+        self.low.x <= other.high.x
+            && other.low.x <= self.high.x
+            && self.low.y <= other.high.y
+            && other.low.y <= self.high.y
     }
 
     /// Returns whether a point \[m\] lies inside or on the rim.

@@ -18,6 +18,18 @@ pub const fn vec2(x: f64, y: f64) -> Vec2 {
     Vec2 { x, y }
 }
 
+impl From<[f64; 2]> for Vec2 {
+    fn from([x, y]: [f64; 2]) -> Vec2 {
+        vec2(x, y)
+    }
+}
+
+impl From<Vec2> for [f64; 2] {
+    fn from(v: Vec2) -> [f64; 2] {
+        [v.x, v.y]
+    }
+}
+
 impl Vec2 {
     /// The zero vector.
     pub const ZERO: Vec2 = vec2(0.0, 0.0);

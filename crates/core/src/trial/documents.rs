@@ -36,7 +36,7 @@ pub struct Trial {
     pub interactions: Interactions,
 }
 
-/// Names of the Trial's files.
+/// Names of the Trial's files; of [`Trial::places`], their paths.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileNames {
     /// Relative to the Trial directory.
@@ -48,21 +48,6 @@ pub struct FileNames {
     /// Relative to the Static directory.
     pub agents: PathBuf,
     /// Relative to the Dynamic directory.
-    pub dynamics: PathBuf,
-}
-
-/// Paths of a Trial's files.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Places {
-    /// `Parameters.xml`
-    pub parameters: PathBuf,
-    /// `Materials.xml`
-    pub materials: PathBuf,
-    /// `Geometry.xml`
-    pub geometry: PathBuf,
-    /// `Agents.xml`
-    pub agents: PathBuf,
-    /// `AgentDynamics.xml`
     pub dynamics: PathBuf,
 }
 
@@ -107,7 +92,7 @@ impl Trial {
     /// # Errors
     /// Errors in its files, all of them.
     pub fn read(directory: &Path) -> Result<(Trial, Problems), Problems> {
-        Trial::read_named(directory, &FileNames::default())
+        Trial::read_from(&Disk, directory, &FileNames::default())
     }
 
     /// The files of which [`Trial::read`] reads a directory, whether they are there or not.
@@ -128,15 +113,7 @@ impl Trial {
         names.places(directory, &fixed, &moving)
     }
 
-    /// As [`Trial::read`], with other file names.
-    ///
-    /// # Errors
-    /// As [`Trial::read`].
-    pub fn read_named(directory: &Path, names: &FileNames) -> Result<(Trial, Problems), Problems> {
-        Trial::read_from(&Disk, directory, names)
-    }
-
-    /// As [`Trial::read_named`], from these files.
+    /// As [`Trial::read`], from these files, with these names.
     ///
     /// # Errors
     /// As [`Trial::read`].
@@ -149,10 +126,10 @@ impl Trial {
     }
 
     /// Where its files are, as messages name them.
-    pub fn places(&self, names: &FileNames) -> Places {
+    pub fn places(&self, names: &FileNames) -> FileNames {
         let fixed = self.directory.join(self.parameters.static_path());
         let moving = self.directory.join(self.parameters.dynamic_path());
-        Places {
+        FileNames {
             parameters: tidy(&self.directory.join(&names.parameters)),
             materials: tidy(&fixed.join(&names.materials)),
             geometry: tidy(&fixed.join(&names.geometry)),
@@ -221,9 +198,7 @@ impl Trial {
     /// All errors in its files.
     pub fn read_dynamics(&self, path: &Path) -> Result<Vec<AgentDynamics>, Problems> {
         let ids = self.agent_ids();
-        let read = |root: Element<'_>| dynamics::read(root, Some((&self.agents, &ids)));
-        let read = checked(|problems| xml::read_file(&Disk, path, &dynamics::AGENTS, problems, read));
-        read.map(|(dynamics, _)| dynamics)
+        read_alone(path, &dynamics::AGENTS, |root| dynamics::read(root, Some((&self.agents, &ids))))
     }
 
     /// Reads an `AgentInteractions.xml` of this Trial's agents and walls.
@@ -234,10 +209,7 @@ impl Trial {
         let agents = self.agent_ids();
         let walls = xml::Ids::of(self.geometry.walls.iter().map(|wall| wall.id.as_str()));
         let (agents, walls) = ((&self.agents[..], &agents), (&self.geometry, &walls));
-        let read = |root: Element<'_>| interactions::read(root, agents, walls);
-        let schema = &interactions::INTERACTIONS;
-        let read = checked(|problems| xml::read_file(&Disk, path, schema, problems, read));
-        read.map(|(interactions, _)| interactions)
+        read_alone(path, &interactions::INTERACTIONS, |root| interactions::read(root, agents, walls))
     }
 
     fn agent_ids(&self) -> xml::Ids {
@@ -327,6 +299,15 @@ impl Trial {
             _ => Ok(()),
         }
     }
+}
+
+/// Reads one file of a Trial.
+fn read_alone<T>(
+    path: &Path,
+    schema: &'static Schema,
+    read: impl FnOnce(Element<'_>) -> T,
+) -> Result<T, Problems> {
+    checked(|problems| xml::read_file(&Disk, path, schema, problems, read)).map(|(read, _)| read)
 }
 
 /// Reads files of a Trial; where one cannot be read, the problem is told and the others are read nevertheless.

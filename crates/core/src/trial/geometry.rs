@@ -6,8 +6,6 @@ use crate::trial::problem::Problems;
 use crate::trial::schema::{Range, Schema, Value, attribute};
 use crate::trial::xml::{Element, Ids, checked, document, empty, read_file, vector};
 use crate::xml::{number, quoted};
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::path::Path;
 
 /// `Geometry.xml`.
@@ -88,34 +86,12 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Geometry, Ids
 
 fn read_corners(wall: Element<'_>, id: &str) -> Vec<Vec2> {
     let mut corners: Vec<Vec2> = Vec::new();
-    // Where each face was drawn first, whichever its direction.
-    let mut faces: HashMap<[[u64; 2]; 2], usize> = HashMap::new();
     for element in wall.children("Corner") {
         let corner = element.vector("Coordinates");
         let place = corners.len();
-        if let Some(&before) = corners.last() {
-            if (corner - before).norm() == 0.0 {
-                let message =
-                    format!("corner {place} of wall {} is where corner {} is", quoted(id), place - 1);
-                element.wrong("Coordinates", &message);
-            } else if (corner - before).is_finite() {
-                let mut face = [bits(before), bits(corner)];
-                face.sort_unstable();
-                match faces.entry(face) {
-                    Entry::Occupied(first) => {
-                        let message = format!(
-                            "wall {} draws its face {} a second time as face {}; they act like one",
-                            quoted(id),
-                            first.get(),
-                            place - 1
-                        );
-                        element.doubtful("Coordinates", &message);
-                    }
-                    Entry::Vacant(free) => {
-                        free.insert(place - 1);
-                    }
-                }
-            }
+        if corners.last().is_some_and(|&before| (corner - before).norm() == 0.0) {
+            let message = format!("corner {place} of wall {} is where corner {} is", quoted(id), place - 1);
+            element.wrong("Coordinates", &message);
         }
         corners.push(corner);
     }
@@ -124,11 +100,6 @@ fn read_corners(wall: Element<'_>, id: &str) -> Vec<Vec2> {
         wall.report(wall.problem(message));
     }
     corners
-}
-
-/// Equal for equal points: the sum turns −0 into 0.
-fn bits(point: Vec2) -> [u64; 2] {
-    [(point.x + 0.0).to_bits(), (point.y + 0.0).to_bits()]
 }
 
 pub(crate) fn xml(geometry: &Geometry) -> String {

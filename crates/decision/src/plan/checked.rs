@@ -38,7 +38,7 @@ impl Plan {
             return Err(PlanError::Empty);
         }
         positive("the plan", "time_step", self.time_step)?;
-        self.gait.check()?;
+        self.walking_model.check()?;
         for corner in self.walls.iter().flatten().flatten() {
             coordinate("a wall", "corner", *corner)?;
         }

@@ -1,16 +1,16 @@
 //! Exits and goals, and who goes to which.
 
+use crate::config::{DecisionConfig, TargetConfig};
 use crate::error::{PlanError, not_negative, positive};
 use crate::person::Person;
 use crate::target::{Destination, Target};
-use crate::wishes::{WantedTarget, Wishes};
 
 /// The exits, then the goals.
-pub(super) fn targets_of(wishes: &Wishes) -> Result<Vec<Target>, PlanError> {
+pub(super) fn targets_of(config: &DecisionConfig) -> Result<Vec<Target>, PlanError> {
     let mut targets: Vec<Target> = Vec::new();
-    let kinds = [("exit", "exits", &wishes.exits, false), ("goal", "goals", &wishes.goals, true)];
+    let kinds = [("exit", "exits", &config.exits, false), ("goal", "goals", &config.goals, true)];
     for (kind, key, wanted, stay) in kinds {
-        for (k, WantedTarget { name, line, polygon, share }) in wanted.iter().flatten().enumerate() {
+        for (k, TargetConfig { name, line, polygon, share }) in wanted.iter().flatten().enumerate() {
             let place = format!("{key}[{k}]");
             let name = name.clone().unwrap_or_else(|| format!("{kind} {k}"));
             let corners = match (line, polygon) {
@@ -37,18 +37,18 @@ pub(super) fn targets_of(wishes: &Wishes) -> Result<Vec<Target>, PlanError> {
 /// Where everybody goes: the own wish; else by the shares of exits; else the nearest exit; else the only goal.
 pub(super) fn destinations(
     people: &[Person],
-    wishes: &Wishes,
+    config: &DecisionConfig,
     targets: &[Target],
 ) -> Result<Vec<Destination>, PlanError> {
     let exits = targets.iter().filter(|target| !target.stay).count();
-    let shared = shared(people, wishes)?;
+    let shared = shared(people, config)?;
     let usual = match exits {
         0 if targets.len() == 1 => Destination::Target(0),
         0 => Destination::None,
         _ => Destination::NearestExit,
     };
     let one = |(person, shared): (&Person, Option<usize>)| {
-        let own = wishes.agents.get(&person.id);
+        let own = config.agents.get(&person.id);
         let named = |key: &'static str, name: &String, stay: bool| {
             let found = targets.iter().position(|target| target.stay == stay && target.name == *name);
             found.map(Destination::Target).ok_or_else(|| {
@@ -72,8 +72,8 @@ pub(super) fn destinations(
 }
 
 /// The exit of everybody by shares: as many people for each as its share says, chosen by the seed.
-fn shared(people: &[Person], wishes: &Wishes) -> Result<Vec<Option<usize>>, PlanError> {
-    let exits = wishes.exits.as_deref().unwrap_or_default();
+fn shared(people: &[Person], config: &DecisionConfig) -> Result<Vec<Option<usize>>, PlanError> {
+    let exits = config.exits.as_deref().unwrap_or_default();
     let shares: Vec<f64> = exits.iter().filter_map(|exit| exit.share).collect();
     if shares.is_empty() {
         return Ok(vec![None; people.len()]);
@@ -84,8 +84,8 @@ fn shared(people: &[Person], wishes: &Wishes) -> Result<Vec<Option<usize>>, Plan
     }
     positive("exits", "the sum of all shares", sum)?;
     let mut order: Vec<usize> = (0..people.len()).collect();
-    let seed = wishes.seed.unwrap_or(0);
-    order.sort_by_key(|&i| crate::patience::draw(seed, i as u64, u64::MAX));
+    let seed = config.seed.unwrap_or(0);
+    order.sort_by_key(|&i| crate::stuck::draw(seed, i as u64, u64::MAX));
     let (mut taken, mut next, mut chosen) = (0.0, 0, vec![None; people.len()]);
     for (k, share) in shares.iter().enumerate() {
         taken += share / sum;

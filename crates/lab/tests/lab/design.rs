@@ -97,39 +97,6 @@ fn a_drawn_room_is_seen_with_its_doors_bounds_and_the_nearest_wall() {
 }
 
 #[test]
-fn doors_of_a_drawn_room_stay_on_their_walls() {
-    let mut lab = Lab::default();
-    let mut edited = |edit: Value| ok(&mut lab, json!({"ask": "room", "room": drawing(), "edit": edit})).0;
-    let moved = edited(json!({"do": "move", "ring": 0, "corner": 2, "to": [6.0, 4.0]}));
-    assert_eq!(moved["room"]["outline"], json!([[0.0, 0.0], [4.0, 0.0], [6.0, 4.0], [0.0, 3.0]]));
-    assert_eq!(moved["room"]["doors"][0]["at"], json!([4.5, 1.0]));
-    assert_eq!(moved["room"]["doors"][1], drawing()["doors"][1]);
-    // Half of its width along the wall, which rises by 2 in 1: from its middle to each end.
-    let ends: Vec<[f64; 2]> = serde_json::from_value(moved["doors"][0].clone()).unwrap();
-    for (end, side) in ends.iter().zip([-0.25, 0.25]) {
-        assert!(close(end[0], 4.5 + side / 5.0_f64.sqrt(), 1e-12), "{ends:?}");
-        assert!(close(end[1], 1.0 + side * 2.0 / 5.0_f64.sqrt(), 1e-12), "{ends:?}");
-    }
-    let stretched = edited(json!({"do": "stretch", "width": 5.0, "height": 6.0}));
-    assert_eq!(stretched["rings"][0]["bounds"], json!([5.0, 6.0, 0.0, 0.0]));
-    assert_eq!(stretched["room"]["doors"][0]["at"], json!([5.0, 1.5]));
-    let inserted = edited(json!({"do": "insert", "ring": 1, "side": 2, "at": [1.4, 1.6]}));
-    assert_eq!(inserted["room"]["obstacles"], json!([[[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.4, 1.6]]]));
-    let removed = edited(json!({"do": "remove", "ring": 0, "corner": 3}));
-    assert_eq!(removed["rings"][0]["middles"].as_array().unwrap().len(), 3);
-    let cleared = edited(json!({"do": "clear", "ring": 1}))["room"].take();
-    assert_eq!((&cleared["obstacles"], &cleared["doors"]), (&json!([]), &json!([drawing()["doors"][0]])));
-    for (edit, words) in [
-        (json!({"do": "move", "ring": 0, "corner": 4, "to": [0.0, 0.0]}), "no corner 4 of ring 0"),
-        (json!({"do": "remove", "ring": 2, "corner": 0}), "no corner 0 of ring 2"),
-        (json!({"do": "clear", "ring": 0}), "has no corners"),
-    ] {
-        let said = refused(&mut lab, json!({"ask": "room", "room": drawing(), "edit": edit}), &[]);
-        assert!(said.contains(words), "{said}");
-    }
-}
-
-#[test]
 fn a_geometry_file_becomes_a_room() {
     let mut lab = Lab::default();
     ok(&mut lab, show(crowd(1, square(3.0, 2.0)), json!({"kind": "own"})));

@@ -6,24 +6,6 @@ use lemons_lab::frame::COLUMNS;
 use serde_json::json;
 
 #[test]
-fn a_table_is_that_of_the_frames_and_tells_its_progress() {
-    let mut lab = Lab::default();
-    ok(&mut lab, push());
-    let (_, frames) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 8}));
-    let (name, table) =
-        ok(&mut lab, json!({"ask": "take", "run": 1, "wanted": {"file": "trajectories", "steps": 8}}));
-    assert_eq!(name["name"], "push.csv");
-    let text = String::from_utf8(table).unwrap();
-    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
-    assert_eq!(&rows[0][..8], ["t", "id", "x", "y", "vx", "vy", "theta", "omega"]);
-    assert_eq!(rows.len(), 1 + 9 * 5);
-    let shown = numbers(&frames);
-    let last: Vec<f64> = rows[rows.len() - 1][2..8].iter().map(|number| number.parse().unwrap()).collect();
-    let of = &shown[shown.len() - COLUMNS..];
-    assert_eq!(last, [of[0], of[1], of[3], of[4], of[2], of[5]]);
-}
-
-#[test]
 fn a_pulse_gives_its_momentum_to_those_in_the_circle() {
     // One person without floor friction to speak of: a half sine of 100 N over 0.5 s has 2/π of 50 N s.
     let mut lab = Lab::default();

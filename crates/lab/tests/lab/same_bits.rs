@@ -4,11 +4,13 @@ use crate::{ask, numbers, ok, opened};
 use crowd_mechanics::pack::Format;
 use lemons_core::plane::Motion;
 use lemons_core::trial::DriveChoice;
-use lemons_decision::{Plan, Wishes, pack};
+use lemons_decision::{DecisionConfig, Plan, pack};
 use lemons_lab::Lab;
 use lemons_lab::frame::COLUMNS;
 use lemons_master::ssp::{Participant, write_archive};
-use lemons_master::{Error, Given, PlanChoice, Prepared, Settings, binary_beside, documents_of, own_binary};
+use lemons_master::{
+    Error, PlanChoice, Prepared, Settings, TrialInput, binary_beside, documents_of, own_binary,
+};
 use lemons_results::Frame;
 use lemons_sim::{Algorithm, Clock, Documents, SimError, Simulation};
 use lemons_verify::testing::{repository, trial_push};
@@ -48,7 +50,7 @@ fn of_simulation(documents: &Documents, algorithm: Algorithm, clock: &Clock) -> 
 fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -> Bits {
     let directory = TempDir::new().unwrap();
     let crowd = directory.path().join("crowd.fmu");
-    let given = Given::open(&scene.directory).unwrap();
+    let given = TrialInput::open(&scene.directory).unwrap();
     lemons_master::pack(&[given], vec![own_binary().unwrap()], format, None, true, &crowd).unwrap();
     let input = match &scene.documents.plan {
         None => crowd,
@@ -175,7 +177,7 @@ fn people_who_leave_have_the_same_bits_everywhere() {
     trial.write(&place).unwrap();
     let exit = "exits = [{ name = \"door\", line = [[6.5, 1.0], [6.5, 4.0]] }]";
     let wishes = format!("model = \"collision-free-speed\"\nseed = 7\n{exit}");
-    Wishes::from_toml(&wishes).unwrap();
+    DecisionConfig::from_toml(&wishes).unwrap();
     std::fs::write(place.join("decision.toml"), wishes).unwrap();
     let scene = Scene::of(place);
     scene.check(6.0);

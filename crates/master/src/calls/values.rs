@@ -1,7 +1,8 @@
 //! The values that an FMU is asked for or given, of one type at a time.
 
-use super::{Answer, CallError, Calls, Result, c_text};
-use crate::ssp::{Fmi, Native};
+use super::{Calls, c_text};
+use crate::error::{Error, Result};
+use crate::ssp::{Affine, Fmi, Native};
 use std::ffi::{CStr, CString, c_char, c_int};
 use std::ptr::null;
 
@@ -11,13 +12,18 @@ pub trait Value: Clone + Default + PartialEq + 'static {
     ///
     /// # Errors
     /// The FMU lacks the function, or has a value that is none of this type.
-    fn get(calls: &Calls, of: Native, references: &[u32], values: &mut [Self]) -> Result<Answer>;
+    fn get(calls: &Calls, of: Native, references: &[u32], values: &mut [Self]) -> Result<()>;
 
     /// Sets all values of variables of a type.
     ///
     /// # Errors
     /// The FMU lacks the function, or a value is none of the variables' type.
-    fn set(calls: &Calls, of: Native, references: &[u32], values: &[Self]) -> Result<Answer>;
+    fn set(calls: &Calls, of: Native, references: &[u32], values: &[Self]) -> Result<()>;
+
+    /// The value in the unit of the input to which it is sent; only Reals have units.
+    fn converted(&self, _: Affine) -> Self {
+        self.clone()
+    }
 }
 
 impl Calls {
@@ -29,20 +35,22 @@ impl Calls {
         values: &mut [T],
         empty: C,
         convert: impl Fn(C) -> Result<T>,
-    ) -> Result<Answer> {
+    ) -> Result<()> {
         let mut read = vec![empty; values.len()];
-        let answer = self.get(call, references, &mut read)?;
-        if answer.succeeded() {
-            for (value, read) in values.iter_mut().zip(read) {
-                *value = convert(read)?;
-            }
+        self.get(call, references, &mut read)?;
+        for (value, read) in values.iter_mut().zip(read) {
+            *value = convert(read)?;
         }
-        Ok(answer)
+        Ok(())
     }
 }
 
 impl Value for f64 {
-    fn get(calls: &Calls, of: Native, references: &[u32], values: &mut [f64]) -> Result<Answer> {
+    fn converted(&self, map: Affine) -> f64 {
+        map.apply(*self)
+    }
+
+    fn get(calls: &Calls, of: Native, references: &[u32], values: &mut [f64]) -> Result<()> {
         match (calls.fmi, of) {
             (Fmi::V2, _) => calls.get("fmi2GetReal", references, values),
             (Fmi::V3, Native::Float32) => {
@@ -52,7 +60,7 @@ impl Value for f64 {
         }
     }
 
-    fn set(calls: &Calls, of: Native, references: &[u32], values: &[f64]) -> Result<Answer> {
+    fn set(calls: &Calls, of: Native, references: &[u32], values: &[f64]) -> Result<()> {
         match (calls.fmi, of) {
             (Fmi::V2, _) => calls.set("fmi2SetReal", references, values),
             (Fmi::V3, Native::Float32) => {
@@ -69,11 +77,15 @@ fn get_whole<C: Copy + Default + Into<i128>>(
     call: &'static str,
     references: &[u32],
     values: &mut [i32],
-) -> Result<Answer> {
+) -> Result<()> {
     calls.get_as(call, references, values, C::default(), |value: C| {
         let value: i128 = value.into();
-        i32::try_from(value).map_err(|_| CallError::Range { call, value, of: "Int32, to which it is read" })
+        i32::try_from(value).map_err(|_| out_of_range(call, value, "Int32, to which it is read"))
     })
+}
+
+fn out_of_range(call: &str, value: i128, of: &str) -> Error {
+    Error::new(format!("{call}: {value} is not a value of {of}"))
 }
 
 fn set_whole<C: TryFrom<i32>>(
@@ -82,16 +94,14 @@ fn set_whole<C: TryFrom<i32>>(
     of: Native,
     references: &[u32],
     values: &[i32],
-) -> Result<Answer> {
-    let convert = |value: &i32| {
-        let range = |_| CallError::Range { call, value: i128::from(*value), of: of.name() };
-        C::try_from(*value).map_err(range)
-    };
+) -> Result<()> {
+    let range = |value: &i32| out_of_range(call, i128::from(*value), of.name());
+    let convert = |value: &i32| C::try_from(*value).map_err(|_| range(value));
     calls.set(call, references, &values.iter().map(convert).collect::<Result<Vec<C>>>()?)
 }
 
 impl Value for i32 {
-    fn get(calls: &Calls, of: Native, references: &[u32], values: &mut [i32]) -> Result<Answer> {
+    fn get(calls: &Calls, of: Native, references: &[u32], values: &mut [i32]) -> Result<()> {
         match (calls.fmi, of) {
             (Fmi::V2, _) => calls.get("fmi2GetInteger", references, values),
             (_, Native::Int8) => get_whole::<i8>(calls, "fmi3GetInt8", references, values),
@@ -105,7 +115,7 @@ impl Value for i32 {
         }
     }
 
-    fn set(calls: &Calls, of: Native, references: &[u32], values: &[i32]) -> Result<Answer> {
+    fn set(calls: &Calls, of: Native, references: &[u32], values: &[i32]) -> Result<()> {
         match (calls.fmi, of) {
             (Fmi::V2, _) => calls.set("fmi2SetInteger", references, values),
             (_, Native::Int8) => set_whole::<i8>(calls, "fmi3SetInt8", of, references, values),
@@ -121,7 +131,7 @@ impl Value for i32 {
 }
 
 impl Value for bool {
-    fn get(calls: &Calls, _: Native, references: &[u32], values: &mut [bool]) -> Result<Answer> {
+    fn get(calls: &Calls, _: Native, references: &[u32], values: &mut [bool]) -> Result<()> {
         // Not into `bool`: the FMU might write something else.
         match calls.fmi {
             Fmi::V2 => calls.get_as("fmi2GetBoolean", references, values, 0, |value: c_int| Ok(value != 0)),
@@ -129,7 +139,7 @@ impl Value for bool {
         }
     }
 
-    fn set(calls: &Calls, _: Native, references: &[u32], values: &[bool]) -> Result<Answer> {
+    fn set(calls: &Calls, _: Native, references: &[u32], values: &[bool]) -> Result<()> {
         match calls.fmi {
             Fmi::V2 => {
                 let values: Vec<c_int> = values.iter().map(|value| c_int::from(*value)).collect();
@@ -141,7 +151,7 @@ impl Value for bool {
 }
 
 impl Value for String {
-    fn get(calls: &Calls, _: Native, references: &[u32], values: &mut [String]) -> Result<Answer> {
+    fn get(calls: &Calls, _: Native, references: &[u32], values: &mut [String]) -> Result<()> {
         let call = calls.name(["fmi2GetString", "fmi3GetString"]);
         calls.get_as(call, references, values, null(), |text: *const c_char| {
             // SAFETY: not NULL, so a text of the FMU's, which lives until its next call.
@@ -150,7 +160,7 @@ impl Value for String {
         })
     }
 
-    fn set(calls: &Calls, _: Native, references: &[u32], values: &[String]) -> Result<Answer> {
+    fn set(calls: &Calls, _: Native, references: &[u32], values: &[String]) -> Result<()> {
         let zero = |text: &String| format!("{text:?}: a text for an FMU holds no zero");
         let texts = values.iter().map(|text| c_text(text, || zero(text)));
         let texts = texts.collect::<Result<Vec<CString>>>()?;

@@ -1,17 +1,16 @@
 //! The `.ssp`: a zip of `SystemStructure.ssd` and what it names.
 
+use crate::error::{Error, Place, Result};
 use crate::ssp::allowance::Allowance;
 use crate::ssp::document::{STRUCTURE_FILE, SystemStructure};
-use crate::ssp::error::{Error, Result};
 use crate::ssp::read::read;
 use lemons_core::files::Staged;
 use lemons_core::files::input;
 use percent_encoding::percent_decode_str;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{BufReader, BufWriter, Read, Seek, Write};
 use std::path::Path;
-use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
@@ -28,14 +27,7 @@ impl Archive {
     pub fn open(path: &Path) -> Result<Archive> {
         let zip = ZipArchive::new(BufReader::new(input::open(path)?))?;
         Allowance::new(0).entries(zip.len())?;
-        let zip = distinct(zip)?;
-        for name in zip.file_names() {
-            let name = name?;
-            if leads_outside(&name) {
-                return Err(Error::EntryOutside(name.into_owned()));
-            }
-        }
-        Ok(Archive { zip })
+        Ok(Archive { zip: sound(zip)? })
     }
 
     /// The default structure, with the parameter files that it names.
@@ -62,43 +54,43 @@ impl Archive {
         // Some tools do not encode: there a percent sign is itself.
         let names = [decoded.as_ref(), source].map(|name| name.trim_start_matches("./").to_owned());
         if names.iter().any(|name| leads_outside(name)) {
-            return Err(Error::SourceOutside);
+            return Err(Error::new("leads outside of the archive"));
         }
         let name = names.iter().find(|name| self.zip.index_for_name(name).is_some());
-        let name = name.ok_or_else(|| Error::Missing(names[0].clone()))?;
+        let name = name.ok_or_else(|| Error::new(format!("there is no {} in the archive", names[0])))?;
         let entry = self.zip.by_name(name)?;
         if !entry.is_file() {
-            return Err(Error::NotAFile(name.clone()));
+            return Err(Error::new(format!("{name} is not a file")));
         }
         allowance.copy(name, entry, to)
     }
 }
 
 /// Of the name of an entry of an archive: absolute, with a drive, or with a step upwards.
-pub fn leads_outside(name: &str) -> bool {
+fn leads_outside(name: &str) -> bool {
     let drive = name.as_bytes().get(1) == Some(&b':');
     drive || name.starts_with(['/', '\\']) || name.split(['/', '\\']).any(|part| part == "..")
 }
 
-/// An archive whose entries have different names, on every system: `A` and `./a` are one name. Of two entries with one
-/// name, programs read one or the other.
+/// An archive whose entries all lie inside of it, and have different names on every system: `A` and `./a` are one name.
+/// Of two entries with one name, programs read one or the other.
 ///
 /// # Errors
-/// Two entries have one name; the text says which.
-pub fn distinct<R: Read + Seek>(zip: ZipArchive<R>) -> Result<ZipArchive<R>> {
+/// An entry leads outside, or two have one name; the text says which.
+pub fn sound<R: Read + Seek>(zip: ZipArchive<R>) -> Result<ZipArchive<R>> {
     let mut seen = HashMap::new();
     for name in zip.file_names() {
         let name = name?.into_owned();
-        let plain = plain(&name);
-        if let Some(other) = seen.insert(plain, name.clone()) {
-            return Err(Error::OneName(other, name));
+        if leads_outside(&name) {
+            return Err(Error::new(format!("the entry {name:?} leads outside of the archive")));
+        }
+        if let Some(other) = seen.insert(plain(&name), name.clone()) {
+            return Err(Error::new(format!("the entries {other:?} and {name:?} have one name")));
         }
     }
     // The reader keeps the last entry of a name only.
     if zip.has_duplicate_names() {
-        let begin = zip.central_directory_start();
-        let name = name_twice(zip.into_inner(), begin).map_err(Error::Entries)?;
-        return Err(Error::NameTwice(name));
+        return Err(Error::new("two entries have the same name"));
     }
     Ok(zip)
 }
@@ -109,49 +101,29 @@ fn plain(name: &str) -> String {
     parts.map(str::to_lowercase).collect::<Vec<_>>().join("/")
 }
 
-/// The first name that comes again in the list of the entries, which begins at a byte of the file.
-fn name_twice(mut file: impl Read + Seek, begin: u64) -> std::io::Result<String> {
-    let mut seen = HashSet::new();
-    file.seek(SeekFrom::Start(begin))?;
-    loop {
-        // Its fixed part ends with the lengths of the name and of two more parts, then 14 bytes.
-        let mut header = [0; 46];
-        file.read_exact(&mut header)?;
-        let length = |at: usize| u16::from_le_bytes([header[at], header[at + 1]]);
-        let mut name = vec![0; length(28).into()];
-        file.read_exact(&mut name)?;
-        file.seek_relative(i64::from(length(30)) + i64::from(length(32)))?;
-        if let Some(name) = seen.replace(name) {
-            return Ok(String::from_utf8_lossy(&name).into_owned());
-        }
-    }
-}
-
 /// Writes an archive of a structure and files, each under its name in the archive. The same content gives the
 /// same bytes.
 ///
 /// # Errors
 /// A file cannot be read, or the archive not written; the file at `path` is as it was then.
 pub fn write_archive(path: &Path, structure: &SystemStructure, files: &[(String, &Path)]) -> Result<()> {
-    let cannot = |source| Error::Write { path: path.to_owned(), source };
-    let zip_cannot = |error: ZipError| cannot(error.into());
-    let mut zip = ZipWriter::new(BufWriter::new(Staged::beside(path).map_err(cannot)?));
+    let cannot = || format!("cannot write {}", path.display());
+    let mut zip = ZipWriter::new(BufWriter::new(Staged::beside(path).place(cannot)?));
     let options =
         SimpleFileOptions::default().last_modified_time(DateTime::default()).unix_permissions(0o644);
-    zip.start_file(STRUCTURE_FILE, options.compression_method(CompressionMethod::Deflated))
-        .map_err(zip_cannot)?;
-    zip.write_all(structure.to_xml().as_bytes()).map_err(cannot)?;
+    zip.start_file(STRUCTURE_FILE, options.compression_method(CompressionMethod::Deflated)).place(cannot)?;
+    zip.write_all(structure.to_xml().as_bytes()).place(cannot)?;
     for (name, file) in files {
-        let unreadable = |source| Error::Read { path: file.to_path_buf(), source };
-        let bytes = input::read(file, input::LARGEST_BINARY).map_err(unreadable)?;
+        let bytes =
+            input::read(file, input::LARGEST_BINARY).place(|| format!("cannot read {}", file.display()))?;
         // FMUs are compressed already.
         let large = u32::try_from(bytes.len()).is_err();
         let options = options.compression_method(CompressionMethod::Stored).large_file(large);
-        zip.start_file(name.as_str(), options).map_err(zip_cannot)?;
-        zip.write_all(&bytes).map_err(cannot)?;
+        zip.start_file(name.as_str(), options).place(cannot)?;
+        zip.write_all(&bytes).place(cannot)?;
     }
-    let file = zip.finish().map_err(zip_cannot)?.into_inner().map_err(|error| error.into_error());
-    file.map_err(cannot)?.persist().map_err(cannot)
+    let file = zip.finish().place(cannot)?.into_inner().map_err(|error| error.into_error());
+    file.place(cannot)?.persist().place(cannot)
 }
 
 #[cfg(test)]
@@ -166,7 +138,7 @@ mod tests {
             zip.write_all(b"text").unwrap();
         }
         let bytes = change(zip.finish().unwrap().into_inner());
-        let done = distinct(ZipArchive::new(Cursor::new(bytes)).unwrap());
+        let done = sound(ZipArchive::new(Cursor::new(bytes)).unwrap());
         done.map_or_else(|error| error.to_string(), |zip| zip.len().to_string())
     }
 
@@ -186,7 +158,7 @@ mod tests {
             })
         };
         for name in ["modelDescription.xml", "SystemStructure.ssd-m", "T/Parameters.xml"] {
-            assert_eq!(twice(name), format!("two entries have the name {name:?}"));
+            assert_eq!(twice(name), "two entries have the same name");
         }
         for (one, other) in [
             ("modelDescription.xml", "ModelDescription.XML"),

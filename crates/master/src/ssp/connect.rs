@@ -1,7 +1,7 @@
 //! Interfaces -> the structure that connects every output with the inputs of the same name.
 
+use crate::error::{Error, Result};
 use crate::ssp::document::{Component, Connection, Connector, Extent, Kind, Port, SystemStructure, Type};
-use crate::ssp::error::{Error, Result};
 use crate::ssp::interface::{Dimension, Fmi, Interface, Variable};
 use crate::ssp::unit::{Affine, Unit, conversion};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -101,11 +101,12 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
         if more > 0 {
             problems.push(format!("… and {more} more like these"));
         }
-        return Err(Error::DoNotFit(problems.join("\n")));
+        return Err(Error::new(problems.join("\n")));
     }
     if pairs.is_empty() {
         let sides: Vec<String> = participants.iter().map(summary).collect();
-        return Err(Error::NothingToConnect(sides.join("\n")));
+        let why = "no output has the name of an input of another FMU: nothing to connect";
+        return Err(Error::new(format!("{why}\n{}", sides.join("\n"))));
     }
     let structure = assemble(name, participants, &pairs)?;
     let names = pairs.into_iter().map(|pair| pair.name).collect();
@@ -248,11 +249,9 @@ fn connector(
     if let Some(name) = of.unit() {
         match (participant.interface.unit(name), units.get(name)) {
             (Some(unit), Some(known)) if !unit.is_same(known) => {
-                return Err(Error::UnitDiffers {
-                    variable: variable.name.clone(),
-                    participant: participant.name.clone(),
-                    unit: name.to_owned(),
-                });
+                let (of, by) = (&variable.name, &participant.name);
+                let why = format!("{of}: {by} means another unit by {name:?} than another FMU");
+                return Err(Error::new(why));
             }
             (Some(_), Some(_)) => {}
             (Some(unit), None) => {

@@ -144,9 +144,10 @@ impl Type {
 
 /// The types of FMI 3.0. A Real of FMI 2.0 is a `Float64`, an Integer or an Enumeration an `Int32`; an Enumeration of FMI
 /// 3.0 is an `Int64`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[allow(missing_docs)] // FMI's own names
 pub enum Native {
+    #[default]
     Float64,
     Float32,
     Int8,
@@ -249,21 +250,12 @@ pub struct ParameterSet {
 pub struct Parameter {
     /// The variable's, with the binding's prefix.
     pub name: String,
-    /// What it is set to.
-    pub value: Value,
+    /// Its type; of a Real with the unit, if it has one.
+    pub of: Type,
+    /// What it is set to, checked: a value of this type.
+    pub text: String,
     /// In the file.
     pub line: u32,
-}
-
-/// With its type.
-#[derive(Debug, Clone, PartialEq)]
-#[allow(missing_docs)] // FMI's own names
-pub enum Value {
-    /// With its unit, if it has one.
-    Real(f64, Option<String>),
-    Integer(i32),
-    Boolean(bool),
-    String(String),
 }
 
 impl SystemStructure {

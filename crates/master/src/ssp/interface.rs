@@ -3,8 +3,8 @@
 mod elements;
 mod variables;
 
+use crate::error::Result;
 use crate::ssp::document::{Kind, Native, Type};
-use crate::ssp::error::Result;
 use crate::ssp::unit::Unit;
 use lemons_core::xml::{Document, Element};
 use std::collections::HashMap;

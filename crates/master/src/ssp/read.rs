@@ -1,10 +1,10 @@
 //! `SystemStructure.ssd` and the `.ssv` files that it names -> [`SystemStructure`].
 
+use crate::error::Result;
 use crate::ssp::document::{
     Component, Connection, Connector, Extent, Kind, Native, Parameter, ParameterSet, Port, STRUCTURE_FILE,
-    SystemStructure, Type, Value,
+    SystemStructure, Type,
 };
-use crate::ssp::error::Result;
 use crate::ssp::unit::{Affine, Unit};
 use lemons_core::xml::{Document, Element};
 use std::collections::hash_map::Entry;
@@ -323,7 +323,7 @@ fn read_bindings(owner: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
         }
         let prefix = binding.optional("prefix").unwrap_or_default();
         if let Some(source) = binding.optional("source") {
-            let bytes = load(source).map_err(|error| binding.wrong("source", error.to_string()))?;
+            let bytes = load(source).map_err(|error| binding.wrong("source", error.whole()))?;
             let document = Document::parse(Path::new(source), &bytes, NODES)?;
             sets.push(read_parameters(document.root("ParameterSet")?, prefix)?);
         } else {
@@ -344,23 +344,23 @@ fn read_parameters(set: Element, prefix: &str) -> Result<ParameterSet> {
         if let Some(dimension) = element.child("Dimension") {
             return Err(dimension.problem("is not served: set the elements by their names").into());
         }
-        let missing = || typed.problem("has no value");
-        let native = Native::named(typed.name()).map(|native| native.of(None));
-        let name: &str = match &native {
-            Some(of) => of.name(),
-            None => typed.name(),
-        };
-        let value = match name {
-            "Real" => {
-                let value = typed.number("value")?.ok_or_else(missing)?;
-                Value::Real(value, typed.optional("unit").map(str::to_owned))
-            }
-            "Integer" => Value::Integer(typed.parsed("value", "a whole number")?.ok_or_else(missing)?),
-            "Boolean" => Value::Boolean(typed.boolean("value")?.ok_or_else(missing)?),
-            "String" => Value::String(typed.text("value")?.to_owned()),
+        let unit = || typed.optional("unit").map(str::to_owned);
+        let of = match (Native::named(typed.name()), typed.name()) {
+            (Some(native), _) => native.of(unit()),
+            (None, "Real") => Type::Real(unit()),
+            (None, "Integer") => Type::Integer,
             _ => return Err(typed.problem("is not served as a parameter's type").into()),
         };
-        Ok(Parameter { name: format!("{prefix}{}", element.text("name")?), value, line: element.line() })
+        let text = typed.optional("value").ok_or_else(|| typed.problem("has no value"))?;
+        match of {
+            Type::Real(_) => typed.number("value").map(drop)?,
+            Type::Integer => typed.parsed::<i32>("value", "a whole number").map(drop)?,
+            Type::Boolean => typed.boolean("value").map(drop)?,
+            Type::String => {}
+            _ => return Err(typed.problem("is not served as a parameter's type").into()),
+        }
+        let name = format!("{prefix}{}", element.text("name")?);
+        Ok(Parameter { name, of, text: text.to_owned(), line: element.line() })
     });
     Ok(ParameterSet {
         parameters: parameters.collect::<Result<_>>()?,

@@ -1,18 +1,12 @@
 //! Coupled FMUs against loops written out here, and against recurrences done by hand.
 
 use crate::controller::{DESCRIPTION, write_controller, write_zip};
-use crowd_mechanics::pack::Package;
-use lemons_master::{Fmu, Instance, System, assemble, own_binary};
+use crate::packed;
+use crowd_mechanics::pack::Format;
+use lemons_master::{Fmu, Instance, System, assemble};
 use lemons_sim::Algorithm;
 use std::path::Path;
 use tempfile::TempDir;
-
-fn pack_crowd(path: &Path) {
-    let trial = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
-    let package =
-        Package { trials: vec![trial], binaries: vec![own_binary().unwrap()], ..Package::default() };
-    package.write(path).unwrap();
-}
 
 /// A structure of two components of one FMU; `connections` and `rest` as XML.
 fn structure(connectors: &str, bindings: [&str; 2], connections: &str, rest: &str) -> String {
@@ -119,7 +113,7 @@ fn coupled(path: &Path, algorithm: Algorithm) -> Seen {
 fn two_crowds_exchange_forces_as_in_a_loop_written_out() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    pack_crowd(&at.join("it.fmu"));
+    std::fs::rename(packed(at, Format::default()), at.join("it.fmu")).unwrap();
     let connectors = format!(
         r#"<ssd:Connector name="{FORCE}" kind="output"><ssc:Real unit="N"/></ssd:Connector>
            <ssd:Connector name="{INPUT}" kind="input"><ssc:Real/></ssd:Connector>"#
@@ -262,7 +256,7 @@ fn units_are_converted_on_the_way_and_parameters_on_theirs() {
 fn first_values_pass_through_initialization() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    pack_crowd(&at.join("it.fmu"));
+    std::fs::rename(packed(at, Format::default()), at.join("it.fmu")).unwrap();
     let connectors = r#"<ssd:Connector name="agent[1].Position.x" kind="output"/>
         <ssd:Connector name="agent[0].Fp.x" kind="input"/>"#;
     let connection = r#"<ssd:Connection startElement="a" startConnector="agent[1].Position.x"

@@ -1,13 +1,13 @@
 //! An importer that others wrote, fmi-rs, and our own: both read and run the crowd's FMU alike.
 
-use crowd_mechanics::pack::Package;
+use crate::packed;
+use crowd_mechanics::pack::Format;
 use fmi_rs::fmi2::log::Logger;
 use fmi_rs::fmi2::types::{fmi2FMUstate, fmi2Status};
 use fmi_rs::fmi2::{CS, FMU2};
 use fmi_rs::model_description::fmi2::{Causality, ModelDescription, VariableType};
+use lemons_master::Fmu;
 use lemons_master::ssp::{Address, Kind, Type};
-use lemons_master::{Fmu, own_binary};
-use std::path::Path;
 use std::sync::Arc;
 use tempfile::TempDir;
 
@@ -22,19 +22,10 @@ impl Logger for Silence {
     }
 }
 
-fn packed(directory: &Path) -> Fmu {
-    let trial = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
-    let package =
-        Package { trials: vec![trial], binaries: vec![own_binary().unwrap()], ..Package::default() };
-    let path = directory.join("crowd.fmu");
-    package.write(&path).unwrap();
-    Fmu::open(&path).unwrap()
-}
-
 #[test]
 fn both_read_the_same_description() {
     let directory = TempDir::new().unwrap();
-    let fmu = packed(directory.path());
+    let fmu = Fmu::open(&packed(directory.path(), Format::default())).unwrap();
     let (own, theirs) = (
         &fmu.description,
         ModelDescription::from_path(&fmu.directory().join("modelDescription.xml")).unwrap(),
@@ -78,7 +69,7 @@ fn both_run_to_the_same_bits() {
     const STEP: f64 = 0.01;
     const FORCE: f64 = 900.0;
     let directory = TempDir::new().unwrap();
-    let fmu = packed(directory.path());
+    let fmu = Fmu::open(&packed(directory.path(), Format::default())).unwrap();
     let outputs = fmu.description.variables.iter();
     let outputs: Vec<u32> = outputs
         .filter(|variable| variable.kind == Some(Kind::Output) && matches!(variable.of, Type::Real(_)))
@@ -131,7 +122,7 @@ fn both_run_to_the_same_bits() {
     }
     assert!(squeezed, "somebody is pushed");
     // A state crosses from one to the other, as bytes.
-    let bytes = own.state().unwrap().bytes().unwrap();
+    let bytes = own.state().unwrap();
     let (mut state, mut size): (fmi2FMUstate, usize) = (std::ptr::null_mut(), 0);
     let done = [theirs.getFMUstate(&raw mut state), theirs.serializedFMUstateSize(state, &mut size)];
     assert_eq!((done, size), ([fmi2Status::Ok; 2], bytes.len()));

@@ -1,14 +1,15 @@
 //! fmi-rs reads and runs the crowd's FMI 3.0 FMU, and gets the bits of our own master, which runs that and the FMI 2.0 FMU.
 
-use crowd_mechanics::pack::{Format, Package};
+use crate::packed;
+use crowd_mechanics::pack::Format;
 use fmi_rs::fmi3::FMU3;
 use fmi_rs::fmi3::log::Logger;
 use fmi_rs::fmi3::native::{NativeLibrary, PLATFORM_TUPLE};
 use fmi_rs::fmi3::types::{fmi3FMUState, fmi3Status};
 use fmi_rs::model_description::fmi3::{Causality, ModelDescription};
-use lemons_master::{Fmu, own_binary};
+use lemons_master::Fmu;
 use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use tempfile::TempDir;
 
@@ -26,15 +27,6 @@ impl Logger for Silence {
     fn log_message(&self, status: fmi3Status, _: &str, message: &str) {
         panic!("{status:?}: {message}");
     }
-}
-
-fn packed(directory: &Path, format: Format) -> PathBuf {
-    let trial = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
-    let package =
-        Package { trials: vec![trial], binaries: vec![own_binary().unwrap()], format, ..Package::default() };
-    let path = directory.join("crowd.fmu");
-    package.write(&path).unwrap();
-    path
 }
 
 /// The description, and an instance whose initialization is over.

@@ -9,3 +9,15 @@ mod coupling;
 mod fmi_rs;
 mod fmi_rs_3;
 mod settings;
+
+use crowd_mechanics::pack::{Format, Package};
+use std::path::{Path, PathBuf};
+
+/// The FMU of the paper's push, in a directory.
+fn packed(directory: &Path, format: Format) -> PathBuf {
+    let trial = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
+    let path = directory.join("crowd.fmu");
+    let (trials, binaries) = (vec![trial], vec![lemons_master::own_binary().unwrap()]);
+    Package { trials, binaries, format, ..Package::default() }.write(&path).unwrap();
+    path
+}

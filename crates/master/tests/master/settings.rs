@@ -1,24 +1,15 @@
 //! Runs of an FMU from settings, as any program makes them, against a loop written out here.
 
-use crowd_mechanics::pack::Package;
+use crate::packed;
+use crowd_mechanics::pack::Format;
 use lemons_core::files::Staged;
 use lemons_core::trial::DriveChoice;
-use lemons_master::{
-    Error, Fmu, Instance, PrepareError, Prepared, Saved, Settings, State, Warning, own_binary, wiring_of,
-};
+use lemons_master::{Error, Fmu, Instance, Prepared, Saved, Settings, wiring_of};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use tempfile::TempDir;
 
 const AGENTS: usize = 5;
-
-fn pack(directory: &Path) -> PathBuf {
-    let trial = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
-    let path = directory.join("crowd.fmu");
-    let (trials, binaries) = (vec![trial], vec![own_binary().unwrap()]);
-    Package { trials, binaries, ..Package::default() }.write(&path).unwrap();
-    path
-}
 
 /// Bits of a time, and of all poses then.
 type Row = (u64, Vec<u64>);
@@ -68,7 +59,7 @@ fn pushed(directory: &Path) -> Settings {
         parameters: parameters.map(|(name, value)| (name.to_owned(), value.to_owned())).to_vec(),
         until: Some(2.0),
         drive: DriveChoice::File(drive),
-        ..Settings::of(pack(directory))
+        ..Settings::of(packed(directory, Format::default()))
     }
 }
 
@@ -83,13 +74,12 @@ fn an_fmu_runs_to_the_bits_of_a_loop_by_hand() {
     assert_eq!(rows.len(), 40);
     assert!(rows == by_hand(&settings.input, 0.05, 40), "other bits");
     let moved = |i: usize| f64::from_bits(rows[39].1[3 * i]) - f64::from_bits(rows[0].1[3 * i]);
-    assert!(moved(0) > 0.1 && moved(1) > 0.01, "one pushes the next: {} m, {} m", moved(0), moved(1));
+    assert!(moved(0) > 0.1 && moved(1) > 0.01, "one feed the next: {} m, {} m", moved(0), moved(1));
 }
 
 /// Saves the run where it is.
 fn save(run: &mut Prepared, index: u64, path: &Path) {
     let states = run.system.states().unwrap();
-    let states: Vec<_> = states.iter().map(|state: &State| state.bytes().unwrap()).collect();
     let saved = Saved {
         format: Saved::FORMAT,
         lemons: "a test".into(),
@@ -101,7 +91,7 @@ fn save(run: &mut Prepared, index: u64, path: &Path) {
         every: run.every,
         algorithm: run.system.algorithm().to_string(),
         wiring: wiring_of(&run.system),
-        drive: run.pushes.drive.fingerprint(),
+        drive: run.feed.drive.fingerprint(),
         component: Saved::components(&run.system, &states),
         crowd: Vec::new(),
     };
@@ -143,63 +133,5 @@ fn a_saved_run_goes_on_to_the_same_bits() {
     ] {
         let said = said(settings);
         assert!(said.contains(expected), "{said}");
-    }
-}
-
-/// What a program finds in errors and warnings, without reading their texts.
-#[test]
-fn what_is_wrong_is_said_as_data() {
-    let directory = TempDir::new().unwrap();
-    let refused = |settings: &Settings| Prepared::of(settings).map(drop).unwrap_err();
-    let coarse = Settings { step: Some(0.9), ..pushed(directory.path()) };
-    let place = directory.path().join("push.csv");
-    std::fs::write(&place, "t,agent,Fp.x,Fp.y,Mp\n0,0,0,0,0\n0.4,0,900,0,0\n0.5,0,0,0,0\n").unwrap();
-    let run = Prepared::of(&coarse).unwrap();
-    let [Warning::Missed(missed)] = &run.warnings[..] else { panic!("{:?}", run.warnings) };
-    assert_eq!((missed.time, missed.push, missed.of), (0.4, 900.0, 3));
-    for text in [run.warnings[0].to_string(), missed.to_string()] {
-        assert!(!text.contains("--"), "options are the command's: {text}");
-    }
-
-    std::fs::write(&place, "t,agent,Fp.x,Fp.y,Mp\n0,9,0,0,0\n").unwrap();
-    let PrepareError::Run(error) = refused(&coarse) else { panic!("of the drive") };
-    assert!(matches!(error, Error::Drive(_)));
-    assert_eq!(error.whole(), format!("{}:2: there is no agent \"9\" in Agents.xml", place.display()));
-
-    let set = |name: &str, value: &str| {
-        let parameters = vec![(name.to_owned(), value.to_owned())];
-        refused(&Settings { parameters, ..Settings::of(&coarse.input) })
-    };
-    let error = set("Nothing", "1");
-    assert!(matches!(&error, PrepareError::Run(Error::NoVariable(name)) if name == "Nothing"), "{error}");
-    let error = set("Threads", "many");
-    assert!(matches!(&error, PrepareError::Run(Error::Value { text, .. }) if text == "many"), "{error}");
-    let PrepareError::Run(Error::Refused { answer, said }) = set("agent[0].Mass", "-1") else {
-        panic!("by the FMU")
-    };
-    let call = answer.call();
-    assert!(call == "fmi2SetReal" && said.iter().any(|said| said.contains("Mass")), "{call}: {said:?}");
-}
-
-/// A step that is not a number gave one step in silence.
-#[test]
-fn settings_outside_of_their_domain_are_refused_by_value() {
-    let directory = TempDir::new().unwrap();
-    let own = Settings::of(pack(directory.path()));
-    let step = |step| Settings { step: Some(step), ..own.clone() };
-    for (settings, expected) in [
-        (step(f64::NAN), "communication step NaN s: not a finite number"),
-        (step(f64::INFINITY), "communication step inf s: not a finite number"),
-        (step(0.0), "a communication step of 0.0 s: it must be greater than 0"),
-        (step(-0.05), "a communication step of -0.05 s: it must be greater than 0"),
-        (Settings { until: Some(f64::NAN), ..own.clone() }, "stop time NaN s: not a finite number"),
-        (
-            Settings { every: Some(0), ..own.clone() },
-            "one communication point in 0 cannot be recorded: the number must be at least 1",
-        ),
-    ] {
-        let error = Prepared::of(&settings).map(drop).unwrap_err();
-        let said = lemons_master::whole(&error);
-        assert_eq!(said.replace(&format!("{}: ", own.input.display()), ""), expected);
     }
 }

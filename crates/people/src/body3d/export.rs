@@ -100,7 +100,7 @@ pub fn write_geojson(sections: &[CrowdSection], to: &mut impl Write) -> io::Resu
                     to,
                     "{comma}{{\"type\":\"Feature\",\"properties\":{{\"altitude\":{z:.6},\"body\":{body},\"part\":\"{}\"}},\
                      \"geometry\":{{\"type\":\"Polygon\",\"coordinates\":[[",
-                    polygon.part
+                    polygon.part.name()
                 )?;
                 for (k, point) in closed(polygon).enumerate() {
                     let comma = if k == 0 { "" } else { "," };

@@ -1,7 +1,7 @@
 //! Measures of a person that follow from the four given ones, and altitudes of landmarks.
 
-use super::measures::{COUNT, MEN, MeanBody, Measure, WOMEN};
-use crate::person::{Person, Sex};
+use super::measures::{COUNT, Measure, mean_body};
+use crate::person::Person;
 
 /// Altitude of the torso, where breadth and depth are measured, as a fraction of the stature (the paper: 151.6 cm of
 /// 186.6 cm).
@@ -18,11 +18,8 @@ impl Measures {
     /// Conditional means of the measures, given the four, for a multivariate normal distribution. Girths and breadths
     /// are kept between half and twice the mean; no person is outside.
     pub(super) fn of(person: &Person) -> Measures {
-        let mean: &MeanBody = match person.sex {
-            Sex::Male => &MEN,
-            Sex::Female => &WOMEN,
-        };
-        let given = [person.breadth, person.depth, person.stature, person.mass];
+        let mean = mean_body(person.sex);
+        let given = person.measures();
         let values = std::array::from_fn(|k| {
             let [mean_value, slopes @ ..] = mean.measures[k];
             let follows: f64 = (0..4).map(|g| slopes[g] * (given[g] - mean.given[g])).sum();
@@ -113,8 +110,9 @@ impl Heights {
 
 #[cfg(test)]
 mod tests {
-    use super::super::measures::NAMES;
+    use super::super::measures::TABLE;
     use super::*;
+    use crate::person::Sex;
 
     /// The table against the survey's summary: means, and residuals that do not correlate with what is given.
     #[test]
@@ -124,7 +122,10 @@ mod tests {
         };
         let text = std::fs::read_to_string(path).unwrap();
         let data: serde_json::Value = serde_json::from_str(&text).unwrap();
-        for (sex, table) in [("male", &MEN), ("female", &WOMEN)] {
+        let names = TABLE.lines().filter_map(|line| line.split_once(' ')).map(|(name, _)| name);
+        let names: Vec<&str> = names.skip_while(|name| *name != "male").skip(1).take(COUNT).collect();
+        for sex in Sex::ALL {
+            let (table, sex) = (mean_body(sex), sex.name());
             let survey = &data[sex];
             let order: Vec<&str> =
                 survey["order"].as_array().unwrap().iter().map(|v| v.as_str().unwrap()).collect();
@@ -140,7 +141,7 @@ mod tests {
             for (k, name) in given.iter().enumerate() {
                 assert!((value("mean", name) - table.given[k]).abs() < 1e-5, "{sex} {name}");
             }
-            for (name, [mean, slopes @ ..]) in NAMES.iter().zip(table.measures) {
+            for (name, [mean, slopes @ ..]) in names.iter().zip(table.measures) {
                 assert!((value("mean", name) - mean).abs() < 1e-5, "{sex} {name}");
                 for j in given {
                     let explained: f64 =

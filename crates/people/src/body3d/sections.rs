@@ -3,23 +3,7 @@
 use super::{Body3d, Polygon};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::float::simplify::SimplifyShape;
-use lemons_core::plane::Pose;
-
-/// A body at a pose.
-#[derive(Debug, Clone, Copy)]
-pub struct Placed<'a> {
-    /// The body.
-    pub body: &'a Body3d,
-    /// Position of its axis and direction of its gaze.
-    pub pose: Pose,
-}
-
-impl Placed<'_> {
-    /// Returns its outlines at an altitude \[m\], in world coordinates.
-    pub fn slice_at(&self, z: f64) -> Vec<Polygon> {
-        self.body.slice_at(z).into_iter().map(|polygon| polygon.at(&self.pose)).collect()
-    }
-}
+use lemons_core::plane::{Pose, Ring, vec2};
 
 /// The section of a crowd with a horizontal plane.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,8 +16,11 @@ pub struct CrowdSection {
 
 /// Returns the section of a crowd at an altitude \[m\]: panels (b) to (d) of the paper's comparison with two
 /// dimensions.
-pub fn section(crowd: &[Placed<'_>], altitude: f64) -> CrowdSection {
-    CrowdSection { altitude, bodies: crowd.iter().map(|placed| placed.slice_at(altitude)).collect() }
+pub fn section(crowd: &[(&Body3d, Pose)], altitude: f64) -> CrowdSection {
+    let outlines = |(body, pose): &(&Body3d, Pose)| {
+        body.slice_at(altitude).into_iter().map(|polygon| polygon.at(pose)).collect()
+    };
+    CrowdSection { altitude, bodies: crowd.iter().map(outlines).collect() }
 }
 
 impl CrowdSection {
@@ -59,20 +46,12 @@ impl CrowdSection {
         }
         // On a grid of 64-bit integers over the whole crowd: better than a nanometre, and the same on every machine.
         let union = outlines.simplify_shape_as::<i64>(FillRule::NonZero);
-        let signed = |contour: &Vec<[f64; 2]>| {
-            let start = contour[0];
-            let pairs = contour.iter().zip(&contour[1..]);
-            let twice = pairs
-                .map(|(a, b)| (a[0] - start[0]) * (b[1] - start[1]) - (a[1] - start[1]) * (b[0] - start[0]));
-            0.5 * twice.sum::<f64>()
+        let area = |contour: &Vec<[f64; 2]>| {
+            Ring::through(contour.iter().map(|[x, y]| vec2(*x, *y)).collect()).map_or(0.0, |ring| ring.area())
         };
         // The first contour of a shape is its outer boundary, the others are holes.
         let shapes = union.iter().filter(|shape| !shape.is_empty());
-        shapes
-            .map(|shape| {
-                signed(&shape[0]).abs() - shape[1..].iter().map(|hole| signed(hole).abs()).sum::<f64>()
-            })
-            .sum()
+        shapes.map(|shape| area(&shape[0]) - shape[1..].iter().map(area).sum::<f64>()).sum()
     }
 
     /// Returns the number of bodies that the plane cuts.

@@ -99,15 +99,6 @@ impl Body3d {
         self.tubes.iter().map(|tube| volume(&tube.rings)).sum()
     }
 
-    /// Returns the altitudes of all rings \[m\], sorted, each once. Between two of them every outline is linear.
-    pub fn altitudes(&self) -> Vec<f64> {
-        let mut all: Vec<f64> =
-            self.tubes.iter().flat_map(|tube| tube.rings.iter().map(|ring| ring.z)).collect();
-        all.sort_by(f64::total_cmp);
-        all.dedup();
-        all
-    }
-
     /// Returns slices at evenly spaced altitudes \[m\] from the soles to the top, at most `spacing` apart. They are at
     /// the middles of the layers, so that mean area × stature is about the volume.
     pub fn stack(&self, spacing: f64) -> Vec<(f64, Vec<Polygon>)> {

@@ -395,15 +395,3 @@ fn push_out(points: &Points, rings: &[Ring], z: f64) -> f64 {
     }
     (push + GAP).max(0.0)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_door_is_open_between_knees_and_neck() {
-        assert!(door(1.0, 1.75) > 0.99);
-        assert!(door(0.3, 1.75) < 0.05 && door(1.6, 1.75) < 0.01);
-        assert!((door(160.0, 186.6) - 0.5).abs() < 1e-3 && (door(59.0, 186.6) - 0.5).abs() < 1e-9);
-    }
-}

@@ -3,15 +3,15 @@
 
 use super::fire::Fire;
 use super::hull::hull_area;
-use super::pile::{Body, Boundary, Pile};
-use super::random::Random;
+use super::soft_disks::{Body, Boundary, SoftDisks};
 use super::{
-    Ended, Orientation, Packing, PlacingError, Progress, Region, Stage, TOLERANCE, Watch, check,
-    check_orientation, check_shapes, measure,
+    Ended, Orientation, Packing, Progress, Region, Stage, TOLERANCE, Watch, check, check_shapes, measure,
+    reach,
 };
+use crate::error::{Result, require};
+use crate::random::Random;
 use crate::shape::Shape;
-use lemons_core::plane::{Rotation, Vec2, vec2};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// \[m\] Distance that shapes keep while they are pushed apart. So none overlaps in the end, although the energy
 /// approaches zero only slowly.
@@ -80,24 +80,19 @@ impl Default for Dense {
 /// `watch` gets the progress and may stop the algorithm. The result may be incomplete (`complete` is false) if the
 /// density is too high, or too high for that many iterations. Its `clear_density` is then the density of the shapes
 /// that could spread without overlap after others were removed.
-pub fn dense(
-    shapes: &[Shape],
-    region: &Region,
-    settings: &Dense,
-    watch: &mut Watch,
-) -> Result<Packing, PlacingError> {
+pub fn dense(shapes: &[Shape], region: &Region, settings: &Dense, watch: &mut Watch) -> Result<Packing> {
     check_shapes(shapes)?;
-    check_orientation(settings.orientation)?;
+    settings.orientation.check()?;
     if let Some(density) = settings.density {
         check("the density", density, density > 0.0, "a positive number of shapes per m²")?;
     }
     let shapes = match settings.density {
         Some(density) if !region.is_plane() => {
-            let needed = libm::round(density * region.area()) as u64;
-            if needed > shapes.len() as u64 {
-                let (area, given) = (region.area(), shapes.len());
-                return Err(PlacingError::TooFewShapes { density, area, needed, given });
-            }
+            let (area, given) = (region.area(), shapes.len());
+            let needed = libm::round(density * area) as u64;
+            require(needed <= given as u64, || {
+                format!("a density of {density} /m² on {area:.3} m² needs {needed} shapes; {given} are given")
+            })?;
             &shapes[..needed as usize]
         }
         _ => shapes,
@@ -107,9 +102,12 @@ pub fn dense(
         (Some(density), true) => shapes.len() as f64 / density,
         _ => region.area(),
     };
-    if covered > room {
-        return Err(PlacingError::NoRoom { shapes: shapes.len(), covered, area: room });
-    }
+    require(covered <= room, || {
+        format!(
+            "{} shapes cover {covered:.3} m², but the region has {room:.3} m²: it cannot hold them without overlap",
+            shapes.len()
+        )
+    })?;
     let random = Random::new(settings.seed);
     let (iteration, limit) = (0, settings.max_iterations);
     let mut packer = Packer { random, watch, iteration, limit, stage: Stage::Growing, density: 0.0 };
@@ -161,30 +159,30 @@ struct Packer<'w, 'c> {
 
 impl Packer<'_, '_> {
     fn in_region(&mut self, shapes: &[Shape], region: &Region, settings: &Dense) -> (Vec<Body>, Ended) {
-        let mut pile = Pile::new(shapes, Boundary::Region(region), settings.orientation, PAD);
-        self.strew(&mut pile, settings.orientation, |u, v, _| region.point_at(u, v));
-        self.take_off_walls(&mut pile, region, settings.orientation);
-        let mut slide = self.grow(&mut pile);
+        let mut disks = SoftDisks::new(shapes, Boundary::Region(region), settings.orientation, PAD);
+        self.strew(&mut disks, settings.orientation);
+        self.take_off_walls(&mut disks, region, settings.orientation);
+        let mut slide = self.grow(&mut disks);
         if slide == Slide::AtRest {
-            slide = self.shake(&mut pile, settings.orientation);
+            slide = self.shake(&mut disks, settings.orientation);
         }
-        (pile.bodies, ended(slide))
+        (disks.bodies, ended(slide))
     }
 
     /// Compresses the crowd until the wanted density is reached. Returns the densest placing without overlap.
     fn in_the_open(&mut self, shapes: &[Shape], settings: &Dense, covered: f64) -> (Vec<Body>, Ended) {
         let wanted = settings.density.unwrap_or(f64::INFINITY);
-        let widest = shapes.iter().map(super::reach).fold(0.0, f64::max);
+        let widest = shapes.iter().map(reach).fold(0.0, f64::max);
         let mut radius =
             (covered / (LOOSE_COVER * PI)).sqrt().max((shapes.len() as f64 / (wanted * PI)).sqrt());
-        let mut pile = Pile::new(shapes, Boundary::Circle(radius), settings.orientation, PAD);
+        let mut disks = SoftDisks::new(shapes, Boundary::Circle(radius), settings.orientation, PAD);
         let mut slide = Slide::AtRest;
         for _ in 0..LOOSER {
-            pile.boundary = Boundary::Circle(radius.max(widest + PAD));
-            self.strew(&mut pile, settings.orientation, in_circle);
-            slide = self.grow(&mut pile);
+            disks.boundary = Boundary::Circle(radius.max(widest + PAD));
+            self.strew(&mut disks, settings.orientation);
+            slide = self.grow(&mut disks);
             // The hull is smaller than the circle, so even a loose crowd may be too dense.
-            let dense = shapes.len() as f64 / hull_area(&pile.circles()) / wanted;
+            let dense = shapes.len() as f64 / hull_area(&disks.circles()) / wanted;
             match slide {
                 // The hull of a single shape is the shape itself, however large the circle is.
                 Slide::Clear if dense > 1.0 && shapes.len() > 1 => radius *= dense.sqrt() * 1.01,
@@ -198,87 +196,83 @@ impl Packer<'_, '_> {
         let mut press = 0.04;
         loop {
             if slide == Slide::AtRest && (best.is_none() || press < 0.003) {
-                slide = self.shake(&mut pile, settings.orientation);
+                slide = self.shake(&mut disks, settings.orientation);
             }
-            let Boundary::Circle(radius) = pile.boundary else { break };
+            let Boundary::Circle(radius) = disks.boundary else { break };
             match slide {
                 Slide::Clear => {
-                    let density = shapes.len() as f64 / hull_area(&pile.circles());
+                    let density = shapes.len() as f64 / hull_area(&disks.circles());
                     self.density = density;
-                    best = Some(pile.bodies.clone());
+                    best = Some(disks.bodies.clone());
                     if density >= wanted || shapes.len() == 1 {
-                        return (pile.bodies, Ended::Done);
+                        return (disks.bodies, Ended::Done);
                     }
                     let needed = 1.0 - (density / wanted).sqrt() + 1e-5;
                     press = f64::min(press, needed);
-                    pile.boundary = Boundary::Circle(radius * (1.0 - press));
-                    pile.draw_in(1.0 - press);
+                    disks.boundary = Boundary::Circle(radius * (1.0 - press));
+                    disks.draw_in(1.0 - press);
                 }
                 // Go back, and then shrink by less.
                 Slide::AtRest if press >= 0.003 && best.is_some() => {
-                    pile.bodies = best.clone().unwrap_or_default();
+                    disks.bodies = best.clone().unwrap_or_default();
                     let before = radius / (1.0 - press);
                     press *= 0.5;
-                    pile.boundary = Boundary::Circle(before * (1.0 - press));
-                    pile.draw_in(1.0 - press);
+                    disks.boundary = Boundary::Circle(before * (1.0 - press));
+                    disks.draw_in(1.0 - press);
                 }
                 // Even shaking did not help: stop here.
                 Slide::AtRest => {
                     let found = best.is_some();
                     let ended = if found && settings.density.is_none() { Ended::Done } else { Ended::Stuck };
-                    return (best.unwrap_or(pile.bodies), ended);
+                    return (best.unwrap_or(disks.bodies), ended);
                 }
-                Slide::Over(ended) => return (best.unwrap_or(pile.bodies), ended),
+                Slide::Over(ended) => return (best.unwrap_or(disks.bodies), ended),
             }
             self.stage = Stage::Pressing;
-            slide = self.slide(&mut pile, SLIDE_STEPS);
+            slide = self.slide(&mut disks, SLIDE_STEPS);
         }
-        (pile.bodies, Ended::Stuck)
+        (disks.bodies, Ended::Stuck)
     }
 
     /// Spreads the shapes in random order over evenly spread points, each with a small random offset.
-    fn strew(&mut self, pile: &mut Pile, orientation: Orientation, point: impl Fn(f64, f64, f64) -> Vec2) {
+    fn strew(&mut self, disks: &mut SoftDisks, orientation: Orientation) {
         // The R2 sequence (Roberts 2018) with a random start: 1/p, 1/p² with p³ = p + 1.
         const STEPS: (f64, f64) = (0.754_877_666_246_692_7, 0.569_840_290_998_053_2);
-        let count = pile.bodies.len();
-        let radius = if let Boundary::Circle(radius) = pile.boundary { radius } else { 0.0 };
+        let count = disks.bodies.len();
         let (begin_u, begin_v) = (self.random.unit(), self.random.unit());
         let off = 0.4 / (count as f64).sqrt();
         for (k, who) in self.random.order(count).into_iter().enumerate() {
             let u = begin_u + STEPS.0 * k as f64 + self.random.within(off);
             let v = begin_v + STEPS.1 * k as f64 + self.random.within(off);
-            pile.bodies[who].position = point(u - libm::floor(u), v - libm::floor(v), radius);
-            pile.bodies[who].angle = match orientation {
-                Orientation::Free => self.random.within(PI),
-                Orientation::Fixed(angle) | Orientation::Towards(angle) => angle,
-            };
+            disks.bodies[who].position = disks.boundary.point_at(u - libm::floor(u), v - libm::floor(v));
+            disks.bodies[who].angle = orientation.start().unwrap_or_else(|| self.random.within(PI));
         }
     }
 
     /// Moves the shapes that stand across a wall to other places: they would hold on to both of its sides.
-    fn take_off_walls(&mut self, pile: &mut Pile, region: &Region, orientation: Orientation) {
-        for who in 0..pile.bodies.len() {
+    fn take_off_walls(&mut self, disks: &mut SoftDisks, region: &Region, orientation: Orientation) {
+        for who in 0..disks.bodies.len() {
             for _ in 0..TRIALS {
-                if !pile.is_across(who, region) {
+                if !disks.is_across(who, region) {
                     break;
                 }
-                pile.bodies[who].position = region.random_point(&mut self.random);
+                disks.bodies[who].position = disks.boundary.random_point(&mut self.random);
                 if orientation == Orientation::Free {
-                    pile.bodies[who].angle = self.random.within(PI);
+                    disks.bodies[who].angle = self.random.within(PI);
                 }
             }
         }
     }
 
-    fn grow(&mut self, pile: &mut Pile) -> Slide {
+    fn grow(&mut self, disks: &mut SoftDisks) -> Slide {
         self.stage = Stage::Growing;
         for size in SIZES {
-            pile.scale = size;
+            disks.scale = size;
             let steps = if size < 1.0 { GROWING_STEPS } else { SLIDE_STEPS };
             if size == 1.0 {
                 self.stage = Stage::Spreading;
             }
-            let slide = self.slide(pile, steps);
+            let slide = self.slide(disks, steps);
             if size == 1.0 || matches!(slide, Slide::Over(_)) {
                 return slide;
             }
@@ -286,8 +280,8 @@ impl Packer<'_, '_> {
         Slide::AtRest
     }
 
-    fn slide(&mut self, pile: &mut Pile, steps: u64) -> Slide {
-        let mut fire = Fire::new(pile);
+    fn slide(&mut self, disks: &mut SoftDisks, steps: u64) -> Slide {
+        let mut fire = Fire::new(disks);
         for step in 0..=steps {
             let overlap = fire.pressure().overlap;
             // A tenth of the pad is left for what remains after a slide.
@@ -306,13 +300,13 @@ impl Packer<'_, '_> {
                     iteration: self.iteration,
                     limit: self.limit,
                     overlap: (overlap - PAD).max(0.0),
-                    density: self.density * pile.scale * pile.scale,
+                    density: self.density * disks.scale * disks.scale,
                 };
                 if (self.watch)(&progress).is_break() {
                     return Slide::Over(Ended::Cancelled);
                 }
             }
-            fire.step(pile);
+            fire.step(disks);
             self.iteration += 1;
         }
         // At rest with almost no overlap left.
@@ -320,32 +314,32 @@ impl Packer<'_, '_> {
     }
 
     /// Moves shapes that overlap until nothing overlaps or no attempt helps. Leaves the best state.
-    fn shake(&mut self, pile: &mut Pile, orientation: Orientation) -> Slide {
+    fn shake(&mut self, disks: &mut SoftDisks, orientation: Orientation) -> Slide {
         self.stage = Stage::Shaking;
-        let mut best = (pile.press().energy, pile.bodies.clone());
-        let size = pile.bodies.iter().map(|b| b.reach * b.reach).sum::<f64>();
-        if 2.0 * best.0 > HOPELESS * HOPELESS * size && !a_few(pile) {
+        let mut best = (disks.press().energy, disks.bodies.clone());
+        let size = disks.bodies.iter().map(|b| b.reach * b.reach).sum::<f64>();
+        if 2.0 * best.0 > HOPELESS * HOPELESS * size && !a_few(disks) {
             return Slide::AtRest;
         }
         let (mut vain, mut round) = (0, 0);
         while vain < PATIENCE {
-            let swell = self.disturb(pile, orientation, round);
+            let swell = self.disturb(disks, orientation, round);
             round += 1;
-            pile.scale = swell;
-            let mut slide = if swell > 1.0 { self.slide(pile, GROWING_STEPS) } else { Slide::AtRest };
-            pile.scale = 1.0;
+            disks.scale = swell;
+            let mut slide = if swell > 1.0 { self.slide(disks, GROWING_STEPS) } else { Slide::AtRest };
+            disks.scale = 1.0;
             if !matches!(slide, Slide::Over(_)) {
-                slide = self.slide(pile, SLIDE_STEPS);
+                slide = self.slide(disks, SLIDE_STEPS);
             }
             if slide == Slide::Clear {
                 return slide;
             }
-            let energy = pile.press().energy;
+            let energy = disks.press().energy;
             vain = if energy < best.0 * (1.0 - GAIN) { 0 } else { vain + 1 };
             if energy < best.0 {
-                best = (energy, pile.bodies.clone());
+                best = (energy, disks.bodies.clone());
             }
-            pile.bodies.clone_from(&best.1);
+            disks.bodies.clone_from(&best.1);
             if let Slide::Over(_) = slide {
                 return slide;
             }
@@ -354,8 +348,8 @@ impl Packer<'_, '_> {
     }
 
     /// Moves some of the stuck shapes. Returns the size to which all shapes then grow for a while.
-    fn disturb(&mut self, pile: &mut Pile, orientation: Orientation, round: u32) -> f64 {
-        let loads = pile.loads();
+    fn disturb(&mut self, disks: &mut SoftDisks, orientation: Orientation, round: u32) -> f64 {
+        let loads = disks.loads();
         let stuck: Vec<usize> = (0..loads.len()).filter(|&k| loads[k].1 > PAD).collect();
         if stuck.is_empty() {
             return 1.0;
@@ -367,23 +361,23 @@ impl Packer<'_, '_> {
                 0 => {
                     let rivals: [usize; 4] = std::array::from_fn(|_| stuck[self.random.below(stuck.len())]);
                     let heaviest = |a: usize, b: usize| if loads[b].0 > loads[a].0 { b } else { a };
-                    self.reinsert(pile, orientation, rivals.into_iter().fold(one, heaviest));
+                    self.reinsert(disks, orientation, rivals.into_iter().fold(one, heaviest));
                 }
                 // Exchange two shapes.
                 1 => {
-                    let other = self.random.below(pile.bodies.len());
-                    let (a, b) = (pile.bodies[one], pile.bodies[other]);
-                    (pile.bodies[one].position, pile.bodies[one].angle) = (b.position, b.angle);
-                    (pile.bodies[other].position, pile.bodies[other].angle) = (a.position, a.angle);
+                    let other = self.random.below(disks.bodies.len());
+                    let (a, b) = (disks.bodies[one], disks.bodies[other]);
+                    (disks.bodies[one].position, disks.bodies[one].angle) = (b.position, b.angle);
+                    (disks.bodies[other].position, disks.bodies[other].angle) = (a.position, a.angle);
                 }
                 // Shake all shapes around one.
                 _ => {
-                    let (middle, wide) = (pile.bodies[one].position, 0.5 + 1.5 * self.random.unit());
+                    let (middle, wide) = (disks.bodies[one].position, 0.5 + 1.5 * self.random.unit());
                     let far = 0.02 + 0.1 * self.random.unit();
-                    for body in &mut pile.bodies {
+                    for body in &mut disks.bodies {
                         if (body.position - middle).norm() < wide {
                             body.position += self.random.vector(far);
-                            if !matches!(orientation, Orientation::Fixed(_)) {
+                            if orientation.turns() {
                                 body.angle += self.random.within(6.0 * far);
                             }
                         }
@@ -411,23 +405,23 @@ impl Packer<'_, '_> {
                 break;
             }
             let shapes: Vec<Shape> = left.iter().map(|(s, _)| (*s).clone()).collect();
-            let mut pile = Pile::new(&shapes, Boundary::Region(region), orientation, PAD);
-            for (body, (_, old)) in pile.bodies.iter_mut().zip(&left) {
+            let mut disks = SoftDisks::new(&shapes, Boundary::Region(region), orientation, PAD);
+            for (body, (_, old)) in disks.bodies.iter_mut().zip(&left) {
                 (body.position, body.angle) = (old.position, old.angle);
             }
             self.density = left.len() as f64 / region.area();
-            match self.slide(&mut pile, TAKING_STEPS) {
+            match self.slide(&mut disks, TAKING_STEPS) {
                 Slide::Clear => return Ok(self.density),
                 Slide::Over(Ended::Cancelled) => return Err(Ended::Cancelled),
                 Slide::Over(_) => break,
                 Slide::AtRest => {}
             }
-            let loads = pile.loads();
+            let loads = disks.loads();
             let mut worst: Vec<usize> = (0..loads.len()).collect();
             worst.sort_by(|&a, &b| loads[b].0.total_cmp(&loads[a].0).then(a.cmp(&b)));
             worst.truncate(1 + (TAKEN_AWAY * left.len() as f64) as usize);
             let mut k = 0;
-            left.iter_mut().zip(&pile.bodies).for_each(|(old, new)| old.1 = *new);
+            left.iter_mut().zip(&disks.bodies).for_each(|(old, new)| old.1 = *new);
             left.retain(|_| {
                 k += 1;
                 !worst.contains(&(k - 1))
@@ -437,38 +431,30 @@ impl Packer<'_, '_> {
     }
 
     /// Moves a shape to the place with the smallest overlap among some hundred random places.
-    fn reinsert(&mut self, pile: &mut Pile, orientation: Orientation, who: usize) {
-        let grid = pile.grid();
-        let mut best = (f64::INFINITY, pile.bodies[who].position, pile.bodies[who].angle);
+    fn reinsert(&mut self, disks: &mut SoftDisks, orientation: Orientation, who: usize) {
+        let grid = disks.grid();
+        let mut best = (f64::INFINITY, disks.bodies[who].position, disks.bodies[who].angle);
         for _ in 0..TRIALS {
-            let position = match pile.boundary {
-                Boundary::Region(region) => region.random_point(&mut self.random),
-                Boundary::Circle(radius) => in_circle(self.random.unit(), self.random.unit(), radius),
-            };
+            let position = disks.boundary.random_point(&mut self.random);
             let angle = match orientation {
                 Orientation::Fixed(angle) => angle,
                 Orientation::Towards(angle) => angle + self.random.within(ASKEW),
                 Orientation::Free => self.random.within(PI),
             };
-            let energy = pile.energy_at(&grid, who, position, angle, best.0);
+            let energy = disks.energy_at(&grid, who, position, angle, best.0);
             if energy < best.0 {
                 best = (energy, position, angle);
             }
         }
-        (pile.bodies[who].position, pile.bodies[who].angle) = (best.1, best.2);
+        (disks.bodies[who].position, disks.bodies[who].angle) = (best.1, best.2);
     }
 }
 
 /// Whether only some shapes overlap, in a region where some places are too narrow.
-fn a_few(pile: &mut Pile) -> bool {
-    let Boundary::Region(region) = pile.boundary else { return false };
+fn a_few(disks: &mut SoftDisks) -> bool {
+    let Boundary::Region(region) = disks.boundary else { return false };
     let stuck = |loads: Vec<(f64, f64)>| loads.iter().filter(|load| load.1 > PAD).count() as f64;
-    region.is_left() && stuck(pile.loads()) <= (A_FEW * pile.bodies.len() as f64).max(2.0)
-}
-
-/// The point of a circle at two fractions of its area: from the centre outwards, and around.
-fn in_circle(u: f64, v: f64, radius: f64) -> Vec2 {
-    vec2(radius * u.sqrt(), 0.0).rotated(Rotation::by(TAU * v))
+    region.is_left() && stuck(disks.loads()) <= (A_FEW * disks.bodies.len() as f64).max(2.0)
 }
 
 fn ended(slide: Slide) -> Ended {

@@ -1,7 +1,7 @@
 //! FIRE, the fast inertial relaxation engine (Bitzek et al. 2006; with the half step back of Guénolé et al. 2020): it
 //! moves downhill and stops whenever it would go uphill.
 
-use super::pile::{Coordinates, Pile, Pressure};
+use super::soft_disks::{Coordinates, Pressure, SoftDisks};
 
 /// Largest time step at which the stiffest contacts are stable: a pair of disks has stiffness 1, a shape has mass 1 and
 /// up to about ten contacts.
@@ -18,7 +18,7 @@ const PATIENCE: u32 = 5;
 /// \[m\] Largest displacement in a step.
 const FURTHEST: f64 = 0.03;
 
-/// A relaxation of a [`Pile`].
+/// A relaxation of a [`SoftDisks`].
 #[derive(Debug)]
 pub struct Fire {
     velocity: Vec<Coordinates>,
@@ -32,10 +32,10 @@ pub struct Fire {
 
 impl Fire {
     /// Begins at rest.
-    pub fn new(pile: &mut Pile) -> Fire {
-        let pressure = pile.press();
-        let velocity = vec![[0.0; 3]; pile.bodies.len()];
-        let force_square = pile.force.iter().flatten().map(|f| f * f).sum();
+    pub fn new(disks: &mut SoftDisks) -> Fire {
+        let pressure = disks.press();
+        let velocity = vec![[0.0; 3]; disks.bodies.len()];
+        let force_square = disks.force.iter().flatten().map(|f| f * f).sum();
         Fire { velocity, step: BEGIN, mixing: MIXING, downhill: 0, pressure, force_square }
     }
 
@@ -48,11 +48,11 @@ impl Fire {
         if self.pressure.energy > 0.0 { 0.5 * self.force_square / self.pressure.energy } else { 0.0 }
     }
 
-    pub fn step(&mut self, pile: &mut Pile) {
+    pub fn step(&mut self, disks: &mut SoftDisks) {
         let along = |v: &[Coordinates], f: &[Coordinates]| -> f64 {
             v.iter().zip(f).map(|(v, f)| v[0] * f[0] + v[1] * f[1] + v[2] * f[2]).sum()
         };
-        if along(&self.velocity, &pile.force) > 0.0 {
+        if along(&self.velocity, &disks.force) > 0.0 {
             self.downhill += 1;
             if self.downhill > PATIENCE {
                 self.step = (self.step * LONGER).min(LONGEST);
@@ -61,7 +61,7 @@ impl Fire {
         } else {
             // Half a step back, then again from rest.
             let (velocity, back) = (&self.velocity, -0.5 * self.step);
-            pile.shift(|k| velocity[k].map(|v| v * back));
+            disks.shift(|k| velocity[k].map(|v| v * back));
             self.velocity.fill([0.0; 3]);
             self.downhill = 0;
             self.step = (self.step * SHORTER).max(SHORTEST);
@@ -69,7 +69,7 @@ impl Fire {
         }
         let step = self.step;
         let mut square = 0.0;
-        for (v, f) in self.velocity.iter_mut().zip(&pile.force) {
+        for (v, f) in self.velocity.iter_mut().zip(&disks.force) {
             for k in 0..3 {
                 v[k] += f[k] * step;
                 square += v[k] * v[k];
@@ -77,7 +77,7 @@ impl Fire {
         }
         let along_force =
             if self.force_square > 0.0 { self.mixing * (square / self.force_square).sqrt() } else { 0.0 };
-        for (v, f) in self.velocity.iter_mut().zip(&pile.force) {
+        for (v, f) in self.velocity.iter_mut().zip(&disks.force) {
             let mut way_square = 0.0;
             for k in 0..3 {
                 v[k] = (1.0 - self.mixing) * v[k] + along_force * f[k];
@@ -89,8 +89,8 @@ impl Fire {
             }
         }
         let velocity = &self.velocity;
-        pile.shift(|k| velocity[k].map(|v| v * step));
-        self.pressure = pile.press();
-        self.force_square = pile.force.iter().flatten().map(|f| f * f).sum();
+        disks.shift(|k| velocity[k].map(|v| v * step));
+        self.pressure = disks.press();
+        self.force_square = disks.force.iter().flatten().map(|f| f * f).sum();
     }
 }

@@ -1,20 +1,15 @@
 //! Shapes on a grid, in rows across a direction.
 
-use super::random::Random;
-use super::{
-    Ended, Orientation, Packing, PlacingError, Region, TOLERANCE, check, check_orientation, check_shapes,
-    measure, reach,
-};
-use crate::shape::Shape;
+use super::{Ended, Orientation, Packing, Region, check_shapes, measure, reach, wrapped};
+use crate::error::{Result, require};
+use crate::random::Random;
+use crate::shape::{Shape, bounds};
 use lemons_core::plane::{Bounds, Pose, Rotation, Vec2, segments_touch, vec2};
 use std::f64::consts::PI;
 
 /// Settings of [`grid()`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
-    /// \[m\] Spacing along the direction (x) and across it (y). `None`: the largest bounding box of a shape or, where
-    /// shapes face any direction, the largest bounding circle.
-    pub spacing: Option<Vec2>,
     /// Direction of the shapes and of the columns. For `Free` each shape faces a random direction and the columns are
     /// along +x.
     pub orientation: Orientation,
@@ -24,7 +19,7 @@ pub struct Grid {
 
 impl Default for Grid {
     fn default() -> Grid {
-        Grid { spacing: None, orientation: Orientation::Fixed(0.0), seed: 0 }
+        Grid { orientation: Orientation::Fixed(0.0), seed: 0 }
     }
 }
 
@@ -37,40 +32,30 @@ const SLACK: f64 = 1e-9;
 /// \[m\] A shape may reach this far through the boundary, so that a region of exactly the right size holds its rows.
 const EXACT: f64 = 1e-7;
 
-/// Bounding box of a shape that faces +x.
-#[derive(Debug, Clone, Copy)]
-struct Extent {
-    low: Vec2,
-    high: Vec2,
-}
-
 /// Places shapes on a grid, row by row; the first shapes are in front (in the direction they face).
 ///
 /// # Errors
-/// The region has too few places in which the shapes are inside, or shapes at the given spacing overlap.
-pub fn grid(shapes: &[Shape], region: &Region, settings: &Grid) -> Result<Packing, PlacingError> {
+/// The region has too few places in which the shapes are inside.
+pub fn grid(shapes: &[Shape], region: &Region, settings: &Grid) -> Result<Packing> {
     check_shapes(shapes)?;
-    check_orientation(settings.orientation)?;
-    if let Some(spacing) = settings.spacing {
-        for (name, value) in [("the spacing along", spacing.x), ("the spacing across", spacing.y)] {
-            check(name, value, value > 0.0, "a positive length in metres")?;
-        }
-    }
-    let extents: Vec<Extent> = shapes.iter().map(|s| extent(s, settings.orientation)).collect();
-    let spacing = settings.spacing.unwrap_or_else(|| {
-        let size = |e: &Extent| e.high - e.low;
-        extents.iter().map(size).fold(Vec2::ZERO, |a, b| vec2(a.x.max(b.x + SLACK), a.y.max(b.y + SLACK)))
-    });
-    let (direction, mut random) = (direction(settings.orientation), Random::new(settings.seed));
+    settings.orientation.check()?;
+    let extents: Vec<Bounds> = shapes.iter().map(|s| extent(s, settings.orientation)).collect();
+    // The largest bounding box of a shape or, where shapes face any direction, the largest bounding circle.
+    let wider = |a: Vec2, b: Vec2| vec2(a.x.max(b.x + SLACK), a.y.max(b.y + SLACK));
+    let spacing = extents.iter().map(Bounds::size).fold(Vec2::ZERO, wider);
+    let (direction, mut random) = (settings.orientation.start().unwrap_or(0.0), Random::new(settings.seed));
     let turn = Rotation::by(direction);
     let places = match region.bounds() {
         None => in_the_open(shapes.len(), spacing),
         Some(_) => in_region(region, spacing, turn, &extents, shapes.len()),
     };
-    if places.len() < shapes.len() {
-        let (along, across) = (spacing.x, spacing.y);
-        return Err(PlacingError::NoPlaces { places: places.len(), along, across, shapes: shapes.len() });
-    }
+    let Vec2 { x: along, y: across } = spacing;
+    require(places.len() >= shapes.len(), || {
+        let (places, shapes) = (places.len(), shapes.len());
+        format!(
+            "the grid of {along:.3} m × {across:.3} m has {places} places in the region; {shapes} shapes are given"
+        )
+    })?;
     let poses: Vec<Pose> = extents
         .iter()
         .zip(&places)
@@ -78,38 +63,21 @@ pub fn grid(shapes: &[Shape], region: &Region, settings: &Grid) -> Result<Packin
             position: (place - (e.low + e.high) * 0.5).rotated(turn),
             orientation: match settings.orientation {
                 Orientation::Free => random.within(PI),
-                _ => super::wrapped(direction),
+                _ => wrapped(direction),
             },
         })
         .collect();
     let measured = measure(shapes, region, &poses);
-    if measured.largest_overlap > TOLERANCE {
-        let (along, across, overlap) = (spacing.x, spacing.y, measured.largest_overlap);
-        return Err(PlacingError::TooNarrow { along, across, overlap });
-    }
     Ok(Packing::of(poses, &measured, Ended::Done, 0))
 }
 
-fn direction(orientation: Orientation) -> f64 {
-    match orientation {
-        Orientation::Free => 0.0,
-        Orientation::Fixed(angle) | Orientation::Towards(angle) => angle,
-    }
-}
-
-fn extent(shape: &Shape, orientation: Orientation) -> Extent {
+/// The bounding box of a shape that faces +x, or any direction.
+fn extent(shape: &Shape, orientation: Orientation) -> Bounds {
     if orientation == Orientation::Free {
         let reach = reach(shape);
-        return Extent { low: vec2(-reach, -reach), high: vec2(reach, reach) };
+        return Bounds { low: vec2(-reach, -reach), high: vec2(reach, reach) };
     }
-    let mut extent =
-        Extent { low: vec2(f64::INFINITY, f64::INFINITY), high: -vec2(f64::INFINITY, f64::INFINITY) };
-    for d in &shape.disks {
-        let (low, high) = (&mut extent.low, &mut extent.high);
-        *low = vec2(low.x.min(d.centre.x - d.radius), low.y.min(d.centre.y - d.radius));
-        *high = vec2(high.x.max(d.centre.x + d.radius), high.y.max(d.centre.y + d.radius));
-    }
-    extent
+    bounds(shape.disks.iter().copied())
 }
 
 /// Places as nearly in a square as possible about the origin, in the frame of the direction; the front row first.
@@ -127,7 +95,7 @@ fn in_the_open(count: usize, spacing: Vec2) -> Vec<Vec2> {
 
 /// Places, in the frame of the direction, at which every shape is inside the region; the front row first. Of several
 /// offsets of the grid it uses the one with most places, and as few rows as the shapes need.
-fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Extent], wanted: usize) -> Vec<Vec2> {
+fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Bounds], wanted: usize) -> Vec<Vec2> {
     let back = Rotation { sin: -turn.sin, cos: turn.cos };
     let corners = region.rings().iter().flat_map(|ring| ring.corners()).map(|c| c.rotated(back));
     let Some(Bounds { low, high }) = Bounds::of(corners) else { return Vec::new() };

@@ -84,7 +84,6 @@ fn on_the_rim(circles: &[Disk]) -> Vec<Disk> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::random::Random;
     use super::*;
 
     fn circle(x: f64, y: f64, radius: f64) -> Disk {
@@ -112,43 +111,5 @@ mod tests {
             &[circle(1.0, 1.0, r), circle(1.0, 1.0 + d, s)],
             (PI - half) * r * r + half * s * s + (r + s) * tangent,
         );
-    }
-
-    /// Against the hull of many points on each circle (Andrew's monotone chain).
-    #[test]
-    fn hull_of_many_points() {
-        let mut random = Random::new(5);
-        for _ in 0..20 {
-            let circles: Vec<Disk> = (0..40)
-                .map(|_| circle(random.within(3.0), random.within(2.0), 0.02 + 0.5 * random.unit()))
-                .collect();
-            let mut points: Vec<(f64, f64)> = circles
-                .iter()
-                .flat_map(|c| {
-                    (0..2000).map(|k| {
-                        let (sin, cos) = (f64::from(k) * TAU / 2000.0).sin_cos();
-                        (c.centre.x + c.radius * cos, c.centre.y + c.radius * sin)
-                    })
-                })
-                .collect();
-            points.sort_by(|a, b| a.partial_cmp(b).unwrap());
-            let mut twice = 0.0;
-            for backwards in [false, true] {
-                let mut chain: Vec<(f64, f64)> = Vec::new();
-                let count = points.len();
-                for k in 0..count {
-                    let p = points[if backwards { count - 1 - k } else { k }];
-                    while let [.., a, b] = chain[..]
-                        && (b.0 - a.0) * (p.1 - a.1) <= (b.1 - a.1) * (p.0 - a.0)
-                    {
-                        chain.pop();
-                    }
-                    chain.push(p);
-                }
-                twice += chain.windows(2).map(|w| w[0].0 * w[1].1 - w[1].0 * w[0].1).sum::<f64>();
-            }
-            let (fine, exact) = (0.5 * twice, hull_area(&circles));
-            assert!(exact >= fine && exact - fine < 1e-5 * exact, "{exact} {fine}");
-        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::hull::hull_area;
 use super::neighbours::CellGrid;
-use super::{Region, TOLERANCE, disks_at, reach};
+use super::{Region, TOLERANCE, reach};
 use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose, Vec2};
 use std::collections::BinaryHeap;
@@ -12,10 +12,6 @@ use std::collections::BinaryHeap;
 pub struct Measure {
     /// \[m\] Largest overlap of disks of two shapes, or of a disk and the boundary; 0 if there is none.
     pub largest_overlap: f64,
-    /// Number of pairs of shapes that overlap by more than [`TOLERANCE`].
-    pub overlapping_pairs: usize,
-    /// Number of shapes that reach through the boundary by more than [`TOLERANCE`].
-    pub through_boundary: usize,
     /// \[1/m²\] Number of shapes per area of the region; in the open plane, per area of the convex hull of all disks.
     pub density: f64,
     /// \[1/m²\] Density of the shapes that remain if, one after the other, the shape with the largest overlap is
@@ -25,7 +21,7 @@ pub struct Measure {
 
 /// Measures shapes at poses: one finite pose for each shape.
 pub fn measure(shapes: &[Shape], region: &Region, poses: &[Pose]) -> Measure {
-    let disks: Vec<Vec<Disk>> = shapes.iter().zip(poses).map(|(s, p)| disks_at(s, *p).collect()).collect();
+    let disks: Vec<Vec<Disk>> = shapes.iter().zip(poses).map(|(s, p)| s.placed(p).collect()).collect();
     let boundary: Vec<f64> = disks.iter().map(|d| through_boundary(region, d)).collect();
     let pairs = overlapping_pairs(shapes, poses, &disks);
     let largest = pairs.iter().map(|p| p.2).chain(boundary.iter().copied()).fold(0.0, f64::max);
@@ -33,9 +29,7 @@ pub fn measure(shapes: &[Shape], region: &Region, poses: &[Pose]) -> Measure {
     // For each shape: the sum of its overlaps, and the shapes that it overlaps.
     let mut sum = boundary.clone();
     let mut partners = vec![Vec::new(); disks.len()];
-    let mut overlapping_pairs = 0;
     for &(a, b, overlap) in pairs.iter().filter(|p| p.2 > TOLERANCE) {
-        overlapping_pairs += 1;
         for (one, other) in [(a, b), (b, a)] {
             sum[one] += overlap;
             partners[one].push((other, overlap));
@@ -65,8 +59,6 @@ pub fn measure(shapes: &[Shape], region: &Region, poses: &[Pose]) -> Measure {
         disks.iter().zip(&left).filter(|(_, l)| **l).map(|(d, _)| d.clone()).collect();
     Measure {
         largest_overlap: largest,
-        overlapping_pairs,
-        through_boundary: boundary.iter().filter(|h| **h > TOLERANCE).count(),
         density: density(region, &disks),
         clear_density: density(region, &clear),
     }

@@ -1,29 +1,33 @@
 //! The paper's packing algorithm (appendix D).
 
 use super::measure::{overlap, through_boundary};
-use super::random::Random;
+use super::neighbours::CellGrid;
 use super::{
-    Ended, Orientation, Packing, PlacingError, Progress, Region, Stage, TOLERANCE, Watch, check,
-    check_orientation, check_shapes, disks_at, measure, reach,
+    Ended, Orientation, Packing, Progress, Region, Stage, TOLERANCE, Watch, check_shapes, measure, reach,
+    wrapped,
 };
+use crate::error::Result;
+use crate::random::Random;
 use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose, Rotation, Vec2, vec2};
 use std::f64::consts::PI;
 
-/// Settings of [`paper()`]. The paper names them but does not give their values.
+/// \[m\] λ: distance over which the repulsion of two agents falls to 1/e. The paper names this setting and the next ones
+/// but does not give their values.
+const REPULSION_LENGTH: f64 = 0.05;
+/// \[m\] Displacement in one iteration by which two agents at the same place would repel each other. The paper's formula
+/// has the number 1 in its unit of length: 1 cm.
+const REPULSION_INTENSITY: f64 = 0.01;
+/// \[m\] k: displacement in one iteration of each agent that overlaps another.
+const CONTACT_INTENSITY: f64 = 0.01;
+/// \[rad\] α: an agent that overlaps another turns by at most ± this × the temperature.
+const ROTATIONAL_INTENSITY: f64 = PI / 18.0;
+/// The temperature begins at 1. In each iteration it falls by this, down to 0.
+const COOLING: f64 = 0.1;
+
+/// Settings of [`paper()`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Paper {
-    /// \[m\] λ: distance over which the repulsion of two agents falls to 1/e.
-    pub repulsion_length: f64,
-    /// \[m\] Displacement in one iteration by which two agents at the same place would repel each other. The paper's
-    /// formula has the number 1 in its unit of length: 1 cm.
-    pub repulsion_intensity: f64,
-    /// \[m\] k: displacement in one iteration of each agent that overlaps another.
-    pub contact_intensity: f64,
-    /// \[rad\] α: an agent that overlaps another turns by at most ± this × the temperature.
-    pub rotational_intensity: f64,
-    /// The temperature begins at 1. In each iteration it falls by this, down to 0.
-    pub cooling: f64,
     /// Largest number of iterations.
     pub max_iterations: u64,
     /// With `Free` and `Towards` agents turn (`variable_orientation` in the paper); with `Free` they begin in random
@@ -35,16 +39,7 @@ pub struct Paper {
 
 impl Default for Paper {
     fn default() -> Paper {
-        Paper {
-            repulsion_length: 0.05,
-            repulsion_intensity: 0.01,
-            contact_intensity: 0.01,
-            rotational_intensity: PI / 18.0,
-            cooling: 0.1,
-            max_iterations: 1000,
-            orientation: Orientation::Towards(0.0),
-            seed: 0,
-        }
+        Paper { max_iterations: 1000, orientation: Orientation::Towards(0.0), seed: 0 }
     }
 }
 
@@ -58,24 +53,9 @@ const BEGIN_DENSITY: f64 = 8.0;
 /// The paper does not say how to begin and when to stop. Here agents begin at random places, evenly distributed, and
 /// the algorithm stops when nothing overlaps. Overlaps may remain; the result then says that it is not complete.
 /// [`dense()`](super::dense()) reaches higher densities.
-pub fn paper(
-    shapes: &[Shape],
-    region: &Region,
-    settings: &Paper,
-    watch: &mut Watch,
-) -> Result<Packing, PlacingError> {
+pub fn paper(shapes: &[Shape], region: &Region, settings: &Paper, watch: &mut Watch) -> Result<Packing> {
     check_shapes(shapes)?;
-    check_orientation(settings.orientation)?;
-    let positive = "positive";
-    check("the repulsion length", settings.repulsion_length, settings.repulsion_length > 0.0, positive)?;
-    for (name, value) in [
-        ("the repulsion intensity", settings.repulsion_intensity),
-        ("the contact intensity", settings.contact_intensity),
-        ("the rotational intensity", settings.rotational_intensity),
-        ("the cooling", settings.cooling),
-    ] {
-        check(name, value, value >= 0.0, "0 or positive")?;
-    }
+    settings.orientation.check()?;
     let mut crowd = Crowd::new(shapes, region, settings);
     let mut temperature = 1.0;
     let (mut iterations, mut ended) = (0, Ended::Exhausted);
@@ -99,7 +79,7 @@ pub fn paper(
         for agent in 0..shapes.len() {
             crowd.step(agent, temperature);
         }
-        temperature = f64::max(0.0, temperature - settings.cooling);
+        temperature = f64::max(0.0, temperature - COOLING);
         iterations += 1;
     }
     let poses = crowd.poses;
@@ -118,11 +98,9 @@ struct Crowd<'a> {
     poses: Vec<Pose>,
     disks: Vec<Vec<Disk>>,
     reaches: Vec<f64>,
-    cells: Cells,
+    cells: CellGrid,
     /// \[m\] Repulsion is negligible beyond this distance.
     cutoff: f64,
-    /// Scratch space: the agents near one agent.
-    near: Vec<u32>,
 }
 
 impl<'a> Crowd<'a> {
@@ -133,21 +111,16 @@ impl<'a> Crowd<'a> {
         for _ in shapes {
             let position =
                 if region.is_plane() { random.vector(half) } else { region.random_point(&mut random) };
-            let orientation = match settings.orientation {
-                Orientation::Free => random.within(PI),
-                Orientation::Fixed(angle) | Orientation::Towards(angle) => super::wrapped(angle),
-            };
+            let orientation = settings.orientation.start().map_or_else(|| random.within(PI), wrapped);
             poses.push(Pose { position, orientation });
         }
         let reaches: Vec<f64> = shapes.iter().map(reach).collect();
         let widest = 2.0 * reaches.iter().copied().fold(0.0, f64::max);
-        let cutoff = -settings.repulsion_length * libm::log(NEGLIGIBLE);
-        let mut cells = Cells::new(cutoff.max(widest), shapes.len());
-        for (k, pose) in poses.iter().enumerate() {
-            cells.add(k, pose.position);
-        }
-        let disks = shapes.iter().zip(&poses).map(|(s, p)| disks_at(s, *p).collect()).collect();
-        Crowd { shapes, region, settings, random, poses, disks, reaches, cells, cutoff, near: Vec::new() }
+        let cutoff = -REPULSION_LENGTH * libm::log(NEGLIGIBLE);
+        let places: Vec<Vec2> = poses.iter().map(|pose| pose.position).collect();
+        let cells = CellGrid::new(&places, cutoff.max(widest));
+        let disks = shapes.iter().zip(&poses).map(|(s, p)| s.placed(p).collect()).collect();
+        Crowd { shapes, region, settings, random, poses, disks, reaches, cells, cutoff }
     }
 
     fn overlap(&self, a: usize, b: usize) -> f64 {
@@ -158,16 +131,22 @@ impl<'a> Crowd<'a> {
         overlap(&self.disks[a], &self.disks[b]).max(0.0)
     }
 
-    fn largest_overlap(&mut self) -> f64 {
+    /// Those near an agent, in their order.
+    fn near(&self, agent: usize) -> Vec<usize> {
+        let mut near = Vec::new();
+        self.cells.for_each_near(self.poses[agent].position, |other| near.push(other));
+        near.retain(|&other| other != agent);
+        near.sort_unstable();
+        near
+    }
+
+    fn largest_overlap(&self) -> f64 {
         let mut largest = 0.0f64;
         for a in 0..self.poses.len() {
             largest = largest.max(through_boundary(self.region, &self.disks[a]));
-            let mut near = std::mem::take(&mut self.near);
-            self.cells.near(self.poses[a].position, &mut near);
-            for &b in near.iter().filter(|&&b| b as usize > a) {
-                largest = largest.max(self.overlap(a, b as usize));
+            for b in self.near(a).into_iter().filter(|&b| b > a) {
+                largest = largest.max(self.overlap(a, b));
             }
-            self.near = near;
         }
         largest
     }
@@ -176,22 +155,18 @@ impl<'a> Crowd<'a> {
     fn step(&mut self, i: usize, temperature: f64) {
         let settings = self.settings;
         let (mut force, mut turn) = (Vec2::ZERO, 0.0);
-        let mut near = std::mem::take(&mut self.near);
-        self.cells.near(self.poses[i].position, &mut near);
-        for &j in near.iter().filter(|&&j| j as usize != i) {
-            let apart = self.poses[i].position - self.poses[j as usize].position;
+        for j in self.near(i) {
+            let apart = self.poses[i].position - self.poses[j].position;
             let distance = apart.norm();
             if distance < self.cutoff {
-                let strength =
-                    settings.repulsion_intensity * libm::exp(-distance / settings.repulsion_length);
+                let strength = REPULSION_INTENSITY * libm::exp(-distance / REPULSION_LENGTH);
                 force += self.along(apart, strength);
             }
-            if self.overlap(i, j as usize) > 0.0 {
-                force += self.along(apart, settings.contact_intensity);
-                turn += self.random.within(settings.rotational_intensity) * temperature;
+            if self.overlap(i, j) > 0.0 {
+                force += self.along(apart, CONTACT_INTENSITY);
+                turn += self.random.within(ROTATIONAL_INTENSITY) * temperature;
             }
         }
-        self.near = near;
         if through_boundary(self.region, &self.disks[i]) > 0.0 {
             let position = self.poses[i].position;
             let nearest = self.region.edges().iter().map(|e| e.nearest(position)).min_by(|a, b| {
@@ -199,22 +174,21 @@ impl<'a> Crowd<'a> {
                 square(a).total_cmp(&square(b))
             });
             if let Some(nearest) = nearest {
-                force += self.along(position - nearest, settings.contact_intensity);
-                turn += self.random.within(settings.rotational_intensity) * temperature;
+                force += self.along(position - nearest, CONTACT_INTENSITY);
+                turn += self.random.within(ROTATIONAL_INTENSITY) * temperature;
             }
         }
-        if !matches!(settings.orientation, Orientation::Fixed(_)) {
-            self.poses[i].orientation = super::wrapped(self.poses[i].orientation + turn);
+        if settings.orientation.turns() {
+            self.poses[i].orientation = wrapped(self.poses[i].orientation + turn);
         }
         let wanted = self.poses[i].position + force;
         // The paper's `valid_position`: the centroid stays inside, and here on its side of a wall.
         if self.region.contains(wanted) && !self.region.parted(self.poses[i].position, wanted) {
-            self.cells.remove(i, self.poses[i].position);
-            self.cells.add(i, wanted);
+            self.cells.shift(i, self.poses[i].position, wanted);
             self.poses[i].position = wanted;
         }
         self.disks[i].clear();
-        self.disks[i].extend(disks_at(&self.shapes[i], self.poses[i]));
+        self.disks[i].extend(self.shapes[i].placed(&self.poses[i]));
     }
 
     /// A vector of this length in the direction of `way`; a small random one if `way` has no direction.
@@ -225,57 +199,6 @@ impl<'a> Crowd<'a> {
         } else {
             vec2(strength, 0.0).rotated(Rotation::by(self.random.within(PI)))
         }
-    }
-}
-
-/// Agents by cells of the plane. Cells share a table of lists, so agents may move one by one and any distance.
-struct Cells {
-    cells_per_length: f64,
-    mask: u64,
-    lists: Vec<Vec<u32>>,
-}
-
-impl Cells {
-    fn new(cell: f64, count: usize) -> Cells {
-        let places = (2 * count).next_power_of_two().max(64);
-        Cells { cells_per_length: 1.0 / cell, mask: places as u64 - 1, lists: vec![Vec::new(); places] }
-    }
-
-    fn cell(&self, point: Vec2) -> (i64, i64) {
-        let cell = |x: f64| libm::floor(x * self.cells_per_length) as i64;
-        (cell(point.x), cell(point.y))
-    }
-
-    fn place(&self, column: i64, row: i64) -> usize {
-        let mixed = (column as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)
-            ^ (row as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F);
-        ((mixed ^ mixed >> 32) & self.mask) as usize
-    }
-
-    fn add(&mut self, who: usize, point: Vec2) {
-        let (column, row) = self.cell(point);
-        let place = self.place(column, row);
-        self.lists[place].push(who as u32);
-    }
-
-    fn remove(&mut self, who: usize, point: Vec2) {
-        let (column, row) = self.cell(point);
-        let place = self.place(column, row);
-        self.lists[place].retain(|&k| k != who as u32);
-    }
-
-    /// All agents in the cell of a point and in the cells around it, perhaps with some others; each once, ascending.
-    fn near(&self, point: Vec2, found: &mut Vec<u32>) {
-        found.clear();
-        let (column, row) = self.cell(point);
-        for r in -1..=1 {
-            for c in -1..=1 {
-                found.extend(&self.lists[self.place(column.wrapping_add(c), row.wrapping_add(r))]);
-            }
-        }
-        found.sort_unstable();
-        // Several cells may share a list.
-        found.dedup();
     }
 }
 
@@ -292,19 +215,17 @@ mod tests {
     fn forces_are_those_of_the_paper() {
         let region = Region::rectangle(vec2(0.0, 0.0), vec2(5.0, 5.0)).unwrap();
         let shapes = disks(3);
-        let settings =
-            Paper { repulsion_length: 0.3, orientation: Orientation::Fixed(0.0), ..Paper::default() };
+        let settings = Paper { orientation: Orientation::Fixed(0.0), ..Paper::default() };
         let mut crowd = Crowd::new(&shapes, &region, &settings);
         for (k, (x, y)) in [(0.15, 2.0), (0.45, 2.0), (0.15, 2.5)].into_iter().enumerate() {
-            crowd.cells.remove(k, crowd.poses[k].position);
-            crowd.cells.add(k, vec2(x, y));
+            crowd.cells.shift(k, crowd.poses[k].position, vec2(x, y));
             crowd.poses[k].position = vec2(x, y);
-            crowd.disks[k] = disks_at(&shapes[k], crowd.poses[k]).collect();
+            crowd.disks[k] = shapes[k].placed(&crowd.poses[k]).collect();
         }
         crowd.step(0, 1.0);
         let moved = crowd.poses[0].position - vec2(0.15, 2.0);
         // Repulsion of both, contact with the neighbour at 0.3 m, and with the wall to the left.
-        let (x, y) = (-0.01 * (-1.0f64).exp() - 0.01 + 0.01, -0.01 * (-0.5f64 / 0.3).exp());
+        let (x, y) = (-0.01 * (-6.0f64).exp() - 0.01 + 0.01, -0.01 * (-10.0f64).exp());
         assert!((moved - vec2(x, y)).norm() < 1e-15, "{moved:?}");
         assert_eq!(crowd.poses[0].orientation, 0.0);
     }
@@ -314,7 +235,7 @@ mod tests {
     fn stays_inside_and_cools() {
         let region = Region::rectangle(vec2(0.0, 0.0), vec2(1.0, 1.0)).unwrap();
         let shapes = disks(30);
-        let settings = Paper { contact_intensity: 0.05, max_iterations: 40, ..Paper::default() };
+        let settings = Paper { max_iterations: 40, ..Paper::default() };
         let mut seen = Vec::new();
         let packing = paper(&shapes, &region, &settings, &mut |p| {
             seen.push(p.iteration);
@@ -324,15 +245,15 @@ mod tests {
         assert_eq!(seen, (0..40).collect::<Vec<_>>());
         assert_eq!((packing.ended, packing.iterations, packing.complete), (Ended::Exhausted, 40, false));
         assert!(packing.poses.iter().all(|p| region.contains(p.position)));
-        let turned = |iterations: u64, cooling: f64| -> Vec<f64> {
-            let settings = Paper { max_iterations: iterations, cooling, ..settings };
+        let turned = |iterations: u64| -> Vec<f64> {
+            let settings = Paper { max_iterations: iterations, ..settings };
             let packing =
                 paper(&shapes, &region, &settings, &mut |_| std::ops::ControlFlow::Continue(())).unwrap();
             packing.poses.iter().map(|p| p.orientation).collect()
         };
         // At 0.1 a step the temperature is 0 after ten (and a rounding): nobody turns then.
-        assert_eq!(turned(12, 0.1), turned(30, 0.1));
-        assert_ne!(turned(12, 0.0), turned(30, 0.0));
-        assert!(turned(12, 0.1).iter().any(|a| *a != 0.0));
+        assert_eq!(turned(12), turned(30));
+        assert_ne!(turned(5), turned(8));
+        assert!(turned(12).iter().any(|a| *a != 0.0));
     }
 }

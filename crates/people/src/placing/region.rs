@@ -1,11 +1,18 @@
 //! The region in which people may stand.
 
-use super::random::Random;
-use super::region_error::{FARTHEST, MOST_CORNERS, RegionError, SMALLEST_AREA};
+use crate::error::{PeopleError, Result, require};
+use crate::random::Random;
 use lemons_core::plane::{Bounds, Ring, Vec2, ray_crosses, segments_cross, segments_touch, vec2};
 use lemons_core::trial::Geometry;
 
-/// A part of the plane: all of it, or a simple polygon with holes. What walls leave of a polygon ([`Region::among`]) may
+/// \[m\] Corners further from the origin are refused: up to there a millimetre is exact.
+pub(super) const FARTHEST: f64 = 1e6;
+/// \[m²\] Smallest allowed area of a polygon or hole.
+pub(super) const SMALLEST_AREA: f64 = 1e-6;
+/// Largest number of corners of all rings together: all pairs of edges are compared.
+pub(super) const MOST_CORNERS: usize = 10_000;
+
+/// A part of the plane: all of it, or a simple polygon with holes. What walls leave of a polygon ([`Region::free_space`]) may
 /// be several polygons, and may have walls in it.
 #[derive(Debug, Clone)]
 pub struct Region {
@@ -65,7 +72,7 @@ impl Region {
     }
 
     /// Returns the rectangle between two opposite corners \[m\].
-    pub fn rectangle(low: Vec2, high: Vec2) -> Result<Region, RegionError> {
+    pub fn rectangle(low: Vec2, high: Vec2) -> Result<Region> {
         Region::polygon(&[low, vec2(high.x, low.y), high, vec2(low.x, high.y)], &[])
     }
 
@@ -76,7 +83,7 @@ impl Region {
     ///
     /// # Errors
     /// The polygons do not bound a region.
-    pub fn polygon(outer: &[Vec2], holes: &[Vec<Vec2>]) -> Result<Region, RegionError> {
+    pub fn polygon(outer: &[Vec2], holes: &[Vec<Vec2>]) -> Result<Region> {
         let mut named = vec![("the outer polygon".to_string(), outer)];
         named.extend(holes.iter().enumerate().map(|(k, hole)| (format!("hole {k}"), hole.as_slice())));
         Region::of_rings(&named)
@@ -87,21 +94,18 @@ impl Region {
     ///
     /// # Errors
     /// A wall is not closed, there are no walls, or they do not bound a region.
-    pub fn from_walls(geometry: &Geometry) -> Result<Region, RegionError> {
+    pub fn from_walls(geometry: &Geometry) -> Result<Region> {
         let mut named = Vec::new();
         for wall in &geometry.walls {
-            let (Some(&first), Some(&last)) = (wall.corners.first(), wall.corners.last()) else {
-                return Err(RegionError::TooFewCorners { ring: format!("wall {}", wall.id), corners: 0 });
-            };
+            let ends = wall.corners.first().zip(wall.corners.last());
+            let (first, last) = ends.ok_or_else(|| too_few(&format!("wall {}", wall.id), 0))?;
             if first != last {
                 let (first, last) = ((first.x, first.y), (last.x, last.y));
-                return Err(RegionError::OpenWall { id: wall.id.clone(), first, last });
+                return Err(PeopleError::OpenWall { id: wall.id.clone(), first, last });
             }
             named.push((format!("wall {}", wall.id), wall.corners.as_slice()));
         }
-        if named.is_empty() {
-            return Err(RegionError::NoWalls);
-        }
+        require(!named.is_empty(), || "no walls: nothing bounds the region".into())?;
         let area = |k: usize| Ring::through(named[k].1.to_vec()).map_or(0.0, |ring| ring.area());
         let largest = (0..named.len()).max_by(|&a, &b| area(a).total_cmp(&area(b)));
         named.swap(0, largest.unwrap_or(0));
@@ -112,7 +116,7 @@ impl Region {
     ///
     /// # Errors
     /// The polygon does not bound a region, or goes beyond this one or over a hole.
-    pub fn part(&self, outer: &[Vec2]) -> Result<Region, RegionError> {
+    pub fn part(&self, outer: &[Vec2]) -> Result<Region> {
         let ring = Ring::through(outer.to_vec());
         let inside =
             |hole: &&Ring| ring.as_ref().is_some_and(|ring| hole.corners().iter().all(|c| ring.contains(*c)));
@@ -120,17 +124,16 @@ impl Region {
         let part = Region::polygon(outer, &holes.collect::<Vec<_>>())?;
         let crossed = |(a, b)| self.edges.iter().any(|edge| segments_cross(a, b, edge.start, edge.end));
         let over = part.rings[0].sides().any(crossed);
-        if over || outer.iter().any(|corner| self.depth(*corner) < -1e-9) {
-            return Err(RegionError::Beyond);
-        }
+        let beyond = outer.iter().any(|corner| self.depth(*corner) < -1e-9);
+        require(!over && !beyond, || "it goes beyond the room or over an obstacle".into())?;
         Ok(part)
     }
 
-    fn of_rings(named: &[(String, &[Vec2])]) -> Result<Region, RegionError> {
-        let corners = named.iter().map(|(_, ring)| ring.len()).sum();
-        if corners > MOST_CORNERS {
-            return Err(RegionError::TooManyCorners { corners });
-        }
+    fn of_rings(named: &[(String, &[Vec2])]) -> Result<Region> {
+        let corners: usize = named.iter().map(|(_, ring)| ring.len()).sum();
+        require(corners <= MOST_CORNERS, || {
+            format!("{corners} corners; at most {MOST_CORNERS} are allowed")
+        })?;
         let mut rings = Vec::new();
         for (name, corners) in named {
             rings.push(checked_ring(name, corners)?);
@@ -139,14 +142,13 @@ impl Region {
         for (k, ring) in rings.iter().enumerate().skip(1) {
             let within = |other: &Ring| other.contains(ring.corners()[0]);
             let in_a_hole = rings.iter().enumerate().skip(1).any(|(j, other)| j != k && within(other));
-            if !within(&rings[0]) || in_a_hole {
-                return Err(RegionError::HoleOutside { ring: named[k].0.clone() });
-            }
+            require(within(&rings[0]) && !in_a_hole, || {
+                let ring = &named[k].0;
+                format!("{ring} does not lie inside the outer polygon and outside the other holes")
+            })?;
         }
         let area = rings[0].area() - rings[1..].iter().map(Ring::area).sum::<f64>();
-        if area < SMALLEST_AREA {
-            return Err(RegionError::NoArea { ring: "the polygon without its holes".into(), area });
-        }
+        check_area("the polygon without its holes", area)?;
         let inside_to_the_left = |(k, ring): (usize, Ring)| {
             if (ring.signed_area() > 0.0) == (k == 0) { ring } else { ring.reversed() }
         };
@@ -283,28 +285,35 @@ fn edges(ring: &Ring) -> impl Iterator<Item = Edge> + '_ {
     ring.sides().map(|(start, end)| Edge::new(start, end, false))
 }
 
-fn checked_ring(name: &str, corners: &[Vec2]) -> Result<Ring, RegionError> {
-    for (corner, c) in corners.iter().enumerate() {
-        // Also catches NaN.
-        if !(c.x.abs() <= FARTHEST && c.y.abs() <= FARTHEST) {
-            return Err(RegionError::Corner { ring: name.into(), corner, x: c.x, y: c.y });
-        }
+fn too_few(name: &str, corners: usize) -> PeopleError {
+    PeopleError::new(format!("{name}: has {corners} different corners; at least 3 are needed"))
+}
+
+fn check_area(name: &str, area: f64) -> Result<()> {
+    require(area >= SMALLEST_AREA, || {
+        format!("{name}: its area is {area} m²; at least {SMALLEST_AREA} m² is needed")
+    })
+}
+
+fn checked_ring(name: &str, corners: &[Vec2]) -> Result<Ring> {
+    for (corner, Vec2 { x, y }) in corners.iter().enumerate() {
+        // False for NaN, too.
+        require(x.abs() <= FARTHEST && y.abs() <= FARTHEST, || {
+            format!("{name}: corner {corner} at ({x:?}, {y:?}) m is not within {FARTHEST} m of the origin")
+        })?;
     }
     let mut ring = corners.to_vec();
     ring.dedup();
     while ring.len() > 1 && ring.first() == ring.last() {
         ring.pop();
     }
-    let few = RegionError::TooFewCorners { ring: name.into(), corners: ring.len() };
+    let few = too_few(name, ring.len());
     let ring = if ring.len() < 3 { None } else { Ring::through(ring) }.ok_or(few)?;
-    let area = ring.area();
-    if area < SMALLEST_AREA {
-        return Err(RegionError::NoArea { ring: name.into(), area });
-    }
+    check_area(name, ring.area())?;
     Ok(ring)
 }
 
-fn refuse_crossings(named: &[(String, &[Vec2])], rings: &[Ring]) -> Result<(), RegionError> {
+fn refuse_crossings(named: &[(String, &[Vec2])], rings: &[Ring]) -> Result<()> {
     // Edges with their ring and index, sorted by their left ends: the search stops at edges that begin right of an
     // edge.
     let mut placed: Vec<(usize, usize, Edge)> = Vec::new();
@@ -324,12 +333,12 @@ fn refuse_crossings(named: &[(String, &[Vec2])], rings: &[Ring]) -> Result<(), R
             } else {
                 segments_touch(first.start, first.end, second.start, second.end)
             };
-            if meet {
+            require(!meet, || {
                 let name = |ring: usize, k: usize| format!("edge {k} of {}", named[ring].0);
-                let at = first.nearest(second.nearest((first.start + first.end) * 0.5));
+                let Vec2 { x, y } = first.nearest(second.nearest((first.start + first.end) * 0.5));
                 let (first, second) = (name(ring_a, a), name(ring_b, b));
-                return Err(RegionError::Crossing { first, second, x: at.x, y: at.y });
-            }
+                format!("{first} and {second} cross or touch near ({x}, {y}) m")
+            })?;
         }
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! What is in the charts.
 
+use crate::common::{self, extent, labels};
 use lemons_picture::*;
 use roxmltree::{Document, Node};
 
@@ -23,14 +24,9 @@ fn drawn(chart: &Chart) -> String {
     chart_svg(chart, &ChartStyle::default())
 }
 
-fn labels<'a>(document: &'a Document, class: &str) -> Vec<&'a str> {
-    let of = document.descendants().filter(|n| n.attribute("class") == Some(class));
-    of.map(|n| n.attribute("aria-label").unwrap()).collect()
-}
-
 fn paths<'a>(document: &'a Document<'a>, class: &str) -> Vec<Node<'a, 'a>> {
-    let lines = document.descendants().filter(|n| n.attribute("class") == Some("lines"));
-    lines.flat_map(|g| g.children()).filter(|n| n.attribute("class") == Some(class)).collect()
+    let lines = common::class(document, "lines").into_iter().flat_map(|g| g.children());
+    lines.filter(|n| n.attribute("class") == Some(class)).collect()
 }
 
 /// The corners of a path of M and L.
@@ -55,7 +51,8 @@ fn axes_lines_and_names() {
     assert_eq!(labels(&document, "entry"), ["simulated", "measured"]);
     assert_eq!(labels(&document, "name"), ["agent 0", "agent 1"]);
     let ticks = labels(&document, "tick");
-    assert!(ticks.starts_with(&["0", "0.2", "0.4"]) && ticks.ends_with(&["6", "8", "10"]), "{ticks:?}");
+    assert_eq!(ticks[..3], ["0", "0.2", "0.4"]);
+    assert_eq!(ticks[ticks.len() - 3..], ["6", "8", "10"]);
     let (solid, dashed) = (paths(&document, "simulated"), paths(&document, "measured"));
     assert_eq!((solid.len(), dashed.len()), (2, 1));
     assert!(
@@ -137,21 +134,10 @@ fn names_stand_apart() {
     for n in 2..=8 {
         let text = drawn(&one_panel((0..n).map(flat).collect(), false));
         let document = Document::parse(&text).unwrap();
-        let names: Vec<(f64, f64)> = document
-            .descendants()
-            .filter(|n| n.attribute("class") == Some("name"))
-            .map(|n| {
-                let svg = format!(
-                    "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"9\" height=\"9\"><path d=\"{}\"/></svg>",
-                    n.attribute("d").unwrap()
-                );
-                let tree = resvg::usvg::Tree::from_str(&svg, &resvg::usvg::Options::default()).unwrap();
-                let b = tree.root().bounding_box();
-                (f64::from(b.top()), f64::from(b.bottom()))
-            })
-            .collect();
+        let names: Vec<_> =
+            common::class(&document, "name").into_iter().map(|n| extent(n.attribute("d").unwrap())).collect();
         assert_eq!(names.len(), n);
-        assert!(names.windows(2).all(|w| w[1].0 > w[0].1), "{names:?}");
+        assert!(names.windows(2).all(|w| w[1].2 > w[0].3), "{names:?}");
     }
 }
 
@@ -217,8 +203,7 @@ fn what_is_measured_is_seen_on_an_equal_simulated_curve() {
 
 #[test]
 fn nothing_panics() {
-    let odd =
-        [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, -1e308, 1e-308, 0.0, 1e16, 1e16 + 2.0, -1.5];
+    let odd = [f64::NAN, f64::INFINITY, -1e308, 1e-308, 0.0, 1e16 + 2.0];
     for a in odd {
         for b in odd {
             for steps in [false, true] {

@@ -3,6 +3,7 @@
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::*;
 use lemons_picture::Values;
+use roxmltree::{Document, Node};
 use std::path::PathBuf;
 
 /// A pedestrian in the manner of the paper, facing +x at θ = 0.
@@ -70,4 +71,28 @@ pub fn trial(agents: Vec<(Agent, Vec2, f64)>, walls: Vec<Vec<Vec2>>) -> Trial {
 /// Values of bodies, with their name, unit and range of colours.
 pub fn values(values: Vec<f64>, label: &str, unit: &str, range: Option<(f64, f64)>) -> Values {
     Values { values, label: label.into(), unit: unit.into(), range, ..Values::default() }
+}
+
+/// The elements of a class.
+pub fn class<'a>(document: &'a Document, name: &str) -> Vec<Node<'a, 'a>> {
+    document.descendants().filter(|n| n.attribute("class") == Some(name)).collect()
+}
+
+/// The value of an attribute.
+pub fn number(node: Node, attribute: &str) -> f64 {
+    node.attribute(attribute).unwrap().parse().unwrap()
+}
+
+/// What the lettering of a class says.
+pub fn labels(document: &Document, name: &str) -> Vec<String> {
+    class(document, name).iter().map(|n| n.attribute("aria-label").unwrap().to_owned()).collect()
+}
+
+/// Of all points of a path of absolute commands: left, right, top, bottom.
+pub fn extent(d: &str) -> (f64, f64, f64, f64) {
+    let path =
+        format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"9\" height=\"9\"><path d=\"{d}\"/></svg>");
+    let tree = resvg::usvg::Tree::from_str(&path, &resvg::usvg::Options::default()).unwrap();
+    let b = tree.root().bounding_box();
+    (b.left().into(), b.right().into(), b.top().into(), b.bottom().into())
 }

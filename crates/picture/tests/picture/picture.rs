@@ -3,14 +3,12 @@
 use crate::common::{agent, pedestrian, trial, values};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Shape, Trial};
-use lemons_picture::{
-    Colour, Fill, Pose, Scene, Style, Theme, View, Visibility, body_area, png, svg, viridis,
-};
+use lemons_picture::{Bounds, Colour, Fill, Pose, Scene, Style, Theme, body_area, png, svg, viridis};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Bodies without a mark of their direction.
 fn plain() -> Style {
-    Style { orientation: Visibility::Hidden, ..Style::default() }
+    Style { orientation: false, ..Style::default() }
 }
 
 struct Pixels {
@@ -53,7 +51,7 @@ fn the_right_elements() {
         vec![(pedestrian("0"), Vec2::ZERO, 0.0), (pedestrian("<&\"\u{1}>"), vec2(1.0, 0.0), 1.0)],
         vec![box_of(-2.0, 2.0), wall],
     );
-    let style = Style { ids: Visibility::Shown, time: Some(1.5), fill: Fill::BodyArea, ..Style::default() };
+    let style = Style { ids: true, time: Some(1.5), fill: Fill::BodyArea, ..Style::default() };
     let text = svg(&Scene::at_start(&t), &style);
     let document = roxmltree::Document::parse(&text).unwrap();
     let group = |name: &str| document.descendants().find(|n| n.attribute("class") == Some(name)).unwrap();
@@ -139,7 +137,7 @@ fn nothing_panics() {
         scene.view = view;
         png(&svg(&scene, style), 64).unwrap();
     };
-    let full = Style { ids: Visibility::Shown, time: Some(0.0), fill: Fill::BodyArea, ..Style::default() };
+    let full = Style { ids: true, time: Some(0.0), fill: Fill::BodyArea, ..Style::default() };
     let t = trial(people(3), vec![]);
     for v in odd {
         for pose in
@@ -152,9 +150,9 @@ fn nothing_panics() {
             &t,
             vec![],
             &Style { width: v, time: Some(v), ..full.clone() },
-            Some(View { low: vec2(v, v), high: vec2(0.0, 1.0) }),
+            Some(Bounds { low: vec2(v, v), high: vec2(0.0, 1.0) }),
         );
-        render(&t, vec![], &full, Some(View { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }));
+        render(&t, vec![], &full, Some(Bounds { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }));
         for range in [None, Some((v, 1.0)), Some((-1e308, 1e308)), Some((2.0, 1.0))] {
             let values = values(vec![v, 1.0], "é\u{0}", "<", range);
             let scene = Scene::at_start(&t);
@@ -176,31 +174,13 @@ fn nothing_panics() {
 #[test]
 fn what_leaves_a_fixed_view_is_cut() {
     let t = trial((0..50).map(|k| (pedestrian("0"), vec2(f64::from(k), 0.0), 0.0)).collect(), vec![]);
-    let view = Some(View { low: vec2(-2.0, -2.0), high: vec2(2.0, 2.0) });
+    let view = Some(Bounds { low: vec2(-2.0, -2.0), high: vec2(2.0, 2.0) });
     let mut scene = Scene::at_start(&t);
     scene.view = view;
     let text = svg(&scene, &plain());
     png(&text, 100).unwrap();
     assert_eq!(text.matches("rotate(").count(), 3);
     assert_eq!(text.matches("<svg").count(), 2);
-}
-
-#[test]
-fn ten_thousand_agents() {
-    let at = |k: u32| {
-        (
-            pedestrian(&k.to_string()),
-            vec2(f64::from(k % 100) * 0.51, f64::from(k / 100) * 0.511),
-            f64::from(k),
-        )
-    };
-    let t = trial((0..10_000).map(at).collect(), vec![box_of(-1.0, 52.0)]);
-    let text = svg(
-        &Scene::at_start(&t),
-        &Style { ids: Visibility::Shown, fill: Fill::BodyArea, ..Style::default() },
-    );
-    assert!(text.len() < 8_000_000, "{}", text.len());
-    png(&text, 800).unwrap();
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Forces, trails, density and sheets in the SVG.
 
-use crate::common::{pedestrian, trial, values};
+use crate::common::{class, extent, labels, number, pedestrian, trial, values};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::Trial;
 use lemons_picture::*;
@@ -9,18 +9,6 @@ use roxmltree::{Document, Node};
 fn row(n: usize) -> Trial {
     let people = (0..n).map(|k| (pedestrian(&k.to_string()), vec2(k as f64, 0.0), 0.0)).collect();
     trial(people, vec![vec![vec2(-1.0, -1.0), vec2(n as f64, -1.0)]])
-}
-
-fn class<'a>(document: &'a Document, name: &str) -> Vec<Node<'a, 'a>> {
-    document.descendants().filter(|n| n.attribute("class") == Some(name)).collect()
-}
-
-fn number(node: Node, attribute: &str) -> f64 {
-    node.attribute(attribute).unwrap().parse().unwrap()
-}
-
-fn labels(document: &Document, name: &str) -> Vec<String> {
-    class(document, name).iter().map(|n| n.attribute("aria-label").unwrap().to_owned()).collect()
 }
 
 fn force(from: f64, to: f64, normal_force: f64) -> Force {
@@ -65,37 +53,6 @@ fn a_line_is_as_wide_as_its_force() {
     scene.forces.clear();
     let none = svg(&scene, &fixed);
     assert_eq!(labels(&Document::parse(&none).unwrap(), "entry"), ["2 kN"]);
-}
-
-#[test]
-fn forces_are_seen_on_every_fill() {
-    // In the middle between two bodies, on either theme, the line has its colour, and its halo beside it.
-    let t = row(2);
-    for theme in [Theme::Light, Theme::Dark] {
-        for end in [0.0, 1.0] {
-            let values = values(vec![end; 2], "", "", Some((0.0, 1.0)));
-            let mut scene = Scene::at_start(&t);
-            scene.forces = vec![force(0.0, 1.0, 100.0)];
-            scene.view = Some(View { low: vec2(-0.5, -0.5), high: vec2(1.5, 0.5) });
-            let style = Style {
-                theme,
-                fill: Fill::Values(values),
-                orientation: Visibility::Hidden,
-                ..Style::default()
-            };
-            let picture = pixels(&svg(&scene, &style), 1600).unwrap();
-            // 372 px of 400 are 2 m.
-            let scale = 744.0;
-            let on = |x: f64, px: f64| {
-                let top = f64::from(picture.height) - 4.0 * (12.0 + 2.4 * 7.5 + 2.0 + 14.0) - scale * 0.5;
-                let k = 4 * ((top + px) as usize * 1600 + (56.0 + scale * (x + 0.5)) as usize);
-                Colour(picture.rgba[k], picture.rgba[k + 1], picture.rgba[k + 2])
-            };
-            assert_eq!(on(0.08, 0.0), Colour(0xd0, 0x1c, 0x3f));
-            assert!((-24..24).any(|px| on(0.08, f64::from(px)) == Colour(255, 255, 255)));
-            assert_eq!(on(0.08, 45.0), viridis(end));
-        }
-    }
 }
 
 fn trail(kind: TrailKind, points: &[(f64, f64)]) -> Trail {
@@ -162,7 +119,7 @@ fn nothing_overlaps_above_a_scene() {
         let document = Document::parse(&text).unwrap();
         let mut boxes: Vec<(f64, f64, f64, f64)> = Vec::new();
         for node in class(&document, "time").into_iter().chain(class(&document, "entry")) {
-            boxes.push(bounds(node.attribute("d").unwrap()));
+            boxes.push(extent(node.attribute("d").unwrap()));
         }
         assert_eq!(boxes.len(), 4);
         for (k, a) in boxes.iter().enumerate() {
@@ -175,18 +132,9 @@ fn nothing_overlaps_above_a_scene() {
     }
 }
 
-/// Of all points of a path of absolute commands: left, right, top, bottom.
-fn bounds(d: &str) -> (f64, f64, f64, f64) {
-    let path =
-        format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"9\" height=\"9\"><path d=\"{d}\"/></svg>");
-    let tree = resvg::usvg::Tree::from_str(&path, &resvg::usvg::Options::default()).unwrap();
-    let b = tree.root().bounding_box();
-    (b.left().into(), b.right().into(), b.top().into(), b.bottom().into())
-}
-
 #[test]
 fn the_integral_of_density_is_the_number_of_people() {
-    let view = View { low: vec2(-4.0, -3.0), high: vec2(9.0, 5.0) };
+    let view = Bounds { low: vec2(-4.0, -3.0), high: vec2(9.0, 5.0) };
     let frames = [vec![vec2(0.0, 0.0), vec2(0.3, 1.0), vec2(5.123, 2.0)], vec![vec2(1.0, 1.0)], vec![]];
     for kernel in [0.05, DENSITY_KERNEL, 0.37] {
         let mut map = DensityMap::new(view, kernel, &[]);
@@ -198,13 +146,13 @@ fn the_integral_of_density_is_the_number_of_people() {
         assert!((people - 4.0 / 3.0).abs() < 1e-6, "{kernel}: {people}");
     }
     // A person alone: the Gaussian's own peak, and half a person where the map ends at them.
-    let mut map = DensityMap::new(View { low: vec2(-3.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
+    let mut map = DensityMap::new(Bounds { low: vec2(-3.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
     map.add([Vec2::ZERO]);
     let peak = map.values().into_iter().fold(0.0, f64::max);
     let expected = 1.0 / (std::f64::consts::TAU * 0.25);
     // A corner of four cells stands at the peak itself.
     assert!((peak / expected - 1.0).abs() < 0.03, "{peak}");
-    let mut map = DensityMap::new(View { low: vec2(0.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
+    let mut map = DensityMap::new(Bounds { low: vec2(0.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
     map.add([Vec2::ZERO]);
     let people: f64 = map.values().iter().sum::<f64>() * map.cell().x * map.cell().y;
     assert!((people - 0.5).abs() < 1e-6, "{people}");
@@ -219,7 +167,7 @@ fn density_does_not_go_through_walls() {
     ];
     let t = trial(vec![], rooms.to_vec());
     let people = [vec2(3.9, 1.5), vec2(3.8, 2.9), vec2(0.15, 0.15), vec2(2.0, 1.0), vec2(3.85, 0.7)];
-    let view = View { low: vec2(-2.0, -2.0), high: vec2(10.0, 5.0) };
+    let view = Bounds { low: vec2(-2.0, -2.0), high: vec2(10.0, 5.0) };
     for kernel in [0.1, DENSITY_KERNEL, 1.0] {
         let mut map = DensityMap::new(view, kernel, &t.geometry.walls);
         map.add(people);
@@ -253,7 +201,7 @@ fn density_does_not_go_through_walls() {
 fn the_map_is_below_the_outlines() {
     let t = row(3);
     let mut scene = Scene::at_start(&t);
-    scene.view = Some(View { low: vec2(-2.0, -2.0), high: vec2(4.0, 2.0) });
+    scene.view = Some(Bounds { low: vec2(-2.0, -2.0), high: vec2(4.0, 2.0) });
     let mut map = DensityMap::new(scene.view.unwrap(), 0.3, &[]);
     map.add(t.dynamics.iter().map(|d| d.position));
     scene.density = Some(map);
@@ -274,7 +222,7 @@ fn the_map_is_below_the_outlines() {
     };
     assert_eq!(on(vec2(1.0, 1.9)), viridis(0.5 / 24.0));
     assert_eq!(on(vec2(1.0, 0.0)), viridis(23.5 / 24.0));
-    let hidden = svg(&scene, &Style { bodies: Visibility::Hidden, ..Style::default() });
+    let hidden = svg(&scene, &Style { bodies: false, ..Style::default() });
     assert!(class(&Document::parse(&hidden).unwrap(), "bodies")[0].first_element_child().is_none());
 }
 
@@ -333,7 +281,7 @@ fn no_colour_of_density_beyond_a_wall() {
         let t =
             trial(people.clone().collect(), vec![vec![turned(vec2(-3.0, wall)), turned(vec2(3.0, wall))]]);
         let mut scene = Scene::at_start(&t);
-        let view = View { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) };
+        let view = Bounds { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) };
         let mut map = DensityMap::new(view, 0.3, &t.geometry.walls);
         map.add(scene.poses.iter().map(|pose| turned(pose.position)));
         (scene.view, scene.density) = (Some(view), Some(map));
@@ -354,7 +302,7 @@ fn no_colour_of_density_beyond_a_wall() {
 #[test]
 fn cut_panels_stand_apart() {
     let t = row(6);
-    let view = View { low: vec2(0.5, -0.5), high: vec2(2.5, 0.5) };
+    let view = Bounds { low: vec2(0.5, -0.5), high: vec2(2.5, 0.5) };
     let mut scene = Scene::at_start(&t);
     scene.view = Some(view);
     let scenes = vec![scene; 4];
@@ -380,7 +328,7 @@ fn ids_are_of_one_size() {
     let people = ids.iter().enumerate().map(|(k, id)| (pedestrian(id), vec2(k as f64, 0.0), 0.0)).collect();
     let t = trial(people, vec![]);
     let mut scene = Scene::at_start(&t);
-    let style = Style { ids: Visibility::Shown, ..Style::default() };
+    let style = Style { ids: true, ..Style::default() };
     let sizes = |text: &str| -> Vec<String> {
         let document = Document::parse(text).unwrap();
         let [group] = class(&document, "ids")[..] else { panic!("one group") };
@@ -461,8 +409,7 @@ fn words_stand_where_a_colour_bar_would_have_nothing_to_show() {
 
 #[test]
 fn nothing_panics() {
-    let odd =
-        [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, f64::MAX, f64::MIN_POSITIVE, 0.0, 1e6];
+    let odd = [f64::NAN, f64::NEG_INFINITY, 1e300, f64::MIN_POSITIVE, 0.0, 1e6];
     let t = row(2);
     for v in odd {
         for w in odd {
@@ -476,8 +423,7 @@ fn nothing_panics() {
             for kind in [TrailKind::Simulated, TrailKind::Measured] {
                 scene.trails.push(Trail { agent: Some(usize::MAX), kind, points: points.clone() });
                 scene.trails.push(Trail { agent: None, kind, points: vec![] });
-                let style =
-                    Style { forces: Some(v), ids: Visibility::Shown, time: Some(w), ..Style::default() };
+                let style = Style { forces: Some(v), ids: true, time: Some(w), ..Style::default() };
                 let text = svg(&scene, &style);
                 Document::parse(&text).unwrap();
                 png(&text, 64).unwrap();
@@ -489,8 +435,8 @@ fn nothing_panics() {
 
 fn densities(t: &Trial, v: f64) {
     let mut scene = Scene::at_start(t);
-    let view = View { low: vec2(v, -1.0), high: vec2(1.0, v) };
-    for view in [view, scene.extent(), View { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }] {
+    let view = Bounds { low: vec2(v, -1.0), high: vec2(1.0, v) };
+    for view in [view, scene.extent(), Bounds { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }] {
         let mut map = DensityMap::new(view, v, &t.geometry.walls);
         map.add([vec2(0.5, v), Vec2::ZERO]);
         map.range = Some((v, 1.0));

@@ -2,7 +2,8 @@
 
 use crate::Frame;
 use crate::measure::present;
-use crate::measure::voronoi::{Room, Shape, area, contour, intersection};
+use crate::measure::voronoi::{Room, area, intersection};
+use crate::shapes::{Shape, contour};
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use serde::Serialize;
 
@@ -98,7 +99,7 @@ impl MeasuringArea {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_core::plane::{Motion, Pose, Twist, vec2};
+    use lemons_core::plane::{Motion, Polygon, Pose, Twist};
 
     fn frame(places: &[(f64, f64)]) -> Frame {
         let motion = |&(x, y): &(f64, f64)| Motion {
@@ -117,7 +118,7 @@ mod tests {
         let places: Vec<(f64, f64)> = (0..10)
             .flat_map(|i| (0..10).map(move |k| (f64::from(i) * 0.5 + 0.25, f64::from(k) * 0.5 + 0.25)))
             .collect();
-        let room = Room::of(&[square(0.0, 5.0)]).unwrap();
+        let room = Room::of(&Polygon { outer: square(0.0, 5.0), holes: Vec::new() });
         // Its rim cuts cells, which the classic density cannot see.
         let area = MeasuringArea::inside(square(1.1, 3.7)).unwrap();
         let seen = area.measure(&frame(&places), Some(&room));
@@ -136,7 +137,7 @@ mod tests {
 
     #[test]
     fn who_has_left_counts_no_more() {
-        let room = Room::of(&[square(0.0, 5.0)]).unwrap();
+        let room = Room::of(&Polygon { outer: square(0.0, 5.0), holes: Vec::new() });
         let area = MeasuringArea::inside(square(0.0, 5.0)).unwrap();
         let seen = area.measure(&frame(&[(1.0, 1.0), (f64::NAN, f64::NAN)]), Some(&room));
         assert!(

@@ -209,20 +209,6 @@ mod tests {
         near(above(&[400.0], 0.05, 12.0, 0.05)[0].unwrap(), 0.5);
     }
 
-    /// s = 100 t N, until it ends.
-    #[test]
-    fn a_ramp() {
-        let one = exposed(|t| 50.0 * t.max(0.0).powi(2), 0.01, 11.0, &[600.0]);
-        // 100 t is above 600 N from 6 s on.
-        near(one.above[0].unwrap(), 5.0);
-        let [short, second, long] = one.largest_mean.map(Option::unwrap);
-        // Of a ramp, the mean is the value in the middle.
-        near(short, 100.0 * 10.95);
-        near(second, 100.0 * 10.5);
-        near(long, 100.0 * 6.0);
-        near(one.impulse, 50.0 * 121.0);
-    }
-
     #[test]
     fn spans_need_not_be_multiples_of_the_step() {
         // Two steps of 0.07 s with 700 N: 0.1 s fit into them, 1 s does not.

@@ -110,26 +110,6 @@ impl MovingMeans {
 mod tests {
     use super::*;
 
-    /// 100 t N in steps of 0.1 s: the mean over a second that ends at t is 100 (t - 0.5) N.
-    #[test]
-    fn the_mean_of_a_ramp_is_that_of_its_middle() {
-        let mut moving = MovingMeans::over(1.0);
-        for k in 0..=40 {
-            let time = f64::from(k) * 0.1;
-            // Of the step that ends there; the first one is before the record.
-            let mean = if k == 0 { 1e9 } else { 100.0 * (time - 0.05) };
-            let seen = moving.add(time, [Some(mean), None].into_iter());
-            match seen {
-                None => assert!(k < 10, "{time}"),
-                Some(seen) => {
-                    assert!(k >= 10, "{time}");
-                    assert!((seen[0] - 100.0 * (time - 0.5)).abs() < 1e-9, "{seen:?}");
-                    assert_eq!(seen[1], 0.0);
-                }
-            }
-        }
-    }
-
     #[test]
     fn a_span_need_not_be_a_multiple_of_the_step() {
         let mut moving = MovingMeans::over(0.25);

@@ -1,15 +1,9 @@
 //! The Voronoi cells of people in a room: of each place, whose it is, and walls hold cells back.
 
+use crate::shapes::{Shape, contour, overlay, ring};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
-use i_overlay::float::single::SingleFloatOverlay;
-use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
-
-/// One contour, as i_overlay wants it.
-type Contour = Vec<[f64; 2]>;
-
-/// A polygon with holes: the first contour is its rim.
-pub(crate) type Shape = Vec<Contour>;
+use lemons_core::plane::{Bounds, Polygon, Ring, Vec2};
 
 /// Where people can be: a polygon with holes.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,11 +14,10 @@ pub struct Room {
 }
 
 impl Room {
-    /// From the outer ring and holes in it \[m\]; `None` without a ring.
-    pub fn of(rings: &[Ring]) -> Option<Room> {
-        let bounds = rings.first()?.bounds();
-        let sides = rings.iter().flat_map(Ring::sides).filter_map(|(a, b)| Bounds::of([a, b])).collect();
-        Some(Room { shape: rings.iter().map(contour).collect(), bounds, sides })
+    /// Makes the room of a polygon \[m\].
+    pub fn of(polygon: &Polygon) -> Room {
+        let sides = polygon.rings().flat_map(Ring::sides).filter_map(|(a, b)| Bounds::of([a, b])).collect();
+        Room { shape: polygon.rings().map(contour).collect(), bounds: polygon.outer.bounds(), sides }
     }
 
     /// The cells of people at these places \[m\], in their order, where they may meet a rectangle; else `None`.
@@ -37,7 +30,7 @@ impl Room {
         let mut cells = vec![None; people.len()];
         for (place, &agent) in order.iter().enumerate() {
             let corners = self.nearest_to(people, &order, place);
-            let meets = Bounds::of(corners.iter().copied()).filter(|bounds| overlap(bounds, &near));
+            let meets = Bounds::of(corners.iter().copied()).filter(|bounds| bounds.meets(&near));
             if let Some(bounds) = meets {
                 let shape = self.cut(corners, bounds, people[agent]);
                 cells[agent] = Some(Cell { area: area(&shape), shape });
@@ -80,7 +73,7 @@ impl Room {
     /// The part of a cell that is in the room, with its person in it.
     fn cut(&self, corners: Vec<Vec2>, bounds: Bounds, person: Vec2) -> Shape {
         let whole = vec![corners.iter().map(|p| [p.x, p.y]).collect()];
-        if !self.sides.iter().any(|side| overlap(side, &bounds)) {
+        if !self.sides.iter().any(|side| side.meets(&bounds)) {
             return whole;
         }
         let parts = intersection(&whole, &self.shape);
@@ -121,7 +114,7 @@ fn halved(corners: &[Vec2], through: Vec2, away: Vec2) -> Vec<Vec2> {
 
 /// The parts that two shapes have in common.
 pub(crate) fn intersection(one: &Shape, other: &Shape) -> Vec<Shape> {
-    one.overlay(other, OverlayRule::Intersect, FillRule::EvenOdd)
+    overlay(one, other, OverlayRule::Intersect, FillRule::EvenOdd)
 }
 
 /// \[m²\] Without its holes.
@@ -130,22 +123,14 @@ pub(crate) fn area(shape: &Shape) -> f64 {
     areas.next().unwrap_or(0.0) - areas.sum::<f64>()
 }
 
-pub(crate) fn contour(ring: &Ring) -> Contour {
-    ring.corners().iter().map(|p| [p.x, p.y]).collect()
-}
-
-fn ring(contour: &Contour) -> Option<Ring> {
-    Ring::through(contour.iter().map(|[x, y]| vec2(*x, *y)).collect())
-}
-
-/// Whether two rectangles have a common point.
-pub(crate) fn overlap(a: &Bounds, b: &Bounds) -> bool {
-    a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lemons_core::plane::vec2;
+
+    fn room_of<const N: usize>(holes: [Ring; N], outer: Ring) -> Room {
+        Room::of(&Polygon { outer, holes: holes.into() })
+    }
 
     fn square(low: f64, high: f64) -> Ring {
         Ring::around(Bounds { low: vec2(low, low), high: vec2(high, high) })
@@ -157,20 +142,20 @@ mod tests {
 
     #[test]
     fn cells_fill_the_room() {
-        let room = Room::of(&[square(0.0, 4.0), square(1.0, 2.0)]).unwrap();
+        let room = room_of([square(1.0, 2.0)], square(0.0, 4.0));
         let people: Vec<Vec2> =
             (0..40).map(f64::from).map(|k| vec2((k * 0.61) % 4.0, (k * 0.37) % 4.0)).collect();
         let people: Vec<Vec2> = people.into_iter().filter(|p| !square(0.9, 2.1).contains(*p)).collect();
         let total: f64 = areas(&room, &people).iter().sum();
         // The hole parts some cells; nobody is behind it.
         assert!(total <= 15.0 + 1e-6 && total > 14.5, "{total}");
-        let whole = Room::of(&[square(0.0, 4.0)]).unwrap();
+        let whole = room_of([], square(0.0, 4.0));
         assert!((areas(&whole, &people).iter().sum::<f64>() - 16.0).abs() < 1e-6);
     }
 
     #[test]
     fn two_share_a_room_by_the_line_between_them() {
-        let room = Room::of(&[square(0.0, 4.0)]).unwrap();
+        let room = room_of([], square(0.0, 4.0));
         let cells = areas(&room, &[vec2(0.5, 2.0), vec2(1.5, 2.0)]);
         assert!((cells[0] - 4.0).abs() < 1e-6 && (cells[1] - 12.0).abs() < 1e-6, "{cells:?}");
         let alone = areas(&room, &[vec2(1.0, 1.0)]);
@@ -185,7 +170,7 @@ mod tests {
         // A U of two corridors, 1 m wide, with a wall of 1 m between them.
         let u =
             [(0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (2.0, 3.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)];
-        let room = Room::of(&[Ring::through(u.iter().map(|&(x, y)| vec2(x, y)).collect()).unwrap()]).unwrap();
+        let room = room_of([], Ring::through(u.iter().map(|&(x, y)| vec2(x, y)).collect()).unwrap());
         // Nearer to 2.9, 2.5 than to 0.2, 2.5 begins at 1.55, within the wall.
         let cells = areas(&room, &[vec2(0.2, 2.5), vec2(2.9, 2.5)]);
         assert!((cells[0] - 3.55).abs() < 1e-6 && (cells[1] - 3.45).abs() < 1e-6, "{cells:?}");

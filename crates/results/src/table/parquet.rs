@@ -2,22 +2,22 @@
 //! JSON, `{"x": {"unit": "m"}}`.
 
 use super::format::Content;
-use super::rows::{self, Frames, Stop, Wanted, place};
-use crate::cell::{Cell, Kind};
+use super::rows::{self, Frames, ReadColumns, Stop, place};
+use crate::cell::{Cell, CellType};
 use crate::columns::{Column, ID};
 use crate::record::Each;
 use parquet::basic::{
     Compression, ConvertedType, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel,
 };
-use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int32Type};
 use parquet::errors::{ParquetError, Result as Parquet};
 use parquet::file::metadata::{KeyValue, ParquetMetaData};
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use parquet::file::reader::{FileReader, RowGroupReader};
+use parquet::file::reader::FileReader;
 use parquet::file::serialized_reader::SerializedFileReader;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
-use parquet::schema::types::{ColumnDescriptor, ColumnPath, Type};
+use parquet::record::Field;
+use parquet::schema::types::{ColumnPath, Type};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -30,51 +30,38 @@ use std::sync::Arc;
 const COLUMNS: &str = "columns";
 /// Number of values that are kept in memory until they are written as a row group, about 16 MB.
 const GROUP: usize = 1 << 21;
-/// Number of rows that are decoded together.
-const BATCH: usize = 1 << 13;
-
 /// Reads all frames and returns the Ids of the agents.
 pub(super) fn read(file: File, each: &mut Each<'_>) -> Result<Vec<String>, Stop> {
     let reader = guarded(|| SerializedFileReader::new(file))?;
     let metadata = reader.metadata();
     let attributes = attributes_of_columns(metadata);
-    let columns = metadata.file_metadata().schema_descr().columns();
-    let names: Vec<String> = columns.iter().map(|column| column.path().string()).collect();
+    let columns = metadata.file_metadata().schema().get_fields();
     let heads = || {
-        let unit = |name: &String| attributes.get(name).and_then(|own| own["unit"].as_str());
-        names.iter().map(move |name| (name.as_str(), unit(name)))
+        columns.iter().map(|column| {
+            let own = attributes.get(column.name());
+            (column.name(), own.and_then(|own| own["unit"].as_str()))
+        })
     };
-    let wanted = Wanted::among(|name| names.iter().any(|known| known == name));
-    let mut places = Vec::new();
+    let wanted = ReadColumns::among(|name| columns.iter().any(|column| column.name() == name));
+    let mut fields = Vec::new();
     for head in wanted.heads() {
-        let place = place(heads(), head)?;
-        check_type(&columns[place], head)?;
-        places.push(place);
+        let column = &columns[place(heads(), head)?];
+        check_type(column, head)?;
+        fields.push(column.clone());
     }
+    let schema = Type::group_type_builder(metadata.file_metadata().schema().name()).with_fields(fields);
+    let mut rows = guarded(|| reader.get_row_iter(Some(schema.build()?)))?;
     let mut frames = Frames::new(&wanted, "row");
-    let mut before = 0;
-    for group in 0..reader.num_row_groups() {
-        let columns = guarded(|| {
-            let group = reader.get_row_group(group)?;
-            places.iter().map(|&place| read_column(&*group, place)).collect::<Parquet<Vec<Values>>>()
-        })?;
-        for (values, (name, _)) in columns.iter().zip(wanted.heads()) {
-            if let Some(row) = values.missing {
-                return Err(
-                    format!("row {}: column {name}: there is no value", before + 1 + row as u64).into()
-                );
-            }
+    let mut count = 0;
+    while let Some(row) = guarded(|| rows.next().transpose())? {
+        count += 1;
+        let row = Row(row.into_columns());
+        if let Some((name, _)) = row.0.iter().find(|(_, value)| *value == Field::Null) {
+            return Err(format!("row {count}: column {name}: there is no value").into());
         }
-        let rows = columns.iter().map(Values::len).min().unwrap_or(0);
-        if columns.iter().any(|values| values.len() != rows) {
-            return Err(format!("{INVALID}: its columns have different lengths").into());
+        if let Some(frame) = frames.add(count, &row)? {
+            each(frame)?;
         }
-        for row in 0..rows {
-            if let Some(frame) = frames.add(before + 1 + row as u64, &Row { columns: &columns, row })? {
-                each(frame)?;
-            }
-        }
-        before += rows as u64;
     }
     let (last, ids) = frames.finish()?;
     each(last)?;
@@ -108,33 +95,14 @@ fn attributes_of_columns(metadata: &ParquetMetaData) -> Map<String, Value> {
 }
 
 /// Whether a column has values of a type that its name allows.
-fn check_type(column: &ColumnDescriptor, (name, unit): rows::Head) -> Result<(), String> {
-    let (logical, converted) = (column.logical_type_ref(), column.converted_type());
-    let unmarked = logical.is_none() && converted == ConvertedType::NONE;
-    // Counts of other tools may be unsigned. Those of more than 31 or 63 bits are negative here, and refused as such.
-    let integer = match logical {
-        Some(LogicalType::Integer(_)) => true,
-        Some(_) => false,
-        None => matches!(
-            converted,
-            ConvertedType::NONE
-                | ConvertedType::INT_8
-                | ConvertedType::INT_16
-                | ConvertedType::INT_32
-                | ConvertedType::INT_64
-                | ConvertedType::UINT_8
-                | ConvertedType::UINT_16
-                | ConvertedType::UINT_32
-                | ConvertedType::UINT_64
-        ),
-    };
-    let flat = column.path().parts().len() == 1 && column.max_rep_level() == 0;
-    let physical = column.physical_type();
-    let real = flat && unmarked && matches!(physical, Physical::DOUBLE | Physical::FLOAT);
-    let whole = flat && integer && matches!(physical, Physical::INT32 | Physical::INT64);
-    let text = flat
-        && physical == Physical::BYTE_ARRAY
-        && (logical == Some(&LogicalType::String) || converted == ConvertedType::UTF8);
+fn check_type(column: &Type, (name, unit): rows::Head) -> Result<(), String> {
+    let physical = column.is_primitive().then(|| column.get_physical_type());
+    let logical = column.get_basic_info().logical_type_ref();
+    let unmarked = logical.is_none();
+    let whole = matches!(physical, Some(Physical::INT32 | Physical::INT64))
+        && (unmarked || matches!(logical, Some(LogicalType::Integer(_))));
+    let real = matches!(physical, Some(Physical::DOUBLE | Physical::FLOAT)) && unmarked;
+    let text = physical == Some(Physical::BYTE_ARRAY) && (unmarked || logical == Some(&LogicalType::String));
     let (good, holds) = match (name, unit) {
         // Other tools make numbers of Ids that look like some.
         (ID, _) => (text || whole, "neither texts nor whole numbers"),
@@ -144,81 +112,31 @@ fn check_type(column: &ColumnDescriptor, (name, unit): rows::Head) -> Result<(),
     if good { Ok(()) } else { Err(format!("column {name}: holds {holds}")) }
 }
 
-/// The values of a column in a row group.
-struct Values {
-    data: Data,
-    /// The first row without a value.
-    missing: Option<usize>,
-}
+struct Row(Vec<(String, Field)>);
 
-enum Data {
-    Reals(Vec<f64>),
-    Wholes(Vec<i64>),
-    /// All are UTF-8; equal ones share their bytes.
-    Texts(Vec<ByteArray>),
-}
-
-impl Values {
-    fn len(&self) -> usize {
-        match &self.data {
-            Data::Reals(values) => values.len(),
-            Data::Wholes(values) => values.len(),
-            Data::Texts(values) => values.len(),
-        }
-    }
-}
-
-fn read_column(group: &dyn RowGroupReader, place: usize) -> Parquet<Values> {
-    match group.get_column_reader(place)? {
-        ColumnReader::DoubleColumnReader(reader) => values(reader, Data::Reals, Ok),
-        ColumnReader::FloatColumnReader(reader) => values(reader, Data::Reals, |value| Ok(value.into())),
-        ColumnReader::Int32ColumnReader(reader) => values(reader, Data::Wholes, |value| Ok(value.into())),
-        ColumnReader::Int64ColumnReader(reader) => values(reader, Data::Wholes, Ok),
-        ColumnReader::ByteArrayColumnReader(reader) => {
-            values(reader, Data::Texts, |bytes| bytes.as_utf8().map(|_| bytes.clone()))
-        }
-        _ => Err(ParquetError::General("a column has another type than its metadata says".into())),
-    }
-}
-
-fn values<T: DataType, V>(
-    mut reader: ColumnReaderImpl<T>,
-    data: impl Fn(Vec<V>) -> Data,
-    of: impl Fn(T::T) -> Parquet<V>,
-) -> Parquet<Values> {
-    let (mut read, mut levels) = (Vec::new(), Vec::new());
-    // Reads to the end of a page at most.
-    while reader.read_records(BATCH, Some(&mut levels), None, &mut read)?.0 > 0 {}
-    let missing = levels.iter().position(|level| *level == 0);
-    Ok(Values { data: data(read.into_iter().map(of).collect::<Parquet<_>>()?), missing })
-}
-
-struct Row<'a> {
-    columns: &'a [Values],
-    row: usize,
-}
-
-impl rows::Row for Row<'_> {
+impl rows::Row for Row {
     fn id(&self) -> Cow<'_, str> {
-        match &self.columns[1].data {
-            Data::Texts(values) => values[self.row].as_utf8().unwrap_or_default().into(),
-            _ => self.shown(1).into(),
+        match &self.0[1].1 {
+            Field::Str(id) => id.into(),
+            other => other.to_string().into(),
         }
     }
 
     fn number(&self, k: usize) -> f64 {
-        match &self.columns[k].data {
-            Data::Reals(values) => values[self.row],
-            Data::Wholes(values) => values[self.row] as f64,
-            Data::Texts(_) => f64::NAN,
+        match &self.0[k].1 {
+            Field::Double(value) => *value,
+            Field::Float(value) => f64::from(*value),
+            Field::Int(value) => f64::from(*value),
+            // Other whole numbers.
+            other => other.to_string().parse().unwrap_or(f64::NAN),
         }
     }
 
     fn shown(&self, k: usize) -> String {
-        match &self.columns[k].data {
-            Data::Reals(values) => format!("{:?}", values[self.row]),
-            Data::Wholes(values) => values[self.row].to_string(),
-            Data::Texts(values) => format!("{:?}", values[self.row].as_utf8().unwrap_or_default()),
+        match &self.0[k].1 {
+            Field::Double(value) => format!("{value:?}"),
+            Field::Float(value) => format!("{value:?}"),
+            other => other.to_string(),
         }
     }
 }
@@ -297,12 +215,12 @@ impl<W: Write + Send> Writer<W> {
 }
 
 impl Pending {
-    fn of(kind: Kind) -> Pending {
+    fn of(kind: CellType) -> Pending {
         match kind {
-            Kind::Real => Pending::Reals(Vec::new()),
-            Kind::Integer => Pending::Integers(Vec::new()),
-            Kind::Boolean => Pending::Booleans(Vec::new()),
-            Kind::Text => Pending::Texts(Vec::new()),
+            CellType::Real => Pending::Reals(Vec::new()),
+            CellType::Integer => Pending::Integers(Vec::new()),
+            CellType::Boolean => Pending::Booleans(Vec::new()),
+            CellType::Text => Pending::Texts(Vec::new()),
         }
     }
 
@@ -323,12 +241,12 @@ impl Pending {
 
 fn field(column: &Column) -> Parquet<Type> {
     let physical = match column.kind {
-        Kind::Real => Physical::DOUBLE,
-        Kind::Integer => Physical::INT32,
-        Kind::Boolean => Physical::BOOLEAN,
-        Kind::Text => Physical::BYTE_ARRAY,
+        CellType::Real => Physical::DOUBLE,
+        CellType::Integer => Physical::INT32,
+        CellType::Boolean => Physical::BOOLEAN,
+        CellType::Text => Physical::BYTE_ARRAY,
     };
-    let text = column.kind == Kind::Text;
+    let text = column.kind == CellType::Text;
     Type::primitive_type_builder(&column.name, physical)
         .with_repetition(Repetition::REQUIRED)
         .with_logical_type(text.then_some(LogicalType::String))
@@ -353,7 +271,7 @@ fn properties(content: &Content) -> Parquet<WriterProperties> {
         .set_offset_index_disabled(true)
         .set_key_value_metadata(Some(metadata.collect()));
     // Times occur many times; other numbers are rarely equal, but their first bytes are similar.
-    for column in content.columns.iter().skip(1).filter(|column| column.kind == Kind::Real) {
+    for column in content.columns.iter().skip(1).filter(|column| column.kind == CellType::Real) {
         let path = ColumnPath::new(vec![column.name.clone()]);
         properties = properties
             .set_column_dictionary_enabled(path.clone(), false)

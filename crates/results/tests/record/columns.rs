@@ -1,7 +1,7 @@
 //! The table of columns beside the FMU's table of variables: the same outputs, units and types.
 
+use crowd_mechanics::quantities::{Kind, Role, scalars};
 use crowd_mechanics::setup;
-use crowd_mechanics::variables::{Kind, Role, table};
 use lemons_results::columns::{CONTACTS, Column, Groups, MOTION, OF_STEP, Quantity, SQUEEZE, TOTALS};
 use std::collections::HashSet;
 use std::path::Path;
@@ -14,10 +14,10 @@ fn is_output(role: Role) -> bool {
 fn columns_are_outputs_of_the_fmu_in_its_units() {
     let push = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
     let (trial, _) = setup::read(&push).unwrap();
-    let table = table(&trial);
+    let table = scalars(&trial);
     let check = |quantity: &Quantity, name: &str| {
         let variable =
-            table.iter().find(|variable| variable.name == name).unwrap_or_else(|| panic!("{name}"));
+            table.iter().find(|scalar| scalar.name == name).unwrap_or_else(|| panic!("{name}")).variable;
         assert!(is_output(variable.role), "{name}");
         match variable.kind {
             Kind::Real(unit) => assert_eq!(Some(unit.name), quantity.unit, "{name}"),
@@ -31,8 +31,8 @@ fn columns_are_outputs_of_the_fmu_in_its_units() {
     TOTALS.iter().for_each(|quantity| check(quantity, quantity.variable));
     // Nothing that the FMU says of an agent is left out.
     let known: HashSet<&str> = of_agents.iter().map(|quantity| quantity.variable).collect();
-    let outputs = table.iter().filter(|variable| is_output(variable.role));
-    for name in outputs.filter_map(|variable| variable.name.strip_prefix("agent[0].")) {
+    let outputs = table.iter().filter(|scalar| is_output(scalar.variable.role));
+    for name in outputs.filter_map(|scalar| scalar.name.strip_prefix("agent[0].")) {
         assert!(known.contains(name), "agent[0].{name} is no column");
     }
 }
@@ -58,18 +58,4 @@ fn the_committed_table_is_that_of_the_library() {
         committed == text,
         "write it again: COLUMNS_TABLE=write cargo test -p lemons-results --all-features --test record columns"
     );
-}
-
-/// The manual names all columns, and those in the order of the table.
-#[test]
-fn the_manual_has_all_columns() {
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/results.md");
-    let page = std::fs::read_to_string(page).unwrap();
-    let table = page.lines().skip_while(|line| !line.starts_with("| columns |")).skip(2);
-    let first = table.take_while(|line| line.starts_with('|')).filter_map(|line| line.split('|').nth(1));
-    let named: Vec<String> =
-        first.flat_map(|cell| cell.split(',')).map(|name| name.trim().trim_matches('`').to_owned()).collect();
-    let groups = Groups { contacts: true, of_step: true, active: false, totals: true };
-    let own: Vec<String> = groups.columns().into_iter().map(|column| column.name).collect();
-    assert_eq!(named, own);
 }

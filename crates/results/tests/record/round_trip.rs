@@ -2,12 +2,12 @@
 
 use crowd_mechanics::engine::{State, World};
 use crowd_mechanics::model::CrowdModel;
+use crowd_mechanics::quantities::Quantity;
 use crowd_mechanics::setup::{self, Setup};
-use crowd_mechanics::variables::Quantity;
 use lemons_core::plane::vec2;
 use lemons_core::trial::Trial;
-use lemons_fmi::Model;
 use lemons_fmi::location::Location;
+use lemons_fmi::{Model, Part};
 use lemons_results::{Record, RecordError, Run, series, trial_at_end};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -31,12 +31,12 @@ fn pushed(at: &Path) -> Trial {
 /// What the FMU does of 30 steps, and a world that did the same, after each.
 fn run(at: &Path, trial: &Trial) -> Vec<World> {
     let mut crowd = CrowdModel::load(Location::Path(at.join("trials").to_str().unwrap())).unwrap();
-    crowd.set_strings(&[(Quantity::OutputDirectory, at.join("out").to_str().unwrap())]).unwrap();
+    crowd.set_texts(&[(Quantity::OutputDirectory, at.join("out").to_str().unwrap())]).unwrap();
     crowd.initialize(0.0).unwrap();
     let mut world = Setup::of(trial).world().unwrap();
     (1..=30)
         .map(|k| {
-            crowd.advance(f64::from(k - 1) * 0.05, 0.05).unwrap_or_else(|_| panic!("step {k}"));
+            crowd.advance(Part::whole(f64::from(k - 1) * 0.05, 0.05)).unwrap_or_else(|_| panic!("step {k}"));
             world.advance(0.05).unwrap();
             let mut seen = Setup::of(trial).world().unwrap();
             seen.restore(world.state().clone()).unwrap();
@@ -51,13 +51,17 @@ fn same(seen: &State, wanted: &State) {
     assert_eq!(*seen, State { steps: seen.steps, ..wanted.clone() });
 }
 
+fn read_series(directory: &Path, trial: &Trial) -> Result<Run, RecordError> {
+    Record::series(directory, trial)?.read(|_| true)
+}
+
 #[test]
 fn the_end_of_a_series_is_where_the_run_was() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     let trial = pushed(at);
     let worlds = run(at, &trial);
-    let series = Run::read_series(&at.join("out"), &trial).unwrap();
+    let series = read_series(&at.join("out"), &trial).unwrap();
     assert_eq!(series.frames.len(), 30);
     assert_eq!(Record::from(series.clone()).frame_rate().unwrap(), 20.0);
     let (mut rubbed_agents, mut rubbed_walls) = (0, 0);
@@ -126,9 +130,9 @@ fn broken_series_are_told_by_file() {
     let trial = pushed(at);
     run(at, &trial);
     let out = at.join("out");
-    let read = || Run::read_series(&out, &trial);
-    assert!(said(Run::read_series(at, &trial)).contains("holds no series"));
-    assert!(said(Run::read_series(&at.join("none"), &trial)).contains("none: cannot be read"));
+    let read = || read_series(&out, &trial);
+    assert!(said(read_series(at, &trial)).contains("holds no series"));
+    assert!(said(read_series(&at.join("none"), &trial)).contains("none: cannot be read"));
 
     let first = out.join("AgentDynamics output t=0.05.xml");
     let text = std::fs::read_to_string(&first).unwrap();

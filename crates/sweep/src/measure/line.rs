@@ -60,10 +60,10 @@ impl OverLine {
             None => line.length(),
             Some(Width::Metres(width)) => *width,
             Some(Width::Parameter(name)) => {
-                let column = points.columns.iter().find(|(known, _)| known == name);
-                let (_, values) =
-                    column.ok_or_else(|| format!("width = {name:?}: there is no such parameter"))?;
-                let text = values.text(point);
+                let parameter = points.parameter(name);
+                let parameter =
+                    parameter.ok_or_else(|| format!("width = {name:?}: there is no such parameter"))?;
+                let text = parameter.at(point);
                 text.parse().map_err(|_| format!("width = {name:?}: {text:?} is not a number"))?
             }
         };
@@ -75,14 +75,14 @@ impl OverLine {
 }
 
 /// A line during a run.
-pub(crate) struct Crossed<'a> {
+pub(crate) struct LineAccumulator<'a> {
     measure: &'a OverLine,
     passages: Passages,
     width: f64,
     people: usize,
 }
 
-impl<'a> Crossed<'a> {
+impl<'a> LineAccumulator<'a> {
     /// At a point, of so many people.
     pub fn new(
         measure: &'a OverLine,
@@ -90,10 +90,10 @@ impl<'a> Crossed<'a> {
         points: &Points,
         point: usize,
         people: usize,
-    ) -> Result<Crossed<'a>, String> {
+    ) -> Result<LineAccumulator<'a>, String> {
         let line = places.line(&measure.line)?;
         let width = measure.width_at(point, line, points)?;
-        Ok(Crossed { measure, passages: Passages::over(line, people), width, people })
+        Ok(LineAccumulator { measure, passages: Passages::over(line, people), width, people })
     }
 
     pub fn add(&mut self, frame: &Frame) {

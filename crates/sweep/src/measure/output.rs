@@ -83,13 +83,13 @@ impl OfOutput {
 }
 
 /// A measure during its run.
-pub(crate) struct Watched<'a> {
+pub(crate) struct OutputAccumulator<'a> {
     measure: &'a OfOutput,
-    agents: Vec<Course>,
+    agents: Vec<Statistics>,
 }
 
 /// The values of one agent so far, as long as it is there.
-struct Course {
+struct Statistics {
     /// `None` as long as it was not there.
     first: Option<f64>,
     last: f64,
@@ -101,40 +101,40 @@ struct Course {
     reached: Option<f64>,
 }
 
-impl Default for Course {
-    fn default() -> Course {
+impl Default for Statistics {
+    fn default() -> Statistics {
         let (least, greatest) = (f64::INFINITY, f64::NEG_INFINITY);
-        Course { first: None, last: 0.0, least, greatest, sum: 0.0, steps: 0, reached: None }
+        Statistics { first: None, last: 0.0, least, greatest, sum: 0.0, steps: 0, reached: None }
     }
 }
 
-impl<'a> Watched<'a> {
-    pub fn new(measure: &'a OfOutput) -> Watched<'a> {
-        Watched { measure, agents: Vec::new() }
+impl<'a> OutputAccumulator<'a> {
+    pub fn new(measure: &'a OfOutput) -> OutputAccumulator<'a> {
+        OutputAccumulator { measure, agents: Vec::new() }
     }
 
     /// Adds the values of all its agents at a time \[s\]; `None` for those who have left.
-    pub fn look(&mut self, time: f64, values: impl Iterator<Item = Option<f64>>) {
+    pub fn add(&mut self, time: f64, values: &[Option<f64>]) {
         let level = self.measure.level.unwrap_or(f64::INFINITY);
         let or_equal = self.measure.take == Take::FirstAtLeast;
         let reaches = |value: f64| value > level || (or_equal && value == level);
         let begins = self.agents.is_empty();
-        for (k, value) in values.enumerate() {
+        for (k, value) in values.iter().enumerate() {
             if begins {
-                self.agents.push(Course::default());
+                self.agents.push(Statistics::default());
             }
-            let (Some(course), Some(value)) = (self.agents.get_mut(k), value) else { continue };
-            course.last = value;
-            course.least = course.least.min(value);
-            course.greatest = course.greatest.max(value);
+            let (Some(agent), Some(value)) = (self.agents.get_mut(k), *value) else { continue };
+            agent.last = value;
+            agent.least = agent.least.min(value);
+            agent.greatest = agent.greatest.max(value);
             // A mean is that of the steps, not of the start.
             if !begins {
-                course.sum += value;
-                course.steps += 1;
+                agent.sum += value;
+                agent.steps += 1;
             }
-            course.first.get_or_insert(value);
-            if course.reached.is_none() && reaches(value) {
-                course.reached = Some(time);
+            agent.first.get_or_insert(value);
+            if agent.reached.is_none() && reaches(value) {
+                agent.reached = Some(time);
             }
         }
     }
@@ -142,20 +142,20 @@ impl<'a> Watched<'a> {
     /// Returns the result. It is `None` where an agent that counts never reached the level: the latest of several, and
     /// their mean, have all of them; the earliest has those who did.
     pub fn value(&self) -> Option<f64> {
-        let of = |course: &Course| match self.measure.take {
-            Take::Max => Some(course.greatest),
-            Take::Min => Some(course.least),
-            Take::Mean => Some(course.sum / f64::from(course.steps)),
-            Take::Last => Some(course.last),
-            Take::Change => Some(course.last - course.first?),
-            Take::Reach => Some((course.greatest - course.first?).max(course.first? - course.least)),
-            Take::FirstAbove | Take::FirstAtLeast => course.reached,
+        let of = |agent: &Statistics| match self.measure.take {
+            Take::Max => Some(agent.greatest),
+            Take::Min => Some(agent.least),
+            Take::Mean => Some(agent.sum / f64::from(agent.steps)),
+            Take::Last => Some(agent.last),
+            Take::Change => Some(agent.last - agent.first?),
+            Take::Reach => Some((agent.greatest - agent.first?).max(agent.first? - agent.least)),
+            Take::FirstAbove | Take::FirstAtLeast => agent.reached,
         };
         // Who never was there says nothing, nor does who was there in no step.
         let steps = if self.measure.take == Take::Mean { 1 } else { 0 };
-        let known = self.agents.iter().filter(|course| course.first.is_some() && course.steps >= steps);
+        let known = self.agents.iter().filter(|agent| agent.first.is_some() && agent.steps >= steps);
         // Who never reaches it does so later than anybody else.
-        let values = known.map(|course| of(course).unwrap_or(f64::INFINITY));
+        let values = known.map(|agent| of(agent).unwrap_or(f64::INFINITY));
         let result = self.measure.across().of(values);
         let seeks = matches!(self.measure.take, Take::FirstAbove | Take::FirstAtLeast);
         result.filter(|value| !(seeks && value.is_infinite()))
@@ -169,11 +169,11 @@ mod tests {
     fn value(text: &str) -> Option<f64> {
         let measure: OfOutput = toml::from_str(text).unwrap();
         measure.check(2).unwrap();
-        let mut watched = Watched::new(&measure);
+        let mut accumulator = OutputAccumulator::new(&measure);
         for (time, values) in [(0.0, [1.0, 4.0]), (0.5, [3.0, 0.0]), (1.0, [2.0, 2.0])] {
-            watched.look(time, values.into_iter().map(Some));
+            accumulator.add(time, &values.map(Some));
         }
-        watched.value()
+        accumulator.value()
     }
 
     /// The second of two leaves after half a second.
@@ -186,13 +186,13 @@ mod tests {
             ("of = 'x'\ntake = 'min'\nacross = 'max'", 1.0),
         ] {
             let measure: OfOutput = toml::from_str(text).unwrap();
-            let mut watched = Watched::new(&measure);
+            let mut accumulator = OutputAccumulator::new(&measure);
             for (time, values) in
                 [(0.0, [Some(1.0), Some(4.0)]), (0.5, [Some(3.0), Some(0.0)]), (1.0, [Some(2.0), None])]
             {
-                watched.look(time, values.into_iter());
+                accumulator.add(time, &values);
             }
-            assert_eq!(watched.value(), Some(expected), "{text}");
+            assert_eq!(accumulator.value(), Some(expected), "{text}");
         }
     }
 
@@ -200,11 +200,11 @@ mod tests {
     #[test]
     fn a_mean_over_no_step_is_not_known() {
         let measure: OfOutput = toml::from_str("of = 'x'\ntake = 'mean'").unwrap();
-        let mut watched = Watched::new(&measure);
-        watched.look(0.0, [Some(3.0), Some(5.0)].into_iter());
-        assert_eq!(watched.value(), None);
-        watched.look(0.5, [Some(2.0), None].into_iter());
-        assert_eq!(watched.value(), Some(2.0));
+        let mut accumulator = OutputAccumulator::new(&measure);
+        accumulator.add(0.0, &[Some(3.0), Some(5.0)]);
+        assert_eq!(accumulator.value(), None);
+        accumulator.add(0.5, &[Some(2.0), None]);
+        assert_eq!(accumulator.value(), Some(2.0));
     }
 
     #[test]

@@ -89,19 +89,19 @@ impl OfSqueeze {
 }
 
 /// Squeezes during a run.
-pub(crate) struct Squeezed<'a> {
+pub(crate) struct SqueezeAccumulator<'a> {
     measure: &'a OfSqueeze,
     /// Places of the agents that count.
     agents: &'a [usize],
     exposure: Exposure,
 }
 
-impl<'a> Squeezed<'a> {
-    pub fn new(measure: &'a OfSqueeze, agents: &'a [usize]) -> Squeezed<'a> {
+impl<'a> SqueezeAccumulator<'a> {
+    pub fn new(measure: &'a OfSqueeze, agents: &'a [usize]) -> SqueezeAccumulator<'a> {
         let levels: Vec<f64> = measure.level.into_iter().collect();
         let exposure = Exposure::new(agents.len(), &levels);
         let over = measure.over.filter(|_| measure.squeeze == Exposed::TimeAbove);
-        Squeezed { measure, agents, exposure: over.into_iter().fold(exposure, Exposure::over) }
+        SqueezeAccumulator { measure, agents, exposure: over.into_iter().fold(exposure, Exposure::over) }
     }
 
     pub fn add(&mut self, frame: &Frame) {
@@ -112,7 +112,7 @@ impl<'a> Squeezed<'a> {
 
     /// `None` if it is not known of all of them: there is no step, or the time is too short for a mean over it.
     pub fn value(self) -> Option<f64> {
-        let Squeezed { measure, exposure, .. } = self;
+        let SqueezeAccumulator { measure, exposure, .. } = self;
         if exposure.longest_step() <= 0.0 {
             return None;
         }

@@ -4,9 +4,10 @@
 //! rim. The reference is the same engine with a step of 1e-7 s; for random collisions, the independent integrator of
 //! tests/fmpy/reference.py.
 
-use crate::bench::{Numbers, crowd, sparse};
+use crate::bench::{crowd, sparse};
 use crate::checks::Result;
 use crate::checks::reference;
+use crate::checks::scenes::Random;
 use cpu_time::ThreadTime;
 use crowd_mechanics::engine::{World, Wrench};
 use crowd_mechanics::setup::{self, Setup};
@@ -17,7 +18,7 @@ use lemons_core::trial::{DriveChoice, DriveTable};
 use std::f64::consts::PI;
 use tempfile::TempDir;
 
-static PUSH: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../resources/Trial_push");
+pub(crate) static PUSH: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../resources/Trial_push");
 static DOOR: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../resources/Trial_door");
 
 /// \[s\] The step that counts as exact.
@@ -152,7 +153,7 @@ pub fn scenes() -> Result<Vec<Scene>> {
     Ok(vec![push()?, collisions()?, dense()?, door()?, walkers()?])
 }
 
-fn trial(files: &Dir<'_>) -> Result<(Trial, TempDir)> {
+pub(crate) fn trial(files: &Dir<'_>) -> Result<(Trial, TempDir)> {
     let directory = TempDir::with_prefix("lemons-bench-")?;
     files.extract(directory.path())?;
     let (trial, _) = setup::read(directory.path())?;
@@ -210,8 +211,8 @@ fn dense() -> Result<Scene> {
 fn door() -> Result<Scene> {
     let (trial, _directory) = trial(&DOOR)?;
     let mut start = Setup::of(&trial).world().map_err(crate::checks::Error::from)?;
-    let mut numbers = Numbers(4);
-    let wished: Vec<f64> = start.scene().bodies.iter().map(|_| 1.4 + 0.3 * numbers.next()).collect();
+    let mut numbers = Random(4);
+    let wished: Vec<f64> = start.scene().bodies.iter().map(|_| 1.4 + 0.3 * numbers.signed()).collect();
     let rule = move |_: f64, world: &World| {
         let bodies = world.scene().bodies.iter().zip(&world.state().poses).zip(&wished);
         let of = |((body, pose), speed): ((&crowd_mechanics::engine::Body, &Pose), &f64)| {

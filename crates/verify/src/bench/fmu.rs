@@ -2,26 +2,20 @@
 //!
 //! The Trials are generated, and packed with the library that was built with this program.
 
-use crate::bench::{MASS, Numbers, RATE};
-use crate::checks::scenes::pedestrian;
+use crate::bench::accuracy::{PUSH, trial};
+use crate::bench::median;
+use crate::checks::scenes::Random;
 use crate::checks::{Error, Result};
 use cpu_time::{ProcessTime, ThreadTime};
 use crowd_mechanics::pack::{Format, Package};
 use crowd_mechanics::setup;
-use include_dir::{Dir, include_dir};
 use lemons_core::plane::{Vec2, vec2};
-use lemons_core::trial::DriveChoice;
-use lemons_core::trial::{
-    Agent, AgentDynamics, Contact, Geometry, Interactions, Material, Materials, Parameters, Shape, Trial,
-    Wall,
-};
+use lemons_core::trial::{Agent, AgentDynamics, DriveChoice};
 use lemons_master::{Fmu, Instance, Prepared, Selection, Settings, own_binary};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
-
-static PUSH: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../resources/Trial_push");
 
 /// Names of the inputs of one agent.
 pub const INPUTS: [&str; 3] = ["Fp.x", "Fp.y", "Mp"];
@@ -44,73 +38,30 @@ pub fn write_trial(agents: usize, spacing: Vec2, directory: &Path) -> Result<()>
     let columns = ((agents as f64 * spacing.y / spacing.x).sqrt().round() as usize).max(1);
     let rows = agents.div_ceil(columns);
     let (width, height) = (spacing.x * columns as f64, spacing.y * rows as f64);
-    let (skin, concrete) = ("human_naked".to_owned(), "concrete".to_owned());
-    let contact = |id1: &String, id2: &String, damping, kinetic_friction| Contact {
-        id1: id1.clone(),
-        id2: id2.clone(),
-        gamma_normal: damping,
-        gamma_tangential: damping,
-        kinetic_friction,
-    };
-    let person = pedestrian(MASS, RATE);
-    let shapes: Vec<Shape> = person
-        .disks
-        .iter()
-        .map(|disk| Shape { radius: disk.radius, material_id: skin.clone(), position: disk.position })
-        .collect();
-    let mut numbers = Numbers(30);
+    let (mut trial, _source) = trial(&PUSH)?;
+    "crowd".clone_into(&mut trial.name);
+    (trial.parameters.time_step, trial.parameters.time_step_mechanical) = (0.1, 1e-5);
+    trial.geometry.dimensions = Some(vec2(width, height));
+    trial.geometry.walls.truncate(1);
     let corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height), (0.0, 0.0)];
-    let trial = Trial {
-        name: "crowd".into(),
-        directory: PathBuf::new(),
-        parameters: Parameters {
-            static_directory: "./static/".into(),
-            dynamic_directory: "./dynamic/".into(),
-            time_step: 0.1,
-            time_step_mechanical: 1e-5,
-        },
-        materials: Materials {
-            intrinsic: vec![
-                Material { id: concrete.clone(), young_modulus: 1.7e9, shear_modulus: 7.1e8 },
-                Material { id: skin.clone(), young_modulus: 4e6, shear_modulus: 1_379_310.3 },
-            ],
-            binary: vec![contact(&skin, &skin, 700.0, 0.4), contact(&concrete, &skin, 1230.0, 0.5)],
-        },
-        geometry: Geometry {
-            dimensions: Some(vec2(width, height)),
-            walls: vec![Wall {
-                id: "room".into(),
-                material_id: concrete,
-                corners: corners.iter().map(|&(x, y)| vec2(x, y)).collect(),
-            }],
-        },
-        agents: (0..agents)
-            .map(|k| Agent {
-                kind: Some("pedestrian".into()),
-                id: k.to_string(),
-                mass: person.mass,
-                height: Some(1.75),
-                moment_of_inertia: person.inertia,
-                floor_damping: person.translation_rate,
-                angular_damping: person.rotation_rate,
-                shapes: shapes.clone(),
-            })
-            .collect(),
-        dynamics: (0..agents)
-            .map(|k| AgentDynamics {
-                position: vec2(
-                    spacing.x * ((k % columns) as f64 + 0.5) + 0.01 * numbers.next(),
-                    spacing.y * ((k / columns) as f64 + 0.5) + 0.01 * numbers.next(),
-                ),
-                velocity: Vec2::ZERO,
-                theta: 0.5 * numbers.next(),
-                omega: 0.0,
-                fp: vec2(100.0 * numbers.next(), 100.0 * numbers.next()),
-                mp: numbers.next(),
-            })
-            .collect(),
-        interactions: Interactions::default(),
-    };
+    trial.geometry.walls[0].corners = corners.map(|(x, y)| vec2(x, y)).to_vec();
+    let (person, start) = (trial.agents[0].clone(), trial.dynamics[0].clone());
+    trial.agents = (0..agents).map(|k| Agent { id: k.to_string(), ..person.clone() }).collect();
+    let mut numbers = Random(30);
+    let places = (0..agents).map(|k| {
+        let along = |of: usize, spacing: f64, shift: f64| spacing * (of as f64 + 0.5) + 0.01 * shift;
+        AgentDynamics {
+            position: vec2(
+                along(k % columns, spacing.x, numbers.signed()),
+                along(k / columns, spacing.y, numbers.signed()),
+            ),
+            theta: 0.5 * numbers.signed(),
+            fp: vec2(100.0 * numbers.signed(), 100.0 * numbers.signed()),
+            mp: numbers.signed(),
+            ..start.clone()
+        }
+    });
+    trial.dynamics = places.collect();
     Ok(trial.write(directory)?)
 }
 
@@ -178,11 +129,6 @@ pub fn processor_time<T>(calls: u64, mut call: impl FnMut() -> T) -> Duration {
     start.elapsed()
 }
 
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
-}
-
 /// The cost of getting and setting values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overhead {
@@ -218,10 +164,10 @@ pub fn overhead(agents: usize, runs: usize, format: Format) -> Result<Overhead> 
     set()?;
     get()?;
     let microseconds = |time: Duration| time.as_secs_f64() * 1e6 / CALLS as f64;
-    let (sets, gets) = (0..runs)
+    let (mut sets, mut gets): (Vec<f64>, Vec<f64>) = (0..runs)
         .map(|_| (microseconds(processor_time(CALLS, set)), microseconds(processor_time(CALLS, &mut get))))
         .unzip();
-    Ok(Overhead { set: median(sets), get: median(gets) })
+    Ok(Overhead { set: median(&mut sets), get: median(&mut gets) })
 }
 
 /// \[s\] Elapsed times of the stages before a crowd can be stepped.
@@ -254,7 +200,7 @@ pub fn loading(agents: usize, runs: usize) -> Result<Loading> {
             times.push(time);
         }
     }
-    let [read, pack, instantiate, initialize] = times.map(median);
+    let [read, pack, instantiate, initialize] = times.map(|mut times| median(&mut times));
     Ok(Loading { read, pack, instantiate, initialize })
 }
 

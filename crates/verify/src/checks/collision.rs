@@ -2,7 +2,7 @@
 
 use crate::checks::error::{Result, ensure};
 use crate::checks::scenes::*;
-use crate::checks::{Check, largest};
+use crate::checks::{Check, Oscillator, halved, largest, off_ratio};
 use crowd_mechanics::engine::*;
 use std::f64::consts::PI;
 
@@ -75,28 +75,22 @@ fn duration() -> Result<f64> {
     Ok((f64::from(touching) * dt / expected - 1.0).abs())
 }
 
-/// \[1/s\] Decay rate and angular frequency of the damped contact.
-fn oscillator(law: &PairLaw) -> (f64, f64) {
-    let decay = law.normal_damping / (2.0 * REDUCED);
-    (decay, (law.normal_stiffness / REDUCED - decay * decay).sqrt())
-}
-
 fn restitution() -> Result<f64> {
     // Kelvin–Voigt, not clamped: the contact ends when the oscillator returns to h = 0.
     let law = PairLaw { normal_damping: 1500.0, ..ELASTIC };
     let mut world = head_on(law, 0.01, 1e-6);
     world.advance(0.1)?;
-    let (decay, pulsation) = oscillator(&law);
     let twists = &world.state().twists;
     let parting = twists[1].velocity.x - twists[0].velocity.x;
-    Ok((parting - (-decay * PI / pulsation).exp()).abs())
+    let expected = Oscillator::new(law.normal_stiffness, law.normal_damping, REDUCED).restitution();
+    Ok((parting - expected).abs())
 }
 
 /// Returns errors of overlap and closing speed \[m\] after 8.192 ms of a lasting damped contact, for the step 1.28e-4 s
 /// and five halvings.
 pub fn errors_in_contact() -> Result<Vec<(f64, f64)>> {
     let law = PairLaw { normal_damping: 900.0, ..ELASTIC };
-    let (decay, pulsation) = oscillator(&law);
+    let Oscillator { decay, pulsation } = Oscillator::new(law.normal_stiffness, law.normal_damping, REDUCED);
     let (depth, speed, time) = (1e-4, 1.0, 0.008_192);
     // h'' + 2 decay h' + (k/m*) h = 0, h(0) = depth, h'(0) = speed
     let swing = (speed + decay * depth) / pulsation;
@@ -105,22 +99,18 @@ pub fn errors_in_contact() -> Result<Vec<(f64, f64)>> {
     let exact = decayed * (depth * cos + swing * sin);
     let exact_speed =
         decayed * ((pulsation * swing - decay * depth) * cos - (pulsation * depth + decay * swing) * sin);
-    (0..6)
-        .map(|halvings| {
-            let dt = 1.28e-4 / f64::from(1 << halvings);
-            let mut world = head_on(law, -depth, dt);
-            world.advance(time)?;
-            let twists = &world.state().twists;
-            let closing = twists[0].velocity.x - twists[1].velocity.x;
-            let error_of_depth = world.contacts().largest_overlap - exact;
-            Ok((dt, error_of_depth.hypot((closing - exact_speed) / pulsation)))
-        })
-        .collect()
+    halved(1.28e-4, 6, |dt| {
+        let mut world = head_on(law, -depth, dt);
+        world.advance(time)?;
+        let twists = &world.state().twists;
+        let closing = twists[0].velocity.x - twists[1].velocity.x;
+        let error_of_depth = world.contacts().largest_overlap - exact;
+        Ok(error_of_depth.hypot((closing - exact_speed) / pulsation))
+    })
 }
 
 fn order() -> Result<f64> {
-    let errors = errors_in_contact()?;
-    Ok(largest(errors.windows(2).map(|pair| (pair[0].1 / pair[1].1 - 4.0).abs())))
+    Ok(off_ratio(&errors_in_contact()?, 4.0))
 }
 
 /// Two disks that meet obliquely and stick: radii, law and initial values.
@@ -200,32 +190,28 @@ pub fn errors_in_oblique_contact(push: &Push) -> Result<Vec<(f64, f64)>> {
         exact = std::array::from_fn(|k| exact[k] + h / 6.0 * (k1[k] + 2.0 * k2[k] + 2.0 * k3[k] + k4[k]));
     }
     let pulsation = (OBLIQUE_LAW.normal_stiffness / REDUCED).sqrt();
-    (0..6)
-        .map(|halvings| {
-            let dt = 1.28e-4 / f64::from(1 << halvings);
-            let bodies = [0, 1].map(|i| BodySpec {
-                translation_rate: push.relaxation_rate,
-                rotation_rate: push.relaxation_rate,
-                ..disk(OBLIQUE_MASSES[i], OBLIQUE_RADII[i])
-            });
-            let motions = [(at(x, y), moving(vx, vy)), (at(0.0, 0.0), moving(0.0, 0.0))];
-            let mut world = world(&bodies, &[], OBLIQUE_LAW, &motions, dt);
-            world.drive_rate = push.drive_rates.to_vec();
-            world.advance(time)?;
-            ensure!(world.work().sliding == 0, "it slid");
-            let (poses, twists) = (&world.state().poses, &world.state().twists);
-            let place = poses[0].position - poses[1].position - vec2(exact[0], exact[1]);
-            let velocity = twists[0].velocity - twists[1].velocity - vec2(exact[2], exact[3]);
-            let rims = [0, 1].map(|i| (twists[i].angular_velocity - exact[4 + i]) * OBLIQUE_RADII[i]);
-            let speeds = (velocity.norm_squared() + rims[0] * rims[0] + rims[1] * rims[1]).sqrt();
-            Ok((dt, place.norm().hypot(speeds / pulsation)))
-        })
-        .collect()
+    halved(1.28e-4, 6, |dt| {
+        let bodies = [0, 1].map(|i| BodySpec {
+            translation_rate: push.relaxation_rate,
+            rotation_rate: push.relaxation_rate,
+            ..disk(OBLIQUE_MASSES[i], OBLIQUE_RADII[i])
+        });
+        let motions = [(at(x, y), moving(vx, vy)), (at(0.0, 0.0), moving(0.0, 0.0))];
+        let mut world = world(&bodies, &[], OBLIQUE_LAW, &motions, dt);
+        world.drive_rate = push.drive_rates.to_vec();
+        world.advance(time)?;
+        ensure!(world.work().sliding == 0, "it slid");
+        let (poses, twists) = (&world.state().poses, &world.state().twists);
+        let place = poses[0].position - poses[1].position - vec2(exact[0], exact[1]);
+        let velocity = twists[0].velocity - twists[1].velocity - vec2(exact[2], exact[3]);
+        let rims = [0, 1].map(|i| (twists[i].angular_velocity - exact[4 + i]) * OBLIQUE_RADII[i]);
+        let speeds = (velocity.norm_squared() + rims[0] * rims[0] + rims[1] * rims[1]).sqrt();
+        Ok(place.norm().hypot(speeds / pulsation))
+    })
 }
 
 fn oblique_order() -> Result<f64> {
-    let errors = errors_in_oblique_contact(&Push::NONE)?;
-    Ok(largest(errors.windows(2).map(|pair| (pair[0].1 / pair[1].1 - 4.0).abs())))
+    Ok(off_ratio(&errors_in_oblique_contact(&Push::NONE)?, 4.0))
 }
 
 /// Returns the largest relative drifts of momentum and angular momentum.

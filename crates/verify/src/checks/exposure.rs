@@ -64,15 +64,8 @@ fn pressed() -> Result<f64> {
 /// depend on velocities, so that the motion does not depend on the communication step.
 fn crowd() -> Result<(f64, f64, f64)> {
     let dt = 1e-4;
-    let bodies: Vec<BodySpec> = (0..36).map(|_| pedestrian(70.0, FREE)).collect();
-    let motions: Vec<(Pose, Twist)> = (0..36)
-        .map(|k| {
-            let (column, row, k) = (f64::from(k % 6), f64::from(k / 6), f64::from(k));
-            let pose = Pose { position: vec2(0.33 * column, 0.33 * row), orientation: 0.7 * k };
-            (pose, moving(libm::sin(1.3 * k), libm::cos(2.1 * k)))
-        })
-        .collect();
-    let mut whole = world(&bodies, &[wall(&[(-1.0, -0.5), (3.0, -0.5)])], ELASTIC, &motions, dt);
+    let below = wall(&[(-1.0, -0.5), (3.0, -0.5)]);
+    let mut whole = crowd_on_lattice(6, 0.33, FREE, &below, ELASTIC, dt);
     let mut stepped = whole.clone();
     whole.advance(0.1)?;
     let (mut peaks, mut depths) = ([0.0f64; 36], [0.0f64; 36]);

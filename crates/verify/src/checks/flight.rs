@@ -1,8 +1,9 @@
 //! Motion without contact, the shortlist, and saved states.
 
 use crate::checks::error::{Result, ensure};
+use crate::checks::ramp::{along_row, flight};
 use crate::checks::scenes::*;
-use crate::checks::{Check, farthest_apart, largest};
+use crate::checks::{Check, farthest_apart};
 use crowd_mechanics::engine::*;
 
 pub(crate) const CHECKS: &[Check] = &[
@@ -30,51 +31,15 @@ pub(crate) const CHECKS: &[Check] = &[
 ];
 
 fn relaxation(shortlisting: Shortlisting) -> Result<f64> {
-    let mut body = pedestrian(70.0, 4.5);
-    body.rotation_rate = 3.0;
     let start = Twist { velocity: vec2(1.2, -0.4), angular_velocity: 2.0 };
-    let mut world = world(std::slice::from_ref(&body), &[], BODIES, &[(at(0.0, 0.0), start)], 1e-5);
-    world.shortlisting = shortlisting;
     let drive = Wrench { force: vec2(50.0, 20.0), torque: 1.5 };
-    world.drive[0] = drive;
-    let mut worst: f64 = 0.0;
-    for step in 1..=20 {
-        world.advance(0.1)?;
-        let t = 0.1 * f64::from(step);
-        let (steady, decay) = (drive.force * (1.0 / (70.0 * 4.5)), (-4.5 * t).exp());
-        let velocity = steady + (start.velocity - steady) * decay;
-        let place = steady * t + (start.velocity - steady) * ((1.0 - decay) / 4.5);
-        let (spin, decay) = (drive.torque / (body.inertia * 3.0), (-3.0 * t).exp());
-        let omega = spin + (start.angular_velocity - spin) * decay;
-        let theta = spin * t + (start.angular_velocity - spin) * (1.0 - decay) / 3.0;
-        let (pose, twist) = (world.state().poses[0], world.state().twists[0]);
-        worst = largest([
-            worst,
-            (pose.position - place).norm(),
-            (twist.velocity - velocity).norm(),
-            (pose.orientation - theta).abs(),
-            (twist.angular_velocity - omega).abs(),
-        ]);
-    }
-    ensure!((world.work().shortlisted > 0) == (shortlisting == Shortlisting::On), "not as asked");
-    Ok(worst)
+    flight(shortlisting, &[(4.5, 3.0)], start, [drive, Wrench::default()], (20, 0.1))
 }
 
 /// Standing people with gaps, and one who runs into them. Within one communication step the push travels through bodies
 /// that were not near anything moving when the step began.
 fn row() -> Result<f64> {
-    let mut worlds = [Shortlisting::On, Shortlisting::Off].map(|shortlisting| {
-        let bodies: Vec<BodySpec> = (0..6).map(|_| disk(70.0, 0.2)).collect();
-        let mut motions: Vec<(Pose, Twist)> =
-            (0..6).map(|k| (at(0.55 * f64::from(k), 0.0), moving(0.0, 0.0))).collect();
-        motions[0].1 = moving(3.0, 0.0);
-        let mut world = world(&bodies, &[], ELASTIC, &motions, 1e-5);
-        world.shortlisting = shortlisting;
-        world
-    });
-    for world in &mut worlds {
-        world.advance(0.5)?;
-    }
+    let worlds = along_row(0.55, 3.0, |_| {})?;
     // Equal masses: the last one gets the velocity of the first.
     ensure!((worlds[0].state().twists[5].velocity.x - 3.0).abs() < 1e-3, "the push went through");
     Ok(farthest_apart(&worlds))

@@ -1,8 +1,8 @@
 //! Energy balance: all supplied energy is stored, or lost to floor, damping and sliding.
 
-use crate::checks::Check;
 use crate::checks::error::Result;
 use crate::checks::scenes::*;
+use crate::checks::{Check, halved, shortfall};
 use crowd_mechanics::engine::*;
 use std::collections::HashMap;
 
@@ -11,13 +11,13 @@ pub(crate) const CHECKS: &[Check] = &[
         remainder(Case::Lasting)
     }),
     Check::new("the same: order short of 2", "halving the step four times", "", 0.1, || {
-        shortfall(Case::Lasting, 2.0)
+        short_of(Case::Lasting, 2.0)
     }),
     Check::new("energy ledger, contacts beginning and ending: remainder", "energy put in", "", 1e-3, || {
         remainder(Case::Passing)
     }),
     Check::new("the same: order short of 1", "halving the step four times", "", 0.3, || {
-        shortfall(Case::Passing, 1.0)
+        short_of(Case::Passing, 1.0)
     }),
 ];
 
@@ -64,19 +64,10 @@ impl Ledger {
 
 fn case(case: Case, mechanical_step: f64) -> World {
     match case {
-        // Two disks pressed together and twisted, well below the limit of sticking.
         Case::Lasting => {
-            let mut bodies = [disk(80.0, 0.2), disk(60.0, 0.25)];
-            for body in &mut bodies {
-                (body.translation_rate, body.rotation_rate) = (2.0, 2.0);
-            }
-            let law = PairLaw { friction: 5.0, ..BODIES };
-            let motions = [(at(0.0, 0.0), moving(0.05, 0.0)), (at(0.449, 0.0), moving(0.0, 0.0))];
-            let mut world = world(&bodies, &[], law, &motions, mechanical_step);
-            world.drive = vec![
-                Wrench { force: vec2(2000.0, 0.0), torque: 10.0 },
-                Wrench { force: vec2(-2000.0, 50.0), torque: 5.0 },
-            ];
+            let mut world = pressed_together(mechanical_step);
+            world.drive[0].torque = 10.0;
+            world.drive[1] = Wrench { force: vec2(-2000.0, 50.0), torque: 5.0 };
             world
         }
         // A pedestrian runs past another, slides along, and both run into a wall.
@@ -126,32 +117,12 @@ fn rate(law: &PairLaw, contact: &Contact) -> f64 {
     (-contact.tangential_force - law.tangential_stiffness * contact.elongation) / law.tangential_damping
 }
 
-fn law_of<'a>(scene: &'a Scene, contact: &Contact) -> &'a PairLaw {
-    match contact.pair {
-        Pair::Disks { first, second } => {
-            scene.law(scene.disks[first.index()].material, scene.disks[second.index()].material)
-        }
-        Pair::Face { disk, face, .. } => {
-            scene.law(scene.disks[disk.index()].material, scene.faces[face.index()].material)
-        }
-    }
-}
-
 /// A key to find the same pair again a step later.
 fn key(pair: Pair) -> (u32, u32, u8) {
     match pair {
         Pair::Disks { first, second } => (first.0, second.0, 3),
         Pair::Face { disk, face, part } => (disk.0, face.0, part as u8),
     }
-}
-
-/// \[J\] Energies in the springs of a contact: normal, tangential.
-fn stored(scene: &Scene, contact: &Contact) -> (f64, f64) {
-    let law = law_of(scene, contact);
-    (
-        0.5 * law.normal_stiffness * contact.depth.powi(2),
-        0.5 * law.tangential_stiffness * contact.elongation.powi(2),
-    )
 }
 
 /// Computes the ledger of a case over 0.25 s, adding up once per mechanical step.
@@ -166,7 +137,7 @@ pub fn ledger(which: Case, mechanical_step: f64) -> Result<Ledger> {
     let first = kinetic_energy(&world);
     let in_springs = |world: &World| {
         let contacts = &world.contacts().contacts;
-        contacts.iter().map(|c| stored(&scene, c)).fold((0.0, 0.0), |sum, e| (sum.0 + e.0, sum.1 + e.1))
+        contacts.iter().map(|c| stored(&scene, c)).fold([0.0; 2], |sum, e| [sum[0] + e[0], sum[1] + e[1]])
     };
     let springs_at_first = in_springs(&world);
     let steps = (0.25 / mechanical_step).round() as u32;
@@ -190,20 +161,19 @@ pub fn ledger(which: Case, mechanical_step: f64) -> Result<Ledger> {
                 books.sliding -= 0.5 * (last.tangential_force + contact.tangential_force) * slid;
             } else {
                 // Its springs were loaded within the step.
-                books.sliding -= stored(&scene, contact).1;
+                books.sliding -= stored(&scene, contact)[1];
             }
             now.insert(key(contact.pair), *contact);
         }
         for ended in contacts.values() {
-            let (normal, tangential) = stored(&scene, ended);
-            books.let_go += normal + tangential;
+            books.let_go += stored(&scene, ended).iter().sum::<f64>();
         }
         contacts = now;
     }
     let springs = in_springs(&world);
     books.kinetic = kinetic_energy(&world) - first;
     (books.normal_springs, books.tangential_springs) =
-        (springs.0 - springs_at_first.0, springs.1 - springs_at_first.1);
+        (springs[0] - springs_at_first[0], springs[1] - springs_at_first[1]);
     books.turnover += first;
     Ok(books)
 }
@@ -213,12 +183,7 @@ pub fn ledger(which: Case, mechanical_step: f64) -> Result<Ledger> {
 /// # Errors
 /// The world did not advance.
 pub fn remainders(which: Case) -> Result<Vec<(f64, f64)>> {
-    (0..5)
-        .map(|halvings| {
-            let dt = 4e-5 / f64::from(1 << halvings);
-            Ok((dt, ledger(which, dt)?.remainder()))
-        })
-        .collect()
+    halved(4e-5, 5, |dt| Ok(ledger(which, dt)?.remainder()))
 }
 
 fn remainder(which: Case) -> Result<f64> {
@@ -226,9 +191,6 @@ fn remainder(which: Case) -> Result<f64> {
 }
 
 /// Returns by how much the order of the remainder over all halvings is less than expected.
-fn shortfall(which: Case, expected: f64) -> Result<f64> {
-    let remainders = remainders(which)?;
-    let halvings = remainders.len() - 1;
-    let fall = (remainders[0].1 / remainders[halvings].1).abs();
-    Ok((expected - fall.log2() / halvings as f64).max(0.0))
+fn short_of(which: Case, expected: f64) -> Result<f64> {
+    Ok(shortfall(&remainders(which)?, expected))
 }

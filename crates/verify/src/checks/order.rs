@@ -5,7 +5,7 @@
 
 use crate::checks::error::{Result, ensure};
 use crate::checks::scenes::*;
-use crate::checks::{Check, largest};
+use crate::checks::{Check, Oscillator, halved, largest, shortfall};
 use crowd_mechanics::engine::*;
 use std::f64::consts::PI;
 
@@ -15,19 +15,19 @@ pub(crate) const CHECKS: &[Check] = &[
         "damped oscillator",
         "",
         0.1,
-        || shortfall(Moment::Lasting, DAMPED),
+        || short_of_two(Moment::Lasting, DAMPED),
     ),
     Check::new("the same until it has ended", "damped oscillator", "", 0.1, || {
-        shortfall(Moment::Parted, DAMPED)
+        short_of_two(Moment::Parted, DAMPED)
     }),
     Check::new("with friction, undamped: order short of 2", "μ × normal impulse", "", 0.1, || {
-        shortfall(Moment::Parted, ROUGH)
+        short_of_two(Moment::Parted, ROUGH)
     }),
     Check::new("with both, begun within a step: order short of 2", "μ × normal impulse", "", 0.1, || {
-        shortfall(Moment::Lasting, BOTH)
+        short_of_two(Moment::Lasting, BOTH)
     }),
     Check::new("the same until it has ended", "μ × normal impulse", "", 0.1, || {
-        shortfall(Moment::Parted, BOTH)
+        short_of_two(Moment::Parted, BOTH)
     }),
     Check::new(
         "the same: largest error of a velocity at dt = 1e-5 s",
@@ -37,7 +37,7 @@ pub(crate) const CHECKS: &[Check] = &[
         || error(Moment::Parted, BOTH, 1e-5),
     ),
     Check::new("the same, sticking: order short of 2", "damped oscillators", "", 0.1, || {
-        shortfall(Moment::Lasting, STICKING)
+        short_of_two(Moment::Lasting, STICKING)
     }),
     Check::new("a disk runs round inside a polygon: order short of 2", "steps of 1 µs", "", 0.3, inside),
 ];
@@ -83,29 +83,20 @@ impl Moment {
     }
 }
 
-/// The speed \[m/s\] of a damped oscillator that began at 0 with another one: x'' + (γ/m) x' + (k/m) x = 0.
-fn oscillating(stiffness: f64, damping: f64, first: f64, time: f64) -> f64 {
-    let decay = damping / (2.0 * MASS);
-    let pulsation = (stiffness / MASS - decay * decay).sqrt();
-    let (sin, cos) = (pulsation * time).sin_cos();
-    first * (-decay * time).exp() * (cos - decay / pulsation * sin)
-}
-
 /// Velocities \[m/s\] along the wall and towards it when the contact has lasted a time \[s\] and sticks.
 fn stuck(law: &PairLaw, lasted: f64) -> [f64; 2] {
     let [along, towards] = START;
-    [
-        oscillating(law.tangential_stiffness, law.tangential_damping, along, lasted),
-        oscillating(law.normal_stiffness, law.normal_damping, towards, lasted),
-    ]
+    let tangential = Oscillator::new(law.tangential_stiffness, law.tangential_damping, MASS);
+    let normal = Oscillator::new(law.normal_stiffness, law.normal_damping, MASS);
+    [tangential.speed(along, lasted), normal.speed(towards, lasted)]
 }
 
 /// The same when it slides, or has ended.
 fn slid(law: &PairLaw, lasted: f64) -> [f64; 2] {
-    let decay = law.normal_damping / (2.0 * MASS);
-    let pulsation = (law.normal_stiffness / MASS - decay * decay).sqrt();
+    let normal = Oscillator::new(law.normal_stiffness, law.normal_damping, MASS);
+    let Oscillator { decay, pulsation } = normal;
     let [along, towards] = START;
-    let at = |time: f64| oscillating(law.normal_stiffness, law.normal_damping, towards, time);
+    let at = |time: f64| normal.speed(towards, time);
     // The normal force changes its sign where k h + γ h' = 0.
     let slope = law.normal_damping * pulsation / (law.normal_stiffness - law.normal_damping * decay);
     let (pulls, ends) = ((PI - slope.atan()) / pulsation, PI / pulsation);
@@ -150,12 +141,7 @@ pub fn error(moment: Moment, law: PairLaw, mechanical_step: f64) -> Result<f64> 
 /// # Errors
 /// Those of [`error`].
 pub fn errors(moment: Moment, law: PairLaw) -> Result<Vec<(f64, f64)>> {
-    (0..4)
-        .map(|halvings| {
-            let dt = 8e-5 / f64::from(1 << halvings);
-            Ok((dt, error(moment, law, dt)?))
-        })
-        .collect()
+    halved(8e-5, 4, |dt| error(moment, law, dt))
 }
 
 /// The same with damping and friction, until the contact has ended.
@@ -166,9 +152,8 @@ pub fn errors_of_hit() -> Result<Vec<(f64, f64)>> {
     errors(Moment::Parted, BOTH)
 }
 
-fn shortfall(moment: Moment, law: PairLaw) -> Result<f64> {
-    let errors = errors(moment, law)?;
-    Ok((2.0 - (errors[0].1 / errors[3].1).log2() / 3.0).max(0.0))
+fn short_of_two(moment: Moment, law: PairLaw) -> Result<f64> {
+    Ok(shortfall(&errors(moment, law)?, 2.0))
 }
 
 /// A disk is pressed outwards while it runs along the inner side of a polygon. At each corner the contact goes on, but
@@ -194,6 +179,6 @@ fn inside() -> Result<f64> {
             (0..8).map(|k| error(step * (1.0 - 0.02 * f64::from(k)))).collect::<Result<Vec<f64>>>()?;
         Ok(errors.iter().sum::<f64>() / 8.0)
     };
-    let errors = [mean(8e-5)?, mean(1e-5)?];
-    Ok((2.0 - (errors[0] / errors[1]).log2() / 3.0).max(0.0))
+    let fall = mean(8e-5)? / mean(1e-5)?;
+    Ok((2.0 - fall.log2() / 3.0).max(0.0))
 }

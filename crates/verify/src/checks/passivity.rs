@@ -50,23 +50,6 @@ pub(crate) const CHECKS: &[Check] = &[
     ),
 ];
 
-/// Random numbers between 0 and 1 (SplitMix64), the same for each run.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-}
-
 /// The law of two equal materials (paper, App. A).
 fn law(young: f64, [normal_damping, tangential_damping]: [f64; 2], friction: f64) -> PairLaw {
     let shear = young / 2.2905;
@@ -81,20 +64,7 @@ fn law(young: f64, [normal_damping, tangential_damping]: [f64; 2], friction: f64
 
 /// \[J\] Kinetic energy, and that of the springs.
 fn energy(world: &World) -> f64 {
-    let scene = world.scene();
-    let of_springs = |contact: &Contact| {
-        let law = match contact.pair {
-            Pair::Disks { first, second } => {
-                let [first, second] = [first, second].map(|disk| scene.disks[disk.index()].material);
-                scene.law(first, second)
-            }
-            Pair::Face { disk, face, .. } => {
-                scene.law(scene.disks[disk.index()].material, scene.faces[face.index()].material)
-            }
-        };
-        let (depth, elongation) = (contact.depth, contact.elongation);
-        0.5 * (law.normal_stiffness * depth * depth + law.tangential_stiffness * elongation * elongation)
-    };
+    let of_springs = |contact: &Contact| stored(world.scene(), contact).iter().sum::<f64>();
     kinetic_energy(world) + world.contacts().contacts.iter().map(of_springs).sum::<f64>()
 }
 
@@ -124,13 +94,13 @@ fn random_pairs(share_of_longest: f64) -> Result<f64> {
     let mut random = Random(16);
     let (mut worst, mut met) = (f64::NEG_INFINITY, 0);
     while met < 500 {
-        let powers = |random: &mut Random, low: f64, high: f64| low * (high / low).powf(random.next());
+        let powers = |random: &mut Random, low: f64, high: f64| low * (high / low).powf(random.share());
         let young = powers(&mut random, 1e5, 1e7);
         let damping = [(); 2].map(|()| {
-            let (none, strength) = (random.next() < 0.15, powers(&mut random, 3.0, 3e4));
+            let (none, strength) = (random.share() < 0.15, powers(&mut random, 3.0, 3e4));
             if none { 0.0 } else { strength }
         });
-        let friction = if random.next() < 0.1 { 0.0 } else { random.within(0.0, 5.0) };
+        let friction = if random.share() < 0.1 { 0.0 } else { random.within(0.0, 5.0) };
         let law = law(young, damping, friction);
         let bodies = [(); 2].map(|()| {
             let mass = random.within(20.0, 120.0);
@@ -163,7 +133,7 @@ fn random_pairs(share_of_longest: f64) -> Result<f64> {
         let first = at(0.0, 0.0).position;
         let second = vec2(libm::cos(direction), libm::sin(direction)) * 0.7
             + vec2(-libm::sin(direction), libm::cos(direction)) * beside;
-        let share = random.next();
+        let share = random.share();
         let motions =
             [(first, towards * -share), (second, towards * (1.0 - share))].map(|(position, velocity)| {
                 let orientation = random.within(-PI, PI);

@@ -3,7 +3,7 @@
 use crate::checks::collision::{Push, errors_in_oblique_contact};
 use crate::checks::error::{Result, ensure};
 use crate::checks::scenes::*;
-use crate::checks::{Check, farthest_apart, largest};
+use crate::checks::{Check, apart, apart_in_pose, farthest_apart, halved, largest, off_ratio, shortfall};
 use crowd_mechanics::engine::*;
 
 pub(crate) const CHECKS: &[Check] = &[
@@ -67,35 +67,51 @@ fn under_ramp(rate: f64, [r, v, a, j]: [f64; 4], t: f64) -> [f64; 2] {
 
 /// Two steps of 1 s under the same ramp.
 fn free(shortlisting: Shortlisting) -> Result<f64> {
+    let drive = Wrench { force: vec2(-50.0, 20.0), torque: 1.5 };
+    let ramp = Wrench { force: vec2(40.0, -60.0), torque: -1.2 };
+    let start = Twist { velocity: vec2(0.6, -0.4), angular_velocity: 1.0 };
+    flight(shortlisting, &[(FREE, FREE), (4.5, 3.0)], start, [drive, ramp], (2, 1.0))
+}
+
+/// The largest error of a free body with these relaxation rates, under a drive and its rate, after each of some steps
+/// \[s\].
+pub(crate) fn flight(
+    shortlisting: Shortlisting,
+    rates: &[(f64, f64)],
+    start: Twist,
+    [drive, ramp]: [Wrench; 2],
+    (steps, duration): (u32, f64),
+) -> Result<f64> {
     let mut worst: f64 = 0.0;
-    for (rate, turning_rate) in [(FREE, FREE), (4.5, 3.0)] {
+    for &(rate, turning_rate) in rates {
         let mut body = pedestrian(70.0, rate);
         body.rotation_rate = turning_rate;
-        let start = Twist { velocity: vec2(0.6, -0.4), angular_velocity: 1.0 };
         let mut world = world(std::slice::from_ref(&body), &[], BODIES, &[(at(0.0, 0.0), start)], 1e-5);
         world.shortlisting = shortlisting;
-        let drive = Wrench { force: vec2(-50.0, 20.0), torque: 1.5 };
-        world.drive_rate[0] = Wrench { force: vec2(40.0, -60.0), torque: -1.2 };
-        let ramp = world.drive_rate[0];
-        for step in 1..=2 {
-            world.drive[0] = later(drive, ramp, f64::from(step - 1));
-            world.advance(1.0)?;
-            let t = f64::from(step);
-            let (pose, twist) = (world.state().poses[0], world.state().twists[0]);
+        world.drive_rate[0] = ramp;
+        for step in 1..=steps {
+            world.drive[0] = later(drive, ramp, duration * f64::from(step - 1));
+            world.advance(duration)?;
+            let t = duration * f64::from(step);
             let lightness = 1.0 / body.mass;
-            let [x, vx] =
-                under_ramp(rate, [0.0, 0.6, drive.force.x * lightness, ramp.force.x * lightness], t);
-            let [y, vy] =
-                under_ramp(rate, [0.0, -0.4, drive.force.y * lightness, ramp.force.y * lightness], t);
-            let per_inertia = [0.0, 1.0, drive.torque / body.inertia, ramp.torque / body.inertia];
-            let [theta, omega] = under_ramp(turning_rate, per_inertia, t);
-            worst = largest([
-                worst,
-                (pose.position - vec2(x, y)).norm(),
-                (twist.velocity - vec2(vx, vy)).norm(),
-                (pose.orientation - theta).abs(),
-                (twist.angular_velocity - omega).abs(),
-            ]);
+            let [x, vx] = under_ramp(
+                rate,
+                [0.0, start.velocity.x, drive.force.x * lightness, ramp.force.x * lightness],
+                t,
+            );
+            let [y, vy] = under_ramp(
+                rate,
+                [0.0, start.velocity.y, drive.force.y * lightness, ramp.force.y * lightness],
+                t,
+            );
+            let per_inertia =
+                [0.0, start.angular_velocity, drive.torque / body.inertia, ramp.torque / body.inertia];
+            let [orientation, angular_velocity] = under_ramp(turning_rate, per_inertia, t);
+            let exact = (
+                Pose { position: vec2(x, y), orientation },
+                Twist { velocity: vec2(vx, vy), angular_velocity },
+            );
+            worst = largest([worst, apart(&motions(&world)[0], &exact)]);
         }
         ensure!((world.work().shortlisted > 0) == (shortlisting == Shortlisting::On), "not as asked");
     }
@@ -114,22 +130,7 @@ fn in_pieces(scene: impl Fn() -> World) -> Result<f64> {
         }
         pieces.advance(0.01)?;
     }
-    Ok(apart(whole.state(), pieces.state()))
-}
-
-/// Largest difference of poses and velocities.
-fn apart(a: &State, b: &State) -> f64 {
-    let twists = a.twists.iter().zip(&b.twists).flat_map(|(a, b)| {
-        [(a.velocity - b.velocity).norm(), (a.angular_velocity - b.angular_velocity).abs()]
-    });
-    largest(twists.chain([apart_in_pose(a, b)]))
-}
-
-fn apart_in_pose(a: &State, b: &State) -> f64 {
-    let poses = a.poses.iter().zip(&b.poses);
-    largest(
-        poses.flat_map(|(a, b)| [(a.position - b.position).norm(), (a.orientation - b.orientation).abs()]),
-    )
+    Ok(largest(motions(&whole).iter().zip(&motions(&pieces)).map(|(a, b)| apart(a, b))))
 }
 
 fn free_in_pieces() -> Result<f64> {
@@ -147,17 +148,9 @@ fn free_in_pieces() -> Result<f64> {
     Ok(largest([on?, off?]))
 }
 
-/// Two disks pressed together with a growing twist, well below the limit of sticking.
-fn pressed_together(mechanical_step: f64) -> World {
-    let mut bodies = [disk(80.0, 0.2), disk(60.0, 0.25)];
-    for body in &mut bodies {
-        (body.translation_rate, body.rotation_rate) = (2.0, 2.0);
-    }
-    let law = PairLaw { friction: 5.0, ..BODIES };
-    let motions = [(at(0.0, 0.0), moving(0.05, 0.0)), (at(0.449, 0.0), moving(0.0, 0.0))];
-    let mut world = world(&bodies, &[], law, &motions, mechanical_step);
-    world.drive[0].force = vec2(2000.0, 0.0);
-    world.drive[1].force = vec2(-2000.0, 0.0);
+/// Two disks pressed together with a growing twist.
+fn twisted(mechanical_step: f64) -> World {
+    let mut world = pressed_together(mechanical_step);
     world.drive_rate = vec![
         Wrench { force: vec2(9000.0, 0.0), torque: 100.0 },
         Wrench { force: vec2(-7000.0, 500.0), torque: 50.0 },
@@ -170,12 +163,7 @@ fn pressed_together(mechanical_step: f64) -> World {
 /// # Errors
 /// The world did not advance.
 pub fn pieces_in_contact() -> Result<Vec<(f64, f64)>> {
-    (0..5)
-        .map(|halvings| {
-            let dt = 4e-5 / f64::from(1 << halvings);
-            Ok((dt, in_pieces(|| pressed_together(dt))?))
-        })
-        .collect()
+    halved(4e-5, 5, |dt| in_pieces(|| twisted(dt)))
 }
 
 fn contact_in_pieces() -> Result<f64> {
@@ -184,35 +172,40 @@ fn contact_in_pieces() -> Result<f64> {
 
 /// Every cut costs the error of one mechanical step, which is of third order.
 fn order_in_pieces() -> Result<f64> {
-    let differences = pieces_in_contact()?;
-    let fall = differences[0].1 / differences[4].1;
-    Ok((3.0 - fall.log2() / 4.0).max(0.0))
+    Ok(shortfall(&pieces_in_contact()?, 3.0))
 }
 
 fn order() -> Result<f64> {
-    let errors = errors_in_oblique_contact(&Push::RAMP)?;
-    Ok(largest(errors.windows(2).map(|pair| (pair[0].1 / pair[1].1 - 4.0).abs())))
+    Ok(off_ratio(&errors_in_oblique_contact(&Push::RAMP)?, 4.0))
 }
 
 /// Standing people with gaps. The first is pushed with a growing force, another sways on the spot. Within one
 /// communication step the push travels through all.
 fn row() -> Result<f64> {
-    let mut worlds = [Shortlisting::On, Shortlisting::Off].map(|shortlisting| {
-        let bodies: Vec<BodySpec> = (0..6).map(|_| disk(70.0, 0.2)).collect();
-        let motions: Vec<(Pose, Twist)> =
-            (0..6).map(|k| (at(0.45 * f64::from(k), 0.0), moving(0.0, 0.0))).collect();
-        let mut world = world(&bodies, &[], ELASTIC, &motions, 1e-5);
-        world.shortlisting = shortlisting;
+    let worlds = along_row(0.45, 0.0, |world| {
         world.drive_rate[0].force = vec2(4000.0, 0.0);
         world.drive[4].force = vec2(0.0, 10.0);
         world.drive_rate[4].force = vec2(0.0, -40.0);
-        world
-    });
-    for world in &mut worlds {
-        world.advance(0.5)?;
-    }
+    })?;
     ensure!(worlds[0].state().twists[5].velocity.x > 1.0, "the push went through");
     Ok(farthest_apart(&worlds))
+}
+
+/// Six people in a row, so far apart \[m\], of whom the first has a speed \[m/s\], after 0.5 s in one step: shortlisted
+/// and not.
+pub(crate) fn along_row(spacing: f64, speed: f64, push: impl Fn(&mut World)) -> Result<[World; 2]> {
+    let run = |shortlisting| -> Result<World> {
+        let bodies: Vec<BodySpec> = (0..6).map(|_| disk(70.0, 0.2)).collect();
+        let mut motions: Vec<(Pose, Twist)> =
+            (0..6).map(|k| (at(spacing * f64::from(k), 0.0), moving(0.0, 0.0))).collect();
+        motions[0].1 = moving(speed, 0.0);
+        let mut world = world(&bodies, &[], ELASTIC, &motions, 1e-5);
+        world.shortlisting = shortlisting;
+        push(&mut world);
+        world.advance(0.5)?;
+        Ok(world)
+    };
+    Ok([run(Shortlisting::On)?, run(Shortlisting::Off)?])
 }
 
 /// The drive between two communication points.
@@ -256,16 +249,13 @@ pub fn errors_of_push(between: Between) -> Result<Vec<(f64, f64)>> {
     let half_step = 0.2 / f64::from(PUSH_STEPS);
     let fine = pushed(PUSH_STEPS, |t| GROWTH * (t + half_step), 0.0)?;
     let rate = if between == Between::Rates { GROWTH } else { 0.0 };
-    (2..8)
-        .map(|halvings| {
-            let steps = 1 << halvings;
-            let world = pushed(steps, |t| GROWTH * t, rate)?;
-            Ok((0.4 / f64::from(steps), apart_in_pose(world.state(), fine.state())))
-        })
-        .collect()
+    halved(0.1, 6, |duration| {
+        let world = pushed((0.4 / duration).round() as u32, |t| GROWTH * t, rate)?;
+        let poses = world.state().poses.iter().zip(&fine.state().poses);
+        Ok(largest(poses.map(|(a, b)| apart_in_pose(a, b))))
+    })
 }
 
 fn order_of_held() -> Result<f64> {
-    let errors = errors_of_push(Between::Held)?;
-    Ok(largest(errors.windows(2).map(|pair| (pair[0].1 / pair[1].1 - 2.0).abs())))
+    Ok(off_ratio(&errors_of_push(Between::Held)?, 2.0))
 }

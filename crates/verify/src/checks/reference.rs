@@ -2,7 +2,8 @@
 //! event to event, its own formulas). Its solutions are committed, and a test computes them again.
 
 use crate::checks::error::{Error, Result, ensure};
-use crate::checks::{Check, largest};
+use crate::checks::scenes::motions;
+use crate::checks::{Check, apart_in_pose, apart_in_twist, largest};
 use crowd_mechanics::engine::{World, Wrench};
 use crowd_mechanics::setup::{self, Setup};
 use lemons_core::plane::{Pose, Twist, vec2};
@@ -115,12 +116,9 @@ fn differences(case: &Case, mechanical_step: f64) -> Result<(f64, f64)> {
         world.drive = case.drive(stage);
         world.advance(end - time)?;
         time = end;
-        let motions = world.state().poses.iter().zip(&world.state().twists);
-        for ((pose, twist), (known, moving)) in motions.zip(case.solution(stage)) {
-            let turned = (pose.orientation - known.orientation).abs();
-            let spin = (twist.angular_velocity - moving.angular_velocity).abs();
-            worst.0 = largest([worst.0, (pose.position - known.position).norm(), turned]);
-            worst.1 = largest([worst.1, (twist.velocity - moving.velocity).norm(), spin]);
+        for ((pose, twist), (known, moving)) in motions(&world).iter().zip(case.solution(stage)) {
+            worst.0 = largest([worst.0, apart_in_pose(pose, &known)]);
+            worst.1 = largest([worst.1, apart_in_twist(twist, &moving)]);
         }
     }
     Ok(worst)

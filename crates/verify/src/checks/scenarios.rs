@@ -3,7 +3,7 @@
 
 use crate::checks::error::{Error, Result};
 use crate::checks::interfaces::{Motions, through_files, through_fmu};
-use crate::checks::{Check, largest};
+use crate::checks::{Check, Oscillator, apart, largest};
 use crowd_mechanics::setup;
 use include_dir::{Dir, include_dir};
 use lemons_core::plane::{Vec2, vec2};
@@ -67,13 +67,8 @@ fn ways_apart() -> Result<f64> {
     for name in SCENARIOS.dirs().filter_map(|dir| dir.path().to_str()) {
         let (_directory, trial) = open(name)?;
         let (fmu, files) = (through_fmu(&trial, None, 10)?, through_files(&trial, 10)?);
-        for (a, b) in fmu.iter().flatten().zip(files.iter().flatten()) {
-            let positions = (a.0.position - b.0.position).norm();
-            let velocities = (a.1.velocity - b.1.velocity).norm();
-            let turns = (a.0.orientation - b.0.orientation).abs();
-            let spins = (a.1.angular_velocity - b.1.angular_velocity).abs();
-            worst = largest([worst, positions, velocities, turns, spins]);
-        }
+        let both = fmu.iter().flatten().zip(files.iter().flatten());
+        worst = largest([worst, largest(both.map(|(a, b)| apart(a, b)))]);
     }
     Ok(worst)
 }
@@ -97,16 +92,10 @@ fn law(trial: &Trial, other: &str) -> [f64; 5] {
     }
 }
 
-/// e^{−π β/ω} of a Kelvin–Voigt contact that ends when h returns to zero.
-fn restitution(kn: f64, gamma: f64, reduced: f64) -> f64 {
-    let decay = gamma / (2.0 * reduced);
-    (-std::f64::consts::PI * decay / (kn / reduced - decay * decay).sqrt()).exp()
-}
-
 fn push_agent_agent(trial: &Trial, _: f64, after: &Motions) -> f64 {
     let [a, b] = [0, 1].map(|i| trial.agents[i].mass);
     let [kn, _, gamma, ..] = law(trial, "human_naked");
-    let e = restitution(kn, gamma, a * b / (a + b));
+    let e = Oscillator::new(kn, gamma, a * b / (a + b)).restitution();
     let before = trial.dynamics[0].velocity.x;
     let expected = [(a - e * b) / (a + b) * before, (1.0 + e) * a / (a + b) * before];
     largest(after.iter().zip(expected).map(|((_, twist), v)| (twist.velocity - vec2(v, 0.0)).norm()))
@@ -114,7 +103,7 @@ fn push_agent_agent(trial: &Trial, _: f64, after: &Motions) -> f64 {
 
 fn push_agent_wall(trial: &Trial, _: f64, after: &Motions) -> f64 {
     let [kn, _, gamma, ..] = law(trial, "concrete");
-    let e = restitution(kn, gamma, trial.agents[0].mass);
+    let e = Oscillator::new(kn, gamma, trial.agents[0].mass).restitution();
     (after[0].1.velocity + trial.dynamics[0].velocity * e).norm()
 }
 
@@ -135,11 +124,8 @@ fn rolling_agent_wall(trial: &Trial, time: f64, after: &Motions) -> f64 {
     let (agent, radius) = (&trial.agents[0], trial.agents[0].shapes[0].radius);
     let arm = radius + 0.5 * trial.dynamics[0].fp.y / kn;
     let lightness = 1.0 / agent.mass + arm * arm / agent.moment_of_inertia;
-    let decay = 0.5 * gamma * lightness;
-    let pulsation = (kt * lightness - decay * decay).sqrt();
     let before = trial.dynamics[0].velocity.x;
-    let (sin, cos) = (pulsation * time).sin_cos();
-    let slip = before * (-decay * time).exp() * (cos - decay / pulsation * sin);
+    let slip = Oscillator::new(kt, gamma, 1.0 / lightness).speed(before, time);
     // Both are driven by the same impulse J: v = v₀ − J/m, ω = −J a/I.
     let impulse = (before - slip) / lightness;
     let twist = after[0].1;

@@ -134,10 +134,86 @@ pub fn kinetic_energy(world: &World) -> f64 {
         .sum()
 }
 
+/// Returns poses and twists of all bodies.
+pub fn motions(world: &World) -> Vec<(Pose, Twist)> {
+    world.state().poses.iter().copied().zip(world.state().twists.iter().copied()).collect()
+}
+
+/// Returns the law of a contact.
+pub fn law_of<'a>(scene: &'a Scene, contact: &Contact) -> &'a PairLaw {
+    let material = |disk: DiskId| scene.disks[disk.index()].material;
+    match contact.pair {
+        Pair::Disks { first, second } => scene.law(material(first), material(second)),
+        Pair::Face { disk, face, .. } => scene.law(material(disk), scene.faces[face.index()].material),
+    }
+}
+
+/// Returns the energies in the springs of a contact \[J\]: normal, tangential.
+pub fn stored(scene: &Scene, contact: &Contact) -> [f64; 2] {
+    let law = law_of(scene, contact);
+    let (depth, elongation) = (contact.depth, contact.elongation);
+    [0.5 * law.normal_stiffness * depth * depth, 0.5 * law.tangential_stiffness * elongation * elongation]
+}
+
+/// Returns two disks pressed together, to be twisted well below the limit of sticking.
+pub fn pressed_together(mechanical_step: f64) -> World {
+    let mut bodies = [disk(80.0, 0.2), disk(60.0, 0.25)];
+    for body in &mut bodies {
+        (body.translation_rate, body.rotation_rate) = (2.0, 2.0);
+    }
+    let law = PairLaw { friction: 5.0, ..BODIES };
+    let motions = [(at(0.0, 0.0), moving(0.05, 0.0)), (at(0.449, 0.0), moving(0.0, 0.0))];
+    let mut world = world(&bodies, &[], law, &motions, mechanical_step);
+    world.drive[0].force = vec2(2000.0, 0.0);
+    world.drive[1].force = vec2(-2000.0, 0.0);
+    world
+}
+
+/// Random numbers, the same on every machine (SplitMix64).
+pub struct Random(pub u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Draws a number from 0 to 1.
+    pub fn share(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Draws a number from −1 to 1.
+    pub fn signed(&mut self) -> f64 {
+        self.bits() as f64 / (1u64 << 63) as f64 - 1.0
+    }
+
+    /// Draws a number between two.
+    pub fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.share()
+    }
+}
+
 /// Returns pedestrians of different orientations on a square lattice \[m\], running in all directions, and a wall below
 /// them.
 pub fn lattice(side: u32, spacing: f64, mechanical_step: f64) -> World {
-    let bodies: Vec<BodySpec> = (0..side * side).map(|_| pedestrian(70.0, 4.5)).collect();
+    let below = wall(&[(-1.0, -0.5), (spacing * f64::from(side) + 3.0, -0.5)]);
+    crowd_on_lattice(side, spacing, 4.5, &below, BODIES, mechanical_step)
+}
+
+/// Returns such a crowd with another relaxation rate, wall and law.
+pub fn crowd_on_lattice(
+    side: u32,
+    spacing: f64,
+    rate: f64,
+    below: &WallSpec,
+    law: PairLaw,
+    mechanical_step: f64,
+) -> World {
+    let bodies: Vec<BodySpec> = (0..side * side).map(|_| pedestrian(70.0, rate)).collect();
     let motions: Vec<(Pose, Twist)> = (0..side * side)
         .map(|k| {
             let (column, row, k) = (f64::from(k % side), f64::from(k / side), f64::from(k));
@@ -145,6 +221,5 @@ pub fn lattice(side: u32, spacing: f64, mechanical_step: f64) -> World {
             (pose, moving(libm::sin(1.3 * k), libm::cos(2.1 * k)))
         })
         .collect();
-    let below = wall(&[(-1.0, -0.5), (spacing * f64::from(side) + 3.0, -0.5)]);
-    world(&bodies, &[below], BODIES, &motions, mechanical_step)
+    world(&bodies, std::slice::from_ref(below), law, &motions, mechanical_step)
 }

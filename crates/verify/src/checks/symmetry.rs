@@ -2,7 +2,7 @@
 
 use crate::checks::error::{Result, ensure};
 use crate::checks::scenes::*;
-use crate::checks::{Check, largest};
+use crate::checks::{Check, apart, largest};
 use crowd_mechanics::engine::*;
 
 pub(crate) const CHECKS: &[Check] = &[
@@ -24,7 +24,7 @@ fn bodies() -> Vec<BodySpec> {
     (0..25).map(|k| pedestrian(60.0 + 2.0 * f64::from(k), 4.5)).collect()
 }
 
-fn motions() -> Vec<(Pose, Twist)> {
+fn start() -> Vec<(Pose, Twist)> {
     (0..25)
         .map(|k| {
             let (x, y) = (0.36 * f64::from(k % 5), 0.46 * f64::from(k / 5));
@@ -47,7 +47,7 @@ fn run(bodies: &[BodySpec], corners: &[Vec2], motions: &[(Pose, Twist)]) -> Resu
 }
 
 fn as_is() -> Result<World> {
-    run(&bodies(), &CORNERS.map(|(x, y)| vec2(x, y)), &motions())
+    run(&bodies(), &CORNERS.map(|(x, y)| vec2(x, y)), &start())
 }
 
 /// Maps positions and angles of the scene. Returns the largest difference between the motion of the mapped scene and
@@ -63,45 +63,28 @@ fn seen(place: fn(Vec2) -> Vec2, angle: fn(f64) -> f64, mirror: bool) -> Result<
         }
         bodies.iter_mut().for_each(|body| body.disks.reverse());
     }
-    let motions: Vec<(Pose, Twist)> = motions()
-        .into_iter()
-        .map(|(pose, twist)| {
+    let mapped = |motions: Vec<(Pose, Twist)>| -> Vec<(Pose, Twist)> {
+        let of = |(pose, twist): (Pose, Twist)| {
             let pose = Pose { position: place(pose.position), orientation: angle(pose.orientation) };
-            let velocity = direction(twist.velocity);
-            (pose, Twist { velocity, angular_velocity: turn(twist.angular_velocity) })
-        })
-        .collect();
-    let there = run(&bodies, &CORNERS.map(|(x, y)| place(vec2(x, y))), &motions)?;
-    let here = as_is()?;
-    let motions = motions_of(&here).into_iter().map(|(pose, twist)| {
-        let pose = Pose { position: place(pose.position), orientation: angle(pose.orientation) };
-        let velocity = direction(twist.velocity);
-        (pose, Twist { velocity, angular_velocity: turn(twist.angular_velocity) })
-    });
-    Ok(apart(&motions.collect::<Vec<_>>(), &motions_of(&there)))
+            let (velocity, angular_velocity) = (direction(twist.velocity), turn(twist.angular_velocity));
+            (pose, Twist { velocity, angular_velocity })
+        };
+        motions.into_iter().map(of).collect()
+    };
+    let there = run(&bodies, &CORNERS.map(|(x, y)| place(vec2(x, y))), &mapped(start()))?;
+    Ok(farthest(&mapped(motions(&as_is()?)), &motions(&there)))
 }
 
-fn motions_of(world: &World) -> Vec<(Pose, Twist)> {
-    world.state().poses.iter().copied().zip(world.state().twists.iter().copied()).collect()
-}
-
-fn apart(a: &[(Pose, Twist)], b: &[(Pose, Twist)]) -> f64 {
-    largest(a.iter().zip(b).flat_map(|(a, b)| {
-        [
-            (a.0.position - b.0.position).norm(),
-            (a.0.orientation - b.0.orientation).abs(),
-            (a.1.velocity - b.1.velocity).norm(),
-            (a.1.angular_velocity - b.1.angular_velocity).abs(),
-        ]
-    }))
+fn farthest(a: &[(Pose, Twist)], b: &[(Pose, Twist)]) -> f64 {
+    largest(a.iter().zip(b).map(|(a, b)| apart(a, b)))
 }
 
 fn reversed() -> Result<f64> {
-    let (mut bodies, mut motions) = (bodies(), motions());
+    let (mut bodies, mut first) = (bodies(), start());
     bodies.reverse();
-    motions.reverse();
-    let there = run(&bodies, &CORNERS.map(|(x, y)| vec2(x, y)), &motions)?;
-    let mut back = motions_of(&there);
+    first.reverse();
+    let there = run(&bodies, &CORNERS.map(|(x, y)| vec2(x, y)), &first)?;
+    let mut back = motions(&there);
     back.reverse();
-    Ok(apart(&motions_of(&as_is()?), &back))
+    Ok(farthest(&motions(&as_is()?), &back))
 }

@@ -2,7 +2,7 @@
 
 use crate::checks::error::{Result, ensure};
 use crate::checks::scenes::*;
-use crate::checks::{Check, largest};
+use crate::checks::{Check, apart, largest};
 use crowd_mechanics::engine::*;
 
 pub(crate) const CHECKS: &[Check] = &[
@@ -72,22 +72,10 @@ fn in_pieces(body: &BodySpec, half_depth: f64) -> Result<f64> {
             world.advance(0.1)?;
         }
         ensure!(world.work().contacts > 10_000, "it stays at the wall");
-        let state = world.state();
-        Ok((state.poses[0], state.twists[0]))
+        Ok(motions(&world)[0])
     };
-    let (pose, twist) = slide(1)?;
-    let mut worst = 0.0;
-    for pieces in [400, 4000] {
-        let (other, motion) = slide(pieces)?;
-        worst = largest([
-            worst,
-            (other.position - pose.position).norm(),
-            (other.orientation - pose.orientation).abs(),
-            (motion.velocity - twist.velocity).norm(),
-            (motion.angular_velocity - twist.angular_velocity).abs(),
-        ]);
-    }
-    Ok(worst)
+    let whole = slide(1)?;
+    Ok(largest([apart(&slide(400)?, &whole), apart(&slide(4000)?, &whole)]))
 }
 
 /// A body of 80 kg at rest with its centre on a wall's line, except for rounding. Returns the speed \[m/s\] along the

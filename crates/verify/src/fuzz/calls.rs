@@ -1,16 +1,18 @@
-//! Sequences of FMI calls, and damaged states, of both versions of FMI.
+//! Sequences of FMI calls, and damaged states, of both versions of FMI: one driver over the table of functions.
 
-use crate::fuzz::models::{Fmu, OUTPUTS, Subject};
+use crate::fuzz::models::{Fmu, FuzzedModel, OUTPUTS};
 use crate::fuzz::show_panics;
+use crate::testing::functions::{Probe, Source};
 use crate::testing::instance::Arguments;
 use crate::testing::{Instance, Version, fmi2, fmi3};
 use arbitrary::{Arbitrary, Unstructured};
 use lemons_fmi::Status;
+use std::any::TypeId;
 use std::cell::Cell;
-use std::ffi::{CStr, CString, c_void};
-use std::ptr::null_mut;
+use std::ffi::{CString, c_char, c_void};
+use std::fmt::Debug;
+use std::ptr::{null, null_mut};
 use std::rc::Rc;
-use std::sync::OnceLock;
 
 /// Mechanical steps in one communication step, and in one run.
 const STEP_WORK: f64 = 200.0;
@@ -18,12 +20,6 @@ const RUN_WORK: f64 = 1000.0;
 
 /// Calls in one run.
 const CALLS: usize = 100;
-
-/// Whether calls, answers and messages are shown: see `examples/one.rs`.
-fn telling() -> bool {
-    static TELLING: OnceLock<bool> = OnceLock::new();
-    *TELLING.get_or_init(|| std::env::var_os("FUZZ_TOLD").is_some())
-}
 
 /// A number, often one of interest.
 #[derive(Debug, Clone, Copy, Arbitrary)]
@@ -35,28 +31,10 @@ enum Real {
 
 impl Real {
     fn value(self) -> f64 {
-        const SPECIAL: [f64; 20] = [
-            0.0,
-            -0.0,
-            1.0,
-            -1.0,
-            1e-3,
-            1e-4,
-            1e-2,
-            5e-324,
-            -5e-324,
-            f64::MIN_POSITIVE,
-            1e-160,
-            1e160,
-            1e300,
-            f64::MAX,
-            f64::MIN,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            f64::NAN,
-            9_007_199_254_740_993.0,
-            f64::EPSILON,
-        ];
+        const INF: f64 = f64::INFINITY;
+        const TINY: f64 = f64::MIN_POSITIVE;
+        const SPECIAL: [f64; 12] =
+            [0.0, -0.0, 1.0, -1.0, 1e-3, 1e-4, 5e-324, TINY, 1e160, 1e300, INF, f64::NAN];
         match self {
             Real::Small(n) => f64::from(n) / 256.0,
             Real::Special(k) => SPECIAL[usize::from(k) % SPECIAL.len()],
@@ -65,40 +43,10 @@ impl Real {
     }
 }
 
-/// A value reference.
-#[derive(Debug, Clone, Copy, Arbitrary)]
-enum Reference {
-    /// Of the type that the call is about.
-    Fitting(u8),
-    Any(u8),
-    Raw(u32),
-}
-
-/// At most this many elements in an array.
+/// At most this many variables in a call.
 const MOST: usize = 12;
-
-#[derive(Debug, Clone, Arbitrary)]
-enum Text {
-    Known(u8),
-    Bytes(Vec<u8>),
-    Null,
-}
-
-impl Text {
-    fn choose(&self, known: &[CString]) -> Option<CString> {
-        match self {
-            Text::Known(k) => known.get(usize::from(*k) % known.len()).cloned(),
-            Text::Bytes(bytes) => {
-                CString::new(bytes.iter().copied().filter(|byte| *byte != 0).collect::<Vec<u8>>()).ok()
-            }
-            Text::Null => None,
-        }
-    }
-}
-
-fn pointers(texts: &[Option<CString>]) -> Vec<Option<&CStr>> {
-    texts.iter().map(Option::as_deref).collect()
-}
+/// At most this many elements in an array: see `models::LONGEST`.
+const ROOM: usize = 4096;
 
 /// A change to a serialised state, in its content unless said otherwise.
 #[derive(Debug, Clone, Arbitrary)]
@@ -167,151 +115,175 @@ enum At {
     Real(Real),
 }
 
-/// Functions that take nothing but the instance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Arbitrary)]
-enum Plain {
-    /// Of FMI 2.0; in FMI 3.0 it needs an experiment.
-    EnterInitializationMode,
-    ExitInitializationMode,
-    EnterConfigurationMode,
-    ExitConfigurationMode,
-    Terminate,
-    Reset,
-}
-
-/// What the importer's callback does within a step.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Arbitrary)]
-struct Within {
-    /// A variable that is read.
-    reference: u8,
-    /// Whether it wants the step to end there.
-    returns: bool,
-    /// Whether it calls what is not allowed there.
-    disturbs: bool,
-}
-
 #[derive(Debug, Clone, Arbitrary)]
 enum Call {
-    /// As masters do: into Initialization Mode and out of it.
-    Start,
-    /// Into Initialization Mode.
-    Prepare,
-    /// Sizes and a Trial that belong together, or do not.
-    Choose(u8, u8, u8),
-    SetUp(Real, Real, Option<Real>),
-    Enter(Real, Real, Option<Real>),
-    Plain(Plain),
-    Logging(bool, Vec<Text>),
-    /// References, and how many values more than fit (in FMI 3.0).
-    GetReal(Vec<Reference>, i8),
-    GetInteger(Vec<Reference>, i8),
-    GetBoolean(Vec<Reference>, i8),
-    GetString(Vec<Reference>, i8),
-    GetSize(Vec<Reference>, i8),
+    /// As masters do: into Initialization Mode, and perhaps out of it.
+    Start(bool),
+    /// Any function that returns a status, with arguments that may fit.
+    Any(u8),
     /// One element of one variable, the others as they are: most arrays are refused for one of their elements.
     Set(u8, u8, Real),
-    /// The values again and again.
-    SetReal(Vec<Reference>, Vec<Real>, i8),
-    SetInteger(Vec<Reference>, Vec<i32>, i8),
-    SetBoolean(Vec<Reference>, Vec<i32>, i8),
-    SetSize(Vec<(Reference, u64)>),
-    SetString(Vec<(Reference, Text)>, i8),
-    InputDerivatives(Vec<(Reference, Real, Option<i8>)>),
-    OutputDerivatives(Vec<(Reference, Option<i8>)>, i8),
-    Dependencies(Reference, u8),
-    /// Any function, with arguments that mean nothing.
-    Probe(u8, Option<u8>),
-    Within(Within),
     /// Some thousandths of a second from now.
     Step(u8),
     DoStep(At, Real),
-    GetState(u8),
-    SetState(u8),
-    FreeState(u8),
-    Serialize(u8, i8),
-    Deserialize(u8, u8, Vec<Edit>, Seal),
-    Instantiate([Text; 3], i8, [bool; 4]),
-    /// The calls that follow go to the other instance.
-    Other,
 }
 
-/// Which pointers of a call are NULL, one bit each; mostly none.
-#[derive(Debug, Clone, Copy, Arbitrary)]
-struct Nulls(u8);
+/// Arguments from the fuzzer's bytes, such as a function of this name expects.
+struct Drawn<'a, 'b> {
+    input: &'a mut Unstructured<'b>,
+    fmu: &'a Fmu,
+    slots: &'a mut [*mut c_void; 3],
+    sizes: &'a [u64],
+    /// Serialised states.
+    saved: [&'a [u8]; 2],
+    /// Variables of the type that the function is about.
+    fitting: &'a [u32],
+    /// Which pointers are NULL, one bit each; mostly none.
+    nulls: u8,
+    pointers: u32,
+    /// The variables that the function gets, until it gets their number.
+    references: Option<Vec<u32>>,
+    /// The number of their values.
+    values: usize,
+    /// Whether a text may be a directory into which files are written.
+    writes: bool,
+    texts: Vec<CString>,
+    rooms: Vec<Vec<u64>>,
+    states: Vec<Vec<u8>>,
+}
 
-impl Nulls {
-    const NONE: Nulls = Nulls(0);
-
-    fn bits(self) -> u8 {
-        if self.0 & 0xe0 == 0xe0 { self.0 & 0x1f } else { 0 }
+impl Drawn<'_, '_> {
+    fn draw<T: for<'c> Arbitrary<'c> + Default>(&mut self) -> T {
+        self.input.arbitrary().unwrap_or_default()
     }
 
-    fn any(self, places: u8) -> bool {
-        self.bits() & ((1 << places) - 1) != 0
+    fn real(&mut self) -> u64 {
+        self.input.arbitrary::<Real>().map_or(1.0, Real::value).to_bits()
     }
-}
 
-/// A state pointer of the importer's.
-struct Slot {
-    state: *mut c_void,
-    /// Whether the instance gave it, or another one of the same FMU.
-    genuine: bool,
-    /// Whether files would be written only where they may.
-    in_its_place: bool,
-}
-
-/// An instance, its states and its importer.
-struct Held {
-    instance: Rc<Instance>,
-    slots: [Slot; 3],
-    /// Whether refusals and discards are told, as the last `SetDebugLogging` wanted it.
-    hears: [bool; 2],
-    within: Rc<Cell<Within>>,
-    /// How many times the callback ran.
-    updates: Rc<Cell<usize>>,
-}
-
-impl Held {
-    fn new(fmu: &Fmu, early_return: bool) -> Held {
-        let arguments = Arguments {
-            early_return,
-            updates: true,
-            logging_on: false,
-            ..Arguments::new(&fmu.token, &fmu.location)
-        };
-        let instance = Rc::new(Instance::new(&fmu.functions, &arguments).expect("an instance"));
-        instance.take_messages();
-        let (within, updates) = (Rc::new(Cell::new(Within::default())), Rc::new(Cell::new(0)));
-        let (weak, seen, count) = (Rc::downgrade(&instance), within.clone(), updates.clone());
-        instance.on_update(Box::new(move |time, can_return| {
-            count.set(count.get() + 1);
-            let instance = weak.upgrade().expect("it steps");
-            let Within { reference, returns, disturbs } = seen.get();
-            let (status, values) = instance.get_real(&[reference.into()], 4);
-            assert!(status == Status::Error || values.iter().all(|value| value.is_finite()), "{values:?}");
-            if disturbs {
-                let refused = [
-                    instance.set_real(&[reference.into()], &values),
-                    instance.get_state(&mut null_mut()),
-                    instance.reset(),
-                    instance.terminate(),
-                    instance.do_step(time, 0.1).status,
-                ];
-                assert_eq!(refused, [Status::Error; 5], "not within a step");
+    fn reference(&mut self) -> u32 {
+        let (way, k) = self.draw::<(u8, u8)>();
+        match way {
+            0..160 => {
+                self.fitting.get(usize::from(k) % self.fitting.len().max(1)).copied().unwrap_or(k.into())
             }
-            instance.take_messages();
-            (can_return && returns).then_some(time)
-        }));
-        let slot = || Slot { state: null_mut(), genuine: false, in_its_place: true };
-        Held { instance, slots: [(); 3].map(|()| slot()), hears: [true, false], within, updates }
+            160..240 => u32::from(k) % (self.fmu.count + 2),
+            _ => self.draw(),
+        }
+    }
+
+    /// Some values, drawn by a function.
+    fn some<T>(&mut self, value: impl Fn(&mut Self) -> T) -> Vec<T> {
+        let count = 1 + usize::from(self.draw::<u8>()) % MOST;
+        (0..count).map(|_| value(self)).collect()
+    }
+
+    /// An array of these values again and again.
+    fn array<T: Copy>(&mut self, values: &[T]) -> *mut c_void {
+        self.rooms.push(vec![0; ROOM]);
+        let room = self.rooms.last_mut().expect("it was pushed").as_mut_ptr().cast::<T>();
+        for (k, value) in values.iter().cycle().take(ROOM).enumerate() {
+            // SAFETY: the room has ROOM elements of eight bytes, and no type here is longer.
+            #[allow(unsafe_code)]
+            unsafe {
+                room.add(k).write(*value);
+            }
+        }
+        room.cast()
+    }
+
+    /// A text, or NULL. Files are written into OutputDirectory: it is one of ours.
+    fn text(&mut self) -> *const c_char {
+        let known = if self.writes { &self.fmu.texts[..OUTPUTS] } else { &self.fmu.texts };
+        let (way, k) = self.draw::<(u8, u8)>();
+        let text = match way {
+            0..160 => known[usize::from(k) % known.len()].clone(),
+            160..220 if !self.writes => {
+                let bytes: Vec<u8> = self.some(|drawn| drawn.draw::<u8>().max(1));
+                CString::new(bytes).unwrap_or_default()
+            }
+            _ => return null(),
+        };
+        self.texts.push(text);
+        self.texts.last().map_or(null(), |text| text.as_ptr())
     }
 }
 
-impl Drop for Held {
-    fn drop(&mut self) {
-        for slot in &mut self.slots {
-            self.instance.free_state(&mut slot.state);
+impl Source for Drawn<'_, '_> {
+    fn number(&mut self, of: TypeId) -> u64 {
+        if of == TypeId::of::<f64>() {
+            return self.real();
         }
+        if of == TypeId::of::<u32>() {
+            return self.reference().into();
+        }
+        let byte: u8 = self.draw();
+        if of != TypeId::of::<usize>() {
+            return i64::from(byte as i8).rem_euclid(3) as u64;
+        }
+        let Some(references) = self.references.take() else {
+            // The number of values; sometimes more or less.
+            let more = if byte < 200 { 0 } else { isize::from(byte % 8) - 3 };
+            return self.values.saturating_add_signed(more) as u64;
+        };
+        let count = usize::from(byte) % (MOST + 1);
+        self.values = self.fmu.length(&references[..count], self.sizes);
+        count as u64
+    }
+
+    fn pointer(&mut self, of: TypeId) -> *mut c_void {
+        let null = self.nulls >> self.pointers.min(7) & 1 == 1;
+        self.pointers += 1;
+        let array = if of == TypeId::of::<*const u32>() {
+            let references: Vec<u32> = (0..MOST).map(|_| self.reference()).collect();
+            let output = self.fmu.named("OutputDirectory");
+            self.writes |= references.iter().any(|reference| Some(*reference) == output);
+            let array = self.array(&references);
+            self.references = Some(references);
+            array
+        } else if of == TypeId::of::<*const f64>() {
+            let values = self.some(Drawn::real);
+            self.array(&values)
+        } else if of == TypeId::of::<*const i32>() {
+            let values = self.some(|drawn| match drawn.draw::<u8>() {
+                0..128 => 1,
+                128..240 => i32::from(drawn.draw::<i8>()),
+                _ => drawn.draw(),
+            });
+            self.array(&values)
+        } else if of == TypeId::of::<*const u64>() {
+            let values = self.some(|drawn| match drawn.draw::<u8>() {
+                byte @ 0..240 => u64::from(byte % 4),
+                _ => drawn.draw(),
+            });
+            self.array(&values)
+        } else if of == TypeId::of::<*const bool>() {
+            let values = self.some(Drawn::draw::<bool>);
+            self.array(&values)
+        } else if of == TypeId::of::<*const *const c_char>() {
+            let texts = self.some(Drawn::text);
+            self.array(&texts)
+        } else if of == TypeId::of::<*mut c_void>() {
+            self.slots[usize::from(self.draw::<u8>()) % 3]
+        } else if of == TypeId::of::<*mut *mut c_void>() {
+            let slot = usize::from(self.draw::<u8>()) % 3;
+            (&raw mut self.slots[slot]).cast()
+        } else if of == TypeId::of::<*const u8>() {
+            let (second, edits) = self.input.arbitrary::<(bool, Vec<Edit>)>().unwrap_or_default();
+            let seal = if self.draw() { Seal::Good } else { Seal::Old };
+            let saved = self.saved[usize::from(second)];
+            let bytes = edited(saved, &edits, seal);
+            self.values = bytes.len();
+            self.states.push(bytes);
+            self.states.last_mut().map_or(null_mut(), |bytes| bytes.as_mut_ptr().cast())
+        } else {
+            let array = self.array(&[0_u64]);
+            if of == TypeId::of::<*mut u8>() {
+                self.values = 8 * ROOM - 8;
+            }
+            array
+        };
+        if null { null_mut() } else { array }
     }
 }
 
@@ -322,112 +294,108 @@ fn of_slave(bytes: &[u8]) -> OfSlave {
     postcard::take_from_bytes::<OfSlave>(&bytes[HEADER..]).expect("a state").0
 }
 
+/// An instance, its states and its importer.
 struct Session {
     fmu: Fmu,
+    instance: Rc<Instance>,
+    /// States that it has given.
+    slots: [*mut c_void; 3],
     /// Of an instance to which nothing has happened.
     pristine: Vec<u8>,
-    held: Vec<Held>,
-    at: usize,
-    /// What was serialised.
-    saved: Vec<Vec<u8>>,
+    /// Whether refusals are told: `SetDebugLogging` has not been called.
+    hears: bool,
+    /// How many times the callback within steps ran.
+    updates: Rc<Cell<usize>>,
     /// Mechanical steps that may still be made.
     work: f64,
-    /// Of the present call.
-    nulls: Nulls,
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        for state in &mut self.slots {
+            self.instance.free_state(state);
+        }
+    }
 }
 
 impl Session {
-    fn new(subject: Subject, version: Version) -> Session {
+    fn new(subject: FuzzedModel, version: Version, early_return: bool) -> Session {
         show_panics();
         let fmu = Fmu::of(subject, version);
-        let first = Held::new(&fmu, false);
-        let pristine = first.instance.bytes();
-        let (held, saved) = (vec![first], vec![pristine.clone()]);
-        Session { fmu, pristine, held, at: 0, saved, work: RUN_WORK, nulls: Nulls::NONE }
-    }
-
-    fn instance(&self) -> &Instance {
-        &self.held[self.at].instance
+        let arguments = Arguments {
+            early_return,
+            updates: true,
+            logging_on: false,
+            ..Arguments::new(&fmu.token, &fmu.location)
+        };
+        let instance = Rc::new(Instance::new(&fmu.functions, &arguments).expect("an instance"));
+        instance.take_messages();
+        let updates = Rc::new(Cell::new(0));
+        let (weak, count) = (Rc::downgrade(&instance), updates.clone());
+        // Within a step, values can be read, and nothing else is allowed.
+        instance.on_update(Box::new(move |time, can_return| {
+            count.set(count.get() + 1);
+            let instance = weak.upgrade().expect("it steps");
+            let (status, values) = instance.get_real(&[0], 1);
+            assert!(status == Status::Error || values[0].is_finite(), "{values:?}");
+            let refused =
+                [instance.set_real(&[0], &[1.0]), instance.get_state(&mut null_mut()), instance.reset()];
+            assert_eq!(refused, [Status::Error; 3], "not within a step");
+            instance.take_messages();
+            (can_return && time.to_bits() & 64 == 0).then_some(time)
+        }));
+        let (pristine, slots) = (instance.bytes(), [null_mut(); 3]);
+        Session { fmu, instance, slots, pristine, hears: true, updates, work: RUN_WORK }
     }
 
     fn version(&self) -> Version {
-        self.instance().version()
+        self.instance.version()
     }
 
-    /// Makes a call without some pointers, and holds its status against what all functions promise. NULL among the first
-    /// `places` pointers is refused, unless they have no elements.
-    fn ask<T>(&self, count: usize, places: u8, call: impl FnOnce(&Instance) -> (Status, T)) -> (Status, T) {
-        let instance = self.instance();
-        instance.nulls.set(self.nulls.bits());
-        let answer = call(instance);
-        instance.nulls.set(0);
-        self.answered(answer.0);
-        assert!(answer.0 != Status::Ok || count == 0 || !self.nulls.any(places), "NULL is refused");
-        answer
+    /// Makes a call and holds its status against what all functions promise.
+    fn status(&self, call: impl FnOnce(&Instance) -> Status) -> Status {
+        let status = call(&self.instance);
+        self.answered(status);
+        status
     }
 
     fn answered(&self, status: Status) {
-        let told = self.instance().take_messages();
+        let told = self.instance.take_messages();
         for message in &told {
             assert!(message.category.starts_with("log") && !message.text.is_empty(), "{message:?}");
         }
-        if telling() && !told.is_empty() {
-            eprintln!("    {told:?}");
-        }
         let tells = |wanted| told.iter().any(|message| message.status == wanted);
-        let hears = self.held[self.at].hears;
         assert!(!matches!(status, Status::Fatal | Status::Pending), "{status:?}: {told:?}");
-        assert!(status != Status::Error || tells(status) || !hears[0], "an error without a word");
-        assert!(status != Status::Discard || tells(status) || !hears[1], "a discard without a word");
+        assert!(status != Status::Error || tells(status) || !self.hears, "an error without a word");
         assert!(status != Status::Discard || self.version() == Version::V2, "FMI 3.0 has none here");
         assert!(status != Status::Ok || !tells(Status::Error), "an error told, but returned Ok: {told:?}");
         assert!(!tells(Status::Fatal), "{told:?}");
     }
 
-    fn references(&self, wanted: impl Iterator<Item = Reference>, fitting: &[u32]) -> Vec<u32> {
-        let choose = |reference| match reference {
-            Reference::Fitting(k) => {
-                fitting.get(usize::from(k) % fitting.len().max(1)).copied().unwrap_or(u32::from(k))
-            }
-            Reference::Any(k) => u32::from(k) % (self.fmu.count + 2),
-            Reference::Raw(raw) => raw,
-        };
-        wanted.take(MOST).map(choose).collect()
-    }
-
-    /// The number of values of these variables; in FMI 3.0, sometimes more or less.
-    fn length(&self, references: &[u32], more: i8, before: &[u8]) -> usize {
-        if self.version() == Version::V2 {
-            return references.len();
+    /// The number of values of these variables.
+    fn length(&self, references: &[u32], before: &[u8]) -> usize {
+        match self.version() {
+            Version::V2 => references.len(),
+            Version::V3 => self.fmu.length(references, &of_slave(before).3),
         }
-        // Mostly the right one.
-        let more = if more.unsigned_abs() < 96 { 0 } else { isize::from(more % 8) };
-        self.fmu.length(references, &of_slave(before).3).saturating_add_signed(more)
     }
 
-    /// All values, bit for bit, with the status of the calls that return them.
-    fn everything(&self, before: &[u8]) -> impl PartialEq + std::fmt::Debug {
-        let (instance, fmu) = (self.instance(), &self.fmu);
-        let length = |at: u32| self.length(&[at], 0, before);
-        let reals = fmu.reals.iter().map(|at| {
-            let (status, values) = instance.get_real(&[*at], length(*at));
-            (status, values.into_iter().map(f64::to_bits).collect::<Vec<_>>())
-        });
-        let reals: Vec<_> = reals.collect();
-        let integers = fmu.integers.iter().map(|at| instance.get_integer(&[*at], length(*at)));
-        let integers: Vec<_> = integers.collect();
-        let booleans = fmu.booleans.iter().map(|at| instance.get_boolean(&[*at], length(*at)));
-        let booleans: Vec<_> = booleans.collect();
-        let strings: Vec<_> = fmu.strings.iter().map(|at| instance.get_string(&[*at], length(*at))).collect();
-        instance.take_messages();
-        (reals, integers, booleans, strings)
+    /// All Reals, bit for bit, with the status of the calls that return them.
+    fn reals(&self, before: &[u8]) -> Vec<(Status, Vec<u64>)> {
+        let of = |at: &u32| {
+            let (status, values) = self.instance.get_real(&[*at], self.length(&[*at], before));
+            (status, values.into_iter().map(f64::to_bits).collect())
+        };
+        let all = self.fmu.reals.iter().map(of).collect();
+        self.instance.take_messages();
+        all
     }
 
     /// All Reals, where they can be had, are finite.
     fn finite(&self, before: &[u8]) {
-        let length = self.length(&self.fmu.reals, 0, before);
-        let (status, values) = self.instance().get_real(&self.fmu.reals, length);
-        self.instance().take_messages();
+        let length = self.length(&self.fmu.reals, before);
+        let (status, values) = self.instance.get_real(&self.fmu.reals, length);
+        self.instance.take_messages();
         assert!(status != Status::Ok || values.iter().all(|value| value.is_finite()), "{values:?}");
     }
 
@@ -435,418 +403,160 @@ impl Session {
     /// name any directory.
     fn writes_in_its_place(&self) -> bool {
         let Some(output) = self.fmu.named("OutputDirectory") else { return true };
-        let (status, texts) = self.instance().get_string(&[output], 1);
-        self.instance().take_messages();
+        let (status, texts) = self.instance.get_string(&[output], 1);
+        self.instance.take_messages();
         status != Status::Ok || self.fmu.texts[..OUTPUTS].contains(&texts[0])
     }
 
-    /// A call, and what a refusal promises: nothing has changed.
-    fn make(&mut self, call: &Call, nulls: Nulls) {
-        if let Call::Other = call {
-            self.at = 1 - self.at;
-            if self.held.len() == self.at {
-                self.held.push(Held::new(&self.fmu, true));
-            }
-            return;
-        }
-        let before = self.instance().bytes();
-        self.nulls = nulls;
-        let status = self.perform(call, &before);
-        self.nulls = Nulls::NONE;
-        if telling() {
-            eprintln!("{call:?}: {status:?}");
-        }
+    /// The same of this instance and of the states that it may go to.
+    fn all_in_their_place(&self) -> bool {
+        let own = |state: *mut c_void| {
+            let bytes = self.instance.bytes_of(state);
+            (self.fmu.output_directory)(&bytes[HEADER..]).is_some_and(|name| self.is_ours(&name))
+        };
+        let mut states = self.slots.into_iter().filter(|state| !state.is_null());
+        self.writes_in_its_place() && states.all(own)
+    }
+
+    /// Whether an OutputDirectory is none, or one of ours.
+    fn is_ours(&self, name: &str) -> bool {
+        self.fmu.texts[..OUTPUTS].iter().any(|own| own.as_bytes() == name.as_bytes())
+    }
+
+    /// Makes a call, and checks what a refusal promises: nothing has changed.
+    fn make(&mut self, name: &dyn Debug, call: impl FnOnce(&mut Session, &[u8]) -> Status) -> Status {
+        let before = self.instance.bytes();
+        let status = call(self, &before);
         if matches!(status, Status::Error | Status::Discard) {
-            self.unchanged(call, &before);
+            self.unchanged(&format!("{name:?}"), &before);
         }
+        status
+    }
+
+    /// Makes a call that takes nothing from the fuzzer's bytes.
+    fn call(&mut self, call: &Call) -> Status {
+        self.make(call, |session, before| session.perform(call, before, &mut Unstructured::new(&[])))
+    }
+
+    /// Makes a call by a method of the instance.
+    fn by(&mut self, name: &str, call: impl FnOnce(&Instance) -> Status) -> Status {
+        self.make(&name, |session, _| session.status(call))
     }
 
     /// The same bytes, or at least the same phase, time and values: a refused step or question may have computed what is
     /// not kept yet. A step that fails leads to the phase of errors, in FMI 3.0 perhaps after the first parts of it.
-    fn unchanged(&self, call: &Call, before: &[u8]) {
+    fn unchanged(&self, call: &str, before: &[u8]) {
         const FAILED: u32 = 6;
-        let after = self.instance().bytes();
+        let after = self.instance.bytes();
         if after == before {
             return;
         }
         let (was, is) = (of_slave(before), of_slave(&after));
-        let failed = matches!(call, Call::Step(_) | Call::DoStep(..)) && is.0 == FAILED;
+        let failed = call.contains("Step(") && is.0 == FAILED;
         if failed && self.version() == Version::V3 {
             return;
         }
-        assert!(was.0 == is.0 || failed, "{call:?}: its phase");
-        assert_eq!((was.1.to_bits(), was.3), (is.1.to_bits(), is.3), "{call:?}: its time and sizes");
-        let now = self.everything(before);
+        assert!(was.0 == is.0 || failed, "{call}: its phase");
+        assert_eq!((was.1.to_bits(), was.3), (is.1.to_bits(), is.3), "{call}: its time and sizes");
+        let now = self.reals(before);
         self.restore(before);
-        let then = self.everything(before);
+        let then = self.reals(before);
         self.restore(&after);
-        assert_eq!(then, now, "a refused {call:?} has changed something");
+        assert_eq!(then, now, "a refused {call} has changed something");
     }
 
     fn restore(&self, bytes: &[u8]) {
-        let status = self.instance().restore(bytes);
-        assert_eq!(status, Status::Ok, "it was saved here: {:?}", self.instance().take_messages());
+        let status = self.instance.restore(bytes);
+        assert_eq!(status, Status::Ok, "it was saved here: {:?}", self.instance.take_messages());
     }
 
-    fn perform(&mut self, call: &Call, before: &[u8]) -> Status {
+    fn perform(&mut self, call: &Call, before: &[u8], input: &mut Unstructured<'_>) -> Status {
         let fmu = &self.fmu;
-        let plain = |status| (status, ());
         match call {
-            Call::Other => Status::Ok,
-            Call::Prepare => {
-                self.ask(0, 0, |instance| plain(instance.enter(None, 0.0, None)));
-                Status::Ok
-            }
-            Call::Start => {
-                self.perform(&Call::Prepare, before);
-                self.plain(Plain::ExitInitializationMode);
-                Status::Ok
-            }
-            Call::Choose(first, second, trial) => {
-                if self.version() == Version::V3 {
-                    let values = [*first, *second].map(|size| u64::from(size % 4));
-                    self.plain(Plain::EnterConfigurationMode);
-                    self.ask(1, 2, |instance| plain(instance.set_size(&fmu.sizes, &values)));
-                    self.plain(Plain::ExitConfigurationMode);
-                }
-                let known = &fmu.texts[OUTPUTS..];
-                if let Some(reference) = fmu.named("Trial") {
-                    let text = &*known[usize::from(*trial) % known.len()];
-                    self.ask(1, 2, |instance| plain(instance.set_string(&[reference], &[Some(text)])));
+            Call::Start(exits) => {
+                self.status(|instance| instance.enter(None, 0.0, None));
+                if *exits && self.writes_in_its_place() {
+                    self.status(Instance::exit);
                 }
                 Status::Ok
             }
-            Call::SetUp(tolerance, start, stop) => {
-                let (tolerance, stop) = (tolerance.value(), stop.map(Real::value));
-                let tolerance = (tolerance != 0.0).then_some(tolerance);
-                self.ask(0, 0, |instance| plain(instance.set_up(tolerance, start.value(), stop))).0
-            }
-            Call::Enter(tolerance, start, stop) => {
-                // In FMI 2.0 these are two calls.
-                self.perform(&Call::SetUp(*tolerance, *start, *stop), before);
-                if self.version() == Version::V2 {
-                    self.plain(Plain::EnterInitializationMode);
-                    return Status::Ok;
+            Call::Any(place) => {
+                let (instance, place) = (self.instance.clone(), usize::from(*place));
+                match instance.version() {
+                    Version::V2 => self.any(fmi2::Functions::probes(), instance.v2(), place, before, input),
+                    Version::V3 => self.any(fmi3::Functions::probes(), instance.v3(), place, before, input),
                 }
-                let (tolerance, stop) = (tolerance.value(), stop.map(Real::value));
-                let tolerance = (tolerance != 0.0).then_some(tolerance);
-                self.ask(0, 0, |instance| plain(instance.enter(tolerance, start.value(), stop))).0
-            }
-            Call::Plain(function) => self.plain(*function),
-            Call::Logging(on, texts) => self.logging(*on, texts),
-            Call::GetReal(references, more) => {
-                let references = self.references(references.iter().copied(), &fmu.reals);
-                let length = self.length(&references, *more, before);
-                let (status, values) = self.ask(references.len(), 2, |i| i.get_real(&references, length));
-                let finite = values.iter().all(|value| value.is_finite());
-                assert!(status != Status::Ok || self.nulls.any(2) || finite, "{values:?}");
-                status
-            }
-            Call::GetInteger(references, more) => {
-                let references = self.references(references.iter().copied(), &fmu.integers);
-                let length = self.length(&references, *more, before);
-                self.ask(references.len(), 2, |instance| instance.get_integer(&references, length)).0
-            }
-            Call::GetBoolean(references, more) => {
-                let references = self.references(references.iter().copied(), &fmu.booleans);
-                let length = self.length(&references, *more, before);
-                self.ask(references.len(), 2, |instance| instance.get_boolean(&references, length)).0
-            }
-            Call::GetString(references, more) => {
-                let references = self.references(references.iter().copied(), &fmu.strings);
-                let length = self.length(&references, *more, before);
-                // No values of no variables: NULL would be no text.
-                let length = if references.is_empty() { 0 } else { length };
-                self.ask(references.len(), 2, |instance| instance.get_string(&references, length)).0
-            }
-            Call::GetSize(references, more) if self.version() == Version::V3 => {
-                let references = self.references(references.iter().copied(), &fmu.sizes);
-                let length = self.length(&references, *more, before);
-                self.ask(references.len(), 2, |instance| instance.get_size(&references, length)).0
             }
             Call::Set(variable, element, value) => {
                 let reference = fmu.reals[usize::from(*variable) % fmu.reals.len()];
-                let length = self.length(&[reference], 0, before);
-                let (status, mut values) = self.instance().get_real(&[reference], length);
-                self.instance().take_messages();
+                let length = self.length(&[reference], before);
+                let (status, mut values) = self.instance.get_real(&[reference], length);
+                self.instance.take_messages();
                 if status != Status::Ok {
                     values.fill(1.0);
                 }
                 if let Some(at) = usize::from(*element).checked_rem(length) {
                     values[at] = value.value();
                 }
-                self.ask(1, 2, |instance| plain(instance.set_real(&[reference], &values))).0
-            }
-            Call::SetReal(references, values, more) => {
-                let references = self.references(references.iter().copied(), &fmu.reals);
-                let length = self.length(&references, *more, before);
-                let values = again(values.iter().map(|real| real.value()), 1.0, length);
-                self.ask(references.len(), 2, |instance| plain(instance.set_real(&references, &values))).0
-            }
-            Call::SetInteger(references, values, more) => {
-                let references = self.references(references.iter().copied(), &fmu.integers);
-                let length = self.length(&references, *more, before);
-                let values = again(values.iter().copied(), 1, length);
-                self.ask(references.len(), 2, |instance| plain(instance.set_integer(&references, &values))).0
-            }
-            Call::SetBoolean(references, values, more) => {
-                let references = self.references(references.iter().copied(), &fmu.booleans);
-                let length = self.length(&references, *more, before);
-                let values = again(values.iter().copied(), 1, length);
-                self.ask(references.len(), 2, |instance| plain(instance.set_boolean(&references, &values))).0
-            }
-            Call::SetSize(settings) if self.version() == Version::V3 => {
-                let references = self.references(settings.iter().map(|(at, _)| *at), &fmu.sizes);
-                let values: Vec<u64> = settings.iter().take(MOST).map(|(_, value)| *value).collect();
-                self.ask(references.len(), 2, |instance| plain(instance.set_size(&references, &values))).0
-            }
-            Call::SetString(settings, more) => self.set_string(settings, *more),
-            Call::InputDerivatives(settings) if self.version() == Version::V2 => {
-                let references = self.references(settings.iter().map(|(at, _, _)| *at), &fmu.reals);
-                let (values, orders): (Vec<f64>, Vec<i32>) = settings
-                    .iter()
-                    .take(MOST)
-                    .map(|(_, real, order)| (real.value(), order.map_or(1, i32::from)))
-                    .unzip();
-                let set = |instance: &Instance| instance.set_input_derivatives(&references, &orders, &values);
-                self.ask(references.len(), 3, |instance| plain(set(instance))).0
-            }
-            Call::OutputDerivatives(wanted, more) => {
-                let references = self.references(wanted.iter().map(|(at, _)| *at), &fmu.reals);
-                let orders: Vec<i32> =
-                    wanted.iter().take(MOST).map(|(_, order)| order.map_or(1, i32::from)).collect();
-                let length = self.length(&references, *more, before);
-                let get = |instance: &Instance| instance.output_derivatives(&references, &orders, length);
-                let (status, values) = self.ask(references.len(), 3, get);
-                assert!(status != Status::Ok || orders.iter().all(|order| *order == 1), "only order 1");
-                assert!(values.iter().all(|value| value.is_finite()), "{values:?}");
-                status
-            }
-            Call::Dependencies(reference, more) if self.version() == Version::V3 => {
-                let reference = self.references([*reference].into_iter(), &fmu.reals)[0];
-                let more = if *more < 240 { 0 } else { usize::from(more - 239) };
-                self.dependencies(reference, more)
-            }
-            Call::Probe(place, null) => self.probe(usize::from(*place), null.map(usize::from)),
-            Call::Within(within) => {
-                self.held[self.at].within.set(*within);
-                Status::Ok
+                self.status(|instance| instance.set_real(&[reference], &values))
             }
             Call::Step(thousandths) => self.step(At::Now, f64::from(*thousandths) * 1e-3, before),
             Call::DoStep(at, step) => self.step(*at, step.value(), before),
-            Call::GetState(slot) => {
-                let slot = usize::from(*slot) % 3;
-                let mut state = self.held[self.at].slots[slot].state;
-                let status = self.ask(1, 1, |instance| plain(instance.get_state(&mut state))).0;
-                if status == Status::Ok {
-                    self.held[self.at].slots[slot] = Slot { state, genuine: true, in_its_place: true };
-                }
-                status
-            }
-            Call::SetState(slot) => {
-                let slot = &self.held[self.at].slots[usize::from(*slot) % 3];
-                if !slot.in_its_place {
-                    return Status::Ok;
-                }
-                let status = self.ask(0, 0, |instance| plain(instance.set_state(slot.state))).0;
-                assert!(status != Status::Ok || !slot.state.is_null(), "NULL is no state");
-                assert!(status == Status::Ok || slot.state.is_null() || !slot.genuine, "it was saved");
-                status
-            }
-            Call::FreeState(slot) => {
-                let slot = usize::from(*slot) % 3;
-                let mut state = self.held[self.at].slots[slot].state;
-                let status = self.ask(0, 0, |instance| plain(instance.free_state(&mut state))).0;
-                assert!(
-                    status != Status::Ok || self.nulls.any(1) || state.is_null(),
-                    "it is NULL afterwards"
-                );
-                self.held[self.at].slots[slot].state = state;
-                status
-            }
-            Call::Serialize(slot, surplus) => {
-                let slot = &self.held[self.at].slots[usize::from(*slot) % 3];
-                let (state, genuine) = (slot.state, slot.genuine);
-                let (status, size) = self.ask(1, 1, |instance| instance.serialized_size(state));
-                if status != Status::Ok {
-                    return status;
-                }
-                let length = size.saturating_add_signed((*surplus).into());
-                let (status, mut bytes) = self.ask(length, 1, |instance| instance.serialize(state, length));
-                assert_eq!(status == Status::Ok, size <= length, "whether the buffer is too small");
-                bytes.truncate(size);
-                if status == Status::Ok && genuine && self.saved.len() < 8 {
-                    self.saved.push(bytes);
-                }
-                status
-            }
-            Call::Deserialize(saved, slot, edits, seal) => {
-                let saved = &self.saved[usize::from(*saved) % self.saved.len()];
-                let bytes = if edits.is_empty() { saved.clone() } else { edited(saved, edits, *seal) };
-                let slot = usize::from(*slot) % 3;
-                let mut state = self.held[self.at].slots[slot].state;
-                let status = self.ask(1, 2, |instance| plain(instance.deserialize(&bytes, &mut state))).0;
-                if status == Status::Ok {
-                    let directory = (fmu.output_directory)(bytes.get(HEADER..).unwrap_or_default());
-                    let own = |name: String| {
-                        fmu.texts[..OUTPUTS].iter().any(|own| own.as_bytes() == name.as_bytes())
-                    };
-                    let in_its_place = directory.is_some_and(own);
-                    self.held[self.at].slots[slot] = Slot { state, genuine: edits.is_empty(), in_its_place };
-                }
-                status
-            }
-            Call::Instantiate(texts, kind, [logging_on, event_mode, early_return, updates]) => {
-                let known = [&fmu.token, &fmu.location].map(Clone::clone);
-                let texts = texts.each_ref().map(|text| text.choose(&known));
-                let [name, token, location] = texts.each_ref().map(Option::as_deref);
-                let arguments = Arguments {
-                    name,
-                    token,
-                    location,
-                    logging_on: *logging_on,
-                    fmu_type: (*kind).into(),
-                    event_mode: *event_mode,
-                    early_return: *early_return,
-                    updates: *updates,
-                };
-                match Instance::new(&fmu.functions, &arguments) {
-                    Ok(instance) => {
-                        assert_eq!(instance.bytes(), self.pristine);
-                        assert!(!event_mode || self.version() == Version::V2, "an FMU without events");
-                    }
-                    Err(told) => {
-                        assert!(told.iter().any(|message| message.status == Status::Error), "{told:?}");
-                        assert!(told.iter().all(|message| message.status != Status::Fatal), "{told:?}");
-                    }
-                }
-                Status::Ok
-            }
-            // Functions of the other version.
-            Call::GetSize(..) | Call::SetSize(_) | Call::InputDerivatives(_) | Call::Dependencies(..) => {
-                Status::Ok
-            }
         }
     }
 
-    fn plain(&self, function: Plain) -> Status {
-        let v3 = self.version() == Version::V3;
-        let foreign = match function {
-            Plain::EnterInitializationMode => v3,
-            Plain::EnterConfigurationMode | Plain::ExitConfigurationMode => !v3,
-            _ => false,
-        };
-        if foreign || function == Plain::ExitInitializationMode && !self.writes_in_its_place() {
+    /// Calls any function that returns a status, except those that step or hand out states.
+    fn any<F>(
+        &mut self,
+        probes: Vec<Probe<F>>,
+        functions: &F,
+        place: usize,
+        before: &[u8],
+        input: &mut Unstructured<'_>,
+    ) -> Status {
+        let Probe { name, with, .. } = probes[place % probes.len()];
+        let writes = name.ends_with("ExitInitializationMode") || name.to_lowercase().ends_with("setfmustate");
+        if name.ends_with("DoStep") || writes && !self.all_in_their_place() {
             return Status::Ok;
         }
-        let call = |instance: &Instance| match function {
-            // SAFETY: an instance.
-            #[allow(unsafe_code)]
-            Plain::EnterInitializationMode => unsafe {
-                (instance.v2().fmi2EnterInitializationMode)(instance.raw)
-            },
-            Plain::ExitInitializationMode => instance.exit(),
-            Plain::EnterConfigurationMode => instance.enter_configuration(),
-            Plain::ExitConfigurationMode => instance.exit_configuration(),
-            Plain::Terminate => instance.terminate(),
-            Plain::Reset => instance.reset(),
-        };
-        let status = self.ask(0, 0, |instance| (call(instance), ())).0;
-        if function == Plain::Reset {
-            assert_eq!(status, Status::Ok, "allowed in every state");
-            assert_eq!(self.instance().bytes(), self.pristine, "as after instantiation");
-        }
-        status
-    }
-
-    /// Any function that returns a status, with a pointer that may be NULL. States would be lost.
-    fn probe(&self, place: usize, null: Option<usize>) -> Status {
-        let instance = self.instance();
-        let keeps = |name: &str, pointers: usize| pointers > 0 && !name.ends_with("GetFMUstate");
-        let keeps = |name: &str, pointers: usize| keeps(name, pointers) && !name.ends_with("GetFMUState");
-        let status = match self.version() {
-            Version::V2 => {
-                let probes = fmi2::Functions::probes();
-                let probe = &probes[place % probes.len()];
-                keeps(probe.name, probe.pointers).then(|| (probe.call)(instance.v2(), instance.raw, null))
-            }
-            Version::V3 => {
-                let probes = fmi3::Functions::probes();
-                let probe = &probes[place % probes.len()];
-                keeps(probe.name, probe.pointers).then(|| (probe.call)(instance.v3(), instance.raw, null))
-            }
-        };
-        let Some(status) = status.flatten() else { return Status::Ok };
-        self.answered(status);
-        status
-    }
-
-    fn logging(&mut self, on: bool, texts: &[Text]) -> Status {
-        let known = [c"logStatusWarning", c"logStatusError", c"logStatusFatal", c"logAll", c"events"];
-        let known = known.map(CStr::to_owned);
-        let texts: Vec<_> = texts.iter().take(MOST).map(|text| text.choose(&known)).collect();
-        let categories = pointers(&texts);
-        let before = self.held[self.at].hears;
-        // What this call tells is told by the new filter.
-        let has = |wanted| categories.contains(&Some(wanted)) || categories.contains(&Some(c"logAll"));
-        let all = categories.is_empty();
-        let wanted = [!on || all || has(c"logStatusError"), on && (all || has(c"logStatusWarning"))];
-        let status =
-            self.ask(categories.len(), 1, |instance| (instance.debug_logging(on, &categories), ())).0;
-        self.held[self.at].hears = if status == Status::Ok { wanted } else { before };
-        status
-    }
-
-    fn set_string(&self, settings: &[(Reference, Text)], more: i8) -> Status {
+        let raw = self.instance.raw;
         let fmu = &self.fmu;
-        let output = fmu.named("OutputDirectory");
-        let references = self.references(settings.iter().map(|(at, _)| *at), &fmu.strings);
-        let texts = settings.iter().zip(&references).map(|((_, text), at)| match text {
-            // Files are written there.
-            Text::Bytes(_) if Some(*at) == output => Text::Known(1).choose(&fmu.texts[..OUTPUTS]),
-            text if Some(*at) == output => text.choose(&fmu.texts[..OUTPUTS]),
-            text => text.choose(&fmu.texts),
-        });
-        let mut texts: Vec<Option<CString>> = texts.collect();
-        // Mostly as many as there are variables.
-        if self.version() == Version::V3 && more > 120 {
-            texts.push(None);
-        } else if self.version() == Version::V3 && more < -120 {
-            texts.pop();
-        }
-        let texts = pointers(&texts);
-        let status =
-            self.ask(references.len(), 2, |instance| (instance.set_string(&references, &texts), ())).0;
-        assert!(status != Status::Ok || texts.iter().all(Option::is_some), "a NULL text is refused");
-        status
-    }
-
-    /// Their number and, into arrays of that many and `more` elements, the dependencies.
-    #[allow(unsafe_code)] // calls C functions
-    fn dependencies(&self, reference: u32, more: usize) -> Status {
-        let (mut count, null) = (0, self.nulls.any(1));
-        let place = if null { null_mut() } else { &raw mut count };
-        // SAFETY: NULL or the place of a number.
-        let number = |instance: &Instance| unsafe {
-            (instance.v3().fmi3GetNumberOfVariableDependencies)(instance.raw, reference, place)
+        let has = |words: &[&str]| words.iter().any(|word| name.ends_with(word));
+        let fitting = match () {
+            () if has(&["Integer", "Int32"]) => &fmu.integers,
+            () if has(&["Boolean"]) => &fmu.booleans,
+            () if has(&["String"]) => &fmu.strings,
+            () if has(&["UInt64"]) => &fmu.sizes,
+            () => &fmu.reals,
         };
-        let first = self.ask(1, 1, |instance| (number(instance), ())).0;
-        if first != Status::Ok {
-            return first;
-        }
-        let length = count + more;
-        let (mut dependents, mut elements) = (vec![0; length], vec![0; length]);
-        let (mut independents, mut kinds) = (vec![0; length], vec![0; length]);
-        let (one, two, three, four) =
-            (dependents.as_mut_ptr(), independents.as_mut_ptr(), elements.as_mut_ptr(), kinds.as_mut_ptr());
-        // SAFETY: arrays as long as said.
-        let all = |instance: &Instance| unsafe {
-            let get = instance.v3().fmi3GetVariableDependencies;
-            get(instance.raw, reference, one, two, three, four, length)
+        let (nulls, values) = input.arbitrary::<(u8, u8)>().unwrap_or_default();
+        let mut drawn = Drawn {
+            input,
+            fmu,
+            slots: &mut self.slots,
+            sizes: &of_slave(before).3,
+            saved: [&self.pristine, before],
+            fitting,
+            nulls: if nulls & 0xe0 == 0xe0 { nulls & 0x1f } else { 0 },
+            pointers: 0,
+            references: None,
+            values: usize::from(values) % MOST,
+            writes: false,
+            texts: Vec::new(),
+            rooms: Vec::new(),
+            states: Vec::new(),
         };
-        let status = self.ask(0, 0, |instance| (all(instance), ())).0;
-        assert!(status != Status::Ok || more == 0, "another number than there are");
-        assert!(status != Status::Ok || !dependents.contains(&0) && !elements.contains(&0), "from 1");
+        let Some(status) = with(functions, raw, &mut drawn) else { return Status::Ok };
+        self.answered(status);
+        match status {
+            Status::Ok if name.ends_with("SetDebugLogging") => self.hears = false,
+            Status::Ok => self.finite(before),
+            _ => {}
+        }
+        if name.ends_with("Reset") {
+            assert_eq!(status, Status::Ok, "allowed in every state");
+            assert_eq!(self.instance.bytes(), self.pristine, "as after instantiation");
+        }
         status
     }
 
@@ -855,8 +565,8 @@ impl Session {
         /// More are refused at once: see `engine::step_count`.
         const REFUSED: f64 = 2e12;
         let Some(reference) = self.fmu.named("TimeStepMechanical") else { return (step, 0.0) };
-        let (status, value) = self.instance().get_real(&[reference], 1);
-        self.instance().take_messages();
+        let (status, value) = self.instance.get_real(&[reference], 1);
+        self.instance.take_messages();
         let steps = step / value[0];
         match status {
             Status::Ok if !(1.0..REFUSED).contains(&steps) => (step, 1.0),
@@ -879,52 +589,48 @@ impl Session {
             At::Near(ulps) => f64::from_bits(now.to_bits().saturating_add_signed(ulps.into())),
             At::Real(real) => real.value(),
         };
-        let updates = self.held[self.at].updates.get();
-        let step_once = |instance: &Instance| {
-            let done = instance.do_step(from, step);
-            (done.status, done)
+        let updates = self.updates.get();
+        let step_once = |session: &Session| {
+            let done = session.instance.do_step(from, step);
+            session.answered(done.status);
+            done
         };
-        let (status, done) = self.ask(0, 0, step_once);
+        let done = step_once(self);
+        let status = done.status;
         if status == Status::Ok {
-            let instance = self.instance();
-            assert!(
-                !done.early || self.held[self.at].updates.get() > updates,
-                "only the callback asks for it"
-            );
+            let instance = &self.instance;
+            assert!(!done.early || self.updates.get() > updates, "only the callback asks for it");
             let after = instance.bytes();
             let reached = of_slave(&after).1;
             let told = done.time.to_bits() == reached.to_bits();
-            assert!(self.version() == Version::V2 || self.nulls.bits() & 8 != 0 || told, "the time reached");
+            assert!(self.version() == Version::V2 || told, "the time reached");
             self.finite(before);
             self.restore(before);
-            let (status, again) = self.ask(0, 0, step_once);
-            assert_eq!((status, again.early), (Status::Ok, done.early), "as before");
-            assert_eq!(self.instance().bytes(), after, "the same step from the same state");
+            let again = step_once(self);
+            assert_eq!((again.status, again.early), (Status::Ok, done.early), "as before");
+            assert_eq!(self.instance.bytes(), after, "the same step from the same state");
         }
         status
     }
 }
 
-/// So many values, the given ones and another one again and again.
-fn again<T: Copy>(values: impl Iterator<Item = T>, another: T, length: usize) -> Vec<T> {
-    let values: Vec<T> = values.chain([another]).collect();
-    values.into_iter().cycle().take(length).collect()
-}
-
-/// FMI calls on a small FMU.
-pub(crate) fn calls(subject: Subject, version: Version, data: &[u8]) {
-    let mut session = Session::new(subject, version);
+/// FMI calls on a small FMU; the first byte says which, and of which version.
+pub fn calls(data: &[u8]) {
     let mut input = Unstructured::new(data);
+    let Ok(way) = u8::arbitrary(&mut input) else { return };
+    let subject = if way & 1 == 0 { FuzzedModel::Crowd } else { FuzzedModel::Decision };
+    let version = if way & 2 == 0 { Version::V2 } else { Version::V3 };
+    let mut session = Session::new(subject, version, way & 4 != 0);
     for _ in 0..CALLS {
-        let (false, Ok((call, nulls))) = (input.is_empty(), <(Call, Nulls)>::arbitrary(&mut input)) else {
-            break;
-        };
-        session.make(&call, nulls);
+        let (false, Ok(any)) = (input.is_empty(), bool::arbitrary(&mut input)) else { break };
+        let call = if any { u8::arbitrary(&mut input).map(Call::Any) } else { Call::arbitrary(&mut input) };
+        let Ok(call) = call else { break };
+        session.make(&call, |session, before| session.perform(&call, before, &mut input));
     }
 }
 
 /// Where a state is saved that is then damaged.
-#[derive(Debug, Clone, Copy, Arbitrary)]
+#[derive(Debug, Clone, Copy, PartialEq, Arbitrary)]
 enum Saved {
     Instantiated,
     Configuration,
@@ -947,73 +653,88 @@ struct Damaged {
     edits: Vec<Edit>,
 }
 
-/// Damaged states: refused, or restored and run on.
-pub(crate) fn states(version: Version, data: &[u8]) {
-    let Some((&model, data)) = data.split_first() else { return };
+/// Damaged states: refused, or restored and run on. The first byte says whose, and of which version.
+pub fn states(data: &[u8]) {
+    let Some((&way, data)) = data.split_first() else { return };
     let Ok(damaged) = Damaged::arbitrary_take_rest(Unstructured::new(data)) else { return };
-    let subject = if model % 4 == 3 { Subject::Decision } else { Subject::Crowd };
-    let mut session = Session::new(subject, version);
-    // The fourth Real and two more in FMI 2.0, of the fourth array the first element.
-    let inputs = move |value: i16| {
-        let count = if version == Version::V2 { 3 } else { 1 };
-        let set = (0..count).map(move |k: u8| Call::Set(3 + k, 0, Real::Small(value * i16::from(k.max(1)))));
-        set.collect::<Vec<_>>()
-    };
-    let parts = session.fmu.named("IntermediateSteps").and_then(|at| {
-        session.fmu.integers.iter().position(|reference| *reference == at).map(|place| place as u8)
-    });
-    let rates = (0..3).map(|k| (Reference::Fitting(3 + k), Real::Small(512), None)).collect();
-    let smaller = session.fmu.texts.len().saturating_sub(1 + OUTPUTS) as u8;
-    let other = if version == Version::V2 { 1 } else { smaller };
-    let first: Vec<Call> = match damaged.saved {
-        Saved::Instantiated => vec![],
-        Saved::Configuration => vec![Call::Plain(Plain::EnterConfigurationMode)],
-        Saved::Initialization => [vec![Call::Prepare], inputs(256)].concat(),
-        Saved::Running => [vec![Call::Start], inputs(2560), vec![Call::Step(1)]].concat(),
-        Saved::Driven => {
-            [inputs(2560), vec![Call::Start, Call::Step(2), Call::InputDerivatives(rates)]].concat()
-        }
-        Saved::Parts => [
-            vec![Call::SetInteger(vec![Reference::Fitting(parts.unwrap_or(0))], vec![4], 0), Call::Start],
-            inputs(2560),
-            vec![Call::Step(2)],
-        ]
-        .concat(),
-        Saved::Other => vec![Call::Choose(1, 3, other), Call::Start, Call::Step(1)],
-        Saved::Terminated => vec![Call::Start, Call::Plain(Plain::Terminate)],
-    };
-    first.iter().for_each(|call| session.make(call, Nulls::NONE));
-    session.saved = vec![session.instance().bytes()];
-    session.make(&Call::Deserialize(0, 0, damaged.edits.clone(), damaged.seal), Nulls::NONE);
-    let state = session.held[0].slots[0].state;
+    let subject = if way % 4 == 3 { FuzzedModel::Decision } else { FuzzedModel::Crowd };
+    let version = if way < 128 { Version::V2 } else { Version::V3 };
+    let mut session = Session::new(subject, version, false);
+    save(&mut session, damaged.saved);
+    let bytes = edited(&session.instance.bytes(), &damaged.edits, damaged.seal);
+    let mut state = null_mut();
+    session.by("deserialize", |instance| instance.deserialize(&bytes, &mut state));
     if state.is_null() {
         return;
     }
+    session.slots[0] = state;
     // What was read is written as it was read.
-    let instance = session.instance();
+    let instance = session.instance.clone();
     let (again, mut copy) = (instance.bytes_of(state), null_mut());
     assert_eq!(instance.deserialize(&again, &mut copy), Status::Ok);
     assert_eq!(instance.bytes_of(copy), again);
     instance.free(copy);
-    let calls = [
-        vec![
-            Call::SetState(0),
-            Call::Plain(Plain::ExitConfigurationMode),
-            Call::Plain(Plain::ExitInitializationMode),
-            Call::Step(1),
-        ],
-        inputs(25),
-        vec![
-            Call::Step(20),
-            Call::Plain(Plain::Terminate),
-            Call::Plain(Plain::Reset),
-            Call::Start,
-            Call::Step(3),
-        ],
-    ]
-    .concat();
-    calls.iter().for_each(|call| session.make(call, Nulls::NONE));
-    assert_eq!(session.instance().terminate(), Status::Ok, "after a reset it runs as ever");
+    if session.all_in_their_place() {
+        session.by("restore", |instance| instance.set_state(state));
+    }
+    if version == Version::V3 {
+        session.by("exit configuration", Instance::exit_configuration);
+    }
+    if session.writes_in_its_place() {
+        session.by("exit initialization", Instance::exit);
+    }
+    session.call(&Call::Step(1));
+    push(&mut session, 25);
+    session.call(&Call::Step(20));
+    session.by("terminate", Instance::terminate);
+    session.by("reset", Instance::reset);
+    session.call(&Call::Start(true));
+    session.call(&Call::Step(3));
+    assert_eq!(session.instance.terminate(), Status::Ok, "after a reset it runs as ever");
+}
+
+/// Goes to where the state is saved.
+fn save(session: &mut Session, saved: Saved) {
+    use Saved::{Configuration, Driven, Initialization, Instantiated, Other, Parts, Terminated};
+    let v3 = session.version() == Version::V3;
+    if v3 && matches!(saved, Configuration | Other) {
+        session.by("configure", Instance::enter_configuration);
+    }
+    if matches!(saved, Instantiated | Configuration) {
+        return;
+    }
+    if saved == Other {
+        let (texts, sizes) = (&session.fmu.texts, session.fmu.sizes.clone());
+        let trial = if v3 { texts.last() } else { texts.get(OUTPUTS + 1) }.cloned();
+        if v3 {
+            session.by("sizes", |instance| instance.set_size(&sizes, &[1, 3]));
+            session.by("configured", Instance::exit_configuration);
+        }
+        if let Some(at) = session.fmu.named("Trial") {
+            session.by("choose", |instance| instance.set_string(&[at], &[trial.as_deref()]));
+        }
+    }
+    if let (Parts, Some(parts)) = (saved, session.fmu.named("IntermediateSteps")) {
+        session.by("parts", |instance| instance.set_integer(&[parts], &[4]));
+    }
+    session.call(&Call::Start(saved != Initialization));
+    push(session, if saved == Initialization { 256 } else { 2560 });
+    match saved {
+        Initialization => {}
+        Terminated => _ = session.by("terminate", Instance::terminate),
+        _ => _ = session.call(&Call::Step(2)),
+    }
+    if saved == Driven && !v3 {
+        let references = session.fmu.reals[3..6].to_vec();
+        session.by("rates", |own| own.set_input_derivatives(&references, &[1; 3], &[2.0; 3]));
+    }
+}
+
+/// Sets inputs: the fourth Real and two more in FMI 2.0, of the fourth array the first element.
+fn push(session: &mut Session, value: i16) {
+    for k in 0..if session.version() == Version::V2 { 3 } else { 1_u8 } {
+        session.call(&Call::Set(3 + k, 0, Real::Small(value * i16::from(k.max(1)))));
+    }
 }
 
 #[cfg(test)]
@@ -1024,63 +745,40 @@ mod tests {
     #[test]
     fn a_session_runs_saves_and_goes_back() {
         for version in Version::BOTH {
-            let mut session = Session::new(Subject::Crowd, version);
-            let parts = session
-                .fmu
-                .named("IntermediateSteps")
-                .and_then(|at| session.fmu.integers.iter().position(|reference| *reference == at));
+            let mut session = Session::new(FuzzedModel::Crowd, version, false);
+            if let Some(parts) = session.fmu.named("IntermediateSteps") {
+                assert_eq!(session.by("parts", |instance| instance.set_integer(&[parts], &[4])), Status::Ok);
+            }
             let push = session.fmu.named(if version == Version::V2 { "agent[0].Fp.x" } else { "Fp" });
             let push = session.fmu.reals.iter().position(|reference| Some(*reference) == push).unwrap() as u8;
             let mut ok = |call: Call| {
-                let before = session.instance().bytes();
-                assert_eq!(session.perform(&call, &before), Status::Ok, "{call:?}");
-                (session.instance().bytes(), session.held[0].updates.get())
+                assert_eq!(session.call(&call), Status::Ok, "{call:?}");
+                (session.instance.bytes(), session.updates.get())
             };
-            if let Some(parts) = parts {
-                ok(Call::SetInteger(vec![Reference::Fitting(parts as u8)], vec![4], 0));
-            }
-            ok(Call::Start);
+            ok(Call::Start(true));
             ok(Call::Set(push, 0, Real::Small(i16::MAX)));
             let (touching, updates) = ok(Call::Step(1));
             // Ten mechanical steps, made twice: callbacks after four and eight.
             assert_eq!(updates, if version == Version::V3 { 4 } else { 0 });
             assert_eq!(of_slave(&touching).1, 0.001);
-            ok(Call::GetState(0));
-            ok(Call::Serialize(0, 0));
             assert_ne!(ok(Call::Step(10)).0, touching);
-            ok(Call::Deserialize(1, 1, vec![], Seal::Good));
-            assert_eq!(ok(Call::SetState(1)).0, touching);
-            ok(Call::Plain(Plain::Reset));
-            let smaller = Call::Choose(1, 3, 4);
-            ok(if version == Version::V3 { smaller } else { Call::Choose(0, 0, 1) });
-            ok(Call::Start);
-            let agents = if version == Version::V3 { 1 } else { 2 };
-            assert_eq!(of_slave(&ok(Call::Step(1)).0).3.first().copied().unwrap_or(2), agents);
+            assert_eq!(session.by("restore", |instance| instance.restore(&touching)), Status::Ok);
+            assert_eq!(session.instance.bytes(), touching);
+            assert_eq!(edited(&touching, &[], Seal::Good), touching, "the length and the checksum are those");
+            assert_eq!(session.by("reset", Instance::reset), Status::Ok);
+            assert_eq!(session.instance.bytes(), session.pristine);
         }
     }
 
     /// Else no restored state would be looked at, or directories be made anywhere.
     #[test]
     fn the_output_directory_of_a_state_is_found() {
-        let session = Session::new(Subject::Crowd, Version::V2);
-        let text = (Reference::Raw(session.fmu.named("OutputDirectory").unwrap()), Text::Known(1));
-        assert_eq!(session.set_string(&[text], 0), Status::Ok);
-        for (bytes, place) in [(&session.pristine, 0), (&session.instance().bytes(), 1)] {
+        let session = Session::new(FuzzedModel::Crowd, Version::V2, false);
+        let (output, own) = (session.fmu.named("OutputDirectory").unwrap(), &*session.fmu.texts[1]);
+        assert_eq!(session.instance.set_string(&[output], &[Some(own)]), Status::Ok);
+        for (bytes, place) in [(&session.pristine, 0), (&session.instance.bytes(), 1)] {
             let found = (session.fmu.output_directory)(&bytes[HEADER..]).unwrap();
             assert_eq!(found.as_bytes(), session.fmu.texts[place].as_bytes());
         }
-    }
-
-    #[test]
-    fn a_good_seal_is_accepted_and_an_old_one_is_not() {
-        let session = Session::new(Subject::Decision, Version::V2);
-        let mut state = null_mut();
-        for (seal, expected) in [(Seal::Old, Status::Error), (Seal::Good, Status::Ok)] {
-            let last = Edit::Byte(u16::MAX, 0);
-            let damaged = edited(&session.pristine, &[Edit::Real(1, Real::Special(2)), last], seal);
-            assert_ne!(damaged, session.pristine);
-            assert_eq!(session.instance().deserialize(&damaged, &mut state), expected);
-        }
-        session.instance().free(state);
     }
 }

@@ -4,13 +4,13 @@ use crate::fuzz::models::{people, small_trial};
 use crate::fuzz::show_panics;
 use crowd_mechanics::c_api::{CallError, advance_files};
 use crowd_mechanics::model_description::model_description;
-use crowd_mechanics::pack::Naming;
+use crowd_mechanics::pack::Format;
+use crowd_mechanics::quantities::scalars;
 use crowd_mechanics::setup::{self, Setup};
 use crowd_mechanics::setup::{dynamics_of, interactions_of};
-use crowd_mechanics::variables::table;
 use lemons_core::trial::{FileNames, Trial};
-use lemons_decision::{Decision, Plan, Wishes};
-use lemons_fmi::Model;
+use lemons_decision::{Decision, DecisionConfig, Plan};
+use lemons_fmi::{Model, Part};
 use lemons_master::Fmu;
 use lemons_master::ssp::Archive;
 use std::collections::HashSet;
@@ -83,11 +83,11 @@ fn reads_back(trial: &Trial, place: &Path) {
 
 /// A model description that is XML, with unique names.
 fn well_described(trial: &Trial) {
-    let text = model_description(trial, Naming::Structured);
+    let text = model_description(trial, Format::default());
     roxmltree::Document::parse(&text).unwrap_or_else(|error| panic!("{error} in {text}"));
     let mut names = HashSet::new();
-    for variable in table(trial) {
-        assert!(names.insert(variable.name.clone()), "{} stands twice", variable.name);
+    for scalar in scalars(trial) {
+        assert!(names.insert(scalar.name.clone()), "{} stands twice", scalar.name);
     }
 }
 
@@ -153,13 +153,14 @@ pub(crate) fn archive_of(files: &[(&str, &[u8])]) -> Vec<u8> {
     archive.finish().expect("an archive").into_inner()
 }
 
-/// Wishes, or, after an odd byte, a plan: refused in words, or a plan that reads back and can be asked for drives.
+/// DecisionConfig, or, after an odd byte, a plan: refused in words, or a plan that reads back and can be asked for drives.
 pub fn decision_toml(data: &[u8]) {
     let Some((&way, content)) = data.split_first() else { return };
     let Ok(text) = std::str::from_utf8(content) else { return };
     show_panics();
     let plan = if way % 2 == 0 {
-        Wishes::from_toml(text).and_then(|wishes| Plan::new(&people(), &wishes, 0.05))
+        DecisionConfig::from_toml(text)
+            .and_then(|wishes| Plan::among(std::iter::empty(), &people(), &wishes, 0.05))
     } else {
         Plan::from_toml(text)
     };
@@ -170,9 +171,9 @@ pub fn decision_toml(data: &[u8]) {
     let written = plan.to_toml().expect("a plan can be written");
     assert_eq!(Plan::from_toml(&written).as_ref(), Ok(&plan), "{written}");
     let mut decision = Decision::new(plan);
-    for row in decision.table() {
+    for scalar in decision.scalars() {
         // Absurd ones are refused.
-        assert!(decision.real(row.quantity).map_or(true, f64::is_finite));
+        assert!(decision.number(scalar.variable.quantity, scalar.element).map_or(true, f64::is_finite));
     }
-    decision.advance(1.0, 1.0).expect("a decision");
+    decision.advance(Part::whole(1.0, 1.0)).expect("a decision");
 }

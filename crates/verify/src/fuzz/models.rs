@@ -3,17 +3,15 @@
 use crate::testing::Version;
 use crate::testing::instance::Functions;
 use crowd_mechanics::model::CrowdModel;
+use crowd_mechanics::quantities::Quantity;
 use crowd_mechanics::setup;
-use crowd_mechanics::variables::Quantity;
 use lemons_core::plane::vec2;
 use lemons_core::trial::{Trial, Wall};
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::{Decision, rule::Pose};
-use lemons_decision::{Person, Plan, Wishes};
-use lemons_fmi::Model;
-use lemons_fmi::v2::guid;
-use lemons_fmi::v3::arrays::{ArrayModel, Dimension, array_reference, size_reference, token};
-use lemons_fmi::variables::Kind;
+use lemons_decision::{DecisionConfig, Person, Plan};
+use lemons_fmi::variables::{Dimension, Kind};
+use lemons_fmi::{Model, guid, instantiation_token, reference};
 use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::path::PathBuf;
@@ -62,7 +60,7 @@ const LONGEST: u64 = 256;
 
 /// A model to be fuzzed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Subject {
+pub(crate) enum FuzzedModel {
     Crowd,
     Decision,
 }
@@ -74,14 +72,14 @@ thread_local! {
 
 impl Fmu {
     /// Each thread has its directories, which are gone with it.
-    pub(crate) fn of(subject: Subject, version: Version) -> Fmu {
+    pub(crate) fn of(subject: FuzzedModel, version: Version) -> Fmu {
         match subject {
-            Subject::Crowd => {
+            FuzzedModel::Crowd => {
                 let resources = CROWD.with(Rc::clone);
                 let model = CrowdModel::load(lemons_fmi::location::Location::Path(&resources.path()));
                 Fmu::new(&resources, version, &model.expect("a crowd"), crowd_output_directory)
             }
-            Subject::Decision => {
+            FuzzedModel::Decision => {
                 let resources = DECISION.with(Rc::clone);
                 let model = Decision::load(lemons_fmi::location::Location::Path(&resources.path()));
                 Fmu::new(&resources, version, &model.expect("a decision"), |_| Some(String::new()))
@@ -89,33 +87,34 @@ impl Fmu {
         }
     }
 
-    fn new<M: ArrayModel>(
+    fn new<M: Model>(
         resources: &Resources,
         version: Version,
         model: &M,
         output_directory: fn(&[u8]) -> Option<String>,
     ) -> Fmu {
         let text = |text: &str| CString::new(text).expect("no zero inside");
-        let table = model.table();
-        let (variables, token, sizes): (Vec<Variable>, _, _) = match version {
+        let (mut variables, mut sizes) = (Vec::new(), Vec::new());
+        let token = match version {
             Version::V2 => {
-                let variable = |(row, reference): (&lemons_fmi::variables::Variable<_>, u32)| Variable {
+                let scalars = model.scalars();
+                variables.extend((0..).zip(&scalars).map(|(reference, scalar)| Variable {
                     reference,
-                    name: row.name.clone(),
-                    kind: row.kind,
+                    name: scalar.name.clone(),
+                    kind: scalar.variable.kind,
                     dimensions: &[],
-                };
-                (table.iter().zip(0..).map(variable).collect(), guid(&table), Vec::new())
+                }));
+                guid(&scalars)
             }
             Version::V3 => {
-                let variable = |(place, array): (usize, lemons_fmi::v3::Array<M::Block>)| Variable {
-                    reference: array_reference::<M>(place),
-                    name: array.name.to_owned(),
-                    kind: array.kind,
-                    dimensions: array.dimensions,
-                };
-                let sizes = (0..M::SIZES.len()).map(size_reference).collect();
-                (M::arrays().into_iter().enumerate().map(variable).collect(), token::<M>(), sizes)
+                variables.extend(M::VARIABLES.iter().map(|variable| Variable {
+                    reference: reference::<M>(variable.quantity).expect("a row"),
+                    name: variable.name.to_owned(),
+                    kind: variable.kind,
+                    dimensions: variable.dimensions,
+                }));
+                sizes.extend((1..).take(M::SIZES.len()));
+                instantiation_token::<M>()
             }
         };
         let of_kind = |wanted: fn(Kind) -> bool| {
@@ -162,7 +161,7 @@ fn crowd_output_directory(content: &[u8]) -> Option<String> {
     /// Phase, time, experiment, sizes.
     type OfSlave = (u32, f64, Option<(f64, Option<f64>)>, Vec<u64>);
     /// Of `model::Saved`: Trial, fingerprint, settings, whether it plays, threads, most steps, intermediate steps.
-    type Before = (String, u128, BTreeMap<Quantity, f64>, bool, i32, f64, i32);
+    type Before = (String, u128, BTreeMap<(Quantity, usize), f64>, bool, i32, f64, i32);
     let (_, rest) = postcard::take_from_bytes::<(OfSlave, Before)>(content).ok()?;
     Some(postcard::take_from_bytes(rest).ok()?.0)
 }
@@ -237,8 +236,8 @@ fn decision() -> Resources {
     let directory = TempDir::with_prefix("lemons-fuzz-").expect("a temporary directory");
     let wishes =
         "waypoints = [{ x = 1, y = 2 }, { x = 3, y = 4, radius = 1 }]\n[agents.0]\ndesired_speed = 1";
-    let wishes = Wishes::from_toml(wishes).expect("good wishes");
-    let plan = Plan::new(&people(), &wishes, 0.05).expect("a good plan");
+    let wishes = DecisionConfig::from_toml(wishes).expect("good wishes");
+    let plan = Plan::among(std::iter::empty(), &people(), &wishes, 0.05).expect("a good plan");
     let text = plan.to_toml().expect("a plan can be written");
     std::fs::write(directory.path().join(PLAN_FILE), text).expect("a file can be written");
     let resources = directory.path().to_owned();

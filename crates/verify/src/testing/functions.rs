@@ -2,61 +2,93 @@
 //!
 //! # Safety
 //! All functions have FMI's contract: an instance is one that was instantiated and is not freed, arrays have the length
-//! that is given, texts end with a zero. See [`lemons_fmi::v2::component`] and [`lemons_fmi::v3::component`].
+//! that is given, texts end with a zero. See [`lemons_fmi::calls`].
 
-use lemons_fmi::Status;
+use lemons_fmi::{Model, Status};
+use libloading::{Library, Symbol};
+use std::any::TypeId;
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
 
-/// A function that takes an instance and returns a status, called with arguments that mean nothing.
+/// Gives arguments to a function, one after the other.
+pub trait Source {
+    /// The bits of a number of this type.
+    fn number(&mut self, of: TypeId) -> u64;
+    /// A pointer of this type, to an array or to a place of values; or NULL.
+    fn pointer(&mut self, of: TypeId) -> *mut c_void;
+}
+
+/// A function that takes an instance and returns a status.
 pub struct Probe<F> {
     /// Its name.
     pub name: &'static str,
     /// How many pointers it takes, besides the instance.
     pub pointers: usize,
-    /// Calls it on an instance or NULL: one element in each array, zeros in all of them, and one pointer NULL.
-    pub call: fn(&F, *mut c_void, Option<usize>) -> Option<Status>,
+    /// Calls it on an instance or NULL, with arguments from a source.
+    pub with: fn(&F, *mut c_void, &mut dyn Source) -> Option<Status>,
 }
 
-/// Makes the arguments of a [`Probe`].
-#[derive(Default)]
-struct Arguments {
+impl<F> Probe<F> {
+    /// Calls the function with arguments that mean nothing: one element in each array, zeros in all of them, and one
+    /// pointer NULL.
+    pub fn call(&self, functions: &F, instance: *mut c_void, null: Option<usize>) -> Option<Status> {
+        (self.with)(functions, instance, &mut Zeros { null, pointers: 0, room: [0; 32] })
+    }
+}
+
+struct Zeros {
     null: Option<usize>,
     pointers: usize,
     room: [u64; 32],
 }
 
+impl Source for Zeros {
+    fn number(&mut self, of: TypeId) -> u64 {
+        u64::from(of == TypeId::of::<usize>())
+    }
+
+    fn pointer(&mut self, _: TypeId) -> *mut c_void {
+        let place = self.pointers;
+        self.pointers += 1;
+        if self.null == Some(place) { null_mut() } else { self.room.as_mut_ptr().cast() }
+    }
+}
+
 trait Argument: Sized {
     const POINTERS: usize = 0;
-    fn make(arguments: &mut Arguments) -> Self;
+    fn make(source: &mut dyn Source) -> Self;
 }
 
 macro_rules! plain {
-    ($($type:ty = $value:expr),*) => {
+    ($($type:ty = $from:expr),*) => {
         $(impl Argument for $type {
-            fn make(_: &mut Arguments) -> Self {
-                $value
+            fn make(source: &mut dyn Source) -> Self {
+                $from(source.number(TypeId::of::<$type>()))
             }
         })*
     };
 }
-plain!(bool = false, i32 = 0, u32 = 0, usize = 1, f64 = 0.0);
+plain!(
+    bool = |bits| bits != 0,
+    i32 = |bits| bits as i32,
+    u32 = |bits| bits as u32,
+    usize = |bits| bits as usize,
+    f64 = f64::from_bits
+);
 
-impl<T> Argument for *mut T {
+impl<T: 'static> Argument for *mut T {
     const POINTERS: usize = 1;
 
-    fn make(arguments: &mut Arguments) -> Self {
-        let place = arguments.pointers;
-        arguments.pointers += 1;
-        if arguments.null == Some(place) { null_mut() } else { arguments.room.as_mut_ptr().cast() }
+    fn make(source: &mut dyn Source) -> Self {
+        source.pointer(TypeId::of::<*mut T>()).cast()
     }
 }
 
-impl<T> Argument for *const T {
+impl<T: 'static> Argument for *const T {
     const POINTERS: usize = 1;
 
-    fn make(arguments: &mut Arguments) -> Self {
-        <*mut T>::make(arguments)
+    fn make(source: &mut dyn Source) -> Self {
+        source.pointer(TypeId::of::<*const T>()).cast_const().cast()
     }
 }
 
@@ -78,11 +110,10 @@ macro_rules! probe {
         Some(Probe {
             name: stringify!($name),
             pointers: 0 $(+ <$type as Argument>::POINTERS)*,
-            call: |c: &Functions, instance, null| {
-                let mut arguments = Arguments { null, ..Arguments::default() };
-                $(let $argument = <$type as Argument>::make(&mut arguments);)*
-                let _ = &mut arguments;
-                // SAFETY: an instance or NULL, and room for one element of any type.
+            with: |c: &Functions, instance, source| {
+                $(let $argument = <$type as Argument>::make(source);)*
+                let _ = source;
+                // SAFETY: an instance or NULL, and arrays as long as the source says.
                 unsafe { (c.$name)(instance $(, $argument)*) }.status()
             },
         })
@@ -91,17 +122,21 @@ macro_rules! probe {
 }
 
 macro_rules! functions {
-    ($version:ident $model:path; $($name:ident = $body:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?;)*) => {
+    (
+        $($name:ident = $module:ident::$body:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?;)*
+        $([not offered] $($other:ident(instance: $instance:ty $(, $unused:ident: $unused_type:ty)*);)*)?
+    ) => {
         /// All functions of this version.
         #[allow(non_snake_case, missing_docs)] // the standard's own names
         #[derive(Clone, Copy)]
         pub struct Functions {
             $(pub $name: unsafe extern "C" fn($($type),*) $(-> $result)?,)*
+            $($(pub $other: unsafe extern "C" fn($instance $(, $unused_type)*) -> Status,)*)?
         }
 
         impl Functions {
             /// Their names.
-            pub const NAMES: &[&str] = &[$(stringify!($name)),*];
+            pub const NAMES: &[&str] = &[$(stringify!($name),)* $($(stringify!($other)),*)?];
 
             /// Those of a shared library, which must stay loaded while they are called.
             ///
@@ -110,29 +145,57 @@ macro_rules! functions {
             pub fn of(library: &Library) -> Functions {
                 Functions {
                     // SAFETY: the library exports them with the standard's signatures.
-                    $($name: *unsafe { library.get(stringify!($name)) }
-                        .unwrap_or_else(|error| panic!("{} is not exported: {error}", stringify!($name))),)*
+                    $($name: *unsafe { exported(library, stringify!($name)) },)*
+                    $($($other: *unsafe { exported(library, stringify!($other)) },)*)?
                 }
             }
 
             /// Those of a model, without a library.
-            pub fn of_model<M: $model>() -> Functions {
-                Functions { $($name: lemons_fmi::$version::component::$body::<M>,)* }
+            #[allow(non_snake_case)] // the standard's own names
+            pub fn of_model<M: Model>() -> Functions {
+                $(
+                    unsafe extern "C" fn $name<M: Model>($($argument: $type),*) $(-> $result)? {
+                        // SAFETY: the caller keeps FMI's contract, which is the body's.
+                        unsafe { lemons_fmi::$module::$body::<M>(stringify!($name), $($argument),*) }
+                    }
+                )*
+                $($(
+                    unsafe extern "C" fn $other<M: Model>(
+                        instance: $instance $(, $unused: $unused_type)*
+                    ) -> Status {
+                        $(let _ = $unused;)*
+                        // SAFETY: as above.
+                        unsafe { lemons_fmi::v3::not_offered::<M>(stringify!($other), instance) }
+                    }
+                )*)?
+                Functions { $($name: $name::<M>,)* $($($other: $other::<M>,)*)? }
             }
 
             /// Calls of all functions that take an instance and return a status.
             pub fn probes() -> Vec<Probe<Functions>> {
-                [$(probe!($name, $($argument: $type),*)),*].into_iter().flatten().collect()
+                let all = [
+                    $(probe!($name, $($argument: $type),*),)*
+                    $($(probe!($other, instance: $instance $(, $unused: $unused_type)*),)*)?
+                ];
+                all.into_iter().flatten().collect()
             }
         }
     };
+}
+
+/// Returns a function of a shared library.
+///
+/// # Safety
+/// The library exports it with this type.
+unsafe fn exported<'a, F>(library: &'a Library, name: &str) -> Symbol<'a, F> {
+    // SAFETY: as the caller promises.
+    unsafe { library.get(name) }.unwrap_or_else(|error| panic!("{name} is not exported: {error}"))
 }
 
 /// The 34 functions of FMI 2.0 co-simulation.
 pub mod fmi2 {
     use super::*;
     pub use lemons_fmi::v2::CallbackFunctions;
-    use libloading::Library;
     use std::ffi::{c_int, c_uint};
 
     /// `fmi2CoSimulation`
@@ -147,14 +210,13 @@ pub mod fmi2 {
         component_environment: null_mut(),
     };
 
-    lemons_fmi::fmi2_functions! { [functions] v2 lemons_fmi::Model; }
+    lemons_fmi::fmi2_functions! { [functions] }
 }
 
 /// The 75 functions of FMI 3.0.
 pub mod fmi3 {
     use super::*;
-    use lemons_fmi::v3::component::{IntermediateUpdate, Logger3};
-    use libloading::Library;
+    use lemons_fmi::v3::{IntermediateUpdate, Logger3};
 
-    lemons_fmi::fmi3_functions! { [functions] v3 lemons_fmi::v3::ArrayModel; }
+    lemons_fmi::fmi3_functions! { [functions] }
 }

@@ -5,9 +5,8 @@
 #![allow(clippy::not_unsafe_ptr_arg_deref)] // states are given as the importer holds them
 
 use crate::testing::functions::{fmi2, fmi3};
-use lemons_fmi::Status;
 use lemons_fmi::v2::CallbackFunctions;
-use lemons_fmi::v3::ArrayModel;
+use lemons_fmi::{Model, Status};
 use libloading::Library;
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -54,7 +53,7 @@ impl Functions {
     }
 
     /// Those of a model, without a library.
-    pub fn of_model<M: ArrayModel>(version: Version) -> Functions {
+    pub fn of_model<M: Model>(version: Version) -> Functions {
         match version {
             Version::V2 => Functions::V2(Box::new(fmi2::Functions::of_model::<M>())),
             Version::V3 => Functions::V3(Box::new(fmi3::Functions::of_model::<M>())),

@@ -1,0 +1,144 @@
+//! What `lemons crowd` writes beside the Trial, and `lemons person`: tables, meshes, pictures.
+
+use super::bodies::Bodies;
+use crate::error::and_then;
+use crate::output::Output;
+use anyhow::Result;
+use lemons_core::files::Staged;
+use lemons_core::plane::Pose;
+use lemons_core::trial::Geometry;
+use lemons_people::{Agent, Shape, TrialSettings, crowd_trial, write_geojson, write_wkt};
+use lemons_picture::{Bicycle as Drawn, Colour, Fill, Scene, Style, pdf, png, svg};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// \[px\]
+const PICTURE_WIDTH: u32 = 1200;
+
+/// Files that appear when all is done.
+pub struct Outputs(Vec<File>);
+
+struct File {
+    option: &'static str,
+    /// As the summary calls it; empty if it names only the path.
+    what: &'static str,
+    output: Output,
+}
+
+impl Outputs {
+    /// Opens the files that are wanted: options, what is written, paths.
+    pub fn open(all: &[(&'static str, &'static str, &Option<PathBuf>)]) -> Result<Outputs> {
+        let wanted = all.iter().filter_map(|&(option, what, path)| Some((option, what, path.as_deref()?)));
+        let open = wanted.map(|(option, what, path)| Ok(File { option, what, output: Output::open(path)? }));
+        Ok(Outputs(open.collect::<Result<_>>()?))
+    }
+
+    pub fn of(&mut self, option: &str) -> Option<&mut Output> {
+        self.0.iter_mut().find(|file| file.option == option).map(|file| &mut file.output)
+    }
+
+    /// Writes the file of an option, if it is wanted.
+    pub fn fill<F>(&mut self, option: &str, write: F) -> Result<()>
+    where
+        F: FnOnce(&mut BufWriter<Staged>) -> io::Result<()>,
+    {
+        self.of(option).map_or(Ok(()), |output| output.fill(write))
+    }
+
+    /// Writes sections at altitudes \[m\], and meshes. `covered` and `ground` \[m²\] are for the table of sections.
+    pub fn write_bodies(
+        &mut self,
+        bodies: &Bodies,
+        altitudes: Option<&[f64]>,
+        [covered, ground]: [f64; 2],
+        out: &mut Vec<u8>,
+    ) -> Result<()> {
+        if let Some(altitudes) = altitudes {
+            let sections = bodies.sections(altitudes)?;
+            bodies.table(out, &sections, covered, ground)?;
+            self.fill("--sections-geojson", |file| write_geojson(&sections, file))?;
+            self.fill("--sections-wkt", |file| write_wkt(&sections, file))?;
+        }
+        self.of("--obj").map_or(Ok(()), |output| bodies.obj(output))?;
+        self.of("--stl").map_or(Ok(()), |output| bodies.stl(output))
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub fn has_pictures(&self) -> bool {
+        self.0.iter().any(|file| ["--svg", "--pdf", "--png"].contains(&file.option))
+    }
+
+    /// Pedestrians as a Trial has them, bicycles beside them; all under their places in the crowd.
+    pub fn draw_mixed(
+        &mut self,
+        agents: &[Agent],
+        shapes: &[Shape],
+        poses: &[Pose],
+        geometry: Geometry,
+        settings: &TrialSettings,
+    ) -> Result<()> {
+        let (mut people, mut bicycles) = ((Vec::new(), Vec::new(), Vec::new(), Vec::new()), Vec::new());
+        for (place, ((agent, shape), pose)) in agents.iter().zip(shapes).zip(poses).enumerate() {
+            match agent {
+                Agent::Pedestrian(person) => {
+                    people.extend([(*person, shape.clone(), *pose, place.to_string())]);
+                }
+                Agent::Bicycle(bicycle) => {
+                    let [wheels, rider] = bicycle.rectangles();
+                    bicycles.push(Drawn { id: place.to_string(), pose: *pose, wheels, rider });
+                }
+            }
+        }
+        let (people, shapes, poses, ids) = people;
+        let mut trial = crowd_trial("crowd", &people, &shapes, &poses, geometry, settings)?;
+        trial.agents.iter_mut().zip(ids).for_each(|(agent, id)| agent.id = id);
+        let fill = if people.is_empty() { Fill::Single(Colour::BODY) } else { Fill::BodyArea };
+        let mut scene = Scene::at_start(&trial);
+        scene.bicycles = bicycles;
+        self.draw(&scene, &Style { fill, ..of_crowds() })
+    }
+
+    /// Draws the pictures that are wanted.
+    pub fn draw(&mut self, scene: &Scene, style: &Style) -> Result<()> {
+        if !self.has_pictures() {
+            return Ok(());
+        }
+        let text = svg(scene, style);
+        self.fill("--svg", |file| file.write_all(text.as_bytes()))?;
+        if let Some(output) = self.of("--pdf") {
+            let picture = pdf(&text)?;
+            output.fill(|file| file.write_all(&picture))?;
+        }
+        if let Some(output) = self.of("--png") {
+            let picture = png(&text, PICTURE_WIDTH)?;
+            output.fill(|file| file.write_all(&picture))?;
+        }
+        Ok(())
+    }
+
+    /// Puts each in its place, also when that of another cannot be taken.
+    pub fn persist(self, goes_on: impl Fn() -> Result<()>, out: &mut impl Write) -> Result<()> {
+        let mut done = Ok(());
+        for File { what, output, .. } in self.0 {
+            goes_on()?;
+            let path = output.path().to_owned();
+            let placed = output.persist().and_then(|()| Ok(say(out, what, &path)?));
+            done = and_then(done, placed);
+        }
+        done
+    }
+}
+
+/// The style of pictures of crowds.
+pub fn of_crowds() -> Style {
+    Style { width: PICTURE_WIDTH.into(), fill: Fill::BodyArea, ..Style::default() }
+}
+
+/// Says what was written where.
+pub fn say(out: &mut impl Write, what: &str, path: &Path) -> io::Result<()> {
+    let path = path.display();
+    if what.is_empty() { writeln!(out, "{path}") } else { writeln!(out, "{what:<18} {path}") }
+}

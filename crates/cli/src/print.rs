@@ -1,0 +1,171 @@
+//! What the command says: the one place that prints. A closed pipe or a full disk is an error, never a panic.
+
+use indicatif::ProgressBar;
+use lemons_core::files::reader_left;
+use std::cell::RefCell;
+use std::fmt;
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// A line on standard output; its error is that of [`line()`].
+macro_rules! say {
+    ($($text:tt)*) => { $crate::print::line(format_args!($($text)*)) };
+}
+
+/// A line on standard error: a warning, or what went wrong.
+macro_rules! note {
+    ($($text:tt)*) => { $crate::print::aside(format_args!($($text)*)) };
+}
+
+/// Standard output cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write to standard output: {0}")]
+struct OutputError(io::Error);
+
+fn own(error: io::Error) -> io::Error {
+    io::Error::new(error.kind(), OutputError(error))
+}
+
+/// Standard output is for results: what the command says goes to standard error.
+static TO_STANDARD_ERROR: AtomicBool = AtomicBool::new(false);
+
+/// From now on nothing but results goes to standard output.
+pub fn use_standard_error() {
+    TO_STANDARD_ERROR.store(true, Ordering::Relaxed);
+}
+
+/// What a command says that another program has called.
+#[derive(Default)]
+struct Caught {
+    said: String,
+    notes: Vec<String>,
+}
+
+thread_local! {
+    static CAUGHT: RefCell<Option<Caught>> = const { RefCell::new(None) };
+}
+
+/// Does something in this thread without printing. Also returns what would be printed on standard output, and the lines
+/// of standard error.
+pub fn caught<T>(work: impl FnOnce() -> T) -> (T, String, Vec<String>) {
+    CAUGHT.set(Some(Caught::default()));
+    let done = work();
+    let Caught { said, notes } = CAUGHT.take().unwrap_or_default();
+    (done, said, notes)
+}
+
+fn is_caught() -> bool {
+    CAUGHT.with_borrow(Option::is_some)
+}
+
+/// A progress bar, which a terminal shows.
+pub fn bar(length: u64) -> ProgressBar {
+    if is_caught() { ProgressBar::hidden() } else { ProgressBar::new(length) }
+}
+
+/// Standard output, whose errors say that they are its own.
+pub enum Out {
+    StandardOutput(io::StdoutLock<'static>),
+    StandardError,
+    Caught,
+}
+
+/// To write more than a line.
+pub fn out() -> Out {
+    if is_caught() {
+        Out::Caught
+    } else if TO_STANDARD_ERROR.load(Ordering::Relaxed) {
+        Out::StandardError
+    } else {
+        Out::StandardOutput(io::stdout().lock())
+    }
+}
+
+impl Write for Out {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Out::StandardOutput(out) => out.write(bytes).map_err(own),
+            // As of everything that is said there: perhaps nobody hears it.
+            Out::StandardError => {
+                let _ = io::stderr().lock().write_all(bytes);
+                Ok(bytes.len())
+            }
+            Out::Caught => {
+                let text = String::from_utf8_lossy(bytes);
+                CAUGHT.with_borrow_mut(|caught| caught.iter_mut().for_each(|caught| caught.said += &text));
+                Ok(bytes.len())
+            }
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Out::StandardOutput(out) => out.flush().map_err(own),
+            Out::StandardError | Out::Caught => Ok(()),
+        }
+    }
+}
+
+/// See [`say!`].
+pub fn line(text: fmt::Arguments) -> io::Result<()> {
+    writeln!(out(), "{text}")
+}
+
+/// See [`note!`]. Where nobody can hear it, there is nobody to tell.
+pub fn aside(text: fmt::Arguments) {
+    if is_caught() {
+        CAUGHT.with_borrow_mut(|caught| {
+            caught.iter_mut().for_each(|caught| caught.notes.push(text.to_string()))
+        });
+        return;
+    }
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// How far a long command is, for who sees no progress bar: a line every half minute, as in Python.
+pub struct ProgressNotes {
+    last: Instant,
+}
+
+impl ProgressNotes {
+    const BETWEEN: Duration = Duration::from_secs(30);
+
+    pub fn from(begin: Instant) -> ProgressNotes {
+        ProgressNotes { last: begin }
+    }
+
+    /// Whether it is time for a line.
+    pub fn is_due(&mut self, now: Instant) -> bool {
+        let due = now.duration_since(self.last) >= ProgressNotes::BETWEEN;
+        if due {
+            self.last = now;
+        }
+        due
+    }
+}
+
+/// Whether somebody closed the pipe (`lemons info … | head`): they have what they wanted.
+pub fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    if reader_left() {
+        return true;
+    }
+    error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>()).any(|error| {
+        let own = error.get_ref().is_some_and(|inner| inner.is::<OutputError>());
+        own && error.kind() == io::ErrorKind::BrokenPipe
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_due_every_half_minute() {
+        let begin = Instant::now();
+        let mut notes = ProgressNotes::from(begin);
+        let seconds = [1, 29, 30, 31, 59, 61, 62, 200, 229, 230];
+        let due = seconds.map(|second| notes.is_due(begin + Duration::from_secs(second)));
+        assert_eq!(due, [false, false, true, false, false, true, false, true, false, true]);
+    }
+}

@@ -1,0 +1,212 @@
+//! A user's settings: `decision.toml` in a Trial's directory.
+//!
+//! Way-points, exits and speeds, for all agents or for some agents by their Id:
+//!
+//! ```toml
+//! model = "collision-free-speed"
+//! desired_speed = 1.34                               # [m/s]
+//! waypoints = [{ x = 6.0, y = 2.5, radius = 0.45 }]  # [m]; radius 0.3 if it is not said
+//! exits = [{ name = "door", line = [[8.0, 2.5], [8.0, 3.5]] }]
+//!
+//! [agents.7]
+//! desired_speed = 0.9
+//! ```
+
+use crate::error::PlanError;
+use crate::person::Person;
+use crate::rule::Waypoint;
+use crate::walking_model::{CollisionFreeSpeed, SocialForce, WalkingModel};
+use lemons_core::files::words;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
+use std::collections::BTreeMap;
+
+/// Name of the settings in a Trial directory.
+pub const DECISION_FILE: &str = "decision.toml";
+
+/// How people walk among others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WalkingModelName {
+    /// Straight on, whoever is in the way.
+    #[default]
+    Straight,
+    /// See [`CollisionFreeSpeed`].
+    CollisionFreeSpeed,
+    /// See [`SocialForce`].
+    SocialForce,
+}
+
+/// A user's settings for the FMU.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DecisionConfig {
+    pub(crate) model: Option<WalkingModelName>,
+    pub(crate) desired_speed: Option<f64>,
+    pub(crate) seed: Option<u64>,
+    pub(crate) waypoints: Option<Vec<WaypointConfig>>,
+    pub(crate) exits: Option<Vec<TargetConfig>>,
+    pub(crate) goals: Option<Vec<TargetConfig>>,
+    #[serde(rename = "collision-free-speed")]
+    pub(crate) collision_free_speed: Option<CollisionFreeSpeed>,
+    #[serde(rename = "social-force")]
+    pub(crate) social_force: Option<SocialForce>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) agents: BTreeMap<String, AgentConfig>,
+}
+
+/// Settings of one agent; missing ones are those of all agents.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct AgentConfig {
+    pub desired_speed: Option<f64>,
+    pub waypoints: Option<Vec<WaypointConfig>>,
+    pub exit: Option<String>,
+    pub goal: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WaypointConfig {
+    pub x: f64,
+    pub y: f64,
+    pub radius: Option<f64>,
+}
+
+/// An exit, where people leave, or a goal, where they stay.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TargetConfig {
+    pub name: Option<String>,
+    /// \[m\] Ends of a line.
+    #[serde(default, deserialize_with = "ends")]
+    pub line: Option<[[f64; 2]; 2]>,
+    /// \[m\] Corners of an area.
+    #[serde(default, deserialize_with = "corners")]
+    pub polygon: Option<Vec<[f64; 2]>>,
+    /// Part of the people who take it, instead of the nearest.
+    pub share: Option<f64>,
+}
+
+/// Arrays of TOML that are too long would be cut.
+fn corners<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
+    // The lab says null where there is none.
+    let Some(points) = Option::<Vec<Vec<f64>>>::deserialize(from)? else { return Ok(None) };
+    let point = |numbers: Vec<f64>| {
+        let count = numbers.len();
+        numbers.try_into().map_err(|_| D::Error::custom(format!("a point has 2 numbers [x, y], not {count}")))
+    };
+    points.into_iter().map(point).collect::<Result<_, _>>().map(Some)
+}
+
+fn ends<'de, D: Deserializer<'de>>(from: D) -> Result<Option<[[f64; 2]; 2]>, D::Error> {
+    let Some(points) = corners(from)? else { return Ok(None) };
+    let count = points.len();
+    let line =
+        points.try_into().map_err(|_| D::Error::custom(format!("a line has 2 points, not {count}")))?;
+    Ok(Some(line))
+}
+
+impl DecisionConfig {
+    /// Reads TOML.
+    ///
+    /// # Errors
+    /// The text is not TOML, or has unknown keys or values of the wrong type; with line and column.
+    pub fn from_toml(text: &str) -> Result<DecisionConfig, PlanError> {
+        toml::from_str(text).map_err(|error| PlanError::Toml(explained(&error)))
+    }
+
+    /// Returns TOML. Every number is read back as the same double.
+    ///
+    /// # Errors
+    /// The settings cannot be written.
+    pub fn to_toml(&self) -> Result<String, PlanError> {
+        toml::to_string(self).map_err(|error| PlanError::Toml(error.to_string()))
+    }
+
+    /// The same without settings of those who are not among these people; `None` if there are none of others.
+    pub fn without_others(&self, people: &[Person]) -> Option<DecisionConfig> {
+        let mut fewer = self.clone();
+        fewer.agents.retain(|id, _| people.iter().any(|person| person.id == *id));
+        (fewer != *self).then_some(fewer)
+    }
+
+    /// Everybody walks at one speed \[m/s\], on the way whose first point is nearest. `None` if no way has a point.
+    pub fn nearest_of(people: &[Person], speed: f64, ways: &[Vec<Waypoint>]) -> Option<DecisionConfig> {
+        let ways: Vec<&Vec<Waypoint>> = ways.iter().filter(|way| !way.is_empty()).collect();
+        let wanted = |way: &[Waypoint]| {
+            let point = |w: &Waypoint| WaypointConfig { x: w.x, y: w.y, radius: Some(w.radius) };
+            way.iter().map(point).collect::<Vec<_>>()
+        };
+        let first = ways.first()?;
+        let mut agents = BTreeMap::new();
+        for Person { id, pose, .. } in people {
+            let far = |way: &Vec<Waypoint>| libm::hypot(way[0].x - pose.x, way[0].y - pose.y);
+            let nearest = ways.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
+            if nearest != first {
+                agents.insert(
+                    id.clone(),
+                    AgentConfig { waypoints: Some(wanted(nearest)), ..AgentConfig::default() },
+                );
+            }
+        }
+        let waypoints = Some(wanted(first));
+        Some(DecisionConfig { desired_speed: Some(speed), waypoints, agents, ..DecisionConfig::default() })
+    }
+
+    /// The model with its constants.
+    pub(crate) fn walking_model(&self) -> Result<WalkingModel, PlanError> {
+        let unused = |key: &'static str| PlanError::OtherModel { key };
+        let (free, social) = (self.collision_free_speed, self.social_force);
+        let model = self.model.unwrap_or_default();
+        if free.is_some() && model != WalkingModelName::CollisionFreeSpeed {
+            return Err(unused("collision-free-speed"));
+        }
+        if social.is_some() && model != WalkingModelName::SocialForce {
+            return Err(unused("social-force"));
+        }
+        Ok(match model {
+            WalkingModelName::Straight => WalkingModel::Straight,
+            WalkingModelName::CollisionFreeSpeed => {
+                WalkingModel::CollisionFreeSpeed(free.unwrap_or_default())
+            }
+            WalkingModelName::SocialForce => WalkingModel::SocialForce(social.unwrap_or_default()),
+        })
+    }
+}
+
+/// Returns the message, with a suggestion for an unknown key.
+fn explained(error: &toml::de::Error) -> String {
+    // The keys are between backticks: first the unknown one, then the expected ones.
+    let said = error.to_string();
+    let mut expected = error.message().split('`').skip(1).step_by(2);
+    let unknown = expected.next().filter(|_| error.message().starts_with("unknown field"));
+    match unknown.and_then(|unknown| words::meant(unknown, expected)) {
+        Some(meant) => format!("{}\ndid you mean `{meant}`?", said.trim_end()),
+        None => said,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_and_points_have_no_further_numbers() {
+        let said = |target: &str| {
+            DecisionConfig::from_toml(&format!("exits = [{{ {target} }}]")).map_err(|e| e.to_string())
+        };
+        assert!(
+            said("line = [[1, 2], [3, 4]]").is_ok() && said("polygon = [[0, 0], [1, 0], [0, 1]]").is_ok()
+        );
+        for (target, words) in [
+            ("line = [[1, 2], [3, 4], [5, 6]]", "a line has 2 points, not 3"),
+            ("line = [[1, 2]]", "a line has 2 points, not 1"),
+            ("line = [[1, 2, 0], [3, 4, 0]]", "a point has 2 numbers [x, y], not 3"),
+            ("polygon = [[0, 0], [1, 0], [0]]", "a point has 2 numbers [x, y], not 1"),
+        ] {
+            let error = said(target).unwrap_err();
+            assert!(error.contains(words), "{target}: {error}");
+        }
+    }
+}

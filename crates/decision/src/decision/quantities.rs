@@ -1,0 +1,202 @@
+//! The quantities of the FMU: one table with the name, unit, causality, shape and domain of each.
+//! FMI 3.0 has each row as one array, FMI 2.0 has the elements.
+//!
+//! Arrays have an element for each agent, in the order of Agents.xml. Agents may have different
+//! numbers of way-points: an agent's row is as long as the longest, and `WaypointCount` says how
+//! much of it counts. What is beyond is 0 and stays 0.
+
+use super::Decision;
+use lemons_fmi::variables::units::*;
+use lemons_fmi::variables::{Dependency, Dimension, Domain, Kind, Known, Role, Scalar, Size, Variable, row};
+
+/// A quantity: a row of [`QUANTITIES`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)] // the table says it
+pub enum Quantity {
+    Arrived,
+    Position,
+    Theta,
+    Fp,
+    Mp,
+    Active,
+    NextWaypoint,
+    Mass,
+    MomentOfInertia,
+    FloorDamping,
+    AngularDamping,
+    DesiredSpeed,
+    Waypoint,
+    WaypointRadius,
+    WaypointCount,
+    AgentId,
+}
+
+/// The structural parameters.
+pub(super) const SIZES: [Size; 2] = [
+    Size { name: "Agents", description: "number of agents" },
+    Size { name: "Waypoints", description: "largest number of way-points of an agent" },
+];
+
+const AGENTS: &[Dimension] = &[Dimension::Size(0)];
+const VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Fixed(2)];
+const WAYPOINTS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1)];
+const WAYPOINT_VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1), Dimension::Fixed(2)];
+
+/// The table.
+pub static QUANTITIES: [Variable<Quantity>; 16] = {
+    use Domain::*;
+    use Kind::*;
+    use Quantity::*;
+    [
+        row(Arrived, "Arrived", &[], Integer)
+            .calculated("how many agents have reached their last way-point, exit or goal"),
+        row(Position, "Position", VECTORS, Real(METRE)).input("x and y of the centre of mass"),
+        row(Theta, "Theta", AGENTS, Real(RADIAN)).input("orientation: angle from the x axis to the gaze"),
+        row(Fp, "Fp", VECTORS, Real(NEWTON)).calculated("propulsion force along x and y"),
+        row(Mp, "Mp", AGENTS, Real(NEWTON_METRE)).calculated("propulsion torque"),
+        row(Active, "Active", AGENTS, Boolean).calculated("whether it is there: it has not left by an exit"),
+        row(NextWaypoint, "NextWaypoint", AGENTS, Integer)
+            .calculated("which way-point it walks to; their number after the last one"),
+        row(Mass, "Mass", AGENTS, Real(KILOGRAM)).parameter(Positive, "mass"),
+        row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(KILOGRAM_METRE_SQUARED))
+            .parameter(Positive, "moment of inertia about the centre of mass"),
+        row(FloorDamping, "FloorDamping", AGENTS, Real(PER_SECOND))
+            .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl"),
+        row(AngularDamping, "AngularDamping", AGENTS, Real(PER_SECOND))
+            .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot"),
+        row(DesiredSpeed, "DesiredSpeed", AGENTS, Real(METRE_PER_SECOND))
+            .parameter(NonNegative, "desired speed v0"),
+        row(Waypoint, "Waypoint", WAYPOINT_VECTORS, Real(METRE))
+            .parameter(Finite, "x and y of the way-points in order; 0 beyond WaypointCount"),
+        row(WaypointRadius, "WaypointRadius", WAYPOINTS, Real(METRE)).parameter(
+            NonNegative,
+            "a way-point is reached when the agent is this near; 0 beyond WaypointCount",
+        ),
+        row(WaypointCount, "WaypointCount", AGENTS, Integer)
+            .calculated_parameter("how many way-points an agent has"),
+        row(AgentId, "AgentId", AGENTS, String).calculated_parameter("Ids of the agents"),
+    ]
+};
+
+impl Quantity {
+    /// Returns its row of the table.
+    pub fn row(self) -> &'static Variable<Quantity> {
+        &QUANTITIES[self as usize]
+    }
+
+    /// Returns whether it has an element for each way-point of an agent.
+    fn is_of_waypoints(self) -> bool {
+        matches!(self, Quantity::Waypoint | Quantity::WaypointRadius)
+    }
+
+    /// Returns whether an output depends on an input or a parameter of the same agent.
+    fn needs(self, on: Quantity) -> bool {
+        use Quantity::*;
+        match on {
+            Position | Waypoint | WaypointRadius => true,
+            Mass | FloorDamping | DesiredSpeed => self == Fp,
+            Theta | MomentOfInertia | AngularDamping => self == Mp,
+            _ => false,
+        }
+    }
+}
+
+impl Decision {
+    /// Returns the number of elements of a quantity that each agent has.
+    pub(super) fn elements_of_each(&self, quantity: Quantity) -> usize {
+        let waypoints = if quantity.is_of_waypoints() { self.most_waypoints } else { 1 };
+        if quantity.row().is_vector() { 2 * waypoints } else { waypoints }
+    }
+
+    /// Returns whether an agent has an element of a quantity: not of way-points that it does not
+    /// have.
+    pub(super) fn has(&self, quantity: Quantity, element: usize) -> bool {
+        let each = self.elements_of_each(quantity);
+        let count = self.agents[element / each].walker.waypoints.len();
+        !quantity.is_of_waypoints() || element % each < count * each / self.most_waypoints
+    }
+
+    /// Returns the number behind an element that can be set; `None` for a computed one, and for
+    /// way-points that an agent does not have.
+    pub(crate) fn field(&mut self, quantity: Quantity, element: usize) -> Option<&mut f64> {
+        let each = self.elements_of_each(quantity);
+        let (i, k) = (element / each, element % each);
+        let super::Agent { pose, walker, .. } = self.agents.get_mut(i)?;
+        let x = k % 2 == 0;
+        Some(match quantity {
+            Quantity::Position if x => &mut pose.x,
+            Quantity::Position => &mut pose.y,
+            Quantity::Theta => &mut pose.theta,
+            Quantity::Mass => &mut walker.mass,
+            Quantity::MomentOfInertia => &mut walker.moment_of_inertia,
+            Quantity::FloorDamping => &mut walker.floor_damping,
+            Quantity::AngularDamping => &mut walker.angular_damping,
+            Quantity::DesiredSpeed => &mut walker.desired_speed,
+            Quantity::Waypoint if x => &mut walker.waypoints.get_mut(k / 2)?.x,
+            Quantity::Waypoint => &mut walker.waypoints.get_mut(k / 2)?.y,
+            Quantity::WaypointRadius => &mut walker.waypoints.get_mut(k)?.radius,
+            _ => return None,
+        })
+    }
+
+    /// Returns the variables of FMI 2.0. A value reference is an index in this list.
+    pub(super) fn scalars_of_plan(&self) -> Vec<Scalar<Quantity>> {
+        let mut scalars: Vec<Scalar<Quantity>> = Quantity::Arrived.row().scalars(0, "", "").collect();
+        let of_agents = || {
+            QUANTITIES.iter().filter(|row| {
+                row.role != Role::CalculatedParameter && [AGENTS, VECTORS].contains(&row.dimensions)
+            })
+        };
+        for (i, agent) in self.plan.agents.iter().enumerate() {
+            let (prefix, about) = (format!("agent[{i}]."), format!("agent Id {}: ", agent.id));
+            scalars.extend(of_agents().flat_map(|row| row.scalars(i, &prefix, &about)));
+            for k in 0..agent.walker.waypoints.len() {
+                let at = i * self.most_waypoints + k;
+                let scalar = |quantity: Quantity, element, name, description| Scalar {
+                    name: format!("{prefix}Waypoint[{k}].{name}"),
+                    description: format!("{about}{description}"),
+                    variable: quantity.row(),
+                    element,
+                };
+                let near = "it is reached when the agent is this near";
+                scalars.extend([
+                    scalar(Quantity::Waypoint, 2 * at, "x", "x of a way-point"),
+                    scalar(Quantity::Waypoint, 2 * at + 1, "y", "y of a way-point"),
+                    scalar(Quantity::WaypointRadius, at, "Radius", near),
+                ]);
+            }
+        }
+        scalars
+    }
+
+    /// Returns whether an output depends on the inputs of all agents.
+    pub(super) fn needs_all(&self, output: Quantity) -> bool {
+        self.plan.walking_model.sees_others() && matches!(output, Quantity::Fp | Quantity::Mp)
+    }
+
+    /// Returns the dependencies of an output on the inputs and parameters of the same agent; of the
+    /// number of those who have arrived, on those of everybody.
+    pub(super) fn dependencies_of(&self, output: Quantity, known: Known) -> Vec<Dependency<Quantity>> {
+        if output.row().role != Role::Calculated {
+            return Vec::new();
+        }
+        // Of others, the outline counts, too.
+        let outline = |on: Quantity| self.needs_all(output) && on == Quantity::Theta;
+        let needed = |row: &&Variable<Quantity>| {
+            known.includes(row.role) && (output.needs(row.quantity) || outline(row.quantity))
+        };
+        let on: Vec<Quantity> = QUANTITIES.iter().filter(needed).map(|row| row.quantity).collect();
+        let each = self.elements_of_each(output);
+        let mut dependencies = Vec::new();
+        for i in 0..self.agents.len() {
+            let dependents = if output == Quantity::Arrived { 0..1 } else { i * each..(i + 1) * each };
+            for (dependent, &on) in dependents.flat_map(|dependent| on.iter().map(move |on| (dependent, on)))
+            {
+                let of_each = self.elements_of_each(on);
+                let elements = (i * of_each..(i + 1) * of_each).filter(|element| self.has(on, *element));
+                dependencies.extend(elements.map(|element| Dependency { dependent, on, element }));
+            }
+        }
+        dependencies
+    }
+}

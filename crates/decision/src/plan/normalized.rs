@@ -1,0 +1,43 @@
+//! Settings in which everybody has a goal.
+
+use super::checked::check_targets;
+use super::destinations::targets_of;
+use crate::config::DecisionConfig;
+use crate::error::PlanError;
+use crate::person::Person;
+use crate::target::{Destination, Ways};
+use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::Trial;
+
+/// Returns settings in which everybody goes somewhere: without those of people who are not there, and, where there are several
+/// goals and no exits, with the goal that is nearest on foot at the start for each who names none.
+///
+/// # Errors
+/// An exit or a goal is not one, or the area is too large.
+pub fn normalized(trial: &Trial, config: &DecisionConfig) -> Result<DecisionConfig, PlanError> {
+    let people = Person::all_of(trial);
+    let mut config = config.without_others(&people).unwrap_or_else(|| config.clone());
+    for none in [&mut config.exits, &mut config.goals] {
+        none.take_if(|places| places.is_empty());
+    }
+    let targets = targets_of(&config)?;
+    check_targets(&targets)?;
+    if targets.len() < 2 || targets.iter().any(|target| !target.stay) {
+        return Ok(config);
+    }
+    let walls: Vec<Vec<Vec2>> = trial.geometry.walls.iter().map(|wall| wall.corners.clone()).collect();
+    let at = |person: &Person| vec2(person.pose.x, person.pose.y);
+    let all = people
+        .iter()
+        .flat_map(|person| (0..targets.len()).map(move |target| (at(person), Destination::Target(target))));
+    let ways = Ways::new(&walls, &targets, all)?;
+    for person in &people {
+        let far = |target: usize| ways.distance(Destination::Target(target), at(person));
+        let nearest = (0..targets.len()).min_by(|a, b| far(*a).total_cmp(&far(*b)));
+        let own = config.agents.entry(person.id.clone()).or_default();
+        if own.goal.is_none() && own.exit.is_none() {
+            own.goal = nearest.map(|target| targets[target].name.clone());
+        }
+    }
+    Ok(config)
+}

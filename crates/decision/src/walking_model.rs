@@ -1,0 +1,368 @@
+//! How people walk among others: from where they want to go to a velocity, or a force.
+//!
+//! - straight: the desired speed, whoever is in the way (the paper's eq. 4).
+//! - collision-free speed: Tordeux, Chraibi, Seyfried, *Collision-free speed model for pedestrian dynamics*, 2016
+//!   (arXiv 1512.05597): people turn aside, and are so fast that they would reach the one in front of them only after
+//!   the time gap. The defaults are those of JuPedSim 1.4.
+//! - social force: Helbing, Farkas, Vicsek, *Simulating dynamical features of escape panic*, Nature 407 (2000) 487,
+//!   without its contact forces, which the mechanics computes.
+//!
+//! Instead of circles of one radius, each body has its own outline: gaps are measured between outlines on the line of
+//! the centres of mass. Somebody is in front of a person if the shadows of their outlines on a line across the way overlap
+//! by more than a third.
+
+use crate::error::{PlanError, moderate, positive};
+use lemons_core::plane::{Rotation, Vec2, nearest_on_segment, segments_cross, vec2};
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+
+/// Constants of the collision-free speed model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CollisionFreeSpeed {
+    /// \[s\] Time gap T to who is in front.
+    pub time_gap: f64,
+    /// Strength a of turning aside from others.
+    pub neighbour_strength: f64,
+    /// \[m\] Its range D.
+    pub neighbour_range: f64,
+    /// Strength of turning aside from walls.
+    pub wall_strength: f64,
+    /// \[m\] Its range.
+    pub wall_range: f64,
+}
+
+impl Default for CollisionFreeSpeed {
+    fn default() -> CollisionFreeSpeed {
+        CollisionFreeSpeed {
+            time_gap: 1.0,
+            neighbour_strength: 8.0,
+            neighbour_range: 0.1,
+            wall_strength: 5.0,
+            wall_range: 0.02,
+        }
+    }
+}
+
+/// Constants of the social force model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SocialForce {
+    /// \[N\] Repulsion A at a gap of 0, by others and by walls.
+    pub strength: f64,
+    /// \[m\] Its range B.
+    pub range: f64,
+}
+
+impl Default for SocialForce {
+    fn default() -> SocialForce {
+        SocialForce { strength: 2000.0, range: 0.08 }
+    }
+}
+
+/// A model with its constants.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WalkingModel {
+    /// Straight on.
+    #[default]
+    Straight,
+    /// See [`CollisionFreeSpeed`].
+    CollisionFreeSpeed(CollisionFreeSpeed),
+    /// See [`SocialForce`].
+    SocialForce(SocialForce),
+}
+
+/// Who walks, and where to.
+#[derive(Debug, Clone, Copy)]
+pub struct Walking<'a> {
+    /// \[m\] centre of mass.
+    pub at: Vec2,
+    /// \[rad\] orientation.
+    pub theta: f64,
+    /// Disks relative to the centre of mass when the gaze is along x: x, y, radius \[m\].
+    pub disks: &'a [[f64; 3]],
+    /// Unit vector of the direction, if there is one.
+    pub direction: Option<Vec2>,
+    /// \[m/s\] desired speed.
+    pub speed: f64,
+    /// \[m\] How far it is.
+    pub to_go: f64,
+    /// People with the same destination have the same number.
+    pub destination: usize,
+}
+
+/// What a person wants.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DesiredMotion {
+    /// \[m/s\] velocity.
+    pub velocity: Vec2,
+    /// \[N\] force besides that for the velocity.
+    pub force: Vec2,
+    /// Unit vector towards which the body turns, if it turns.
+    pub facing: Option<Vec2>,
+    /// Whether the person queues: close behind somebody who is nearer to the end of the way.
+    pub queues: bool,
+}
+
+/// \[m\] Radius of a body whose outline is not known.
+const USUAL_RADIUS: f64 = 0.2;
+/// Ranges: from a gap of so many on, repulsion is not counted. It is below 1e-5 of that at a gap of 0.
+const FAR: f64 = 12.0;
+/// Part of two bodies' breadth: whoever is further to the side is not in front. The paper's width of 0.3 m is that of
+/// bodies 0.46 m broad: people walk in lanes that overlap, like the teeth of a zipper.
+const LANE: f64 = 0.65;
+/// \[m\] Who is nearer than this behind somebody may queue.
+const CLOSE: f64 = 0.5;
+/// \[m\] Gaps are not longer than this in any exponential.
+const TOUCHING: f64 = 0.0;
+
+impl WalkingModel {
+    /// Whether people see others and walls.
+    pub fn sees_others(&self) -> bool {
+        *self != WalkingModel::Straight
+    }
+
+    /// Refuses constants that make no sense.
+    pub(crate) fn check(&self) -> Result<(), PlanError> {
+        match self {
+            WalkingModel::Straight => Ok(()),
+            WalkingModel::CollisionFreeSpeed(of) => {
+                let place = "collision-free-speed";
+                positive(place, "time_gap", of.time_gap)?;
+                moderate(place, "neighbour_strength", of.neighbour_strength)?;
+                positive(place, "neighbour_range", of.neighbour_range)?;
+                moderate(place, "wall_strength", of.wall_strength)?;
+                positive(place, "wall_range", of.wall_range)
+            }
+            WalkingModel::SocialForce(of) => {
+                moderate("social-force", "strength", of.strength)?;
+                positive("social-force", "range", of.range)
+            }
+        }
+    }
+
+    /// What everybody wants; `None` for those who are not there, whom nobody sees.
+    pub fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {
+        if !self.sees_others() {
+            return people
+                .iter()
+                .map(|walking| walking.as_ref().map_or(DesiredMotion::default(), straight))
+                .collect();
+        }
+        let furthest = people.iter().flatten().map(|walking| extent(walking)).fold(0.0, f64::max);
+        let fastest = people.iter().flatten().map(|walking| walking.speed).fold(0.0, f64::max);
+        let far = match self {
+            WalkingModel::Straight => 0.0,
+            WalkingModel::CollisionFreeSpeed(of) => {
+                let ranges = FAR * of.neighbour_range.max(of.wall_range);
+                ranges.max(fastest * of.time_gap).max(CLOSE)
+            }
+            WalkingModel::SocialForce(of) => CLOSE.max(FAR * of.range),
+        };
+        let cells = Cells::new(people, faces, 2.0 * furthest + far);
+        let one = |(i, walking): (usize, &Option<Walking<'_>>)| {
+            let Some(walking) = walking else { return DesiredMotion::default() };
+            let (others, walls) = cells.around(i, walking, people, faces);
+            match self {
+                WalkingModel::Straight => straight(walking),
+                WalkingModel::CollisionFreeSpeed(of) => of.desired(walking, &others, &walls),
+                WalkingModel::SocialForce(of) => of.desired(walking, &others, &walls),
+            }
+        };
+        people.iter().enumerate().map(one).collect()
+    }
+}
+
+fn straight(walking: &Walking<'_>) -> DesiredMotion {
+    match walking.direction {
+        None => DesiredMotion::default(),
+        Some(direction) => DesiredMotion {
+            velocity: direction * walking.speed,
+            facing: Some(direction),
+            ..DesiredMotion::default()
+        },
+    }
+}
+
+/// Somebody or a wall near a person.
+struct Near<'a> {
+    /// Unit vector from it to the person.
+    away: Vec2,
+    /// \[m\] Distance of the centres of mass, or from the wall's nearest point.
+    distance: f64,
+    /// \[m\] Gap between the outlines on this line; negative if they overlap.
+    gap: f64,
+    /// Who it is; `None` for a wall.
+    other: Option<&'a Walking<'a>>,
+}
+
+/// How much of a repulsion acts over a gap.
+fn faded(gap: f64, range: f64) -> f64 {
+    // Bodies that touch repel each other by the mechanics.
+    if gap < FAR * range { libm::exp(-gap.max(TOUCHING) / range) } else { 0.0 }
+}
+
+/// Those who are in front of a person who walks in a direction.
+fn in_front<'a>(
+    walking: &Walking<'_>,
+    direction: Vec2,
+    others: &'a [Near<'a>],
+) -> impl Iterator<Item = (&'a Near<'a>, &'a Walking<'a>)> {
+    let (across, own) = (direction.perp(), half_width(walking, direction.perp()));
+    let known = others.iter().filter_map(|near| Some((near, near.other?)));
+    known.filter(move |(near, other)| {
+        let to = near.away * -near.distance;
+        direction.dot(to) > 0.0 && across.dot(to).abs() < LANE * (own + half_width(other, across))
+    })
+}
+
+/// Whether one of those in front is close, goes to the same place, and has a shorter way.
+fn queues(walking: &Walking<'_>, direction: Vec2, others: &[Near<'_>]) -> bool {
+    in_front(walking, direction, others).any(|(near, other)| {
+        let goes = other.direction.is_some() && other.destination == walking.destination;
+        near.gap < CLOSE && goes && other.to_go < walking.to_go
+    })
+}
+
+impl CollisionFreeSpeed {
+    fn desired(&self, walking: &Walking<'_>, others: &[Near<'_>], walls: &[Near<'_>]) -> DesiredMotion {
+        let Some(goal) = walking.direction else { return DesiredMotion::default() };
+        let aside = |near: &[Near<'_>], strength: f64, range: f64| {
+            near.iter().fold(Vec2::ZERO, |sum, near| sum + near.away * (strength * faded(near.gap, range)))
+        };
+        let turned = goal
+            + aside(others, self.neighbour_strength, self.neighbour_range)
+            + aside(walls, self.wall_strength, self.wall_range);
+        let norm = turned.norm();
+        let direction = if norm > 1e-9 { turned * (1.0 / norm) } else { goal };
+        let headway =
+            in_front(walking, direction, others).map(|(near, _)| near.gap).fold(f64::INFINITY, f64::min);
+        let speed = (headway / self.time_gap).clamp(0.0, walking.speed);
+        let queues = queues(walking, goal, others);
+        DesiredMotion { velocity: direction * speed, force: Vec2::ZERO, facing: Some(direction), queues }
+    }
+}
+
+impl SocialForce {
+    fn desired(&self, walking: &Walking<'_>, others: &[Near<'_>], walls: &[Near<'_>]) -> DesiredMotion {
+        let force = others
+            .iter()
+            .chain(walls)
+            .fold(Vec2::ZERO, |sum, near| sum + near.away * (self.strength * faded(near.gap, self.range)));
+        let queues = walking.direction.is_some_and(|goal| queues(walking, goal, others));
+        DesiredMotion { force, queues, ..straight(walking) }
+    }
+}
+
+/// \[m\] How far the outline reaches from the centre of mass in a direction.
+fn reach(walking: &Walking<'_>, direction: Vec2) -> f64 {
+    if walking.disks.is_empty() {
+        return USUAL_RADIUS;
+    }
+    let own = direction.rotated(Rotation::by(-walking.theta));
+    let far = walking.disks.iter().filter_map(|&[x, y, radius]| {
+        let (along, off) = (own.dot(vec2(x, y)), own.cross(vec2(x, y)));
+        (off.abs() < radius).then(|| along + (radius * radius - off * off).sqrt())
+    });
+    far.fold(0.0, f64::max)
+}
+
+/// \[m\] Half of the outline's shadow on a line with this direction.
+fn half_width(walking: &Walking<'_>, line: Vec2) -> f64 {
+    if walking.disks.is_empty() {
+        return USUAL_RADIUS;
+    }
+    let own = line.rotated(Rotation::by(-walking.theta));
+    let ends = walking.disks.iter().map(|&[x, y, radius]| (own.dot(vec2(x, y)), radius));
+    ends.map(|(middle, radius)| middle.abs() + radius).fold(0.0, f64::max)
+}
+
+/// \[m\] Radius of a circle about the centre of mass that holds the body.
+fn extent(walking: &Walking<'_>) -> f64 {
+    let ends = walking.disks.iter().map(|&[x, y, radius]| libm::hypot(x, y) + radius);
+    ends.fold(USUAL_RADIUS, f64::max)
+}
+
+/// People and faces by squares of the plane, to find those that are near.
+struct Cells {
+    width: f64,
+    people: HashMap<(i64, i64), Vec<usize>>,
+    faces: HashMap<(i64, i64), Vec<usize>>,
+}
+
+impl Cells {
+    fn new(people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]], width: f64) -> Cells {
+        let mut cells = Cells { width, people: HashMap::new(), faces: HashMap::new() };
+        for (i, walking) in people.iter().enumerate() {
+            if let Some(walking) = walking {
+                cells.people.entry(cells.cell(walking.at)).or_default().push(i);
+            }
+        }
+        // Only cells with somebody in or beside them are asked.
+        let mut asked: Vec<(i64, i64)> = cells.people.keys().copied().collect();
+        asked.sort_unstable();
+        for (column, row) in asked {
+            let middle = vec2((column as f64 + 0.5) * width, (row as f64 + 0.5) * width);
+            let near = faces
+                .iter()
+                .enumerate()
+                .filter(|(_, [a, b])| (nearest_on_segment(*a, *b, middle) - middle).norm() < 2.0 * width);
+            cells.faces.insert((column, row), near.map(|(k, _)| k).collect());
+        }
+        cells
+    }
+
+    fn cell(&self, at: Vec2) -> (i64, i64) {
+        (libm::floor(at.x / self.width) as i64, libm::floor(at.y / self.width) as i64)
+    }
+
+    /// Others and walls near a person, in the same order on every machine.
+    fn around<'a>(
+        &self,
+        i: usize,
+        walking: &Walking<'_>,
+        people: &'a [Option<Walking<'a>>],
+        faces: &[[Vec2; 2]],
+    ) -> (Vec<Near<'a>>, Vec<Near<'a>>) {
+        let (column, row) = self.cell(walking.at);
+        let own_faces = self.faces.get(&(column, row)).map_or(&[][..], |faces| &faces[..]);
+        // Nobody sees through walls.
+        let hidden = |from: Vec2, to: Vec2| {
+            own_faces.iter().any(|&k| segments_cross(from, to, faces[k][0], faces[k][1]))
+        };
+        let mut others = Vec::new();
+        for cell in
+            (-1..=1).flat_map(|up| (-1..=1).map(move |on| (column.wrapping_add(on), row.wrapping_add(up))))
+        {
+            for &k in self.people.get(&cell).into_iter().flatten() {
+                let Some(other) = people[k].as_ref().filter(|_| k != i) else { continue };
+                let apart = walking.at - other.at;
+                let distance = apart.norm();
+                if distance < self.width && distance > 0.0 && !hidden(walking.at, other.at) {
+                    let away = apart * (1.0 / distance);
+                    let gap = distance - reach(walking, -away) - reach(other, away);
+                    others.push(Near { away, distance, gap, other: Some(other) });
+                }
+            }
+        }
+        let feet = own_faces.iter().map(|&k| (k, nearest_on_segment(faces[k][0], faces[k][1], walking.at)));
+        let feet: Vec<(usize, Vec2)> =
+            feet.filter(|(_, foot)| (walking.at - *foot).norm() < self.width).collect();
+        let mut walls: Vec<Near<'a>> = Vec::new();
+        for (n, &(_, foot)) in feet.iter().enumerate() {
+            let apart = walking.at - foot;
+            let distance = apart.norm();
+            // A wall in many pieces is one wall: a corner counts if no piece that ends there comes nearer, and once.
+            let nearer = feet
+                .iter()
+                .enumerate()
+                .any(|(m, &(k, at))| m != n && faces[k].contains(&foot) && (at != foot || m < n));
+            if distance > 0.0 && !nearer && !hidden(walking.at, foot + apart * 1e-6) {
+                let away = apart * (1.0 / distance);
+                walls.push(Near { away, distance, gap: distance - reach(walking, -away), other: None });
+            }
+        }
+        (others, walls)
+    }
+}

@@ -1,0 +1,383 @@
+//! The table of variables as XML and HTML: `modelDescription.xml`, `terminalsAndIcons.xml`, rows of
+//! the documentation.
+
+use crate::boundary::LOG_CATEGORIES;
+use crate::model::{Model, guid, instantiation_token, reference};
+use crate::variables::units::SECOND;
+use crate::variables::{Dependency, Dimension, Kind, Known, Role, Scalar, Type, Unit, Variable};
+use crate::{Format, Naming, Version};
+use lemons_core::xml::{Layout, Out, escaped, number};
+use std::collections::{BTreeSet, HashMap};
+
+/// Returns the model description of what is loaded.
+///
+/// # Errors
+/// A start value is not known.
+pub fn model_description<M: Model>(model: &mut M, format: Format) -> Result<String, M::Error> {
+    match format {
+        Format::Fmi2(naming) => of_scalars(model, naming),
+        Format::Fmi3 => of_arrays(model),
+    }
+}
+
+fn of_scalars<M: Model>(model: &mut M, naming: Naming) -> Result<String, M::Error> {
+    let scalars = model.scalars();
+    let mut starts = Vec::with_capacity(scalars.len());
+    for Scalar { variable, element, .. } in &scalars {
+        starts.push(match (has_start(variable.role), variable.kind) {
+            (false, _) => None,
+            (true, Kind::String) => Some(model.text(variable.quantity, *element).to_owned()),
+            (true, kind) => Some(written(model.number(variable.quantity, *element)?, kind)),
+        });
+    }
+    let naming = match naming {
+        Naming::Structured => "structured",
+        Naming::Flat => "flat",
+    };
+    let identity = [("fmiVersion", "2.0"), ("guid", &guid(&scalars).braced().to_string())];
+    Ok(document(model, Version::V2, identity, naming, |out| {
+        out.element("ModelVariables", &[], |out| {
+            for (place, (scalar, start)) in scalars.iter().zip(&starts).enumerate() {
+                let Scalar { name, description, variable, .. } = scalar;
+                let place = place.to_string();
+                out.element("ScalarVariable", &attributes(variable, name, &place, description), |out| {
+                    let mut own = Vec::new();
+                    if let Kind::Real(unit) = variable.kind {
+                        own.push(("unit", unit.name));
+                    }
+                    own.extend(start.as_deref().map(|start| ("start", start)));
+                    out.empty(variable.kind.name(), &own);
+                });
+            }
+        });
+        out.element("ModelStructure", &[], |out| {
+            for (name, is_wanted, known) in UNKNOWNS {
+                out.element(&format!("{name}s"), &[], |out| {
+                    write_unknowns(out, model, &scalars, is_wanted, known);
+                });
+            }
+        });
+    }))
+}
+
+type IsWanted = fn(Role) -> bool;
+
+/// The unknowns of a model: name of the element, which variables they are, and on what they depend.
+const UNKNOWNS: [(&str, IsWanted, Known); 2] = [
+    ("Output", |role| matches!(role, Role::Exact | Role::Calculated), Known::Inputs),
+    (
+        "InitialUnknown",
+        |role| matches!(role, Role::Calculated | Role::CalculatedParameter),
+        Known::InputsAndParameters,
+    ),
+];
+
+fn of_arrays<M: Model>(model: &mut M) -> Result<String, M::Error> {
+    let sizes: Vec<u64> = (0..M::SIZES.len()).map(|place| model.size(place)).collect();
+    let mut starts = Vec::with_capacity(M::VARIABLES.len());
+    for variable in M::VARIABLES {
+        let length = variable.dimensions.iter().map(|dimension| match *dimension {
+            Dimension::Size(place) => sizes[place],
+            Dimension::Fixed(size) => size,
+        });
+        let mut numbers = vec![0.0; length.product::<u64>() as usize];
+        starts.push(match (has_start(variable.role), variable.kind) {
+            (false, _) | (_, Kind::String) => None,
+            (true, kind) => {
+                model.numbers(variable.quantity, &mut numbers)?;
+                Some(compact(&numbers, kind))
+            }
+        });
+    }
+    let token = instantiation_token::<M>().braced().to_string();
+    let identity = [("fmiVersion", "3.0"), ("instantiationToken", &*token)];
+    Ok(document(model, Version::V3, identity, "structured", |out| {
+        out.element("ModelVariables", &[], |out| {
+            write_time(out);
+            for (place, (size, value)) in M::SIZES.iter().zip(&sizes).enumerate() {
+                let attributes = [
+                    ("name", size.name),
+                    ("valueReference", &(place + 1).to_string()),
+                    ("description", size.description),
+                    ("causality", "structuralParameter"),
+                    ("variability", "fixed"),
+                    ("start", &value.to_string()),
+                ];
+                out.empty("UInt64", &attributes);
+            }
+            for (variable, start) in M::VARIABLES.iter().zip(&starts) {
+                write_array(out, model, variable, start.as_deref());
+            }
+        });
+        out.element("ModelStructure", &[], |out| {
+            for (name, is_wanted, known) in UNKNOWNS {
+                for variable in M::VARIABLES.iter().filter(|variable| is_wanted(variable.role)) {
+                    // Here variables count, not their elements.
+                    let on = model.dependencies(variable.quantity, known).into_iter().map(|on| on.on);
+                    let on: BTreeSet<u32> = on.filter_map(reference::<M>).collect();
+                    let own = value_reference::<M>(variable);
+                    let attributes = [("valueReference", &*own), ("dependencies", &joined(on))];
+                    out.empty(name, &attributes);
+                }
+            }
+        });
+    }))
+}
+
+/// Writes what both versions have, in its order, and then the variables.
+fn document<M: Model>(
+    model: &M,
+    version: Version,
+    identity: [(&str, &str); 2],
+    naming: &str,
+    variables: impl FnOnce(&mut Out),
+) -> String {
+    let [fmi_version, token] = identity;
+    let root = [
+        fmi_version,
+        ("modelName", M::NAME),
+        token,
+        ("description", M::DESCRIPTION),
+        ("version", env!("CARGO_PKG_VERSION")),
+        ("license", "MIT OR Apache-2.0"),
+        ("generationTool", concat!("LEMONS-FMU ", env!("CARGO_PKG_VERSION"))),
+        ("variableNamingConvention", naming),
+    ];
+    Out::document(Layout::STANDARD, "fmiModelDescription", &root, |out| {
+        out.empty("CoSimulation", &co_simulation::<M>(version));
+        out.element("UnitDefinitions", &[], |out| write_units::<M>(out, version));
+        out.element("LogCategories", &[], |out| {
+            for (name, description) in LOG_CATEGORIES {
+                out.empty("Category", &[("name", name), ("description", description)]);
+            }
+        });
+        let (stop, step) = (number(M::STOP_TIME), number(model.step_size()));
+        let times = [("startTime", &number(0.0)[..]), ("stopTime", &stop), ("stepSize", &step)];
+        out.empty("DefaultExperiment", &times);
+        variables(out);
+    })
+}
+
+/// Returns the attributes of `CoSimulation`: what an FMU can do.
+fn co_simulation<M: Model>(version: Version) -> Vec<(&'static str, &'static str)> {
+    let (always, v2, v3) = (true, version == Version::V2, version == Version::V3);
+    let intermediate = v3 && M::SHOWS_INTERMEDIATE_VALUES;
+    let flags = [
+        (always, "canHandleVariableCommunicationStepSize", "true"),
+        (v3, "canGetAndSetFMUState", "true"),
+        (v3, "canSerializeFMUState", "true"),
+        (v3, "providesPerElementDependencies", "true"),
+        (v2 && M::INTERPOLATES_INPUTS, "canInterpolateInputs", "true"),
+        (M::KNOWS_DERIVATIVES, "maxOutputDerivativeOrder", "1"),
+        (v2, "canNotUseMemoryManagementFunctions", "true"),
+        (v2, "canGetAndSetFMUstate", "true"),
+        (v2, "canSerializeFMUstate", "true"),
+        (intermediate, "providesIntermediateUpdate", "true"),
+        (intermediate, "canReturnEarlyAfterIntermediateUpdate", "true"),
+    ];
+    let said = flags.into_iter().filter(|flag| flag.0).map(|(_, name, value)| (name, value));
+    [("modelIdentifier", M::IDENTIFIER)].into_iter().chain(said).collect()
+}
+
+/// Writes the units of variables, in the order of their first use.
+fn write_units<M: Model>(out: &mut Out, version: Version) {
+    let time = (version == Version::V3).then_some(Kind::Real(SECOND));
+    let mut units: Vec<Unit> = Vec::new();
+    for kind in time.into_iter().chain(M::VARIABLES.iter().map(|variable| variable.kind)) {
+        if let Kind::Real(unit) = kind
+            && !units.contains(&unit)
+        {
+            units.push(unit);
+        }
+    }
+    for unit in units {
+        let base = ["kg", "m", "s", "rad"].iter().zip(unit.base).filter(|&(_, exponent)| exponent != 0);
+        let base: Vec<(&str, String)> = base.map(|(name, exponent)| (*name, exponent.to_string())).collect();
+        let base: Vec<(&str, &str)> = base.iter().map(|(name, exponent)| (*name, &**exponent)).collect();
+        out.element("Unit", &[("name", unit.name)], |out| out.empty("BaseUnit", &base));
+    }
+}
+
+fn attributes<'a, Q>(
+    variable: &Variable<Q>,
+    name: &'a str,
+    reference: &'a str,
+    description: &'a str,
+) -> Vec<(&'static str, &'a str)> {
+    let (causality, initial) = match variable.role {
+        Role::Input => ("input", None),
+        Role::Exact => ("output", Some("exact")),
+        Role::Calculated => ("output", Some("calculated")),
+        Role::Parameter => ("parameter", Some("exact")),
+        Role::CalculatedParameter => ("calculatedParameter", Some("calculated")),
+    };
+    let variability = match (variable.role, variable.kind) {
+        (Role::Parameter | Role::CalculatedParameter, _) => "fixed",
+        (_, Kind::Real(_)) => "continuous",
+        _ => "discrete",
+    };
+    let mut attributes = vec![
+        ("name", name),
+        ("valueReference", reference),
+        ("description", description),
+        ("causality", causality),
+        ("variability", variability),
+    ];
+    attributes.extend(initial.map(|initial| ("initial", initial)));
+    attributes
+}
+
+fn write_time(out: &mut Out) {
+    let attributes = [
+        ("name", "time"),
+        ("valueReference", "0"),
+        ("description", "simulation time"),
+        ("causality", "independent"),
+        ("variability", "continuous"),
+        ("unit", SECOND.name),
+    ];
+    out.empty("Float64", &attributes);
+}
+
+fn write_array<M: Model>(out: &mut Out, model: &M, variable: &Variable<M::Quantity>, start: Option<&str>) {
+    let own = value_reference::<M>(variable);
+    let mut attributes = attributes(variable, variable.name, &own, variable.description);
+    if let Kind::Real(unit) = variable.kind {
+        attributes.push(("unit", unit.name));
+    }
+    attributes.extend(start.map(|start| ("start", start)));
+    // Only single texts can be set.
+    let text =
+        (variable.kind == Kind::String && has_start(variable.role)).then(|| model.text(variable.quantity, 0));
+    let element = Type::from(variable.kind).name(Version::V3);
+    if variable.dimensions.is_empty() && text.is_none() {
+        return out.empty(element, &attributes);
+    }
+    out.element(element, &attributes, |out| {
+        for dimension in variable.dimensions {
+            match dimension {
+                Dimension::Fixed(size) => out.empty("Dimension", &[("start", &size.to_string())]),
+                Dimension::Size(place) => {
+                    out.empty("Dimension", &[("valueReference", &(place + 1).to_string())]);
+                }
+            }
+        }
+        text.iter().for_each(|text| out.empty("Start", &[("value", text)]));
+    });
+}
+
+/// Writes the unknowns of FMI 2.0, which counts variables from 1, with the known ones on which they
+/// depend. Where each depends on all, no list is written.
+fn write_unknowns<M: Model>(
+    out: &mut Out,
+    model: &M,
+    scalars: &[Scalar<M::Quantity>],
+    is_wanted: IsWanted,
+    known: Known,
+) {
+    let scalars_wanted = scalars.iter().enumerate().filter(|(_, scalar)| is_wanted(scalar.variable.role));
+    let key = |quantity: M::Quantity, element: usize| (reference::<M>(quantity), element);
+    let places: HashMap<_, usize> =
+        (0..).zip(scalars).map(|(place, of)| (key(of.variable.quantity, of.element), place)).collect();
+    let mut depends_on = vec![BTreeSet::new(); scalars.len()];
+    let listed = |variable: &Variable<M::Quantity>| !model.depends_on_all(variable.quantity);
+    for variable in M::VARIABLES.iter().filter(|variable| is_wanted(variable.role) && listed(variable)) {
+        for Dependency { dependent, on, element } in model.dependencies(variable.quantity, known) {
+            if let Some(unknown) = places.get(&key(variable.quantity, dependent)) {
+                depends_on[*unknown].extend(places.get(&key(on, element)).map(|known| known + 1));
+            }
+        }
+    }
+    for (place, scalar) in scalars_wanted {
+        let (index, on) = ((place + 1).to_string(), joined(&depends_on[place]));
+        let attributes = [("index", &*index), ("dependencies", &*on)];
+        out.empty("Unknown", if listed(scalar.variable) { &attributes } else { &attributes[..1] });
+    }
+}
+
+fn value_reference<M: Model>(variable: &Variable<M::Quantity>) -> String {
+    reference::<M>(variable.quantity).map_or_else(String::new, |reference| reference.to_string())
+}
+
+fn joined(numbers: impl IntoIterator<Item = impl ToString>) -> String {
+    numbers.into_iter().map(|number| number.to_string()).collect::<Vec<String>>().join(" ")
+}
+
+fn has_start(role: Role) -> bool {
+    matches!(role, Role::Input | Role::Exact | Role::Parameter)
+}
+
+fn written(value: f64, kind: Kind) -> String {
+    match kind {
+        Kind::Integer => format!("{value:.0}"),
+        Kind::Boolean => (value != 0.0).to_string(),
+        _ => number(value),
+    }
+}
+
+/// Returns values as a list; as one value where all are equal.
+fn compact(values: &[f64], kind: Kind) -> String {
+    match values {
+        [first, rest @ ..] if rest.iter().all(|value| value.to_bits() == first.to_bits()) => {
+            written(*first, kind)
+        }
+        _ => values.iter().map(|value| written(*value, kind)).collect::<Vec<String>>().join(" "),
+    }
+}
+
+/// Returns `terminalsAndIcons.xml` with a terminal `crowd`, and the icon `icon.png` if there is
+/// one. A crowd and what drives it are connected at these terminals: variables with the same names.
+/// Not all need to be there: the matching rule is `bus`.
+pub fn terminals_xml<M: Model>(description: &str, names: &[&str], icon: bool) -> String {
+    let root = [("fmiVersion", "3.0")];
+    Out::document(Layout::STANDARD, "fmiTerminalsAndIcons", &root, |out| {
+        if icon {
+            out.element("GraphicalRepresentation", &[], |out| {
+                let corners = [("x1", "-100"), ("y1", "-100"), ("x2", "100"), ("y2", "100")];
+                let mut system = corners.to_vec();
+                system.push(("suggestedScalingFactorTo_mm", "0.1"));
+                out.empty("CoordinateSystem", &system);
+                out.empty("Icon", &corners);
+            });
+        }
+        out.element("Terminals", &[], |out| {
+            let attributes = [
+                ("name", "crowd"),
+                ("matchingRule", "bus"),
+                ("terminalKind", "org.lemons-fmu.crowd"),
+                ("description", description),
+            ];
+            out.element("Terminal", &attributes, |out| {
+                for Variable { name, .. } in M::VARIABLES.iter().filter(|of| names.contains(&of.name)) {
+                    let member = [("variableName", *name), ("memberName", *name), ("variableKind", "signal")];
+                    out.empty("TerminalMemberVariable", &member);
+                }
+            });
+        });
+    })
+}
+
+/// Returns a row of HTML for each variable of FMI 3.0: name with sizes, causality, unit,
+/// description.
+pub fn rows_html<M: Model>() -> String {
+    let row = |variable: &Variable<M::Quantity>| {
+        let sizes = variable.dimensions.iter().map(|dimension| match *dimension {
+            Dimension::Size(place) => format!("[{}]", M::SIZES[place].name),
+            Dimension::Fixed(size) => format!("[{size}]"),
+        });
+        let kind = match variable.role {
+            Role::Input => "input",
+            Role::Exact => "output; start settable",
+            Role::Calculated => "output",
+            Role::Parameter => "parameter",
+            Role::CalculatedParameter => "calculated parameter",
+        };
+        let unit = if let Kind::Real(unit) = variable.kind { unit.name } else { "" };
+        let (name, sizes) = (variable.name, sizes.collect::<String>());
+        let description = escaped(variable.description);
+        format!(
+            "<tr><td><code>{name}</code> {sizes}</td><td>{kind}</td><td>{unit}</td><td>{description}</td></tr>\n"
+        )
+    };
+    M::VARIABLES.iter().map(row).collect()
+}

@@ -1,0 +1,221 @@
+//! Files to keep: a Trial as a zip, as an FMU; tables, pictures, bodies.
+
+use crate::base::{Driven, split};
+use crate::frame::frame;
+use crate::run::Run;
+use crate::{Refused, Reply, require};
+use crowd_mechanics::engine::PairForce;
+use crowd_mechanics::pack::{Binary, Format, Naming, Package, THIRD_PARTY};
+use lemons_core::files::source::Memory;
+use lemons_core::trial::DRIVE_FILE;
+use lemons_decision::DECISION_FILE;
+use lemons_people::placing::{Progress, Stage, Watch};
+use lemons_people::{Agent, MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
+use lemons_picture::{Fill, Force, Scene, Style, Values};
+use lemons_results::columns::Groups;
+use lemons_results::{Content, FrameWriter, TableWriter};
+use serde::Deserialize;
+use serde_json::json;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+/// Most people whose bodies are written: about 1 MB each.
+const MOST_BODIES: usize = 200;
+/// \[byte\] Largest table.
+const LARGEST_TABLE: u64 = 500_000_000;
+
+/// A file.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "file", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum FileRequest {
+    /// The Trial's directory in a zip.
+    Trial {},
+    /// An FMU. The bytes are its binaries, one after the other.
+    Fmu {
+        /// 2 or 3.
+        version: u8,
+        /// FMI's name of each binary's platform, and its length. One called [`THIRD_PARTY`] is their licences.
+        binaries: Vec<(String, usize)>,
+    },
+    /// A picture of a frame. The bytes are the frame, and a number for each agent: what its colour shows.
+    Svg(PictureStyle),
+    /// Everybody's measures, as CSV.
+    Population {},
+    /// Everybody's body in a frame (the bytes).
+    Mesh {
+        /// Its format.
+        format: MeshFormat,
+    },
+    /// The table of `lemons run`, computed again.
+    Trajectories {
+        /// How many communication steps.
+        steps: u32,
+    },
+}
+
+/// How a picture is drawn.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PictureStyle {
+    /// The number at the upper end of the colours.
+    pub most: f64,
+    /// What the colours show.
+    pub label: String,
+    /// Its unit.
+    pub unit: String,
+    /// \[s\]
+    pub time: f64,
+    /// Whether to draw who presses whom.
+    pub forces: bool,
+}
+
+/// A format of surfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MeshFormat {
+    /// Wavefront OBJ
+    Obj,
+    /// Binary STL
+    Stl,
+}
+
+/// Returns a file and its name.
+///
+/// # Errors
+/// It cannot be made of this run, the bytes are not what is said, or `watch` stopped it.
+pub fn file(wanted: &FileRequest, run: &Run, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
+    let of = run.driven();
+    let Driven { trial, drive, wishes, people, .. } = of;
+    let named = |end: &str, bytes: Vec<u8>| {
+        Ok(Reply { value: json!({ "name": format!("{}{end}", trial.name) }), bytes })
+    };
+    match wanted {
+        FileRequest::Trial {} => {
+            let others = [(DRIVE_FILE, &**drive), (DECISION_FILE, &**wishes)];
+            let others: Vec<_> = others.into_iter().filter(|(_, text)| !text.is_empty()).collect();
+            let zip = zip_trial(trial, &others, Cursor::new(Vec::new()))?;
+            named(".zip", zip.into_inner())
+        }
+        FileRequest::Fmu { version, binaries } => {
+            let format = match version {
+                2 => Format::Fmi2(Naming::default()),
+                3 => Format::Fmi3,
+                _ => return Err(Refused(format!("FMI {version}: the versions are 2 and 3"))),
+            };
+            named(".fmu", fmu(of, format, &split(binaries, bytes)?)?)
+        }
+        FileRequest::Population {} => {
+            let people = people.as_ref().ok_or_else(|| {
+                Refused("only the measures of people that the lab has drawn are known: make a crowd".into())
+            })?;
+            let agents: Vec<Agent> = people.iter().copied().map(Agent::Pedestrian).collect();
+            named("_people.csv", crowd_csv(&agents).into_bytes())
+        }
+        FileRequest::Mesh { format } => {
+            let (end, file) = match format {
+                MeshFormat::Obj => (".obj", mesh(run, bytes, |parts, file| write_obj(parts, file))?),
+                MeshFormat::Stl => (".stl", mesh(run, bytes, |parts, file| write_stl(parts, file))?),
+            };
+            named(end, file)
+        }
+        FileRequest::Svg(style) => named(".svg", svg(style, run, bytes)?.into_bytes()),
+        FileRequest::Trajectories { steps } => named(".csv", table(of, *steps, watch)?),
+    }
+}
+
+fn fmu(of: &Driven, format: Format, binaries: &[(&str, &[u8])]) -> Result<Vec<u8>, Refused> {
+    let place = Path::new(&of.trial.name);
+    let mut files = Memory::default();
+    for (path, text) in of.trial.texts(place) {
+        files.put(&path, text.into_bytes());
+    }
+    if !of.drive.is_empty() {
+        files.put(&place.join(DRIVE_FILE), of.drive.clone().into_bytes());
+    }
+    let mut package = Package { trials: vec![place.to_owned()], format, ..Package::default() };
+    for (platform, content) in binaries {
+        if *platform == THIRD_PARTY {
+            files.put(Path::new(THIRD_PARTY), content.to_vec());
+            continue;
+        }
+        let path = PathBuf::from(format!("binary of {platform}"));
+        files.put(&path, content.to_vec());
+        package.binaries.push(Binary { platform: (*platform).to_owned(), path });
+    }
+    let mut fmu = Cursor::new(Vec::new());
+    package.write_to(&files, Path::new("the FMU"), &mut fmu)?;
+    Ok(fmu.into_inner())
+}
+
+fn mesh(
+    run: &Run,
+    bytes: &[u8],
+    write: impl Fn(&[MeshPart], &mut Vec<u8>) -> std::io::Result<()>,
+) -> Result<Vec<u8>, Refused> {
+    let people = run.people();
+    require(people <= MOST_BODIES, || {
+        format!(
+            "bodies of {people} people are too large for a page: at most {MOST_BODIES}; `lemons crowd` writes more"
+        )
+    })?;
+    let poses = frame(bytes, people)?;
+    let mut parts = Vec::new();
+    let all = run.bodies()?.iter().zip(poses).zip(&run.driven().trial.agents);
+    for ((body, at), agent) in all.filter(|((_, at), _)| at.pose.position.is_finite()) {
+        let body =
+            body.as_ref().ok_or_else(|| Refused(format!("agent {}: no body fits its disks", agent.id)))?;
+        let of_one = body.mesh().at(&at.pose).parts.into_iter();
+        // Names in these files have letters, digits and underscores.
+        let id: String = agent.id.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        parts.extend(of_one.map(|part| MeshPart { name: format!("agent_{id}_{}", part.name), ..part }));
+    }
+    let mut file = Vec::new();
+    write(&parts, &mut file)?;
+    Ok(file)
+}
+
+/// A picture of a frame, and a number for each agent.
+fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused> {
+    let (trial, people) = (&run.driven().trial, run.people());
+    let short = || Refused("the picture needs a frame, and a number for each agent".into());
+    let (shown, values) = bytes.split_at_checked(bytes.len().saturating_sub(8 * people)).ok_or_else(short)?;
+    let poses = frame(shown, people)?.into_iter().map(|motion| motion.pose).collect();
+    let (values, _) = values.as_chunks::<8>();
+    let values = values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+    let mut scene = Scene::new(trial, poses);
+    if wanted.forces {
+        let force = |of: PairForce| Force { from: of.from, to: of.to, normal_force: of.normal_force };
+        scene.forces = run.pair_forces(shown)?.into_iter().map(force).collect();
+    }
+    let range = Some((0.0, wanted.most)).filter(|_| wanted.most > 0.0);
+    let (label, unit) = (wanted.label.clone(), wanted.unit.clone());
+    let fill = Fill::Values(Values { values, label, unit, range, ..Values::default() });
+    let style = Style { width: 800.0, fill, time: Some(wanted.time), ..Style::default() };
+    Ok(lemons_picture::svg(&scene, &style))
+}
+
+/// The table of `lemons run`, computed again from the start.
+fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused> {
+    let mut run = Run::begin(of.clone())?;
+    run.check_work()?;
+    // A row has about 200 bytes.
+    require(200 * run.people() as u64 * u64::from(steps) <= LARGEST_TABLE, || {
+        "the table is too large for a page: `lemons run` writes it from the Trial".into()
+    })?;
+    let groups = Groups { contacts: true, of_step: true, active: of.plan.is_some(), totals: true };
+    let content = Content { columns: groups.columns(), about: Vec::new() };
+    let (file, path) = (Cursor::new(Vec::new()), Path::new("the table"));
+    let writer = TableWriter::create(file, path, lemons_results::Format::Csv, &content)?;
+    let ids = of.trial.agents.iter().map(|agent| agent.id.clone()).collect();
+    let mut writer = FrameWriter::new(writer, ids, groups)?;
+    writer.frame(&run.observed())?;
+    for step in 1..=steps {
+        run.step()?;
+        writer.frame(&run.observed())?;
+        let (iteration, limit) = (u64::from(step), u64::from(steps));
+        // Without a stage of its own: the page knows it by the overlap.
+        let progress = Progress { stage: Stage::Growing, iteration, limit, overlap: f64::NAN, density: 0.0 };
+        require(watch(&progress).is_continue(), || "the table was stopped".into())?;
+    }
+    Ok(writer.finish()?.into_inner())
+}

@@ -1,0 +1,116 @@
+//! Shared libraries that were built with this program.
+
+use crate::error::{Error, Result};
+use crowd_mechanics::pack::{Binary, host_platform, library_file, platforms};
+use std::path::{Path, PathBuf};
+use std::sync::{PoisonError, RwLock};
+
+/// The crowd's shared library that was built with this program.
+///
+/// # Errors
+/// As [`binary_beside`].
+pub fn own_binary() -> Result<Binary> {
+    binary_beside("crowd_mechanics")
+}
+
+/// A shared library that was built with this program: beside it, or in `deps` or a directory with FMI's name of this
+/// platform beside it.
+///
+/// # Errors
+/// It is in no such place, or FMI has no name for this platform.
+pub fn binary_beside(library: &str) -> Result<Binary> {
+    let platform = host_platform().ok_or(Error::NoPlatform)?.to_owned();
+    let mut found = binaries_beside(library, &[platform])?;
+    found.pop().ok_or(Error::NoPlatform)
+}
+
+/// The shared library for this machine, and those for other platforms that lie in directories with FMI's names (`win64`,
+/// `aarch64-linux`, …) beside this program: all of them, or those of the platforms that are `wanted`.
+///
+/// # Errors
+/// None is there for this machine or for a platform that is wanted.
+pub fn binaries_beside(library: &str, wanted: &[String]) -> Result<Vec<Binary>> {
+    binaries_in(&beside()?, library, wanted)
+}
+
+fn binaries_in(beside: &Path, library: &str, wanted: &[String]) -> Result<Vec<Binary>> {
+    let missing = |platform: &str| Error::NoLibrary {
+        name: library_file(library, platform).unwrap_or_else(|| library.to_owned()),
+        beside: beside.to_owned(),
+        platform: platform.to_owned(),
+    };
+    let found = |platform: &str| find(beside, library, platform);
+    if wanted.is_empty() {
+        let host = host_platform().ok_or(Error::NoPlatform)?;
+        let own = found(host).ok_or_else(|| missing(host))?;
+        let others = platforms().filter(|platform| *platform != host).filter_map(found);
+        return Ok([own].into_iter().chain(others).collect());
+    }
+    wanted.iter().map(|platform| found(platform).ok_or_else(|| missing(platform))).collect()
+}
+
+/// Where libraries are looked for instead of beside this program.
+static PLACE: RwLock<Option<PathBuf>> = RwLock::new(None);
+
+/// Looks for libraries in this directory from now on, as beside the program: for a program that is not of this
+/// workspace.
+pub fn look_in(directory: &Path) {
+    *PLACE.write().unwrap_or_else(PoisonError::into_inner) = Some(directory.to_owned());
+}
+
+/// Where this program is.
+fn beside() -> Result<PathBuf> {
+    if let Some(place) = &*PLACE.read().unwrap_or_else(PoisonError::into_inner) {
+        return Ok(place.clone());
+    }
+    let program = std::env::current_exe().map_err(Error::of("where is this program?"))?;
+    Ok(program.parent().unwrap_or(Path::new(".")).to_owned())
+}
+
+/// The library for a platform; that of this machine may also lie where Cargo puts it.
+fn find(beside: &Path, library: &str, platform: &str) -> Option<Binary> {
+    let name = library_file(library, platform)?;
+    let mut places = vec![beside.join(platform).join(&name)];
+    if host_platform() == Some(platform) {
+        places.extend([beside.join(&name), beside.join("deps").join(&name)]);
+    }
+    // Cargo may have left an older one in one of the places.
+    let newest =
+        places.into_iter().filter_map(|path| Some((path.metadata().ok()?.modified().ok()?, path))).max();
+    newest.map(|(_, path)| Binary { platform: platform.to_owned(), path })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tempfile::TempDir;
+
+    #[test]
+    fn libraries_of_other_platforms_are_found_in_directories_beside_the_program() {
+        let (directory, own) = (TempDir::new().unwrap(), own_binary().unwrap());
+        let (beside, host) = (directory.path(), host_platform().unwrap());
+        let found = |wanted: &[&str]| {
+            let wanted: Vec<String> = wanted.iter().map(|&platform| platform.to_owned()).collect();
+            binaries_in(beside, "crowd_mechanics", &wanted)
+                .map(|all| all.into_iter().map(|binary| binary.platform).collect::<Vec<_>>())
+                .map_err(|error| error.whole())
+        };
+        let name = library_file("crowd_mechanics", host).unwrap();
+        let said = found(&[]).unwrap_err();
+        assert!(said.starts_with(&format!("{name} is not beside this program")), "{said}");
+        // That of this machine may lie there, too.
+        std::fs::create_dir(beside.join(host)).unwrap();
+        std::fs::copy(&own.path, beside.join(host).join(&name)).unwrap();
+        assert_eq!(found(&[]).unwrap(), [host]);
+        let other = if host == "win64" { "aarch64-linux" } else { "win64" };
+        assert!(found(&[other]).unwrap_err().contains("is not beside this program"));
+        if other == "win64" {
+            std::fs::create_dir(beside.join("win64")).unwrap();
+            let dll = beside.join("win64/crowd_mechanics.dll");
+            std::fs::write(&dll, "").unwrap();
+            assert_eq!(found(&[]).unwrap(), [host, "win64"]);
+            assert_eq!(found(&["win64"]).unwrap(), ["win64"]);
+        }
+        assert!(found(&["win65"]).unwrap_err().contains("crowd_mechanics is not beside this program"));
+    }
+}

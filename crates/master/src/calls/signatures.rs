@@ -1,0 +1,24 @@
+//! The types of FMI's C functions as an importer sees them: a status may be any number.
+
+#![allow(non_camel_case_types, dead_code)] // FMI's names; not all of the functions are called
+
+use lemons_fmi::v2::CallbackFunctions;
+use std::ffi::{c_char, c_int, c_uint, c_void};
+
+type Status = c_int;
+type Logger3 = unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char);
+/// Always NULL here.
+type IntermediateUpdate = unsafe extern "C" fn();
+
+macro_rules! types {
+    (
+        $($name:ident = $module:ident::$body:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?;)*
+        $([not offered] $($other:ident($($unused:ident: $unused_type:ty),*);)*)?
+    ) => {
+        $(pub(super) type $name = unsafe extern "C" fn($($type),*) $(-> $result)?;)*
+        $($(pub(super) type $other = unsafe extern "C" fn($($unused_type),*) -> Status;)*)?
+    };
+}
+
+lemons_fmi::fmi2_functions! { [types] }
+lemons_fmi::fmi3_functions! { [types] }

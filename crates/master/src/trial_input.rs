@@ -1,0 +1,210 @@
+//! A Trial as users give it: its directory, or a zip of that; and the FMU that it becomes.
+
+use crate::decider::{PlanChoice, plan_of};
+use crate::error::{Error, Place, Result};
+use crate::file_type::FileType;
+use crate::fmu::Fmu;
+use crate::unzip::unzip_trial;
+use crowd_mechanics::pack::{Binary, Check, Draw, Format, PackError, Package};
+use crowd_mechanics::setup;
+use lemons_core::files::Scratch;
+use lemons_core::trial::{DriveChoice, DriveTable};
+use lemons_core::trial::{Problem, Problems, Severity, Trial};
+use lemons_decision::DECISION_FILE;
+use lemons_sim::Documents;
+use std::path::{Component, Path, PathBuf};
+
+/// A Trial as input: its directory, or a zip of that. A zip is unpacked into a directory that exists as long as this does.
+pub struct TrialInput {
+    /// As it was given.
+    path: PathBuf,
+    directory: PathBuf,
+    unpacked: Option<Scratch>,
+}
+
+impl TrialInput {
+    /// `None` where there is neither a directory nor the zip of a Trial: perhaps an FMU.
+    ///
+    /// # Errors
+    /// The zip of a Trial cannot be unpacked.
+    pub fn find(path: &Path) -> Result<Option<TrialInput>> {
+        let given = path.to_owned();
+        if path.is_dir() {
+            return Ok(Some(TrialInput { directory: given.clone(), path: given, unpacked: None }));
+        }
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let scratch = Scratch::new().map_err(Error::of("cannot make a temporary directory"))?;
+        let found = unzip_trial(path, scratch.path()).place(|| path.display().to_string())?;
+        Ok(found.map(|directory| TrialInput { path: given, directory, unpacked: Some(scratch) }))
+    }
+
+    /// For what takes nothing but Trials.
+    ///
+    /// # Errors
+    /// There is something else, or the zip of a Trial cannot be unpacked.
+    pub fn open(path: &Path) -> Result<TrialInput> {
+        FileType::expect(path, &[FileType::Trial, FileType::Archive], "a Trial directory or a zip of one")?;
+        match TrialInput::find(path)? {
+            Some(given) => Ok(given),
+            // Why it cannot be read says the reader.
+            None => Ok(TrialInput { path: path.to_owned(), directory: path.to_owned(), unpacked: None }),
+        }
+    }
+
+    /// As it was given.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Where its files are.
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    /// Its file that says where its people walk, if there is one: a link that leads nowhere, too, which is an error for
+    /// whoever reads it, and must not mean that nobody walks.
+    pub fn wishes(&self) -> Option<PathBuf> {
+        Some(self.directory.join(DECISION_FILE)).filter(|path| path.symlink_metadata().is_ok())
+    }
+
+    /// The Trial with its warnings.
+    ///
+    /// # Errors
+    /// All that is wrong with it, and the warnings; files have the names that the user knows.
+    pub fn read(&self) -> Result<(Trial, Problems), Problems> {
+        let (trial, warnings) = setup::read(&self.directory).map_err(|problems| self.renamed(&problems))?;
+        if self.unpacked.is_some() {
+            let parameters = &trial.parameters;
+            let outside = [parameters.static_path(), parameters.dynamic_path()].into_iter().find(|path| {
+                !path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+            });
+            if let Some(outside) = outside {
+                let mut problems = Problems::default();
+                problems.push(Problem {
+                    severity: Severity::Error,
+                    file: self.path.join("Parameters.xml"),
+                    line: None,
+                    element: Some("Directories".into()),
+                    attribute: None,
+                    value: None,
+                    message: format!("{outside:?} leads outside of the zip"),
+                });
+                return Err(problems);
+            }
+        }
+        Ok((trial, self.renamed(&warnings)))
+    }
+
+    /// The drive of the Trial that was read.
+    ///
+    /// # Errors
+    /// All that is wrong with its `drive.csv`; the file has the name that the user knows.
+    pub fn drive(&self, trial: &Trial) -> Result<DriveTable, Problems> {
+        DriveTable::of(Some(trial), &DriveChoice::Own).map_err(|error| self.renamed(&error.0))
+    }
+
+    /// What the Trial is simulated with, with the file that says where people walk, as the user knows it.
+    ///
+    /// # Errors
+    /// The Trial, its drive or its plan has errors: [`Error::Broken`] where these are files of the Trial.
+    pub fn documents(
+        &self,
+        drive: &DriveChoice,
+        plan: &PlanChoice,
+    ) -> Result<(Documents, Problems, Option<PathBuf>)> {
+        let broken = |problems| Error::Broken { path: self.path.clone(), problems };
+        let (trial, warnings) = self.read().map_err(broken)?;
+        let drive = match drive {
+            DriveChoice::Own => self.drive(&trial).map_err(broken)?,
+            other => DriveTable::of(Some(&trial), other).map_err(Error::Drive)?,
+        };
+        let plan = match plan {
+            PlanChoice::None => None,
+            PlanChoice::File(path) => Some((path.clone(), path.clone())),
+            PlanChoice::Own => self.wishes().map(|path| (path, self.path.join(DECISION_FILE))),
+        };
+        let read = plan.as_ref();
+        let read = read.map(|(path, known)| plan_of(&trial, path).place(|| known.display().to_string()));
+        let documents = Documents { plan: read.transpose()?, trial, drive };
+        Ok((documents, warnings, plan.map(|(_, known)| known)))
+    }
+
+    /// A text in which the user's name for it replaces that of the place where it was unpacked.
+    pub fn under_its_name(&self, text: &str) -> String {
+        match self.unpacked {
+            Some(_) => text.replace(&*self.directory.to_string_lossy(), &self.path.to_string_lossy()),
+            None => text.to_owned(),
+        }
+    }
+
+    /// With the names of files within a zip instead of those where it was unpacked.
+    fn renamed(&self, problems: &Problems) -> Problems {
+        let mut renamed = Problems::default();
+        for problem in problems.iter() {
+            let file = match problem.file.strip_prefix(&self.directory) {
+                Ok(inside) if self.unpacked.is_some() => self.path.join(inside),
+                _ => problem.file.clone(),
+            };
+            renamed.push(Problem { file, ..problem.clone() });
+        }
+        renamed
+    }
+}
+
+/// What a Trial, or the Trial that an FMU contains, is simulated with: as [`TrialInput::documents`]. The mechanics are those of
+/// this program, whichever has packed the FMU.
+///
+/// # Errors
+/// As there, or the FMU contains no Trial, or people are to walk in it.
+pub fn documents_of(
+    path: &Path,
+    drive: &DriveChoice,
+    plan: &PlanChoice,
+) -> Result<(Documents, Problems, Option<PathBuf>)> {
+    if let Some(given) = TrialInput::find(path)? {
+        return given.documents(drive, plan);
+    }
+    if matches!(plan, PlanChoice::File(_)) {
+        return Err(Error::new(format!("a file like {DECISION_FILE} is for a Trial, and not for an FMU")));
+    }
+    let fmu = Fmu::open(path)?;
+    let trial = fmu.trial(None)?;
+    let drive = fmu.drive(Some(&trial), drive)?;
+    Ok((Documents { trial, drive, plan: None }, Problems::default(), None))
+}
+
+/// Packs Trials into an FMU, and returns their warnings; `picture` draws its `model.png`. A drive is read when it is
+/// used: with `drives`, it is checked before.
+///
+/// # Errors
+/// [`Error::Broken`] if a Trial has errors, with the names of files that the user knows; else [`PackError`].
+pub fn pack(
+    trials: &[TrialInput],
+    binaries: Vec<Binary>,
+    format: Format,
+    picture: Option<Draw>,
+    drives: bool,
+    output: &Path,
+) -> Result<Vec<String>> {
+    let directories = trials.iter().map(|trial| trial.directory.clone()).collect();
+    let check = |trial: &Trial| {
+        DriveTable::of(Some(trial), &DriveChoice::Own).map_or_else(|error| error.0, |_| Problems::default())
+    };
+    let check = drives.then_some(check as Check);
+    let package = Package { trials: directories, binaries, picture, check, format };
+    match package.write(output) {
+        Ok(warnings) => {
+            let known = |text: String| trials.iter().fold(text, |text, trial| trial.under_its_name(&text));
+            Ok(warnings.into_iter().map(known).collect())
+        }
+        Err(PackError::Broken { path, problems }) => {
+            Err(match trials.iter().find(|trial| trial.directory == path) {
+                Some(trial) => Error::Broken { path: trial.path.clone(), problems: trial.renamed(&problems) },
+                None => Error::Broken { path, problems },
+            })
+        }
+        Err(error) => Err(error.into()),
+    }
+}

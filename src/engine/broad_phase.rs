@@ -1,0 +1,296 @@
+//! Finds bodies that may meet: a cell grid over circles, and the sorted list of candidate pairs.
+
+use super::body_kinematics::BodyKinematics;
+use super::circle::Circle;
+use super::near_pairs::Candidates;
+use super::{BodyId, DiskId, FaceId, Scene, Vec2};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use thiserror::Error;
+
+/// \[m\] Pairs nearer than this are candidates. The list is valid while no disk has moved by more than half of the
+/// difference to [`NearMargin`]. A larger skin means longer lists that are made less often. The choice of free bodies, and
+/// the time when one becomes active, depend on it; so do the last digits of results.
+pub(super) const SKIN: f64 = 0.02;
+
+/// \[m\] Candidates nearer than this are checked in every mechanical step. The list is valid while no disk has moved by
+/// more than half of this.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct NearMargin(pub f64);
+
+impl Default for NearMargin {
+    fn default() -> NearMargin {
+        NearMargin(0.002)
+    }
+}
+
+impl NearMargin {
+    /// \[m\] Largest value, so that a mechanical step has fewer pairs to check than all candidates.
+    const LARGEST: f64 = 0.5 * SKIN;
+    /// \[m\] Smallest value.
+    const SMALLEST: f64 = 0.0005;
+    /// \[m^½\] For a movement m per step, a list lasts near/2m steps and its length is proportional to near. Making it
+    /// takes about 80 ns per agent; checking the pairs of one more millimetre takes about 0.9 ns per agent in each
+    /// step. The sum is smallest for near² = 0.18 m · movement.
+    const PER_ROOT_OF_MOVEMENT: f64 = 0.42;
+
+    /// Returns the best value if disks move by this distance \[m\] in a step.
+    pub fn for_movement(movement: f64) -> NearMargin {
+        if movement.is_nan() {
+            // A step that fails must not change later ones.
+            return NearMargin::default();
+        }
+        NearMargin(
+            (NearMargin::PER_ROOT_OF_MOVEMENT * movement.sqrt())
+                .clamp(NearMargin::SMALLEST, NearMargin::LARGEST),
+        )
+    }
+}
+
+/// Circles, sorted by the cells of their centres.
+///
+/// Cells are squares as wide as the largest circle requires: near circles are in the same cell or in neighbouring ones.
+/// All cells of the plane share a hash table. Cells of a row are adjacent in it and wrap round at its end; successive
+/// rows begin far from each other. So the table is small wherever the circles are, and one circle far away does not
+/// enlarge it. Cells that share an entry only cost an additional check.
+#[derive(Debug)]
+pub(super) struct CellGrid {
+    /// \[1/m\]
+    cells_per_length: f64,
+    /// Number of entries, which is a power of two, minus one.
+    mask: u64,
+    /// Distance in the table between the starts of two successive rows.
+    row: u64,
+    /// Index of the first member of each entry; one more at the end.
+    starts: Vec<u32>,
+    members: Vec<(u32, Circle)>,
+}
+
+impl CellGrid {
+    /// Makes a grid of some circles, to find those nearer than a margin \[m\].
+    pub fn new(circles: &[Circle], who: impl Iterator<Item = usize> + Clone, margin: f64) -> CellGrid {
+        let largest = who.clone().map(|k| circles[k].radius).fold(0.0, f64::max);
+        // With fewer entries the three rows around a cell might share some.
+        let places = who.clone().count().next_power_of_two().max(64);
+        let mut grid = CellGrid {
+            cells_per_length: 1.0 / (2.0 * largest + margin),
+            mask: places as u64 - 1,
+            // Golden section: neighbouring rows are far apart in the table.
+            row: (places as f64 * 0.618) as u64 | 1,
+            starts: vec![0; places + 1],
+            members: Vec::new(),
+        };
+        let homes: Vec<u32> = who.clone().map(|k| grid.home(&circles[k])).collect();
+        for &home in &homes {
+            grid.starts[home as usize] += 1;
+        }
+        // The counts become ends of entries. Filling each from its end then turns them into starts.
+        let mut end = 0;
+        for start in &mut grid.starts {
+            end += *start;
+            *start = end;
+        }
+        grid.members = vec![(0, Circle { centre: Vec2::ZERO, radius: 0.0 }); homes.len()];
+        for (k, &home) in who.zip(&homes) {
+            let start = &mut grid.starts[home as usize];
+            *start -= 1;
+            grid.members[*start as usize] = (k as u32, circles[k]);
+        }
+        grid
+    }
+
+    /// `as` saturates: circles far away and circles that are not finite share the outermost cells.
+    fn cell(&self, coordinate: f64) -> i64 {
+        libm::floor(coordinate * self.cells_per_length) as i64
+    }
+
+    fn place(&self, row: i64, column: i64) -> u64 {
+        (row as u64).wrapping_mul(self.row).wrapping_add(column as u64) & self.mask
+    }
+
+    fn home(&self, circle: &Circle) -> u32 {
+        self.place(self.cell(circle.centre.y), self.cell(circle.centre.x)) as u32
+    }
+
+    /// Calls `meet` for every circle nearer to this one than a margin \[m\], in no particular order; also for the
+    /// circle itself if it is in the grid.
+    ///
+    /// Neither the margin nor the circle may be larger than those for which the grid was made.
+    pub fn for_each_near(&self, circle: &Circle, margin: f64, mut visit: impl FnMut(usize)) {
+        let (row, column) = (self.cell(circle.centre.y), self.cell(circle.centre.x));
+        for row in [row.wrapping_sub(1), row, row.wrapping_add(1)] {
+            let first = self.place(row, column.wrapping_sub(1));
+            for place in [first, (first + 1) & self.mask, (first + 2) & self.mask] {
+                let (from, to) = (self.starts[place as usize], self.starts[place as usize + 1]);
+                for (other, at) in &self.members[from as usize..to as usize] {
+                    if circle.nears(at, margin) {
+                        visit(*other as usize);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Largest number of candidates of a small crowd. Each takes up to 250 bytes while it touches: 0.5 GB in all.
+const MOST_PAIRS: usize = 2_000_000;
+/// Largest number of candidates per disk of a larger crowd: about ten times that of the densest crowds of people.
+const MOST_PAIRS_PER_DISK: usize = 32;
+
+/// More pairs are near each other than the limit of memory allows, for example if everybody is at one point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error(
+    "too many bodies are at the same place: {others} others and {faces} faces of walls are within {} mm of it, and in \
+     all more than {most} pairs are near each other, which is the limit; are positions missing?", 1e3 * SKIN
+)]
+pub struct Crowded {
+    /// A body in the middle of them.
+    pub body: BodyId,
+    /// Bodies near it.
+    pub others: usize,
+    /// Faces near it.
+    pub faces: usize,
+    /// Largest number of pairs.
+    pub most: usize,
+}
+
+/// The number of candidates that may still be listed, by all threads together.
+pub(super) struct PairLimit {
+    most: usize,
+    taken: AtomicUsize,
+}
+
+impl PairLimit {
+    pub fn new(scene: &Scene) -> PairLimit {
+        let most = MOST_PAIRS.max(MOST_PAIRS_PER_DISK * scene.disks.len());
+        PairLimit { most, taken: AtomicUsize::new(0) }
+    }
+
+    /// Reserves space for some pairs; returns whether there was enough. Whether it is enough for all does not depend on
+    /// the order of the calls.
+    fn take(&self, pairs: usize) -> bool {
+        self.taken.fetch_add(pairs, Ordering::Relaxed).saturating_add(pairs) <= self.most
+    }
+
+    /// Returns an error if some pairs were not listed because of the limit.
+    pub fn check(&self, scene: &Scene, grid: &CellGrid, circles: &[Circle]) -> Result<(), Crowded> {
+        if self.taken.load(Ordering::Relaxed) <= self.most {
+            return Ok(());
+        }
+        let mut crowded = Crowded { body: BodyId(0), others: 0, faces: 0, most: self.most };
+        let (mut looks, mut found) = (0, Vec::new());
+        for (b, circle) in circles.iter().enumerate() {
+            let mut near: usize = 0;
+            grid.for_each_near(circle, SKIN, |_| near += 1);
+            let others = near.saturating_sub(1); // itself
+            let near_faces = scene.face_grid.candidates(circle, SKIN, &mut found);
+            let faces =
+                near_faces.iter().filter(|face| circle.nears_face(&scene.faces, **face, SKIN)).count();
+            if others + faces > crowded.others + crowded.faces {
+                crowded = Crowded { body: BodyId::from(b), others, faces, ..crowded };
+            }
+            // A sample of this size shows well enough where they are.
+            looks += near + near_faces.len();
+            if looks > self.most {
+                break;
+            }
+        }
+        Err(crowded)
+    }
+}
+
+/// Whether the distance of a circle from a face is less than a margin \[m\]; `found` is scratch space.
+pub(super) fn nears_a_face(scene: &Scene, circle: &Circle, margin: f64, found: &mut Vec<FaceId>) -> bool {
+    let candidates = scene.face_grid.candidates(circle, margin, found);
+    candidates.iter().any(|face| circle.nears_face(&scene.faces, *face, margin))
+}
+
+/// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face nearer than the skin, as
+/// long as there is space. The circles of all bodies are in the grid.
+pub(super) fn list(
+    scene: &Scene,
+    kinematics: &[BodyKinematics],
+    grid: &CellGrid,
+    circles: &[Circle],
+    bodies: impl Iterator<Item = usize>,
+    candidates: &mut Candidates,
+    limit: &PairLimit,
+) {
+    candidates.disks.clear();
+    candidates.faces.clear();
+    let (mut later, mut found, mut faces) = (Vec::new(), Vec::new(), Vec::new());
+    for a in bodies {
+        later.clear();
+        grid.for_each_near(&circles[a], SKIN, |b| {
+            if b > a {
+                later.push(b);
+            }
+        });
+        later.sort_unstable();
+        faces.clear();
+        let near = scene.face_grid.candidates(&circles[a], SKIN, &mut found).iter().copied();
+        faces.extend(near.filter(|face| circles[a].nears_face(&scene.faces, *face, SKIN)));
+        if later.is_empty() && faces.is_empty() {
+            continue;
+        }
+        for i in scene.bodies[a].disks.clone() {
+            let before = candidates.disks.len() + candidates.faces.len();
+            let disk = &scene.disks[i];
+            let own = Circle { centre: kinematics[a].centre(disk.offset), radius: disk.radius };
+            for &b in later.iter().filter(|&&b| own.nears(&circles[b], SKIN)) {
+                for j in scene.bodies[b].disks.clone() {
+                    let disk = &scene.disks[j];
+                    let other = Circle { centre: kinematics[b].centre(disk.offset), radius: disk.radius };
+                    if own.nears(&other, SKIN) {
+                        candidates.disks.push((DiskId::from(i), DiskId::from(j)));
+                    }
+                }
+            }
+            let near = faces.iter().filter(|face| own.nears_face(&scene.faces, **face, SKIN));
+            candidates.faces.extend(near.map(|&face| (DiskId::from(i), face)));
+            let added = candidates.disks.len() + candidates.faces.len() - before;
+            if added > 0 && !limit.take(added) {
+                return;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::vec2;
+    use super::*;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() })]
+
+        /// The grid finds what looking at every two finds, across signs and scales.
+        #[test]
+        fn grid_finds_every_near_pair(
+            places in prop::collection::vec((-3.0..3.0f64, -3.0..3.0f64, 0.01..0.5f64), 0..60),
+            scale in prop::sample::select(vec![1e-3, 1.0, 1e4]),
+        ) {
+            let circles: Vec<Circle> = places
+                .iter()
+                .map(|&(x, y, radius)| Circle { centre: vec2(x * scale, y * scale), radius: radius * scale })
+                .collect();
+            let grid = CellGrid::new(&circles, 0..circles.len(), 0.01);
+            let mut found = Vec::new();
+            for (a, circle) in circles.iter().enumerate() {
+                grid.for_each_near(circle, 0.01, |b| if a < b { found.push((a, b)) });
+            }
+            // Each once.
+            found.sort_unstable();
+            let mut expected = Vec::new();
+            for a in 0..circles.len() {
+                for b in a + 1..circles.len() {
+                    if circles[a].nears(&circles[b], 0.01) {
+                        expected.push((a, b));
+                    }
+                }
+            }
+            prop_assert_eq!(found, expected);
+        }
+    }
+}

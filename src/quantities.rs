@@ -1,0 +1,330 @@
+//! The quantities of a crowd: one table with the name, unit, causality, shape and domain of each.
+//! FMI 3.0 has each row as one array, FMI 2.0 has the elements.
+//!
+//! Names use the words of the XML formats. An array of agents has an element for each agent, in the
+//! order of Agents.xml; one of materials for each `<Material>` of Materials.xml; one of pairs for
+//! each two materials, a symmetric matrix.
+
+use lemons_core::plane::Vec2;
+use lemons_core::trial::{Contact, Materials, Trial};
+use lemons_fmi::variables::units::*;
+use lemons_fmi::variables::{Dimension, Domain, Scalar, Size, Variable, row};
+pub use lemons_fmi::variables::{Kind, Role};
+use serde::{Deserialize, Serialize};
+use uuid::Uuid;
+
+/// Default of `MostMechanicalSteps`. So many steps take some minutes for five people, half a day
+/// for a thousand.
+pub const MOST_MECHANICAL_STEPS: f64 = 1e9;
+
+/// A quantity: a row of [`QUANTITIES`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[allow(missing_docs)] // the table says it
+pub enum Quantity {
+    TimeStepMechanical,
+    MostMechanicalSteps,
+    IntermediateSteps,
+    Threads,
+    Trial,
+    PlayDrive,
+    OutputDirectory,
+    TotalAgentContacts,
+    TotalWallContacts,
+    CoincidentContacts,
+    LargestOverlap,
+    Fp,
+    Mp,
+    Active,
+    Position,
+    Theta,
+    Velocity,
+    Omega,
+    AgentContacts,
+    WallContacts,
+    ContactingAgents,
+    NormalForce,
+    MeanNormalForce,
+    PeakNormalForce,
+    PeakOverlap,
+    Mass,
+    MomentOfInertia,
+    FloorDamping,
+    AngularDamping,
+    YoungModulus,
+    ShearModulus,
+    GammaNormal,
+    GammaTangential,
+    KineticFriction,
+    AgentId,
+    MaterialId,
+}
+
+/// The structural parameters.
+pub const SIZES: [Size; 2] = [
+    Size { name: "Agents", description: "number of agents" },
+    Size { name: "Materials", description: "number of materials" },
+];
+
+const ONE_VALUE: &[Dimension] = &[];
+const AGENTS: &[Dimension] = &[Dimension::Size(0)];
+const VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Fixed(2)];
+const MATERIALS: &[Dimension] = &[Dimension::Size(1)];
+const PAIRS: &[Dimension] = &[Dimension::Size(1), Dimension::Size(1)];
+
+/// The table. Where an array of agents has the name that FMI 2.0 gives a number of the whole crowd,
+/// the number is called a total.
+pub static QUANTITIES: [Variable<Quantity>; 36] = {
+    use Domain::*;
+    use Kind::*;
+    use Quantity::*;
+    [
+        row(TimeStepMechanical, "TimeStepMechanical", ONE_VALUE, Real(SECOND))
+            .parameter(Positive, "longest step of the integrator"),
+        row(MostMechanicalSteps, "MostMechanicalSteps", ONE_VALUE, Real(ONE)).parameter(
+            Positive,
+            "a communication step of more mechanical steps is refused: nobody could cancel it",
+        ),
+        row(IntermediateSteps, "IntermediateSteps", ONE_VALUE, Integer).parameter(
+            NonNegative,
+            "mechanical steps between intermediate updates within a communication step; 0: none",
+        ),
+        row(Threads, "Threads", ONE_VALUE, Integer).parameter(
+            Positive,
+            "threads this instance may use, up to one for each 512 agents; results do not depend on it",
+        ),
+        row(Trial, "Trial", ONE_VALUE, String).parameter(Finite, "which packed Trial to load"),
+        row(PlayDrive, "PlayDrive", ONE_VALUE, Boolean).parameter(
+            Finite,
+            "whether the drive.csv of the packed Trial, if it has one, drives its \
+             agents; not those whose Fp or Mp is set",
+        ),
+        row(OutputDirectory, "OutputDirectory", ONE_VALUE, String)
+            .parameter(Finite, "if not empty: XML files are written there after every step"),
+        row(TotalAgentContacts, "TotalAgentContacts", ONE_VALUE, Integer)
+            .calculated("disk-disk contacts of the crowd, each pair once"),
+        row(TotalWallContacts, "TotalWallContacts", ONE_VALUE, Integer)
+            .calculated("disk-face contacts of the crowd"),
+        row(CoincidentContacts, "CoincidentContacts", ONE_VALUE, Integer)
+            .calculated("of these contacts, those of centres at one place: no force acts between them"),
+        row(LargestOverlap, "LargestOverlap", ONE_VALUE, Real(METRE))
+            .calculated("largest PeakOverlap: deepest overlap of the crowd within the last step"),
+        row(Fp, "Fp", VECTORS, Real(NEWTON)).input("propulsion force along x and y"),
+        row(Mp, "Mp", AGENTS, Real(NEWTON_METRE)).input("propulsion torque"),
+        row(Active, "Active", AGENTS, Boolean)
+            .input("whether it is there from the next step on; if not, it touches nothing and does not move"),
+        row(Position, "Position", VECTORS, Real(METRE)).exact("x and y of the centre of mass"),
+        row(Theta, "Theta", AGENTS, Real(RADIAN)).exact("orientation: angle from the x axis to the gaze"),
+        row(Velocity, "Velocity", VECTORS, Real(METRE_PER_SECOND)).exact("velocity along x and y"),
+        row(Omega, "Omega", AGENTS, Real(RADIAN_PER_SECOND)).exact("angular velocity"),
+        row(AgentContacts, "AgentContacts", AGENTS, Integer).calculated("disk-disk contacts"),
+        row(WallContacts, "WallContacts", AGENTS, Integer).calculated("disk-face contacts"),
+        row(ContactingAgents, "ContactingAgents", AGENTS, Integer)
+            .calculated("different agents that touch it"),
+        row(NormalForce, "NormalForce", AGENTS, Real(NEWTON))
+            .calculated("squeeze at the communication point: sum of |Fn| over its contacts"),
+        row(MeanNormalForce, "MeanNormalForce", AGENTS, Real(NEWTON))
+            .calculated("mean squeeze: time average of NormalForce over the last step"),
+        row(PeakNormalForce, "PeakNormalForce", AGENTS, Real(NEWTON))
+            .calculated("peak squeeze: largest NormalForce within the last step"),
+        row(PeakOverlap, "PeakOverlap", AGENTS, Real(METRE))
+            .calculated("deepest overlap of its contacts within the last step"),
+        row(Mass, "Mass", AGENTS, Real(KILOGRAM)).parameter(Positive, "mass"),
+        row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(KILOGRAM_METRE_SQUARED))
+            .parameter(Positive, "moment of inertia about the centre of mass"),
+        row(FloorDamping, "FloorDamping", AGENTS, Real(PER_SECOND))
+            .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl"),
+        row(AngularDamping, "AngularDamping", AGENTS, Real(PER_SECOND))
+            .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot"),
+        row(YoungModulus, "YoungModulus", MATERIALS, Real(NEWTON_PER_METRE))
+            .parameter(Positive, "2D Young modulus"),
+        row(ShearModulus, "ShearModulus", MATERIALS, Real(NEWTON_PER_METRE))
+            .parameter(Positive, "2D shear modulus"),
+        row(GammaNormal, "GammaNormal", PAIRS, Real(KILOGRAM_PER_SECOND))
+            .parameter(NonNegative, "damping along the normal"),
+        row(GammaTangential, "GammaTangential", PAIRS, Real(KILOGRAM_PER_SECOND))
+            .parameter(NonNegative, "damping along the tangent"),
+        row(KineticFriction, "KineticFriction", PAIRS, Real(ONE))
+            .parameter(NonNegative, "Coulomb's coefficient"),
+        row(AgentId, "AgentId", AGENTS, String).calculated_parameter("Ids of the agents"),
+        row(MaterialId, "MaterialId", MATERIALS, String).calculated_parameter("Ids of the materials"),
+    ]
+};
+
+impl Quantity {
+    /// Returns whether it has an element for each two materials.
+    pub fn is_of_pairs(self) -> bool {
+        self.row().dimensions == PAIRS
+    }
+
+    /// Returns its row of the table.
+    pub fn row(self) -> &'static Variable<Quantity> {
+        &QUANTITIES[self as usize]
+    }
+}
+
+/// Returns the values of the structural parameters for a Trial.
+pub fn sizes(trial: &Trial) -> Vec<u64> {
+    vec![trial.agents.len() as u64, trial.materials.intrinsic.len() as u64]
+}
+
+/// Returns the variables of a Trial's FMI 2.0 FMU. A value reference is an index in this list.
+pub fn scalars(trial: &Trial) -> Vec<Scalar<Quantity>> {
+    let of = |dimensions: &'static [Dimension]| {
+        QUANTITIES.iter().filter(move |row| row.dimensions.first() == dimensions.first())
+    };
+    let of_crowd = of(ONE_VALUE).filter(|row| row.quantity != Quantity::IntermediateSteps);
+    let mut scalars: Vec<Scalar<Quantity>> = of_crowd.flat_map(|row| row.scalars(0, "", "")).collect();
+    for scalar in &mut scalars {
+        scalar.name = scalar.name.trim_start_matches("Total").to_owned();
+    }
+    let numbers = || of(AGENTS).filter(|row| row.kind != Kind::String);
+    for (i, agent) in trial.agents.iter().enumerate() {
+        let (prefix, about) = (format!("agent[{i}]."), format!("agent Id {}: ", agent.id));
+        scalars.extend(numbers().flat_map(|row| row.scalars(i, &prefix, &about)));
+    }
+    scalars.extend(scalars_of_materials(trial));
+    scalars
+}
+
+/// Returns the variables of a Trial's materials. A quantity of a pair of materials has one, for the
+/// pair as it is in Materials.xml.
+fn scalars_of_materials(trial: &Trial) -> Vec<Scalar<Quantity>> {
+    let of = |dimensions| {
+        QUANTITIES.iter().filter(move |row| row.dimensions == dimensions && row.kind != Kind::String)
+    };
+    let materials = &trial.materials.intrinsic;
+    let mut scalars = Vec::new();
+    for (m, material) in materials.iter().enumerate() {
+        let prefix = format!("material.{}.", quoted(&material.id));
+        scalars.extend(of(MATERIALS).flat_map(|row| row.scalars(m, &prefix, "")));
+    }
+    let place = |id: &str| materials.iter().position(|material| material.id == id);
+    for contact in &trial.materials.binary {
+        let (Some(one), Some(other)) = (place(&contact.id1), place(&contact.id2)) else { continue };
+        let prefix = format!("contact.{}.{}.", quoted(&contact.id1), quoted(&contact.id2));
+        let element = one * materials.len() + other;
+        scalars.extend(of(PAIRS).flat_map(|row| row.scalars(element, &prefix, "")));
+    }
+    scalars
+}
+
+/// Returns the GUID of a Trial's FMI 2.0 FMU.
+pub fn guid(trial: &Trial) -> Uuid {
+    lemons_fmi::guid(&scalars(trial))
+}
+
+/// Returns the elements that a quantity of materials has in FMI 3.0, by its name in FMI 2.0: names
+/// of arrays, and places in them. A quantity of two materials has two.
+pub fn of_materials(trial: &Trial, name: &str) -> Vec<(&'static str, usize)> {
+    let found = scalars_of_materials(trial).into_iter().find(|scalar| scalar.name == name);
+    let Some(Scalar { variable, element, .. }) = found else { return Vec::new() };
+    let mut elements = vec![element];
+    if variable.dimensions == PAIRS {
+        let count = trial.materials.intrinsic.len();
+        elements.push((element % count) * count + element / count);
+    }
+    elements.sort_unstable();
+    elements.dedup();
+    elements.into_iter().map(|element| (variable.name, element)).collect()
+}
+
+/// Returns an Id as a part of a structured name: itself if it is a plain identifier, else a quoted
+/// name.
+///
+/// Quoted names may contain only some ASCII characters. All others, and `%` itself, are written as
+/// percent escapes of their UTF-8 bytes, so that different Ids have different names.
+fn quoted(id: &str) -> String {
+    let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
+    let plain = id.starts_with(letter) && id.chars().all(|c| letter(c) || c.is_ascii_digit());
+    if plain {
+        return id.to_owned();
+    }
+    let mut name = String::from("'");
+    for byte in id.bytes() {
+        match byte {
+            b'\'' | b'"' | b'\\' => {
+                name.push('\\');
+                name.push(char::from(byte));
+            }
+            b'?' => name.push_str("\\?"),
+            b'%' => name.push_str("%25"),
+            b' '..=b'~' if byte != b'`' => name.push(char::from(byte)),
+            _ => name.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    name.push('\'');
+    name
+}
+
+/// Returns the element of a quantity in a Trial's documents; `None` if it is not there: it is
+/// computed, or belongs to the instance.
+pub(crate) fn field(trial: &mut Trial, quantity: Quantity, element: usize) -> Option<&mut f64> {
+    use Quantity::*;
+    let i = if quantity.row().is_vector() { element / 2 } else { element };
+    Some(match quantity {
+        TimeStepMechanical => &mut trial.parameters.time_step_mechanical,
+        Fp => axis(&mut trial.dynamics.get_mut(i)?.fp, element),
+        Mp => &mut trial.dynamics.get_mut(i)?.mp,
+        Position => axis(&mut trial.dynamics.get_mut(i)?.position, element),
+        Theta => &mut trial.dynamics.get_mut(i)?.theta,
+        Velocity => axis(&mut trial.dynamics.get_mut(i)?.velocity, element),
+        Omega => &mut trial.dynamics.get_mut(i)?.omega,
+        Mass => &mut trial.agents.get_mut(i)?.mass,
+        MomentOfInertia => &mut trial.agents.get_mut(i)?.moment_of_inertia,
+        FloorDamping => &mut trial.agents.get_mut(i)?.floor_damping,
+        AngularDamping => &mut trial.agents.get_mut(i)?.angular_damping,
+        YoungModulus => &mut trial.materials.intrinsic.get_mut(i)?.young_modulus,
+        ShearModulus => &mut trial.materials.intrinsic.get_mut(i)?.shear_modulus,
+        GammaNormal => &mut contact(&mut trial.materials, element)?.gamma_normal,
+        GammaTangential => &mut contact(&mut trial.materials, element)?.gamma_tangential,
+        KineticFriction => &mut contact(&mut trial.materials, element)?.kinetic_friction,
+        _ => return None,
+    })
+}
+
+fn axis(vector: &mut Vec2, element: usize) -> &mut f64 {
+    if element.is_multiple_of(2) { &mut vector.x } else { &mut vector.y }
+}
+
+fn contact(materials: &mut Materials, element: usize) -> Option<&mut Contact> {
+    let place = place_of_contact(materials, element)?;
+    materials.binary.get_mut(place)
+}
+
+/// Returns the place in Materials.xml of a pair of materials, an element of a matrix; `None` if
+/// they never touch.
+pub(crate) fn place_of_contact(materials: &Materials, element: usize) -> Option<usize> {
+    let [one, other] = ids_of_pair(materials, element)?;
+    let is_it =
+        |Contact { id1, id2, .. }: &Contact| (id1 == one && id2 == other) || (id1 == other && id2 == one);
+    materials.binary.iter().position(is_it)
+}
+
+/// Returns the Ids of a pair of materials, an element of a matrix.
+pub(crate) fn ids_of_pair(materials: &Materials, element: usize) -> Option<[&str; 2]> {
+    let all = &materials.intrinsic;
+    let one = all.get(element / all.len().max(1))?;
+    Some([&one.id, &all[element % all.len()].id])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_quantity_has_the_row_at_its_place() {
+        for (place, row) in QUANTITIES.iter().enumerate() {
+            assert_eq!((row.quantity as usize, format!("{:?}", row.quantity).as_str()), (place, row.name));
+        }
+    }
+
+    #[test]
+    fn ids_become_parts_of_structured_names() {
+        assert_eq!(quoted("human_naked"), "human_naked");
+        assert_eq!(quoted("0"), "'0'");
+        assert_eq!(quoted("two words"), "'two words'");
+        assert_eq!(quoted("it's"), "'it\\'s'");
+        assert_eq!(quoted("Glück"), "'Gl%C3%BCck'");
+        assert_ne!(quoted("ü"), quoted("%C3%BC"));
+    }
+}
