@@ -492,11 +492,11 @@ fn progress_bar(stop: Option<&StopCondition>, steps: u64) -> Result<ProgressBar>
         // How long it takes is not known.
         Some((leave, _)) => {
             let style = ProgressStyle::with_template("{bar:40} {msg}  {pos} of {len} have left")?;
-            ProgressBar::new(leave as u64).with_style(style)
+            crate::print::bar(leave as u64).with_style(style)
         }
         None => {
             let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
-            ProgressBar::new(steps).with_style(style)
+            crate::print::bar(steps).with_style(style)
         }
     })
 }

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
-    source: Source,
+    pub source: Source,
     /// File for the picture: PNG, or the vector formats SVG and PDF
     #[arg(short, long, default_value = "plot.png", value_name = "FILE.png, .svg or .pdf")]
     output: PathBuf,
@@ -69,27 +69,45 @@ fn kernel(text: &str) -> Result<f64, String> {
 }
 
 pub fn plot(arguments: &Arguments) -> Result<()> {
-    let Arguments { output, look, .. } = arguments;
-    let format = Format::of(output)?;
-    if arguments.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
-        bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
-    }
-    look.check(&arguments.series)?;
+    let output = &arguments.output;
+    arguments.check()?;
     // Before there is anything that would be left.
     let interrupt = Interrupt::watch();
     let mut file = Output::open(output)?;
-    let text = if !arguments.series.is_empty() {
-        series(arguments, &interrupt)?
-    } else if arguments.density {
-        density(arguments, &interrupt)?
-    } else {
-        scenes(arguments, &interrupt)?
-    };
-    let bytes = format.bytes(text, look.width)?;
+    let bytes = arguments.draw(&interrupt)?;
     file.fill(|out| out.write_all(&bytes))?;
     file.persist()?;
     say!("{}", output.display())?;
     Ok(())
+}
+
+/// Draws without writing.
+pub fn drawn(arguments: &Arguments) -> Result<Vec<u8>> {
+    arguments.check()?;
+    arguments.draw(&Interrupt::watch())
+}
+
+impl Arguments {
+    /// Whether the options belong together.
+    fn check(&self) -> Result<()> {
+        Format::of(&self.output)?;
+        if self.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
+            bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
+        }
+        self.look.check(&self.series)
+    }
+
+    /// The picture, in the format of its file.
+    fn draw(&self, interrupt: &Interrupt) -> Result<Vec<u8>> {
+        let text = if !self.series.is_empty() {
+            series(self, interrupt)?
+        } else if self.density {
+            density(self, interrupt)?
+        } else {
+            scenes(self, interrupt)?
+        };
+        Format::of(&self.output)?.bytes(text, self.look.width)
+    }
 }
 
 /// What a picture is written as.

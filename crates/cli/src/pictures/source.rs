@@ -3,6 +3,7 @@
 use super::look::positive;
 use super::moment::Footage;
 use crate::decide::Walk;
+use crate::embedded::InMemory;
 use crate::error::Misused;
 use crate::export::{expect_table, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
@@ -15,6 +16,7 @@ pub use lemons_results::KeptFrames;
 use lemons_results::{Frame, Record, Run};
 use lemons_sim::{Algorithm, Clock, Documents, Simulation};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct Source {
@@ -45,6 +47,9 @@ pub struct Source {
     /// TimeStep
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     step: Option<f64>,
+    /// The run itself; the path is what messages call it.
+    #[arg(skip)]
+    pub memory: Option<Arc<InMemory>>,
 }
 
 /// Communication steps of a run that is made to be shown: its table is a temporary file.
@@ -135,12 +140,15 @@ impl Source {
             let path = self.path.display();
             return Err(Misused(format!("{path}: is no table: only tables of one run can be several")).into());
         }
-        if !runs {
+        if !runs && self.memory.is_none() {
             expect_table(&self.path)?;
             self.more.iter().try_for_each(|path| expect_table(path))?;
         }
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
-        let mut trial = trial_of(&self.path, given)?;
+        let mut trial = match &self.memory {
+            Some(memory) if given.is_none() => Some(memory.trial.clone()),
+            _ => trial_of(&self.path, given)?,
+        };
         if let Some(trial) = &mut trial {
             let documents = Documents { trial: trial.clone(), drive: DriveTable::default(), plan: None };
             let mut edited = Simulation::new(documents, Algorithm::default())?;
@@ -182,6 +190,9 @@ impl Source {
 
     /// The tables of one run.
     fn tables(&self) -> Result<Record> {
+        if let Some(memory) = &self.memory {
+            return Ok(memory.run.clone().into());
+        }
         let all: Vec<PathBuf> = std::iter::once(&self.path).chain(&self.more).cloned().collect();
         Ok(Record::tables(&all)?)
     }
@@ -217,6 +228,9 @@ impl Source {
 
     /// Whether it is something to run.
     pub fn runs(&self) -> bool {
+        if self.memory.is_some() {
+            return false;
+        }
         let ends = |with: &str| self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case(with));
         ends("fmu") || ends("zip") || self.path.join("Parameters.xml").is_file()
     }
