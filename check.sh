@@ -43,6 +43,11 @@ python_environment() {
     printf '%s\n' "$wanted" >"$stamp"
 }
 
+# The extension of the Python package, beside its sources.
+extension() {
+    cp "${CARGO_TARGET_DIR:-target}/release/liblemons_native.so" python/src/lemons_fmu/_native.abi3.so
+}
+
 # Tests send signals. What a shell starts in the background ignores some of them, and its children do.
 signals=()
 env --default-signal true 2>/dev/null && signals=(env --default-signal)
@@ -63,11 +68,12 @@ lab() {
     fi
     stage lab/build.sh
     # Which takes the page in.
-    stage cargo build --release "${formats[@]}"
+    stage cargo build --release "${formats[@]}" "${packages[@]}"
     stage python_environment
     stage .venv/bin/python -m pytest tests/lab -q
 }
 
+packages=(-p crowd-mechanics -p lemons-cli -p lemons-decision-fmu -p lemons-python)
 formats=(--features lemons-cli/parquet,lemons-cli/sqlite)
 stages=(format clippy test doc release pytest lab)
 
@@ -81,10 +87,11 @@ run() {
             ;;
         test) stage "${signals[@]}" cargo test --workspace --all-features ;;
         doc) stage env RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps ;;
-        # With Parquet and SQLite, like wheels.
-        release) stage cargo build --release "${formats[@]}" ;;
+        # With Parquet and SQLite, like wheels; in one go, which builds what all need once.
+        release) stage cargo build --release "${formats[@]}" "${packages[@]}" ;;
         pytest)
             stage python_environment
+            stage extension
             # Two processes; the tests of a file share what they build.
             stage "${signals[@]}" .venv/bin/python -m pytest tests/fmpy -q -n 2 --dist loadfile
             ;;

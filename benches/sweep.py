@@ -1,7 +1,7 @@
 """What a sweep adds to the engine: 1000 pushes through a row of five people by `lemons_fmu.sweep`.
 
     pip install ./python
-    cargo build --release && cargo build --release --example engine_direct
+    cargo build --release --example engine_direct
     python benches/sweep.py [--points 1000]
 
 Every point is the same: the paper's five people and the push of resources/Trial_push/drive.csv, 4.5 s at a mechanical step
@@ -26,7 +26,7 @@ from multiprocessing.pool import ThreadPool
 
 import psutil
 from distributed import Client
-from lemons_fmu import Drive, load, local_cluster, sweep
+from lemons_fmu import Drive, Trial, local_cluster, sweep
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target").resolve() / "release"
@@ -54,11 +54,11 @@ def of_workers():
     return sum(process.cpu_times()[:2]), process.memory_info().rss
 
 
-def run(client, fmu, drive, points):
+def run(client, trial, drive, points):
     """Wall time, processor time of the workers [s], their memory before and after [bytes]."""
     table = {"TimeStepMechanical": [MECHANICAL] * points}
     before, start = client.run(of_workers), time.perf_counter()
-    result = sweep(fmu, table, drive, measure, until=UNTIL, step=STEP, client=client, progress=False)
+    result = sweep(trial, table, drive, measure, until=UNTIL, step=STEP, client=client, progress=False)
     wall, after = time.perf_counter() - start, client.run(of_workers)
     assert (result.status == "ok").all() and result["squeeze"].nunique() == 1
     each = {process: (after[process], before[process]) for process in after}
@@ -70,18 +70,15 @@ def main():
     parser.add_argument("--points", type=int, default=1000, metavar="N")
     parser.add_argument("--turns", type=int, default=5, metavar="N", help="so often in turns; default 5")
     arguments = parser.parse_args()
-    for needed in (TARGET / "lemons", TARGET / "examples" / "engine_direct"):
-        if not needed.exists():
-            sys.exit(f"{needed} is missing: see the beginning of {__file__}")
+    if not (TARGET / "examples" / "engine_direct").exists():
+        sys.exit(f"{TARGET}/examples/engine_direct is missing: see the beginning of {__file__}")
     points = max(1, arguments.points // arguments.turns)
 
     with tempfile.TemporaryDirectory() as scratch:
         trial = pathlib.Path(shutil.copytree(ROOT / "resources" / "Trial_push", pathlib.Path(scratch) / "Trial"))
         times = trial / "Parameters.xml"
         times.write_text(times.read_text().replace('"2e-6"', f'"{MECHANICAL!r}"'))
-        subprocess.run([TARGET / "lemons", "pack", trial, "-o", trial / "push.fmu"], check=True, stdout=subprocess.DEVNULL)
-        fmu = load(trial / "push.fmu")
-        drive = Drive.read(trial / "drive.csv", fmu.ids)
+        drive = Drive.read(trial / "drive.csv", Trial(trial).ids)
 
         ways = {"1 process": (1, 1, True), "2 processes": (2, 1, True), "1 thread": (1, 1, False), "2 threads": (1, 2, False)}
         engines = {"engine alone": 1, "two at a time": 2}
@@ -91,12 +88,12 @@ def main():
             for name, (workers, threads, processes) in ways.items():
                 cluster = stack.enter_context(local_cluster(workers, threads=threads, processes=processes))
                 clients[name] = stack.enter_context(Client(cluster))
-                run(clients[name], fmu, drive, 4)  # loads the FMU and all modules
+                run(clients[name], trial, drive, 4)  # loads all modules
             for _ in range(arguments.turns):
                 for name, at_once in engines.items():
                     alone[name].append(engine(trial, at_once, points))
                 for name, client in clients.items():
-                    seen[name].append(run(client, fmu, drive, points))
+                    seen[name].append(run(client, trial, drive, points))
 
     bare = statistics.median(each[1] for each in alone["engine alone"]) / points
     print(f"{points * arguments.turns} pushes each, {STEPS} mechanical steps of 5 agents; medians of {arguments.turns} turns\n")

@@ -2,7 +2,7 @@
 
     cargo build --release
     pip install './python[examples]'
-    python examples/calibrate.py [DATA_DIR] [--fmu FILE] [--plot FILE.png] [--out DIR] [--scheduler ADDRESS] [--seed N]
+    python examples/calibrate.py [DATA_DIR] [--fmu FILE] [--plot FILE.png] [--out FILE.csv] [--scheduler ADDRESS] [--seed N]
 
 DATA_DIR is as in examples/feldmann_push.py, and so is the difference between measured and simulated: the mean of the five
 people's root-mean-square differences of the displacement in the plane, until 4 s. The fitted parameters are
@@ -33,17 +33,15 @@ checked with 64 other starts, and without each of the five people in turn.
 
 import argparse
 import math
-import os
 import pathlib
 import sys
-import tempfile
 import time
 
 import numpy as np
 import pandas as pd
 from distributed import Client, as_completed
-from feldmann_push import COLOURS, DATA, pack
-from lemons_fmu import Crowd, FmuError, SweepError, load, local_cluster, sweep
+from feldmann_push import COLOURS, DATA
+from lemons_fmu import CommandError, Crowd, SimulationError, SweepError, local_cluster, sweep
 from lemons_fmu.push import STEP, UNTIL, Push
 from lemons_fmu.progress import Progress, ProgressLine
 from scipy.optimize import minimize
@@ -85,9 +83,9 @@ class Compare:
         return {f"person {k}": plane for k, (plane, _) in self.push.differences(run).items()}
 
 
-def starts_of(fmu, count, seed):
+def starts_of(trial, count, seed):
     """Returns start values: those of the Trial, then others with all people moved."""
-    with Crowd(fmu) as crowd:
+    with Crowd(trial) as crowd:
         places = crowd.poses()[:, :2]
     moves = np.random.default_rng(seed).normal(scale=MOVED, size=(count, *places.shape))
     moves[0] = 0
@@ -103,13 +101,13 @@ def weights_of(starts):
     return np.array([0.5] + [0.5 / others] * others) if others else np.ones(1)
 
 
-def search(task, fmu, push, ratio, starts, evaluations):
+def search(task, model, push, ratio, starts, evaluations):
     """Searches (Nelder and Mead) from a point, with one parameter or none fixed. Returns all simulations: rows (parameters, differences)."""
     begin, held = task
     free = [k for k in range(len(begin)) if k != held]
     seen = []
     drive, compare = push.drive(), Compare(push)
-    with Crowd(fmu) as crowd:
+    with Crowd(model) as crowd:
 
         def difference(x):
             point = begin.copy()
@@ -192,10 +190,10 @@ def between(ends):
     return " … ".join(f"{'≤ ' if sign == '<' else '≥ ' if sign == '>' else ''}{written(value)}" for sign, value in ends)
 
 
-def from_starts(fmu, push, ratio, values, starts, client):
+def from_starts(trial, push, ratio, values, starts, client):
     """Returns the mean differences with these starts [m]."""
     table = pd.DataFrame([{**parameters(values, ratio), **start} for start in starts])
-    result = sweep(fmu, table, push.drive(), Compare(push), until=UNTIL, step=STEP, client=client)
+    result = sweep(trial, table, push.drive(), Compare(push), until=UNTIL, step=STEP, client=client)
     return result[[f"person {k}" for k in push.people]].mean(axis=1).to_numpy()
 
 
@@ -256,9 +254,9 @@ def plot(path, push, usual, fitted, profiles, level, paper, fit, people):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("data", nargs="?", type=pathlib.Path, default=DATA, metavar="DATA_DIR", help="the experiment; default ../shared/data/push_wed")
-    parser.add_argument("--fmu", metavar="FILE", help="the packed Trial; default: packed by the command lemons in LEMONS, target/release or PATH")
+    parser.add_argument("--fmu", metavar="FILE", help="the FMU of a crowd, whose Trial is simulated; default: the Trial in DATA_DIR")
     parser.add_argument("--plot", default="calibration.png", metavar="FILE.png", help="output file; default calibration.png")
-    parser.add_argument("--out", metavar="DIR", help="keep the sweep in this directory; continue one that is there")
+    parser.add_argument("--out", metavar="FILE.csv", help="keep the sweep in this table; continue one that is there")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="address of a Dask scheduler; default: use the cores of this machine")
     parser.add_argument("--points", type=int, default=256, metavar="N", help="number of points of the sweep; default 256")
     parser.add_argument("--starts", type=int, default=6, metavar="N", help="number of starts, including that of the Trial; default 6")
@@ -273,45 +271,42 @@ def main():
         raise SystemExit(f"{arguments.data}: no such directory; give the directory of the data as first argument (see --help)")
     try:
         push = Push.read(arguments.data)
-        with tempfile.TemporaryDirectory() as scratch:
-            path = arguments.fmu or os.path.join(scratch, "push.fmu")
-            if not arguments.fmu:
-                pack(arguments.data / "Trial", path)
-            fmu = load(path)
+        trial = arguments.fmu or arguments.data / "Trial"
         if arguments.scheduler:
             with Client(arguments.scheduler, timeout="20s") as client:
-                calibrate(arguments, push, fmu, client)
+                calibrate(arguments, push, trial, client)
         else:
             with local_cluster() as cluster, Client(cluster) as client:
-                calibrate(arguments, push, fmu, client)
-    except (FmuError, SweepError, ValueError, OSError) as error:
+                calibrate(arguments, push, trial, client)
+    except (CommandError, SimulationError, SweepError, ValueError, OSError) as error:
         raise SystemExit(str(error))
 
 
-def calibrate(arguments, push, fmu, client):
+def calibrate(arguments, push, trial, client):
     def tell(text):
         print(text, file=sys.stderr, flush=True)
 
-    with Crowd(fmu) as crowd:
+    with Crowd(trial) as crowd:
+        model = crowd.model
         young, shear = crowd[MATERIAL + "YoungModulus"], crowd[MATERIAL + "ShearModulus"]
         usual = [1 / crowd["agent[0].FloorDamping"], young, crowd[CONTACT + "GammaNormal"], crowd[CONTACT + "KineticFriction"]]
         before = crowd.run(push.drive(), until=push.end, step=STEP)
     ratio = shear / young
 
-    starts = starts_of(fmu, arguments.starts, arguments.seed)
+    starts = starts_of(trial, arguments.starts, arguments.seed)
     tell(f"sweep of {arguments.points} points, each from {len(starts)} starts")
     grid = LOW + qmc.Sobol(4, seed=arguments.seed).random(arguments.points) * (HIGH - LOW)
     table = pd.DataFrame([{**parameters(np.exp(point), ratio), **start} for point in grid for start in starts])
-    result = sweep(fmu, table, push.drive(), Compare(push), until=UNTIL, step=STEP, out=arguments.out, client=client)
+    result = sweep(trial, table, push.drive(), Compare(push), until=UNTIL, step=STEP, out=arguments.out, client=client)
     if (result.status != "ok").any():
         raise SystemExit(f"a simulation failed: {result.error.dropna().iloc[0]}")
     each = result[[f"person {k}" for k in push.people]].to_numpy().reshape(len(grid), len(starts), -1)
     cloud = np.column_stack([grid, np.einsum("s,psk->pk", weights_of(starts), each)])
 
-    crowds = client.scatter(fmu, broadcast=True)
+    models = client.scatter(model, broadcast=True)
 
     def search_all(tasks):
-        fixed = {"fmu": crowds, "push": push, "ratio": ratio, "starts": starts, "evaluations": arguments.evaluations}
+        fixed = {"model": models, "push": push, "ratio": ratio, "starts": starts, "evaluations": arguments.evaluations}
         futures = client.map(search, tasks, **fixed, pure=False)
         begin, line = time.monotonic(), ProgressLine("searches")
 
@@ -351,7 +346,7 @@ def calibrate(arguments, push, fmu, client):
         profiles.append((np.array([row[0] for row in rows]), np.array([row[1] for row in rows])))
 
     tell("the fit, with a mechanical step of 2e-6 s")
-    with Crowd(fmu, parameters(np.exp(fit[:4]), ratio, 2e-6)) as crowd:
+    with Crowd(trial, parameters(np.exp(fit[:4]), ratio, 2e-6)) as crowd:
         after = crowd.run(push.drive(), until=push.end, step=STEP)
     residuals = [column for each in push.residuals(after).values() for column in each.T]
     count = effective_number(residuals)
@@ -375,9 +370,9 @@ def calibrate(arguments, push, fmu, client):
     means = [np.mean([each[0] for each in one.values()]) for one in (old, new)]
     print(f"{'mean':22} {means[0]:9.4f} {means[1]:9.4f}   {np.mean(left_out):.4f}")
     tell("the paper's parameters and the fit from 64 other starts")
-    fresh = starts_of(fmu, 65, arguments.seed + 1)[1:]
+    fresh = starts_of(trial, 65, arguments.seed + 1)[1:]
     rounded = [float(written(math.exp(value))) for value in fit[:4]]
-    spread = [from_starts(fmu, push, ratio, values, fresh, client) for values in (usual, rounded)]
+    spread = [from_starts(trial, push, ratio, values, fresh, client) for values in (usual, rounded)]
     print(f"{'from 64 other starts':22} {spread[0].mean():9.4f} {spread[1].mean():9.4f}   mean, parameters as printed")
     print(f"{'':22} {spread[0].std():9.4f} {spread[1].std():9.4f}   standard deviation")
     print(f"{'':22} {'':9} {(spread[1] < spread[0]).mean():9.0%}   of them the fit is nearer")

@@ -4,7 +4,7 @@
     python examples/feldmann_push.py [DATA_DIR] [--fmu FILE] [--plot FILE.png] [--until T]
 
 The experiment is that of Feldmann, Adrian and Boltes (2024), as in the paper's practical case (section 4.5). DATA_DIR contains
-    Trial/                          the Trial (packed with `lemons pack`, unless --fmu gives its FMU)
+    Trial/                          the Trial (unless --fmu gives its FMU)
     external_force_per_mass.txt     TimeS ForcePerMassNperM: the recorded push on agent 0 per unit of mass [s], [N/kg]
     measured_head_trajectories.csv  t,id,x,y: displacement of each head from its start, x along the push [s], [m]
 To get the data: the paper's public data (LEMONS, data/tutorial_mechanical_layer/push_Feldmann/Wed_03…) contain the push under
@@ -17,37 +17,16 @@ result depends on this window: over the whole 6 s the mean is 0.142 m.
 """
 
 import argparse
-import os
 import pathlib
-import shutil
-import subprocess
-import tempfile
 
 import matplotlib
 import numpy as np
-from lemons_fmu import Crowd, FmuError
+from lemons_fmu import CommandError, Crowd, SimulationError
 from lemons_fmu.push import STEP, UNTIL, Push
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 DATA = ROOT.parent / "shared" / "data" / "push_wed"
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00"]  # Okabe and Ito: distinguishable for colour-blind people
-
-
-def lemons():
-    """Returns the command: that in LEMONS, else that of this clone, else that on PATH."""
-    named = os.environ.get("LEMONS")
-    built = ROOT / "target" / "release" / "lemons"
-    command = shutil.which(named) if named else shutil.which(built) or shutil.which("lemons")
-    if command is None:
-        where = f"as LEMONS names it ({named})" if named else f"at {built} nor on PATH"
-        raise SystemExit(f"the command lemons is not {where}: cargo build --release makes it; or give --fmu")
-    return command
-
-
-def pack(trial, fmu):
-    done = subprocess.run([lemons(), "pack", trial, "-o", fmu, "--force"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    if done.returncode != 0:
-        raise SystemExit(done.stderr.strip())
 
 
 def plot(path, experiment, run, rms, until):
@@ -87,7 +66,7 @@ def plot(path, experiment, run, rms, until):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("data", nargs="?", type=pathlib.Path, default=DATA, metavar="DATA_DIR", help="the experiment; default ../shared/data/push_wed")
-    parser.add_argument("--fmu", metavar="FILE", help="the packed Trial; default: packed by the command lemons in LEMONS, target/release or PATH")
+    parser.add_argument("--fmu", metavar="FILE", help="the FMU of a crowd, whose Trial is simulated; default: the Trial in DATA_DIR")
     parser.add_argument("--until", type=float, default=UNTIL, metavar="T", help="end of the comparison [s]; default 4")
     parser.add_argument("--plot", default="feldmann_push.png", metavar="FILE.png", help="output file; default feldmann_push.png")
     arguments = parser.parse_args()
@@ -96,14 +75,9 @@ def main():
 
     try:
         experiment = Push.read(arguments.data)
-        with tempfile.TemporaryDirectory() as scratch:
-            fmu = arguments.fmu
-            if not fmu:
-                fmu = os.path.join(scratch, "push.fmu")
-                pack(arguments.data / "Trial", fmu)
-            with Crowd(fmu) as crowd:
-                run = crowd.run(experiment.drive(), until=experiment.end, step=STEP)
-    except (FmuError, ValueError, OSError) as error:
+        with Crowd(arguments.fmu or arguments.data / "Trial") as crowd:
+            run = crowd.run(experiment.drive(), until=experiment.end, step=STEP)
+    except (CommandError, SimulationError, ValueError, OSError) as error:
         raise SystemExit(str(error))
 
     rms = experiment.differences(run, arguments.until)

@@ -1,8 +1,7 @@
 """Speed and reach of a push through a row of five people, as functions of stiffness, friction and mass.
 
-    lemons pack resources/Trial_push -o push.fmu
     pip install ./python matplotlib
-    python examples/sweep_push.py push.fmu [--plot sweep_push.png] [--out DIR] [--scheduler ADDRESS]
+    python examples/sweep_push.py resources/Trial_push [--plot sweep_push.png] [--out DIR] [--scheduler ADDRESS]
 
 Person 0 is pushed by half a sine of 0.6 s with a peak of 900, 1200 or 1500 N. One parameter at a time is
 changed from its value in the Trial: the stiffness of all bodies (Young's and shear modulus times the same factor), their friction, or
@@ -16,7 +15,7 @@ the mass of all people (with the moment of inertia). The results of each run are
     mean    the largest mean squeeze of a person over a communication step, 0.01 s [N]
     peak    the largest squeeze of a person at any time [N]: it is larger than the mean, because collisions last milliseconds
 
-With --out, the results are kept in a directory, and a second call continues where the first was stopped. With --scheduler (see
+With --out, the results are kept in a directory, a table for each push, and a second call continues where the first was stopped. With --scheduler (see
 examples/sweep_cluster.md) a cluster does the runs.
 """
 
@@ -27,7 +26,7 @@ import os
 import numpy as np
 import pandas as pd
 from distributed import Client
-from lemons_fmu import Crowd, Drive, FmuError, SweepError, load, local_cluster, sweep
+from lemons_fmu import CommandError, Crowd, Drive, SweepError, local_cluster, sweep
 
 PEAKS = [900.0, 1200.0, 1500.0]  # N
 DURATION, UNTIL, STEP = 0.6, 3.0, 0.01  # s
@@ -58,10 +57,10 @@ def front(run):
     return {"speed": speed, "reach": (moved >= DISPLACED).sum(), "last": moved[-1], **squeeze}
 
 
-def table(fmu, count):
+def table(trial, count):
     """Returns a row for each run: the changed parameter, its factor or value, and the parameters of the FMU."""
-    with Crowd(fmu) as crowd:
-        usual = {name: crowd[name] for name in crowd.fmu.variables}
+    with Crowd(trial) as crowd:
+        usual = {name: crowd[name] for name in crowd.variables}
     bodies = sorted({name.split(".")[1] for name in usual if name.startswith("material.")} - {"concrete"})
     friction = [n for n in usual if n.endswith(".KineticFriction") and "concrete" not in n]
     moduli = [n for n in usual if n.split(".")[0] == "material" and n.split(".")[1] in bodies]
@@ -125,7 +124,7 @@ def plot(path, results, usual):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("fmu", metavar="push.fmu", help="made by `lemons pack resources/Trial_push`")
+    parser.add_argument("trial", metavar="TRIAL", help="resources/Trial_push, or one like it")
     parser.add_argument("--plot", default="sweep_push.png", metavar="FILE.png", help="output file; default sweep_push.png")
     parser.add_argument("--out", metavar="DIR", help="keep the results in this directory as they come")
     parser.add_argument("--values", type=int, default=11, metavar="N", help="number of values of each of the three parameters; default 11")
@@ -134,12 +133,9 @@ def main():
     if arguments.values < 1:
         parser.error("--values: must be at least 1")
     try:
-        fmu = load(arguments.fmu)
-        points, usual = table(fmu, arguments.values)
-    except (FmuError, KeyError) as error:
-        raise SystemExit(f"{arguments.fmu}: {error}; the Trial must be like resources/Trial_push")
-    if not fmu.has_means:
-        raise SystemExit(f"{arguments.fmu}: an earlier version packed it, without mean and peak squeeze; pack its Trial again")
+        points, usual = table(arguments.trial, arguments.values)
+    except (CommandError, KeyError) as error:
+        raise SystemExit(f"{arguments.trial}: {error}; the Trial must be like resources/Trial_push")
 
     parameters = points.drop(columns=["changed", "value"])
     parts = []
@@ -147,9 +143,9 @@ def main():
         # The three sweeps share the workers.
         client = stack.enter_context(Client(arguments.scheduler or stack.enter_context(local_cluster())))
         for peak in PEAKS:
-            out = arguments.out and os.path.join(arguments.out, f"peak_{peak:.0f}")
+            out = arguments.out and os.path.join(arguments.out, f"peak_{peak:.0f}.csv")
             try:
-                result = sweep(fmu, parameters, half_sine(peak), front, until=UNTIL, step=STEP, out=out, client=client)
+                result = sweep(arguments.trial, parameters, half_sine(peak), front, until=UNTIL, step=STEP, out=out, client=client)
             except (SweepError, OSError) as error:
                 raise SystemExit(str(error))
             for message in result.error.dropna().unique():

@@ -31,7 +31,7 @@ def content(dist: Path, platform: str, platforms: list[str]) -> dict[str, Path]:
     files = {PROGRAMS[platform]: dist / platform / PROGRAMS[platform]}
     for directory in (dist / each for each in sorted(platforms)):
         for path in sorted(directory.iterdir()):
-            if path.stem != "lemons":
+            if path.name.split(".")[0] not in ("lemons", "_native"):
                 files[f"{directory.name}/{path.name}"] = path
     ours = ("LICENSE-APACHE", "LICENSE-MIT", "include/crowd_mechanics.h")
     for path in (dist / "THIRD-PARTY.txt", *(ROOT / name for name in ours)):

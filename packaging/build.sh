@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the libraries, and the command where there is one, of platforms (all without arguments) into dist/PLATFORM/.
+# Builds the libraries, and the command and the extension of the Python package where there are such, of platforms (all without arguments) into dist/PLATFORM/.
 # `build.sh linux64 win64` builds these only; the tools that it needs are named in lib.sh.
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -11,7 +11,7 @@ lab/build.sh
 for platform; do
     packages=(-p crowd-mechanics -p lemons-decision-fmu)
     program=$(program "$platform")
-    [[ -z $program ]] || packages+=(-p lemons-cli --features lemons-cli/parquet,lemons-cli/sqlite)
+    [[ -z $program ]] || packages+=(-p lemons-cli -p lemons-python --features lemons-cli/parquet,lemons-cli/sqlite)
     read -ra of_platform <<<"$(targets "$platform")"
     for target in "${of_platform[@]}"; do
         note "$platform: $target, with $("$RUSTC" --version)"
@@ -19,7 +19,7 @@ for platform; do
     done
     rm -rf "${dist:?}/$platform"
     mkdir -p "$dist/$platform"
-    for file in $(libraries "$platform") $program; do
+    for file in $(libraries "$platform") $program $(extension "$platform"); do
         if ((${#of_platform[@]} == 1)); then
             cp "$directory/${of_platform[0]}/dist/$file" "$dist/$platform/$file"
         else
@@ -28,5 +28,6 @@ for platform; do
         # The linker leaves symbols of mingw-w64's own objects.
         [[ $platform != win64 ]] || x86_64-w64-mingw32-strip "$dist/$platform/$file"
     done
+    [[ -z $(module "$platform") ]] || mv "$dist/$platform/$(extension "$platform")" "$dist/$platform/$(module "$platform")"
     (cd "$dist/$platform" && sha256sum -- *)
 done

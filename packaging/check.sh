@@ -71,7 +71,7 @@ for platform; do
         at_most 8 "$dist/$platform/$file"
         python3 packaging/symbols.py "$dist/$platform/$file"
     done
-    for file in $(program "$platform"); do
+    for file in $(program "$platform") $(module "$platform"); do
         at_most 25 "$dist/$platform/$file"
         python3 packaging/symbols.py "$dist/$platform/$file"
     done
@@ -281,7 +281,7 @@ if git diff --quiet HEAD && [[ $made_of == "$(git rev-parse HEAD)" ]]; then
     # In another place.
     git clone -q . "$work/elsewhere"
     (cd "$work/elsewhere" && DIST=$work/again PACKAGING_TARGET_DIR=$work/target packaging/build.sh linux64) >/dev/null
-    for file in $(libraries linux64) $(program linux64); do
+    for file in $(libraries linux64) $(program linux64) $(module linux64); do
         cmp "$work/again/linux64/$file" "$dist/linux64/$file"
     done
 else

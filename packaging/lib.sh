@@ -67,6 +67,24 @@ program() {
     esac
 }
 
+# The extension of the Python package, as cargo calls it there; none where there is no command.
+extension() {
+    case $1 in
+        win64) echo lemons_native.dll ;;
+        darwin64) ;;
+        *) echo liblemons_native.so ;;
+    esac
+}
+
+# The same, as Python wants it.
+module() {
+    case $1 in
+        win64) echo _native.pyd ;;
+        darwin64) ;;
+        *) echo _native.abi3.so ;;
+    esac
+}
+
 # A Python with zig and cargo-zigbuild, and what else is asked for in tools.txt.
 tools() {
     local stamp=$directory/tools/stamp wanted

@@ -5,8 +5,8 @@ says.
 
 ELF: no function is newer than glibc 2.17, and only libraries of glibc are needed (readelf of binutils). PE: only DLLs
 of Windows are needed, and not what opens a console window (objdump of mingw-w64's binutils). Mach-O: only the library
-of the system. Libraries show the functions of FMI and CrowdMechanics, commands none. In ELF and PE there are no other
-symbols.
+of the system. Libraries show the functions of FMI and CrowdMechanics, commands none; the extension of the Python package
+shows what Python asks for, too, and needs Python on Windows. In ELF and PE there are no other symbols.
 """
 
 import re
@@ -25,6 +25,7 @@ PE_NEEDS = {
 }
 MACH_NEEDS = {"/usr/lib/libSystem.B.dylib", "/usr/lib/libiconv.2.dylib"}
 SHOWN = re.compile(r"fmi[23][A-Z]\w*|CrowdMechanics")
+EXTENSION, PYTHON = "PyInit__native", "python3.dll"
 
 
 def of_tool(*command: str) -> str:
@@ -90,6 +91,11 @@ def main() -> None:
         look = elf if magic == b"\x7fELF" else pe if magic[:2] == b"MZ" else mach
         foreign, shown, what = look(path)
         others = {each for each in shown if not SHOWN.fullmatch(each)}
+        if path.name.startswith("_native."):
+            if foreign - {PYTHON} or others != {EXTENSION}:
+                sys.exit(f"{path}: needs {sorted(foreign)}; shows {sorted(others)}")
+            print(f"{path.parent.name}/{path.name}: {what}")
+            continue
         is_library = path.stem != "lemons"
         # A program shows what its start needs.
         if foreign or (is_library and others) or (is_library and "fmi2DoStep" not in shown):

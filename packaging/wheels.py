@@ -3,8 +3,8 @@
     wheels.py DIST PLATFORM…
 
 reads DIST/PLATFORM/ of these platforms (build.sh), DIST/THIRD-PARTY.txt and DIST/sbom.cdx.json (licences.py) and writes
-DIST/lemons_fmu-VERSION-py3-none-TAG.whl. A wheel holds the packages of python/src, the command, and the libraries of
-all platforms, which `lemons pack` puts into FMUs. The same files give the same bytes. The format: PyPA's "Binary
+DIST/lemons_fmu-VERSION-cp310-abi3-TAG.whl. A wheel holds the packages of python/src with their extension, the command,
+and the libraries of all platforms, which `lemons pack` puts into FMUs. The same files give the same bytes. The format: PyPA's "Binary
 distribution format".
 """
 
@@ -25,7 +25,7 @@ TAGS = {
     "aarch64-linux": ["manylinux_2_17_aarch64", "manylinux2014_aarch64"],
     "win64": ["win_amd64"],
 }
-COMMAND = "lemons_command"
+COMMAND, PACKAGE = "lemons_command", "lemons_fmu"
 ENTRY_POINTS = f"[console_scripts]\nlemons = {COMMAND}:main\n"
 
 
@@ -64,20 +64,20 @@ def content(dist: Path, platform: str, platforms: list[str], project: dict) -> d
     files: dict[str, tuple[bytes, bool]] = {}
     source = ROOT / "python" / "src"
     for path in sorted(source.rglob("*")):
-        if path.suffix == ".py" or path.name == "py.typed":
+        if path.suffix in (".py", ".pyi") or path.name == "py.typed":
             files[path.relative_to(source).as_posix()] = (path.read_bytes(), False)
     for directory in (dist / each for each in sorted(platforms)):
         for path in sorted(directory.iterdir()):
-            is_command = path.stem == "lemons"
-            if is_command and directory.name == platform:
-                files[f"{COMMAND}/{path.name}"] = (path.read_bytes(), True)
-            elif not is_command:
+            own = {"lemons": COMMAND, "_native": PACKAGE}.get(path.name.split(".")[0])
+            if own and directory.name == platform:
+                files[f"{own}/{path.name}"] = (path.read_bytes(), True)
+            elif not own:
                 files[f"{COMMAND}/{directory.name}/{path.name}"] = (path.read_bytes(), True)
     # FMUs that the command packs hold it, too.
     files[f"{COMMAND}/THIRD-PARTY.txt"] = ((dist / "THIRD-PARTY.txt").read_bytes(), False)
     about = f"lemons_fmu-{project['version']}.dist-info"
     wheel = ["Wheel-Version: 1.0", "Generator: lemons-fmu packaging", "Root-Is-Purelib: false"]
-    wheel += [f"Tag: py3-none-{tag}" for tag in TAGS[platform]]
+    wheel += [f"Tag: cp310-abi3-{tag}" for tag in TAGS[platform]]
     files[f"{about}/METADATA"] = (metadata(project).encode(), False)
     files[f"{about}/WHEEL"] = (("\n".join(wheel) + "\n").encode(), False)
     files[f"{about}/entry_points.txt"] = (ENTRY_POINTS.encode(), False)
@@ -111,7 +111,7 @@ def main() -> None:
     for platform, tags in TAGS.items():
         if platform not in platforms:
             continue
-        path = dist / f"lemons_fmu-{project['version']}-py3-none-{'.'.join(tags)}.whl"
+        path = dist / f"lemons_fmu-{project['version']}-cp310-abi3-{'.'.join(tags)}.whl"
         write(path, content(dist, platform, platforms, project))
         print(f"{path.name}: {path.stat().st_size / 1e6:.1f} MB")
 

@@ -272,7 +272,7 @@ fn warnings_of_the_trial_are_told_if_they_are_wanted() {
                 );
                 // The status says that it is a warning.
                 let text = &message.text;
-                assert!(text.contains("Geometry.xml:10") && !text.contains("warning"), "{text}");
+                assert!(text.contains("Geometry.xml: wall") && !text.contains("warning"), "{text}");
             }
         }
     }

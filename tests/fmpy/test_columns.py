@@ -1,4 +1,4 @@
-"""One table of columns: what the command writes, what the package gives and what examples name is what tests/columns.csv
+"""One table of columns: what the command writes and what examples name is what tests/columns.csv
 says, which a test of crates/results compares with `columns.rs`."""
 
 import ast
@@ -10,21 +10,10 @@ import xml.etree.ElementTree as ElementTree
 import pyarrow.parquet as pq
 import pytest
 from crowd import AGENT, COLUMNS, INPUTS, REPOSITORY, TABLE, TRIAL_PUSH
-from lemons_fmu import columns, simulate
+from lemons_fmu import simulate
 
 NAMES = list(COLUMNS)
 VARIABLES = {row["variable"].removeprefix(AGENT) for row in TABLE[2:]}
-
-
-def test_the_package_has_the_columns_of_the_command():
-    of_crowd = {quantity.name for quantity in columns.TOTALS}
-    own = [(columns.TIME, "s", "time"), (columns.ID, None, "agent[i]")]
-    for name, variable, unit in columns.TABLE:
-        own.append((name, unit, variable if name in of_crowd else AGENT + variable))
-    assert own == [(row["name"], row["unit"] or None, row["variable"]) for row in TABLE]
-    # The order of these is the package's own.
-    reals = [quantity for quantity in columns.TABLE if quantity.unit and quantity not in columns.OF_STEP]
-    assert sorted(columns.REALS) == sorted(reals) and len(columns.REALS) == 7
 
 
 def test_tables_of_the_command_have_them(lemons, tmp_path):
@@ -47,10 +36,7 @@ def test_variables_of_the_fmu_have_their_names_and_units():
         assert variable.get("causality") == "output"
         kind = variable[0]
         assert (kind.tag, kind.get("unit")) == (("Real", row["unit"]) if row["unit"] else ("Integer", None)), row
-    assert tuple(INPUTS) == columns.INPUTS
-    units = [variables[f"agent[0].{name}"][0].get("unit") for name in columns.INPUTS]
-    assert units == ["N", "N", "N.m"]
-    assert all(variables[f"agent[0].{name}"].get("causality") == "input" for name in columns.INPUTS)
+    assert [variables[f"agent[0].{name}"][0].get("unit") for name in INPUTS] == ["N", "N", "N.m"]
 
 
 def test_the_manual_of_simulate_has_them_in_their_order():
@@ -71,32 +57,13 @@ def lists(source):
         yield node.lineno, items
 
 
-def scripts(*places):
-    found = [path for place in places for path in sorted((REPOSITORY / place).rglob("*.py"))]
-    assert found
-    return found
-
-
-def name(path):
-    return str(path.relative_to(REPOSITORY))
-
-
-@pytest.mark.parametrize("path", scripts("python/src"), ids=name)
-def test_no_module_of_the_package_lists_them_again(path):
-    if path.name == "columns.py":
-        return
-    for line, items in lists(path.read_text()):
-        again = VARIABLES.union(INPUTS).intersection(items) or (set(items) <= set(NAMES) and len(items) > 4)
-        assert not again, f"{name(path)}:{line}: {items}: columns.py has them"
-
-
-@pytest.mark.parametrize("path", scripts("examples"), ids=name)
+@pytest.mark.parametrize("path", sorted((REPOSITORY / "examples").rglob("*.py")), ids=lambda path: path.name)
 def test_examples_name_what_there_is(path):
     """Variables of agents are those of the FMU; a list with one of the table or an input in it has no other names."""
     known = VARIABLES.union(INPUTS)
     for line, items in lists(path.read_text()):
         if known.intersection(items):
-            assert known.issuperset(items), f"{name(path)}:{line}: {set(items) - known}"
+            assert known.issuperset(items), f"{path.name}:{line}: {set(items) - known}"
     description = (REPOSITORY / "fmu/modelDescription.xml").read_text()
     for variable in re.findall(r"agent\[[^\]]*\]\.(\w+(?:\.[xy])?)(?![\w.])", path.read_text()):
-        assert f'name="agent[0].{variable}"' in description, f"{name(path)}: {variable}"
+        assert f'name="agent[0].{variable}"' in description, f"{path.name}: {variable}"

@@ -1,12 +1,10 @@
 """The Decision FMU: the paper's eq. 4 and its way-points, and what FMI asks of every FMU."""
 
 import math
-import subprocess
-from ctypes import byref, c_size_t
 
 import numpy as np
 import pytest
-from crowd import TRIAL_DOOR, bits, refused
+from crowd import TRIAL_DOOR, refused
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
@@ -78,32 +76,6 @@ def test_waypoints_one_after_the_other(decision):
     assert [decision[f"agent[3].{name}"] for name in DRIVE] == [0.0, 0.0, 0.0]
 
 
-def test_the_state_remembers_waypoints(decide, instantiate):
-    fmu = decide()
-    decision, other = instantiate(fmu).initialize(), instantiate(fmu)
-    walk(decision, 5.0, 2.5)
-    decision.step(0.05)
-    walk(decision, 3.0, 2.0)
-    data = decision.fmu.serializeFMUstate(decision.fmu.getFMUstate())
-    other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(data))
-    names = [name for name, variable in decision.variables.items() if variable.type != "String"]
-    assert [bits(other[name]) for name in names] == [bits(decision[name]) for name in names]
-    assert other["agent[3].NextWaypoint"] == 1
-    other.time = decision.time
-    other.step(0.05)
-    with refused(other, "state"):
-        other.fmu.deSerializeFMUstate(data[:-1])
-    other.fmu.reset()
-    assert other.initialize()["agent[3].NextWaypoint"] == 0
-
-
-def test_a_state_of_the_crowd_is_refused(decision, pack, instantiate):
-    crowd = instantiate(pack(TRIAL_DOOR)).initialize()
-    data = crowd.fmu.serializeFMUstate(crowd.fmu.getFMUstate())
-    with refused(decision, "state"):
-        decision.fmu.deSerializeFMUstate(data)
-
-
 @pytest.mark.parametrize("name", ["Mass", "MomentOfInertia", "FloorDamping", "AngularDamping", "DesiredSpeed"])
 def test_parameters(decision, name):
     with refused(decision, f"agent[3].{name}", "-1"):
@@ -118,26 +90,6 @@ def test_parameters(decision, name):
         decision[f"agent[3].{name}"] = 3.0
 
 
-def test_lifecycle_is_the_crowds(decision):
-    with refused(decision, "not allowed", "Instantiated"):
-        decision["agent[0].Fp.x"]
-    with refused(decision, "fmi2SetupExperiment"):
-        decision.fmu.enterInitializationMode()
-    decision.initialize()
-    for step in [0.0, -0.1]:
-        with refused(decision, "step"):
-            decision.fmu.doStep(0.0, step)
-    with refused(decision, "computed"):
-        decision["agent[0].Fp.x"] = 1.0
-    with refused(decision, "canInterpolateInputs"):
-        decision.fmu.setRealInputDerivatives([decision.variables["agent[0].Theta"].valueReference], [1], [0.0])
-    size = c_size_t()
-    state = decision.fmu.getFMUstate()
-    decision.fmu.fmi2SerializedFMUstateSize(decision.fmu.component, state, byref(size))
-    assert size.value > 100
-    decision.fmu.freeFMUstate(state)
-
-
 def test_outputs_say_what_they_depend_on(decide):
     description = read_model_description(str(decide()))
     unknowns = {unknown.variable.name: [v.name for v in unknown.dependencies] for unknown in description.outputs}
@@ -145,21 +97,3 @@ def test_outputs_say_what_they_depend_on(decide):
     assert unknowns["agent[3].Mp"] == ["agent[3].Position.x", "agent[3].Position.y", "agent[3].Theta"]
     initial = {unknown.variable.name: [v.name for v in unknown.dependencies] for unknown in description.initialUnknowns}
     assert "agent[3].DesiredSpeed" in initial["agent[3].Fp.x"] and "agent[3].Theta" not in initial["agent[3].Fp.x"]
-
-
-@pytest.mark.parametrize(
-    "text, words",
-    [
-        ("waypoints = [{ x = 1 }]", ["wishes.toml", "line 1", "missing field `y`"]),
-        ("waypoints = [{ x = 1, y = nan }]", ["wishes.toml", "way-point 0", "NaN"]),
-        ("speed = 3", ["wishes.toml", "unknown field `speed`"]),
-        ("waypoints = [{ x = 1, y = 1 }]\n[agents.77]\ndesired_speed = 1", ["wishes.toml", "agents.77"]),
-        ("", ["wishes.toml", "no way-point"]),
-    ],
-)
-def test_mistaken_wishes(lemons, tmp_path, text, words):
-    wishes, fmu = tmp_path / "wishes.toml", tmp_path / "decision.fmu"
-    wishes.write_text(text)
-    done = subprocess.run([lemons, "decide", TRIAL_DOOR, "--plan", wishes, "-o", fmu], capture_output=True, text=True)
-    assert done.returncode == 1 and not fmu.exists()
-    assert all(word in done.stderr for word in words), done.stderr

@@ -115,7 +115,6 @@ def test_who_decides_drives_alone(lemons, decide, pack, tmp_path):
     assert moved[0][-1] - moved[1][-1] > 0.05
 
 
-@pytest.mark.xfail(strict=True, reason="item 11: the package sends the packed drive to agents whose Fp is a parameter")
 def test_the_package_leaves_agents_whose_propulsion_is_set(push_fmu):
     parameters = {"agent[0].Fp.x": 500.0}
     assert simulate(push_fmu, None, parameters, until=1.0).equals(simulate(push_fmu, False, parameters, until=1.0))

@@ -56,32 +56,13 @@ def test_room_with_door_writes_the_trial_of_the_repository(tmp_path):
     assert run("room_with_door.py", tmp_path).returncode == 2
 
 
-def test_feldmann_push_finds_the_command(lemons, tmp_path):
-    """Where LEMONS says, in the clone, on PATH; else it says where it looked."""
-    (tmp_path / "examples").mkdir()
-    shutil.copy(REPOSITORY / "examples/feldmann_push.py", tmp_path / "examples")
+def test_feldmann_push_says_what_is_wrong_with_its_data(tmp_path):
     shutil.copytree(TRIAL_PUSH, tmp_path / "data" / "Trial")
     (tmp_path / "data" / "external_force_per_mass.txt").write_text("TimeS ForcePerMassNperM\n0 0\n0.1 2\n0.2 0\n")
     (tmp_path / "data" / "measured_head_trajectories.csv").write_text("t,id,x,y\n0,0,0,0\n0.2,0,0.01,0\n")
-
-    def found(path, named=None):
-        environment = {**os.environ, "MPLBACKEND": "Agg", "TMPDIR": str(tmp_path), "PATH": str(path)}
-        environment.pop("LEMONS", None)
-        environment |= {"LEMONS": str(named)} if named else {}
-        command = [sys.executable, tmp_path / "examples/feldmann_push.py", tmp_path / "data"]
-        return subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
-
-    lost = found(tmp_path)
-    assert lost.returncode == 1 and lost.stderr.startswith(f"the command lemons is not at {tmp_path}/target/release/lemons nor on PATH")
-    lost = found(lemons.parent, tmp_path / "nowhere")
-    assert lost.returncode == 1 and f"as LEMONS names it ({tmp_path}/nowhere)" in lost.stderr
-    assert found(lemons.parent).returncode == 0
-    assert found(tmp_path, lemons).returncode == 0
-    (tmp_path / "target/release").mkdir(parents=True)
-    (tmp_path / "target/release/lemons").symlink_to(lemons)
-    assert found(tmp_path).returncode == 0
+    assert run("feldmann_push.py", tmp_path, "data").returncode == 0
     (tmp_path / "data" / "Trial" / "Parameters.xml").unlink()
-    broken = found(tmp_path)
+    broken = run("feldmann_push.py", tmp_path, "data")
     assert broken.returncode == 1 and "Parameters.xml" in broken.stderr and "Traceback" not in broken.stderr
 
 

@@ -11,7 +11,6 @@ from crowd import TRIAL_DOOR, TRIAL_PUSH
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
-from lemons_fmu import Crowd, FmuError, simulate
 from lxml import etree
 
 STEP = 0.05  # s
@@ -49,44 +48,6 @@ def test_valid(push_fmu_3, row):
     assert members == ["Fp", "Mp", "Active", "Position", "Theta", "Velocity", "Omega"]
     assert "terminalsAndIcons/icon.png" in names and "binaries/x86_64-linux/CrowdMechanics.so" in names
     row("fmpy", "FMI 3.0: validate, with the XSDs of FMI 3.0", "no problem")
-
-
-def test_same_tables_of_the_package(push_fmu, push_fmu_3):
-    """`lemons_fmu` reads both versions: names, Ids, states and results are the same."""
-    parameters = {
-        "agent[2].Mass": 70.0,
-        "agent[*].FloorDamping": 0.5,
-        "contact.human_naked.human_naked.KineticFriction": 0.1,
-        "material.concrete.YoungModulus": 9e8,
-        "TimeStepMechanical": 1e-5,
-        "Threads": 2,
-        "agent[1].Velocity.x": 0.5,
-    }
-    for given in ({}, parameters):
-        two, three = (simulate(fmu, None, given, until=0.6) for fmu in (push_fmu, push_fmu_3))
-        assert two.equals(three) and len(two) == 13 * AGENTS
-    seen = []
-    for fmu in (push_fmu, push_fmu_3):
-        with Crowd(fmu) as crowd:
-            drive = np.zeros((AGENTS, 3))
-            drive[3] = -300.0, 20.0, 1.0
-            crowd.run(drive, until=0.3)
-            state = crowd.save()
-            frame = crowd.run(False, until=0.6).frame()
-            crowd.restore(state)
-            assert crowd.run(False, until=0.6).frame().equals(frame)
-            assert (crowd.drive() == drive).all()
-            names = ("agent[3].Fp.y", "agent[1].AgentContacts", "AgentContacts", "Trial", "LargestOverlap")
-            seen.append((frame, [crowd[name] for name in names], crowd.fmu.ids, len(crowd)))
-            for name in ("Mass", "Mass[1]", "agent[5].Mass", "agent[0].Position"):
-                with pytest.raises(FmuError, match="has no variable"):
-                    crowd[name]
-    (one, *others), (two, *same) = seen
-    assert one.equals(two) and others == same
-    with pytest.raises(FmuError, match=r"fmi3SetFloat64: Mass\[2\] = -3.0: must be positive"):
-        Crowd(push_fmu_3, {"agent[2].Mass": -3.0})
-    with pytest.raises(FmuError, match="Agents is 5, but what is loaded has 30"):
-        Crowd(push_fmu_3, {"Trial": "Trial_door"})
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from crowd import REPOSITORY
-from lemons_fmu.leaving import Leaving
 from test_measure import write_table
 
 #: Two broad people, and a door that Decision takes for a way and nobody fits through.
@@ -24,28 +23,6 @@ LIMIT = 600
 @pytest.fixture(autouse=True)
 def the_command(lemons, monkeypatch):
     monkeypatch.setenv("LEMONS", str(lemons))
-
-
-def over(leave, places):
-    """When it is over and why, of the places of people at each second; None: who has left."""
-    leaving = Leaving(leave)
-    for time in range(3601):
-        seen = places(float(time))
-        there = np.array([place is not None for place in seen])
-        positions = np.array([place or (0.0, 0.0) for place in seen])
-        why = leaving.see(float(time), positions, there)
-        if why is not None:
-            return time, why
-    return None
-
-
-def test_the_rule_is_that_of_the_command():
-    # The same cases as crates/results (leaving).
-    walker = lambda time: (0.1 * time, 0.0) if time < 40 else None  # noqa: E731
-    assert over(1, lambda time: [walker(time), (1.0, 1.0)]) == (40, "left")
-    assert over(2, lambda time: [walker(time), (1.0, 1.0)]) == (340, "standstill")
-    assert over(1, lambda time: [(2.0 * np.sin(0.7 * time), 0.0)]) == (300, "standstill")
-    assert over(2, lambda time: [(0.02 * time, 0.0), (3.0, 0.0)]) is None
 
 
 def test_a_run_in_which_nobody_gets_out_warns(lemons, tmp_path):

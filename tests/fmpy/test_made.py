@@ -1,16 +1,14 @@
 """People that are made from Python are those that the command makes; packed and drawn they are what it packs and draws."""
 
-import os
 import re
 import subprocess
-import sys
 import zipfile
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from PIL import Image
-from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH
+from crowd import TRIAL_DOOR, TRIAL_PUSH
 
 import lemons_fmu
 from lemons_fmu import CommandError, Crowd, Trial, pack, person, plot, simulate
@@ -44,7 +42,7 @@ def test_arrays_are_people_who_do_not_overlap(tmp_path):
     assert inside.all()
     gaps = np.hypot(x[:, None] - x, y[:, None] - y) - radius[:, None] - radius
     assert gaps[who[:, None] != who].min() > -1e-9
-    # The same poses and masses as the engine has.
+    # The same poses and masses as the engine has, of the Trial in its FMU.
     with Crowd(made.pack(tmp_path / "crowd.fmu")) as packed:
         assert (packed.poses() == made.poses).all() and (packed.masses() == made.masses).all()
 
@@ -91,8 +89,7 @@ def test_a_run_is_drawn_as_the_table_of_the_command(lemons, push_fmu, tmp_path):
     with Crowd(push_fmu) as crowd:
         run = crowd.run(until=0.5)
     assert plot(run, trial=TRIAL_PUSH, at=[0.2, 0.5]).data == drawn.read_bytes()
-    with pytest.raises(CommandError, match="give the Trial or FMU of the run with --trial"):
-        plot(run)
+    assert plot(run, at=[0.2, 0.5]).data == drawn.read_bytes(), "a run knows its Trial"
 
 
 def test_a_run_shows_how_far_it_is(push_fmu, capsys):
@@ -104,36 +101,16 @@ def test_a_run_shows_how_far_it_is(push_fmu, capsys):
 
 
 @pytest.mark.parametrize(
-    "file, text, said",
-    [
-        ("Parameters.xml", "<Parameters/>", "there is no <Directories>"),
-        ("static/Agents.xml", "<Agents", "unclosed token"),
-        ("static/Agents.xml", "<!DOCTYPE a><Agents/>", "contains a document type"),
-        ("dynamic/AgentDynamics.xml", "<Agents/>", "AgentDynamics.xml: there is no agent '"),
-        ("static/Agents.xml", "<Agents><Agent Id='0'/><Agent Id='0'/></Agents>", "Agents.xml: duplicate Id '0'"),
-        ("static/Agents.xml", "<Agents><Agent/></Agents>", "Agents.xml: <Agent> number 1: Id is missing"),
-        ("static/Agents.xml", "<A\0gents/>", "is not a text in UTF-8"),
-    ],
-)
-def test_a_broken_trial_is_an_error_that_names_it(tmp_path, file, text, said):
-    trial = Trial(TRIAL_PUSH).save(tmp_path / "trial")
-    (trial.directory / file).write_text(text)
-    with pytest.raises(ValueError, match=said) as error:
-        Trial(trial)
-    assert str(tmp_path) in str(error.value)
-
-
-@pytest.mark.parametrize(
     "file, old, new, said",
     [
-        ("static/Agents.xml", ' Mass="', ' Mass="x', r"agent '0': <Agent>: Mass='x[\d.]+' is not a finite number"),
-        ("static/Agents.xml", ' Mass="', ' Maß="', "agent '0': <Agent>: Mass is missing"),
-        ("static/Agents.xml", ' Radius="', ' Radius="nan" Was="', "agent '0': <Shape>: Radius='nan' is not a finite number"),
-        ("dynamic/AgentDynamics.xml", ' Position="', ' Position="1;2" Was="', "<Kinematics>: Position='1;2' is not two numbers"),
-        ("dynamic/AgentDynamics.xml", "<Kinematics", "<Cinematics", "agent '0': has 0 elements <Kinematics>, not one"),
+        ("static/Agents.xml", ' Mass="', ' Mass="x', 'agent "0".*Mass="x.*not a number|Agents.xml.*Mass'),
+        ("static/Agents.xml", "<Agents", "<!DOCTYPE a><Agents", "Agents.xml"),
+        ("dynamic/AgentDynamics.xml", "<Kinematics", "<Cinematics", "AgentDynamics.xml.*inematics"),
+        ("Parameters.xml", "<Directories", "<Where", "Parameters.xml.*Directories"),
     ],
 )
-def test_a_wrong_value_is_named_with_its_file_agent_and_attribute(tmp_path, file, old, new, said):
+def test_a_broken_trial_is_an_error_that_names_its_file(tmp_path, file, old, new, said):
+    """The same messages as those of `lemons check`; tests of crates/trial have them all."""
     trial = Trial(TRIAL_PUSH).save(tmp_path / "trial")
     path = trial.directory / file
     path.write_text(path.read_text().replace(old, new, 1))
@@ -165,31 +142,12 @@ def test_numbers_of_numpy_are_numbers(tmp_path):
         pack(TRIAL_PUSH, tmp_path / "x.fmu", platforms="linux64")
 
 
-def test_a_missing_command_is_said(monkeypatch, tmp_path):
+def test_without_the_command_only_fmus_are_not_packed(monkeypatch, tmp_path):
+    """It has the libraries beside it; all else is in this process."""
     monkeypatch.setenv("LEMONS", str(tmp_path / "none"))
-    with pytest.raises(CommandError, match="No such file"):
-        make(number=2)
-    monkeypatch.delenv("LEMONS")
-    monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(CommandError, match="install the wheel of a release, or put the command on the PATH"):
-        make(number=2)
-
-
-def test_the_package_imports_without_what_only_posix_has():
-    """As on Windows: no fcntl, no users by number, no fork."""
-    code = """
-import os, sys, types
-import subprocess, tempfile, concurrent.futures, multiprocessing, fmpy, pandas, dask.distributed, pyarrow.parquet
-sys.platform, os_name = "win32", os.name
-sys.modules["fcntl"] = None
-held = []
-sys.modules["msvcrt"] = types.SimpleNamespace(LK_NBLCK=2, locking=lambda descriptor, mode, size: held.append((mode, size)))
-del os.getuid, os.register_at_fork
-import lemons_fmu
-lemons_fmu.locks.lock(os.open(os.devnull, os.O_RDWR))
-assert held == [(2, 1)], held
-"""
-    subprocess.run([sys.executable, "-c", code], check=True, env=os.environ | {"PYTHONPATH": str(REPOSITORY / "python" / "src")})
+    assert len(make(number=2)) == 2
+    with pytest.raises(CommandError, match="crowd_mechanics"):
+        pack(TRIAL_PUSH, tmp_path / "x.fmu")
 
 
 def test_all_that_is_exported_is_there():

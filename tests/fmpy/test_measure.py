@@ -255,39 +255,6 @@ def test_what_is_wrong_is_said(lemons, walk, tmp_path):
         measure(walk, lines={"door": (0, 0, 0, 0)})
 
 
-def test_tables_that_are_no_runs_are_refused(lemons, walk, tmp_path):
-    lines = walk.read_text().splitlines()
-    for name, text, said in [
-        ("empty", "", "is an empty file"),
-        ("columns", "t,id,x\n0,0,0\n", "there is no column"),
-        ("head", lines[0] + "\n", "there is no row"),
-        ("gone", "\n".join(lines[:-1]) + "\n", "is missing"),
-        ("nan", "\n".join([lines[0], lines[1].replace(lines[1].split(",")[2], "nan", 1)]) + "\n", "column x"),
-        ("back", "\n".join([lines[0], *lines[31:61], *lines[1:31]]) + "\n", "must not come after"),
-    ]:
-        (tmp_path / f"{name}.csv").write_text(text)
-        done = call(lemons, "measure", f"{name}.csv", "--line", "5,2,5,3", "-o", "out", code=1)
-        assert f"{name}.csv" in done.stderr and said in done.stderr, done.stderr
-        assert not (tmp_path / "out").exists()
-
-
-def test_files_that_exist_are_replaced_by_force_only(lemons, walk, tmp_path):
-    words = ["measure", walk, "--line", "door=5,2,5,3", "-o", "out", "--plot", "out.svg"]
-    said = call(lemons, *words).stdout
-    assert max(map(len, said.splitlines()[:-2])) <= 80 and "to the right →: 30 people crossed" in said
-    names = ["density.csv", "flow.csv", "gaps.csv", "people.csv", "summary.json"]
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == names
-    # A panel for people across, one for the flow, one for the squeeze.
-    assert (tmp_path / "out.svg").read_text().count('class="chart-panel"') == 3
-    (tmp_path / "out" / "gaps.csv").write_text("mine\n")
-    assert "exists already" in call(lemons, *words, code=1).stderr
-    assert (tmp_path / "out" / "gaps.csv").read_text() == "mine\n"
-    call(lemons, *words, "--force")
-    # Of what is not asked for, nothing of before is left.
-    call(lemons, *words[:2], "-o", "out", "--force")
-    assert (tmp_path / "out" / "gaps.csv").read_text() == "line,direction,n,t,id,gap\n"
-
-
 def test_the_room_of_the_readme_is_empty_in_two_commands(lemons, tmp_path):
     """The commands as README.md has them; against the table of `lemons run`, read here."""
     text = (REPOSITORY / "README.md").read_text()

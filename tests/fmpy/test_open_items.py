@@ -31,14 +31,12 @@ def called(lemons, *words):
     return subprocess.run([lemons, *map(str, words)], check=True, capture_output=True, text=True)
 
 
-@open_item(16, "measure(output=) writes into the directory that is named, and raises FileNotFoundError afterwards")
 def test_measures_are_kept_in_a_directory():
     kept = lemons_fmu.measure(TRIAL_DOOR, lines=LINE, until=1, output="kept")
     assert json.loads(Path("kept/summary.json").read_text())["lines"] == kept.summary["lines"]
     assert len(pd.read_csv("kept/people.csv")) == len(kept.people) == 30
 
 
-@open_item(16, "what the command says on standard error without failing is a warning in Python")
 @pytest.mark.parametrize("door", [(4, 2, 0.4), (4, 2.9, 1.0)], ids=["narrow", "round a corner"])
 def test_notes_of_the_command_are_warnings(lemons, door):
     words = ["crowd", "--number", 5, "--box", "4x3", "--door", ",".join(map(str, door)), "--leave", "-o", "said"]
@@ -58,15 +56,13 @@ sweep(sys.argv[1], {"agent[1].Mass": [60.0]}, False, lambda run: {"x": 1.0}, unt
 """
 
 
-@open_item(16, "a script without `if __name__ == '__main__'` gets one sentence that says so, and no traceback of Dask")
-def test_a_sweep_in_an_unguarded_script_says_what_is_missing(push_fmu):
+def test_a_sweep_in_an_unguarded_script_is_one_sweep(push_fmu):
     Path("unguarded.py").write_text(UNGUARDED)
     done = subprocess.run([sys.executable, "unguarded.py", push_fmu], capture_output=True, text=True)
-    assert done.returncode == 0 or "__main__" in done.stderr.splitlines()[-1]
+    assert done.returncode == 0, done.stderr
     assert "distributed" not in done.stderr and "multiprocessing" not in done.stderr
 
 
-@open_item(16, "lemons_fmu.run is a function that runs what is given; it is a module")
 def test_run_is_a_function():
     run = lemons_fmu.run(TRIAL_PUSH, until=0.1)
     assert (run.frame()["t"].to_numpy() == lemons_fmu.simulate(TRIAL_PUSH, until=0.1)["t"].to_numpy()).all()
@@ -91,7 +87,6 @@ def test_breadths_are_in_metres_everywhere(lemons):
     assert Path("p.csv").read_text() == Path("q.csv").read_text() and "0.49" in Path("p.csv").read_text()
 
 
-@open_item(18, "`lemons sweep --summary FILE` writes mean, 95 % interval, quantiles and stuck runs over the seeds of each case")
 def test_a_sweep_is_summed_up_over_seeds(lemons):
     for seed in range(1, 7):
         words = ["--number", 8, "--box", "4x3", "--door", "4,1.5,1", "--leave", "--seed", seed]

@@ -4,7 +4,6 @@ The commands of a page run one after the other in a copy of what a user has: a d
 """
 
 import importlib.util
-import json
 import os
 import re
 import shutil
@@ -16,9 +15,7 @@ from pathlib import Path
 import limited
 import pages
 import pytest
-from crowd import REPOSITORY, TRIAL_PUSH
-from distributed import Client
-from lemons_fmu import local_cluster, sweep
+from crowd import REPOSITORY
 
 # ---- commands that are not run ----
 
@@ -35,6 +32,7 @@ NOT_RUN = {
     ("README.md", "./check.sh"): "it runs this test",
     ("README.md", "lemons lab"): "opens a browser; tests/lab does it",
     ("docs/guide/rust.md", "cargo run --release --example engine_direct"): "compiles; the fixture engine_direct runs it",
+    ("python/README.md", "cp target/release/liblemons_native.so"): "check.sh does it",
     ("docs/lab.md", "lab/build.sh"): COMPILES,
     ("docs/lab.md", "packaging/release.sh"): "needs compilers for all platforms",
     ("docs/lab.md", "lemons lab"): "opens a browser; tests/lab does it",
@@ -62,7 +60,6 @@ INSTEAD = {"cargo run --release -- ": "lemons "}
 # Blocks of a language that another test looks at.
 ELSEWHERE = {
     ("python/README.md", "python"): "test_package.py::test_the_manual_runs",
-    ("python/README.md", "json"): "test_pages.py::test_the_identity_of_a_sweep_has_the_keys_of_the_manual",
     ("docs/trial.md", "text"): "test_pages.py::test_the_files_of_a_trial",
     ("docs/reference/trial.md", "xml"): "test_reference_trial.py::test_the_examples_are_of_the_trial",
     ("docs/reference/decision.md", "toml"): "test_reference_toml.py::test_the_example_is_taken",
@@ -270,22 +267,6 @@ def test_a_page_that_hangs_says_where(lemons, tmp_path):
     told = r"^page.md:2: the page took longer than 20 s, and was here: echo second; sleep 86400 \| cat\nsecond\n"
     with pytest.raises(AssertionError, match=told):
         shell.run(limit=20)
-
-
-def keys(what):
-    """The keys of an object with those of the objects in it, as `points.count`."""
-    own = what.items() if isinstance(what, dict) else ()
-    return {key for key, _ in own} | {f"{key}.{below}" for key, value in own for below in keys(value)}
-
-
-def test_the_identity_of_a_sweep_has_the_keys_of_the_manual(lemons, tmp_path):
-    (shown,) = (json.loads(block.text) for block in pages.blocks("python/README.md") if block.language == "json")
-    subprocess.run([lemons, "pack", TRIAL_PUSH, "-o", tmp_path / "push.fmu"], check=True, capture_output=True)
-    with local_cluster(1, processes=False) as cluster, Client(cluster) as client:
-        options = {"until": 0.1, "out": tmp_path / "python", "client": client, "progress": False}
-        sweep(tmp_path / "push.fmu", {"Threads": [1]}, None, lambda run: {}, **options)
-    written = json.loads((tmp_path / "python" / "sweep.json").read_text())
-    assert keys(written) == keys(shown) and written["format"] == shown["format"]
 
 
 @pytest.mark.parametrize("page", pages.PAGES)

@@ -11,7 +11,6 @@ import pytest
 from crowd import CONTACTS, INPUTS, MOTION, REPOSITORY, TRIAL_PUSH, bits
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
-from lemons_fmu import Crowd, FmuError
 from masters import Job, run
 
 AGENTS = TRIAL_PUSH / "static" / "Agents.xml"
@@ -114,21 +113,3 @@ def test_other_masters(job, row, tool):
     assert max(state[-1] for step in parts(seen) for state, _ in step) > TOLERATED
     assert bits(seen) == bits(run("fmpy", job)[0])
     row(tool, "`cautious.py` (pythonfmu) and the crowd, connected", "same bits as FMPy with the same algorithm")
-
-
-@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
-def test_the_package_walks_by_it(job, controller, push_fmu, algorithm):
-    """`Crowd` takes any FMU whose outputs have the names of the crowd's inputs: the bits are those of FMPy's loop."""
-    tolerated = 150.0
-    job.parameters, job.sequential = [[["controller", "ToleratedForce"], tolerated]], algorithm == "gauss-seidel"
-    job.fmus = {name: job.fmus[name] for name in ("controller", "crowd")}  # in the order in which they step
-    wanted = np.array(run("fmpy", job)[0])[:, :50].reshape(STEPS, 5, 10)
-    with Crowd(push_fmu, {"decision.ToleratedForce": tolerated}, plan=controller, algorithm=algorithm) as crowd:
-        seen = crowd.run(until=STEPS / 16, step=1 / 16)
-    table = seen.frame()
-    names = ["x", "y", "vx", "vy", "theta", "omega", "agent_contacts", "wall_contacts", "contacting_agents", "mean_normal_force"]
-    mine = table[names].to_numpy(dtype=float).reshape(STEPS + 1, 5, 10)
-    assert mine[1:].tobytes() == wanted.tobytes() and mine[:, :, -1].max() > TOLERATED
-    assert "active" not in table and not seen.leaving, "nobody leaves by this controller"
-    with Crowd(push_fmu, plan=controller) as crowd, pytest.raises(FmuError, match="nobody can leave"):
-        crowd.run(until="left")

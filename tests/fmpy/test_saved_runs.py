@@ -1,35 +1,17 @@
 """The results of `lemons run` as others read them, and runs that were stopped and went on."""
 
 import json
-import signal
 import subprocess
-import time
 
 import pandas
 import pyarrow.parquet
-import pytest
-from crowd import COLUMNS, TRIAL_DOOR, TRIAL_PUSH, ids_of, read_table
+from crowd import COLUMNS, TRIAL_PUSH, ids_of, read_table
 
 
 def call(lemons, directory, *arguments, code=0):
     done = subprocess.run([lemons, "run", *map(str, arguments)], cwd=directory, capture_output=True, text=True)
     assert done.returncode == code, done.stdout + done.stderr
     return done.stdout
-
-
-def interrupted(lemons, directory, *arguments):
-    """Runs for very long; a signal, as of Ctrl-C, as soon as some steps are written."""
-    command = [lemons, "run", *map(str, arguments), "--until", "100000"]
-    process = subprocess.Popen(command, cwd=directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    hidden = f".lemons-{process.pid}-*"
-    while not any(path.stat().st_size > 32_000 for path in directory.glob(hidden)):
-        assert process.poll() is None, process.stderr.read()
-        time.sleep(0.001)
-    # SIGINT stays ignored where these tests are started in the background of a shell.
-    process.send_signal(signal.SIGTERM)
-    out, err = process.communicate()
-    assert process.returncode == 130, out + err
-    assert "stopped by Ctrl-C" in out
 
 
 def as_csv(table):
@@ -94,65 +76,3 @@ def test_tables_of_other_programs_are_read(lemons, tmp_path):
         assert done.returncode == 1 and message in done.stderr, done.stderr
 
 
-def joined(directory, *names):
-    """The rows of tables of one run, in the order of time."""
-    first, *others = ((directory / name).read_text() for name in names)
-    return first + "".join(text.split("\n", 1)[1] for text in others)
-
-
-@pytest.mark.parametrize("end", ["csv", "parquet"])
-def test_push_goes_on(lemons, tmp_path, end):
-    interrupted(lemons, tmp_path, TRIAL_PUSH, "--state", "push.run")
-    rows = (tmp_path / "trajectories.csv").read_text().splitlines()
-    steps = (len(rows) - 1) // 5 + 20
-    call(lemons, tmp_path, TRIAL_PUSH, "--resume", "push.run", "--until", repr(steps * 0.05), "-o", "rest.csv")
-    call(lemons, tmp_path, TRIAL_PUSH, "--until", repr(steps * 0.05), "-o", f"whole.{end}")
-    if end == "csv":
-        assert joined(tmp_path, "trajectories.csv", "rest.csv") == (tmp_path / "whole.csv").read_text()
-    else:
-        whole = as_csv(pyarrow.parquet.read_table(tmp_path / "whole.parquet"))
-        seen = read_table(joined(tmp_path, "trajectories.csv", "rest.csv"), ids_of(TRIAL_PUSH))
-        assert [(t, [agent[:10] for agent in agents]) for t, agents in whole] == seen
-
-
-@pytest.fixture(scope="module")
-def coupled(lemons, tmp_path_factory):
-    directory = tmp_path_factory.mktemp("door")
-    for command in [
-        ["decide", TRIAL_DOOR, "-o", "decision.fmu"],
-        ["pack", TRIAL_DOOR, "-o", "crowd.fmu"],
-        ["connect", "decision.fmu", "crowd.fmu", "-o", "coupled.ssp"],
-    ]:
-        subprocess.run([lemons, *command], check=True, capture_output=True, cwd=directory)
-    return directory / "coupled.ssp"
-
-
-@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
-def test_the_coupled_door_goes_on(lemons, coupled, tmp_path, algorithm):
-    run = [coupled, "--algorithm", algorithm]
-    interrupted(lemons, tmp_path, *run, "--state", "door.run", "--outputs", "outputs.csv")
-    rows = (tmp_path / "trajectories.csv").read_text().splitlines()
-    last, agents = float(rows[-1].split(",")[0]), len(ids_of(TRIAL_DOOR))
-    step = last / ((len(rows) - 1) // agents - 1)
-    until = repr(round(last + 20 * step, 6))
-    rest = ["-o", "rest.csv", "--outputs", "outputs_rest.csv"]
-    call(lemons, tmp_path, *run, "--resume", "door.run", "--until", until, *rest)
-    call(lemons, tmp_path, *run, "--until", until, "-o", "whole.csv", "--outputs", "outputs_whole.csv")
-    for parts, whole in [(("trajectories.csv", "rest.csv"), "whole.csv"), (("outputs.csv", "outputs_rest.csv"), "outputs_whole.csv")]:
-        assert joined(tmp_path, *parts) == (tmp_path / whole).read_text()
-    other = "jacobi" if algorithm != "jacobi" else "gauss-seidel"
-    call(lemons, tmp_path, coupled, "--algorithm", other, "--resume", "door.run", code=1)
-    # The outputs of the Decision, as columns.
-    call(lemons, tmp_path, *run, "--until", until, "--format", "parquet", "--outputs", "outputs.parquet")
-    outputs = pyarrow.parquet.read_table(tmp_path / "outputs.parquet")
-    assert json.loads(outputs.schema.metadata[b"columns"])["decision.agent[0].Fp.x"]["unit"] == "N"
-    names = [head.split(" [")[0] for head in (tmp_path / "outputs_whole.csv").read_text().splitlines()[0].split(",")]
-    assert outputs.schema.names == names
-    table = (tmp_path / "outputs_whole.csv").read_text().splitlines()[1:]
-    assert [[str(value) for value in row.values()] for row in outputs.to_pylist()] == [
-        [
-            cell.title() if cell in ("true", "false") else str(float(cell)) if "." in cell or "e" in cell else cell
-            for cell in line.split(",")
-        ]
-        for line in table
-    ]

@@ -4,7 +4,6 @@ import itertools
 import json
 import math
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -14,11 +13,10 @@ import tracemalloc
 import cloudpickle
 import numpy as np
 import pandas as pd
-import pyarrow.parquet as pq
 import pytest
-from crowd import REPOSITORY, TRIAL_PUSH
+from crowd import REPOSITORY, TRIAL_PUSH, ids_of
 from distributed import Client, LocalCluster
-from lemons_fmu import Drive, FmuError, SweepError, load, local_cluster, simulate, sweep
+from lemons_fmu import Drive, SimulationError, SweepError, local_cluster, simulate, sweep
 
 # Workers of a cluster need not have this file.
 cloudpickle.register_pickle_by_value(sys.modules[__name__])
@@ -29,13 +27,8 @@ RUN = {"until": 0.5, "step": 0.05, "progress": False}
 
 
 @pytest.fixture(scope="module")
-def fmu(push_fmu):
-    return load(push_fmu)
-
-
-@pytest.fixture(scope="module")
-def drive(fmu):
-    return Drive.read(TRIAL_PUSH / "drive.csv", fmu.ids)
+def drive():
+    return Drive.read(TRIAL_PUSH / "drive.csv", ids_of(TRIAL_PUSH))
 
 
 @pytest.fixture(scope="module")
@@ -49,53 +42,60 @@ def measure(run):
     return {"x": run.poses[-1, 0, 0], "squeeze": run.squeeze.max(), "contacts": run.contacts[-1, :, 0].sum()}
 
 
-def test_the_table(fmu, drive, here, tmp_path):
+def stored(path):
+    """A table as it is in its file."""
+    table = pd.read_csv(path, comment="#")
+    return table.astype({"error": object})
+
+
+def test_the_table(drive, here, tmp_path):
     """The last name varies fastest; a point that fails says why; a point is what `simulate` gives."""
-    out = tmp_path / "results"
-    table = sweep(fmu, GRID, drive, measure, out=out, client=here, **RUN)
+    out = tmp_path / "results" / "table.csv"
+    table = sweep(TRIAL_PUSH, GRID, drive, measure, out=out, client=here, **RUN)
     assert list(table) == ["point", *GRID, "x", "squeeze", "contacts", "status", "error"]
     assert table.point.tolist() == list(range(6))
     assert list(zip(*(table[name] for name in GRID))) == list(itertools.product(*GRID.values()))
     assert table.status.tolist() == ["ok", "ok", "failed", "failed", "ok", "ok"]
-    assert set(table.error[2:4]) == {"fmi2SetReal: agent[0].Mass = -1.0: must be positive"}
+    assert set(table.error[2:4]) == {"agent[0].Mass=-1.0: must be positive"}
     assert table.error[[0, 1, 4, 5]].isna().all() and table.x[2:4].isna().all()
     for point in (1, 4):
         masses = {f"agent[{i}].Mass": table["agent[*].Mass"][point] for i in range(5)}
-        wanted = simulate(fmu, drive, {**masses, FRICTION: table[FRICTION][point]}, RUN["until"])
+        wanted = simulate(TRIAL_PUSH, drive, {**masses, FRICTION: table[FRICTION][point]}, RUN["until"])
         assert table.x[point] == wanted.x.iloc[-5]
         assert table["squeeze"][point] == wanted.normal_force.max()
     assert table["squeeze"].max() > 100.0
-    assert sorted(path.name for path in out.iterdir()) == ["sweep.json", "sweep.lock", "table.parquet"]
-    stored = pq.read_table(out / "table.parquet")
-    pd.testing.assert_frame_equal(stored.to_pandas(), table, check_exact=True)
-    kinds = {name: str(kind) for name, kind in zip(stored.schema.names, stored.schema.types)}
-    assert kinds["point"] == "int64" and kinds["x"] == kinds["contacts"] == "double" and kinds["error"] == "string"
+    assert [path.name for path in out.parent.iterdir()] == ["table.csv"]
+    pd.testing.assert_frame_equal(stored(out), table, check_exact=True)
     as_table = pd.DataFrame(itertools.product(*GRID.values()), columns=list(GRID))
-    again = sweep(fmu, as_table, drive, measure, client=here, **RUN)
+    again = sweep(TRIAL_PUSH, as_table, drive, measure, client=here, **RUN)
     pd.testing.assert_frame_equal(again, table, check_exact=True)
 
 
-def test_a_finished_sweep_is_not_simulated_again(fmu, drive, here, tmp_path):
+def test_a_finished_sweep_is_not_simulated_again(drive, here, tmp_path):
     def mark(run):
         with open(tmp_path / "marks", "a") as file:
             file.write("x")
         return measure(run)
 
     marks = tmp_path / "marks"
-    first = sweep(fmu, GRID, drive, mark, out=tmp_path / "out", client=here, **RUN)
+    first = sweep(TRIAL_PUSH, GRID, drive, mark, out=tmp_path / "out.csv", client=here, **RUN)
     assert marks.stat().st_size == 4
     calls = []
     options = {**RUN, "progress": calls.append}
-    again = sweep(fmu, GRID, drive, mark, out=tmp_path / "out", client=here, **options)
+    again = sweep(TRIAL_PUSH, GRID, drive, mark, out=tmp_path / "out.csv", client=here, **options)
     pd.testing.assert_frame_equal(again, first, check_exact=True)
     assert marks.stat().st_size == 4 and [call.done for call in calls] == [6]
     # Only those that failed, when that is asked for.
-    again = sweep(fmu, GRID, drive, mark, out=tmp_path / "out", client=here, retry_failed=True, **options)
+    again = sweep(TRIAL_PUSH, GRID, drive, mark, out=tmp_path / "out.csv", client=here, retry_failed=True, **options)
     pd.testing.assert_frame_equal(again, first, check_exact=True)
     assert marks.stat().st_size == 4 and (calls[1].done, calls[-1].done) == (4, 6)
 
 
-def test_failures_of_measure_and_drive_are_rows(fmu, here):
+#: How often it was asked.
+COUNT = itertools.count()
+
+
+def test_failures_of_measure_and_drive_are_rows(here):
     def push(crowd):
         drive = np.zeros((5, 3))
         drive[0, 0] = math.nan if crowd.time > 0.2 and crowd["agent[1].Mass"] > 70 else 500.0
@@ -106,13 +106,17 @@ def test_failures_of_measure_and_drive_are_rows(fmu, here):
             return {"x": run.poses[-1, 0, 0], "nothing": None, "word": "far"}
         raise LookupError("nobody moved")
 
-    table = sweep(fmu, {"agent[1].Mass": [60.0, 80.0]}, push, weigh, client=here, **RUN)
-    assert table.error[1] == "fmi2SetReal: agent[0].Fp.x = NaN: must be finite"
+    table = sweep(TRIAL_PUSH, {"agent[1].Mass": [60.0, 80.0]}, push, weigh, client=here, **RUN)
+    assert table.error[1] == "agent[0].Fp.x = NaN: must be finite"
     assert table.word[0] == "far" and math.isnan(table.nothing[0])
-    table = sweep(fmu, {"agent[1].Mass": [60.0]}, False, weigh, client=here, **RUN)
+    table = sweep(TRIAL_PUSH, {"agent[1].Mass": [60.0]}, False, weigh, client=here, **RUN)
     assert table.error.tolist() == ["LookupError: nobody moved"]
-    table = sweep(fmu, {"agent[1].Mass": [60.0]}, False, lambda run: {"status": 1}, client=here, **RUN)
+    table = sweep(TRIAL_PUSH, {"agent[1].Mass": [60.0]}, False, lambda run: {"status": 1}, client=here, **RUN)
     assert "name of another column: 'status'" in table.error[0]
+    # A column that other points do not have cannot be added to a table.
+    grid = {"agent[1].Mass": [60.0, 80.0]}
+    table = sweep(TRIAL_PUSH, grid, False, lambda run: {"a" if run.model else "b": 1.0, **({"c": 2.0} if next(COUNT) else {})}, client=here, **RUN)
+    assert sorted(table.status) == ["failed", "ok"] and "and not" in table.error.dropna().iloc[0]
 
 
 class Unspeakable(Exception):
@@ -145,66 +149,47 @@ def half_a_character(run):
     ],
     ids=["sys.exit", "message", "no message", "text", "name", "None", "number"],
 )
-def test_what_a_measure_does_ends_its_point_and_not_the_sweep(fmu, here, tmp_path, measure, words):
+def test_what_a_measure_does_ends_its_point_and_not_the_sweep(here, tmp_path, measure, words):
     def of_one(run):
         return measure(run) if run.poses[0, 1, 0] == 0.2802 else {"x": 1.0}
 
     grid = {"agent[1].Position.x": [0.279, 0.2801, 0.2802, 0.281]}
-    table = sweep(fmu, grid, False, of_one, client=here, out=tmp_path / "out", **{**RUN, "until": 0.1})
+    table = sweep(TRIAL_PUSH, grid, False, of_one, client=here, out=tmp_path / "out.csv", **{**RUN, "until": 0.1})
     assert table.status.tolist() == ["ok", "ok", "failed", "ok"]
     assert table.error[2] == words
 
 
-def test_a_measure_that_interrupts_ends_the_sweep(fmu, here):
+def test_a_measure_that_interrupts_ends_the_sweep(here):
     def interrupt(run):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        sweep(fmu, {"agent[1].Mass": [60.0, 70.0]}, False, interrupt, client=here, **{**RUN, "until": 0.1})
+        sweep(TRIAL_PUSH, {"agent[1].Mass": [60.0, 70.0]}, False, interrupt, client=here, **{**RUN, "until": 0.1})
     # The workers are still there.
-    assert len(sweep(fmu, {"agent[1].Mass": [60.0]}, False, measure, client=here, **{**RUN, "until": 0.1})) == 1
+    assert len(sweep(TRIAL_PUSH, {"agent[1].Mass": [60.0]}, False, measure, client=here, **{**RUN, "until": 0.1})) == 1
 
 
-def test_a_drive_is_read_and_checked_before_any_point_runs(fmu, drive, here, tmp_path):
-    """By path as by table, in the manifest too; what cannot drive a crowd is refused, and nothing is written."""
+def test_a_drive_is_read_and_checked_before_any_point_runs(drive, here, tmp_path):
+    """By path as by table, in what identifies a sweep, too; what cannot drive a crowd is refused, and nothing is written."""
     grid = {"agent[1].Mass": [60.0, 80.0]}
-    wanted = sweep(fmu, grid, drive, measure, client=here, out=tmp_path / "table", **RUN)
+    wanted = sweep(TRIAL_PUSH, grid, drive, measure, client=here, out=tmp_path / "table.csv", **RUN)
     assert wanted["squeeze"].min() > 100.0
-    for name, given in ("path", TRIAL_PUSH / "drive.csv"), ("text", str(TRIAL_PUSH / "drive.csv")), ("packed", None):
-        table = sweep(fmu, grid, given, measure, client=here, out=tmp_path / name, **RUN)
+    for name, given in ("path", TRIAL_PUSH / "drive.csv"), ("text", str(TRIAL_PUSH / "drive.csv")):
+        table = sweep(TRIAL_PUSH, grid, given, measure, client=here, out=tmp_path / f"{name}.csv", **RUN)
         pd.testing.assert_frame_equal(table, wanted, check_exact=True)
-        assert (tmp_path / name / "sweep.json").read_bytes() == (tmp_path / "table" / "sweep.json").read_bytes()
-    table = sweep(fmu, grid, False, measure, client=here, out=tmp_path / "none", **RUN)
-    assert table["squeeze"].max() == 0.0
-    assert json.loads((tmp_path / "none" / "sweep.json").read_text())["drive"] == {"kind": "none"}
+        assert (tmp_path / f"{name}.csv").read_bytes() == (tmp_path / "table.csv").read_bytes()
+    pd.testing.assert_frame_equal(sweep(TRIAL_PUSH, grid, None, measure, client=here, **RUN), wanted, check_exact=True)
+    assert sweep(TRIAL_PUSH, grid, False, measure, client=here, **RUN)["squeeze"].max() == 0.0
     bad = tmp_path / "bad.csv"
-    bad.write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,1,1,1,1\n")
+    bad.write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,1,1,drive\n")
     other = Drive({9: (np.zeros(1), np.zeros((1, 3)))})
     for given, error in (5, TypeError), ([1, 2, 3], TypeError), (bad, ValueError), (other, ValueError), (np.zeros((4, 3)), ValueError):
         with pytest.raises(error, match="drive"):
-            sweep(fmu, grid, given, measure, client=here, out=tmp_path / "refused", **RUN)
-    assert not (tmp_path / "refused").exists()
+            sweep(TRIAL_PUSH, grid, given, measure, client=here, out=tmp_path / "refused.csv", **RUN)
+    assert not (tmp_path / "refused.csv").exists()
 
 
-def test_points_of_several_trials_have_their_own_drives(pack, here, tmp_path):
-    other = shutil.copytree(TRIAL_PUSH, tmp_path / "Trial_other")
-    (other / "drive.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,900,0,0\n1,0,900,0,0\n")
-    fmu = load(pack(TRIAL_PUSH, other))
-    grid = {"Trial": ["Trial_push", "Trial_other", "nowhere"]}
-    table = sweep(fmu, grid, None, measure, client=here, out=tmp_path / "out", **RUN)
-    assert table.status.tolist() == ["ok", "ok", "failed"] and "nowhere" in table.error[2]
-    for point in 0, 1:
-        wanted = simulate(fmu, None, {"Trial": grid["Trial"][point]}, RUN["until"])
-        assert table.x[point] == wanted.x.iloc[-5]
-    assert table.x[0] != table.x[1]
-    assert json.loads((tmp_path / "out" / "sweep.json").read_text())["drive"] == {"kind": "packed"}
-    parameters = (other / "Parameters.xml").read_text()
-    (other / "Parameters.xml").write_text(parameters.replace('TimeStep="0.05"', 'TimeStep="0.02"'))
-    with pytest.raises(ValueError, match=r"steps of 0.02 s and 0.05 s: give one"):
-        sweep(load(pack(TRIAL_PUSH, other)), grid, None, measure, client=here, **{**RUN, "step": None})
-
-
-def test_more_points_than_anybody_waits_for_are_refused_before_they_are_made(fmu):
+def test_more_points_than_anybody_waits_for_are_refused_before_they_are_made():
     """They took 24 GB before anything was said."""
     tracemalloc.start()
     try:
@@ -215,88 +200,43 @@ def test_more_points_than_anybody_waits_for_are_refused_before_they_are_made(fmu
             {f"agent[{k}].Mass": range(10**7) for k in range(3)},  # more than a 64-bit integer holds
         ):
             with pytest.raises(ValueError, match="more than 10000000 points"):
-                sweep(fmu, grid, False, measure, **RUN)
+                sweep(TRIAL_PUSH, grid, False, measure, **RUN)
         assert tracemalloc.get_traced_memory()[1] < 10e6
     finally:
         tracemalloc.stop()
     with pytest.raises(ValueError, match="more than 10000000 points"):
-        sweep(fmu, {"agent[1].Mass": itertools.count(60.0)}, False, measure, **RUN)
+        sweep(TRIAL_PUSH, {"agent[1].Mass": itertools.count(60.0)}, False, measure, **RUN)
 
 
-# The largest file that may be written is as large as the manifest, as if the disk were full then.
-FULL = """
-import resource, sys
-from distributed import Client
-from lemons_fmu import SweepError, load, local_cluster, sweep
-
-if __name__ == "__main__":
-    with local_cluster(1, processes=False) as cluster, Client(cluster) as client:
-        load(sys.argv[1])
-        resource.setrlimit(resource.RLIMIT_FSIZE, (900, 900))
-        try:
-            sweep(sys.argv[1], {"agent[1].Mass": [60.0, 70.0]}, False, lambda run: {"x": 1.0}, until=0.1, out=sys.argv[2], client=client, progress=False)
-        except SweepError as error:
-            print(error)
-"""
-
-
-def test_a_full_disk_leaves_nothing_half_written(push_fmu, tmp_path):
-    command = [sys.executable, "-c", FULL, push_fmu, tmp_path / "out"]
-    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "TMPDIR": str(tmp_path)})
-    assert done.stdout == f"cannot write {tmp_path}/out/part-000001.parquet: File too large\n", done.stderr
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["sweep.json", "sweep.lock"]
-
-
-def test_what_cannot_be_swept_is_refused_at_once(fmu, here, tmp_path):
+def test_what_cannot_be_swept_is_refused_at_once(here, tmp_path):
     def refused(error, words, grid, out=None, **options):
         with pytest.raises(error, match=words):
-            sweep(fmu, grid, False, measure, out=out, client=here, **{**RUN, **options})
+            sweep(TRIAL_PUSH, grid, False, measure, out=out, client=here, **{**RUN, **options})
 
-    refused(FmuError, "no variable 'agent.5..Mass'", {"agent[5].Mass": [1.0]})
-    refused(ValueError, "no points", {"agent[1].Mass": []})
+    refused(SimulationError, "agent.5..Mass: there is no such variable", {"agent[5].Mass": [1.0]})
+    refused(SimulationError, "another parameter sets the same", {"agent[1].Mass": [1.0], "crowd.agent[1].Mass": [1.0]})
+    refused(SimulationError, "Trials are chosen by their paths", {"Trial": ["Trial_push"]})
+    refused(ValueError, "no values", {"agent[1].Mass": []})
     refused(ValueError, "nothing to simulate", {"agent[1].Mass": [60.0]}, until=-1.0)
     refused(ValueError, "agent.1..Mass: values must be all numbers", {"agent[1].Mass": [60.0, "heavy"]})
     refused(TypeError, "agent.1..Mass: must be a list of values, not 60.0", {"agent[1].Mass": 60.0})
-    refused(TypeError, "Trial: must be a list of values, not 'Trial_push'", {"Trial": "Trial_push"})
-    refused(ValueError, "Trial: '.ud800' is not Unicode text", {"Trial": ["\ud800"]})
+    refused(ValueError, "surrogates not allowed", {"OutputDirectory": ["\ud800"]})
     refused(ValueError, "'status' cannot be a parameter", {"status": [60.0]})
-    out = tmp_path / "out"
-    sweep(fmu, {"agent[1].Mass": [60.0]}, False, measure, out=out, client=here, **RUN)
-    refused(SweepError, "another sweep: its sweep.json differs in points", {"agent[1].Mass": [61.0]}, out)
-    refused(SweepError, "another sweep: its sweep.json differs in until", {"agent[1].Mass": [60.0]}, out, until=0.6)
-    with pytest.raises(SweepError, match="another sweep: its sweep.json differs in drive, measure"):
-        sweep(fmu, {"agent[1].Mass": [60.0]}, np.zeros((5, 3)), lambda run: {}, out=out, client=here, **RUN)
-    damaged = bytearray((out / "table.parquet").read_bytes())
-    (out / "part-000001.parquet").write_bytes(damaged[: len(damaged) // 2])
-    refused(SweepError, "part-000001.parquet cannot be used", {"agent[1].Mass": [60.0]}, out)
-    (out / "part-000001.parquet").unlink()
-    os.mkfifo(out / "part-000001.parquet")
-    refused(SweepError, "part-000001.parquet cannot be used: .*it is a pipe, not a regular file", {"agent[1].Mass": [60.0]}, out)
-    (out / "part-000001.parquet").unlink()
-    (out / "sweep.json").rename(out / "manifest")
-    (out / "sweep.json").symlink_to("/dev/zero")
-    refused(SweepError, "sweep.json: it is a device, not a regular file", {"agent[1].Mass": [60.0]}, out)
-    (out / "sweep.json").unlink()
-    refused(SweepError, "no sweep.json", {"agent[1].Mass": [60.0]}, out)
-
-
-def test_the_fingerprint_of_points_is_as_the_manual_says(fmu, here, tmp_path):
-    import hashlib
-    import struct
-
-    grid = {"agent[1].Mass": [60.5, 70.0], "Threads": [1, 2], "Trial": ["Trial_push"]}
-    sweep(fmu, grid, None, measure, out=tmp_path / "out", client=here, **RUN)
-    data = b'["agent[1].Mass","Threads","Trial"]'
-    for mass, threads, trial in itertools.product(*grid.values()):
-        data += struct.pack("<dqQ", mass, threads, len(trial)) + trial.encode()
-    manifest = json.loads((tmp_path / "out" / "sweep.json").read_text())
-    assert manifest["points"] == {"parameters": list(grid), "count": 4, "sha256": hashlib.sha256(data).hexdigest()}
-    only_numbers = {name: grid[name] for name in ("agent[1].Mass", "Threads")}
-    sweep(fmu, only_numbers, None, measure, out=tmp_path / "numbers", client=here, **RUN)
-    data = b'["agent[1].Mass","Threads"]'
-    data += b"".join(struct.pack("<dq", *point) for point in itertools.product(*only_numbers.values()))
-    manifest = json.loads((tmp_path / "numbers" / "sweep.json").read_text())
-    assert manifest["points"]["sha256"] == hashlib.sha256(data).hexdigest()
+    out = tmp_path / "out.csv"
+    sweep(TRIAL_PUSH, {"agent[1].Mass": [60.0]}, False, measure, out=out, client=here, **RUN)
+    refused(SweepError, "table of another sweep: it differs in points", {"agent[1].Mass": [61.0]}, out)
+    refused(SweepError, "table of another sweep: it differs in until", {"agent[1].Mass": [60.0]}, out, until=0.6)
+    with pytest.raises(SweepError, match="table of another sweep: it differs in drive, measure"):
+        sweep(TRIAL_PUSH, {"agent[1].Mass": [60.0]}, np.zeros((5, 3)), lambda run: {}, out=out, client=here, **RUN)
+    out.write_text(out.read_text().replace("0,60.0", "0,61.0"))
+    refused(SweepError, "out.csv: cannot be used; .*row 1: column agent.1..Mass", {"agent[1].Mass": [60.0]}, out)
+    out.write_text("mine\n")
+    refused(SweepError, "is not the table of a sweep", {"agent[1].Mass": [60.0]}, out)
+    assert out.read_text() == "mine\n"
+    out.unlink()
+    os.mkfifo(out)
+    refused(SweepError, "out.csv: is not a file", {"agent[1].Mass": [60.0]}, out)
+    refused(SweepError, "is not a file", {"agent[1].Mass": [60.0]}, tmp_path)
 
 
 # A sweep of points that take 0.05 s each, whose runs are noted: on threads of its own process, so that one SIGKILL ends all.
@@ -321,30 +261,32 @@ if __name__ == "__main__":
 """
 
 
-def test_a_killed_sweep_goes_on_and_gives_the_same_table(push_fmu, tmp_path):
+def test_a_killed_sweep_goes_on_and_gives_the_same_table(tmp_path):
     script = tmp_path / "slow.py"
     script.write_text(SLOW)
 
-    def start(name, out="out"):
-        return subprocess.Popen([sys.executable, script, push_fmu, tmp_path / out, tmp_path / name, tmp_path / f"{name}.pickle"])
+    def start(name, out="out.csv"):
+        return subprocess.Popen([sys.executable, script, TRIAL_PUSH, tmp_path / out, tmp_path / name, tmp_path / f"{name}.pickle"])
 
-    out = tmp_path / "out"
+    def finished():
+        return max(0, len(out.read_text().splitlines()) - 2) if out.exists() else 0
+
+    out = tmp_path / "out.csv"
     killed = start("first")
-    while len(list(out.glob("part-*.parquet"))) < 2:
+    while finished() < 2:
         assert killed.poll() is None
         time.sleep(0.02)
     killed.send_signal(signal.SIGKILL)
     assert killed.wait() == -signal.SIGKILL
-    kept = sum(pq.read_table(path).num_rows for path in out.glob("part-*.parquet"))
+    kept = finished()
     assert 0 < kept < 60
-    assert not (out / "table.parquet").exists()
     assert start("second").wait() == 0
     assert len((tmp_path / "second").read_text().split()) == 60 - kept, "a finished point was simulated again"
-    assert start("third", "whole").wait() == 0
+    assert start("third", "whole.csv").wait() == 0
     table, wanted = (pd.read_pickle(tmp_path / f"{name}.pickle") for name in ("second", "third"))
     pd.testing.assert_frame_equal(table, wanted, check_exact=True)
     assert (table.status == "ok").all() and len(table) == 60 and table.x.notna().all()
-    assert (out / "table.parquet").read_bytes() == (tmp_path / "whole" / "table.parquet").read_bytes()
+    assert out.read_bytes() == (tmp_path / "whole.csv").read_bytes()
 
 
 @pytest.fixture
@@ -370,7 +312,7 @@ def cluster(tmp_path):
             process.wait()
 
 
-def test_a_killed_worker_loses_no_point(fmu, drive, here, cluster):
+def test_a_killed_worker_loses_no_point(drive, here, cluster):
     address, workers = cluster
 
     def slow(run):
@@ -385,16 +327,16 @@ def test_a_killed_worker_loses_no_point(fmu, drive, here, cluster):
             os.kill(workers.pop(), signal.SIGKILL)
 
     grid = {FRICTION: np.linspace(0, 1, 40), "agent[1].Mass": [50.0, -1.0]}
-    table = sweep(fmu, grid, drive, slow, client=address, **{**RUN, "progress": kill})
+    table = sweep(TRIAL_PUSH, grid, drive, slow, client=address, **{**RUN, "progress": kill})
     assert seen[-1] == 80 and len(workers) == 1, "no worker was killed"
-    wanted = sweep(fmu, grid, drive, measure, client=here, **RUN)
+    wanted = sweep(TRIAL_PUSH, grid, drive, measure, client=here, **RUN)
     pd.testing.assert_frame_equal(table.drop(columns="process"), wanted, check_exact=True)
     processes = table.process.dropna().value_counts()
     assert len(processes) == 2 and processes[str(workers[0])] >= 10
 
 
 @pytest.mark.parametrize("end", [lambda: os.kill(os.getpid(), signal.SIGKILL), lambda: os._exit(3)], ids=["kill", "_exit"])
-def test_a_point_that_kills_its_worker_is_a_row(fmu, end):
+def test_a_point_that_kills_its_worker_is_a_row(end):
     def deadly(run):
         if run.poses[0, 1, 0] > 0.28:
             end()
@@ -407,12 +349,12 @@ def test_a_point_that_kills_its_worker_is_a_row(fmu, end):
 
     with local_cluster(1) as workers, Client(workers) as client:
         client.run_on_scheduler(forgive_nothing)
-        table = sweep(fmu, {"agent[1].Position.x": places}, False, deadly, client=client, **{**RUN, "until": 0.1})
+        table = sweep(TRIAL_PUSH, {"agent[1].Position.x": places}, False, deadly, client=client, **{**RUN, "until": 0.1})
     assert table.status.tolist() == ["ok"] * 5 + ["failed"] + ["ok"] * 2
     assert table.error[5] == "the worker process ended several times while it simulated this point"
 
 
-def test_workers_that_are_gone_are_started_again(fmu):
+def test_workers_that_are_gone_are_started_again():
     """Dask does not: the sweep waited for ever."""
     closed = []
 
@@ -427,16 +369,16 @@ def test_workers_that_are_gone_are_started_again(fmu):
         return measure(run)
 
     with local_cluster(1) as workers, Client(workers) as client:
-        table = sweep(fmu, {"agent[1].Mass": np.linspace(60, 80, 40)}, False, slow, client=client, **{**RUN, "progress": close})
+        table = sweep(TRIAL_PUSH, {"agent[1].Mass": np.linspace(60, 80, 40)}, False, slow, client=client, **{**RUN, "progress": close})
         assert closed and list(workers.workers.values()) != closed
     assert (table.status == "ok").all() and len(table) == 40
 
 
-def test_a_sweep_that_nobody_works_for_ends(fmu, monkeypatch):
+def test_a_sweep_that_nobody_works_for_ends(monkeypatch):
     monkeypatch.setattr(sys.modules["lemons_fmu.sweep"], "DESERTED", 1.0)
     with LocalCluster(n_workers=0, processes=False, dashboard_address=None) as nobody, Client(nobody) as client:
         with pytest.raises(SweepError, match="no worker for 1 s; 12 points are open: 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, …"):
-            sweep(fmu, {"agent[1].Mass": np.linspace(60, 80, 12)}, False, measure, client=client, **RUN)
+            sweep(TRIAL_PUSH, {"agent[1].Mass": np.linspace(60, 80, 12)}, False, measure, client=client, **RUN)
 
 
 LIMIT = 1.0
@@ -450,7 +392,7 @@ def within(run):
     return {"x": scaled(run.poses[-1, 0, 0]) * LIMIT}
 
 
-def test_whatever_a_measure_computes_with_belongs_to_the_sweep(fmu, here, tmp_path, monkeypatch):
+def test_whatever_a_measure_computes_with_belongs_to_the_sweep(here, tmp_path, monkeypatch):
     """Only its own text did: the table of before was returned."""
 
     def around(factor, by=1.0):
@@ -460,13 +402,13 @@ def test_whatever_a_measure_computes_with_belongs_to_the_sweep(fmu, here, tmp_pa
         return inside
 
     def swept(given, drive=False):
-        options = {"out": tmp_path / "out", "client": here, **RUN}
-        return sweep(fmu, {"agent[1].Mass": [60.0]}, drive, given, **options)["x"][0]
+        options = {"out": tmp_path / "out.csv", "client": here, **RUN}
+        return sweep(TRIAL_PUSH, {"agent[1].Mass": [60.0]}, drive, given, **options)["x"][0]
 
     def refused(given, drive=False, what="measure"):
-        with pytest.raises(SweepError, match=f"its sweep.json differs in {what}"):
+        with pytest.raises(SweepError, match=f"it differs in {what}"):
             swept(given, drive)
-        shutil.rmtree(tmp_path / "out")
+        (tmp_path / "out.csv").unlink()
 
     own = swept(around(1.0))
     assert swept(around(1.0)) == own
@@ -480,7 +422,7 @@ def test_whatever_a_measure_computes_with_belongs_to_the_sweep(fmu, here, tmp_pa
             changed.setattr(owner, name, value)
             refused(within)
         swept(within)
-    shutil.rmtree(tmp_path / "out")
+    (tmp_path / "out.csv").unlink()
 
     def pushed(force):
         return lambda crowd: np.full((5, 3), force)
@@ -524,13 +466,13 @@ def example(script, directory, *arguments):
     return subprocess.run(command, cwd=directory, capture_output=True, text=True, env={**os.environ, "TMPDIR": str(directory)})
 
 
-def test_sweep_push(push_fmu, tmp_path):
-    done = example("sweep_push.py", tmp_path, push_fmu, "--out", "results", "--values", "3")
+def test_sweep_push(tmp_path):
+    done = example("sweep_push.py", tmp_path, TRIAL_PUSH, "--out", "results", "--values", "3")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "sweep_push.png").stat().st_size > 20_000
-    table = pq.read_table(tmp_path / "results" / "peak_1200" / "table.parquet").to_pandas()
+    table = stored(tmp_path / "results" / "peak_1200.csv")
     assert (table.status == "ok").all() and table.reach.between(1, 5).all() and table.speed.between(0.5, 6).all()
-    left = sorted(path.name for path in tmp_path.iterdir() if not path.name.startswith("lemons-fmu"))
+    left = sorted(path.name for path in tmp_path.iterdir() if not path.name.startswith("dask"))
     assert left == ["results", "sweep_push.png"]
 
 

@@ -5,7 +5,7 @@ import subprocess
 import pandas as pd
 import pytest
 from crowd import TRIAL_PUSH
-from lemons_fmu import load, local_cluster, sweep
+from lemons_fmu import local_cluster, sweep
 from distributed import Client
 
 SPEC = """
@@ -35,11 +35,11 @@ def test_both_give_one_table(lemons, tmp_path, choice, drive):
     (tmp_path / "push.toml").write_text(choice + SPEC)
     subprocess.run([lemons, "pack", TRIAL_PUSH, "-o", tmp_path / "push.fmu"], check=True, capture_output=True)
     subprocess.run([lemons, "sweep", "push.toml"], cwd=tmp_path, check=True, capture_output=True)
-    fmu = load(tmp_path / "push.fmu")
+    fmu = tmp_path / "push.fmu"
     drive = tmp_path / drive if drive else drive
     grid = {"contact.human_naked.human_naked.KineticFriction": [0.0, 0.4], "agent[*].Mass": [60.0, 90.0]}
     with local_cluster(1, threads=1, processes=False) as cluster, Client(cluster) as client:
-        there = sweep(fmu, grid, drive, measure, until=0.7, client=client, out=tmp_path / "there", progress=False)
+        there = sweep(fmu, grid, drive, measure, until=0.7, client=client, out=tmp_path / "there.csv", progress=False)
     here = pd.read_csv(tmp_path / "push.csv", comment="#", float_precision="round_trip")
     numbers = [name for name in there if name not in ("status", "error")]
     pd.testing.assert_frame_equal(here[numbers], there[numbers], check_exact=True)

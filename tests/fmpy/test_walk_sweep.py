@@ -1,24 +1,16 @@
 """Sweeps of people who walk: over several Trials, with the measures of `lemons measure`; resumed, and refused when they changed."""
 
 import json
-import os
 import shutil
-import signal
 import subprocess
 import sys
-import time
-import zipfile
 
 import cloudpickle
 import numpy as np
 import pandas as pd
-import pyarrow.parquet as pq
 import pytest
 from distributed import Client
-from lemons_fmu import Crowd, FmuError, SweepError, local_cluster, sweep
-from lemons_fmu.loaded import KEPT
-from lemons_fmu.scratch import scratch
-from lemons_fmu.study import Study
+from lemons_fmu import CommandError, Crowd, SimulationError, SweepError, local_cluster, sweep
 
 # Workers of a cluster need not have this file.
 cloudpickle.register_pickle_by_value(sys.modules[__name__])
@@ -85,9 +77,9 @@ def wanted(lemons, rooms):
 
 
 def test_trials_are_measured_as_by_the_command(lemons, rooms, wanted, tmp_path):
-    """On worker processes, which get the FMUs' bytes; and the table of `lemons sweep` of the same Trials."""
+    """On worker processes; and the table of `lemons sweep` of the same Trials."""
     with local_cluster(2) as cluster, Client(cluster) as client:
-        table = sweep(rooms / "room_{width}_{seed}", GRID, None, measure, out=tmp_path / "out", client=client, **RUN)
+        table = sweep(rooms / "room_{width}_{seed}", GRID, None, measure, out=tmp_path / "out.csv", client=client, **RUN)
     assert table["status"].tolist() == ["ok"] * 4, table["error"].tolist()
     pd.testing.assert_frame_equal(table[list(wanted)], wanted, check_exact=True)
     assert list(table) == ["point", *wanted, "status", "error"]
@@ -107,14 +99,14 @@ def test_one_trial_many_parameters(rooms, here, tmp_path):
     """Parameters of both FMUs; other plans by name; the point that is never over says so."""
     room = rooms / "room_1.2_1"
     grid = {"decision.agent[*].DesiredSpeed": [1.0, 1.4], "agent[*].Mass": [60.0, -1.0]}
-    table = sweep(room, grid, None, left, client=here, out=tmp_path / "one", **RUN)
-    assert table["status"].tolist() == ["ok", "failed"] * 2 and "agent[0].Mass = -1.0: must be positive" in table["error"][1]
+    table = sweep(room, grid, None, left, client=here, out=tmp_path / "one.csv", **RUN)
+    assert table["status"].tolist() == ["ok", "failed"] * 2 and "agent[0].Mass=-1.0: must be positive" in table["error"][1]
     for point in (0, 2):
         with Crowd(room, {name: table[name][point] for name in grid}) as crowd:
             assert crowd.run(until="left").ended == table["ended"][point]
     assert table["ended"][0] > table["ended"][2] and (table["left"][[0, 2]] == 10).all()
-    told = json.loads((tmp_path / "one" / "sweep.json").read_text())
-    assert told["plan"]["model"] == "LEMONS decision" and told["algorithm"] == "Jacobi" and told["until"] == "left"
+    told = json.loads((tmp_path / "one.csv").read_text().splitlines()[0].removeprefix("# lemons sweep "))
+    assert len(told["plan"]) == 64 and told["algorithm"] == "Jacobi" and told["until"] == "left"
 
     away = 'exits = [{ name = "far", line = [[6.0, 0.5], [6.0, 3.5]] }]\n'
     for name, text in {"near": away, "slow": f"desired_speed = 0.5\n{away}"}.items():
@@ -135,8 +127,8 @@ def test_a_sweep_of_other_trials_or_plans_does_not_go_on(rooms, here, tmp_path):
     def both():
         grid = {"width": GRID["width"]}
         return (
-            sweep(several, grid, None, left, out=tmp_path / "several", **options),
-            sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one", **options),
+            sweep(several, grid, None, left, out=tmp_path / "several.csv", **options),
+            sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one.csv", **options),
         )
 
     before = both()
@@ -150,110 +142,51 @@ def test_a_sweep_of_other_trials_or_plans_does_not_go_on(rooms, here, tmp_path):
         (several, {"width": GRID["width"]}, "several", "models"),
         (one, {"agent[*].Mass": [60.0]}, "one", "plan"),
     ]:
-        with pytest.raises(SweepError, match=f"another sweep: its sweep.json differs in {differs};"):
-            sweep(what, grid, None, left, out=tmp_path / out, **options)
+        with pytest.raises(SweepError, match=f"table of another sweep: it differs in {differs};"):
+            sweep(what, grid, None, left, out=tmp_path / f"{out}.csv", **options)
     plan.write_text(text)
     with pytest.raises(SweepError, match="differs in algorithm"):
-        sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one", algorithm="gauss-seidel", **options)
+        sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one.csv", algorithm="gauss-seidel", **options)
     # Where nobody walks; and where points end by a condition.
     with pytest.raises(SweepError, match="differs in stop;"):
-        sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one", stop=lambda crowd: True, **options)
-    with pytest.raises(SweepError, match="differs in .*plan.*algorithm"):
-        sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one", plan=False, **options)
+        sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one.csv", stop=lambda crowd: True, **options)
+    with pytest.raises(SweepError, match="differs in algorithm, plan"):
+        sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one.csv", plan=False, **options)
 
 
-def test_trials_are_packed_shortly_before_they_are_simulated(rooms, here, tmp_path, monkeypatch):
-    """Of many Trials only some are in memory, and none is on the disk. One that changes meanwhile ends the sweep."""
-    # Two threads have five tasks, and for each core one more is packed.
-    most = 5 + min(os.cpu_count(), KEPT)
-    count, ahead = 2 * most, []
+def test_trials_are_read_shortly_before_they_are_simulated(rooms, here, tmp_path):
+    """One that changes meanwhile ends the sweep; finished points are kept."""
+    count = 12
     for case in range(count):
         shutil.copytree(rooms / "room_1.2_1", tmp_path / f"room_{case}")
-    packed = []
-    again = Study.packed
-    monkeypatch.setattr(Study, "packed", lambda study, place: packed.append(place) or again(study, place))
 
     def swept(out, told):
         what, grid = tmp_path / "room_{case}", {"case": range(count)}
         return sweep(what, grid, None, left, out=tmp_path / out, client=here, until=0.05, progress=told)
 
-    def look(progress):
-        ahead.append(len(packed) - progress.done)
-        assert not [path for path in scratch().rglob("*") if zipfile.is_zipfile(path)]
-
-    wanted = swept("whole", look)
-    assert sorted(packed) == list(range(count))
-    assert max(ahead) <= most and wanted["status"].tolist() == ["ok"] * count
-
+    assert swept("whole.csv", False)["status"].tolist() == ["ok"] * count
     changed = tmp_path / f"room_{count - 1}" / "decision.toml"
     text = changed.read_text()
     with pytest.raises(SweepError, match=f"room_{count - 1} has changed since the sweep began; finished points are kept"):
-        swept("out", lambda progress: changed.write_text(text.replace("1.34", "1.2")))
+        swept("out.csv", lambda progress: changed.write_text(text.replace("1.34", "1.2")))
     changed.write_text(text)
-    kept = sum(pq.read_table(path).num_rows for path in (tmp_path / "out").glob("part-*.parquet"))
-    assert 0 < kept < count
-    swept("out", False)
-    tables = [(tmp_path / out / "table.parquet").read_bytes() for out in ("out", "whole")]
-    assert tables[0] == tables[1]
+    assert 2 < len((tmp_path / "out.csv").read_text().splitlines()) < count + 2
+    swept("out.csv", False)
+    assert (tmp_path / "out.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
 
 
 def test_what_cannot_be_swept_is_refused_at_once(rooms, here, tmp_path):
     def refused(error, words, what, grid, drive=None, **options):
         with pytest.raises(error, match=words):
-            sweep(what, grid, drive, left, out=tmp_path / "out", client=here, **{**RUN, **options})
-        assert not (tmp_path / "out").exists()
+            sweep(what, grid, drive, left, out=tmp_path / "out.csv", client=here, **{**RUN, **options})
+        assert not (tmp_path / "out.csv").exists()
 
     room, mass = rooms / "room_0.9_1", {"agent[*].Mass": [60.0]}
-    refused(ValueError, "there is no parameter 'wdith'", rooms / "room_{wdith}_1", {"width": [0.9]})
-    refused(FmuError, "room_0.7_1: No such file", rooms / "room_{width}_1", {"width": [0.9, 0.7]})
-    refused(ValueError, "there is a drive, but people walk by .*decision.toml", room, mass, np.zeros((10, 3)))
-    refused(FmuError, "would be overwritten: decision feeds agent.3..Active", room, {"agent[3].Active": [0]})
-    refused(FmuError, "did you mean 'decision.agent", room, {"agent[3].DesiredSpeed": [1.0]})
-    refused(FmuError, "nobody can leave", room, mass, plan=False)
+    refused(ValueError, 'there is no parameter "wdith"', rooms / "room_{wdith}_1", {"width": [0.9]})
+    refused(CommandError, "room_0.7_1", rooms / "room_{width}_1", {"width": [0.9, 0.7]})
+    refused(SimulationError, "overwritten by the connection that feeds crowd.agent.3..Active", room, {"agent[3].Active": [0]})
+    refused(SimulationError, 'did you mean "decision.agent', room, {"agent[3].DesiredSpeed": [1.0]})
+    refused(SimulationError, "nobody can leave", room, mass, plan=False)
     refused(ValueError, "until='gone'", room, mass, until="gone")
     table = sweep(room, mass, None, lambda run: {"ended": 1.0}, client=here, **RUN)
     assert "the measure has the name of another column: 'ended'" in table["error"][0]
-
-
-# A sweep over Trials whose runs are noted, on threads of its own process, so that one SIGKILL ends all.
-SLOW = """
-import sys, time
-from distributed import Client
-from lemons_fmu import local_cluster, sweep
-
-def measure(run):
-    time.sleep(0.3)
-    with open(sys.argv[3], "a") as file:
-        file.write("x\\n")
-    return {"flow": run.measure(lines={"door": (5, 1, 5, 3)}).summary["lines"][0]["directions"][0]["flow"]}
-
-if __name__ == "__main__":
-    points = {"width": [0.9, 1.2], "seed": [1, 2], "decision.agent[*].DesiredSpeed": [1.0, 1.2, 1.4]}
-    with local_cluster(1, processes=False) as cluster, Client(cluster) as client:
-        sweep(sys.argv[1], points, None, measure, until="left", out=sys.argv[2], client=client, progress=False)
-"""
-
-
-def test_a_killed_sweep_over_trials_goes_on_and_gives_the_same_table(rooms, tmp_path):
-    script = tmp_path / "slow.py"
-    script.write_text(SLOW)
-
-    def start(name, out="out"):
-        what = rooms / "room_{width}_{seed}"
-        return subprocess.Popen([sys.executable, script, what, tmp_path / out, tmp_path / name], env=os.environ)
-
-    out = tmp_path / "out"
-    killed = start("first")
-    while not list(out.glob("part-*.parquet")):
-        assert killed.poll() is None
-        time.sleep(0.02)
-    killed.send_signal(signal.SIGKILL)
-    assert killed.wait() == -signal.SIGKILL
-    kept = sum(pq.read_table(path).num_rows for path in out.glob("part-*.parquet"))
-    assert 0 < kept < 12 and not (out / "table.parquet").exists()
-    assert start("second").wait() == 0
-    assert len((tmp_path / "second").read_text().split()) == 12 - kept, "a finished point was simulated again"
-    assert start("third", "whole").wait() == 0
-    assert (out / "table.parquet").read_bytes() == (tmp_path / "whole" / "table.parquet").read_bytes()
-    table = pd.read_parquet(out / "table.parquet")
-    assert (table["status"] == "ok").all() and table["flow"].nunique() == 12

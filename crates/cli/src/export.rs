@@ -1,5 +1,6 @@
 //! `lemons export`: a run for the field's tools, and a Trial that goes on where it ended.
 
+use crate::embedded::InMemory;
 use crate::error::Misused;
 use crate::files::{self, Force};
 use crate::output::Output;
@@ -16,6 +17,7 @@ use lemons_results::{
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -45,6 +47,9 @@ pub struct Arguments {
     every: u32,
     #[command(flatten)]
     _force: Force,
+    /// The run itself; the source is what messages call it.
+    #[arg(skip)]
+    pub memory: Option<Arc<InMemory>>,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -64,7 +69,10 @@ enum Format {
 pub fn export(arguments: &Arguments) -> Result<()> {
     let Arguments { source, to, out, every, .. } = arguments;
     arguments.check()?;
-    let trial = trial_of(source, arguments.trial.as_deref())?;
+    let trial = match &arguments.memory {
+        Some(memory) if arguments.trial.is_none() => Some(memory.trial.clone()),
+        _ => trial_of(source, arguments.trial.as_deref())?,
+    };
     if *to == Format::Jupedsim && trial.is_none() && arguments.area.is_none() {
         bail!(
             "{}: its walls are not known: give the Trial or FMU of the run with --trial, or the walkable area with --area",
@@ -89,10 +97,13 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             .as_ref()
             .with_context(|| format!("{}: give the Trial or FMU of the run with --trial", source.display()))
     };
-    let run = if source.is_dir() {
+    let run = if source.is_dir() && arguments.memory.is_none() {
         Record::series(source, need()?)?
     } else {
-        let run = Record::tables(&[std::slice::from_ref(source), &arguments.more[..]].concat())?;
+        let run = match &arguments.memory {
+            Some(memory) => memory.run.clone().into(),
+            None => Record::tables(&[std::slice::from_ref(source), &arguments.more[..]].concat())?,
+        };
         match &trial {
             Some(trial) => run.of_trial(trial)?,
             None => run,
@@ -160,7 +171,9 @@ impl Arguments {
         if self.to == Format::Trial && self.every != 1 {
             bail!("--every is not for --to trial, which takes the last frame");
         }
-        expect_table(&self.source)?;
+        if self.memory.is_none() {
+            expect_table(&self.source)?;
+        }
         self.more.iter().try_for_each(|path| expect_table(path))?;
         if !self.more.is_empty() && self.source.is_dir() {
             bail!(Misused("--more is for tables, not for an OutputDirectory".into()));

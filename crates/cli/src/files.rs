@@ -93,6 +93,11 @@ fn with<T>(work: impl FnOnce(&mut Files) -> T) -> T {
     work(FILES.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_default())
 }
 
+/// Forgets the files of the command before, in a program that calls several.
+pub fn forget() {
+    with(|files| *files = Files::default());
+}
+
 /// Returns whether a path is `-`.
 pub fn is_standard_output(path: &Path) -> bool {
     path.as_os_str() == "-"

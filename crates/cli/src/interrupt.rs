@@ -6,7 +6,9 @@ mod ignored;
 use crate::files;
 use anyhow::{Context, Result};
 use lemons_core::files::give_up;
+use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
 
 /// The user pressed Ctrl-C; what became of the work.
 #[derive(Debug, thiserror::Error)]
@@ -37,7 +39,27 @@ pub const EXIT_CODE: u8 = 130;
 
 /// Whether the command looks for [`PRESSED`] and ends its work itself.
 static WATCHED: AtomicBool = AtomicBool::new(false);
-static PRESSED: AtomicBool = AtomicBool::new(false);
+static PRESSED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+
+thread_local! {
+    /// What stops the command of this thread, where another program has called it.
+    static STOP: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
+}
+
+/// While it is kept, the command of this thread looks for its own flag instead of Ctrl-C.
+pub struct OfThisThread(());
+
+/// Lets the command of this thread be stopped by a flag.
+pub fn of_this_thread(stop: Arc<AtomicBool>) -> OfThisThread {
+    STOP.set(Some(stop));
+    OfThisThread(())
+}
+
+impl Drop for OfThisThread {
+    fn drop(&mut self) {
+        STOP.set(None);
+    }
+}
 
 /// Before anything is written. A signal ends the program at once, without what it has begun, unless the command watches
 /// for it; a second one does in any case. Signals that whoever started the program lets it ignore (`nohup`, a shell's
@@ -77,22 +99,27 @@ pub fn wait_if_ending() {
 
 /// Whether Ctrl-C was pressed. Pressed twice, the program ends at once.
 #[derive(Clone)]
-pub struct Interrupt(());
+pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
     /// From now on the command looks for it.
     pub fn watch() -> Interrupt {
-        WATCHED.store(true, Ordering::Relaxed);
-        Interrupt(())
+        STOP.with_borrow(Clone::clone).map_or_else(
+            || {
+                WATCHED.store(true, Ordering::Relaxed);
+                Interrupt(PRESSED.clone())
+            },
+            Interrupt,
+        )
     }
 
     /// Set when Ctrl-C is pressed.
     pub fn flag(&self) -> &AtomicBool {
-        &PRESSED
+        &self.0
     }
 
     pub fn pressed(&self) -> bool {
-        PRESSED.load(Ordering::Relaxed)
+        self.0.load(Ordering::Relaxed)
     }
 
     pub fn check(&self) -> Result<()> {

@@ -16,6 +16,7 @@ mod connect;
 
 mod decide;
 mod describe;
+pub mod embedded;
 mod error;
 mod examples;
 mod export;
@@ -149,7 +150,11 @@ fn command() -> Result<()> {
     {
         files::begin(command, matches)?;
     }
-    match Arguments::from_arg_matches(&matches)?.command {
+    execute(Arguments::from_arg_matches(&matches)?.command)
+}
+
+fn execute(command: Command) -> Result<()> {
+    match command {
         Command::Lab(arguments) => lab::lab(&arguments),
         Command::Crowd(arguments) => people::crowd::crowd(*arguments),
         Command::Person(arguments) => people::person::person(&arguments),

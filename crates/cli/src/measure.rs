@@ -25,11 +25,12 @@ use pass::Pass;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use summary::Summary;
+use tables::Rows;
 
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
-    source: Source,
+    pub source: Source,
     /// Count who crosses this line, in metres; can be given several times. Stand at X1,Y1 and look at X2,Y2:
     /// people cross to your right or to your left. Default NAME: 1, 2, …
     #[arg(long = "line", value_name = "[NAME=]X1,Y1,X2,Y2", value_parser = line, allow_hyphen_values = true)]
@@ -79,6 +80,43 @@ pub struct Arguments {
 const MOST_WINDOWS: f64 = 1e6;
 
 pub fn measure(arguments: &Arguments) -> Result<()> {
+    told::tell(&measured(arguments)?.summary)?;
+    for path in arguments.output.iter().chain(&arguments.plot) {
+        say!("{:<18} {}", "written", path.display())?;
+    }
+    Ok(())
+}
+
+/// What was measured.
+pub struct Measured {
+    summary: Summary,
+    json: String,
+    tables: [Rows; tables::TABLES.len()],
+}
+
+/// The same as texts.
+pub struct Tables {
+    /// JSON.
+    pub summary: String,
+    /// CSV, by the names of the tables.
+    pub tables: Vec<(&'static str, String)>,
+}
+
+impl Measured {
+    /// As texts.
+    pub fn tables(self) -> Tables {
+        let text = |rows: &Rows| {
+            let mut bytes = Vec::new();
+            tables::write(&mut bytes, rows).map(|()| String::from_utf8_lossy(&bytes).into_owned())
+        };
+        let tables = tables::TABLES.into_iter().zip(&self.tables);
+        let tables = tables.map(|(name, rows)| (name, text(rows).unwrap_or_default())).collect();
+        Tables { summary: self.json, tables }
+    }
+}
+
+/// Measures, and writes the files that are asked for.
+pub fn measured(arguments: &Arguments) -> Result<Measured> {
     let Arguments { source, lines, areas, output, .. } = arguments;
     arguments.check()?;
     let format = arguments.plot.as_deref().map(Format::of).transpose()?;
@@ -121,17 +159,14 @@ pub fn measure(arguments: &Arguments) -> Result<()> {
         let bytes = format.bytes(chart::svg(arguments, &passed), chart::WIDTH)?;
         file.fill(|out| out.write_all(&bytes))?;
     }
+    let tables = tables::of(arguments, &record, &passed, &summary);
     let written = match output {
-        Some(directory) => tables::written(arguments, &record, &passed, &summary, directory, &json)?,
+        Some(directory) => tables::written(&tables, directory, &json)?,
         None => Vec::new(),
     };
     let placed = [summary_file, picture].into_iter().flatten().chain(written).map(Output::persist);
     placed.fold(Ok(()), and_then)?;
-    told::tell(&summary)?;
-    for path in output.iter().chain(&arguments.plot) {
-        say!("{:<18} {}", "written", path.display())?;
-    }
-    Ok(())
+    Ok(Measured { summary, json, tables })
 }
 
 impl Arguments {

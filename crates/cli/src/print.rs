@@ -1,6 +1,8 @@
 //! What the command says: the one place that prints. A closed pipe or a full disk is an error, never a panic.
 
+use indicatif::ProgressBar;
 use lemons_core::files::reader_left;
+use std::cell::RefCell;
 use std::fmt;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -33,15 +35,47 @@ pub fn use_standard_error() {
     TO_STANDARD_ERROR.store(true, Ordering::Relaxed);
 }
 
+/// What a command says that another program has called.
+#[derive(Default)]
+struct Caught {
+    said: String,
+    notes: Vec<String>,
+}
+
+thread_local! {
+    static CAUGHT: RefCell<Option<Caught>> = const { RefCell::new(None) };
+}
+
+/// Does something in this thread without printing. Also returns what would be printed on standard output, and the lines
+/// of standard error.
+pub fn caught<T>(work: impl FnOnce() -> T) -> (T, String, Vec<String>) {
+    CAUGHT.set(Some(Caught::default()));
+    let done = work();
+    let Caught { said, notes } = CAUGHT.take().unwrap_or_default();
+    (done, said, notes)
+}
+
+fn is_caught() -> bool {
+    CAUGHT.with_borrow(Option::is_some)
+}
+
+/// A progress bar, which a terminal shows.
+pub fn bar(length: u64) -> ProgressBar {
+    if is_caught() { ProgressBar::hidden() } else { ProgressBar::new(length) }
+}
+
 /// Standard output, whose errors say that they are its own.
 pub enum Out {
     StandardOutput(io::StdoutLock<'static>),
     StandardError,
+    Caught,
 }
 
 /// To write more than a line.
 pub fn out() -> Out {
-    if TO_STANDARD_ERROR.load(Ordering::Relaxed) {
+    if is_caught() {
+        Out::Caught
+    } else if TO_STANDARD_ERROR.load(Ordering::Relaxed) {
         Out::StandardError
     } else {
         Out::StandardOutput(io::stdout().lock())
@@ -57,13 +91,18 @@ impl Write for Out {
                 let _ = io::stderr().lock().write_all(bytes);
                 Ok(bytes.len())
             }
+            Out::Caught => {
+                let text = String::from_utf8_lossy(bytes);
+                CAUGHT.with_borrow_mut(|caught| caught.iter_mut().for_each(|caught| caught.said += &text));
+                Ok(bytes.len())
+            }
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
             Out::StandardOutput(out) => out.flush().map_err(own),
-            Out::StandardError => Ok(()),
+            Out::StandardError | Out::Caught => Ok(()),
         }
     }
 }
@@ -75,6 +114,12 @@ pub fn line(text: fmt::Arguments) -> io::Result<()> {
 
 /// See [`note!`]. Where nobody can hear it, there is nobody to tell.
 pub fn aside(text: fmt::Arguments) {
+    if is_caught() {
+        CAUGHT.with_borrow_mut(|caught| {
+            caught.iter_mut().for_each(|caught| caught.notes.push(text.to_string()))
+        });
+        return;
+    }
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 

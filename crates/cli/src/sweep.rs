@@ -1,14 +1,17 @@
 //! `lemons sweep`: many runs with other parameters.
 
+use crate::error::Misused;
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::messages::report_problems;
+use crate::output::Output;
 use crate::print::ProgressNotes;
 use crate::version::BUILD;
 use anyhow::{Context, Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
-use lemons_sweep::{Finished, Options, Progress, Spec, Swept, sweep as run};
+use indicatif::ProgressStyle;
+use lemons_sweep::{Finished, Options, Progress, Spec, Swept, check_over, summary, sweep as run};
 use std::cell::Cell;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -28,6 +31,14 @@ pub struct Arguments {
     /// Simulate failed points again
     #[arg(long)]
     retry_failed: bool,
+    /// Write a table with a row for each case, that is for all runs that differ only in the parameters of
+    /// --over: how many there are, how many failed and how many had no end (stuck); and of each measure the
+    /// mean, its 95 % interval (_low, _high: Student's t) and quantiles, of the runs that have a value
+    #[arg(long, value_name = "FILE.csv", requires = "over")]
+    summary: Option<PathBuf>,
+    /// Parameters that tell the runs of a case apart, such as a seed
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "summary")]
+    over: Vec<String>,
     #[command(flatten)]
     _force: Force,
 }
@@ -48,6 +59,8 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     // What is there is gone on with, or refused.
     files::claim_directory(&output)?;
     claim_series(&spec)?;
+    check_over(&spec.points, &arguments.over).map_err(|error| Misused(format!("--over: {error}")))?;
+    let mut summary_file = arguments.summary.as_deref().map(Output::open).transpose()?;
     let threads = match arguments.threads {
         Some(threads) => usize::from(threads),
         None => std::thread::available_parallelism().map_or(1, usize::from),
@@ -55,7 +68,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let interrupt = Interrupt::watch();
     let style =
         ProgressStyle::with_template("{bar:40} {percent:>3}%  {pos} of {len} points  {msg}{eta} left")?;
-    let bar = ProgressBar::new(spec.points.count as u64).with_style(style);
+    let bar = crate::print::bar(spec.points.count as u64).with_style(style);
     let newest = Cell::new(None);
     let mut notes = ProgressNotes::from(Instant::now());
     let tell = |at: Progress| {
@@ -79,7 +92,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let may_end = spec.may_end();
     let done = run(spec, &output, options, interrupt.flag(), tell);
     bar.finish_and_clear();
-    let Swept { rows, progress: at, warnings } = match (done, newest.get()) {
+    let Swept { points, measures, rows, progress: at, warnings } = match (done, newest.get()) {
         (Ok(done), _) => done,
         (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(numbers(at))),
         (Err(lemons_sweep::Error::Master(error)), None) => return Err(report_problems(error.into())),
@@ -92,7 +105,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     for warning in &warnings {
         note!("note: {warning} (drive = false: only these)");
     }
-    let told = summary(&rows, at, wall, threads, may_end);
+    let told = print_points(&rows, at, wall, threads, may_end);
     if at.done < at.total {
         let go_on =
             format!("{} of {} points are finished and kept; go on with the same command", at.done, at.total);
@@ -103,6 +116,14 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         bail!("none of the {} points succeeded: {again}", at.total);
     }
     told?;
+    if let Some(file) = &mut summary_file {
+        let text = summary(&points, &measures, &rows, &arguments.over)?;
+        file.fill(|out| out.write_all(text.as_bytes()))?;
+    }
+    if let (Some(file), Some(path)) = (summary_file, &arguments.summary) {
+        file.persist()?;
+        say!("summary            {}", path.display())?;
+    }
     Ok(say!("table              {}", output.display())?)
 }
 
@@ -124,7 +145,7 @@ fn numbers(at: Progress) -> String {
     )
 }
 
-fn summary(rows: &[Finished], at: Progress, wall: f64, threads: usize, may_end: bool) -> Result<()> {
+fn print_points(rows: &[Finished], at: Progress, wall: f64, threads: usize, may_end: bool) -> Result<()> {
     let new = at.done - at.before;
     say!("points             {:>10}     ({new} now, {} before)", at.total, at.before)?;
     say!("succeeded          {:>10}", at.done - at.failed)?;

@@ -1,7 +1,7 @@
 //! Bodies in three dimensions, and their sections.
 
 use crate::base::Driven;
-use crate::{Refused, Reply, within};
+use crate::{Refused, Reply, require, within};
 use lemons_people::{Body3d, Mesh, Person, Polygon};
 use serde_json::json;
 
@@ -37,9 +37,8 @@ fn outlines(polygons: &[Polygon]) -> Vec<Vec<[f64; 2]>> {
 /// There are too many people.
 pub fn of_everybody(of: &Driven) -> Result<Vec<Option<Body3d>>, Refused> {
     let agents = &of.trial.agents;
-    if agents.len() > MOST {
-        return Err(Refused(format!("bodies of {} people are too many: at most {MOST}", agents.len())));
-    }
+    let count = agents.len();
+    require(count <= MOST, || format!("bodies of {count} people are too many: at most {MOST}"))?;
     let person = |(k, agent)| of.people.as_ref().map_or_else(|| Person::fitting(agent), |people| people[k]);
     Ok(agents.iter().enumerate().map(|one| Body3d::of(&person(one)).ok()).collect())
 }

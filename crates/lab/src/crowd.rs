@@ -2,7 +2,7 @@
 
 use crate::base::{Basis, Driven, split};
 use crate::room::{self, REGION};
-use crate::{Refused, within};
+use crate::{Refused, require, within};
 use lemons_people::placing::{
     Dense, Ended, Orientation, Packing, Region, TOLERANCE, Watch, dense, measure, placing_seed, wider,
 };
@@ -148,9 +148,9 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
     let shapes = people.iter().map(Shape::of).collect::<Result<Vec<_>, _>>()?;
     let packing = placed(wanted, &shapes, &region, watch)?;
     let largest_overlap = measure(&shapes, &whole, &packing.poses).largest_overlap;
-    if largest_overlap > TOLERANCE {
-        return Err(Refused(format!("{REGION} goes over a wall: somebody would stand in it")));
-    }
+    require(largest_overlap <= TOLERANCE, || {
+        format!("{REGION} goes over a wall: somebody would stand in it")
+    })?;
     let settings = TrialSettings {
         desired_velocity: heading(direction) * speed,
         people: if wanted.clothes { "human_clothes" } else { "human_naked" }.into(),

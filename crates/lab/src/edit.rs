@@ -1,7 +1,7 @@
 //! Changes by hand: people are moved, copied, taken away.
 
-use crate::Refused;
 use crate::base::Driven;
+use crate::{Refused, require, within};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::AgentDynamics;
 use serde::Deserialize;
@@ -50,9 +50,7 @@ pub enum Edit {
 /// # Errors
 /// There is nobody with an Id, an Id is there already, nobody would be left, or a number is not finite.
 pub fn edited(mut driven: Driven, edits: &[Edit]) -> Result<Driven, Refused> {
-    if edits.len() > MOST {
-        return Err(Refused(format!("{} changes by hand: at most {MOST}", edits.len())));
-    }
+    require(edits.len() <= MOST, || format!("{} changes by hand: at most {MOST}", edits.len()))?;
     for edit in edits {
         let (Edit::Move { id, .. } | Edit::Copy { id, .. } | Edit::Delete { id }) = edit;
         let place = driven.trial.agents.iter().position(|agent| agent.id == *id);
@@ -60,9 +58,7 @@ pub fn edited(mut driven: Driven, edits: &[Edit]) -> Result<Driven, Refused> {
         change(&mut driven, place, edit)?;
         driven.trial.interactions = lemons_core::trial::Interactions::default();
     }
-    if driven.trial.agents.is_empty() {
-        return Err(Refused("nobody would be left".into()));
-    }
+    require(!driven.trial.agents.is_empty(), || "nobody would be left".into())?;
     Ok(driven)
 }
 
@@ -75,9 +71,8 @@ fn change(driven: &mut Driven, place: usize, edit: &Edit) -> Result<(), Refused>
         }
         Edit::Copy { to, x, y, theta, .. } => {
             let odd = to.trim().is_empty() || to.len() > 100 || to.chars().any(char::is_control);
-            if odd || trial.agents.iter().any(|agent| agent.id == *to) {
-                return Err(Refused(format!("the Id {to:?} is no short text, or there already")));
-            }
+            let taken = trial.agents.iter().any(|agent| agent.id == *to);
+            require(!odd && !taken, || format!("the Id {to:?} is no short text, or there already"))?;
             let (position, theta) = pose(*x, *y, *theta)?;
             trial.agents.push(lemons_core::trial::Agent { id: to.clone(), ..trial.agents[place].clone() });
             let still = AgentDynamics { velocity: Vec2::ZERO, omega: 0.0, ..trial.dynamics[place].clone() };
@@ -99,7 +94,7 @@ fn change(driven: &mut Driven, place: usize, edit: &Edit) -> Result<(), Refused>
 
 fn pose(x: f64, y: f64, theta: f64) -> Result<(Vec2, f64), Refused> {
     for (what, value) in [("x [m]", x), ("y [m]", y), ("the angle [rad]", theta)] {
-        crate::within(what, value, [-1e6, 1e6])?;
+        within(what, value, [-1e6, 1e6])?;
     }
     Ok((vec2(x, y), theta))
 }

@@ -3,7 +3,7 @@
 use crate::base::{Driven, split};
 use crate::frame::frame;
 use crate::run::Run;
-use crate::{Refused, Reply};
+use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::PairForce;
 use crowd_mechanics::pack::{Binary, Format, Naming, Package, THIRD_PARTY};
 use lemons_core::files::source::Memory;
@@ -17,7 +17,6 @@ use lemons_results::{Content, FrameWriter, TableWriter};
 use serde::Deserialize;
 use serde_json::json;
 use std::io::Cursor;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// Most people whose bodies are written: about 1 MB each.
@@ -154,11 +153,11 @@ fn mesh(
     write: impl Fn(&[MeshPart], &mut Vec<u8>) -> std::io::Result<()>,
 ) -> Result<Vec<u8>, Refused> {
     let people = run.people();
-    if people > MOST_BODIES {
-        return Err(Refused(format!(
+    require(people <= MOST_BODIES, || {
+        format!(
             "bodies of {people} people are too large for a page: at most {MOST_BODIES}; `lemons crowd` writes more"
-        )));
-    }
+        )
+    })?;
     let poses = frame(bytes, people)?;
     let mut parts = Vec::new();
     let all = run.bodies()?.iter().zip(poses).zip(&run.driven().trial.agents);
@@ -200,11 +199,9 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
     let mut run = Run::begin(of.clone())?;
     run.check_work()?;
     // A row has about 200 bytes.
-    if 200 * run.people() as u64 * u64::from(steps) > LARGEST_TABLE {
-        return Err(Refused(
-            "the table is too large for a page: `lemons run` writes it from the Trial".into(),
-        ));
-    }
+    require(200 * run.people() as u64 * u64::from(steps) <= LARGEST_TABLE, || {
+        "the table is too large for a page: `lemons run` writes it from the Trial".into()
+    })?;
     let groups = Groups { contacts: true, of_step: true, active: of.plan.is_some(), totals: true };
     let content = Content { columns: groups.columns(), about: Vec::new() };
     let (file, path) = (Cursor::new(Vec::new()), Path::new("the table"));
@@ -218,9 +215,7 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
         let (iteration, limit) = (u64::from(step), u64::from(steps));
         // Without a stage of its own: the page knows it by the overlap.
         let progress = Progress { stage: Stage::Growing, iteration, limit, overlap: f64::NAN, density: 0.0 };
-        if watch(&progress) == ControlFlow::Break(()) {
-            return Err(Refused("the table was stopped".into()));
-        }
+        require(watch(&progress).is_continue(), || "the table was stopped".into())?;
     }
     Ok(writer.finish()?.into_inner())
 }

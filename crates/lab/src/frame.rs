@@ -1,6 +1,6 @@
 //! Frames: what pages keep of a run, and send back to ask about; who overlaps and who crosses a line.
 
-use crate::{Refused, Reply};
+use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::{Pair, World};
 use crowd_mechanics::setup::Setup;
 use lemons_core::plane::{Motion, Pose, Twist, Vec2, vec2};
@@ -20,9 +20,9 @@ pub const COLUMNS: usize = 8;
 /// # Errors
 /// The bytes are of another length.
 pub fn frame(bytes: &[u8], people: usize) -> Result<Vec<Motion>, Refused> {
-    if bytes.len() != 8 * COLUMNS * people {
-        return Err(Refused(format!("a frame of {people} people has not {} bytes", bytes.len())));
-    }
+    require(bytes.len() == 8 * COLUMNS * people, || {
+        format!("a frame of {people} people has not {} bytes", bytes.len())
+    })?;
     let (numbers, _) = bytes.as_chunks::<8>();
     let numbers: Vec<f64> = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
     let (rows, _) = numbers.as_chunks::<COLUMNS>();
@@ -76,9 +76,9 @@ pub fn overlaps(trial: &Trial, agent: usize, [x, y, theta]: [f64; 3]) -> Result<
 /// The bytes are no frames, or there are none.
 pub fn flow(people: usize, line: [[f64; 2]; 2], bytes: &[u8]) -> Result<Reply, Refused> {
     let size = 8 * COLUMNS * people;
-    if bytes.is_empty() || !bytes.len().is_multiple_of(size) {
-        return Err(Refused(format!("{} bytes are not frames of {people} people", bytes.len())));
-    }
+    require(!bytes.is_empty() && bytes.len().is_multiple_of(size), || {
+        format!("{} bytes are not frames of {people} people", bytes.len())
+    })?;
     let [from, to] = line.map(Vec2::from);
     let line = Line { from, to };
     let frames = bytes.chunks_exact(size).map(|bytes| frame(bytes, people)).collect::<Result<Vec<_>, _>>()?;

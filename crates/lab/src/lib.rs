@@ -143,10 +143,15 @@ impl<E: std::error::Error> From<E> for Refused {
     }
 }
 
+/// Checks a condition; `message` says what is wrong if it does not hold.
+fn require(holds: bool, message: impl FnOnce() -> String) -> Result<(), Refused> {
+    if holds { Ok(()) } else { Err(Refused(message())) }
+}
+
 /// Checks that a number is in its range. `what` names it, with its unit.
 fn within(what: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Refused> {
-    let inside = (low..=high).contains(&value);
-    if inside { Ok(value) } else { Err(Refused(format!("{what} = {value}: must be {low} to {high}"))) }
+    require((low..=high).contains(&value), || format!("{what} = {value}: must be {low} to {high}"))?;
+    Ok(value)
 }
 
 /// The lab of one page.

@@ -1,7 +1,7 @@
 //! A person: four measures -> five disks, and where the person stands in the survey.
 
 use crate::body::section_of;
-use crate::{Refused, Reply};
+use crate::{Refused, Reply, require};
 use lemons_people::{BICYCLE_MEASURES, Bicycle, Measure, Person, Sex, Shape, ansur};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -39,10 +39,10 @@ impl PersonRequest {
         let measures = self.measures();
         for (measure, value) in Measure::ALL.iter().zip(measures) {
             let [low, high] = measure.possible();
-            if !(low..=high).contains(&value) {
-                let (name, unit) = (measure.name(), measure.unit());
-                return Err(Refused(format!("{name} = {value} {unit}: a person has {low} to {high} {unit}")));
-            }
+            let (name, unit) = (measure.name(), measure.unit());
+            require((low..=high).contains(&value), || {
+                format!("{name} = {value} {unit}: a person has {low} to {high} {unit}")
+            })?;
         }
         Ok(Person::from_measures(self.sex, measures))
     }

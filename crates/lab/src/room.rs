@@ -1,6 +1,6 @@
 //! Rooms: an outline, obstacles, doors. While they are drawn, when they are made, and from a file.
 
-use crate::{Refused, Reply, within};
+use crate::{Refused, Reply, require, within};
 use lemons_core::plane::{Bounds, Ring, Vec2};
 use lemons_core::trial::Geometry;
 use lemons_people::placing::Region;
@@ -75,9 +75,7 @@ fn check<'a>(corners: impl IntoIterator<Item = &'a [f64; 2]>) -> Result<(), Refu
 pub fn built(room: &Room) -> Result<(Region, Geometry), Refused> {
     let corners = || room.outline.iter().chain(room.obstacles.iter().flatten());
     let count = corners().count();
-    if count > MOST_CORNERS {
-        return Err(Refused(format!("{count} corners: at most {MOST_CORNERS} are allowed")));
-    }
+    require(count <= MOST_CORNERS, || format!("{count} corners: at most {MOST_CORNERS} are allowed"))?;
     check(corners())?;
     Ok(room.built("concrete")?)
 }

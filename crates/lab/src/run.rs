@@ -3,7 +3,7 @@
 use crate::base::Driven;
 use crate::body;
 use crate::frame::{COLUMNS, frame};
-use crate::{Refused, Reply};
+use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::{BodyId, PairForce, State, Vec2, World, vec2};
 use crowd_mechanics::setup::Setup;
 use lemons_people::Body3d;
@@ -90,13 +90,11 @@ impl Run {
     /// # Errors
     /// Too many steps, or the engine refuses one; the run is then where it was before that one.
     pub fn advance(&mut self, steps: u32) -> Result<Reply, Refused> {
-        if steps > MOST_STEPS {
-            return Err(Refused(format!("{steps} steps at once: at most {MOST_STEPS}")));
-        }
+        require(steps <= MOST_STEPS, || format!("{steps} steps at once: at most {MOST_STEPS}"))?;
         let people = self.people();
-        if (8 * COLUMNS * people) as u64 * u64::from(steps) > MOST_BYTES {
-            return Err(Refused(format!("{steps} steps of {people} people at once have more than 100 MB")));
-        }
+        require((8 * COLUMNS * people) as u64 * u64::from(steps) <= MOST_BYTES, || {
+            format!("{steps} steps of {people} people at once have more than 100 MB")
+        })?;
         self.check_work()?;
         let mut bytes = Vec::new();
         for _ in 0..steps {
@@ -116,13 +114,12 @@ impl Run {
         let parameters = &self.driven.trial.parameters;
         let mechanical = parameters.time_step / parameters.time_step_mechanical;
         let people = self.people();
-        if mechanical * people as f64 <= MOST_WORK {
-            return Ok(());
-        }
-        Err(Refused(format!(
-            "a TimeStep of {} s has {mechanical:.3e} mechanical steps: too many for a page with {people} people",
-            parameters.time_step
-        )))
+        require(mechanical * people as f64 <= MOST_WORK, || {
+            format!(
+                "a TimeStep of {} s has {mechanical:.3e} mechanical steps: too many for a page with {people} people",
+                parameters.time_step
+            )
+        })
     }
 
     /// \[s\]

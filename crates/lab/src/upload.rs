@@ -1,7 +1,7 @@
 //! A zip or a folder -> a Trial; and the Trials that come with the lab.
 
-use crate::Refused;
 use crate::base::{Basis, Driven};
+use crate::{Refused, require};
 use crowd_mechanics::setup;
 use lemons_core::files::input::{self, Bounded};
 use lemons_core::files::source::{Memory, Source};
@@ -188,10 +188,10 @@ fn with_parameters(found: &mut Found, notes: &mut Vec<String>) -> Result<PathBuf
 
 fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<Basis, Refused> {
     let (trial, warnings) = setup::read_from(files, place, &FileNames::default())?;
-    if trial.agents.len() > MOST_PEOPLE {
-        let people = trial.agents.len();
-        return Err(Refused(format!("{people} people are too many for a page: at most {MOST_PEOPLE}")));
-    }
+    let people = trial.agents.len();
+    require(people <= MOST_PEOPLE, || {
+        format!("{people} people are too many for a page: at most {MOST_PEOPLE}")
+    })?;
     let text = |name: &str| {
         let path = place.join(name);
         if files.lacks(&path) {

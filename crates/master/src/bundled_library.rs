@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crowd_mechanics::pack::{Binary, host_platform, library_file, platforms};
 use std::path::{Path, PathBuf};
+use std::sync::{PoisonError, RwLock};
 
 /// The crowd's shared library that was built with this program.
 ///
@@ -48,8 +49,20 @@ fn binaries_in(beside: &Path, library: &str, wanted: &[String]) -> Result<Vec<Bi
     wanted.iter().map(|platform| found(platform).ok_or_else(|| missing(platform))).collect()
 }
 
+/// Where libraries are looked for instead of beside this program.
+static PLACE: RwLock<Option<PathBuf>> = RwLock::new(None);
+
+/// Looks for libraries in this directory from now on, as beside the program: for a program that is not of this
+/// workspace.
+pub fn look_in(directory: &Path) {
+    *PLACE.write().unwrap_or_else(PoisonError::into_inner) = Some(directory.to_owned());
+}
+
 /// Where this program is.
 fn beside() -> Result<PathBuf> {
+    if let Some(place) = &*PLACE.read().unwrap_or_else(PoisonError::into_inner) {
+        return Ok(place.clone());
+    }
     let program = std::env::current_exe().map_err(Error::of("where is this program?"))?;
     Ok(program.parent().unwrap_or(Path::new(".")).to_owned())
 }

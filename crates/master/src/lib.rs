@@ -25,7 +25,7 @@ mod trial_input;
 mod unzip;
 
 pub use assemble::{Assembled, assemble};
-pub use bundled_library::{binaries_beside, binary_beside, own_binary};
+pub use bundled_library::{binaries_beside, binary_beside, look_in, own_binary};
 pub use calls::{Answer, LARGEST_STATE, Value};
 pub use decider::{PlanChoice, plan_in, plan_of};
 pub use drive_feed::DriveFeed;

@@ -2,7 +2,7 @@
 
 /// The type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum CellType {
     /// Doubles.
     Real,
     /// 32-bit integers.
@@ -16,12 +16,12 @@ pub enum Kind {
 /// A value in a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cell<'a> {
-    /// A value of a [`Kind::Real`] column.
+    /// A value of a [`CellType::Real`] column.
     Real(f64),
-    /// A value of a [`Kind::Integer`] column.
+    /// A value of a [`CellType::Integer`] column.
     Integer(i32),
-    /// A value of a [`Kind::Boolean`] column.
+    /// A value of a [`CellType::Boolean`] column.
     Boolean(bool),
-    /// A value of a [`Kind::Text`] column.
+    /// A value of a [`CellType::Text`] column.
     Text(&'a str),
 }

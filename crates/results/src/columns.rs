@@ -2,7 +2,7 @@
 //! it; `tests/columns.csv` is the same for programs in other languages.
 
 use crate::cell::Cell;
-pub use crate::cell::Kind;
+pub use crate::cell::CellType;
 use crate::run::{Observed, Totals};
 use lemons_core::plane::Motion;
 
@@ -23,8 +23,8 @@ pub struct Quantity {
 
 impl Quantity {
     /// Counts are integers, everything else is a double.
-    pub const fn kind(&self) -> Kind {
-        if self.unit.is_some() { Kind::Real } else { Kind::Integer }
+    pub const fn kind(&self) -> CellType {
+        if self.unit.is_some() { CellType::Real } else { CellType::Integer }
     }
 }
 
@@ -259,10 +259,10 @@ impl Groups {
 
     /// Returns the variables of an FMU that these columns are, in their order: of each agent, then of the crowd; with their
     /// types.
-    pub fn variables(self, agents: usize) -> Vec<(String, Kind)> {
+    pub fn variables(self, agents: usize) -> Vec<(String, CellType)> {
         // In a table there are numbers.
         let kind = |quantity: &Quantity| {
-            if quantity.name == ACTIVE.name { Kind::Boolean } else { quantity.kind() }
+            if quantity.name == ACTIVE.name { CellType::Boolean } else { quantity.kind() }
         };
         let of_agent = |i: usize| {
             let name = move |quantity: &Quantity| format!("agent[{i}].{}", quantity.variable);
@@ -276,7 +276,7 @@ impl Groups {
     pub fn columns(self) -> Vec<Column> {
         let id = Column {
             name: ID.into(),
-            kind: Kind::Text,
+            kind: CellType::Text,
             unit: None,
             variable: "agent[i]".into(),
             description: "Id of the agent in Agents.xml; its place i if the FMU holds no Trial".into(),
@@ -301,7 +301,7 @@ pub struct Column {
     /// No two columns of a table have the same name.
     pub name: String,
     /// Type of its values.
-    pub kind: Kind,
+    pub kind: CellType,
     /// `None` for counts and texts.
     pub unit: Option<String>,
     /// Name of the FMU's variable, or what it is if it is not a variable.
@@ -315,7 +315,7 @@ impl Column {
     pub fn time() -> Column {
         Column {
             name: TIME.into(),
-            kind: Kind::Real,
+            kind: CellType::Real,
             unit: Some("s".into()),
             variable: "time".into(),
             description: "time of the communication point".into(),

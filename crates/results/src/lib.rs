@@ -27,12 +27,12 @@ mod table;
 mod text;
 
 pub use area::{Area, MARGIN, THICKNESS, given_area, walkable_area};
-pub use cell::{Cell, Kind};
+pub use cell::{Cell, CellType};
 pub use error::RecordError;
 #[cfg(feature = "sqlite")]
 pub use jupedsim::jupedsim;
 pub use record::Record;
-pub use recorder::{Recorder, Wanted};
+pub use recorder::{KeptFrames, Recorder};
 pub use run::{Frame, Observed, OfStep, Run, Totals};
 pub use series::{series, series_files, series_in, trial_at_end};
 pub use table::{Content, Format, FrameWriter, TableWriter};

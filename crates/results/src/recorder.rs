@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Which frames of a run are kept.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Wanted {
+pub enum KeptFrames {
     /// All frames.
     All,
     /// The first frame, the last one, and for each of these times \[s\] the frame before it and the one after it.
@@ -17,7 +17,7 @@ pub enum Wanted {
 /// Keeps the wanted frames of a run in memory. They are added in the order of time.
 #[derive(Debug)]
 pub struct Recorder {
-    wanted: Wanted,
+    wanted: KeptFrames,
     kept: Vec<Frame>,
     /// The newest two that are not kept yet: the last ones may be wanted.
     newest: Vec<Frame>,
@@ -25,13 +25,13 @@ pub struct Recorder {
 
 impl Recorder {
     /// A recorder without frames.
-    pub fn new(wanted: Wanted) -> Recorder {
+    pub fn new(wanted: KeptFrames) -> Recorder {
         Recorder { wanted, kept: Vec::new(), newest: Vec::new() }
     }
 
     /// Adds the next frame.
     pub fn add(&mut self, frame: Frame) {
-        let Wanted::Around(asked) = &self.wanted else { return self.kept.push(frame) };
+        let KeptFrames::Around(asked) = &self.wanted else { return self.kept.push(frame) };
         if self.kept.is_empty() && self.newest.is_empty() {
             return self.kept.push(frame);
         }
@@ -57,7 +57,7 @@ impl Recorder {
     pub fn finish(self, source: &Path, ids: Vec<String>) -> Result<Run, RecordError> {
         let Recorder { wanted, kept: mut frames, mut newest } = self;
         // After the last frame there is none: a time beyond it is between the last two.
-        if let (Wanted::Around(asked), Some(last)) = (&wanted, newest.last()) {
+        if let (KeptFrames::Around(asked), Some(last)) = (&wanted, newest.last()) {
             let beyond = asked.iter().any(|asked| *asked >= last.time);
             if !beyond && newest.len() == 2 {
                 newest.remove(0);
@@ -76,7 +76,7 @@ impl Record {
     ///
     /// # Errors
     /// As [`Record::each`].
-    pub fn read_wanted(&self, wanted: Wanted) -> Result<Run, RecordError> {
+    pub fn read_wanted(&self, wanted: KeptFrames) -> Result<Run, RecordError> {
         let mut recorder = Recorder::new(wanted);
         self.each(|_, frame| {
             recorder.add(frame);
@@ -95,7 +95,7 @@ mod tests {
     }
 
     /// The times \[s\] of the frames that are kept of those at 0, 1, … 9 s.
-    fn kept(wanted: Wanted) -> Vec<f64> {
+    fn kept(wanted: KeptFrames) -> Vec<f64> {
         let mut recorder = Recorder::new(wanted);
         (0..10).for_each(|k| recorder.add(frame(f64::from(k))));
         let run = recorder.finish(Path::new("run"), Vec::new()).unwrap();
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn frames_around_times_are_kept() {
-        assert_eq!(kept(Wanted::All).len(), 10);
+        assert_eq!(kept(KeptFrames::All).len(), 10);
         for asked in [
             vec![],
             vec![0.0],
@@ -129,13 +129,13 @@ mod tests {
             vec![-1.0],
             vec![0.5, 7.2, 8.9],
         ] {
-            assert_eq!(kept(Wanted::Around(asked.clone())), expected(&asked), "{asked:?}");
+            assert_eq!(kept(KeptFrames::Around(asked.clone())), expected(&asked), "{asked:?}");
         }
     }
 
     #[test]
     fn an_empty_run_is_an_error() {
-        let error = Recorder::new(Wanted::All).finish(Path::new("run"), Vec::new()).unwrap_err();
+        let error = Recorder::new(KeptFrames::All).finish(Path::new("run"), Vec::new()).unwrap_err();
         assert!(error.to_string().contains("there is no frame"), "{error}");
     }
 }

@@ -135,7 +135,6 @@ impl Clock {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     #[test]
     fn the_last_step_ends_at_the_end() {
@@ -186,45 +185,5 @@ mod tests {
             let clock = Clock::new(start, 0.01, start + 0.07).unwrap();
             assert_eq!((clock.steps, clock.end(6)), (7, clock.point(7)));
         }
-    }
-
-    /// Steps that people write, and times until which they simulate, with what the clock makes of them: the Python
-    /// package is held to this table by tests/fmpy/test_clock.py.
-    #[test]
-    fn the_table_of_pairs_is_up_to_date() {
-        let steps =
-            [0.001, 0.002, 0.005, 0.01, 0.02, 0.025, 0.03, 0.04, 0.05, 0.06, 0.07, 0.1, 0.12, 0.2, 0.25, 0.3];
-        let row = |step: f64, until: f64| {
-            let clock = Clock::new(0.0, step, until).unwrap();
-            let middle = clock.steps.div_ceil(2);
-            let middle = if middle == clock.steps { clock.until } else { clock.point(middle) };
-            let last = clock.end(clock.steps - 1);
-            format!("{step:?},{until:?},{},{middle:?},{last:?}\n", clock.steps)
-        };
-        let mut table = String::from("step,until,steps,middle,last\n");
-        for step in steps {
-            for k in 1..=150u32 {
-                // As they are written: with two decimals.
-                table += &row(step, (f64::from(k) * 0.07 * 100.0).round() / 100.0);
-            }
-        }
-        // Long runs: multiples but for rounding, and some that are none.
-        let long = [(0.06, 1_049_822.58), (0.01, 267_976.78), (0.005, 133_988.39), (0.03, 548_953.29)];
-        for (step, until) in long.into_iter().chain([(0.03, 527_955.18)]) {
-            table += &row(step, until);
-        }
-        for step in [0.001, 0.01, 0.03, 0.06, 0.1] {
-            for steps in [12_345_679.0f64, 98_765_431.0, 300_000_007.0, 999_999_937.0] {
-                let until = (steps * step * 1000.0).round() / 1000.0;
-                table += &row(step, until);
-                table += &row(step, until - 0.0004);
-            }
-        }
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/clock.csv");
-        if std::env::var_os("CLOCK_TABLE").is_some_and(|what| what == "write") {
-            std::fs::write(&path, &table).unwrap();
-        }
-        let committed = std::fs::read_to_string(&path).unwrap();
-        assert!(committed == table, "write it anew: CLOCK_TABLE=write cargo test -p lemons-sim --lib clock");
     }
 }

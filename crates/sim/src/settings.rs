@@ -243,6 +243,34 @@ impl Simulation {
         scalars.into_iter().filter(|scalar| scalar.variable.role == Role::Calculated).collect()
     }
 
+    /// Returns the names of all variables; those of Decision with their prefix.
+    pub fn variables(&self) -> Vec<String> {
+        let decision = self.decision_names.iter().flat_map(|names| names.0.keys());
+        let decision = decision.map(|name| format!("{DECISION}.{name}"));
+        self.crowd_names.0.keys().cloned().chain(decision).collect()
+    }
+
+    /// Returns the value of a variable; of `agent[*].…` that of the first agent.
+    ///
+    /// # Errors
+    /// There is no such variable, or Decision cannot compute it.
+    pub fn value(&mut self, name: &str) -> Result<Value, SimError> {
+        let (of, variable) = self.meaning(name);
+        if of == Of::Decision {
+            let names = self.decision_names.as_ref();
+            let found = names.and_then(|names| Some((*names.find(variable)?.first()?).clone()));
+            if let (Some(found), Some(decision)) = (found, &mut self.decision) {
+                return Ok(value(decision, &found)?);
+            }
+        } else if let Some(found) =
+            self.crowd_names.find(variable).and_then(|found| found.first().copied()).cloned()
+        {
+            return Ok(value(&mut self.crowd, &found)?);
+        }
+        let (name, meant) = (name.to_owned(), self.meant(of, name, variable));
+        Err(SimError::NoVariable { name, meant })
+    }
+
     /// Returns whether a variable, by its full name, is an input that crowd and Decision feed each other.
     pub fn is_fed(&self, full: &str) -> bool {
         let of = |prefix| within(prefix, full);
@@ -294,6 +322,26 @@ impl Simulation {
         }
         Ok(values)
     }
+}
+
+/// The value of a variable.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // FMI's types
+pub enum Value {
+    Real(f64),
+    Integer(i32),
+    Boolean(bool),
+    Text(String),
+}
+
+fn value<M: Model>(model: &mut M, scalar: &Scalar<M::Quantity>) -> Result<Value, M::Error> {
+    let (quantity, element) = (scalar.variable.quantity, scalar.element);
+    Ok(match scalar.variable.kind {
+        Kind::Real(_) => Value::Real(model.number(quantity, element)?),
+        Kind::Integer => Value::Integer(model.number(quantity, element)? as i32),
+        Kind::Boolean => Value::Boolean(model.number(quantity, element)? != 0.0),
+        Kind::String => Value::Text(model.text(quantity, element).to_owned()),
+    })
 }
 
 /// Variables that are read together.

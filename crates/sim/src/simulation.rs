@@ -12,6 +12,7 @@ use lemons_decision::{Decision, Plan};
 use lemons_fmi::{Model, Part, Phase, StepError, fingerprint};
 use lemons_results::{Frame, Observed, OfStep, Totals};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// What a simulation begins with.
@@ -76,6 +77,17 @@ pub enum SimError {
         /// The name that is probably meant.
         meant: Option<String>,
     },
+    /// There is no variable to read.
+    #[error(
+        "there is no variable {name:?}{}",
+        meant.as_ref().map(|meant| format!("; did you mean {meant:?}?")).unwrap_or_default()
+    )]
+    NoVariable {
+        /// What was given.
+        name: String,
+        /// The name that is probably meant.
+        meant: Option<String>,
+    },
     /// A saved state is damaged, or of other documents.
     #[error("the state is damaged or is not a state of this Trial")]
     State,
@@ -103,6 +115,8 @@ pub struct Simulation {
     added: DriveTable,
     /// Whether it is, by the crowd's `PlayDrive`.
     adds: bool,
+    /// Pushes from outside of those who walk, by agent: added, too.
+    pushes: BTreeMap<usize, Wrench>,
     /// What those who walk do next.
     acts: Vec<Act>,
     /// \[s\]
@@ -144,6 +158,7 @@ impl Simulation {
             ids,
             added,
             adds: true,
+            pushes: BTreeMap::new(),
             acts,
             time: 0.0,
         })
@@ -185,7 +200,23 @@ impl Simulation {
             decision.reset()?;
         }
         (self.acts, self.time) = (Vec::new(), 0.0);
+        self.pushes.clear();
         Ok(())
+    }
+
+    /// Pushes an agent from outside (force \[N\], torque \[N.m\]) from now on, until another push. Of who walks, it is
+    /// added to the force with which they walk; of anybody else, it is their whole propulsion.
+    pub fn push(&mut self, agent: usize, push: Wrench) {
+        if self.walks() {
+            self.pushes.insert(agent, push);
+        } else {
+            self.set_drive(agent, push, Phase::StepComplete);
+        }
+    }
+
+    /// Takes an agent out, or lets it come back where it was. Of people who walk, Decision says it in each step.
+    pub fn set_present(&mut self, agent: usize, present: bool) {
+        self.crowd.set(Quantity::Active, agent, present.into(), Phase::StepComplete);
     }
 
     /// Returns the last communication point \[s\].
@@ -299,12 +330,14 @@ impl Simulation {
         }
         self.crowd.restore(&saved.crowd)?;
         (self.time, self.adds) = (saved.time, saved.adds);
+        self.pushes.clear();
         Ok(())
     }
 
     /// Drives the crowd as those who walk do, with what is added.
     fn drive_crowd(&mut self, phase: Phase) {
-        for (i, act) in self.acts.iter().enumerate() {
+        for i in 0..self.acts.len() {
+            let act = self.acts[i];
             let [x, y] = act.drive.force;
             let mut drive = Wrench { force: vec2(x, y), torque: act.drive.torque };
             if phase == Phase::StepComplete
@@ -313,15 +346,21 @@ impl Simulation {
             {
                 drive = Wrench { force: drive.force + vec2(x, y), torque: drive.torque + torque };
             }
-            let Wrench { force, torque } = drive;
-            for (quantity, element, value) in [
-                (Quantity::Fp, 2 * i, force.x),
-                (Quantity::Fp, 2 * i + 1, force.y),
-                (Quantity::Mp, i, torque),
-                (Quantity::Active, i, act.active.into()),
-            ] {
-                self.crowd.set(quantity, element, value, phase);
+            if let (Phase::StepComplete, Some(push)) = (phase, self.pushes.get(&i)) {
+                drive = Wrench { force: drive.force + push.force, torque: drive.torque + push.torque };
             }
+            self.set_drive(i, drive, phase);
+            self.crowd.set(Quantity::Active, i, act.active.into(), phase);
+        }
+    }
+
+    fn set_drive(&mut self, agent: usize, Wrench { force, torque }: Wrench, phase: Phase) {
+        for (quantity, element, value) in [
+            (Quantity::Fp, 2 * agent, force.x),
+            (Quantity::Fp, 2 * agent + 1, force.y),
+            (Quantity::Mp, agent, torque),
+        ] {
+            self.crowd.set(quantity, element, value, phase);
         }
     }
 

@@ -1,19 +1,20 @@
 //! What must be equal to continue a sweep.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::models::Models;
-use crate::points::hex;
+use crate::points::{Points, hex};
 use crate::spec::Spec;
+use lemons_sim::{Algorithm, Documents};
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
 /// Returns what must be equal of several models, by their digests: which point has which, and which parameters only
 /// choose.
-pub fn of_models(spec: &Spec, digests: &[String], models: &Models) -> Map<String, Value> {
+pub fn of_models(points: &Points, digests: &[String], models: &Models) -> Map<String, Value> {
     let mut digest = Sha256::new();
     digests.iter().for_each(|one| digest.update(one));
-    (0..spec.points.count).for_each(|point| digest.update((models.place(point) as u64).to_le_bytes()));
-    (0..spec.points.parameters.len()).for_each(|place| digest.update([u8::from(spec.only_chooses(place))]));
+    (0..points.count).for_each(|point| digest.update((models.place(point) as u64).to_le_bytes()));
+    (0..points.parameters.len()).for_each(|place| digest.update([u8::from(models.only_chooses(place))]));
     let digest = hex(&digest.finalize());
     Map::from_iter([("models".to_owned(), json!({ "count": digests.len(), "sha256": digest }))])
 }
@@ -26,12 +27,35 @@ pub fn digest(map: &Map<String, Value>) -> Result<String> {
     Ok(hex(&Sha256::digest(serde_json::to_string(map)?)))
 }
 
+/// Returns what must be equal of points.
+pub fn of_points(points: &Points) -> Value {
+    let names: Vec<&str> = points.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    json!({ "parameters": names, "count": points.count, "sha256": points.sha256() })
+}
+
+/// Returns what must be equal of a Trial, its drive, its communication step \[s\]; and of people who walk, their plan.
+///
+/// # Errors
+/// The plan cannot be written.
+pub fn of_documents(documents: &Documents, algorithm: Algorithm, step: f64) -> Result<Map<String, Value>> {
+    let mut all = Map::new();
+    let Documents { trial, drive, plan } = documents;
+    let fingerprint = format!("{:032x}", trial.fingerprint());
+    all.insert("trial".into(), json!({ "name": trial.name, "fingerprint": fingerprint }));
+    if let Some(plan) = plan {
+        let text = plan.to_toml().map_err(|error| Error::Spec(error.to_string()))?;
+        all.insert("plan".into(), hex(&Sha256::digest(text)).into());
+        all.insert("algorithm".into(), algorithm.to_string().into());
+    }
+    all.insert("drive".into(), drive.fingerprint().into());
+    all.insert("step".into(), json!(step));
+    Ok(all)
+}
+
 /// Returns what must be equal of points and measures.
-pub fn of_spec(spec: &Spec) -> Map<String, Value> {
-    let names: Vec<&str> = spec.points.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-    let points = json!({ "parameters": names, "count": spec.points.count, "sha256": spec.points.sha256() });
+pub(crate) fn of_spec(spec: &Spec) -> Map<String, Value> {
     let mut all = spec.identity.clone();
-    all.insert("points".into(), points);
+    all.insert("points".into(), of_points(&spec.points));
     let walkable = spec.places.walkable.as_ref().map(|walkable| hex(&Sha256::digest(&walkable.wkt)));
     all.extend(walkable.map(|digest| ("walkable".into(), digest.into())));
     all

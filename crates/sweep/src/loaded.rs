@@ -1,16 +1,16 @@
 //! A model that is loaded: the documents of a Trial, and what a sweep sets and reads of them.
 
 use crate::error::{Error, Place, Result};
+use crate::identity::of_documents;
 use crate::measure::Measure;
 use crate::models::{Model, Plan};
 use crate::output::{Of, Reading};
-use crate::points::hex;
+use crate::points::Points;
 use crate::spec::{End, Spec};
 use lemons_core::trial::Trial;
 use lemons_master::documents_of;
 use lemons_sim::{Clock, Documents, Simulation};
-use serde_json::{Map, Value, json};
-use sha2::{Digest, Sha256};
+use serde_json::{Map, Value};
 use std::collections::HashSet;
 
 /// A Trial, ready for any number of points in any number of threads.
@@ -56,7 +56,7 @@ impl LoadedModel {
         let clock = Clock::new(0.0, step, spec.until.latest()).map_err(lemons_master::Error::from);
         let clock = clock.place(|| "until".into())?;
         let simulation = Simulation::new(documents.clone(), spec.algorithm)?;
-        check_parameters(spec, &simulation)?;
+        check_parameters(&spec.points, |place| spec.only_chooses(place), &simulation)?;
         let reading = |of: &Of, agents: &[String]| -> Result<Reading> {
             let places = if of.is_of_agents() { places(trial, agents)? } else { Vec::new() };
             of.reading(&simulation, &places).map_err(Error::Spec)
@@ -80,25 +80,9 @@ impl LoadedModel {
         let stop = spec.stop.as_ref().map(|stop| reading(&stop.of, &stop.agents).place(|| "stop".into()));
         let stop = stop.transpose()?;
         let leave = if spec.until == End::Left { Some(who_leaves(&documents)?) } else { None };
-        let identity = identity(spec, &documents, &clock)?;
+        let identity = of_documents(&documents, spec.algorithm, clock.step)?;
         Ok(LoadedModel { documents, clock, measures, stop, leave, identity, warnings })
     }
-}
-
-/// Of a Trial, its drive, its communication step; and of people who walk, their plan.
-fn identity(spec: &Spec, documents: &Documents, clock: &Clock) -> Result<Map<String, Value>> {
-    let mut all = Map::new();
-    let Documents { trial, drive, plan } = documents;
-    let fingerprint = format!("{:032x}", trial.fingerprint());
-    all.insert("trial".into(), json!({ "name": trial.name, "fingerprint": fingerprint }));
-    if let Some(plan) = plan {
-        let text = plan.to_toml().map_err(|error| Error::Spec(error.to_string()))?;
-        all.insert("plan".into(), hex(&Sha256::digest(text)).into());
-        all.insert("algorithm".into(), spec.algorithm.to_string().into());
-    }
-    all.insert("drive".into(), drive.fingerprint().into());
-    all.insert("step".into(), json!(clock.step));
-    Ok(all)
 }
 
 /// How many people have an exit.
@@ -111,12 +95,19 @@ fn who_leaves(documents: &Documents) -> Result<usize> {
         .ok_or_else(|| Error::Spec(nobody.into()))
 }
 
-/// Checks that parameters set something, each something else.
-fn check_parameters(spec: &Spec, simulation: &Simulation) -> Result<()> {
+/// Checks that parameters set something, each something else; but those that only choose what is simulated.
+///
+/// # Errors
+/// A sentence with the parameter.
+pub fn check_parameters(
+    points: &Points,
+    only_chooses: impl Fn(usize) -> bool,
+    simulation: &Simulation,
+) -> Result<()> {
     let mut all: HashSet<Vec<String>> = HashSet::new();
-    for (place, parameter) in spec.points.parameters.iter().enumerate() {
+    for (place, parameter) in points.parameters.iter().enumerate() {
         let wrong = |why: String| Error::Spec(format!("parameters: {}: {why}", parameter.name));
-        if spec.only_chooses(place) {
+        if only_chooses(place) {
             continue;
         }
         let names = simulation.resolve(&parameter.name).map_err(|meant| {

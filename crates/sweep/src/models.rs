@@ -28,11 +28,13 @@ pub type Model = (PathBuf, PlanChoice);
 
 /// What is simulated at all points.
 #[derive(Debug, Clone)]
-pub(crate) struct Models {
+pub struct Models {
     /// Each of them once.
     pub all: Vec<Model>,
     /// The place of each point's own; `None` if all have the first.
     of_points: Option<Vec<usize>>,
+    /// Of each parameter, whether it only chooses.
+    chooses: Vec<bool>,
 }
 
 impl Models {
@@ -49,8 +51,10 @@ impl Models {
             };
             (path.path(points, point), plan)
         };
-        if !(0..points.parameters.len()).any(|parameter| only_chooses(path, plan, parameter)) {
-            return Ok(Models { all: vec![model(0)], of_points: None });
+        let parameters = 0..points.parameters.len();
+        let chooses: Vec<bool> = parameters.map(|parameter| only_chooses(path, plan, parameter)).collect();
+        if !chooses.contains(&true) {
+            return Ok(Models { all: vec![model(0)], of_points: None, chooses });
         }
         let (mut all, mut known) = (Vec::new(), HashMap::new());
         let mut of_points = Vec::with_capacity(points.count);
@@ -64,7 +68,12 @@ impl Models {
                 return Err(Error::Spec(format!("there are more than {MOST_MODELS} Trials, FMUs or plans")));
             }
         }
-        Ok(Models { all, of_points: Some(of_points) })
+        Ok(Models { all, of_points: Some(of_points), chooses })
+    }
+
+    /// Returns whether a parameter only chooses what is simulated, and is no variable of it.
+    pub fn only_chooses(&self, parameter: usize) -> bool {
+        self.chooses[parameter]
     }
 
     /// The place of a point's own.

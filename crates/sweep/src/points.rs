@@ -112,7 +112,7 @@ impl Points {
     }
 
     /// Returns one point for each row of columns of the same length.
-    pub(crate) fn of_rows(columns: Vec<(String, Vec<String>)>) -> Points {
+    pub fn of_rows(columns: Vec<(String, Vec<String>)>) -> Points {
         let count = columns.first().map_or(0, |(_, values)| values.len());
         let columns = columns.into_iter();
         let parameters = columns.map(|(name, values)| Parameter { name, values, repeat: 1 }).collect();

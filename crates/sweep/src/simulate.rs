@@ -47,7 +47,7 @@ impl Job {
             }
         }
         if models.all.len() > 1 {
-            identity.extend(identity::of_models(&spec, &digests, &models));
+            identity.extend(identity::of_models(&spec.points, &digests, &models));
         }
         Ok((Job { spec, models, digests }, identity, warnings))
     }

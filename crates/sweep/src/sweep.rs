@@ -1,9 +1,10 @@
 //! Runs a sweep: threads simulate points, and their results are appended to the table.
 
 use crate::error::{Error, Place, Result};
+use crate::points::Points;
 use crate::simulate::{Job, Worker};
 use crate::spec::{ENDED, Spec};
-use crate::table::{Finished, Table};
+use crate::table::{Finished, Measured, Table};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -38,6 +39,10 @@ pub struct Options<'a> {
 
 /// A sweep that has ended.
 pub struct Swept {
+    /// What was simulated.
+    pub points: Points,
+    /// Names of the measures.
+    pub measures: Vec<String>,
     /// All finished points, in order.
     pub rows: Vec<Finished>,
     /// How far it is.
@@ -65,7 +70,7 @@ pub fn sweep(
     let Spec { points, measures, .. } = &job.spec;
     let ended = job.spec.may_end().then(|| ENDED.to_owned());
     let measures: Vec<String> = measures.iter().map(|(name, _)| name.clone()).chain(ended).collect();
-    let mut table = Table::open(table, &identity, points, &measures)?;
+    let mut table = Table::open(table, &identity, points, Some(&measures))?;
     let mut left = vec![true; points.count];
     table.rows().filter(|row| row.outcome.is_ok() || !retry).for_each(|row| left[row.point] = false);
     let left: Vec<usize> = (0..left.len()).filter(|&point| left[point]).collect();
@@ -83,9 +88,10 @@ pub fn sweep(
         report(progress);
         Ok(())
     })?;
+    let points = queue.job.spec.points.clone();
     let whole = progress.done == progress.total;
     let rows = if whole { table.finish()? } else { table.rows().cloned().collect() };
-    Ok(Swept { rows, progress, warnings })
+    Ok(Swept { points, measures, rows, progress, warnings })
 }
 
 /// Data shared by the threads of a sweep.
@@ -104,6 +110,8 @@ impl Queue {
         while let Some(&point) = self.points.get(self.next.fetch_add(1, Ordering::Relaxed)) {
             let outcome = worker.simulate(point, &self.over).map_err(|error| error.whole()).transpose();
             let Some(outcome) = outcome else { return };
+            let number = |value: Option<f64>| value.map(Measured::Number);
+            let outcome = outcome.map(|values| values.into_iter().map(number).collect());
             if finished.send(Finished { point, outcome }).is_err() || self.over.load(Ordering::Relaxed) {
                 return;
             }

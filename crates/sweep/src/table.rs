@@ -26,14 +26,26 @@ pub struct Finished {
     /// Number of the point, from 0.
     pub point: usize,
     /// The measured values, in the order of the measures, or the message of the failure.
-    pub outcome: Result<Vec<Option<f64>>, String>,
+    pub outcome: Result<Vec<Option<Measured>>, String>,
+}
+
+/// What was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Measured {
+    /// A number.
+    Number(f64),
+    /// A text, of a measure that another program has computed.
+    Text(String),
 }
 
 /// A table that is written. Only one process at a time can write to it.
 pub struct Table {
     path: PathBuf,
     points: Points,
-    measures: usize,
+    /// Names of the measures; `None` where the first results name them.
+    measures: Option<Vec<String>>,
+    /// Whether measures may be texts.
+    texts: bool,
     /// Both lines.
     head: Vec<u8>,
     /// Locked; what is written is appended.
@@ -47,7 +59,8 @@ pub struct Table {
 }
 
 impl Table {
-    /// Creates the table, or opens that of an unfinished sweep.
+    /// Creates the table, or opens that of an unfinished sweep. Without names of measures, these are those of the table,
+    /// or of the first results ([`Table::name_measures`]), and may be texts.
     ///
     /// # Errors
     /// The file is no such table, or that of another sweep, another process writes it, or it cannot be written.
@@ -55,7 +68,7 @@ impl Table {
         path: &Path,
         identity: &Map<String, Value>,
         points: &Points,
-        measures: &[String],
+        measures: Option<&[String]>,
     ) -> Result<Table> {
         let at = || path.display().to_string();
         let file = File::options().create(true).read(true).append(true).open(path).place(at)?;
@@ -64,42 +77,84 @@ impl Table {
             Err(TryLockError::WouldBlock) => return Err(Error::Busy(path.to_owned())),
             Err(TryLockError::Error(error)) => return Err(error).place(at),
         }
-        let mut head = format!("{BEGIN}{}\n", serde_json::to_string(identity)?).into_bytes();
-        let parameters = points.parameters.iter().map(|parameter| parameter.name.as_str());
-        let names = ["point"].into_iter().chain(parameters).chain(measures.iter().map(String::as_str));
-        head.extend(line(names.chain(["status", "error"]).map(str::to_owned))?);
         let mut table = Table {
             path: path.to_owned(),
             points: points.clone(),
-            measures: measures.len(),
-            head,
+            measures: None,
+            texts: measures.is_none(),
+            head: format!("{BEGIN}{}\n", serde_json::to_string(identity)?).into_bytes(),
             file,
             rows: vec![None; points.count],
             sorted: true,
             written: 0,
         };
-        let end = table.read(identity)?;
+        let end = table.read(identity, measures)?;
         table.file.set_len(end).place(at)?;
-        if end == 0 {
+        if end == 0 && table.measures.is_some() {
             table.file.write_all(&table.head).place(at)?;
         }
         Ok(table)
     }
 
+    /// The line with the names of all columns.
+    fn names(&self, measures: &[String]) -> Result<Vec<u8>> {
+        let parameters = self.points.parameters.iter().map(|parameter| parameter.name.clone());
+        let names = ["point".to_owned()].into_iter().chain(parameters).chain(measures.iter().cloned());
+        line(names.chain(["status", "error"].map(str::to_owned)))
+    }
+
+    /// The measures that the lines of a table name; `None` if they are cut off.
+    fn measures_in(&self, lines: &[u8]) -> Result<Option<Vec<String>>> {
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(lines);
+        let mut row = csv::StringRecord::new();
+        let fixed = 1 + self.points.parameters.len();
+        let found = reader.read_record(&mut row)? && row.len() >= fixed + 2;
+        if found && row.iter().rev().take(2).eq(["error", "status"]) {
+            return Ok(Some(row.iter().take(row.len() - 2).skip(fixed).map(str::to_owned).collect()));
+        }
+        if lines.contains(&b'\n') {
+            return Err(Error::Damaged("its columns are others".into()));
+        }
+        Ok(None)
+    }
+
+    /// Returns the names of the measures, where they are known.
+    pub fn measures(&self) -> Option<&[String]> {
+        self.measures.as_deref()
+    }
+
+    /// Names the measures, as long as no point has any.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn name_measures(&mut self, measures: Vec<String>) -> Result<()> {
+        debug_assert!(self.rows().all(|row| row.outcome.is_err()));
+        let first = self.head.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+        self.head.truncate(first);
+        self.head.extend(self.names(&measures)?);
+        self.measures = Some(measures);
+        let mut text = self.head.clone();
+        for row in self.rows() {
+            text.extend(self.line_of(row)?);
+        }
+        let written = self.file.set_len(0).and_then(|()| self.file.write_all(&text));
+        written.place(|| format!("cannot write {}", self.path.display()))
+    }
+
     /// Reads the file. Returns how many of its bytes are whole lines.
-    fn read(&mut self, identity: &Map<String, Value>) -> Result<u64> {
+    fn read(&mut self, identity: &Map<String, Value>, measures: Option<&[String]>) -> Result<u64> {
         let path = self.path.clone();
         let at = || path.display().to_string();
         let mut file = BufReader::new(self.file.try_clone().place(at)?);
         let mut first = Vec::new();
         file.by_ref().take(LARGEST_IDENTITY).read_until(b'\n', &mut first).place(at)?;
-        if self.head.starts_with(&first) && !first.ends_with(b"\n") {
-            return Ok(0);
-        }
+        let cut_off = self.head.starts_with(&first) && !first.ends_with(b"\n");
         let text = first.strip_prefix(BEGIN.as_bytes()).filter(|_| first.ends_with(b"\n"));
-        let Some(before) = text.and_then(|text| serde_json::from_slice::<Map<String, Value>>(text).ok())
-        else {
-            return Err(Error::NoSweep(self.path.clone()));
+        let before = text.and_then(|text| serde_json::from_slice::<Map<String, Value>>(text).ok());
+        let before = match before {
+            Some(before) => before,
+            None if cut_off => identity.clone(),
+            None => return Err(Error::NoSweep(self.path.clone())),
         };
         let keys = identity.keys().chain(before.keys().filter(|key| !identity.contains_key(*key)));
         let differ: Vec<String> =
@@ -109,8 +164,17 @@ impl Table {
         }
         let mut rows = Vec::new();
         file.read_to_end(&mut rows).place(at)?;
-        let names = &self.head[first.len()..];
-        let Some(rows) = rows.strip_prefix(names) else {
+        self.measures = match measures {
+            Some(measures) => Some(measures.to_vec()),
+            None => self.measures_in(&rows).place(at)?,
+        };
+        let Some(measures) = &self.measures else { return Ok(0) };
+        let names = self.names(measures)?;
+        self.head.extend(&names);
+        if cut_off {
+            return Ok(0);
+        }
+        let Some(rows) = rows.strip_prefix(&names[..]) else {
             let cut_off = names.starts_with(&rows);
             return if cut_off {
                 Ok(0)
@@ -127,7 +191,7 @@ impl Table {
 
     /// Reads the rows. Returns how many bytes of them are whole rows.
     fn read_rows(&mut self, rows: &[u8]) -> Result<usize> {
-        let width = 1 + self.points.parameters.len() + self.measures + 2;
+        let width = 1 + self.points.parameters.len() + self.count() + 2;
         let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(rows);
         let mut row = csv::StringRecord::new();
         let mut whole = 0;
@@ -161,11 +225,25 @@ impl Table {
         }
         let first = 1 + self.points.parameters.len();
         let outcome = match (&row[width - 2], &row[width - 1]) {
-            (OK, "") => Ok((first..width - 2).map(|k| number(&row[k])).collect::<Result<_, _>>()?),
+            (OK, "") => Ok((first..width - 2).map(|k| self.measured(&row[k])).collect::<Result<_, _>>()?),
             (FAILED, message) => Err(message.to_owned()),
             (status, _) => return Err(format!("status {status:?}")),
         };
         Ok(Finished { point, outcome })
+    }
+
+    fn measured(&self, cell: &str) -> Result<Option<Measured>, String> {
+        match cell.parse() {
+            _ if cell.is_empty() => Ok(None),
+            Ok(number) => Ok(Some(Measured::Number(number))),
+            Err(_) if self.texts => Ok(Some(Measured::Text(cell.to_owned()))),
+            Err(_) => Err(format!("{cell:?} is not a number")),
+        }
+    }
+
+    /// The number of measures.
+    fn count(&self) -> usize {
+        self.measures.as_ref().map_or(0, Vec::len)
     }
 
     /// Notes what is in the file.
@@ -228,23 +306,21 @@ impl Table {
     /// A row as it is written. Numbers are read back as the same doubles; a missing value is an empty cell.
     fn line_of(&self, Finished { point, outcome }: &Finished) -> Result<Vec<u8>> {
         let parameters = self.points.parameters.iter().map(|parameter| parameter.at(*point).to_owned());
-        let none = vec![None; self.measures];
+        let none = vec![None; self.count()];
         let (measured, status, error) = match outcome {
             Ok(values) => (values, OK, String::new()),
             // In one line, so that it is seen whether a row is cut off.
             Err(message) => (&none, FAILED, message.lines().collect::<Vec<_>>().join(" ")),
         };
-        let measured = measured.iter().map(|value| value.map_or(String::new(), |value| format!("{value:?}")));
+        let measured = measured.iter().map(|value| match value {
+            None => String::new(),
+            Some(Measured::Number(value)) => format!("{value:?}"),
+            // As messages.
+            Some(Measured::Text(text)) => text.lines().collect::<Vec<_>>().join(" "),
+        });
         let row = std::iter::once(point.to_string()).chain(parameters).chain(measured);
         line(row.chain([status.to_owned(), error]))
     }
-}
-
-fn number(cell: &str) -> Result<Option<f64>, String> {
-    if cell.is_empty() {
-        return Ok(None);
-    }
-    cell.parse().map(Some).map_err(|_| format!("{cell:?} is not a number"))
 }
 
 fn line(cells: impl Iterator<Item = String>) -> Result<Vec<u8>> {
@@ -267,8 +343,8 @@ mod tests {
     fn row(point: usize) -> Finished {
         let outcome = match point {
             1 => Err("it \"fell\",\nbadly # so".to_owned()),
-            2 => Ok(vec![None, Some(f64::INFINITY)]),
-            _ => Ok(vec![Some(1.0 / (point as f64 + 3.0)), Some(-0.0)]),
+            2 => Ok(vec![None, Some(Measured::Number(f64::INFINITY))]),
+            _ => Ok([1.0 / (point as f64 + 3.0), -0.0].map(Measured::Number).map(Some).to_vec()),
         };
         Finished { point, outcome }
     }
@@ -278,7 +354,7 @@ mod tests {
     }
 
     fn open(path: &Path) -> Result<Table> {
-        Table::open(path, &identity(2.0), &points(), &["x".to_owned(), "y".to_owned()])
+        Table::open(path, &identity(2.0), &points(), Some(&["x".to_owned(), "y".to_owned()]))
     }
 
     /// A table that was written in one go, in order.
@@ -287,6 +363,37 @@ mod tests {
         table.add(&[0, 1, 2, 3].map(row)).unwrap();
         table.finish().unwrap();
         std::fs::read(path).unwrap()
+    }
+
+    /// The first results name the measures; the table says them again.
+    #[test]
+    fn measures_that_are_named_later_are_those_of_the_table() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("sweep.csv");
+        let open = || Table::open(&path, &identity(2.0), &points(), None).unwrap();
+        let fallen = |point| Finished { point, outcome: Err("it fell".into()) };
+        let far = Some(Measured::Text("far, \"so\"".into()));
+        let far = Finished { point: 2, outcome: Ok(vec![far, Some(Measured::Number(0.5))]) };
+        let mut table = open();
+        table.name_measures(Vec::new()).unwrap();
+        table.add(&[fallen(0)]).unwrap();
+        drop(table);
+        let mut table = open();
+        assert_eq!(table.measures(), Some(&[][..]));
+        table.name_measures(vec!["how, far".to_owned(), "x".to_owned()]).unwrap();
+        table.add(&[far.clone(), fallen(1)]).unwrap();
+        drop(table);
+        let whole = std::fs::read(&path).unwrap();
+        for length in 0..=whole.len() {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            let table = open();
+            assert!(table.rows().all(|row| [&fallen(0), &fallen(1), &far].contains(&row)), "{length}");
+            let least = if length == whole.len() { 3 } else { 0 };
+            assert!((least..=3).contains(&table.rows().count()), "{length}");
+        }
+        let text = String::from_utf8(whole).unwrap();
+        std::fs::write(&path, text.replace("status,error", "state")).unwrap();
+        assert!(Table::open(&path, &identity(2.0), &points(), None).is_err());
     }
 
     /// Wherever a sweep is killed, and in whatever order its points were finished.
@@ -325,7 +432,7 @@ mod tests {
         let path = directory.path().join("sweep.csv");
         whole(&path);
         let mut table = open(&path).unwrap();
-        let again = Finished { point: 1, outcome: Ok(vec![Some(1.0), None]) };
+        let again = Finished { point: 1, outcome: Ok(vec![Some(Measured::Number(1.0)), None]) };
         table.add(std::slice::from_ref(&again)).unwrap();
         assert_eq!(table.finish().unwrap()[1], again);
         assert_eq!(open(&path).unwrap().rows().count(), 4);

@@ -41,13 +41,19 @@ impl Template {
         Ok(Template { directory: directory.to_owned(), pieces })
     }
 
+    /// Makes a path without parameters, whatever is written in it.
+    pub fn of_path(path: &Path) -> Template {
+        Template { directory: path.to_owned(), pieces: Vec::new() }
+    }
+
     /// The path at a point. Numbers are written as in the table of results.
     pub fn path(&self, points: &Points, point: usize) -> PathBuf {
         let written = self.pieces.iter().map(|piece| match piece {
             Piece::Text(text) => text.clone(),
             Piece::Value(column) => points.parameters[*column].at(point).to_owned(),
         });
-        self.directory.join(written.collect::<String>())
+        let written = written.collect::<String>();
+        if written.is_empty() { self.directory.clone() } else { self.directory.join(written) }
     }
 
     /// Whether the parameter in a column stands in it.

@@ -5,20 +5,19 @@
 `crowd`, `person`, `pack`, `plot`, `movie`, `measure`, `export`, and `simulate` of a Trial call the command `lemons`, which wheels contain. The manual is python/README.md.
 """
 
-from .command import CommandError
+from ._native import CommandError, SimulationError
 from .crowd import Crowd, State
 from .drive import Drive
-from .errors import FmuError
 from .export import export as export
-from .fmu import Fmu, load
 from .measure import Measures
 from .measure import measure as measure
 from .picture import Picture, movie, plot
 from .progress import Progress
-from .results import SweepError
-from .run import Run
+from .record import Run
+from .simulate import run as run
 from .simulate import simulate as simulate
-from .sweep import local_cluster, sweep
+from .sweep import SweepError, local_cluster
+from .sweep import sweep as sweep
 from .trial import Trial, pack, person
 from .trial import crowd as crowd
 
@@ -26,24 +25,23 @@ __all__ = [
     "CommandError",
     "Crowd",
     "Drive",
-    "Fmu",
-    "FmuError",
     "Measures",
     "Picture",
     "Progress",
     "Run",
+    "SimulationError",
     "State",
     "SweepError",
     "Trial",
     "crowd",
     "export",
-    "load",
     "local_cluster",
     "measure",
     "movie",
     "pack",
     "person",
     "plot",
+    "run",
     "simulate",
     "sweep",
 ]

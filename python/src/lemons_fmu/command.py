@@ -1,15 +1,22 @@
-"""The command `lemons`, of which this package uses what makes crowds, packs, draws, measures and exports them."""
+"""The commands of `lemons`, in this process: options are the same words."""
 
 from __future__ import annotations
 
 import os
-import subprocess
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Union, cast
+import warnings
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING, NamedTuple, Union, cast
 
 import numpy as np
 
 from lemons_command import program
+
+from . import _native
+from ._native import CommandError as CommandError
+
+if TYPE_CHECKING:
+    from .record import Run
 
 #: The value of an option: True is the option alone; False and None leave it out; a sequence is joined with commas, and one of
 #: sequences is given once for each; a mapping is given as NAME=VALUE, once for each.
@@ -19,8 +26,14 @@ Option = Union[
 ]
 
 
-class CommandError(Exception):
-    """The command `lemons` is missing, or it refuses something: the message is its own."""
+class Made(NamedTuple):
+    """What came of a command: what it says, its warnings, a picture, a summary in JSON, tables in CSV by their names."""
+
+    said: str
+    notes: list[str]
+    picture: bytes
+    summary: str
+    tables: list[tuple[str, str]]
 
 
 def options(values: Mapping[str, Option]) -> list[str]:
@@ -54,27 +67,35 @@ def _each(value: Sequence[Single] | Sequence[Sequence[Single]]) -> list[Sequence
     return nested
 
 
-def call(words: Iterable[str | os.PathLike[str]]) -> str:
-    """Calls the command, and returns what it prints.
+def call(words: Sequence[str | os.PathLike[str]], run: Run | None = None) -> Made:
+    """Calls a command; `run` is its operand, if that is in memory. What it notes becomes warnings.
 
     Raises:
-        CommandError: it is missing, or it fails.
+        CommandError: it fails.
     """
+    # The libraries that it packs lie beside the program.
+    with suppress(FileNotFoundError):
+        _native.look_in(os.path.dirname(os.path.abspath(program())))
+    task = _native.Task([os.fspath(word) for word in words], run)
     try:
-        command = [program(), *(os.fspath(word) for word in words)]
-        # Ctrl-C reaches the command, too: it leaves nothing half-written. Python kills it if it takes longer than 0.25 s.
-        done = subprocess.run(
-            command,
-            capture_output=True,
-            encoding="utf-8",
-            errors="replace",
-            stdin=subprocess.DEVNULL,
-        )
-    except OSError as error:
-        raise CommandError(str(error)) from None
-    if done.returncode != 0:
-        raise CommandError(done.stderr.strip() or f"lemons ended with {done.returncode}")
-    return done.stdout
+        while not task.wait(0.1):
+            pass
+    except BaseException:
+        # Ctrl-C: it removes what it has begun.
+        task.stop()
+        task.wait(600.0)
+        raise
+    made = Made(*task.result())
+    for note in made.notes:
+        warnings.warn(note, stacklevel=3)
+    return made
+
+
+def operand(what: str | os.PathLike[str] | Run) -> tuple[str, Run | None]:
+    """Returns a path, or what a run is called, and the run."""
+    if isinstance(what, (str, os.PathLike)):
+        return os.fspath(what), None
+    return repr(what), what
 
 
 def _text(value: int | float | str | os.PathLike[str]) -> str:

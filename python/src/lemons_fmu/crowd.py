@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -13,90 +15,139 @@ import numpy as np
 import numpy.typing as npt
 from numpy.typing import NDArray
 
-from .clock import clock_of, points_between
-from .columns import ACTIVE, INPUTS
+from . import _native
+from ._native import SimulationError
 from .drive import Drive, DriveLike, Floats, forces, known
-from .errors import FmuError
-from .fmu import Fmu
-from .instance import Instance, Value
-from .leaving import LATEST, Leaving
-from .loaded import Loaded, Source
-from .made import Plan, model_of
-from .model import Algorithm, Model, System
 from .progress import Progress, ProgressLine
-from .record import Record
-from .run import Ints, Run, of_step
+from .record import Ints, Run
 
-#: The end of a run: a time [s]; or "left": when everybody has left who has an exit, or nobody gets out any more (`leaving`).
+#: What is simulated: a Trial (its directory, or its zip), or the FMU of a crowd, by its path.
+Source = Union[str, "os.PathLike[str]"]
+#: The value of a parameter.
+Value = Union[float, int, bool, str]
+#: The end of a run: a time [s]; or "left": when everybody has left who has an exit, or nobody gets out any more.
 Until = Union[float, Literal["left"]]
+#: In which order crowd and Decision step: as `--algorithm` of `lemons run`.
+Algorithm = Literal["jacobi", "gauss-seidel"]
+#: Where people walk. None: by the decision.toml of the Trial, if it has one. False: nobody walks. Or such a file, by its path.
+Plan = Union[None, Literal[False], str, "os.PathLike[str]"]
+
+#: [s] For so long a run goes on before Python looks for Ctrl-C and shows the progress.
+_PART = 0.1
+_MOST_STEPS = 1_000_000_000
+#: Names of parameters that are the propulsion of agents.
+_PROPULSION = re.compile(r"(?:crowd\.)?agent\[(\d+|\*)\]\.(?:Fp\.[xy]|Mp)")
+
+
+def model_of(what: Source | _native.Model, plan: Plan = None) -> _native.Model:
+    """Reads what is simulated.
+
+    Raises:
+        CommandError: the Trial or the plan has errors; or there is an FMU without a Trial.
+        TypeError: the plan is not a plan, or `what` is not a path.
+        ValueError: a plan is given for an FMU.
+    """
+    if isinstance(what, _native.Model):
+        return what
+    if not (plan is None or plan is False or isinstance(plan, (str, os.PathLike))):
+        raise TypeError(f"the plan is {plan!r}; it must be None, False, or the path of a decision.toml")
+    path = os.fspath(what)
+    if not isinstance(path, str):
+        raise TypeError(f"{type(what).__name__}: give the path of a Trial or of the FMU of a crowd; FMPy runs other FMUs")
+    given = None if plan is None or plan is False else os.fspath(plan)
+    if given is not None and given.lower().endswith(".fmu"):
+        raise ValueError(f"plan={given!r}: give the decision.toml; an FMU that decides is coupled by lemons connect, or with FMPy")
+    if given is not None and path.lower().endswith(".fmu"):
+        raise ValueError(f"plan={given!r}: is for a Trial: give the Trial instead of its FMU")
+    return _native.Model.read(path, given, plan is not False)
 
 
 @dataclass(frozen=True, repr=False)
 class State:
-    """A saved crowd, including springs and parameters. It can be pickled, and restored in another process."""
+    """A saved crowd, including springs, parameters, and what its people have decided. It can be pickled, and restored in
+    another process."""
 
     time: float
     data: bytes
-    #: Of who decides where people walk.
-    decision: bytes | None = None
 
     def __repr__(self) -> str:
-        return f"<State at {self.time:g} s, {len(self.data) + len(self.decision or b'')} bytes>"
+        return f"<State at {self.time:g} s, {len(self.data)} bytes>"
 
 
 class Crowd:
     """A crowd of N people, initialized and ready to step.
 
-    `what` is a Trial (its directory, or a zip of it), or a packed crowd: a file, the bytes of a file, or a result of `load`. The
-    people of a Trial walk by its decision.toml, as in `lemons run`: the Decision FMU is coupled with the crowd's, and the
-    results have the same bits. `plan` is another such file, or the FMU that decides (the way to walk with a packed crowd);
-    with `plan=False` nobody walks. `algorithm` says how both exchange values ("jacobi", "gauss-seidel").
+    `what` is a Trial (its directory, or a zip of it), or the FMU of a crowd: the first Trial in it is simulated by this
+    package's own mechanics. The people of a Trial walk by its decision.toml, as in `lemons run`, and the results have the
+    same bits. `plan` is another such file; with `plan=False` nobody walks. `algorithm` says in which order the crowd and who
+    decides step ("jacobi", "gauss-seidel").
 
     `parameters` are set before initialization: parameters and start values by their names in the FMU; `agent[*].Mass` sets the
-    mass of all agents, `decision.agent[3].DesiredSpeed` a parameter of Decision. Use it in a `with`, or `close` it: the next
-    Crowd of the same FMU then uses its instance again. Only one thread at a time may use it; make one for each thread.
+    mass of all agents, `decision.agent[3].DesiredSpeed` a parameter of Decision. Only one thread at a time may use a Crowd;
+    make one for each thread.
 
     Raises:
-        FmuError: an FMU refuses something (the message is that of the FMU), or two do not fit together.
-        CommandError: the command `lemons` refuses the Trial or the plan, or is missing; the message is its own.
-        ValueError: the plan is for a Trial, and there is an FMU.
+        CommandError: the Trial or the plan has errors; the message is that of `lemons run`.
+        SimulationError: a parameter is unknown or refused.
+        ValueError: a plan is given for an FMU, or the algorithm is unknown.
     """
 
     def __init__(
         self,
-        what: Source | Fmu | Model,
+        what: Source | _native.Model,
         parameters: Mapping[str, Value] | None = None,
         *,
         plan: Plan = None,
         algorithm: Algorithm = "jacobi",
         start: float = 0.0,
     ) -> None:
-        self._model = what if isinstance(what, Model) else model_of(what, plan, algorithm)
-        #: The FMU of the crowd.
-        self.fmu = self._model.fmu
-        self._given: System | None = System(self._model)
-        #: The current time [s].
-        self.time = start
-        try:
-            self._system.initialize(parameters or {}, start)
-        except BaseException:
-            self.close()
-            raise
+        #: What is simulated. It can be given instead of the Trial, and pickled.
+        self.model = model_of(what, plan)
+        #: Ids of the agents in Agents.xml.
+        self.ids: tuple[str, ...] = tuple(self.model.ids)
+        #: Warnings so far.
+        self.messages: list[str] = list(self.model.warnings)
+        self._own: _native.Simulation | None = _native.Simulation(self.model, algorithm)
+        self._begin(parameters, start)
+
+    def _begin(self, parameters: Mapping[str, Value] | None, start: float) -> None:
+        # `run` plays the drive of the Trial itself.
+        self._held: set[int] = set()
+        for name, value in {"PlayDrive": False, **(parameters or {})}.items():
+            self._simulation.set(name, value)
+            if held := _PROPULSION.fullmatch(name):
+                self._held.update(range(len(self)) if held[1] == "*" else [int(held[1])])
+        self._simulation.begin(start)
+        self._hear()
+
+    def _hear(self) -> None:
+        self.messages += self._simulation.take_warnings()
 
     @property
-    def plan(self) -> Loaded | None:
-        """The FMU that decides where people walk; None: nobody walks. It can be the `plan` of another Crowd."""
-        return self._model.decider
+    def _simulation(self) -> _native.Simulation:
+        if self._own is None:
+            raise SimulationError("the Crowd is closed")
+        return self._own
 
     @property
-    def _system(self) -> System:
-        if self._given is None:
-            raise FmuError("the Crowd is closed")
-        return self._given
+    def plan(self) -> str | None:
+        """The file by which people walk; None: nobody walks."""
+        return None if self.model.plan is None else os.fspath(self.model.plan)
 
     @property
-    def _instance(self) -> Instance:
-        return self._system.crowd
+    def trial(self) -> str:
+        """Name of the Trial that is simulated."""
+        return self.model.trial
+
+    @property
+    def variables(self) -> list[str]:
+        """Names of all variables, those of Decision as `decision.Arrived`."""
+        return self._simulation.variables()
+
+    @property
+    def time(self) -> float:
+        """The current time [s]."""
+        return self._simulation.time
 
     def __enter__(self) -> Crowd:
         return self
@@ -104,68 +155,43 @@ class Crowd:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
 
-    def __del__(self) -> None:
-        if getattr(self, "_given", None) is not None:
-            self.close()
-
     def __repr__(self) -> str:
-        if self._given is None:
+        if self._own is None:
             return "<Crowd, closed>"
         walk = "" if self.plan is None else " who walk"
-        return f"<Crowd of {self.fmu.agents} people{walk}, Trial {self.trial!r}, at {self.time:g} s>"
+        return f"<Crowd of {len(self)} people{walk}, Trial {self.trial!r}, at {self.time:g} s>"
 
     def __len__(self) -> int:
         """The number of people."""
-        return self.fmu.agents
+        return len(self.ids)
 
     def __getitem__(self, name: str) -> Value:
         """Returns the value of a variable, of Decision as `decision.Arrived`."""
-        return self._system.get(name)
+        return self._simulation.get(name)
 
     def close(self) -> None:
-        """Gives the instance back. The Crowd cannot be used any more."""
-        system, self._given = self._given, None
-        if system is not None:
-            system.close()
+        """Frees the memory. The Crowd cannot be used any more."""
+        self._own = None
 
     def reset(self, parameters: Mapping[str, Value] | None = None, *, start: float = 0.0) -> None:
         """Goes back to the beginning of the Trial, with these parameters only."""
-        self._system.reset()
-        self.time = start
-        self._system.initialize(parameters or {}, start)
-
-    @property
-    def trial(self) -> str:
-        """Name of the packed Trial that is simulated."""
-        return str(self._instance.get("Trial")) if "Trial" in self.fmu.variables else self.fmu.trial
-
-    @property
-    def messages(self) -> list[str]:
-        """The messages of the FMUs, such as warnings."""
-        return self._system.messages
+        self._simulation.reset()
+        self._begin(parameters, start)
 
     def set_drive(self, drive: Floats) -> None:
-        """Sets Fp.x, Fp.y [N] and Mp [N.m] of all agents, shape (N, 3). They stay until they are set again.
-
-        Raises:
-            FmuError: people walk: Decision sets them in each step.
-        """
-        self._undecided("Fp.x")
-        self._instance.set_real(self.fmu.inputs, forces(drive, self.fmu.agents))
+        """Sets Fp.x, Fp.y [N] and Mp [N.m] of all agents, shape (N, 3). They stay until they are set again. Of people who walk
+        they are added to the forces with which they walk."""
+        self._simulation.push(forces(drive, len(self)))
 
     def drive(self) -> Floats:
         """Returns Fp.x, Fp.y [N] and Mp [N.m] of all agents, shape (N, 3)."""
-        return self._reals(self.fmu.inputs)
+        return self._simulation.drive()
 
     @property
     def active(self) -> Presence:
         """Whether people are there, as an array that can be written: `crowd.active[3] = False` takes somebody out. From the
         next step on they touch nothing and do not move; with True they come back where they were. Where people walk, Decision
-        says who is there: it can only be read.
-
-        Raises:
-            FmuError: the FMU was packed by an early version, from whose crowd nobody can leave.
-        """
+        says who is there: it can only be read."""
         return Presence(self)
 
     @active.setter
@@ -175,78 +201,68 @@ class Crowd:
     @property
     def left(self) -> int:
         """How many people are not there: who have left, or were taken out."""
-        return 0 if self.fmu.active is None else int((~self._instance.get_boolean(self.fmu.active)).sum())
-
-    def _undecided(self, variable: str) -> None:
-        """Checks that nobody else sets a variable of agents."""
-        if f"agent[0].{variable}" in self._model.fed[-1]:
-            raise FmuError(f"agent[i].{variable} is set by {self._model.plan} in each step; with plan=False nobody walks")
+        return int((~self._simulation.active()).sum())
 
     def step(self, step: float | None = None) -> None:
         """Simulates a communication step [s]; by default the Trial's TimeStep."""
-        self.step_to(self.time + (self._model.step_of(self.trial) if step is None else step))
+        self.step_to(self.time + (self.model.step if step is None else step))
 
     def step_to(self, time: float) -> None:
         """Simulates a communication step that ends at this time [s]."""
-        self._system.step(self.time, time - self.time)
-        self.time = time
+        self._simulation.step_to(time)
+        self._hear()
+
+    def _reals(self) -> Floats:
+        return self._simulation.observe()[0]
 
     def poses(self) -> Floats:
         """Returns x, y [m] and theta [rad] of all agents, shape (N, 3)."""
-        return self._reals(np.ascontiguousarray(self.fmu.reals[:, 0:3]))
+        return self._reals()[:, 0:3]
 
     def velocities(self) -> Floats:
         """Returns vx, vy [m/s] and omega [rad/s] of all agents, shape (N, 3)."""
-        return self._reals(np.ascontiguousarray(self.fmu.reals[:, 3:6]))
+        return self._reals()[:, 3:6]
 
     def squeeze(self) -> Floats:
         """Returns the present squeeze of all agents, shape (N,): the sum of |F_n| over the contacts [N]. Collisions last
         milliseconds, so it depends on the instant; `mean_squeeze` and `peak_squeeze` do not."""
-        return self._reals(np.ascontiguousarray(self.fmu.reals[:, 6]))
+        return self._reals()[:, 6]
 
     def mean_squeeze(self) -> Floats:
-        """Returns the mean squeeze over the last communication step [N], shape (N,): its impulse / the step.
-
-        Raises:
-            FmuError: the FMU was packed by an early version, which does not have this output and the next two.
-        """
-        return self._reals(np.ascontiguousarray(of_step(self.fmu.reals, 0)))
+        """Returns the mean squeeze over the last communication step [N], shape (N,): its impulse / the step."""
+        return self._reals()[:, 7]
 
     def peak_squeeze(self) -> Floats:
         """Returns the largest squeeze within the last communication step [N], shape (N,)."""
-        return self._reals(np.ascontiguousarray(of_step(self.fmu.reals, 1)))
+        return self._reals()[:, 8]
 
     def peak_overlap(self) -> Floats:
         """Returns the deepest overlap of the contacts within the last communication step [m], shape (N,)."""
-        return self._reals(np.ascontiguousarray(of_step(self.fmu.reals, 2)))
+        return self._reals()[:, 9]
 
     def contacts(self) -> Ints:
         """Returns for all agents the number of contacts with people, of contacts with walls, and of people that touch: shape
         (N, 3)."""
-        values = np.empty(self.fmu.counts.shape, dtype=np.int32)
-        self._instance.get_integer(self.fmu.counts, values)
-        return values
+        return self._simulation.observe()[1]
 
     def masses(self) -> Floats:
         """Returns the masses of all agents [kg], shape (N,)."""
-        return self._reals(self.fmu.references(("Mass",))[:, 0].copy())
+        return self._simulation.masses()
 
     def save(self) -> State:
         """Returns the state, including contacts. After it is restored, results have the same bits."""
-        *decision, crowd = self._system.save()
-        return State(self.time, crowd, *decision)
+        return State(self.time, self._simulation.save())
 
     def restore(self, state: State) -> None:
-        """Restores a state that was saved from this Crowd, or from another one of the same FMUs.
+        """Restores a state that was saved from this Crowd, or from another one of the same Trial.
 
         Raises:
-            FmuError: an FMU refuses it: it is of another crowd, or damaged.
+            SimulationError: it is of another crowd, or damaged.
             TypeError: it is not a State.
         """
         if not isinstance(state, State):
             raise TypeError(f"the state is of type {type(state).__name__}; it must be a State, which Crowd.save returns")
-        self._system.restore([state.data] if state.decision is None else [state.decision, state.data])
-        self.time = state.time
+        self._simulation.restore(state.data)
 
     def run(
         self,
@@ -255,7 +271,7 @@ class Crowd:
         until: Until,
         step: float | None = None,
         stop: Callable[[Crowd], bool] | None = None,
-        progress: bool = False,
+        progress: bool | Callable[[Progress], None] = False,
     ) -> Run:
         """Steps until a time [s], and returns poses, velocities, squeeze and contacts at all communication points. These are
         multiples of the step from the present time; the last step may be shorter. The default step is the Trial's TimeStep.
@@ -264,72 +280,57 @@ class Crowd:
         left or got further than 5 m; at the latest at 3600 s. `stop` is a function of the Crowd that is called after each step:
         the run ends when it returns True. `Run.ended` says when all had left, or `stop` returned True.
 
-        The default drive is the drive.csv packed with the Trial, as in `lemons run`; nothing where people walk. With `False` no
-        drive is set: that of the Trial, or the one that was set before, continues. See `DriveLike` for other drives.
-        `progress` shows the progress on standard error.
+        The default drive is the drive.csv of the Trial, as in `lemons run`; where people walk, a drive is added to the forces with
+        which they walk. With `False` no drive is set: that of the Trial, or the one that was set before, continues. See
+        `DriveLike` for other drives. `progress` shows the progress on standard error, or is a function that gets it. Ctrl-C
+        ends the run between two steps.
 
         Raises:
-            FmuError: an FMU refuses something (the message is that of the FMU), or nobody can leave.
+            SimulationError: the simulation refuses something, or nobody can leave.
             TypeError: the drive is not a drive.
-            ValueError: drive, time or step are not valid, or there is a drive for people who walk.
+            ValueError: drive, time or step are not valid.
             OSError: the drive's file cannot be read.
         """
-        drive = self._model.driven(known(drive, self.fmu.ids), self.trial)
-        leaving = None
-        if until == "left":
-            leave, until = self._model.leave(), LATEST
-            leaving = Leaving(leave)
-        elif isinstance(until, str):
+        drive = known(drive, self.ids)
+        if drive is None:
+            # An agent whose propulsion is set has no other.
+            drive = Drive({agent: table for agent, table in self.model.drive().items() if agent not in self._held})
+        if isinstance(until, str) and until != "left":
             raise ValueError(f"until={until!r}: must be a time [s], or 'left'")
-        start, step = self.time, self._model.step_of(self.trial) if step is None else step
-        steps, last = clock_of(start, until, step)
-        pushes, driven = None, None
+        simulation, step = self._simulation, self.model.step if step is None else float(step)
+        recording = _native.Recording(simulation, None if isinstance(until, str) else float(until), step, stop is None)
         if isinstance(drive, Drive) and drive.tables:
-            pushes, driven = self._pushes(drive, points_between(start, until, step))
+            agents, pushes = self._pushes(drive, recording.points())
+            recording.push(agents, pushes)
         elif isinstance(drive, np.ndarray):
             self.set_drive(drive)
-        record = Record(self.fmu, self._instance, steps, leaving is None and stop is None)
-        record.look(start)
-        over = None if leaving is None else leaving.see(start, *record.standing())
-        line, begin = (ProgressLine("steps", failing=False) if progress else None), monotonic()
-        ended = start if over == "left" else None
-        for k in range(1, steps + 1):
-            if over is not None:
-                break
-            if pushes is not None and driven is not None:
-                self._instance.set_real(driven, pushes[k - 1])
-            elif callable(drive):
+        report = progress if callable(progress) else ProgressLine("steps", failing=False) if progress else None
+        begin, met = monotonic(), False
+        # A function is called between any two steps.
+        most = 1 if stop is not None or callable(drive) else _MOST_STEPS
+        while not (recording.is_over or met):
+            if callable(drive):
                 self.set_drive(drive(self))
-            self.step_to(last if k == steps else start + k * step)
-            record.look(self.time)
-            if line is not None:
-                line(Progress(k, 0, steps, monotonic() - begin, 0, None))
-            over = None if leaving is None else leaving.see(self.time, *record.standing())
-            if over == "left" or (stop is not None and stop(self)):
-                ended = self.time
-            if ended is not None or over is not None:
-                if line is not None:
-                    line(Progress(k, 0, k, monotonic() - begin, 0, None))
-                break
-        if leaving is not None and ended is None:
-            why = leaving.why(over)
-            warnings.warn(f"{leaving.stay} people have not left: {why}; the run ends at t = {self.time:g} s", stacklevel=2)
-        return record.finish(self.trial, ended, may_leave=self._model.may_leave)
+            recording.advance(simulation, most, _PART)
+            self._hear()
+            met = stop is not None and stop(self)
+            if report is not None:
+                steps, done = recording.steps
+                report(Progress(done, 0, done if met or recording.is_over else steps, monotonic() - begin, 0, None))
+        why = None if met else recording.why_some_stay()
+        if why is not None:
+            warnings.warn(why, stacklevel=2)
+        times, reals, counts, active = recording.finish()
+        leaving = self.plan is not None or not bool(active.all())
+        ended = float(times[-1]) if met or recording.have_left else None
+        return Run(times, reals, counts, self.ids, active, leaving, ended, self.model)
 
-    def _pushes(self, drive: Drive, times: Floats) -> tuple[Floats, NDArray[np.uint32]]:
-        """Returns the values of tables at each step, and the references of these inputs."""
-        agents = list(drive.tables)
+    def _pushes(self, drive: Drive, times: Floats) -> tuple[list[int], Floats]:
+        """Returns the agents of tables, and their values at each step."""
         moments = times[:-1] if drive.at == "start" else (times[:-1] + times[1:]) / 2
-        masses = self.masses() if drive.per_mass else np.ones(self.fmu.agents)
-        pushes = np.empty((len(moments), len(agents), 3))
-        for place, agent in enumerate(agents):
-            pushes[:, place] = masses[agent] * drive.sample(agent, moments)
-        return pushes, self.fmu.references(INPUTS, agents)
-
-    def _reals(self, references: NDArray[np.uint32]) -> Floats:
-        values = np.empty(references.shape)
-        self._instance.get_real(references, values)
-        return values
+        masses = self.masses() if drive.per_mass else np.ones(len(self))
+        pushes = [masses[agent] * drive.sample(agent, moments) for agent in drive.tables]
+        return list(drive.tables), np.ascontiguousarray(np.stack(pushes, axis=1))
 
 
 class Presence:
@@ -337,19 +338,15 @@ class Presence:
 
     def __init__(self, crowd: Crowd) -> None:
         self._crowd = crowd
-        references = crowd.fmu.active
-        if references is None:
-            raise FmuError("the FMU has no input agent[i].Active: an earlier version packed it; pack its Trial again")
-        self._references = references
 
     def _values(self) -> NDArray[np.bool_]:
-        return self._crowd._instance.get_boolean(self._references)
+        return self._crowd._simulation.active()
 
     def __array__(self, dtype: npt.DTypeLike = None, copy: bool | None = None) -> NDArray[Any]:
         return np.asarray(self._values(), dtype=dtype)
 
     def __len__(self) -> int:
-        return len(self._references)
+        return len(self._crowd)
 
     def __repr__(self) -> str:
         return repr(self._values())
@@ -360,10 +357,11 @@ class Presence:
         return bool(found) if isinstance(found, np.bool_) else found
 
     def __setitem__(self, which: Any, values: npt.ArrayLike) -> None:
-        self._crowd._undecided(ACTIVE.variable)
+        if self._crowd.plan is not None:
+            raise SimulationError(f"agent[i].Active is set by {self._crowd.plan} in each step; with plan=False nobody walks")
         given = np.asarray(values)
         if not np.isin(given, (0, 1)).all():
             raise ValueError(f"whether people are there must be True or False, not {values!r}")
         all_of_them = self._values()
         all_of_them[which] = given
-        self._crowd._instance.set_boolean(self._references, all_of_them)
+        self._crowd._simulation.set_active(all_of_them)

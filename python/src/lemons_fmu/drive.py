@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import inspect
 import io
-import math
 import os
 import pickle
-import re
 import sys
 import sysconfig
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -20,8 +17,7 @@ from typing import Any, Literal, TypeVar, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from . import files
-from .columns import INPUTS
+from . import _native
 
 Floats = NDArray[np.float64]
 
@@ -70,7 +66,7 @@ class Drive:
             ValueError: the file is not valid; the message names file, line and column.
             OSError: the file cannot be read, is not a regular file, or is larger than 500 MB.
         """
-        return read(files.read(path, LARGEST), os.fspath(path), ids)
+        return Drive(_native.read_drive(os.fspath(path), list(ids)))
 
     def sample(self, agent: int, times: Floats) -> Floats:
         """Returns the values at these times [s], shape (len(times), 3)."""
@@ -92,19 +88,15 @@ class Drive:
 #: The argument of a function that drives a crowd: the crowd.
 Asked = TypeVar("Asked")
 
-#: The drive of a crowd. None: the drive.csv packed with its Trial, if there is one. False: no new drive; that of the Trial
+#: The drive of a crowd. None: the drive.csv of its Trial, if there is one. False: no new drive; that of the Trial
 #: continues. Or the path of a drive file, a Drive, constants of shape (N, 3), or a function of the crowd that is called
 #: before each step and returns an array of shape (N, 3).
 DriveLike = Union[None, Literal[False], str, os.PathLike[str], Drive, Floats, Callable[[Asked], Floats]]
 #: The same after files were read.
 Known = Union[None, Literal[False], Drive, Floats, Callable[[Asked], Floats]]
 
-#: The largest drive file [byte].
-LARGEST = files.LARGEST_DRIVE
-
-_COLUMNS = ("t", "agent", *INPUTS)
-# Numbers as Rust reads them: no underscores, no digits of other scripts.
-_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+#: What drives an agent [N], [N], [N.m]: columns of a drive file.
+INPUTS = ("Fp.x", "Fp.y", "Mp")
 
 
 def known(drive: DriveLike[Asked], ids: Sequence[str]) -> Known[Asked]:
@@ -167,49 +159,6 @@ def _short(value: object) -> str:
         return f"an array of {value.dtype}"
     text = repr(value)
     return f"{text if len(text) <= 60 else text[:57] + '...'} ({type(value).__name__})"
-
-
-def read(data: bytes, name: str, ids: Sequence[str]) -> Drive:
-    """Reads the content of a drive file; `name` is for messages."""
-    places = {each: place for place, each in enumerate(ids)}
-    rows: dict[int, list[list[float]]] = {}
-    header: list[str] | None = None
-    # Only line feeds and carriage returns end a line; `str.splitlines` would use others too.
-    for number, raw in enumerate(data.removeprefix(b"\xef\xbb\xbf").splitlines(), 1):
-        if not raw or raw.startswith(b"#"):
-            continue
-        where = f"drive file {name}: line {number}"
-        try:
-            cells = [cell.strip() for cell in next(csv.reader([raw.decode()], strict=True))]
-        except (UnicodeDecodeError, csv.Error) as error:
-            raise ValueError(f"{where}: {error}") from None
-        if header is None:
-            header = cells
-            for column in _COLUMNS:
-                if header.count(column) != 1:
-                    many = "are two columns" if column in header else "is no column"
-                    raise ValueError(f"{where}: there {many} {column!r} (expected {','.join(_COLUMNS)})")
-            continue
-        if len(cells) != len(header):
-            raise ValueError(f"{where}: {len(cells)} cells, not {len(header)}")
-        row = dict(zip(header, cells))
-        if row["agent"] not in places:
-            raise ValueError(f"{where}: agent={row['agent']!r}: there is no agent with this Id")
-        numbers = []
-        for column in _COLUMNS:
-            if column != "agent":
-                value = float(row[column]) if _NUMBER.fullmatch(row[column]) else math.nan
-                if not math.isfinite(value):
-                    raise ValueError(f"{where}: {column}={row[column]!r}: not a finite number")
-                numbers.append(value)
-        before = rows.setdefault(places[row["agent"]], [])
-        if before and before[-1][0] >= numbers[0]:
-            raise ValueError(f"{where}: t={row['t']} is not after t={before[-1][0]} of the same agent")
-        before.append(numbers)
-    if header is None:
-        raise ValueError(f"drive file {name}: there is no column 't' (expected {','.join(_COLUMNS)})")
-    arrays = {agent: np.array(each) for agent, each in rows.items()}
-    return Drive({agent: (each[:, 0], each[:, 1:]) for agent, each in arrays.items()})
 
 
 def identity(drive: Known[Any]) -> dict[str, Any]:

@@ -1,16 +1,13 @@
-"""Runs for other programs: `lemons export` writes them."""
+"""Runs for other programs, as `lemons export` writes them."""
 
 from __future__ import annotations
 
 import os
-import tempfile
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Literal
 
-from .command import Option, call, options
+from .command import Option, call, operand, options
 from .picture import Drawn
-from .recorded import table_of
 
 #: As `--to` of `lemons export`.
 Format = Literal["jupedsim", "pedpy", "chaos", "series", "trial"]
@@ -31,12 +28,8 @@ def export(
     replaced with `force=True`.
 
     Raises:
-        CommandError: the command refuses something, or is missing; the message is its own.
+        CommandError: something is refused; the message is that of the command.
     """
-    with tempfile.TemporaryDirectory(prefix="lemons-export-") as directory, ExitStack() as kept:
-        if not isinstance(what, (str, os.PathLike)):
-            if trial is None:
-                trial = kept.enter_context(what.walls())
-            what = table_of(what, Path(directory))
-        call(["export", f"--to={to}", *options({"trial": trial, **others}), "--", os.fspath(what), os.fspath(output)])
+    source, run = operand(what)
+    call(["export", f"--to={to}", *options({"trial": trial, **others}), "--", source, output], run)
     return Path(output)

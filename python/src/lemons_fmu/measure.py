@@ -5,21 +5,16 @@ from __future__ import annotations
 import io
 import json
 import os
-import tempfile
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from . import files
-from .command import Option, call, options
+from .command import Option, call, operand, options
 from .picture import Drawn
-from .recorded import table_of
 
 #: Columns that are names, also where they look like numbers.
 NAMES = ("line", "direction", "area", "id")
@@ -80,41 +75,27 @@ def measure(
     FMU of a table: its walls bound Voronoi cells; a Run knows its own. `lines` are names and x1, y1, x2, y2 [m]; for who stands at the
     first point and looks at the second one, people cross to the right or to the left. `areas` are names and the lower left and the upper
     right corner of a rectangle, or three and more corners of a polygon [m]. `above` are squeezes [N]. All other
-    options of the command have the same names here: `window=0.5`, `width=0.9`, `walkable="room.wkt"`, `from_=2.0`, `until=8.0`.
+    options of the command have the same names here: `window=0.5`, `width=0.9`, `walkable="room.wkt"`, `from_=2.0`, `until=8.0`,
+    `output="measures"` (a directory for the tables).
 
     Raises:
-        CommandError: the command refuses something, or is missing; the message is its own.
+        CommandError: something is refused; the message is that of the command.
     """
-    with tempfile.TemporaryDirectory(prefix="lemons-measure-") as directory, ExitStack() as kept:
-        if not isinstance(what, (str, os.PathLike)):
-            if trial is None and "walkable" not in others:
-                trial = kept.enter_context(what.walls())
-            # The name of a temporary file would say nothing.
-            source = repr(what)
-            what = table_of(what, Path(directory))
-        else:
-            source = None
-        output = Path(directory) / "measures"
-        given = [("--line", lines), ("--area", areas)]
-        words = [f"{option}={name}={_joined(each)}" for option, all in given for name, each in (all or {}).items()]
-        levels = list(above)
-        known: dict[str, Option] = {"trial": trial, "above": levels or None, "output": output}
-        call(["measure", *words, *options({**known, **others}), "--", os.fspath(what)])
-        summary = json.loads(files.read(output / "summary.json", files.LARGEST_BINARY))
-        if source is not None:
-            summary["source"] = source
-        tables = [_table(output / f"{name}.csv") for name in ("flow", "gaps", "density", "people")]
-        return Measures(summary, *tables)
+    source, run = operand(what)
+    given = [("--line", lines), ("--area", areas)]
+    words = [f"{option}={name}={_joined(each)}" for option, all in given for name, each in (all or {}).items()]
+    known: dict[str, Option] = {"trial": trial, "above": list(above) or None, **others}
+    made = call(["measure", *words, *options(known), "--", source], run)
+    return Measures(json.loads(made.summary), *(_table(text) for _, text in made.tables))
 
 
 def _joined(numbers: Sequence[float]) -> str:
     return ",".join(repr(float(number)) for number in numbers)
 
 
-def _table(path: Path) -> pd.DataFrame:
+def _table(text: str) -> pd.DataFrame:
     # A person may be called NA. Not all versions of pandas read numbers to the last bit.
-    text = io.BytesIO(files.read(path, files.LARGEST_BINARY))
-    table = pd.read_csv(text, dtype=str, keep_default_na=False)
+    table = pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False)
     for name in table.columns:
         if name in COUNTS:
             table[name] = np.array([int(cell) for cell in table[name]], dtype=np.int64)

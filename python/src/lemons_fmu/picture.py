@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
 from pathlib import Path
-from typing import Literal, Union
+from typing import TYPE_CHECKING, Literal, Union
 
-from . import files
-from .command import Option, call, options
-from .recorded import Recorded, table_of
+from .command import Option, call, operand, options
+
+if TYPE_CHECKING:
+    from .record import Run
 
 #: What can be drawn: a Trial, an FMU or a table, by its path, or a Run.
-Drawn = Union[str, "os.PathLike[str]", Recorded]
+Drawn = Union[str, "os.PathLike[str]", "Run"]
 
 
 class Picture:
@@ -60,19 +59,12 @@ def movie(
     `speed_up=4`, `fill="squeeze"`, `over=1`.
 
     Raises:
-        CommandError: the command refuses something, or is missing; the message is its own.
+        CommandError: something is refused; the message is that of the command.
         OSError: it cannot be written.
     """
-    path = Path(output)
-    with tempfile.TemporaryDirectory(prefix="lemons-movie-") as directory:
-        film = Path(directory) / f"movie{path.suffix}"
-        if not isinstance(what, (str, os.PathLike)):
-            what = table_of(what, Path(directory))
-        call(["movie", f"--output={film}", *options({"trial": trial, **others}), "--", os.fspath(what)])
-        beside = path.with_name(f".{path.name}.tmp")
-        shutil.copyfile(film, beside)
-        os.replace(beside, path)
-    return path
+    source, run = operand(what)
+    call(["movie", "--force", f"--output={os.fspath(output)}", *options({"trial": trial, **others}), "--", source], run)
+    return Path(output)
 
 
 def plot(
@@ -85,16 +77,14 @@ def plot(
     """Draws what `lemons plot` draws: scenes, time series, a map of density.
 
     `what` is a Trial or an FMU, which is simulated first as far as it is drawn; the table of an earlier run; or a `Run`. For
-    the scenes of a table or a Run, `trial` is the Trial or FMU that was simulated, as there are no shapes and walls in it.
+    the scenes of a table, `trial` is the Trial or FMU that was simulated, as there are no shapes and walls in it; a Run knows
+    its own.
     All other options of the command have the same names here: `at=[0.5, 1.0]`, `fill="squeeze"`, `forces=True`,
     `series=["speed"]`, `density=True`, `set={"agent[1].Mass": 60.0}`.
 
     Raises:
-        CommandError: the command refuses something, or is missing; the message is its own.
+        CommandError: something is refused; the message is that of the command.
     """
-    with tempfile.TemporaryDirectory(prefix="lemons-plot-") as directory:
-        output = Path(directory) / f"picture.{format}"
-        if not isinstance(what, (str, os.PathLike)):
-            what = table_of(what, Path(directory))
-        call(["plot", f"--output={output}", *options({"trial": trial, **others}), "--", os.fspath(what)])
-        return Picture(files.read(output, files.LARGEST_BINARY), format)
+    source, run = operand(what)
+    words = ["plot", f"--output=picture.{format}", *options({"trial": trial, **others}), "--", source]
+    return Picture(call(words, run).picture, format)

@@ -15,17 +15,15 @@ from pathlib import Path
 
 import numpy as np
 
-from . import files
+from . import _native
 from .drive import Drive, Floats
-from .run import Run
+from .record import Run
 
 #: Communication step [s]: the push is recorded every 0.029 s, and interpolated.
 STEP = 0.01
 #: [s] End of the comparison: the push is over and its record ends. Afterwards people walk back to their places, which the
 #: mechanics does not simulate.
 UNTIL = 4.0
-#: The largest file of a measured push [byte].
-LARGEST = files.LARGEST_DRIVE
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,12 +50,12 @@ class Push:
         place = Path(directory)
         rows = []
         path = place / "external_force_per_mass.txt"
-        for number, line in enumerate(files.read_text(path, LARGEST).splitlines(), 1):
+        for number, line in enumerate(_native.read_text(os.fspath(path)).splitlines(), 1):
             if number > 1 and line.strip():
                 rows.append(_numbers(path, number, line.split(), 2))
         heads: dict[int, list[list[float]]] = {}
         path = place / "measured_head_trajectories.csv"
-        reader = csv.DictReader(io.StringIO(files.read_text(path, LARGEST), newline=""))
+        reader = csv.DictReader(io.StringIO(_native.read_text(os.fspath(path)), newline=""))
         try:
             if not {"t", "id", "x", "y"} <= set(reader.fieldnames or ()):
                 raise ValueError(f"{path}: the columns must be t, id, x, y, not {reader.fieldnames}")

@@ -1,67 +1,130 @@
-"""What is read of a crowd at each communication point of a run."""
+"""What came of a run of a crowd."""
 
 from __future__ import annotations
 
-from typing import Any
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
+from . import _native
+from .command import Option
 from .drive import Floats
-from .fmu import Fmu
-from .instance import Instance
-from .run import Run
+from .export import Format, export
+from .measure import Measures, measure
 
-#: Frames for which there is room at first, where the end of a run is not known.
-_FIRST = 1024
+Ints = NDArray[np.int32]
 
 
-class Record:
-    """The frames of a run under way, in arrays that grow."""
+@dataclass(frozen=True, repr=False)
+class Run:
+    """The results of a run of N people at its K communication points; the first is the start."""
 
-    def __init__(self, fmu: Fmu, instance: Instance, steps: int, whole: bool) -> None:
-        """`whole`: all steps are made, unless the run fails."""
-        self._fmu, self._instance, self._most = fmu, instance, steps + 1
-        room = self._most if whole else min(self._most, _FIRST)
-        self._times = np.empty(room)
-        self._reals = np.empty((room, *fmu.reals.shape))
-        self._counts = np.empty((room, *fmu.counts.shape), dtype=np.int32)
-        self._active = np.ones((room, fmu.agents), dtype=np.bool_)
-        self._frames = 0
+    #: Times [s], shape (K,).
+    times: Floats
+    #: What `poses`, `velocities` and the squeezes show, shape (K, N, 10).
+    reals: Floats
+    counts: Ints
+    #: Ids of the agents in Agents.xml.
+    ids: tuple[str, ...]
+    #: Whether people are there, shape (K, N). With Jacobi's algorithm it follows Decision one step later.
+    active: NDArray[np.bool_]
+    #: Whether people may leave: then the table has a column `active`.
+    leaving: bool
+    #: Time [s] at which the condition was met that ends the run (`until="left"`, `stop`); None if there is none, or if it was
+    #: not met until the last time.
+    ended: float | None
+    #: The Trial that was simulated, with its walls.
+    model: _native.Model
 
-    def look(self, time: float) -> None:
-        """Adds what the crowd is at a time [s]."""
-        k = self._frames
-        if k == len(self._times):
-            room = min(self._most, 2 * k)
-            # The old arrays are gone before the next one grows.
-            self._times = _grown(self._times, room)
-            self._reals = _grown(self._reals, room)
-            self._counts = _grown(self._counts, room)
-            self._active = _grown(self._active, room)
-        self._times[k] = time
-        self._instance.get_real(self._fmu.reals, self._reals[k])
-        self._instance.get_integer(self._fmu.counts, self._counts[k])
-        if self._fmu.active is not None:
-            self._active[k] = self._instance.get_boolean(self._fmu.active)
-        self._frames = k + 1
+    def __repr__(self) -> str:
+        first, last = self.times[[0, -1]]
+        return f"<Run of {len(self.ids)} people from {first:g} s to {last:g} s, {len(self.times)} communication points>"
 
-    def standing(self) -> tuple[Floats, NDArray[np.bool_]]:
-        """Where everybody is now, x and y [m], and whether they are there."""
-        now = self._frames - 1
-        return self._reals[now, :, 0:2], self._active[now]
+    @property
+    def trial(self) -> str:
+        """Name of the Trial."""
+        return self.model.trial
 
-    def finish(self, trial: str, ended: float | None, *, may_leave: bool) -> Run:
-        """Returns the run."""
-        seen: list[NDArray[Any]] = [self._times, self._reals, self._counts, self._active]
-        if self._frames < len(self._times):
-            seen = [values[: self._frames].copy() for values in seen]
-        times, reals, counts, active = seen
-        leaving = may_leave or not bool(active.all())
-        return Run(times, reals, counts, tuple(self._fmu.ids), active, leaving, ended, self._fmu, trial)
+    @property
+    def poses(self) -> Floats:
+        """x, y [m], theta [rad]: shape (K, N, 3)"""
+        return self.reals[:, :, 0:3]
 
+    @property
+    def velocities(self) -> Floats:
+        """vx, vy [m/s], omega [rad/s]: shape (K, N, 3)"""
+        return self.reals[:, :, 3:6]
 
-def _grown(values: NDArray[Any], room: int) -> NDArray[Any]:
-    grown = np.empty((room, *values.shape[1:]), dtype=values.dtype)
-    grown[: len(values)] = values
-    return grown
+    @property
+    def squeeze(self) -> Floats:
+        """Sum of |F_n| over the contacts [N] at the communication points: shape (K, N). Collisions last milliseconds, so
+        its maximum depends on the step; `mean_squeeze` and `peak_squeeze` include the time between the points."""
+        return self.reals[:, :, 6]
+
+    @property
+    def mean_squeeze(self) -> Floats:
+        """Mean of the squeeze over the step that ends at a communication point [N]: shape (K, N)"""
+        return self.reals[:, :, 7]
+
+    @property
+    def peak_squeeze(self) -> Floats:
+        """Largest squeeze within the step that ends at a communication point [N]: shape (K, N)"""
+        return self.reals[:, :, 8]
+
+    @property
+    def peak_overlap(self) -> Floats:
+        """Deepest overlap of the contacts within the step that ends at a communication point [m]: shape (K, N)"""
+        return self.reals[:, :, 9]
+
+    @property
+    def contacts(self) -> Ints:
+        """Number of contacts with people, of contacts with walls, and of people that touch: shape (K, N, 3)"""
+        return self.counts
+
+    def frame(self) -> pd.DataFrame:
+        """Returns the table that `lemons run` writes: a row for each agent at each communication point."""
+        points, agents = self.squeeze.shape
+        ids: list[int] | list[str] = list(self.ids)
+        if all(each.isascii() and each.isdigit() and str(int(each)) == each for each in self.ids):
+            ids = [int(each) for each in self.ids]
+        of_agents, of_walls, _ = self.counts.sum(axis=1, dtype=np.int64).T
+        # In the order of the table; a contact of two people counts for both.
+        columns = iter(_native.TABLE)
+        values = {next(columns): np.repeat(self.times, agents), next(columns): np.tile(np.array(ids), points)}
+        reals = {name: self.reals[:, :, k].ravel() for k, name in enumerate(_native.REALS)}
+        whole = [*np.moveaxis(self.counts, 2, 0).astype(np.int64), self.active.astype(np.int64)]
+        whole += [np.repeat(total, agents) for total in (of_agents // 2, of_walls)]
+        counts = iter(whole)
+        for name in columns:
+            values[name] = reals[name] if name in reals else next(counts).ravel()
+        return pd.DataFrame(values) if self.leaving else pd.DataFrame(values).drop(columns="active")
+
+    def measure(
+        self,
+        *,
+        lines: Mapping[str, Sequence[float]] | None = None,
+        areas: Mapping[str, Sequence[float]] | None = None,
+        above: Iterable[float] = (),
+        trial: str | os.PathLike[str] | None = None,
+        **others: Option,
+    ) -> Measures:
+        """Measures the run, with the numbers of `lemons measure` of the same run. The walls are those of its Trial, unless
+        `trial` or `walkable` is given. Arguments, results and errors are those of `lemons_fmu.measure`."""
+        return measure(self, lines=lines, areas=areas, above=above, trial=trial, **others)
+
+    def export(
+        self,
+        output: str | os.PathLike[str],
+        *,
+        to: Format,
+        trial: str | os.PathLike[str] | None = None,
+        **others: Option,
+    ) -> Path:
+        """Converts the run for another program, as `lemons export` does: `run.export("run.sqlite", to="jupedsim")`. The Trial is
+        its own, unless `trial` is given. Arguments, results and errors are those of `lemons_fmu.export`."""
+        return export(self, output, to=to, trial=trial, **others)

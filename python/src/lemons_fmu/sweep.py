@@ -3,40 +3,37 @@
 from __future__ import annotations
 
 import itertools
+import json
 import logging
 import math
 import os
 import queue
 import time
-import weakref
 from asyncio import CancelledError
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sized
 from contextlib import contextmanager
+from multiprocessing import spawn
 from typing import Any, Union
 
 import cloudpickle
 import dask
-import numpy as np
 import pandas as pd
 from dask.system import CPU_COUNT
 from distributed import Client, Future, KilledWorker, LocalCluster, SpecCluster, Status
 
-from .crowd import Crowd, Until
-from .drive import DriveLike, function_identity
-from .fmu import Fmu
-from .instance import Value
-from .loaded import Loaded, Source
-from .made import Plan
-from .model import Algorithm
+from . import _native
+from ._native import SweepError as SweepError
+from .crowd import Algorithm, Crowd, Plan, Source, Until, Value, model_of
+from .drive import DriveLike, function_identity, identity, known
 from .progress import Progress, ProgressLine
-from .results import FAILED, POINT, STATUS, Directory, Intervals, Points, Result, SweepError, joined, part_of
-from .scratch import scratch
-from .study import Given, Packing, Study, study_of
-from .work import FmuOnWorker, Interrupted, Job, JobOnWorker, Measure, Stop, simulate_points
+from .work import ERROR, POINT, RESERVED, STATUS, Interrupted, Job, JobOnWorker, Measure, Result, Stop, Subject, simulate_points
 
 #: A grid (name → values, all combinations, the last name varies fastest) or a table (a row for each point).
 Grid = Union[Mapping[str, Iterable[Value]], pd.DataFrame]
+
+#: A larger number of points is taken for a mistake, as by `lemons sweep`.
+MOST_POINTS = 10_000_000
 
 
 #: [s] Duration of a task for a worker, which chooses its number of points: Dask needs about 10 ms for each task.
@@ -51,11 +48,8 @@ DESERTED = 600.0
 DIED = "the worker process ended several times while it simulated this point"
 
 
-_sent: weakref.WeakKeyDictionary[Client, set[str]] = weakref.WeakKeyDictionary()
-
-
 def sweep(
-    what: Source | Fmu,
+    what: Source,
     points: Grid,
     drive: DriveLike[Crowd],
     measure: Measure,
@@ -73,126 +67,233 @@ def sweep(
     """Simulates every point until a time [s]. Returns a table sorted by point: `point`, the parameters, the measures of each
     run, `status` (`ok` or `failed`) and `error` (the message of a failed point).
 
-    `what` is a Trial or a packed crowd, and people walk as in a `Crowd` (`plan`, `algorithm`). The path of `what` or `plan` may
-    contain names of parameters in braces: `"room_{width}_{seed}"`. Such a parameter only chooses what is simulated.
+    `what` is a Trial or the FMU of a crowd, and people walk as in a `Crowd` (`plan`, `algorithm`). The path of `what` or `plan`
+    may contain names of parameters in braces: `"room_{width}_{seed}"`. Such a parameter only chooses what is simulated.
 
     `points` is a grid or a table of parameters by their names in the FMU (`agent[*].Mass` sets the masses of all agents,
-    `decision.agent[3].DesiredSpeed` a parameter of Decision). `drive` is as for `Crowd.run`: None is the drive.csv packed with
-    the point's Trial, False is no drive; people who walk have none. `measure` is a function of a `Run` that returns names and
-    numbers (or texts); None is a number that is not known. `Run.measure` gives it what `lemons measure` computes.
+    `decision.agent[3].DesiredSpeed` a parameter of Decision). `drive` is as for `Crowd.run`: None is the drive.csv of the point's
+    Trial, False is no drive. `measure` is a function of a `Run` that returns names and numbers (or texts), the same names at all
+    points; None is a number that is not known. `Run.measure` gives it what `lemons measure` computes.
 
     `until="left"` and `stop` end points as they end `Crowd.run`. The table then has the measure `ended` [s]: when that was; not
     a number where it never was.
 
-    With `out`, results are written to that directory as they come. A sweep that was killed continues from there: finished
-    points are not simulated again (failed ones only with `retry_failed`).
+    With `out`, the name of a file, results are appended to this table as they come: CSV, as that of `lemons sweep`. A sweep that
+    was killed continues from there: finished points are not simulated again (failed ones only with `retry_failed`).
 
     `client` is a Dask client or the address of a scheduler. Without one, all cores of this machine are used by worker
-    processes, so a script needs `if __name__ == "__main__":`. `progress` shows the progress on standard error, or is a
-    function that gets it.
+    processes. `progress` shows the progress on standard error, or is a function that gets it.
 
     Raises:
-        CommandError: the command `lemons` refuses a Trial or a plan, or is missing.
-        FmuError: an FMU cannot be read or has no variable with such a name, two do not fit together, or nobody can leave.
+        CommandError: a Trial or a plan has errors.
+        SimulationError: there is no variable with such a name, or nobody can leave.
         TypeError: the drive is not a drive, or the values of a parameter are not a list.
-        ValueError: points, drive or times are not valid, or there is a drive for people who walk.
+        ValueError: points, drive or times are not valid.
         OSError: the drive's file cannot be read.
-        SweepError: the directory belongs to another sweep or cannot be written, or the scheduler is gone.
+        SweepError: the table is that of another sweep or cannot be written, or the scheduler is gone.
     """
-    table = Points.of(points)
-    study = study_of(Given(what, plan, algorithm, drive, until, step), table)
+    table = _points(points)
+    study = _Study(table, what, plan, algorithm, drive, until, step)
     work = cloudpickle.dumps((drive if callable(drive) else None, measure, stop))
-    job = Job(os.urandom(8).hex(), table.names, study.set, algorithm, work, until if until == "left" else float(until))
-    manifest = {**study.identity, **_asked(table, measure, stop, job)}
-    return _sweep(study, table, job, manifest, out, client, _report(progress), retry_failed)
+    subject = study.subject(0) if study.count == 1 else None
+    job = Job(os.urandom(8).hex(), subject, tuple(table.names), tuple(study.native.set()), algorithm, work, until)
+    asked = {**study.identity, "measure": function_identity(measure), "until": until if until == "left" else float(until)}
+    if stop is not None:
+        asked["stop"] = function_identity(stop)
+    results = _Results(table, out, {"program": "lemons_fmu", **asked}, retry_failed)
+    report = progress if callable(progress) else ProgressLine() if progress else lambda _: None
+    try:
+        return _sweep(study, job, results, client, report)
+    finally:
+        results.keep()
+
+
+def _points(points: Grid) -> _native.Points:
+    columns: list[tuple[str, list[Any]]]
+    if isinstance(points, pd.DataFrame):
+        columns = [(str(name), points[name].tolist()) for name in dict.fromkeys(points.columns)]
+        if len(columns) != len(points.columns):
+            raise ValueError("two columns of the table have the same name")
+    else:
+        for name, values in points.items():
+            if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+                raise TypeError(f"parameter {name}: must be a list of values, not {values!r}")
+        # Before they are made: they would take all memory.
+        count = math.prod(len(values) for values in points.values() if isinstance(values, Sized))
+        columns = []
+        for name, values in points.items():
+            listed = list(itertools.islice(values, 0 if count > MOST_POINTS else MOST_POINTS + 1))
+            if max(count, len(listed)) > MOST_POINTS:
+                raise ValueError(f"there are more than {MOST_POINTS} points")
+            columns.append((str(name), [each.item() if hasattr(each, "item") else each for each in listed]))
+    for name, _ in columns:
+        if name in RESERVED:
+            raise ValueError(f"{name!r} cannot be a parameter: the table already has a column with this name")
+    return _native.Points.of(columns, not isinstance(points, pd.DataFrame))
+
+
+class _Study:
+    """What points simulate: one Trial or FMU, or those that parameters choose. All are read and checked at the beginning, and
+    those of several again shortly before they are simulated, so that not all of them are in memory."""
+
+    def __init__(
+        self,
+        points: _native.Points,
+        what: Source,
+        plan: Plan,
+        algorithm: Algorithm,
+        drive: DriveLike[Crowd],
+        until: Until,
+        step: float | None,
+    ) -> None:
+        if isinstance(until, str) and until != "left":
+            raise ValueError(f"until={until!r}: must be a time [s], or 'left'")
+        path = None if plan is None or plan is False else os.fspath(plan)
+        self.native = _native.Study(points, os.fspath(what), path, plan is not False)
+        self._models, self._drive, self._step = self.native.models(), drive, step
+        self.count = len(self._models)
+        self._identities: list[str] = []
+        for place in range(self.count):
+            model, own, known_step = self.subject(place)
+            simulation = _native.Simulation(model, algorithm)
+            self.native.check(simulation)
+            if until == "left" and model.leave == 0:
+                raise _native.SimulationError("until='left': nobody can leave: people do not walk, or have no exits (give a time)")
+            _native.check_clock(None if isinstance(until, str) else float(until), known_step)
+            told = json.loads(self.native.identity(model, algorithm, known_step))
+            if drive is not None:
+                told["drive"] = identity(drive if callable(drive) else own)
+            self._identities.append(json.dumps(told, sort_keys=True))
+        self._algorithm = algorithm
+        of_all = json.loads(self.native.identity_of_all(self._identities))
+        #: What must be equal to continue a sweep.
+        self.identity: dict[str, Any] = {**json.loads(self._identities[0]), **of_all} if self.count == 1 else of_all
+
+    def subject(self, place: int) -> Subject:
+        """Reads what the points of a model simulate.
+
+        Raises:
+            CommandError, TypeError, ValueError, OSError: see `sweep`.
+        """
+        path, plan, walk = self._models[place]
+        model = model_of(path, plan if walk else False)
+        drive = known(self._drive, model.ids)
+        step = model.step if self._step is None else float(self._step)
+        # Functions are sent with the job.
+        return Subject(model, None if callable(drive) else drive, step)
+
+    def again(self, point: int) -> Subject | None:
+        """Reads what a point simulates if there are several models.
+
+        Raises:
+            SweepError: it has changed since the sweep began.
+        """
+        if self.count == 1:
+            return None
+        place = self.native.place(point)
+        subject = self.subject(place)
+        told = json.loads(self.native.identity(subject.model, self._algorithm, subject.step))
+        kept = json.loads(self._identities[place])
+        if {**told, "drive": None} != {**kept, "drive": None}:
+            raise SweepError(f"{self._models[place][0]} has changed since the sweep began; finished points are kept")
+        return subject
+
+
+class _Results:
+    """Finished points: in memory, and in a table if that is asked for."""
+
+    def __init__(
+        self, points: _native.Points, out: str | os.PathLike[str] | None, asked: Mapping[str, Any], retry_failed: bool
+    ) -> None:
+        self._points = points
+        if out is not None:
+            os.makedirs(os.path.dirname(os.path.abspath(out)), exist_ok=True)
+        self._table = None if out is None else _native.Table(os.fspath(out), json.dumps(asked), points)
+        self._names = None if self._table is None else self._table.measures
+        self._rows: dict[int, Result] = {}
+        #: Results that are not in the table yet.
+        self._new: list[Result] = []
+        self._begin = self._last = time.monotonic()
+        for row in [] if self._table is None else self._table.rows():
+            self._rows[row[0]] = row
+        #: Whether a point has measures.
+        self._named = any(measures is not None for _, measures, _ in self._rows.values())
+        #: Points that are not simulated again.
+        self.finished = {point for point, _, error in self._rows.values() if error is None or not retry_failed}
+
+    def add(self, results: list[Result]) -> list[Result]:
+        """Adds finished points, and returns them as they are in the table."""
+        added = []
+        for point, measures, error in results:
+            if measures is not None and not self._named:
+                self._names, self._named = list(measures), True
+            if measures is not None and set(measures) != set(self._names or ()):
+                # A column that other points do not have cannot be added to a table.
+                error = f"ValueError: the measures are {', '.join(measures) or 'none'}, and not {', '.join(self._names or ())} as before"
+                measures = None
+            added.append((point, measures, error))
+            self._rows[point] = added[-1]
+        self._new += added
+        if time.monotonic() - self._last > max(1.0, 0.01 * (time.monotonic() - self._begin)):
+            self.keep()
+        return added
+
+    def keep(self) -> None:
+        """Appends what is new to the table."""
+        new, self._new = self._new, []
+        self._last = time.monotonic()
+        if self._table is not None and new:
+            self._table.add(self._names or [], sorted(new, key=lambda row: row[0]))
+
+    def frame(self) -> pd.DataFrame:
+        """Returns all finished points, and sorts the table if there are all of them."""
+        self.keep()
+        if self._table is not None and len(self._rows) == self._points.count:
+            self._table.finish()
+        rows = [self._rows[point] for point in sorted(self._rows)]
+        points = [point for point, _, _ in rows]
+        columns: dict[str, Any] = {POINT: points}
+        for place, name in enumerate(self._points.names):
+            columns[name] = self._points.column(place, points)
+        for name in self._names or []:
+            values = [math.nan if measures is None else measures[name] for _, measures, _ in rows]
+            texts = any(isinstance(value, str) for value in values)
+            columns[name] = [None if texts and not isinstance(value, str) else value for value in values]
+        columns[STATUS] = ["ok" if error is None else "failed" for _, _, error in rows]
+        return pd.DataFrame({**columns, ERROR: pd.Series([error for _, _, error in rows], dtype=object)})
 
 
 def _sweep(
-    study: Study,
-    table: Points,
-    job: Job,
-    manifest: Mapping[str, Any],
-    out: str | os.PathLike[str] | None,
-    client: Client | str | None,
-    report: Callable[[Progress], None],
-    retry_failed: bool,
+    study: _Study, job: Job, results: _Results, client: Client | str | None, report: Callable[[Progress], None]
 ) -> pd.DataFrame:
-    directory = None if out is None else Directory(out, manifest, table)
-    try:
-        kept = [] if directory is None else [directory.read()]
-        threads: int | None
-        finished = np.zeros(table.count, dtype=bool)
-        failed = 0
-        for part in kept:
-            bad = part[STATUS].to_numpy() == FAILED
-            finished[part[POINT].to_numpy()[~bad if retry_failed else slice(None)]] = True
-            failed = 0 if retry_failed else int(bad.sum())
-        before = int(finished.sum())
-        open_points = np.flatnonzero(~finished)
-        start = time.monotonic()
+    count = results._points.count
+    left = [point for point in range(count) if point not in results.finished]
+    before, start = count - len(left), time.monotonic()
+    done, failed, threads = before, sum(results._rows[point][2] is not None for point in results.finished), None
 
-        def tell() -> None:
-            report(Progress(before + done, failed, table.count, time.monotonic() - start, before, threads))
+    def tell() -> None:
+        report(Progress(done, failed, count, time.monotonic() - start, before, threads))
 
-        done, threads = 0, None
-        tell()
-        if len(open_points):
-            pending: list[Result] = []
-            intervals = Intervals()
-
-            def write() -> None:
-                if pending:
-                    try:
-                        if directory is None:
-                            kept.append(part_of(table, pending))
-                        else:
-                            directory.add(pending)
-                    except SweepError:
-                        pending.clear()  # try to write them only once
-                        raise
-                    pending.clear()
-                intervals.done()
-
-            # By default a cluster gives up a worker that is not back after 15 s. A busy machine may need longer to start one,
-            # which then meets another of its name.
-            patient = dask.config.set({"distributed.deploy.lost-worker-timeout": DESERTED})
-            with patient, client_of(client) as cluster:
-                for fmu in study.fmus:
-                    send_fmu(cluster, fmu)
-                cluster.register_plugin(JobOnWorker(job))
-                under_way = _Run(cluster, job, table, study, open_points.tolist())
-                try:
-                    for some in under_way.results(lambda: intervals.left() if pending else None):
-                        pending += some
-                        done += len(some)
-                        failed += sum(error is not None for *_, error in some)
-                        if not intervals.left():
-                            write()
-                        if some or under_way.threads != threads:
-                            threads = under_way.threads
-                            tell()
-                finally:
-                    under_way.packing.close()
-                    write()
-                    _clean_up(cluster, job, [future for future, _ in under_way.under_way.values()])
-        whole = joined(table, kept) if directory is None else directory.read()
-        if directory is not None and directory.parts():
-            directory.finish(whole)
-        frame: pd.DataFrame = whole.to_pandas()
-        return frame
-    finally:
-        if directory is not None:
-            directory.close()
-
-
-def _asked(points: Points, measure: Measure, stop: Stop | None, job: Job) -> dict[str, Any]:
-    """Returns the data that must be equal to continue a sweep, besides what is simulated; python/README.md explains them."""
-    asked = {
-        "points": {"parameters": list(points.names), "count": points.count, "sha256": points.sha256()},
-        "measure": function_identity(measure),
-        "until": job.until,
-    }
-    return asked if stop is None else {**asked, "stop": function_identity(stop)}
+    tell()
+    if not left:
+        return results.frame()
+    # By default a cluster gives up a worker that is not back after 15 s. A busy machine may need longer to start one, which
+    # then meets another of its name.
+    with dask.config.set({"distributed.deploy.lost-worker-timeout": DESERTED}), client_of(client) as cluster:
+        cluster.register_plugin(JobOnWorker(job))
+        under_way = _Run(cluster, job, results._points, study, left)
+        try:
+            for some in under_way.results():
+                some = results.add(some)
+                done += len(some)
+                failed += sum(error is not None for *_, error in some)
+                if some or under_way.threads != threads:
+                    threads = under_way.threads
+                    tell()
+        finally:
+            results.keep()
+            _clean_up(cluster, job, [future for future, _ in under_way.under_way.values()])
+    return results.frame()
 
 
 @contextmanager
@@ -206,47 +307,50 @@ def client_of(client: Client | str | None) -> Iterator[Client]:
         with Client(client, timeout="20s") as remote:
             yield remote
     else:
-        with local_cluster() as cluster, Client(cluster) as local:
+        with _without_main(), local_cluster() as cluster, Client(cluster) as local:
             yield local
+
+
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Keeps processes that are started meanwhile from importing the script, which would start a sweep in each. Functions of a
+    script are sent by their content."""
+    prepared = spawn.get_preparation_data
+    spawn.get_preparation_data = lambda name: {
+        key: value for key, value in prepared(name).items() if not key.startswith("init_main")
+    }
+    try:
+        yield
+    finally:
+        spawn.get_preparation_data = prepared
 
 
 def local_cluster(workers: int | None = None, *, threads: int = 1, processes: bool = True) -> LocalCluster:
     """Starts workers on this machine, by default one for each core."""
-    own = str(scratch())
     # Nobody looks at the profile that workers take of themselves a hundred times a second, nor at the delays of the event
     # loops, measured fifty times a second. Without them: 4 % of a core less in this process, 2 % in each worker.
     quiet = {"distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "500ms"}
-    with dask.config.set({**quiet, "temporary-directory": own}):
+    with dask.config.set(quiet):
         return LocalCluster(
             n_workers=workers or CPU_COUNT,
             threads_per_worker=threads,
             processes=processes,
             dashboard_address="127.0.0.1:0",  # any free port
-            local_directory=own,
             memory_limit=0,
             silence_logs=logging.CRITICAL,  # a heartbeat interrupted at the end would be an ERROR
         )
 
 
-def send_fmu(client: Client, fmu: Loaded) -> None:
-    """Sends an FMU to all workers, if this client has not done so before."""
-    sent = _sent.setdefault(client, set())
-    if fmu.sha256 not in sent:
-        client.register_plugin(FmuOnWorker(fmu))
-        sent.add(fmu.sha256)
-
-
 class _Run:
     """Gives the points of a job to the workers and collects their results."""
 
-    def __init__(self, client: Client, job: Job, points: Points, study: Study, open_points: list[int]) -> None:
+    def __init__(self, client: Client, job: Job, points: _native.Points, study: _Study, open_points: list[int]) -> None:
         self.client = client
         self.job = job
         self.points = points
         self.study = study
-        self.packing = Packing(study)
-        # A task has points of one subject.
-        self.left = deque(sorted(open_points, key=study.place))
+        # A task has points of one model.
+        self.left = deque(sorted(open_points, key=study.native.place))
         #: Points whose worker process ended several times. Dask blames all tasks of that worker. So these points are simulated
         #: at the end, one at a time, to find the one that causes it.
         self.suspects: deque[int] = deque()
@@ -259,13 +363,13 @@ class _Run:
         self.deserted: float | None = None
         self.each = math.inf  # duration of a point [s]
 
-    def results(self, patience: Callable[[], float | None]) -> Iterator[list[Result]]:
-        """Yields results as they come; an empty list when the time `patience()` [s] is over."""
+    def results(self) -> Iterator[list[Result]]:
+        """Yields results as they come; an empty list each second without."""
         self.fill()
         while self.under_way:
             batch: list[Future[Any]] = []
             try:
-                batch.append(self.arrived.get(timeout=min(2.0, patience() or 2.0)))
+                batch.append(self.arrived.get(timeout=1.0))
                 while True:
                     batch.append(self.arrived.get_nowait())
             except queue.Empty:
@@ -281,7 +385,7 @@ class _Run:
             # Near the end tasks become smaller, so that no worker is idle.
             count = min(TASK / self.each, len(self.left) / (2 * threads))
             some = [self.left.popleft()]
-            while self.left and len(some) < int(count) and self.study.place(self.left[0]) == self.study.place(some[0]):
+            while self.left and len(some) < int(count) and self.study.native.place(self.left[0]) == self.study.native.place(some[0]):
                 some.append(self.left.popleft())
             self.submit(some)
         if self.suspects and not self.under_way:
@@ -319,7 +423,7 @@ class _Run:
     def submit(self, some: list[int]) -> None:
         key = f"lemons-{self.job.key}-{next(self.tasks)}"
         work = [(point, self.points.values(point)) for point in some]
-        subject = self.packing.subject(some[0], self.left)
+        subject = self.study.again(some[0])
         future = self.client.submit(simulate_points, self.job.key, subject, work, key=key, pure=False)
         self.under_way[key] = future, some
         future.add_done_callback(self.arrived.put)
@@ -338,7 +442,7 @@ class _Run:
                 if not self.alone:
                     self.suspects += some
                 else:
-                    results.append((some[0], {}, DIED))
+                    results.append((some[0], None, DIED))
             except Interrupted:
                 raise KeyboardInterrupt from None
             except CancelledError:
@@ -361,9 +465,3 @@ def _clean_up(client: Client, job: Job, futures: list[Future[Any]]) -> None:
             client.unregister_worker_plugin(f"lemons-sweep-{job.key}")
     except (OSError, TimeoutError, ValueError):
         pass  # the error that happened before is reported
-
-
-def _report(progress: bool | Callable[[Progress], None]) -> Callable[[Progress], None]:
-    if not isinstance(progress, bool):
-        return progress
-    return ProgressLine() if progress else lambda _: None

@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Literal, Union
-from xml.etree import ElementTree
 
 import numpy as np
 
-from . import files
-from .command import CommandError, Option, call, options
+from . import _native
+from ._native import CommandError
+from .command import Option, call, options
 from .drive import Floats
 from .picture import Picture, plot
 
@@ -32,38 +32,23 @@ class Trial:
     `save` copies it.
 
     Raises:
-        OSError: a file is missing or cannot be read.
-        ValueError: a file is not what it should be. `lemons check` tells more.
+        ValueError: a file is missing, or not what it should be. `lemons check` tells more.
     """
 
     def __init__(self, directory: Path_) -> None:
         #: Where its files are.
         self.directory = Path(directory)
-        parameters = _root(self.directory / "Parameters.xml")
-        places = parameters.find("Directories")
-        if places is None:
-            raise ValueError(f"{self.directory / 'Parameters.xml'}: there is no <Directories>")
-        static, dynamic = (self.directory / places.get(name, "").strip() for name in ("Static", "Dynamic"))
-        agents = _by_id(static / "Agents.xml")
-        moving = _by_id(dynamic / "AgentDynamics.xml")
-        for missing in agents.keys() ^ moving.keys():
-            where = dynamic / "AgentDynamics.xml" if missing in agents else static / "Agents.xml"
-            raise ValueError(f"{where}: there is no agent {missing!r}")
+        ids, masses, inertias, statures, shapes, poses = _native.read_people(os.fspath(directory))
         #: Ids of the people.
-        self.ids: list[str] = list(agents)
+        self.ids: list[str] = ids
         #: Masses [kg], shape (N,).
-        self.masses: Floats = np.array([agent.number("Mass") for agent in agents.values()])
+        self.masses: Floats = np.array(masses)
         #: Moments of inertia about the vertical axis [kg.m2], shape (N,).
-        self.inertias: Floats = np.array([agent.number("MomentOfInertia") for agent in agents.values()])
+        self.inertias: Floats = np.array(inertias)
         #: Statures [m], shape (N,); NaN where the Trial does not say.
-        self.statures: Floats = np.array([agent.number("Height", math.nan) for agent in agents.values()])
+        self.statures: Floats = np.array(statures)
         #: The disks of each person: x, y [m] from the centre of mass, the gaze along x, and radius [m], shape (disks, 3).
-        self.shapes: list[Floats] = [
-            np.array([[*disk.pair("Position"), disk.number("Radius")] for disk in agent.children("Shape")]).reshape(-1, 3)
-            for agent in agents.values()
-        ]
-        kinematics = [moving[i].child("Kinematics") for i in self.ids]
-        poses = [[*each.pair("Position"), each.number("Theta")] for each in kinematics]
+        self.shapes: list[Floats] = [np.array(disks).reshape(-1, 3) for disks in shapes]
         #: x, y [m], theta [rad] at the start, shape (N, 3).
         self.poses: Floats = np.array(poses).reshape(-1, 3)
 
@@ -145,7 +130,7 @@ def crowd(
     `output`, by default to a temporary directory.
 
     Raises:
-        CommandError: the command refuses something, or is missing; the message is its own.
+        CommandError: something is refused; the message is that of the command.
     """
     region = None if box is None else "x".join(_number(side) for side in box)
     return _made(output, {"number": number, "density": density, "box": region, "seed": seed, **others})
@@ -167,7 +152,7 @@ def person(
     are those of `crowd`.
 
     Raises:
-        CommandError: the command refuses something, or is missing; the message is its own.
+        CommandError: something is refused; the message is that of the command.
     """
     measures: Sequence[str] = [*(_number(each) for each in (100.0 * breadth, 100.0 * depth, stature, mass)), sex]
     return _made(output, {"number": 1, "orientation": "fixed", "fixed": measures, **others})
@@ -187,7 +172,7 @@ def pack(
     default all that were installed with this package.
 
     Raises:
-        CommandError: the command refuses something, or is missing; the message is its own.
+        CommandError: something is refused; the message is that of the command.
     """
     if isinstance(platforms, str):
         raise TypeError(f"platforms={platforms!r}: is one text; give a list, such as [{platforms!r}]")
@@ -217,76 +202,3 @@ def _made(output: Path_ | None, given: dict[str, Option]) -> Trial:
 def _number(value: float) -> str:
     """A decimal number; what 100 x 0.49 m has behind its twelfth digit is no part of it."""
     return f"{value:.12g}"
-
-
-def _root(path: Path) -> ElementTree.Element:
-    text = files.read(path, files.LARGEST_TRIAL_FILE)
-    # Other encodings could hide what is looked for below.
-    if b"\0" in text:
-        raise ValueError(f"{path}: is not a text in UTF-8")
-    # Entities could make a small file a huge one; no file of a Trial has any.
-    if b"<!DOCTYPE" in text:
-        raise ValueError(f"{path}: contains a document type, which no file of a Trial does")
-    try:
-        return ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
-        raise ValueError(f"{path}: {error}") from None
-
-
-class _Element:
-    """An element of an agent, whose errors name the file, the agent, the element and the attribute."""
-
-    def __init__(self, path: Path, agent: str, element: ElementTree.Element) -> None:
-        self.path, self.agent, self.element = path, agent, element
-
-    def wrong(self, what: str) -> ValueError:
-        return ValueError(f"{self.path}: agent {self.agent!r}: {what}")
-
-    def text(self, attribute: str) -> str:
-        text = self.element.get(attribute)
-        if text is None:
-            raise self.wrong(f"<{self.element.tag}>: {attribute} is missing")
-        return text
-
-    def number(self, attribute: str, default: float | None = None) -> float:
-        if default is not None and self.element.get(attribute) is None:
-            return default
-        return self._finite(attribute, self.text(attribute))
-
-    def pair(self, attribute: str) -> tuple[float, float]:
-        text = self.text(attribute)
-        words = text.split(",")
-        if len(words) != 2:
-            raise self.wrong(f"<{self.element.tag}>: {attribute}={text!r} is not two numbers")
-        return self._finite(attribute, words[0]), self._finite(attribute, words[1])
-
-    def _finite(self, attribute: str, text: str) -> float:
-        try:
-            number = float(text)
-        except ValueError:
-            number = math.nan
-        if not math.isfinite(number):
-            raise self.wrong(f"<{self.element.tag}>: {attribute}={text!r} is not a finite number")
-        return number
-
-    def children(self, tag: str) -> list[_Element]:
-        return [_Element(self.path, self.agent, child) for child in self.element.findall(tag)]
-
-    def child(self, tag: str) -> _Element:
-        found = self.children(tag)
-        if len(found) != 1:
-            raise self.wrong(f"has {len(found)} elements <{tag}>, not one")
-        return found[0]
-
-
-def _by_id(path: Path) -> dict[str, _Element]:
-    """The agents of a file, by their Ids."""
-    agents: dict[str, _Element] = {}
-    for place, element in enumerate(_root(path).findall("Agent")):
-        agent = element.get("Id")
-        if agent is None:
-            raise ValueError(f"{path}: <Agent> number {place + 1}: Id is missing")
-        if agent in agents:
-            raise ValueError(f"{path}: duplicate Id {agent!r}")
-        agents[agent] = _Element(path, agent, element)
-    return agents

@@ -1,4 +1,4 @@
-"""What workers of a sweep do: they get FMUs and points, and return measures."""
+"""What workers of a sweep do: they get models and points, and return measures."""
 
 from __future__ import annotations
 
@@ -6,39 +6,34 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, Union
+from typing import Any, NamedTuple
 
 import cloudpickle
 from distributed import Worker, WorkerPlugin
 
-from .crowd import Crowd, Until
-from .drive import Drive, Floats, Known
-from .errors import FmuError
-from .fmu import Fmu, load
-from .instance import Value
-from .loaded import Loaded, load_any
-from .model import Algorithm, Model
-from .results import RESERVED, Result, unicode
-from .run import Run
+from . import _native
+from .crowd import Algorithm, Crowd, Until, Value
+from .drive import Known
+from .record import Run
 
 #: A function of a run that returns its measures: names and numbers (or texts).
 Measure = Callable[[Run], Mapping[str, Any]]
 #: A function of the Crowd after each step: whether its run ends.
 Stop = Callable[[Crowd], bool]
+#: A finished point: its number, its measures (None: it failed), the message of its failure.
+Result = tuple[int, "dict[str, float | str] | None", "str | None"]
 
+#: Columns of the table that are no parameters and no measures.
+POINT, STATUS, ERROR = RESERVED = ("point", "status", "error")
 #: The measure of sweeps whose points end by a condition: the time [s] when it was met; not a number where it was not.
 ENDED = "ended"
 
 
-@dataclass(frozen=True)
-class Subject:
-    """What points simulate. FMUs are those that a plugin has sent, by their SHA-256; or their bytes."""
+class Subject(NamedTuple):
+    """What points simulate."""
 
-    fmu: str | bytes
-    plan: str | bytes | None
-    #: In messages: what says where people walk.
-    shown: str
-    drive: Union[None, Literal[False], Drive, Floats]
+    model: _native.Model
+    drive: Known[Crowd]
     step: float
 
 
@@ -47,6 +42,8 @@ class Job:
     """Data shared by all points of a sweep."""
 
     key: str
+    #: What all points simulate; None: it comes with each task.
+    subject: Subject | None
     #: All parameters.
     names: tuple[str, ...]
     #: The places of those that are set; the others only choose the subject.
@@ -57,21 +54,8 @@ class Job:
     until: Until
 
 
-class FmuOnWorker(WorkerPlugin):
-    """Sends an FMU's bytes to every worker once, also to those that join later. No shared file system is needed."""
-
-    def __init__(self, fmu: Loaded) -> None:
-        self.data = fmu.data
-        self.crowd = isinstance(fmu, Fmu)
-        self.name = f"lemons-fmu-{fmu.sha256}"
-
-    def setup(self, worker: Worker) -> None:
-        fmu = load(self.data) if self.crowd else load_any(self.data)
-        _fmus[fmu.sha256] = fmu.data
-
-
 class JobOnWorker(WorkerPlugin):
-    """Tells every worker what a sweep is."""
+    """Tells every worker what a sweep is, also those that join later. No shared file system is needed."""
 
     def __init__(self, job: Job) -> None:
         self.job = job
@@ -84,45 +68,37 @@ class JobOnWorker(WorkerPlugin):
         _jobs.pop(self.job.key, None)
 
 
-_fmus: dict[str, bytes] = {}
 _jobs: dict[str, tuple[Job, tuple[Known[Crowd], Measure, Stop | None]]] = {}
 
 
-def simulate_points(key: str, subject: Subject, points: list[tuple[int, tuple[Value, ...]]]) -> tuple[list[Result], float]:
+def simulate_points(key: str, subject: Subject | None, points: list[tuple[int, list[Value]]]) -> tuple[list[Result], float]:
     """Runs on a worker. Returns results, and the time that they took [s]."""
     start = time.perf_counter()
-    model = _model(subject, _jobs[key][0].algorithm)
-    results = [_simulate_point(key, model, subject, point, values) for point, values in points]
+    subject = subject or _jobs[key][0].subject
+    assert subject is not None
+    results = [_simulate_point(key, subject, point, values) for point, values in points]
     return results, time.perf_counter() - start
 
 
-def _model(subject: Subject, algorithm: Algorithm) -> Model:
-    def data(fmu: str | bytes) -> bytes:
-        return _fmus[fmu] if isinstance(fmu, str) else fmu
-
-    decider = None if subject.plan is None else load_any(data(subject.plan))
-    return Model(load(data(subject.fmu)), decider, algorithm, subject.shown)
-
-
-def _simulate_point(key: str, model: Model, subject: Subject, point: int, values: tuple[Value, ...]) -> Result:
+def _simulate_point(key: str, subject: Subject, point: int, values: list[Value]) -> Result:
     job, (function, measure, stop) = _jobs[key]
     try:
-        with Crowd(model, {job.names[place]: values[place] for place in job.set}) as crowd:
+        with Crowd(subject.model, {job.names[place]: values[place] for place in job.set}, algorithm=job.algorithm) as crowd:
             run = crowd.run(function or subject.drive, until=job.until, step=subject.step, stop=stop)
         return point, _measured(run, measure, job.names, job.until == "left" or stop is not None), None
-    except FmuError as error:
-        return point, {}, _text(str(error))
+    except _native.SimulationError as error:
+        return point, None, _text(str(error))
     except KeyboardInterrupt:
         raise Interrupted from None
     except BaseException as error:  # a failed point (even by sys.exit) is a row of the table and does not end the sweep
-        return point, {}, _told(error)
+        return point, None, _message(error)
 
 
 class Interrupted(Exception):
     """A measure or a drive raised KeyboardInterrupt, which would end Dask's worker process."""
 
 
-def _told(error: BaseException) -> str:
+def _message(error: BaseException) -> str:
     kind = type(error).__name__
     try:
         return _text(f"{kind}: {error}")
@@ -131,8 +107,13 @@ def _told(error: BaseException) -> str:
 
 
 def _text(text: str) -> str:
-    """Returns the text without characters that UTF-8 cannot represent."""
-    return text.encode(errors="backslashreplace").decode()
+    """Returns the text in one line, without characters that UTF-8 cannot represent."""
+    return " ".join(text.encode(errors="backslashreplace").decode().splitlines())
+
+
+def _is_unicode(text: str) -> bool:
+    """Returns whether a text can be written as UTF-8: Python's texts may contain halves of characters."""
+    return text.encode(errors="ignore").decode() == text
 
 
 def _measured(run: Run, measure: Measure, parameters: tuple[str, ...], ends: bool) -> dict[str, float | str]:
@@ -144,7 +125,7 @@ def _measured(run: Run, measure: Measure, parameters: tuple[str, ...], ends: boo
         name = str(key)
         if name in parameters or name in RESERVED or (ends and name == ENDED):
             raise ValueError(f"the measure has the name of another column: {name!r}")
-        if not unicode(name) or isinstance(value, str) and not unicode(value):
+        if not _is_unicode(name) or isinstance(value, str) and not _is_unicode(value):
             raise ValueError(f"the measure {name!r} is not Unicode text: {value!r}")
         out[name] = value if isinstance(value, str) else math.nan if value is None else float(value)
     if ends:

@@ -8,17 +8,18 @@ use super::pass::Passed;
 use super::summary::Summary;
 use crate::output::Output;
 use anyhow::{Context, Result};
-use lemons_core::files::Staged;
 use lemons_results::Record;
 use lemons_results::measure::{Flow, SPANS, Way, windows};
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-const FILES: [&str; 5] = ["flow.csv", "gaps.csv", "density.csv", "people.csv", "summary.json"];
+/// Names of the tables.
+pub const TABLES: [&str; 4] = ["flow", "gaps", "density", "people"];
 
 /// What is written into a directory.
 pub fn paths(directory: &Path) -> impl Iterator<Item = PathBuf> {
-    FILES.iter().map(|name| directory.join(name))
+    let tables = TABLES.iter().map(|name| directory.join(format!("{name}.csv")));
+    tables.chain([directory.join("summary.json")])
 }
 
 /// A number that reads back to the same double, or an empty cell.
@@ -26,33 +27,37 @@ fn cell(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| format!("{value:?}"))
 }
 
-/// Writes all files; they do not appear yet.
-pub fn written(
+/// All tables.
+pub fn of(
     arguments: &Arguments,
     record: &Record,
     passed: &Passed,
     summary: &Summary,
-    directory: &Path,
-    json: &str,
-) -> Result<Vec<Output>> {
-    std::fs::create_dir_all(directory).with_context(|| format!("cannot write {}", directory.display()))?;
-    let tables = [
+) -> [Rows; TABLES.len()] {
+    [
         flow(arguments, passed),
         gaps(arguments, record, passed),
         density(arguments, passed),
         people(arguments, record, passed, summary),
-    ];
+    ]
+}
+
+/// Writes all files; they do not appear yet.
+pub fn written(tables: &[Rows], directory: &Path, json: &str) -> Result<Vec<Output>> {
+    std::fs::create_dir_all(directory).with_context(|| format!("cannot write {}", directory.display()))?;
     let mut files = paths(directory).map(|path| Output::claimed(&path)).collect::<Result<Vec<_>>>()?;
-    for (file, rows) in files.iter_mut().zip(&tables) {
+    for (file, rows) in files.iter_mut().zip(tables) {
         file.fill(|out| write(out, rows))?;
     }
     files[tables.len()].fill(|out| out.write_all(json.as_bytes()))?;
     Ok(files)
 }
 
-type Rows = Vec<Vec<String>>;
+/// Cells, the names of the columns first.
+pub type Rows = Vec<Vec<String>>;
 
-fn write(out: &mut BufWriter<Staged>, rows: &Rows) -> std::io::Result<()> {
+/// Writes a table as CSV.
+pub fn write(out: &mut impl Write, rows: &Rows) -> std::io::Result<()> {
     let mut writer = csv::Writer::from_writer(out);
     rows.iter().try_for_each(|row| writer.write_record(row).map_err(std::io::Error::from))?;
     writer.flush()

@@ -333,7 +333,6 @@ impl TrialArguments {
             time_step: self.time_step,
             people: if self.material == Wear::Naked { "human_naked" } else { "human_clothes" }.into(),
             desired_velocity: heading(direction) * speed,
-            ..TrialSettings::default()
         }
     }
 

@@ -352,7 +352,7 @@ impl PlacingArguments {
                 let settings = Paper { orientation, seed, ..Paper::default() };
                 paper(&wider(shapes), region, &settings, &mut watch)
             }
-            PackingArgument::Grid => grid(shapes, region, &Grid { orientation, seed, ..Grid::default() }),
+            PackingArgument::Grid => grid(shapes, region, &Grid { orientation, seed }),
         };
         bar.0.finish_and_clear();
         let count = shapes.len();
@@ -438,7 +438,7 @@ struct Bar(ProgressBar);
 impl Bar {
     fn new() -> Result<Bar> {
         let style = ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}")?;
-        let bar = ProgressBar::new_spinner().with_style(style);
+        let bar = crate::print::bar(0).with_style(style);
         bar.enable_steady_tick(Duration::from_millis(100));
         Ok(Bar(bar))
     }

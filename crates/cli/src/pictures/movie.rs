@@ -3,13 +3,13 @@
 use super::look::{Look, Looks, positive, seconds};
 use super::moment::Footage;
 use super::plot::OTHER_PARAMETERS;
-use super::source::{End, Source, Wanted};
+use super::source::{End, KeptFrames, Source};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use anyhow::{Context, Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressStyle;
 use lemons_core::files::{Scratch, Staged, input};
 use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
 use lemons_sim::stop::REST;
@@ -29,7 +29,7 @@ const MOST_OF_GIF: f64 = 50.0;
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
-    source: Source,
+    pub source: Source,
     /// File for the movie: MP4 (needs the program ffmpeg), animated PNG or GIF. Default: movie.mp4, or
     /// movie.gif if there is no ffmpeg
     #[arg(short, long, value_name = "FILE.mp4, .png or .gif")]
@@ -89,7 +89,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let interrupt = Interrupt::watch();
     let mut file = Output::open(&path)?;
     let until = arguments.until.unwrap_or(End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME));
-    let footage = source.footage(source.runs().then_some(until), Wanted::All, &interrupt)?;
+    let footage = source.footage(source.runs().then_some(until), KeptFrames::All, &interrupt)?;
     let first = arguments.from.unwrap_or_else(|| footage.first());
     let last = match arguments.until {
         Some(End::At(time) | End::NotBefore(time)) => time,
@@ -111,7 +111,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let of_path = || path.display().to_string();
     let mut film = Film::begin(file.writer(), kind, *frame_rate, times.len()).with_context(of_path)?;
     let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  frame {pos} of {len}  {eta} left")?;
-    let progress = ProgressBar::new(times.len() as u64).with_style(style);
+    let progress = crate::print::bar(times.len() as u64).with_style(style);
     for batch in times.chunks(BATCH) {
         let scenes: Vec<(Scene, Style)> = batch
             .iter()

@@ -4,7 +4,7 @@ use super::look::{Look, Looks, seconds};
 use super::moment::Moment;
 use super::quantity::Quantity;
 use super::series::{Selection, chart};
-use super::source::{End, Source, Wanted};
+use super::source::{End, KeptFrames, Source};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
-    source: Source,
+    pub source: Source,
     /// File for the picture: PNG, or the vector formats SVG and PDF
     #[arg(short, long, default_value = "plot.png", value_name = "FILE.png, .svg or .pdf")]
     output: PathBuf,
@@ -69,27 +69,45 @@ fn kernel(text: &str) -> Result<f64, String> {
 }
 
 pub fn plot(arguments: &Arguments) -> Result<()> {
-    let Arguments { output, look, .. } = arguments;
-    let format = Format::of(output)?;
-    if arguments.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
-        bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
-    }
-    look.check(&arguments.series)?;
+    let output = &arguments.output;
+    arguments.check()?;
     // Before there is anything that would be left.
     let interrupt = Interrupt::watch();
     let mut file = Output::open(output)?;
-    let text = if !arguments.series.is_empty() {
-        series(arguments, &interrupt)?
-    } else if arguments.density {
-        density(arguments, &interrupt)?
-    } else {
-        scenes(arguments, &interrupt)?
-    };
-    let bytes = format.bytes(text, look.width)?;
+    let bytes = arguments.draw(&interrupt)?;
     file.fill(|out| out.write_all(&bytes))?;
     file.persist()?;
     say!("{}", output.display())?;
     Ok(())
+}
+
+/// Draws without writing.
+pub fn drawn(arguments: &Arguments) -> Result<Vec<u8>> {
+    arguments.check()?;
+    arguments.draw(&Interrupt::watch())
+}
+
+impl Arguments {
+    /// Whether the options belong together.
+    fn check(&self) -> Result<()> {
+        Format::of(&self.output)?;
+        if self.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
+            bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
+        }
+        self.look.check(&self.series)
+    }
+
+    /// The picture, in the format of its file.
+    fn draw(&self, interrupt: &Interrupt) -> Result<Vec<u8>> {
+        let text = if !self.series.is_empty() {
+            series(self, interrupt)?
+        } else if self.density {
+            density(self, interrupt)?
+        } else {
+            scenes(self, interrupt)?
+        };
+        Format::of(&self.output)?.bytes(text, self.look.width)
+    }
 }
 
 /// What a picture is written as.
@@ -124,7 +142,7 @@ impl Format {
 fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, at, look, .. } = arguments;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
-    let wanted = if look.needs_all() { Wanted::All } else { Wanted::Around(at.clone()) };
+    let wanted = if look.needs_all() { KeptFrames::All } else { KeptFrames::Around(at.clone()) };
     let footage = source.footage(latest.map(End::NotBefore), wanted, interrupt)?;
     at.iter().try_for_each(|time| footage.check(*time))?;
     // Poses between two frames would stand beside forces of one of them.
@@ -168,7 +186,7 @@ fn columns(panels: usize, aspect: f64) -> usize {
 
 fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let opened = source.open(source.end(arguments.until)?, Wanted::All, interrupt)?;
+    let opened = source.open(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
     let (from, until) = (arguments.from, arguments.until.and_then(Until::time));
     let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
     let chart = chart(opened, look, &selection)?;
@@ -178,7 +196,7 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
 
 fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let footage = source.footage(source.end(arguments.until)?, Wanted::All, interrupt)?;
+    let footage = source.footage(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
     let until = arguments.until.and_then(Until::time);
     let within = |time: f64| within(time, arguments.from, until);
     let places: Vec<usize> =

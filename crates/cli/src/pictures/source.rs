@@ -3,6 +3,7 @@
 use super::look::positive;
 use super::moment::Footage;
 use crate::decide::Walk;
+use crate::embedded::InMemory;
 use crate::error::Misused;
 use crate::export::{expect_table, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
@@ -11,10 +12,11 @@ use anyhow::{Context, Result, bail};
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_master::Settings;
-pub use lemons_results::Wanted;
+pub use lemons_results::KeptFrames;
 use lemons_results::{Frame, Record, Run};
 use lemons_sim::{Algorithm, Clock, Documents, Simulation};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(clap::Args)]
 pub struct Source {
@@ -45,6 +47,9 @@ pub struct Source {
     /// TimeStep
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     step: Option<f64>,
+    /// The run itself; the path is what messages call it.
+    #[arg(skip)]
+    pub memory: Option<Arc<InMemory>>,
 }
 
 /// Communication steps of a run that is made to be shown: its table is a temporary file.
@@ -92,7 +97,7 @@ impl End {
 
 impl Source {
     /// A Trial or an FMU is run until then; without an end it is shown as it begins.
-    pub fn open(&self, until: Option<End>, wanted: Wanted, interrupt: &Interrupt) -> Result<Opened> {
+    pub fn open(&self, until: Option<End>, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Opened> {
         let (trial, found) = self.find(until, wanted.clone(), interrupt)?;
         let run = match found {
             Found::Made(run) => run,
@@ -103,7 +108,7 @@ impl Source {
 
     /// As [`Source::open`] with all frames; those of earlier results stay in their file.
     pub fn record_of(&self, until: Option<End>, interrupt: &Interrupt) -> Result<(Option<Trial>, Record)> {
-        let (trial, found) = self.find(until, Wanted::All, interrupt)?;
+        let (trial, found) = self.find(until, KeptFrames::All, interrupt)?;
         let record = match found {
             Found::Made(run) => run.into(),
             Found::Recorded(record) => record,
@@ -114,7 +119,7 @@ impl Source {
     fn find(
         &self,
         until: Option<End>,
-        wanted: Wanted,
+        wanted: KeptFrames,
         interrupt: &Interrupt,
     ) -> Result<(Option<Trial>, Found)> {
         let runs = self.runs();
@@ -135,12 +140,15 @@ impl Source {
             let path = self.path.display();
             return Err(Misused(format!("{path}: is no table: only tables of one run can be several")).into());
         }
-        if !runs {
+        if !runs && self.memory.is_none() {
             expect_table(&self.path)?;
             self.more.iter().try_for_each(|path| expect_table(path))?;
         }
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
-        let mut trial = trial_of(&self.path, given)?;
+        let mut trial = match &self.memory {
+            Some(memory) if given.is_none() => Some(memory.trial.clone()),
+            _ => trial_of(&self.path, given)?,
+        };
         if let Some(trial) = &mut trial {
             let documents = Documents { trial: trial.clone(), drive: DriveTable::default(), plan: None };
             let mut edited = Simulation::new(documents, Algorithm::default())?;
@@ -182,6 +190,9 @@ impl Source {
 
     /// The tables of one run.
     fn tables(&self) -> Result<Record> {
+        if let Some(memory) = &self.memory {
+            return Ok(memory.run.clone().into());
+        }
         let all: Vec<PathBuf> = std::iter::once(&self.path).chain(&self.more).cloned().collect();
         Ok(Record::tables(&all)?)
     }
@@ -204,7 +215,7 @@ impl Source {
     }
 
     /// With shapes and walls.
-    pub fn footage(&self, until: Option<End>, wanted: Wanted, interrupt: &Interrupt) -> Result<Footage> {
+    pub fn footage(&self, until: Option<End>, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Footage> {
         let Opened { trial, run } = self.open(until, wanted, interrupt)?;
         let need = || {
             format!(
@@ -217,12 +228,15 @@ impl Source {
 
     /// Whether it is something to run.
     pub fn runs(&self) -> bool {
+        if self.memory.is_some() {
+            return false;
+        }
         let ends = |with: &str| self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case(with));
         ends("fmu") || ends("zip") || self.path.join("Parameters.xml").is_file()
     }
 
     /// As `lemons run` does it, in memory.
-    fn record(&self, until: End, wanted: Wanted, interrupt: &Interrupt) -> Result<Run> {
+    fn record(&self, until: End, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Run> {
         let settings = Settings {
             parameters: name_and_value_of_all(&self.settings)?,
             step: self.step,

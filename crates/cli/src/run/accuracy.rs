@@ -6,7 +6,7 @@ use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
 use lemons_core::plane::Pose;
 use lemons_master::Settings;
-use lemons_results::{Frame, Wanted};
+use lemons_results::{Frame, KeptFrames};
 
 /// The parameter that is chosen.
 const STEP: &str = "TimeStepMechanical";
@@ -70,7 +70,7 @@ pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> 
     // XML is written by the finer run only.
     parameters.retain(|(name, _)| !named(name, "OutputDirectory"));
     let settings = Settings { parameters, tolerance: Some(accuracy), saves: false, ..job.settings.clone() };
-    let rows = Target::Memory(Wanted::Around(Vec::new()));
+    let rows = Target::Memory(KeptFrames::Around(Vec::new()));
     let first = Job { settings, rows, outputs: None, state: None, keeps_poses: true, ends: job.ends };
     let coarse = simulate(first, interrupt)?;
     if let Some(time) = coarse.stopped {

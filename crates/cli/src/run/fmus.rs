@@ -1,10 +1,10 @@
 //! A run of an FMU, or of FMUs that an SSP couples: frames of its crowds, from the outputs of their FMUs.
 
+use super::model::{CrowdInfo, Prepared, RunModel, States, record_of};
 use super::outputs::Outputs;
-use super::subject::{CrowdInfo, Prepared, States, Subject, record_of};
 use crate::connect::plain_names;
 use crate::messages::{not_prepared, warning_text};
-use crate::results::{Column, Kind};
+use crate::results::{CellType, Column};
 use anyhow::{Error, Result, anyhow};
 use lemons_core::trial::Trial;
 use lemons_master::ssp::{Interface, Kind as Causality, Type};
@@ -27,7 +27,7 @@ struct Reader {
     agents: usize,
     groups: Groups,
     /// Types of the values, in their order.
-    kinds: Vec<Kind>,
+    kinds: Vec<CellType>,
     reals: Selection,
     integers: Selection,
     booleans: Selection,
@@ -96,7 +96,7 @@ pub fn prepare(
             ..record_of(&run.clock, run.every, run.before.as_ref())
         },
         before: run.before.take(),
-        subject: Box::new(FmuRun { run, crowds: readers, outputs }),
+        model: Box::new(FmuRun { run, crowds: readers, outputs }),
     })
 }
 
@@ -108,7 +108,7 @@ impl Model for FmuRun {
     }
 }
 
-impl Subject for FmuRun {
+impl RunModel for FmuRun {
     fn time(&self) -> f64 {
         self.run.system.time()
     }
@@ -123,7 +123,7 @@ impl Subject for FmuRun {
     }
 
     fn write_outputs(&mut self) -> Result<()> {
-        self.outputs.as_mut().map_or(Ok(()), |outputs| outputs.look(&self.run.system))
+        self.outputs.as_mut().map_or(Ok(()), |outputs| outputs.write_row(&self.run.system))
     }
 
     fn finish_outputs(&mut self) -> Result<Option<String>> {
@@ -179,16 +179,16 @@ impl Reader {
             about,
         };
         let variables = groups.variables(agents);
-        let select = |kind: Kind| {
+        let select = |kind: CellType| {
             component.instance.select(variables.iter().filter(|(_, own)| *own == kind).map(|(name, _)| name))
         };
         let reader = Reader {
             place,
             agents,
             groups,
-            reals: select(Kind::Real)?,
-            integers: select(Kind::Integer)?,
-            booleans: select(Kind::Boolean)?,
+            reals: select(CellType::Real)?,
+            integers: select(CellType::Integer)?,
+            booleans: select(CellType::Boolean)?,
             kinds: variables.into_iter().map(|(_, kind)| kind).collect(),
         };
         Ok((reader, crowd))
@@ -200,9 +200,9 @@ impl Reader {
         let mut reals = instance.values::<f64>(&self.reals)?.into_iter();
         let mut integers = instance.values::<i32>(&self.integers)?.into_iter().map(f64::from);
         let mut booleans = instance.values::<bool>(&self.booleans)?.into_iter().map(f64::from);
-        let next = |kind: &Kind| match kind {
-            Kind::Real => reals.next(),
-            Kind::Integer => integers.next(),
+        let next = |kind: &CellType| match kind {
+            CellType::Real => reals.next(),
+            CellType::Integer => integers.next(),
             _ => booleans.next(),
         };
         let values: Vec<f64> = self.kinds.iter().filter_map(next).collect();
@@ -221,7 +221,7 @@ fn is_output(description: &Interface, name: &str, quantity: &columns::Quantity) 
     let found = description.single(name).map(|single| single.variable);
     found.is_some_and(|variable| {
         let is_type = match quantity.kind() {
-            Kind::Real => matches!(variable.of, Type::Real(_)),
+            CellType::Real => matches!(variable.of, Type::Real(_)),
             _ => variable.of == Type::Integer,
         };
         is_type && variable.kind == Some(Causality::Output)
@@ -254,7 +254,7 @@ fn may_leave(system: &System, place: usize, agents: usize) -> Result<bool> {
 fn columns_of(description: &Interface, groups: Groups) -> Vec<Column> {
     let mut all = groups.columns();
     // What the FMU itself says comes first: it might count in other units.
-    for column in all.iter_mut().filter(|column| column.kind == Kind::Real) {
+    for column in all.iter_mut().filter(|column| column.kind == CellType::Real) {
         if let Some(name) = column.variable.strip_prefix("agent[i].") {
             let own = description.single(&format!("agent[0].{name}"));
             let said = own.and_then(|own| own.variable.of.unit()).map(str::to_owned);

@@ -1,10 +1,10 @@
 //! A run of a Trial in memory.
 
 use super::About;
+use super::model::{CrowdInfo, Prepared, RunModel, States, record_of};
 use super::outputs::OutputTable;
-use super::subject::{CrowdInfo, Prepared, States, Subject, record_of};
 use crate::messages::{not_prepared, warning_text};
-use crate::results::{Cell, Column, Kind, Place};
+use crate::results::{Cell, CellType, Column, Place};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use crowd_mechanics::model_description::MODEL_NAME;
 use crowd_mechanics::quantities::{Quantity, guid};
@@ -34,7 +34,7 @@ struct TrialRun {
 /// The outputs of Decision, and which of them are Reals, Integers or Booleans.
 struct DecisionOutputs {
     selection: Selection,
-    kinds: Vec<Kind>,
+    kinds: Vec<CellType>,
     table: OutputTable,
 }
 
@@ -47,9 +47,9 @@ impl DecisionOutputs {
         let column = |scalar: &Scalar<_>| Column {
             name: format!("{DECISION}.{}", scalar.name),
             kind: match scalar.variable.kind {
-                VariableKind::Real(_) => Kind::Real,
-                VariableKind::Integer => Kind::Integer,
-                _ => Kind::Boolean,
+                VariableKind::Real(_) => CellType::Real,
+                VariableKind::Integer => CellType::Integer,
+                _ => CellType::Boolean,
             },
             unit: match scalar.variable.kind {
                 VariableKind::Real(unit) => Some(unit.name.to_owned()),
@@ -74,7 +74,7 @@ impl Model for TrialRun {
     }
 }
 
-impl Subject for TrialRun {
+impl RunModel for TrialRun {
     fn time(&self) -> f64 {
         self.simulation.time()
     }
@@ -91,9 +91,9 @@ impl Subject for TrialRun {
     fn write_outputs(&mut self) -> Result<()> {
         let Some(DecisionOutputs { selection, kinds, table }) = &mut self.outputs else { return Ok(()) };
         let values = self.simulation.read(selection)?;
-        let cell = |(value, kind): (f64, &Kind)| match kind {
-            Kind::Real => Cell::Real(value),
-            Kind::Integer => Cell::Integer(value as i32),
+        let cell = |(value, kind): (f64, &CellType)| match kind {
+            CellType::Real => Cell::Real(value),
+            CellType::Integer => Cell::Integer(value as i32),
             _ => Cell::Boolean(value != 0.0),
         };
         table.row(self.simulation.time(), values.into_iter().zip(kinds.iter()).map(cell).collect())
@@ -158,7 +158,7 @@ pub fn prepare(given: &TrialInput, settings: &Settings, outputs: Option<&Place>)
         }
         let component = [name.to_owned(), MODEL_NAME.to_owned(), guid.clone()];
         let checked = before.check(&[component], &settings.algorithm.to_string(), "");
-        checked.map_err(lemons_master::Error::from).with_context(of_saved)?;
+        checked.with_context(of_saved)?;
         ensure!(before.drive == drive.fingerprint(), not_prepared(PrepareError::OtherDrive));
         simulation.restore(&states[0]).with_context(of_saved)?;
     }
@@ -219,7 +219,7 @@ pub fn prepare(given: &TrialInput, settings: &Settings, outputs: Option<&Place>)
         clock,
         drive_end,
         before,
-        subject: Box::new(TrialRun { simulation, outputs, name, guid }),
+        model: Box::new(TrialRun { simulation, outputs, name, guid }),
     })
 }
 

@@ -113,13 +113,20 @@ impl DriveTable {
         checked.map_err(|error| error.of_file(&path))
     }
 
-    /// That the Trial has all agents that the file names.
+    /// Checks that the Trial has all agents that the file names.
     ///
     /// # Errors
     /// It has not; each of them is named.
     pub fn check_agents(&self, trial: Option<&Trial>) -> Result<()> {
-        let known: HashSet<&str> =
-            trial.iter().flat_map(|trial| &trial.agents).map(|agent| &*agent.id).collect();
+        self.check_ids(trial.iter().flat_map(|trial| &trial.agents).map(|agent| &*agent.id))
+    }
+
+    /// Checks that all agents that the file names are among these Ids.
+    ///
+    /// # Errors
+    /// Some are not; each of them is named.
+    pub fn check_ids<'a>(&self, known: impl Iterator<Item = &'a str>) -> Result<()> {
+        let known: HashSet<&str> = known.collect();
         let mut unknown: Vec<_> = self.lines.iter().filter(|(id, _)| !known.contains(id.as_str())).collect();
         unknown.sort_by_key(|(_, line)| **line);
         let mut found = Found::default();

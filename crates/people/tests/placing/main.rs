@@ -242,7 +242,7 @@ fn same_seed_same_placing() {
         ["b9f164bf8cf8b61f", "c2a57177eb221771"]
     );
     let slow = |seed| {
-        let settings = Paper { seed, orientation: Orientation::Free, max_iterations: 30, ..Paper::default() };
+        let settings = Paper { seed, orientation: Orientation::Free, max_iterations: 30 };
         paper(&shapes, &region, &settings, &mut go).unwrap()
     };
     assert_eq!(bits(&slow(7)), bits(&slow(7)));

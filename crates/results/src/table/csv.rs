@@ -1,6 +1,6 @@
 //! Tables in CSV: SI units, numbers that read back to the same doubles.
 
-use super::rows::{Frames, Row, Stop, Wanted, place};
+use super::rows::{Frames, ReadColumns, Row, Stop, place};
 use crate::cell::Cell;
 use crate::columns::{self, Column};
 use crate::record::Each;
@@ -30,7 +30,7 @@ fn head_of(column: &Column) -> String {
 pub(super) fn read(file: impl Read, each: &mut Each<'_>) -> Result<Vec<String>, Stop> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
     let header = reader.headers().map_err(broken)?.clone();
-    let wanted = Wanted::among(|name| header.iter().any(|head| name_and_unit(head).0 == name));
+    let wanted = ReadColumns::among(|name| header.iter().any(|head| name_and_unit(head).0 == name));
     let places = wanted.heads().map(|head| place(header.iter().map(name_and_unit), head));
     let places = places.collect::<Result<Vec<usize>, _>>().map_err(|wrong| format!("line 1: {wrong}"))?;
     let mut frames = Frames::new(&wanted, "line");

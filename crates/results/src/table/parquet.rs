@@ -2,8 +2,8 @@
 //! JSON, `{"x": {"unit": "m"}}`.
 
 use super::format::Content;
-use super::rows::{self, Frames, Stop, Wanted, place};
-use crate::cell::{Cell, Kind};
+use super::rows::{self, Frames, ReadColumns, Stop, place};
+use crate::cell::{Cell, CellType};
 use crate::columns::{Column, ID};
 use crate::record::Each;
 use parquet::basic::{
@@ -42,7 +42,7 @@ pub(super) fn read(file: File, each: &mut Each<'_>) -> Result<Vec<String>, Stop>
             (column.name(), own.and_then(|own| own["unit"].as_str()))
         })
     };
-    let wanted = Wanted::among(|name| columns.iter().any(|column| column.name() == name));
+    let wanted = ReadColumns::among(|name| columns.iter().any(|column| column.name() == name));
     let mut fields = Vec::new();
     for head in wanted.heads() {
         let column = &columns[place(heads(), head)?];
@@ -215,12 +215,12 @@ impl<W: Write + Send> Writer<W> {
 }
 
 impl Pending {
-    fn of(kind: Kind) -> Pending {
+    fn of(kind: CellType) -> Pending {
         match kind {
-            Kind::Real => Pending::Reals(Vec::new()),
-            Kind::Integer => Pending::Integers(Vec::new()),
-            Kind::Boolean => Pending::Booleans(Vec::new()),
-            Kind::Text => Pending::Texts(Vec::new()),
+            CellType::Real => Pending::Reals(Vec::new()),
+            CellType::Integer => Pending::Integers(Vec::new()),
+            CellType::Boolean => Pending::Booleans(Vec::new()),
+            CellType::Text => Pending::Texts(Vec::new()),
         }
     }
 
@@ -241,12 +241,12 @@ impl Pending {
 
 fn field(column: &Column) -> Parquet<Type> {
     let physical = match column.kind {
-        Kind::Real => Physical::DOUBLE,
-        Kind::Integer => Physical::INT32,
-        Kind::Boolean => Physical::BOOLEAN,
-        Kind::Text => Physical::BYTE_ARRAY,
+        CellType::Real => Physical::DOUBLE,
+        CellType::Integer => Physical::INT32,
+        CellType::Boolean => Physical::BOOLEAN,
+        CellType::Text => Physical::BYTE_ARRAY,
     };
-    let text = column.kind == Kind::Text;
+    let text = column.kind == CellType::Text;
     Type::primitive_type_builder(&column.name, physical)
         .with_repetition(Repetition::REQUIRED)
         .with_logical_type(text.then_some(LogicalType::String))
@@ -271,7 +271,7 @@ fn properties(content: &Content) -> Parquet<WriterProperties> {
         .set_offset_index_disabled(true)
         .set_key_value_metadata(Some(metadata.collect()));
     // Times occur many times; other numbers are rarely equal, but their first bytes are similar.
-    for column in content.columns.iter().skip(1).filter(|column| column.kind == Kind::Real) {
+    for column in content.columns.iter().skip(1).filter(|column| column.kind == CellType::Real) {
         let path = ColumnPath::new(vec![column.name.clone()]);
         properties = properties
             .set_column_dictionary_enabled(path.clone(), false)

@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 /// The columns that are read of a table.
-pub(super) struct Wanted {
+pub(super) struct ReadColumns {
     groups: Groups,
     quantities: Vec<&'static Quantity>,
 }
@@ -15,11 +15,11 @@ pub(super) struct Wanted {
 /// Name and unit of a column.
 pub(super) type Head = (&'static str, Option<&'static str>);
 
-impl Wanted {
+impl ReadColumns {
     /// Of a table in which these names exist.
-    pub fn among(exists: impl Fn(&str) -> bool) -> Wanted {
+    pub fn among(exists: impl Fn(&str) -> bool) -> ReadColumns {
         let groups = Groups::among(exists);
-        Wanted { groups, quantities: groups.quantities().collect() }
+        ReadColumns { groups, quantities: groups.quantities().collect() }
     }
 
     /// The columns: time, Id, quantities.
@@ -72,7 +72,7 @@ pub(super) fn place<'a>(
     }
 }
 
-/// A row of a table. Its cells have the places of their columns among those of [`Wanted::heads`].
+/// A row of a table. Its cells have the places of their columns among those of [`ReadColumns::heads`].
 pub(super) trait Row {
     /// The Id, in the second cell.
     fn id(&self) -> Cow<'_, str>;
@@ -104,7 +104,7 @@ impl From<RecordError> for Stop {
 
 /// Makes frames of rows.
 pub(super) struct Frames<'a> {
-    wanted: &'a Wanted,
+    wanted: &'a ReadColumns,
     /// What is counted in the file: lines or rows.
     what: &'static str,
     ids: Vec<String>,
@@ -119,7 +119,7 @@ pub(super) struct Frames<'a> {
 }
 
 impl<'a> Frames<'a> {
-    pub fn new(wanted: &'a Wanted, what: &'static str) -> Frames<'a> {
+    pub fn new(wanted: &'a ReadColumns, what: &'static str) -> Frames<'a> {
         Frames {
             wanted,
             what,

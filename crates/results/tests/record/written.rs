@@ -3,7 +3,7 @@
 use lemons_core::plane::{Motion, Pose, Twist, vec2};
 use lemons_results::columns::{Column, Groups};
 use lemons_results::{
-    Cell, Content, Format, Frame, FrameWriter, Kind, Observed, OfStep, Record, Run, TableWriter, Totals,
+    Cell, CellType, Content, Format, Frame, FrameWriter, Observed, OfStep, Record, Run, TableWriter, Totals,
 };
 use std::fs::File;
 use std::path::Path;
@@ -197,7 +197,7 @@ fn frames_must_have_what_the_table_has() {
 #[test]
 fn tables_of_other_columns() {
     let directory = TempDir::new().unwrap();
-    let column = |name: &str, kind: Kind| Column {
+    let column = |name: &str, kind: CellType| Column {
         name: name.into(),
         kind,
         unit: None,
@@ -206,9 +206,9 @@ fn tables_of_other_columns() {
     };
     let columns = vec![
         Column::time(),
-        column("on", Kind::Boolean),
-        column("many", Kind::Integer),
-        column("what", Kind::Text),
+        column("on", CellType::Boolean),
+        column("many", CellType::Integer),
+        column("what", CellType::Text),
     ];
     let content = Content { columns, about: Vec::new() };
     let path = directory.path().join("outputs.csv");

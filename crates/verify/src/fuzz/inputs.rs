@@ -13,7 +13,7 @@ use lemons_results::{
     chaos_files, pedpy,
 };
 use lemons_sim::Clock;
-use lemons_sweep::{Finished, Parameter, Points, Spec, Table};
+use lemons_sweep::{Finished, Measured, Parameter, Points, Spec, Table};
 use std::collections::HashSet;
 use std::fs::File;
 use std::path::Path;
@@ -311,12 +311,14 @@ fn as_points(points: &Points, path: &Path) {
 fn kept(points: &Points, measures: &[String], path: &Path) {
     let outcome = |point: usize| match point % 3 {
         2 => Err("it \"fell\", badly".to_owned()),
-        way => Ok((0..measures.len()).map(|k| (k % 2 == way).then_some(point as f64 / 3.0)).collect()),
+        way => Ok((0..measures.len())
+            .map(|k| (k % 2 == way).then(|| Measured::Number(point as f64 / 3.0)))
+            .collect()),
     };
     let rows: Vec<Finished> =
         (0..points.count).map(|point| Finished { point, outcome: outcome(point) }).collect();
     let open = || {
-        let table = Table::open(path, &Default::default(), points, measures);
+        let table = Table::open(path, &Default::default(), points, Some(measures));
         table.unwrap_or_else(|error| panic!("{error:?}"))
     };
     let mut table = open();

@@ -1,0 +1,96 @@
+//! Commands that another program calls: their arguments are the same words, runs may be in memory, and nothing is printed.
+
+use crate::error::full_message;
+use crate::measure::Tables;
+use crate::{Arguments, Command, definition, files, interrupt, print};
+use anyhow::{Context, Result};
+use clap::FromArgMatches;
+use lemons_core::trial::Trial;
+use lemons_results::Run;
+use std::ffi::OsString;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A run in memory, in the place of a table and of its Trial.
+#[derive(Debug)]
+pub struct InMemory {
+    /// Its frames; the source is what messages call it.
+    pub run: Run,
+    /// Shapes and walls.
+    pub trial: Trial,
+}
+
+/// What came of a command.
+#[derive(Debug, Default)]
+pub struct Done {
+    /// What it would print on standard output.
+    pub said: String,
+    /// The same of standard error: what is probably not meant.
+    pub notes: Vec<String>,
+    /// Of `plot`: the picture, in the format of the file that `--output` names, which is not written.
+    pub picture: Vec<u8>,
+    /// Of `measure`: the summary as JSON.
+    pub summary: String,
+    /// Of `measure`: its tables as CSV, by their names.
+    pub tables: Vec<(&'static str, String)>,
+}
+
+/// The command that writes files: they are those of one command at a time.
+static WRITING: Mutex<()> = Mutex::new(());
+
+/// Calls a command, with its name and arguments as words. `run` is its operand, if that is in memory. It ends soon after
+/// `stop` is set, if it takes long.
+///
+/// # Errors
+/// The message of the command, with what it noted before.
+pub fn call(words: &[OsString], run: Option<Arc<InMemory>>, stop: Arc<AtomicBool>) -> Result<Done, String> {
+    let _stop = interrupt::of_this_thread(stop);
+    let (done, said, notes) = print::caught(|| dispatch(words, run));
+    match done {
+        Ok(done) => Ok(Done { said, notes, ..done }),
+        Err(error) => {
+            let why = full_message(&error);
+            Err(notes.into_iter().chain([why]).collect::<Vec<_>>().join("\n"))
+        }
+    }
+}
+
+fn dispatch(words: &[OsString], run: Option<Arc<InMemory>>) -> Result<Done> {
+    let mut all = definition();
+    let program = OsString::from("lemons");
+    let matches = all.try_get_matches_from_mut(std::iter::once(&program).chain(words));
+    // As one sentence, without the usage.
+    let matches = matches.map_err(|error| {
+        let text = error.render().to_string();
+        let first = text.split("\n\nUsage:").next().unwrap_or_default();
+        let first = first.split("\n\nFor more information").next().unwrap_or_default();
+        anyhow::Error::msg(first.trim_start_matches("error: ").trim_end().to_owned())
+    })?;
+    let arguments = Arguments::from_arg_matches(&matches)?;
+    let _one = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+    let (name, matches) = matches.subcommand().context("there is no command")?;
+    files::forget();
+    files::begin(all.find_subcommand(name).context("there is no such command")?, matches)?;
+    let mut done = Done::default();
+    match arguments.command {
+        Command::Plot(mut arguments) => {
+            arguments.source.memory = run;
+            done.picture = crate::pictures::plot::drawn(&arguments)?;
+        }
+        Command::Movie(mut arguments) => {
+            arguments.source.memory = run;
+            crate::pictures::movie::movie(&arguments)?;
+        }
+        Command::Measure(mut arguments) => {
+            arguments.source.memory = run;
+            let Tables { summary, tables } = crate::measure::measured(&arguments)?.tables();
+            (done.summary, done.tables) = (summary, tables);
+        }
+        Command::Export(mut arguments) => {
+            arguments.memory = run;
+            crate::export::export(&arguments)?;
+        }
+        other => crate::execute(other)?,
+    }
+    Ok(done)
+}

@@ -1,0 +1,132 @@
+//! The commands in this process.
+
+use crate::CommandError;
+use crate::model::Model;
+use crate::recording::{COUNTS, REALS};
+use lemons_cli::embedded::{Done, InMemory, call};
+use lemons_core::plane::{Motion, Pose, Twist, vec2};
+use lemons_results::{Frame, Observed, OfStep, Run, Totals};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::Builder;
+use std::time::Duration;
+
+/// Byte size of the stack of a command, as that of a program.
+const STACK: usize = 8 << 20;
+
+/// A command under way in a thread of its own.
+#[pyclass(module = "lemons_fmu._native")]
+pub struct Task {
+    stop: Arc<AtomicBool>,
+    done: Mutex<Receiver<Result<Done, String>>>,
+    result: Option<Result<Done, String>>,
+}
+
+/// What it says, its notes; its picture; its summary and tables.
+type Made<'py> = (String, Vec<String>, Bound<'py, PyBytes>, String, Vec<(&'static str, String)>);
+
+#[pymethods]
+impl Task {
+    /// Begins a command: its name and arguments. `run` is its operand, if that is in memory.
+    #[new]
+    #[pyo3(signature = (words, run=None))]
+    fn new(words: Vec<OsString>, run: Option<&Bound<'_, PyAny>>) -> PyResult<Task> {
+        let run = run.map(in_memory).transpose()?.map(Arc::new);
+        let (stop, (send, done)) = (Arc::new(AtomicBool::new(false)), channel());
+        let flag = stop.clone();
+        let work = move || {
+            // Nobody waits for it any more if this fails.
+            let _ = send.send(call(&words, run, flag));
+        };
+        Builder::new().name("lemons".into()).stack_size(STACK).spawn(work)?;
+        Ok(Task { stop, done: Mutex::new(done), result: None })
+    }
+
+    /// Waits for its end, at most so long \[s\]; whether it is over.
+    fn wait(&mut self, py: Python<'_>, seconds: f64) -> bool {
+        let done = &self.done;
+        let wait = Duration::from_secs_f64(seconds);
+        let got = py.detach(|| done.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(wait));
+        match got {
+            Ok(result) => self.result = Some(result),
+            Err(RecvTimeoutError::Disconnected) => {}
+            Err(RecvTimeoutError::Timeout) => return false,
+        }
+        true
+    }
+
+    /// Asks it to end, without what it has begun.
+    fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// What came of it.
+    fn result<'py>(&mut self, py: Python<'py>) -> PyResult<Made<'py>> {
+        let result = self.result.take().ok_or_else(|| PyRuntimeError::new_err("a fault in this program"))?;
+        let Done { said, notes, picture, summary, tables } = result.map_err(CommandError::new_err)?;
+        Ok((said, notes, PyBytes::new(py, &picture), summary, tables))
+    }
+}
+
+/// Lets commands that pack FMUs look for libraries in a directory.
+#[pyfunction]
+pub fn look_in(directory: PathBuf) {
+    lemons_master::look_in(&directory);
+}
+
+/// A `Run` of the package.
+fn in_memory(run: &Bound<'_, PyAny>) -> PyResult<InMemory> {
+    let model = run.getattr("model")?;
+    let model = model.cast::<Model>()?.get();
+    let times: PyReadonlyArray1<'_, f64> = run.getattr("times")?.extract()?;
+    let reals: PyReadonlyArray3<'_, f64> = run.getattr("reals")?.extract()?;
+    let counts: PyReadonlyArray3<'_, i32> = run.getattr("counts")?.extract()?;
+    let active: PyReadonlyArray2<'_, bool> = run.getattr("active")?.extract()?;
+    let leaving: bool = run.getattr("leaving")?.extract()?;
+    let ids: Vec<String> = run.getattr("ids")?.extract()?;
+    let people = ids.len().max(1);
+    let (reals, counts) = (reals.as_slice()?, counts.as_slice()?);
+    let of_frames = reals.chunks_exact(people * REALS.len()).zip(counts.chunks_exact(people * COUNTS));
+    let of_frames = of_frames.zip(active.as_slice()?.chunks_exact(people));
+    let frames = times.as_slice()?.iter().zip(of_frames).map(|(time, ((reals, counts), active))| {
+        let rows = || reals.chunks_exact(REALS.len()).zip(counts.chunks_exact(COUNTS));
+        let sum = |place: usize| counts.iter().skip(place).step_by(COUNTS).sum::<i32>() as u32;
+        Frame {
+            time: *time,
+            agents: rows().map(|(reals, _)| motion(reals)).collect(),
+            observed: Some(rows().map(|(reals, counts)| observed(reals, counts)).collect()),
+            active: leaving.then(|| active.to_vec()),
+            // A contact of two people counts for both.
+            totals: Some(Totals { agent_contacts: sum(0) / 2, wall_contacts: sum(1) }),
+            place: format!("t = {time:?} s"),
+            ..Frame::default()
+        }
+    });
+    let run = Run { source: run.repr()?.to_string().into(), ids, frames: frames.collect() };
+    Ok(InMemory { run, trial: model.documents.trial.clone() })
+}
+
+fn motion(reals: &[f64]) -> Motion {
+    Motion {
+        pose: Pose { position: vec2(reals[0], reals[1]), orientation: reals[2] },
+        twist: Twist { velocity: vec2(reals[3], reals[4]), angular_velocity: reals[5] },
+    }
+}
+
+fn observed(reals: &[f64], counts: &[i32]) -> Observed {
+    let of_step = OfStep { mean_normal_force: reals[7], peak_normal_force: reals[8], peak_overlap: reals[9] };
+    Observed {
+        agent_contacts: counts[0] as u32,
+        wall_contacts: counts[1] as u32,
+        contacting_agents: counts[2] as u32,
+        normal_force: reals[6],
+        of_step: Some(of_step),
+    }
+}

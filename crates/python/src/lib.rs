@@ -1,0 +1,50 @@
+//! The extension module `lemons_fmu._native`: what the Python package simulates, measures, draws and sweeps, in memory.
+//!
+//! Each class is thin: the work is done by the libraries of this workspace. Long calls release the GIL and return after a
+//! part of their work, so that Python sees Ctrl-C and shows progress. Arrays own the memory that was filled here.
+
+mod command;
+mod model;
+mod recording;
+mod simulation;
+mod sweep;
+
+use pyo3::create_exception;
+use pyo3::exceptions::PyException;
+use pyo3::prelude::*;
+
+create_exception!(
+    lemons_fmu,
+    SimulationError,
+    PyException,
+    "The simulation refuses a value or a step, or fails: the message says why."
+);
+create_exception!(
+    lemons_fmu,
+    CommandError,
+    PyException,
+    "A file or an option is refused: the message is that of the command `lemons`."
+);
+
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let python = module.py();
+    module.add("SimulationError", python.get_type::<SimulationError>())?;
+    module.add("CommandError", python.get_type::<CommandError>())?;
+    module.add("REALS", recording::REALS.map(|quantity| quantity.name).to_vec())?;
+    module.add("TABLE", recording::table())?;
+    module.add_class::<command::Task>()?;
+    module.add_class::<model::Model>()?;
+    module.add_function(wrap_pyfunction!(command::look_in, module)?)?;
+    module.add_class::<recording::Recording>()?;
+    module.add_class::<simulation::Simulation>()?;
+    module.add("SweepError", python.get_type::<sweep::SweepError>())?;
+    module.add_class::<sweep::Points>()?;
+    module.add_class::<sweep::Study>()?;
+    module.add_class::<sweep::Table>()?;
+    module.add_function(wrap_pyfunction!(sweep::check_clock, module)?)?;
+    module.add_function(wrap_pyfunction!(model::read_drive, module)?)?;
+    module.add_function(wrap_pyfunction!(model::read_people, module)?)?;
+    module.add_function(wrap_pyfunction!(model::read_text, module)?)?;
+    Ok(())
+}

@@ -1,0 +1,188 @@
+//! What is simulated: a Trial, its drive, and where its people walk.
+
+use crate::CommandError;
+use crowd_mechanics::setup;
+use lemons_core::files::input;
+use lemons_core::files::source::Memory;
+use lemons_core::trial::{DriveChoice, DriveTable, FileNames, Shape, Trial};
+use lemons_decision::Plan;
+use lemons_master::{PlanChoice, documents_of, whole};
+use lemons_sim::Documents;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A Trial with its drive and the plan of its people, read and checked. It can be pickled.
+#[pyclass(frozen, module = "lemons_fmu._native")]
+pub struct Model {
+    pub(crate) documents: Documents,
+    /// The file that says where people walk, as the user knows it.
+    #[pyo3(get)]
+    plan: Option<PathBuf>,
+    /// What is probably not meant in the Trial.
+    #[pyo3(get)]
+    warnings: Vec<String>,
+}
+
+/// The texts of a model: name and directory of the Trial, its files, the drive as CSV, the plan as TOML.
+type Texts = (String, PathBuf, Vec<(PathBuf, String)>, String, Option<String>);
+
+/// Times \[s\] and pushes of each agent that a drive names, by index.
+type Drives<'py> = BTreeMap<usize, (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)>;
+
+#[pymethods]
+impl Model {
+    /// Reads a Trial (its directory or its zip), or the Trial in the FMU of a crowd. People walk by `plan`, by default by
+    /// the Trial's decision.toml, or not at all.
+    #[staticmethod]
+    #[pyo3(signature = (path, plan=None, walk=true))]
+    fn read(py: Python<'_>, path: PathBuf, plan: Option<PathBuf>, walk: bool) -> PyResult<Model> {
+        let choice = match plan {
+            Some(path) => PlanChoice::File(path),
+            None if walk => PlanChoice::Own,
+            None => PlanChoice::None,
+        };
+        let read = py.detach(|| documents_of(&path, &DriveChoice::Own, &choice));
+        let (documents, problems, plan) = read.map_err(|error| {
+            let is_fmu = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu"));
+            let advice = if is_fmu { OTHER_FMU } else { "" };
+            CommandError::new_err(format!("{}{advice}", whole(&error)))
+        })?;
+        Ok(Model { documents, plan, warnings: problems.iter().map(ToString::to_string).collect() })
+    }
+
+    /// Makes the model of its texts.
+    #[staticmethod]
+    fn of_texts(texts: Texts, plan: Option<PathBuf>, warnings: Vec<String>) -> PyResult<Model> {
+        let (name, directory, files, drive, toml) = texts;
+        let mut memory = Memory::default();
+        files.into_iter().for_each(|(path, text)| memory.put(&path, text.into_bytes()));
+        let wrong = |error: &dyn std::fmt::Display| PyValueError::new_err(error.to_string());
+        let read = setup::read_from(&memory, &directory, &FileNames::default());
+        let trial = Trial { name, ..read.map_err(|problems| wrong(&problems))?.0 };
+        let drive = DriveTable::from_csv(drive.as_bytes()).map_err(|error| wrong(&error))?;
+        let made = toml.map(|text| Plan::from_toml(&text)).transpose().map_err(|error| wrong(&error))?;
+        Ok(Model { documents: Documents { trial, drive, plan: made }, plan, warnings })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Parts)> {
+        let Documents { trial, drive, plan } = &self.documents;
+        let mut rows = String::from("t,agent,Fp.x,Fp.y,Mp\n");
+        for agent in drive.agents() {
+            let id = agent.replace('"', "\"\"");
+            for (time, [x, y, torque]) in drive.rows(agent).unwrap_or_default() {
+                rows += &format!("{time:?},\"{id}\",{x:?},{y:?},{torque:?}\n");
+            }
+        }
+        let toml = plan.as_ref().map(Plan::to_toml).transpose();
+        let toml = toml.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let texts = trial.texts(&trial.directory);
+        let texts = (trial.name.clone(), trial.directory.clone(), texts, rows, toml);
+        let make = py.get_type::<Model>().getattr("of_texts")?;
+        Ok((make, (texts, self.plan.clone(), self.warnings.clone())))
+    }
+
+    /// Name of the Trial.
+    #[getter]
+    fn trial(&self) -> &str {
+        &self.documents.trial.name
+    }
+
+    /// Ids of the agents.
+    #[getter]
+    fn ids(&self) -> Vec<&str> {
+        self.documents.trial.agents.iter().map(|agent| agent.id.as_str()).collect()
+    }
+
+    /// The Trial's communication step \[s\].
+    #[getter]
+    fn step(&self) -> f64 {
+        self.documents.trial.parameters.time_step
+    }
+
+    /// How many people have an exit; 0 where nobody walks.
+    #[getter]
+    fn leave(&self) -> usize {
+        self.leaving().into_iter().filter(|leaves| *leaves).count()
+    }
+
+    /// The Trial's drive.csv.
+    fn drive<'py>(&self, py: Python<'py>) -> PyResult<Drives<'py>> {
+        drives(py, &self.documents.drive, &self.ids())
+    }
+}
+
+/// What a model is made of: its texts, the name of its plan, warnings.
+type Parts = (Texts, Option<PathBuf>, Vec<String>);
+
+/// Said of an FMU that has no Trial.
+const OTHER_FMU: &str = "; here the Trial in the FMU of a crowd is simulated: any other FMU runs with FMPy \
+                         (fmpy.simulate_fmu), or with lemons run";
+
+impl Model {
+    /// Of everybody, whether they have an exit.
+    pub(crate) fn leaving(&self) -> Vec<bool> {
+        self.documents.plan.as_ref().map(Plan::leaving).unwrap_or_default()
+    }
+}
+
+/// The people of a Trial: Ids, masses \[kg\], moments of inertia \[kg.m2\], statures \[m\] (not a number: not known), disks of
+/// each (x, y, radius \[m\]), poses (x, y \[m\], theta \[rad\]).
+type People = (Vec<String>, Vec<f64>, Vec<f64>, Vec<f64>, Vec<Vec<[f64; 3]>>, Vec<[f64; 3]>);
+
+/// Reads the people of a Trial.
+#[pyfunction]
+pub fn read_people(directory: PathBuf) -> PyResult<People> {
+    let read = Trial::read(&directory).map_err(|problems| PyValueError::new_err(problems.to_string()))?;
+    let Trial { agents, dynamics, .. } = read.0;
+    let disk = |shape: &Shape| [shape.position.x, shape.position.y, shape.radius];
+    Ok((
+        agents.iter().map(|agent| agent.id.clone()).collect(),
+        agents.iter().map(|agent| agent.mass).collect(),
+        agents.iter().map(|agent| agent.moment_of_inertia).collect(),
+        agents.iter().map(|agent| agent.height.unwrap_or(f64::NAN)).collect(),
+        agents.iter().map(|agent| agent.shapes.iter().map(disk).collect()).collect(),
+        dynamics.iter().map(|own| [own.position.x, own.position.y, own.theta]).collect(),
+    ))
+}
+
+/// An error of reading a file, as Python's own.
+fn unread(path: &Path, error: std::io::Error) -> PyErr {
+    std::io::Error::new(error.kind(), format!("{}: {error}", path.display())).into()
+}
+
+/// Reads a regular file of measurements: text.
+#[pyfunction]
+pub fn read_text(path: PathBuf) -> PyResult<String> {
+    let text = input::read(&path, input::LARGEST_DRIVE).map_err(|error| unread(&path, error))?;
+    String::from_utf8(text)
+        .map_err(|error| PyValueError::new_err(format!("{}: it is not UTF-8 text ({error})", path.display())))
+}
+
+/// Reads a drive file for agents with these Ids.
+#[pyfunction]
+pub fn read_drive<'py>(py: Python<'py>, path: PathBuf, ids: Vec<String>) -> PyResult<Drives<'py>> {
+    let file = input::open_bounded(&path, input::LARGEST_DRIVE).map_err(|error| unread(&path, error))?;
+    let known: Vec<&str> = ids.iter().map(String::as_str).collect();
+    let read = py.detach(|| {
+        let drive = DriveTable::from_csv(file)?;
+        drive.check_ids(known.iter().copied()).map(|()| drive)
+    });
+    let drive = read.map_err(|error| PyValueError::new_err(error.of_file(&path).to_string()))?;
+    drives(py, &drive, &known)
+}
+
+fn drives<'py>(py: Python<'py>, drive: &DriveTable, ids: &[&str]) -> PyResult<Drives<'py>> {
+    let mut all = BTreeMap::new();
+    for id in drive.agents() {
+        let agent = ids.iter().position(|known| *known == id);
+        let agent = agent.ok_or_else(|| PyValueError::new_err(format!("there is no agent {id:?}")))?;
+        let rows = drive.rows(id).unwrap_or_default();
+        let times: Vec<f64> = rows.iter().map(|(time, _)| *time).collect();
+        let pushes: Vec<f64> = rows.iter().flat_map(|(_, push)| *push).collect();
+        all.insert(agent, (times.into_pyarray(py), pushes.into_pyarray(py).reshape([rows.len(), 3])?));
+    }
+    Ok(all)
+}

@@ -1,0 +1,189 @@
+//! A crowd that steps, with what it reads and writes as arrays.
+
+use crate::SimulationError;
+use crate::model::Model;
+use crate::recording::{COUNTS, REALS, observe};
+use crowd_mechanics::engine::{Wrench, vec2};
+use lemons_sim::settings::Value;
+use lemons_sim::{Algorithm, Model as _};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyBytes, PyFloat, PyInt, PyString};
+
+/// A simulation of a [`Model`]: values by the names of the FMU's variables, steps, states.
+#[pyclass(module = "lemons_fmu._native")]
+pub struct Simulation {
+    pub(crate) simulation: lemons_sim::Simulation,
+    /// Of everybody, whether they have an exit.
+    pub(crate) leaving: Vec<bool>,
+}
+
+/// An error of the simulation, in Python.
+pub fn refused(error: impl std::fmt::Display) -> PyErr {
+    SimulationError::new_err(error.to_string())
+}
+
+/// A value as the text that sets it.
+///
+/// # Errors
+/// It is neither a number, nor a truth value, nor a text.
+pub fn text_of(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(text.to_string());
+    }
+    // Of numpy.
+    let value = if value.hasattr("item")? { value.call_method0("item")? } else { value.clone() };
+    if value.is_instance_of::<PyBool>() {
+        Ok(if value.is_truthy()? { "true" } else { "false" }.to_owned())
+    } else if value.is_instance_of::<PyInt>() {
+        Ok(value.str()?.to_string())
+    } else if value.is_instance_of::<PyFloat>() {
+        Ok(format!("{:?}", value.extract::<f64>()?))
+    } else {
+        let text = value.repr()?;
+        Err(PyTypeError::new_err(format!("{text} is neither a number, nor True or False, nor a text")))
+    }
+}
+
+#[pymethods]
+impl Simulation {
+    #[new]
+    fn new(model: &Model, algorithm: &str) -> PyResult<Simulation> {
+        let algorithm = match algorithm {
+            "jacobi" => Algorithm::Jacobi,
+            "gauss-seidel" => Algorithm::GaussSeidel,
+            other => {
+                let text =
+                    format!("the algorithm is {other:?}; it must be one of \"jacobi\", \"gauss-seidel\"");
+                return Err(PyValueError::new_err(text));
+            }
+        };
+        let simulation = lemons_sim::Simulation::new(model.documents.clone(), algorithm);
+        Ok(Simulation { simulation: simulation.map_err(refused)?, leaving: model.leaving() })
+    }
+
+    /// Sets a parameter or a start value before the beginning.
+    fn set(&mut self, name: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        match self.simulation.set(name, &text_of(value)?).map_err(refused)? {
+            None => Ok(()),
+            Some(input) => {
+                let by = if name.starts_with("decision.") { "the crowd" } else { "Decision" };
+                Err(refused(format!(
+                    "{name}: would be overwritten: {by} feeds {input} (plan=False: nobody walks)"
+                )))
+            }
+        }
+    }
+
+    /// Begins at a time \[s\].
+    fn begin(&mut self, py: Python<'_>, start: f64) -> PyResult<()> {
+        py.detach(|| self.simulation.begin(start, None)).map_err(refused)
+    }
+
+    /// Goes back to before the beginning, without what was set.
+    fn reset(&mut self) -> PyResult<()> {
+        self.simulation.reset().map_err(refused)
+    }
+
+    /// The last communication point \[s\].
+    #[getter]
+    fn time(&self) -> f64 {
+        self.simulation.time()
+    }
+
+    /// Steps to a communication point \[s\].
+    fn step_to(&mut self, py: Python<'_>, time: f64) -> PyResult<()> {
+        py.detach(|| self.simulation.step_to(time)).map_err(refused)
+    }
+
+    /// Names of all variables.
+    fn variables(&self) -> Vec<String> {
+        self.simulation.variables()
+    }
+
+    /// The value of a variable.
+    fn get<'py>(&mut self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        Ok(match self.simulation.value(name).map_err(refused)? {
+            Value::Real(value) => value.into_pyobject(py)?.into_any(),
+            Value::Integer(value) => value.into_pyobject(py)?.into_any(),
+            Value::Boolean(value) => value.into_pyobject(py)?.to_owned().into_any(),
+            Value::Text(value) => value.into_pyobject(py)?.into_any(),
+        })
+    }
+
+    /// The masses \[kg\].
+    fn masses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let masses: Vec<f64> = self.simulation.trial().agents.iter().map(|agent| agent.mass).collect();
+        masses.into_pyarray(py)
+    }
+
+    /// Pushes everybody: Fp.x, Fp.y \[N\], Mp \[N.m\], shape (N, 3).
+    fn push(&mut self, pushes: PyReadonlyArray2<'_, f64>) -> PyResult<()> {
+        let pushes = pushes.as_slice()?;
+        if let Some(k) = pushes.iter().position(|push| !push.is_finite()) {
+            let name = ["Fp.x", "Fp.y", "Mp"][k % 3];
+            return Err(refused(format!("agent[{}].{name} = {:?}: must be finite", k / 3, pushes[k])));
+        }
+        for (agent, push) in pushes.chunks_exact(3).enumerate() {
+            let push = Wrench { force: vec2(push[0], push[1]), torque: push[2] };
+            self.simulation.push(agent, push);
+        }
+        Ok(())
+    }
+
+    /// What drives everybody: Fp.x, Fp.y \[N\], Mp \[N.m\], shape (N, 3).
+    fn drive<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let world = self.simulation.world().ok_or_else(|| refused(NOT_BEGUN))?;
+        let drive: Vec<f64> =
+            world.drive.iter().flat_map(|drive| [drive.force.x, drive.force.y, drive.torque]).collect();
+        drive.into_pyarray(py).reshape([world.drive.len(), 3])
+    }
+
+    /// Whether people are there.
+    fn active<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let world = self.simulation.world().ok_or_else(|| refused(NOT_BEGUN))?;
+        Ok(world.present().to_vec().into_pyarray(py))
+    }
+
+    /// Takes people out, or lets them come back.
+    fn set_active(&mut self, active: PyReadonlyArray1<'_, bool>) -> PyResult<()> {
+        for (agent, active) in active.as_slice()?.iter().enumerate() {
+            self.simulation.set_present(agent, *active);
+        }
+        Ok(())
+    }
+
+    /// The outputs [`REALS`] of everybody, shape (N, 10), and their contacts, shape (N, 3).
+    #[allow(clippy::type_complexity)] // two arrays
+    fn observe<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i32>>)> {
+        let world = self.simulation.world().ok_or_else(|| refused(NOT_BEGUN))?;
+        let (mut reals, mut counts) = (Vec::new(), Vec::new());
+        observe(world, &mut reals, &mut counts);
+        let people = self.simulation.ids().len();
+        Ok((
+            reals.into_pyarray(py).reshape([people, REALS.len()])?,
+            counts.into_pyarray(py).reshape([people, COUNTS])?,
+        ))
+    }
+
+    /// The state, as bytes.
+    fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.simulation.save())
+    }
+
+    /// Goes to a saved state.
+    fn restore(&mut self, state: &[u8]) -> PyResult<()> {
+        self.simulation.restore(state).map_err(refused)
+    }
+
+    /// Warnings since the last call.
+    fn take_warnings(&mut self) -> Vec<String> {
+        self.simulation.take_warnings()
+    }
+}
+
+const NOT_BEGUN: &str = "the simulation has not begun";

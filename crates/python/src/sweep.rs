@@ -1,0 +1,302 @@
+//! The points of a sweep, what they simulate, and the table of their results.
+
+use crate::model::Model;
+use crate::simulation::{Simulation, refused};
+use lemons_master::PlanChoice;
+use lemons_results::measure::LATEST;
+use lemons_sim::{Algorithm, Clock};
+use lemons_sweep::{Finished, Measured, Models, Plan, Template, check_parameters, identity};
+use pyo3::create_exception;
+use pyo3::exceptions::{PyException, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyInt, PyString};
+use serde_json::{Map, Value};
+use std::path::{Path, PathBuf};
+
+create_exception!(
+    lemons_fmu,
+    SweepError,
+    PyException,
+    "The sweep cannot continue: its table is that of another sweep, in use or damaged, or nobody works for it."
+);
+
+fn wrong(error: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// The points of a sweep: a row of parameter values for each.
+#[pyclass(frozen, module = "lemons_fmu._native")]
+pub struct Points {
+    points: lemons_sweep::Points,
+    /// Of each parameter.
+    kinds: Vec<Kind>,
+}
+
+/// What the values of a parameter are.
+#[derive(Clone, Copy)]
+enum Kind {
+    Integer,
+    Real,
+    Text,
+}
+
+/// The values of a parameter: all whole numbers, all numbers, or all texts.
+fn values(name: &str, values: &[Bound<'_, PyAny>]) -> PyResult<(Kind, Vec<String>)> {
+    if values.iter().all(|value| value.is_instance_of::<PyString>()) {
+        return Ok((Kind::Text, values.iter().map(|value| value.extract()).collect::<PyResult<_>>()?));
+    }
+    let is_other =
+        |value: &Bound<'_, PyAny>| value.is_instance_of::<PyBool>() || value.is_instance_of::<PyString>();
+    let other = || wrong(format!("parameter {name}: values must be all numbers or all texts"));
+    if values.iter().any(is_other) {
+        return Err(other());
+    }
+    if values.iter().all(|value| value.is_instance_of::<PyInt>()) {
+        let text = |value: &Bound<'_, PyAny>| value.extract().map(|value: i64| value.to_string());
+        let large = |_| wrong(format!("parameter {name}: an integer is too large"));
+        return Ok((Kind::Integer, values.iter().map(text).collect::<PyResult<_>>().map_err(large)?));
+    }
+    let text = |value: &Bound<'_, PyAny>| value.extract().map(|value: f64| format!("{value:?}"));
+    Ok((Kind::Real, values.iter().map(text).collect::<PyResult<_>>().map_err(|_| other())?))
+}
+
+#[pymethods]
+impl Points {
+    /// Makes the points of parameters and their values: all combinations (a grid), or a point for each row.
+    #[staticmethod]
+    fn of(columns: Vec<(String, Vec<Bound<'_, PyAny>>)>, grid: bool) -> PyResult<Points> {
+        let (mut kinds, mut all) = (Vec::new(), Vec::new());
+        for (name, column) in columns {
+            let (kind, column) = values(&name, &column)?;
+            kinds.push(kind);
+            all.push((name, column));
+        }
+        let points = if grid {
+            lemons_sweep::Points::grid(all).map_err(wrong)?
+        } else {
+            lemons_sweep::Points::of_rows(all)
+        };
+        if points.count == 0 {
+            return Err(wrong("there are no points"));
+        }
+        Ok(Points { points, kinds })
+    }
+
+    /// The number of points.
+    #[getter]
+    fn count(&self) -> usize {
+        self.points.count
+    }
+
+    /// Names of the parameters.
+    #[getter]
+    fn names(&self) -> Vec<&str> {
+        self.points.parameters.iter().map(|parameter| parameter.name.as_str()).collect()
+    }
+
+    /// The values of a parameter at these points.
+    fn column<'py>(
+        &self,
+        py: Python<'py>,
+        column: usize,
+        points: Vec<usize>,
+    ) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        points.into_iter().map(|point| self.value(py, column, point)).collect()
+    }
+
+    /// The values of all parameters at a point.
+    fn values<'py>(&self, py: Python<'py>, point: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        (0..self.kinds.len()).map(|column| self.value(py, column, point)).collect()
+    }
+}
+
+impl Points {
+    fn value<'py>(&self, py: Python<'py>, column: usize, point: usize) -> PyResult<Bound<'py, PyAny>> {
+        let text = self.points.parameters[column].at(point);
+        Ok(match self.kinds[column] {
+            Kind::Integer => text.parse::<i64>().map_err(wrong)?.into_pyobject(py)?.into_any(),
+            Kind::Real => text.parse::<f64>().map_err(wrong)?.into_pyobject(py)?.into_any(),
+            Kind::Text => text.into_pyobject(py)?.into_any(),
+        })
+    }
+}
+
+/// What the points of a sweep simulate.
+#[pyclass(frozen, module = "lemons_fmu._native")]
+pub struct Study {
+    points: Py<Points>,
+    models: Models,
+}
+
+/// A path with the names of parameters in braces. What is there as it is written has none.
+fn template(text: &str, points: &lemons_sweep::Points) -> PyResult<Template> {
+    let path = Path::new(text);
+    if path.symlink_metadata().is_ok() {
+        return Ok(Template::of_path(path));
+    }
+    Template::read(text, Path::new(""), points).map_err(wrong)
+}
+
+#[pymethods]
+impl Study {
+    /// Finds what is simulated: a Trial or the FMU of a crowd, whose path may contain names of parameters in braces. People
+    /// walk by `plan`, by default by the Trial's decision.toml, or not at all.
+    #[new]
+    fn new(points: Py<Points>, what: &str, plan: Option<&str>, walk: bool) -> PyResult<Study> {
+        let all = &points.get().points;
+        let plan = match plan {
+            Some(text) => Plan::File(template(text, all)?),
+            None if walk => Plan::Own,
+            None => Plan::None,
+        };
+        let models = Models::of(all, &template(what, all)?, &plan).map_err(|error| wrong(error.whole()))?;
+        Ok(Study { points, models })
+    }
+
+    /// Of each model its path, the path of its plan, and whether people walk.
+    fn models(&self) -> Vec<(PathBuf, Option<PathBuf>, bool)> {
+        let all = self.models.all.iter();
+        all.map(|(path, plan)| match plan {
+            PlanChoice::File(plan) => (path.clone(), Some(plan.clone()), true),
+            plan => (path.clone(), None, *plan != PlanChoice::None),
+        })
+        .collect()
+    }
+
+    /// The place of a point's model.
+    fn place(&self, point: usize) -> usize {
+        self.models.place(point)
+    }
+
+    /// The places of parameters that are set: the others only choose a model.
+    fn set(&self) -> Vec<usize> {
+        let columns = 0..self.points.get().points.parameters.len();
+        columns.filter(|column| !self.models.only_chooses(*column)).collect()
+    }
+
+    /// Checks that a model has all variables that are set.
+    fn check(&self, simulation: &Simulation) -> PyResult<()> {
+        let only_chooses = |column: usize| self.models.only_chooses(column);
+        let checked = check_parameters(&self.points.get().points, only_chooses, &simulation.simulation);
+        checked.map_err(|error| refused(error.whole()))
+    }
+
+    /// What must be equal to go on, as JSON: of a model, and of the points.
+    fn identity(&self, model: &Model, algorithm: &str, step: f64) -> PyResult<String> {
+        let algorithm = if algorithm == "jacobi" { Algorithm::Jacobi } else { Algorithm::GaussSeidel };
+        let own = identity::of_documents(&model.documents, algorithm, step)
+            .map_err(|error| wrong(error.whole()))?;
+        Ok(Value::Object(own).to_string())
+    }
+
+    /// The same of all models together, by what is different in them; and of the points.
+    fn identity_of_all(&self, each: Vec<String>) -> String {
+        let points = &self.points.get().points;
+        let mut all = Map::from_iter([("points".to_owned(), identity::of_points(points))]);
+        if each.len() > 1 {
+            all.extend(identity::of_models(points, &each, &self.models));
+        }
+        Value::Object(all).to_string()
+    }
+}
+
+/// Checks that there are communication points until a time \[s\], or the latest one.
+#[pyfunction]
+#[pyo3(signature = (until, step))]
+pub fn check_clock(until: Option<f64>, step: f64) -> PyResult<()> {
+    Clock::new(0.0, step, until.unwrap_or(LATEST)).map(drop).map_err(wrong)
+}
+
+/// A finished point: its number, its measures by their names, or the message of its failure.
+type Row<'py> = (usize, Option<Bound<'py, PyDict>>, Option<String>);
+
+/// The table of a sweep, in a file.
+#[pyclass(module = "lemons_fmu._native")]
+pub struct Table(Option<lemons_sweep::Table>);
+
+fn cannot(error: lemons_sweep::Error) -> PyErr {
+    SweepError::new_err(error.whole())
+}
+
+#[pymethods]
+impl Table {
+    /// Creates the table, or opens that of an unfinished sweep. `identity` is JSON.
+    #[new]
+    fn new(path: PathBuf, identity: &str, points: &Points) -> PyResult<Table> {
+        let identity: Map<String, Value> = serde_json::from_str(identity).map_err(wrong)?;
+        // Opening a pipe would wait.
+        if path.exists() && !path.is_file() {
+            let text = format!("{}: is not a file; give the name of a table (.csv)", path.display());
+            return Err(SweepError::new_err(text));
+        }
+        lemons_sweep::Table::open(&path, &identity, &points.points, None).map(Some).map(Table).map_err(cannot)
+    }
+
+    /// Names of the measures; None as long as no point has any.
+    #[getter]
+    fn measures(&self) -> Option<Vec<String>> {
+        self.0.as_ref()?.measures().map(<[String]>::to_vec)
+    }
+
+    /// The finished points, in order.
+    fn rows<'py>(&self, py: Python<'py>) -> PyResult<Vec<Row<'py>>> {
+        let Some(table) = &self.0 else { return Ok(Vec::new()) };
+        table.rows().map(|row| self.row(py, row)).collect()
+    }
+
+    /// Appends finished points, whose measures have the names and the order of the table's.
+    fn add(&mut self, names: Vec<String>, rows: Vec<Row<'_>>) -> PyResult<()> {
+        let Some(table) = &mut self.0 else { return Ok(()) };
+        if table.measures() != Some(&names) {
+            table.name_measures(names.clone()).map_err(cannot)?;
+        }
+        let finished = rows.into_iter().map(|(point, measures, error)| {
+            let outcome = match (measures, error) {
+                (_, Some(error)) => Err(error),
+                (Some(measures), None) => Ok(names
+                    .iter()
+                    .map(|name| measures.get_item(name)?.map(|value| measured(&value)).transpose())
+                    .collect::<PyResult<_>>()?),
+                (None, None) => {
+                    return Err(PyTypeError::new_err("a point has neither measures nor an error"));
+                }
+            };
+            Ok(Finished { point, outcome })
+        });
+        let finished: Vec<Finished> = finished.collect::<PyResult<_>>()?;
+        table.add(&finished).map_err(cannot)
+    }
+
+    /// Sorts the rows of a finished sweep.
+    fn finish(&mut self) -> PyResult<()> {
+        match self.0.take() {
+            Some(table) => table.finish().map(drop).map_err(cannot),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Table {
+    fn row<'py>(&self, py: Python<'py>, Finished { point, outcome }: &Finished) -> PyResult<Row<'py>> {
+        let values = match outcome {
+            Err(message) => return Ok((*point, None, Some(message.clone()))),
+            Ok(values) => values,
+        };
+        let measures = PyDict::new(py);
+        for (name, value) in self.measures().unwrap_or_default().iter().zip(values) {
+            match value {
+                None => measures.set_item(name, f64::NAN)?,
+                Some(Measured::Number(number)) => measures.set_item(name, number)?,
+                Some(Measured::Text(text)) => measures.set_item(name, text)?,
+            }
+        }
+        Ok((*point, Some(measures), None))
+    }
+}
+
+fn measured(value: &Bound<'_, PyAny>) -> PyResult<Measured> {
+    match value.cast::<PyString>() {
+        Ok(text) => Ok(Measured::Text(text.to_string())),
+        Err(_) => Ok(Measured::Number(value.extract()?)),
+    }
+}

@@ -1,0 +1,187 @@
+//! What the runs of each case have in common: means over seeds with their intervals, quantiles, and runs that got stuck.
+
+use crate::error::{Error, Result};
+use crate::points::Points;
+use crate::spec::ENDED;
+use crate::table::{Finished, Measured};
+use lemons_results::measure::quantile;
+use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
+
+/// Share of intervals that hold the true mean.
+const CONFIDENCE: f64 = 0.95;
+/// The quantiles of a measure, and what is added to its name.
+const QUANTILES: [(f64, &str); 3] = [(0.1, "quantile_10"), (0.5, "median"), (0.9, "quantile_90")];
+
+/// Checks that the parameters that tell the runs of a case apart are those of a sweep.
+///
+/// # Errors
+/// One is not.
+pub fn check_over(points: &Points, over: &[String]) -> Result<()> {
+    let known = |name: &String| points.parameters.iter().any(|own| own.name == *name);
+    match over.iter().find(|name| !known(name)) {
+        Some(name) => Err(Error::Spec(format!("there is no parameter {name:?}"))),
+        None => Ok(()),
+    }
+}
+
+/// Returns a table in CSV with a row for each case: the runs that differ only in the parameters `over`, such as a seed. Of
+/// each measure it has the mean, its 95 % interval (Student's t) and quantiles, of the runs that have a value.
+///
+/// # Errors
+/// The table cannot be written.
+pub fn summary(points: &Points, measures: &[String], rows: &[Finished], over: &[String]) -> Result<String> {
+    let fixed: Vec<_> = points.parameters.iter().filter(|own| !over.contains(&own.name)).collect();
+    let may_end = measures.last().is_some_and(|name| name == ENDED);
+    let mut cases: BTreeMap<Vec<String>, (usize, Case)> = BTreeMap::new();
+    for row in rows {
+        let key = fixed.iter().map(|own| own.at(row.point).to_owned()).collect();
+        let (_, case) = cases.entry(key).or_insert_with(|| {
+            (row.point, Case { values: vec![Vec::new(); measures.len()], ..Case::default() })
+        });
+        case.add(row, may_end);
+    }
+    let mut ordered: Vec<_> = cases.into_iter().collect();
+    ordered.sort_by_key(|(_, (first, _))| *first);
+    let mut out = csv::Writer::from_writer(Vec::new());
+    let names = fixed.iter().map(|own| own.name.clone()).chain(["runs", "failed"].map(str::to_owned));
+    let stuck = may_end.then(|| "stuck".to_owned());
+    let of_measures = measures.iter().flat_map(|name| {
+        let more = QUANTILES.iter().map(|(_, quantile)| *quantile);
+        ["mean", "low", "high"].into_iter().chain(more).map(move |what| format!("{name}_{what}"))
+    });
+    out.write_record(names.chain(stuck).chain(of_measures))?;
+    for (key, (_, case)) in ordered {
+        let counts = [Some(case.runs), Some(case.failed), may_end.then_some(case.stuck)];
+        let counts = counts.into_iter().flatten().map(|count| count.to_string());
+        let numbers = case.values.into_iter().flat_map(numbers);
+        let numbers = numbers.map(|number| number.map_or(String::new(), |number| format!("{number:?}")));
+        out.write_record(key.into_iter().chain(counts).chain(numbers))?;
+    }
+    let bytes = out.into_inner().map_err(csv::IntoInnerError::into_error)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// Runs that differ only in their seeds.
+#[derive(Default)]
+struct Case {
+    runs: usize,
+    failed: usize,
+    /// Of the runs, those without an end.
+    stuck: usize,
+    /// Of each measure.
+    values: Vec<Vec<f64>>,
+}
+
+impl Case {
+    fn add(&mut self, row: &Finished, may_end: bool) {
+        let Ok(values) = &row.outcome else {
+            self.failed += 1;
+            return;
+        };
+        self.runs += 1;
+        self.stuck += usize::from(may_end && values.last() == Some(&None));
+        for (all, value) in self.values.iter_mut().zip(values) {
+            if let Some(Measured::Number(number)) = value {
+                all.push(*number);
+            }
+        }
+    }
+}
+
+/// Mean, both ends of its interval, quantiles; `None`: not known.
+fn numbers(mut values: Vec<f64>) -> Vec<Option<f64>> {
+    values.sort_by(f64::total_cmp);
+    let count = values.len() as f64;
+    let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / count);
+    let half = mean.filter(|_| values.len() > 1).map(|mean| {
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        student(values.len() - 1) * (variance / count).sqrt()
+    });
+    let ends = [-1.0, 1.0].map(|sign| Some(mean? + sign * half?));
+    let quantiles = QUANTILES.map(|(part, _)| quantile(&values, part));
+    [mean].into_iter().chain(ends).chain(quantiles).collect()
+}
+
+/// The t within which [`CONFIDENCE`] of Student's distribution lie, for so many degrees of freedom.
+fn student(freedom: usize) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    while within(high, freedom) < CONFIDENCE {
+        high *= 2.0;
+    }
+    while high - low > 1e-12 * high {
+        let middle = 0.5 * (low + high);
+        if within(middle, freedom) < CONFIDENCE { low = middle } else { high = middle }
+    }
+    high
+}
+
+/// The share of Student's distribution within ±t (Abramowitz and Stegun, 26.7.3 and 26.7.4).
+fn within(t: f64, freedom: usize) -> f64 {
+    let angle = (t / (freedom as f64).sqrt()).atan();
+    let (sine, cosine) = angle.sin_cos();
+    let odd = freedom % 2 == 1;
+    let (mut term, mut sum) = if odd { (cosine, 0.0) } else { (1.0, 0.0) };
+    // The powers of the cosine up to ν − 2.
+    for power in (if odd { 1 } else { 0 }..freedom.saturating_sub(1)).step_by(2) {
+        sum += term;
+        term *= cosine * cosine * (power + 1) as f64 / (power + 2) as f64;
+    }
+    if odd { FRAC_2_PI * (angle.min(FRAC_PI_2) + sine * sum) } else { sine * sum }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tabulated values.
+    #[test]
+    fn the_quantiles_of_students_distribution() {
+        let known = [
+            (1, 12.7062047),
+            (2, 4.3026527),
+            (3, 3.1824463),
+            (5, 2.5705818),
+            (10, 2.2281389),
+            (30, 2.0422725),
+            (199, 1.9719565),
+        ];
+        for (freedom, t) in known {
+            assert!((student(freedom) - t).abs() < 1e-6, "{freedom}: {}", student(freedom));
+        }
+    }
+
+    #[test]
+    fn runs_that_differ_in_the_seed_are_one_case() {
+        let axes = vec![
+            ("width".to_owned(), ["1.2", "0.9"].map(str::to_owned).to_vec()),
+            ("seed".to_owned(), ["1", "2", "3"].map(str::to_owned).to_vec()),
+        ];
+        let points = Points::grid(axes).unwrap();
+        let number = |value: f64| Some(Measured::Number(value));
+        let outcomes = [
+            Ok(vec![number(1.0), number(9.0)]),
+            Ok(vec![number(3.0), None]),
+            Err("it fell".to_owned()),
+            Ok(vec![None, number(5.0)]),
+            Ok(vec![number(2.0), number(7.0)]),
+            Ok(vec![number(2.0), number(6.0)]),
+        ];
+        let rows = outcomes.into_iter().enumerate().map(|(point, outcome)| Finished { point, outcome });
+        let rows: Vec<Finished> = rows.collect();
+        let measures = ["x".to_owned(), ENDED.to_owned()];
+        let over = ["seed".to_owned()];
+        let text = summary(&points, &measures, &rows, &over).unwrap();
+        let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        assert_eq!(
+            lines[0][..8],
+            ["width", "runs", "failed", "stuck", "x_mean", "x_low", "x_high", "x_quantile_10"]
+        );
+        assert_eq!(lines[1][..5], ["1.2", "2", "1", "1", "2.0"]);
+        let low: f64 = lines[1][5].parse().unwrap();
+        assert!((low - (2.0 - 12.7062047)).abs() < 1e-6, "{low}");
+        assert_eq!(lines[2][..7], ["0.9", "3", "0", "0", "2.0", "2.0", "2.0"]);
+        assert_eq!(lines[2][10..11], ["6.0"]);
+        assert!(check_over(&points, &["seeds".to_owned()]).is_err() && check_over(&points, &over).is_ok());
+    }
+}
