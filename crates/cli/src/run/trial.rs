@@ -158,7 +158,7 @@ pub fn prepare(given: &TrialInput, settings: &Settings, outputs: Option<&Place>)
         }
         let component = [name.to_owned(), MODEL_NAME.to_owned(), guid.clone()];
         let checked = before.check(&[component], &settings.algorithm.to_string(), "");
-        checked.map_err(lemons_master::Error::from).with_context(of_saved)?;
+        checked.with_context(of_saved)?;
         ensure!(before.drive == drive.fingerprint(), not_prepared(PrepareError::OtherDrive));
         simulation.restore(&states[0]).with_context(of_saved)?;
     }
