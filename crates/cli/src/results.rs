@@ -39,17 +39,17 @@ pub struct Place {
 pub fn begin(place: &Place, content: &Content, goes_on: bool) -> Result<TableWriter<Staged>> {
     let Place { path, format } = place;
     let file = if goes_on { files::stage_new(path) } else { files::stage(path) };
-    TableWriter::create(file?, path, *format, content).map_err(told)
+    TableWriter::create(file?, path, *format, content).map_err(with_path)
 }
 
 /// Puts a complete table in its place.
 pub fn place(complete: Result<Staged, RecordError>, path: &Path) -> Result<()> {
     let placed = complete.and_then(|file| Ok(file.persist().map_err(WriteError::at(path))?));
-    placed.map_err(told)
+    placed.map_err(with_path)
 }
 
 /// An error of a table, as this command says it.
-pub fn told(error: RecordError) -> anyhow::Error {
+pub fn with_path(error: RecordError) -> anyhow::Error {
     match error {
         RecordError::Write(WriteError { path, error }) => {
             anyhow::Error::new(error).context(format!("cannot write {}", path.display()))

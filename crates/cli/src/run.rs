@@ -2,9 +2,9 @@
 
 mod accuracy;
 mod fmus;
+mod model;
 mod outputs;
 mod recorder;
-mod subject;
 mod trial;
 
 use crate::decide::Walk;
@@ -25,12 +25,12 @@ use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_results::{Frame, Run};
 use lemons_sim::stop::{Still, StopCondition};
 use lemons_sim::{Algorithm, Clock, Point};
+use model::{Prepared, RunModel};
 pub use recorder::Target as RowTarget;
-use recorder::{CrowdRecorder, Look, Recorded, Target};
+use recorder::{CrowdRecorder, PointKind, Recorded, Target};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use subject::{Prepared, Subject};
 pub use trial::not_set;
 
 #[derive(clap::Args)]
@@ -262,10 +262,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(accuracy) => run_for(accuracy, job, &interrupt)?,
         None => simulate(job, &interrupt)?,
     };
-    let told = ended.tell();
+    let printed = ended.print();
     // What was computed is told nevertheless.
     ended.complete()?;
-    let Some(time) = ended.stopped else { return told };
+    let Some(time) = ended.stopped else { return printed };
     let go_on = match &arguments.state {
         Some(path) => format!("go on with --resume {}", path.display()),
         None => "it is not saved (--state)".into(),
@@ -313,7 +313,7 @@ impl About {
 pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let Job { settings, rows, outputs, state, ends, keeps_poses } = job;
     let Prepared {
-        mut subject,
+        mut model,
         crowds,
         plans,
         mut coupling,
@@ -324,7 +324,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         record,
         before,
     } = prepare(&settings, outputs.as_ref())?;
-    subject.take_warnings().iter().for_each(|warning| note!("{warning}"));
+    model.take_warnings().iter().for_each(|warning| note!("{warning}"));
     coupling.push(format!("communication step {:>10} s", clock.step));
     if keeps_poses && mechanical_steps.is_empty() {
         bail!(
@@ -350,26 +350,25 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         }
     };
     let file = state.map(|path| Ok::<_, Error>((files::stage(&path)?, path))).transpose()?;
-    let first = subject.time();
+    let first = model.time();
     let bar = progress_bar(stop.as_ref(), clock.steps.saturating_sub(index))?;
     let started = Instant::now();
     let mut run =
         Recording { recorders, stop, every, index, bar, notes: ProgressNotes::from(started), interrupt };
-    let mut done = run.see(&mut *subject, if before.is_none() { Look::Start } else { Look::Resumed });
+    let mut done = run.see(&mut *model, if before.is_none() { PointKind::Start } else { PointKind::Resumed });
     if done.is_ok() && !interrupt.pressed() {
-        let stepped =
-            lemons_sim::run(&mut *subject, &clock, index, |subject, point| run.step(subject, point));
+        let stepped = lemons_sim::run(&mut *model, &clock, index, |model, point| run.step(model, point));
         done = stepped.map(drop);
     }
     run.bar.finish_and_clear();
-    let (wall, time) = (started.elapsed(), subject.time());
+    let (wall, time) = (started.elapsed(), model.time());
     let Recording { recorders, stop, index, .. } = run;
     if let Some(StopCondition::Left(leaving)) = &stop {
-        stayed(leaving, &recorders, time, clock.until);
+        note_remaining(leaving, &recorders, time, clock.until);
     }
     let saved = match (&done, file) {
         (Ok(()), Some((file, path))) => {
-            let (component, states) = subject.states()?;
+            let (component, states) = model.states()?;
             let crowd = recorders.iter().map(CrowdRecorder::record).collect();
             let saved = Saved { index, time, component, crowd, ..record };
             let shown = path.display();
@@ -382,9 +381,9 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         }
         _ => Ok(None),
     };
-    let pressing = match (&done, &plans[..], &recorders[..]) {
+    let stuck = match (&done, &plans[..], &recorders[..]) {
         (Ok(()), [plan], [crowd]) if plan.walking_model == WalkingModel::Straight => {
-            pressing(&mut *subject, plan, crowd)?
+            stuck_warning(&mut *model, plan, crowd)?
         }
         _ => None,
     };
@@ -398,12 +397,12 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         recorded = recorded.or(run);
         failed = and_then(failed, placed);
     }
-    match subject.finish_outputs() {
+    match model.finish_outputs() {
         Ok(line) => seen.extend(line),
         Err(error) => failed = and_then(failed, Err(error)),
     }
-    let done = done.and_then(|()| subject.terminate());
-    subject.take_warnings().into_iter().chain(pressing).for_each(|warning| note!("{warning}"));
+    let done = done.and_then(|()| model.terminate());
+    model.take_warnings().into_iter().chain(stuck).for_each(|warning| note!("{warning}"));
     if let Err(error) = done {
         return Err(stopped(error, time, failed));
     }
@@ -446,35 +445,35 @@ struct Recording<'a> {
 }
 
 impl Recording<'_> {
-    fn see(&mut self, subject: &mut dyn Subject, look: Look) -> Result<()> {
+    fn see(&mut self, model: &mut dyn RunModel, kind: PointKind) -> Result<()> {
         let mut frames = Vec::with_capacity(self.recorders.len());
         for crowd in 0..self.recorders.len() {
-            frames.push(subject.frame(crowd)?);
+            frames.push(model.frame(crowd)?);
         }
         match &mut self.stop {
             // Whether anybody rests is known after a step.
-            Some(StopCondition::Still(_)) if matches!(look, Look::Start | Look::Resumed) => {}
-            Some(stop @ StopCondition::Still(_)) => stop.see(subject.time(), &frames),
+            Some(StopCondition::Still(_)) if matches!(kind, PointKind::Start | PointKind::Resumed) => {}
+            Some(stop @ StopCondition::Still(_)) => stop.see(model.time(), &frames),
             Some(stop @ StopCondition::Left(_)) => {
                 let leave = frames.iter().zip(&self.recorders).filter(|(_, crowd)| crowd.may_leave());
                 let leave: Vec<Frame> = leave.map(|(frame, _)| frame.clone()).collect();
-                stop.see(subject.time(), &leave);
+                stop.see(model.time(), &leave);
             }
             None => {}
         }
         for (recorder, frame) in self.recorders.iter_mut().zip(frames) {
-            recorder.see(frame, look)?;
+            recorder.see(frame, kind)?;
         }
-        if matches!(look, Look::Start | Look::Written) { subject.write_outputs() } else { Ok(()) }
+        if matches!(kind, PointKind::Start | PointKind::Written) { model.write_outputs() } else { Ok(()) }
     }
 
     /// After a step.
-    fn step(&mut self, subject: &mut dyn Subject, point: Point) -> Result<ControlFlow<()>> {
+    fn step(&mut self, model: &mut dyn RunModel, point: Point) -> Result<ControlFlow<()>> {
         if point.regular {
             self.index = point.steps;
         }
         let written = point.steps.is_multiple_of(self.every);
-        self.see(subject, if written { Look::Written } else { Look::Passed })?;
+        self.see(model, if written { PointKind::Written } else { PointKind::Passed })?;
         self.bar.set_message(format!("t = {:.2} s", point.time));
         if self.bar.is_hidden() && self.notes.is_due(Instant::now()) {
             note!("t = {:.2} s", point.time);
@@ -526,10 +525,10 @@ fn until_left(plans: &[Vec<bool>], recorders: &[CrowdRecorder]) -> Result<Leavin
 }
 
 /// Ids of people who are told.
-const TOLD: usize = 5;
+const MOST_IDS: usize = 5;
 
 /// Says who has not left, and why the run ends nevertheless.
-fn stayed(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64, until: f64) {
+fn note_remaining(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64, until: f64) {
     let why = match leaving.over() {
         Some(Over::Standstill) => {
             format!("in the last {STANDSTILL} s nobody has left or got further than {REACH} m")
@@ -540,8 +539,8 @@ fn stayed(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64, until: f64)
     };
     let (leave, left) = leaving.counts();
     let ids: Vec<&str> = recorders.iter().flat_map(CrowdRecorder::ids).map(String::as_str).collect();
-    let mut stay: Vec<&str> = leaving.stay().take(TOLD).map(|agent| ids[agent]).collect();
-    if leaving.stay().nth(TOLD).is_some() {
+    let mut stay: Vec<&str> = leaving.stay().take(MOST_IDS).map(|agent| ids[agent]).collect();
+    if leaving.stay().nth(MOST_IDS).is_some() {
         stay.push("…");
     }
     note!(
@@ -556,8 +555,8 @@ const STUCK: f64 = 0.1;
 
 /// A warning for the end of a run with the model `straight` if more than half of the people who are there are pushed,
 /// want to walk and get no further.
-fn pressing(
-    subject: &mut dyn Subject,
+fn stuck_warning(
+    model: &mut dyn RunModel,
     plan: &lemons_decision::Plan,
     crowd: &CrowdRecorder,
 ) -> Result<Option<String>> {
@@ -567,7 +566,7 @@ fn pressing(
     }
     let names: Vec<String> =
         (0..people).flat_map(|i| ["x", "y"].map(|axis| format!("agent[{i}].Fp.{axis}"))).collect();
-    let forces = subject.values(0, &names)?;
+    let forces = model.values(0, &names)?;
     let squeeze = |i: usize| {
         let step = frame.observed.as_ref().and_then(|observed| observed[i].of_step);
         step.map_or(0.0, |step| step.mean_normal_force)
@@ -612,7 +611,7 @@ impl Ended {
         self.failed.take().map_or(Ok(()), Err)
     }
 
-    fn tell(&self) -> Result<()> {
+    fn print(&self) -> Result<()> {
         let seconds = self.wall.as_secs_f64();
         self.coupling.iter().try_for_each(|line| say!("{line}"))?;
         if let Some(time) = self.stopped {

@@ -1,7 +1,7 @@
 //! A run of an FMU, or of FMUs that an SSP couples: frames of its crowds, from the outputs of their FMUs.
 
+use super::model::{CrowdInfo, Prepared, RunModel, States, record_of};
 use super::outputs::Outputs;
-use super::subject::{CrowdInfo, Prepared, States, Subject, record_of};
 use crate::connect::plain_names;
 use crate::messages::{not_prepared, warning_text};
 use crate::results::{CellType, Column};
@@ -96,7 +96,7 @@ pub fn prepare(
             ..record_of(&run.clock, run.every, run.before.as_ref())
         },
         before: run.before.take(),
-        subject: Box::new(FmuRun { run, crowds: readers, outputs }),
+        model: Box::new(FmuRun { run, crowds: readers, outputs }),
     })
 }
 
@@ -108,7 +108,7 @@ impl Model for FmuRun {
     }
 }
 
-impl Subject for FmuRun {
+impl RunModel for FmuRun {
     fn time(&self) -> f64 {
         self.run.system.time()
     }
@@ -123,7 +123,7 @@ impl Subject for FmuRun {
     }
 
     fn write_outputs(&mut self) -> Result<()> {
-        self.outputs.as_mut().map_or(Ok(()), |outputs| outputs.look(&self.run.system))
+        self.outputs.as_mut().map_or(Ok(()), |outputs| outputs.write_row(&self.run.system))
     }
 
     fn finish_outputs(&mut self) -> Result<Option<String>> {

@@ -1,7 +1,7 @@
 //! The outputs of what is not a crowd: one table, with a column for each output.
 
 use super::About;
-use crate::results::{self, Cell, CellType, Column, Content, Place, TableWriter, told};
+use crate::results::{self, Cell, CellType, Column, Content, Place, TableWriter, with_path};
 use anyhow::Result;
 use lemons_core::files::Staged;
 use lemons_master::ssp::{Address, Kind as Causality, Type};
@@ -39,7 +39,7 @@ impl OutputTable {
                 ));
             }
         }
-        self.table.row(time, row).map_err(told)
+        self.table.row(time, row).map_err(with_path)
     }
 
     /// Puts the table in its place; returns the line of the summary.
@@ -126,7 +126,7 @@ impl Outputs {
     }
 
     /// Reads the outputs at a communication point and writes the row.
-    pub fn look(&mut self, system: &System) -> Result<()> {
+    pub fn write_row(&mut self, system: &System) -> Result<()> {
         let mut row = vec![Cell::Integer(0); self.count];
         let mut texts = Vec::new();
         for columns in &self.components {

@@ -2,8 +2,8 @@
 
 use super::About;
 use super::accuracy::Poses;
-use super::subject::CrowdInfo;
-use crate::results::{self, Content, Format, FrameWriter, Place, told};
+use super::model::CrowdInfo;
+use crate::results::{self, Content, Format, FrameWriter, Place, with_path};
 use anyhow::{Result, bail};
 use lemons_core::files::Staged;
 use lemons_core::trial::Agent;
@@ -56,7 +56,7 @@ pub struct Recorded {
 
 /// A communication point at which a run is looked at.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Look {
+pub enum PointKind {
     /// The first one: its rows are written, and there has been no step.
     Start,
     /// The point from which a saved run goes on: its rows are in the table of the run before.
@@ -121,27 +121,27 @@ impl CrowdRecorder {
     }
 
     /// Sees the frame of a communication point: extremes, and rows if they are wanted.
-    pub fn see(&mut self, mut frame: Frame, look: Look) -> Result<()> {
+    pub fn see(&mut self, mut frame: Frame, kind: PointKind) -> Result<()> {
         if let Some(poses) = &mut self.poses {
             poses.add(&frame);
         }
-        if look == Look::Resumed {
+        if kind == PointKind::Resumed {
             self.last = frame;
             return Ok(());
         }
-        let length = if look == Look::Start { 0.0 } else { frame.time - self.last.time };
+        let length = if kind == PointKind::Start { 0.0 } else { frame.time - self.last.time };
         let before = self.extremes.peak_squeeze.force;
-        self.extremes.see(&frame, look == Look::Start);
+        self.extremes.see(&frame, kind == PointKind::Start);
         self.peak_passed =
-            look == Look::Passed && (self.peak_passed || self.extremes.peak_squeeze.force > before);
+            kind == PointKind::Passed && (self.peak_passed || self.extremes.peak_squeeze.force > before);
         self.exposure.add(length, &frame);
         self.last = frame.clone();
-        if look == Look::Passed {
+        if kind == PointKind::Passed {
             return Ok(());
         }
         self.exposure.finish(&mut frame);
         match &mut self.rows {
-            Rows::Table(writer, _) => writer.frame(&frame).map_err(told),
+            Rows::Table(writer, _) => writer.frame(&frame).map_err(with_path),
             Rows::Memory(recorder) => {
                 recorder.add(frame);
                 Ok(())

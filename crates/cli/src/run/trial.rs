@@ -1,8 +1,8 @@
 //! A run of a Trial in memory.
 
 use super::About;
+use super::model::{CrowdInfo, Prepared, RunModel, States, record_of};
 use super::outputs::OutputTable;
-use super::subject::{CrowdInfo, Prepared, States, Subject, record_of};
 use crate::messages::{not_prepared, warning_text};
 use crate::results::{Cell, CellType, Column, Place};
 use anyhow::{Context, Error, Result, anyhow, ensure};
@@ -74,7 +74,7 @@ impl Model for TrialRun {
     }
 }
 
-impl Subject for TrialRun {
+impl RunModel for TrialRun {
     fn time(&self) -> f64 {
         self.simulation.time()
     }
@@ -219,7 +219,7 @@ pub fn prepare(given: &TrialInput, settings: &Settings, outputs: Option<&Place>)
         clock,
         drive_end,
         before,
-        subject: Box::new(TrialRun { simulation, outputs, name, guid }),
+        model: Box::new(TrialRun { simulation, outputs, name, guid }),
     })
 }
 

@@ -29,7 +29,7 @@ pub struct CrowdInfo {
 pub type States = (Vec<ComponentRecord>, Vec<Vec<u8>>);
 
 /// What a run steps.
-pub trait Subject: Model<Error = Error> {
+pub trait RunModel: Model<Error = Error> {
     /// \[s\] The last communication point.
     fn time(&self) -> f64;
 
@@ -63,7 +63,7 @@ pub trait Subject: Model<Error = Error> {
 
 /// A run that is ready: at its first communication point, or at that of the saved run.
 pub struct Prepared {
-    pub subject: Box<dyn Subject>,
+    pub model: Box<dyn RunModel>,
     pub crowds: Vec<CrowdInfo>,
     /// Known plans of people who walk.
     pub plans: Vec<Plan>,
