@@ -3,7 +3,6 @@
 use crate::error::{Result, require};
 use crate::normal::cumulative;
 use crate::random::Random;
-use nalgebra::{Cholesky, Matrix4, Vector4};
 
 /// Number of correlated measures: those of [`crate::Measure::ALL`].
 const N: usize = 4;
@@ -15,21 +14,40 @@ pub type Correlations = [[f64; N]; N];
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Copula {
     /// Cholesky factor of the Pearson correlations of the normal variables.
-    lower: Matrix4<f64>,
+    lower: Correlations,
 }
 
 /// Returns the lower triangle L with L·Lᵀ = `matrix`, or `None` if it is not positive definite.
-fn cholesky(matrix: Matrix4<f64>) -> Option<Matrix4<f64>> {
+fn cholesky(matrix: &Correlations) -> Option<Correlations> {
     // Smaller pivots are rounding errors. A measure that follows from the others gets a standard deviation of 1e-6.
-    const PIVOT: f64 = 1e-6;
-    let lower = Cholesky::new(matrix)?.l();
-    (lower.diagonal().min() > PIVOT).then_some(lower)
+    const PIVOT: f64 = 1e-12;
+    let mut lower = [[0.0; N]; N];
+    for row in 0..N {
+        for column in 0..=row {
+            let done: f64 = (0..column).map(|k| lower[row][k] * lower[column][k]).sum();
+            let rest = matrix[row][column] - done;
+            lower[row][column] = if row != column {
+                rest / lower[column][column]
+            } else if rest > PIVOT {
+                rest.sqrt()
+            } else {
+                return None;
+            };
+        }
+    }
+    Some(lower)
 }
 
 /// Multiplies all correlations between two different measures by `part`.
-fn weakened(matrix: &Matrix4<f64>, part: f64) -> Matrix4<f64> {
-    let mut weak = matrix * part;
-    weak.fill_diagonal(1.0);
+fn weakened(matrix: &Correlations, part: f64) -> Correlations {
+    let mut weak = *matrix;
+    for (row, values) in weak.iter_mut().enumerate() {
+        for (column, value) in values.iter_mut().enumerate() {
+            if row != column {
+                *value *= part;
+            }
+        }
+    }
     weak
 }
 
@@ -54,18 +72,18 @@ impl Copula {
                 })?;
             }
         }
-        let pearson = Matrix4::from_fn(|row, column| match spearman[row][column] {
-            1.0 => 1.0,
-            value => 2.0 * libm::sin(std::f64::consts::PI * value / 6.0),
-        });
-        if let Some(lower) = cholesky(pearson) {
+        let mut pearson = *spearman;
+        for value in pearson.as_flattened_mut() {
+            *value = if *value == 1.0 { 1.0 } else { 2.0 * libm::sin(std::f64::consts::PI * *value / 6.0) };
+        }
+        if let Some(lower) = cholesky(&pearson) {
             return Ok(Copula { lower });
         }
-        let mut lower = Matrix4::identity();
+        let mut lower = identity();
         let (mut least, mut most) = (0.0, 1.0);
         for _ in 0..50 {
             let part = 0.5 * (least + most);
-            match cholesky(weakened(&pearson, part)) {
+            match cholesky(&weakened(&pearson, part)) {
                 Some(factor) => (least, lower) = (part, factor),
                 None => most = part,
             }
@@ -75,9 +93,19 @@ impl Copula {
 
     /// Draws the ranks of one person, each evenly distributed between 0 and 1.
     pub(crate) fn ranks(&self, random: &mut Random) -> [f64; N] {
-        let free = Vector4::from_fn(|_, _| random.normal());
-        (self.lower * free).map(cumulative).into()
+        let mut free = [0.0; N];
+        free.fill_with(|| random.normal());
+        self.lower.map(|row| cumulative(row.iter().zip(free).map(|(part, z)| part * z).sum()))
     }
+}
+
+/// The identity matrix: no correlations.
+fn identity() -> Correlations {
+    let mut identity = [[0.0; N]; N];
+    for (place, row) in identity.iter_mut().enumerate() {
+        row[place] = 1.0;
+    }
+    identity
 }
 
 #[cfg(test)]
@@ -95,21 +123,64 @@ mod tests {
     fn the_factor_gives_the_matrix_back() {
         let spearman = matrix([0.7581, 0.3001, 0.8771, 0.2049, 0.8538, 0.448]);
         let lower = Copula::new(&spearman).unwrap().lower;
-        let pearson = lower * lower.transpose();
         for row in 0..N {
             for column in 0..N {
-                let back = libm::asin(pearson[(row, column)] / 2.0) * 6.0 / std::f64::consts::PI;
+                let pearson: f64 = (0..N).map(|k| lower[row][k] * lower[column][k]).sum();
+                let back = libm::asin(pearson / 2.0) * 6.0 / std::f64::consts::PI;
                 assert!((back - spearman[row][column]).abs() < 1e-14, "{row} {column}");
             }
         }
+    }
+
+    /// The factor is unique, so a program that shares nothing with ours must find it, too.
+    #[test]
+    fn the_factor_is_that_of_nalgebra() {
+        let mut random = Random::new(7);
+        let (mut worst, mut found, mut refused) = (0.0f64, 0, 0);
+        for _ in 0..2000 {
+            // Correlations of four measures of five causes, and matrices that are none.
+            let parts = nalgebra::SMatrix::<f64, 4, 5>::from_fn(|_, _| random.normal());
+            let mut product = parts * parts.transpose();
+            let lengths: [f64; N] = std::array::from_fn(|k| product[(k, k)].sqrt());
+            let shift = if random.normal() < 0.0 { 0.8 } else { 0.0 };
+            for row in 0..N {
+                for column in 0..N {
+                    product[(row, column)] = if row == column {
+                        1.0
+                    } else {
+                        product[(row, column)] / lengths[row] / lengths[column] - shift
+                    };
+                }
+            }
+            let matrix: Correlations = std::array::from_fn(|row| std::array::from_fn(|k| product[(row, k)]));
+            let (ours, theirs) = (cholesky(&matrix), nalgebra::Cholesky::new(product));
+            match (ours, theirs) {
+                (Some(ours), Some(theirs)) => {
+                    found += 1;
+                    let theirs = theirs.l();
+                    // What rounding of the matrix does to the factor grows with the inverse of the last pivot.
+                    let pivot = (0..N).map(|k| ours[k][k]).fold(1.0, f64::min);
+                    for row in 0..N {
+                        for column in 0..N {
+                            worst = worst.max((ours[row][column] - theirs[(row, column)]).abs() * pivot);
+                        }
+                    }
+                }
+                (None, None) => refused += 1,
+                (ours, theirs) => panic!("{matrix:?}: {ours:?}, {theirs:?}"),
+            }
+        }
+        assert!(found > 500 && refused > 500, "{found}, {refused}");
+        assert!(worst < 1e-15, "{worst:e}");
     }
 
     #[test]
     fn an_impossible_matrix_is_weakened_no_more_than_it_must() {
         // Three measures cannot all be opposed to each other: at most −1/2.
         let copula = Copula::new(&matrix([-0.9, -0.9, 0.0, -0.9, 0.0, 0.0])).unwrap();
-        let pearson = copula.lower[(1, 0)];
-        assert!(copula.lower[(0, 0)] == 1.0 && (pearson + 0.5).abs() < 1e-9, "{pearson}");
+        let pearson: f64 = (0..N).map(|k| copula.lower[1][k] * copula.lower[0][k]).sum();
+        assert!((pearson + 0.5).abs() < 1e-9, "{pearson}");
+        assert!((pearson - copula.lower[1][0]).abs() < 1e-15);
         // Measures that are one and the same.
         let copula = Copula::new(&matrix([1.0; 6])).unwrap();
         let ranks = copula.ranks(&mut Random::new(1));
