@@ -133,7 +133,9 @@ fn a_face_drawn_twice_is_a_warning() {
     let text = warnings.to_string();
     assert!(
         text.starts_with("warning: ")
-            && text.contains("Geometry.xml:12: <Corner> Coordinates=\"1,1\": wall \"bar\""),
+            && text.contains(
+                "Geometry.xml: wall \"bar\" from 1.0,1.0 to 2.0,1.5 and wall \"bar\" from 2.0,1.5 to 1.0,1.0"
+            ),
         "{text}"
     );
     assert_eq!((warnings.warnings().count(), warnings.has_errors()), (1, false));
