@@ -110,7 +110,7 @@ def test_a_run_shows_how_far_it_is(push_fmu, capsys):
     ],
 )
 def test_a_broken_trial_is_an_error_that_names_its_file(tmp_path, file, old, new, said):
-    """The same messages as those of `lemons check`; tests of crates/trial have them all."""
+    """The same messages as those of `lemons check`; tests of crates/core have them all."""
     trial = Trial(TRIAL_PUSH).save(tmp_path / "trial")
     path = trial.directory / file
     path.write_text(path.read_text().replace(old, new, 1))
