@@ -2,21 +2,21 @@
 
 use crate::error::{Error, Result};
 use crate::models::Models;
-use crate::points::{Points, hex};
+use crate::points::Points;
 use crate::spec::Spec;
 use lemons_sim::{Algorithm, Documents};
 use serde_json::{Map, Value, json};
-use sha2::{Digest, Sha256};
+use sha1_smol::Sha1;
 
 /// Returns what must be equal of several models, by their digests: which point has which, and which parameters only
 /// choose.
 pub fn of_models(points: &Points, digests: &[String], models: &Models) -> Map<String, Value> {
-    let mut digest = Sha256::new();
-    digests.iter().for_each(|one| digest.update(one));
-    (0..points.count).for_each(|point| digest.update((models.place(point) as u64).to_le_bytes()));
-    (0..points.parameters.len()).for_each(|place| digest.update([u8::from(models.only_chooses(place))]));
-    let digest = hex(&digest.finalize());
-    Map::from_iter([("models".to_owned(), json!({ "count": digests.len(), "sha256": digest }))])
+    let mut digest = Sha1::new();
+    digests.iter().for_each(|one| digest.update(one.as_bytes()));
+    (0..points.count).for_each(|point| digest.update(&(models.place(point) as u64).to_le_bytes()));
+    (0..points.parameters.len()).for_each(|place| digest.update(&[u8::from(models.only_chooses(place))]));
+    let digest = digest.digest().to_string();
+    Map::from_iter([("models".to_owned(), json!({ "count": digests.len(), "sha1": digest }))])
 }
 
 /// Returns the digest of a map, by its text.
@@ -24,13 +24,13 @@ pub fn of_models(points: &Points, digests: &[String], models: &Models) -> Map<St
 /// # Errors
 /// It cannot be written.
 pub fn digest(map: &Map<String, Value>) -> Result<String> {
-    Ok(hex(&Sha256::digest(serde_json::to_string(map)?)))
+    Ok(Sha1::from(serde_json::to_string(map)?).digest().to_string())
 }
 
 /// Returns what must be equal of points.
 pub fn of_points(points: &Points) -> Value {
     let names: Vec<&str> = points.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-    json!({ "parameters": names, "count": points.count, "sha256": points.sha256() })
+    json!({ "parameters": names, "count": points.count, "sha1": points.sha1() })
 }
 
 /// Returns what must be equal of a Trial, its drive, its communication step \[s\]; and of people who walk, their plan.
@@ -44,7 +44,7 @@ pub fn of_documents(documents: &Documents, algorithm: Algorithm, step: f64) -> R
     all.insert("trial".into(), json!({ "name": trial.name, "fingerprint": fingerprint }));
     if let Some(plan) = plan {
         let text = plan.to_toml().map_err(|error| Error::Spec(error.to_string()))?;
-        all.insert("plan".into(), hex(&Sha256::digest(text)).into());
+        all.insert("plan".into(), Sha1::from(text).digest().to_string().into());
         all.insert("algorithm".into(), algorithm.to_string().into());
     }
     all.insert("drive".into(), drive.fingerprint().into());
@@ -56,7 +56,7 @@ pub fn of_documents(documents: &Documents, algorithm: Algorithm, step: f64) -> R
 pub(crate) fn of_spec(spec: &Spec) -> Map<String, Value> {
     let mut all = spec.identity.clone();
     all.insert("points".into(), of_points(&spec.points));
-    let walkable = spec.places.walkable.as_ref().map(|walkable| hex(&Sha256::digest(&walkable.wkt)));
+    let walkable = spec.places.walkable.as_ref().map(|walkable| Sha1::from(&walkable.wkt).digest().to_string());
     all.extend(walkable.map(|digest| ("walkable".into(), digest.into())));
     all
 }

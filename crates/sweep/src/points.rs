@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Place, Result};
 use lemons_core::files::input;
-use sha2::{Digest, Sha256};
+use sha1_smol::Sha1;
 use std::path::Path;
 
 /// A parameter of a sweep.
@@ -119,13 +119,13 @@ impl Points {
         Points { parameters, count }
     }
 
-    /// Returns the SHA-256 of the names and all values.
-    pub fn sha256(&self) -> String {
-        let mut digest = Sha256::new();
+    /// Returns the SHA-1 of the names and all values.
+    pub fn sha1(&self) -> String {
+        let mut digest = Sha1::new();
         for Parameter { name, values, repeat } in &self.parameters {
-            digest.update(format!("{name:?} {repeat} {values:?}"));
+            digest.update(format!("{name:?} {repeat} {values:?}").as_bytes());
         }
-        hex(&digest.finalize())
+        digest.digest().to_string()
     }
 }
 
@@ -148,11 +148,6 @@ fn normalized(cells: Vec<String>) -> Result<Vec<String>, String> {
 
 fn too_many() -> String {
     format!("there are more than {MOST_POINTS} points")
-}
-
-/// Hexadecimal digits.
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]
