@@ -2,8 +2,8 @@
 
 use crate::normal::inverse;
 use lemons_core::plane::{Vec2, vec2};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 
 /// The generator behind every draw of this crate: ChaCha8.
 pub(crate) struct Random(ChaCha8Rng);

@@ -2,8 +2,8 @@
 
 use lemons_core::plane::vec2;
 use lemons_people::{Disk, Shape};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 
 /// \[cm\] The paper's template in the frame of an agent, about its area centroid: forward, left, radius.
 const TEMPLATE: [(f64, f64, f64); 5] = [
