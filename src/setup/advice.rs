@@ -2,10 +2,10 @@
 
 use super::steps::{Fastest, rounded_down};
 use super::{Setup, WorldError};
-use crate::engine::{ContactReport, DiskId, Pair, Scene, World};
+use crate::engine::{Contact, ContactReport, Pair, Scene, World};
 use lemons_core::trial::{FileNames, Problem, Severity, quoted};
 use std::collections::{BTreeSet, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Largest distance that a disk moves in a proposed step, as a fraction of its radius.
 const PROPOSED_SHARE_OF_RADIUS: f64 = 1.0 / 10.0;
@@ -20,7 +20,7 @@ impl Setup<'_> {
     /// Returns warnings about overlaps at the start without a spring from an earlier step, and about a mechanical step
     /// that does not resolve the shortest contact.
     pub(super) fn advice(&self, places: &FileNames) -> Vec<Problem> {
-        let FileNames { parameters, dynamics, .. } = places;
+        let dynamics = &places.dynamics;
         let world = match self.world() {
             Ok(world) => world,
             Err(crowded @ WorldError::Crowded { .. }) => {
@@ -30,12 +30,12 @@ impl Setup<'_> {
             Err(_) => return Vec::new(),
         };
         let scene = world.scene();
-        let overlaps = self.overlaps_at_start(scene, world.contacts());
-        let mut advice: Vec<_> = overlaps.into_iter().map(|message| warning(dynamics, message)).collect();
+        let overlaps = self.overlaps_at_start(scene, world.contacts()).into_iter();
         let coincident = self.name_coincident(scene, &world.contacts().coincident);
-        advice.extend(coincident.map(|message| warning(dynamics, message)));
-        advice.extend(self.coarse_step(scene, parameters));
-        advice.extend(self.stepping_over(scene, parameters));
+        let mut advice: Vec<_> =
+            overlaps.chain(coincident).map(|message| warning(dynamics, message)).collect();
+        advice.extend(self.coarse_step(scene, places));
+        advice.extend(self.stepping_over(scene, places));
         advice.extend(self.unusual(places));
         advice.extend(self.doubts(scene, places));
         advice
@@ -43,17 +43,14 @@ impl Setup<'_> {
 
     /// Returns the same warnings for a Trial whose numbers were edited after reading.
     pub fn advice_as_edited(&self) -> Vec<Problem> {
-        let of = |name: &str| PathBuf::from(format!("{} ({name}, with the parameters as set)", self.name));
-        self.advice(&FileNames {
-            parameters: of("Parameters.xml"),
-            materials: of("Materials.xml"),
-            agents: of("Agents.xml"),
-            geometry: of("Geometry.xml"),
-            dynamics: of("AgentDynamics.xml"),
-        })
+        let mut advice = self.advice(&FileNames::default());
+        for Problem { file, .. } in &mut advice {
+            *file = format!("{} ({}, with the parameters as set)", self.name, file.display()).into();
+        }
+        advice
     }
 
-    /// Overlaps at the start that no earlier step knows.
+    /// Returns the overlaps at the start that no earlier step knows.
     fn overlaps_at_start(&self, scene: &Scene, contacts: &ContactReport) -> Vec<String> {
         let state = self.state(scene);
         let known_disks: HashSet<_> =
@@ -85,28 +82,22 @@ impl Setup<'_> {
         is_new: impl Fn(&Pair) -> bool,
         when: &str,
     ) -> Vec<String> {
-        let agent = |disk: DiskId| quoted(&self.agents[scene.body_of(disk).index()].id);
-        let (mut among_agents, mut with_walls) = (Deepest::default(), Deepest::default());
-        for contact in contacts.contacts.iter().filter(|contact| is_new(&contact.pair)) {
-            match contact.pair {
-                Pair::Disks { first, second } => {
-                    among_agents
-                        .see(contact.depth, || format!("agents {} and {}", agent(first), agent(second)));
-                }
-                Pair::Face { disk, face, .. } => {
-                    let wall = &self.geometry.walls[scene.faces[face.index()].wall.index()];
-                    with_walls.see(contact.depth, || {
-                        format!("agent {} and wall {}", agent(disk), quoted(&wall.id))
-                    });
-                }
-            }
-        }
-        let said =
-            [among_agents.says("disks of different agents", when), with_walls.says("disks and walls", when)];
-        said.into_iter().flatten().collect()
+        let (among_agents, with_walls): (Vec<&Contact>, Vec<&Contact>) = contacts
+            .contacts
+            .iter()
+            .filter(|contact| is_new(&contact.pair))
+            .partition(|contact| matches!(contact.pair, Pair::Disks { .. }));
+        let told = |(overlaps, what): (Vec<&Contact>, &str)| {
+            let (count, pairs) = (overlaps.len(), if overlaps.len() == 1 { "pair" } else { "pairs" });
+            let deepest = overlaps.into_iter().reduce(|a, b| if b.depth > a.depth { b } else { a })?;
+            let (depth, whose) = (1e3 * deepest.depth, self.name_pair(scene, deepest.pair, "wall"));
+            Some(format!("{count} {pairs} of {what} overlap {when}, the deepest by {depth:.3} mm ({whose})"))
+        };
+        let all = [(among_agents, "disks of different agents"), (with_walls, "disks and walls")];
+        all.into_iter().filter_map(told).collect()
     }
 
-    fn coarse_step(&self, scene: &Scene, file: &Path) -> Option<Problem> {
+    fn coarse_step(&self, scene: &Scene, places: &FileNames) -> Option<Problem> {
         let step = self.parameters.time_step_mechanical;
         let steps = self.steps_in(scene)?;
         let Fastest { pair, rates, materials } = &steps.least_allowed;
@@ -121,13 +112,13 @@ impl Setup<'_> {
         let ratio = rates.damping / rates.critical_damping();
         if ratio > ABSURD_DAMPING {
             let message = format!("{verdict}: {}", self.absurd_damping(scene, *materials, ratio));
-            return Some(self.warning_of_step(file, message));
+            return Some(self.warning_of_step(places, message));
         }
         let Some(proposed) = steps.proposed() else {
             let message = format!(
                 "no step resolves the contact of {pair}: are mass, moment of inertia and materials right?"
             );
-            return Some(self.warning_of_step(file, message));
+            return Some(self.warning_of_step(places, message));
         };
         let damping = match rates.damping {
             0.0 => String::new(),
@@ -137,17 +128,13 @@ impl Setup<'_> {
             "{verdict} (period {:.2e} s{damping}). A step of at most {proposed:e} s resolves all contacts",
             rates.period()
         );
-        Some(self.warning_of_step(file, message))
+        Some(self.warning_of_step(places, message))
     }
 
     /// Returns a warning about `TimeStepMechanical`.
-    pub(super) fn warning_of_step(&self, file: &Path, message: String) -> Problem {
-        Problem {
-            element: Some("Times".into()),
-            attribute: Some("TimeStepMechanical".into()),
-            value: Some(format!("{:?}", self.parameters.time_step_mechanical)),
-            ..warning(file, message)
-        }
+    pub(super) fn warning_of_step(&self, places: &FileNames, message: String) -> Problem {
+        let step = format!("{:?}", self.parameters.time_step_mechanical);
+        warning_of_attribute(places, "TimeStepMechanical", step, message)
     }
 
     /// Returns a message that the damping of two materials is the cause, not the step.
@@ -158,8 +145,7 @@ impl Setup<'_> {
         } else {
             ("GammaTangential", law.tangential_damping)
         };
-        let places = self.material_places();
-        let materials = self.materials_placed(&places);
+        let materials = self.used_materials();
         let [first, second] = [first, second].map(|place| quoted(&materials[place].id));
         format!(
             "its damping is the cause, {name} {damping:?} kg/s of the materials {first} and {second}, {ratio:.1e} times the \
@@ -169,7 +155,7 @@ impl Setup<'_> {
     }
 
     /// Finds disks that may be on the far side of a wall or of a person before a contact is detected.
-    fn stepping_over(&self, scene: &Scene, file: &Path) -> Option<Problem> {
+    fn stepping_over(&self, scene: &Scene, places: &FileNames) -> Option<Problem> {
         let step = self.parameters.time_step_mechanical;
         let (mut count, mut worst) = (0, None::<(f64, f64, usize)>);
         for (b, (body, dynamics)) in scene.bodies.iter().zip(&self.dynamics).enumerate() {
@@ -203,39 +189,29 @@ impl Setup<'_> {
             "a disk of agent {id} may move {moved:.2e} m in it, further than its radius {radius:?} m, and step over a \
              wall or somebody{others}: by Velocity and Fp the agent comes to {speed:.2e} m/s; {cure}"
         );
-        Some(self.warning_of_step(file, message))
+        Some(self.warning_of_step(places, message))
     }
 }
 
-/// The number of overlaps, and the deepest.
-#[derive(Default)]
-struct Deepest {
-    count: usize,
-    depth: f64,
-    whose: String,
-}
-
-impl Deepest {
-    fn see(&mut self, depth: f64, whose: impl FnOnce() -> String) {
-        self.count += 1;
-        if depth > self.depth {
-            self.depth = depth;
-            self.whose = whose();
-        }
-    }
-
-    fn says(&self, what: &str, when: &str) -> Option<String> {
-        let pairs = if self.count == 1 { "pair" } else { "pairs" };
-        let (count, depth, whose) = (self.count, 1e3 * self.depth, &self.whose);
-        (count > 0).then(|| {
-            format!("{count} {pairs} of {what} overlap {when}, the deepest by {depth:.3} mm ({whose})")
-        })
-    }
-}
-
-/// A warning about a file.
+/// Makes a warning about a file.
 pub(super) fn warning(file: &Path, message: String) -> Problem {
     Problem { severity: Severity::Warning, ..Problem::of_file(file, None, message) }
+}
+
+/// Makes a warning about a value of an attribute of the Trial's files.
+pub(super) fn warning_of_attribute(
+    places: &FileNames,
+    attribute: &str,
+    value: String,
+    message: String,
+) -> Problem {
+    let (file, element) = places.with_attribute(attribute).unzip();
+    Problem {
+        element: element.map(str::to_owned),
+        attribute: Some(attribute.to_owned()),
+        value: Some(value),
+        ..warning(&file.unwrap_or_default(), message)
+    }
 }
 
 #[cfg(test)]
@@ -249,11 +225,7 @@ mod tests {
     }
 
     fn said(trial: &Trial) -> Vec<String> {
-        let [parameters, materials, agents, geometry, dynamics] =
-            ["Parameters.xml", "Materials.xml", "Agents.xml", "Geometry.xml", "AgentDynamics.xml"]
-                .map(PathBuf::from);
-        let advice =
-            Setup::of(trial).advice(&FileNames { parameters, materials, agents, geometry, dynamics });
+        let advice = Setup::of(trial).advice(&FileNames::default());
         advice.iter().map(ToString::to_string).collect()
     }
 

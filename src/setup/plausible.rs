@@ -4,10 +4,9 @@
 use super::Setup;
 use super::advice::warning;
 use super::within::{Inside, outside_rooms, within_pillars};
-use crate::engine::{CornerId, Disk, FaceId, Scene, Vec2};
+use crate::engine::{Body, CornerId, Face, FaceId, Scene, Vec2};
 use lemons_core::plane::Bounds;
 use lemons_core::trial::{FileNames, Problem, quoted};
-use std::path::Path;
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
 const RIM: [f64; 2] = [0.02, 3.0];
@@ -44,23 +43,27 @@ impl Setup<'_> {
             (&places.dynamics, self.doubts_of_pillars(&positions)),
         ];
         let doubts = doubts.into_iter().filter_map(|(file, doubt)| Some(warning(file, doubt?)));
-        self.doubts_of_steps(&places.parameters).into_iter().chain(doubts.collect::<Vec<_>>())
+        self.doubts_of_steps(places).into_iter().chain(doubts.collect::<Vec<_>>())
     }
 
-    fn doubts_of_steps(&self, file: &Path) -> Option<Problem> {
+    fn doubts_of_steps(&self, places: &FileNames) -> Option<Problem> {
         let step = self.parameters.time_step;
         let steps = step / self.parameters.time_step_mechanical;
         let message = format!("is short: each TimeStep of {step:?} s takes {steps:.1e} mechanical steps");
-        (steps > MANY_STEPS).then(|| self.warning_of_step(file, message))
+        (steps > MANY_STEPS).then(|| self.warning_of_step(places, message))
+    }
+
+    /// Returns the first body that is odd, the Id of its agent, and how many there are in all.
+    fn odd<'b>(&self, scene: &'b Scene, odd: impl Fn(&Body) -> bool) -> Option<(&'b Body, String, String)> {
+        let mut all = scene.bodies.iter().zip(&self.agents).filter(|(body, _)| odd(body));
+        let (body, agent) = all.next()?;
+        Some((body, quoted(&agent.id), in_all(1 + all.count(), "agents")))
     }
 
     fn doubts_of_bodies(&self, scene: &Scene) -> Option<String> {
         let [small, large] = RIM;
-        let doubted = |rim: f64| rim < small || rim > large;
-        let mut odd = scene.bodies.iter().enumerate().filter(|(_, body)| doubted(body.bounding_radius));
-        let (b, body) = odd.next()?;
-        let others = in_all(1 + odd.count(), "agents");
-        let (id, width) = (quoted(&self.agents[b].id), 2.0 * body.bounding_radius);
+        let (body, id, others) = self.odd(scene, |body| !(small..=large).contains(&body.bounding_radius))?;
+        let width = 2.0 * body.bounding_radius;
         Some(format!(
             "agent {id} is {width:.3} m wide{others}: are Radius and Position of its shapes in metres?"
         ))
@@ -68,18 +71,14 @@ impl Setup<'_> {
 
     /// A centre of mass is within the hull of the disks: in each direction one of them reaches beyond it.
     fn doubts_of_centres(&self, scene: &Scene) -> Option<String> {
-        let odd = |disks: &[Disk]| {
+        let odd = |body: &Body| {
             (0..DIRECTIONS).any(|k| {
-                let angle = std::f64::consts::TAU * f64::from(k) / f64::from(DIRECTIONS);
-                let towards = Vec2 { x: libm::cos(angle), y: libm::sin(angle) };
+                let towards = direction(f64::from(k));
+                let disks = &scene.disks[body.disks.clone()];
                 disks.iter().all(|disk| disk.offset.dot(towards) + disk.radius < 0.0)
             })
         };
-        let mut all =
-            scene.bodies.iter().enumerate().filter(|(_, body)| odd(&scene.disks[body.disks.clone()]));
-        let (b, _) = all.next()?;
-        let others = in_all(1 + all.count(), "agents");
-        let id = quoted(&self.agents[b].id);
+        let (_, id, others) = self.odd(scene, odd)?;
         Some(format!(
             "the centre of mass of agent {id} is outside of its own shapes{others}: are their Positions relative to it?"
         ))
@@ -105,24 +104,13 @@ impl Setup<'_> {
         } else {
             format!(", of {first} or of {second} as rounding decides")
         };
-        Some(format!(
-            "{} lie on each other{}: they act like one wall{of_material}",
-            self.both(scene, (one, other)),
-            in_all(doubled.len(), "pairs")
-        ))
-    }
-
-    /// Two faces by their walls and ends.
-    fn both(&self, scene: &Scene, (one, other): (FaceId, FaceId)) -> String {
-        let of = |face: FaceId| {
-            let face = &scene.faces[face.index()];
-            let wall = quoted(&self.geometry.walls[face.wall.index()].id);
-            format!(
-                "wall {wall} from {:?},{:?} to {:?},{:?}",
-                face.start.x, face.start.y, face.end.x, face.end.y
-            )
+        let named = |face: FaceId| {
+            let Face { start, end, .. } = scene.faces[face.index()];
+            let wall = self.name_of_wall(scene, face);
+            format!("wall {wall} from {:?},{:?} to {:?},{:?}", start.x, start.y, end.x, end.y)
         };
-        format!("{} and {}", of(one), of(other))
+        let (one, other, others) = (named(one), named(other), in_all(doubled.len(), "pairs"));
+        Some(format!("{one} and {other} lie on each other{others}: they act like one wall{of_material}"))
     }
 
     fn doubts_of_walls(&self, scene: &Scene) -> Option<String> {
@@ -175,28 +163,29 @@ impl Setup<'_> {
         if 2 * enclosed <= sample.len() {
             return self.doubts_of_closed_rooms(scene, places);
         }
-        let who = match outside.len() {
-            1 => format!("agent {} stands", name(outside[0])),
-            count => format!("{count} agents stand (first {})", name(outside[0])),
-        };
+        let who = self.who_stands(&outside)?;
         Some(format!("{who} outside of all walls, but the others are inside: is this intended?"))
     }
 
-    /// Of people who are near closed rooms that they cannot enter.
+    /// Doubts people who are near closed rooms that they cannot enter.
     fn doubts_of_closed_rooms(&self, scene: &Scene, places: &[Vec2]) -> Option<String> {
         let (mut outside, inside) = outside_rooms(&self.geometry.walls, places)?;
         // Other walls, with doors, may be around both.
         outside.retain(|&b| !is_enclosed(scene, places[b]));
-        let first = quoted(&self.agents[*outside.first()?].id);
-        let who = match outside.len() {
-            1 => format!("agent {first} stands"),
-            count => format!("{count} agents stand (first {first})"),
-        };
+        let who = self.who_stands(&outside)?;
         let inside = match inside {
             0 => "the closed walls, and nobody inside".to_owned(),
             inside => format!("the closed walls in which {inside} others stand"),
         };
         Some(format!("{who} outside of {inside}: is this intended?"))
+    }
+
+    fn who_stands(&self, agents: &[usize]) -> Option<String> {
+        let first = quoted(&self.agents[*agents.first()?].id);
+        Some(match agents.len() {
+            1 => format!("agent {first} stands"),
+            count => format!("{count} agents stand (first {first})"),
+        })
     }
 
     fn doubts_of_pillars(&self, places: &[Vec2]) -> Option<String> {
@@ -229,11 +218,16 @@ fn middle_of(places: &[Vec2]) -> Option<Vec2> {
     Some(Vec2 { x: median(|place| place.x)?, y: median(|place| place.y)? })
 }
 
-/// Whether walls are visible in most directions.
+/// Returns the unit vector of the direction `k` of [`DIRECTIONS`].
+fn direction(k: f64) -> Vec2 {
+    let angle = std::f64::consts::TAU * k / f64::from(DIRECTIONS);
+    Vec2 { x: libm::cos(angle), y: libm::sin(angle) }
+}
+
+/// Returns whether walls are visible in most directions.
 fn is_enclosed(scene: &Scene, place: Vec2) -> bool {
-    let sees = |direction: &u32| {
-        let angle = std::f64::consts::TAU * (f64::from(*direction) + 0.5) / f64::from(DIRECTIONS);
-        let towards = Vec2 { x: libm::cos(angle), y: libm::sin(angle) };
+    let sees = |k: &u32| {
+        let towards = direction(f64::from(*k) + 0.5);
         scene.faces.iter().any(|face| {
             let (from, to) = (face.start - place, face.end - place);
             let (a, b) = (towards.cross(from), towards.cross(to));

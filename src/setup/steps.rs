@@ -97,7 +97,7 @@ impl Setup<'_> {
 
     /// Returns `None` if nothing can touch.
     pub(super) fn steps_in(&self, scene: &Scene) -> Option<Steps> {
-        let materials = self.material_places().len();
+        let materials = self.used_materials().len();
         // The two lightest agents of each material, because a contact may be between two agents of the same material.
         let mut lightest: Vec<[Option<(f64, usize)>; 2]> = vec![[None; 2]; materials];
         for (b, body) in scene.bodies.iter().enumerate() {

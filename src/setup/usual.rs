@@ -1,18 +1,15 @@
 //! The usual values of attributes, and the units in which others may be by mistake.
 
 use super::Setup;
-use super::advice::warning;
+use super::advice::warning_of_attribute;
 use crate::engine::Vec2;
 use lemons_core::trial::{
     Agent, AgentDynamics, Contact, DriveTable, FileNames, Material, Problem, Push, quoted,
 };
 use std::f64::consts::PI;
-use std::path::PathBuf;
 
 /// An attribute, its usual values, and why others are not.
 struct Usual {
-    file: fn(&FileNames) -> &PathBuf,
-    element: &'static str,
     attribute: &'static str,
     /// Of the values.
     unit: &'static str,
@@ -44,7 +41,7 @@ fn vector(vector: Vec2, of: String) -> Value {
     Value { shown: format!("{:?},{:?}", vector.x, vector.y), ..value(vector.norm(), of) }
 }
 
-/// Values of each agent, made with what the agent is called.
+/// Returns values of each agent, made with what the agent is called.
 fn agents<I: IntoIterator<Item = Value>>(
     setup: &Setup<'_>,
     of: fn(&Agent, &AgentDynamics, String) -> I,
@@ -71,8 +68,6 @@ const DEGREE: f64 = PI / 180.0;
 /// A modulus of materials.
 const fn modulus(attribute: &'static str, values: fn(&Setup<'_>) -> Vec<Value>) -> Usual {
     Usual {
-        file: |places| &places.materials,
-        element: "Material",
         attribute,
         unit: "N/m",
         range: [1e4, 1e12],
@@ -86,8 +81,6 @@ const fn modulus(attribute: &'static str, values: fn(&Setup<'_>) -> Vec<Value>) 
 /// A damping of contacts. Too much of it is found by comparison with the critical one.
 const fn damping(attribute: &'static str, values: fn(&Setup<'_>) -> Vec<Value>) -> Usual {
     Usual {
-        file: |places| &places.materials,
-        element: "Contact",
         attribute,
         unit: "kg/s",
         range: [1.0, f64::INFINITY],
@@ -99,8 +92,6 @@ const fn damping(attribute: &'static str, values: fn(&Setup<'_>) -> Vec<Value>) 
 }
 
 const FORCE: Usual = Usual {
-    file: |places| &places.dynamics,
-    element: "Dynamics",
     attribute: "Fp",
     unit: "N",
     range: [0.0, 3e4],
@@ -111,8 +102,6 @@ const FORCE: Usual = Usual {
 };
 
 const TORQUE: Usual = Usual {
-    file: |places| &places.dynamics,
-    element: "Dynamics",
     attribute: "Mp",
     unit: "N m",
     range: [0.0, 2000.0],
@@ -124,8 +113,6 @@ const TORQUE: Usual = Usual {
 
 /// The shortest time between two rows of a drive file with different pushes.
 const PACE: Usual = Usual {
-    file: |places| &places.dynamics,
-    element: "",
     attribute: "t",
     unit: "s",
     range: [0.0, 30.0],
@@ -140,8 +127,6 @@ const LAST: Usual = Usual { range: [0.0, 3600.0], reason: "hardly a run is longe
 
 const USUAL: [Usual; 17] = [
     Usual {
-        file: |places| &places.parameters,
-        element: "Times",
         attribute: "TimeStep",
         unit: "s",
         range: [1e-5, 1.0],
@@ -152,8 +137,6 @@ const USUAL: [Usual; 17] = [
         values: |setup| vec![value(setup.parameters.time_step, String::new())],
     },
     Usual {
-        file: |places| &places.agents,
-        element: "Agent",
         attribute: "Mass",
         unit: "kg",
         range: [1.0, 1000.0],
@@ -163,8 +146,6 @@ const USUAL: [Usual; 17] = [
         values: |setup| agents(setup, |agent, _, of| [value(agent.mass, of)]),
     },
     Usual {
-        file: |places| &places.agents,
-        element: "Agent",
         attribute: "Height",
         unit: "m",
         range: [0.3, 2.8],
@@ -174,8 +155,6 @@ const USUAL: [Usual; 17] = [
         values: |setup| agents(setup, |agent, _, of| agent.height.map(|height| value(height, of))),
     },
     Usual {
-        file: |places| &places.agents,
-        element: "Shape",
         attribute: "Radius",
         unit: "m",
         // Too large ones make a body too wide, which is found with their Positions.
@@ -191,8 +170,6 @@ const USUAL: [Usual; 17] = [
         },
     },
     Usual {
-        file: |places| &places.agents,
-        element: "Agent",
         attribute: "MomentOfInertia",
         unit: "kg m²",
         range: [3e-3, 300.0],
@@ -202,8 +179,6 @@ const USUAL: [Usual; 17] = [
         values: |setup| agents(setup, |agent, _, of| [value(agent.moment_of_inertia, of)]),
     },
     Usual {
-        file: |places| &places.agents,
-        element: "Agent",
         attribute: "FloorDamping",
         unit: "1/s",
         range: [0.0, 50.0],
@@ -215,8 +190,6 @@ const USUAL: [Usual; 17] = [
         },
     },
     Usual {
-        file: |places| &places.agents,
-        element: "Agent",
         attribute: "AngularDamping",
         unit: "1/s",
         range: [0.0, 50.0],
@@ -230,8 +203,6 @@ const USUAL: [Usual; 17] = [
         },
     },
     Usual {
-        file: |places| &places.dynamics,
-        element: "Kinematics",
         attribute: "Velocity",
         unit: "m/s",
         range: [0.0, 15.0],
@@ -241,8 +212,6 @@ const USUAL: [Usual; 17] = [
         values: |setup| agents(setup, |_, dynamics, of| [vector(dynamics.velocity, of)]),
     },
     Usual {
-        file: |places| &places.dynamics,
-        element: "Kinematics",
         attribute: "Theta",
         unit: "rad",
         range: [0.0, 4.0 * PI],
@@ -252,8 +221,6 @@ const USUAL: [Usual; 17] = [
         values: |setup| agents(setup, |_, dynamics, of| [value(dynamics.theta, of)]),
     },
     Usual {
-        file: |places| &places.dynamics,
-        element: "Kinematics",
         attribute: "Omega",
         unit: "rad/s",
         range: [0.0, 40.0],
@@ -267,8 +234,6 @@ const USUAL: [Usual; 17] = [
     modulus("YoungModulus", |setup| materials(setup, |material| material.young_modulus)),
     modulus("ShearModulus", |setup| materials(setup, |material| material.shear_modulus)),
     Usual {
-        file: |places| &places.materials,
-        element: "Contact",
         attribute: "KineticFriction",
         unit: "",
         range: [0.0, 2.0],
@@ -287,7 +252,7 @@ impl Usual {
         value == 0.0 || (low..=high).contains(&value.abs())
     }
 
-    /// The unit in which a value probably is, and the value in the right one.
+    /// Returns the unit in which a value probably is, and the value in the right one.
     fn meant(&self, Value { value, body, .. }: &Value) -> Option<(&'static str, f64)> {
         let far = |value: f64| libm::log(value.abs() / self.typical).abs();
         let all = self.mistaken.iter().map(|(name, factor)| (*name, value * factor / body));
@@ -295,7 +260,7 @@ impl Usual {
         nearer.min_by(|a, b| far(a.1).total_cmp(&far(b.1)))
     }
 
-    /// The first unusual value, as it is written, and what is said of it.
+    /// Returns the first unusual value, as it is written, and what is said of it.
     fn doubt(&self, values: Vec<Value>) -> Option<(String, String)> {
         let mut odd = values.into_iter().filter(|value| !self.is_met_by(value.value));
         let first = odd.next()?;
@@ -316,19 +281,9 @@ impl Usual {
         };
         Some((first.shown, format!("{whose}{range} is usual, because {}: {ask}", self.reason)))
     }
-
-    fn warning(&self, setup: &Setup<'_>, places: &FileNames) -> Option<Problem> {
-        let (shown, message) = self.doubt((self.values)(setup))?;
-        Some(Problem {
-            element: Some(self.element.into()),
-            attribute: Some(self.attribute.into()),
-            value: Some(shown),
-            ..warning((self.file)(places), message)
-        })
-    }
 }
 
-/// With three digits.
+/// Writes a number with three digits.
 fn told(number: f64) -> String {
     let rounded = format!("{number:.2e}").parse().unwrap_or(number);
     if number == 0.0 || (1e-3..1e6).contains(&number.abs()) {
@@ -341,7 +296,10 @@ fn told(number: f64) -> String {
 impl Setup<'_> {
     /// Returns a warning for each attribute with unusual values.
     pub(super) fn unusual(&self, places: &FileNames) -> impl Iterator<Item = Problem> {
-        USUAL.iter().filter_map(|usual| usual.warning(self, places))
+        USUAL.iter().filter_map(|usual| {
+            let (value, message) = usual.doubt((usual.values)(self))?;
+            Some(warning_of_attribute(places, usual.attribute, value, message))
+        })
     }
 }
 

@@ -23,7 +23,7 @@ pub use drive::{DRIVE_FILE, DriveChoice, DriveError, DriveTable, Missed, Push, o
 pub use dynamics::{AgentDynamics, DynamicsElement, dynamics_xml};
 pub use geometry::{Geometry, Wall};
 pub use interactions::{AgentInteraction, ContactForce, Interactions, WallInteraction, interactions_xml};
-pub use materials::{Contact, Material, Materials, stiffness};
+pub use materials::{Contact, Material, Materials, pairs_that_touch, stiffness};
 pub use parameters::Parameters;
 pub use problem::Problems;
 pub use pulse::{Pulse, drive_of_pulses};

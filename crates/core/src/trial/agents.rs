@@ -3,7 +3,7 @@
 use crate::plane::{Rotation, Vec2, shown_orientation};
 use crate::trial::schema::{Attribute, Range, Schema, Value, attribute};
 use crate::trial::xml::{Element, Ids, document, empty, vector};
-use crate::xml::{Problem, number, quoted};
+use crate::xml::{number, quoted};
 
 pub(crate) static AGENTS: Schema = Schema { name: "Agents", attributes: &[], children: &[&AGENT] };
 static AGENT: Schema = Schema {
@@ -83,17 +83,15 @@ pub struct Shape {
     pub position: Vec2,
 }
 
-/// The agents and their Ids; `materials` is `None` where they could not be read.
+/// Reads the agents and their Ids; `materials` is `None` where they could not be read.
 pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Vec<Agent>, Ids) {
     let (mut agents, mut ids) = (Vec::new(), Ids::default());
     for element in root.children("Agent") {
         let id = ids.take(element);
-        let kind = element.optional_text("Type").map(str::to_owned);
+        let kind = element.node.optional("Type").map(str::to_owned);
         if kind.as_deref().is_some_and(|kind| kind != "pedestrian") {
-            let message = format!("agent {}: the mechanics takes pedestrians only", quoted(&id));
-            element.wrong("Type", &message);
+            element.wrong("Type", format!("agent {}: the mechanics takes pedestrians only", quoted(&id)));
             // Its other attributes are another kind's, but the other files name it.
-            element.leave();
             agents.push(unread(id));
             continue;
         }
@@ -101,21 +99,19 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Vec<Agent>, I
             kind,
             id,
             mass: element.number("Mass"),
-            height: element.has("Height").then(|| element.number("Height")),
+            height: element.node.has("Height").then(|| element.number("Height")),
             moment_of_inertia: element.number("MomentOfInertia"),
             floor_damping: element.number("FloorDamping"),
             angular_damping: element.number("AngularDamping"),
             shapes: element.children("Shape").map(|shape| read_shape(shape, materials)).collect(),
         };
         if agent.shapes.is_empty() {
-            let problem = element.has_no("Shape");
-            let message = format!("agent {} {}", quoted(&agent.id), problem.message);
-            element.report(Problem { message, ..problem });
+            element.error(format!("agent {} {}", quoted(&agent.id), element.has_no("Shape")));
         }
         agents.push(agent);
     }
     if agents.is_empty() {
-        root.report(root.has_no("Agent"));
+        root.error(root.has_no("Agent"));
     }
     (agents, ids)
 }

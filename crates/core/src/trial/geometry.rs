@@ -1,6 +1,6 @@
 //! `Geometry.xml`.
 
-use crate::files::source::{Disk, Source};
+use crate::files::source::Source;
 use crate::plane::{Vec2, vec2};
 use crate::trial::problem::Problems;
 use crate::trial::schema::{Range, Schema, Value, attribute};
@@ -22,14 +22,6 @@ impl Geometry {
     ///
     /// # Errors
     /// All errors in the file.
-    pub fn read(path: &Path) -> Result<(Geometry, Problems), Problems> {
-        Geometry::read_from(&Disk, path)
-    }
-
-    /// As [`Geometry::read`], from these files.
-    ///
-    /// # Errors
-    /// As [`Geometry::read`].
     pub fn read_from(files: &dyn Source, path: &Path) -> Result<(Geometry, Problems), Problems> {
         checked(|problems| read_file(files, path, &GEOMETRY, problems, |root| read(root, None).0))
     }
@@ -70,7 +62,7 @@ static CORNER: Schema = Schema {
     children: &[],
 };
 
-/// The geometry and the walls' Ids; `materials` is `None` where they could not be read.
+/// Reads the geometry and the walls' Ids; `materials` is `None` where they could not be read.
 pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Geometry, Ids) {
     let dimensions =
         root.at_most_one("Dimensions").map(|element| vec2(element.number("Lx"), element.number("Ly")));
@@ -90,14 +82,14 @@ fn read_corners(wall: Element<'_>, id: &str) -> Vec<Vec2> {
         let corner = element.vector("Coordinates");
         let place = corners.len();
         if corners.last().is_some_and(|&before| (corner - before).norm() == 0.0) {
-            let message = format!("corner {place} of wall {} is where corner {} is", quoted(id), place - 1);
-            element.wrong("Coordinates", &message);
+            let before = place - 1;
+            let message = format!("corner {place} of wall {} is where corner {before} is", quoted(id));
+            element.wrong("Coordinates", message);
         }
         corners.push(corner);
     }
     if corners.len() < 2 {
-        let message = format!("wall {} has {} corners: it needs two", quoted(id), corners.len());
-        wall.report(wall.problem(message));
+        wall.error(format!("wall {} has {} corners: it needs two", quoted(id), corners.len()));
     }
     corners
 }

@@ -19,12 +19,12 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// The Static directory, relative to the Trial directory.
+    /// Returns the Static directory, relative to the Trial directory.
     pub fn static_path(&self) -> &Path {
         Path::new(self.static_directory.trim())
     }
 
-    /// The Dynamic directory, relative to the Trial directory.
+    /// Returns the Dynamic directory, relative to the Trial directory.
     pub fn dynamic_path(&self) -> &Path {
         Path::new(self.dynamic_directory.trim())
     }
@@ -64,7 +64,7 @@ const STEP: &str = "the communication step: the paper's decisional loop, after w
 const MECHANICAL_STEP: &str = "the longest step of the integrator. The engine takes equal steps of at most this \
                                length: [../step.md](../step.md) says what you need";
 
-/// The directories stay empty where the file does not say them.
+/// Reads the file; the directories stay empty where the file does not say them.
 pub(crate) fn read(root: Element<'_>) -> Parameters {
     let mut parameters = Parameters {
         static_directory: String::new(),
@@ -81,7 +81,7 @@ pub(crate) fn read(root: Element<'_>) -> Parameters {
         parameters.time_step_mechanical = times.number("TimeStepMechanical");
         if parameters.time_step_mechanical > parameters.time_step {
             let message = format!("must be at most TimeStep, {:?}", parameters.time_step);
-            times.wrong("TimeStepMechanical", &message);
+            times.wrong("TimeStepMechanical", message);
         }
     }
     parameters
