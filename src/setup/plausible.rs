@@ -242,7 +242,7 @@ fn is_enclosed(scene: &Scene, place: Vec2) -> bool {
 mod tests {
     use super::*;
     use crate::engine::vec2;
-    use lemons_core::trial::Trial;
+    use lemons_core::trial::{Trial, Wall};
 
     /// The paper's five in a room of 6 m × 4 m with a door of 1.2 m in its right wall.
     fn room() -> Trial {
@@ -250,56 +250,56 @@ mod tests {
             Trial::read(&lemons_verify::testing::trial_push()).expect("the default Trial is in order").0;
         trial.geometry.walls.truncate(1);
         trial.geometry.walls[0].corners =
-            [(6.0, 2.6), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, 1.4)]
-                .map(|(x, y)| vec2(x, y))
-                .to_vec();
+            corners(&[(6.0, 2.6), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, 1.4)]);
         for (k, dynamics) in trial.dynamics.iter_mut().enumerate() {
             dynamics.position = vec2(0.8 + k as f64, 2.0);
         }
         trial
     }
 
+    fn corners(at: &[(f64, f64)]) -> Vec<Vec2> {
+        at.iter().map(|&(x, y)| vec2(x, y)).collect()
+    }
+
+    fn add_wall(trial: &mut Trial, id: &str, at: &[(f64, f64)]) {
+        let wall = Wall { id: id.into(), corners: corners(at), ..trial.geometry.walls[0].clone() };
+        trial.geometry.walls.push(wall);
+    }
+
     fn said(trial: &Trial) -> Vec<String> {
         Setup::of(trial).advice_as_edited().iter().map(ToString::to_string).collect()
     }
 
+    /// That one doubt has all these words, which are between "…"; no words: there is no doubt.
+    #[track_caller]
     fn says(trial: &Trial, words: &str) {
         let said = said(trial);
-        assert!(said.len() == 1 && said[0].contains(words), "{said:?}");
+        let found = said.iter().filter(|line| words.split(" … ").all(|words| line.contains(words)));
+        assert_eq!((said.len(), found.count()), (usize::from(!words.is_empty()), said.len()), "{said:?}");
     }
 
     #[test]
-    fn nothing_is_doubted_of_a_room_with_a_door() {
+    fn a_room_with_a_door_is_not_doubted_but_faces_that_lie_on_each_other() {
         let mut trial = room();
-        assert_eq!(said(&trial), [""; 0]);
-        // In the door, and just through it.
-        trial.dynamics[4].position = vec2(6.0, 2.0);
-        assert_eq!(said(&trial), [""; 0]);
-        trial.dynamics[4].position = vec2(7.5, 2.0);
-        assert_eq!(said(&trial), [""; 0]);
-    }
-
-    #[test]
-    fn walls_that_lie_on_each_other_are_named() {
-        let mut trial = room();
-        let mut again = trial.geometry.walls[0].clone();
-        again.id = "again".into();
+        // Inside, in the door, and just through it.
+        for x in [5.0, 6.0, 7.5] {
+            trial.dynamics[4].position = vec2(x, 2.0);
+            says(&trial, "");
+        }
         // End to end: as it should be.
-        again.corners = vec![vec2(6.0, 1.4), vec2(8.0, 1.4)];
-        trial.geometry.walls.push(again);
-        assert_eq!(said(&trial), [""; 0]);
-        trial.geometry.walls[1].corners = vec![vec2(4.0, 0.0), vec2(1.0, 0.0)];
-        let words = "wall \"again\" from 4.0,0.0 to 1.0,0.0 lie on each other: they act like one wall";
-        says(&trial, words);
+        add_wall(&mut trial, "again", &[(6.0, 1.4), (8.0, 1.4)]);
+        says(&trial, "");
+        trial.geometry.walls[1].corners = corners(&[(4.0, 0.0), (1.0, 0.0)]);
+        says(&trial, "wall \"again\" from 4.0,0.0 to 1.0,0.0 lie on each other: they act like one wall");
         // Of other materials: in part, and twice the same.
         trial.geometry.walls[1].material_id = "human_naked".into();
         says(&trial, "act like one wall, of \"concrete\" or of \"human_naked\" as rounding decides");
-        trial.geometry.walls[1].corners = vec![vec2(6.0, 0.0), vec2(0.0, 0.0)];
+        trial.geometry.walls[1].corners = corners(&[(6.0, 0.0), (0.0, 0.0)]);
         says(&trial, "act like one wall of \"concrete\", the material of the first");
     }
 
     #[test]
-    fn an_agent_outside_of_all_walls_is_named() {
+    fn agents_outside_of_rooms_and_in_pillars_are_named() {
         let mut trial = room();
         trial.dynamics[3].position = vec2(3.8, -7.0);
         says(&trial, "agent \"3\" stands outside of all walls, but the others are inside");
@@ -307,26 +307,18 @@ mod tests {
         says(&trial, "2 agents stand (first \"1\") outside of all walls");
         // Pillars and a bottleneck in the open are no room.
         let mut open = trial.clone();
-        open.geometry.walls[0].corners = vec![vec2(0.0, 0.0), vec2(6.0, 0.0)];
-        assert_eq!(said(&open), [""; 0]);
+        open.geometry.walls[0].corners = corners(&[(0.0, 0.0), (6.0, 0.0)]);
+        says(&open, "");
         trial.dynamics[1].position = vec2(5e4, 2.0);
         says(&trial, "agent \"1\" stands 49996 m away from the others");
-    }
 
-    /// Trials of the resources and of the examples are not doubted: tests of the command check them.
-    #[test]
-    fn an_agent_in_a_pillar_is_named_with_it() {
         let mut trial = room();
-        let mut pillar = trial.geometry.walls[0].clone();
-        pillar.id = "pillar".into();
-        pillar.corners =
-            [(2.5, 1.7), (3.1, 1.7), (3.1, 2.3), (2.5, 2.3), (2.5, 1.7)].map(|(x, y)| vec2(x, y)).to_vec();
-        trial.geometry.walls.push(pillar);
-        let said = said(&trial).join("\n");
-        let words = "agent \"2\" stands inside the closed wall \"pillar\", around which 4 others stand: is it a pillar?";
-        assert!(said.contains(words), "{said}");
+        add_wall(&mut trial, "pillar", &[(2.5, 1.7), (3.1, 1.7), (3.1, 2.3), (2.5, 2.3), (2.5, 1.7)]);
+        let words =
+            "\"2\" stands inside the closed wall \"pillar\", around which 4 others stand: is it a pillar?";
+        assert!(said(&trial).join("\n").contains(words));
         trial.dynamics[2].position = vec2(2.8, 3.0);
-        assert_eq!(super::tests::said(&trial), [""; 0]);
+        says(&trial, "");
     }
 
     /// An L-shaped room: its hull has the agents in the notch in it.
@@ -334,8 +326,8 @@ mod tests {
     fn agents_beside_a_closed_room_are_named() {
         let mut trial = room();
         let shape = [(0.0, 0.0), (6.0, 0.0), (6.0, 2.5), (3.0, 2.5), (3.0, 6.0), (0.0, 6.0), (0.0, 0.0)];
-        trial.geometry.walls[0].corners = shape.map(|(x, y)| vec2(x, y)).to_vec();
-        assert_eq!(said(&trial), [""; 0]);
+        trial.geometry.walls[0].corners = corners(&shape);
+        says(&trial, "");
         trial.dynamics[4].position = vec2(4.0, 4.0);
         says(
             &trial,
@@ -343,64 +335,49 @@ mod tests {
         );
         trial.dynamics[2].position = vec2(2.8, -1.0);
         says(&trial, "2 agents stand (first \"2\") outside of the closed walls in which 3 others stand");
-        // Somebody who is alone.
+        // Somebody who is alone; beside a pillar.
         let mut lone = trial.clone();
         lone.agents.truncate(1);
         lone.dynamics.truncate(1);
-        assert_eq!(said(&lone), [""; 0]);
+        says(&lone, "");
         lone.dynamics[0].position = vec2(-3.0, 2.0);
         says(&lone, "agent \"0\" stands outside of the closed walls, and nobody inside: is this intended?");
-        for corner in &mut lone.geometry.walls[0].corners {
-            *corner = *corner * 0.3;
-        }
-        assert_eq!(said(&lone), [""; 0], "a pillar");
+        lone.geometry.walls[0].corners.iter_mut().for_each(|corner| *corner = *corner * 0.3);
+        says(&lone, "");
         // More outside than inside: the others are asked about.
         trial.dynamics[1].position = vec2(1.8, -1.0);
         says(&trial, "around which 3 others stand: is it a pillar?");
         // A pen in a hall with a door: those beside it are in the hall.
         let mut hall = room();
-        let mut pen = hall.geometry.walls[0].clone();
-        pen.id = "pen".into();
-        pen.corners =
-            [(0.2, 1.0), (4.3, 1.0), (4.3, 3.0), (0.2, 3.0), (0.2, 1.0)].map(|(x, y)| vec2(x, y)).to_vec();
-        hall.geometry.walls.push(pen);
-        assert_eq!(said(&hall), [""; 0]);
+        add_wall(&mut hall, "pen", &[(0.2, 1.0), (4.3, 1.0), (4.3, 3.0), (0.2, 3.0), (0.2, 1.0)]);
+        says(&hall, "");
     }
 
     #[test]
-    fn places_in_centimetres_are_doubted() {
+    fn places_rooms_and_bodies_in_centimetres_are_doubted() {
+        let scale_places = |trial: &mut Trial| {
+            trial.dynamics.iter_mut().for_each(|dynamics| dynamics.position = dynamics.position * 100.0);
+        };
+        let scale_walls = |trial: &mut Trial, factor: f64| {
+            trial.geometry.walls[0].corners.iter_mut().for_each(|corner| *corner = *corner * factor);
+        };
         let mut trial = room();
-        for dynamics in &mut trial.dynamics {
-            dynamics.position = dynamics.position * 100.0;
-        }
+        scale_places(&mut trial);
         says(
             &trial,
             "nobody is between the walls, and people span 400.000 m × 0.000 m: are their Positions in metres?",
         );
-    }
-
-    #[test]
-    fn a_room_in_centimetres_is_doubted() {
         let mut trial = room();
-        for corner in &mut trial.geometry.walls[0].corners {
-            *corner = *corner * 100.0;
-        }
+        scale_walls(&mut trial, 100.0);
         says(
             &trial,
             "the walls span 600.000 m × 400.000 m around 5 agents: are their Coordinates in metres?",
         );
-        for dynamics in &mut trial.dynamics {
-            dynamics.position = dynamics.position * 100.0;
-        }
+        scale_places(&mut trial);
         says(&trial, "the walls span 600.000 m × 400.000 m");
-        for corner in &mut trial.geometry.walls[0].corners {
-            *corner = *corner * 1e-5;
-        }
+        scale_walls(&mut trial, 1e-5);
         assert!(said(&trial)[0].contains("less than an agent"), "{:?}", said(&trial));
-    }
 
-    #[test]
-    fn bodies_in_centimetres_are_doubted() {
         let mut trial = room();
         for (agent, place) in trial.agents.iter_mut().zip(0..) {
             agent.moment_of_inertia *= 1e4;
@@ -412,41 +389,32 @@ mod tests {
         }
         trial.geometry.walls.clear();
         let said = said(&trial);
-        let words = [
-            "agent \"0\" is ",
-            " m wide (5 agents in all): are Radius and Position of its shapes in metres?",
-        ];
-        assert!(said.len() == 2 && words.iter().all(|word| said[1].contains(word)), "{said:?}");
+        let words = " m wide (5 agents in all): are Radius and Position of its shapes in metres?";
+        assert!(said.len() == 2 && said[1].contains(words), "{said:?}");
         assert!(said[0].contains("is it in kg cm² (1.85 kg m²)?"), "{said:?}");
     }
 
     #[test]
-    fn steps_that_nobody_means_are_doubted() {
-        let mut trial = room();
-        trial.parameters.time_step = 50.0;
-        trial.parameters.time_step_mechanical = 1e-5;
-        says(&trial, "<Times> TimeStep=\"50.0\": 1e-5 s to 1 s is usual, because drives are constant");
-        trial.parameters.time_step = 1.0;
-        trial.parameters.time_step_mechanical = 1e-9;
-        says(
-            &trial,
-            "<Times> TimeStepMechanical=\"1e-9\": is short: each TimeStep of 1.0 s takes 1.0e9 mechanical steps",
-        );
-        (trial.parameters.time_step, trial.parameters.time_step_mechanical) = (1e-6, 1e-6);
-        says(&trial, "<Times> TimeStep=\"1e-6\": 1e-5 s to 1 s is usual");
-    }
-
-    #[test]
-    fn a_centre_of_mass_outside_of_the_own_disks_is_doubted() {
+    fn steps_and_centres_that_nobody_means_are_doubted() {
+        for (time_step, mechanical, words) in [
+            (50.0, 1e-5, "<Times> TimeStep=\"50.0\": 1e-5 s to 1 s is usual, because drives are constant"),
+            (
+                1.0,
+                1e-9,
+                "TimeStepMechanical=\"1e-9\": is short: each TimeStep of 1.0 s takes 1.0e9 mechanical steps",
+            ),
+            (1e-6, 1e-6, "<Times> TimeStep=\"1e-6\": 1e-5 s to 1 s is usual"),
+        ] {
+            let mut trial = room();
+            (trial.parameters.time_step, trial.parameters.time_step_mechanical) = (time_step, mechanical);
+            says(&trial, words);
+        }
         let mut trial = room();
         // Beside the disks, but between them: two shoulders.
         trial.agents[1].shapes = vec![trial.agents[1].shapes[0].clone(), trial.agents[1].shapes[4].clone()];
-        assert_eq!(said(&trial), [""; 0]);
-        for agent in &mut trial.agents[2..4] {
-            for shape in &mut agent.shapes {
-                shape.position.x += 0.4;
-            }
-        }
+        says(&trial, "");
+        let shapes = trial.agents[2..4].iter_mut().flat_map(|agent| &mut agent.shapes);
+        shapes.for_each(|shape| shape.position.x += 0.4);
         says(&trial, "the centre of mass of agent \"2\" is outside of its own shapes (2 agents in all)");
     }
 
@@ -454,84 +422,62 @@ mod tests {
     #[test]
     fn values_in_other_units_are_doubted_with_the_unit() {
         type Change = fn(&mut Trial);
-        let cases: [(Change, &str, &str); 20] = [
+        let cases: [(Change, &str); 22] = [
             (
-                |t| t.agents[0].mass = 89_000.0,
-                "<Agent> Mass=\"89000.0\": agent \"0\": 1 kg to 1000 kg",
-                "g (89 kg)?",
+                |t| t.agents[0].mass = 89e3,
+                "<Agent> Mass=\"89000.0\": agent \"0\": 1 kg to 1000 kg … g (89 kg)?",
             ),
-            (|t| t.agents[0].mass = 0.089, "Mass=\"0.089\"", "t (89 kg)?"),
+            (|t| t.agents[0].mass = 0.089, "Mass=\"0.089\" … t (89 kg)?"),
             (
                 |t| t.agents[1].moment_of_inertia = 10_200.0,
-                "MomentOfInertia=\"10200.0\": agent \"1\"",
-                "kg cm² (1.02 kg m²)?",
+                "MomentOfInertia=\"10200.0\" … kg cm² (1.02 kg m²)?",
             ),
             (
                 |t| t.agents[1].moment_of_inertia = 1.02e6,
-                "MomentOfInertia=\"1020000.0\"",
-                "kg mm² (1.02 kg m²)?",
+                "MomentOfInertia=\"1020000.0\" … kg mm² (1.02 kg m²)?",
             ),
-            (|t| t.agents[0].floor_damping = 450.0, "FloorDamping=\"450.0\"", "kg/s (5.06 1/s)?"),
-            (|t| t.agents[0].angular_damping = 90.0, "AngularDamping=\"90.0\"", "kg m²/s (48.6 1/s)?"),
+            (|t| t.agents[0].floor_damping = 450.0, "FloorDamping=\"450.0\" … kg/s (5.06 1/s)?"),
+            (|t| t.agents[0].angular_damping = 90.0, "AngularDamping=\"90.0\" … kg m²/s (48.6 1/s)?"),
             (
                 |t| t.dynamics[2].velocity = vec2(60.0, 80.0),
-                "Velocity=\"60.0,80.0\": agent \"2\"",
-                "cm/s (1 m/s)?",
+                "Velocity=\"60.0,80.0\": agent \"2\" … cm/s (1 m/s)?",
             ),
-            (|t| t.dynamics[2].velocity = vec2(0.0, -18.0), "Velocity=\"0.0,-18.0\"", "km/h (5 m/s)?"),
-            (|t| t.dynamics[2].fp = vec2(6e5, 0.0), "Fp=\"600000.0,0.0\": agent \"2\"", "mN (600 N)?"),
-            (|t| t.dynamics[2].mp = -1e4, "Mp=\"-10000.0\"", "N mm (-10 N m)?"),
-            (|t| t.agents[0].height = Some(1794.0), "<Agent> Height=\"1794.0\"", "mm (1.79 m)?"),
-            (|t| t.agents[0].height = Some(70.6), "<Agent> Height=\"70.6\"", "inches (1.79 m)?"),
+            (|t| t.dynamics[2].velocity = vec2(0.0, -18.0), "Velocity=\"0.0,-18.0\" … km/h (5 m/s)?"),
+            (|t| t.dynamics[2].velocity = vec2(1e7, 0.0), "<Kinematics> Velocity … is it right?"),
+            (|t| t.dynamics[2].fp = vec2(6e5, 0.0), "Fp=\"600000.0,0.0\": agent \"2\" … mN (600 N)?"),
+            (|t| t.dynamics[2].mp = -1e4, "Mp=\"-10000.0\" … N mm (-10 N m)?"),
+            (|t| t.agents[0].height = Some(1794.0), "<Agent> Height=\"1794.0\" … mm (1.79 m)?"),
+            (|t| t.agents[0].height = Some(70.6), "<Agent> Height=\"70.6\" … inches (1.79 m)?"),
             (
-                |t| t.agents[1].shapes[0].radius = 0.0095,
-                "<Shape> Radius=\"0.0095\": agent \"1\"",
-                "is it right?",
+                |t| t.agents[1].shapes[0].radius = 9.5e-3,
+                "<Shape> Radius=\"0.0095\": agent \"1\" … is it right?",
             ),
-            (
-                |t| t.materials.binary[2].gamma_normal = 0.0013,
-                "GammaNormal=\"0.0013\"",
-                "MN s/m (1300 kg/s)?",
-            ),
-            (|t| t.dynamics[2].theta = -90.0, "Theta=\"-90.0\"", "degrees (-1.57 rad)?"),
-            (|t| t.dynamics[2].omega = 180.0, "Omega=\"180.0\"", "degrees/s (3.14 rad/s)?"),
+            (|t| t.materials.binary[2].gamma_normal = 1.3e-3, "GammaNormal=\"0.0013\" … MN s/m (1300 kg/s)?"),
+            (|t| t.dynamics[2].theta = -90.0, "Theta=\"-90.0\" … degrees (-1.57 rad)?"),
+            (|t| t.dynamics.iter_mut().for_each(|d| d.theta = 90.0), "agent \"0\" (and 4 more) … degrees"),
+            (|t| t.dynamics[2].omega = 180.0, "Omega=\"180.0\" … degrees/s (3.14 rad/s)?"),
             (
                 |t| t.materials.binary[2].kinetic_friction = 40.0,
-                "KineticFriction=\"40.0\": materials \"concrete\" and \"human_naked\"",
-                "per cent (0.4)?",
+                "KineticFriction=\"40.0\": materials \"concrete\" and \"human_naked\" … per cent (0.4)?",
             ),
-            (|t| t.parameters.time_step = 50.0, "TimeStep=\"50.0\": 1e-5 s to 1 s is usual", "ms (0.05 s)?"),
-            (|t| t.dynamics[2].velocity = vec2(1e7, 0.0), "<Kinematics> Velocity", "is it right?"),
+            (|t| t.parameters.time_step = 50.0, "TimeStep=\"50.0\": 1e-5 s to 1 s is usual … ms (0.05 s)?"),
             (
-                |t| {
-                    for dynamics in &mut t.dynamics {
-                        dynamics.theta = 90.0
-                    }
-                },
-                "agent \"0\" (and 4 more)",
-                "degrees",
+                |t| t.materials.intrinsic.iter_mut().for_each(|m| m.young_modulus *= 1e-6),
+                "YoungModulus=\"1700.0\": material \"concrete\" (and 2 more): 10000 N/m to 1e12 N/m … MPa (1.7e9 N/m)?",
+            ),
+            (
+                |t| t.materials.intrinsic.iter_mut().for_each(|m| m.shear_modulus *= 1e-6),
+                "ShearModulus=\"710.0\": material \"concrete\" (and 2 more) … MN/m or MPa (7.1e8 N/m)?",
             ),
         ];
-        for (change, whose, meant) in cases {
+        for (change, words) in cases {
             let mut trial = room();
             change(&mut trial);
-            let said = said(&trial);
-            let found = said.iter().filter(|line| line.contains(whose)).collect::<Vec<_>>();
-            assert!(found.len() == 1 && found[0].contains(meant), "{whose} {meant}: {said:?}");
-        }
-        // Moduli of all materials, in MPa.
-        let mut trial = room();
-        for material in &mut trial.materials.intrinsic {
-            material.young_modulus *= 1e-6;
-            material.shear_modulus *= 1e-6;
-        }
-        let said = said(&trial);
-        for (attribute, meant) in
-            [("YoungModulus=\"1700.0\"", "1.7e9 N/m"), ("ShearModulus=\"710.0\"", "7.1e8 N/m")]
-        {
-            let found = said.iter().find(|line| line.contains(attribute)).unwrap();
-            let words = "material \"concrete\" (and 2 more): 10000 N/m to 1e12 N/m is usual";
-            assert!(found.contains(words) && found.contains(&format!("MN/m or MPa ({meant})?")), "{found}");
+            // Before the engine's own checks, which say something else of such values.
+            let unusual: Vec<_> = Setup::of(&trial).unusual(&FileNames::default()).collect();
+            let said: Vec<String> = unusual.iter().map(ToString::to_string).collect();
+            let found = said.iter().filter(|line| words.split(" … ").all(|words| line.contains(words)));
+            assert_eq!(found.count(), 1, "{words}: {said:?}");
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::engine::Vec2;
 use lemons_core::plane::{Bounds, Ring};
 use lemons_core::trial::Wall;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// Largest number of tests whether a person is beside a face of a wall; of a larger crowd an evenly chosen part is tested.
 const MOST_LOOKS: u64 = 50_000_000;
@@ -27,7 +27,7 @@ pub(super) struct Inside {
     pub(super) around: usize,
 }
 
-/// Whether a wall ends where it begins.
+/// Returns whether a wall ends where it begins.
 fn is_closed(wall: &Wall) -> bool {
     wall.corners.len() > 3 && wall.corners.first() == wall.corners.last()
 }
@@ -39,42 +39,30 @@ fn is_closed(wall: &Wall) -> bool {
 /// reported. Otherwise they are rooms of a larger one. A wall around several people, more than a twentieth of those
 /// around it, is a room in any case.
 pub(super) fn within_pillars(walls: &[Wall], places: &[Vec2]) -> Option<Inside> {
-    let enclosing = enclosing(walls, places, MOST_LOOKS);
-    // Each area: the closed walls around it from the largest on, as the index of the outer area and the last wall.
-    let mut areas: HashMap<(usize, usize), usize> = HashMap::new();
-    let mut counts = vec![Area::default()];
-    for (agent, around) in enclosing {
-        let mut at = 0;
-        counts[at].total += 1;
-        for wall in around {
-            let next = counts.len();
-            let inner = *areas.entry((at, wall)).or_insert(next);
-            if inner == next {
-                counts.push(Area { first: agent, wall, outer: at, ..Area::default() });
-            }
-            at = inner;
-            counts[at].total += 1;
-            counts[at].first = counts[at].first.min(agent);
+    // By the closed walls around each area, from the largest on.
+    let mut areas: BTreeMap<Vec<usize>, Area> = BTreeMap::new();
+    for (agent, around) in enclosing(walls, places, MOST_LOOKS) {
+        for depth in 0..=around.len() {
+            let new = Area { around: 0, total: 0, first: agent };
+            let area = areas.entry(around[..depth].to_vec()).or_insert(new);
+            area.total += 1;
+            area.around += usize::from(depth == around.len());
+            area.first = area.first.min(agent);
         }
-        counts[at].around += 1;
     }
-    let doubted = counts.iter().skip(1).filter(|area| {
-        let outer = &counts[area.outer];
-        let inside = outer.total - outer.around;
-        outer.around > inside && area.total <= FEW.max(outer.around / SMALL_PART)
-    });
     // Walls inside a pillar are not reported again: either no person is around them in it, or the pillar itself is
     // reported.
-    let mut told: Option<Inside> = None;
-    for area in doubted {
-        let (agent, wall, around) = (area.first, area.wall, counts[area.outer].around);
-        let count = told.as_ref().map_or(0, |told| told.count) + area.total;
-        told = Some(match told {
-            Some(first) if first.agent < agent => Inside { count, ..first },
-            _ => Inside { agent, wall, count, around },
-        });
-    }
-    told
+    let doubted = areas.iter().filter_map(|(walls, area)| {
+        let (wall, outside) = walls.split_last()?;
+        let outer = &areas[outside];
+        let inside = outer.total - outer.around;
+        let few = outer.around > inside && area.total <= FEW.max(outer.around / SMALL_PART);
+        few.then_some(Inside { agent: area.first, wall: *wall, count: area.total, around: outer.around })
+    });
+    doubted.reduce(|one, other| {
+        let count = one.count + other.count;
+        Inside { count, ..if one.agent < other.agent { one } else { other } }
+    })
 }
 
 /// Returns the agents who stand outside of all closed walls, and the number of those inside one, if these are more; or
@@ -93,7 +81,6 @@ pub(super) fn outside_rooms(walls: &[Wall], places: &[Vec2]) -> Option<(Vec<usiz
 }
 
 /// The people in an area inside closed walls.
-#[derive(Default)]
 struct Area {
     /// Number of people in it and in no closed wall inside it.
     around: usize,
@@ -101,10 +88,6 @@ struct Area {
     total: usize,
     /// Index of the first of these people.
     first: usize,
-    /// The wall around it.
-    wall: usize,
-    /// The area outside it.
-    outer: usize,
 }
 
 /// Returns for each tested agent the closed walls around it, from the largest on.

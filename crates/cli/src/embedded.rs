@@ -44,8 +44,7 @@ static WRITING: Mutex<()> = Mutex::new(());
 /// # Errors
 /// The message of the command, with what it noted before.
 pub fn call(words: &[OsString], run: Option<Arc<InMemory>>, stop: Arc<AtomicBool>) -> Result<Done, String> {
-    let _stop = interrupt::of_this_thread(stop);
-    let (done, said, notes) = print::caught(|| dispatch(words, run));
+    let (done, said, notes) = interrupt::stopped_by(stop, || print::caught(|| dispatch(words, run)));
     match done {
         Ok(done) => Ok(Done { said, notes, ..done }),
         Err(error) => {

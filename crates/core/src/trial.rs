@@ -19,7 +19,7 @@ mod xml;
 pub use crate::xml::{Problem, Severity, quoted};
 pub use agents::{Agent, Shape};
 pub use documents::{FileNames, INTERACTIONS, Trial, output_names};
-pub use drive::{DRIVE_FILE, DriveChoice, DriveError, DriveTable, Missed, Push, own_drive};
+pub use drive::{DRIVE_FILE, DriveChoice, DriveTable, Missed, Push, own_drive};
 pub use dynamics::{AgentDynamics, DynamicsElement, dynamics_xml};
 pub use geometry::{Geometry, Wall};
 pub use interactions::{AgentInteraction, ContactForce, Interactions, WallInteraction, interactions_xml};

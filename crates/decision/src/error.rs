@@ -1,6 +1,6 @@
 //! What is wrong with settings or a plan.
 
-use crate::field::TooLarge;
+use lemons_core::plane::Vec2;
 use lemons_core::trial::FARTHEST;
 use thiserror::Error;
 
@@ -53,12 +53,15 @@ pub enum PlanError {
     TooLarge(String),
 }
 
-impl From<TooLarge> for PlanError {
-    fn from(TooLarge { size }: TooLarge) -> PlanError {
+impl PlanError {
+    /// The walls, people, exits and goals take an area of this width and height \[m\]: so large that doors would be missed
+    /// on a grid of a size that can be kept in memory.
+    pub(crate) fn of_area(size: Vec2) -> PlanError {
         PlanError::TooLarge(format!("{:.0} x {:.0}", size.x, size.y))
     }
 }
 
+/// Checks a number of a plan or of settings.
 pub(crate) fn number(
     place: &str,
     key: &'static str,
@@ -80,12 +83,12 @@ pub(crate) fn not_negative(place: &str, key: &'static str, value: f64) -> Result
     number(place, key, value, |value| value >= 0.0, "finite and at least 0")
 }
 
-/// A speed or a strength.
+/// Checks a speed or a strength.
 pub(crate) fn moderate(place: &str, key: &'static str, value: f64) -> Result<(), PlanError> {
     number(place, key, value, |value| (0.0..=GREATEST).contains(&value), "from 0 to 1e9")
 }
 
-/// A coordinate \[m\].
+/// Checks a coordinate \[m\].
 pub(crate) fn coordinate(place: &str, key: &'static str, value: f64) -> Result<(), PlanError> {
     number(place, key, value, |value| value.abs() <= FARTHEST, "from -1e9 to 1e9 m")
 }

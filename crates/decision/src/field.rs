@@ -7,6 +7,7 @@
 //!
 //! Only sums, products and roots are used, so the result is the same bits on every machine.
 
+use crate::error::PlanError;
 use lemons_core::plane::{Bounds, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -17,6 +18,8 @@ const STEP: f64 = 0.1;
 const COARSEST: f64 = 0.25;
 /// Most nodes of a grid.
 const MOST_NODES: f64 = 4e6;
+/// Most nodes of all fields together: 0.3 GB.
+const MOST_VALUES: usize = 40_000_000;
 /// \[m\] Nearer than this to a wall, a metre counts as more.
 const CLEARANCE: f64 = 0.35;
 /// \[m\] No centre of mass is nearer to a wall. So gaps of twice as much are closed.
@@ -47,24 +50,14 @@ pub struct Grid {
 }
 
 /// How far it is from each node of a grid.
-#[derive(Debug, Clone)]
-pub struct Field {
-    distance: Vec<f64>,
-}
-
-/// The area is so large that doors would be missed on a grid of a size that can be kept in memory.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TooLarge {
-    /// \[m\] Width and height.
-    pub size: Vec2,
-}
+pub type Field = Vec<f64>;
 
 impl Grid {
     /// Makes a grid that contains these places and walls, given as polylines.
     ///
     /// # Errors
     /// They take too large an area.
-    pub fn new(walls: &[Vec<Vec2>], places: impl Iterator<Item = Vec2>) -> Result<Grid, TooLarge> {
+    pub fn new(walls: &[Vec<Vec2>], places: impl Iterator<Item = Vec2>) -> Result<Grid, PlanError> {
         let faces: Vec<[Vec2; 2]> =
             walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]])).collect();
         let all = Bounds::of(faces.iter().flatten().copied().chain(places));
@@ -73,7 +66,7 @@ impl Grid {
         let step = STEP.max((size.x * size.y / MOST_NODES).sqrt());
         // Also if a number is not finite.
         if !(step <= COARSEST && size.x.max(size.y) / step < MOST_NODES) {
-            return Err(TooLarge { size });
+            return Err(PlanError::of_area(size));
         }
         let [columns, rows] = [size.x, size.y].map(|length| (length / step) as usize + 2);
         let nodes = columns * rows;
@@ -101,14 +94,15 @@ impl Grid {
         Ok(grid)
     }
 
-    /// Number of nodes.
-    pub fn nodes(&self) -> usize {
-        self.price.len()
-    }
-
-    /// The error for fields that are too many for an area.
-    pub fn too_large(&self) -> TooLarge {
-        TooLarge { size: vec2(self.columns as f64, self.rows as f64) * self.step }
+    /// Checks that so many fields can be kept in memory.
+    ///
+    /// # Errors
+    /// They are too many for the area.
+    pub fn check_fields(&self, fields: usize) -> Result<(), PlanError> {
+        if fields * self.price.len() <= MOST_VALUES {
+            return Ok(());
+        }
+        Err(PlanError::of_area(vec2(self.columns as f64, self.rows as f64) * self.step))
     }
 
     /// Parts what the face lies between.
@@ -169,11 +163,11 @@ impl Grid {
 
     /// How far it is to the nearest of some lines, and of the areas that rings enclose.
     pub fn field(&self, lines: &[[Vec2; 2]], areas: &[Ring]) -> Field {
-        let mut field = Field { distance: vec![f64::INFINITY; self.price.len()] };
+        let mut field = vec![f64::INFINITY; self.price.len()];
         let mut front = BinaryHeap::new();
         for (node, distance) in self.first(lines, areas) {
-            if distance < field.distance[node] {
-                field.distance[node] = distance;
+            if distance < field[node] {
+                field[node] = distance;
                 front.push(Reverse((distance.to_bits(), node)));
             }
         }
@@ -210,8 +204,8 @@ impl Grid {
     }
 
     /// Fast marching. Distances are not negative, so they have the order of their bits.
-    fn march(&self, field: &mut Field, mut front: BinaryHeap<Reverse<(u64, usize)>>) {
-        let mut done = vec![false; field.distance.len()];
+    fn march(&self, field: &mut [f64], mut front: BinaryHeap<Reverse<(u64, usize)>>) {
+        let mut done = vec![false; field.len()];
         while let Some(Reverse((_, node))) = front.pop() {
             if std::mem::replace(&mut done[node], true) {
                 continue;
@@ -222,8 +216,8 @@ impl Grid {
                 }
                 let distance = self.arrival(field, &done, next);
                 // Infinite where nobody can be.
-                if distance < field.distance[next] {
-                    field.distance[next] = distance;
+                if distance < field[next] {
+                    field[next] = distance;
                     front.push(Reverse((distance.to_bits(), next)));
                 }
             }
@@ -243,9 +237,9 @@ impl Grid {
     }
 
     /// The distance of a node by those of its neighbours that are known.
-    fn arrival(&self, field: &Field, done: &[bool], node: usize) -> f64 {
+    fn arrival(&self, field: &[f64], done: &[bool], node: usize) -> f64 {
         let known = |next: Option<usize>| match next {
-            Some(next) if done[next] => field.distance[next],
+            Some(next) if done[next] => field[next],
             _ => f64::INFINITY,
         };
         let [left, right, below, above] = self.neighbours(node).map(known);
@@ -260,11 +254,11 @@ impl Grid {
 
     /// \[m\] How far it is from a place: the mean of the nodes around it that are on the same side of all walls. Beside
     /// walls, metres count more. Infinite where no way leads from, and outside of the grid.
-    pub fn distance(&self, field: &Field, at: Vec2) -> f64 {
+    pub fn distance(&self, field: &[f64], at: Vec2) -> f64 {
         let (mut sum, mut shares) = (0.0, 0.0);
         for (node, share) in self.around(at) {
-            if field.distance[node].is_finite() {
-                sum += share * field.distance[node];
+            if field[node].is_finite() {
+                sum += share * field[node];
                 shares += share;
             }
         }
@@ -273,7 +267,7 @@ impl Grid {
 
     /// The direction in which the distance falls fastest, as a unit vector; `None` where no way leads from, and outside
     /// of the grid.
-    pub fn direction(&self, field: &Field, at: Vec2) -> Option<Vec2> {
+    pub fn direction(&self, field: &[f64], at: Vec2) -> Option<Vec2> {
         let mut sum = Vec2::ZERO;
         for (node, share) in self.around(at) {
             if let Some(down) = self.down(field, node) {
@@ -308,13 +302,13 @@ impl Grid {
     }
 
     /// Down the distance at a node: against the gradient by the lower neighbours.
-    fn down(&self, field: &Field, node: usize) -> Option<Vec2> {
-        let here = field.distance[node];
+    fn down(&self, field: &[f64], node: usize) -> Option<Vec2> {
+        let here = field[node];
         if !here.is_finite() {
             return None;
         }
         let [left, right, below, above] =
-            self.neighbours(node).map(|next| next.map_or(f64::INFINITY, |next| field.distance[next]));
+            self.neighbours(node).map(|next| next.map_or(f64::INFINITY, |next| field[next]));
         let fall = |low: f64, high: f64| {
             let (back, on) = ((here - low).max(0.0), (here - high).max(0.0));
             if back > on { -back } else { on }

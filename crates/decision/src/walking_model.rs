@@ -144,16 +144,13 @@ impl WalkingModel {
 
     /// What everybody wants; `None` for those who are not there, whom nobody sees.
     pub fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {
-        if !self.sees_others() {
-            return people
-                .iter()
-                .map(|walking| walking.as_ref().map_or(DesiredMotion::default(), straight))
-                .collect();
-        }
         let furthest = people.iter().flatten().map(|walking| extent(walking)).fold(0.0, f64::max);
         let fastest = people.iter().flatten().map(|walking| walking.speed).fold(0.0, f64::max);
         let far = match self {
-            WalkingModel::Straight => 0.0,
+            WalkingModel::Straight => {
+                let wanted = |walking: &Option<Walking<'_>>| walking.as_ref().map(straight);
+                return people.iter().map(|walking| wanted(walking).unwrap_or_default()).collect();
+            }
             WalkingModel::CollisionFreeSpeed(of) => {
                 let ranges = FAR * of.neighbour_range.max(of.wall_range);
                 ranges.max(fastest * of.time_gap).max(CLOSE)
@@ -175,14 +172,8 @@ impl WalkingModel {
 }
 
 fn straight(walking: &Walking<'_>) -> DesiredMotion {
-    match walking.direction {
-        None => DesiredMotion::default(),
-        Some(direction) => DesiredMotion {
-            velocity: direction * walking.speed,
-            facing: Some(direction),
-            ..DesiredMotion::default()
-        },
-    }
+    let velocity = walking.direction.map_or(Vec2::ZERO, |direction| direction * walking.speed);
+    DesiredMotion { velocity, facing: walking.direction, ..DesiredMotion::default() }
 }
 
 /// Somebody or a wall near a person.

@@ -2,7 +2,7 @@
 //! one, never a part.
 
 use crate::files::input;
-use crate::files::temporary::{Temporary, new_file};
+use crate::files::temporary::{Scratch, directory_of};
 use std::fs::File;
 use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -50,10 +50,6 @@ pub fn target_of(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("its symbolic links form a loop"))
 }
 
-fn directory_of(place: &Path) -> &Path {
-    place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
 static READER_LEFT: AtomicBool = AtomicBool::new(false);
 
 /// Returns whether writing to a pipe by [`Staged::onto`] failed because its reader had closed it. (Callers may replace
@@ -67,7 +63,7 @@ pub fn reader_left() -> bool {
 pub struct Staged {
     file: File,
     /// The file and its place; `None`: an open file is written directly.
-    temporary: Option<(Temporary, PathBuf)>,
+    temporary: Option<(Scratch, PathBuf)>,
     failed: bool,
 }
 
@@ -85,7 +81,9 @@ impl Staged {
             Err(error) => return Err(error),
         };
         there.as_ref().map_or(Ok(()), input::check_regular)?;
-        let (temporary, file) = Temporary::new(directory_of(&place), new_file)?;
+        let (temporary, file) = Scratch::within(directory_of(&place), |path| {
+            File::options().read(true).write(true).create_new(true).open(path)
+        })?;
         let staged = Staged { file, temporary: Some((temporary, place)), failed: false };
         if let Some(there) = there {
             staged.file.set_permissions(there.permissions())?;
@@ -152,38 +150,6 @@ impl Write for Staged {
 impl Seek for Staged {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.file.seek(to)
-    }
-}
-
-/// A directory that is written beside its place. [`StagedDirectory::persist`] moves it there; otherwise it is removed.
-#[derive(Debug)]
-pub struct StagedDirectory {
-    temporary: Temporary,
-    place: PathBuf,
-}
-
-impl StagedDirectory {
-    /// Creates a new, empty directory beside `place`.
-    ///
-    /// # Errors
-    /// The directory cannot be created.
-    pub fn beside(place: &Path) -> io::Result<StagedDirectory> {
-        let place = target_of(place)?;
-        let (temporary, ()) = Temporary::new(directory_of(&place), |path| std::fs::create_dir(path))?;
-        Ok(StagedDirectory { temporary, place })
-    }
-
-    /// Returns its present path.
-    pub fn path(&self) -> &Path {
-        self.temporary.path()
-    }
-
-    /// Moves it into its place, which must not exist or be an empty directory.
-    ///
-    /// # Errors
-    /// The directory cannot be moved there.
-    pub fn persist(self) -> io::Result<()> {
-        self.temporary.persist(&self.place)
     }
 }
 
@@ -320,10 +286,10 @@ mod tests {
         let directory = TempDir::new().unwrap();
         let place = directory.path().join("Trial");
         for (existing, works) in [(false, true), (true, false)] {
-            let staged = StagedDirectory::beside(&place).unwrap();
+            let staged = Scratch::beside(&place).unwrap();
             std::fs::write(staged.path().join("a"), existing.to_string()).unwrap();
             assert_eq!(place.exists(), existing);
-            assert_eq!(staged.persist().is_ok(), works);
+            assert_eq!(staged.persist(&place).is_ok(), works);
             assert_eq!(std::fs::read_to_string(place.join("a")).unwrap(), "false");
         }
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1);

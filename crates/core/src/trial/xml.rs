@@ -8,7 +8,7 @@ use crate::files::{input, words};
 use crate::plane::{Vec2, vec2};
 use crate::trial::problem::Problems;
 use crate::trial::schema::{Range, Schema, Value};
-use crate::xml::{Attribute, Document, Layout, Out, Problem, Severity, decimal, quoted};
+use crate::xml::{Document, Layout, Out, Problem, Severity, decimal, quoted};
 use std::cell::RefCell;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
@@ -111,7 +111,7 @@ impl<'a> Element<'a> {
     }
 
     /// Returns the attributes of this file's own words that are not read.
-    fn unread_attributes(self) -> impl Iterator<Item = Attribute<'a>> {
+    fn unread_attributes(self) -> impl Iterator<Item = roxmltree::Attribute<'a, 'a>> {
         let own = self.node.attributes().filter(|attribute| attribute.namespace().is_none());
         own.filter(move |attribute| self.schema.attribute(attribute.name()).is_none())
     }
@@ -156,7 +156,7 @@ impl<'a> Element<'a> {
         }
         let schema = self.schema;
         let attributes = self.unread_attributes().map(|attribute| {
-            (Unread::Attribute, attribute.name(), Some(attribute.value()), attribute.offset())
+            (Unread::Attribute, attribute.name(), Some(attribute.value()), attribute.range().start)
         });
         let elements = self.unread_elements().map(|node| (Unread::Element, node.name(), None, node.offset()));
         let texts = self.node.texts().map(|(text, offset)| (Unread::Text, "", Some(text.trim()), offset));
@@ -450,7 +450,8 @@ mod tests {
         read_file(&files, Path::new("f.xml"), &A, &mut problems, |root| {
             let element = root.only("B").unwrap();
             assert_eq!(element.line(), 2);
-            ["X", "Y", "Z"].map(|attribute| element.number(attribute));
+            let [x, y, z] = ["X", "Y", "Z"].map(|attribute| element.number(attribute));
+            assert!(x == 1.0 && y.is_nan() && z.is_nan());
         });
         let expected = "f.xml:4: <B> Y=\"no\": must be a finite decimal number\nf.xml:2: <B> Z: is missing";
         assert_eq!(problems.to_string(), expected);
