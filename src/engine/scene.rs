@@ -149,7 +149,7 @@ pub struct Corner {
 /// Bodies, walls and laws: immutable after load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// In the order of the agents.
+    /// Bodies in the order of the agents.
     pub bodies: Vec<Body>,
     /// Grouped by body.
     pub disks: Vec<Disk>,
@@ -159,7 +159,7 @@ pub struct Scene {
     pub faces: Vec<Face>,
     /// First face of each wall.
     pub wall_faces: Vec<Range<usize>>,
-    /// Of all walls.
+    /// Corners of all walls.
     pub corners: Vec<Corner>,
     /// For each face, those that continue it: at an end, turning by at most 20°, or lying on it.
     pub(super) joined: Vec<Vec<FaceId>>,
@@ -446,50 +446,45 @@ mod tests {
     use super::super::vec2;
     use super::*;
 
-    #[test]
-    fn closed_wall_shares_its_first_corner() {
-        let corners = vec![vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(-0.0, 0.0)];
-        let scene = Scene::new(&[], &[WallSpec { material: 0, corners }], LawTable::new(1));
-        assert_eq!(scene.corners.len(), 3);
-        assert_eq!(scene.corners[0].faces, vec![FaceId(0), FaceId(2)]);
+    fn scene(walls: &[&[(f64, f64)]]) -> Scene {
+        let corners = |wall: &[(f64, f64)]| wall.iter().map(|&(x, y)| vec2(x, y)).collect();
+        let walls: Vec<WallSpec> =
+            walls.iter().map(|wall| WallSpec { material: 0, corners: corners(wall) }).collect();
+        Scene::new(&[], &walls, LawTable::new(1))
+    }
+
+    fn lines(scene: &Scene) -> Vec<usize> {
+        scene.faces.iter().map(|face| face.line.index()).collect()
     }
 
     #[test]
-    fn straight_faces_are_of_one_line() {
-        let lines = |corners: &[(f64, f64)]| {
-            let corners = corners.iter().map(|&(x, y)| vec2(x, y)).collect();
-            let scene = Scene::new(&[], &[WallSpec { material: 0, corners }], LawTable::new(1));
-            scene.faces.iter().map(|face| face.line.index()).collect::<Vec<_>>()
-        };
-        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (2.5, 0.0), (2.5, 1.0), (2.5, 7.0)]), [0, 0, 2, 2]);
-        // Closed in the middle of a side.
-        let square = [(0.5, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0), (0.5, 0.0)];
-        assert_eq!(lines(&square), [0, 1, 2, 3, 0]);
-        // Up to 20° faces are one line.
-        let turned = |degrees: f64| {
-            let (sin, cos) = degrees.to_radians().sin_cos();
-            lines(&[(0.0, 0.0), (1.0, 0.0), (1.0 + cos, sin)])
-        };
-        assert_eq!((turned(19.99), turned(-19.99)), (vec![0, 0], vec![0, 0]));
-        assert_eq!((turned(20.01), turned(-20.01)), (vec![0, 1], vec![0, 1]));
-        // There and back is one face; so is the third one, drawn backwards. The fourth meets them.
-        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (0.0, 0.0)]), [0, 0]);
-        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 1.0)]), [0, 0, 0, 3]);
+    fn faces_of_a_wall_share_corners_and_straight_ones_are_of_one_line() {
+        let closed = scene(&[&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (-0.0, 0.0)]]);
+        assert_eq!(closed.corners.len(), 3);
+        assert_eq!(closed.corners[0].faces, vec![FaceId(0), FaceId(2)]);
+        let (sin, cos) = 19.99f64.to_radians().sin_cos();
+        let (sine, cosine) = 20.01f64.to_radians().sin_cos();
+        type Case<'a> = (&'a [(f64, f64)], &'a [usize]);
+        let cases: [Case<'_>; 8] = [
+            (&[(0.0, 0.0), (1.0, 0.0), (2.5, 0.0), (2.5, 1.0), (2.5, 7.0)], &[0, 0, 2, 2]),
+            // Closed in the middle of a side.
+            (&[(0.5, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0), (0.5, 0.0)], &[0, 1, 2, 3, 0]),
+            // Up to 20° faces are one line.
+            (&[(0.0, 0.0), (1.0, 0.0), (1.0 + cos, sin)], &[0, 0]),
+            (&[(0.0, 0.0), (1.0, 0.0), (1.0 + cos, -sin)], &[0, 0]),
+            (&[(0.0, 0.0), (1.0, 0.0), (1.0 + cosine, sine)], &[0, 1]),
+            (&[(0.0, 0.0), (1.0, 0.0), (1.0 + cosine, -sine)], &[0, 1]),
+            // There and back is one face; so is the third one, drawn backwards. The fourth meets them.
+            (&[(0.0, 0.0), (1.0, 0.0), (0.0, 0.0)], &[0, 0]),
+            (&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 1.0)], &[0, 0, 0, 3]),
+        ];
+        for (corners, expected) in cases {
+            assert_eq!(lines(&scene(&[corners])), expected, "{corners:?}");
+        }
     }
 
     #[test]
     fn walls_that_meet_or_lie_on_each_other_are_one() {
-        let scene = |walls: &[&[(f64, f64)]]| {
-            let specs: Vec<WallSpec> = walls
-                .iter()
-                .map(|corners| WallSpec {
-                    material: 0,
-                    corners: corners.iter().map(|&(x, y)| vec2(x, y)).collect(),
-                })
-                .collect();
-            Scene::new(&[], &specs, LawTable::new(1))
-        };
-        let lines = |scene: &Scene| scene.faces.iter().map(|face| face.line.index()).collect::<Vec<_>>();
         // End to end, the second one drawn towards the first, with a rounding error; then one that turns.
         let met = scene(&[
             &[(0.0, 0.0), (1.0, 0.0)],

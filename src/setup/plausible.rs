@@ -270,7 +270,7 @@ mod tests {
         Setup::of(trial).advice_as_edited().iter().map(ToString::to_string).collect()
     }
 
-    /// That one doubt has all these words, which are between "…"; no words: there is no doubt.
+    /// Checks that one doubt has all these words, which are between "…"; no words: there is no doubt.
     #[track_caller]
     fn says(trial: &Trial, words: &str) {
         let said = said(trial);
@@ -418,7 +418,7 @@ mod tests {
         says(&trial, "the centre of mass of agent \"2\" is outside of its own shapes (2 agents in all)");
     }
 
-    /// Of each attribute a value in another unit, with that unit and the value that is meant: the person's own.
+    /// A value of each attribute in another unit, with that unit and the value that is meant: the person's own.
     #[test]
     fn values_in_other_units_are_doubted_with_the_unit() {
         type Change = fn(&mut Trial);

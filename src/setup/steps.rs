@@ -30,7 +30,7 @@ const PROPOSED_ACCURACY: f64 = 1e-3;
 /// \[m\] Finest accuracy for which a step is chosen. Smaller differences from the independent integrator were not seen.
 pub const FINEST_ACCURACY: f64 = 1e-9;
 
-/// What mechanical steps do in a scene. See [`Setup::steps`].
+/// Effects of mechanical steps in a scene. See [`Setup::steps`].
 #[derive(Debug, Clone)]
 pub struct Steps {
     /// \[1/s\] Ω of the fastest contact.
@@ -167,7 +167,7 @@ impl Setup<'_> {
     }
 }
 
-/// What an agent touches.
+/// A thing that an agent touches.
 #[derive(Clone, Copy)]
 enum Other {
     Agent(usize),

@@ -32,7 +32,7 @@ struct Value {
     value: f64,
     /// The value as it is written.
     shown: String,
-    /// What has it.
+    /// Name of what has it.
     of: String,
     /// \[kg\] or \[kg m²\] Mass or moment of inertia by which one in another unit is divided; else 1.
     body: f64,

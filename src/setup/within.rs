@@ -146,42 +146,41 @@ mod tests {
     #[test]
     fn who_stands_in_a_pillar_of_a_room_is_told_and_nobody_in_rooms() {
         let (room, pillar) = (square("room", 0.0, 0.0, 10.0), square("pillar", 4.0, 4.0, 1.0));
-        let people = |more: &[Vec2]| [row(4, 1.0, 1.0), more.to_vec()].concat();
-        let in_pillar = people(&[vec2(4.5, 4.5)]);
-        let told = |agent, wall, count, around| Some(Inside { agent, wall, count, around });
-        assert_eq!(within_pillars(&[room.clone(), pillar.clone()], &in_pillar), told(4, 1, 1, 4));
+        let told = |walls: &[&Wall], more: &[Vec2]| {
+            let walls: Vec<Wall> = walls.iter().map(|wall| (*wall).clone()).collect();
+            let found = within_pillars(&walls, &[row(4, 1.0, 1.0), more.to_vec()].concat());
+            found.map(|Inside { agent, wall, count, around }| (agent, wall, count, around))
+        };
+        let inside = vec2(4.5, 4.5);
+        assert_eq!(told(&[&room, &pillar], &[inside]), Some((4, 1, 1, 4)));
         // Of a room with a door, which is not closed, too; and in the open.
-        assert_eq!(within_pillars(std::slice::from_ref(&pillar), &in_pillar), told(4, 0, 1, 4));
-        let two = people(&[vec2(4.5, 4.5), vec2(4.2, 4.7)]);
-        assert_eq!(within_pillars(&[pillar.clone(), room.clone()], &two), told(4, 0, 2, 4));
+        assert_eq!(told(&[&pillar], &[inside]), Some((4, 0, 1, 4)));
+        assert_eq!(told(&[&pillar, &room], &[inside, vec2(4.2, 4.7)]), Some((4, 0, 2, 4)));
         // On its edge's line, beside it, and in nothing at all.
         for beside in [vec2(4.5, 3.9), vec2(3.0, 4.0), vec2(5.1, 5.0), vec2(-1.0, 4.5)] {
-            assert_eq!(
-                within_pillars(&[room.clone(), pillar.clone()], &people(&[beside])),
-                None,
-                "{beside:?}"
-            );
+            assert_eq!(told(&[&room, &pillar], &[beside]), None, "{beside:?}");
         }
         // A hollow pillar is told once.
-        let hollow = square("hollow", 4.2, 4.2, 0.6);
-        assert_eq!(within_pillars(&[hollow, room, pillar], &in_pillar), told(4, 2, 1, 4));
+        assert_eq!(told(&[&square("hollow", 4.2, 4.2, 0.6), &room, &pillar], &[inside]), Some((4, 2, 1, 4)));
     }
 
     #[test]
     fn rooms_within_larger_ones_are_no_pillars() {
-        let (hall, cabin) = (square("hall", 0.0, 0.0, 30.0), square("cabin", 20.0, 20.0, 5.0));
-        // All in the inner one; most there; rooms beside each other; a cabin for ten of a hundred.
+        let hall = [square("hall", 0.0, 0.0, 30.0), square("cabin", 20.0, 20.0, 5.0)];
+        // All in the inner one; most there; a cabin for ten of a hundred.
         let inner = row(20, 21.0, 22.0);
-        assert_eq!(within_pillars(&[hall.clone(), cabin.clone()], &inner), None);
-        let some = [inner, row(5, 2.0, 2.0)].concat();
-        assert_eq!(within_pillars(&[hall.clone(), cabin.clone()], &some), None);
-        let rooms: Vec<Wall> = (0..10).map(|k| square("room", 2.0 * f64::from(k), 5.0, 1.5)).collect();
-        let people: Vec<Vec2> = (0..10).flat_map(|k| row(1 + k % 3, 2.0 * f64::from(k) + 0.2, 5.5)).collect();
-        let corridor = row(12, 1.0, 1.0);
-        let all = [vec![hall.clone()], rooms].concat();
-        assert_eq!(within_pillars(&all, &[people, corridor].concat()), None);
-        let hundred = [row(100, 2.0, 2.0), row(10, 21.0, 22.0)].concat();
-        assert_eq!(within_pillars(&[hall, cabin], &hundred), None);
+        for people in [
+            inner.clone(),
+            [inner, row(5, 2.0, 2.0)].concat(),
+            [row(100, 2.0, 2.0), row(10, 21.0, 22.0)].concat(),
+        ] {
+            assert_eq!(within_pillars(&hall, &people), None);
+        }
+        // Rooms beside each other.
+        let rooms = (0..10).map(|k| square("room", 2.0 * f64::from(k), 5.0, 1.5));
+        let people = (0..10).flat_map(|k| row(1 + k % 3, 2.0 * f64::from(k) + 0.2, 5.5));
+        let all: Vec<Wall> = hall[..1].iter().cloned().chain(rooms).collect();
+        assert_eq!(within_pillars(&all, &people.chain(row(12, 1.0, 1.0)).collect::<Vec<_>>()), None);
     }
 
     /// Closed walls of 100 000 corners among as many people.

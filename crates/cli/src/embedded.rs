@@ -20,18 +20,18 @@ pub struct InMemory {
     pub trial: Trial,
 }
 
-/// What came of a command.
+/// Result of a command.
 #[derive(Debug, Default)]
 pub struct Done {
-    /// What it would print on standard output.
+    /// Text that it would print on standard output.
     pub said: String,
-    /// The same of standard error: what is probably not meant.
+    /// Lines that it would print on standard error: what is probably not meant.
     pub notes: Vec<String>,
-    /// Of `plot`: the picture, in the format of the file that `--output` names, which is not written.
+    /// Picture of `plot`, in the format of the file that `--output` names, which is not written.
     pub picture: Vec<u8>,
-    /// Of `measure`: the summary as JSON.
+    /// Summary of `measure`, as JSON.
     pub summary: String,
-    /// Of `measure`: its tables as CSV, by their names.
+    /// Tables of `measure` as CSV, by their names.
     pub tables: Vec<(&'static str, String)>,
 }
 

@@ -57,7 +57,7 @@ const DEFAULT_NAMES: [(&str, &str, &str); 7] = [
     ("movie", "movie", ".gif"),
 ];
 
-/// Of the commands that write.
+/// Option of the commands that write.
 #[derive(clap::Args, Clone)]
 pub struct Force {
     /// Replace existing files
@@ -67,7 +67,7 @@ pub struct Force {
 
 /// A file that is to be written.
 struct Target {
-    /// As the user calls it.
+    /// Path as the user calls it.
     path: PathBuf,
     place: PathBuf,
     before: Option<SystemTime>,
@@ -178,7 +178,7 @@ pub fn stage(path: &Path) -> Result<Staged> {
     open(path)
 }
 
-/// As [`stage`], where nothing is there yet.
+/// Does the same as [`stage`], where nothing is there yet.
 ///
 /// # Errors
 /// As [`stage`], or a file is there, and `--force` is not given.

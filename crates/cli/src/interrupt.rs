@@ -34,15 +34,15 @@ impl Interrupted {
 /// Complete files that are told by name.
 const MOST_NAMED: usize = 8;
 
-/// As shells count it: 128 and the number of the signal.
+/// Exit code as shells count it: 128 and the number of the signal.
 pub const EXIT_CODE: u8 = 130;
 
-/// Whether the command looks for [`PRESSED`] and ends its work itself.
+/// A flag that is set if the command looks for [`PRESSED`] and ends its work itself.
 static WATCHED: AtomicBool = AtomicBool::new(false);
 static PRESSED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
 thread_local! {
-    /// What stops the command of this thread, where another program has called it.
+    /// Flag that stops the command of this thread, where another program has called it.
     static STOP: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
 }
 
@@ -90,7 +90,7 @@ pub fn wait_if_ending() {
     }
 }
 
-/// Whether Ctrl-C was pressed. Pressed twice, the program ends at once.
+/// A flag that is set when Ctrl-C is pressed. Pressed twice, the program ends at once.
 #[derive(Clone)]
 pub struct Interrupt(Arc<AtomicBool>);
 

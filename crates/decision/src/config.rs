@@ -24,7 +24,7 @@ use std::collections::BTreeMap;
 /// Name of the settings in a Trial directory.
 pub const DECISION_FILE: &str = "decision.toml";
 
-/// How people walk among others.
+/// Name of a model of how people walk among others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WalkingModelName {
@@ -162,29 +162,5 @@ fn explained(error: &toml::de::Error) -> String {
     match unknown.and_then(|unknown| words::meant(unknown, expected)) {
         Some(meant) => format!("{}\ndid you mean `{meant}`?", said.trim_end()),
         None => said,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_and_points_have_no_further_numbers() {
-        let said = |target: &str| {
-            DecisionConfig::from_toml(&format!("exits = [{{ {target} }}]")).map_err(|e| e.to_string())
-        };
-        assert!(
-            said("line = [[1, 2], [3, 4]]").is_ok() && said("polygon = [[0, 0], [1, 0], [0, 1]]").is_ok()
-        );
-        for (target, words) in [
-            ("line = [[1, 2], [3, 4], [5, 6]]", "a line has 2 points, not 3"),
-            ("line = [[1, 2]]", "a line has 2 points, not 1"),
-            ("line = [[1, 2, 0], [3, 4, 0]]", "a point has 2 numbers [x, y], not 3"),
-            ("polygon = [[0, 0], [1, 0], [0]]", "a point has 2 numbers [x, y], not 1"),
-        ] {
-            let error = said(target).unwrap_err();
-            assert!(error.contains(words), "{target}: {error}");
-        }
     }
 }

@@ -6,12 +6,12 @@ use thiserror::Error;
 
 /// Each needs a field of distances in memory.
 pub(crate) const MOST_TARGETS: usize = 50;
-/// Of one agent: each is some variables of the FMU.
+/// Largest number of way-points of an agent: each is some variables of the FMU.
 pub(crate) const MOST_WAYPOINTS: usize = 10_000;
-/// Of speeds and strengths: products of a few of them are finite.
+/// Greatest speed or strength: products of a few of them are finite.
 const GREATEST: f64 = 1e9;
 
-/// What is wrong with settings or a plan. The messages do not name the file.
+/// Error in settings or a plan. The messages do not name the file.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[allow(missing_docs)] // the messages say it
 pub enum PlanError {

@@ -24,32 +24,32 @@ const MOST_VALUES: usize = 40_000_000;
 const CLEARANCE: f64 = 0.35;
 /// \[m\] No centre of mass is nearer to a wall. So gaps of twice as much are closed.
 const NEAREST: f64 = 0.1;
-/// By how much more at most: right beside a wall.
+/// Greatest price of a metre: right beside a wall.
 const DEAREST: f64 = 4.0;
 /// \[m\] Free space around everything.
 const MARGIN: f64 = 1.0;
-/// Of a step: nodes do not lie on walls with round coordinates.
+/// Parts of a step by which the grid is shifted: nodes do not lie on walls with round coordinates.
 const SHIFT: Vec2 = Vec2 { x: 0.382, y: 0.417 };
 
-/// Where people can walk: nodes, and which of them are neighbours.
+/// Grid of places where people can walk: nodes, and which of them are neighbours.
 #[derive(Debug, Clone)]
 pub struct Grid {
     origin: Vec2,
     step: f64,
     columns: usize,
     rows: usize,
-    /// Of each node: whether there is no wall before the next one to the right.
+    /// No wall is between this node and the next one to the right.
     right: Vec<bool>,
-    /// Of each node: whether there is no wall before the next one above.
+    /// No wall is between this node and the next one above.
     above: Vec<bool>,
-    /// Of each node: how many metres a metre counts; infinite where nobody can be.
+    /// Price of each node: how many metres a metre counts; infinite where nobody can be.
     price: Vec<f64>,
     faces: Vec<[Vec2; 2]>,
     /// Faces in or near the square to the upper right of a node.
     beside: HashMap<usize, Vec<u32>>,
 }
 
-/// How far it is from each node of a grid.
+/// Distances \[m\] from all nodes of a grid.
 pub type Field = Vec<f64>;
 
 impl Grid {
@@ -146,7 +146,7 @@ impl Grid {
             .flat_map(move |row| across.clone().map(move |column| row * columns + column))
     }
 
-    /// Whether no wall lies between two places that are near each other.
+    /// Returns whether no wall lies between two places that are near each other.
     fn sees(&self, from: Vec2, to: Vec2) -> bool {
         let between = Bounds::of([from, to]).expect("two points").grown(self.step);
         let mut near = self.nodes_in(between).filter_map(|node| self.beside.get(&node)).flatten();
@@ -156,12 +156,12 @@ impl Grid {
         })
     }
 
-    /// Whether somebody can be at some lines, or in some areas.
+    /// Returns whether somebody can be at some lines, or in some areas.
     pub fn begins(&self, lines: &[[Vec2; 2]], areas: &[Ring]) -> bool {
         !self.first(lines, areas).is_empty()
     }
 
-    /// How far it is to the nearest of some lines, and of the areas that rings enclose.
+    /// Computes how far it is to the nearest of some lines, and of the areas that rings enclose.
     pub fn field(&self, lines: &[[Vec2; 2]], areas: &[Ring]) -> Field {
         let mut field = vec![f64::INFINITY; self.price.len()];
         let mut front = BinaryHeap::new();
@@ -224,7 +224,7 @@ impl Grid {
         }
     }
 
-    /// To the left, right, below and above, where no wall is between.
+    /// Returns the nodes to the left, right, below and above, where no wall is between.
     fn neighbours(&self, node: usize) -> [Option<usize>; 4] {
         let (row, column) = (node / self.columns, node % self.columns);
         let (columns, rows) = (self.columns, self.rows);
@@ -236,7 +236,7 @@ impl Grid {
         ]
     }
 
-    /// The distance of a node by those of its neighbours that are known.
+    /// Returns the distance of a node by those of its neighbours that are known.
     fn arrival(&self, field: &[f64], done: &[bool], node: usize) -> f64 {
         let known = |next: Option<usize>| match next {
             Some(next) if done[next] => field[next],
@@ -252,7 +252,7 @@ impl Grid {
         }
     }
 
-    /// \[m\] How far it is from a place: the mean of the nodes around it that are on the same side of all walls. Beside
+    /// Returns how far it is from a place \[m\]: the mean of the nodes around it that are on the same side of all walls. Beside
     /// walls, metres count more. Infinite where no way leads from, and outside of the grid.
     pub fn distance(&self, field: &[f64], at: Vec2) -> f64 {
         let (mut sum, mut shares) = (0.0, 0.0);
@@ -265,20 +265,14 @@ impl Grid {
         if shares > 0.0 { sum / shares } else { f64::INFINITY }
     }
 
-    /// The direction in which the distance falls fastest, as a unit vector; `None` where no way leads from, and outside
+    /// Returns the direction in which the distance falls fastest, as a unit vector; `None` where no way leads from, and outside
     /// of the grid.
     pub fn direction(&self, field: &[f64], at: Vec2) -> Option<Vec2> {
-        let mut sum = Vec2::ZERO;
-        for (node, share) in self.around(at) {
-            if let Some(down) = self.down(field, node) {
-                sum += down * share;
-            }
-        }
-        let norm = sum.norm();
-        (norm > 1e-9).then(|| sum * (1.0 / norm))
+        let all = self.around(at).filter_map(|(node, share)| Some(self.down(field, node)? * share));
+        all.fold(Vec2::ZERO, |sum, down| sum + down).unit(1e-9)
     }
 
-    /// The nodes around a place that are on the same side of all walls, with their bilinear shares.
+    /// Returns the nodes around a place that are on the same side of all walls, with their bilinear shares.
     fn around(&self, at: Vec2) -> impl Iterator<Item = (usize, f64)> {
         let (column, row) = self.square(at);
         let inside =
@@ -301,7 +295,7 @@ impl Grid {
         })
     }
 
-    /// Down the distance at a node: against the gradient by the lower neighbours.
+    /// Returns the direction down the distance at a node: against the gradient by the lower neighbours.
     fn down(&self, field: &[f64], node: usize) -> Option<Vec2> {
         let here = field[node];
         if !here.is_finite() {
@@ -313,9 +307,7 @@ impl Grid {
             let (back, on) = ((here - low).max(0.0), (here - high).max(0.0));
             if back > on { -back } else { on }
         };
-        let down = vec2(fall(left, right), fall(below, above));
-        let norm = down.norm();
-        (norm > 0.0).then(|| down * (1.0 / norm))
+        vec2(fall(left, right), fall(below, above)).unit(0.0)
     }
 }
 

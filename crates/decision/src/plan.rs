@@ -26,7 +26,7 @@ const DEFAULT_SPEED: f64 = 1.34;
 pub struct Planned {
     /// Id in Agents.xml.
     pub id: String,
-    /// Where it goes after the last way-point.
+    /// Destination after the last way-point.
     #[serde(default, skip_serializing_if = "is_default")]
     pub destination: Destination,
     /// See [`Person::disks`]; empty where nobody looks at them.
@@ -54,13 +54,13 @@ pub struct Plan {
     /// \[m\] Corners (x, y) of each wall; none if nobody looks at them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub walls: Vec<Vec<[f64; 2]>>,
-    /// How people walk among others.
+    /// Model of how people walk among others.
     #[serde(default, skip_serializing_if = "is_default")]
     pub walking_model: WalkingModel,
     /// Exits and goals.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub targets: Vec<Target>,
-    /// In the order of Agents.xml; at least one.
+    /// People in the order of Agents.xml; at least one.
     pub agents: Vec<Planned>,
 }
 
@@ -181,74 +181,5 @@ impl Plan {
             std::iter::once(own).chain(further).map(|at| (at, agent.destination))
         });
         Ways::new(&self.polylines(), &self.targets, places).map(Some)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn person(id: &str) -> Person {
-        Person {
-            id: id.into(),
-            mass: 70.1,
-            moment_of_inertia: 1.0 / 3.0,
-            floor_damping: 2.0,
-            angular_damping: 0.1,
-            pose: Pose { x: 1e-300, y: -0.0, theta: 3.0 },
-            disks: Vec::new(),
-        }
-    }
-
-    fn plan(config: &str) -> Result<Plan, String> {
-        let config = DecisionConfig::from_toml(config).map_err(|error| error.to_string())?;
-        Plan::among(std::iter::empty(), &[person("0"), person("two words")], &config, 0.05)
-            .map_err(|error| error.to_string())
-    }
-
-    #[test]
-    fn settings_are_for_everybody_or_for_one() {
-        let plan = plan(
-            "desired_speed = 1\nwaypoints = [{ x = 1, y = 2.5 }]\n[agents.\"two words\"]\nwaypoints = [{ x = 0, y = 0, radius = 2 }, { x = 3, y = 4 }]",
-        )
-        .unwrap();
-        let walkers = [&plan.agents[0].walker, &plan.agents[1].walker];
-        assert_eq!(walkers[0].waypoints, [Waypoint { x: 1.0, y: 2.5, radius: 0.3 }]);
-        assert_eq!(walkers[1].waypoints.len(), 2);
-        assert_eq!(walkers[1].waypoints[0].radius, 2.0);
-        assert_eq!(walkers.map(|walker| walker.desired_speed), [1.0, 1.0]);
-    }
-
-    #[test]
-    fn a_plan_reads_back_to_the_last_bit() {
-        let plan = plan("waypoints = [{ x = 0.1, y = 1e-320, radius = 0 }]").unwrap();
-        assert_eq!(Plan::from_toml(&plan.to_toml().unwrap()).unwrap(), plan);
-    }
-
-    #[test]
-    fn mistakes_are_named() {
-        for (config, words) in [
-            ("waypoint = []", ["waypoint", "line 1"]),
-            ("waypoints = [{ x = 1 }]", ["missing field `y`", "line 1"]),
-            ("waypoints = [{ x = 1, y = nan }]", ["way-point 0", "y = NaN"]),
-            ("waypoints = [{ x = 1, y = 0, radius = -1 }]", ["radius = -1.0", "at least 0"]),
-            ("waypoints = []", ["agent \"0\"", "no way-point"]),
-            ("desired_speed = 1.0", ["agent \"0\"", "no way-point"]),
-            ("desired_speed = -1.0\nwaypoints = [{ x = 1, y = 0 }]", ["desired_speed = -1.0", "agent \"0\""]),
-            ("desired_speed = 1e308\nwaypoints = [{ x = 1, y = 0 }]", ["speed = 1e308", "from 0 to 1e9"]),
-            ("waypoints = [{ x = -1e300, y = 0 }]", ["x = -1e300", "from -1e9 to 1e9 m"]),
-            ("exits = [{ line = [[0, 0], [1e300, 1]] }]", ["exit \"exit 0\": corner = 1e300", "1e9 m"]),
-            (
-                "model = \"social-force\"\nsocial-force = { strength = 1e300 }\nwaypoints = [{ x = 1, y = 0 }]",
-                ["strength = 1e300", "social-force"],
-            ),
-            ("desired_speed = \"fast\"", ["desired_speed", "line 1"]),
-            ("waypoints = [{ x = 1, y = 0 }]\n[agents.9]", ["agents.9", "no agent"]),
-            ("waypoints = [", ["line 1", "waypoints"]),
-        ] {
-            let message = plan(config).unwrap_err();
-            assert!(words.iter().all(|word| message.contains(word)), "{config}: {message}");
-        }
-        assert_eq!(Plan::from_toml("time_step = 1\nagents = []"), Err(PlanError::Empty));
     }
 }

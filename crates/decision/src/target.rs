@@ -23,21 +23,21 @@ pub struct Target {
     pub corners: Vec<[f64; 2]>,
 }
 
-/// Where an agent goes after the last way-point.
+/// Destination of an agent after the last way-point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Destination {
     /// Nowhere.
     #[default]
     None,
-    /// To the exit that is nearest on foot, wherever the agent is.
+    /// Exit that is nearest on foot, wherever the agent is.
     NearestExit,
-    /// To the target with this index.
+    /// Target with this index.
     Target(usize),
 }
 
 impl Target {
-    /// What it is, and its name, for messages.
+    /// Returns what it is, and its name, for messages.
     pub(crate) fn named(&self) -> String {
         format!("{} {:?}", if self.stay { "goal" } else { "exit" }, self.name)
     }
@@ -56,7 +56,7 @@ impl Target {
 #[derive(Debug, Clone)]
 enum Shape {
     Line([Vec2; 2]),
-    /// With its middle: the inner point that is furthest from the sides.
+    /// A ring with its middle: the inner point that is furthest from the sides.
     Area(Ring, Vec2),
 }
 
@@ -80,7 +80,7 @@ impl Shape {
         }
     }
 
-    /// Whether somebody who walked from one place to the other is there, or was on the way: over a line, or at one
+    /// Returns whether somebody who walked from one place to the other is there, or was on the way: over a line, or at one
     /// where people stay.
     fn holds(&self, from: Vec2, to: Vec2, stay: bool) -> bool {
         match self {
@@ -121,13 +121,13 @@ pub struct Ways {
     grid: Grid,
     shapes: Vec<Shape>,
     stay: Vec<bool>,
-    /// To each target, if somebody goes there.
+    /// Distances to each target, if somebody goes there.
     to_each: Vec<Option<Field>>,
-    /// To the nearest exit, if somebody goes there.
+    /// Distances to the nearest exit, if somebody goes there.
     to_nearest: Option<Field>,
 }
 
-/// What a destination asks of somebody.
+/// Way that a destination asks of somebody.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Leg {
     /// Unit vector; `None` on the middle of a goal.
@@ -197,19 +197,15 @@ impl Ways {
         self.field(to).map_or(f64::INFINITY, |field| self.grid.distance(field, at))
     }
 
-    /// Whether somebody who walked from one place to another has arrived; if it is an exit, to leave.
+    /// Returns whether somebody who walked from one place to another has arrived; if it is an exit, to leave.
     pub fn arrived(&self, to: Destination, from: Vec2, at: Vec2) -> Option<Arrival> {
         let target = self.targets(to).find(|k| self.shapes[*k].holds(from, at, self.stay[*k]))?;
         Some(if self.stay[target] { Arrival::Stays } else { Arrival::Leaves })
     }
 
-    /// Which way to go. Where the grid knows none (behind a wall, or far outside), straight on.
+    /// Returns which way to go. Where the grid knows none (behind a wall, or far outside), straight on.
     pub fn leg(&self, to: Destination, at: Vec2) -> Leg {
-        let towards = |place: Vec2| {
-            let way = place - at;
-            let norm = way.norm();
-            (norm > 1e-9).then(|| way * (1.0 / norm))
-        };
+        let towards = |place: Vec2| (place - at).unit(1e-9);
         let goal = match to {
             Destination::Target(k) if self.stay[k] => Some(&self.shapes[k]),
             _ => None,
@@ -235,7 +231,7 @@ impl Ways {
     }
 }
 
-/// What somebody does at a target.
+/// Action of somebody at a target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrival {
     /// At a goal.

@@ -73,7 +73,7 @@ pub enum WalkingModel {
     SocialForce(SocialForce),
 }
 
-/// Who walks, and where to.
+/// Somebody who walks, and where to.
 #[derive(Debug, Clone, Copy)]
 pub struct Walking<'a> {
     /// \[m\] centre of mass.
@@ -92,7 +92,7 @@ pub struct Walking<'a> {
     pub destination: usize,
 }
 
-/// What a person wants.
+/// Motion that a person wants.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DesiredMotion {
     /// \[m/s\] velocity.
@@ -118,7 +118,7 @@ const CLOSE: f64 = 0.5;
 const TOUCHING: f64 = 0.0;
 
 impl WalkingModel {
-    /// Whether people see others and walls.
+    /// Returns whether people see others and walls.
     pub fn sees_others(&self) -> bool {
         *self != WalkingModel::Straight
     }
@@ -142,7 +142,7 @@ impl WalkingModel {
         }
     }
 
-    /// What everybody wants; `None` for those who are not there, whom nobody sees.
+    /// Returns what everybody wants; `None` for those who are not there, whom nobody sees.
     pub fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {
         let furthest = people.iter().flatten().map(|walking| extent(walking)).fold(0.0, f64::max);
         let fastest = people.iter().flatten().map(|walking| walking.speed).fold(0.0, f64::max);
@@ -184,11 +184,11 @@ struct Near<'a> {
     distance: f64,
     /// \[m\] Gap between the outlines on this line; negative if they overlap.
     gap: f64,
-    /// Who it is; `None` for a wall.
+    /// Person; `None` for a wall.
     other: Option<&'a Walking<'a>>,
 }
 
-/// How much of a repulsion acts over a gap.
+/// Returns the part of a repulsion that acts over a gap.
 fn faded(gap: f64, range: f64) -> f64 {
     // Bodies that touch repel each other by the mechanics.
     if gap < FAR * range { libm::exp(-gap.max(TOUCHING) / range) } else { 0.0 }
@@ -208,7 +208,7 @@ fn in_front<'a>(
     })
 }
 
-/// Whether one of those in front is close, goes to the same place, and has a shorter way.
+/// Returns whether one of those in front is close, goes to the same place, and has a shorter way.
 fn queues(walking: &Walking<'_>, direction: Vec2, others: &[Near<'_>]) -> bool {
     in_front(walking, direction, others).any(|(near, other)| {
         let goes = other.direction.is_some() && other.destination == walking.destination;
@@ -225,8 +225,7 @@ impl CollisionFreeSpeed {
         let turned = goal
             + aside(others, self.neighbour_strength, self.neighbour_range)
             + aside(walls, self.wall_strength, self.wall_range);
-        let norm = turned.norm();
-        let direction = if norm > 1e-9 { turned * (1.0 / norm) } else { goal };
+        let direction = turned.unit(1e-9).unwrap_or(goal);
         let headway =
             in_front(walking, direction, others).map(|(near, _)| near.gap).fold(f64::INFINITY, f64::min);
         let speed = (headway / self.time_gap).clamp(0.0, walking.speed);

@@ -97,7 +97,7 @@ pub enum Error {
     Plan(#[from] lemons_decision::PlanError),
     /// A drive file is wrong.
     #[error(transparent)]
-    Drive(Problems),
+    Drive(#[from] Problems),
     /// The components of a saved run were coupled by another algorithm.
     #[error("the saved run has {there}, not {here}")]
     Algorithm {

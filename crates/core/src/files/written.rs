@@ -159,14 +159,6 @@ fn staged(path: &Path, bytes: &[u8]) -> io::Result<Staged> {
     Ok(file)
 }
 
-/// Writes a file by way of a temporary one beside it.
-///
-/// # Errors
-/// The file cannot be written; it is then unchanged.
-pub fn write_atomically(path: &Path, text: &str) -> Result<(), WriteError> {
-    staged(path, text.as_bytes()).and_then(Staged::persist).map_err(WriteError::at(path))
-}
-
 /// A change of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Change {
@@ -263,20 +255,21 @@ mod tests {
         use std::os::unix::fs::{PermissionsExt, symlink};
         let directory = TempDir::new().unwrap();
         let at = |name: &str| directory.path().join(name);
+        let write = |name: &str, text: &str| change_all(&[Change::Write(at(name), text.into())]);
         symlink("file", at("link")).unwrap();
         symlink(at("link"), at("second")).unwrap();
         assert_eq!(target_of(&at("second")).unwrap(), target_of(&at("file")).unwrap());
         for text in ["new", "newer"] {
-            write_atomically(&at("second"), text).unwrap();
+            write("second", text).unwrap();
             assert_eq!(std::fs::read_to_string(at("file")).unwrap(), text);
             assert!(["link", "second"].iter().all(|link| at(link).symlink_metadata().unwrap().is_symlink()));
             std::fs::set_permissions(at("file"), std::fs::Permissions::from_mode(0o640)).unwrap();
         }
-        write_atomically(&at("file"), "newest").unwrap();
+        write("file", "newest").unwrap();
         assert_eq!(at("file").metadata().unwrap().permissions().mode() & 0o777, 0o640);
         symlink("there", at("back")).unwrap();
         symlink("back", at("there")).unwrap();
-        let error = write_atomically(&at("back"), "x").unwrap_err().to_string();
+        let error = write("back", "x").unwrap_err().to_string();
         assert!(error.starts_with(&format!("{}: cannot be written: ", at("back").display())), "{error}");
         assert!(at("back").symlink_metadata().unwrap().is_symlink());
     }

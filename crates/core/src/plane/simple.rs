@@ -27,7 +27,7 @@ impl Ring {
     }
 }
 
-/// Whether `meet` holds for two sides that overlap along x, or along y if fewer overlap there. No others can touch.
+/// Returns whether `meet` holds for two sides that overlap along x, or along y if fewer overlap there. No others can touch.
 fn any_beside(sides: &[Side], mut meet: impl FnMut(usize, usize) -> bool) -> bool {
     let along: [fn(Vec2) -> f64; 2] = [|p| p.x, |p| p.y];
     let [by_x, by_y] = along.map(|of| {

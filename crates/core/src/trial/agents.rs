@@ -42,7 +42,7 @@ const fn rate(name: &'static str, meaning: &'static str) -> Attribute {
 }
 
 /// `<Agent>` of `Agents.xml`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Agent {
     /// `Type`, as written ("pedestrian").
     pub kind: Option<String>,
@@ -92,7 +92,7 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Vec<Agent>, I
         if kind.as_deref().is_some_and(|kind| kind != "pedestrian") {
             element.wrong("Type", format!("agent {}: the mechanics takes pedestrians only", quoted(&id)));
             // Its other attributes are another kind's, but the other files name it.
-            agents.push(unread(id));
+            agents.push(Agent { kind, id, ..Agent::default() });
             continue;
         }
         let agent = Agent {
@@ -123,12 +123,6 @@ fn read_shape(element: Element<'_>, materials: Option<&Ids>) -> Shape {
         material_id: element.reference("MaterialId", materials).0,
         position: element.vector("Position"),
     }
-}
-
-fn unread(id: String) -> Agent {
-    let [mass, moment_of_inertia, floor_damping, angular_damping] = [f64::NAN; 4];
-    let (kind, height, shapes) = (None, None, Vec::new());
-    Agent { kind, id, mass, height, moment_of_inertia, floor_damping, angular_damping, shapes }
 }
 
 pub(crate) fn xml(agents: &[Agent]) -> String {

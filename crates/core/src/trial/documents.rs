@@ -1,7 +1,7 @@
 //! The directory: its files, read and checked together, and written.
 
 use crate::files::source::{Disk, Source};
-use crate::files::{WriteError, make_directories, write_atomically};
+use crate::files::{Change, WriteError, change_all, make_directories};
 use crate::trial::agents::{self, Agent};
 use crate::trial::dynamics::{self, AgentDynamics, DynamicsElement, dynamics_xml};
 use crate::trial::geometry::{self, Geometry};
@@ -11,7 +11,6 @@ use crate::trial::parameters::{self, Parameters};
 use crate::trial::problem::Problems;
 use crate::trial::schema::Schema;
 use crate::trial::xml::{Element, Ids, checked, read_file};
-use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 use uuid::Uuid;
 
@@ -20,7 +19,7 @@ use uuid::Uuid;
 pub struct Trial {
     /// The directory's own name.
     pub name: String,
-    /// Where it was read from.
+    /// Directory that it was read from.
     pub directory: PathBuf,
     /// `Parameters.xml`
     pub parameters: Parameters,
@@ -274,7 +273,7 @@ impl Trial {
         self.files_written(directory).into_iter().zip(texts).collect()
     }
 
-    /// Writes a complete Trial directory, each file whole or not at all.
+    /// Writes a complete Trial directory, all files or none.
     ///
     /// Static and Dynamic directories that lie outside the Trial directory become `./static/` and `./dynamic/`
     /// in it: a copy neither overwrites the original's files nor depends on them.
@@ -282,23 +281,14 @@ impl Trial {
     /// # Errors
     /// A file cannot be written.
     pub fn write(&self, directory: &Path) -> Result<(), WriteError> {
-        for (path, text) in self.texts(directory) {
-            if let Some(parent) = path.parent() {
-                make_directories(parent).map_err(WriteError::at(parent))?;
-            }
-            write_atomically(&path, &text)?;
+        let texts = self.texts(directory);
+        for parent in texts.iter().filter_map(|(path, _)| path.parent()) {
+            make_directories(parent).map_err(WriteError::at(parent))?;
         }
-        if self.interactions != Interactions::default() {
-            return Ok(());
-        }
-        // A stale one would start the next run with springs that are no more.
-        let paths = self.files_written(directory);
-        match paths.last().map(|path| (path, std::fs::remove_file(path))) {
-            Some((path, Err(error))) if error.kind() != ErrorKind::NotFound => {
-                Err(WriteError::at(path)(error))
-            }
-            _ => Ok(()),
-        }
+        // Stale contacts would start the next run with springs that are no more.
+        let stale = self.files_written(directory).split_off(texts.len());
+        let changes = texts.into_iter().map(|(path, text)| Change::Write(path, text));
+        change_all(&changes.chain(stale.into_iter().map(Change::Remove)).collect::<Vec<_>>())
     }
 }
 

@@ -112,7 +112,7 @@ impl AgentDynamics {
     }
 }
 
-/// Whether `<Dynamics>` is written. Input files have it; output files of the paper's engine do not.
+/// Choice whether `<Dynamics>` is written. Input files have it; output files of the paper's engine do not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DynamicsElement {
     /// With `<Dynamics Fp Mp>`.

@@ -93,7 +93,7 @@ pub struct WallInteraction {
     pub force: ContactForce,
 }
 
-/// What a contact does to the agent that receives the force.
+/// Forces of a contact on the agent that receives the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactForce {
     /// \[m\] `TangentialRelativeDisplacement`: elongation of the tangential spring.

@@ -6,7 +6,7 @@ use crate::xml::number;
 use std::path::Path;
 
 /// `Parameters.xml`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Parameters {
     /// `Directories/Static`, as in the file; relative to the Trial directory.
     pub static_directory: String,
@@ -66,12 +66,7 @@ const MECHANICAL_STEP: &str = "the longest step of the integrator. The engine ta
 
 /// Reads the file; the directories stay empty where the file does not say them.
 pub(crate) fn read(root: Element<'_>) -> Parameters {
-    let mut parameters = Parameters {
-        static_directory: String::new(),
-        dynamic_directory: String::new(),
-        time_step: f64::NAN,
-        time_step_mechanical: f64::NAN,
-    };
+    let mut parameters = Parameters::default();
     if let Some(directories) = root.only("Directories") {
         parameters.static_directory = directories.text("Static");
         parameters.dynamic_directory = directories.text("Dynamic");

@@ -75,26 +75,13 @@ impl std::error::Error for Problems {}
 mod tests {
     use super::*;
 
-    fn problem(severity: Severity, value: &str) -> Problem {
-        Problem {
-            severity,
-            file: "static/Agents.xml".into(),
-            line: Some(12),
-            element: Some("Shape".into()),
-            attribute: Some("Radius".into()),
-            value: Some(value.into()),
-            message: "must be positive".into(),
-        }
-    }
-
     #[test]
     fn each_problem_has_a_line() {
         let mut problems = Problems::default();
-        problems.push(problem(Severity::Error, "-0.1"));
-        problems.push(Problem { attribute: None, ..problem(Severity::Warning, "") });
-        let expected = "static/Agents.xml:12: <Shape> Radius=\"-0.1\": must be positive\n\
-                        warning: static/Agents.xml:12: <Shape>: must be positive";
-        assert_eq!(problems.to_string(), expected);
+        problems.push(Problem::of_file(Path::new("a.xml"), Some(12), "must be positive"));
+        let warning = Problem::of_file(Path::new("b.xml"), None, "is odd");
+        problems.push(Problem { severity: Severity::Warning, ..warning });
+        assert_eq!(problems.to_string(), "a.xml:12: must be positive\nwarning: b.xml: is odd");
         assert_eq!((problems.errors().count(), problems.warnings().count()), (1, 1));
     }
 }

@@ -16,7 +16,7 @@ pub(crate) struct Attribute {
     pub(crate) name: &'static str,
     pub(crate) value: Value,
     unit: &'static str,
-    /// What is used if it is not there.
+    /// Words for what is used if it is not there.
     missing: &'static str,
     meaning: &'static str,
 }

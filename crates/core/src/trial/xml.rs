@@ -16,7 +16,7 @@ use std::hash::Hash;
 use std::iter::repeat;
 use std::path::Path;
 
-/// What is remembered of a file while it is read.
+/// Memory of a file while it is read.
 #[derive(Default)]
 struct Notes {
     problems: RefCell<Problems>,
@@ -83,7 +83,7 @@ enum Unread {
     Text,
 }
 
-/// What nobody reads in elements of one kind, where it was first seen, and how often.
+/// A thing that nobody reads in elements of one kind, where it was first seen, and how often.
 struct Seen<'a> {
     what: Unread,
     schema: &'static Schema,
@@ -425,14 +425,6 @@ mod tests {
     use super::*;
     use crate::files::source::Memory;
     use crate::trial::schema::{Attribute, attribute};
-
-    #[test]
-    fn a_vector_is_two_numbers() {
-        assert_eq!(parse_vector(" 1 , -2 "), Some(vec2(1.0, -2.0)));
-        for text in ["1", "1,", ",1", "1,2,3", "1;2", "(1,2)"] {
-            assert_eq!(parse_vector(text), None, "{text:?}");
-        }
-    }
 
     const fn number(name: &'static str) -> Attribute {
         attribute(name, Value::Number(Range::Positive), "", "")
