@@ -194,7 +194,13 @@ fn faded(gap: f64, range: f64) -> f64 {
     if gap < FAR * range { libm::exp(-gap.max(TOUCHING) / range) } else { 0.0 }
 }
 
-/// Those who are in front of a person who walks in a direction.
+/// Returns the sum of the repulsions by others or walls.
+fn repulsion<'a>(near: impl IntoIterator<Item = &'a Near<'a>>, strength: f64, range: f64) -> Vec2 {
+    let all = near.into_iter().map(|near| near.away * (strength * faded(near.gap, range)));
+    all.fold(Vec2::ZERO, |sum, force| sum + force)
+}
+
+/// Returns those who are in front of a person who walks in a direction.
 fn in_front<'a>(
     walking: &Walking<'_>,
     direction: Vec2,
@@ -219,12 +225,9 @@ fn queues(walking: &Walking<'_>, direction: Vec2, others: &[Near<'_>]) -> bool {
 impl CollisionFreeSpeed {
     fn desired(&self, walking: &Walking<'_>, others: &[Near<'_>], walls: &[Near<'_>]) -> DesiredMotion {
         let Some(goal) = walking.direction else { return DesiredMotion::default() };
-        let aside = |near: &[Near<'_>], strength: f64, range: f64| {
-            near.iter().fold(Vec2::ZERO, |sum, near| sum + near.away * (strength * faded(near.gap, range)))
-        };
         let turned = goal
-            + aside(others, self.neighbour_strength, self.neighbour_range)
-            + aside(walls, self.wall_strength, self.wall_range);
+            + repulsion(others, self.neighbour_strength, self.neighbour_range)
+            + repulsion(walls, self.wall_strength, self.wall_range);
         let direction = turned.unit(1e-9).unwrap_or(goal);
         let headway =
             in_front(walking, direction, others).map(|(near, _)| near.gap).fold(f64::INFINITY, f64::min);
@@ -236,10 +239,7 @@ impl CollisionFreeSpeed {
 
 impl SocialForce {
     fn desired(&self, walking: &Walking<'_>, others: &[Near<'_>], walls: &[Near<'_>]) -> DesiredMotion {
-        let force = others
-            .iter()
-            .chain(walls)
-            .fold(Vec2::ZERO, |sum, near| sum + near.away * (self.strength * faded(near.gap, self.range)));
+        let force = repulsion(others.iter().chain(walls), self.strength, self.range);
         let queues = walking.direction.is_some_and(|goal| queues(walking, goal, others));
         DesiredMotion { force, queues, ..straight(walking) }
     }
@@ -290,9 +290,7 @@ impl Cells {
             }
         }
         // Only cells with somebody in or beside them are asked.
-        let mut asked: Vec<(i64, i64)> = cells.people.keys().copied().collect();
-        asked.sort_unstable();
-        for (column, row) in asked {
+        for &(column, row) in cells.people.keys() {
             let middle = vec2((column as f64 + 0.5) * width, (row as f64 + 0.5) * width);
             let near = faces
                 .iter()

@@ -2,8 +2,9 @@
 
 use crate::plane::{Rotation, Vec2, shown_orientation};
 use crate::trial::schema::{Attribute, Range, Schema, Value, attribute};
-use crate::trial::xml::{Element, Ids, document, empty, vector};
+use crate::trial::xml::{Element, Ids, document, empty, read_id, vector};
 use crate::xml::{number, quoted};
+use std::collections::HashMap;
 
 pub(crate) static AGENTS: Schema = Schema { name: "Agents", attributes: &[], children: &[&AGENT] };
 static AGENT: Schema = Schema {
@@ -83,11 +84,11 @@ pub struct Shape {
     pub position: Vec2,
 }
 
-/// Reads the agents and their Ids; `materials` is `None` where they could not be read.
-pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Vec<Agent>, Ids) {
-    let (mut agents, mut ids) = (Vec::new(), Ids::default());
+/// Reads the agents; `materials` is `None` where they could not be read.
+pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Vec<Agent> {
+    let (mut agents, mut lines) = (Vec::new(), HashMap::new());
     for element in root.children("Agent") {
-        let id = ids.take(element);
+        let id = read_id(element, &mut lines);
         let kind = element.node.optional("Type").map(str::to_owned);
         if kind.as_deref().is_some_and(|kind| kind != "pedestrian") {
             element.wrong("Type", format!("agent {}: the mechanics takes pedestrians only", quoted(&id)));
@@ -113,10 +114,10 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Vec<Agent>, I
     if agents.is_empty() {
         root.error(root.has_no("Agent"));
     }
-    (agents, ids)
+    agents
 }
 
-fn read_shape(element: Element<'_>, materials: Option<&Ids>) -> Shape {
+fn read_shape(element: Element<'_>, materials: Option<&Ids<'_>>) -> Shape {
     element.text("Type");
     Shape {
         radius: element.number("Radius"),

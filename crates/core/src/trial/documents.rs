@@ -10,7 +10,7 @@ use crate::trial::materials::{self, Materials};
 use crate::trial::parameters::{self, Parameters};
 use crate::trial::problem::Problems;
 use crate::trial::schema::Schema;
-use crate::trial::xml::{Element, Ids, checked, read_file};
+use crate::trial::xml::{Element, checked, ids_of, read_file};
 use std::path::{Component, Path, PathBuf};
 use uuid::Uuid;
 
@@ -160,26 +160,28 @@ impl Trial {
             return None;
         }
         let materials = read_file(files, &at.materials, &materials::MATERIALS, problems, materials::read);
-        let material_ids = materials.as_ref().map(|read| &read.ids);
+        let material_ids = materials
+            .as_ref()
+            .map(|read| ids_of(read.materials.intrinsic.iter().map(|material| &material.id)));
         let geometry = read_file(files, &at.geometry, &geometry::GEOMETRY, problems, |root| {
-            geometry::read(root, material_ids)
+            geometry::read(root, material_ids.as_ref())
         });
-        let agents =
-            read_file(files, &at.agents, &agents::AGENTS, problems, |root| agents::read(root, material_ids));
-        if let (Some(materials), Some((agents, _))) = (&materials, &agents) {
-            let geometry = geometry.as_ref().map(|(geometry, _)| geometry);
-            materials::check_pairs(materials, geometry, agents, problems);
+        let agents = read_file(files, &at.agents, &agents::AGENTS, problems, |root| {
+            agents::read(root, material_ids.as_ref())
+        });
+        if let (Some(materials), Some(agents)) = (&materials, &agents) {
+            materials::check_pairs(materials, geometry.as_ref(), agents, problems);
         }
         if parameters.dynamic_directory.trim().is_empty() {
             return None;
         }
-        let known = agents.as_ref().map(|(agents, ids)| (agents.as_slice(), ids));
-        let dynamics =
-            read_file(files, &at.dynamics, &dynamics::AGENTS, problems, |root| dynamics::read(root, known));
-        let interactions = match (known, &geometry) {
-            (Some(agents), Some((geometry, wall_ids))) if !files.lacks(&at.interactions) => {
+        let dynamics = read_file(files, &at.dynamics, &dynamics::AGENTS, problems, |root| {
+            dynamics::read(root, agents.as_deref())
+        });
+        let interactions = match (&agents, &geometry) {
+            (Some(agents), Some(geometry)) if !files.lacks(&at.interactions) => {
                 read_file(files, &at.interactions, &interactions::INTERACTIONS, problems, |root| {
-                    interactions::read(root, agents, (geometry, wall_ids))
+                    interactions::read(root, agents, geometry)
                 })?
             }
             _ => Interactions::default(),
@@ -189,8 +191,8 @@ impl Trial {
             directory: directory.to_owned(),
             parameters,
             materials: materials?.materials,
-            geometry: geometry?.0,
-            agents: agents?.0,
+            geometry: geometry?,
+            agents: agents?,
             dynamics: dynamics?,
             interactions,
         })
@@ -201,8 +203,7 @@ impl Trial {
     /// # Errors
     /// All errors in its files.
     pub fn read_dynamics(&self, path: &Path) -> Result<Vec<AgentDynamics>, Problems> {
-        let ids = self.agent_ids();
-        read_alone(path, &dynamics::AGENTS, |root| dynamics::read(root, Some((&self.agents, &ids))))
+        read_alone(path, &dynamics::AGENTS, |root| dynamics::read(root, Some(&self.agents)))
     }
 
     /// Reads an `AgentInteractions.xml` of this Trial's agents and walls.
@@ -210,14 +211,9 @@ impl Trial {
     /// # Errors
     /// All errors in its files.
     pub fn read_interactions(&self, path: &Path) -> Result<Interactions, Problems> {
-        let agents = self.agent_ids();
-        let walls = Ids::of(self.geometry.walls.iter().map(|wall| wall.id.as_str()));
-        let (agents, walls) = ((&self.agents[..], &agents), (&self.geometry, &walls));
-        read_alone(path, &interactions::INTERACTIONS, |root| interactions::read(root, agents, walls))
-    }
-
-    fn agent_ids(&self) -> Ids {
-        Ids::of(self.agents.iter().map(|agent| agent.id.as_str()))
+        read_alone(path, &interactions::INTERACTIONS, |root| {
+            interactions::read(root, &self.agents, &self.geometry)
+        })
     }
 
     /// Returns the parameters of a copy: its Static and Dynamic directories are inside of its directory.

@@ -3,7 +3,7 @@
 use crate::plane::{Motion, Pose, Twist, Vec2};
 use crate::trial::agents::Agent;
 use crate::trial::schema::{Range, Schema, Value, attribute};
-use crate::trial::xml::{Element, Ids, document, empty, given_before, vector};
+use crate::trial::xml::{Element, document, empty, given_before, ids_of, vector};
 use crate::xml::{number, quoted};
 use std::collections::{BTreeMap, HashMap};
 
@@ -50,13 +50,13 @@ static DYNAMICS: Schema = Schema {
 };
 const THETA: &str = "θ, the orientation: the angle from the x axis to the gaze";
 
-/// Reads the file, in the order of `agents`, which is `None`, with `ids`, where they could not be read.
-pub(crate) fn read(root: Element<'_>, agents: Option<(&[Agent], &Ids)>) -> Vec<AgentDynamics> {
-    let (agents, ids) = agents.unzip();
+/// Reads the file, in the order of `agents`, which is `None` where they could not be read.
+pub(crate) fn read(root: Element<'_>, agents: Option<&[Agent]>) -> Vec<AgentDynamics> {
+    let ids = agents.map(|agents| ids_of(agents.iter().map(|agent| &agent.id)));
     let mut lines = HashMap::new();
     let mut found = BTreeMap::new();
     for element in root.children("Agent") {
-        let (_, place) = element.reference("Id", ids);
+        let (_, place) = element.reference("Id", ids.as_ref());
         let dynamics = read_agent(element);
         let Some(place) = place else { continue };
         match given_before(&mut lines, place, element) {
@@ -66,7 +66,7 @@ pub(crate) fn read(root: Element<'_>, agents: Option<(&[Agent], &Ids)>) -> Vec<A
     }
     for (place, agent) in agents.unwrap_or_default().iter().enumerate() {
         // The second of two equal Ids can find nothing; it is reported where it stands.
-        let is_first = ids.and_then(|ids| ids.place(&agent.id)) == Some(place);
+        let is_first = ids.as_ref().and_then(|ids| ids.get(&*agent.id)) == Some(&place);
         if is_first && !found.contains_key(&place) {
             root.error(format!("has no <Agent> of Id {}", quoted(&agent.id)));
         }

@@ -4,7 +4,7 @@ use crate::plane::Vec2;
 use crate::trial::agents::Agent;
 use crate::trial::geometry::Geometry;
 use crate::trial::schema::{Attribute, Schema, Value, attribute};
-use crate::trial::xml::{Element, Ids, document, empty, vector};
+use crate::trial::xml::{Element, document, empty, ids_of, vector};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
@@ -105,17 +105,15 @@ pub struct ContactForce {
 }
 
 /// Returns the contacts, sorted by the places of those who touch: the file's order means nothing.
-pub(crate) fn read(
-    root: Element<'_>,
-    (agents, agent_ids): (&[Agent], &Ids),
-    (geometry, wall_ids): (&Geometry, &Ids),
-) -> Interactions {
+pub(crate) fn read(root: Element<'_>, agents: &[Agent], geometry: &Geometry) -> Interactions {
+    let agent_ids = ids_of(agents.iter().map(|agent| &agent.id));
+    let wall_ids = ids_of(geometry.walls.iter().map(|wall| &wall.id));
     let (mut among_agents, mut with_walls) = (BTreeMap::new(), BTreeMap::new());
     let disks = |agent: usize| agents.get(agent).map_or(0, |agent| agent.shapes.len());
     for parent_element in root.children("Agent") {
-        let (_, parent) = parent_element.reference("Id", Some(agent_ids));
+        let (_, parent) = parent_element.reference("Id", Some(&agent_ids));
         for child_element in parent_element.children("Agent") {
-            let (_, child) = child_element.reference("Id", Some(agent_ids));
+            let (_, child) = child_element.reference("Id", Some(&agent_ids));
             if parent.is_some() && parent == child {
                 child_element.wrong("Id", "an agent does not touch itself");
             }
@@ -131,7 +129,7 @@ pub(crate) fn read(
             }
         }
         for element in parent_element.children("Wall") {
-            let (_, wall) = element.reference("WallId", Some(wall_ids));
+            let (_, wall) = element.reference("WallId", Some(&wall_ids));
             let corners = wall.and_then(|wall| geometry.walls.get(wall)).map(|wall| wall.corners.len());
             // No face begins at the last corner.
             let corner = corners.and_then(|n| element.place("CornerId", n.saturating_sub(1), "faces"));

@@ -290,9 +290,9 @@ impl<'a> Element<'a> {
     }
 
     /// Returns an Id that stands in `ids`, with its place there; any Id where `ids` could not be read.
-    pub(crate) fn reference(self, attribute: &str, ids: Option<&Ids>) -> (String, Option<usize>) {
+    pub(crate) fn reference(self, attribute: &str, ids: Option<&Ids<'_>>) -> (String, Option<usize>) {
         let id = self.text(attribute);
-        let place = ids.and_then(|ids| ids.place(&id));
+        let place = ids.and_then(|ids| ids.get(&*id).copied());
         if let Some(Value::IdOf(what)) = self.value(attribute)
             && ids.is_some()
             && place.is_none()
@@ -350,44 +350,32 @@ impl Seen<'_> {
     }
 }
 
-/// The Ids of one kind of element, which are unique, with their places in the file.
-#[derive(Default)]
-pub(crate) struct Ids {
-    places: HashMap<String, (usize, u32)>,
-    count: usize,
+/// Places of elements of one kind by their Ids.
+pub(crate) type Ids<'a> = HashMap<&'a str, usize>;
+
+/// Returns the places of elements by their Ids; of equal ones the first.
+pub(crate) fn ids_of<'a>(ids: impl Iterator<Item = &'a String>) -> Ids<'a> {
+    let mut places = Ids::new();
+    for (place, id) in ids.enumerate().filter(|(_, id)| !id.trim().is_empty()) {
+        places.entry(id).or_insert(place);
+    }
+    places
 }
 
-impl Ids {
-    /// Takes the Ids of elements that were read before.
-    pub(crate) fn of<'a>(ids: impl Iterator<Item = &'a str>) -> Ids {
-        let places: HashMap<_, _> = ids.enumerate().map(|(place, id)| (id.to_owned(), (place, 0))).collect();
-        Ids { count: places.len(), places }
+/// Reads the Id of an element, which is the only one of its kind with it; `lines` are those of the elements before.
+pub(crate) fn read_id(element: Element<'_>, lines: &mut HashMap<String, u32>) -> String {
+    let id = element.text("Id");
+    if id.trim().is_empty() {
+        return id;
     }
-
-    /// Reads the Id of the next element of the kind.
-    pub(crate) fn take(&mut self, element: Element<'_>) -> String {
-        let id = element.text("Id");
-        // Tables and drive.csv are read without it.
-        if id.trim() != id && !id.trim().is_empty() {
-            element.wrong("Id", "must not begin or end with white space");
-        }
-        if !id.trim().is_empty() {
-            match self.places.entry(id.clone()) {
-                Entry::Occupied(first) => {
-                    element.wrong("Id", format!("duplicate Id, first used at line {}", first.get().1));
-                }
-                Entry::Vacant(free) => {
-                    free.insert((self.count, element.line()));
-                }
-            }
-        }
-        self.count += 1;
-        id
+    // Tables and drive.csv are read without it.
+    if id.trim() != id {
+        element.wrong("Id", "must not begin or end with white space");
     }
-
-    pub(crate) fn place(&self, id: &str) -> Option<usize> {
-        self.places.get(id).map(|&(place, _)| place)
+    if let Some(line) = given_before(lines, id.clone(), element) {
+        element.wrong("Id", format!("duplicate Id, first used at line {line}"));
     }
+    id
 }
 
 /// Returns the line at which a key was first given, if that was before, and keeps it.
