@@ -305,7 +305,7 @@ mod tests {
     /// The paper's agent 1 on a wall: 1/m* is 0.0644/kg, and 2 √(k m*) with k = 5.0e6 N/m is 1.8e4 kg/s.
     #[test]
     fn damping_that_makes_the_step_unstable_is_warned_of_and_absurd_damping_is_the_cause() {
-        let absurd = "1000000000000.0 kg/s of the materials \"concrete\" and \"human_naked\"";
+        let absurd = "1000000000000.0 kg/s of the materials \"human_naked\" and \"concrete\"";
         for (normal, damping, words) in [
             (
                 true,

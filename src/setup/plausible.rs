@@ -118,30 +118,26 @@ impl Setup<'_> {
         let agents = scene.bodies.len() as f64;
         let widest = scene.bodies.iter().map(|body| 2.0 * body.bounding_radius).fold(0.0, f64::max);
         let spans = format!("the walls span {:.3} m × {:.3} m", size.x, size.y);
-        let message = if size.x.max(size.y) < widest {
-            format!("{spans}, less than an agent: are their Coordinates in metres?")
+        let odd = if size.x.max(size.y) < widest {
+            ", less than an agent".to_owned()
         } else if size.x.min(size.y) > LARGE_HALL && agents < FEW_PEOPLE * size.x * size.y {
-            let noun = if agents == 1.0 { "agent" } else { "agents" };
-            format!("{spans} around {agents} {noun}: are their Coordinates in metres?")
+            format!(" around {agents} {}", if agents == 1.0 { "agent" } else { "agents" })
         } else {
             return None;
         };
-        Some(message)
+        Some(format!("{spans}{odd}: are their Coordinates in metres?"))
     }
 
     fn doubts_of_places(&self, scene: &Scene, places: &[Vec2]) -> Option<String> {
         let walls = Bounds::of(scene.corners.iter().map(|corner| corner.position));
         let beyond = |far: f64, place: Vec2| walls.is_none_or(|walls| !walls.grown(far).contains(place));
-        let name = |b: usize| quoted(&self.agents[b].id);
         // Far from the middle of the crowd, whatever walls there are.
         let middle = middle_of(places)?;
         let is_far = |place: Vec2| (place - middle).norm() > FAR_AWAY && beyond(FAR_AWAY, place);
         if let Some(b) = places.iter().position(|place| is_far(*place)) {
             let away = (places[b] - middle).norm();
-            return Some(format!(
-                "agent {} stands {away:.0} m away from the others: is its Position in metres?",
-                name(b)
-            ));
+            let who = self.who_stands(&[b])?;
+            return Some(format!("{who} {away:.0} m away from the others: is its Position in metres?"));
         }
         let walls = walls?;
         let outside: Vec<usize> = (0..places.len()).filter(|b| beyond(OUTSIDE, places[*b])).collect();
@@ -154,13 +150,12 @@ impl Setup<'_> {
             ));
         }
         // If most people are outside, or no person is in a room, being outside is intended.
-        if outside.is_empty() || 2 * outside.len() > places.len() || outside.len() == places.len() {
-            return self.doubts_of_closed_rooms(scene, places);
-        }
-        let insiders = (0..places.len()).filter(|b| outside.binary_search(b).is_err());
-        let sample: Vec<usize> = insiders.step_by(inside.div_ceil(SAMPLE)).collect();
-        let enclosed = sample.iter().filter(|&&b| is_enclosed(scene, places[b])).count();
-        if 2 * enclosed <= sample.len() {
+        let most_are_enclosed = || {
+            let insiders = (0..places.len()).filter(|b| outside.binary_search(b).is_err());
+            let sample: Vec<usize> = insiders.step_by(inside.div_ceil(SAMPLE)).collect();
+            2 * sample.iter().filter(|&&b| is_enclosed(scene, places[b])).count() > sample.len()
+        };
+        if inside == 0 || outside.is_empty() || outside.len() > inside || !most_are_enclosed() {
             return self.doubts_of_closed_rooms(scene, places);
         }
         let who = self.who_stands(&outside)?;

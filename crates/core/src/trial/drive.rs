@@ -258,26 +258,19 @@ fn said(error: csv::Error) -> String {
     }
 }
 
-/// Rows of a drive that are never applied in a run with a given communication step.
+/// Rows of a drive that are never applied in a run with a given communication step, in words: their number, and the agent
+/// and time of the largest such push.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Missed {
-    /// Their number.
-    pub rows: usize,
-    /// Number of all rows.
-    pub of: usize,
-    /// Id of the agent of the largest such push.
-    pub agent: String,
-    /// \[s\] when it is.
-    pub time: f64,
-    /// Its column.
-    pub column: &'static str,
-    /// Value of that column in the file then, and what is applied at the communication points before and after
-    /// \[N, N.m\].
-    pub push: f64,
-    /// \[s\] and what is applied at the points before and after.
-    pub around: [(f64, f64); 2],
+    words: String,
     /// \[s\] The shortest time between two rows of an agent: as a communication step, it misses none.
     pub shortest: f64,
+}
+
+impl std::fmt::Display for Missed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.words)
+    }
 }
 
 impl DriveTable {
@@ -297,7 +290,7 @@ impl DriveTable {
     pub fn missed(&self, start: f64, step: f64) -> Option<Missed> {
         const COLUMNS: [&str; 3] = ["Fp.x", "Fp.y", "Mp"];
         let (mut rows, mut of, mut shortest) = (0, 0, f64::INFINITY);
-        let mut worst: Option<(f64, Missed)> = None;
+        let mut worst: Option<(f64, String)> = None;
         // In an order that does not change from run to run.
         for (agent, pushes) in self.agents.iter().collect::<BTreeMap<_, _>>() {
             let most = |k: usize| pushes.iter().map(|(_, push)| push[k].abs()).fold(0.0, f64::max);
@@ -328,32 +321,25 @@ impl DriveTable {
                 rows += usize::from(unused || found.is_some());
                 let Some((by, k)) = found else { continue };
                 if worst.as_ref().is_none_or(|(most, _)| by > *most) {
-                    let (agent, time, column) = (agent.clone(), *time, COLUMNS[k]);
-                    let around = [(before, a[k]), (after, b[k])];
-                    let missed = Missed { rows, of, agent, time, column, push: push[k], around, shortest };
-                    worst = Some((by, missed));
+                    let (column, push, first, second) = (COLUMNS[k], push[k], a[k], b[k]);
+                    let said = format!(
+                        "at t = {time:?} s agent {agent:?} has {column} = {push:?}, but the applied value is {first:?} \
+                         from t = {before:?} s and {second:?} from t = {after:?} s"
+                    );
+                    worst = Some((by, said));
                 }
             }
         }
-        worst.map(|(_, missed)| Missed { rows, of, shortest, ..missed })
-    }
-}
-
-impl std::fmt::Display for Missed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Missed { rows, of, agent, time, column, push, around: [before, after], shortest } = self;
-        let step = after.0 - before.0;
-        let come = if *rows == 1 { "comes" } else { "come" };
-        write!(
-            f,
-            "{rows} of {of} rows {come} between communication points, which are {step:?} s apart, so they are not applied: at t = {time:?} s \
-             agent {agent:?} has {column} = {push:?}, but the applied value is {:?} from t = {:?} s and {:?} from t = {:?} s",
-            before.1, before.0, after.1, after.0
-        )?;
+        let (_, said) = worst?;
+        let come = if rows == 1 { "comes" } else { "come" };
+        let mut words = format!(
+            "{rows} of {of} rows {come} between communication points, which are {step:?} s apart, so they are not applied: \
+             {said}"
+        );
         if shortest.is_finite() {
-            write!(f, "; a communication step of {shortest:.3e} s applies all rows")?;
+            words += &format!("; a communication step of {shortest:.3e} s applies all rows");
         }
-        Ok(())
+        Some(Missed { words, shortest })
     }
 }
 
@@ -390,7 +376,8 @@ mod tests {
         assert_eq!((drive.between(0.0, 0.1), drive.between(0.0, 0.2)), ((0, 5), (1, 5)));
         // A sample somewhere on its way is not the push, but it is applied.
         let missed = drive.missed(0.0, 0.7).unwrap();
-        assert_eq!((missed.rows, missed.agent.as_str(), missed.time), (4, "a", 0.4));
+        assert!(missed.to_string().starts_with("4 of 5 rows come between"), "{missed}");
+        assert!(missed.to_string().contains("at t = 0.4 s agent \"a\""), "{missed}");
         assert_eq!(DriveTable::default().missed(0.0, 50.0), None);
         // Rows nearer to each other than the points are no fault of a slow drive.
         let slow: String = (0..1000).map(|k| format!("{:?},a,{k},0,0\n", 1e-3 * f64::from(k))).collect();
