@@ -197,14 +197,21 @@ fn mistakes_are_named() {
 /// A plan is what the FMU gets: it must say the same after it was written.
 #[test]
 fn a_plan_reads_back_to_the_last_bit() {
-    let pose = Pose { x: 1e-300, y: -0.0, theta: 3.0 };
-    let people = [person(0, 1.0, 3.5), Person { pose, moment_of_inertia: 1.0 / 3.0, ..person(1, 0.0, 0.0) }];
     let goal = "goals = [{ polygon = [[1, 1], [2, 1], [2, 2]] }]\n[agents.0]\ngoal = \"goal 0\"";
-    for (walls, config) in [
-        (vec![room()], format!("seed = 5\nmodel = \"collision-free-speed\"\n{DOOR}{goal}")),
-        (Vec::new(), "waypoints = [{ x = 0.1, y = 1e-320, radius = 0 }]".to_owned()),
+    for (walls, pose, config) in [
+        (
+            vec![room()],
+            Pose { x: 2.0, y: 3.0, theta: 0.1 },
+            format!("seed = 5\nmodel = \"collision-free-speed\"\n{DOOR}{goal}"),
+        ),
+        (
+            Vec::new(),
+            Pose { x: 1e-300, y: -0.0, theta: 3.0 },
+            "waypoints = [{ x = 0.1, y = 1e-320, radius = 0 }]".to_owned(),
+        ),
     ] {
-        let plan = plan(&walls, &people, &config).unwrap();
+        let other = Person { pose, moment_of_inertia: 1.0 / 3.0, ..person(1, 0.0, 0.0) };
+        let plan = plan(&walls, &[person(0, 1.0, 3.5), other], &config).unwrap();
         assert_eq!(Plan::from_toml(&plan.to_toml().unwrap()).unwrap(), plan);
     }
 }
