@@ -12,9 +12,7 @@ use crate::setup::Setup;
 use crate::setup::{WorldError, dynamics_of, interactions_of};
 use lemons_core::files::source::Disk;
 use lemons_core::files::{Change, WriteError, change_all};
-use lemons_core::trial::{
-    DynamicsElement, FileNames, INTERACTIONS, Problems, dynamics_xml, interactions_xml,
-};
+use lemons_core::trial::{DynamicsElement, FileNames, Problems, dynamics_xml, interactions_xml};
 use std::ffi::{CStr, OsString, c_char, c_int};
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
@@ -50,9 +48,8 @@ pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallErr
     world
         .advance(trial.parameters.time_step)
         .map_err(|error| CallError::Advance(Setup::of(&trial).name_body(&error)))?;
-    let moving = directory.join(trial.parameters.dynamic_path());
     let dynamics = dynamics_xml(&trial.agents, &dynamics_of(&world), DynamicsElement::Omitted);
-    let interactions = moving.join(INTERACTIONS);
+    let FileNames { dynamics: dynamics_path, interactions, .. } = trial.places(names);
     let interactions = if world.contacts().contacts.is_empty() {
         Change::Remove(interactions)
     } else {
@@ -61,7 +58,7 @@ pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallErr
             interactions_xml(&trial.agents, &trial.geometry, &interactions_of(&world)),
         )
     };
-    Ok(change_all(&[interactions, Change::Write(moving.join(&names.dynamics), dynamics)])?)
+    Ok(change_all(&[interactions, Change::Write(dynamics_path, dynamics)])?)
 }
 
 /// Reads the files, advances one `TimeStep`, overwrites `AgentDynamics.xml` (without `<Dynamics>`), writes
@@ -80,7 +77,8 @@ pub unsafe extern "C" fn CrowdMechanics(files: *const *const c_char) -> c_int {
         // SAFETY: as the caller promises.
         let [parameters, materials, geometry, agents, dynamics] = unsafe { paths(files) }?;
         let own_name = PathBuf::from(parameters.file_name().unwrap_or_default());
-        let names = FileNames { parameters: own_name, materials, geometry, agents, dynamics };
+        let interactions = FileNames::default().interactions;
+        let names = FileNames { parameters: own_name, materials, geometry, agents, dynamics, interactions };
         advance_files(&parameters, &names)
     });
     let message = match result {

@@ -110,7 +110,7 @@ impl Resources {
             return Ok(own.1.clone());
         }
         let broken = |problems| ResourcesError::Broken { name: trial.name.clone(), problems };
-        DriveTable::of(Some(trial), &DriveChoice::Own).map_err(|error| broken(error.0))
+        DriveTable::of(Some(trial), &DriveChoice::Own).map_err(broken)
     }
 }
 

@@ -100,7 +100,7 @@ mod tests {
     /// From (0, 0) straight on to (2, 0), then up.
     fn scene() -> Scene {
         let corners = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (2.0, 1.0)].map(|(x, y)| vec2(x, y));
-        Scene::new(&[], &[WallSpec { material: 0, corners: corners.to_vec() }], &LawTable::new(1)).unwrap()
+        Scene::new(&[], &[WallSpec { material: 0, corners: corners.to_vec() }], LawTable::new(1))
     }
 
     fn transition(scene: &Scene, centre: Vec2, velocity: Vec2) -> CornerTransition<'_> {

@@ -121,7 +121,7 @@ mod tests {
     fn walls(corners: &[Vec<Vec2>]) -> Scene {
         let specs: Vec<WallSpec> =
             corners.iter().map(|corners| WallSpec { material: 0, corners: corners.clone() }).collect();
-        Scene::new(&[], &specs, &LawTable::new(1)).unwrap()
+        Scene::new(&[], &specs, LawTable::new(1))
     }
 
     /// The candidates that are near are all that are near.

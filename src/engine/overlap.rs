@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     fn wall(corners: &[Vec2]) -> Scene {
-        Scene::new(&[], &[WallSpec { material: 0, corners: corners.to_vec() }], &LawTable::new(1)).unwrap()
+        Scene::new(&[], &[WallSpec { material: 0, corners: corners.to_vec() }], LawTable::new(1))
     }
 
     /// Of a disk of 0.2 m with the first face.

@@ -51,7 +51,7 @@ pub struct Contact {
     pub regime: Regime,
 }
 
-/// What the contacts do to one body.
+/// Effect of the contacts on one body.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BodyContacts {
     /// Number of disk–disk contacts, including pairs whose centres coincide.
@@ -84,23 +84,23 @@ pub struct ContactReport {
     pub agent_contacts: u32,
     /// Number of disk–face contacts.
     pub wall_contacts: u32,
-    /// How many of these contacts have coinciding centres: no force acts between them.
+    /// Those of these contacts that have coinciding centres: no force acts between them.
     pub coincident: Vec<Pair>,
     /// \[m\] the deepest overlap; zero without contacts.
     pub largest_overlap: f64,
 }
 
 impl ContactReport {
-    fn empty(bodies: usize) -> ContactReport {
-        ContactReport { bodies: vec![BodyContacts::default(); bodies], ..ContactReport::default() }
-    }
-
-    /// Adds a contact and returns |F_n| \[N\].
-    fn add(&mut self, pair: Pair, force: &ContactForce) -> f64 {
-        self.largest_overlap = self.largest_overlap.max(force.overlap.depth);
+    /// Adds a contact and returns |F_n| \[N\]; one without a force has no normal.
+    fn add(&mut self, pair: Pair, depth: f64, force: Option<&ContactForce>) -> f64 {
+        self.largest_overlap = self.largest_overlap.max(depth);
+        let Some(force) = force else {
+            self.coincident.push(pair);
+            return 0.0;
+        };
         self.contacts.push(Contact {
             pair,
-            depth: force.overlap.depth,
+            depth,
             normal: force.overlap.normal,
             normal_force: force.reaction.normal,
             tangential_force: force.reaction.tangential,
@@ -110,13 +110,6 @@ impl ContactReport {
             regime: force.reaction.regime,
         });
         force.reaction.normal.abs()
-    }
-
-    /// Adds a pair without a normal.
-    fn add_coincident(&mut self, pair: Pair, depth: f64) -> f64 {
-        self.largest_overlap = self.largest_overlap.max(depth);
-        self.coincident.push(pair);
-        0.0
     }
 
     /// Returns a body on which a force is not a finite number, if there is one.
@@ -135,7 +128,8 @@ impl ContactReport {
 impl Instant<'_> {
     /// Returns the contacts of all blocks at present; changes nothing.
     pub fn report<'a>(&self, blocks: impl Iterator<Item = &'a NearPairs> + Clone) -> ContactReport {
-        let mut report = ContactReport::empty(self.scene.bodies.len());
+        let bodies = vec![BodyContacts::default(); self.scene.bodies.len()];
+        let mut report = ContactReport { bodies, ..ContactReport::default() };
         let mut touching_bodies = Vec::new();
         let disks =
             |pairs: &'a NearPairs| pairs.disks.iter().zip(&pairs.disk_details).zip(&pairs.disk_springs);
@@ -144,7 +138,7 @@ impl Instant<'_> {
             let separation = pair.separation(self.kinematics);
             let squeeze = match proximity(separation.between, pair.reach) {
                 Proximity::Apart => continue,
-                Proximity::Coincident => report.add_coincident(who, pair.reach),
+                Proximity::Coincident => report.add(who, pair.reach, None),
                 Proximity::Touching(overlap) => {
                     let spring = (spring.touched_at == self.before).then_some(spring);
                     let geometry = self.disk_geometry(pair, detail, &separation, overlap);
@@ -152,7 +146,7 @@ impl Instant<'_> {
                     let vector = force.vector();
                     report.bodies[pair.first_body.index()].take(&force.on_receiver(vector));
                     report.bodies[pair.second_body.index()].take(&force.on_giver(vector));
-                    report.add(who, &force)
+                    report.add(who, force.overlap.depth, Some(&force))
                 }
             };
             let bodies = [pair.first_body, pair.second_body];
@@ -189,7 +183,7 @@ impl Instant<'_> {
                 let pair = of_disk[contact.place];
                 let who = Pair::Face { disk: pair.disk, face: pair.face, part: contact.part };
                 let squeeze = if contact.coincident {
-                    report.add_coincident(who, contact.overlap.depth)
+                    report.add(who, contact.overlap.depth, None)
                 } else {
                     // Because of rounding, a body may now touch the next face of a line.
                     let from =
@@ -198,7 +192,7 @@ impl Instant<'_> {
                     let spring = from.map(|from| &springs_of_disk[from]);
                     let force = contact_force(&geometry, spring, SpringUpdate::Hold);
                     report.bodies[body.index()].take(&force.on_receiver(force.vector()));
-                    report.add(who, &force)
+                    report.add(who, force.overlap.depth, Some(&force))
                 };
                 let body = &mut report.bodies[body.index()];
                 body.wall_contacts += 1;

@@ -33,6 +33,6 @@ impl RoundBody {
             rotation_rate: 0.0,
             disks: vec![DiskSpec { radius: self.radius, position: Vec2::ZERO, material: 0 }],
         };
-        Scene::new(&vec![body; count], &[], &laws).expect("the pair has the law")
+        Scene::new(&vec![body; count], &[], laws)
     }
 }

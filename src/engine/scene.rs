@@ -8,7 +8,6 @@ use lemons_core::plane::shown_orientation;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::ops::Range;
-use thiserror::Error;
 
 /// The properties of a body, for [`Scene::new`].
 #[derive(Debug, Clone, PartialEq)]
@@ -61,28 +60,30 @@ pub struct PairLaw {
     pub friction: f64,
 }
 
-/// The contact law of every pair of materials; `None` where none is defined.
+/// The contact law of every pair of materials.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawTable {
     materials: usize,
-    laws: Vec<Option<PairLaw>>,
+    laws: Vec<PairLaw>,
 }
 
 impl LawTable {
-    /// A table for this number of materials, without laws.
+    /// Makes a table for this number of materials. The laws of pairs that can touch must be set; others are not used.
     pub fn new(materials: usize) -> LawTable {
-        LawTable { materials, laws: vec![None; materials * materials] }
+        let never = PairLaw {
+            normal_stiffness: f64::NAN,
+            tangential_stiffness: f64::NAN,
+            normal_damping: f64::NAN,
+            tangential_damping: f64::NAN,
+            friction: f64::NAN,
+        };
+        LawTable { materials, laws: vec![never; materials * materials] }
     }
 
     /// Sets the law of two materials, in either order.
     pub fn set(&mut self, first: usize, second: usize, law: PairLaw) {
-        self.laws[first * self.materials + second] = Some(law);
-        self.laws[second * self.materials + first] = Some(law);
-    }
-
-    /// The law of two materials.
-    pub fn get(&self, first: usize, second: usize) -> Option<PairLaw> {
-        self.laws[first * self.materials + second]
+        self.laws[first * self.materials + second] = law;
+        self.laws[second * self.materials + first] = law;
     }
 }
 
@@ -148,7 +149,7 @@ pub struct Corner {
 /// Bodies, walls and laws: immutable after load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// In the order of the agents.
+    /// Bodies in the order of the agents.
     pub bodies: Vec<Body>,
     /// Grouped by body.
     pub disks: Vec<Disk>,
@@ -158,39 +159,19 @@ pub struct Scene {
     pub faces: Vec<Face>,
     /// First face of each wall.
     pub wall_faces: Vec<Range<usize>>,
-    /// Of all walls.
+    /// Corners of all walls.
     pub corners: Vec<Corner>,
     /// For each face, those that continue it: at an end, turning by at most 20°, or lying on it.
     pub(super) joined: Vec<Vec<FaceId>>,
     /// Pairs of faces that lie on each other. They act like one.
     pub doubled: Vec<(FaceId, FaceId)>,
-    laws: Vec<PairLaw>,
-    materials: usize,
+    laws: LawTable,
     pub(super) face_grid: FaceGrid,
-}
-
-/// Why a scene cannot be built.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum SceneError {
-    /// Two materials can touch but have no contact law.
-    #[error("materials {first} and {second} can touch but have no law")]
-    MissingLaw {
-        /// Place of the first material.
-        first: usize,
-        /// Place of the second material.
-        second: usize,
-    },
-    /// There are more disks or faces than an index can represent.
-    #[error("too many {0}")]
-    TooMany(&'static str),
 }
 
 impl Scene {
     /// Builds the scene.
-    ///
-    /// # Errors
-    /// A pair of materials that can touch has no law.
-    pub fn new(bodies: &[BodySpec], walls: &[WallSpec], laws: &LawTable) -> Result<Scene, SceneError> {
+    pub fn new(bodies: &[BodySpec], walls: &[WallSpec], laws: LawTable) -> Scene {
         let mut scene = Scene {
             bodies: Vec::with_capacity(bodies.len()),
             disks: Vec::with_capacity(bodies.iter().map(|body| body.disks.len()).sum()),
@@ -200,8 +181,7 @@ impl Scene {
             corners: Vec::new(),
             joined: Vec::new(),
             doubled: Vec::new(),
-            laws: Vec::new(),
-            materials: laws.materials,
+            laws,
             face_grid: FaceGrid::default(),
         };
         let mut flyers = HashMap::new();
@@ -214,20 +194,7 @@ impl Scene {
         }
         scene.face_grid = FaceGrid::new(&scene.faces);
         scene.join_faces();
-        if scene.disks.len() > u32::MAX as usize || scene.faces.len() > u32::MAX as usize {
-            return Err(SceneError::TooMany("disks or faces"));
-        }
-        check_laws(bodies, walls, laws)?;
-        // Pairs that cannot touch never use their law, so any value will do.
-        let never = PairLaw {
-            normal_stiffness: f64::NAN,
-            tangential_stiffness: f64::NAN,
-            normal_damping: f64::NAN,
-            tangential_damping: f64::NAN,
-            friction: f64::NAN,
-        };
-        scene.laws = laws.laws.iter().map(|law| law.unwrap_or(never)).collect();
-        Ok(scene)
+        scene
     }
 
     /// `flyers` maps the bits of the rates to indices in [`Scene::flyers`].
@@ -419,18 +386,18 @@ impl Scene {
     /// Returns the index of the law of two materials.
     #[inline]
     pub(super) fn law_between(&self, first: usize, second: usize) -> u32 {
-        (first * self.materials + second) as u32
+        (first * self.laws.materials + second) as u32
     }
 
     /// Returns the law at an index.
     #[inline]
     pub(super) fn law_at(&self, place: u32) -> &PairLaw {
-        &self.laws[place as usize]
+        &self.laws.laws[place as usize]
     }
 
     /// Returns the laws, in the order of their indices.
     pub(super) fn all_laws(&self) -> &[PairLaw] {
-        &self.laws
+        &self.laws.laws
     }
 
     /// Returns the body of a disk.
@@ -467,50 +434,11 @@ impl Places {
     }
 }
 
-/// The unit vector to the left of the direction from one point to another; zero if the points are equal.
+/// Returns the unit vector to the left of the direction from one point to another; zero if the points are equal.
 fn across(from: Vec2, to: Vec2) -> Vec2 {
     let along = to - from;
     let length = libm::hypot(along.x, along.y);
     if length > 0.0 { (along * (1.0 / length)).perp() } else { Vec2::ZERO }
-}
-
-fn check_laws(bodies: &[BodySpec], walls: &[WallSpec], laws: &LawTable) -> Result<(), SceneError> {
-    /// The bodies that have a material: only whether two different bodies do.
-    #[derive(Clone, Copy, PartialEq)]
-    enum Carriers {
-        None,
-        One(usize),
-        Many,
-    }
-    let mut carriers = vec![Carriers::None; laws.materials];
-    for (body, spec) in bodies.iter().enumerate() {
-        for disk in &spec.disks {
-            let seen = &mut carriers[disk.material];
-            *seen = match *seen {
-                Carriers::None => Carriers::One(body),
-                Carriers::One(same) if same == body => Carriers::One(body),
-                _ => Carriers::Many,
-            };
-        }
-    }
-    let mut on_walls = vec![false; laws.materials];
-    for wall in walls {
-        on_walls[wall.material] = true;
-    }
-    for first in 0..laws.materials {
-        for second in first..laws.materials {
-            let (a, b) = (carriers[first], carriers[second]);
-            let bodies_touch = a != Carriers::None
-                && b != Carriers::None
-                && !matches!((a, b), (Carriers::One(x), Carriers::One(y)) if x == y);
-            let wall_touches =
-                (a != Carriers::None && on_walls[second]) || (b != Carriers::None && on_walls[first]);
-            if (bodies_touch || wall_touches) && laws.get(first, second).is_none() {
-                return Err(SceneError::MissingLaw { first, second });
-            }
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -518,50 +446,45 @@ mod tests {
     use super::super::vec2;
     use super::*;
 
-    #[test]
-    fn closed_wall_shares_its_first_corner() {
-        let corners = vec![vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(-0.0, 0.0)];
-        let scene = Scene::new(&[], &[WallSpec { material: 0, corners }], &LawTable::new(1)).unwrap();
-        assert_eq!(scene.corners.len(), 3);
-        assert_eq!(scene.corners[0].faces, vec![FaceId(0), FaceId(2)]);
+    fn scene(walls: &[&[(f64, f64)]]) -> Scene {
+        let corners = |wall: &[(f64, f64)]| wall.iter().map(|&(x, y)| vec2(x, y)).collect();
+        let walls: Vec<WallSpec> =
+            walls.iter().map(|wall| WallSpec { material: 0, corners: corners(wall) }).collect();
+        Scene::new(&[], &walls, LawTable::new(1))
+    }
+
+    fn lines(scene: &Scene) -> Vec<usize> {
+        scene.faces.iter().map(|face| face.line.index()).collect()
     }
 
     #[test]
-    fn straight_faces_are_of_one_line() {
-        let lines = |corners: &[(f64, f64)]| {
-            let corners = corners.iter().map(|&(x, y)| vec2(x, y)).collect();
-            let scene = Scene::new(&[], &[WallSpec { material: 0, corners }], &LawTable::new(1)).unwrap();
-            scene.faces.iter().map(|face| face.line.index()).collect::<Vec<_>>()
-        };
-        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (2.5, 0.0), (2.5, 1.0), (2.5, 7.0)]), [0, 0, 2, 2]);
-        // Closed in the middle of a side.
-        let square = [(0.5, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0), (0.5, 0.0)];
-        assert_eq!(lines(&square), [0, 1, 2, 3, 0]);
-        // Up to 20° faces are one line.
-        let turned = |degrees: f64| {
-            let (sin, cos) = degrees.to_radians().sin_cos();
-            lines(&[(0.0, 0.0), (1.0, 0.0), (1.0 + cos, sin)])
-        };
-        assert_eq!((turned(19.99), turned(-19.99)), (vec![0, 0], vec![0, 0]));
-        assert_eq!((turned(20.01), turned(-20.01)), (vec![0, 1], vec![0, 1]));
-        // There and back is one face; so is the third one, drawn backwards. The fourth meets them.
-        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (0.0, 0.0)]), [0, 0]);
-        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 1.0)]), [0, 0, 0, 3]);
+    fn faces_of_a_wall_share_corners_and_straight_ones_are_of_one_line() {
+        let closed = scene(&[&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (-0.0, 0.0)]]);
+        assert_eq!(closed.corners.len(), 3);
+        assert_eq!(closed.corners[0].faces, vec![FaceId(0), FaceId(2)]);
+        let (sin, cos) = 19.99f64.to_radians().sin_cos();
+        let (sine, cosine) = 20.01f64.to_radians().sin_cos();
+        type Case<'a> = (&'a [(f64, f64)], &'a [usize]);
+        let cases: [Case<'_>; 8] = [
+            (&[(0.0, 0.0), (1.0, 0.0), (2.5, 0.0), (2.5, 1.0), (2.5, 7.0)], &[0, 0, 2, 2]),
+            // Closed in the middle of a side.
+            (&[(0.5, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0), (0.5, 0.0)], &[0, 1, 2, 3, 0]),
+            // Up to 20° faces are one line.
+            (&[(0.0, 0.0), (1.0, 0.0), (1.0 + cos, sin)], &[0, 0]),
+            (&[(0.0, 0.0), (1.0, 0.0), (1.0 + cos, -sin)], &[0, 0]),
+            (&[(0.0, 0.0), (1.0, 0.0), (1.0 + cosine, sine)], &[0, 1]),
+            (&[(0.0, 0.0), (1.0, 0.0), (1.0 + cosine, -sine)], &[0, 1]),
+            // There and back is one face; so is the third one, drawn backwards. The fourth meets them.
+            (&[(0.0, 0.0), (1.0, 0.0), (0.0, 0.0)], &[0, 0]),
+            (&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 1.0)], &[0, 0, 0, 3]),
+        ];
+        for (corners, expected) in cases {
+            assert_eq!(lines(&scene(&[corners])), expected, "{corners:?}");
+        }
     }
 
     #[test]
     fn walls_that_meet_or_lie_on_each_other_are_one() {
-        let scene = |walls: &[&[(f64, f64)]]| {
-            let specs: Vec<WallSpec> = walls
-                .iter()
-                .map(|corners| WallSpec {
-                    material: 0,
-                    corners: corners.iter().map(|&(x, y)| vec2(x, y)).collect(),
-                })
-                .collect();
-            Scene::new(&[], &specs, &LawTable::new(1)).unwrap()
-        };
-        let lines = |scene: &Scene| scene.faces.iter().map(|face| face.line.index()).collect::<Vec<_>>();
         // End to end, the second one drawn towards the first, with a rounding error; then one that turns.
         let met = scene(&[
             &[(0.0, 0.0), (1.0, 0.0)],
@@ -593,21 +516,7 @@ mod tests {
         let ends = vec![vec2(0.1, 0.0), vec2(3.7, 1.3)];
         let back = ends.iter().rev().copied().collect();
         let specs = [WallSpec { material: 1, corners: ends }, WallSpec { material: 0, corners: back }];
-        let scene = Scene::new(&[], &specs, &LawTable::new(2)).unwrap();
+        let scene = Scene::new(&[], &specs, LawTable::new(2));
         assert_eq!([scene.faces[0].material, scene.faces[1].material], [1, 1]);
-    }
-
-    #[test]
-    fn a_missing_law_is_named() {
-        let body = |material| BodySpec {
-            mass: 1.0,
-            inertia: 1.0,
-            translation_rate: 0.0,
-            rotation_rate: 0.0,
-            disks: vec![DiskSpec { radius: 0.1, position: Vec2::ZERO, material }],
-        };
-        let error = Scene::new(&[body(0), body(1)], &[], &LawTable::new(2)).unwrap_err();
-        assert_eq!(error, SceneError::MissingLaw { first: 0, second: 1 });
-        assert!(Scene::new(&[body(0)], &[], &LawTable::new(2)).is_ok());
     }
 }

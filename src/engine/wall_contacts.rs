@@ -300,7 +300,7 @@ mod tests {
     fn walls(walls: &[&[Vec2]]) -> Scene {
         let specs: Vec<WallSpec> =
             walls.iter().map(|corners| WallSpec { material: 0, corners: corners.to_vec() }).collect();
-        Scene::new(&[], &specs, &LawTable::new(1)).unwrap()
+        Scene::new(&[], &specs, LawTable::new(1))
     }
 
     fn wall(corners: &[Vec2]) -> Scene {

@@ -2,10 +2,10 @@
 
 use super::steps::{Fastest, rounded_down};
 use super::{Setup, WorldError};
-use crate::engine::{ContactReport, DiskId, Pair, Scene, World};
+use crate::engine::{Contact, ContactReport, Pair, Scene, World};
 use lemons_core::trial::{FileNames, Problem, Severity, quoted};
 use std::collections::{BTreeSet, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Largest distance that a disk moves in a proposed step, as a fraction of its radius.
 const PROPOSED_SHARE_OF_RADIUS: f64 = 1.0 / 10.0;
@@ -20,7 +20,7 @@ impl Setup<'_> {
     /// Returns warnings about overlaps at the start without a spring from an earlier step, and about a mechanical step
     /// that does not resolve the shortest contact.
     pub(super) fn advice(&self, places: &FileNames) -> Vec<Problem> {
-        let FileNames { parameters, dynamics, .. } = places;
+        let dynamics = &places.dynamics;
         let world = match self.world() {
             Ok(world) => world,
             Err(crowded @ WorldError::Crowded { .. }) => {
@@ -30,12 +30,12 @@ impl Setup<'_> {
             Err(_) => return Vec::new(),
         };
         let scene = world.scene();
-        let overlaps = self.overlaps_at_start(scene, world.contacts());
-        let mut advice: Vec<_> = overlaps.into_iter().map(|message| warning(dynamics, message)).collect();
+        let overlaps = self.overlaps_at_start(scene, world.contacts()).into_iter();
         let coincident = self.name_coincident(scene, &world.contacts().coincident);
-        advice.extend(coincident.map(|message| warning(dynamics, message)));
-        advice.extend(self.coarse_step(scene, parameters));
-        advice.extend(self.stepping_over(scene, parameters));
+        let mut advice: Vec<_> =
+            overlaps.chain(coincident).map(|message| warning(dynamics, message)).collect();
+        advice.extend(self.coarse_step(scene, places));
+        advice.extend(self.stepping_over(scene, places));
         advice.extend(self.unusual(places));
         advice.extend(self.doubts(scene, places));
         advice
@@ -43,17 +43,14 @@ impl Setup<'_> {
 
     /// Returns the same warnings for a Trial whose numbers were edited after reading.
     pub fn advice_as_edited(&self) -> Vec<Problem> {
-        let of = |name: &str| PathBuf::from(format!("{} ({name}, with the parameters as set)", self.name));
-        self.advice(&FileNames {
-            parameters: of("Parameters.xml"),
-            materials: of("Materials.xml"),
-            agents: of("Agents.xml"),
-            geometry: of("Geometry.xml"),
-            dynamics: of("AgentDynamics.xml"),
-        })
+        let mut advice = self.advice(&FileNames::default());
+        for Problem { file, .. } in &mut advice {
+            *file = format!("{} ({}, with the parameters as set)", self.name, file.display()).into();
+        }
+        advice
     }
 
-    /// Overlaps at the start that no earlier step knows.
+    /// Returns the overlaps at the start that no earlier step knows.
     fn overlaps_at_start(&self, scene: &Scene, contacts: &ContactReport) -> Vec<String> {
         let state = self.state(scene);
         let known_disks: HashSet<_> =
@@ -85,28 +82,22 @@ impl Setup<'_> {
         is_new: impl Fn(&Pair) -> bool,
         when: &str,
     ) -> Vec<String> {
-        let agent = |disk: DiskId| quoted(&self.agents[scene.body_of(disk).index()].id);
-        let (mut among_agents, mut with_walls) = (Deepest::default(), Deepest::default());
-        for contact in contacts.contacts.iter().filter(|contact| is_new(&contact.pair)) {
-            match contact.pair {
-                Pair::Disks { first, second } => {
-                    among_agents
-                        .see(contact.depth, || format!("agents {} and {}", agent(first), agent(second)));
-                }
-                Pair::Face { disk, face, .. } => {
-                    let wall = &self.geometry.walls[scene.faces[face.index()].wall.index()];
-                    with_walls.see(contact.depth, || {
-                        format!("agent {} and wall {}", agent(disk), quoted(&wall.id))
-                    });
-                }
-            }
-        }
-        let said =
-            [among_agents.says("disks of different agents", when), with_walls.says("disks and walls", when)];
-        said.into_iter().flatten().collect()
+        let (among_agents, with_walls): (Vec<&Contact>, Vec<&Contact>) = contacts
+            .contacts
+            .iter()
+            .filter(|contact| is_new(&contact.pair))
+            .partition(|contact| matches!(contact.pair, Pair::Disks { .. }));
+        let told = |(overlaps, what): (Vec<&Contact>, &str)| {
+            let (count, pairs) = (overlaps.len(), if overlaps.len() == 1 { "pair" } else { "pairs" });
+            let deepest = overlaps.into_iter().reduce(|a, b| if b.depth > a.depth { b } else { a })?;
+            let (depth, whose) = (1e3 * deepest.depth, self.name_pair(scene, deepest.pair, "wall"));
+            Some(format!("{count} {pairs} of {what} overlap {when}, the deepest by {depth:.3} mm ({whose})"))
+        };
+        let all = [(among_agents, "disks of different agents"), (with_walls, "disks and walls")];
+        all.into_iter().filter_map(told).collect()
     }
 
-    fn coarse_step(&self, scene: &Scene, file: &Path) -> Option<Problem> {
+    fn coarse_step(&self, scene: &Scene, places: &FileNames) -> Option<Problem> {
         let step = self.parameters.time_step_mechanical;
         let steps = self.steps_in(scene)?;
         let Fastest { pair, rates, materials } = &steps.least_allowed;
@@ -121,13 +112,13 @@ impl Setup<'_> {
         let ratio = rates.damping / rates.critical_damping();
         if ratio > ABSURD_DAMPING {
             let message = format!("{verdict}: {}", self.absurd_damping(scene, *materials, ratio));
-            return Some(self.warning_of_step(file, message));
+            return Some(self.warning_of_step(places, message));
         }
         let Some(proposed) = steps.proposed() else {
             let message = format!(
                 "no step resolves the contact of {pair}: are mass, moment of inertia and materials right?"
             );
-            return Some(self.warning_of_step(file, message));
+            return Some(self.warning_of_step(places, message));
         };
         let damping = match rates.damping {
             0.0 => String::new(),
@@ -137,17 +128,13 @@ impl Setup<'_> {
             "{verdict} (period {:.2e} s{damping}). A step of at most {proposed:e} s resolves all contacts",
             rates.period()
         );
-        Some(self.warning_of_step(file, message))
+        Some(self.warning_of_step(places, message))
     }
 
     /// Returns a warning about `TimeStepMechanical`.
-    pub(super) fn warning_of_step(&self, file: &Path, message: String) -> Problem {
-        Problem {
-            element: Some("Times".into()),
-            attribute: Some("TimeStepMechanical".into()),
-            value: Some(format!("{:?}", self.parameters.time_step_mechanical)),
-            ..warning(file, message)
-        }
+    pub(super) fn warning_of_step(&self, places: &FileNames, message: String) -> Problem {
+        let step = format!("{:?}", self.parameters.time_step_mechanical);
+        warning_of_attribute(places, "TimeStepMechanical", step, message)
     }
 
     /// Returns a message that the damping of two materials is the cause, not the step.
@@ -158,8 +145,7 @@ impl Setup<'_> {
         } else {
             ("GammaTangential", law.tangential_damping)
         };
-        let places = self.material_places();
-        let materials = self.materials_placed(&places);
+        let materials = self.used_materials();
         let [first, second] = [first, second].map(|place| quoted(&materials[place].id));
         format!(
             "its damping is the cause, {name} {damping:?} kg/s of the materials {first} and {second}, {ratio:.1e} times the \
@@ -169,7 +155,7 @@ impl Setup<'_> {
     }
 
     /// Finds disks that may be on the far side of a wall or of a person before a contact is detected.
-    fn stepping_over(&self, scene: &Scene, file: &Path) -> Option<Problem> {
+    fn stepping_over(&self, scene: &Scene, places: &FileNames) -> Option<Problem> {
         let step = self.parameters.time_step_mechanical;
         let (mut count, mut worst) = (0, None::<(f64, f64, usize)>);
         for (b, (body, dynamics)) in scene.bodies.iter().zip(&self.dynamics).enumerate() {
@@ -203,39 +189,29 @@ impl Setup<'_> {
             "a disk of agent {id} may move {moved:.2e} m in it, further than its radius {radius:?} m, and step over a \
              wall or somebody{others}: by Velocity and Fp the agent comes to {speed:.2e} m/s; {cure}"
         );
-        Some(self.warning_of_step(file, message))
+        Some(self.warning_of_step(places, message))
     }
 }
 
-/// The number of overlaps, and the deepest.
-#[derive(Default)]
-struct Deepest {
-    count: usize,
-    depth: f64,
-    whose: String,
-}
-
-impl Deepest {
-    fn see(&mut self, depth: f64, whose: impl FnOnce() -> String) {
-        self.count += 1;
-        if depth > self.depth {
-            self.depth = depth;
-            self.whose = whose();
-        }
-    }
-
-    fn says(&self, what: &str, when: &str) -> Option<String> {
-        let pairs = if self.count == 1 { "pair" } else { "pairs" };
-        let (count, depth, whose) = (self.count, 1e3 * self.depth, &self.whose);
-        (count > 0).then(|| {
-            format!("{count} {pairs} of {what} overlap {when}, the deepest by {depth:.3} mm ({whose})")
-        })
-    }
-}
-
-/// A warning about a file.
+/// Makes a warning about a file.
 pub(super) fn warning(file: &Path, message: String) -> Problem {
     Problem { severity: Severity::Warning, ..Problem::of_file(file, None, message) }
+}
+
+/// Makes a warning about a value of an attribute of the Trial's files.
+pub(super) fn warning_of_attribute(
+    places: &FileNames,
+    attribute: &str,
+    value: String,
+    message: String,
+) -> Problem {
+    let (file, element) = places.with_attribute(attribute).unzip();
+    Problem {
+        element: element.map(str::to_owned),
+        attribute: Some(attribute.to_owned()),
+        value: Some(value),
+        ..warning(&file.unwrap_or_default(), message)
+    }
 }
 
 #[cfg(test)]
@@ -244,168 +220,135 @@ mod tests {
     use crate::engine::Vec2;
     use lemons_core::trial::Trial;
 
-    fn push() -> Trial {
-        Trial::read(&lemons_verify::testing::trial_push()).expect("the default Trial is in order").0
+    /// The default Trial after a change.
+    fn push(change: impl FnOnce(&mut Trial)) -> Trial {
+        let read = Trial::read(&lemons_verify::testing::trial_push());
+        let mut trial = read.expect("the default Trial is in order").0;
+        change(&mut trial);
+        trial
     }
 
-    fn said(trial: &Trial) -> Vec<String> {
-        let [parameters, materials, agents, geometry, dynamics] =
-            ["Parameters.xml", "Materials.xml", "Agents.xml", "Geometry.xml", "AgentDynamics.xml"]
-                .map(PathBuf::from);
-        let advice =
-            Setup::of(trial).advice(&FileNames { parameters, materials, agents, geometry, dynamics });
-        advice.iter().map(ToString::to_string).collect()
+    /// Checks that there is one warning, with all these words; no words: there is none.
+    #[track_caller]
+    fn says(trial: &Trial, words: &[&str]) {
+        let advice = Setup::of(trial).advice(&FileNames::default());
+        let said: Vec<String> = advice.iter().map(ToString::to_string).collect();
+        assert_eq!(said.len(), usize::from(!words.is_empty()), "{said:?}");
+        assert!(words.iter().all(|word| said[0].contains(word)), "{said:?}");
     }
 
-    #[test]
-    fn nothing_to_say_of_the_default_trial() {
-        assert_eq!(said(&push()), [""; 0]);
+    /// Checks that one of the warnings has these words.
+    #[track_caller]
+    fn says_besides(trial: &Trial, words: &str) {
+        let advice = Setup::of(trial).advice(&FileNames::default());
+        assert!(advice.iter().any(|problem| problem.to_string().contains(words)), "{advice:?}");
     }
 
     #[test]
     fn overlaps_are_counted_and_the_deepest_named() {
-        let mut trial = push();
-        trial.dynamics[1].position.x = 0.2;
-        let said = said(&trial);
-        assert_eq!(said.len(), 1);
-        assert!(said[0].starts_with("warning: AgentDynamics.xml: "), "{said:?}");
-        assert!(said[0].contains("(agents \"0\" and \"1\")"), "{said:?}");
+        says(&push(|_| {}), &[]);
+        let mut trial = push(|trial| trial.dynamics[1].position.x = 0.2);
+        says(&trial, &["warning: AgentDynamics.xml: ", "(agents \"0\" and \"1\")"]);
         trial.dynamics[1].position.x = 0.279;
         trial.dynamics[4].position.x = 1.7;
-        let said = super::tests::said(&trial);
-        assert!(said[0].contains("(agent \"4\" and wall \"0\")"), "{said:?}");
+        says_besides(&trial, "(agent \"4\" and wall \"0\")");
     }
 
     #[test]
-    fn centres_at_one_place_are_counted_and_two_agents_named() {
-        let mut trial = push();
-        for agent in &mut trial.agents {
-            agent.shapes.truncate(1);
-            agent.shapes[0].position = Vec2::ZERO;
-        }
+    fn centres_at_one_place_are_counted_and_two_named() {
+        let mut trial = push(|trial| {
+            for agent in &mut trial.agents {
+                agent.shapes.truncate(1);
+                agent.shapes[0].position = Vec2::ZERO;
+            }
+        });
         // On both sides of a cell's edge.
         trial.dynamics[3].position = Vec2 { x: 0.5 - 4e-10, y: 0.5 };
         trial.dynamics[1].position = Vec2 { x: 0.5 + 4e-10, y: 0.5 };
-        let said_of_two = said(&trial).join("\n");
-        let words = "agents \"1\" and \"3\" have their centres at one place: no force acts between them";
-        assert!(said_of_two.contains(words), "{said_of_two}");
+        says_besides(
+            &trial,
+            "agents \"1\" and \"3\" have their centres at one place: no force acts between them",
+        );
         trial.dynamics[4].position = trial.dynamics[1].position;
-        assert!(said(&trial).join("\n").contains("at one place, and 2 more pairs: no"), "{:?}", said(&trial));
+        says_besides(&trial, "at one place, and 2 more pairs: no");
         trial.dynamics[4].position.x += 1e-6;
-        assert!(said(&trial).join("\n").contains("at one place: no"), "{:?}", said(&trial));
-    }
-
-    #[test]
-    fn a_centre_on_a_corner_is_named() {
-        let mut trial = push();
-        trial.agents[2].shapes.truncate(1);
-        trial.agents[2].shapes[0].position = Vec2::ZERO;
-        trial.dynamics[2].position = trial.geometry.walls[0].corners[0];
-        let said = said(&trial).join("\n");
-        let words = "agent \"2\" and a corner of wall \"0\" have their centres at one place: no force acts between them";
-        assert!(said.contains(words), "{said}");
+        says_besides(&trial, "at one place: no");
+        let trial = push(|trial| {
+            trial.agents[2].shapes.truncate(1);
+            trial.agents[2].shapes[0].position = Vec2::ZERO;
+            trial.dynamics[2].position = trial.geometry.walls[0].corners[0];
+        });
+        says_besides(
+            &trial,
+            "agent \"2\" and a corner of wall \"0\" have their centres at one place: no force",
+        );
     }
 
     #[test]
     fn a_coarse_step_is_named_with_one_that_would_do() {
-        let mut trial = push();
-        trial.parameters.time_step_mechanical = 0.002;
-        let said = said(&trial);
-        assert_eq!(said.len(), 1);
-        assert!(said[0].contains("<Times> TimeStepMechanical=\"0.002\": is long for"), "{said:?}");
+        let mut trial = push(|trial| trial.parameters.time_step_mechanical = 0.002);
         // k_n = 4.99e6 N/m; 1/63 kg + (0.2225 m)²/1.02 kg.m2: a period of 11 ms.
-        assert!(said[0].contains("at most 1e-4 s"), "{said:?}");
+        says(&trial, &["<Times> TimeStepMechanical=\"0.002\": is long for", "at most 1e-4 s"]);
         trial.parameters.time_step_mechanical = 2e-4;
-        assert_eq!(super::tests::said(&trial), [""; 0]);
-    }
-
-    #[test]
-    fn damping_that_makes_the_step_unstable_is_warned_of() {
-        // The paper's agent 1 on a wall: 1/m* is 0.0644/kg.
-        let mut trial = push();
-        trial.parameters.time_step_mechanical = 1e-4;
-        assert_eq!(said(&trial), [""; 0]);
-        for normal in [true, false] {
-            let mut trial = trial.clone();
-            let contact = &mut trial.materials.binary[2];
-            let (damping, which) = if normal {
-                (2e6, &mut contact.gamma_normal)
-            } else {
-                (2.5e4, &mut contact.gamma_tangential)
-            };
-            *which = damping;
-            let said = said(&trial);
-            assert_eq!(said.len(), 1, "{said:?}");
-            let words = if normal {
-                ["is unstable, so collisions create energy", "damping time 7.73e-6 s", "at most 5e-7 s"]
-            } else {
-                ["is long for the contact of", "damping time 6.19e-4 s", "at most 5e-5 s"]
-            };
-            assert!(words.iter().all(|word| said[0].contains(word)), "{said:?}");
-            trial.parameters.time_step_mechanical = Setup::of(&trial).proposed_step().unwrap();
-            assert_eq!(super::tests::said(&trial), [""; 0]);
-        }
-    }
-
-    /// It proposed a step of 1e-12 s.
-    #[test]
-    fn absurd_damping_is_named_as_the_cause_instead_of_a_step() {
-        for normal in [true, false] {
-            let mut trial = push();
-            let contact = &mut trial.materials.binary[2];
-            let which = if normal { &mut contact.gamma_normal } else { &mut contact.gamma_tangential };
-            *which = 1e12;
-            let name = if normal { "GammaNormal" } else { "GammaTangential" };
-            let [first, second] = [&contact.id1, &contact.id2].map(|id| format!("{id:?}"));
-            let said = said(&trial);
-            assert_eq!(said.len(), 1, "{said:?}");
-            let words = [&format!("its damping is the cause, {name} 1000000000000.0 kg/s"), &first, &second];
-            assert!(words.iter().all(|word| said[0].contains(*word)), "{said:?}");
-            // 2 √(k m*), m* = 15.5 kg, k = 5.0e6 N/m: 1.8e4 kg/s.
-            assert!(
-                said[0].contains("critical damping of 1.8e4 kg/s") && !said[0].contains("at most"),
-                "{said:?}"
-            );
-        }
-    }
-
-    #[test]
-    fn a_light_body_is_warned_of_by_its_damping() {
-        let mut trial = push();
-        trial.parameters.time_step_mechanical = 1e-6;
-        (trial.agents[2].mass, trial.agents[2].moment_of_inertia) = (0.001, 0.001);
-        let said = said(&trial);
-        assert!(said.len() == 3 && said[0].contains("is unstable") && said[0].contains("\"2\""), "{said:?}");
-    }
-
-    #[test]
-    fn what_no_step_resolves_is_not_given_one_of_zero() {
-        let mut trial = push();
-        trial.agents[0].moment_of_inertia = 1e-320;
-        let said = said(&trial).join("\n");
-        assert!(said.contains("no step resolves the contact of agents") && !said.contains("0e0"), "{said}");
+        says(&trial, &[]);
+        // A light body, by its damping; and one that no step resolves.
+        let trial = push(|trial| {
+            trial.parameters.time_step_mechanical = 1e-6;
+            (trial.agents[2].mass, trial.agents[2].moment_of_inertia) = (0.001, 0.001);
+        });
+        says_besides(&trial, "\"2\" and wall \"0\" is unstable");
+        let trial = push(|trial| trial.agents[0].moment_of_inertia = 1e-320);
+        says_besides(&trial, "no step resolves the contact of agents");
         assert_eq!(Setup::of(&trial).proposed_step(), None);
+    }
+
+    /// The paper's agent 1 on a wall: 1/m* is 0.0644/kg, and 2 √(k m*) with k = 5.0e6 N/m is 1.8e4 kg/s.
+    #[test]
+    fn damping_that_makes_the_step_unstable_is_warned_of_and_absurd_damping_is_the_cause() {
+        let absurd = "1000000000000.0 kg/s of the materials \"human_naked\" and \"concrete\"";
+        for (normal, damping, words) in [
+            (
+                true,
+                2e6,
+                ["is unstable, so collisions create energy", "damping time 7.73e-6 s", "at most 5e-7 s"],
+            ),
+            (false, 2.5e4, ["is long for the contact of", "damping time 6.19e-4 s", "at most 5e-5 s"]),
+            (true, 1e12, ["its damping is the cause, GammaNormal", absurd, "critical damping of 1.8e4 kg/s"]),
+            (
+                false,
+                1e12,
+                ["its damping is the cause, GammaTangential", absurd, "critical damping of 1.8e4 kg/s"],
+            ),
+        ] {
+            let mut trial = push(|trial| {
+                trial.parameters.time_step_mechanical = 1e-4;
+                let contact = &mut trial.materials.binary[2];
+                *if normal { &mut contact.gamma_normal } else { &mut contact.gamma_tangential } = damping;
+            });
+            says(&trial, &words);
+            if damping < 1e12 {
+                trial.parameters.time_step_mechanical = Setup::of(&trial).proposed_step().unwrap();
+                says(&trial, &[]);
+            }
+        }
     }
 
     #[test]
     fn disks_that_may_step_over_a_wall_are_warned_of() {
         // A radius of 0.095 m; 1 m/s is nothing.
-        let mut trial = push();
-        trial.parameters.time_step_mechanical = 1e-4;
+        let mut trial = push(|trial| trial.parameters.time_step_mechanical = 1e-4);
         trial.dynamics[1].velocity.x = 1.0;
-        assert_eq!(said(&trial), [""; 0]);
+        says(&trial, &[]);
         trial.dynamics[1].velocity.x = 1500.0;
-        let said_of_speed = said(&trial).join("\n");
-        assert!(said_of_speed.contains("a disk of agent \"1\" may move 1.5"), "{said_of_speed}");
-        assert!(said_of_speed.contains("at most 5e-6 s would be short enough"), "{said_of_speed}");
+        says_besides(&trial, "a disk of agent \"1\" may move 1.5");
+        says_besides(&trial, "at most 5e-6 s would be short enough");
         // By its drive, against the relaxation.
         trial.dynamics[1].velocity.x = 0.0;
         trial.dynamics[1].fp.y = 1500.0 * trial.agents[1].mass * trial.agents[1].floor_damping;
-        assert!(said(&trial).join("\n").contains("step over a wall"), "{:?}", said(&trial));
+        says_besides(&trial, "step over a wall");
         // By turning.
         trial.dynamics[1].fp.y = 0.0;
-        trial.dynamics[1].omega = 1e4;
-        trial.dynamics[2].omega = 1e4;
-        assert!(said(&trial).join("\n").contains("(2 agents may)"), "{:?}", said(&trial));
+        (trial.dynamics[1].omega, trial.dynamics[2].omega) = (1e4, 1e4);
+        says_besides(&trial, "(2 agents may)");
     }
 }

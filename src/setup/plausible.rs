@@ -4,10 +4,9 @@
 use super::Setup;
 use super::advice::warning;
 use super::within::{Inside, outside_rooms, within_pillars};
-use crate::engine::{CornerId, Disk, FaceId, Scene, Vec2};
+use crate::engine::{Body, CornerId, Face, FaceId, Scene, Vec2};
 use lemons_core::plane::Bounds;
 use lemons_core::trial::{FileNames, Problem, quoted};
-use std::path::Path;
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
 const RIM: [f64; 2] = [0.02, 3.0];
@@ -44,23 +43,27 @@ impl Setup<'_> {
             (&places.dynamics, self.doubts_of_pillars(&positions)),
         ];
         let doubts = doubts.into_iter().filter_map(|(file, doubt)| Some(warning(file, doubt?)));
-        self.doubts_of_steps(&places.parameters).into_iter().chain(doubts.collect::<Vec<_>>())
+        self.doubts_of_steps(places).into_iter().chain(doubts.collect::<Vec<_>>())
     }
 
-    fn doubts_of_steps(&self, file: &Path) -> Option<Problem> {
+    fn doubts_of_steps(&self, places: &FileNames) -> Option<Problem> {
         let step = self.parameters.time_step;
         let steps = step / self.parameters.time_step_mechanical;
         let message = format!("is short: each TimeStep of {step:?} s takes {steps:.1e} mechanical steps");
-        (steps > MANY_STEPS).then(|| self.warning_of_step(file, message))
+        (steps > MANY_STEPS).then(|| self.warning_of_step(places, message))
+    }
+
+    /// Returns the first body that is odd, the Id of its agent, and how many there are in all.
+    fn odd<'b>(&self, scene: &'b Scene, odd: impl Fn(&Body) -> bool) -> Option<(&'b Body, String, String)> {
+        let mut all = scene.bodies.iter().zip(&self.agents).filter(|(body, _)| odd(body));
+        let (body, agent) = all.next()?;
+        Some((body, quoted(&agent.id), in_all(1 + all.count(), "agents")))
     }
 
     fn doubts_of_bodies(&self, scene: &Scene) -> Option<String> {
         let [small, large] = RIM;
-        let doubted = |rim: f64| rim < small || rim > large;
-        let mut odd = scene.bodies.iter().enumerate().filter(|(_, body)| doubted(body.bounding_radius));
-        let (b, body) = odd.next()?;
-        let others = in_all(1 + odd.count(), "agents");
-        let (id, width) = (quoted(&self.agents[b].id), 2.0 * body.bounding_radius);
+        let (body, id, others) = self.odd(scene, |body| !(small..=large).contains(&body.bounding_radius))?;
+        let width = 2.0 * body.bounding_radius;
         Some(format!(
             "agent {id} is {width:.3} m wide{others}: are Radius and Position of its shapes in metres?"
         ))
@@ -68,18 +71,14 @@ impl Setup<'_> {
 
     /// A centre of mass is within the hull of the disks: in each direction one of them reaches beyond it.
     fn doubts_of_centres(&self, scene: &Scene) -> Option<String> {
-        let odd = |disks: &[Disk]| {
+        let odd = |body: &Body| {
             (0..DIRECTIONS).any(|k| {
-                let angle = std::f64::consts::TAU * f64::from(k) / f64::from(DIRECTIONS);
-                let towards = Vec2 { x: libm::cos(angle), y: libm::sin(angle) };
+                let towards = direction(f64::from(k));
+                let disks = &scene.disks[body.disks.clone()];
                 disks.iter().all(|disk| disk.offset.dot(towards) + disk.radius < 0.0)
             })
         };
-        let mut all =
-            scene.bodies.iter().enumerate().filter(|(_, body)| odd(&scene.disks[body.disks.clone()]));
-        let (b, _) = all.next()?;
-        let others = in_all(1 + all.count(), "agents");
-        let id = quoted(&self.agents[b].id);
+        let (_, id, others) = self.odd(scene, odd)?;
         Some(format!(
             "the centre of mass of agent {id} is outside of its own shapes{others}: are their Positions relative to it?"
         ))
@@ -105,24 +104,13 @@ impl Setup<'_> {
         } else {
             format!(", of {first} or of {second} as rounding decides")
         };
-        Some(format!(
-            "{} lie on each other{}: they act like one wall{of_material}",
-            self.both(scene, (one, other)),
-            in_all(doubled.len(), "pairs")
-        ))
-    }
-
-    /// Two faces by their walls and ends.
-    fn both(&self, scene: &Scene, (one, other): (FaceId, FaceId)) -> String {
-        let of = |face: FaceId| {
-            let face = &scene.faces[face.index()];
-            let wall = quoted(&self.geometry.walls[face.wall.index()].id);
-            format!(
-                "wall {wall} from {:?},{:?} to {:?},{:?}",
-                face.start.x, face.start.y, face.end.x, face.end.y
-            )
+        let named = |face: FaceId| {
+            let Face { start, end, .. } = scene.faces[face.index()];
+            let wall = self.name_of_wall(scene, face);
+            format!("wall {wall} from {:?},{:?} to {:?},{:?}", start.x, start.y, end.x, end.y)
         };
-        format!("{} and {}", of(one), of(other))
+        let (one, other, others) = (named(one), named(other), in_all(doubled.len(), "pairs"));
+        Some(format!("{one} and {other} lie on each other{others}: they act like one wall{of_material}"))
     }
 
     fn doubts_of_walls(&self, scene: &Scene) -> Option<String> {
@@ -130,30 +118,26 @@ impl Setup<'_> {
         let agents = scene.bodies.len() as f64;
         let widest = scene.bodies.iter().map(|body| 2.0 * body.bounding_radius).fold(0.0, f64::max);
         let spans = format!("the walls span {:.3} m × {:.3} m", size.x, size.y);
-        let message = if size.x.max(size.y) < widest {
-            format!("{spans}, less than an agent: are their Coordinates in metres?")
+        let odd = if size.x.max(size.y) < widest {
+            ", less than an agent".to_owned()
         } else if size.x.min(size.y) > LARGE_HALL && agents < FEW_PEOPLE * size.x * size.y {
-            let noun = if agents == 1.0 { "agent" } else { "agents" };
-            format!("{spans} around {agents} {noun}: are their Coordinates in metres?")
+            format!(" around {agents} {}", if agents == 1.0 { "agent" } else { "agents" })
         } else {
             return None;
         };
-        Some(message)
+        Some(format!("{spans}{odd}: are their Coordinates in metres?"))
     }
 
     fn doubts_of_places(&self, scene: &Scene, places: &[Vec2]) -> Option<String> {
         let walls = Bounds::of(scene.corners.iter().map(|corner| corner.position));
         let beyond = |far: f64, place: Vec2| walls.is_none_or(|walls| !walls.grown(far).contains(place));
-        let name = |b: usize| quoted(&self.agents[b].id);
         // Far from the middle of the crowd, whatever walls there are.
         let middle = middle_of(places)?;
         let is_far = |place: Vec2| (place - middle).norm() > FAR_AWAY && beyond(FAR_AWAY, place);
         if let Some(b) = places.iter().position(|place| is_far(*place)) {
             let away = (places[b] - middle).norm();
-            return Some(format!(
-                "agent {} stands {away:.0} m away from the others: is its Position in metres?",
-                name(b)
-            ));
+            let who = self.who_stands(&[b])?;
+            return Some(format!("{who} {away:.0} m away from the others: is its Position in metres?"));
         }
         let walls = walls?;
         let outside: Vec<usize> = (0..places.len()).filter(|b| beyond(OUTSIDE, places[*b])).collect();
@@ -166,37 +150,37 @@ impl Setup<'_> {
             ));
         }
         // If most people are outside, or no person is in a room, being outside is intended.
-        if outside.is_empty() || 2 * outside.len() > places.len() || outside.len() == places.len() {
-            return self.doubts_of_closed_rooms(scene, places);
-        }
-        let insiders = (0..places.len()).filter(|b| outside.binary_search(b).is_err());
-        let sample: Vec<usize> = insiders.step_by(inside.div_ceil(SAMPLE)).collect();
-        let enclosed = sample.iter().filter(|&&b| is_enclosed(scene, places[b])).count();
-        if 2 * enclosed <= sample.len() {
-            return self.doubts_of_closed_rooms(scene, places);
-        }
-        let who = match outside.len() {
-            1 => format!("agent {} stands", name(outside[0])),
-            count => format!("{count} agents stand (first {})", name(outside[0])),
+        let most_are_enclosed = || {
+            let insiders = (0..places.len()).filter(|b| outside.binary_search(b).is_err());
+            let sample: Vec<usize> = insiders.step_by(inside.div_ceil(SAMPLE)).collect();
+            2 * sample.iter().filter(|&&b| is_enclosed(scene, places[b])).count() > sample.len()
         };
+        if inside == 0 || outside.is_empty() || outside.len() > inside || !most_are_enclosed() {
+            return self.doubts_of_closed_rooms(scene, places);
+        }
+        let who = self.who_stands(&outside)?;
         Some(format!("{who} outside of all walls, but the others are inside: is this intended?"))
     }
 
-    /// Of people who are near closed rooms that they cannot enter.
+    /// Doubts people who are near closed rooms that they cannot enter.
     fn doubts_of_closed_rooms(&self, scene: &Scene, places: &[Vec2]) -> Option<String> {
         let (mut outside, inside) = outside_rooms(&self.geometry.walls, places)?;
         // Other walls, with doors, may be around both.
         outside.retain(|&b| !is_enclosed(scene, places[b]));
-        let first = quoted(&self.agents[*outside.first()?].id);
-        let who = match outside.len() {
-            1 => format!("agent {first} stands"),
-            count => format!("{count} agents stand (first {first})"),
-        };
+        let who = self.who_stands(&outside)?;
         let inside = match inside {
             0 => "the closed walls, and nobody inside".to_owned(),
             inside => format!("the closed walls in which {inside} others stand"),
         };
         Some(format!("{who} outside of {inside}: is this intended?"))
+    }
+
+    fn who_stands(&self, agents: &[usize]) -> Option<String> {
+        let first = quoted(&self.agents[*agents.first()?].id);
+        Some(match agents.len() {
+            1 => format!("agent {first} stands"),
+            count => format!("{count} agents stand (first {first})"),
+        })
     }
 
     fn doubts_of_pillars(&self, places: &[Vec2]) -> Option<String> {
@@ -229,11 +213,16 @@ fn middle_of(places: &[Vec2]) -> Option<Vec2> {
     Some(Vec2 { x: median(|place| place.x)?, y: median(|place| place.y)? })
 }
 
-/// Whether walls are visible in most directions.
+/// Returns the unit vector of the direction `k` of [`DIRECTIONS`].
+fn direction(k: f64) -> Vec2 {
+    let angle = std::f64::consts::TAU * k / f64::from(DIRECTIONS);
+    Vec2 { x: libm::cos(angle), y: libm::sin(angle) }
+}
+
+/// Returns whether walls are visible in most directions.
 fn is_enclosed(scene: &Scene, place: Vec2) -> bool {
-    let sees = |direction: &u32| {
-        let angle = std::f64::consts::TAU * (f64::from(*direction) + 0.5) / f64::from(DIRECTIONS);
-        let towards = Vec2 { x: libm::cos(angle), y: libm::sin(angle) };
+    let sees = |k: &u32| {
+        let towards = direction(f64::from(*k) + 0.5);
         scene.faces.iter().any(|face| {
             let (from, to) = (face.start - place, face.end - place);
             let (a, b) = (towards.cross(from), towards.cross(to));
@@ -248,7 +237,7 @@ fn is_enclosed(scene: &Scene, place: Vec2) -> bool {
 mod tests {
     use super::*;
     use crate::engine::vec2;
-    use lemons_core::trial::Trial;
+    use lemons_core::trial::{Trial, Wall};
 
     /// The paper's five in a room of 6 m × 4 m with a door of 1.2 m in its right wall.
     fn room() -> Trial {
@@ -256,56 +245,56 @@ mod tests {
             Trial::read(&lemons_verify::testing::trial_push()).expect("the default Trial is in order").0;
         trial.geometry.walls.truncate(1);
         trial.geometry.walls[0].corners =
-            [(6.0, 2.6), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, 1.4)]
-                .map(|(x, y)| vec2(x, y))
-                .to_vec();
+            corners(&[(6.0, 2.6), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, 1.4)]);
         for (k, dynamics) in trial.dynamics.iter_mut().enumerate() {
             dynamics.position = vec2(0.8 + k as f64, 2.0);
         }
         trial
     }
 
+    fn corners(at: &[(f64, f64)]) -> Vec<Vec2> {
+        at.iter().map(|&(x, y)| vec2(x, y)).collect()
+    }
+
+    fn add_wall(trial: &mut Trial, id: &str, at: &[(f64, f64)]) {
+        let wall = Wall { id: id.into(), corners: corners(at), ..trial.geometry.walls[0].clone() };
+        trial.geometry.walls.push(wall);
+    }
+
     fn said(trial: &Trial) -> Vec<String> {
         Setup::of(trial).advice_as_edited().iter().map(ToString::to_string).collect()
     }
 
+    /// Checks that one doubt has all these words, which are between "…"; no words: there is no doubt.
+    #[track_caller]
     fn says(trial: &Trial, words: &str) {
         let said = said(trial);
-        assert!(said.len() == 1 && said[0].contains(words), "{said:?}");
+        let found = said.iter().filter(|line| words.split(" … ").all(|words| line.contains(words)));
+        assert_eq!((said.len(), found.count()), (usize::from(!words.is_empty()), said.len()), "{said:?}");
     }
 
     #[test]
-    fn nothing_is_doubted_of_a_room_with_a_door() {
+    fn a_room_with_a_door_is_not_doubted_but_faces_that_lie_on_each_other() {
         let mut trial = room();
-        assert_eq!(said(&trial), [""; 0]);
-        // In the door, and just through it.
-        trial.dynamics[4].position = vec2(6.0, 2.0);
-        assert_eq!(said(&trial), [""; 0]);
-        trial.dynamics[4].position = vec2(7.5, 2.0);
-        assert_eq!(said(&trial), [""; 0]);
-    }
-
-    #[test]
-    fn walls_that_lie_on_each_other_are_named() {
-        let mut trial = room();
-        let mut again = trial.geometry.walls[0].clone();
-        again.id = "again".into();
+        // Inside, in the door, and just through it.
+        for x in [5.0, 6.0, 7.5] {
+            trial.dynamics[4].position = vec2(x, 2.0);
+            says(&trial, "");
+        }
         // End to end: as it should be.
-        again.corners = vec![vec2(6.0, 1.4), vec2(8.0, 1.4)];
-        trial.geometry.walls.push(again);
-        assert_eq!(said(&trial), [""; 0]);
-        trial.geometry.walls[1].corners = vec![vec2(4.0, 0.0), vec2(1.0, 0.0)];
-        let words = "wall \"again\" from 4.0,0.0 to 1.0,0.0 lie on each other: they act like one wall";
-        says(&trial, words);
+        add_wall(&mut trial, "again", &[(6.0, 1.4), (8.0, 1.4)]);
+        says(&trial, "");
+        trial.geometry.walls[1].corners = corners(&[(4.0, 0.0), (1.0, 0.0)]);
+        says(&trial, "wall \"again\" from 4.0,0.0 to 1.0,0.0 lie on each other: they act like one wall");
         // Of other materials: in part, and twice the same.
         trial.geometry.walls[1].material_id = "human_naked".into();
         says(&trial, "act like one wall, of \"concrete\" or of \"human_naked\" as rounding decides");
-        trial.geometry.walls[1].corners = vec![vec2(6.0, 0.0), vec2(0.0, 0.0)];
+        trial.geometry.walls[1].corners = corners(&[(6.0, 0.0), (0.0, 0.0)]);
         says(&trial, "act like one wall of \"concrete\", the material of the first");
     }
 
     #[test]
-    fn an_agent_outside_of_all_walls_is_named() {
+    fn agents_outside_of_rooms_and_in_pillars_are_named() {
         let mut trial = room();
         trial.dynamics[3].position = vec2(3.8, -7.0);
         says(&trial, "agent \"3\" stands outside of all walls, but the others are inside");
@@ -313,26 +302,18 @@ mod tests {
         says(&trial, "2 agents stand (first \"1\") outside of all walls");
         // Pillars and a bottleneck in the open are no room.
         let mut open = trial.clone();
-        open.geometry.walls[0].corners = vec![vec2(0.0, 0.0), vec2(6.0, 0.0)];
-        assert_eq!(said(&open), [""; 0]);
+        open.geometry.walls[0].corners = corners(&[(0.0, 0.0), (6.0, 0.0)]);
+        says(&open, "");
         trial.dynamics[1].position = vec2(5e4, 2.0);
         says(&trial, "agent \"1\" stands 49996 m away from the others");
-    }
 
-    /// Trials of the resources and of the examples are not doubted: tests of the command check them.
-    #[test]
-    fn an_agent_in_a_pillar_is_named_with_it() {
         let mut trial = room();
-        let mut pillar = trial.geometry.walls[0].clone();
-        pillar.id = "pillar".into();
-        pillar.corners =
-            [(2.5, 1.7), (3.1, 1.7), (3.1, 2.3), (2.5, 2.3), (2.5, 1.7)].map(|(x, y)| vec2(x, y)).to_vec();
-        trial.geometry.walls.push(pillar);
-        let said = said(&trial).join("\n");
-        let words = "agent \"2\" stands inside the closed wall \"pillar\", around which 4 others stand: is it a pillar?";
-        assert!(said.contains(words), "{said}");
+        add_wall(&mut trial, "pillar", &[(2.5, 1.7), (3.1, 1.7), (3.1, 2.3), (2.5, 2.3), (2.5, 1.7)]);
+        let words =
+            "\"2\" stands inside the closed wall \"pillar\", around which 4 others stand: is it a pillar?";
+        assert!(said(&trial).join("\n").contains(words));
         trial.dynamics[2].position = vec2(2.8, 3.0);
-        assert_eq!(super::tests::said(&trial), [""; 0]);
+        says(&trial, "");
     }
 
     /// An L-shaped room: its hull has the agents in the notch in it.
@@ -340,8 +321,8 @@ mod tests {
     fn agents_beside_a_closed_room_are_named() {
         let mut trial = room();
         let shape = [(0.0, 0.0), (6.0, 0.0), (6.0, 2.5), (3.0, 2.5), (3.0, 6.0), (0.0, 6.0), (0.0, 0.0)];
-        trial.geometry.walls[0].corners = shape.map(|(x, y)| vec2(x, y)).to_vec();
-        assert_eq!(said(&trial), [""; 0]);
+        trial.geometry.walls[0].corners = corners(&shape);
+        says(&trial, "");
         trial.dynamics[4].position = vec2(4.0, 4.0);
         says(
             &trial,
@@ -349,64 +330,49 @@ mod tests {
         );
         trial.dynamics[2].position = vec2(2.8, -1.0);
         says(&trial, "2 agents stand (first \"2\") outside of the closed walls in which 3 others stand");
-        // Somebody who is alone.
+        // Somebody who is alone; beside a pillar.
         let mut lone = trial.clone();
         lone.agents.truncate(1);
         lone.dynamics.truncate(1);
-        assert_eq!(said(&lone), [""; 0]);
+        says(&lone, "");
         lone.dynamics[0].position = vec2(-3.0, 2.0);
         says(&lone, "agent \"0\" stands outside of the closed walls, and nobody inside: is this intended?");
-        for corner in &mut lone.geometry.walls[0].corners {
-            *corner = *corner * 0.3;
-        }
-        assert_eq!(said(&lone), [""; 0], "a pillar");
+        lone.geometry.walls[0].corners.iter_mut().for_each(|corner| *corner = *corner * 0.3);
+        says(&lone, "");
         // More outside than inside: the others are asked about.
         trial.dynamics[1].position = vec2(1.8, -1.0);
         says(&trial, "around which 3 others stand: is it a pillar?");
         // A pen in a hall with a door: those beside it are in the hall.
         let mut hall = room();
-        let mut pen = hall.geometry.walls[0].clone();
-        pen.id = "pen".into();
-        pen.corners =
-            [(0.2, 1.0), (4.3, 1.0), (4.3, 3.0), (0.2, 3.0), (0.2, 1.0)].map(|(x, y)| vec2(x, y)).to_vec();
-        hall.geometry.walls.push(pen);
-        assert_eq!(said(&hall), [""; 0]);
+        add_wall(&mut hall, "pen", &[(0.2, 1.0), (4.3, 1.0), (4.3, 3.0), (0.2, 3.0), (0.2, 1.0)]);
+        says(&hall, "");
     }
 
     #[test]
-    fn places_in_centimetres_are_doubted() {
+    fn places_rooms_and_bodies_in_centimetres_are_doubted() {
+        let scale_places = |trial: &mut Trial| {
+            trial.dynamics.iter_mut().for_each(|dynamics| dynamics.position = dynamics.position * 100.0);
+        };
+        let scale_walls = |trial: &mut Trial, factor: f64| {
+            trial.geometry.walls[0].corners.iter_mut().for_each(|corner| *corner = *corner * factor);
+        };
         let mut trial = room();
-        for dynamics in &mut trial.dynamics {
-            dynamics.position = dynamics.position * 100.0;
-        }
+        scale_places(&mut trial);
         says(
             &trial,
             "nobody is between the walls, and people span 400.000 m × 0.000 m: are their Positions in metres?",
         );
-    }
-
-    #[test]
-    fn a_room_in_centimetres_is_doubted() {
         let mut trial = room();
-        for corner in &mut trial.geometry.walls[0].corners {
-            *corner = *corner * 100.0;
-        }
+        scale_walls(&mut trial, 100.0);
         says(
             &trial,
             "the walls span 600.000 m × 400.000 m around 5 agents: are their Coordinates in metres?",
         );
-        for dynamics in &mut trial.dynamics {
-            dynamics.position = dynamics.position * 100.0;
-        }
+        scale_places(&mut trial);
         says(&trial, "the walls span 600.000 m × 400.000 m");
-        for corner in &mut trial.geometry.walls[0].corners {
-            *corner = *corner * 1e-5;
-        }
+        scale_walls(&mut trial, 1e-5);
         assert!(said(&trial)[0].contains("less than an agent"), "{:?}", said(&trial));
-    }
 
-    #[test]
-    fn bodies_in_centimetres_are_doubted() {
         let mut trial = room();
         for (agent, place) in trial.agents.iter_mut().zip(0..) {
             agent.moment_of_inertia *= 1e4;
@@ -418,126 +384,95 @@ mod tests {
         }
         trial.geometry.walls.clear();
         let said = said(&trial);
-        let words = [
-            "agent \"0\" is ",
-            " m wide (5 agents in all): are Radius and Position of its shapes in metres?",
-        ];
-        assert!(said.len() == 2 && words.iter().all(|word| said[1].contains(word)), "{said:?}");
+        let words = " m wide (5 agents in all): are Radius and Position of its shapes in metres?";
+        assert!(said.len() == 2 && said[1].contains(words), "{said:?}");
         assert!(said[0].contains("is it in kg cm² (1.85 kg m²)?"), "{said:?}");
     }
 
     #[test]
-    fn steps_that_nobody_means_are_doubted() {
-        let mut trial = room();
-        trial.parameters.time_step = 50.0;
-        trial.parameters.time_step_mechanical = 1e-5;
-        says(&trial, "<Times> TimeStep=\"50.0\": 1e-5 s to 1 s is usual, because drives are constant");
-        trial.parameters.time_step = 1.0;
-        trial.parameters.time_step_mechanical = 1e-9;
-        says(
-            &trial,
-            "<Times> TimeStepMechanical=\"1e-9\": is short: each TimeStep of 1.0 s takes 1.0e9 mechanical steps",
-        );
-        (trial.parameters.time_step, trial.parameters.time_step_mechanical) = (1e-6, 1e-6);
-        says(&trial, "<Times> TimeStep=\"1e-6\": 1e-5 s to 1 s is usual");
-    }
-
-    #[test]
-    fn a_centre_of_mass_outside_of_the_own_disks_is_doubted() {
+    fn steps_and_centres_that_nobody_means_are_doubted() {
+        for (time_step, mechanical, words) in [
+            (50.0, 1e-5, "<Times> TimeStep=\"50.0\": 1e-5 s to 1 s is usual, because drives are constant"),
+            (
+                1.0,
+                1e-9,
+                "TimeStepMechanical=\"1e-9\": is short: each TimeStep of 1.0 s takes 1.0e9 mechanical steps",
+            ),
+            (1e-6, 1e-6, "<Times> TimeStep=\"1e-6\": 1e-5 s to 1 s is usual"),
+        ] {
+            let mut trial = room();
+            (trial.parameters.time_step, trial.parameters.time_step_mechanical) = (time_step, mechanical);
+            says(&trial, words);
+        }
         let mut trial = room();
         // Beside the disks, but between them: two shoulders.
         trial.agents[1].shapes = vec![trial.agents[1].shapes[0].clone(), trial.agents[1].shapes[4].clone()];
-        assert_eq!(said(&trial), [""; 0]);
-        for agent in &mut trial.agents[2..4] {
-            for shape in &mut agent.shapes {
-                shape.position.x += 0.4;
-            }
-        }
+        says(&trial, "");
+        let shapes = trial.agents[2..4].iter_mut().flat_map(|agent| &mut agent.shapes);
+        shapes.for_each(|shape| shape.position.x += 0.4);
         says(&trial, "the centre of mass of agent \"2\" is outside of its own shapes (2 agents in all)");
     }
 
-    /// Of each attribute a value in another unit, with that unit and the value that is meant: the person's own.
+    /// A value of each attribute in another unit, with that unit and the value that is meant: the person's own.
     #[test]
     fn values_in_other_units_are_doubted_with_the_unit() {
         type Change = fn(&mut Trial);
-        let cases: [(Change, &str, &str); 20] = [
+        let cases: [(Change, &str); 22] = [
             (
-                |t| t.agents[0].mass = 89_000.0,
-                "<Agent> Mass=\"89000.0\": agent \"0\": 1 kg to 1000 kg",
-                "g (89 kg)?",
+                |t| t.agents[0].mass = 89e3,
+                "<Agent> Mass=\"89000.0\": agent \"0\": 1 kg to 1000 kg … g (89 kg)?",
             ),
-            (|t| t.agents[0].mass = 0.089, "Mass=\"0.089\"", "t (89 kg)?"),
+            (|t| t.agents[0].mass = 0.089, "Mass=\"0.089\" … t (89 kg)?"),
             (
                 |t| t.agents[1].moment_of_inertia = 10_200.0,
-                "MomentOfInertia=\"10200.0\": agent \"1\"",
-                "kg cm² (1.02 kg m²)?",
+                "MomentOfInertia=\"10200.0\" … kg cm² (1.02 kg m²)?",
             ),
             (
                 |t| t.agents[1].moment_of_inertia = 1.02e6,
-                "MomentOfInertia=\"1020000.0\"",
-                "kg mm² (1.02 kg m²)?",
+                "MomentOfInertia=\"1020000.0\" … kg mm² (1.02 kg m²)?",
             ),
-            (|t| t.agents[0].floor_damping = 450.0, "FloorDamping=\"450.0\"", "kg/s (5.06 1/s)?"),
-            (|t| t.agents[0].angular_damping = 90.0, "AngularDamping=\"90.0\"", "kg m²/s (48.6 1/s)?"),
+            (|t| t.agents[0].floor_damping = 450.0, "FloorDamping=\"450.0\" … kg/s (5.06 1/s)?"),
+            (|t| t.agents[0].angular_damping = 90.0, "AngularDamping=\"90.0\" … kg m²/s (48.6 1/s)?"),
             (
                 |t| t.dynamics[2].velocity = vec2(60.0, 80.0),
-                "Velocity=\"60.0,80.0\": agent \"2\"",
-                "cm/s (1 m/s)?",
+                "Velocity=\"60.0,80.0\": agent \"2\" … cm/s (1 m/s)?",
             ),
-            (|t| t.dynamics[2].velocity = vec2(0.0, -18.0), "Velocity=\"0.0,-18.0\"", "km/h (5 m/s)?"),
-            (|t| t.dynamics[2].fp = vec2(6e5, 0.0), "Fp=\"600000.0,0.0\": agent \"2\"", "mN (600 N)?"),
-            (|t| t.dynamics[2].mp = -1e4, "Mp=\"-10000.0\"", "N mm (-10 N m)?"),
-            (|t| t.agents[0].height = Some(1794.0), "<Agent> Height=\"1794.0\"", "mm (1.79 m)?"),
-            (|t| t.agents[0].height = Some(70.6), "<Agent> Height=\"70.6\"", "inches (1.79 m)?"),
+            (|t| t.dynamics[2].velocity = vec2(0.0, -18.0), "Velocity=\"0.0,-18.0\" … km/h (5 m/s)?"),
+            (|t| t.dynamics[2].velocity = vec2(1e7, 0.0), "<Kinematics> Velocity … is it right?"),
+            (|t| t.dynamics[2].fp = vec2(6e5, 0.0), "Fp=\"600000.0,0.0\": agent \"2\" … mN (600 N)?"),
+            (|t| t.dynamics[2].mp = -1e4, "Mp=\"-10000.0\" … N mm (-10 N m)?"),
+            (|t| t.agents[0].height = Some(1794.0), "<Agent> Height=\"1794.0\" … mm (1.79 m)?"),
+            (|t| t.agents[0].height = Some(70.6), "<Agent> Height=\"70.6\" … inches (1.79 m)?"),
             (
-                |t| t.agents[1].shapes[0].radius = 0.0095,
-                "<Shape> Radius=\"0.0095\": agent \"1\"",
-                "is it right?",
+                |t| t.agents[1].shapes[0].radius = 9.5e-3,
+                "<Shape> Radius=\"0.0095\": agent \"1\" … is it right?",
             ),
-            (
-                |t| t.materials.binary[2].gamma_normal = 0.0013,
-                "GammaNormal=\"0.0013\"",
-                "MN s/m (1300 kg/s)?",
-            ),
-            (|t| t.dynamics[2].theta = -90.0, "Theta=\"-90.0\"", "degrees (-1.57 rad)?"),
-            (|t| t.dynamics[2].omega = 180.0, "Omega=\"180.0\"", "degrees/s (3.14 rad/s)?"),
+            (|t| t.materials.binary[2].gamma_normal = 1.3e-3, "GammaNormal=\"0.0013\" … MN s/m (1300 kg/s)?"),
+            (|t| t.dynamics[2].theta = -90.0, "Theta=\"-90.0\" … degrees (-1.57 rad)?"),
+            (|t| t.dynamics.iter_mut().for_each(|d| d.theta = 90.0), "agent \"0\" (and 4 more) … degrees"),
+            (|t| t.dynamics[2].omega = 180.0, "Omega=\"180.0\" … degrees/s (3.14 rad/s)?"),
             (
                 |t| t.materials.binary[2].kinetic_friction = 40.0,
-                "KineticFriction=\"40.0\": materials \"concrete\" and \"human_naked\"",
-                "per cent (0.4)?",
+                "KineticFriction=\"40.0\": materials \"concrete\" and \"human_naked\" … per cent (0.4)?",
             ),
-            (|t| t.parameters.time_step = 50.0, "TimeStep=\"50.0\": 1e-5 s to 1 s is usual", "ms (0.05 s)?"),
-            (|t| t.dynamics[2].velocity = vec2(1e7, 0.0), "<Kinematics> Velocity", "is it right?"),
+            (|t| t.parameters.time_step = 50.0, "TimeStep=\"50.0\": 1e-5 s to 1 s is usual … ms (0.05 s)?"),
             (
-                |t| {
-                    for dynamics in &mut t.dynamics {
-                        dynamics.theta = 90.0
-                    }
-                },
-                "agent \"0\" (and 4 more)",
-                "degrees",
+                |t| t.materials.intrinsic.iter_mut().for_each(|m| m.young_modulus *= 1e-6),
+                "YoungModulus=\"1700.0\": material \"concrete\" (and 2 more): 10000 N/m to 1e12 N/m … MPa (1.7e9 N/m)?",
+            ),
+            (
+                |t| t.materials.intrinsic.iter_mut().for_each(|m| m.shear_modulus *= 1e-6),
+                "ShearModulus=\"710.0\": material \"concrete\" (and 2 more) … MN/m or MPa (7.1e8 N/m)?",
             ),
         ];
-        for (change, whose, meant) in cases {
+        for (change, words) in cases {
             let mut trial = room();
             change(&mut trial);
-            let said = said(&trial);
-            let found = said.iter().filter(|line| line.contains(whose)).collect::<Vec<_>>();
-            assert!(found.len() == 1 && found[0].contains(meant), "{whose} {meant}: {said:?}");
-        }
-        // Moduli of all materials, in MPa.
-        let mut trial = room();
-        for material in &mut trial.materials.intrinsic {
-            material.young_modulus *= 1e-6;
-            material.shear_modulus *= 1e-6;
-        }
-        let said = said(&trial);
-        for (attribute, meant) in
-            [("YoungModulus=\"1700.0\"", "1.7e9 N/m"), ("ShearModulus=\"710.0\"", "7.1e8 N/m")]
-        {
-            let found = said.iter().find(|line| line.contains(attribute)).unwrap();
-            let words = "material \"concrete\" (and 2 more): 10000 N/m to 1e12 N/m is usual";
-            assert!(found.contains(words) && found.contains(&format!("MN/m or MPa ({meant})?")), "{found}");
+            // Before the engine's own checks, which say something else of such values.
+            let unusual: Vec<_> = Setup::of(&trial).unusual(&FileNames::default()).collect();
+            let said: Vec<String> = unusual.iter().map(ToString::to_string).collect();
+            let found = said.iter().filter(|line| words.split(" … ").all(|words| line.contains(words)));
+            assert_eq!(found.count(), 1, "{words}: {said:?}");
         }
     }
 }

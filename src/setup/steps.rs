@@ -30,7 +30,7 @@ const PROPOSED_ACCURACY: f64 = 1e-3;
 /// \[m\] Finest accuracy for which a step is chosen. Smaller differences from the independent integrator were not seen.
 pub const FINEST_ACCURACY: f64 = 1e-9;
 
-/// What mechanical steps do in a scene. See [`Setup::steps`].
+/// Effects of mechanical steps in a scene. See [`Setup::steps`].
 #[derive(Debug, Clone)]
 pub struct Steps {
     /// \[1/s\] Ω of the fastest contact.
@@ -97,7 +97,7 @@ impl Setup<'_> {
 
     /// Returns `None` if nothing can touch.
     pub(super) fn steps_in(&self, scene: &Scene) -> Option<Steps> {
-        let materials = self.material_places().len();
+        let materials = self.used_materials().len();
         // The two lightest agents of each material, because a contact may be between two agents of the same material.
         let mut lightest: Vec<[Option<(f64, usize)>; 2]> = vec![[None; 2]; materials];
         for (b, body) in scene.bodies.iter().enumerate() {
@@ -120,30 +120,17 @@ impl Setup<'_> {
         for (wall, faces) in scene.wall_faces.iter().enumerate() {
             walls[scene.faces[faces.start].material].get_or_insert(wall);
         }
-        let id = |b: usize| quoted(&self.agents[b].id);
-        let mut steps: Option<Steps> = None;
-        let mut consider = |first: usize, second: usize, lightness: f64, whose: &dyn Fn() -> String| {
+        let rates = |first: usize, second: usize, lightness: f64| {
             let law = scene.law(first, second);
-            let rates = Rates {
+            Rates {
                 stiffness: law.normal_stiffness.max(law.tangential_stiffness) * lightness,
                 damping: law.normal_damping.max(law.tangential_damping) * lightness,
                 tangential_stiffness: law.tangential_stiffness * lightness,
                 tangential_damping: law.tangential_damping * lightness,
-            };
-            let fastest = || Fastest { pair: whose(), rates, materials: (first, second) };
-            let (pace, stable, to_stick) = (rates.pace(), rates.stable(), rates.longest_to_stick());
-            match &mut steps {
-                None => steps = Some(Steps { pace, stable, to_stick, least_allowed: fastest() }),
-                Some(steps) => {
-                    steps.pace = steps.pace.max(pace);
-                    steps.stable = steps.stable.min(stable);
-                    steps.to_stick = steps.to_stick.min(to_stick);
-                    if rates.longest_step() < steps.longest() {
-                        steps.least_allowed = fastest();
-                    }
-                }
             }
         };
+        // With the materials, an agent, and another one or a wall.
+        let mut contacts: Vec<(Rates, (usize, usize), usize, Other)> = Vec::new();
         for first in 0..materials {
             let Some((lightness, a)) = lightest[first][0] else { continue };
             for (second, others) in lightest.iter().enumerate().skip(first) {
@@ -152,19 +139,39 @@ impl Setup<'_> {
                 });
                 let sum = |pair: &(&(f64, usize), &(f64, usize))| pair.0.0 + pair.1.0;
                 if let Some(pair) = pairs.max_by(|a, b| sum(a).total_cmp(&sum(b))) {
-                    let whose = || format!("agents {} and {}", id(pair.0.1), id(pair.1.1));
-                    consider(first, second, sum(&pair), &whose);
+                    let rates = rates(first, second, sum(&pair));
+                    contacts.push((rates, (first, second), pair.0.1, Other::Agent(pair.1.1)));
                 }
             }
-            for (material, wall) in walls.iter().enumerate() {
-                let Some(wall) = wall else { continue };
-                consider(first, material, lightness, &|| {
-                    format!("agent {} and wall {}", id(a), quoted(&self.geometry.walls[*wall].id))
-                });
+            for (second, wall) in walls.iter().enumerate() {
+                let with = |wall| (rates(first, second, lightness), (first, second), a, Other::Wall(wall));
+                contacts.extend(wall.map(with));
             }
         }
-        steps
+        let step = |contact: &&(Rates, _, _, _)| contact.0.longest_step();
+        let &(least, materials, agent, other) = contacts.iter().min_by(|a, b| step(a).total_cmp(&step(b)))?;
+        let id = |b: usize| quoted(&self.agents[b].id);
+        let pair = match other {
+            Other::Agent(other) => format!("agents {} and {}", id(agent), id(other)),
+            Other::Wall(wall) => {
+                format!("agent {} and wall {}", id(agent), quoted(&self.geometry.walls[wall].id))
+            }
+        };
+        let all = || contacts.iter().map(|(rates, ..)| rates);
+        Some(Steps {
+            pace: all().map(Rates::pace).fold(0.0, f64::max),
+            stable: all().map(Rates::stable).fold(f64::INFINITY, f64::min),
+            to_stick: all().map(Rates::longest_to_stick).fold(f64::INFINITY, f64::min),
+            least_allowed: Fastest { pair, rates: least, materials },
+        })
     }
+}
+
+/// A thing that an agent touches.
+#[derive(Clone, Copy)]
+enum Other {
+    Agent(usize),
+    Wall(usize),
 }
 
 /// The stiffness and damping of a contact, divided by the effective mass of the touching points.

@@ -3,7 +3,7 @@
 use crate::engine::Vec2;
 use lemons_core::plane::{Bounds, Ring};
 use lemons_core::trial::Wall;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// Largest number of tests whether a person is beside a face of a wall; of a larger crowd an evenly chosen part is tested.
 const MOST_LOOKS: u64 = 50_000_000;
@@ -27,7 +27,7 @@ pub(super) struct Inside {
     pub(super) around: usize,
 }
 
-/// Whether a wall ends where it begins.
+/// Returns whether a wall ends where it begins.
 fn is_closed(wall: &Wall) -> bool {
     wall.corners.len() > 3 && wall.corners.first() == wall.corners.last()
 }
@@ -39,42 +39,30 @@ fn is_closed(wall: &Wall) -> bool {
 /// reported. Otherwise they are rooms of a larger one. A wall around several people, more than a twentieth of those
 /// around it, is a room in any case.
 pub(super) fn within_pillars(walls: &[Wall], places: &[Vec2]) -> Option<Inside> {
-    let enclosing = enclosing(walls, places, MOST_LOOKS);
-    // Each area: the closed walls around it from the largest on, as the index of the outer area and the last wall.
-    let mut areas: HashMap<(usize, usize), usize> = HashMap::new();
-    let mut counts = vec![Area::default()];
-    for (agent, around) in enclosing {
-        let mut at = 0;
-        counts[at].total += 1;
-        for wall in around {
-            let next = counts.len();
-            let inner = *areas.entry((at, wall)).or_insert(next);
-            if inner == next {
-                counts.push(Area { first: agent, wall, outer: at, ..Area::default() });
-            }
-            at = inner;
-            counts[at].total += 1;
-            counts[at].first = counts[at].first.min(agent);
+    // By the closed walls around each area, from the largest on.
+    let mut areas: BTreeMap<Vec<usize>, Area> = BTreeMap::new();
+    for (agent, around) in enclosing(walls, places, MOST_LOOKS) {
+        for depth in 0..=around.len() {
+            let new = Area { around: 0, total: 0, first: agent };
+            let area = areas.entry(around[..depth].to_vec()).or_insert(new);
+            area.total += 1;
+            area.around += usize::from(depth == around.len());
+            area.first = area.first.min(agent);
         }
-        counts[at].around += 1;
     }
-    let doubted = counts.iter().skip(1).filter(|area| {
-        let outer = &counts[area.outer];
-        let inside = outer.total - outer.around;
-        outer.around > inside && area.total <= FEW.max(outer.around / SMALL_PART)
-    });
     // Walls inside a pillar are not reported again: either no person is around them in it, or the pillar itself is
     // reported.
-    let mut told: Option<Inside> = None;
-    for area in doubted {
-        let (agent, wall, around) = (area.first, area.wall, counts[area.outer].around);
-        let count = told.as_ref().map_or(0, |told| told.count) + area.total;
-        told = Some(match told {
-            Some(first) if first.agent < agent => Inside { count, ..first },
-            _ => Inside { agent, wall, count, around },
-        });
-    }
-    told
+    let doubted = areas.iter().filter_map(|(walls, area)| {
+        let (wall, outside) = walls.split_last()?;
+        let outer = &areas[outside];
+        let inside = outer.total - outer.around;
+        let few = outer.around > inside && area.total <= FEW.max(outer.around / SMALL_PART);
+        few.then_some(Inside { agent: area.first, wall: *wall, count: area.total, around: outer.around })
+    });
+    doubted.reduce(|one, other| {
+        let count = one.count + other.count;
+        Inside { count, ..if one.agent < other.agent { one } else { other } }
+    })
 }
 
 /// Returns the agents who stand outside of all closed walls, and the number of those inside one, if these are more; or
@@ -93,7 +81,6 @@ pub(super) fn outside_rooms(walls: &[Wall], places: &[Vec2]) -> Option<(Vec<usiz
 }
 
 /// The people in an area inside closed walls.
-#[derive(Default)]
 struct Area {
     /// Number of people in it and in no closed wall inside it.
     around: usize,
@@ -101,10 +88,6 @@ struct Area {
     total: usize,
     /// Index of the first of these people.
     first: usize,
-    /// The wall around it.
-    wall: usize,
-    /// The area outside it.
-    outer: usize,
 }
 
 /// Returns for each tested agent the closed walls around it, from the largest on.
@@ -163,42 +146,41 @@ mod tests {
     #[test]
     fn who_stands_in_a_pillar_of_a_room_is_told_and_nobody_in_rooms() {
         let (room, pillar) = (square("room", 0.0, 0.0, 10.0), square("pillar", 4.0, 4.0, 1.0));
-        let people = |more: &[Vec2]| [row(4, 1.0, 1.0), more.to_vec()].concat();
-        let in_pillar = people(&[vec2(4.5, 4.5)]);
-        let told = |agent, wall, count, around| Some(Inside { agent, wall, count, around });
-        assert_eq!(within_pillars(&[room.clone(), pillar.clone()], &in_pillar), told(4, 1, 1, 4));
+        let told = |walls: &[&Wall], more: &[Vec2]| {
+            let walls: Vec<Wall> = walls.iter().map(|wall| (*wall).clone()).collect();
+            let found = within_pillars(&walls, &[row(4, 1.0, 1.0), more.to_vec()].concat());
+            found.map(|Inside { agent, wall, count, around }| (agent, wall, count, around))
+        };
+        let inside = vec2(4.5, 4.5);
+        assert_eq!(told(&[&room, &pillar], &[inside]), Some((4, 1, 1, 4)));
         // Of a room with a door, which is not closed, too; and in the open.
-        assert_eq!(within_pillars(std::slice::from_ref(&pillar), &in_pillar), told(4, 0, 1, 4));
-        let two = people(&[vec2(4.5, 4.5), vec2(4.2, 4.7)]);
-        assert_eq!(within_pillars(&[pillar.clone(), room.clone()], &two), told(4, 0, 2, 4));
+        assert_eq!(told(&[&pillar], &[inside]), Some((4, 0, 1, 4)));
+        assert_eq!(told(&[&pillar, &room], &[inside, vec2(4.2, 4.7)]), Some((4, 0, 2, 4)));
         // On its edge's line, beside it, and in nothing at all.
         for beside in [vec2(4.5, 3.9), vec2(3.0, 4.0), vec2(5.1, 5.0), vec2(-1.0, 4.5)] {
-            assert_eq!(
-                within_pillars(&[room.clone(), pillar.clone()], &people(&[beside])),
-                None,
-                "{beside:?}"
-            );
+            assert_eq!(told(&[&room, &pillar], &[beside]), None, "{beside:?}");
         }
         // A hollow pillar is told once.
-        let hollow = square("hollow", 4.2, 4.2, 0.6);
-        assert_eq!(within_pillars(&[hollow, room, pillar], &in_pillar), told(4, 2, 1, 4));
+        assert_eq!(told(&[&square("hollow", 4.2, 4.2, 0.6), &room, &pillar], &[inside]), Some((4, 2, 1, 4)));
     }
 
     #[test]
     fn rooms_within_larger_ones_are_no_pillars() {
-        let (hall, cabin) = (square("hall", 0.0, 0.0, 30.0), square("cabin", 20.0, 20.0, 5.0));
-        // All in the inner one; most there; rooms beside each other; a cabin for ten of a hundred.
+        let hall = [square("hall", 0.0, 0.0, 30.0), square("cabin", 20.0, 20.0, 5.0)];
+        // All in the inner one; most there; a cabin for ten of a hundred.
         let inner = row(20, 21.0, 22.0);
-        assert_eq!(within_pillars(&[hall.clone(), cabin.clone()], &inner), None);
-        let some = [inner, row(5, 2.0, 2.0)].concat();
-        assert_eq!(within_pillars(&[hall.clone(), cabin.clone()], &some), None);
-        let rooms: Vec<Wall> = (0..10).map(|k| square("room", 2.0 * f64::from(k), 5.0, 1.5)).collect();
-        let people: Vec<Vec2> = (0..10).flat_map(|k| row(1 + k % 3, 2.0 * f64::from(k) + 0.2, 5.5)).collect();
-        let corridor = row(12, 1.0, 1.0);
-        let all = [vec![hall.clone()], rooms].concat();
-        assert_eq!(within_pillars(&all, &[people, corridor].concat()), None);
-        let hundred = [row(100, 2.0, 2.0), row(10, 21.0, 22.0)].concat();
-        assert_eq!(within_pillars(&[hall, cabin], &hundred), None);
+        for people in [
+            inner.clone(),
+            [inner, row(5, 2.0, 2.0)].concat(),
+            [row(100, 2.0, 2.0), row(10, 21.0, 22.0)].concat(),
+        ] {
+            assert_eq!(within_pillars(&hall, &people), None);
+        }
+        // Rooms beside each other.
+        let rooms = (0..10).map(|k| square("room", 2.0 * f64::from(k), 5.0, 1.5));
+        let people = (0..10).flat_map(|k| row(1 + k % 3, 2.0 * f64::from(k) + 0.2, 5.5));
+        let all: Vec<Wall> = hall[..1].iter().cloned().chain(rooms).collect();
+        assert_eq!(within_pillars(&all, &people.chain(row(12, 1.0, 1.0)).collect::<Vec<_>>()), None);
     }
 
     /// Closed walls of 100 000 corners among as many people.

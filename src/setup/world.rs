@@ -3,14 +3,14 @@
 use super::Setup;
 use crate::engine::{
     AdvanceError, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Scene,
-    SceneError, State, WallSpec, World, Wrench, elongation_vector,
+    State, WallSpec, World, Wrench, elongation_vector,
 };
-use lemons_core::plane::Motion;
-use lemons_core::trial::quoted;
+use lemons_core::plane::{Motion, Pose, Twist};
 use lemons_core::trial::{
-    AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, WallInteraction, stiffness,
+    Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, Shape, Wall,
+    WallInteraction, pairs_that_touch, quoted, stiffness,
 };
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use thiserror::Error;
 
 /// Why no world can be built from a Trial's documents. A Trial that was read from files can always be built; one whose
@@ -40,58 +40,18 @@ pub enum WorldError {
         /// Number of agents and faces near it.
         crowded: Crowded,
     },
-    /// There are more bodies, disks or faces than the engine's indices can represent.
-    #[error("{0}")]
-    Size(SceneError),
 }
 
 impl Setup<'_> {
-    /// Indices in the table of laws for the Ids of the materials that shapes and walls have. Files may list thousands
-    /// of other materials, and the table has a row and a column for each.
-    pub(super) fn material_places(&self) -> HashMap<&str, usize> {
-        let shapes =
-            self.agents.iter().flat_map(|agent| &agent.shapes).map(|shape| shape.material_id.as_str());
-        let mut places = HashMap::new();
-        for id in shapes.chain(self.geometry.walls.iter().map(|wall| wall.material_id.as_str())) {
-            let next = places.len();
-            places.entry(id).or_insert(next);
-        }
-        places
-    }
-
-    /// The materials in the order of these indices.
-    pub(super) fn materials_placed(&self, places: &HashMap<&str, usize>) -> Vec<&Material> {
-        let known = self.materials.intrinsic.iter();
-        let mut placed: Vec<(usize, &Material)> =
-            known.filter_map(|material| Some((*places.get(material.id.as_str())?, material))).collect();
-        placed.sort_by_key(|(place, _)| *place);
-        placed.into_iter().map(|(_, material)| material).collect()
-    }
-
-    fn laws(&self, places: &HashMap<&str, usize>) -> LawTable {
-        let intrinsic = self.materials_placed(places);
-        let mut laws = LawTable::new(intrinsic.len());
-        for contact in &self.materials.binary {
-            let (Some(&first), Some(&second)) = (places.get(&*contact.id1), places.get(&*contact.id2)) else {
-                continue;
-            };
-            let (normal_stiffness, tangential_stiffness) = stiffness(intrinsic[first], intrinsic[second]);
-            let usable = |k: f64| k > 0.0 && k.is_finite();
-            if usable(normal_stiffness) && usable(tangential_stiffness) {
-                laws.set(
-                    first,
-                    second,
-                    PairLaw {
-                        normal_stiffness,
-                        tangential_stiffness,
-                        normal_damping: contact.gamma_normal,
-                        tangential_damping: contact.gamma_tangential,
-                        friction: contact.kinetic_friction,
-                    },
-                );
-            }
-        }
-        laws
+    /// Returns the materials that shapes and walls have, in the order of the table of laws. Files may list thousands of
+    /// others, and the table has a row and a column for each.
+    pub(super) fn used_materials(&self) -> Vec<&Material> {
+        let shapes = self.agents.iter().flat_map(|agent| &agent.shapes).map(|shape| &*shape.material_id);
+        let ids = shapes.chain(self.geometry.walls.iter().map(|wall| &*wall.material_id));
+        let known: HashMap<&str, &Material> =
+            self.materials.intrinsic.iter().map(|material| (&*material.id, material)).collect();
+        let mut used = HashSet::new();
+        ids.filter(|id| used.insert(*id)).filter_map(|id| known.get(id).copied()).collect()
     }
 
     /// Returns bodies, walls and laws.
@@ -99,43 +59,55 @@ impl Setup<'_> {
     /// # Errors
     /// Materials that can touch have no usable contact.
     pub fn scene(&self) -> Result<Scene, WorldError> {
-        let places = self.material_places();
+        let materials = self.used_materials();
+        let places: HashMap<&str, usize> =
+            materials.iter().enumerate().map(|(place, material)| (&*material.id, place)).collect();
         // A Trial uses only known materials; that was checked when it was read.
         let place = |id: &str| places.get(id).copied().unwrap_or(0);
-        let bodies: Vec<BodySpec> = self
-            .agents
-            .iter()
-            .map(|agent| BodySpec {
-                mass: agent.mass,
-                inertia: agent.moment_of_inertia,
-                translation_rate: agent.floor_damping,
-                rotation_rate: agent.angular_damping,
-                disks: agent
-                    .shapes
-                    .iter()
-                    .map(|shape| DiskSpec {
-                        radius: shape.radius,
-                        position: shape.position,
-                        material: place(&shape.material_id),
-                    })
-                    .collect(),
-            })
-            .collect();
-        let walls: Vec<WallSpec> = self
-            .geometry
-            .walls
-            .iter()
-            .map(|wall| WallSpec { material: place(&wall.material_id), corners: wall.corners.clone() })
-            .collect();
-        Scene::new(&bodies, &walls, &self.laws(&places)).map_err(|error| match error {
-            SceneError::MissingLaw { first, second } => {
-                let placed = self.materials_placed(&places);
-                let (first, second) = (placed[first], placed[second]);
-                let (normal, tangential) = stiffness(first, second);
-                WorldError::Contact { first: first.id.clone(), second: second.id.clone(), normal, tangential }
-            }
-            other => WorldError::Size(other),
-        })
+        let disk = |shape: &Shape| DiskSpec {
+            radius: shape.radius,
+            position: shape.position,
+            material: place(&shape.material_id),
+        };
+        let body = |agent: &Agent| BodySpec {
+            mass: agent.mass,
+            inertia: agent.moment_of_inertia,
+            translation_rate: agent.floor_damping,
+            rotation_rate: agent.angular_damping,
+            disks: agent.shapes.iter().map(disk).collect(),
+        };
+        let bodies: Vec<BodySpec> = self.agents.iter().map(body).collect();
+        let wall =
+            |wall: &Wall| WallSpec { material: place(&wall.material_id), corners: wall.corners.clone() };
+        let walls: Vec<WallSpec> = self.geometry.walls.iter().map(wall).collect();
+
+        let contacts = self.materials.binary.iter().filter_map(|contact| {
+            let (one, other) = (*places.get(&*contact.id1)?, *places.get(&*contact.id2)?);
+            Some(((one.min(other), one.max(other)), contact))
+        });
+        let contacts: HashMap<_, _> = contacts.collect();
+        let shapes = bodies.iter().enumerate();
+        let shapes: Vec<_> =
+            shapes.flat_map(|(b, body)| body.disks.iter().map(move |disk| (b, disk.material))).collect();
+        let mut laws = LawTable::new(materials.len());
+        for pair in pairs_that_touch(&shapes, &walls.iter().map(|wall| wall.material).collect()) {
+            let (first, second) = (materials[pair.0], materials[pair.1]);
+            let (normal, tangential) = stiffness(first, second);
+            let usable = [normal, tangential].iter().all(|&k| k > 0.0 && k.is_finite());
+            let Some(contact) = contacts.get(&pair).filter(|_| usable) else {
+                let (first, second) = (first.id.clone(), second.id.clone());
+                return Err(WorldError::Contact { first, second, normal, tangential });
+            };
+            let law = PairLaw {
+                normal_stiffness: normal,
+                tangential_stiffness: tangential,
+                normal_damping: contact.gamma_normal,
+                tangential_damping: contact.gamma_tangential,
+                friction: contact.kinetic_friction,
+            };
+            laws.set(pair.0, pair.1, law);
+        }
+        Ok(Scene::new(&bodies, &walls, laws))
     }
 
     /// Returns the state in `AgentDynamics.xml`, with the springs of `AgentInteractions.xml`.
@@ -144,25 +116,16 @@ impl Setup<'_> {
         let (poses, twists) = motions.map(|motion| (motion.pose, motion.twist)).unzip();
         let mut state = State::new(poses, twists);
         let disk = |agent: usize, shape: usize| DiskId::from(scene.bodies[agent].disks.start + shape);
-        state.disk_springs = self
-            .interactions
-            .agents
-            .iter()
-            .map(|i| {
-                let (first, second) = (disk(i.parent, i.parent_shape), disk(i.child, i.child_shape));
-                scene.disk_spring(first, second, i.force.elongation, &state.poses)
-            })
-            .collect();
+        let among_agents = self.interactions.agents.iter().map(|i| {
+            let (first, second) = (disk(i.parent, i.parent_shape), disk(i.child, i.child_shape));
+            scene.disk_spring(first, second, i.force.elongation, &state.poses)
+        });
+        let with_walls = self.interactions.walls.iter().map(|i| {
+            let face = FaceId::from(scene.wall_faces[i.wall].start + i.corner);
+            scene.face_spring(disk(i.agent, i.shape), face, i.force.elongation, &state.poses)
+        });
+        (state.disk_springs, state.face_springs) = (among_agents.collect(), with_walls.collect());
         state.disk_springs.sort_by_key(|spring| (spring.first, spring.second));
-        state.face_springs = self
-            .interactions
-            .walls
-            .iter()
-            .map(|i| {
-                let face = FaceId::from(scene.wall_faces[i.wall].start + i.corner);
-                scene.face_spring(disk(i.agent, i.shape), face, i.force.elongation, &state.poses)
-            })
-            .collect();
         state.face_springs.sort_by_key(|spring| (spring.disk, spring.face));
         state
     }
@@ -179,34 +142,40 @@ impl Setup<'_> {
 
     /// Returns the message of a failed step, with the Id of the agent concerned.
     pub fn name_body(&self, error: &AdvanceError) -> String {
-        match error {
+        let agent = match error {
             AdvanceError::NotFinite { body } | AdvanceError::Crowded(Crowded { body, .. }) => {
-                match self.agents.get(body.index()) {
-                    Some(agent) => format!("agent {:?}: {error}", agent.id),
-                    None => error.to_string(),
-                }
+                self.agents.get(body.index())
             }
-            _ => error.to_string(),
-        }
+            _ => None,
+        };
+        agent.map_or(error.to_string(), |agent| format!("agent {:?}: {error}", agent.id))
     }
 
-    /// Returns the names of a pair: the Ids of agents and walls.
-    pub fn name_pair(&self, scene: &Scene, pair: Pair) -> String {
-        let agent = |disk: DiskId| &self.agents[scene.body_of(disk).index()].id;
+    /// Returns the Id of the agent whose body has a disk, in quotes.
+    pub(super) fn name_of(&self, scene: &Scene, disk: DiskId) -> String {
+        quoted(&self.agents[scene.body_of(disk).index()].id)
+    }
+
+    /// Returns the Id of the wall that has a face, in quotes.
+    pub(super) fn name_of_wall(&self, scene: &Scene, face: FaceId) -> String {
+        quoted(&self.geometry.walls[scene.faces[face.index()].wall.index()].id)
+    }
+
+    /// Returns the names of a pair: the Ids of agents and walls; `wall` is what a wall is called.
+    pub(super) fn name_pair(&self, scene: &Scene, pair: Pair, wall: &str) -> String {
         match pair {
             Pair::Disks { first, second } => {
-                format!("agents {} and {}", quoted(agent(first)), quoted(agent(second)))
+                format!("agents {} and {}", self.name_of(scene, first), self.name_of(scene, second))
             }
             Pair::Face { disk, face, .. } => {
-                let wall = &self.geometry.walls[scene.faces[face.index()].wall.index()];
-                format!("agent {} and a corner of wall {}", quoted(agent(disk)), quoted(&wall.id))
+                format!("agent {} and {wall} {}", self.name_of(scene, disk), self.name_of_wall(scene, face))
             }
         }
     }
 
     /// Describes pairs whose centres coincide: the first pair and the number of the others; `None` without pairs.
     pub fn name_coincident(&self, scene: &Scene, pairs: &[Pair]) -> Option<String> {
-        let whose = self.name_pair(scene, *pairs.first()?);
+        let whose = self.name_pair(scene, *pairs.first()?, "a corner of wall");
         let others = match pairs.len() {
             1 => String::new(),
             2 => ", and one more pair".to_owned(),
@@ -234,14 +203,12 @@ impl Setup<'_> {
 /// Returns the content of `AgentDynamics.xml` for a world, including the drive.
 pub fn dynamics_of(world: &World) -> Vec<AgentDynamics> {
     let state = world.state();
-    let motions = state.poses.iter().zip(&state.twists).zip(&world.drive);
-    motions
-        .map(|((&pose, &twist), drive)| AgentDynamics {
-            fp: drive.force,
-            mp: drive.torque,
-            ..AgentDynamics::of(&Motion { pose, twist })
-        })
-        .collect()
+    let one = |((&pose, &twist), drive): ((&Pose, &Twist), &Wrench)| AgentDynamics {
+        fp: drive.force,
+        mp: drive.torque,
+        ..AgentDynamics::of(&Motion { pose, twist })
+    };
+    state.poses.iter().zip(&state.twists).zip(&world.drive).map(one).collect()
 }
 
 /// Returns the content of `AgentInteractions.xml` for a world: each pair once, with the lower agent as parent.

@@ -47,7 +47,7 @@ fn run(case: &Case) -> Vec<(Pose, Twist)> {
     laws.set(0, 0, case.laws[0]);
     laws.set(0, 1, case.laws[1]);
     laws.set(1, 1, case.laws[2]);
-    let scene = Scene::new(&case.bodies, &case.walls, &laws).unwrap();
+    let scene = Scene::new(&case.bodies, &case.walls, laws);
     let (poses, twists) = case.motions.iter().copied().unzip();
     let mut world = World::new(scene, State::new(poses, twists), 5e-5).unwrap();
     for _ in 0..4 {

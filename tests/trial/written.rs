@@ -41,10 +41,9 @@ fn writing_leaves_nothing_behind() {
         assert_eq!(mode(&directory.path().join(FILES[0])), mode(&plain));
     }
 
-    let blocked = lemons_core::files::write_atomically(&directory.path().join("none/x.xml"), "")
-        .unwrap_err()
-        .to_string();
-    assert!(blocked.contains("x.xml: cannot be written: "), "{blocked}");
+    fs::write(directory.path().join("file"), "").unwrap();
+    let blocked = trial.write(&directory.path().join("file")).unwrap_err().to_string();
+    assert!(blocked.contains("file: cannot be written: "), "{blocked}");
 }
 
 #[test]

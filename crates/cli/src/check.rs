@@ -5,9 +5,7 @@ use crate::messages;
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
 use lemons_core::plane::Vec2;
-use lemons_core::trial::DRIVE_FILE;
-use lemons_core::trial::Problems;
-use lemons_core::trial::Trial;
+use lemons_core::trial::{Agent, DRIVE_FILE, Problems, Trial};
 use lemons_decision::{DECISION_FILE, Plan};
 use lemons_master::{TrialInput, Warning, plan_of};
 use std::fmt::Display;
@@ -44,12 +42,12 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     if sound { Ok(()) } else { Err(TrialHasErrors.into()) }
 }
 
-/// What is found in a Trial.
+/// Findings about a Trial.
 #[derive(Default)]
 struct Report {
     lines: Vec<String>,
     errors: usize,
-    /// Of a Trial without errors.
+    /// Summary of a Trial without errors.
     summary: String,
 }
 
@@ -68,36 +66,29 @@ impl Report {
     }
 }
 
-/// What a line begins with that is no warning.
+/// Beginning of a line that is no warning.
 const NOTE: &str = "note: ";
 
 fn report(given: &TrialInput) -> Report {
     let mut report = Report::default();
-    let trial = match given.read() {
-        Ok((trial, warnings)) => {
-            report.add_problems(&warnings);
-            trial
-        }
-        Err(problems) => {
-            report.add_problems(&problems);
-            return report;
-        }
+    let (trial, problems) = match given.read() {
+        Ok((trial, warnings)) => (Some(trial), warnings),
+        Err(problems) => (None, problems),
     };
+    report.add_problems(&problems);
+    let Some(trial) = trial else { return report };
     let [plan_file, drive_file] = [DECISION_FILE, DRIVE_FILE].map(|name| given.path().join(name));
     let wishes = given.wishes();
-    let plan = wishes
-        .as_deref()
-        .map(|wishes| plan_of(&trial, wishes).with_context(|| wishes.display().to_string()))
-        .transpose();
+    let plan_of = |wishes: &Path| plan_of(&trial, wishes).with_context(|| wishes.display().to_string());
+    let plan = wishes.as_deref().map(plan_of).transpose();
     if let Ok(Some(plan)) = &plan {
         let doubts = [hurried(plan), unmoved(plan), unused(&trial)].into_iter().flatten();
         doubts.for_each(|doubt| report.warn(&plan_file, doubt));
     }
     let parameters = &trial.parameters;
     let drive = given.drive(&trial);
-    if let Ok(drive) = &drive {
-        doubts_of_drive(drive).into_iter().for_each(|doubt| report.warn(&drive_file, doubt));
-    }
+    let doubts = drive.iter().flat_map(doubts_of_drive);
+    doubts.for_each(|doubt| report.warn(&drive_file, doubt));
     if wishes.is_some() && given.directory().join(DRIVE_FILE).exists() {
         report.lines.push(messages::warning_text(&Warning::DriveOfWalkers { plan: plan_file }));
     }
@@ -142,70 +133,64 @@ fn report(given: &TrialInput) -> Report {
 /// \[m/s\] Nobody walks so fast; numbers of km/h are mostly above it.
 const FASTEST: f64 = 3.0;
 
-/// Who wants to be faster than people are.
+/// Doubts those who want to be faster than people are.
 fn hurried(plan: &Plan) -> Option<String> {
-    let fast = || plan.agents.iter().filter(|agent| agent.walker.desired_speed > FASTEST);
-    let first = fast().next()?;
+    let mut fast = plan.agents.iter().filter(|agent| agent.walker.desired_speed > FASTEST);
+    let first = fast.next()?;
     let (speed, id) = (first.walker.desired_speed, &first.id);
-    let others = match fast().count() {
-        1 => String::new(),
-        n => format!(", and {} others more than {FASTEST:?} m/s", n - 1),
+    let others = match fast.count() {
+        0 => String::new(),
+        n => format!(", and {n} others more than {FASTEST:?} m/s"),
     };
     Some(format!(
         "agent {id:?} wants {speed:?} m/s{others}: people walk at 0.5 to 2 m/s, and run at 3 to 5 m/s"
     ))
 }
 
-/// Whose force and torque are replaced by those with which people walk.
+/// Doubts forces and torques that are replaced by those with which people walk.
 fn unused(trial: &Trial) -> Option<String> {
-    let pushed = trial.dynamics.iter().map(|dynamics| dynamics.fp != Vec2::ZERO || dynamics.mp != 0.0);
-    let mut pushed = trial.agents.iter().zip(pushed).filter(|(_, pushed)| *pushed);
-    let (first, _) = pushed.next()?;
+    let pushed = trial.agents.iter().zip(&trial.dynamics);
+    let mut pushed = pushed.filter(|(_, dynamics)| dynamics.fp != Vec2::ZERO || dynamics.mp != 0.0);
+    let (Agent { id, .. }, _) = pushed.next()?;
     let others = match pushed.count() {
         0 => String::new(),
         n => format!(" and {n} more"),
     };
     Some(format!(
-        "Fp and Mp in AgentDynamics.xml of agent {:?}{others} are not used, because people walk; forces of a {DRIVE_FILE} \
-         would be added",
-        first.id
+        "Fp and Mp in AgentDynamics.xml of agent {id:?}{others} are not used, because people walk; forces of a \
+         {DRIVE_FILE} would be added"
     ))
 }
 
-/// Who cannot walk: the force with which people walk is proportional to FloorDamping.
+/// Doubts those who cannot walk: the force with which people walk is proportional to FloorDamping.
 fn unmoved(plan: &Plan) -> Option<String> {
-    let unmoved = || plan.agents.iter().filter(|agent| agent.walker.floor_damping == 0.0);
-    let (first, count) = (unmoved().next()?, unmoved().count());
+    let mut unmoved = plan.agents.iter().filter(|agent| agent.walker.floor_damping == 0.0);
+    let first = &unmoved.next()?.id;
+    let (count, all) = (1 + unmoved.count(), plan.agents.len());
     Some(format!(
-        "{count} of {} agents cannot walk (first {:?}): FloorDamping=\"0\" in Agents.xml, and the force with which they \
-         walk is Mass · FloorDamping · speed",
-        plan.agents.len(),
-        first.id
+        "{count} of {all} agents cannot walk (first {first:?}): FloorDamping=\"0\" in Agents.xml, and the force with \
+         which they walk is Mass · FloorDamping · speed"
     ))
 }
 
-/// Up to which mechanical step a Trial is stable, and how accurate its own and another one are. `None` if nothing can
+/// Says up to which mechanical step a Trial is stable, and how accurate its own and another one are. `None` if nothing can
 /// touch, since any step is exact then.
 fn about_step(trial: &Trial) -> Option<String> {
     let steps = Setup::of(trial).steps()?;
     let own = trial.parameters.time_step_mechanical;
     let stable = steps.stable();
-    let told = if own < stable {
-        format!(
-            "TimeStepMechanical {own:e} s: stable (up to {stable:.1e} s), with an error of about {} in a collision",
-            length(steps.error(own))
-        )
+    let (not, error) = if own < stable {
+        ("", format!(", with an error of about {} in a collision", length(steps.error(own))))
     } else {
-        format!("TimeStepMechanical {own:e} s: not stable (up to {stable:.1e} s)")
+        ("not ", String::new())
     };
-    let usual = steps.accurate_to(USUAL_ACCURACY);
-    let usual = usual
-        .map(|step| format!("; a step of {step:e} s has an error of about {}", length(USUAL_ACCURACY)))
-        .unwrap_or_default();
-    Some(format!("{told}{usual}"))
+    let usual = steps.accurate_to(USUAL_ACCURACY).map_or(String::new(), |step| {
+        format!("; a step of {step:e} s has an error of about {}", length(USUAL_ACCURACY))
+    });
+    Some(format!("TimeStepMechanical {own:e} s: {not}stable (up to {stable:.1e} s){error}{usual}"))
 }
 
-/// A length \[m\] in its usual unit.
+/// Writes a length \[m\] in its usual unit.
 fn length(metres: f64) -> String {
     let (unit, factor) = [("m", 1.0), ("mm", 1e3), ("µm", 1e6)]
         .into_iter()

@@ -20,18 +20,18 @@ pub struct InMemory {
     pub trial: Trial,
 }
 
-/// What came of a command.
+/// Result of a command.
 #[derive(Debug, Default)]
 pub struct Done {
-    /// What it would print on standard output.
+    /// Text that it would print on standard output.
     pub said: String,
-    /// The same of standard error: what is probably not meant.
+    /// Lines that it would print on standard error: what is probably not meant.
     pub notes: Vec<String>,
-    /// Of `plot`: the picture, in the format of the file that `--output` names, which is not written.
+    /// Picture of `plot`, in the format of the file that `--output` names, which is not written.
     pub picture: Vec<u8>,
-    /// Of `measure`: the summary as JSON.
+    /// Summary of `measure`, as JSON.
     pub summary: String,
-    /// Of `measure`: its tables as CSV, by their names.
+    /// Tables of `measure` as CSV, by their names.
     pub tables: Vec<(&'static str, String)>,
 }
 
@@ -44,8 +44,7 @@ static WRITING: Mutex<()> = Mutex::new(());
 /// # Errors
 /// The message of the command, with what it noted before.
 pub fn call(words: &[OsString], run: Option<Arc<InMemory>>, stop: Arc<AtomicBool>) -> Result<Done, String> {
-    let _stop = interrupt::of_this_thread(stop);
-    let (done, said, notes) = print::caught(|| dispatch(words, run));
+    let (done, said, notes) = interrupt::stopped_by(stop, || print::caught(|| dispatch(words, run)));
     match done {
         Ok(done) => Ok(Done { said, notes, ..done }),
         Err(error) => {

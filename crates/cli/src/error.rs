@@ -14,8 +14,8 @@ pub struct TrialHasErrors;
 #[error("{0}")]
 pub struct Misused(pub String);
 
-/// What becomes of several files, each of which is put into its place whatever became of the others: the first error
-/// counts, further ones are told.
+/// Combines what became of several files, each of which is put into its place whatever became of the others: the first
+/// error counts, further ones are told.
 pub fn and_then(done: Result<()>, next: Result<()>) -> Result<()> {
     match (done, next) {
         (Err(first), Err(second)) => {
@@ -26,7 +26,7 @@ pub fn and_then(done: Result<()>, next: Result<()>) -> Result<()> {
     }
 }
 
-/// An error with its causes; many of them say their cause themselves, which is not said again.
+/// Returns the text of an error with its causes; many of them say their cause themselves, which is not said again.
 pub fn full_message(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain().map(with_option).filter(|cause| !cause.is_empty()) {
@@ -41,7 +41,7 @@ pub fn full_message(error: &anyhow::Error) -> String {
     text
 }
 
-/// The text of a library's error, and which option or command has to do with it: libraries know of none.
+/// Returns the text of a library's error, and which option or command has to do with it: libraries know of none.
 fn with_option(cause: &(dyn Error + 'static)) -> String {
     let of_master = match find::<lemons_sweep::Error>(cause) {
         Some(lemons_sweep::Error::Master(error)) => Some(error),

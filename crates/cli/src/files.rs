@@ -57,7 +57,7 @@ const DEFAULT_NAMES: [(&str, &str, &str); 7] = [
     ("movie", "movie", ".gif"),
 ];
 
-/// Of the commands that write.
+/// Option of the commands that write.
 #[derive(clap::Args, Clone)]
 pub struct Force {
     /// Replace existing files
@@ -67,7 +67,7 @@ pub struct Force {
 
 /// A file that is to be written.
 struct Target {
-    /// As the user calls it.
+    /// Path as the user calls it.
     path: PathBuf,
     place: PathBuf,
     before: Option<SystemTime>,
@@ -166,7 +166,7 @@ pub fn reads(path: &Path, who: &str) {
 /// # Errors
 /// It is an input or another output, or it exists and is not to be replaced.
 pub fn claim(path: &Path) -> Result<()> {
-    with(|files| files.claim(path, false))
+    with(|files| files.claim(path))
 }
 
 /// Claims a file, and opens a temporary one that will replace it.
@@ -178,7 +178,7 @@ pub fn stage(path: &Path) -> Result<Staged> {
     open(path)
 }
 
-/// As [`stage`], where nothing is there yet.
+/// Does the same as [`stage`], where nothing is there yet.
 ///
 /// # Errors
 /// As [`stage`], or a file is there, and `--force` is not given.
@@ -303,12 +303,12 @@ impl Files {
         Ok(place)
     }
 
-    fn claim(&mut self, path: &Path, goes_on: bool) -> Result<()> {
+    fn claim(&mut self, path: &Path) -> Result<()> {
         if is_standard_output(path) {
             return Ok(());
         }
         let place = self.add(path)?;
-        let may_replace = self.force || goes_on || self.continued.as_ref() == Some(&place);
+        let may_replace = self.force || self.continued.as_ref() == Some(&place);
         if place.is_file() && !may_replace && !self.is_default_name(&place) {
             bail!("cannot write {}: it exists already; --force replaces it", path.display());
         }

@@ -16,7 +16,7 @@ use std::sync::{Arc, LazyLock};
 pub struct Interrupted(pub String);
 
 impl Interrupted {
-    /// What was begun is given up; what is complete stays.
+    /// Says that what was begun is given up; what is complete stays.
     pub fn given_up() -> Interrupted {
         let complete: Vec<String> = files::complete().iter().map(|path| path.display().to_string()).collect();
         Interrupted(match &complete[..] {
@@ -34,34 +34,27 @@ impl Interrupted {
 /// Complete files that are told by name.
 const MOST_NAMED: usize = 8;
 
-/// As shells count it: 128 and the number of the signal.
+/// Exit code as shells count it: 128 and the number of the signal.
 pub const EXIT_CODE: u8 = 130;
 
-/// Whether the command looks for [`PRESSED`] and ends its work itself.
+/// A flag that is set if the command looks for [`PRESSED`] and ends its work itself.
 static WATCHED: AtomicBool = AtomicBool::new(false);
 static PRESSED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
 thread_local! {
-    /// What stops the command of this thread, where another program has called it.
+    /// Flag that stops the command of this thread, where another program has called it.
     static STOP: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
 }
 
-/// While it is kept, the command of this thread looks for its own flag instead of Ctrl-C.
-pub struct OfThisThread(());
-
-/// Lets the command of this thread be stopped by a flag.
-pub fn of_this_thread(stop: Arc<AtomicBool>) -> OfThisThread {
+/// Does work in this thread that is stopped by a flag instead of Ctrl-C.
+pub fn stopped_by<T>(stop: Arc<AtomicBool>, work: impl FnOnce() -> T) -> T {
     STOP.set(Some(stop));
-    OfThisThread(())
+    let done = work();
+    STOP.set(None);
+    done
 }
 
-impl Drop for OfThisThread {
-    fn drop(&mut self) {
-        STOP.set(None);
-    }
-}
-
-/// Before anything is written. A signal ends the program at once, without what it has begun, unless the command watches
+/// Prepares for signals, before anything is written. A signal ends the program at once, without what it has begun, unless the command watches
 /// for it; a second one does in any case. Signals that whoever started the program lets it ignore (`nohup`, a shell's
 /// `&`) stay ignored. A file that gets too large (`ulimit -f`) is an error of writing it.
 pub fn prepare() -> Result<()> {
@@ -97,23 +90,20 @@ pub fn wait_if_ending() {
     }
 }
 
-/// Whether Ctrl-C was pressed. Pressed twice, the program ends at once.
+/// A flag that is set when Ctrl-C is pressed. Pressed twice, the program ends at once.
 #[derive(Clone)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// From now on the command looks for it.
+    /// Lets the command look for it from now on.
     pub fn watch() -> Interrupt {
-        STOP.with_borrow(Clone::clone).map_or_else(
-            || {
-                WATCHED.store(true, Ordering::Relaxed);
-                Interrupt(PRESSED.clone())
-            },
-            Interrupt,
-        )
+        Interrupt(STOP.with_borrow(Clone::clone).unwrap_or_else(|| {
+            WATCHED.store(true, Ordering::Relaxed);
+            PRESSED.clone()
+        }))
     }
 
-    /// Set when Ctrl-C is pressed.
+    /// Returns what is set when Ctrl-C is pressed.
     pub fn flag(&self) -> &AtomicBool {
         &self.0
     }

@@ -60,7 +60,7 @@ pub fn report_broken(path: &Path, problems: &Problems) -> anyhow::Error {
     TrialHasErrors.into()
 }
 
-/// What is probably not meant.
+/// Returns the text of a warning: what is probably not meant.
 pub fn warning_text(warning: &Warning) -> String {
     match warning {
         Warning::Ignored(_) | Warning::Differs { .. } => format!("warning: {warning}"),

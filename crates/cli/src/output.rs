@@ -19,17 +19,17 @@ impl Output {
         Ok(Output { path: path.to_owned(), file: BufWriter::new(file) })
     }
 
-    /// Of a place that was claimed before.
+    /// Opens a file in a place that was claimed before.
     pub fn claimed(path: &Path) -> Result<Output> {
         Ok(Output { path: path.to_owned(), file: BufWriter::new(files::open(path)?) })
     }
 
-    /// Where it will appear.
+    /// Returns where it will appear.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// To be written to; [`Output::persist`] writes what is left in it.
+    /// Returns what is to be written to; [`Output::persist`] writes what is left in it.
     pub fn writer(&mut self) -> &mut BufWriter<Staged> {
         &mut self.file
     }

@@ -30,12 +30,12 @@ fn own(error: io::Error) -> io::Error {
 /// Standard output is for results: what the command says goes to standard error.
 static TO_STANDARD_ERROR: AtomicBool = AtomicBool::new(false);
 
-/// From now on nothing but results goes to standard output.
+/// Lets nothing but results go to standard output from now on.
 pub fn use_standard_error() {
     TO_STANDARD_ERROR.store(true, Ordering::Relaxed);
 }
 
-/// What a command says that another program has called.
+/// Words of a command that another program has called.
 #[derive(Default)]
 struct Caught {
     said: String,
@@ -71,7 +71,7 @@ pub enum Out {
     Caught,
 }
 
-/// To write more than a line.
+/// Returns where more than a line is written.
 pub fn out() -> Out {
     if is_caught() {
         Out::Caught
@@ -123,7 +123,7 @@ pub fn aside(text: fmt::Arguments) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// How far a long command is, for who sees no progress bar: a line every half minute, as in Python.
+/// Notes of how far a long command is, for who sees no progress bar: a line every half minute, as in Python.
 pub struct ProgressNotes {
     last: Instant,
 }
@@ -135,7 +135,7 @@ impl ProgressNotes {
         ProgressNotes { last: begin }
     }
 
-    /// Whether it is time for a line.
+    /// Returns whether it is time for a line.
     pub fn is_due(&mut self, now: Instant) -> bool {
         let due = now.duration_since(self.last) >= ProgressNotes::BETWEEN;
         if due {
@@ -145,7 +145,7 @@ impl ProgressNotes {
     }
 }
 
-/// Whether somebody closed the pipe (`lemons info … | head`): they have what they wanted.
+/// Returns whether somebody closed the pipe (`lemons info … | head`): they have what they wanted.
 pub fn is_closed_pipe(error: &anyhow::Error) -> bool {
     if reader_left() {
         return true;

@@ -7,7 +7,7 @@
 //! - [`source`]: files of the disk or of memory
 //! - [`words`]: suggestions for misspelt words
 //! - `temporary`: files and directories that are removed unless they are put into place
-//! - `written`: files and directories that are written beside their place, then moved there
+//! - `written`: files that are written beside their place, then moved there
 
 pub mod input;
 pub mod source;
@@ -16,6 +16,4 @@ pub mod words;
 mod written;
 
 pub use temporary::{Scratch, give_up, make_directories};
-pub use written::{
-    Change, Staged, StagedDirectory, WriteError, change_all, reader_left, target_of, write_atomically,
-};
+pub use written::{Change, Staged, WriteError, change_all, reader_left, target_of};

@@ -1,7 +1,7 @@
 //! XML, read and written: the one place that parses it.
 //!
 //! - [`Document`]: a text from outside, parsed safely: UTF-8, no document type, so many attributes, namespaces and nodes
-//! - [`Element`], [`Attribute`]: what is in it, with line numbers
+//! - [`Element`]: what is in it, with line numbers
 //! - [`Problem`]: what is wrong, with file, line, element, attribute and value, on one line of text
 //! - [`Out`]: a document that is written; [`decimal`], [`number`]: numbers read and written
 //!
@@ -14,7 +14,7 @@ mod problem;
 mod write;
 
 pub use check::{MOST_ATTRIBUTES, MOST_NAMESPACES};
-pub use document::{Attribute, Document, Element};
+pub use document::{Document, Element};
 pub use number::{decimal, number};
 pub use problem::{Problem, Result, Severity, quoted};
 pub use write::{Attributes, Layout, Out, escaped};

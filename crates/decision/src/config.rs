@@ -24,7 +24,7 @@ use std::collections::BTreeMap;
 /// Name of the settings in a Trial directory.
 pub const DECISION_FILE: &str = "decision.toml";
 
-/// How people walk among others.
+/// Name of a model of how people walk among others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WalkingModelName {
@@ -44,7 +44,7 @@ pub struct DecisionConfig {
     pub(crate) model: Option<WalkingModelName>,
     pub(crate) desired_speed: Option<f64>,
     pub(crate) seed: Option<u64>,
-    pub(crate) waypoints: Option<Vec<WaypointConfig>>,
+    pub(crate) waypoints: Option<Vec<Waypoint>>,
     pub(crate) exits: Option<Vec<TargetConfig>>,
     pub(crate) goals: Option<Vec<TargetConfig>>,
     #[serde(rename = "collision-free-speed")]
@@ -60,17 +60,9 @@ pub struct DecisionConfig {
 #[serde(deny_unknown_fields)]
 pub(crate) struct AgentConfig {
     pub desired_speed: Option<f64>,
-    pub waypoints: Option<Vec<WaypointConfig>>,
+    pub waypoints: Option<Vec<Waypoint>>,
     pub exit: Option<String>,
     pub goal: Option<String>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct WaypointConfig {
-    pub x: f64,
-    pub y: f64,
-    pub radius: Option<f64>,
 }
 
 /// An exit, where people leave, or a goal, where they stay.
@@ -124,54 +116,40 @@ impl DecisionConfig {
         toml::to_string(self).map_err(|error| PlanError::Toml(error.to_string()))
     }
 
-    /// The same without settings of those who are not among these people; `None` if there are none of others.
+    /// Returns the same without settings of those who are not among these people; `None` if there are none of others.
     pub fn without_others(&self, people: &[Person]) -> Option<DecisionConfig> {
         let mut fewer = self.clone();
         fewer.agents.retain(|id, _| people.iter().any(|person| person.id == *id));
         (fewer != *self).then_some(fewer)
     }
 
-    /// Everybody walks at one speed \[m/s\], on the way whose first point is nearest. `None` if no way has a point.
+    /// Makes settings in which everybody walks at one speed \[m/s\], on the way whose
+    /// first point is nearest. `None` if no way has a point.
     pub fn nearest_of(people: &[Person], speed: f64, ways: &[Vec<Waypoint>]) -> Option<DecisionConfig> {
         let ways: Vec<&Vec<Waypoint>> = ways.iter().filter(|way| !way.is_empty()).collect();
-        let wanted = |way: &[Waypoint]| {
-            let point = |w: &Waypoint| WaypointConfig { x: w.x, y: w.y, radius: Some(w.radius) };
-            way.iter().map(point).collect::<Vec<_>>()
-        };
-        let first = ways.first()?;
+        let waypoints = Some((*ways.first()?).clone());
         let mut agents = BTreeMap::new();
         for Person { id, pose, .. } in people {
-            let far = |way: &Vec<Waypoint>| libm::hypot(way[0].x - pose.x, way[0].y - pose.y);
-            let nearest = ways.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
-            if nearest != first {
-                agents.insert(
-                    id.clone(),
-                    AgentConfig { waypoints: Some(wanted(nearest)), ..AgentConfig::default() },
-                );
+            let far = |way: &[Waypoint]| libm::hypot(way[0].x - pose.x, way[0].y - pose.y);
+            let nearest = ways.iter().min_by(|a, b| far(a).total_cmp(&far(b))).map(|way| (*way).clone());
+            if nearest != waypoints {
+                agents.insert(id.clone(), AgentConfig { waypoints: nearest, ..AgentConfig::default() });
             }
         }
-        let waypoints = Some(wanted(first));
         Some(DecisionConfig { desired_speed: Some(speed), waypoints, agents, ..DecisionConfig::default() })
     }
 
-    /// The model with its constants.
+    /// Returns the model with its constants.
     pub(crate) fn walking_model(&self) -> Result<WalkingModel, PlanError> {
-        let unused = |key: &'static str| PlanError::OtherModel { key };
-        let (free, social) = (self.collision_free_speed, self.social_force);
-        let model = self.model.unwrap_or_default();
-        if free.is_some() && model != WalkingModelName::CollisionFreeSpeed {
-            return Err(unused("collision-free-speed"));
+        use WalkingModelName::{CollisionFreeSpeed, SocialForce, Straight};
+        let unused = |key| Err(PlanError::OtherModel { key });
+        match (self.model.unwrap_or_default(), self.collision_free_speed, self.social_force) {
+            (SocialForce | Straight, Some(_), _) => unused("collision-free-speed"),
+            (CollisionFreeSpeed | Straight, _, Some(_)) => unused("social-force"),
+            (Straight, ..) => Ok(WalkingModel::Straight),
+            (CollisionFreeSpeed, free, _) => Ok(WalkingModel::CollisionFreeSpeed(free.unwrap_or_default())),
+            (SocialForce, _, social) => Ok(WalkingModel::SocialForce(social.unwrap_or_default())),
         }
-        if social.is_some() && model != WalkingModelName::SocialForce {
-            return Err(unused("social-force"));
-        }
-        Ok(match model {
-            WalkingModelName::Straight => WalkingModel::Straight,
-            WalkingModelName::CollisionFreeSpeed => {
-                WalkingModel::CollisionFreeSpeed(free.unwrap_or_default())
-            }
-            WalkingModelName::SocialForce => WalkingModel::SocialForce(social.unwrap_or_default()),
-        })
     }
 }
 
@@ -184,29 +162,5 @@ fn explained(error: &toml::de::Error) -> String {
     match unknown.and_then(|unknown| words::meant(unknown, expected)) {
         Some(meant) => format!("{}\ndid you mean `{meant}`?", said.trim_end()),
         None => said,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_and_points_have_no_further_numbers() {
-        let said = |target: &str| {
-            DecisionConfig::from_toml(&format!("exits = [{{ {target} }}]")).map_err(|e| e.to_string())
-        };
-        assert!(
-            said("line = [[1, 2], [3, 4]]").is_ok() && said("polygon = [[0, 0], [1, 0], [0, 1]]").is_ok()
-        );
-        for (target, words) in [
-            ("line = [[1, 2], [3, 4], [5, 6]]", "a line has 2 points, not 3"),
-            ("line = [[1, 2]]", "a line has 2 points, not 1"),
-            ("line = [[1, 2, 0], [3, 4, 0]]", "a point has 2 numbers [x, y], not 3"),
-            ("polygon = [[0, 0], [1, 0], [0]]", "a point has 2 numbers [x, y], not 1"),
-        ] {
-            let error = said(target).unwrap_err();
-            assert!(error.contains(words), "{target}: {error}");
-        }
     }
 }

@@ -1,17 +1,17 @@
 //! What is wrong with settings or a plan.
 
-use crate::field::TooLarge;
+use lemons_core::plane::Vec2;
 use lemons_core::trial::FARTHEST;
 use thiserror::Error;
 
 /// Each needs a field of distances in memory.
 pub(crate) const MOST_TARGETS: usize = 50;
-/// Of one agent: each is some variables of the FMU.
+/// Largest number of way-points of an agent: each is some variables of the FMU.
 pub(crate) const MOST_WAYPOINTS: usize = 10_000;
-/// Of speeds and strengths: products of a few of them are finite.
+/// Greatest speed or strength: products of a few of them are finite.
 const GREATEST: f64 = 1e9;
 
-/// What is wrong with settings or a plan. The messages do not name the file.
+/// Error in settings or a plan. The messages do not name the file.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[allow(missing_docs)] // the messages say it
 pub enum PlanError {
@@ -53,12 +53,15 @@ pub enum PlanError {
     TooLarge(String),
 }
 
-impl From<TooLarge> for PlanError {
-    fn from(TooLarge { size }: TooLarge) -> PlanError {
+impl PlanError {
+    /// The walls, people, exits and goals take an area of this width and height \[m\]: so large that doors would be missed
+    /// on a grid of a size that can be kept in memory.
+    pub(crate) fn of_area(size: Vec2) -> PlanError {
         PlanError::TooLarge(format!("{:.0} x {:.0}", size.x, size.y))
     }
 }
 
+/// Checks a number of a plan or of settings.
 pub(crate) fn number(
     place: &str,
     key: &'static str,
@@ -80,12 +83,12 @@ pub(crate) fn not_negative(place: &str, key: &'static str, value: f64) -> Result
     number(place, key, value, |value| value >= 0.0, "finite and at least 0")
 }
 
-/// A speed or a strength.
+/// Checks a speed or a strength.
 pub(crate) fn moderate(place: &str, key: &'static str, value: f64) -> Result<(), PlanError> {
     number(place, key, value, |value| (0.0..=GREATEST).contains(&value), "from 0 to 1e9")
 }
 
-/// A coordinate \[m\].
+/// Checks a coordinate \[m\].
 pub(crate) fn coordinate(place: &str, key: &'static str, value: f64) -> Result<(), PlanError> {
     number(place, key, value, |value| value.abs() <= FARTHEST, "from -1e9 to 1e9 m")
 }

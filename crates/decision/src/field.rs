@@ -7,6 +7,7 @@
 //!
 //! Only sums, products and roots are used, so the result is the same bits on every machine.
 
+use crate::error::PlanError;
 use lemons_core::plane::{Bounds, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -17,54 +18,46 @@ const STEP: f64 = 0.1;
 const COARSEST: f64 = 0.25;
 /// Most nodes of a grid.
 const MOST_NODES: f64 = 4e6;
+/// Most nodes of all fields together: 0.3 GB.
+const MOST_VALUES: usize = 40_000_000;
 /// \[m\] Nearer than this to a wall, a metre counts as more.
 const CLEARANCE: f64 = 0.35;
 /// \[m\] No centre of mass is nearer to a wall. So gaps of twice as much are closed.
 const NEAREST: f64 = 0.1;
-/// By how much more at most: right beside a wall.
+/// Greatest price of a metre: right beside a wall.
 const DEAREST: f64 = 4.0;
 /// \[m\] Free space around everything.
 const MARGIN: f64 = 1.0;
-/// Of a step: nodes do not lie on walls with round coordinates.
+/// Parts of a step by which the grid is shifted: nodes do not lie on walls with round coordinates.
 const SHIFT: Vec2 = Vec2 { x: 0.382, y: 0.417 };
 
-/// Where people can walk: nodes, and which of them are neighbours.
+/// Grid of places where people can walk: nodes, and which of them are neighbours.
 #[derive(Debug, Clone)]
 pub struct Grid {
     origin: Vec2,
     step: f64,
     columns: usize,
     rows: usize,
-    /// Of each node: whether there is no wall before the next one to the right.
+    /// No wall is between this node and the next one to the right.
     right: Vec<bool>,
-    /// Of each node: whether there is no wall before the next one above.
+    /// No wall is between this node and the next one above.
     above: Vec<bool>,
-    /// Of each node: how many metres a metre counts; infinite where nobody can be.
+    /// Price of each node: how many metres a metre counts; infinite where nobody can be.
     price: Vec<f64>,
     faces: Vec<[Vec2; 2]>,
     /// Faces in or near the square to the upper right of a node.
     beside: HashMap<usize, Vec<u32>>,
 }
 
-/// How far it is from each node of a grid.
-#[derive(Debug, Clone)]
-pub struct Field {
-    distance: Vec<f64>,
-}
-
-/// The area is so large that doors would be missed on a grid of a size that can be kept in memory.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TooLarge {
-    /// \[m\] Width and height.
-    pub size: Vec2,
-}
+/// Distances \[m\] from all nodes of a grid.
+pub type Field = Vec<f64>;
 
 impl Grid {
     /// Makes a grid that contains these places and walls, given as polylines.
     ///
     /// # Errors
     /// They take too large an area.
-    pub fn new(walls: &[Vec<Vec2>], places: impl Iterator<Item = Vec2>) -> Result<Grid, TooLarge> {
+    pub fn new(walls: &[Vec<Vec2>], places: impl Iterator<Item = Vec2>) -> Result<Grid, PlanError> {
         let faces: Vec<[Vec2; 2]> =
             walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]])).collect();
         let all = Bounds::of(faces.iter().flatten().copied().chain(places));
@@ -73,7 +66,7 @@ impl Grid {
         let step = STEP.max((size.x * size.y / MOST_NODES).sqrt());
         // Also if a number is not finite.
         if !(step <= COARSEST && size.x.max(size.y) / step < MOST_NODES) {
-            return Err(TooLarge { size });
+            return Err(PlanError::of_area(size));
         }
         let [columns, rows] = [size.x, size.y].map(|length| (length / step) as usize + 2);
         let nodes = columns * rows;
@@ -101,14 +94,15 @@ impl Grid {
         Ok(grid)
     }
 
-    /// Number of nodes.
-    pub fn nodes(&self) -> usize {
-        self.price.len()
-    }
-
-    /// The error for fields that are too many for an area.
-    pub fn too_large(&self) -> TooLarge {
-        TooLarge { size: vec2(self.columns as f64, self.rows as f64) * self.step }
+    /// Checks that so many fields can be kept in memory.
+    ///
+    /// # Errors
+    /// They are too many for the area.
+    pub fn check_fields(&self, fields: usize) -> Result<(), PlanError> {
+        if fields * self.price.len() <= MOST_VALUES {
+            return Ok(());
+        }
+        Err(PlanError::of_area(vec2(self.columns as f64, self.rows as f64) * self.step))
     }
 
     /// Parts what the face lies between.
@@ -152,7 +146,7 @@ impl Grid {
             .flat_map(move |row| across.clone().map(move |column| row * columns + column))
     }
 
-    /// Whether no wall lies between two places that are near each other.
+    /// Returns whether no wall lies between two places that are near each other.
     fn sees(&self, from: Vec2, to: Vec2) -> bool {
         let between = Bounds::of([from, to]).expect("two points").grown(self.step);
         let mut near = self.nodes_in(between).filter_map(|node| self.beside.get(&node)).flatten();
@@ -162,18 +156,18 @@ impl Grid {
         })
     }
 
-    /// Whether somebody can be at some lines, or in some areas.
+    /// Returns whether somebody can be at some lines, or in some areas.
     pub fn begins(&self, lines: &[[Vec2; 2]], areas: &[Ring]) -> bool {
         !self.first(lines, areas).is_empty()
     }
 
-    /// How far it is to the nearest of some lines, and of the areas that rings enclose.
+    /// Computes how far it is to the nearest of some lines, and of the areas that rings enclose.
     pub fn field(&self, lines: &[[Vec2; 2]], areas: &[Ring]) -> Field {
-        let mut field = Field { distance: vec![f64::INFINITY; self.price.len()] };
+        let mut field = vec![f64::INFINITY; self.price.len()];
         let mut front = BinaryHeap::new();
         for (node, distance) in self.first(lines, areas) {
-            if distance < field.distance[node] {
-                field.distance[node] = distance;
+            if distance < field[node] {
+                field[node] = distance;
                 front.push(Reverse((distance.to_bits(), node)));
             }
         }
@@ -210,8 +204,8 @@ impl Grid {
     }
 
     /// Fast marching. Distances are not negative, so they have the order of their bits.
-    fn march(&self, field: &mut Field, mut front: BinaryHeap<Reverse<(u64, usize)>>) {
-        let mut done = vec![false; field.distance.len()];
+    fn march(&self, field: &mut [f64], mut front: BinaryHeap<Reverse<(u64, usize)>>) {
+        let mut done = vec![false; field.len()];
         while let Some(Reverse((_, node))) = front.pop() {
             if std::mem::replace(&mut done[node], true) {
                 continue;
@@ -222,15 +216,15 @@ impl Grid {
                 }
                 let distance = self.arrival(field, &done, next);
                 // Infinite where nobody can be.
-                if distance < field.distance[next] {
-                    field.distance[next] = distance;
+                if distance < field[next] {
+                    field[next] = distance;
                     front.push(Reverse((distance.to_bits(), next)));
                 }
             }
         }
     }
 
-    /// To the left, right, below and above, where no wall is between.
+    /// Returns the nodes to the left, right, below and above, where no wall is between.
     fn neighbours(&self, node: usize) -> [Option<usize>; 4] {
         let (row, column) = (node / self.columns, node % self.columns);
         let (columns, rows) = (self.columns, self.rows);
@@ -242,10 +236,10 @@ impl Grid {
         ]
     }
 
-    /// The distance of a node by those of its neighbours that are known.
-    fn arrival(&self, field: &Field, done: &[bool], node: usize) -> f64 {
+    /// Returns the distance of a node by those of its neighbours that are known.
+    fn arrival(&self, field: &[f64], done: &[bool], node: usize) -> f64 {
         let known = |next: Option<usize>| match next {
-            Some(next) if done[next] => field.distance[next],
+            Some(next) if done[next] => field[next],
             _ => f64::INFINITY,
         };
         let [left, right, below, above] = self.neighbours(node).map(known);
@@ -258,33 +252,27 @@ impl Grid {
         }
     }
 
-    /// \[m\] How far it is from a place: the mean of the nodes around it that are on the same side of all walls. Beside
+    /// Returns how far it is from a place \[m\]: the mean of the nodes around it that are on the same side of all walls. Beside
     /// walls, metres count more. Infinite where no way leads from, and outside of the grid.
-    pub fn distance(&self, field: &Field, at: Vec2) -> f64 {
+    pub fn distance(&self, field: &[f64], at: Vec2) -> f64 {
         let (mut sum, mut shares) = (0.0, 0.0);
         for (node, share) in self.around(at) {
-            if field.distance[node].is_finite() {
-                sum += share * field.distance[node];
+            if field[node].is_finite() {
+                sum += share * field[node];
                 shares += share;
             }
         }
         if shares > 0.0 { sum / shares } else { f64::INFINITY }
     }
 
-    /// The direction in which the distance falls fastest, as a unit vector; `None` where no way leads from, and outside
+    /// Returns the direction in which the distance falls fastest, as a unit vector; `None` where no way leads from, and outside
     /// of the grid.
-    pub fn direction(&self, field: &Field, at: Vec2) -> Option<Vec2> {
-        let mut sum = Vec2::ZERO;
-        for (node, share) in self.around(at) {
-            if let Some(down) = self.down(field, node) {
-                sum += down * share;
-            }
-        }
-        let norm = sum.norm();
-        (norm > 1e-9).then(|| sum * (1.0 / norm))
+    pub fn direction(&self, field: &[f64], at: Vec2) -> Option<Vec2> {
+        let all = self.around(at).filter_map(|(node, share)| Some(self.down(field, node)? * share));
+        all.fold(Vec2::ZERO, |sum, down| sum + down).unit(1e-9)
     }
 
-    /// The nodes around a place that are on the same side of all walls, with their bilinear shares.
+    /// Returns the nodes around a place that are on the same side of all walls, with their bilinear shares.
     fn around(&self, at: Vec2) -> impl Iterator<Item = (usize, f64)> {
         let (column, row) = self.square(at);
         let inside =
@@ -307,21 +295,19 @@ impl Grid {
         })
     }
 
-    /// Down the distance at a node: against the gradient by the lower neighbours.
-    fn down(&self, field: &Field, node: usize) -> Option<Vec2> {
-        let here = field.distance[node];
+    /// Returns the direction down the distance at a node: against the gradient by the lower neighbours.
+    fn down(&self, field: &[f64], node: usize) -> Option<Vec2> {
+        let here = field[node];
         if !here.is_finite() {
             return None;
         }
         let [left, right, below, above] =
-            self.neighbours(node).map(|next| next.map_or(f64::INFINITY, |next| field.distance[next]));
+            self.neighbours(node).map(|next| next.map_or(f64::INFINITY, |next| field[next]));
         let fall = |low: f64, high: f64| {
             let (back, on) = ((here - low).max(0.0), (here - high).max(0.0));
             if back > on { -back } else { on }
         };
-        let down = vec2(fall(left, right), fall(below, above));
-        let norm = down.norm();
-        (norm > 0.0).then(|| down * (1.0 / norm))
+        vec2(fall(left, right), fall(below, above)).unit(0.0)
     }
 }
 

@@ -18,8 +18,6 @@ use lemons_core::trial::Trial;
 pub use normalized::normalized;
 use serde::{Deserialize, Serialize};
 
-/// \[m\] Radius of a way-point that gives none.
-const DEFAULT_RADIUS: f64 = 0.3;
 /// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).
 const DEFAULT_SPEED: f64 = 1.34;
 
@@ -28,8 +26,8 @@ const DEFAULT_SPEED: f64 = 1.34;
 pub struct Planned {
     /// Id in Agents.xml.
     pub id: String,
-    /// Where it goes after the last way-point.
-    #[serde(default, skip_serializing_if = "is_none")]
+    /// Destination after the last way-point.
+    #[serde(default, skip_serializing_if = "is_default")]
     pub destination: Destination,
     /// See [`Person::disks`]; empty where nobody looks at them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -40,8 +38,8 @@ pub struct Planned {
     pub walker: Walker,
 }
 
-fn is_none(destination: &Destination) -> bool {
-    *destination == Destination::None
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// The initial data of the FMU.
@@ -51,27 +49,19 @@ pub struct Plan {
     /// \[s\] `DefaultExperiment.stepSize`
     pub time_step: f64,
     /// Chooses who does what when nobody gets on.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub seed: u64,
     /// \[m\] Corners (x, y) of each wall; none if nobody looks at them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub walls: Vec<Vec<[f64; 2]>>,
-    /// How people walk among others.
-    #[serde(default, skip_serializing_if = "is_straight")]
+    /// Model of how people walk among others.
+    #[serde(default, skip_serializing_if = "is_default")]
     pub walking_model: WalkingModel,
     /// Exits and goals.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub targets: Vec<Target>,
-    /// In the order of Agents.xml; at least one.
+    /// People in the order of Agents.xml; at least one.
     pub agents: Vec<Planned>,
-}
-
-fn is_zero(seed: &u64) -> bool {
-    *seed == 0
-}
-
-fn is_straight(walking_model: &WalkingModel) -> bool {
-    *walking_model == WalkingModel::Straight
 }
 
 impl Plan {
@@ -104,8 +94,7 @@ impl Plan {
         let nothing = AgentConfig::default();
         let agents = people.iter().zip(destinations).map(|(person, destination)| {
             let own = config.agents.get(&person.id).unwrap_or(&nothing);
-            let waypoints = own.waypoints.as_ref().or(config.waypoints.as_ref());
-            let waypoints = waypoints.map_or(&[][..], |waypoints| &waypoints[..]);
+            let waypoints = own.waypoints.as_ref().or(config.waypoints.as_ref()).cloned().unwrap_or_default();
             if waypoints.is_empty() && destination == Destination::None {
                 return Err(PlanError::NoWaypoint(person.id.clone()));
             }
@@ -120,10 +109,7 @@ impl Plan {
                     floor_damping: person.floor_damping,
                     angular_damping: person.angular_damping,
                     desired_speed: own.desired_speed.or(config.desired_speed).unwrap_or(DEFAULT_SPEED),
-                    waypoints: waypoints
-                        .iter()
-                        .map(|w| Waypoint { x: w.x, y: w.y, radius: w.radius.unwrap_or(DEFAULT_RADIUS) })
-                        .collect(),
+                    waypoints,
                 },
             })
         });
@@ -153,12 +139,17 @@ impl Plan {
         toml::to_string(self).map_err(|error| PlanError::Toml(error.to_string()))
     }
 
-    /// Of everybody, whether they leave in the end.
+    /// Returns whether they leave in the end, of everybody.
     pub fn leaving(&self) -> Vec<bool> {
-        (0..self.agents.len()).map(|agent| self.has_exit(agent)).collect()
+        let leaves = |agent: &Planned| match agent.destination {
+            Destination::None => false,
+            Destination::NearestExit => true,
+            Destination::Target(k) => self.targets.get(k).is_some_and(|target| !target.stay),
+        };
+        self.agents.iter().map(leaves).collect()
     }
 
-    /// The different ways of way-points, at most so many.
+    /// Returns the different ways of way-points, at most so many.
     pub fn ways_of_points(&self, most: usize) -> Vec<&[Waypoint]> {
         let mut ways: Vec<&[Waypoint]> = Vec::new();
         for Planned { walker, .. } in &self.agents {
@@ -170,21 +161,12 @@ impl Plan {
         ways
     }
 
-    /// Whether an agent leaves in the end.
-    pub fn has_exit(&self, agent: usize) -> bool {
-        match self.agents.get(agent).map(|agent| agent.destination) {
-            Some(Destination::NearestExit) => true,
-            Some(Destination::Target(k)) => self.targets.get(k).is_some_and(|target| !target.stay),
-            _ => false,
-        }
-    }
-
-    /// The walls as polylines.
+    /// Returns the walls as polylines.
     pub fn polylines(&self) -> Vec<Vec<Vec2>> {
         self.walls.iter().map(|wall| wall.iter().map(|&[x, y]| vec2(x, y)).collect()).collect()
     }
 
-    /// The ways to exits and goals; `None` if nobody goes to one.
+    /// Returns the ways to exits and goals; `None` if nobody goes to one.
     ///
     /// # Errors
     /// The area is too large.
@@ -198,75 +180,6 @@ impl Plan {
             let further = agent.walker.waypoints.iter().map(|w| vec2(w.x, w.y));
             std::iter::once(own).chain(further).map(|at| (at, agent.destination))
         });
-        Ok(Some(Ways::new(&self.polylines(), &self.targets, places)?))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn person(id: &str) -> Person {
-        Person {
-            id: id.into(),
-            mass: 70.1,
-            moment_of_inertia: 1.0 / 3.0,
-            floor_damping: 2.0,
-            angular_damping: 0.1,
-            pose: Pose { x: 1e-300, y: -0.0, theta: 3.0 },
-            disks: Vec::new(),
-        }
-    }
-
-    fn plan(config: &str) -> Result<Plan, String> {
-        let config = DecisionConfig::from_toml(config).map_err(|error| error.to_string())?;
-        Plan::among(std::iter::empty(), &[person("0"), person("two words")], &config, 0.05)
-            .map_err(|error| error.to_string())
-    }
-
-    #[test]
-    fn settings_are_for_everybody_or_for_one() {
-        let plan = plan(
-            "desired_speed = 1\nwaypoints = [{ x = 1, y = 2.5 }]\n[agents.\"two words\"]\nwaypoints = [{ x = 0, y = 0, radius = 2 }, { x = 3, y = 4 }]",
-        )
-        .unwrap();
-        let walkers = [&plan.agents[0].walker, &plan.agents[1].walker];
-        assert_eq!(walkers[0].waypoints, [Waypoint { x: 1.0, y: 2.5, radius: DEFAULT_RADIUS }]);
-        assert_eq!(walkers[1].waypoints.len(), 2);
-        assert_eq!(walkers[1].waypoints[0].radius, 2.0);
-        assert_eq!(walkers.map(|walker| walker.desired_speed), [1.0, 1.0]);
-    }
-
-    #[test]
-    fn a_plan_reads_back_to_the_last_bit() {
-        let plan = plan("waypoints = [{ x = 0.1, y = 1e-320, radius = 0 }]").unwrap();
-        assert_eq!(Plan::from_toml(&plan.to_toml().unwrap()).unwrap(), plan);
-    }
-
-    #[test]
-    fn mistakes_are_named() {
-        for (config, words) in [
-            ("waypoint = []", ["waypoint", "line 1"]),
-            ("waypoints = [{ x = 1 }]", ["missing field `y`", "line 1"]),
-            ("waypoints = [{ x = 1, y = nan }]", ["way-point 0", "y = NaN"]),
-            ("waypoints = [{ x = 1, y = 0, radius = -1 }]", ["radius = -1.0", "at least 0"]),
-            ("waypoints = []", ["agent \"0\"", "no way-point"]),
-            ("desired_speed = 1.0", ["agent \"0\"", "no way-point"]),
-            ("desired_speed = -1.0\nwaypoints = [{ x = 1, y = 0 }]", ["desired_speed = -1.0", "agent \"0\""]),
-            ("desired_speed = 1e308\nwaypoints = [{ x = 1, y = 0 }]", ["speed = 1e308", "from 0 to 1e9"]),
-            ("waypoints = [{ x = -1e300, y = 0 }]", ["x = -1e300", "from -1e9 to 1e9 m"]),
-            ("exits = [{ line = [[0, 0], [1e300, 1]] }]", ["exit \"exit 0\": corner = 1e300", "1e9 m"]),
-            (
-                "model = \"social-force\"\nsocial-force = { strength = 1e300 }\nwaypoints = [{ x = 1, y = 0 }]",
-                ["strength = 1e300", "social-force"],
-            ),
-            ("desired_speed = \"fast\"", ["desired_speed", "line 1"]),
-            ("waypoints = [{ x = 1, y = 0 }]\n[agents.9]", ["agents.9", "no agent"]),
-            ("waypoints = [", ["line 1", "waypoints"]),
-        ] {
-            let message = plan(config).unwrap_err();
-            assert!(words.iter().all(|word| message.contains(word)), "{config}: {message}");
-        }
-        assert_eq!(Plan::from_toml("time_step = 1\nagents = []"), Err(PlanError::Empty));
+        Ways::new(&self.polylines(), &self.targets, places).map(Some)
     }
 }

@@ -15,7 +15,13 @@ pub struct Waypoint {
     /// \[m\] y.
     pub y: f64,
     /// \[m\] Radius, ≥ 0: the way-point is reached when the centre of mass is within it.
+    #[serde(default = "usual_radius")]
     pub radius: f64,
+}
+
+/// \[m\] Radius of a way-point that gives none.
+fn usual_radius() -> f64 {
+    0.3
 }
 
 /// Position and orientation of a body.

@@ -17,12 +17,12 @@ const STUCK: f64 = 0.1;
 const WAIT: [f64; 2] = [1.0, 1.0];
 /// \[s\] Shortest time for which they do something else at first, and by how much it may be longer.
 const GIVE_WAY: [f64; 2] = [0.5, 0.5];
-/// By how much longer each time it has not helped, and how often at most.
+/// Part by which it takes longer each time it has not helped, and how often at most.
 const LONGER: (f64, u32) = (0.5, 8);
 /// Part of the desired speed for steps back and to the side.
 const SLOWLY: f64 = 0.5;
 
-/// What somebody does who was stuck.
+/// Action of somebody who was stuck.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 enum Manoeuvre {
     Back,
@@ -33,25 +33,25 @@ enum Manoeuvre {
     Insist,
 }
 
-/// How somebody gets on.
+/// Progress of somebody.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct StuckState {
     /// \[m/s\] Mean progress towards where the person wants to go.
     progress: f64,
     /// \[s\] For how long the person is stuck.
     stuck: f64,
-    /// What the person does instead, and for how long yet \[s\].
+    /// Manoeuvre instead, and for how long yet \[s\].
     instead: Option<(Manoeuvre, f64)>,
-    /// How often.
+    /// Number of manoeuvres.
     times: u32,
-    /// Of them, how often since the person got on.
+    /// Number of those since the person got on.
     in_vain: u32,
 }
 
-/// What a person should do, besides the model.
+/// Action of a person, besides the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StuckAction {
-    /// What the model says.
+    /// Walk as the model says.
     Walk,
     /// Walk with this velocity \[m/s\], facing as before.
     Step(Vec2),
@@ -70,7 +70,7 @@ pub fn draw(seed: u64, person: u64, count: u64) -> u64 {
     })
 }
 
-/// In \[0, 1).
+/// Returns a random number in \[0, 1).
 fn share(seed: u64, person: u64, count: u64) -> f64 {
     (draw(seed, person, count) >> 11) as f64 / (1u64 << 53) as f64
 }
@@ -109,7 +109,7 @@ impl StuckState {
         }
     }
 
-    /// What the person does who wants to go in a direction at a speed \[m/s\].
+    /// Returns what the person does who wants to go in a direction at a speed \[m/s\].
     pub fn action(&self, direction: Vec2, speed: f64) -> StuckAction {
         let slowly = SLOWLY * speed;
         match self.instead {
@@ -122,7 +122,7 @@ impl StuckState {
         }
     }
 
-    /// Whether the numbers are possible.
+    /// Returns whether the numbers are possible.
     pub fn is_sound(&self) -> bool {
         let left = self.instead.map_or(0.0, |(_, left)| left);
         [self.progress, self.stuck, left].iter().all(|number| number.is_finite())
@@ -166,18 +166,12 @@ mod tests {
     }
 
     #[test]
-    fn people_do_not_all_do_the_same_but_each_always_the_same() {
+    fn people_do_not_all_do_the_same_but_each_always_the_same_and_who_wants_nothing_is_not_stuck() {
         let said = |person| follow(&mut StuckState::default(), 0.0, 20.0, person);
         assert_eq!(said(3), said(3));
         assert!((0..10).any(|person| said(person) != said(10)));
-    }
-
-    #[test]
-    fn who_wants_nothing_is_not_stuck() {
         let mut state = StuckState::default();
-        for _ in 0..200 {
-            state.follow(0.05, Vec2::ZERO, None, 7, 0);
-        }
+        (0..200).for_each(|_| state.follow(0.05, Vec2::ZERO, None, 7, 0));
         assert_eq!(state, StuckState::default());
     }
 }

@@ -1,6 +1,7 @@
 //! Exits and goals: lines and areas to which people walk around walls.
 
-use crate::field::{Field, Grid, TooLarge};
+use crate::error::PlanError;
+use crate::field::{Field, Grid};
 use lemons_core::plane::{Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -9,8 +10,6 @@ use std::collections::BTreeSet;
 const NEAR: f64 = 0.3;
 /// \[m\] Nearer than this to the line or the middle of a goal, people walk more and more slowly.
 const SLOW: f64 = 1.0;
-/// Most nodes of all fields together: 0.3 GB.
-const MOST_NODES: usize = 40_000_000;
 
 /// An exit or a goal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,21 +23,21 @@ pub struct Target {
     pub corners: Vec<[f64; 2]>,
 }
 
-/// Where an agent goes after the last way-point.
+/// Destination of an agent after the last way-point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Destination {
     /// Nowhere.
     #[default]
     None,
-    /// To the exit that is nearest on foot, wherever the agent is.
+    /// Exit that is nearest on foot, wherever the agent is.
     NearestExit,
-    /// To the target with this index.
+    /// Target with this index.
     Target(usize),
 }
 
 impl Target {
-    /// What it is, and its name, for messages.
+    /// Returns what it is, and its name, for messages.
     pub(crate) fn named(&self) -> String {
         format!("{} {:?}", if self.stay { "goal" } else { "exit" }, self.name)
     }
@@ -57,7 +56,7 @@ impl Target {
 #[derive(Debug, Clone)]
 enum Shape {
     Line([Vec2; 2]),
-    /// With its middle: the inner point that is furthest from the sides.
+    /// A ring with its middle: the inner point that is furthest from the sides.
     Area(Ring, Vec2),
 }
 
@@ -81,7 +80,7 @@ impl Shape {
         }
     }
 
-    /// Whether somebody who walked from one place to the other is there, or was on the way: over a line, or at one
+    /// Returns whether somebody who walked from one place to the other is there, or was on the way: over a line, or at one
     /// where people stay.
     fn holds(&self, from: Vec2, to: Vec2, stay: bool) -> bool {
         match self {
@@ -122,13 +121,13 @@ pub struct Ways {
     grid: Grid,
     shapes: Vec<Shape>,
     stay: Vec<bool>,
-    /// To each target, if somebody goes there.
+    /// Distances to each target, if somebody goes there.
     to_each: Vec<Option<Field>>,
-    /// To the nearest exit, if somebody goes there.
+    /// Distances to the nearest exit, if somebody goes there.
     to_nearest: Option<Field>,
 }
 
-/// What a destination asks of somebody.
+/// Way that a destination asks of somebody.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Leg {
     /// Unit vector; `None` on the middle of a goal.
@@ -146,7 +145,7 @@ impl Ways {
         walls: &[Vec<Vec2>],
         targets: &[Target],
         people: impl Iterator<Item = (Vec2, Destination)> + Clone,
-    ) -> Result<Ways, TooLarge> {
+    ) -> Result<Ways, PlanError> {
         let shapes: Vec<Shape> = targets.iter().map(Shape::of).collect();
         let places = targets.iter().flat_map(Target::points).chain(people.clone().map(|(at, _)| at));
         let grid = Grid::new(walls, places)?;
@@ -154,15 +153,13 @@ impl Ways {
             let (lines, areas) = lines_and_areas(wanted.iter().map(|k| &shapes[*k]));
             grid.field(&lines, &areas)
         };
-        let fields = people.clone().map(|(_, to)| to).collect::<BTreeSet<_>>().len();
-        if fields * grid.nodes() > MOST_NODES {
-            return Err(grid.too_large());
-        }
-        let goes = |to: Destination| people.clone().any(|(_, destination)| destination == to);
-        let to_each = (0..targets.len()).map(|k| goes(Destination::Target(k)).then(|| field(&[k])));
+        let wanted: BTreeSet<Destination> = people.map(|(_, to)| to).collect();
+        grid.check_fields(wanted.len())?;
+        let to_each =
+            (0..targets.len()).map(|k| wanted.contains(&Destination::Target(k)).then(|| field(&[k])));
         let to_each = to_each.collect();
         let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
-        let to_nearest = goes(Destination::NearestExit).then(|| field(&exits));
+        let to_nearest = wanted.contains(&Destination::NearestExit).then(|| field(&exits));
         let stay = targets.iter().map(|target| target.stay).collect();
         Ok(Ways { grid, shapes, stay, to_each, to_nearest })
     }
@@ -200,38 +197,29 @@ impl Ways {
         self.field(to).map_or(f64::INFINITY, |field| self.grid.distance(field, at))
     }
 
-    /// Whether somebody who walked from one place to another has arrived; if it is an exit, to leave.
+    /// Returns whether somebody who walked from one place to another has arrived; if it is an exit, to leave.
     pub fn arrived(&self, to: Destination, from: Vec2, at: Vec2) -> Option<Arrival> {
         let target = self.targets(to).find(|k| self.shapes[*k].holds(from, at, self.stay[*k]))?;
         Some(if self.stay[target] { Arrival::Stays } else { Arrival::Leaves })
     }
 
-    /// Which way to go. Where the grid knows none (behind a wall, or far outside), straight on.
+    /// Returns which way to go. Where the grid knows none (behind a wall, or far outside), straight on.
     pub fn leg(&self, to: Destination, at: Vec2) -> Leg {
-        let towards = |place: Vec2| {
-            let way = place - at;
-            let norm = way.norm();
-            (norm > 1e-9).then(|| way * (1.0 / norm))
+        let towards = |place: Vec2| (place - at).unit(1e-9);
+        let goal = match to {
+            Destination::Target(k) if self.stay[k] => Some(&self.shapes[k]),
+            _ => None,
         };
-        if let Destination::Target(k) = to
-            && let Some(Shape::Area(ring, middle)) = self.shapes.get(k)
-            && self.stay[k]
-            && ring.contains(at)
-        {
-            let share = ((*middle - at).norm() / SLOW).min(1.0);
-            return Leg { direction: towards(*middle), share };
-        }
-        let mut share = 1.0;
-        if let Destination::Target(k) = to
-            && let Some(line @ Shape::Line(_)) = self.shapes.get(k)
-            && self.stay[k]
-        {
-            let nearest = line.nearest(at);
-            share = ((nearest - at).norm() / SLOW).min(1.0);
-            // The grid is too coarse for the last steps.
-            if (nearest - at).norm() <= NEAR {
-                return Leg { direction: towards(nearest), share };
-            }
+        // Where people come to rest, and whether the grid is too coarse for the last steps.
+        let (rest, near) = match goal {
+            Some(Shape::Area(ring, middle)) if ring.contains(at) => (*middle, f64::INFINITY),
+            Some(line @ Shape::Line(_)) => (line.nearest(at), NEAR),
+            _ => (Vec2 { x: f64::INFINITY, y: 0.0 }, 0.0),
+        };
+        let left = (rest - at).norm();
+        let share = (left / SLOW).min(1.0);
+        if left <= near {
+            return Leg { direction: towards(rest), share };
         }
         let found = self.field(to).and_then(|field| self.grid.direction(field, at));
         let straight = || {
@@ -243,7 +231,7 @@ impl Ways {
     }
 }
 
-/// What somebody does at a target.
+/// Action of somebody at a target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrival {
     /// At a goal.

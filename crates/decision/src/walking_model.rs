@@ -73,7 +73,7 @@ pub enum WalkingModel {
     SocialForce(SocialForce),
 }
 
-/// Who walks, and where to.
+/// Somebody who walks, and where to.
 #[derive(Debug, Clone, Copy)]
 pub struct Walking<'a> {
     /// \[m\] centre of mass.
@@ -92,7 +92,7 @@ pub struct Walking<'a> {
     pub destination: usize,
 }
 
-/// What a person wants.
+/// Motion that a person wants.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DesiredMotion {
     /// \[m/s\] velocity.
@@ -118,7 +118,7 @@ const CLOSE: f64 = 0.5;
 const TOUCHING: f64 = 0.0;
 
 impl WalkingModel {
-    /// Whether people see others and walls.
+    /// Returns whether people see others and walls.
     pub fn sees_others(&self) -> bool {
         *self != WalkingModel::Straight
     }
@@ -142,18 +142,15 @@ impl WalkingModel {
         }
     }
 
-    /// What everybody wants; `None` for those who are not there, whom nobody sees.
+    /// Returns what everybody wants; `None` for those who are not there, whom nobody sees.
     pub fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {
-        if !self.sees_others() {
-            return people
-                .iter()
-                .map(|walking| walking.as_ref().map_or(DesiredMotion::default(), straight))
-                .collect();
-        }
         let furthest = people.iter().flatten().map(|walking| extent(walking)).fold(0.0, f64::max);
         let fastest = people.iter().flatten().map(|walking| walking.speed).fold(0.0, f64::max);
         let far = match self {
-            WalkingModel::Straight => 0.0,
+            WalkingModel::Straight => {
+                let wanted = |walking: &Option<Walking<'_>>| walking.as_ref().map(straight);
+                return people.iter().map(|walking| wanted(walking).unwrap_or_default()).collect();
+            }
             WalkingModel::CollisionFreeSpeed(of) => {
                 let ranges = FAR * of.neighbour_range.max(of.wall_range);
                 ranges.max(fastest * of.time_gap).max(CLOSE)
@@ -175,14 +172,8 @@ impl WalkingModel {
 }
 
 fn straight(walking: &Walking<'_>) -> DesiredMotion {
-    match walking.direction {
-        None => DesiredMotion::default(),
-        Some(direction) => DesiredMotion {
-            velocity: direction * walking.speed,
-            facing: Some(direction),
-            ..DesiredMotion::default()
-        },
-    }
+    let velocity = walking.direction.map_or(Vec2::ZERO, |direction| direction * walking.speed);
+    DesiredMotion { velocity, facing: walking.direction, ..DesiredMotion::default() }
 }
 
 /// Somebody or a wall near a person.
@@ -193,17 +184,23 @@ struct Near<'a> {
     distance: f64,
     /// \[m\] Gap between the outlines on this line; negative if they overlap.
     gap: f64,
-    /// Who it is; `None` for a wall.
+    /// Person; `None` for a wall.
     other: Option<&'a Walking<'a>>,
 }
 
-/// How much of a repulsion acts over a gap.
+/// Returns the part of a repulsion that acts over a gap.
 fn faded(gap: f64, range: f64) -> f64 {
     // Bodies that touch repel each other by the mechanics.
     if gap < FAR * range { libm::exp(-gap.max(TOUCHING) / range) } else { 0.0 }
 }
 
-/// Those who are in front of a person who walks in a direction.
+/// Returns the sum of the repulsions by others or walls.
+fn repulsion<'a>(near: impl IntoIterator<Item = &'a Near<'a>>, strength: f64, range: f64) -> Vec2 {
+    let all = near.into_iter().map(|near| near.away * (strength * faded(near.gap, range)));
+    all.fold(Vec2::ZERO, |sum, force| sum + force)
+}
+
+/// Returns those who are in front of a person who walks in a direction.
 fn in_front<'a>(
     walking: &Walking<'_>,
     direction: Vec2,
@@ -217,7 +214,7 @@ fn in_front<'a>(
     })
 }
 
-/// Whether one of those in front is close, goes to the same place, and has a shorter way.
+/// Returns whether one of those in front is close, goes to the same place, and has a shorter way.
 fn queues(walking: &Walking<'_>, direction: Vec2, others: &[Near<'_>]) -> bool {
     in_front(walking, direction, others).any(|(near, other)| {
         let goes = other.direction.is_some() && other.destination == walking.destination;
@@ -228,14 +225,10 @@ fn queues(walking: &Walking<'_>, direction: Vec2, others: &[Near<'_>]) -> bool {
 impl CollisionFreeSpeed {
     fn desired(&self, walking: &Walking<'_>, others: &[Near<'_>], walls: &[Near<'_>]) -> DesiredMotion {
         let Some(goal) = walking.direction else { return DesiredMotion::default() };
-        let aside = |near: &[Near<'_>], strength: f64, range: f64| {
-            near.iter().fold(Vec2::ZERO, |sum, near| sum + near.away * (strength * faded(near.gap, range)))
-        };
         let turned = goal
-            + aside(others, self.neighbour_strength, self.neighbour_range)
-            + aside(walls, self.wall_strength, self.wall_range);
-        let norm = turned.norm();
-        let direction = if norm > 1e-9 { turned * (1.0 / norm) } else { goal };
+            + repulsion(others, self.neighbour_strength, self.neighbour_range)
+            + repulsion(walls, self.wall_strength, self.wall_range);
+        let direction = turned.unit(1e-9).unwrap_or(goal);
         let headway =
             in_front(walking, direction, others).map(|(near, _)| near.gap).fold(f64::INFINITY, f64::min);
         let speed = (headway / self.time_gap).clamp(0.0, walking.speed);
@@ -246,10 +239,7 @@ impl CollisionFreeSpeed {
 
 impl SocialForce {
     fn desired(&self, walking: &Walking<'_>, others: &[Near<'_>], walls: &[Near<'_>]) -> DesiredMotion {
-        let force = others
-            .iter()
-            .chain(walls)
-            .fold(Vec2::ZERO, |sum, near| sum + near.away * (self.strength * faded(near.gap, self.range)));
+        let force = repulsion(others.iter().chain(walls), self.strength, self.range);
         let queues = walking.direction.is_some_and(|goal| queues(walking, goal, others));
         DesiredMotion { force, queues, ..straight(walking) }
     }
@@ -300,9 +290,7 @@ impl Cells {
             }
         }
         // Only cells with somebody in or beside them are asked.
-        let mut asked: Vec<(i64, i64)> = cells.people.keys().copied().collect();
-        asked.sort_unstable();
-        for (column, row) in asked {
+        for &(column, row) in cells.people.keys() {
             let middle = vec2((column as f64 + 0.5) * width, (row as f64 + 0.5) * width);
             let near = faces
                 .iter()

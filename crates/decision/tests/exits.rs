@@ -185,62 +185,45 @@ fn waypoints_come_before_the_exit() {
 #[test]
 fn mistakes_are_named() {
     let closed = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0)].map(|(x, y)| vec2(x, y));
-    for (config, words) in [
-        ("exits = [{ name = \"a\" }]", ["exits[0]", "line"]),
-        (
-            "exits = [{ line = [[0, 0], [1, 1]], polygon = [[0, 0], [1, 0], [1, 1]] }]",
-            ["exits[0]", "one of the two"],
-        ),
-        ("exits = [{ line = [[7, 1], [7, 1]] }]", ["exit \"exit 0\"", "a line of some length"]),
-        ("exits = [{ polygon = [[7, 1], [8, 1]] }]", ["exits[0]", "three corners"]),
-        ("goals = [{ polygon = [[7, 1], [8, 2], [8, 1], [7, 2]] }]", ["goal \"goal 0\"", "do not cross"]),
-        ("exits = [{ line = [[7, 1], [nan, 1]] }]", ["exit \"exit 0\"", "NaN"]),
-        (
-            "exits = [{ name = \"a\", line = [[7, 1], [7, 3]] }]\n[agents.0]\nexit = \"b\"",
-            ["exit = \"b\"", "there are \"a\""],
-        ),
-        (
-            "exits = [{ name = \"a\", line = [[7, 1], [7, 3]] }]\n[agents.0]\ngoal = \"a\"",
-            ["goal = \"a\"", "there are none"],
-        ),
-        (
-            "exits = [{ name = \"a\", line = [[7, 1], [7, 3]] }, { name = \"a\", line = [[8, 1], [8, 3]] }]",
-            ["exits[1]", "another exit"],
-        ),
-        (
-            "exits = [{ line = [[5, 1], [5, 3]], share = 1 }, { line = [[4, 1], [4, 3]] }]",
-            ["share", "for each or for none"],
-        ),
-        ("exits = [{ line = [[5, 1], [5, 3]], share = -1 }]", ["exits[0]", "share = -1.0"]),
-        (
-            "exits = [{ line = [[7, 1], [7, 3]] }]",
-            ["agent \"0\" at (2.00, 2.00) m", "no way leads to any exit"],
-        ),
-        ("exits = [{ name = \"w\", line = [[6, 1], [6, 3]] }]", ["exit \"w\"", "lies on walls"]),
-        ("exits = [{ line = [[7, 1], [1e6, 3]] }]", ["too large", "m"]),
-        ("model = \"crawl\"\nwaypoints = [{ x = 1, y = 1 }]", ["crawl", "line 1"]),
-        ("exit = [{ line = [[5, 1], [5, 3]] }]", ["unknown field `exit`", "did you mean `exits`"]),
-        ("exits = [{ lines = [[5, 1], [5, 3]] }]", ["unknown field `lines`", "did you mean `line`"]),
-        (
-            "waypoints = [{ x = 1, y = 1 }]\n[social-force]\nstrength = 1",
-            ["[social-force]", "the model is another one"],
-        ),
-        (
-            "model = \"collision-free-speed\"\nwaypoints = [{ x = 1, y = 1 }]\n[collision-free-speed]\ntime_gap = 0",
-            ["time_gap = 0.0", "positive"],
-        ),
-    ] {
-        let message = plan(&[closed.to_vec()], &[person(0, 2.0, 2.0)], config).unwrap_err().to_string();
-        assert!(words.iter().all(|word| message.contains(word)), "{config}: {message}");
+    let people = [person(0, 2.0, 2.0), Person { id: "two words".into(), ..person(1, 3.0, 2.0) }];
+    for line in include_str!("mistakes.txt").lines().filter(|line| !line.starts_with('#')) {
+        let (config, words) = line.split_once(" | ").unwrap();
+        let said = plan(&[closed.to_vec()], &people, &config.replace("\\n", "\n")).unwrap_err().to_string();
+        assert!(words.split(" | ").all(|word| said.contains(word)), "{config}: {said}");
     }
+    assert_eq!(Plan::from_toml("time_step = 1\nagents = []"), Err(PlanError::Empty));
 }
 
 /// A plan is what the FMU gets: it must say the same after it was written.
 #[test]
-fn a_plan_with_exits_reads_back() {
-    let config = format!(
-        "seed = 5\nmodel = \"collision-free-speed\"\n{DOOR}goals = [{{ polygon = [[1, 1], [2, 1], [2, 2]] }}]\n[agents.1]\ngoal = \"goal 0\""
-    );
-    let plan = plan(&[room()], &[person(0, 1.0, 3.5), person(1, 2.0, 3.0)], &config).unwrap();
-    assert_eq!(Plan::from_toml(&plan.to_toml().unwrap()).unwrap(), plan);
+fn a_plan_reads_back_to_the_last_bit() {
+    let goal = "goals = [{ polygon = [[1, 1], [2, 1], [2, 2]] }]\n[agents.0]\ngoal = \"goal 0\"";
+    for (walls, pose, config) in [
+        (
+            vec![room()],
+            Pose { x: 2.0, y: 3.0, theta: 0.1 },
+            format!("seed = 5\nmodel = \"collision-free-speed\"\n{DOOR}{goal}"),
+        ),
+        (
+            Vec::new(),
+            Pose { x: 1e-300, y: -0.0, theta: 3.0 },
+            "waypoints = [{ x = 0.1, y = 1e-320, radius = 0 }]".to_owned(),
+        ),
+    ] {
+        let other = Person { pose, moment_of_inertia: 1.0 / 3.0, ..person(1, 0.0, 0.0) };
+        let plan = plan(&walls, &[person(0, 1.0, 3.5), other], &config).unwrap();
+        assert_eq!(Plan::from_toml(&plan.to_toml().unwrap()).unwrap(), plan);
+    }
+}
+
+#[test]
+fn settings_are_for_everybody_or_for_one() {
+    let people = [person(0, 0.0, 0.0), Person { id: "two words".into(), ..person(1, 1.0, 0.0) }];
+    let own = "waypoints = [{ x = 0, y = 0, radius = 2 }, { x = 3, y = 4 }]";
+    let config =
+        format!("desired_speed = 1\nwaypoints = [{{ x = 1, y = 2.5 }}]\n[agents.\"two words\"]\n{own}");
+    let agents = plan(&[], &people, &config).unwrap().agents;
+    let radii = |k: usize| agents[k].walker.waypoints.iter().map(|point| point.radius).collect::<Vec<_>>();
+    assert_eq!((radii(0), radii(1)), (vec![0.3], vec![2.0, 0.3]));
+    assert!(agents.iter().all(|agent| agent.walker.desired_speed == 1.0));
 }

@@ -3,7 +3,7 @@
 use crate::calls::Answer;
 use crate::file_type::Unexpected;
 use crowd_mechanics::pack::PackError;
-use lemons_core::trial::{DriveError, Problems};
+use lemons_core::trial::Problems;
 use lemons_core::xml::Problem;
 use lemons_sim::ClockError;
 use std::error::Error as StdError;
@@ -97,7 +97,7 @@ pub enum Error {
     Plan(#[from] lemons_decision::PlanError),
     /// A drive file is wrong.
     #[error(transparent)]
-    Drive(#[from] DriveError),
+    Drive(#[from] Problems),
     /// The components of a saved run were coupled by another algorithm.
     #[error("the saved run has {there}, not {here}")]
     Algorithm {

@@ -102,7 +102,7 @@ impl TrialInput {
     /// # Errors
     /// All that is wrong with its `drive.csv`; the file has the name that the user knows.
     pub fn drive(&self, trial: &Trial) -> Result<DriveTable, Problems> {
-        DriveTable::of(Some(trial), &DriveChoice::Own).map_err(|error| self.renamed(&error.0))
+        DriveTable::of(Some(trial), &DriveChoice::Own).map_err(|problems| self.renamed(&problems))
     }
 
     /// What the Trial is simulated with, with the file that says where people walk, as the user knows it.
@@ -190,7 +190,8 @@ pub fn pack(
 ) -> Result<Vec<String>> {
     let directories = trials.iter().map(|trial| trial.directory.clone()).collect();
     let check = |trial: &Trial| {
-        DriveTable::of(Some(trial), &DriveChoice::Own).map_or_else(|error| error.0, |_| Problems::default())
+        DriveTable::of(Some(trial), &DriveChoice::Own)
+            .map_or_else(|problems| problems, |_| Problems::default())
     };
     let check = drives.then_some(check as Check);
     let package = Package { trials: directories, binaries, picture, check, format };

@@ -8,7 +8,7 @@ use crate::error::{Result, require};
 use crate::person::Person;
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
-use lemons_core::files::{Change, Staged, StagedDirectory, WriteError, change_all};
+use lemons_core::files::{Change, Scratch, Staged, WriteError, change_all, target_of};
 use lemons_core::plane::{Pose, Ring, Rotation, Vec2, vec2};
 use lemons_core::trial::{
     Agent, AgentDynamics, Contact, Geometry, INTERACTIONS, Interactions, Material, Materials, Parameters,
@@ -238,9 +238,10 @@ pub fn write_trial(
     if directory.exists() {
         return Ok(write_in(directory, Some(directory.join("dynamic").join(INTERACTIONS)))?);
     }
-    let stage = StagedDirectory::beside(directory).map_err(WriteError::at(directory))?;
+    let place = target_of(directory).map_err(WriteError::at(directory))?;
+    let stage = Scratch::beside(&place).map_err(WriteError::at(directory))?;
     write_in(stage.path(), None)?;
-    Ok(stage.persist().map_err(WriteError::at(directory))?)
+    Ok(stage.persist(&place).map_err(WriteError::at(directory))?)
 }
 
 /// The files of a Trial that [`crowd_trial`] makes, and the one that [`write_trial`] removes.

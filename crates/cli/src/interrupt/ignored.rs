@@ -3,7 +3,7 @@
 use std::ffi::c_int;
 use std::mem::MaybeUninit;
 
-/// Whether whoever started the program lets it ignore a signal.
+/// Returns whether whoever started the program lets it ignore a signal.
 #[allow(unsafe_code)]
 pub fn is_ignored(signal: c_int) -> bool {
     let mut action = MaybeUninit::<libc::sigaction>::uninit();

@@ -6,6 +6,7 @@ use crate::interrupt::{Interrupt, Interrupted};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
+use lemons_core::files::source::Disk;
 use lemons_core::plane::{Bounds, Pose, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use lemons_people::placing::{
@@ -198,7 +199,7 @@ impl PlacingArguments {
             return Ok((geometry, format!("a box of {} m x {} m", sides.x, sides.y)));
         }
         if let Some(path) = &self.geometry {
-            let (geometry, warnings) = match Geometry::read(path) {
+            let (geometry, warnings) = match Geometry::read_from(&Disk, path) {
                 Ok(read) => read,
                 Err(problems) => {
                     note!("{problems}");

@@ -13,7 +13,7 @@ pub trait Source {
     /// The file cannot be read, is not a regular file, or is larger.
     fn read(&self, path: &Path, largest: u64) -> io::Result<Vec<u8>>;
 
-    /// Whether there is surely nothing at a path.
+    /// Returns whether there is surely nothing at a path.
     fn lacks(&self, path: &Path) -> bool;
 }
 
@@ -59,7 +59,7 @@ impl Source for Memory {
     }
 }
 
-/// Without `.` in between.
+/// Removes `.` in between.
 fn tidy(path: &Path) -> PathBuf {
     path.components().filter(|part| *part != std::path::Component::CurDir).collect()
 }

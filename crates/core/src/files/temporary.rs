@@ -3,7 +3,6 @@
 //! The crate `tempfile` is not used: its random names initialise a thread-local of this library, whose destructor
 //! crashes the host's thread if it ends after the library was unloaded.
 
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -56,42 +55,60 @@ fn remove(path: &Path) -> io::Result<()> {
 
 /// A temporary file or directory. It is removed when dropped, unless it was put into its place.
 #[derive(Debug)]
-pub(crate) struct Temporary(PathBuf);
+pub struct Scratch(PathBuf);
 
-impl Temporary {
+impl Scratch {
+    /// Creates a new, empty directory for this process only, in the system's temporary directory.
+    ///
+    /// # Errors
+    /// The directory cannot be created.
+    pub fn new() -> io::Result<Scratch> {
+        #[cfg_attr(not(unix), allow(unused_mut))]
+        let mut builder = std::fs::DirBuilder::new();
+        #[cfg(unix)]
+        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+        Ok(Scratch::within(&std::env::temp_dir(), |path| builder.create(path))?.0)
+    }
+
+    /// Creates a new, empty directory beside a place.
+    ///
+    /// # Errors
+    /// The directory cannot be created.
+    pub fn beside(place: &Path) -> io::Result<Scratch> {
+        Ok(Scratch::within(directory_of(place), |path| std::fs::create_dir(path))?.0)
+    }
+
     /// Creates a file or directory with a free name. `make` must fail if the name exists.
-    pub(crate) fn new<T>(
+    pub(crate) fn within<T>(
         directory: &Path,
         make: impl Fn(&Path) -> io::Result<T>,
-    ) -> io::Result<(Temporary, T)> {
+    ) -> io::Result<(Scratch, T)> {
         let process = std::process::id();
         for attempt in 0..=u16::MAX {
-            match Temporary::named(directory.join(format!(".lemons-{process}-{attempt}")), &make) {
+            let path = directory.join(format!(".lemons-{process}-{attempt}"));
+            let mut all = begun();
+            match make(&path) {
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-                made => return made,
+                made => {
+                    let made = made?;
+                    all.push(path.clone());
+                    return Ok((Scratch(path), made));
+                }
             }
         }
         Err(io::ErrorKind::AlreadyExists.into())
     }
 
-    /// Creates a file or directory of this name, which must not exist.
-    pub(crate) fn named<T>(
-        path: PathBuf,
-        make: impl Fn(&Path) -> io::Result<T>,
-    ) -> io::Result<(Temporary, T)> {
-        let mut all = begun();
-        let made = make(&path)?;
-        all.push(path.clone());
-        Ok((Temporary(path), made))
-    }
-
     /// Returns its present path.
-    pub(crate) fn path(&self) -> &Path {
+    pub fn path(&self) -> &Path {
         &self.0
     }
 
-    /// Moves it to its place, where it replaces a file or an empty directory.
-    pub(crate) fn persist(mut self, place: &Path) -> io::Result<()> {
+    /// Moves it to a place, where it replaces a file or an empty directory.
+    ///
+    /// # Errors
+    /// It cannot be moved there.
+    pub fn persist(mut self, place: &Path) -> io::Result<()> {
         let mut all = begun();
         std::fs::rename(&self.0, place)?;
         forget(&mut all, &self.0);
@@ -100,7 +117,7 @@ impl Temporary {
     }
 }
 
-impl Drop for Temporary {
+impl Drop for Scratch {
     fn drop(&mut self) {
         if !self.0.as_os_str().is_empty() {
             let mut all = begun();
@@ -112,9 +129,9 @@ impl Drop for Temporary {
     }
 }
 
-/// Creates a file to be written and read.
-pub(crate) fn new_file(path: &Path) -> io::Result<File> {
-    File::options().read(true).write(true).create_new(true).open(path)
+/// Returns the directory in which a place is.
+pub(crate) fn directory_of(place: &Path) -> &Path {
+    place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 fn forget(all: &mut Vec<PathBuf>, path: &Path) {
@@ -122,29 +139,5 @@ fn forget(all: &mut Vec<PathBuf>, path: &Path) {
     // A library that is unloaded must not leave allocated memory.
     if all.is_empty() {
         *all = Vec::new();
-    }
-}
-
-/// A directory for this process only, in the system's temporary directory. It is removed when dropped.
-#[derive(Debug)]
-pub struct Scratch(Temporary);
-
-impl Scratch {
-    /// Creates a new, empty directory.
-    ///
-    /// # Errors
-    /// The directory cannot be created.
-    pub fn new() -> io::Result<Scratch> {
-        #[cfg_attr(not(unix), allow(unused_mut))]
-        let mut builder = std::fs::DirBuilder::new();
-        #[cfg(unix)]
-        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
-        let (temporary, ()) = Temporary::new(&std::env::temp_dir(), |path| builder.create(path))?;
-        Ok(Scratch(temporary))
-    }
-
-    /// Returns its path.
-    pub fn path(&self) -> &Path {
-        self.0.path()
     }
 }

@@ -2,7 +2,7 @@
 //! one, never a part.
 
 use crate::files::input;
-use crate::files::temporary::{Temporary, new_file};
+use crate::files::temporary::{Scratch, directory_of};
 use std::fs::File;
 use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -50,10 +50,6 @@ pub fn target_of(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("its symbolic links form a loop"))
 }
 
-fn directory_of(place: &Path) -> &Path {
-    place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
 static READER_LEFT: AtomicBool = AtomicBool::new(false);
 
 /// Returns whether writing to a pipe by [`Staged::onto`] failed because its reader had closed it. (Callers may replace
@@ -67,7 +63,7 @@ pub fn reader_left() -> bool {
 pub struct Staged {
     file: File,
     /// The file and its place; `None`: an open file is written directly.
-    temporary: Option<(Temporary, PathBuf)>,
+    temporary: Option<(Scratch, PathBuf)>,
     failed: bool,
 }
 
@@ -85,7 +81,9 @@ impl Staged {
             Err(error) => return Err(error),
         };
         there.as_ref().map_or(Ok(()), input::check_regular)?;
-        let (temporary, file) = Temporary::new(directory_of(&place), new_file)?;
+        let (temporary, file) = Scratch::within(directory_of(&place), |path| {
+            File::options().read(true).write(true).create_new(true).open(path)
+        })?;
         let staged = Staged { file, temporary: Some((temporary, place)), failed: false };
         if let Some(there) = there {
             staged.file.set_permissions(there.permissions())?;
@@ -155,50 +153,10 @@ impl Seek for Staged {
     }
 }
 
-/// A directory that is written beside its place. [`StagedDirectory::persist`] moves it there; otherwise it is removed.
-#[derive(Debug)]
-pub struct StagedDirectory {
-    temporary: Temporary,
-    place: PathBuf,
-}
-
-impl StagedDirectory {
-    /// Creates a new, empty directory beside `place`.
-    ///
-    /// # Errors
-    /// The directory cannot be created.
-    pub fn beside(place: &Path) -> io::Result<StagedDirectory> {
-        let place = target_of(place)?;
-        let (temporary, ()) = Temporary::new(directory_of(&place), |path| std::fs::create_dir(path))?;
-        Ok(StagedDirectory { temporary, place })
-    }
-
-    /// Returns its present path.
-    pub fn path(&self) -> &Path {
-        self.temporary.path()
-    }
-
-    /// Moves it into its place, which must not exist or be an empty directory.
-    ///
-    /// # Errors
-    /// The directory cannot be moved there.
-    pub fn persist(self) -> io::Result<()> {
-        self.temporary.persist(&self.place)
-    }
-}
-
 fn staged(path: &Path, bytes: &[u8]) -> io::Result<Staged> {
     let mut file = Staged::beside(path)?;
     file.write_all(bytes)?;
     Ok(file)
-}
-
-/// Writes a file by way of a temporary one beside it.
-///
-/// # Errors
-/// The file cannot be written; it is then unchanged.
-pub fn write_atomically(path: &Path, text: &str) -> Result<(), WriteError> {
-    staged(path, text.as_bytes()).and_then(Staged::persist).map_err(WriteError::at(path))
 }
 
 /// A change of a file.
@@ -297,20 +255,21 @@ mod tests {
         use std::os::unix::fs::{PermissionsExt, symlink};
         let directory = TempDir::new().unwrap();
         let at = |name: &str| directory.path().join(name);
+        let write = |name: &str, text: &str| change_all(&[Change::Write(at(name), text.into())]);
         symlink("file", at("link")).unwrap();
         symlink(at("link"), at("second")).unwrap();
         assert_eq!(target_of(&at("second")).unwrap(), target_of(&at("file")).unwrap());
         for text in ["new", "newer"] {
-            write_atomically(&at("second"), text).unwrap();
+            write("second", text).unwrap();
             assert_eq!(std::fs::read_to_string(at("file")).unwrap(), text);
             assert!(["link", "second"].iter().all(|link| at(link).symlink_metadata().unwrap().is_symlink()));
             std::fs::set_permissions(at("file"), std::fs::Permissions::from_mode(0o640)).unwrap();
         }
-        write_atomically(&at("file"), "newest").unwrap();
+        write("file", "newest").unwrap();
         assert_eq!(at("file").metadata().unwrap().permissions().mode() & 0o777, 0o640);
         symlink("there", at("back")).unwrap();
         symlink("back", at("there")).unwrap();
-        let error = write_atomically(&at("back"), "x").unwrap_err().to_string();
+        let error = write("back", "x").unwrap_err().to_string();
         assert!(error.starts_with(&format!("{}: cannot be written: ", at("back").display())), "{error}");
         assert!(at("back").symlink_metadata().unwrap().is_symlink());
     }
@@ -320,10 +279,10 @@ mod tests {
         let directory = TempDir::new().unwrap();
         let place = directory.path().join("Trial");
         for (existing, works) in [(false, true), (true, false)] {
-            let staged = StagedDirectory::beside(&place).unwrap();
+            let staged = Scratch::beside(&place).unwrap();
             std::fs::write(staged.path().join("a"), existing.to_string()).unwrap();
             assert_eq!(place.exists(), existing);
-            assert_eq!(staged.persist().is_ok(), works);
+            assert_eq!(staged.persist(&place).is_ok(), works);
             assert_eq!(std::fs::read_to_string(place.join("a")).unwrap(), "false");
         }
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1);

@@ -8,7 +8,7 @@ use std::fmt::Write;
 pub struct Polygon {
     /// The outer ring.
     pub outer: Ring,
-    /// What is not part of it.
+    /// Parts that do not belong to it.
     pub holes: Vec<Ring>,
 }
 

@@ -156,13 +156,4 @@ mod tests {
         assert!(!ring(&[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.001)]).is_upright());
         assert!(!ring(&[(0.0, 0.0), (2.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]).is_upright());
     }
-
-    #[test]
-    fn rims_touch() {
-        let square = |x: f64| ring(&[(x, 0.0), (x + 1.0, 0.0), (x + 1.0, 1.0), (x, 1.0)]);
-        assert!(square(0.0).touches(&square(1.0)));
-        assert!(!square(0.0).touches(&square(1.5)));
-        // One in the other: the rims do not.
-        assert!(!ring(&[(-5.0, -5.0), (9.0, -5.0), (0.0, 9.0)]).touches(&square(0.0)));
-    }
 }

@@ -35,71 +35,43 @@ struct Arc {
     to: f64,
 }
 
-/// The relation of two disks.
-enum Relation {
-    /// At most one common point.
-    Apart,
-    /// The first disk lies in the second.
-    FirstInside,
-    /// The second disk lies in the first.
-    SecondInside,
-    /// Their circles cross.
-    Crossing {
-        /// \[rad\] Part of the first circle inside the second disk: middle and half width.
-        first: (f64, f64),
-        /// \[rad\] Part of the second circle inside the first disk.
-        second: (f64, f64),
-    },
-}
-
-fn relation(first: &Disk, second: &Disk) -> Relation {
-    let (r, s) = (first.radius, second.radius);
-    let offset = second.centre - first.centre;
-    let distance = libm::hypot(offset.x, offset.y);
-    if distance >= r + s {
-        return Relation::Apart;
-    }
-    // Of two equal disks, the second counts as inside.
-    if distance <= r - s {
-        return Relation::SecondInside;
-    }
-    if distance <= s - r {
-        return Relation::FirstInside;
-    }
-    // Both circles use the same pair of points. So the boundary is closed even where the circles nearly touch and the
-    // points are ill-conditioned: along ± across from the first centre, at both radii up to rounding.
-    let along = 0.5 * (distance + (r - s) * (r + s) / distance);
-    let across = ((r - along) * (r + along)).max(0.0).sqrt();
-    let towards = libm::atan2(offset.y, offset.x);
-    Relation::Crossing {
-        first: (towards, libm::atan2(across, along)),
-        second: (libm::atan2(-offset.y, -offset.x), libm::atan2(across, distance - along)),
-    }
-}
-
-/// The boundary of the union. Disks without a positive radius are left out.
+/// Returns the boundary of the union. Disks without a positive radius are left out.
 fn boundary(disks: &[Disk]) -> Vec<Arc> {
     let mut inside: Vec<bool> = disks.iter().map(|disk| disk.radius.is_nan() || disk.radius <= 0.0).collect();
     // [rad] Covered pieces of each circle: start in 0…2π, and end.
     let mut covered: Vec<Vec<(f64, f64)>> = vec![Vec::new(); disks.len()];
     for second in 0..disks.len() {
         for first in 0..second {
-            if inside[first] || inside[second] {
+            let (r, s) = (disks[first].radius, disks[second].radius);
+            let offset = disks[second].centre - disks[first].centre;
+            let distance = libm::hypot(offset.x, offset.y);
+            if inside[first] || inside[second] || distance >= r + s {
                 continue;
             }
-            match relation(&disks[first], &disks[second]) {
-                Relation::Apart => (),
-                Relation::FirstInside => inside[first] = true,
-                Relation::SecondInside => inside[second] = true,
-                Relation::Crossing { first: of_first, second: of_second } => {
-                    for (disk, (middle, half)) in [(first, of_first), (second, of_second)] {
-                        let mut start = middle - half;
-                        if start < 0.0 {
-                            start += TAU;
-                        }
-                        covered[disk].push((start, start + 2.0 * half));
-                    }
+            // Of two equal disks, the second counts as inside.
+            if distance <= r - s {
+                inside[second] = true;
+                continue;
+            }
+            if distance <= s - r {
+                inside[first] = true;
+                continue;
+            }
+            // Both circles use the same pair of points. So the boundary is closed even where the circles nearly touch
+            // and the points are ill-conditioned: along ± across from the first centre, at both radii up to rounding.
+            let along = 0.5 * (distance + (r - s) * (r + s) / distance);
+            let across = ((r - along) * (r + along)).max(0.0).sqrt();
+            let towards = libm::atan2(offset.y, offset.x);
+            let back = libm::atan2(-offset.y, -offset.x);
+            for (disk, middle, half) in [
+                (first, towards, libm::atan2(across, along)),
+                (second, back, libm::atan2(across, distance - along)),
+            ] {
+                let mut start = middle - half;
+                if start < 0.0 {
+                    start += TAU;
                 }
+                covered[disk].push((start, start + 2.0 * half));
             }
         }
     }
@@ -124,7 +96,7 @@ fn boundary(disks: &[Disk]) -> Vec<Arc> {
     arcs
 }
 
-/// Area, its first moments and its second polar moment about the point `about`.
+/// Returns the area, its first moments and its second polar moment about the point `about`.
 fn integrals(disks: &[Disk], arcs: &[Arc], about: Vec2) -> (f64, Vec2, f64) {
     let (mut area, mut first, mut polar) = (0.0, Vec2::ZERO, 0.0);
     for arc in arcs {
@@ -254,17 +226,18 @@ mod tests {
             .collect();
         let mut island = ring.clone();
         island.extend([disk(2.0, 1.0, 0.2), disk(2.1, 1.0, 0.2), disk(2.05, 1.05, 0.05)]);
+        let of = |disks: &[(f64, f64, f64)]| disks.iter().map(|&(x, y, r)| disk(x, y, r)).collect::<Vec<_>>();
         let cases = [
             ("ring with a hole", ring),
             ("island in a hole", island),
-            ("inside", vec![disk(0.0, 0.0, 1.0), disk(0.2, 0.1, 0.5), disk(0.9, 0.0, 0.3)]),
-            ("inside, touching", vec![disk(0.5, 0.0, 0.5), disk(0.0, 0.0, 1.0)]),
-            ("touching", vec![disk(0.0, 0.0, 1.0), disk(1.5, 0.0, 0.5), disk(0.0, 2.0, 1.0)]),
-            ("the same", vec![disk(0.1, 0.2, 0.7); 5]),
-            ("apart", vec![disk(-5.0, 0.0, 0.5), disk(6.0, 3.0, 1.0)]),
-            ("nearly the same", vec![disk(0.0, 0.0, 1.0), disk(1e-15, 0.0, 1.0), disk(0.0, 1e-9, 1.0)]),
-            ("nearly inside", vec![disk(0.0, 0.0, 1.0), disk(0.5, 0.0, 0.5 + 1e-12)]),
-            ("nearly touching", vec![disk(0.0, 0.0, 1.0), disk(2.0 - 1e-12, 0.0, 1.0)]),
+            ("inside", of(&[(0.0, 0.0, 1.0), (0.2, 0.1, 0.5), (0.9, 0.0, 0.3)])),
+            ("inside, touching", of(&[(0.5, 0.0, 0.5), (0.0, 0.0, 1.0)])),
+            ("touching", of(&[(0.0, 0.0, 1.0), (1.5, 0.0, 0.5), (0.0, 2.0, 1.0)])),
+            ("the same", of(&[(0.1, 0.2, 0.7); 5])),
+            ("apart", of(&[(-5.0, 0.0, 0.5), (6.0, 3.0, 1.0)])),
+            ("nearly the same", of(&[(0.0, 0.0, 1.0), (1e-15, 0.0, 1.0), (0.0, 1e-9, 1.0)])),
+            ("nearly inside", of(&[(0.0, 0.0, 1.0), (0.5, 0.0, 0.5 + 1e-12)])),
+            ("nearly touching", of(&[(0.0, 0.0, 1.0), (2.0 - 1e-12, 0.0, 1.0)])),
             (
                 "through one point",
                 (0..5).map(|k| f64::from(k).sin_cos()).map(|(s, c)| disk(c, s, 1.0)).collect(),

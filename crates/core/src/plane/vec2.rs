@@ -64,6 +64,13 @@ impl Vec2 {
         self.norm_squared().sqrt()
     }
 
+    /// Returns the vector of length 1 in this direction; `None` if it is not longer than `least`.
+    #[inline]
+    pub fn unit(self, least: f64) -> Option<Vec2> {
+        let norm = self.norm();
+        (norm > least).then(|| self * (1.0 / norm))
+    }
+
     /// Returns the vector turned by a rotation.
     #[inline]
     pub fn rotated(self, by: Rotation) -> Vec2 {
@@ -146,7 +153,7 @@ impl Rotation {
         Rotation { sin: s * longer, cos: c * longer }
     }
 
-    /// Without the special cases of `libm`: polynomials compute the remaining angle of at most an eighth of a turn.
+    /// Computes the rotation without the special cases of `libm`: polynomials for the remaining angle of at most an eighth of a turn.
     #[inline]
     fn by_few_turns(angle: f64) -> Rotation {
         use std::f64::consts::FRAC_2_PI;

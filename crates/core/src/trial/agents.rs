@@ -2,8 +2,9 @@
 
 use crate::plane::{Rotation, Vec2, shown_orientation};
 use crate::trial::schema::{Attribute, Range, Schema, Value, attribute};
-use crate::trial::xml::{Element, Ids, document, empty, vector};
-use crate::xml::{Problem, number, quoted};
+use crate::trial::xml::{Element, Ids, document, empty, read_id, vector};
+use crate::xml::{number, quoted};
+use std::collections::HashMap;
 
 pub(crate) static AGENTS: Schema = Schema { name: "Agents", attributes: &[], children: &[&AGENT] };
 static AGENT: Schema = Schema {
@@ -42,7 +43,7 @@ const fn rate(name: &'static str, meaning: &'static str) -> Attribute {
 }
 
 /// `<Agent>` of `Agents.xml`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Agent {
     /// `Type`, as written ("pedestrian").
     pub kind: Option<String>,
@@ -83,56 +84,46 @@ pub struct Shape {
     pub position: Vec2,
 }
 
-/// The agents and their Ids; `materials` is `None` where they could not be read.
-pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Vec<Agent>, Ids) {
-    let (mut agents, mut ids) = (Vec::new(), Ids::default());
+/// Reads the agents; `materials` is `None` where they could not be read.
+pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Vec<Agent> {
+    let (mut agents, mut lines) = (Vec::new(), HashMap::new());
     for element in root.children("Agent") {
-        let id = ids.take(element);
-        let kind = element.optional_text("Type").map(str::to_owned);
+        let id = read_id(element, &mut lines);
+        let kind = element.node.optional("Type").map(str::to_owned);
         if kind.as_deref().is_some_and(|kind| kind != "pedestrian") {
-            let message = format!("agent {}: the mechanics takes pedestrians only", quoted(&id));
-            element.wrong("Type", &message);
+            element.wrong("Type", format!("agent {}: the mechanics takes pedestrians only", quoted(&id)));
             // Its other attributes are another kind's, but the other files name it.
-            element.leave();
-            agents.push(unread(id));
+            agents.push(Agent { kind, id, ..Agent::default() });
             continue;
         }
         let agent = Agent {
             kind,
             id,
             mass: element.number("Mass"),
-            height: element.has("Height").then(|| element.number("Height")),
+            height: element.node.has("Height").then(|| element.number("Height")),
             moment_of_inertia: element.number("MomentOfInertia"),
             floor_damping: element.number("FloorDamping"),
             angular_damping: element.number("AngularDamping"),
             shapes: element.children("Shape").map(|shape| read_shape(shape, materials)).collect(),
         };
         if agent.shapes.is_empty() {
-            let problem = element.has_no("Shape");
-            let message = format!("agent {} {}", quoted(&agent.id), problem.message);
-            element.report(Problem { message, ..problem });
+            element.error(format!("agent {} {}", quoted(&agent.id), element.has_no("Shape")));
         }
         agents.push(agent);
     }
     if agents.is_empty() {
-        root.report(root.has_no("Agent"));
+        root.error(root.has_no("Agent"));
     }
-    (agents, ids)
+    agents
 }
 
-fn read_shape(element: Element<'_>, materials: Option<&Ids>) -> Shape {
+fn read_shape(element: Element<'_>, materials: Option<&Ids<'_>>) -> Shape {
     element.text("Type");
     Shape {
         radius: element.number("Radius"),
         material_id: element.reference("MaterialId", materials).0,
         position: element.vector("Position"),
     }
-}
-
-fn unread(id: String) -> Agent {
-    let [mass, moment_of_inertia, floor_damping, angular_damping] = [f64::NAN; 4];
-    let (kind, height, shapes) = (None, None, Vec::new());
-    Agent { kind, id, mass, height, moment_of_inertia, floor_damping, angular_damping, shapes }
 }
 
 pub(crate) fn xml(agents: &[Agent]) -> String {

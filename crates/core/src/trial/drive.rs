@@ -15,32 +15,10 @@ pub const DRIVE_FILE: &str = "drive.csv";
 /// Fp.x \[N\], Fp.y \[N\], Mp \[N.m\].
 pub type Push = [f64; 3];
 
-/// What is wrong with a drive file: each problem names file, line, column and value. The first
-/// [`DriveError::MOST`] are kept.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{0}")]
-pub struct DriveError(pub Problems);
+/// The number of problems that are kept.
+const MOST_PROBLEMS: usize = 20;
 
-impl DriveError {
-    /// The number of problems that are kept.
-    pub const MOST: usize = 20;
-
-    /// The same problems, of the file with this path.
-    #[must_use]
-    pub fn of_file(&self, path: &Path) -> DriveError {
-        let mut renamed = Problems::default();
-        self.0.iter().for_each(|problem| renamed.push(Problem { file: path.to_owned(), ..problem.clone() }));
-        DriveError(renamed)
-    }
-
-    fn of(message: impl ToString) -> DriveError {
-        let mut found = Found::default();
-        found.push(None, message);
-        found.error()
-    }
-}
-
-/// Problems as they are found.
+/// Problems as they are found: each names line, column and value.
 #[derive(Default)]
 struct Found {
     problems: Problems,
@@ -50,21 +28,23 @@ struct Found {
 impl Found {
     fn push(&mut self, line: Option<u64>, message: impl ToString) {
         self.count += 1;
-        if self.count <= DriveError::MOST {
+        if self.count <= MOST_PROBLEMS {
             let line = line.and_then(|line| u32::try_from(line).ok());
             self.problems.push(Problem::of_file(Path::new(""), line, message.to_string()));
         }
     }
 
-    fn error(mut self) -> DriveError {
-        if let Some(more @ 1..) = self.count.checked_sub(DriveError::MOST) {
-            self.problems.push(Problem::of_file(Path::new(""), None, format!("and {more} more errors")));
+    /// Returns the value if nothing was found.
+    fn or<T>(mut self, value: T) -> Result<T> {
+        if let Some(more @ 1..) = self.count.checked_sub(MOST_PROBLEMS) {
+            let message = format!("and {more} more errors");
+            self.problems.push(Problem::of_file(Path::new(""), None, message));
         }
-        DriveError(self.problems)
+        if self.problems.is_empty() { Ok(value) } else { Err(self.problems) }
     }
 }
 
-type Result<T> = std::result::Result<T, DriveError>;
+type Result<T> = std::result::Result<T, Problems>;
 
 /// The forces that drive people.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -87,30 +67,36 @@ pub struct DriveTable {
     lines: HashMap<String, u64>,
 }
 
-/// Where a Trial has its own drive.
+/// Returns where a Trial has its own drive.
 pub fn own_drive(trial: &Trial) -> PathBuf {
     trial.directory.join(DRIVE_FILE)
 }
 
 impl DriveTable {
-    /// The drive of a Trial.
+    /// Returns the drive of a Trial.
     ///
     /// # Errors
     /// The file has errors, or an agent in it is not in the Trial.
     pub fn of(trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
-        let own = || trial.map(own_drive);
-        let (path, opened) = match choice {
-            DriveChoice::File(path) => (path.clone(), input::open_bounded(path, input::LARGEST_DRIVE)),
+        let path = match choice {
+            DriveChoice::File(path) => Some(path.clone()),
             // What lies in the Trial is not a pipe on purpose.
-            DriveChoice::Own => match own().filter(|own| own.symlink_metadata().is_ok()) {
-                Some(own) => (own.clone(), input::open_bounded(&own, input::LARGEST_DRIVE)),
-                None => return Ok(DriveTable::default()),
-            },
-            DriveChoice::None => return Ok(DriveTable::default()),
+            DriveChoice::Own => trial.map(own_drive).filter(|own| own.symlink_metadata().is_ok()),
+            DriveChoice::None => None,
         };
-        let drive = opened.map_err(DriveError::of).and_then(DriveTable::from_csv);
-        let checked = drive.and_then(|drive| drive.check_agents(trial).map(|()| drive));
-        checked.map_err(|error| error.of_file(&path))
+        let Some(path) = path else { return Ok(DriveTable::default()) };
+        let read = || match input::open_bounded(&path, input::LARGEST_DRIVE) {
+            Ok(file) => {
+                let drive = DriveTable::from_csv(file)?;
+                drive.check_agents(trial).map(|()| drive)
+            }
+            Err(error) => {
+                let mut found = Found::default();
+                found.push(None, error);
+                found.or(DriveTable::default())
+            }
+        };
+        read().map_err(|problems| problems.of_file(&path))
     }
 
     /// Checks that the Trial has all agents that the file names.
@@ -133,7 +119,7 @@ impl DriveTable {
         for (id, line) in unknown {
             found.push(Some(*line), format!("there is no agent {} in Agents.xml", quoted(id)));
         }
-        if found.count > 0 { Err(found.error()) } else { Ok(()) }
+        found.or(())
     }
 
     /// Reads the content of a file.
@@ -144,11 +130,13 @@ impl DriveTable {
         let mut reader =
             csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
         let mut found = Found::default();
-        let header = reader.headers().map_err(|error| {
-            found.push(None, said(&error));
-            std::mem::take(&mut found).error()
-        })?;
-        let header = header.clone();
+        let header = match reader.headers() {
+            Ok(header) => header.clone(),
+            Err(error) => {
+                found.push(None, said(error));
+                return found.or(DriveTable::default());
+            }
+        };
         let mut column = |name: &'static str| {
             let named = |column: &str| column.trim_start_matches('\u{feff}') == name;
             let mut places = header.iter().enumerate().filter(|(_, column)| named(column));
@@ -163,7 +151,7 @@ impl DriveTable {
         let (time, agent) = (column("t"), column("agent"));
         let push = [column("Fp.x"), column("Fp.y"), column("Mp")];
         if found.count > 0 {
-            return Err(found.error());
+            return found.or(DriveTable::default());
         }
         let mut drive = DriveTable::default();
         let mut record = csv::StringRecord::new();
@@ -172,10 +160,10 @@ impl DriveTable {
                 Ok(true) => {}
                 Ok(false) => break,
                 Err(error) => {
-                    let begin = error.position().map(csv::Position::line);
-                    found.push(begin.map(|begin| line_of(begin, reader.position().line(), 0)), said(&error));
-                    // Nothing more can be read.
-                    if error.is_io_error() {
+                    // After an error of the disk nothing more can be read.
+                    let (begin, is_last) = (error.position().map(csv::Position::line), error.is_io_error());
+                    found.push(begin.map(|begin| line_of(begin, reader.position().line(), 0)), said(error));
+                    if is_last {
                         break;
                     }
                     continue;
@@ -204,31 +192,31 @@ impl DriveTable {
             }
             rows.push(row);
         }
-        if found.count > 0 { Err(found.error()) } else { Ok(drive) }
+        found.or(drive)
     }
 
-    /// The agents that the file names.
+    /// Returns the agents that the file names.
     pub fn agents(&self) -> impl Iterator<Item = &str> {
         self.agents.keys().map(String::as_str)
     }
 
-    /// Time \[s\] and push of each row of an agent; `None` if the file does not name it.
+    /// Returns time \[s\] and push of each row of an agent; `None` if the file does not name it.
     pub fn rows(&self, agent: &str) -> Option<&[(f64, Push)]> {
         self.agents.get(agent).map(Vec::as_slice)
     }
 
-    /// A text that is equal for equal pushes, however the file is written.
+    /// Returns a text that is equal for equal pushes, however the file is written.
     pub fn fingerprint(&self) -> String {
         let sorted: BTreeMap<_, _> = self.agents.iter().collect();
         format!("{:032x}", Uuid::new_v5(&Uuid::NAMESPACE_OID, format!("{sorted:?}").as_bytes()).as_u128())
     }
 
-    /// \[s\] The time of the last row of all agents; `None` without rows.
+    /// Returns the time \[s\] of the last row of all agents; `None` without rows.
     pub fn end(&self) -> Option<f64> {
         self.agents.values().flatten().map(|row| row.0).reduce(f64::max)
     }
 
-    /// The drive at a time \[s\] of an agent that is in the file; `None` for other agents.
+    /// Returns the drive at a time \[s\] of an agent that is in the file; `None` for other agents.
     pub fn at(&self, agent: &str, time: f64) -> Option<Push> {
         let rows = self.agents.get(agent)?;
         let after = rows.partition_point(|row| row.0 <= time);
@@ -252,14 +240,14 @@ impl DriveTable {
     }
 }
 
-/// The line of a row. Its reader began to read at one line, perhaps that of a comment before the row, and will go on at
+/// Returns the line of a row. Its reader began to read at one line, perhaps that of a comment before the row, and will go on at
 /// another one; so many line ends are within the values.
 fn line_of(begin: u64, next: u64, within: u64) -> u64 {
     next.saturating_sub(1 + within).max(begin)
 }
 
-/// The text of an error without the words "CSV error" and without its line.
-fn said(error: &csv::Error) -> String {
+/// Returns the text of an error without the words "CSV error" and without its line.
+fn said(error: csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Io(error) => error.to_string(),
         csv::ErrorKind::Utf8 { .. } => "is not UTF-8 text".to_owned(),
@@ -270,30 +258,23 @@ fn said(error: &csv::Error) -> String {
     }
 }
 
-/// Rows of a drive that are never applied in a run with a given communication step.
+/// Rows of a drive that are never applied in a run with a given communication step, in words: their number, and the agent
+/// and time of the largest such push.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Missed {
-    /// Their number.
-    pub rows: usize,
-    /// How many rows there are.
-    pub of: usize,
-    /// Id of the agent of the largest such push.
-    pub agent: String,
-    /// \[s\] when it is.
-    pub time: f64,
-    /// Its column.
-    pub column: &'static str,
-    /// Of that column, what the file says then, and what is applied at the communication points before and after
-    /// \[N, N.m\].
-    pub push: f64,
-    /// \[s\] and what is applied at the points before and after.
-    pub around: [(f64, f64); 2],
+    words: String,
     /// \[s\] The shortest time between two rows of an agent: as a communication step, it misses none.
     pub shortest: f64,
 }
 
+impl std::fmt::Display for Missed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.words)
+    }
+}
+
 impl DriveTable {
-    /// The number of rows after `start` that are not at a communication point, both \[s\], and the number of all rows.
+    /// Counts the rows after `start` that are not at a communication point, both \[s\], and all rows.
     pub fn between(&self, start: f64, step: f64) -> (usize, usize) {
         let is_between = |time: f64| {
             let steps = (time - start) / step;
@@ -303,13 +284,13 @@ impl DriveTable {
         (rows.clone().filter(|(time, _)| is_between(*time)).count(), rows.count())
     }
 
-    /// What a run from `start` with a communication step, both \[s\], does not apply: the drive is what it is at the
+    /// Returns what a run from `start` with a communication step, both \[s\], does not apply: the drive is what it is at the
     /// communication points. `None` unless the push of a row between two of them lies beyond both of theirs by more than
     /// half of the agent's largest one. Rows before the start are not looked at.
     pub fn missed(&self, start: f64, step: f64) -> Option<Missed> {
         const COLUMNS: [&str; 3] = ["Fp.x", "Fp.y", "Mp"];
         let (mut rows, mut of, mut shortest) = (0, 0, f64::INFINITY);
-        let mut worst: Option<(f64, Missed)> = None;
+        let mut worst: Option<(f64, String)> = None;
         // In an order that does not change from run to run.
         for (agent, pushes) in self.agents.iter().collect::<BTreeMap<_, _>>() {
             let most = |k: usize| pushes.iter().map(|(_, push)| push[k].abs()).fold(0.0, f64::max);
@@ -340,32 +321,25 @@ impl DriveTable {
                 rows += usize::from(unused || found.is_some());
                 let Some((by, k)) = found else { continue };
                 if worst.as_ref().is_none_or(|(most, _)| by > *most) {
-                    let (agent, time, column) = (agent.clone(), *time, COLUMNS[k]);
-                    let around = [(before, a[k]), (after, b[k])];
-                    let missed = Missed { rows, of, agent, time, column, push: push[k], around, shortest };
-                    worst = Some((by, missed));
+                    let (column, push, first, second) = (COLUMNS[k], push[k], a[k], b[k]);
+                    let said = format!(
+                        "at t = {time:?} s agent {agent:?} has {column} = {push:?}, but the applied value is {first:?} \
+                         from t = {before:?} s and {second:?} from t = {after:?} s"
+                    );
+                    worst = Some((by, said));
                 }
             }
         }
-        worst.map(|(_, missed)| Missed { rows, of, shortest, ..missed })
-    }
-}
-
-impl std::fmt::Display for Missed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Missed { rows, of, agent, time, column, push, around: [before, after], shortest } = self;
-        let step = after.0 - before.0;
-        let come = if *rows == 1 { "comes" } else { "come" };
-        write!(
-            f,
-            "{rows} of {of} rows {come} between communication points, which are {step:?} s apart, so they are not applied: at t = {time:?} s \
-             agent {agent:?} has {column} = {push:?}, but the applied value is {:?} from t = {:?} s and {:?} from t = {:?} s",
-            before.1, before.0, after.1, after.0
-        )?;
+        let (_, said) = worst?;
+        let come = if rows == 1 { "comes" } else { "come" };
+        let mut words = format!(
+            "{rows} of {of} rows {come} between communication points, which are {step:?} s apart, so they are not applied: \
+             {said}"
+        );
         if shortest.is_finite() {
-            write!(f, "; a communication step of {shortest:.3e} s applies all rows")?;
+            words += &format!("; a communication step of {shortest:.3e} s applies all rows");
         }
-        Ok(())
+        Some(Missed { words, shortest })
     }
 }
 
@@ -402,7 +376,8 @@ mod tests {
         assert_eq!((drive.between(0.0, 0.1), drive.between(0.0, 0.2)), ((0, 5), (1, 5)));
         // A sample somewhere on its way is not the push, but it is applied.
         let missed = drive.missed(0.0, 0.7).unwrap();
-        assert_eq!((missed.rows, missed.agent.as_str(), missed.time), (4, "a", 0.4));
+        assert!(missed.to_string().starts_with("4 of 5 rows come between"), "{missed}");
+        assert!(missed.to_string().contains("at t = 0.4 s agent \"a\""), "{missed}");
         assert_eq!(DriveTable::default().missed(0.0, 50.0), None);
         // Rows nearer to each other than the points are no fault of a slow drive.
         let slow: String = (0..1000).map(|k| format!("{:?},a,{k},0,0\n", 1e-3 * f64::from(k))).collect();
@@ -422,15 +397,6 @@ mod tests {
     }
 
     #[test]
-    fn says_line_and_value() {
-        let said = |text: &str| drive(text).unwrap_err().to_string();
-        assert!(said("t,agent,Fp.x,Mp\n").contains("no column \"Fp.y\""));
-        assert!(said("t,agent,Fp.x,Fp.y,Mp,Mp\n").contains("two columns \"Mp\""));
-        assert!(said("t,agent,Fp.x,Fp.y,Mp\n0,a,x,0,0\n").contains("line 2: Fp.x=\"x\""));
-        assert!(said("t,agent,Fp.x,Fp.y,Mp\n1,a,0,0,0\n1,a,0,0,0\n").contains("line 3"));
-    }
-
-    #[test]
     fn all_errors_are_said_each_with_its_line() {
         let error =
             drive("t,agent,Fp.x,Fp.y,Mp\n0,a,x,0,inf\n# a\n1,a,0\n2,a,0,0,0\n1,a,0,0,0\n").unwrap_err();
@@ -443,5 +409,7 @@ mod tests {
         let many = format!("t,agent,Fp.x,Fp.y,Mp\n{}", "0,a,x,0,0\n".repeat(32));
         let said = drive(&many).unwrap_err().to_string();
         assert!(said.lines().count() == 21 && said.ends_with("and 43 more errors"), "{said}");
+        let said = drive("t,agent,Fp.x,Mp,Mp\n").unwrap_err().to_string();
+        assert!(said.contains("no column \"Fp.y\"") && said.contains("two columns \"Mp\""), "{said}");
     }
 }

@@ -1,10 +1,11 @@
 //! `AgentDynamics.xml`.
 
-use crate::plane::{Motion, Pose, Twist, Vec2, vec2};
+use crate::plane::{Motion, Pose, Twist, Vec2};
 use crate::trial::agents::Agent;
 use crate::trial::schema::{Range, Schema, Value, attribute};
-use crate::trial::xml::{Element, Ids, document, empty, vector};
+use crate::trial::xml::{Element, document, empty, given_before, ids_of, vector};
 use crate::xml::{number, quoted};
+use std::collections::{BTreeMap, HashMap};
 
 /// `<Agent>` of `AgentDynamics.xml`.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,48 +50,32 @@ static DYNAMICS: Schema = Schema {
 };
 const THETA: &str = "θ, the orientation: the angle from the x axis to the gaze";
 
-/// In the order of `agents`, which is `None`, with `ids`, where they could not be read.
-pub(crate) fn read(root: Element<'_>, agents: Option<(&[Agent], &Ids)>) -> Vec<AgentDynamics> {
-    // Line and dynamics of each agent of Agents.xml.
-    let mut found: Vec<Option<(u32, AgentDynamics)>> =
-        vec![None; agents.map_or(0, |(agents, _)| agents.len())];
-    let ids = agents.map(|(_, ids)| ids);
+/// Reads the file, in the order of `agents`, which is `None` where they could not be read.
+pub(crate) fn read(root: Element<'_>, agents: Option<&[Agent]>) -> Vec<AgentDynamics> {
+    let ids = agents.map(|agents| ids_of(agents.iter().map(|agent| &agent.id)));
+    let mut lines = HashMap::new();
+    let mut found = BTreeMap::new();
     for element in root.children("Agent") {
-        let (_, place) = element.reference("Id", ids);
+        let (_, place) = element.reference("Id", ids.as_ref());
         let dynamics = read_agent(element);
-        let Some(slot) = place.and_then(|place| found.get_mut(place)) else {
-            continue;
-        };
-        match slot {
-            Some((line, _)) => {
-                let message = format!("duplicate agent, first given at line {line}");
-                element.wrong("Id", &message);
-            }
-            None => *slot = Some((element.line(), dynamics)),
+        let Some(place) = place else { continue };
+        match given_before(&mut lines, place, element) {
+            Some(line) => element.wrong("Id", format!("duplicate agent, first given at line {line}")),
+            None => drop(found.insert(place, dynamics)),
         }
     }
-    for (agent, found) in agents.iter().flat_map(|(agents, _)| agents.iter()).zip(&found) {
+    for (place, agent) in agents.unwrap_or_default().iter().enumerate() {
         // The second of two equal Ids can find nothing; it is reported where it stands.
-        if found.is_none()
-            && !agent.id.trim().is_empty()
-            && ids.and_then(|ids| ids.place(&agent.id)).is_some()
-        {
-            root.report(root.problem(format!("has no <Agent> of Id {}", quoted(&agent.id))));
+        let is_first = ids.as_ref().and_then(|ids| ids.get(&*agent.id)) == Some(&place);
+        if is_first && !found.contains_key(&place) {
+            root.error(format!("has no <Agent> of Id {}", quoted(&agent.id)));
         }
     }
-    found.into_iter().flatten().map(|(_, dynamics)| dynamics).collect()
+    found.into_values().collect()
 }
 
 fn read_agent(element: Element<'_>) -> AgentDynamics {
-    let nowhere = vec2(f64::NAN, f64::NAN);
-    let mut agent = AgentDynamics {
-        position: nowhere,
-        velocity: nowhere,
-        theta: f64::NAN,
-        omega: f64::NAN,
-        fp: Vec2::ZERO,
-        mp: 0.0,
-    };
+    let mut agent = AgentDynamics::of(&Motion::default());
     if let Some(kinematics) = element.only("Kinematics") {
         agent.position = kinematics.vector("Position");
         agent.velocity = kinematics.vector("Velocity");
@@ -105,7 +90,7 @@ fn read_agent(element: Element<'_>) -> AgentDynamics {
 }
 
 impl AgentDynamics {
-    /// Of a body that nobody drives.
+    /// Makes those of a body that nobody drives.
     pub fn of(motion: &Motion) -> AgentDynamics {
         let Motion { pose, twist } = motion;
         AgentDynamics {
@@ -118,7 +103,7 @@ impl AgentDynamics {
         }
     }
 
-    /// Where it is and how it moves.
+    /// Returns where it is and how it moves.
     pub fn motion(&self) -> Motion {
         Motion {
             pose: Pose { position: self.position, orientation: self.theta },
@@ -127,7 +112,7 @@ impl AgentDynamics {
     }
 }
 
-/// Whether `<Dynamics>` is written. Input files have it; output files of the paper's engine do not.
+/// Choice whether `<Dynamics>` is written. Input files have it; output files of the paper's engine do not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DynamicsElement {
     /// With `<Dynamics Fp Mp>`.
@@ -136,7 +121,7 @@ pub enum DynamicsElement {
     Omitted,
 }
 
-/// The text of `AgentDynamics.xml`; `dynamics` in the order of `agents`.
+/// Returns the text of `AgentDynamics.xml`; `dynamics` in the order of `agents`.
 pub fn dynamics_xml(agents: &[Agent], dynamics: &[AgentDynamics], element: DynamicsElement) -> String {
     document("Agents", |out| {
         for (agent, state) in agents.iter().zip(dynamics) {

@@ -1,11 +1,12 @@
 //! `Geometry.xml`.
 
-use crate::files::source::{Disk, Source};
+use crate::files::source::Source;
 use crate::plane::{Vec2, vec2};
 use crate::trial::problem::Problems;
 use crate::trial::schema::{Range, Schema, Value, attribute};
-use crate::trial::xml::{Element, Ids, checked, document, empty, read_file, vector};
+use crate::trial::xml::{Element, Ids, checked, document, empty, read_file, read_id, vector};
 use crate::xml::{number, quoted};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// `Geometry.xml`.
@@ -22,16 +23,8 @@ impl Geometry {
     ///
     /// # Errors
     /// All errors in the file.
-    pub fn read(path: &Path) -> Result<(Geometry, Problems), Problems> {
-        Geometry::read_from(&Disk, path)
-    }
-
-    /// As [`Geometry::read`], from these files.
-    ///
-    /// # Errors
-    /// As [`Geometry::read`].
     pub fn read_from(files: &dyn Source, path: &Path) -> Result<(Geometry, Problems), Problems> {
-        checked(|problems| read_file(files, path, &GEOMETRY, problems, |root| read(root, None).0))
+        checked(|problems| read_file(files, path, &GEOMETRY, problems, |root| read(root, None)))
     }
 }
 
@@ -70,18 +63,18 @@ static CORNER: Schema = Schema {
     children: &[],
 };
 
-/// The geometry and the walls' Ids; `materials` is `None` where they could not be read.
-pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Geometry, Ids) {
+/// Reads the geometry; `materials` is `None` where they could not be read.
+pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Geometry {
     let dimensions =
         root.at_most_one("Dimensions").map(|element| vec2(element.number("Lx"), element.number("Ly")));
-    let (mut walls, mut ids) = (Vec::new(), Ids::default());
+    let (mut walls, mut lines) = (Vec::new(), HashMap::new());
     for element in root.children("Wall") {
-        let id = ids.take(element);
+        let id = read_id(element, &mut lines);
         let (material_id, _) = element.reference("MaterialId", materials);
         let corners = read_corners(element, &id);
         walls.push(Wall { id, material_id, corners });
     }
-    (Geometry { dimensions, walls }, ids)
+    Geometry { dimensions, walls }
 }
 
 fn read_corners(wall: Element<'_>, id: &str) -> Vec<Vec2> {
@@ -90,14 +83,14 @@ fn read_corners(wall: Element<'_>, id: &str) -> Vec<Vec2> {
         let corner = element.vector("Coordinates");
         let place = corners.len();
         if corners.last().is_some_and(|&before| (corner - before).norm() == 0.0) {
-            let message = format!("corner {place} of wall {} is where corner {} is", quoted(id), place - 1);
-            element.wrong("Coordinates", &message);
+            let before = place - 1;
+            let message = format!("corner {place} of wall {} is where corner {before} is", quoted(id));
+            element.wrong("Coordinates", message);
         }
         corners.push(corner);
     }
     if corners.len() < 2 {
-        let message = format!("wall {} has {} corners: it needs two", quoted(id), corners.len());
-        wall.report(wall.problem(message));
+        wall.error(format!("wall {} has {} corners: it needs two", quoted(id), corners.len()));
     }
     corners
 }

@@ -4,10 +4,9 @@ use crate::plane::Vec2;
 use crate::trial::agents::Agent;
 use crate::trial::geometry::Geometry;
 use crate::trial::schema::{Attribute, Schema, Value, attribute};
-use crate::trial::xml::{Element, Ids, document, empty, vector};
-use std::collections::hash_map::Entry;
-use std::collections::{BTreeMap, HashMap};
-use std::hash::Hash;
+use crate::trial::xml::{Element, document, empty, ids_of, vector};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 pub(crate) static INTERACTIONS: Schema =
     Schema { name: "Interactions", attributes: &[], children: &[&PARENT] };
@@ -94,7 +93,7 @@ pub struct WallInteraction {
     pub force: ContactForce,
 }
 
-/// What a contact does to the agent that receives the force.
+/// Forces of a contact on the agent that receives the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactForce {
     /// \[m\] `TangentialRelativeDisplacement`: elongation of the tangential spring.
@@ -105,80 +104,57 @@ pub struct ContactForce {
     pub tangential: Vec2,
 }
 
-/// The contacts, sorted by the places of those who touch: the file's order means nothing.
-pub(crate) fn read(
-    root: Element<'_>,
-    (agents, agent_ids): (&[Agent], &Ids),
-    (geometry, wall_ids): (&Geometry, &Ids),
-) -> Interactions {
-    let mut interactions = Interactions::default();
-    let (mut agent_lines, mut wall_lines) = (HashMap::new(), HashMap::new());
+/// Returns the contacts, sorted by the places of those who touch: the file's order means nothing.
+pub(crate) fn read(root: Element<'_>, agents: &[Agent], geometry: &Geometry) -> Interactions {
+    let agent_ids = ids_of(agents.iter().map(|agent| &agent.id));
+    let wall_ids = ids_of(geometry.walls.iter().map(|wall| &wall.id));
+    let (mut among_agents, mut with_walls) = (BTreeMap::new(), BTreeMap::new());
     let disks = |agent: usize| agents.get(agent).map_or(0, |agent| agent.shapes.len());
     for parent_element in root.children("Agent") {
-        let (_, parent) = parent_element.reference("Id", Some(agent_ids));
+        let (_, parent) = parent_element.reference("Id", Some(&agent_ids));
         for child_element in parent_element.children("Agent") {
-            let (_, child) = child_element.reference("Id", Some(agent_ids));
+            let (_, child) = child_element.reference("Id", Some(&agent_ids));
             if parent.is_some() && parent == child {
                 child_element.wrong("Id", "an agent does not touch itself");
             }
             for element in child_element.children("Interaction") {
                 let force = read_force(element);
-                let (Some(parent), Some(child)) = (parent, child) else {
-                    continue;
-                };
+                let (Some(parent), Some(child)) = (parent, child) else { continue };
                 let parent_shape = element.place("ParentShape", disks(parent), "parent's shapes");
                 let child_shape = element.place("ChildShape", disks(child), "child's shapes");
-                let (Some(parent_shape), Some(child_shape)) = (parent_shape, child_shape) else {
-                    continue;
-                };
+                let (Some(parent_shape), Some(child_shape)) = (parent_shape, child_shape) else { continue };
                 let contact = AgentInteraction { parent, child, parent_shape, child_shape, force }.ordered();
-                if once(&mut agent_lines, agent_key(&contact), element) {
-                    interactions.agents.push(contact);
-                }
+                let key = [contact.parent, contact.child, contact.parent_shape, contact.child_shape];
+                put(&mut among_agents, key, contact, element);
             }
         }
         for element in parent_element.children("Wall") {
-            let (_, wall) = element.reference("WallId", Some(wall_ids));
+            let (_, wall) = element.reference("WallId", Some(&wall_ids));
             let corners = wall.and_then(|wall| geometry.walls.get(wall)).map(|wall| wall.corners.len());
             // No face begins at the last corner.
             let corner = corners.and_then(|n| element.place("CornerId", n.saturating_sub(1), "faces"));
             let shape = parent.and_then(|agent| element.place("ShapeId", disks(agent), "agent's shapes"));
             let force = read_force(element);
-            let (Some(agent), Some(shape), Some(wall), Some(corner)) = (parent, shape, wall, corner) else {
-                continue;
-            };
-            let contact = WallInteraction { agent, shape, wall, corner, force };
-            if once(&mut wall_lines, wall_key(&contact), element) {
-                interactions.walls.push(contact);
+            if let (Some(agent), Some(shape), Some(wall), Some(corner)) = (parent, shape, wall, corner) {
+                let contact = WallInteraction { agent, shape, wall, corner, force };
+                put(&mut with_walls, [agent, shape, wall, corner], contact, element);
             }
         }
     }
-    interactions.agents.sort_by_key(agent_key);
-    interactions.walls.sort_by_key(wall_key);
-    interactions
+    Interactions {
+        agents: among_agents.into_values().map(|(_, contact)| contact).collect(),
+        walls: with_walls.into_values().map(|(_, contact)| contact).collect(),
+    }
 }
 
-type Key = [usize; 4];
-
-fn agent_key(contact: &AgentInteraction) -> Key {
-    [contact.parent, contact.child, contact.parent_shape, contact.child_shape]
-}
-
-fn wall_key(contact: &WallInteraction) -> Key {
-    [contact.agent, contact.shape, contact.wall, contact.corner]
-}
-
-/// Whether the contact is new; reports one that is not.
-fn once<K: Eq + Hash>(lines: &mut HashMap<K, u32>, key: K, element: Element<'_>) -> bool {
-    match lines.entry(key) {
-        Entry::Occupied(line) => {
-            let message = format!("duplicate contact, first given at line {}", line.get());
-            element.report(element.problem(message));
-            false
+/// Keeps a contact with its line; one that was given before is an error.
+fn put<T>(all: &mut BTreeMap<[usize; 4], (u32, T)>, key: [usize; 4], contact: T, element: Element<'_>) {
+    match all.entry(key) {
+        Entry::Occupied(first) => {
+            element.error(format!("duplicate contact, first given at line {}", first.get().0));
         }
         Entry::Vacant(free) => {
-            free.insert(element.line());
-            true
+            free.insert((element.line(), contact));
         }
     }
 }
@@ -191,8 +167,14 @@ fn read_force(element: Element<'_>) -> ContactForce {
     }
 }
 
+impl ContactForce {
+    fn texts(&self) -> [String; 3] {
+        [self.elongation, self.normal, self.tangential].map(vector)
+    }
+}
+
 impl AgentInteraction {
-    /// The same contact with the lower agent as parent: what acts on the one is the opposite of what acts on the other.
+    /// Returns the same contact with the lower agent as parent: what acts on the one is the opposite of what acts on the other.
     fn ordered(self) -> AgentInteraction {
         if self.parent <= self.child {
             return self;
@@ -208,7 +190,7 @@ impl AgentInteraction {
     }
 }
 
-/// The text of `AgentInteractions.xml`; agents and geometry give the Ids.
+/// Returns the text of `AgentInteractions.xml`; agents and geometry give the Ids.
 pub fn interactions_xml(agents: &[Agent], geometry: &Geometry, interactions: &Interactions) -> String {
     type OfParent<'a> = (BTreeMap<usize, Vec<&'a AgentInteraction>>, Vec<&'a WallInteraction>);
     let mut parents: BTreeMap<usize, OfParent<'_>> = BTreeMap::new();
@@ -219,31 +201,26 @@ pub fn interactions_xml(agents: &[Agent], geometry: &Geometry, interactions: &In
         parents.entry(contact.agent).or_default().1.push(contact);
     }
     let agent_id = |place: usize| agents.get(place).map_or("", |agent| &agent.id);
-    let wall_id = |place: usize| geometry.walls.get(place).map_or("", |wall| &wall.id);
     document("Interactions", |out| {
         for (&parent, (children, walls)) in &parents {
             out.element("Agent", &[("Id", agent_id(parent))], |out| {
                 for (&child, contacts) in children {
                     out.element("Agent", &[("Id", agent_id(child))], |out| {
                         for contact in contacts {
-                            let [elongation, normal, tangential] = forces(&contact.force);
-                            let [parent, child] =
-                                [contact.parent_shape, contact.child_shape].map(|k| k.to_string());
+                            let shapes = [contact.parent_shape, contact.child_shape];
+                            let [parent, child] = shapes.map(|shape| shape.to_string());
+                            let [elongation, normal, tangential] = contact.force.texts();
                             empty(out, &INTERACTION, &[&parent, &child, &elongation, &normal, &tangential]);
                         }
                     });
                 }
                 for contact in walls {
-                    let [elongation, normal, tangential] = forces(&contact.force);
-                    let (shape, corner) = (contact.shape.to_string(), contact.corner.to_string());
-                    let wall = wall_id(contact.wall);
+                    let wall = geometry.walls.get(contact.wall).map_or("", |wall| &wall.id);
+                    let [shape, corner] = [contact.shape, contact.corner].map(|place| place.to_string());
+                    let [elongation, normal, tangential] = contact.force.texts();
                     empty(out, &WALL, &[&shape, wall, &corner, &elongation, &normal, &tangential]);
                 }
             });
         }
     })
-}
-
-fn forces(force: &ContactForce) -> [String; 3] {
-    [force.elongation, force.normal, force.tangential].map(vector)
 }

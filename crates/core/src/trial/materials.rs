@@ -4,11 +4,10 @@ use crate::trial::agents::Agent;
 use crate::trial::geometry::Geometry;
 use crate::trial::problem::Problems;
 use crate::trial::schema::{Attribute, Range, Schema, Value, attribute};
-use crate::trial::xml::{Element, Ids, document, empty};
+use crate::trial::xml::{Element, document, empty, given_before, ids_of, read_id};
 use crate::xml::{Problem, number, quoted};
-use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 pub(crate) static MATERIALS: Schema =
     Schema { name: "Materials", attributes: &[], children: &[&INTRINSIC, &BINARY] };
@@ -88,7 +87,6 @@ pub fn stiffness(first: &Material, second: &Material) -> (f64, f64) {
 /// The file as read, with what the checks of the other files need of it.
 pub(crate) struct Read {
     pub(crate) materials: Materials,
-    pub(crate) ids: Ids,
     path: PathBuf,
     /// Line of each material.
     lines: Vec<u32>,
@@ -100,29 +98,25 @@ pub(crate) struct Read {
 
 pub(crate) fn read(root: Element<'_>) -> Read {
     let (mut intrinsic, mut binary) = (Vec::new(), Vec::new());
-    let (mut ids, mut lines, mut pairs) = (Ids::default(), Vec::new(), HashMap::new());
+    let (mut ids, mut lines, mut pairs) = (HashMap::new(), Vec::new(), HashMap::new());
     for element in root.only("Intrinsic").iter().flat_map(|list| list.children("Material")) {
         lines.push(element.line());
         intrinsic.push(Material {
-            id: ids.take(element),
+            id: read_id(element, &mut ids),
             young_modulus: element.number("YoungModulus"),
             shear_modulus: element.number("ShearModulus"),
         });
     }
+    let ids = ids_of(intrinsic.iter().map(|material| &material.id));
     let list = root.only("Binary");
     for element in list.iter().flat_map(|list| list.children("Contact")) {
         let (id1, first) = element.reference("Id1", Some(&ids));
         let (id2, second) = element.reference("Id2", Some(&ids));
         if let (Some(first), Some(second)) = (first, second) {
-            match pairs.entry((first.min(second), first.max(second))) {
-                Entry::Occupied(line) => {
-                    let pair = format!("{} and {}", quoted(&id1), quoted(&id2));
-                    let message = format!("duplicate pair {pair}, first given at line {}", line.get());
-                    element.report(element.problem(message));
-                }
-                Entry::Vacant(free) => {
-                    free.insert(element.line());
-                }
+            let pair = (first.min(second), first.max(second));
+            if let Some(line) = given_before(&mut pairs, pair, element) {
+                let pair = format!("{} and {}", quoted(&id1), quoted(&id2));
+                element.error(format!("duplicate pair {pair}, first given at line {line}"));
             }
         }
         binary.push(Contact {
@@ -135,8 +129,7 @@ pub(crate) fn read(root: Element<'_>) -> Read {
     }
     Read {
         materials: Materials { intrinsic, binary },
-        ids,
-        path: root.path().to_owned(),
+        path: root.node.file().to_owned(),
         lines,
         pairs,
         binary_line: list.map(Element::line),
@@ -146,7 +139,28 @@ pub(crate) fn read(root: Element<'_>) -> Read {
 /// Materials that agents and walls may be of: the table of laws has a row and a column for each, 40 bytes for two.
 const MOST_MATERIALS: usize = 1000;
 
-/// Every pair of materials that can touch has its coefficients. A rigid agent does not touch itself, nor a wall a wall.
+/// Returns the pairs of materials that can touch, as places of them, the lower first: those of two agents, then those of an
+/// agent and a wall. A rigid agent does not touch itself, nor a wall a wall.
+///
+/// `shapes`: agent and material of each shape; `walls`: materials of walls.
+pub fn pairs_that_touch(shapes: &[(usize, usize)], walls: &BTreeSet<usize>) -> Vec<(usize, usize)> {
+    // Of each material the only agent who has it; `None` if there are several.
+    let mut sole: BTreeMap<usize, Option<usize>> = BTreeMap::new();
+    for &(agent, material) in shapes {
+        let own = sole.entry(material).or_insert(Some(agent));
+        *own = own.filter(|&other| other == agent);
+    }
+    let among_agents = sole.iter().flat_map(|(&first, one)| {
+        let others = sole.range(first..).filter(move |(_, other)| one.is_none() || one != *other);
+        others.map(move |(&second, _)| (first, second))
+    });
+    let with_walls = sole.keys().flat_map(|&first| walls.iter().map(move |&second| (first, second)));
+    let mut seen = BTreeSet::new();
+    let pairs = among_agents.chain(with_walls).map(|(one, other)| (one.min(other), one.max(other)));
+    pairs.filter(|&pair| seen.insert(pair)).collect()
+}
+
+/// Every pair of materials that can touch has its coefficients.
 pub(crate) fn check_pairs(
     read: &Read,
     geometry: Option<&Geometry>,
@@ -156,62 +170,25 @@ pub(crate) fn check_pairs(
     /// Of a file that forgot them all, these many say enough.
     const REPORTED: usize = 100;
 
-    let mut carriers: BTreeMap<usize, Carriers> = BTreeMap::new();
-    for (agent, shapes) in agents.iter().map(|agent| &agent.shapes).enumerate() {
-        for material in shapes.iter().filter_map(|shape| read.ids.place(&shape.material_id)) {
-            let carried = carriers.entry(material).or_insert(Carriers::One(agent));
-            if *carried != Carriers::One(agent) {
-                *carried = Carriers::Several;
-            }
-        }
-    }
-    let walls: BTreeSet<usize> = geometry
-        .iter()
-        .flat_map(|geometry| &geometry.walls)
-        .filter_map(|wall| read.ids.place(&wall.material_id))
-        .collect();
-
-    let used = walls.len() + carriers.keys().filter(|material| !walls.contains(material)).count();
+    let ids = ids_of(read.materials.intrinsic.iter().map(|material| &material.id));
+    let of_agent = |(agent, of): (usize, &Agent)| {
+        let places = of.shapes.iter().filter_map(|shape| ids.get(&*shape.material_id).copied());
+        places.map(|material| (agent, material)).collect::<Vec<_>>()
+    };
+    let shapes: Vec<(usize, usize)> = agents.iter().enumerate().flat_map(of_agent).collect();
+    let walls = geometry.iter().flat_map(|geometry| &geometry.walls);
+    let walls: BTreeSet<usize> = walls.filter_map(|wall| ids.get(&*wall.material_id).copied()).collect();
+    let used = shapes.iter().map(|&(_, material)| material).chain(walls.iter().copied());
+    let used = used.collect::<BTreeSet<_>>().len();
     if used > MOST_MATERIALS {
         let message =
             format!("agents and walls are of {used} materials: at most {MOST_MATERIALS} can be used");
         problems.push(Problem::of_file(&read.path, None, message));
         return;
     }
-    let among_agents = carriers.iter().flat_map(|(&first, carried)| {
-        let others = carriers.range(first..);
-        others
-            .filter(move |(_, other)| !carried.sole_and_same(other))
-            .map(move |(&second, _)| (first, second))
-    });
-    let with_walls = carriers.keys().flat_map(|&first| walls.iter().map(move |&second| (first, second)));
-    let mut reported = BTreeSet::new();
-    for (first, second) in among_agents.chain(with_walls) {
-        let pair = (first.min(second), first.max(second));
-        if !reported.contains(&pair)
-            && let Some(problem) = read.pair_problem(pair)
-        {
-            reported.insert(pair);
-            problems.push(problem);
-        }
-        if reported.len() == REPORTED {
-            break;
-        }
-    }
-}
-
-/// The agents whose shapes are of a material.
-#[derive(PartialEq)]
-enum Carriers {
-    /// Place of the only one.
-    One(usize),
-    Several,
-}
-
-impl Carriers {
-    fn sole_and_same(&self, other: &Carriers) -> bool {
-        *self != Carriers::Several && self == other
-    }
+    let pairs = pairs_that_touch(&shapes, &walls).into_iter();
+    let wrong = pairs.filter_map(|pair| read.pair_problem(pair)).take(REPORTED);
+    wrong.for_each(|problem| problems.push(problem));
 }
 
 impl Read {
@@ -231,13 +208,9 @@ impl Read {
         }
         // The line of the one that is no 2D elastic material by itself.
         let culprit = if first.young_modulus < 4.0 * first.shear_modulus { pair.1 } else { pair.0 };
-        let material = |m: &Material| {
-            format!(
-                "{} (YoungModulus {:?}, ShearModulus {:?})",
-                quoted(&m.id),
-                m.young_modulus,
-                m.shear_modulus
-            )
+        let material = |Material { id, young_modulus, shear_modulus }: &Material| {
+            let id = quoted(id);
+            format!("{id} (YoungModulus {young_modulus:?}, ShearModulus {shear_modulus:?})")
         };
         let message = format!(
             "{} and {} touch with stiffnesses k_n = {normal:?}, k_t = {tangential:?} N/m: must be positive and finite",
@@ -248,8 +221,7 @@ impl Read {
     }
 
     fn problem(&self, element: &str, line: u32, message: String) -> Problem {
-        let path: &Path = &self.path;
-        Problem { element: Some(element.into()), ..Problem::of_file(path, Some(line), message) }
+        Problem { element: Some(element.into()), ..Problem::of_file(&self.path, Some(line), message) }
     }
 }
 
@@ -283,16 +255,11 @@ mod tests {
     fn stiffness_of_the_paper_s_materials() {
         // 4G − E = 8 − 4 = 4, 6G − E = 8, G = 2: compliances 4/16 and 8/32 each, hence 1/(2/4) = 2.
         assert_eq!(stiffness(&material(4.0, 2.0), &material(4.0, 2.0)), (2.0, 2.0));
+        assert!(stiffness(&material(5.0, 1.0), &material(5.0, 1.0)).0 < 0.0, "no material of the plane");
         let (naked, concrete) = (material(4.0e6, 1379310.3), material(1.7e9, 7.1e8));
         assert_eq!(stiffness(&naked, &concrete), stiffness(&concrete, &naked));
         let (normal, tangential) = stiffness(&naked, &naked);
         assert!((normal / 2.508e6 - 1.0).abs() < 1e-3, "{normal}");
         assert!((tangential / 1.780e6 - 1.0).abs() < 1e-3, "{tangential}");
-    }
-
-    #[test]
-    fn moduli_of_no_2d_material_give_no_stiffness() {
-        assert!(stiffness(&material(5.0, 1.0), &material(5.0, 1.0)).0 < 0.0);
-        assert!(stiffness(&material(4.0, 1.0), &material(4.0, 1.0)).0.is_infinite());
     }
 }

@@ -6,7 +6,7 @@ use crate::xml::number;
 use std::path::Path;
 
 /// `Parameters.xml`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Parameters {
     /// `Directories/Static`, as in the file; relative to the Trial directory.
     pub static_directory: String,
@@ -19,12 +19,12 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// The Static directory, relative to the Trial directory.
+    /// Returns the Static directory, relative to the Trial directory.
     pub fn static_path(&self) -> &Path {
         Path::new(self.static_directory.trim())
     }
 
-    /// The Dynamic directory, relative to the Trial directory.
+    /// Returns the Dynamic directory, relative to the Trial directory.
     pub fn dynamic_path(&self) -> &Path {
         Path::new(self.dynamic_directory.trim())
     }
@@ -64,14 +64,9 @@ const STEP: &str = "the communication step: the paper's decisional loop, after w
 const MECHANICAL_STEP: &str = "the longest step of the integrator. The engine takes equal steps of at most this \
                                length: [../step.md](../step.md) says what you need";
 
-/// The directories stay empty where the file does not say them.
+/// Reads the file; the directories stay empty where the file does not say them.
 pub(crate) fn read(root: Element<'_>) -> Parameters {
-    let mut parameters = Parameters {
-        static_directory: String::new(),
-        dynamic_directory: String::new(),
-        time_step: f64::NAN,
-        time_step_mechanical: f64::NAN,
-    };
+    let mut parameters = Parameters::default();
     if let Some(directories) = root.only("Directories") {
         parameters.static_directory = directories.text("Static");
         parameters.dynamic_directory = directories.text("Dynamic");
@@ -81,7 +76,7 @@ pub(crate) fn read(root: Element<'_>) -> Parameters {
         parameters.time_step_mechanical = times.number("TimeStepMechanical");
         if parameters.time_step_mechanical > parameters.time_step {
             let message = format!("must be at most TimeStep, {:?}", parameters.time_step);
-            times.wrong("TimeStepMechanical", &message);
+            times.wrong("TimeStepMechanical", message);
         }
     }
     parameters

@@ -2,6 +2,7 @@
 
 use crate::xml::{Problem, Severity};
 use std::fmt;
+use std::path::Path;
 
 /// All errors and warnings, in the order in which the files are read.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -18,32 +19,38 @@ impl Problems {
         self.0.extend(others.0);
     }
 
-    /// The value, or `None` after the problem is added.
+    /// Returns the same problems, of the file with this path.
+    #[must_use]
+    pub fn of_file(&self, path: &Path) -> Problems {
+        Problems(self.iter().map(|problem| Problem { file: path.to_owned(), ..problem.clone() }).collect())
+    }
+
+    /// Returns the value, or `None` after the problem is added.
     pub(crate) fn or_push<T>(&mut self, read: crate::xml::Result<T>) -> Option<T> {
         read.map_err(|problem| self.push(*problem)).ok()
     }
 
-    /// All of them.
+    /// Returns all of them.
     pub fn iter(&self) -> impl Iterator<Item = &Problem> {
         self.0.iter()
     }
 
-    /// The errors only.
+    /// Returns the errors only.
     pub fn errors(&self) -> impl Iterator<Item = &Problem> {
         self.iter().filter(|problem| problem.severity == Severity::Error)
     }
 
-    /// The warnings only.
+    /// Returns the warnings only.
     pub fn warnings(&self) -> impl Iterator<Item = &Problem> {
         self.iter().filter(|problem| problem.severity == Severity::Warning)
     }
 
-    /// Whether there is any error.
+    /// Returns whether there is any error.
     pub fn has_errors(&self) -> bool {
         self.errors().next().is_some()
     }
 
-    /// Whether there is neither error nor warning.
+    /// Returns whether there is neither error nor warning.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -68,26 +75,13 @@ impl std::error::Error for Problems {}
 mod tests {
     use super::*;
 
-    fn problem(severity: Severity, value: &str) -> Problem {
-        Problem {
-            severity,
-            file: "static/Agents.xml".into(),
-            line: Some(12),
-            element: Some("Shape".into()),
-            attribute: Some("Radius".into()),
-            value: Some(value.into()),
-            message: "must be positive".into(),
-        }
-    }
-
     #[test]
     fn each_problem_has_a_line() {
         let mut problems = Problems::default();
-        problems.push(problem(Severity::Error, "-0.1"));
-        problems.push(Problem { attribute: None, ..problem(Severity::Warning, "") });
-        let expected = "static/Agents.xml:12: <Shape> Radius=\"-0.1\": must be positive\n\
-                        warning: static/Agents.xml:12: <Shape>: must be positive";
-        assert_eq!(problems.to_string(), expected);
+        problems.push(Problem::of_file(Path::new("a.xml"), Some(12), "must be positive"));
+        let warning = Problem::of_file(Path::new("b.xml"), None, "is odd");
+        problems.push(Problem { severity: Severity::Warning, ..warning });
+        assert_eq!(problems.to_string(), "a.xml:12: must be positive\nwarning: b.xml: is odd");
         assert_eq!((problems.errors().count(), problems.warnings().count()), (1, 1));
     }
 }

@@ -16,7 +16,7 @@ pub(crate) struct Attribute {
     pub(crate) name: &'static str,
     pub(crate) value: Value,
     unit: &'static str,
-    /// What is used if it is not there.
+    /// Words for what is used if it is not there.
     missing: &'static str,
     meaning: &'static str,
 }
@@ -107,16 +107,14 @@ impl Schema {
     }
 
     /// All elements below it that have attributes, in the order of the page, each with the way to it.
-    fn below(&'static self, way: &[&'static str]) -> Vec<(Vec<&'static str>, &'static Schema)> {
-        let below = |child: &'static Schema| {
+    pub(crate) fn below(&'static self, way: &[&'static str]) -> Vec<(Vec<&'static str>, &'static Schema)> {
+        let mut all = Vec::new();
+        for child in self.children {
             let way = [way, &[child.name]].concat();
-            std::iter::once((way.clone(), child)).chain(child.below(&way)).collect::<Vec<_>>()
-        };
-        self.children
-            .iter()
-            .flat_map(|child| below(child))
-            .filter(|(_, s)| !s.attributes.is_empty())
-            .collect()
+            let below = child.below(&way);
+            all.extend((!child.attributes.is_empty()).then_some((way, *child)).into_iter().chain(below));
+        }
+        all
     }
 }
 

@@ -8,21 +8,20 @@ use crate::files::{input, words};
 use crate::plane::{Vec2, vec2};
 use crate::trial::problem::Problems;
 use crate::trial::schema::{Range, Schema, Value};
-use crate::xml::{Attribute, Document, Layout, Out, Problem, Severity, decimal, quoted};
+use crate::xml::{Document, Layout, Out, Problem, Severity, decimal, quoted};
 use std::cell::RefCell;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
+use std::hash::Hash;
 use std::iter::repeat;
 use std::path::Path;
 
-/// What is remembered of a file while it is read.
+/// Memory of a file while it is read.
 #[derive(Default)]
 struct Notes {
     problems: RefCell<Problems>,
     /// Names that were told as those that may have been meant, with their element's.
     told: RefCell<HashSet<(&'static str, String)>>,
-    /// Where elements begin of which nobody knows what is in them.
-    foreign: RefCell<HashSet<usize>>,
 }
 
 /// Reads a file and hands its root element to `then`; `None` when it is missing, not XML or has another root.
@@ -33,40 +32,27 @@ pub(crate) fn read_file<T>(
     problems: &mut Problems,
     then: impl FnOnce(Element<'_>) -> T,
 ) -> Option<T> {
-    match files.read(path, input::LARGEST_TRIAL_FILE) {
-        Ok(bytes) => read_bytes(path, &bytes, root, problems, then),
-        Err(error) => {
-            problems.push(Problem::of_file(path, None, format!("cannot be read: {error}")));
-            None
-        }
-    }
+    let bytes = files
+        .read(path, input::LARGEST_TRIAL_FILE)
+        .map_err(|error| Problem::of_file(path, None, format!("cannot be read: {error}")).into());
+    let bytes = problems.or_push(bytes)?;
+    let document = problems.or_push(Document::parse(path, &bytes, u32::MAX))?;
+    let node = problems.or_push(document.root(root.name))?;
+    let notes = Notes::default();
+    let element = Element { node, notes: &notes, schema: root };
+    let read = then(element);
+    element.warn_of_unread();
+    problems.append(notes.problems.into_inner());
+    Some(read)
 }
 
-/// What was read without errors, with the warnings; or all errors.
+/// Returns what was read without errors, with the warnings; or all errors.
 pub(crate) fn checked<T>(read: impl FnOnce(&mut Problems) -> Option<T>) -> Result<(T, Problems), Problems> {
     let mut problems = Problems::default();
     match read(&mut problems) {
         Some(read) if !problems.has_errors() => Ok((read, problems)),
         _ => Err(problems),
     }
-}
-
-/// As [`read_file`], of the file's content.
-pub(crate) fn read_bytes<T>(
-    path: &Path,
-    bytes: &[u8],
-    root: &'static Schema,
-    problems: &mut Problems,
-    then: impl FnOnce(Element<'_>) -> T,
-) -> Option<T> {
-    let document = problems.or_push(Document::parse(path, bytes, u32::MAX))?;
-    let inner = problems.or_push(document.root(root.name))?;
-    let notes = Notes::default();
-    let element = Element { inner, notes: &notes, schema: root };
-    let read = then(element);
-    element.warn_of_unread();
-    problems.append(notes.problems.into_inner());
-    Some(read)
 }
 
 /// Letters of a name that somebody else has given; the rest is not told.
@@ -84,155 +70,152 @@ fn parse_vector(text: &str) -> Option<Vec2> {
 /// An element of a file. The methods that read an attribute report what is wrong and return a placeholder then.
 #[derive(Clone, Copy)]
 pub(crate) struct Element<'a> {
-    inner: crate::xml::Element<'a>,
+    pub(crate) node: crate::xml::Element<'a>,
     notes: &'a Notes,
     schema: &'static Schema,
 }
 
-/// What nobody reads.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+/// A kind of thing that nobody reads.
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum Unread {
     Attribute,
     Element,
     Text,
 }
 
-/// What nobody reads of elements of one kind, where it was first seen, and how often.
+/// A thing that nobody reads in elements of one kind, where it was first seen, and how often.
 struct Seen<'a> {
     what: Unread,
     schema: &'static Schema,
-    /// Of the attribute or element; empty of a text.
+    /// Name of the attribute or element; empty for a text.
     name: &'a str,
     value: Option<&'a str>,
     line: u32,
     count: usize,
 }
 
-impl<'a> Element<'a> {
-    pub(crate) fn path(self) -> &'a Path {
-        self.inner.file()
-    }
+/// So many names that are not read say enough.
+const REPORTED: usize = 20;
 
+impl<'a> Element<'a> {
     pub(crate) fn line(self) -> u32 {
-        self.inner.line()
+        self.node.line()
     }
 
     pub(crate) fn children(self, name: &'static str) -> impl Iterator<Item = Element<'a>> {
         let schema = self.schema.child(name);
         debug_assert!(schema.is_some(), "<{}> is said to hold no <{name}>", self.schema.name);
         let children =
-            schema.into_iter().flat_map(move |schema| self.inner.children(name).zip(repeat(schema)));
-        children.map(move |(inner, schema)| Element { inner, schema, ..self })
+            schema.into_iter().flat_map(move |schema| self.node.children(name).zip(repeat(schema)));
+        children.map(move |(node, schema)| Element { node, schema, ..self })
     }
 
-    /// What is in it is another reader's.
-    pub(crate) fn leave(self) {
-        self.notes.foreign.borrow_mut().insert(self.inner.offset());
-    }
-
-    /// Attributes of this file's own words that are not read.
-    fn unread_attributes(self) -> impl Iterator<Item = Attribute<'a>> {
-        let own = self.inner.attributes().filter(|attribute| attribute.namespace().is_none());
+    /// Returns the attributes of this file's own words that are not read.
+    fn unread_attributes(self) -> impl Iterator<Item = roxmltree::Attribute<'a, 'a>> {
+        let own = self.node.attributes().filter(|attribute| attribute.namespace().is_none());
         own.filter(move |attribute| self.schema.attribute(attribute.name()).is_none())
     }
 
-    /// Elements in it that are not read; those of another namespace are for others.
+    /// Returns the elements in it that are not read; those of another namespace are for others.
     fn unread_elements(self) -> impl Iterator<Item = crate::xml::Element<'a>> {
-        let own = self.inner.elements().filter(move |inner| {
-            let space = inner.namespace();
-            space.is_none() || space == self.inner.namespace()
+        let own = self.node.elements().filter(move |node| {
+            let space = node.namespace();
+            space.is_none() || space == self.node.namespace()
         });
-        own.filter(move |inner| self.schema.child(inner.name()).is_none())
+        own.filter(move |node| self.schema.child(node.name()).is_none())
+    }
+
+    /// Returns whether it is of another kind than those that are read: nobody knows what is in it then.
+    fn is_foreign(self) -> bool {
+        self.schema.attributes.iter().any(|attribute| match attribute.value {
+            Value::Word(word) => self.node.optional(attribute.name).is_some_and(|text| text != word),
+            _ => false,
+        })
     }
 
     /// Warns of what is in the file and is not read, each name once.
     fn warn_of_unread(self) {
-        /// So many names say enough.
-        const REPORTED: usize = 20;
-        let mut places: HashMap<(*const Schema, Unread, &str), usize> = HashMap::new();
-        let mut unread: Vec<Seen<'a>> = Vec::new();
-        let mut more = false;
-        let mut left = vec![self];
-        while let Some(element) = left.pop() {
-            if self.notes.foreign.borrow().contains(&element.inner.offset()) {
-                continue;
-            }
-            let schema = element.schema;
-            let attributes = element.unread_attributes().map(|attribute| {
-                (Unread::Attribute, attribute.name(), Some(attribute.value()), attribute.offset())
-            });
-            let elements =
-                element.unread_elements().map(|inner| (Unread::Element, inner.name(), None, inner.offset()));
-            let texts = element.inner.texts().filter_map(|(text, offset)| {
-                let text = text.trim();
-                (!text.is_empty()).then_some((Unread::Text, "", Some(text), offset))
-            });
-            for (what, name, value, offset) in attributes.chain(elements).chain(texts) {
-                match places.get(&(std::ptr::from_ref(schema), what, name)) {
-                    Some(&place) => unread[place].count += 1,
-                    None if unread.len() == REPORTED => more = true,
-                    None => {
-                        places.insert((schema, what, name), unread.len());
-                        let line = self.inner.document().line(offset);
-                        unread.push(Seen { what, schema, name, value, line, count: 1 });
-                    }
-                }
-            }
-            // In the order of the file: the first of a name is the one that is told.
-            let before = left.len();
-            left.extend(element.inner.elements().filter_map(|inner| {
-                let schema = schema.child(inner.name())?;
-                Some(Element { inner, schema, ..self })
-            }));
-            left[before..].reverse();
-        }
+        let mut unread = Vec::new();
+        self.find_unread(&mut unread);
+        let more = unread.len() > REPORTED;
+        unread.truncate(REPORTED);
         let told = self.notes.told.borrow();
-        let untold = unread.iter().filter(|seen| !told.contains(&(seen.schema.name, seen.name.to_owned())));
-        untold.for_each(|seen| self.report(seen.warning(self.path())));
+        unread.retain(|seen| !told.contains(&(seen.schema.name, seen.name.to_owned())));
+        unread.iter().for_each(|seen| self.report(seen.warning(self.node.file())));
         if more {
             let message = format!("more than {REPORTED} names of attributes and elements are not read");
-            let warning = Problem::of_file(self.path(), None, message);
+            let warning = Problem::of_file(self.node.file(), None, message);
             self.report(Problem { severity: Severity::Warning, ..warning });
         }
     }
 
-    /// The only child of the name, `None` if there is none; a second one is an error.
+    /// Adds what is not read in it, in the order of the file; up to one name more than is reported.
+    fn find_unread(self, unread: &mut Vec<Seen<'a>>) {
+        if self.is_foreign() {
+            return;
+        }
+        let schema = self.schema;
+        let attributes = self.unread_attributes().map(|attribute| {
+            (Unread::Attribute, attribute.name(), Some(attribute.value()), attribute.range().start)
+        });
+        let elements = self.unread_elements().map(|node| (Unread::Element, node.name(), None, node.offset()));
+        let texts = self.node.texts().map(|(text, offset)| (Unread::Text, "", Some(text.trim()), offset));
+        let texts = texts.filter(|(_, _, text, _)| *text != Some(""));
+        for (what, name, value, offset) in attributes.chain(elements).chain(texts) {
+            let is_same =
+                |seen: &Seen<'_>| std::ptr::eq(seen.schema, schema) && (seen.what, seen.name) == (what, name);
+            match unread.iter().position(is_same) {
+                Some(place) => unread[place].count += 1,
+                None if unread.len() > REPORTED => {}
+                None => {
+                    let line = self.node.document().line(offset);
+                    unread.push(Seen { what, schema, name, value, line, count: 1 });
+                }
+            }
+        }
+        for node in self.node.elements() {
+            if let Some(schema) = schema.child(node.name()) {
+                Element { node, schema, ..self }.find_unread(unread);
+            }
+        }
+    }
+
+    /// Returns the only child of the name, `None` if there is none; a second one is an error.
     pub(crate) fn at_most_one(self, name: &'static str) -> Option<Element<'a>> {
         let mut children = self.children(name);
         let first = children.next()?;
         for again in children {
-            let message =
-                format!("duplicate element, first used at line {}; it may appear only once", first.line());
-            again.report(again.problem(message));
+            let line = first.line();
+            again.error(format!("duplicate element, first used at line {line}; it may appear only once"));
         }
         Some(first)
     }
 
-    /// The only child of the name; none or a second one is an error.
+    /// Returns the only child of the name; none or a second one is an error.
     pub(crate) fn only(self, name: &'static str) -> Option<Element<'a>> {
         let child = self.at_most_one(name);
         if child.is_none() {
-            self.report(self.has_no(name));
+            self.error(self.has_no(name));
         }
         child
     }
 
-    /// An error: no element of the name is in it; perhaps one of a name like it.
-    pub(crate) fn has_no(self, name: &'static str) -> Problem {
-        let meant = words::meant(name, self.unread_elements().map(|inner| inner.name()));
-        let meant = meant.map_or(String::new(), |there| {
-            self.notes.told.borrow_mut().insert((self.schema.name, there.to_owned()));
-            format!("; there is <{there}>: is it misspelt?")
-        });
-        self.problem(format!("has no <{name}>{meant}"))
+    /// Says that no element of the name is in it; perhaps one of a name like it.
+    pub(crate) fn has_no(self, name: &'static str) -> String {
+        let there = self.unread_elements().map(|node| node.name());
+        format!("has no <{name}>{}", self.misspelt(name, there, |there| format!("<{there}>")))
     }
 
-    pub(crate) fn has(self, attribute: &str) -> bool {
-        self.inner.has(attribute)
-    }
-
-    pub(crate) fn optional_text(self, attribute: &str) -> Option<&'a str> {
-        self.inner.optional(attribute)
+    /// Says which of the names that are there may be a misspelt one.
+    fn misspelt(
+        self,
+        name: &str,
+        there: impl Iterator<Item = &'a str>,
+        shown: impl Fn(&str) -> String,
+    ) -> String {
+        let Some(there) = words::meant(name, there) else { return String::new() };
+        self.notes.told.borrow_mut().insert((self.schema.name, there.to_owned()));
+        format!("; there is {}: is it misspelt?", shown(there))
     }
 
     fn value(self, attribute: &str) -> Option<Value> {
@@ -242,28 +225,25 @@ impl<'a> Element<'a> {
     }
 
     fn required(self, attribute: &str) -> Option<&'a str> {
-        let text = self.inner.optional(attribute);
+        let text = self.node.optional(attribute);
         if text.is_none() {
             let there = self.unread_attributes().map(|attribute| attribute.name());
-            let meant = words::meant(attribute, there).map_or(String::new(), |there| {
-                self.notes.told.borrow_mut().insert((self.schema.name, there.to_owned()));
-                format!("; there is {there:?}: is it misspelt?")
-            });
-            self.wrong(attribute, &format!("is missing{meant}"));
+            let misspelt = self.misspelt(attribute, there, |there| format!("{there:?}"));
+            self.wrong(attribute, format!("is missing{misspelt}"));
         }
         text
     }
 
-    /// A text that is not blank; if there is only one possible text, this one.
+    /// Returns a text that is not blank; if there is only one possible text, this one.
     pub(crate) fn text(self, attribute: &str) -> String {
         let text = self.required(attribute).unwrap_or_default();
-        if text.trim().is_empty() && self.has(attribute) {
+        if text.trim().is_empty() && self.node.has(attribute) {
             self.wrong(attribute, "must not be empty");
         } else if let Some(Value::Word(word)) = self.value(attribute)
             && text != word
-            && self.has(attribute)
+            && self.node.has(attribute)
         {
-            self.wrong(attribute, &format!("must be {word:?}"));
+            self.wrong(attribute, format!("must be {word:?}"));
         }
         text.to_owned()
     }
@@ -285,7 +265,7 @@ impl<'a> Element<'a> {
         f64::NAN
     }
 
-    /// Two numbers; of a point of the plane \[m\], not too far from the origin.
+    /// Returns two numbers; of a point of the plane \[m\], not too far from the origin.
     pub(crate) fn vector(self, attribute: &str) -> Vec2 {
         let vector = self.required(attribute).map(parse_vector);
         if vector == Some(None) {
@@ -294,38 +274,33 @@ impl<'a> Element<'a> {
         let vector = vector.flatten().unwrap_or(vec2(f64::NAN, f64::NAN));
         let far = vector.x.abs() > FARTHEST || vector.y.abs() > FARTHEST;
         if far && matches!(self.value(attribute), Some(Value::Point)) {
-            self.wrong(attribute, &format!("x and y must be from -{FARTHEST:e} to {FARTHEST:e} m"));
+            self.wrong(attribute, format!("x and y must be from -{FARTHEST:e} to {FARTHEST:e} m"));
         }
         vector
     }
 
-    /// A place, counted from 0, among `count` things.
+    /// Returns a place, counted from 0, among `count` things.
     pub(crate) fn place(self, attribute: &str, count: usize, of: &str) -> Option<usize> {
         let text = self.required(attribute)?;
         let place = text.trim().parse().ok().filter(|&place| place < count);
         if place.is_none() {
-            self.wrong(attribute, &format!("must be the place of one of the {count} {of}, from 0"));
+            self.wrong(attribute, format!("must be the place of one of the {count} {of}, from 0"));
         }
         place
     }
 
-    /// An Id that stands in `ids`, with its place there; any Id where `ids` could not be read.
-    pub(crate) fn reference(self, attribute: &str, ids: Option<&Ids>) -> (String, Option<usize>) {
+    /// Returns an Id that stands in `ids`, with its place there; any Id where `ids` could not be read.
+    pub(crate) fn reference(self, attribute: &str, ids: Option<&Ids<'_>>) -> (String, Option<usize>) {
         let id = self.text(attribute);
-        let place = ids.and_then(|ids| ids.place(&id));
+        let place = ids.and_then(|ids| ids.get(&*id).copied());
         if let Some(Value::IdOf(what)) = self.value(attribute)
             && ids.is_some()
             && place.is_none()
             && !id.trim().is_empty()
         {
-            self.wrong(attribute, &format!("there is no such {what}"));
+            self.wrong(attribute, format!("there is no such {what}"));
         }
         (id, place)
-    }
-
-    /// An error about the element.
-    pub(crate) fn problem(self, message: impl Into<String>) -> Problem {
-        self.inner.problem(message)
     }
 
     /// Adds a problem to those of the file.
@@ -333,9 +308,14 @@ impl<'a> Element<'a> {
         self.notes.problems.borrow_mut().push(problem);
     }
 
+    /// Reports an error about the element.
+    pub(crate) fn error(self, message: impl Into<String>) {
+        self.report(self.node.problem(message));
+    }
+
     /// Reports an error about an attribute, there or missing.
-    pub(crate) fn wrong(self, attribute: &str, message: &str) {
-        self.report(self.inner.wrong(attribute, message));
+    pub(crate) fn wrong(self, attribute: &str, message: impl Into<String>) {
+        self.report(self.node.wrong(attribute, message));
     }
 }
 
@@ -370,47 +350,50 @@ impl Seen<'_> {
     }
 }
 
-/// The Ids of one kind of element, which are unique, with their places in the file.
-#[derive(Default)]
-pub(crate) struct Ids {
-    places: HashMap<String, (usize, u32)>,
-    count: usize,
+/// Places of elements of one kind by their Ids.
+pub(crate) type Ids<'a> = HashMap<&'a str, usize>;
+
+/// Returns the places of elements by their Ids; of equal ones the first.
+pub(crate) fn ids_of<'a>(ids: impl Iterator<Item = &'a String>) -> Ids<'a> {
+    let mut places = Ids::new();
+    for (place, id) in ids.enumerate().filter(|(_, id)| !id.trim().is_empty()) {
+        places.entry(id).or_insert(place);
+    }
+    places
 }
 
-impl Ids {
-    /// Of elements that were read before.
-    pub(crate) fn of<'a>(ids: impl Iterator<Item = &'a str>) -> Ids {
-        let places: HashMap<_, _> = ids.enumerate().map(|(place, id)| (id.to_owned(), (place, 0))).collect();
-        Ids { count: places.len(), places }
+/// Reads the Id of an element, which is the only one of its kind with it; `lines` are those of the elements before.
+pub(crate) fn read_id(element: Element<'_>, lines: &mut HashMap<String, u32>) -> String {
+    let id = element.text("Id");
+    if id.trim().is_empty() {
+        return id;
     }
-
-    /// Reads the Id of the next element of the kind.
-    pub(crate) fn take(&mut self, element: Element<'_>) -> String {
-        let id = element.text("Id");
-        // Tables and drive.csv are read without it.
-        if id.trim() != id && !id.trim().is_empty() {
-            element.wrong("Id", "must not begin or end with white space");
-        }
-        if !id.trim().is_empty() {
-            match self.places.entry(id.clone()) {
-                Entry::Occupied(first) => {
-                    element.wrong("Id", &format!("duplicate Id, first used at line {}", first.get().1));
-                }
-                Entry::Vacant(free) => {
-                    free.insert((self.count, element.line()));
-                }
-            }
-        }
-        self.count += 1;
-        id
+    // Tables and drive.csv are read without it.
+    if id.trim() != id {
+        element.wrong("Id", "must not begin or end with white space");
     }
+    if let Some(line) = given_before(lines, id.clone(), element) {
+        element.wrong("Id", format!("duplicate Id, first used at line {line}"));
+    }
+    id
+}
 
-    pub(crate) fn place(&self, id: &str) -> Option<usize> {
-        self.places.get(id).map(|&(place, _)| place)
+/// Returns the line at which a key was first given, if that was before, and keeps it.
+pub(crate) fn given_before<K: Eq + Hash>(
+    lines: &mut HashMap<K, u32>,
+    key: K,
+    element: Element<'_>,
+) -> Option<u32> {
+    match lines.entry(key) {
+        Entry::Occupied(first) => Some(*first.get()),
+        Entry::Vacant(free) => {
+            free.insert(element.line());
+            None
+        }
     }
 }
 
-/// A whole document of a Trial.
+/// Writes a whole document of a Trial.
 pub(crate) fn document(root: &str, content: impl FnOnce(&mut Out)) -> String {
     Out::document(Layout::PAPER, root, &[], content)
 }
@@ -428,15 +411,8 @@ pub(crate) fn vector(value: Vec2) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::source::Memory;
     use crate::trial::schema::{Attribute, attribute};
-
-    #[test]
-    fn a_vector_is_two_numbers() {
-        assert_eq!(parse_vector(" 1 , -2 "), Some(vec2(1.0, -2.0)));
-        for text in ["1", "1,", ",1", "1,2,3", "1;2", "(1,2)"] {
-            assert_eq!(parse_vector(text), None, "{text:?}");
-        }
-    }
 
     const fn number(name: &'static str) -> Attribute {
         attribute(name, Value::Number(Range::Positive), "", "")
@@ -448,14 +424,14 @@ mod tests {
 
     #[test]
     fn an_attribute_has_its_own_line() {
-        let text = b"<A>\n <B\n  X='1'\n  Y='no'/>\n</A>";
+        let mut files = Memory::default();
+        files.put(Path::new("f.xml"), b"<A>\n <B\n  X='1'\n  Y='no'/>\n</A>".to_vec());
         let mut problems = Problems::default();
-        read_bytes(Path::new("f.xml"), text, &A, &mut problems, |root| {
+        read_file(&files, Path::new("f.xml"), &A, &mut problems, |root| {
             let element = root.only("B").unwrap();
             assert_eq!(element.line(), 2);
-            element.number("X");
-            element.number("Y");
-            element.number("Z");
+            let [x, y, z] = ["X", "Y", "Z"].map(|attribute| element.number(attribute));
+            assert!(x == 1.0 && y.is_nan() && z.is_nan());
         });
         let expected = "f.xml:4: <B> Y=\"no\": must be a finite decimal number\nf.xml:2: <B> Z: is missing";
         assert_eq!(problems.to_string(), expected);

@@ -1,27 +1,19 @@
 //! Limits for XML texts. Parsers compare each attribute with all others of its element, and copy the namespaces in
 //! scope: many of them take quadratic time. Here they are counted in one pass before parsing.
 
+use crate::xml::problem::{Problem, Result};
+use std::path::Path;
+
 /// Largest number of attributes of one element. Elements that we read have about ten.
 pub const MOST_ATTRIBUTES: usize = 256;
 /// Largest number of namespace declarations (`xmlns`, `xmlns:…`) in scope at one place.
 pub const MOST_NAMESPACES: usize = 256;
 
-/// Why a text must not be parsed.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Refused {
-    /// Line of the element, counted from 1.
-    pub(crate) line: u32,
-    /// Its name, cut if it is long.
-    pub(crate) element: String,
-    /// What is wrong with it.
-    pub(crate) what: String,
-}
-
 /// Refuses a text that would take a parser more than linear time.
 ///
 /// # Errors
 /// The first element with too many attributes or namespace declarations in scope; a document type.
-pub(crate) fn check(text: &str) -> Result<(), Refused> {
+pub(crate) fn check(file: &Path, text: &str) -> Result<()> {
     let mut depth = 0_usize;
     // Depth and number of declarations of the enclosing elements that have any.
     let mut declared: Vec<(usize, usize)> = Vec::new();
@@ -36,7 +28,8 @@ pub(crate) fn check(text: &str) -> Result<(), Refused> {
         }
         let refused = |element: String, what: String| {
             let line = 1 + text[..begin].bytes().filter(|&byte| byte == b'\n').count();
-            Err(Refused { line: u32::try_from(line).unwrap_or(u32::MAX), element, what })
+            let problem = Problem::of_file(file, u32::try_from(line).ok(), what);
+            Err(Problem { element: Some(element), ..problem }.into())
         };
         if rest.starts_with("<!") {
             // A document type may define entities that contain elements.
@@ -49,28 +42,20 @@ pub(crate) fn check(text: &str) -> Result<(), Refused> {
             depth = depth.saturating_sub(1);
             continue;
         }
-        let too_many = |what: String| {
-            let name = rest[1..].split(|c: char| c.is_ascii_whitespace() || "/>=\"'".contains(c));
-            refused(name.take(1).flat_map(|name| name.chars().take(80)).collect(), what)
-        };
-        if tag.attributes > MOST_ATTRIBUTES {
-            return too_many(format!(
-                "has {} attributes; at most {MOST_ATTRIBUTES} are allowed",
-                tag.attributes
-            ));
-        }
         let namespaces = tag.namespaces + declared.iter().map(|(_, count)| count).sum::<usize>();
-        if namespaces > MOST_NAMESPACES {
-            return too_many(format!(
-                "{namespaces} namespaces are in scope; at most {MOST_NAMESPACES} are allowed"
-            ));
-        }
-        if !tag.empty {
-            depth += 1;
-            if tag.namespaces > 0 {
-                declared.push((depth, tag.namespaces));
+        let too_many = if tag.attributes > MOST_ATTRIBUTES {
+            format!("has {} attributes; at most {MOST_ATTRIBUTES} are allowed", tag.attributes)
+        } else if namespaces > MOST_NAMESPACES {
+            format!("{namespaces} namespaces are in scope; at most {MOST_NAMESPACES} are allowed")
+        } else {
+            if !tag.empty {
+                depth += 1;
+                declared.extend((tag.namespaces > 0).then_some((depth, tag.namespaces)));
             }
-        }
+            continue;
+        };
+        let name = rest[1..].split(|c: char| c.is_ascii_whitespace() || "/>=\"'".contains(c)).next();
+        return refused(name.unwrap_or_default().chars().take(80).collect(), too_many);
     }
     Ok(())
 }
@@ -112,8 +97,8 @@ fn tag(text: &str, begin: usize) -> Tag {
 mod tests {
     use super::*;
 
-    fn said(refused: &Refused) -> String {
-        format!("<{}>: {}", refused.element, refused.what)
+    fn said(text: &str) -> String {
+        check(Path::new(""), text).map_or_else(|problem| problem.to_string(), |()| String::new())
     }
 
     fn element(attributes: usize, prefix: &str) -> String {
@@ -126,29 +111,23 @@ mod tests {
         let many = element(300_000, "");
         let hidden = format!("<R x='<' y=\"'\"><!-- {many}> --><![CDATA[{many}>]]><?p {many}?>{many}</R>");
         let without = hidden.replace(&format!("?>{many}"), "?>");
-        assert_eq!(check(&without), Ok(()));
-        let expected = "<A>: has 300000 attributes; at most 256 are allowed";
+        assert_eq!(said(&without), "");
         for text in [&hidden, &many, &format!("{many}/>"), &format!("\n\n{many}>")] {
             let line = 1 + text.bytes().filter(|&byte| byte == b'\n').count();
-            let refused = check(text).unwrap_err();
-            assert_eq!((said(&refused).as_str(), refused.line as usize), (expected, line));
+            let expected = format!("line {line}: <A>: has 300000 attributes; at most 256 are allowed");
+            assert_eq!(said(text), expected);
         }
-        assert_eq!(check(&format!("{}/>", element(MOST_ATTRIBUTES, ""))), Ok(()));
-        assert!(check(&format!("{}/>", element(MOST_ATTRIBUTES + 1, ""))).is_err());
+        assert_eq!(said(&format!("{}/>", element(MOST_ATTRIBUTES, ""))), "");
+        assert_ne!(said(&format!("{}/>", element(MOST_ATTRIBUTES + 1, ""))), "");
         let entity = format!("<?xml version='1.0'?>\n<!DOCTYPE A [<!ENTITY e '{many}/>'>]><A>&e;</A>");
-        let refused = check(&entity).unwrap_err();
-        assert_eq!(
-            (said(&refused).as_str(), refused.line),
-            ("<!DOCTYPE>: document types are not allowed", 2)
-        );
+        assert_eq!(said(&entity), "line 2: <!DOCTYPE>: document types are not allowed");
     }
 
     #[test]
     fn namespaces_are_counted_as_far_as_they_hold() {
         let beside: String = (0..1000).map(|k| format!("<A xmlns:a{k}=''><B/></A><A xmlns=''/>")).collect();
-        assert_eq!(check(&format!("<R>{beside}</R>")), Ok(()));
+        assert_eq!(said(&format!("<R>{beside}</R>")), "");
         let nested = format!("{}>", element(100, "xmlns:")).repeat(3000);
-        let expected = "<A>: 300 namespaces are in scope; at most 256 are allowed";
-        assert_eq!(said(&check(&nested).unwrap_err()), expected);
+        assert_eq!(said(&nested), "line 1: <A>: 300 namespaces are in scope; at most 256 are allowed");
     }
 }

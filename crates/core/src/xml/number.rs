@@ -41,12 +41,5 @@ mod tests {
             let back = decimal(&number(value)).map(f64::to_bits);
             prop_assert_eq!(back, value.is_finite().then_some(bits));
         }
-
-        /// Whatever Rust's parser takes besides.
-        #[test]
-        fn a_number_is_of_decimal_letters_alone(text in "[-+.0-9eEinfatyNIx_ ]{0,8}") {
-            let plain = |byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E');
-            prop_assert!(decimal(&text).is_none() || text.trim().bytes().all(plain));
-        }
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Whether the document can be used in spite of the problem.
+/// Severity: whether the document can be used in spite of the problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
     /// The document cannot be used.
@@ -27,11 +27,11 @@ pub struct Problem {
     pub attribute: Option<String>,
     /// The attribute's value, as written.
     pub value: Option<String>,
-    /// What is wrong; the fields above say where.
+    /// Says what is wrong; the fields above say where.
     pub message: String,
 }
 
-/// Of a reader that stops at the first problem. The box keeps results small.
+/// Result of a reader that stops at the first problem. The box keeps results small.
 pub type Result<T> = std::result::Result<T, Box<Problem>>;
 
 impl Problem {
@@ -88,7 +88,7 @@ impl fmt::Display for Problem {
     }
 }
 
-/// The text in quotes, on one line, cut to a readable length.
+/// Returns the text in quotes, on one line, cut to a readable length.
 pub fn quoted(text: &str) -> String {
     const LONGEST: usize = 80;
     match text.char_indices().nth(LONGEST) {
@@ -101,29 +101,20 @@ pub fn quoted(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn problem(value: &str) -> Problem {
-        Problem {
-            severity: Severity::Error,
-            file: "static/Agents.xml".into(),
-            line: Some(12),
-            element: Some("Shape".into()),
-            attribute: Some("Radius".into()),
-            value: Some(value.into()),
-            message: "must be positive".into(),
-        }
-    }
-
     #[test]
     fn a_problem_is_one_line_that_says_where() {
-        let good = problem("-0.1");
+        let good = Problem {
+            element: Some("Shape".into()),
+            attribute: Some("Radius".into()),
+            value: Some("-0.1".into()),
+            ..Problem::of_file(Path::new("static/Agents.xml"), Some(12), "must be positive")
+        };
         assert_eq!(good.to_string(), "static/Agents.xml:12: <Shape> Radius=\"-0.1\": must be positive");
         let nameless = Problem { file: PathBuf::new(), value: None, ..good.clone() };
         assert_eq!(nameless.to_string(), "line 12: <Shape> Radius: must be positive");
+        let hostile = Problem { value: Some("é\n".repeat(100_000)), ..good.clone() }.to_string();
+        assert!(hostile.len() < 400 && !hostile.contains('\n'), "{hostile}");
         let warning = Problem { severity: Severity::Warning, attribute: None, line: None, ..good };
         assert_eq!(warning.to_string(), "warning: static/Agents.xml: <Shape>: must be positive");
-        let whole = Problem::of_file(Path::new(""), None, "is not XML");
-        assert_eq!(whole.to_string(), "is not XML");
-        let hostile = problem(&"é\n".repeat(100_000)).to_string();
-        assert!(hostile.len() < 400 && !hostile.contains('\n'), "{hostile}");
     }
 }

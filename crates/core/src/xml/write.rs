@@ -12,19 +12,19 @@ pub fn escaped(text: &str) -> Cow<'_, str> {
     quick_xml::escape::escape(text)
 }
 
-/// What documents of one kind look like.
+/// Looks of documents of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
-    /// As the declaration spells it; the text is UTF-8.
+    /// Name of the encoding, as the declaration spells it; the text is UTF-8.
     pub encoding: &'static str,
     /// Spaces before each level.
     pub indent: usize,
 }
 
 impl Layout {
-    /// That of the paper's files.
+    /// Layout of the paper's files.
     pub const PAPER: Layout = Layout { encoding: "utf-8", indent: 4 };
-    /// That of the standards' files (FMI, SSP).
+    /// Layout of the standards' files (FMI, SSP).
     pub const STANDARD: Layout = Layout { encoding: "UTF-8", indent: 2 };
 }
 

@@ -1,6 +1,7 @@
 //! Whether a plan can be carried out.
 
 use super::Plan;
+use super::destinations::names;
 use crate::error::{
     MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative, number, positive,
 };
@@ -8,7 +9,7 @@ use crate::target::{Destination, Target};
 use lemons_core::plane::vec2;
 
 impl Plan {
-    /// From where they start, or from their last way-point, all must be able to reach their destination.
+    /// Checks that, from where they start, or from their last way-point, all must be able to reach their destination.
     pub(super) fn check_ways(&self) -> Result<(), PlanError> {
         let Some(ways) = self.ways()? else { return Ok(()) };
         if let Some(shut) = ways.shut().first() {
@@ -20,11 +21,7 @@ impl Plan {
             if !ways.distance(agent.destination, from).is_finite() {
                 let to = match agent.destination {
                     Destination::Target(k) => self.targets[k].named(),
-                    _ => {
-                        let exits = self.targets.iter().filter(|target| !target.stay);
-                        let names: Vec<String> = exits.map(|exit| format!("{:?}", exit.name)).collect();
-                        format!("any exit ({})", names.join(", "))
-                    }
+                    _ => format!("any exit ({})", names(&self.targets, false)),
                 };
                 let [x, y] = [from.x, from.y].map(|number| format!("{number:.2}"));
                 return Err(PlanError::NoWay { agent: agent.id.clone(), x, y, to });
@@ -80,7 +77,7 @@ impl Plan {
     }
 }
 
-/// That each is a line or an area.
+/// Checks that each is a line or an area.
 pub(super) fn check_targets(targets: &[Target]) -> Result<(), PlanError> {
     if targets.len() > MOST_TARGETS {
         return Err(PlanError::TooManyTargets(targets.len()));

@@ -5,7 +5,7 @@ use crate::error::{PlanError, not_negative, positive};
 use crate::person::Person;
 use crate::target::{Destination, Target};
 
-/// The exits, then the goals.
+/// Returns the exits, then the goals.
 pub(super) fn targets_of(config: &DecisionConfig) -> Result<Vec<Target>, PlanError> {
     let mut targets: Vec<Target> = Vec::new();
     let kinds = [("exit", "exits", &config.exits, false), ("goal", "goals", &config.goals, true)];
@@ -34,7 +34,7 @@ pub(super) fn targets_of(config: &DecisionConfig) -> Result<Vec<Target>, PlanErr
     Ok(targets)
 }
 
-/// Where everybody goes: the own wish; else by the shares of exits; else the nearest exit; else the only goal.
+/// Returns where everybody goes: the own wish; else by the shares of exits; else the nearest exit; else the only goal.
 pub(super) fn destinations(
     people: &[Person],
     config: &DecisionConfig,
@@ -52,12 +52,8 @@ pub(super) fn destinations(
         let named = |key: &'static str, name: &String, stay: bool| {
             let found = targets.iter().position(|target| target.stay == stay && target.name == *name);
             found.map(Destination::Target).ok_or_else(|| {
-                let known: Vec<String> = targets
-                    .iter()
-                    .filter(|target| target.stay == stay)
-                    .map(|target| format!("{:?}", target.name))
-                    .collect();
-                let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+                let known = Some(names(targets, stay)).filter(|known| !known.is_empty());
+                let known = known.unwrap_or_else(|| "none".into());
                 PlanError::UnknownTarget { agent: person.id.clone(), key, name: name.clone(), known }
             })
         };
@@ -71,7 +67,14 @@ pub(super) fn destinations(
     people.iter().zip(shared).map(one).collect()
 }
 
-/// The exit of everybody by shares: as many people for each as its share says, chosen by the seed.
+/// Returns the names of the exits, or of the goals.
+pub(super) fn names(targets: &[Target], stay: bool) -> String {
+    let names =
+        targets.iter().filter(|target| target.stay == stay).map(|target| format!("{:?}", target.name));
+    names.collect::<Vec<_>>().join(", ")
+}
+
+/// Returns the exit of everybody by shares: as many people for each as its share says, chosen by the seed.
 fn shared(people: &[Person], config: &DecisionConfig) -> Result<Vec<Option<usize>>, PlanError> {
     let exits = config.exits.as_deref().unwrap_or_default();
     let shares: Vec<f64> = exits.iter().filter_map(|exit| exit.share).collect();

@@ -163,7 +163,7 @@ pub(crate) fn trial(files: &Dir<'_>) -> Result<(Trial, TempDir)> {
 /// The default Trial with its own push.
 fn push() -> Result<Scene> {
     let (trial, _directory) = trial(&PUSH)?;
-    let table = DriveTable::of(Some(&trial), &DriveChoice::Own).map_err(|error| error.0)?;
+    let table = DriveTable::of(Some(&trial), &DriveChoice::Own)?;
     let start = Setup::of(&trial).world().map_err(crate::checks::Error::from)?;
     let ids: Vec<String> = trial.agents.iter().map(|agent| agent.id.clone()).collect();
     let rule = move |time: f64, _: &World| {

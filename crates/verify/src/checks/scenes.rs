@@ -97,7 +97,7 @@ pub fn world(
     motions: &[(Pose, Twist)],
     mechanical_step: f64,
 ) -> World {
-    let scene = Scene::new(bodies, walls, &laws(law)).expect("every pair has the law");
+    let scene = Scene::new(bodies, walls, laws(law));
     let (poses, twists) = motions.iter().copied().unzip();
     World::new(scene, State::new(poses, twists), mechanical_step).expect("few bodies")
 }
