@@ -9,22 +9,16 @@ mod placing;
 mod regions;
 mod source;
 
-use clap::ValueEnum;
-use lemons_people::{Person, Sex};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use lemons_people::{Measure, Person, Sex};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SexArgument {
-    Male,
-    Female,
-}
-
-impl From<SexArgument> for Sex {
-    fn from(sex: SexArgument) -> Sex {
-        match sex {
-            SexArgument::Male => Sex::Male,
-            SexArgument::Female => Sex::Female,
-        }
-    }
+/// A parser of the names of some values.
+fn named<T: Copy + Send + Sync>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let parser = PossibleValuesParser::new(all.iter().map(|value| name(*value)));
+    parser.map(move |said| all.iter().copied().find(|value| name(*value) == said).unwrap_or(all[0]))
 }
 
 /// A number within bounds, both allowed.
@@ -35,22 +29,20 @@ fn within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
     }
 }
 
-// Wider than anybody, children included, and narrow enough to tell metres from centimetres.
-
-fn breadth(text: &str) -> Result<f64, String> {
-    within(text, 10.0, 200.0, " (cm)")
+/// Finite numbers between commas.
+fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+    text.split(',').map(number).collect::<Option<Vec<f64>>>()?.try_into().ok()
 }
 
-fn depth(text: &str) -> Result<f64, String> {
-    within(text, 5.0, 200.0, " (cm)")
-}
-
-fn stature(text: &str) -> Result<f64, String> {
-    within(text, 0.3, 3.0, " (m)")
-}
-
-fn mass(text: &str) -> Result<f64, String> {
-    within(text, 1.0, 500.0, " (kg)")
+/// A parser of a measure: breadth and depth in cm, the others in m and kg.
+fn measure(of: Measure) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
+    let (scale, unit) = match of {
+        Measure::Breadth | Measure::Depth => (100.0, "cm"),
+        Measure::Stature | Measure::Mass => (1.0, of.unit()),
+    };
+    let [low, high] = of.possible();
+    move |text: &str| within(text, scale * low, scale * high, &format!(" ({unit})"))
 }
 
 /// From cm, cm, m, kg.

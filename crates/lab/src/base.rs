@@ -52,7 +52,7 @@ pub struct Basis {
     pub driven: Driven,
     /// Warnings.
     pub notes: Vec<String>,
-    /// Of a crowd: how it was placed.
+    /// The placing of a crowd.
     pub made: Value,
 }
 

@@ -2,19 +2,19 @@
 
 use crate::base::Driven;
 use crate::{Refused, Reply, require, within};
-use lemons_people::{Body3d, Mesh, Person, Polygon};
+use lemons_people::{Body3d, Person, Polygon, packed};
 use serde_json::json;
 
 /// Most people whose bodies are shown: a quarter of a MB each.
 const MOST: usize = 1000;
 
-/// Returns the surface of a person's body: numbers of vertices and triangles, then [`Mesh::packed`].
+/// Returns the surface of a person's body: numbers of vertices and triangles, then [`packed`].
 ///
 /// # Errors
 /// A measure is not a person's.
 pub fn of_person(person: &Person) -> Result<Reply, Refused> {
     let body = Body3d::of(person)?;
-    let ([vertices, triangles], bytes) = body.mesh().packed();
+    let ([vertices, triangles], bytes) = packed(&body.mesh());
     Ok(Reply { value: json!({ "vertices": vertices, "triangles": triangles }), bytes })
 }
 
@@ -68,10 +68,9 @@ pub fn sections(bodies: &[Option<Body3d>], altitude: f64, estimated: bool) -> Re
 pub fn surfaces(bodies: &[Option<Body3d>], estimated: bool) -> Reply {
     let (mut agents, mut bytes) = (Vec::new(), Vec::new());
     for body in bodies {
-        let mesh = body.as_ref().map_or_else(Mesh::default, Body3d::coarse_mesh);
-        let (counts, packed) = mesh.packed();
+        let (counts, surface) = packed(&body.as_ref().map_or(Vec::new(), Body3d::coarse_mesh));
         agents.push(counts);
-        bytes.extend(packed);
+        bytes.extend(surface);
     }
     Reply { value: json!({ "agents": agents, "estimated": estimated, "without": without(bodies) }), bytes }
 }

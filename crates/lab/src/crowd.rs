@@ -3,12 +3,10 @@
 use crate::base::{Basis, Driven, split};
 use crate::room::{self, REGION};
 use crate::{Refused, require, within};
-use lemons_people::placing::{
-    Dense, Ended, Orientation, Packing, Region, TOLERANCE, Watch, dense, measure, placing_seed, wider,
-};
+use lemons_people::placing::{self, Ended, Method, Orientation, Region, TOLERANCE, Watch, measure};
 use lemons_people::room::Room;
 use lemons_people::{
-    Agent, CrowdStatistics, CustomMeasures, Person, Population, Proportions, Sex, Shape, Source, Survey,
+    Agent, CrowdStatistics, CustomMeasures, PAPER_BICYCLES, Population, Proportions, Sex, Source, Survey,
     TrialSettings, TruncatedNormal, crowd_trial, heading,
 };
 use serde::Deserialize;
@@ -42,7 +40,7 @@ pub struct CrowdRequest {
     pub direction: Option<f64>,
     /// \[m/s\] The speed at which each would walk alone, in this direction.
     pub speed: f64,
-    /// Whether their material is that with clothes.
+    /// True if their material is that with clothes.
     pub clothes: bool,
 }
 
@@ -69,7 +67,7 @@ pub struct Statistics {
     pub female: Four,
 }
 
-/// Of each measure: mean, standard deviation, smallest, largest value \[m, kg\].
+/// The distribution of each measure: mean, standard deviation, smallest, largest value \[m, kg\].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[allow(missing_docs)]
 pub struct Four {
@@ -82,18 +80,16 @@ pub struct Four {
 impl Four {
     fn of(self, sex: Sex) -> CustomMeasures {
         let Four { breadth, depth, stature, mass } = self;
-        let normal = |[mean, sd, min, max]: [f64; 4]| TruncatedNormal { mean, sd, min, max };
-        CustomMeasures { measures: [breadth, depth, stature, mass].map(normal), ..CustomMeasures::paper(sex) }
+        let measures = [breadth, depth, stature, mass].map(TruncatedNormal::from);
+        CustomMeasures { measures, ..CustomMeasures::paper(sex) }
     }
 }
 
 impl CrowdRequest {
     fn population(&self, bytes: &[u8]) -> Result<Population, Refused> {
         let source = match &self.people {
-            People::Survey => Source::Ansur,
-            People::Statistics(own) => {
-                Source::Custom(Box::new([own.male.of(Sex::Male), own.female.of(Sex::Female)]))
-            }
+            People::Survey => Source::ansur()?,
+            People::Statistics(own) => Source::custom(&[own.male.of(Sex::Male), own.female.of(Sex::Female)])?,
             People::Table { files } => {
                 let mut survey = Survey::default();
                 let named: Vec<_> = files.iter().map(|(_, name, length)| (name.clone(), *length)).collect();
@@ -104,7 +100,7 @@ impl CrowdRequest {
             }
         };
         let proportions = Proportions { men: self.men, ..Proportions::default() };
-        Ok(Population::new(source, proportions)?)
+        Ok(Population::new(source, proportions, PAPER_BICYCLES)?)
     }
 
     fn number(&self, region: &Region) -> Result<u32, Refused> {
@@ -136,17 +132,17 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
         None => whole.clone(),
     };
     let number = wanted.number(&region)?;
-    let population = wanted.population(bytes)?;
-    let people: Vec<Person> = population
-        .agents(wanted.seed)
-        .take(number as usize)
-        .filter_map(|agent| match agent {
-            Agent::Pedestrian(person) => Some(person),
-            Agent::Bicycle(_) => None,
-        })
-        .collect();
-    let shapes = people.iter().map(Shape::of).collect::<Result<Vec<_>, _>>()?;
-    let packing = placed(wanted, &shapes, &region, watch)?;
+    let agents: Vec<Agent> = wanted.population(bytes)?.agents(wanted.seed).take(number as usize).collect();
+    let shapes = agents.iter().map(Agent::shape).collect::<Result<Vec<_>, _>>()?;
+    let orientation =
+        wanted.direction.map_or(Orientation::Free, |angle| Orientation::Towards(angle.to_radians()));
+    let placing = placing::Settings { orientation, seed: wanted.seed, ..placing::Settings::default() };
+    let packing = Method::Dense.place(&shapes, &region, &placing, watch)?;
+    require(packing.ended != Ended::Cancelled, || "the placing was stopped".into())?;
+    require(packing.complete, || {
+        let (area, clear) = (region.area(), packing.clear_density);
+        format!("{number} people do not fit on {area:.2} m² without overlap; about {clear:.1} per m² do")
+    })?;
     let largest_overlap = measure(&shapes, &whole, &packing.poses).largest_overlap;
     require(largest_overlap <= TOLERANCE, || {
         format!("{REGION} goes over a wall: somebody would stand in it")
@@ -157,33 +153,12 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
         ..TrialSettings::default()
     };
     let name = format!("crowd_{number}_seed_{}", wanted.seed);
-    let trial = crowd_trial(&name, &people, &shapes, &packing.poses, geometry, &settings)?;
-    let agents: Vec<Agent> = people.iter().copied().map(Agent::Pedestrian).collect();
+    let placed: Vec<_> = agents.iter().copied().zip(packing.poses).collect();
+    let trial = crowd_trial(&name, &placed, geometry, &settings)?;
+    let people = agents.iter().copied().filter_map(Agent::pedestrian).collect();
     let made = json!({
         "density": packing.density, "area": region.area(), "iterations": packing.iterations,
         "largest_overlap": largest_overlap, "statistics": CrowdStatistics::of(&agents),
     });
     Ok(Basis { driven: Driven::alone(trial, Some(people)), notes: Vec::new(), made })
-}
-
-fn placed(
-    wanted: &CrowdRequest,
-    shapes: &[Shape],
-    region: &Region,
-    watch: &mut Watch,
-) -> Result<Packing, Refused> {
-    let orientation =
-        wanted.direction.map_or(Orientation::Free, |angle| Orientation::Towards(angle.to_radians()));
-    let settings = Dense { orientation, seed: placing_seed(wanted.seed), ..Dense::default() };
-    let packing = dense(&wider(shapes), region, &settings, watch)?;
-    match packing.ended {
-        _ if packing.complete => Ok(packing),
-        Ended::Cancelled => Err(Refused("the placing was stopped".into())),
-        _ => Err(Refused(format!(
-            "{} people do not fit on {:.2} m² without overlap; about {:.1} per m² do",
-            shapes.len(),
-            region.area(),
-            packing.clear_density
-        ))),
-    }
 }

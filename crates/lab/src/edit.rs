@@ -26,7 +26,7 @@ pub enum Edit {
     },
     /// Another one with the same shape, at rest.
     Copy {
-        /// Of whom.
+        /// The Id of the original.
         id: String,
         /// Its own Id.
         #[serde(rename = "as")]

@@ -59,13 +59,13 @@ pub enum FileRequest {
 pub struct PictureStyle {
     /// The number at the upper end of the colours.
     pub most: f64,
-    /// What the colours show.
+    /// The name of the quantity that colours show.
     pub label: String,
     /// Its unit.
     pub unit: String,
     /// \[s\]
     pub time: f64,
-    /// Whether to draw who presses whom.
+    /// True to draw who presses whom.
     pub forces: bool,
 }
 
@@ -112,11 +112,12 @@ pub fn file(wanted: &FileRequest, run: &Run, bytes: &[u8], watch: &mut Watch) ->
             named("_people.csv", crowd_csv(&agents).into_bytes())
         }
         FileRequest::Mesh { format } => {
-            let (end, file) = match format {
-                MeshFormat::Obj => (".obj", mesh(run, bytes, |parts, file| write_obj(parts, file))?),
-                MeshFormat::Stl => (".stl", mesh(run, bytes, |parts, file| write_stl(parts, file))?),
+            let (parts, mut file) = (mesh(run, bytes)?, Vec::new());
+            let end = match format {
+                MeshFormat::Obj => write_obj(parts, &mut file).map(|()| ".obj"),
+                MeshFormat::Stl => write_stl(&parts, &mut file).map(|()| ".stl"),
             };
-            named(end, file)
+            named(end?, file)
         }
         FileRequest::Svg(style) => named(".svg", svg(style, run, bytes)?.into_bytes()),
         FileRequest::Trajectories { steps } => named(".csv", table(of, *steps, watch)?),
@@ -147,11 +148,8 @@ fn fmu(of: &Driven, format: Format, binaries: &[(&str, &[u8])]) -> Result<Vec<u8
     Ok(fmu.into_inner())
 }
 
-fn mesh(
-    run: &Run,
-    bytes: &[u8],
-    write: impl Fn(&[MeshPart], &mut Vec<u8>) -> std::io::Result<()>,
-) -> Result<Vec<u8>, Refused> {
+/// Everybody's surface in a frame.
+fn mesh(run: &Run, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
     let people = run.people();
     require(people <= MOST_BODIES, || {
         format!(
@@ -164,14 +162,11 @@ fn mesh(
     for ((body, at), agent) in all.filter(|((_, at), _)| at.pose.position.is_finite()) {
         let body =
             body.as_ref().ok_or_else(|| Refused(format!("agent {}: no body fits its disks", agent.id)))?;
-        let of_one = body.mesh().at(&at.pose).parts.into_iter();
         // Names in these files have letters, digits and underscores.
         let id: String = agent.id.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-        parts.extend(of_one.map(|part| MeshPart { name: format!("agent_{id}_{}", part.name), ..part }));
+        parts.extend(body.surfaces(&id, &at.pose));
     }
-    let mut file = Vec::new();
-    write(&parts, &mut file)?;
-    Ok(file)
+    Ok(parts)
 }
 
 /// A picture of a frame, and a number for each agent.

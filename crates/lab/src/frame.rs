@@ -33,7 +33,7 @@ pub fn frame(bytes: &[u8], people: usize) -> Result<Vec<Motion>, Refused> {
     Ok(rows.iter().map(motion).collect())
 }
 
-/// Those who overlap now, by more than [`TOLERANCE`]: their places, whether walls are among them, and the deepest overlap
+/// Returns who overlaps now, by more than [`TOLERANCE`]: their places, whether walls are among them, and the deepest overlap
 /// \[m\]. Of one agent only those that it overlaps.
 pub fn overlapping(world: &World, of: Option<usize>) -> (BTreeSet<usize>, bool, f64) {
     let body = |disk| Some(world.scene().body_of(disk).index());

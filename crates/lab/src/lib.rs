@@ -5,7 +5,7 @@
 //! page itself while a room is drawn. All lengths are in m, masses in kg, angles in rad, times in s, unless it is said
 //! otherwise.
 //!
-//! What is shown goes one way: [`base`] (an example, a crowd, an upload) -> [`edit`] (by hand) -> [`motion`] (what drives
+//! A scene is made in one way: [`base`] (an example, a crowd, an upload) -> [`edit`] (by hand) -> [`motion`] (what drives
 //! people) -> [`run`]. The parts:
 //!
 //! - [`person`], [`body`]: one person; bodies in three dimensions, and sections
@@ -34,7 +34,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// What a page may ask for.
+/// A request of a page.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "ask", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Request {
@@ -73,12 +73,12 @@ pub enum Request {
         /// How many, at most [`run::MOST_STEPS`].
         steps: u32,
     },
-    /// Who presses whom in a frame (the bytes).
+    /// Forces between people in a frame (the bytes).
     Forces {
         /// The run's number.
         run: u32,
     },
-    /// Who crosses a line between successive frames (the bytes).
+    /// Crossings of a line between successive frames (the bytes).
     Flow {
         /// The run's number.
         run: u32,
@@ -106,22 +106,22 @@ pub enum Request {
     },
 }
 
-/// What is to be run.
+/// A scene that is to be run.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Shown {
     /// Where it comes from. The bytes are its files.
     pub base: Base,
-    /// What was changed by hand, in order.
+    /// Changes by hand, in order.
     #[serde(default)]
     pub edits: Vec<edit::Edit>,
-    /// What drives people.
+    /// The drive of people.
     pub motion: motion::Motion,
 }
 
 /// An answer.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reply {
-    /// What the request says of it.
+    /// The answer as the request describes it.
     pub value: Value,
     /// Numbers or a file.
     pub bytes: Vec<u8>,
@@ -157,7 +157,7 @@ fn within(what: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Refused>
 /// The lab of one page.
 #[derive(Debug, Default)]
 pub struct Lab {
-    /// What was shown last, before edits: it need not be made again. With a digest of its files.
+    /// The Trial that was shown last, before edits, with a digest of its files: it need not be made again.
     basis: Option<(Base, u64, Basis)>,
     open: Option<run::Run>,
     /// How many runs there were: the number of the present one.
@@ -168,7 +168,7 @@ impl Lab {
     /// Answers a request. `watch` gets the progress of placing people, and of computing a table.
     ///
     /// # Errors
-    /// What was asked for is impossible; the lab is unchanged.
+    /// The request is impossible; the lab is unchanged.
     pub fn answer(&mut self, request: &Request, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
         match request {
             Request::Person(wanted) => person::person(wanted),

@@ -1,4 +1,4 @@
-//! What drives people: as the Trial says, nothing, pushes, ways to walk, or exits and goals.
+//! The drive of people: as the Trial says, nothing, pushes, ways to walk, or exits and goals.
 
 use crate::base::Driven;
 use crate::{Refused, within};
@@ -9,7 +9,7 @@ use lemons_decision::{DecisionConfig, Person, Plan, plan};
 use lemons_people::heading;
 use serde::Deserialize;
 
-/// What drives people.
+/// The drive of people.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Motion {
@@ -86,7 +86,7 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
     Ok(Driven { table, plan, ..driven })
 }
 
-/// What a drive file says between communication points has no effect: that is told.
+/// Tells that rows of a drive file between communication points have no effect.
 pub fn missed(of: &Driven) -> Option<String> {
     let missed = of.table.missed(0.0, of.trial.parameters.time_step)?;
     Some(format!("{DRIVE_FILE}: {missed}"))

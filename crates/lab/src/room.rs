@@ -17,13 +17,13 @@ pub const REGION: &str = "the region where people are placed";
 /// \[m\] Range of coordinates.
 const REACH: [f64; 2] = [-1000.0, 1000.0];
 
-/// What is asked of a room that is drawn.
+/// A question about a room that is drawn.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoomRequest {
     /// As it was.
     pub room: Room,
-    /// What is done to it.
+    /// A change of it.
     pub edit: Option<Edit>,
     /// \[m\] A place: where is the nearest wall?
     pub near: Option<[f64; 2]>,

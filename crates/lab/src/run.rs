@@ -45,7 +45,7 @@ impl Run {
         Ok(Run { driven, simulation, steps: 0, overlap: 0.0, bodies: OnceCell::new() })
     }
 
-    /// What runs.
+    /// Returns what runs.
     pub fn driven(&self) -> &Driven {
         &self.driven
     }
@@ -53,7 +53,7 @@ impl Run {
     /// Everybody's body in three dimensions.
     ///
     /// # Errors
-    /// Those of [`body::of_everybody`].
+    /// As those of [`body::of_everybody`].
     pub fn bodies(&self) -> Result<&[Option<Body3d>], Refused> {
         if let Some(bodies) = self.bodies.get() {
             return Ok(bodies);
@@ -106,7 +106,7 @@ impl Run {
         Ok(Reply { value, bytes })
     }
 
-    /// That a communication step is not too much work for a page.
+    /// Checks that a communication step is not too much work for a page.
     ///
     /// # Errors
     /// It is.
@@ -179,7 +179,7 @@ impl Run {
         Ok(shadow.pair_forces(&poses))
     }
 
-    /// What the rows of the table of `lemons run` say.
+    /// Returns what the rows of the table of `lemons run` say.
     pub fn observed(&self) -> Frame {
         self.simulation.frame()
     }

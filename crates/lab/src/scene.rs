@@ -1,4 +1,4 @@
-//! What a page draws of a Trial: everything that does not move.
+//! The scene that a page draws of a Trial: everything that does not move.
 
 use crate::frame::overlapping;
 use crate::run::Run;

@@ -51,7 +51,7 @@ pub fn example(name: &str) -> Result<Basis, Refused> {
     read(&files, Path::new(name), Vec::new())
 }
 
-/// What an upload holds.
+/// The content of an upload.
 #[derive(Default)]
 struct Found {
     files: Memory,
@@ -60,7 +60,7 @@ struct Found {
 }
 
 impl Found {
-    /// Whether the lab reads a file of this name.
+    /// Returns whether the lab reads a file of this name.
     fn wants(&mut self, path: &Path) -> bool {
         let is_xml = path.extension().is_some_and(|extension| extension == "xml");
         let wanted =
@@ -86,24 +86,23 @@ impl Found {
 /// value.
 pub fn open(name: &str, files: &[(&str, &[u8])], largest: u64) -> Result<Basis, Refused> {
     let wrong = |why: String| Refused(format!("{name}: {why}"));
-    if files.iter().map(|(_, content)| content.len()).sum::<usize>() > LARGEST_UPLOAD {
-        return Err(wrong(format!("it has more than {} MB", LARGEST_UPLOAD / 1_000_000)));
-    }
+    let size: usize = files.iter().map(|(_, content)| content.len()).sum();
+    require(size <= LARGEST_UPLOAD, || {
+        format!("{name}: it has more than {} MB", LARGEST_UPLOAD / 1_000_000)
+    })?;
+    require(files.len() <= MOST_FILES, || format!("{name}: it has more than {MOST_FILES} files"))?;
     let mut found = Found::default();
-    match files {
-        [(path, content)] if !path.ends_with(".xml") => unzip(content, largest, &mut found).map_err(wrong)?,
-        files if files.len() > MOST_FILES => {
-            return Err(wrong(format!("it has more than {MOST_FILES} files")));
-        }
-        files => {
-            for (path, content) in files {
-                let path = Path::new(path);
-                if !path.components().all(|part| matches!(part, Component::Normal(_))) {
-                    return Err(wrong(format!("the name {path:?} leads out of it")));
-                }
-                if found.wants(path) {
-                    found.files.put(path, content.to_vec());
-                }
+    if let [(path, content)] = files
+        && !path.ends_with(".xml")
+    {
+        unzip(content, largest, &mut found).map_err(wrong)?;
+    } else {
+        for (path, content) in files {
+            let path = Path::new(path);
+            let inside = path.components().all(|part| matches!(part, Component::Normal(_)));
+            require(inside, || format!("{name}: the name {path:?} leads out of it"))?;
+            if found.wants(path) {
+                found.files.put(path, content.to_vec());
             }
         }
     }

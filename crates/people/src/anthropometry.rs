@@ -63,11 +63,6 @@ impl MeasureStatistics {
     pub fn min(&self) -> f64 {
         self.quantiles[0]
     }
-
-    /// Returns the largest value of the survey \[m or kg\].
-    pub fn max(&self) -> f64 {
-        self.quantiles[CELLS]
-    }
 }
 
 /// Statistics of the people of one sex.
@@ -86,11 +81,7 @@ pub fn ansur(sex: Sex) -> &'static SexStatistics {
     static SURVEY: LazyLock<[SexStatistics; 2]> = LazyLock::new(|| {
         parse(include_str!("../data/ansur.txt")).expect("the committed data file is whole, a test reads it")
     });
-    let [men, women] = &*SURVEY;
-    match sex {
-        Sex::Male => men,
-        Sex::Female => women,
-    }
+    &SURVEY[sex as usize]
 }
 
 /// Reads the data file word by word; `None` if it is damaged.
@@ -157,7 +148,7 @@ mod tests {
         for statistics in Sex::ALL.iter().flat_map(|&sex| &ansur(sex).measures) {
             let values: Vec<f64> = (0..=100_000).map(|k| statistics.quantile(f64::from(k) / 1e5)).collect();
             assert!(values.is_sorted());
-            assert_eq!((values[0], values[100_000]), (statistics.min(), statistics.max()));
+            assert_eq!((values[0], values[100_000]), (statistics.min(), statistics.quantiles[CELLS]));
             for (place, &value) in statistics.quantiles.iter().enumerate() {
                 assert!((values[500 * place] - value).abs() < 1e-9, "{place}");
             }
@@ -167,7 +158,7 @@ mod tests {
                 assert!((statistics.quantile(statistics.rank(value)) - value).abs() < 1e-9);
             }
             assert_eq!(statistics.rank(statistics.min() - 1.0), 0.0);
-            assert_eq!(statistics.rank(statistics.max() + 1.0), 1.0);
+            assert_eq!(statistics.rank(statistics.quantiles[CELLS] + 1.0), 1.0);
             // Half way between two knots.
             let middle = 0.5 * (statistics.quantiles[100] + statistics.quantiles[101]);
             assert!((statistics.quantile(0.5025) - middle).abs() < 1e-12);

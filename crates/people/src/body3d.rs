@@ -24,7 +24,7 @@ mod template;
 
 pub use export::{write_geojson, write_obj, write_stl, write_wkt};
 pub use landmarks::TORSO_ALTITUDE;
-pub use mesh::{Mesh, MeshPart};
+pub use mesh::{MeshPart, packed};
 pub use sections::{CrowdSection, section};
 pub use slices::Polygon;
 
@@ -36,9 +36,10 @@ use slices::volume;
 use template::{Skins, Template, other_side};
 
 /// \[kg/m³\] Density of a body with air in its lungs. The volume of a body is mass / density.
-pub const BODY_DENSITY: f64 = 985.0;
-/// Range of the girth factor. A person whose mass needs a factor outside gets the nearest bound.
-pub const GIRTH_FACTORS: [f64; 2] = [0.8, 1.25];
+const BODY_DENSITY: f64 = 985.0;
+/// Range of the girth factor: the ratio of the girths between knees and neck to the mean of people with the same four
+/// measures. A person whose mass needs a factor outside gets the nearest bound.
+const GIRTH_FACTORS: [f64; 2] = [0.8, 1.25];
 
 /// A closed part of a body, separate from the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -85,7 +86,6 @@ const LIMITS: [(f64, f64); 4] = [(0.25, 0.8), (0.1, 0.5), (1.0, 2.5), (20.0, 250
 pub struct Body3d {
     person: Person,
     tubes: Vec<Tube>,
-    girth_factor: f64,
 }
 
 /// The rings of a part, from low to high. Two rings at the same altitude are a flat step.
@@ -95,9 +95,8 @@ struct Tube {
     rings: Vec<Ring>,
 }
 
-/// Returns the skins with the wanted volume \[m³\], or the nearest that [`GIRTH_FACTORS`] allow, and their girth
-/// factor.
-fn fit(template: &Template, wanted: f64) -> (Skins, f64) {
+/// The skins with the wanted volume \[m³\], or the nearest that [`GIRTH_FACTORS`] allow.
+fn fit(template: &Template, wanted: f64) -> Skins {
     let volume_of = |skins: &Skins| volume(&skins.trunk) + 2.0 * (volume(&skins.arm) + volume(&skins.leg));
     let [mut low, mut high] = GIRTH_FACTORS;
     let (mut factor, mut round) = (1.03, 0);
@@ -106,7 +105,7 @@ fn fit(template: &Template, wanted: f64) -> (Skins, f64) {
         let ratio = volume_of(&skins) / wanted;
         let at_end = factor == GIRTH_FACTORS[if ratio < 1.0 { 1 } else { 0 }];
         if (ratio - 1.0).abs() < 1e-4 || at_end || high - low < 1e-5 {
-            return (skins, factor);
+            return skins;
         }
         *(if ratio < 1.0 { &mut low } else { &mut high }) = factor;
         // The volume grows roughly like this power of the factor. A bisection now and then guarantees that the search
@@ -126,19 +125,19 @@ impl Body3d {
     /// A measure is not a number, or no person has it, or the depth exceeds the breadth.
     pub fn of(person: &Person) -> Result<Body3d> {
         Body3d::possible(person)?;
-        let (mut skins, girth_factor) = fit(&Template::of(person), person.mass / BODY_DENSITY);
+        let mut skins = fit(&Template::of(person), person.mass / BODY_DENSITY);
         skins.lean_arm();
         let Skins { trunk, arm, leg } = skins;
         let (right_arm, right_leg) = (other_side(&arm), other_side(&leg));
         let rings = [trunk, arm, right_arm, leg, right_leg];
         let tubes = Part::ALL.into_iter().zip(rings).map(|(part, rings)| Tube { part, rings }).collect();
-        Ok(Body3d { person: *person, tubes, girth_factor }.about_torso())
+        Ok(Body3d { person: *person, tubes }.about_torso())
     }
 
     /// Checks that a person can have a body.
     ///
     /// # Errors
-    /// Those of [`Body3d::of`].
+    /// As those of [`Body3d::of`].
     pub fn possible(person: &Person) -> Result<()> {
         let given = Measure::ALL.into_iter().zip(person.measures());
         for ((measure, value), (least, most)) in given.zip(LIMITS) {
@@ -163,20 +162,9 @@ impl Body3d {
         self
     }
 
-    /// Returns the person whose body this is.
-    pub fn person(&self) -> &Person {
-        &self.person
-    }
-
     /// Returns the altitude \[m\] at which bideltoid breadth and chest depth are measured: [`TORSO_ALTITUDE`] ×
     /// stature.
     pub fn torso_altitude(&self) -> f64 {
         TORSO_ALTITUDE * self.person.stature
-    }
-
-    /// Returns the ratio of the girths between knees and neck to the mean of people with the same four measures. It
-    /// makes the volume mass / [`BODY_DENSITY`], and is within [`GIRTH_FACTORS`].
-    pub fn girth_factor(&self) -> f64 {
-        self.girth_factor
     }
 }

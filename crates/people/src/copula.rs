@@ -79,7 +79,8 @@ impl Copula {
         if let Some(lower) = cholesky(&pearson) {
             return Ok(Copula { lower });
         }
-        let mut lower = identity();
+        // No correlations.
+        let mut lower = weakened(&pearson, 0.0);
         let (mut least, mut most) = (0.0, 1.0);
         for _ in 0..50 {
             let part = 0.5 * (least + most);
@@ -97,15 +98,6 @@ impl Copula {
         free.fill_with(|| random.normal());
         self.lower.map(|row| cumulative(row.iter().zip(free).map(|(part, z)| part * z).sum()))
     }
-}
-
-/// The identity matrix: no correlations.
-fn identity() -> Correlations {
-    let mut identity = [[0.0; N]; N];
-    for (place, row) in identity.iter_mut().enumerate() {
-        row[place] = 1.0;
-    }
-    identity
 }
 
 #[cfg(test)]

@@ -54,7 +54,7 @@ pub fn closed_walls(geometry: &Geometry) -> Vec<Ring> {
     closed.filter_map(|wall| Ring::through(wall.corners.clone())).collect()
 }
 
-fn is_closed(wall: &Wall) -> bool {
+pub(crate) fn is_closed(wall: &Wall) -> bool {
     wall.corners.len() > 3 && wall.corners.first() == wall.corners.last()
 }
 
@@ -179,7 +179,7 @@ fn length(ring: &Ring) -> f64 {
     ring.sides().map(|(start, end)| (end - start).norm()).sum()
 }
 
-/// What gaps leave of a ring.
+/// The pieces of a ring between gaps.
 fn pieces(ring: &Ring, gaps: &[&Gap]) -> Vec<Vec<Vec2>> {
     let round = length(ring);
     // From the first gap's end on, once round: no piece goes over the beginning.
@@ -241,11 +241,16 @@ mod tests {
     use crate::walls;
     use lemons_core::plane::{Bounds, vec2};
 
+    fn box_of(low: Vec2, high: Vec2) -> Ring {
+        Ring::around(Bounds { low, high })
+    }
+
     fn room() -> Vec<Ring> {
-        vec![
-            Ring::around(Bounds { low: Vec2::ZERO, high: vec2(4.0, 3.0) }),
-            Ring::around(Bounds { low: vec2(1.0, 1.0), high: vec2(2.0, 2.0) }),
-        ]
+        vec![box_of(Vec2::ZERO, vec2(4.0, 3.0)), box_of(vec2(1.0, 1.0), vec2(2.0, 2.0))]
+    }
+
+    fn door(x: f64, y: f64, width: f64) -> Door {
+        Door { at: vec2(x, y), width }
     }
 
     fn cut(doors: &[Door]) -> Vec<Vec<Vec2>> {
@@ -257,134 +262,93 @@ mod tests {
         corners.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
     }
 
-    #[test]
-    fn a_door_is_a_gap_with_its_middle_at_the_wall() {
-        let found = cut(&[Door { at: vec2(4.2, 1.5), width: 0.8 }]);
-        assert_eq!(found.len(), 2);
-        let (first, last) = (found[0][0], *found[0].last().unwrap());
-        assert!(
-            (first - vec2(4.0, 1.9)).norm() < 1e-12 && (last - vec2(4.0, 1.1)).norm() < 1e-12,
-            "{found:?}"
-        );
-        assert!((long(&found[0]) - (14.0 - 0.8)).abs() < 1e-12);
-        // All corners are where they were; the other wall is untouched.
-        for corner in [vec2(0.0, 0.0), vec2(4.0, 0.0), vec2(4.0, 3.0), vec2(0.0, 3.0)] {
-            assert!(found[0].contains(&corner), "{corner:?}");
-        }
-        assert_eq!(found[1], room()[1].closed());
+    fn near(found: &[Vec2], by_hand: &[Vec2]) -> bool {
+        found.len() == by_hand.len() && found.iter().zip(by_hand).all(|(a, b)| (*a - *b).norm() < 1e-12)
     }
 
     #[test]
     fn doors_may_be_many_overlap_and_go_round_corners() {
-        let found = cut(&[
-            Door { at: vec2(2.0, 0.0), width: 1.0 },
-            Door { at: vec2(2.6, 0.0), width: 1.0 },
-            Door { at: vec2(0.0, 0.0), width: 1.0 },
-            Door { at: vec2(2.0, 1.5), width: 0.2 },
-        ]);
+        let found = cut(&[door(4.2, 1.5, 0.8)]);
+        let by_hand = [(4.0, 1.9), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0), (4.0, 0.0), (4.0, 1.1)];
+        assert!(near(&found[0], &by_hand.map(|(x, y)| vec2(x, y))), "{found:?}");
+        assert_eq!(found[1..], [room()[1].closed()]);
+        let found =
+            cut(&[door(2.0, 0.0, 1.0), door(2.6, 0.0, 1.0), door(0.0, 0.0, 1.0), door(2.0, 1.5, 0.2)]);
         assert_eq!(found.len(), 3, "{found:?}");
         let left: f64 = found.iter().map(|corners| long(corners)).sum();
         assert!((left - (14.0 - 1.6 - 1.0 + 4.0 - 0.2)).abs() < 1e-9, "{left}");
-        let corner = vec2(0.0, 0.0);
-        assert!(!found.iter().flatten().any(|point| (*point - corner).norm() < 0.49));
-    }
-
-    #[test]
-    fn doors_edge_to_edge_are_one() {
-        // Along the lower wall, with places and widths whose sums are rounded.
+        assert!(!found.iter().flatten().any(|point| point.norm() < 0.49));
+        // Edge to edge along the lower wall, with places and widths whose sums are rounded: one door.
         for k in 0..200 {
-            let (place, first, second) = (0.9 + 0.003 * f64::from(k), 0.31 + 0.001 * f64::from(k), 0.47);
-            let door = |from: f64, width: f64| Door { at: vec2(from + 0.5 * width, -0.1), width };
-            let found = cut(&[door(place, first), door(place + first, second)]);
+            let (from, first, second) = (0.9 + 0.003 * f64::from(k), 0.31 + 0.001 * f64::from(k), 0.47);
+            let beside = |from: f64, width: f64| door(from + 0.5 * width, -0.1, width);
+            let found = cut(&[beside(from, first), beside(from + first, second)]);
             assert_eq!(found.len(), 2, "{k}: {found:?}");
             assert!((long(&found[0]) - (14.0 - first - second)).abs() < 1e-9);
         }
     }
 
-    fn course(at: Vec2, width: f64) -> Vec<Vec2> {
-        Door { at, width }.course(&room())
-    }
-
     #[test]
     fn the_course_of_a_door_is_what_it_takes_of_the_wall() {
-        let near = |found: &[Vec2], by_hand: &[Vec2]| {
-            found.len() == by_hand.len() && found.iter().zip(by_hand).all(|(a, b)| (*a - *b).norm() < 1e-12)
-        };
-        assert!(near(&course(vec2(4.2, 1.5), 0.8), &[vec2(4.0, 1.1), vec2(4.0, 1.9)]));
-        assert!(near(&course(vec2(1.5, 1.2), 0.4), &[vec2(1.3, 1.0), vec2(1.7, 1.0)]));
+        let course = |x, y, width| door(x, y, width).course(&room());
+        assert!(near(&course(4.2, 1.5, 0.8), &[vec2(4.0, 1.1), vec2(4.0, 1.9)]));
+        assert!(near(&course(1.5, 1.2, 0.4), &[vec2(1.3, 1.0), vec2(1.7, 1.0)]));
         // Round a corner, also the one where the ring begins.
-        assert!(near(&course(vec2(3.9, 0.0), 1.0), &[vec2(3.4, 0.0), vec2(4.0, 0.0), vec2(4.0, 0.4)]));
-        assert!(near(&course(vec2(0.0, 0.1), 1.0), &[vec2(0.0, 0.6), Vec2::ZERO, vec2(0.4, 0.0)]));
-        // As wide as can be, and wider.
-        assert!((long(&course(vec2(2.0, 0.0), 99.0)) - 14.0).abs() < 1e-12);
-        // Far doors have one, too; doors and walls left together have the length of the walls.
-        assert!(near(&course(vec2(9.0, 1.5), 1.0), &[vec2(4.0, 1.0), vec2(4.0, 2.0)]));
-        assert!(Door { at: Vec2::ZERO, width: 1.0 }.course(&[]).is_empty());
+        assert!(near(&course(3.9, 0.0, 1.0), &[vec2(3.4, 0.0), vec2(4.0, 0.0), vec2(4.0, 0.4)]));
+        assert!(near(&course(0.0, 0.1, 1.0), &[vec2(0.0, 0.6), Vec2::ZERO, vec2(0.4, 0.0)]));
+        // Wider than can be; far away.
+        assert!((long(&course(2.0, 0.0, 99.0)) - 14.0).abs() < 1e-12);
+        assert!(near(&course(9.0, 1.5, 1.0), &[vec2(4.0, 1.0), vec2(4.0, 2.0)]));
+        assert!(door(0.0, 0.0, 1.0).course(&[]).is_empty());
         let point = Ring::through(vec![vec2(1.0, 1.0); 3]).unwrap();
-        let nothing = Door { at: Vec2::ZERO, width: 1.0 }.course(&[point]);
+        let nothing = door(0.0, 0.0, 1.0).course(&[point]);
         assert!(nothing.iter().all(|end| *end == vec2(1.0, 1.0)), "{nothing:?}");
     }
 
     #[test]
     fn a_door_goes_along_with_its_wall() {
-        let door = Door { at: vec2(4.1, 0.75), width: 0.8 };
-        let mut moved = room();
-        moved[0] = Ring::around(Bounds { low: Vec2::ZERO, high: vec2(6.0, 5.0) });
-        let after = door.carried(&room(), &moved);
+        let (outer, inner) = (door(4.1, 0.75, 0.8), door(1.5, 1.0, 0.2));
+        let moved = [box_of(Vec2::ZERO, vec2(6.0, 5.0)), room().remove(1)];
         // A quarter of the way up, as before.
-        assert_eq!(after, Door { at: vec2(6.0, 1.25), width: 0.8 });
-        let inner = Door { at: vec2(1.5, 1.0), width: 0.2 };
+        assert_eq!(outer.carried(&room(), &moved), door(6.0, 1.25, 0.8));
         assert_eq!(inner.carried(&room(), &moved), inner);
-        assert_eq!(door.carried(&room(), &room()), door);
-        assert_eq!(door.carried(&room(), &[]), door);
         let fewer = Ring::through(vec![Vec2::ZERO, vec2(4.0, 0.0), vec2(4.0, 3.0)]).unwrap();
-        assert_eq!(door.carried(&room(), &[fewer]), door);
+        for after in [&room()[..], &[], &[fewer]] {
+            assert_eq!(outer.carried(&room(), after), outer);
+        }
     }
 
     #[test]
     fn impossible_doors_are_refused() {
-        let refused =
-            |at, width| cut_doors(walls(&room(), "concrete"), &[Door { at, width }]).unwrap_err().to_string();
-        assert!(refused(vec2(9.0, 9.0), 1.0).contains("door 0 at (9, 9) m is 7.81 m from"));
-        assert!(refused(vec2(f64::NAN, 0.0), 1.0).contains("door 0"));
-        assert!(refused(vec2(4.0, 1.0), -1.0).contains("must be positive"));
-        assert!(refused(vec2(1.5, 1.0), 4.0).contains("no wall left"));
-    }
-
-    fn box_of(x: f64, y: f64) -> Ring {
-        Ring::around(Bounds { low: Vec2::ZERO, high: vec2(x, y) })
-    }
-
-    fn door(x: f64, y: f64, width: f64) -> Door {
-        Door { at: vec2(x, y), width }
+        for (door, said) in [
+            (door(9.0, 9.0, 1.0), "door 0 at (9, 9) m is 7.81 m from the nearest closed wall"),
+            (door(f64::NAN, 0.0, 1.0), "door 0"),
+            (door(4.0, 1.0, -1.0), "must be positive"),
+            (door(1.5, 1.0, 4.0), "no wall left"),
+        ] {
+            let refused = cut_doors(walls(&room(), "concrete"), &[door]).unwrap_err().to_string();
+            assert!(refused.contains(said), "{refused}");
+        }
     }
 
     #[test]
     fn walls_keep_their_ids_and_materials() {
-        let mut geometry = walls(&[box_of(8.0, 6.0)], "concrete");
+        let mut geometry = walls(&[box_of(Vec2::ZERO, vec2(8.0, 6.0))], "concrete");
         geometry.walls[0].id = "room".into();
-        let open = |id: &str| Wall {
-            id: id.into(),
-            material_id: "wood".into(),
-            corners: vec![Vec2::ZERO, vec2(8.0, 3.0)],
-        };
-        geometry.walls.insert(0, open("0"));
-        geometry.walls.push(open("1"));
-        let cut = cut_doors(geometry.clone(), &[door(8.1, 3.0, 1.0), door(4.0, 0.0, 2.0)]).unwrap();
+        for (place, id) in [(0, "0"), (2, "1")] {
+            let corners = vec![Vec2::ZERO, vec2(8.0, 3.0)];
+            geometry.walls.insert(place, Wall { id: id.into(), material_id: "wood".into(), corners });
+        }
+        let right = door(8.1, 3.0, 1.0);
+        let cut = cut_doors(geometry.clone(), &[right, door(4.0, 0.0, 2.0)]).unwrap();
         let ids: Vec<&str> = cut.walls.iter().map(|wall| &*wall.id).collect();
         assert_eq!(ids, ["0", "room", "2", "1"]);
         assert!(cut.walls[0] == geometry.walls[0] && cut.walls[3] == geometry.walls[2]);
-        assert_eq!(door(8.1, 3.0, 1.0).wall(&geometry), Some(&geometry.walls[1]));
-        assert_eq!(door(8.1, 3.0, 1.0).wall(&walls(&[], "")), None);
         assert!(cut.walls[1..3].iter().all(|wall| wall.material_id == "concrete"));
-        let length =
-            |wall: &Wall| wall.corners.windows(2).map(|side| (side[1] - side[0]).norm()).sum::<f64>();
-        assert!((cut.walls[1..3].iter().map(length).sum::<f64>() - 25.0).abs() < 1e-9);
-        let far = cut_doors(geometry, &[door(20.0, 3.0, 1.0)]).unwrap_err();
-        assert!(
-            far.to_string().contains("door 0 at (20, 3) m is 12.00 m from the nearest closed wall"),
-            "{far}"
-        );
+        let left: f64 = cut.walls[1..3].iter().map(|wall| long(&wall.corners)).sum();
+        assert!((left - 25.0).abs() < 1e-9);
+        assert_eq!(right.wall(&geometry), Some(&geometry.walls[1]));
+        assert_eq!(right.wall(&walls(&[], "")), None);
     }
 
     #[test]
@@ -394,7 +358,8 @@ mod tests {
             let [a, b] = door.exit(&[ring], people.iter().copied()).unwrap();
             if (a.x, a.y) <= (b.x, b.y) { [a, b] } else { [b, a] }
         };
-        for ring in [box_of(8.0, 6.0), box_of(8.0, 6.0).reversed()] {
+        let ring = box_of(Vec2::ZERO, vec2(8.0, 6.0));
+        for ring in [ring.clone(), ring.reversed()] {
             let right = door(8.0, 3.0, 1.0);
             assert_eq!(exit(ring.clone(), right, &inside), [vec2(9.0, 1.5), vec2(9.0, 4.5)]);
             assert_eq!(exit(ring.clone(), right, &inside[2..]), [vec2(7.0, 1.5), vec2(7.0, 4.5)]);
@@ -405,10 +370,8 @@ mod tests {
         let [a, b] = exit(slanted, door(1.5, 2.0, 3.0), &[vec2(-0.5, 2.5)]);
         // The outward normal of the first side is (4, −3)/5.
         let middle = vec2(1.5 + 0.8, 2.0 - 0.6);
-        assert!(
-            ((a + b) * 0.5 - middle).norm() < 1e-8 && ((b - a) - vec2(3.0, 4.0)).norm() < 1e-8,
-            "{a:?} {b:?}"
-        );
+        let off = [(a + b) * 0.5 - middle, (b - a) - vec2(3.0, 4.0)];
+        assert!(off.iter().all(|off| off.norm() < 1e-8), "{a:?} {b:?}");
         assert_eq!(door(0.0, 0.0, 1.0).exit(&[], std::iter::empty()), None);
     }
 }

@@ -25,8 +25,8 @@ mod trial;
 pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
 pub use bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES};
 pub use body3d::{
-    BODY_DENSITY, Body3d, CrowdSection, GIRTH_FACTORS, Mesh, MeshPart, Part, Polygon, TORSO_ALTITUDE,
-    section, write_geojson, write_obj, write_stl, write_wkt,
+    Body3d, CrowdSection, MeshPart, Part, Polygon, TORSO_ALTITUDE, packed, section, write_geojson, write_obj,
+    write_stl, write_wkt,
 };
 pub use copula::Correlations;
 pub use custom::Custom;
@@ -36,11 +36,11 @@ pub use lemons_core::plane::{Disk, Moments};
 pub use light_xml::light_xml;
 pub use normal::TruncatedNormal;
 pub use person::{Measure, Person, Sex};
-pub use population::{Agent, CustomMeasures, Population, Proportions, Source};
+pub use population::{Agent, CustomMeasures, Population, Proportions, Source, Statistics};
 pub use shape::Shape;
 pub use survey::Survey;
 pub use table::{CrowdStatistics, KindStatistics, Summary, crowd_csv};
 pub use trial::{
-    Overwrite, TRIAL_FILES, TrialSettings, crowd_trial, heading, may_write, paper_materials, walls,
-    write_trial, write_trial_zip, zip_trial,
+    TRIAL_FILES, TrialSettings, crowd_trial, heading, may_write, paper_materials, walls, write_trial,
+    write_trial_zip, zip_trial,
 };

@@ -25,22 +25,25 @@
 //! The `Shapes` of an agent of type `bike` are `bike` and `rider`, each with `type` (rectangle), `material`, `min_x`,
 //! `min_y`, `max_x`, `max_y`. The paper prints no example.
 
+use crate::error::Result;
 use crate::population::Agent;
 use crate::shape::Shape;
+use crate::trial::FLOOR_DAMPING;
 use lemons_core::plane::{Disk, Pose, vec2};
 use lemons_core::xml::{Layout, Out, number};
 
-/// \[1/s\] Inverse times of translational and rotational friction on the floor: the paper's App. C.
-const DAMPING: f64 = 4.5;
-
 /// Returns the text of the file. Ids are places in the crowd; numbers are the shortest decimals that are read back as
 /// the same doubles. Bicycles are drawn along the axis that is nearest to their direction.
-pub fn light_xml(agents: &[Agent], shapes: &[Shape], poses: &[Pose]) -> String {
-    Out::document(Layout::PAPER, "Agents", &[], |out| {
-        for (id, ((agent, shape), pose)) in agents.iter().zip(shapes).zip(poses).enumerate() {
+///
+/// # Errors
+/// A person has no shape.
+pub fn light_xml(crowd: &[(Agent, Pose)]) -> Result<String> {
+    let shapes = crowd.iter().map(|(agent, _)| agent.shape()).collect::<Result<Vec<_>>>()?;
+    Ok(Out::document(Layout::PAPER, "Agents", &[], |out| {
+        for (id, ((agent, pose), shape)) in crowd.iter().zip(&shapes).enumerate() {
             out.element("Agent", &[], |out| write_agent(out, id, agent, shape, pose));
         }
-    })
+    }))
 }
 
 fn write_agent(out: &mut Out, id: usize, agent: &Agent, shape: &Shape, pose: &Pose) {
@@ -51,8 +54,8 @@ fn write_agent(out: &mut Out, id: usize, agent: &Agent, shape: &Shape, pose: &Po
     out.text("type", kind);
     out.text("Id", &id.to_string());
     out.text("MomentOfInertia", &number(inertia));
-    out.text("FloorDamping", &number(DAMPING));
-    out.text("AngularDamping", &number(DAMPING));
+    out.text("FloorDamping", &number(FLOOR_DAMPING));
+    out.text("AngularDamping", &number(FLOOR_DAMPING));
     out.element("Shapes", &[], |out| match agent {
         Agent::Pedestrian(_) => {
             for (place, Disk { radius, centre }) in shape.placed(pose).enumerate() {
@@ -94,12 +97,11 @@ mod tests {
     fn the_tags_are_the_papers() {
         let person = Person { sex: Sex::Male, breadth: 0.5, depth: 0.25, stature: 1.75, mass: 80.0 };
         let bicycle = Bicycle { wheel_width: 0.5, length: 2.0, handlebar: 1.0, top_tube: 1.5, mass: 12.0 };
-        let agents = [Agent::Pedestrian(person), Agent::Bicycle(bicycle)];
         let shape = Shape::of(&person).unwrap();
-        let disks = bicycle.covering_disks();
         let along_y = Pose { position: vec2(1.0, 10.0), orientation: -std::f64::consts::FRAC_PI_2 };
         let poses = [Pose { position: vec2(-3.0, 7.0), orientation: 0.1 }, along_y];
-        let text = light_xml(&agents, &[shape.clone(), Shape { disks }], &poses);
+        let crowd = [(Agent::Pedestrian(person), poses[0]), (Agent::Bicycle(bicycle), poses[1])];
+        let text = light_xml(&crowd).unwrap();
         let disk = |(place, disk): (usize, Disk)| {
             format!(
                 "<disk{place}> <type>disk</type> <radius>{:?}</radius> <material>human_naked</material> \

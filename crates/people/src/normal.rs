@@ -73,6 +73,13 @@ pub struct TruncatedNormal {
     pub max: f64,
 }
 
+impl From<[f64; 4]> for TruncatedNormal {
+    /// Mean, standard deviation, lower bound, upper bound.
+    fn from([mean, sd, min, max]: [f64; 4]) -> TruncatedNormal {
+        TruncatedNormal { mean, sd, min, max }
+    }
+}
+
 /// \[standard deviations\] Bounds further from the mean than this are taken for a mistake: less than one in 10⁹ of the
 /// untruncated distribution is there.
 const FARTHEST: f64 = 6.0;

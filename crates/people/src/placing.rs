@@ -17,11 +17,11 @@ use lemons_core::plane::{Disk, Pose};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-pub use dense::{Dense, dense};
+pub use dense::dense;
 pub use free_space::FreeSpace;
-pub use grid::{Grid, grid};
+pub use grid::grid;
 pub use measure::{Measure, measure};
-pub use paper::{Paper, paper};
+pub use paper::paper;
 pub use region::Region;
 
 /// \[m\] Overlaps up to this count as none: clothes yield far more.
@@ -50,13 +50,81 @@ impl Orientation {
         }
     }
 
-    /// Whether shapes may turn.
+    /// Returns whether shapes may turn.
     fn turns(self) -> bool {
         !matches!(self, Orientation::Fixed(_))
     }
 
     fn check(self) -> Result<()> {
         check("the direction", self.start().unwrap_or(0.0), true, "a finite angle in radians")
+    }
+}
+
+/// How shapes are placed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// The direction that the shapes face.
+    pub orientation: Orientation,
+    /// The same seed gives the same placing.
+    pub seed: u64,
+    /// \[1/m²\] The least density of a [`dense()`] crowd in the open plane; `None`: as dense as possible within the
+    /// iterations. In a region it has no meaning.
+    pub density: Option<f64>,
+    /// Largest number of iterations; `None`: that of the algorithm.
+    pub limit: Option<u64>,
+}
+
+impl Default for Settings {
+    fn default() -> Settings {
+        Settings { orientation: Orientation::Free, seed: 0, density: None, limit: None }
+    }
+}
+
+/// An algorithm that places shapes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// [`dense()`]
+    Dense,
+    /// [`paper()`]
+    Paper,
+    /// [`grid()`]
+    Grid,
+}
+
+impl Method {
+    /// All of them.
+    pub const ALL: [Method; 3] = [Method::Dense, Method::Paper, Method::Grid];
+
+    /// Returns "dense", "paper" or "grid".
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Dense => "dense",
+            Method::Paper => "paper",
+            Method::Grid => "grid",
+        }
+    }
+
+    /// Places the shapes of people who were drawn with the same seed.
+    ///
+    /// # Errors
+    /// A shape or a setting is impossible, or there is no room.
+    pub fn place(
+        self,
+        shapes: &[Shape],
+        region: &Region,
+        settings: &Settings,
+        watch: &mut Watch,
+    ) -> Result<Packing> {
+        // Another stream of random numbers than that of the people.
+        let settings = Settings { seed: settings.seed.wrapping_add(0x9e37_79b9_7f4a_7c15), ..*settings };
+        let packing = match self {
+            Method::Dense => dense(&wider(shapes), region, &settings, watch),
+            Method::Paper => paper(&wider(shapes), region, &settings, watch),
+            Method::Grid => grid(shapes, region, &settings),
+        }?;
+        let Packing { poses, clear_density, complete, ended, iterations, .. } = packing;
+        let own = Packing::of(shapes, region, poses, ended, iterations);
+        Ok(Packing { clear_density: own.clear_density.max(clear_density), complete, ..own })
     }
 }
 
@@ -115,7 +183,7 @@ pub struct Packing {
     pub clear_density: f64,
     /// \[m\] Largest overlap of disks of two shapes, or of a disk and the boundary; 0 if there is none.
     pub largest_overlap: f64,
-    /// Whether no overlap exceeds [`TOLERANCE`] and the wanted density is reached.
+    /// True if no overlap exceeds [`TOLERANCE`] and the wanted density is reached.
     pub complete: bool,
     /// Why it stopped.
     pub ended: Ended,
@@ -125,8 +193,8 @@ pub struct Packing {
 
 impl Packing {
     /// Shapes at poses: complete if nothing overlaps.
-    fn of(poses: Vec<Pose>, measured: &Measure, ended: Ended, iterations: u64) -> Packing {
-        let Measure { density, clear_density, largest_overlap, .. } = *measured;
+    fn of(shapes: &[Shape], region: &Region, poses: Vec<Pose>, ended: Ended, iterations: u64) -> Packing {
+        let Measure { density, clear_density, largest_overlap, .. } = measure(shapes, region, &poses);
         let complete = largest_overlap <= TOLERANCE;
         Packing { poses, density, clear_density, largest_overlap, complete, ended, iterations }
     }
@@ -135,14 +203,9 @@ impl Packing {
 /// Callback for progress. If it returns `Break`, the algorithm stops and returns what it has.
 pub type Watch<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + 'a;
 
-/// The seed of a placing, from the one that its people are drawn from: another stream of random numbers.
-pub fn placing_seed(people: u64) -> u64 {
-    people.wrapping_add(0x9e37_79b9_7f4a_7c15)
-}
-
 /// The same shapes with disks that are larger by [`TOLERANCE`]: where these are placed, the shapes themselves overlap by
 /// nothing.
-pub fn wider(shapes: &[Shape]) -> Vec<Shape> {
+fn wider(shapes: &[Shape]) -> Vec<Shape> {
     let wider = |disk: &Disk| Disk { radius: disk.radius + TOLERANCE, ..*disk };
     shapes.iter().map(|shape| Shape { disks: shape.disks.iter().map(wider).collect() }).collect()
 }

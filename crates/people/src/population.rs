@@ -1,25 +1,47 @@
 //! Populations: from which statistics people are drawn, and how many of each kind.
 
 use crate::anthropometry::{SexStatistics, ansur};
-use crate::bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES};
+use crate::bicycle::{BICYCLE_MEASURES, Bicycle};
 use crate::copula::{Copula, Correlations};
 use crate::error::{Result, require};
 use crate::normal::TruncatedNormal;
 use crate::person::{Measure, Person, Sex};
 use crate::random::Random;
+use crate::shape::Shape;
 use crate::survey::Survey;
 
 /// The source of the people of a [`Population`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
-    /// The statistics of the public survey ANSUR II, see [`ansur`].
-    Ansur,
-    /// Custom statistics, in the order of [`Sex::ALL`].
-    Custom(Box<[CustomMeasures; 2]>),
+    /// Statistics, in the order of [`Sex::ALL`].
+    Statistics(Box<[Statistics; 2]>),
     /// Real people, drawn with replacement.
     Survey(Survey),
     /// Always the same person. The proportion of men then has no effect.
     Fixed(Person),
+}
+
+impl Source {
+    /// Returns the statistics of the public survey ANSUR II, see [`ansur`].
+    ///
+    /// # Errors
+    /// None: the survey's own statistics are possible.
+    pub fn ansur() -> Result<Source> {
+        let [men, women] = Sex::ALL.map(|sex| {
+            let survey = ansur(sex);
+            Statistics::new(sex, &survey.spearman, Margins::Survey(survey))
+        });
+        Ok(Source::Statistics(Box::new([men?, women?])))
+    }
+
+    /// Returns custom statistics, in the order of [`Sex::ALL`].
+    ///
+    /// # Errors
+    /// They are impossible.
+    pub fn custom([men, women]: &[CustomMeasures; 2]) -> Result<Source> {
+        let both = [Statistics::custom(Sex::Male, men)?, Statistics::custom(Sex::Female, women)?];
+        Ok(Source::Statistics(Box::new(both)))
+    }
 }
 
 /// Custom statistics for one sex.
@@ -52,8 +74,7 @@ impl CustomMeasures {
         };
         let measures = std::array::from_fn(|k| {
             let units = if Measure::ALL[k] == Measure::Mass { 1.0 } else { 100.0 };
-            let [mean, sd, min, max] = measures[k].map(|value: f64| value / units);
-            TruncatedNormal { mean, sd, min, max }
+            TruncatedNormal::from(measures[k].map(|value: f64| value / units))
         });
         CustomMeasures { measures, spearman: ansur(sex).spearman }
     }
@@ -84,6 +105,28 @@ pub enum Agent {
     Bicycle(Bicycle),
 }
 
+impl Agent {
+    /// Returns the person who walks; `None` of a bicycle.
+    pub fn pedestrian(self) -> Option<Person> {
+        match self {
+            Agent::Pedestrian(person) => Some(person),
+            Agent::Bicycle(_) => None,
+        }
+    }
+
+    /// Returns the shape that is placed.
+    ///
+    /// # Errors
+    /// As those of [`Shape::of`].
+    pub fn shape(&self) -> Result<Shape> {
+        match self {
+            Agent::Pedestrian(person) => Shape::of(person),
+            // Both rectangles are about the centre, so their disks are too.
+            Agent::Bicycle(bicycle) => Ok(Shape { disks: bicycle.covering_disks() }),
+        }
+    }
+}
+
 /// Number of test draws; at least [`LEAST_POSSIBLE`] of them must be possible people.
 const TRIAL_DRAWS: u32 = 2000;
 /// With fewer, the statistics are taken for a mistake: drawing could take for ever.
@@ -96,18 +139,18 @@ enum Margins {
     Custom([TruncatedNormal; 4]),
 }
 
-/// People of one sex, drawn from statistics.
+/// Statistics of one sex, from which people are drawn.
 #[derive(Debug, Clone, PartialEq)]
-struct Statistics {
+pub struct Statistics {
     sex: Sex,
     copula: Copula,
     margins: Margins,
 }
 
 impl Statistics {
-    fn survey(sex: Sex) -> Result<Statistics> {
-        let survey = ansur(sex);
-        Ok(Statistics { sex, copula: copula(sex, &survey.spearman)?, margins: Margins::Survey(survey) })
+    fn new(sex: Sex, spearman: &Correlations, margins: Margins) -> Result<Statistics> {
+        let copula = Copula::new(spearman).map_err(|error| error.of(format!("{} statistics", sex.name())))?;
+        Ok(Statistics { sex, copula, margins })
     }
 
     fn custom(sex: Sex, custom: &CustomMeasures) -> Result<Statistics> {
@@ -124,8 +167,7 @@ impl Statistics {
                 })?;
             }
         }
-        let copula = copula(sex, &custom.spearman)?;
-        let statistics = Statistics { sex, copula, margins: Margins::Custom(custom.measures) };
+        let statistics = Statistics::new(sex, &custom.spearman, Margins::Custom(custom.measures))?;
         let random = &mut Random::new(0);
         let refused =
             (0..TRIAL_DRAWS).filter(|_| statistics.candidate(random).check().is_err()).count() as u32;
@@ -160,98 +202,67 @@ impl Statistics {
     }
 }
 
-fn copula(sex: Sex, spearman: &Correlations) -> Result<Copula> {
-    Copula::new(spearman).map_err(|error| error.of(format!("{} statistics", sex.name())))
-}
-
-#[derive(Debug, Clone, PartialEq)]
-enum Ready {
-    /// Men, women.
-    Statistics(Box<[Statistics; 2]>),
-    Survey(Survey),
-    Fixed(Person),
-}
-
 /// The population from which a crowd is drawn. The same seed gives the same people on every machine.
 ///
 /// The breadth, depth, stature and mass of one person are correlated: their ranks have the correlations of the survey
 /// (a Gaussian copula). A draw whose chest is deeper than its shoulders are broad is repeated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Population {
-    people: Ready,
+    source: Source,
     proportions: Proportions,
     bicycles: [TruncatedNormal; 5],
 }
 
-impl Default for Population {
-    /// As many women as men, from ANSUR II.
-    fn default() -> Population {
-        Population::new(Source::Ansur, Proportions::default()).expect("the survey's own statistics")
-    }
-}
-
 impl Population {
-    /// Makes a population with the default statistics of bicycles.
+    /// Makes a population. `bicycles` are distributions as [`PAPER_BICYCLES`](crate::PAPER_BICYCLES).
     ///
     /// # Errors
-    /// A proportion is outside 0…1, statistics are impossible, a survey has no people of a sex whose proportion is not
-    /// 0, or the fixed person is impossible.
-    pub fn new(source: Source, proportions: Proportions) -> Result<Population> {
-        for (of, value) in [("men", proportions.men), ("pedestrians", proportions.pedestrians)] {
+    /// A proportion is outside 0…1, a survey has no people of a sex whose proportion is not 0, the fixed person or a
+    /// distribution is impossible.
+    pub fn new(
+        source: Source,
+        proportions: Proportions,
+        bicycles: [TruncatedNormal; 5],
+    ) -> Result<Population> {
+        let Proportions { men, pedestrians } = proportions;
+        for (of, value) in [("men", men), ("pedestrians", pedestrians)] {
             require((0.0..=1.0).contains(&value), || {
                 format!("proportion of {of} = {value}: must be within 0…1")
             })?;
         }
-        let people = match source {
-            Source::Ansur => Ready::Statistics(Box::new([
-                Statistics::survey(Sex::Male)?,
-                Statistics::survey(Sex::Female)?,
-            ])),
-            Source::Custom(custom) => Ready::Statistics(Box::new([
-                Statistics::custom(Sex::Male, &custom[0])?,
-                Statistics::custom(Sex::Female, &custom[1])?,
-            ])),
+        match &source {
+            Source::Statistics(_) => {}
             Source::Survey(survey) => {
-                for (sex, share) in [(Sex::Male, proportions.men), (Sex::Female, 1.0 - proportions.men)] {
+                for (sex, share) in [(Sex::Male, men), (Sex::Female, 1.0 - men)] {
                     require(share == 0.0 || !survey.people(sex).is_empty(), || {
                         format!("the survey has no {} people, but their proportion is not 0", sex.name())
                     })?;
                 }
-                Ready::Survey(survey)
             }
-            Source::Fixed(person) => {
-                person.check().map_err(|error| error.of("the fixed person"))?;
-                Ready::Fixed(person)
-            }
-        };
-        Ok(Population { people, proportions, bicycles: PAPER_BICYCLES })
-    }
-
-    /// Replaces the distributions of the measures of bicycles.
-    ///
-    /// # Errors
-    /// A distribution is impossible.
-    pub fn with_bicycles(self, bicycles: [TruncatedNormal; 5]) -> Result<Population> {
+            Source::Fixed(person) => person.check().map_err(|error| error.of("the fixed person"))?,
+        }
         for ((measure, _), normal) in BICYCLE_MEASURES.into_iter().zip(bicycles) {
             normal.check().map_err(|error| error.of(format!("bicycle's {measure}")))?;
         }
-        Ok(Population { bicycles, ..self })
+        Ok(Population { source, proportions, bicycles })
+    }
+
+    /// Returns whether bicycles can be drawn.
+    pub fn has_bicycles(&self) -> bool {
+        self.proportions.pedestrians < 1.0
     }
 
     /// Draws one person.
     fn draw(&self, random: &mut Random) -> Person {
-        if let Ready::Fixed(person) = self.people {
-            return person;
-        }
-        // `uniform` excludes 0 and 1: a proportion of 0 or 1 excludes the other sex.
-        let sex = if random.inside_unit() < self.proportions.men { Sex::Male } else { Sex::Female };
-        match &self.people {
-            Ready::Statistics(statistics) => statistics[sex as usize].draw(random),
-            Ready::Survey(survey) => {
-                let people = survey.people(sex);
+        // `inside_unit` excludes 0 and 1: a proportion of 0 or 1 excludes the other sex.
+        let mut sex = || if random.inside_unit() < self.proportions.men { Sex::Male } else { Sex::Female };
+        match &self.source {
+            Source::Fixed(person) => *person,
+            Source::Statistics(statistics) => statistics[sex() as usize].draw(random),
+            Source::Survey(survey) => {
+                let people = survey.people(sex());
                 people[random.index(people.len())]
             }
-            Ready::Fixed(person) => *person,
         }
     }
 
@@ -265,12 +276,6 @@ impl Population {
         ))
     }
 
-    /// Returns an endless sequence of people, the same for the same seed.
-    pub fn people(&self, seed: u64) -> impl Iterator<Item = Person> + use<'_> {
-        let mut random = Random::new(seed);
-        std::iter::repeat_with(move || self.draw(&mut random))
-    }
-
     /// Returns an endless sequence of agents, the same for the same seed.
     pub fn agents(&self, seed: u64) -> impl Iterator<Item = Agent> + use<'_> {
         let mut random = Random::new(seed);
@@ -281,17 +286,22 @@ impl Population {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::Shape;
+    use crate::bicycle::PAPER_BICYCLES;
     use std::path::Path;
 
-    fn of(source: Source, men: f64) -> Population {
-        Population::new(source, Proportions { men, pedestrians: 1.0 }).unwrap()
+    fn of(source: Source, men: f64, seed: u64, count: usize) -> Vec<Person> {
+        let population = Population::new(source, Proportions { men, pedestrians: 1.0 }, PAPER_BICYCLES);
+        population.unwrap().agents(seed).take(count).filter_map(Agent::pedestrian).collect()
     }
 
-    fn custom(change: impl FnOnce(&mut [CustomMeasures; 2])) -> Source {
+    fn ansur_source() -> Source {
+        Source::ansur().unwrap()
+    }
+
+    fn custom(change: impl FnOnce(&mut [CustomMeasures; 2])) -> Result<Source> {
         let mut statistics = Sex::ALL.map(CustomMeasures::paper);
         change(&mut statistics);
-        Source::Custom(Box::new(statistics))
+        Source::custom(&statistics)
     }
 
     fn mean_and_sd(values: &[f64]) -> (f64, f64) {
@@ -324,7 +334,7 @@ mod tests {
     #[test]
     fn hundred_thousand_people_are_those_of_the_survey() {
         for (sex, men) in [(Sex::Male, 1.0), (Sex::Female, 0.0)] {
-            let people: Vec<Person> = of(Source::Ansur, men).people(1).take(100_000).collect();
+            let people = of(ansur_source(), men, 1, 100_000);
             assert!(people.iter().all(|person| person.sex == sex && person.check().is_ok()));
             let survey = ansur(sex);
             let drawn = columns(&people);
@@ -367,7 +377,7 @@ mod tests {
     fn custom_people_follow_their_statistics_and_belong_together() {
         for (sex, men) in [(Sex::Male, 1.0), (Sex::Female, 0.0)] {
             let statistics = CustomMeasures::paper(sex);
-            let people: Vec<Person> = of(custom(|_| {}), men).people(2).take(50_000).collect();
+            let people = of(custom(|_| {}).unwrap(), men, 2, 50_000);
             let drawn = columns(&people);
             drawn.iter().zip(&statistics.measures).for_each(|(values, normal)| follows(values, normal));
             let ranked = drawn.map(|values| ranks(&values));
@@ -383,18 +393,15 @@ mod tests {
             statistics[0].measures[1].mean = statistics[0].measures[0].mean;
             statistics[0].measures[1].max = 0.8;
         });
-        for person in of(source, 1.0).people(3).take(20_000) {
+        for person in [of(source.unwrap(), 1.0, 3, 20_000), of(ansur_source(), 0.5, 4, 20_000)].concat() {
             assert!(person.depth <= person.breadth && Shape::of(&person).is_ok());
-        }
-        for person in Population::default().people(4).take(20_000) {
-            assert!(Shape::of(&person).is_ok());
         }
     }
 
     #[test]
     fn proportions_are_met() {
         let proportions = Proportions { men: 0.3, pedestrians: 0.8 };
-        let population = Population::new(Source::Ansur, proportions).unwrap();
+        let population = Population::new(ansur_source(), proportions, PAPER_BICYCLES).unwrap();
         let agents: Vec<Agent> = population.agents(5).take(50_000).collect();
         let (mut people, mut bicycles) = (Vec::new(), Vec::new());
         for agent in &agents {
@@ -415,17 +422,16 @@ mod tests {
     /// Bits that another machine must find as well.
     #[test]
     fn the_same_seed_is_the_same_crowd() {
-        let population = Population::default();
-        let first: Vec<Person> = population.people(42).take(1000).collect();
-        let again: Vec<Person> = population.people(42).take(1000).collect();
-        assert_eq!(first, again);
-        assert_ne!(first[0], population.people(43).next().unwrap());
+        let drawn = |seed| of(ansur_source(), 0.5, seed, 1000);
+        let first = drawn(42);
+        assert_eq!(first, drawn(42));
+        assert_ne!(first[0], drawn(43)[0]);
         let fold = |people: &[Person]| {
             let bits = people.iter().flat_map(Person::measures).map(f64::to_bits);
             bits.fold(0u64, |hash, bits| hash.rotate_left(5).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ bits)
         };
-        let custom: Vec<Person> = of(custom(|_| {}), 0.5).people(42).take(1000).collect();
-        assert_eq!([fold(&first), fold(&custom)], [15_789_684_364_619_433_590, 14_494_445_155_975_987_607]);
+        let custom = of(custom(|_| {}).unwrap(), 0.5, 42, 1000);
+        assert_eq!([fold(&first), fold(&custom)], [8_424_474_145_650_043_990, 15_057_177_514_918_895_026]);
     }
 
     #[test]
@@ -433,52 +439,54 @@ mod tests {
         let mut survey = Survey::default();
         let content = b"bideltoidbreadth,chestdepth,stature,weightkg\n493,237,1776,815\n479,253,1702,726\n";
         survey.add(Sex::Male, Path::new("m.csv"), content).unwrap();
-        let drawn: Vec<Person> = of(Source::Survey(survey.clone()), 1.0).people(6).take(1000).collect();
+        let drawn = of(Source::Survey(survey.clone()), 1.0, 6, 1000);
         assert!(drawn.iter().all(|person| survey.people(Sex::Male).contains(person)));
         let first = drawn.iter().filter(|person| person.breadth == 0.493).count();
         assert!((420..580).contains(&first), "{first}");
-        let error = Population::new(Source::Survey(survey), Proportions::default()).unwrap_err();
-        assert_eq!(error.to_string(), "the survey has no female people, but their proportion is not 0");
         let person = Person { sex: Sex::Female, breadth: 0.4, depth: 0.2, stature: 1.6, mass: 55.0 };
-        assert!(of(Source::Fixed(person), 1.0).people(7).take(10).all(|drawn| drawn == person));
+        assert!(of(Source::Fixed(person), 1.0, 7, 10).into_iter().all(|drawn| drawn == person));
+        let message = |source, men, pedestrians, bicycles| {
+            Population::new(source, Proportions { men, pedestrians }, bicycles).unwrap_err().to_string()
+        };
+        assert_eq!(
+            message(Source::Survey(survey), 0.5, 1.0, PAPER_BICYCLES),
+            "the survey has no female people, but their proportion is not 0"
+        );
+        let said = message(ansur_source(), 1.5, 1.0, PAPER_BICYCLES);
+        assert_eq!(said, "proportion of men = 1.5: must be within 0…1");
+        let said = message(ansur_source(), 0.5, f64::NAN, PAPER_BICYCLES);
+        assert_eq!(said, "proportion of pedestrians = NaN: must be within 0…1");
+        let wrong = Source::Fixed(Person { mass: -55.0, ..person });
+        let said = message(wrong, 0.5, 1.0, PAPER_BICYCLES);
+        assert_eq!(said, "the fixed person: mass = -55 kg: must be positive and finite");
+        let mut bicycles = PAPER_BICYCLES;
+        bicycles[4].mean = 1e6;
+        let said = message(ansur_source(), 0.5, 1.0, bicycles);
+        assert!(said.starts_with("bicycle's mass: min = 10, max = 100: more than 6"), "{said}");
     }
 
     #[test]
-    fn impossible_populations_are_refused() {
-        let message = |source, men, pedestrians| {
-            Population::new(source, Proportions { men, pedestrians }).unwrap_err().to_string()
-        };
-        assert_eq!(message(Source::Ansur, 1.5, 1.0), "proportion of men = 1.5: must be within 0…1");
-        assert_eq!(
-            message(Source::Ansur, 0.5, f64::NAN),
-            "proportion of pedestrians = NaN: must be within 0…1"
-        );
-        let person = Person { sex: Sex::Male, breadth: 0.5, depth: 0.2, stature: 1.6, mass: -55.0 };
-        assert_eq!(
-            message(Source::Fixed(person), 0.5, 1.0),
-            "the fixed person: mass = -55 kg: must be positive and finite"
-        );
-        let change = |change: fn(&mut CustomMeasures)| message(custom(|[men, _]| change(men)), 0.5, 1.0);
-        assert_eq!(
-            change(|men| men.measures[3].sd = 0.0),
-            "male statistics, mass: the standard deviation = 0: must be positive"
-        );
-        assert_eq!(
-            change(|men| men.measures[2].max = 4.0),
-            "male statistics, stature: max = 4.000 m: measures of people are 0.3 to 3 m"
-        );
-        assert_eq!(
-            change(|men| men.spearman[0][1] = 2.0),
-            "male statistics: correlation (0, 1) = 2: must be within −1…1, and 1 on the diagonal"
-        );
+    fn impossible_statistics_are_refused() {
         let deep = TruncatedNormal { mean: 0.8, sd: 0.02, min: 0.7, max: 0.9 };
-        assert_eq!(
-            message(custom(|[men, _]| men.measures[1] = deep), 0.5, 1.0),
-            "male statistics: chest depth exceeds bideltoid breadth in 2000 of 2000 draws: few people are possible"
-        );
-        let mut bicycles = PAPER_BICYCLES;
-        bicycles[4].mean = 1e6;
-        let error = Population::default().with_bicycles(bicycles).unwrap_err().to_string();
-        assert!(error.starts_with("bicycle's mass: min = 10, max = 100: more than 6"), "{error}");
+        type Change = fn(&mut CustomMeasures, TruncatedNormal);
+        let changes: [(Change, &str); 4] = [
+            (|men, _| men.measures[3].sd = 0.0, ", mass: the standard deviation = 0: must be positive"),
+            (
+                |men, _| men.measures[2].max = 4.0,
+                ", stature: max = 4.000 m: measures of people are 0.3 to 3 m",
+            ),
+            (
+                |men, _| men.spearman[0][1] = 2.0,
+                ": correlation (0, 1) = 2: must be within −1…1, and 1 on the diagonal",
+            ),
+            (
+                |men, deep| men.measures[1] = deep,
+                ": chest depth exceeds bideltoid breadth in 2000 of 2000 draws: few people are possible",
+            ),
+        ];
+        for (change, said) in changes {
+            let refused = custom(|[men, _]| change(men, deep)).unwrap_err();
+            assert_eq!(refused.to_string(), format!("male statistics{said}"));
+        }
     }
 }

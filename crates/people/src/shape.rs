@@ -1,6 +1,6 @@
 //! Shapes that consist of disks.
 
-use crate::error::{Result, require};
+use crate::error::Result;
 use crate::person::Person;
 use lemons_core::plane::{Bounds, Disk, Moments, Pose, Rotation, union, vec2};
 
@@ -16,22 +16,14 @@ pub struct Shape {
     pub disks: Vec<Disk>,
 }
 
-/// One disk of the template. Forward offset and radius are in units of the depth; the offset to the left is in any
-/// unit.
-struct Part {
-    left: f64,
-    forward: f64,
-    radius: f64,
-}
-
 /// \[m\] The paper's five disks over a slice through a man's torso, relative to the centroid of its area: 0.617 18
 /// broad, 0.3 deep.
-const TEMPLATE: [Part; 5] = [
-    Part { left: 0.204_246, forward: -0.020_143, radius: 0.104_346 },
-    Part { left: 0.089_625, forward: 0.006_363, radius: 0.143_492 },
-    Part { left: 0.0, forward: 0.011_674, radius: 0.15 },
-    Part { left: -0.089_625, forward: 0.006_363, radius: 0.143_492 },
-    Part { left: -0.204_246, forward: -0.020_143, radius: 0.104_346 },
+const TEMPLATE: [Disk; 5] = [
+    Disk { radius: 0.104_346, centre: vec2(-0.020_143, 0.204_246) },
+    Disk { radius: 0.143_492, centre: vec2(0.006_363, 0.089_625) },
+    Disk { radius: 0.15, centre: vec2(0.011_674, 0.0) },
+    Disk { radius: 0.143_492, centre: vec2(0.006_363, -0.089_625) },
+    Disk { radius: 0.104_346, centre: vec2(-0.020_143, -0.204_246) },
 ];
 /// \[m\] Depth of the template: the diameter of the middle disk, which is furthest in front and behind.
 const TEMPLATE_DEPTH: f64 = 0.3;
@@ -40,42 +32,30 @@ impl Shape {
     /// Returns the five disks of a person.
     ///
     /// # Errors
-    /// Those of [`Shape::fit`].
+    /// As those of [`Person::check`].
     pub fn of(person: &Person) -> Result<Shape> {
-        Shape::fit(person.breadth, person.depth)
+        person.check()?;
+        Ok(Shape::fit(person.breadth, person.depth))
     }
 
-    /// Returns the five disks for a bideltoid breadth \[m\] and a chest depth \[m\]; both are met exactly.
+    /// Returns the five disks for a bideltoid breadth \[m\] and a chest depth \[m\], which is positive and not larger; both
+    /// are met exactly.
     ///
     /// The depth scales the radii and the forward offsets. Then the lateral offsets are scaled so that the outermost
     /// disk meets the breadth. Up to a depth of 0.86 of the breadth this is the shoulder's disk, as in the paper,
     /// beyond it the next one. Closed forms, no search.
-    ///
-    /// # Errors
-    /// A measure is not positive and finite, or the depth exceeds the breadth.
-    pub fn fit(breadth: f64, depth: f64) -> Result<Shape> {
-        for (what, value) in [("breadth", breadth), ("depth", depth)] {
-            require(value > 0.0 && value.is_finite(), || {
-                format!("{what} = {value} m: must be positive and finite")
-            })?;
-        }
-        require(depth <= breadth, || {
-            format!("depth = {depth} m, breadth = {breadth} m: the depth must not exceed the breadth")
-        })?;
+    pub fn fit(breadth: f64, depth: f64) -> Shape {
         let scale = depth / TEMPLATE_DEPTH;
-        let reach = |part: &Part| (0.5 * breadth - part.radius * scale) / part.left;
+        let reach = |part: &Disk| (0.5 * breadth - part.radius * scale) / part.centre.y;
         let sideways = TEMPLATE[..2].iter().map(reach).fold(f64::INFINITY, f64::min);
-        let disks: Vec<Disk> = TEMPLATE
-            .iter()
-            .map(|part| Disk {
-                radius: part.radius * scale,
-                centre: vec2(part.forward * scale, part.left * sideways),
-            })
-            .collect();
+        let disks = TEMPLATE.map(|Disk { radius, centre }| Disk {
+            radius: radius * scale,
+            centre: vec2(centre.x * scale, centre.y * sideways),
+        });
         // By symmetry the centroid lies on the axis of the gaze; rounding must not tilt the shape.
         let ahead = union(&disks).centroid.x;
         let centred = |disk: Disk| Disk { centre: vec2(disk.centre.x - ahead, disk.centre.y), ..disk };
-        Ok(Shape { disks: disks.into_iter().map(centred).collect() })
+        Shape { disks: disks.into_iter().map(centred).collect() }
     }
 
     /// Returns the distance \[m\] between the leftmost and the rightmost point.
@@ -141,7 +121,7 @@ mod tests {
             for j in 1..=100 {
                 let breadth = 0.2 + 0.003 * f64::from(k);
                 let depth = breadth * (f64::from(j) / 100.0);
-                let shape = Shape::fit(breadth, depth).unwrap();
+                let shape = Shape::fit(breadth, depth);
                 assert!((shape.breadth() - breadth).abs() < 1e-9 && (shape.depth() - depth).abs() < 1e-9);
                 let ys: Vec<f64> = shape.disks.iter().map(|disk| disk.centre.y).collect();
                 assert!(ys.is_sorted_by(|left, right| left > right), "{breadth} {depth}: {ys:?}");
@@ -152,11 +132,11 @@ mod tests {
 
     #[test]
     fn the_template_fits_itself() {
-        let shape = Shape::fit(0.61718, 0.3).unwrap();
+        let shape = Shape::fit(0.61718, 0.3);
         for (disk, part) in shape.disks.iter().zip(&TEMPLATE) {
             assert!((disk.radius - part.radius).abs() < 2e-6);
             // Its offsets are about the centroid of its area already, to their digits.
-            assert!((disk.centre - vec2(part.forward, part.left)).norm() < 1e-5, "{disk:?}");
+            assert!((disk.centre - part.centre).norm() < 1e-5, "{disk:?}");
         }
         assert!((shape.moments().area - 0.14588).abs() < 1e-5, "{}", shape.moments().area);
     }
@@ -166,7 +146,7 @@ mod tests {
         let mut worst = 0.0f64;
         for agent in paper() {
             let printed = shape(&agent);
-            let fitted = Shape::fit(printed.breadth(), printed.depth()).unwrap();
+            let fitted = Shape::fit(printed.breadth(), printed.depth());
             let (ours, theirs) = (mean_centre(&fitted), mean_centre(&printed));
             for (a, b) in fitted.disks.iter().zip(&printed.disks) {
                 worst = worst.max((a.radius - b.radius).abs());
@@ -191,18 +171,5 @@ mod tests {
             let off = 100.0 * (agent.moment_of_inertia / ours - 1.0);
             assert!((off - excess).abs() < 0.01, "agent {}: {off} %", agent.id);
         }
-    }
-
-    #[test]
-    fn impossible_shapes_are_refused() {
-        assert_eq!(
-            Shape::fit(0.3, 0.31).unwrap_err().to_string(),
-            "depth = 0.31 m, breadth = 0.3 m: the depth must not exceed the breadth"
-        );
-        assert_eq!(
-            Shape::fit(0.5, -0.2).unwrap_err().to_string(),
-            "depth = -0.2 m: must be positive and finite"
-        );
-        assert!(Shape::fit(f64::NAN, 0.2).is_err() && Shape::fit(0.5, 0.0).is_err());
     }
 }

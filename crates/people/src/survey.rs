@@ -86,7 +86,7 @@ impl Survey {
     /// Adds the people of one sex from the content of a file.
     ///
     /// # Errors
-    /// Those of [`Survey::read`].
+    /// As those of [`Survey::read`].
     pub fn add(&mut self, sex: Sex, file: &Path, content: &[u8]) -> Result<()> {
         let csv_error = |error| of_file(file, format_args!("is not CSV: {error}"));
         let content = content.strip_prefix(b"\xef\xbb\xbf").unwrap_or(content);

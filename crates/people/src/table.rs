@@ -109,25 +109,16 @@ fn summary(measure: &'static str, unit: &'static str, values: &[f64]) -> Summary
     }
 }
 
+/// Columns of [`crowd_csv`].
+const COLUMNS: &str = "id,type,sex,bideltoid_breadth_m,chest_depth_m,stature_m,mass_kg,wheel_width_m,length_m,\
+                       handlebar_m,top_tube_m";
+
 /// Returns the agents as CSV, one per line with its index from 0. Cells for measures of the other kind are empty.
 /// Lengths are in m, masses in kg, as the shortest decimals that are read back as the same doubles.
 pub fn crowd_csv(agents: &[Agent]) -> String {
-    let header = [
-        "id",
-        "type",
-        "sex",
-        "bideltoid_breadth_m",
-        "chest_depth_m",
-        "stature_m",
-        "mass_kg",
-        "wheel_width_m",
-        "length_m",
-        "handlebar_m",
-        "top_tube_m",
-    ];
     // Writing rows of one length into memory cannot fail, so the results are dropped.
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let _ = writer.write_record(header);
+    let _ = writer.write_record(COLUMNS.split(','));
     for (id, agent) in agents.iter().enumerate() {
         let (kind, sex, cells) = match agent {
             Agent::Pedestrian(person) => {
@@ -150,7 +141,7 @@ pub fn crowd_csv(agents: &[Agent]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bicycle::Bicycle;
+    use crate::bicycle::{Bicycle, PAPER_BICYCLES};
     use crate::person::{Person, Sex};
     use crate::population::{Population, Proportions, Source};
 
@@ -187,7 +178,7 @@ mod tests {
     #[test]
     fn a_crowds_csv_reads_back_to_the_same_doubles() {
         let proportions = Proportions { men: 0.5, pedestrians: 0.7 };
-        let population = Population::new(Source::Ansur, proportions).unwrap();
+        let population = Population::new(Source::ansur().unwrap(), proportions, PAPER_BICYCLES).unwrap();
         let agents: Vec<Agent> = population.agents(9).take(300).collect();
         let text = crowd_csv(&agents);
         let mut reader = csv::Reader::from_reader(text.as_bytes());

@@ -5,11 +5,10 @@
 //! doubles.
 
 use crate::error::{Result, require};
-use crate::person::Person;
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
 use lemons_core::files::{Change, Scratch, Staged, WriteError, change_all, target_of};
-use lemons_core::plane::{Pose, Ring, Rotation, Vec2, vec2};
+use lemons_core::plane::{Disk, Pose, Ring, Rotation, Vec2, vec2};
 use lemons_core::trial::{
     Agent, AgentDynamics, Contact, Geometry, INTERACTIONS, Interactions, Material, Materials, Parameters,
     Trial, Wall,
@@ -20,9 +19,9 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// \[1/s\] Inverse times of translational and rotational friction on the floor: the paper's App. C.
-const FLOOR_DAMPING: f64 = 4.5;
+pub(crate) const FLOOR_DAMPING: f64 = 4.5;
 
-/// What users choose of a Trial besides its people and their poses.
+/// The settings of a Trial besides its people and their poses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialSettings {
     /// \[s\] communication step, positive. The mechanical step is the longest that divides it and does not exceed
@@ -93,50 +92,45 @@ pub fn heading(degrees: f64) -> Vec2 {
     }
 }
 
-/// Makes the Trial of people, their shapes and their poses, at rest. Ids are numbers from 0 in their order.
+/// Makes the Trial of a crowd's pedestrians at their poses, at rest. An Id is the place in the crowd, from 0.
 ///
 /// # Errors
-/// There are no people, the lists have different lengths, or a material is unknown.
+/// A person has no shape, or a material is unknown.
 pub fn crowd_trial(
     name: &str,
-    people: &[Person],
-    shapes: &[Shape],
-    poses: &[Pose],
+    crowd: &[(crate::Agent, Pose)],
     geometry: Geometry,
     settings: &TrialSettings,
 ) -> Result<Trial> {
-    require(people.len() == shapes.len() && people.len() == poses.len(), || {
-        let (people, shapes, poses) = (people.len(), shapes.len(), poses.len());
-        format!("{people} people, {shapes} shapes, {poses} poses: the numbers must be equal")
-    })?;
-    require(!people.is_empty(), || "the crowd is empty: a Trial needs at least one person".into())?;
     settings.check(&geometry)?;
-    let agent = |(id, (person, shape)): (usize, (&Person, &Shape))| Agent {
-        kind: Some("pedestrian".into()),
-        id: id.to_string(),
-        mass: person.mass,
-        height: Some(person.stature),
-        moment_of_inertia: shape.inertia(person.mass),
-        floor_damping: FLOOR_DAMPING,
-        angular_damping: FLOOR_DAMPING,
-        shapes: shape
-            .disks
-            .iter()
-            .map(|disk| lemons_core::trial::Shape {
-                radius: disk.radius,
-                material_id: settings.people.clone(),
-                position: disk.centre,
-            })
-            .collect(),
-    };
-    let moving = |(person, pose): (&Person, &Pose)| AgentDynamics {
-        position: pose.position,
-        velocity: Vec2::ZERO,
-        theta: pose.orientation,
-        omega: 0.0,
-        fp: settings.desired_velocity * (person.mass * FLOOR_DAMPING),
-        mp: 0.0,
-    };
+    let (mut agents, mut dynamics) = (Vec::new(), Vec::new());
+    for (id, (agent, pose)) in crowd.iter().enumerate() {
+        let Some(person) = agent.pedestrian() else { continue };
+        let shape = Shape::of(&person)?;
+        let disk = |disk: &Disk| lemons_core::trial::Shape {
+            radius: disk.radius,
+            material_id: settings.people.clone(),
+            position: disk.centre,
+        };
+        agents.push(Agent {
+            kind: Some("pedestrian".into()),
+            id: id.to_string(),
+            mass: person.mass,
+            height: Some(person.stature),
+            moment_of_inertia: shape.inertia(person.mass),
+            floor_damping: FLOOR_DAMPING,
+            angular_damping: FLOOR_DAMPING,
+            shapes: shape.disks.iter().map(disk).collect(),
+        });
+        dynamics.push(AgentDynamics {
+            position: pose.position,
+            velocity: Vec2::ZERO,
+            theta: pose.orientation,
+            omega: 0.0,
+            fp: settings.desired_velocity * (person.mass * FLOOR_DAMPING),
+            mp: 0.0,
+        });
+    }
     let mut trial = Trial {
         name: name.into(),
         directory: PathBuf::new(),
@@ -148,8 +142,8 @@ pub fn crowd_trial(
         },
         materials: paper_materials(),
         geometry,
-        agents: people.iter().zip(shapes).enumerate().map(agent).collect(),
-        dynamics: people.iter().zip(poses).map(moving).collect(),
+        agents,
+        dynamics,
         interactions: Interactions::default(),
     };
     let proposed = Setup::of(&trial).proposed_step().unwrap_or(settings.time_step);
@@ -181,20 +175,12 @@ impl TrialSettings {
     }
 }
 
-/// What may be overwritten.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Overwrite {
-    /// The files of a Trial.
-    Trials,
-    /// Any directory: a Trial may be written into one with other files, which stay.
-    Anything,
-}
-
-/// Checks that a Trial may be written to a path. [`write_trial`] checks it too.
+/// Checks that a Trial may be written to a path; by `force` also into a directory with other files, which stay.
+/// [`write_trial`] checks it too.
 ///
 /// # Errors
 /// There is a file, or a directory that is neither empty nor a Trial.
-pub fn may_write(directory: &Path, overwrite: Overwrite) -> Result<()> {
+pub fn may_write(directory: &Path, force: bool) -> Result<()> {
     let at = WriteError::at(directory);
     match directory.metadata() {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
@@ -203,7 +189,7 @@ pub fn may_write(directory: &Path, overwrite: Overwrite) -> Result<()> {
             require(there.is_dir(), || format!("{}: is not a directory", directory.display()))?;
         }
     }
-    if overwrite == Overwrite::Anything || directory.join("Parameters.xml").is_file() {
+    if force || directory.join("Parameters.xml").is_file() {
         return Ok(());
     }
     let is_empty = std::fs::read_dir(directory).map_err(at)?.next().is_none();
@@ -218,13 +204,8 @@ pub fn may_write(directory: &Path, overwrite: Overwrite) -> Result<()> {
 ///
 /// # Errors
 /// The existing files may not be or cannot be overwritten; they are then unchanged.
-pub fn write_trial(
-    trial: &Trial,
-    others: &[(&str, &str)],
-    directory: &Path,
-    overwrite: Overwrite,
-) -> Result<()> {
-    may_write(directory, overwrite)?;
+pub fn write_trial(trial: &Trial, others: &[(&str, &str)], directory: &Path, force: bool) -> Result<()> {
+    may_write(directory, force)?;
     let write_in = |directory: &Path, stale: Option<PathBuf>| {
         let mut texts = trial.texts(directory);
         texts.extend(others.iter().map(|(name, text)| (directory.join(name), (*text).to_owned())));
@@ -293,26 +274,18 @@ pub fn zip_trial<W: Write + Seek>(trial: &Trial, others: &[(&str, &str)], output
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::person::Sex;
+    use crate::person::{Person, Sex};
     use lemons_core::plane::Bounds;
     use tempfile::TempDir;
 
-    fn person(breadth: f64) -> Person {
-        Person { sex: Sex::Female, breadth, depth: 0.25, stature: 1.7, mass: 63.3 }
-    }
-
-    fn at(x: f64, y: f64, orientation: f64) -> Pose {
-        Pose { position: vec2(x, y), orientation }
-    }
-
-    fn square(side: f64) -> Geometry {
-        walls(&[Ring::around(Bounds { low: Vec2::ZERO, high: vec2(side, side) })], "concrete")
-    }
-
     fn two(settings: &TrialSettings) -> Result<Trial> {
-        let people = [person(0.45), person(0.5)];
-        let shapes = people.map(|person| Shape::of(&person).unwrap());
-        crowd_trial("two", &people, &shapes, &[at(0.5, 0.5, 0.1), at(1.5, 1.4, -2.0)], square(2.0), settings)
+        let placed = |breadth, x, y, orientation| {
+            let person = Person { sex: Sex::Female, breadth, depth: 0.25, stature: 1.7, mass: 63.3 };
+            (crate::Agent::Pedestrian(person), Pose { position: vec2(x, y), orientation })
+        };
+        let square = Ring::around(Bounds { low: Vec2::ZERO, high: vec2(2.0, 2.0) });
+        let crowd = [placed(0.45, 0.5, 0.5, 0.1), placed(0.5, 1.5, 1.4, -2.0)];
+        crowd_trial("two", &crowd, walls(&[square], "concrete"), settings)
     }
 
     #[test]
@@ -327,7 +300,7 @@ mod tests {
         let settings = TrialSettings { desired_velocity: vec2(0.3, -0.1), ..TrialSettings::default() };
         let path = directory.path().join("two");
         let written = two(&settings).unwrap();
-        write_trial(&written, &[], &path, Overwrite::Trials).unwrap();
+        write_trial(&written, &[], &path, false).unwrap();
         let (mut read, warnings) = crowd_mechanics::setup::read(&path).unwrap();
         assert!(warnings.is_empty(), "{warnings}");
         read.directory = PathBuf::new();
@@ -337,7 +310,7 @@ mod tests {
         // Again over itself, beside a file that stays; a stale contact goes.
         std::fs::write(path.join("drive.csv"), "mine").unwrap();
         std::fs::write(path.join("dynamic").join(INTERACTIONS), "stale").unwrap();
-        write_trial(&written, &[], &path, Overwrite::Trials).unwrap();
+        write_trial(&written, &[], &path, false).unwrap();
         assert_eq!(std::fs::read_to_string(path.join("drive.csv")).unwrap(), "mine");
         assert!(!path.join("dynamic").join(INTERACTIONS).exists());
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1, "no temporary directory is left");
@@ -348,14 +321,14 @@ mod tests {
         let directory = TempDir::new().unwrap();
         let trial = two(&TrialSettings::default()).unwrap();
         std::fs::write(directory.path().join("letter"), "mine").unwrap();
-        let refused = write_trial(&trial, &[], directory.path(), Overwrite::Trials).unwrap_err();
+        let refused = write_trial(&trial, &[], directory.path(), false).unwrap_err();
         assert!(refused.to_string().contains("is a directory that is not a Trial"), "{refused}");
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1);
-        write_trial(&trial, &[], directory.path(), Overwrite::Anything).unwrap();
+        write_trial(&trial, &[], directory.path(), true).unwrap();
         assert!(crowd_mechanics::setup::read(directory.path()).is_ok());
         assert_eq!(std::fs::read_to_string(directory.path().join("letter")).unwrap(), "mine");
         let file = directory.path().join("letter");
-        let refused = write_trial(&trial, &[], &file, Overwrite::Anything).unwrap_err();
+        let refused = write_trial(&trial, &[], &file, true).unwrap_err();
         assert!(refused.to_string().ends_with("letter: is not a directory"), "{refused}");
     }
 
@@ -394,9 +367,5 @@ mod tests {
         let known =
             "people: there is no material \"jelly\"; materials are concrete, human_clothes, human_naked";
         assert_eq!(said, known);
-        let nobody = crowd_trial("x", &[], &[], &[], square(1.0), &TrialSettings::default());
-        assert!(nobody.unwrap_err().to_string().starts_with("the crowd is empty"));
-        let lost = crowd_trial("x", &[person(0.5)], &[], &[], square(1.0), &TrialSettings::default());
-        assert_eq!(lost.unwrap_err().to_string(), "1 people, 0 shapes, 0 poses: the numbers must be equal");
     }
 }

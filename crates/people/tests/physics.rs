@@ -6,7 +6,7 @@ use crowd_mechanics::engine::World;
 use crowd_mechanics::setup::Setup;
 use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
 use lemons_core::trial::{Contact, Geometry, Material, Trial, Wall, stiffness};
-use lemons_people::{Person, Sex, Shape, TrialSettings, crowd_trial, paper_materials};
+use lemons_people::{Agent, Person, Sex, Shape, TrialSettings, crowd_trial, paper_materials};
 use lemons_picture::{Axis, Chart, ChartPanel, ChartStyle, Line, chart_svg};
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -41,12 +41,10 @@ const PASSAGE: Vec2 = vec2(6.2, 2.7);
 
 /// A Trial of such people at these poses with these velocities \[m/s\], on a floor with this rate \[1/s\].
 fn trial(people: &[(Pose, Vec2)], floor: f64) -> Trial {
-    let shape = Shape::of(&PERSON).unwrap();
-    let settings = TrialSettings::default();
-    let poses: Vec<Pose> = people.iter().map(|(pose, _)| *pose).collect();
-    let (persons, shapes) = (vec![PERSON; people.len()], vec![shape; people.len()]);
+    let crowd: Vec<(Agent, Pose)> =
+        people.iter().map(|(pose, _)| (Agent::Pedestrian(PERSON), *pose)).collect();
     let open = Geometry { dimensions: None, walls: Vec::new() };
-    let mut trial = crowd_trial("physics", &persons, &shapes, &poses, open, &settings).unwrap();
+    let mut trial = crowd_trial("physics", &crowd, open, &TrialSettings::default()).unwrap();
     for agent in &mut trial.agents {
         (agent.floor_damping, agent.angular_damping) = (floor, floor);
     }

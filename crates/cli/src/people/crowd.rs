@@ -2,10 +2,10 @@
 
 use super::bodies::Bodies;
 use super::leave::LeaveArguments;
-use super::outputs::{Outputs, of_crowds, say};
+use super::outputs::{Outputs, of_crowd, say};
 use super::placing::PlacingArguments;
-use super::regions::REGION_HELP;
-use super::source::{CUSTOM_HELP, Mixed, SourceArguments};
+use super::regions::{REGION_HELP, described};
+use super::source::{CUSTOM_HELP, SourceArguments};
 use super::{line, within};
 use crate::binary::CROWD;
 use crate::error::{Misused, TrialHasErrors, and_then};
@@ -14,18 +14,17 @@ use crate::interrupt::Interrupt;
 use crate::pack::{Fmi, FmuArguments, write_fmu};
 use crate::print;
 use anyhow::{Context, Result, anyhow};
-use clap::ValueEnum;
 use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
+use lemons_core::plane::Pose;
 use lemons_core::trial::Trial;
 use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
 use lemons_master::TrialInput;
 use lemons_people::{
-    Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings,
-    crowd_csv, crowd_trial, heading, light_xml, may_write, write_trial, write_trial_zip,
+    Agent, Body3d, CrowdStatistics, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings, crowd_csv,
+    crowd_trial, heading, light_xml, may_write, write_trial, write_trial_zip,
 };
-use lemons_picture::Scene;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -78,8 +77,8 @@ struct TrialArguments {
     #[arg(long)]
     force: bool,
     /// Material of the people
-    #[arg(long, value_enum, default_value_t = Wear::Naked)]
-    material: Wear,
+    #[arg(long, value_parser = ["human_naked", "human_clothes"], default_value = "human_naked")]
+    material: String,
     /// Everybody pushes along --direction, with the force that keeps a lone person at this speed, in
     /// m/s. Default: 0. With --leave: everybody's desired speed. Default: 1.34
     #[arg(long, value_name = "SPEED", value_parser = speed, allow_negative_numbers = true)]
@@ -88,15 +87,6 @@ struct TrialArguments {
     /// divides it
     #[arg(long, value_name = "SECONDS", default_value = "0.01", value_parser = time_step, allow_negative_numbers = true)]
     time_step: f64,
-}
-
-/// The paper's materials of people.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Wear {
-    #[value(name = "human_naked")]
-    Naked,
-    #[value(name = "human_clothes")]
-    Clothes,
 }
 
 #[derive(clap::Args)]
@@ -154,12 +144,12 @@ fn time_step(text: &str) -> Result<f64, String> {
     within(text, 1e-6, 1.0, " (s)")
 }
 
-/// Of `--sections`.
+/// A value of `--sections`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Altitude {
     /// \[m\]
     At(f64),
-    /// Of the torsos: the lowest, the mean, the highest.
+    /// Altitudes of the torsos: the lowest, the mean, the highest.
     Torsos,
 }
 
@@ -172,7 +162,7 @@ fn altitude(text: &str) -> Result<Altitude, String> {
 
 /// \[m\]
 fn altitudes(wanted: &[Altitude], agents: &[Agent]) -> Vec<f64> {
-    let statures: Vec<f64> = agents.iter().filter_map(pedestrian).map(|person| person.stature).collect();
+    let statures: Vec<f64> = agents.iter().filter_map(|agent| Some(agent.pedestrian()?.stature)).collect();
     let mean = statures.iter().sum::<f64>() / statures.len() as f64;
     let (low, high) = statures.iter().fold((mean, mean), |(low, high), &s| (low.min(s), high.max(s)));
     let mut all = Vec::new();
@@ -188,8 +178,8 @@ fn altitudes(wanted: &[Altitude], agents: &[Agent]) -> Vec<f64> {
 }
 
 pub fn crowd(mut arguments: Arguments) -> Result<()> {
-    let (population, mixed) = arguments.source.population()?;
-    if mixed == Mixed::Yes {
+    let population = arguments.source.population()?;
+    if population.has_bicycles() {
         arguments.refuse_bicycles()?;
         arguments.placing.default_to_fixed();
         if !arguments.placing.along_an_axis() {
@@ -201,7 +191,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let Arguments { placing, trial, leaving, others, seed, .. } = &arguments;
     leaving.check(placing.doors(), trial.output.is_some() || trial.zip.is_some())?;
     let place = placing.place()?;
-    let wanted = placing.wanted(&place, arguments.number, arguments.density)?;
+    let numbers = placing.numbers(&place, arguments.number, arguments.density)?;
     let settings = trial.settings(placing.direction(), leaving.wanted());
     // Known before a long packing.
     let makeable = settings.check(&place.geometry);
@@ -209,7 +199,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         makeable.as_ref().map_err(|error| anyhow!("cannot make a Trial of {}: {error}", place.name))?;
     }
     if let Some(directory) = &trial.output {
-        may_write(directory, trial.overwrite()).context("-o")?;
+        may_write(directory, trial.force).context("-o")?;
     }
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
     let mut outputs = arguments.outputs()?;
@@ -220,11 +210,12 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     }
     let interrupt = Interrupt::watch();
 
-    let agents: Vec<Agent> = population.agents(*seed).take(wanted.number()).collect();
-    let shapes = agents.iter().map(shape).collect::<Result<Vec<Shape>>>()?;
+    let agents: Vec<Agent> = population.agents(*seed).take(numbers.iter().sum()).collect();
+    let shapes = agents.iter().map(Agent::shape).collect::<Result<Vec<Shape>, _>>()?;
     others.check_bodies(&agents)?;
     let started = Instant::now();
-    let (packing, densities) = placing.run(&shapes, &place, &wanted, *seed, &interrupt)?;
+    let (packing, densities) =
+        placing.run(&shapes, &place, &numbers, arguments.density, *seed, &interrupt)?;
     let seconds = started.elapsed().as_secs_f64();
     let ground = if place.is_plane() { shapes.len() as f64 / packing.density } else { place.area() };
     // Of a bicycle the two rectangles, not the disks that keep others off them.
@@ -242,10 +233,11 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     writeln!(out, "{}", line("ground", ground, &format!("m²   ({of})")))?;
     if !placing.is_whole() {
         for (k, (ground, density)) in place.grounds.iter().zip(&densities).enumerate() {
-            let people = format!("m²   {} people, {density:.3} /m²", wanted.numbers[k]);
-            writeln!(out, "{}", line(&format!("  region {k}"), ground.region.area(), &people))?;
-            if !ground.said.is_empty() {
-                writeln!(out, "{:29} {}", "", ground.said)?;
+            let people = format!("m²   {} people, {density:.3} /m²", numbers[k]);
+            writeln!(out, "{}", line(&format!("  region {k}"), ground.free.region.area(), &people))?;
+            let said = described(&ground.free);
+            if !said.is_empty() {
+                writeln!(out, "{:29} {said}", "")?;
             }
         }
     }
@@ -254,41 +246,36 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     writeln!(out, "{}", line("density", packing.density, &share))?;
     writeln!(out, "{}", line("largest overlap", 1e3 * packing.largest_overlap, "mm"))?;
 
+    let crowd: Vec<(Agent, Pose)> = agents.iter().copied().zip(packing.poses).collect();
     outputs.fill("--population", |file| file.write_all(crowd_csv(&agents).as_bytes()))?;
     if let Some(output) = outputs.of("--light-xml") {
-        let text = light_xml(&agents, &shapes, &packing.poses);
+        let text = light_xml(&crowd)?;
         output.fill(|file| file.write_all(text.as_bytes()))?;
     }
-    let bodies = Bodies { agents: &agents, poses: &packing.poses, interrupt: &interrupt };
+    let bodies = Bodies { crowd: &crowd, interrupt: &interrupt };
     let at = (!others.sections.is_empty()).then(|| altitudes(&others.sections, &agents));
     outputs.write_bodies(&bodies, at.as_deref(), [covered, ground], &mut out)?;
     interrupt.check()?;
     let mut done = Ok(());
-    if mixed == Mixed::No && makeable.is_ok() {
-        let people: Vec<Person> = agents.iter().filter_map(pedestrian).collect();
-        let made = crowd_trial(
-            &arguments.name(),
-            &people,
-            &shapes,
-            &packing.poses,
-            place.geometry.clone(),
-            &settings,
-        )?;
-        let step = made.parameters.time_step_mechanical;
-        let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
-        writeln!(out, "mechanical step    {step:>10} {note}")?;
-        outputs.draw(&Scene::at_start(&made), &of_crowds())?;
-        let ways = placing.ways_out(&place, &packing.poses);
-        let wishes = leaving.wanted().then(|| leaving.text(&ways, trial.speed));
-        if let Some(text) = &wishes {
-            // A run would refuse it.
-            let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
-            plan.context("--leave: people cannot leave")?;
+    if makeable.is_ok() {
+        let name = if population.has_bicycles() { "crowd".into() } else { arguments.name() };
+        let made = crowd_trial(&name, &crowd, place.geometry.clone(), &settings)?;
+        let (scene, style) = of_crowd(&made, &crowd);
+        outputs.draw(&scene, &style)?;
+        if !population.has_bicycles() {
+            let step = made.parameters.time_step_mechanical;
+            let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
+            writeln!(out, "mechanical step    {step:>10} {note}")?;
+            let ways = placing.ways_out(&place, &crowd);
+            let wishes = leaving.wanted().then(|| leaving.text(&ways, trial.speed));
+            if let Some(text) = &wishes {
+                // A run would refuse it.
+                let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
+                plan.context("--leave: people cannot leave")?;
+            }
+            let beside: Vec<(&str, &str)> = wishes.iter().map(|text| (DECISION_FILE, &text[..])).collect();
+            done = trial.write(&made, &beside, binaries, &interrupt, &mut out)?;
         }
-        let beside: Vec<(&str, &str)> = wishes.iter().map(|text| (DECISION_FILE, &text[..])).collect();
-        done = trial.write(&made, &beside, binaries, &interrupt, &mut out)?;
-    } else if outputs.has_pictures() {
-        outputs.draw_mixed(&agents, &shapes, &packing.poses, place.geometry, &settings)?;
     }
     if !trial.wanted() && outputs.is_empty() {
         writeln!(
@@ -301,37 +288,18 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     done.and(Ok(told?))
 }
 
-fn shape(agent: &Agent) -> Result<Shape> {
-    match agent {
-        Agent::Pedestrian(person) => Ok(Shape::of(person)?),
-        // Both rectangles are about the centre, so their disks are too.
-        Agent::Bicycle(bicycle) => Ok(Shape { disks: bicycle.covering_disks() }),
-    }
-}
-
-fn pedestrian(agent: &Agent) -> Option<Person> {
-    match agent {
-        Agent::Pedestrian(person) => Some(*person),
-        Agent::Bicycle(_) => None,
-    }
-}
-
 impl TrialArguments {
-    fn overwrite(&self) -> Overwrite {
-        if self.force { Overwrite::Anything } else { Overwrite::Trials }
-    }
-
-    /// Whether any form of it is.
+    /// Returns whether any form of the Trial is wanted.
     fn wanted(&self) -> bool {
         self.output.is_some() || self.zip.is_some() || self.fmu.is_some()
     }
 
-    /// Who leaves is driven by nothing else.
+    /// Makes the settings; people who leave are driven by nothing else.
     fn settings(&self, direction: f64, leave: bool) -> TrialSettings {
         let speed = if leave { 0.0 } else { self.speed.unwrap_or(0.0) };
         TrialSettings {
             time_step: self.time_step,
-            people: if self.material == Wear::Naked { "human_naked" } else { "human_clothes" }.into(),
+            people: self.material.clone(),
             desired_velocity: heading(direction) * speed,
         }
     }
@@ -354,7 +322,7 @@ impl TrialArguments {
         }
         let scratch = Scratch::new().context("cannot make a temporary directory")?;
         let directory = scratch.path().join(&trial.name);
-        write_trial(trial, &[], &directory, Overwrite::Trials)?;
+        write_trial(trial, &[], &directory, false)?;
         match setup::read(&directory) {
             Ok((_, warnings)) => warnings.iter().for_each(|warning| {
                 // The file's name without the place where it lies for the moment.
@@ -395,7 +363,7 @@ impl TrialArguments {
         }
         interrupt.check()?;
         if let Some(directory) = &self.output {
-            let written = write_trial(trial, beside, directory, self.overwrite());
+            let written = write_trial(trial, beside, directory, self.force);
             wrote("Trial", directory, written.map_err(Into::into));
         }
         Ok(done)
@@ -403,10 +371,10 @@ impl TrialArguments {
 }
 
 impl OtherArguments {
-    /// Whether the bodies that are wanted can be made.
+    /// Checks that the bodies that are wanted can be made.
     fn check_bodies(&self, agents: &[Agent]) -> Result<()> {
         if !self.sections.is_empty() || self.obj.is_some() || self.stl.is_some() {
-            let people = agents.iter().enumerate().filter_map(|(k, agent)| Some((k, pedestrian(agent)?)));
+            let people = agents.iter().enumerate().filter_map(|(k, agent)| Some((k, agent.pedestrian()?)));
             for (k, person) in people {
                 Body3d::possible(&person).with_context(|| format!("agent {k}"))?;
             }
@@ -433,7 +401,7 @@ impl Arguments {
         Ok(())
     }
 
-    /// Of the Trial.
+    /// The name of the Trial.
     fn name(&self) -> String {
         let TrialArguments { output, zip, fmu, .. } = &self.trial;
         let directory = output.as_ref().and_then(|path| path.file_name());
@@ -443,28 +411,26 @@ impl Arguments {
 
     /// Opens what is written beside the Trial.
     fn outputs(&self) -> Result<Outputs> {
-        let OtherArguments { population, light_xml, sections_geojson, sections_wkt, .. } = &self.others;
-        let OtherArguments { obj, stl, svg, pdf, png, .. } = &self.others;
-        let TrialArguments { output, zip, fmu, .. } = &self.trial;
+        let (trial, others) = (&self.trial, &self.others);
         // Whether they can be written is better known before a long packing.
-        for path in [zip, fmu].into_iter().flatten() {
+        for path in [&trial.zip, &trial.fmu].into_iter().flatten() {
             files::claim_and_try(path)?;
         }
-        if let Some(directory) = output {
+        if let Some(directory) = &trial.output {
             files::claim_directory(directory)?;
             let wishes = self.leaving.wanted().then_some(&DECISION_FILE);
             TRIAL_FILES.iter().chain(wishes).try_for_each(|file| files::claim(&directory.join(file)))?;
         }
         Outputs::open(&[
-            ("--population", "population", population),
-            ("--light-xml", "light XML", light_xml),
-            ("--sections-geojson", "sections", sections_geojson),
-            ("--sections-wkt", "sections", sections_wkt),
-            ("--obj", "bodies", obj),
-            ("--stl", "bodies", stl),
-            ("--svg", "picture", svg),
-            ("--pdf", "picture", pdf),
-            ("--png", "picture", png),
+            ("--population", "population", &others.population),
+            ("--light-xml", "light XML", &others.light_xml),
+            ("--sections-geojson", "sections", &others.sections_geojson),
+            ("--sections-wkt", "sections", &others.sections_wkt),
+            ("--obj", "bodies", &others.obj),
+            ("--stl", "bodies", &others.stl),
+            ("--svg", "picture", &others.svg),
+            ("--pdf", "picture", &others.pdf),
+            ("--png", "picture", &others.png),
         ])
     }
 }

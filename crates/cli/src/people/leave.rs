@@ -2,7 +2,6 @@
 
 use crate::error::Misused;
 use anyhow::Result;
-use clap::ValueEnum;
 use lemons_core::plane::{Vec2, vec2};
 use std::fmt::Write;
 
@@ -26,24 +25,13 @@ pub struct LeaveArguments {
     )]
     exits: Vec<[Vec2; 2]>,
     /// How people walk around others. straight: not at all. Default: collision-free-speed
-    #[arg(long, value_enum, requires = "leave")]
-    model: Option<Model>,
-}
-
-/// Of `decision.toml`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Model {
-    Straight,
-    CollisionFreeSpeed,
-    SocialForce,
+    #[arg(long, value_parser = ["straight", "collision-free-speed", "social-force"], requires = "leave")]
+    model: Option<String>,
 }
 
 fn exit(text: &str) -> Result<[Vec2; 2], String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[a, b, c, d]) if [a, b, c, d].iter().all(|x| x.is_finite()) && (a, b) != (c, d) => {
-            Ok([vec2(a, b), vec2(c, d)])
-        }
+    match super::numbers(text) {
+        Some([a, b, c, d]) if (a, b) != (c, d) => Ok([vec2(a, b), vec2(c, d)]),
         _ => Err("must be two different points in m, as in 9,1.5,9,4.5".into()),
     }
 }
@@ -53,7 +41,7 @@ impl LeaveArguments {
         self.leave
     }
 
-    /// Whether there is a way out, and a place for the file.
+    /// Checks that there is a way out, and a place for the file.
     ///
     /// # Errors
     /// One of them is missing.
@@ -73,8 +61,7 @@ impl LeaveArguments {
     /// The text of `decision.toml`: people leave by doors, with these lines \[m\] behind them, and by the exits.
     /// Without a speed \[m/s\] it is a usual one.
     pub fn text(&self, doors: &[[Vec2; 2]], speed: Option<f64>) -> String {
-        let model = self.model.unwrap_or(Model::CollisionFreeSpeed).to_possible_value();
-        let model = model.map_or(String::new(), |value| value.get_name().to_owned());
+        let model = self.model.as_deref().unwrap_or("collision-free-speed");
         let speed = speed.unwrap_or(SPEED);
         let mut text = format!("model = {model:?}\ndesired_speed = {speed:?}          # [m/s]\nexits = [\n");
         for (kind, lines) in [("door", doors), ("exit", &self.exits)] {

@@ -1,4 +1,4 @@
-//! What `lemons crowd` writes beside the Trial, and `lemons person`: tables, meshes, pictures.
+//! Files that `lemons crowd` writes beside the Trial, and `lemons person`: tables, meshes, pictures.
 
 use super::bodies::Bodies;
 use crate::error::and_then;
@@ -6,8 +6,8 @@ use crate::output::Output;
 use anyhow::Result;
 use lemons_core::files::Staged;
 use lemons_core::plane::Pose;
-use lemons_core::trial::Geometry;
-use lemons_people::{Agent, Shape, TrialSettings, crowd_trial, write_geojson, write_wkt};
+use lemons_core::trial::Trial;
+use lemons_people::{Agent, write_geojson, write_obj, write_stl, write_wkt};
 use lemons_picture::{Bicycle as Drawn, Colour, Fill, Scene, Style, pdf, png, svg};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -54,13 +54,16 @@ impl Outputs {
         out: &mut Vec<u8>,
     ) -> Result<()> {
         if let Some(altitudes) = altitudes {
-            let sections = bodies.sections(altitudes)?;
+            let sections = bodies.sections(altitudes);
+            bodies.interrupt.check()?;
             bodies.table(out, &sections, covered, ground)?;
             self.fill("--sections-geojson", |file| write_geojson(&sections, file))?;
             self.fill("--sections-wkt", |file| write_wkt(&sections, file))?;
         }
-        self.of("--obj").map_or(Ok(()), |output| bodies.obj(output))?;
-        self.of("--stl").map_or(Ok(()), |output| bodies.stl(output))
+        self.fill("--obj", |file| write_obj(bodies.parts(), file))?;
+        // STL begins with the number of triangles, so all are made first.
+        self.fill("--stl", |file| write_stl(&bodies.parts().collect::<Vec<_>>(), file))?;
+        bodies.interrupt.check()
     }
 
     pub fn is_empty(&self) -> bool {
@@ -69,36 +72,6 @@ impl Outputs {
 
     pub fn has_pictures(&self) -> bool {
         self.0.iter().any(|file| ["--svg", "--pdf", "--png"].contains(&file.option))
-    }
-
-    /// Pedestrians as a Trial has them, bicycles beside them; all under their places in the crowd.
-    pub fn draw_mixed(
-        &mut self,
-        agents: &[Agent],
-        shapes: &[Shape],
-        poses: &[Pose],
-        geometry: Geometry,
-        settings: &TrialSettings,
-    ) -> Result<()> {
-        let (mut people, mut bicycles) = ((Vec::new(), Vec::new(), Vec::new(), Vec::new()), Vec::new());
-        for (place, ((agent, shape), pose)) in agents.iter().zip(shapes).zip(poses).enumerate() {
-            match agent {
-                Agent::Pedestrian(person) => {
-                    people.extend([(*person, shape.clone(), *pose, place.to_string())]);
-                }
-                Agent::Bicycle(bicycle) => {
-                    let [wheels, rider] = bicycle.rectangles();
-                    bicycles.push(Drawn { id: place.to_string(), pose: *pose, wheels, rider });
-                }
-            }
-        }
-        let (people, shapes, poses, ids) = people;
-        let mut trial = crowd_trial("crowd", &people, &shapes, &poses, geometry, settings)?;
-        trial.agents.iter_mut().zip(ids).for_each(|(agent, id)| agent.id = id);
-        let fill = if people.is_empty() { Fill::Single(Colour::BODY) } else { Fill::BodyArea };
-        let mut scene = Scene::at_start(&trial);
-        scene.bicycles = bicycles;
-        self.draw(&scene, &Style { fill, ..of_crowds() })
     }
 
     /// Draws the pictures that are wanted.
@@ -132,9 +105,17 @@ impl Outputs {
     }
 }
 
-/// The style of pictures of crowds.
-pub fn of_crowds() -> Style {
-    Style { width: PICTURE_WIDTH.into(), fill: Fill::BodyArea, ..Style::default() }
+/// Returns the picture of a crowd: pedestrians as its Trial has them, and bicycles.
+pub fn of_crowd<'a>(trial: &'a Trial, crowd: &[(Agent, Pose)]) -> (Scene<'a>, Style) {
+    let mut scene = Scene::at_start(trial);
+    for (place, (agent, pose)) in crowd.iter().enumerate() {
+        if let Agent::Bicycle(bicycle) = agent {
+            let [wheels, rider] = bicycle.rectangles();
+            scene.bicycles.push(Drawn { id: place.to_string(), pose: *pose, wheels, rider });
+        }
+    }
+    let fill = if trial.agents.is_empty() { Fill::Single(Colour::BODY) } else { Fill::BodyArea };
+    (scene, Style { width: PICTURE_WIDTH.into(), fill, ..Style::default() })
 }
 
 /// Says what was written where.

@@ -1,15 +1,16 @@
 //! `lemons person`: one person's shape, and the files of the body.
 
 use super::outputs::Outputs;
-use super::{SexArgument, breadth, depth, line, mass, stature};
+use super::{line, measure, named};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::print;
 use anyhow::Result;
-use lemons_core::plane::{Pose, vec2};
+use lemons_core::plane::Pose;
 use lemons_core::trial::Geometry;
 use lemons_people::{
-    Body3d, Shape, TrialSettings, crowd_trial, section, write_geojson, write_obj, write_stl, write_wkt,
+    Agent, Body3d, Measure, Sex, Shape, TrialSettings, crowd_trial, section, write_geojson, write_obj,
+    write_stl, write_wkt,
 };
 use lemons_picture::{Scene, Style};
 use std::io::Write;
@@ -19,20 +20,20 @@ use std::path::PathBuf;
 #[command(override_usage = "lemons person --breadth CM --depth CM --stature M --mass KG [OPTIONS]")]
 pub struct Arguments {
     /// Shoulder breadth (bideltoid), in cm
-    #[arg(long, value_name = "CM", value_parser = breadth, allow_negative_numbers = true)]
+    #[arg(long, value_name = "CM", value_parser = measure(Measure::Breadth), allow_negative_numbers = true)]
     breadth: f64,
     /// Chest depth, in cm
-    #[arg(long, value_name = "CM", value_parser = depth, allow_negative_numbers = true)]
+    #[arg(long, value_name = "CM", value_parser = measure(Measure::Depth), allow_negative_numbers = true)]
     depth: f64,
     /// Stature: body height without shoes, in m
-    #[arg(long, value_name = "M", value_parser = stature, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = measure(Measure::Stature), allow_negative_numbers = true)]
     stature: f64,
     /// Mass, in kg
-    #[arg(long, value_name = "KG", value_parser = mass, allow_negative_numbers = true)]
+    #[arg(long, value_name = "KG", value_parser = measure(Measure::Mass), allow_negative_numbers = true)]
     mass: f64,
     /// Sex of the three-dimensional body
-    #[arg(long, value_enum, default_value_t = SexArgument::Male)]
-    sex: SexArgument,
+    #[arg(long, value_parser = named(&Sex::ALL, Sex::name), default_value = "male")]
+    sex: Sex,
     /// Write the body's surface as Wavefront OBJ
     #[arg(long, value_name = "FILE.obj")]
     obj: Option<PathBuf>,
@@ -64,7 +65,7 @@ fn slice_height(text: &str) -> Result<f64, String> {
 
 pub fn person(arguments: &Arguments) -> Result<()> {
     let Arguments { breadth, depth, stature, mass, .. } = *arguments;
-    let person = super::person(arguments.sex.into(), [breadth, depth, stature, mass])
+    let person = super::person(arguments.sex, [breadth, depth, stature, mass])
         .map_err(|fault| Misused(format!("--depth {depth} --breadth {breadth}: {fault}")))?;
     let Arguments { obj, stl, geojson, wkt, svg: picture, pdf: print, .. } = arguments;
     let shape = Shape::of(&person)?;
@@ -102,23 +103,21 @@ pub fn person(arguments: &Arguments) -> Result<()> {
         let body = Body3d::of(&person)?;
         writeln!(out, "{}", line("volume of the body", 1e3 * body.volume(), "l"))?;
         let mesh = body.mesh();
-        outputs.fill("--obj", |file| write_obj(&mesh.parts, file))?;
-        outputs.fill("--stl", |file| write_stl(&mesh.parts, file))?;
-        let placed = [(&body, ORIGIN)];
-        let stack = body.stack(arguments.slice_height / 100.0);
-        let sections: Vec<_> = stack.iter().map(|(altitude, _)| section(&placed, *altitude)).collect();
+        outputs.fill("--stl", |file| write_stl(&mesh, file))?;
+        outputs.fill("--obj", |file| write_obj(mesh, file))?;
+        let placed = [(&body, Pose::default())];
+        let layers = body.layers(arguments.slice_height / 100.0);
+        let sections: Vec<_> = layers.map(|altitude| section(&placed, altitude)).collect();
         outputs.fill("--geojson", |file| write_geojson(&sections, file))?;
         outputs.fill("--wkt", |file| write_wkt(&sections, file))?;
     }
     if outputs.has_pictures() {
         let open = Geometry { dimensions: None, walls: Vec::new() };
-        let settings = TrialSettings::default();
-        let trial = crowd_trial("person", &[person], &[shape], &[ORIGIN], open, &settings)?;
+        let alone = [(Agent::Pedestrian(person), Pose::default())];
+        let trial = crowd_trial("person", &alone, open, &TrialSettings::default())?;
         outputs.draw(&Scene::at_start(&trial), &Style::default())?;
     }
     let done = outputs.persist(|| Ok(()), &mut out);
     let printed = print::out().write_all(&out);
     done.and(Ok(printed?))
 }
-
-const ORIGIN: Pose = Pose { position: vec2(0.0, 0.0), orientation: 0.0 };

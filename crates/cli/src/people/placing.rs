@@ -1,5 +1,6 @@
 //! Where a crowd stands: the region, the placer, its progress.
 
+use super::named;
 use super::regions::{Amount, Ground, RegionArgument, door, grounds, numbers, region};
 use crate::error::{Misused, TrialHasErrors};
 use crate::interrupt::{Interrupt, Interrupted};
@@ -10,10 +11,9 @@ use lemons_core::files::source::Disk;
 use lemons_core::plane::{Bounds, Pose, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use lemons_people::placing::{
-    Dense, Ended, Grid, Measure, Orientation, Packing, Paper, Progress, Region, Stage, dense, grid, measure,
-    paper, placing_seed, wider,
+    Ended, FreeSpace, Method, Orientation, Packing, Progress, Region, Settings, Stage,
 };
-use lemons_people::{Door, PeopleError, Shape, closed_walls, cut_doors, nearest_wall, walls};
+use lemons_people::{Agent, Door, PeopleError, Shape, closed_walls, cut_doors, nearest_wall, walls};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -44,8 +44,8 @@ pub struct PlacingArguments {
     doors: Vec<Door>,
     /// Packing algorithm. dense: our own, without overlap; paper: that of the paper's appendix D; grid:
     /// rows
-    #[arg(long, value_enum, default_value_t = PackingArgument::Dense)]
-    packing: PackingArgument,
+    #[arg(long, value_parser = named(&Method::ALL, Method::name), default_value = "dense")]
+    packing: Method,
     /// Which way people face. free: any way; fixed: exactly along --direction; towards: first along
     /// --direction, then turned by their neighbours. Default: fixed in a crowd with bicycles; else
     /// towards if --direction is given, and free if not
@@ -57,13 +57,6 @@ pub struct PlacingArguments {
     /// Write the crowd even if some people overlap
     #[arg(long)]
     allow_overlap: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum PackingArgument {
-    Dense,
-    Paper,
-    Grid,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -101,27 +94,12 @@ pub struct Place {
 
 impl Place {
     pub fn is_plane(&self) -> bool {
-        self.grounds[0].region.is_plane()
+        self.grounds[0].free.region.is_plane()
     }
 
     /// \[m²\]
     pub fn area(&self) -> f64 {
-        self.grounds.iter().map(|ground| ground.region.area()).sum()
-    }
-}
-
-/// How many there are, and how dense they are in the open.
-#[derive(Debug, Clone)]
-pub struct Wanted {
-    /// On each ground.
-    pub numbers: Vec<usize>,
-    /// \[1/m²\] in the open.
-    pub density: Option<f64>,
-}
-
-impl Wanted {
-    pub fn number(&self) -> usize {
-        self.numbers.iter().sum()
+        self.grounds.iter().map(|ground| ground.free.region.area()).sum()
     }
 }
 
@@ -153,8 +131,8 @@ impl PlacingArguments {
             let (rooms, obstacles) = geometry.walls.iter().partition::<Vec<_>, _>(is_outline);
             let [rooms, obstacles] =
                 [rooms, obstacles].map(|walls| walls.iter().map(|wall| wall.id.clone()).collect());
-            let (name, said) = (name.clone(), String::new());
-            vec![Ground { region, name, amount: Amount::AsAll, rooms, obstacles, said }]
+            let free = FreeSpace { region, rooms, obstacles, walls: Vec::new() };
+            vec![Ground { free, name: name.clone(), amount: Amount::AsAll }]
         } else {
             grounds(&self.regions, &geometry, &name)?
         };
@@ -214,7 +192,7 @@ impl PlacingArguments {
         Ok((walls(&[], ""), "the open".into()))
     }
 
-    /// Of an open wall, what to do.
+    /// Adds to the error of an open wall what to do.
     fn with_a_way_out(&self, error: &PeopleError, geometry: &Geometry) -> anyhow::Error {
         let corners = geometry.walls.iter().flat_map(|wall| wall.corners.iter().copied());
         match (error, Bounds::of(corners)) {
@@ -233,12 +211,12 @@ impl PlacingArguments {
     }
 
     /// Lines \[m\] behind the doors, where people \[m\] have left.
-    pub fn ways_out(&self, place: &Place, people: &[Pose]) -> Vec<[Vec2; 2]> {
-        let people = people.iter().map(|pose| pose.position);
+    pub fn ways_out(&self, place: &Place, crowd: &[(Agent, Pose)]) -> Vec<[Vec2; 2]> {
+        let people = crowd.iter().map(|(_, pose)| pose.position);
         self.doors.iter().filter_map(|door| door.exit(&place.closed, people.clone())).collect()
     }
 
-    /// Whether people stand on all the ground there is.
+    /// Returns whether people stand on all the ground there is.
     pub fn is_whole(&self) -> bool {
         self.regions.is_empty()
     }
@@ -247,27 +225,19 @@ impl PlacingArguments {
         self.doors.len()
     }
 
-    /// From --number and --density.
-    pub fn wanted(&self, place: &Place, number: Option<u32>, density: Option<f64>) -> Result<Wanted> {
-        if place.is_plane() && self.regions.is_empty() {
-            return self.in_the_open(number, density);
-        }
-        if self.is_whole() && number.is_none() && density.is_none() {
-            return Err(Misused(MISSING.into()).into());
-        }
-        Ok(Wanted { numbers: numbers(&place.grounds, number, density)?, density: None })
-    }
-
-    fn in_the_open(&self, number: Option<u32>, density: Option<f64>) -> Result<Wanted> {
+    /// How many stand on each ground, from --number and --density.
+    pub fn numbers(&self, place: &Place, number: Option<u32>, density: Option<f64>) -> Result<Vec<usize>> {
         let misused = match (number, density) {
-            (Some(_), Some(density)) if self.packing != PackingArgument::Dense => {
+            (None, None) if self.is_whole() => MISSING.into(),
+            _ if !place.is_plane() => return numbers(&place.grounds, number, density),
+            (Some(_), Some(density)) if self.packing != Method::Dense => {
                 format!("--density {density} in the open is for --packing dense, not {}", self.option())
             }
-            (Some(number), density) => return Ok(Wanted { numbers: vec![number as usize], density }),
-            (None, Some(density)) => {
+            (Some(number), _) => return Ok(vec![number as usize]),
+            (None, density) => {
+                let density = density.unwrap_or_default();
                 format!("--density {density} in the open needs --number, or --box or --geometry")
             }
-            (None, None) => MISSING.into(),
         };
         Err(Misused(misused).into())
     }
@@ -281,7 +251,7 @@ impl PlacingArguments {
         self.orientation.get_or_insert(OrientationArgument::Fixed);
     }
 
-    /// Whether all face one way of the axes.
+    /// Returns whether all face one way of the axes.
     pub fn along_an_axis(&self) -> bool {
         self.orientation == Some(OrientationArgument::Fixed) && self.direction() % 90.0 == 0.0
     }
@@ -297,36 +267,34 @@ impl PlacingArguments {
         }
     }
 
-    /// Places the shapes; a placing with overlaps is an error unless it was allowed. Returns the placing of all, and the
-    /// density \[1/m²\] on each ground.
+    /// Places the shapes, in the open with this density \[1/m²\]; a placing with overlaps is an error unless it was allowed.
+    /// Returns the placing of all, and the density \[1/m²\] on each ground.
     pub fn run(
         &self,
         shapes: &[Shape],
         place: &Place,
-        wanted: &Wanted,
+        numbers: &[usize],
+        density: Option<f64>,
         seed: u64,
         interrupt: &Interrupt,
     ) -> Result<(Packing, Vec<f64>)> {
-        let mut all: Option<Packing> = None;
-        let (mut densities, mut first) = (Vec::new(), 0);
-        for (k, (ground, number)) in place.grounds.iter().zip(&wanted.numbers).enumerate() {
+        let (mut packings, mut first) = (Vec::new(), 0);
+        for (k, (ground, number)) in place.grounds.iter().zip(numbers).enumerate() {
             let own = &shapes[first..first + number];
             first += number;
             // Equal grounds are filled in different ways.
-            let seed = placing_seed(seed).wrapping_add(k as u64);
-            let packing = self.run_one(own, ground, wanted.density, seed, interrupt)?;
-            densities.push(packing.density);
-            all = Some(match all {
-                None => packing,
-                Some(mut all) => {
-                    all.poses.extend(packing.poses);
-                    all.density = all.poses.len() as f64 / place.area();
-                    all.largest_overlap = all.largest_overlap.max(packing.largest_overlap);
-                    all
-                }
-            });
+            let seed = seed.wrapping_add(k as u64);
+            packings.push(self.run_one(own, ground, density, seed, interrupt)?);
         }
-        Ok((all.context("there is no ground")?, densities))
+        let densities = packings.iter().map(|packing| packing.density).collect();
+        let mut packings = packings.into_iter();
+        let mut all = packings.next().context("there is no ground")?;
+        for packing in packings {
+            all.poses.extend(packing.poses);
+            all.density = all.poses.len() as f64 / place.area();
+            all.largest_overlap = all.largest_overlap.max(packing.largest_overlap);
+        }
+        Ok((all, densities))
     }
 
     fn run_one(
@@ -337,24 +305,14 @@ impl PlacingArguments {
         seed: u64,
         interrupt: &Interrupt,
     ) -> Result<Packing> {
-        let Ground { region, name, .. } = ground;
+        let Ground { free: FreeSpace { region, .. }, name, .. } = ground;
         let bar = Bar::new()?;
         let mut watch = |progress: &Progress| {
             bar.show(progress);
             if interrupt.pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let orientation = self.orientation();
-        let packing = match self.packing {
-            PackingArgument::Dense => {
-                let settings = Dense { density, orientation, seed, ..Dense::default() };
-                dense(&wider(shapes), region, &settings, &mut watch)
-            }
-            PackingArgument::Paper => {
-                let settings = Paper { orientation, seed, ..Paper::default() };
-                paper(&wider(shapes), region, &settings, &mut watch)
-            }
-            PackingArgument::Grid => grid(shapes, region, &Grid { orientation, seed }),
-        };
+        let settings = Settings { orientation: self.orientation(), seed, density, limit: None };
+        let packing = self.packing.place(shapes, region, &settings, &mut watch);
         bar.0.finish_and_clear();
         let count = shapes.len();
         let option = self.option();
@@ -362,18 +320,13 @@ impl PlacingArguments {
         if packing.ended == Ended::Cancelled {
             return Err(Interrupted::given_up().into());
         }
-        let wanted = density;
-        let Measure { density, clear_density, largest_overlap, .. } = measure(shapes, region, &packing.poses);
-        let clear_density = clear_density.max(packing.clear_density);
-        let packing = Packing { density, clear_density, largest_overlap, ..packing };
         if packing.complete || self.allow_overlap {
             return Ok(packing);
         }
-        let clear = packing.clear_density;
-        let overlap = 1e3 * packing.largest_overlap;
-        let density = packing.density;
-        let other =
-            if self.packing == PackingArgument::Paper { "; --packing dense reaches more" } else { "" };
+        let wanted = density;
+        let Packing { density, clear_density: clear, largest_overlap, .. } = packing;
+        let overlap = 1e3 * largest_overlap;
+        let other = if self.packing == Method::Paper { "; --packing dense reaches more" } else { "" };
         if region.is_plane() {
             let wanted = wanted.map_or(String::new(), |density| format!(" at --density {density}"));
             bail!(
@@ -388,17 +341,15 @@ impl PlacingArguments {
     }
 
     fn option(&self) -> String {
-        let name =
-            self.packing.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned());
-        format!("--packing {name}")
+        format!("--packing {}", self.packing.name())
     }
 
     /// In words, for the summary.
     pub fn manner(&self) -> String {
         let packing = match self.packing {
-            PackingArgument::Dense => "dense",
-            PackingArgument::Paper => "the paper's",
-            PackingArgument::Grid => "rows",
+            Method::Dense => "dense",
+            Method::Paper => "the paper's",
+            Method::Grid => "rows",
         };
         let way = match self.orientation() {
             Orientation::Free => "facing any way".to_owned(),
@@ -412,8 +363,8 @@ impl PlacingArguments {
 /// A door leads out of the room: people would walk into a pillar.
 fn refuse_obstacle(door: &Door, geometry: &Geometry, grounds: &[Ground]) -> Result<()> {
     let is_obstacle = |wall: &Wall| {
-        grounds.iter().any(|ground| ground.obstacles.contains(&wall.id))
-            && !grounds.iter().any(|ground| ground.rooms.contains(&wall.id))
+        grounds.iter().any(|ground| ground.free.obstacles.contains(&wall.id))
+            && !grounds.iter().any(|ground| ground.free.rooms.contains(&wall.id))
     };
     let Some(wall) = door.wall(geometry).filter(|wall| is_obstacle(wall)) else { return Ok(()) };
     let others = geometry.walls.iter().filter(|wall| !is_obstacle(wall)).cloned().collect();

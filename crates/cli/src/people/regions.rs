@@ -1,6 +1,6 @@
 //! `--region` and `--door`: on which ground people stand, and how many on each.
 
-use super::within;
+use super::{numbers as parsed, within};
 use crate::error::Misused;
 use anyhow::{Context, Result, bail};
 use lemons_core::plane::{Vec2, vec2};
@@ -23,7 +23,7 @@ pub enum Amount {
     Density(f64),
 }
 
-/// Of `--region`.
+/// A value of `--region`.
 #[derive(Debug, Clone)]
 pub struct RegionArgument {
     /// \[m\]
@@ -33,16 +33,10 @@ pub struct RegionArgument {
 
 /// Where people stand together.
 pub struct Ground {
-    pub region: Region,
+    pub free: FreeSpace,
     /// As messages call it.
     pub name: String,
     pub amount: Amount,
-    /// Ids of the closed walls in which people stand.
-    pub rooms: Vec<String>,
-    /// Ids of those in which nobody stands.
-    pub obstacles: Vec<String>,
-    /// What walls make of it, for the summary.
-    pub said: String,
 }
 
 /// Reads two corners, or a polygon, and perhaps how many people.
@@ -59,15 +53,11 @@ pub fn region(text: &str) -> Result<RegionArgument, String> {
         ),
         _ => return Err(format!("{:?}: after ; stands number=N or density=D", amount.trim())),
     };
-    let numbers = |text: &str| -> Option<Vec<f64>> {
-        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
-        text.split(',').map(number).collect()
-    };
     let places: Vec<&str> = corners.split_whitespace().collect();
-    let place = |text: &&str| numbers(text).filter(|pair| pair.len() == 2).map(|pair| vec2(pair[0], pair[1]));
+    let place = |text: &&str| parsed(text).map(|[x, y]| vec2(x, y));
     let polygon = || (places.len() >= 3).then(|| places.iter().map(place).collect()).flatten();
-    let corners = match numbers(corners).as_deref() {
-        Some(&[a, b, c, d]) => vec![vec2(a, b), vec2(c, b), vec2(c, d), vec2(a, d)],
+    let corners = match parsed(corners) {
+        Some([a, b, c, d]) => vec![vec2(a, b), vec2(c, b), vec2(c, d), vec2(a, d)],
         _ => polygon().ok_or(
             "must be two opposite corners in m, as in 0,0,8,6, or the corners of a polygon, as in \
              \"0,0 8,0 8,6\"",
@@ -78,9 +68,8 @@ pub fn region(text: &str) -> Result<RegionArgument, String> {
 
 /// Reads x, y and width.
 pub fn door(text: &str) -> Result<Door, String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x, y, width])
+    match parsed(text) {
+        Some([x, y, width])
             if [x, y].iter().all(|x| x.abs() <= FARTHEST) && (0.1..=1e3).contains(&width) =>
         {
             Ok(Door { at: vec2(x, y), width })
@@ -97,18 +86,16 @@ pub fn grounds(regions: &[RegionArgument], geometry: &Geometry, place: &str) -> 
     let mut grounds = Vec::new();
     for (k, RegionArgument { corners, amount }) in regions.iter().enumerate() {
         let name = format!("region {k} of {place}");
-        let earlier: Vec<&Region> = drawn.iter().collect();
         let free =
-            Region::free_space(corners, geometry, &earlier).with_context(|| format!("--region: {name}"))?;
+            Region::free_space(corners, geometry, &drawn).with_context(|| format!("--region: {name}"))?;
         drawn.push(Region::polygon(corners, &[]).context("--region")?);
-        let said = described(&free);
-        let FreeSpace { region, rooms, obstacles, .. } = free;
-        grounds.push(Ground { region, name, amount: *amount, rooms, obstacles, said });
+        grounds.push(Ground { free, name, amount: *amount });
     }
     Ok(grounds)
 }
 
-fn described(FreeSpace { rooms, obstacles, walls, .. }: &FreeSpace) -> String {
+/// Describes what walls make of a ground, for the summary.
+pub fn described(FreeSpace { rooms, obstacles, walls, .. }: &FreeSpace) -> String {
     let few = |what: &str, ids: &[String]| match ids {
         [] => None,
         [one] => Some(format!("{what} {one}")),
@@ -125,7 +112,7 @@ fn described(FreeSpace { rooms, obstacles, walls, .. }: &FreeSpace) -> String {
 
 /// The number of people on each ground, from what each says and from --number and --density for the others.
 pub fn numbers(grounds: &[Ground], number: Option<u32>, density: Option<f64>) -> Result<Vec<usize>> {
-    let open: f64 = grounds.iter().filter(|g| g.amount == Amount::AsAll).map(|g| g.region.area()).sum();
+    let open: f64 = grounds.iter().filter(|g| g.amount == Amount::AsAll).map(|g| g.free.region.area()).sum();
     if open == 0.0
         && let Some(option) = number.map(|_| "--number").or(density.map(|_| "--density"))
     {
@@ -134,8 +121,8 @@ pub fn numbers(grounds: &[Ground], number: Option<u32>, density: Option<f64>) ->
     let mut before = 0.0;
     grounds
         .iter()
-        .map(|Ground { region, name, amount, .. }| {
-            let area = region.area();
+        .map(|Ground { free, name, amount }| {
+            let area = free.region.area();
             let of_density = |density: f64| (density * area).round();
             let wanted = match (amount, number, density) {
                 (Amount::Number(number), ..) => *number as f64,

@@ -1,9 +1,9 @@
 //! Whom a crowd is drawn from.
 
-use super::{breadth, depth, mass, person, stature};
+use super::{measure, person};
 use anyhow::{Context, Result};
 use lemons_core::files::input;
-use lemons_people::{Custom, Person, Population, Proportions, Sex, Source, Survey};
+use lemons_people::{Custom, Measure, PAPER_BICYCLES, Person, Population, Proportions, Sex, Source, Survey};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -44,24 +44,18 @@ fn fixed(text: &str) -> Result<Person, String> {
         [b, d, s, m, "female"] => ([b, d, s, m], Sex::Female),
         _ => return Err("must be breadth,depth,stature,mass in cm, cm, m, kg, and perhaps ,female".into()),
     };
-    let named = |name: &str, value: Result<f64, String>| value.map_err(|fault| format!("{name} {fault}"));
-    let [b, d, s, m] = measures;
-    person(
-        sex,
-        [
-            named("breadth", breadth(b))?,
-            named("depth", depth(d))?,
-            named("stature", stature(s))?,
-            named("mass", mass(m))?,
-        ],
-    )
+    let mut values = [0.0; 4];
+    let names = ["breadth", "depth", "stature", "mass"];
+    for (((value, text), name), of) in values.iter_mut().zip(measures).zip(names).zip(Measure::ALL) {
+        *value = measure(of)(text).map_err(|fault| format!("{name} {fault}"))?;
+    }
+    person(sex, values)
 }
 
 impl SourceArguments {
-    /// Whether bicycles can be among them.
-    pub fn population(&self) -> Result<(Population, Mixed)> {
+    pub fn population(&self) -> Result<Population> {
         let mut proportions = Proportions::default();
-        let mut bicycles = None;
+        let mut bicycles = PAPER_BICYCLES;
         let mut file = None;
         let source = if let Some(path) = &self.custom {
             let named = || format!("--custom {}", path.display());
@@ -69,9 +63,9 @@ impl SourceArguments {
             let custom = Custom::from_toml(&text).with_context(named)?;
             proportions.men = custom.men.unwrap_or(proportions.men);
             proportions.pedestrians = custom.pedestrians.unwrap_or(proportions.pedestrians);
-            bicycles = Some(custom.bicycles);
+            bicycles = custom.bicycles;
             file = Some(named());
-            Source::Custom(Box::new(custom.people))
+            Source::custom(&custom.people).with_context(named)?
         } else if self.ansur_male.is_some() || self.ansur_female.is_some() {
             // Of one table alone come its people alone.
             proportions.men = match (&self.ansur_male, &self.ansur_female) {
@@ -83,25 +77,14 @@ impl SourceArguments {
         } else if let Some(person) = self.fixed {
             Source::Fixed(person)
         } else {
-            Source::Ansur
+            Source::ansur()?
         };
         proportions.men = self.men.unwrap_or(proportions.men);
         proportions.pedestrians = self.pedestrians.unwrap_or(proportions.pedestrians);
-        let made = Population::new(source, proportions).and_then(|population| match bicycles {
-            Some(bicycles) => population.with_bicycles(bicycles),
-            None => Ok(population),
-        });
-        let population = match file {
-            Some(file) => made.context(file)?,
-            None => made?,
-        };
-        Ok((population, if proportions.pedestrians < 1.0 { Mixed::Yes } else { Mixed::No }))
+        let made = Population::new(source, proportions, bicycles);
+        match file {
+            Some(file) => made.context(file),
+            None => Ok(made?),
+        }
     }
-}
-
-/// Whether a crowd has bicycles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mixed {
-    Yes,
-    No,
 }

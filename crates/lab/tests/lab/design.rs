@@ -1,11 +1,6 @@
 //! Rooms, changes by hand, and requests that are none.
 
-use crate::{ask, close, crowd, numbers, ok, push, refused, show, square, with};
-use lemons_lab::Lab;
-use lemons_lab::boundary::answer;
-use lemons_lab::frame::COLUMNS;
-use serde_json::{Value, json};
-use std::ops::ControlFlow;
+use crate::*;
 
 #[test]
 fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
@@ -17,7 +12,7 @@ fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
     });
     let region = json!([[0.0, 0.0], [4.0, 0.0], [4.0, 6.0], [0.0, 6.0]]);
     let base = with(with(crowd(1, room.clone()), "region", region), "number", Value::Null);
-    let (made, first) = ok(&mut lab, show(with(base.clone(), "density", json!(2.0)), json!({"kind": "own"})));
+    let (made, first) = ok(&mut lab, own(with(base.clone(), "density", json!(2.0))));
     // 24 m² less the obstacle.
     assert!(close(made["made"]["area"].as_f64().unwrap(), 23.75, 1e-9));
     let poses = numbers(&first);
@@ -27,12 +22,8 @@ fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
             .chunks(COLUMNS)
             .all(|pose| pose[0] < 4.0 && !((1.5..2.0).contains(&pose[0]) && (2.0..2.5).contains(&pose[1])))
     );
-    let walls: Vec<Vec<[f64; 2]>> = made["scene"]["walls"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|wall| serde_json::from_value(wall["corners"].clone()).unwrap())
-        .collect();
+    let walls: Vec<Vec<[f64; 2]>> =
+        made["scene"]["walls"].as_array().unwrap().iter().map(|wall| read(&wall["corners"])).collect();
     assert_eq!(walls.len(), 2);
     let ends = [walls[0][0], *walls[0].last().unwrap()];
     assert!(ends.iter().all(|end| close(end[0], 8.0, 1e-12)), "{ends:?}");
@@ -54,7 +45,7 @@ fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
         ("density", json!(9.0), "either the number"),
     ] {
         let base = with(with(base.clone(), "number", json!(40)), key, value);
-        let said = refused(&mut lab, show(base, json!({"kind": "own"})), &[]);
+        let said = refused(&mut lab, own(base), &[]);
         assert!(said.contains(words), "{key}: {said}");
     }
 }
@@ -75,7 +66,7 @@ fn a_drawn_room_is_seen_with_its_doors_bounds_and_the_nearest_wall() {
         |room: Value, near: Value| ok(&mut lab, json!({"ask": "room", "room": room, "near": near})).0;
     let seen = drawn(drawing(), json!([4.2, 2.0]));
     assert_eq!(seen["room"], drawing());
-    let doors: Vec<Vec<[f64; 2]>> = serde_json::from_value(seen["doors"].clone()).unwrap();
+    let doors: Vec<Vec<[f64; 2]>> = read(&seen["doors"]);
     let by_hand = [[[4.0, 0.5], [4.0, 1.0]], [[1.3, 1.0], [1.7, 1.0]]];
     for (found, by_hand) in doors.iter().flatten().flatten().zip(by_hand.as_flattened().as_flattened()) {
         assert!(close(*found, *by_hand, 1e-12), "{doors:?}");
@@ -99,14 +90,12 @@ fn a_drawn_room_is_seen_with_its_doors_bounds_and_the_nearest_wall() {
 #[test]
 fn a_geometry_file_becomes_a_room() {
     let mut lab = Lab::default();
-    ok(&mut lab, show(crowd(1, square(3.0, 2.0)), json!({"kind": "own"})));
-    let (_, zip) = ok(&mut lab, json!({"ask": "take", "run": 1, "wanted": {"file": "trial"}}));
-    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(zip)).unwrap();
-    let mut text = Vec::new();
-    std::io::copy(&mut archive.by_name("crowd_1_seed_3/static/Geometry.xml").unwrap(), &mut text).unwrap();
-    let (room, _) = ask(&mut lab, &json!({"ask": "geometry", "name": "Geometry.xml"}), &text);
+    ok(&mut lab, own(crowd(1, square(3.0, 2.0))));
+    let (_, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
+    let text = file_in(&zip, "static/Geometry.xml");
+    let (room, _) = ask(&mut lab, &json!({"ask": "geometry", "name": "Geometry.xml"}), text.as_bytes());
     assert_eq!(room["ok"]["outline"], square(3.0, 2.0)["outline"], "{room}");
-    let broken = String::from_utf8(text).unwrap().replacen("Coordinates=\"", "Coordinates=\"east \u{20}", 1);
+    let broken = text.replacen("Coordinates=\"", "Coordinates=\"east \u{20}", 1);
     let said = refused(&mut lab, json!({"ask": "geometry", "name": "Geometry.xml"}), broken.as_bytes());
     assert!(said.contains("Geometry.xml") && said.contains("east"), "{said}");
 }
@@ -115,9 +104,9 @@ fn a_geometry_file_becomes_a_room() {
 fn people_are_moved_copied_and_deleted_by_hand() {
     let mut lab = Lab::default();
     let base = crowd(3, square(4.0, 4.0));
-    let (_, before) = ok(&mut lab, show(base.clone(), json!({"kind": "own"})));
+    let (_, before) = ok(&mut lab, own(base.clone()));
     let before = numbers(&before);
-    let mut edited = show(base, json!({"kind": "own"}));
+    let mut edited = own(base);
     edited["edits"] = json!([
         {"do": "move", "id": "1", "x": before[0] + 0.1, "y": before[1], "theta": 0.5},
         {"do": "copy", "id": "2", "as": "2 b", "x": 3.9, "y": 3.9, "theta": 0.0},
@@ -160,20 +149,13 @@ fn requests_that_are_none_are_refused() {
         let answer = answer(&mut lab, request, &mut |_| ControlFlow::Continue(()));
         assert!(String::from_utf8_lossy(&answer).contains("refused"));
     }
-    assert!(
-        refused(&mut lab, json!({"ask": "advance", "run": 0, "steps": 1}), &[]).contains("run 0 is over")
-    );
+    assert!(refused(&mut lab, advance(0, 1), &[]).contains("run 0 is over"));
     ok(&mut lab, push());
-    assert!(
-        refused(&mut lab, json!({"ask": "advance", "run": 1, "steps": 1001}), &[]).contains("at most 1000")
-    );
-    let short = json!({"ask": "take", "run": 1, "wanted": {"file": "fmu", "version": 2, "binaries": [["linux64", 5]]}});
+    assert!(refused(&mut lab, advance(1, 1001), &[]).contains("at most 1000"));
+    let short = take(1, json!({"file": "fmu", "version": 2, "binaries": [["linux64", 5]]}));
     assert!(refused(&mut lab, short, b"1234").contains("its content is missing"));
-    let many = show(crowd(40, square(1.0, 1.0)), json!({"kind": "own"}));
+    let many = own(crowd(40, square(1.0, 1.0)));
     let said = refused(&mut lab, many, &[]);
     assert!(said.contains("40 shapes") && said.contains("without overlap"), "{said}");
-    assert!(
-        refused(&mut lab, show(json!({"kind": "example", "name": "moon"}), json!({"kind": "own"})), &[])
-            .contains("moon")
-    );
+    assert!(refused(&mut lab, own(json!({"kind": "example", "name": "moon"})), &[]).contains("moon"));
 }

@@ -1,9 +1,6 @@
 //! Uploads and files to keep.
 
-use crate::{ask, numbers, ok, opened, push, refused, show, zipped, zipped_with};
-use lemons_lab::{Lab, upload};
-use serde_json::{Value, json};
-use std::io::Cursor;
+use crate::*;
 
 /// The files of the example "push" under a directory, one of them changed.
 fn push_with(directory: &str, changed: &str, change: impl Fn(&str) -> String) -> Vec<u8> {
@@ -11,19 +8,17 @@ fn push_with(directory: &str, changed: &str, change: impl Fn(&str) -> String) ->
         let text = if *name == changed { change(text) } else { (*text).to_owned() };
         (format!("{directory}{name}"), text)
     });
-    let files: Vec<(String, String)> = files.collect();
-    let files: Vec<(&str, &[u8])> = files.iter().map(|(name, text)| (&**name, text.as_bytes())).collect();
-    zipped(&files)
+    zipped(&files.collect::<Vec<_>>())
 }
 
 #[test]
 fn a_trial_that_is_taken_is_opened_again_with_its_drive() {
     let mut lab = Lab::default();
     let (scene, first) = ok(&mut lab, push());
-    let (_, moved) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 9}));
-    let (name, zip) = ok(&mut lab, json!({"ask": "take", "run": 1, "wanted": {"file": "trial"}}));
+    let (_, moved) = ok(&mut lab, advance(1, 9));
+    let (name, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
     assert_eq!(name["name"], "push.zip");
-    let archive = zip::ZipArchive::new(Cursor::new(&zip)).unwrap();
+    let archive = ZipArchive::new(Cursor::new(&zip)).unwrap();
     let mut names: Vec<String> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
     names.sort();
     let files = ["Parameters.xml", "drive.csv", "dynamic/AgentDynamics.xml", "static/Agents.xml"];
@@ -33,20 +28,20 @@ fn a_trial_that_is_taken_is_opened_again_with_its_drive() {
     let mut known = scene["scene"].clone();
     known["run"] = 2.into();
     assert_eq!((&value["ok"]["scene"], &bytes), (&known, &first));
-    assert_eq!(ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 9})).1, moved);
+    assert_eq!(ok(&mut lab, advance(2, 9)).1, moved);
     // What is not used is told.
     let more = zipped_with(&zip, "push/notes.txt", b"[]");
-    let (value, _) = ask(&mut lab, &opened("push.zip", &more), &more);
-    assert_eq!(value["ok"]["notes"], json!(["not used here, and not taken along: push/notes.txt"]));
+    let notes = &open(&mut lab, "push.zip", &more)["notes"];
+    assert_eq!(*notes, json!(["not used here, and not taken along: push/notes.txt"]));
     // Without a directory of its own: called as its zip.
     let flat = push_with("", "", str::to_owned);
-    let (value, _) = ask(&mut lab, &opened("mine.zip", &flat), &flat);
-    assert_eq!(value["ok"]["scene"]["name"], "mine");
+    assert_eq!(open(&mut lab, "mine.zip", &flat)["scene"]["name"], "mine");
 }
+
 #[test]
 fn uploads_are_bounded_and_errors_name_file_element_attribute_and_value() {
     let mut lab = Lab::default();
-    let mut open = |bytes: &[u8]| refused(&mut lab, opened("u.zip", bytes), bytes);
+    let mut said_of = |bytes: &[u8]| refused(&mut lab, opened("u.zip", bytes), bytes);
     for (bytes, words) in [
         (vec![0; 100], "u.zip: it is no zip: invalid Zip archive"),
         (vec![0; upload::LARGEST_UPLOAD + 1], "more than 50 MB"),
@@ -57,7 +52,7 @@ fn uploads_are_bounded_and_errors_name_file_element_attribute_and_value() {
             "several Trials in it: a, b",
         ),
     ] {
-        let said = open(&bytes);
+        let said = said_of(&bytes);
         assert!(said.contains(words), "{said}");
     }
     // A megabyte of nothing in a kilobyte, in two files.
@@ -66,20 +61,19 @@ fn uploads_are_bounded_and_errors_name_file_element_attribute_and_value() {
     let said = upload::open("u.zip", &[("u.zip", &bomb)], 1_200_000).unwrap_err().0;
     assert!(said.contains("a/c.xml: it is larger than"), "{said}");
     let radius = push_with("P/", "static/Agents.xml", |text| text.replacen("Radius=\"", "Radius=\"-", 1));
-    let said = open(&radius);
+    let said = said_of(&radius);
     for word in ["P/static/Agents.xml", "<Shape>", "Radius", "-0."] {
         assert!(said.contains(word), "{word}: {said}");
     }
+    let drive = push_with("P/", "drive.csv", |text| text.replace("0.02,0,", "0.02,Bob,"));
+    let said = said_of(&drive);
+    assert!(said.contains("P/drive.csv") && said.contains("no agent \"Bob\""), "{said}");
     // A step of hours.
     let long =
         push_with("P/", "Parameters.xml", |text| text.replace("TimeStep=\"0.05\"", "TimeStep=\"5000\""));
-    assert!(ask(&mut lab, &opened("u.zip", &long), &long).0.get("ok").is_some());
-    let said = refused(&mut lab, json!({"ask": "advance", "run": 1, "steps": 1}), &[]);
+    open(&mut lab, "u.zip", &long);
+    let said = refused(&mut lab, advance(1, 1), &[]);
     assert!(said.contains("TimeStep of 5000 s"), "{said}");
-    let mut open = |bytes: &[u8]| refused(&mut lab, opened("u.zip", bytes), bytes);
-    let drive = push_with("P/", "drive.csv", |text| text.replace("0.02,0,", "0.02,Bob,"));
-    let said = open(&drive);
-    assert!(said.contains("P/drive.csv") && said.contains("no agent \"Bob\""), "{said}");
 }
 
 #[test]
@@ -91,7 +85,7 @@ fn a_folder_is_read_as_a_zip_is_and_one_without_parameters_gets_them() {
         let list: Vec<Value> =
             of.iter().map(|(name, text)| json!([format!("push/{name}"), text.len()])).collect();
         let bytes: Vec<u8> = of.iter().flat_map(|(_, text)| text.bytes()).collect();
-        (show(json!({"kind": "upload", "name": "push", "files": list}), json!({"kind": "own"})), bytes)
+        (own(json!({"kind": "upload", "name": "push", "files": list})), bytes)
     };
     let (request, bytes) = folder(files);
     let (value, _) = ask(&mut lab, &request, &bytes);
@@ -104,26 +98,20 @@ fn a_folder_is_read_as_a_zip_is_and_one_without_parameters_gets_them() {
     let said = value["ok"]["notes"][0].as_str().unwrap_or_else(|| panic!("{value}"));
     assert!(said.contains("no Parameters.xml") && said.contains("0.01 s"), "{said}");
     assert_eq!(value["ok"]["scene"]["step"], 0.01);
-    let flat: Vec<(String, &str)> =
-        without.iter().map(|(name, text)| (name.rsplit('/').next().unwrap().to_owned(), *text)).collect();
-    let flat: Vec<(&str, &[u8])> = flat.iter().map(|(name, text)| (&**name, text.as_bytes())).collect();
-    let zip = zipped(&flat);
-    let (value, _) = ask(&mut lab, &opened("platform.zip", &zip), &zip);
-    assert_eq!(value["ok"]["scene"]["name"], "platform", "{value}");
-    let deep: Vec<(String, &[u8])> =
-        flat.iter().map(|(name, text)| (format!("X & \"Y\"/{name}"), *text)).collect();
-    let deep: Vec<(&str, &[u8])> = deep.iter().map(|(name, text)| (&**name, *text)).collect();
-    let named = zipped(&deep);
-    let (value, _) = ask(&mut lab, &opened("platform.zip", &named), &named);
-    assert_eq!(value["ok"]["scene"]["name"], "platform", "{value}");
-    assert_eq!(value["ok"]["scene"]["agents"].as_array().unwrap().len(), 5);
+    for directory in ["", "X & \"Y\"/"] {
+        let name = |path: &str| format!("{directory}{}", path.rsplit('/').next().unwrap());
+        let zip = zipped(&without.iter().map(|(path, text)| (name(path), *text)).collect::<Vec<_>>());
+        let scene = &open(&mut lab, "platform.zip", &zip)["scene"];
+        assert_eq!(scene["name"], "platform");
+        assert_eq!(scene["agents"].as_array().unwrap().len(), 5);
+    }
 }
 
 #[test]
 fn disks_may_be_given_at_any_orientation() {
     let mut lab = Lab::default();
     let (known, _) = ok(&mut lab, push());
-    let (_, moved) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 9}));
+    let (_, moved) = ok(&mut lab, advance(1, 9));
     let (sections, _) = ok(&mut lab, json!({"ask": "sections", "run": 1, "altitude": 1.4}));
     // A quarter turn of all disks: the same people.
     let turned = push_with("P/", "static/Agents.xml", |text| {
@@ -135,27 +123,23 @@ fn disks_may_be_given_at_any_orientation() {
         });
         parts.collect::<String>()
     });
-    let (value, _) = ask(&mut lab, &opened("P.zip", &turned), &turned);
+    let shown = open(&mut lab, "P.zip", &turned);
     let disks = |scene: &Value| -> Vec<f64> {
         let agents = scene["agents"].as_array().unwrap().iter();
-        agents
-            .flat_map(|agent| serde_json::from_value::<Vec<[f64; 3]>>(agent["disks"].clone()).unwrap())
-            .flatten()
-            .collect()
+        agents.flat_map(|agent| read::<Vec<[f64; 3]>>(&agent["disks"])).flatten().collect()
     };
     let close =
         |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
-    assert!(close(&disks(&value["ok"]["scene"]), &disks(&known["scene"])), "{value}");
-    let (_, again) = ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 9}));
+    assert!(close(&disks(&shown["scene"]), &disks(&known["scene"])), "{shown}");
+    let (_, again) = ok(&mut lab, advance(2, 9));
     assert!(close(&numbers(&again), &numbers(&moved)));
     let (cut, _) = ok(&mut lab, json!({"ask": "sections", "run": 2, "altitude": 1.4}));
-    let outlines =
-        |of: &Value| serde_json::from_value::<Vec<Vec<Vec<[f64; 2]>>>>(of["bodies"].clone()).unwrap();
+    let outlines = |of: &Value| read::<Vec<Vec<Vec<[f64; 2]>>>>(&of["bodies"]);
     let flat = |of: &Value| outlines(of).into_iter().flatten().flatten().flatten().collect::<Vec<f64>>();
     assert!(close(&flat(&cut), &flat(&sections)));
     // Bodies are as broad as their disks: the first person's reach along y is that of the section.
     let reach = |numbers: Vec<f64>| numbers.into_iter().fold(0.0, f64::max);
-    let broad: Vec<[f64; 3]> = serde_json::from_value(known["scene"]["agents"][0]["disks"].clone()).unwrap();
+    let broad: Vec<[f64; 3]> = read(&known["scene"]["agents"][0]["disks"]);
     let body: Vec<f64> = outlines(&sections)[0].iter().flatten().map(|point| point[1]).collect();
     assert!((reach(broad.iter().map(|disk| disk[1] + disk[2]).collect()) - reach(body)).abs() < 0.02);
 }
@@ -163,22 +147,24 @@ fn disks_may_be_given_at_any_orientation() {
 #[test]
 fn pictures_bodies_and_measures_are_files() {
     let mut lab = Lab::default();
-    let (_, frame) = ok(&mut lab, show(crate::crowd(2, crate::square(3.0, 3.0)), json!({"kind": "own"})));
+    let (_, frame) = ok(&mut lab, own(crowd(2, square(3.0, 3.0))));
     let values: Vec<u8> = [5.0_f64, 10.0].iter().flat_map(|value| value.to_le_bytes()).collect();
-    let look = json!({"ask": "take", "run": 1, "wanted": {
-        "file": "svg", "most": 10.0, "label": "squeeze", "unit": "N", "time": 0.5, "forces": true}});
+    let look = take(
+        1,
+        json!({
+        "file": "svg", "most": 10.0, "label": "squeeze", "unit": "N", "time": 0.5, "forces": true}),
+    );
     let (name, svg) = ask(&mut lab, &look, &[frame.clone(), values].concat());
     let text = String::from_utf8(svg).unwrap();
     assert_eq!(name["ok"]["name"], "crowd_2_seed_3.svg");
     assert!(text.starts_with("<svg") && text.contains("squeeze"), "{}", &text[..200]);
     assert!(refused(&mut lab, look, &frame).contains("a frame of 2 people"));
-    let taken = |file: Value| json!({"ask": "take", "run": 1, "wanted": file});
-    let (_, people) = ok(&mut lab, taken(json!({"file": "population"})));
+    let (_, people) = ok(&mut lab, take(1, json!({"file": "population"})));
     assert_eq!(String::from_utf8(people).unwrap().lines().count(), 3);
-    let (name, obj) = ask(&mut lab, &taken(json!({"file": "mesh", "format": "obj"})), &frame);
+    let (name, obj) = ask(&mut lab, &take(1, json!({"file": "mesh", "format": "obj"})), &frame);
     assert_eq!(name["ok"]["name"], "crowd_2_seed_3.obj");
     assert!(String::from_utf8(obj).unwrap().contains("g agent_1_left_leg"));
-    let (_, stl) = ask(&mut lab, &taken(json!({"file": "mesh", "format": "stl"})), &frame);
+    let (_, stl) = ask(&mut lab, &take(1, json!({"file": "mesh", "format": "stl"})), &frame);
     let triangles = u32::from_le_bytes(stl[80..84].try_into().unwrap()) as usize;
     assert_eq!(stl.len(), 84 + 50 * triangles);
     assert!(numbers(&frame).len() == 16);

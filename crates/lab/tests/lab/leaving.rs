@@ -1,10 +1,6 @@
 //! Exits and goals that are drawn on the page.
 
-use crate::{ask, crowd, numbers, ok, opened, refused, show, square, with};
-use lemons_lab::Lab;
-use lemons_lab::frame::COLUMNS;
-use serde_json::{Value, json};
-use std::io::Read;
+use crate::*;
 
 fn line(name: &str, [a, b, c, d]: [f64; 4]) -> Value {
     json!({"name": name, "line": [[a, b], [c, d]], "polygon": null, "share": null})
@@ -23,17 +19,9 @@ fn room() -> Value {
 }
 
 fn trial(lab: &mut Lab, run: u32) -> (Vec<u8>, String) {
-    let (_, zip) = ok(lab, json!({"ask": "take", "run": run, "wanted": {"file": "trial"}}));
-    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(zip.clone())).unwrap();
-    for k in 0..archive.len() {
-        let mut file = archive.by_index(k).unwrap();
-        if file.enclosed_name().unwrap().ends_with("decision.toml") {
-            let mut text = String::new();
-            file.read_to_string(&mut text).unwrap();
-            return (zip, text);
-        }
-    }
-    panic!("no decision.toml");
+    let (_, zip) = ok(lab, take(run, json!({"file": "trial"})));
+    let text = file_in(&zip, "decision.toml");
+    (zip, text)
 }
 
 #[test]
@@ -57,7 +45,7 @@ fn everybody_leaves_beyond_the_door() {
         frames[frames.len() - 8 * COLUMNS..].chunks(COLUMNS).filter(|of| of[0].is_nan()).count()
     };
     while left(&frames) < 8 && frames.len() < 3000 * 8 * COLUMNS {
-        let (_, more) = ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 1}));
+        let (_, more) = ok(&mut lab, advance(2, 1));
         frames.extend(numbers(&more));
     }
     assert_eq!(left(&frames), 8);
@@ -68,8 +56,7 @@ fn everybody_leaves_beyond_the_door() {
     assert_eq!(wishes["exits"][0]["name"].as_str(), Some("door 1"), "{text}");
     assert!(!text.contains("goals") && !text.contains("agents"), "{text}");
     // Opened again, it says the same.
-    let (again, _) = ask(&mut lab, &opened("leave.zip", &zip), &zip);
-    assert_eq!(again["ok"]["scene"]["targets"], shown["scene"]["targets"], "{again}");
+    assert_eq!(open(&mut lab, "leave.zip", &zip)["scene"]["targets"], shown["scene"]["targets"]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What a page may ask for, as it asks: bytes in, bytes out.
+//! Requests of a page, as it asks: bytes in, bytes out.
 
 mod design;
 mod files;
@@ -7,13 +7,15 @@ mod people;
 mod runs;
 mod same_bits;
 
-use lemons_lab::Lab;
 use lemons_lab::boundary::answer;
+use lemons_lab::frame::COLUMNS;
+use lemons_lab::{Lab, upload};
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::io::{Cursor, Write};
 use std::ops::ControlFlow;
-use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
+use zip::{ZipArchive, ZipWriter};
 
 /// The answer's JSON and bytes.
 fn ask(lab: &mut Lab, request: &Value, bytes: &[u8]) -> (Value, Vec<u8>) {
@@ -40,18 +42,38 @@ fn numbers(bytes: &[u8]) -> Vec<f64> {
     bytes.chunks_exact(8).map(|number| f64::from_le_bytes(number.try_into().unwrap())).collect()
 }
 
-fn zipped(files: &[(&str, &[u8])]) -> Vec<u8> {
+fn zipped<N: AsRef<str>, C: AsRef<[u8]>>(files: &[(N, C)]) -> Vec<u8> {
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, content) in files {
-        archive.start_file(*name, SimpleFileOptions::default()).unwrap();
-        archive.write_all(content).unwrap();
+        archive.start_file(name.as_ref(), SimpleFileOptions::default()).unwrap();
+        archive.write_all(content.as_ref()).unwrap();
     }
     archive.finish().unwrap().into_inner()
 }
 
+/// The text of the file in a zip whose name ends so.
+fn file_in(zip: &[u8], end: &str) -> String {
+    let mut archive = ZipArchive::new(Cursor::new(zip)).unwrap();
+    let mut names = archive.file_names().map(|name| name.unwrap().into_owned());
+    let name = names.find(|name| name.ends_with(end)).unwrap();
+    drop(names);
+    std::io::read_to_string(archive.by_name(&name).unwrap()).unwrap()
+}
+
+/// The scene of a zip that is opened.
+fn open(lab: &mut Lab, name: &str, zip: &[u8]) -> Value {
+    let (mut value, _) = ask(lab, &opened(name, zip), zip);
+    assert!(value.get("ok").is_some(), "{value}");
+    value["ok"].take()
+}
+
+fn read<T: DeserializeOwned>(value: &Value) -> T {
+    serde_json::from_value(value.clone()).unwrap()
+}
+
 /// A request to open a zip.
 fn opened(name: &str, zip: &[u8]) -> Value {
-    show(json!({"kind": "upload", "name": name, "files": [[name, zip.len()]]}), json!({"kind": "own"}))
+    own(json!({"kind": "upload", "name": name, "files": [[name, zip.len()]]}))
 }
 
 /// The same zip with one more file.
@@ -67,8 +89,23 @@ fn show(base: Value, motion: Value) -> Value {
     json!({"ask": "show", "base": base, "edits": [], "motion": motion})
 }
 
+/// The same, driven by its own files.
+fn own(base: Value) -> Value {
+    show(base, json!({"kind": "own"}))
+}
+
 fn push() -> Value {
-    show(json!({"kind": "example", "name": "push"}), json!({"kind": "own"}))
+    own(json!({"kind": "example", "name": "push"}))
+}
+
+/// A request for steps of a run.
+fn advance(run: u32, steps: u64) -> Value {
+    json!({"ask": "advance", "run": run, "steps": steps})
+}
+
+/// A request for a file of a run.
+fn take(run: u32, wanted: Value) -> Value {
+    json!({"ask": "take", "run": run, "wanted": wanted})
 }
 
 fn square(width: f64, height: f64) -> Value {

@@ -1,11 +1,6 @@
 //! People: their shapes, bodies, sections, and crowds of them.
 
-use crate::{close, crowd, numbers, ok, push, refused, show, square, with};
-use lemons_lab::Lab;
-use lemons_lab::boundary::answer;
-use lemons_lab::frame::COLUMNS;
-use serde_json::{Value, json};
-use std::ops::ControlFlow;
+use crate::*;
 
 #[test]
 fn a_person_has_the_breadth_and_depth_that_are_asked_for_and_a_rank() {
@@ -13,7 +8,7 @@ fn a_person_has_the_breadth_and_depth_that_are_asked_for_and_a_rank() {
     let person =
         json!({"ask": "person", "sex": "male", "breadth": 0.5, "depth": 0.3, "stature": 1.8, "mass": null});
     let (is, _) = ok(&mut lab, person);
-    let disks: Vec<[f64; 3]> = serde_json::from_value(is["disks"].clone()).unwrap();
+    let disks: Vec<[f64; 3]> = read(&is["disks"]);
     let most =
         |along: fn(&[f64; 3]) -> f64| disks.iter().map(|disk| along(disk) + disk[2]).fold(0.0, f64::max);
     assert!((most(|disk| disk[1]) - 0.25).abs() < 1e-12);
@@ -32,7 +27,7 @@ fn a_person_has_the_breadth_and_depth_that_are_asked_for_and_a_rank() {
 }
 
 fn area(polygon: &Value) -> f64 {
-    let points: Vec<[f64; 2]> = serde_json::from_value(polygon.clone()).unwrap();
+    let points: Vec<[f64; 2]> = read(polygon);
     let next = points.iter().cycle().skip(1);
     0.5 * points.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>().abs()
 }
@@ -67,7 +62,7 @@ fn a_body_has_the_volume_of_its_mass_and_its_sections_their_breadth() {
 #[test]
 fn everybody_has_sections_and_bodies_also_where_only_disks_are_known() {
     let mut lab = Lab::default();
-    ok(&mut lab, show(crowd(3, square(3.0, 3.0)), json!({"kind": "own"})));
+    ok(&mut lab, own(crowd(3, square(3.0, 3.0))));
     let (made, _) = ok(&mut lab, json!({"ask": "sections", "run": 1, "altitude": 1.3}));
     assert_eq!((made["cut"].as_u64(), made["estimated"].as_bool()), (Some(3), Some(false)));
     let by_hand: f64 =
@@ -75,7 +70,7 @@ fn everybody_has_sections_and_bodies_also_where_only_disks_are_known() {
     assert!(close(made["area"].as_f64().unwrap(), by_hand, 1e-9));
     assert_eq!(ok(&mut lab, json!({"ask": "sections", "run": 1, "altitude": 2.9})).0["cut"], 0);
     let (counts, bytes) = ok(&mut lab, json!({"ask": "bodies", "run": 1}));
-    let counts: Vec<[usize; 2]> = serde_json::from_value(counts["agents"].clone()).unwrap();
+    let counts: Vec<[usize; 2]> = read(&counts["agents"]);
     assert_eq!(
         bytes.len(),
         counts.iter().map(|[vertices, triangles]| 12 * (vertices + triangles)).sum::<usize>()
@@ -85,16 +80,13 @@ fn everybody_has_sections_and_bodies_also_where_only_disks_are_known() {
     assert!(shown["scene"]["people"].is_null());
     let (made, _) = ok(&mut lab, json!({"ask": "sections", "run": 2, "altitude": 1.4}));
     assert_eq!((made["cut"].as_u64(), made["estimated"].as_bool()), (Some(5), Some(true)));
-    assert!(
-        refused(&mut lab, json!({"ask": "take", "run": 2, "wanted": {"file": "population"}}), &[])
-            .contains("make a crowd")
-    );
+    assert!(refused(&mut lab, take(2, json!({"file": "population"})), &[]).contains("make a crowd"));
 }
 
 #[test]
 fn a_crowd_is_placed_without_overlap_with_progress_and_the_same_for_the_same_seed() {
-    let crowd = show(super::crowd(40, square(4.0, 4.0)), json!({"kind": "own"}));
-    let (made, first) = ok(&mut Lab::default(), crowd.clone());
+    let forty = own(crowd(40, square(4.0, 4.0)));
+    let (made, first) = ok(&mut Lab::default(), forty.clone());
     assert!(made["made"]["largest_overlap"].as_f64().unwrap() <= 1e-4);
     let agents = made["scene"]["agents"].as_array().unwrap();
     let poses = numbers(&first);
@@ -102,7 +94,7 @@ fn a_crowd_is_placed_without_overlap_with_progress_and_the_same_for_the_same_see
     // By the page's own numbers: no two disks of different people overlap, none is beyond the walls.
     let disks = |a: usize| {
         let [x, y, turn] = [0, 1, 2].map(|k| poses[COLUMNS * a + k]);
-        let disks: Vec<[f64; 3]> = serde_json::from_value(agents[a]["disks"].clone()).unwrap();
+        let disks: Vec<[f64; 3]> = read(&agents[a]["disks"]);
         disks.into_iter().map(move |[u, v, r]| {
             [x + u * turn.cos() - v * turn.sin(), y + u * turn.sin() + v * turn.cos(), r]
         })
@@ -115,9 +107,9 @@ fn a_crowd_is_placed_without_overlap_with_progress_and_the_same_for_the_same_see
             }
         }
     }
-    assert_eq!(ok(&mut Lab::default(), crowd).1, first);
+    assert_eq!(ok(&mut Lab::default(), forty).1, first);
     let mut lab = Lab::default();
-    let text = show(super::crowd(100, square(4.0, 4.0)), json!({"kind": "own"})).to_string();
+    let text = own(crowd(100, square(4.0, 4.0))).to_string();
     let request = [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat();
     let mut heard = 0;
     let stopped = answer(&mut lab, &request, &mut |_| {
@@ -125,10 +117,7 @@ fn a_crowd_is_placed_without_overlap_with_progress_and_the_same_for_the_same_see
         if heard == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     assert!(heard == 3 && String::from_utf8_lossy(&stopped).contains("the placing was stopped"));
-    assert!(
-        refused(&mut lab, json!({"ask": "take", "run": 0, "wanted": {"file": "trial"}}), &[])
-            .contains("run 0 is over")
-    );
+    assert!(refused(&mut lab, take(0, json!({"file": "trial"})), &[]).contains("run 0 is over"));
 }
 
 #[test]
@@ -141,8 +130,8 @@ fn populations_are_the_survey_own_statistics_or_tables() {
         json!({"breadth": [breadth, 0.01, 0.3, 0.65], "depth": [0.2, 0.01, 0.15, 0.45],
                "stature": [1.7, 0.05, 1.4, 2.1], "mass": [70.0, 5.0, 30.0, 130.0]})
     };
-    let own = json!({"kind": "statistics", "male": four(0.6), "female": four(0.4)});
-    let (shown, _) = ok(&mut lab, show(base(own, 1.0), json!({"kind": "own"})));
+    let statistics = json!({"kind": "statistics", "male": four(0.6), "female": four(0.4)});
+    let (shown, _) = ok(&mut lab, own(base(statistics, 1.0)));
     let people = shown["scene"]["people"].as_array().unwrap();
     let mean = people.iter().map(|person| person["breadth"].as_f64().unwrap()).sum::<f64>() / 30.0;
     assert!(close(mean, 0.6, 0.01) && people.iter().all(|person| person["sex"] == "male"), "{mean}");
@@ -153,11 +142,10 @@ fn populations_are_the_survey_own_statistics_or_tables() {
     assert!(close(breadth.unwrap()["mean"].as_f64().unwrap(), mean, 1e-9), "{kinds:?}");
     let table = "bideltoidbreadth,chestdepth,stature,weightkg\n400,200,1600,600\n";
     let of = json!({"kind": "table", "files": [["female", "t.csv", table.len()]]});
-    let (shown, _) =
-        crate::ask(&mut lab, &show(base(of.clone(), 0.0), json!({"kind": "own"})), table.as_bytes());
+    let (shown, _) = ask(&mut lab, &own(base(of.clone(), 0.0)), table.as_bytes());
     assert_eq!(shown["ok"]["scene"]["people"][29]["breadth"], 0.4, "{shown}");
     let wrong = table.replace("400", "4000");
     let of = json!({"kind": "table", "files": [["female", "t.csv", wrong.len()]]});
-    let said = refused(&mut lab, show(base(of, 0.0), json!({"kind": "own"})), wrong.as_bytes());
+    let said = refused(&mut lab, own(base(of, 0.0)), wrong.as_bytes());
     assert!(said.contains("t.csv") && said.contains("4000"), "{said}");
 }

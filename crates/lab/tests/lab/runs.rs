@@ -1,9 +1,6 @@
-//! What moves, and what pages ask of frames.
+//! Runs, and questions of pages about frames.
 
-use crate::{ask, close, crowd, numbers, ok, opened, push, refused, show, square, with, zipped_with};
-use lemons_lab::Lab;
-use lemons_lab::frame::COLUMNS;
-use serde_json::json;
+use crate::*;
 
 #[test]
 fn a_pulse_gives_its_momentum_to_those_in_the_circle() {
@@ -17,7 +14,7 @@ fn a_pulse_gives_its_momentum_to_those_in_the_circle() {
     let pushed = show(base.clone(), json!({"kind": "push", "pushes": [pulse(at[0])]}));
     let (shown, _) = ok(&mut lab, pushed);
     assert_eq!(shown["scene"]["pushed"], json!(["0"]));
-    let (_, frames) = ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 400}));
+    let (_, frames) = ok(&mut lab, advance(2, 400));
     // With the floor's friction r = 4.5/s, ∫ m r v dt over all time is the momentum: the way is 2/π · 50 N s / (m r).
     let frames = numbers(&frames);
     let way = frames[frames.len() - COLUMNS + 1] - at[1];
@@ -45,22 +42,17 @@ fn people_walk_to_the_nearer_way_and_arrive() {
     assert_eq!(shown["scene"]["ways"], json!([way]));
     let mut arrived = 0;
     for _ in 0..20 {
-        arrived =
-            ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 50})).0["arrived"].as_u64().unwrap();
+        arrived = ok(&mut lab, advance(1, 50)).0["arrived"].as_u64().unwrap();
     }
     assert_eq!(arrived, 2);
     // The Trial that is taken says so itself.
-    let (_, zip) = ok(&mut lab, json!({"ask": "take", "run": 1, "wanted": {"file": "trial"}}));
-    let base = json!({"kind": "upload", "name": "w.zip", "files": [["w.zip", zip.len()]]});
-    let (again, _) = ask(&mut lab, &show(base, json!({"kind": "own"})), &zip);
-    assert_eq!(again["ok"]["scene"]["ways"], json!([way]), "{again}");
-    // Without the decision, nobody moves: nothing of the crowd's own drive is left.
-    let run = &again["ok"]["scene"]["run"];
-    let base = json!({"kind": "upload", "name": "w.zip", "files": [["w.zip", zip.len()]]});
-    let mut fewer = show(base, json!({"kind": "own"}));
+    let (_, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
+    assert_eq!(open(&mut lab, "w.zip", &zip)["scene"]["ways"], json!([way]));
+    // It names nobody who is not there any more.
+    let mut fewer = opened("w.zip", &zip);
     fewer["edits"] = json!([{"do": "delete", "id": "1"}]);
     let (fewer, _) = ask(&mut lab, &fewer, &zip);
-    assert_eq!(fewer["ok"]["scene"]["agents"].as_array().unwrap().len(), 1, "{run} {fewer}");
+    assert_eq!(fewer["ok"]["scene"]["agents"].as_array().unwrap().len(), 1, "{fewer}");
 }
 
 #[test]
@@ -69,7 +61,7 @@ fn who_has_left_has_no_place() {
     let mut lab = Lab::default();
     let base = with(crowd(8, square(4.0, 3.0)), "direction", json!(0));
     ok(&mut lab, show(base, json!({"kind": "none"})));
-    let (name, zip) = ok(&mut lab, json!({"ask": "take", "run": 1, "wanted": {"file": "trial"}}));
+    let (name, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
     let place = name["name"].as_str().unwrap().trim_end_matches(".zip");
     let plan = b"exits = [{ name = \"right\", polygon = [[3, 0], [4, 0], [4, 3], [3, 3]] }]";
     let zip = zipped_with(&zip, &format!("{place}/decision.toml"), plan);
@@ -78,10 +70,10 @@ fn who_has_left_has_no_place() {
     let zip = zipped_with(&zip, &format!("{place}/drive.csv"), drive);
     let (shown, first) = ask(&mut lab, &opened("leave.zip", &zip), &zip);
     assert_eq!((&shown["ok"]["scene"]["walk"], &shown["ok"]["scene"]["ways"]), (&json!(true), &json!([])));
-    let (advanced, frames) = ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 150}));
+    let (advanced, frames) = ok(&mut lab, advance(2, 150));
     let frames = [first, frames].concat();
-    let take = json!({"ask": "take", "run": 2, "wanted": {"file": "trajectories", "steps": 150}});
-    let table = String::from_utf8(ok(&mut lab, take).1).unwrap();
+    let wanted = take(2, json!({"file": "trajectories", "steps": 150}));
+    let table = String::from_utf8(ok(&mut lab, wanted).1).unwrap();
 
     let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     let column = |name: &str| header.iter().position(|column| *column == name).unwrap();
@@ -107,12 +99,11 @@ fn who_has_left_has_no_place() {
     let (_, forces) = ask(&mut lab, &json!({"ask": "forces", "run": 2}), last);
     assert!(numbers(&forces).iter().all(|number| number.is_finite()));
     let look = json!({"file": "svg", "most": 1.0, "label": "", "unit": "", "time": 1.5, "forces": true});
-    let (_, picture) =
-        ask(&mut lab, &json!({"ask": "take", "run": 2, "wanted": look}), &[last, &[0; 64]].concat());
+    let (_, picture) = ask(&mut lab, &take(2, look), &[last, &[0; 64]].concat());
     assert_eq!(String::from_utf8(picture).unwrap().matches("<title>").count(), 1 + 8 - end);
     let line = json!({"ask": "flow", "run": 2, "line": [[3.2, 0.0], [3.2, 3.0]]});
     assert_eq!(ask(&mut lab, &line, &frames).0["ok"]["crossings"], json!([]));
-    let mesh = json!({"ask": "take", "run": 2, "wanted": {"file": "mesh", "format": "obj"}});
+    let mesh = take(2, json!({"file": "mesh", "format": "obj"}));
     let mesh = String::from_utf8(ask(&mut lab, &mesh, last).1).unwrap();
     let named = mesh.split("agent_").skip(1).filter_map(|rest| rest.split('_').next());
     assert_eq!(named.collect::<std::collections::BTreeSet<_>>().len(), 8 - end);
@@ -122,8 +113,8 @@ fn who_has_left_has_no_place() {
 fn forces_are_those_of_the_contacts_and_crossings_are_counted_once() {
     let mut lab = Lab::default();
     let pressed = with(with(crowd(12, square(2.2, 2.2)), "direction", json!(0)), "speed", json!(2.0));
-    ok(&mut lab, show(pressed, json!({"kind": "own"})));
-    let (_, frames) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 300}));
+    ok(&mut lab, own(pressed));
+    let (_, frames) = ok(&mut lab, advance(1, 300));
     let frame = &frames[frames.len() - 8 * COLUMNS * 12..];
     let (value, bytes) = ask(&mut lab, &json!({"ask": "forces", "run": 1}), frame);
     assert!(value.get("ok").is_some(), "{value}");
@@ -142,7 +133,7 @@ fn forces_are_those_of_the_contacts_and_crossings_are_counted_once() {
     // The row is pushed to the right: everybody who gets beyond the line has crossed it once.
     let mut lab = Lab::default();
     let (_, first) = ok(&mut lab, push());
-    let (_, frames) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 40}));
+    let (_, frames) = ok(&mut lab, advance(1, 40));
     let all = [first.clone(), frames.clone()].concat();
     let (x0, x1) = (numbers(&first)[0], numbers(&frames[frames.len() - 8 * 5 * COLUMNS..])[0]);
     let line = 0.5 * (x0 + x1);

@@ -1,6 +1,6 @@
 //! One physics: a simulation in memory, FMUs of FMI 2.0 and 3.0 and the lab give the same bits.
 
-use crate::{ask, numbers, ok, opened};
+use crate::{advance, ask, numbers, ok, opened, zipped};
 use crowd_mechanics::pack::Format;
 use lemons_core::plane::Motion;
 use lemons_core::trial::DriveChoice;
@@ -14,9 +14,7 @@ use lemons_master::{
 use lemons_results::Frame;
 use lemons_sim::{Algorithm, Clock, Documents, SimError, Simulation};
 use lemons_verify::testing::{repository, trial_push};
-use serde_json::json;
 use std::fs::File;
-use std::io::{Cursor, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -46,7 +44,7 @@ fn of_simulation(documents: &Documents, algorithm: Algorithm, clock: &Clock) -> 
     all
 }
 
-/// Of the FMUs that `lemons pack`, `decide` and `connect` would make.
+/// The bits of the FMUs that `lemons pack`, `decide` and `connect` would make.
 fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -> Bits {
     let directory = TempDir::new().unwrap();
     let crowd = directory.path().join("crowd.fmu");
@@ -108,20 +106,17 @@ fn coupled(directory: &Path, plan: &Plan, format: Format, crowd: PathBuf) -> Pat
 }
 
 fn of_lab(scene: &Scene, clock: &Clock) -> Bits {
-    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
-    let files = ["Parameters.xml", "decision.toml", "drive.csv"].map(PathBuf::from).into_iter();
-    let statics = ["Agents", "Geometry", "Materials"].map(|name| format!("static/{name}.xml").into());
-    let dynamics = ["AgentDynamics", "AgentInteractions"].map(|name| format!("dynamic/{name}.xml").into());
-    for file in files.chain(statics).chain(dynamics) {
-        let Ok(content) = std::fs::read(scene.directory.join(&file)) else { continue };
-        let name = format!("scene/{}", file.display());
-        zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
-        zip.write_all(&content).unwrap();
-    }
-    let zip = zip.finish().unwrap().into_inner();
+    let statics = ["Agents", "Geometry", "Materials"].map(|name| format!("static/{name}.xml"));
+    let dynamics = ["AgentDynamics", "AgentInteractions"].map(|name| format!("dynamic/{name}.xml"));
+    let files = ["Parameters.xml", "decision.toml", "drive.csv"].map(String::from).into_iter();
+    let found = files
+        .chain(statics)
+        .chain(dynamics)
+        .filter_map(|file| Some((format!("scene/{file}"), std::fs::read(scene.directory.join(file)).ok()?)));
+    let zip = zipped(&found.collect::<Vec<_>>());
     let mut lab = Lab::default();
     let (_, first) = ask(&mut lab, &opened("scene.zip", &zip), &zip);
-    let (_, frames) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": clock.steps}));
+    let (_, frames) = ok(&mut lab, advance(1, clock.steps));
     let all = numbers(&[first, frames].concat());
     let frame = |frame: &[f64]| {
         let of = |row: &[f64]| [row[0], row[1], row[3], row[4], row[2], row[5]].map(f64::to_bits);

@@ -1,20 +1,17 @@
 //! Writes bodies for other tools: OBJ, STL, GeoJSON, WKT. In metres, z up.
 
 use super::{CrowdSection, MeshPart, Polygon};
-use lemons_core::plane::Vec2;
-use std::borrow::Borrow;
 use std::io::{self, Error, ErrorKind, Write};
 
 /// Writes surfaces as Wavefront OBJ, one group for each part.
 ///
 /// # Errors
 /// The writer fails, or a vertex is not finite.
-pub fn write_obj(parts: impl IntoIterator<Item: Borrow<MeshPart>>, to: &mut impl Write) -> io::Result<()> {
+pub fn write_obj(parts: impl IntoIterator<Item = MeshPart>, to: &mut impl Write) -> io::Result<()> {
     writeln!(to, "# metres, z up")?;
     // Vertices are numbered from one through the whole file.
     let mut first = 1u64;
     for part in parts {
-        let part = part.borrow();
         writeln!(to, "g {}", part.name)?;
         for vertex in &part.vertices {
             let [x, y, z] = finite(*vertex)?;
@@ -29,38 +26,25 @@ pub fn write_obj(parts: impl IntoIterator<Item: Borrow<MeshPart>>, to: &mut impl
     Ok(())
 }
 
-/// Writes surfaces as binary STL: all parts in one list of triangles, in single precision. It iterates over the parts
-/// twice, because the file begins with the number of triangles.
+/// Writes surfaces as binary STL: all parts in one list of triangles, in single precision.
 ///
 /// # Errors
 /// The writer fails, a vertex is not finite, or the number of triangles does not fit in 32 bits.
-pub fn write_stl(
-    parts: impl IntoIterator<Item: Borrow<MeshPart>, IntoIter: Clone>,
-    to: &mut impl Write,
-) -> io::Result<()> {
-    let parts = parts.into_iter();
-    let count: usize = parts.clone().map(|part| part.borrow().triangles.len()).sum();
+pub fn write_stl(parts: &[MeshPart], to: &mut impl Write) -> io::Result<()> {
+    let count: usize = parts.iter().map(|part| part.triangles.len()).sum();
     let count = u32::try_from(count).map_err(|_| {
         Error::new(ErrorKind::InvalidInput, format!("{count} triangles: STL can hold at most {}", u32::MAX))
     })?;
-    let mut header = [b' '; 80];
     // Readers take a file whose header begins with "solid" for text.
-    let title = b"body mesh, metres, z up";
-    header[..title.len()].copy_from_slice(title);
-    to.write_all(&header)?;
+    write!(to, "{:<80}", "body mesh, metres, z up")?;
     to.write_all(&count.to_le_bytes())?;
     for part in parts {
-        let part = part.borrow();
         for &triangle in &part.triangles {
             let [a, b, c] = part.corners(triangle);
-            let mut record = [0u8; 50];
-            for (k, corner) in [normal(a, b, c), finite(a)?, finite(b)?, finite(c)?].into_iter().enumerate() {
-                for (i, value) in corner.into_iter().enumerate() {
-                    let at = 12 * k + 4 * i;
-                    record[at..at + 4].copy_from_slice(&(value as f32).to_le_bytes());
-                }
+            for corner in [normal(a, b, c), finite(a)?, finite(b)?, finite(c)?] {
+                to.write_all(&corner.map(|value| (value as f32).to_le_bytes()).concat())?;
             }
-            to.write_all(&record)?;
+            to.write_all(&[0; 2])?;
         }
     }
     Ok(())
@@ -102,11 +86,7 @@ pub fn write_geojson(sections: &[CrowdSection], to: &mut impl Write) -> io::Resu
                      \"geometry\":{{\"type\":\"Polygon\",\"coordinates\":[[",
                     polygon.part.name()
                 )?;
-                for (k, point) in closed(polygon).enumerate() {
-                    let comma = if k == 0 { "" } else { "," };
-                    let [x, y, z] = finite([point.x, point.y, z])?;
-                    write!(to, "{comma}[{x:.6},{y:.6},{z:.6}]")?;
-                }
+                write_points(polygon, z, ["", "[", ",", "]"], to)?;
                 write!(to, "]]}}}}")?;
                 comma = ",\n";
             }
@@ -125,11 +105,7 @@ pub fn write_wkt(sections: &[CrowdSection], to: &mut impl Write) -> io::Result<(
         write!(to, "MULTIPOLYGON Z (")?;
         for (k, polygon) in section.bodies.iter().flatten().enumerate() {
             write!(to, "{}((", if k == 0 { "" } else { ", " })?;
-            for (k, point) in closed(polygon).enumerate() {
-                let comma = if k == 0 { "" } else { ", " };
-                let [x, y, z] = finite([point.x, point.y, z])?;
-                write!(to, "{comma}{x:.6} {y:.6} {z:.6}")?;
-            }
+            write_points(polygon, z, [" ", "", " ", ""], to)?;
             write!(to, "))")?;
         }
         writeln!(to, ")")?;
@@ -137,7 +113,20 @@ pub fn write_wkt(sections: &[CrowdSection], to: &mut impl Write) -> io::Result<(
     Ok(())
 }
 
-/// The points, with the first repeated at the end.
-fn closed(polygon: &Polygon) -> impl Iterator<Item = &Vec2> {
-    polygon.points.iter().chain(polygon.points.first())
+/// Writes the points with commas between them, the first again at the end. What comes after a comma, before a point, between
+/// its coordinates and after it differs between formats.
+fn write_points(
+    polygon: &Polygon,
+    z: f64,
+    [space, open, between, close]: [&str; 4],
+    to: &mut impl Write,
+) -> io::Result<()> {
+    for (k, point) in polygon.points.iter().chain(polygon.points.first()).enumerate() {
+        if k > 0 {
+            write!(to, ",{space}")?;
+        }
+        let [x, y, z] = finite([point.x, point.y, z])?;
+        write!(to, "{open}{x:.6}{between}{y:.6}{between}{z:.6}{close}")?;
+    }
+    Ok(())
 }

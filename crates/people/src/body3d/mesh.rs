@@ -17,13 +17,6 @@ pub struct MeshPart {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Closed surfaces that do not overlap. Neighbouring parts may share a plane.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Mesh {
-    /// The parts, in the order of the bodies.
-    pub parts: Vec<MeshPart>,
-}
-
 impl MeshPart {
     /// The surface through rings, closed at both ends. Of each ring it takes every `stride`-th point.
     fn through(name: &str, rings: &[&Ring], stride: usize) -> MeshPart {
@@ -40,13 +33,13 @@ impl MeshPart {
                 })
                 .collect();
             match below {
-                None => part.cap(ring, &indices, Cap::Bottom),
+                None => part.cap(ring, &indices, false),
                 Some(below) => part.band(&below, &indices),
             }
             below = Some(indices);
         }
         if let (Some(ring), Some(indices)) = (rings.last(), below) {
-            part.cap(ring, &indices, Cap::Top);
+            part.cap(ring, &indices, true);
         }
         part
     }
@@ -83,15 +76,12 @@ impl MeshPart {
     }
 
     /// Closes a ring with a fan about the mean of its points. All of them are visible from there.
-    fn cap(&mut self, ring: &Ring, indices: &[u32], side: Cap) {
+    fn cap(&mut self, ring: &Ring, indices: &[u32], is_top: bool) {
         let sum = ring.points.iter().fold(Vec2::ZERO, |sum, &point| sum + point);
         let centre = self.vertex(sum * (1.0 / POINTS as f64), ring.z);
         for i in 0..indices.len() {
             let (a, b) = (indices[i], indices[(i + 1) % indices.len()]);
-            self.triangles.push(match side {
-                Cap::Bottom => [centre, b, a],
-                Cap::Top => [centre, a, b],
-            });
+            self.triangles.push(if is_top { [centre, a, b] } else { [centre, b, a] });
         }
     }
 
@@ -99,71 +89,49 @@ impl MeshPart {
     pub fn corners(&self, triangle: [u32; 3]) -> [[f64; 3]; 3] {
         triangle.map(|index| self.vertices[index as usize])
     }
-
-    /// Returns the enclosed volume \[m³\]: the sum of tetrahedra with one common point. It is positive because the
-    /// triangles face outwards.
-    pub fn volume(&self) -> f64 {
-        let Some(origin) = self.vertices.first() else { return 0.0 };
-        let six = self.triangles.iter().map(|&triangle| {
-            let [a, b, c] =
-                self.corners(triangle).map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]);
-            a[0] * (b[1] * c[2] - b[2] * c[1])
-                + a[1] * (b[2] * c[0] - b[0] * c[2])
-                + a[2] * (b[0] * c[1] - b[1] * c[0])
-        });
-        six.sum::<f64>() / 6.0
-    }
 }
 
-enum Cap {
-    Bottom,
-    Top,
-}
-
-impl Mesh {
-    /// Returns the volume of all parts \[m³\].
-    pub fn volume(&self) -> f64 {
-        self.parts.iter().map(MeshPart::volume).sum()
+/// Returns numbers of vertices and triangles; and as bytes, little-endian, the coordinates \[m\] in single precision, then
+/// the corners' indices: what graphics cards take.
+pub fn packed(parts: &[MeshPart]) -> ([usize; 2], Vec<u8>) {
+    let (mut places, mut corners, mut first) = (Vec::new(), Vec::new(), 0);
+    for part in parts {
+        places.extend(part.vertices.iter().flatten().flat_map(|number| (*number as f32).to_le_bytes()));
+        corners.extend(part.triangles.iter().flatten().flat_map(|corner| (first + corner).to_le_bytes()));
+        first += part.vertices.len() as u32;
     }
-
-    /// Returns numbers of vertices and triangles; and as bytes, little-endian, the coordinates \[m\] in single precision,
-    /// then the corners' indices: what graphics cards take.
-    pub fn packed(&self) -> ([usize; 2], Vec<u8>) {
-        let (mut places, mut corners, mut first) = (Vec::new(), Vec::new(), 0);
-        for part in &self.parts {
-            places.extend(part.vertices.iter().flatten().flat_map(|number| (*number as f32).to_le_bytes()));
-            corners.extend(part.triangles.iter().flatten().flat_map(|corner| (first + corner).to_le_bytes()));
-            first += part.vertices.len() as u32;
-        }
-        let counts = [places.len() / 12, corners.len() / 12];
-        (counts, [places, corners].concat())
-    }
-
-    /// Returns the mesh of a body at a pose, in world coordinates.
-    pub fn at(mut self, pose: &Pose) -> Mesh {
-        let turn = Rotation::by(pose.orientation);
-        for vertex in self.parts.iter_mut().flat_map(|part| &mut part.vertices) {
-            let point = Vec2 { x: vertex[0], y: vertex[1] }.rotated(turn) + pose.position;
-            (vertex[0], vertex[1]) = (point.x, point.y);
-        }
-        self
-    }
+    let counts = [places.len() / 12, corners.len() / 12];
+    (counts, [places, corners].concat())
 }
 
 impl Body3d {
-    /// Returns its surface in the body's frame: one closed part each for the trunk with head, the arms and the legs.
-    pub fn mesh(&self) -> Mesh {
+    /// Returns its surface in the body's frame: one closed part each for the trunk with head, the arms and the legs. They do
+    /// not overlap. Neighbouring parts may share a plane.
+    pub fn mesh(&self) -> Vec<MeshPart> {
         self.surface(1, 1)
+    }
+
+    /// Returns the same of an agent at a pose, in world coordinates; the parts' names begin with the agent's Id.
+    pub fn surfaces(&self, id: &str, pose: &Pose) -> impl Iterator<Item = MeshPart> + use<> {
+        let turn = Rotation::by(pose.orientation);
+        let (parts, id, position) = (self.mesh().into_iter(), id.to_owned(), pose.position);
+        parts.map(move |mut part| {
+            for [x, y, _] in &mut part.vertices {
+                let point = Vec2 { x: *x, y: *y }.rotated(turn) + position;
+                (*x, *y) = (point.x, point.y);
+            }
+            MeshPart { name: format!("agent_{id}_{}", part.name), ..part }
+        })
     }
 
     /// Returns the same with about a sixteenth of the triangles, to be looked at: its corners are on the surface, and its
     /// volume is up to 5 % smaller.
-    pub fn coarse_mesh(&self) -> Mesh {
+    pub fn coarse_mesh(&self) -> Vec<MeshPart> {
         self.surface(4, 4)
     }
 
     /// The surface through every `rings`-th ring, the first and the last ones and flat steps, and every `points`-th point.
-    fn surface(&self, rings: usize, points: usize) -> Mesh {
+    fn surface(&self, rings: usize, points: usize) -> Vec<MeshPart> {
         let part = |tube: &Tube| {
             let last = tube.rings.len().saturating_sub(1);
             let flat = |k: usize| k < last && tube.rings[k].z == tube.rings[k + 1].z;
@@ -172,6 +140,6 @@ impl Body3d {
             let chosen: Vec<&Ring> = (0..=last).filter(kept).map(|k| &tube.rings[k]).collect();
             MeshPart::through(tube.part.name(), &chosen, points)
         };
-        Mesh { parts: self.tubes.iter().map(part).collect() }
+        self.tubes.iter().map(part).collect()
     }
 }

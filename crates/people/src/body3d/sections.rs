@@ -24,11 +24,6 @@ pub fn section(crowd: &[(&Body3d, Pose)], altitude: f64) -> CrowdSection {
 }
 
 impl CrowdSection {
-    /// Returns the sum of the areas \[m²\]. Overlaps count several times, as in the paper's figure.
-    pub fn area(&self) -> f64 {
-        self.bodies.iter().flatten().map(Polygon::area).sum()
-    }
-
     /// Returns the area of ground under the union of all outlines \[m²\]: overlaps of bodies count once. It is NaN if a
     /// pose is not finite.
     pub fn covered(&self) -> f64 {

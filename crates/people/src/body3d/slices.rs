@@ -3,7 +3,7 @@
 use super::outline::{POINTS, Points};
 use super::skin::Ring;
 use super::{Body3d, Part};
-use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
+use lemons_core::plane::{Pose, Rotation, Vec2};
 
 /// A slice of one part of a body.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,28 +59,16 @@ pub(super) fn volume(rings: &[Ring]) -> f64 {
     rings.windows(2).map(slab).sum()
 }
 
-/// Interpolates between two outlines.
-fn blend(low: &Points, high: &Points, share: f64) -> Points {
-    std::array::from_fn(|k| {
-        let (a, b) = (low[k], high[k]);
-        vec2(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y))
-    })
-}
-
-/// The outline at an altitude. A part includes its lowest outline but not its highest, which belongs to the next part.
-fn outline(rings: &[Ring], z: f64, highest: bool) -> Option<Points> {
+/// The outline at an altitude. A part includes its lowest outline but not its highest, which belongs to the next part
+/// unless `highest`.
+pub(super) fn outline(rings: &[Ring], z: f64, highest: bool) -> Option<Points> {
     let above = rings.partition_point(|ring| ring.z <= z);
-    match above {
-        0 => None,
-        above if above == rings.len() => {
-            let last = &rings[above - 1];
-            (highest && last.z == z).then_some(last.points)
-        }
-        above => {
-            let (low, high) = (&rings[above - 1], &rings[above]);
-            Some(blend(&low.points, &high.points, (z - low.z) / (high.z - low.z)))
-        }
-    }
+    let low = &rings[above.checked_sub(1)?];
+    let Some(high) = rings.get(above) else {
+        return (highest && low.z == z).then_some(low.points);
+    };
+    let share = (z - low.z) / (high.z - low.z);
+    Some(std::array::from_fn(|k| low.points[k] + (high.points[k] - low.points[k]) * share))
 }
 
 impl Body3d {
@@ -99,13 +87,12 @@ impl Body3d {
         self.tubes.iter().map(|tube| volume(&tube.rings)).sum()
     }
 
-    /// Returns slices at evenly spaced altitudes \[m\] from the soles to the top, at most `spacing` apart. They are at
-    /// the middles of the layers, so that mean area × stature is about the volume.
-    pub fn stack(&self, spacing: f64) -> Vec<(f64, Vec<Polygon>)> {
+    /// Returns evenly spaced altitudes \[m\] from the soles to the top, at most `spacing` apart. They are the middles of
+    /// layers, so that mean area × stature is about the volume.
+    pub fn layers(&self, spacing: f64) -> impl Iterator<Item = f64> {
         let stature = self.person.stature;
         let layers = (stature / spacing.max(1e-4)).ceil().max(1.0) as usize;
-        let middle = |layer: usize| (layer as f64 + 0.5) * stature / layers as f64;
-        (0..layers).map(|layer| (middle(layer), self.slice_at(middle(layer)))).collect()
+        (0..layers).map(move |layer| (layer as f64 + 0.5) * stature / layers as f64)
     }
 }
 

@@ -9,6 +9,7 @@ use super::landmarks::{Heights, Measures};
 use super::measures::Measure;
 use super::outline::{Oval, POINTS, Points, depth_of_girth, directions, mirrored};
 use super::skin::{Ring, skin};
+use super::slices::outline;
 use crate::person::{Person, Sex};
 use lemons_core::plane::{Vec2, vec2};
 
@@ -367,13 +368,7 @@ impl Skins {
 /// \[m\] Distance by which the points must move to the left to be clear of the rings at an altitude; 0 if there are no
 /// rings.
 fn push_out(points: &Points, rings: &[Ring], z: f64) -> f64 {
-    let above = rings.partition_point(|ring| ring.z <= z);
-    if above == 0 || above == rings.len() {
-        return 0.0;
-    }
-    let (low, high) = (&rings[above - 1], &rings[above]);
-    let share = (z - low.z) / (high.z - low.z);
-    let other: Points = std::array::from_fn(|k| low.points[k] + (high.points[k] - low.points[k]) * share);
+    let Some(other) = outline(rings, z, false) else { return 0.0 };
     let outermost = other.iter().fold(f64::MIN, |y, point| y.max(point.y));
     if points.iter().all(|point| point.y >= outermost + GAP) {
         return 0.0;

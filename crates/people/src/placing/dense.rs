@@ -5,7 +5,7 @@ use super::fire::Fire;
 use super::hull::hull_area;
 use super::soft_disks::{Body, Boundary, SoftDisks};
 use super::{
-    Ended, Orientation, Packing, Progress, Region, Stage, TOLERANCE, Watch, check, check_shapes, measure,
+    Ended, Orientation, Packing, Progress, Region, Settings, Stage, TOLERANCE, Watch, check, check_shapes,
     reach,
 };
 use crate::error::{Result, require};
@@ -50,25 +50,8 @@ const TAKING_ROUNDS: u32 = 150;
 /// Steps of a slide after some shapes were removed.
 const TAKING_STEPS: u64 = 500;
 
-/// Settings of [`dense()`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Dense {
-    /// \[1/m²\] In a region: the wanted density; as many of the first shapes are placed as it needs. `None`: all. In the
-    /// open plane all are placed, with at least this density; `None`: as dense as possible within the iterations.
-    pub density: Option<f64>,
-    /// The direction that the shapes face.
-    pub orientation: Orientation,
-    /// The same seed gives the same placing.
-    pub seed: u64,
-    /// Largest number of iterations.
-    pub max_iterations: u64,
-}
-
-impl Default for Dense {
-    fn default() -> Dense {
-        Dense { density: None, orientation: Orientation::Free, seed: 0, max_iterations: 200_000 }
-    }
-}
+/// Largest number of iterations.
+const ITERATIONS: u64 = 200_000;
 
 /// Places shapes densely without overlap.
 ///
@@ -80,28 +63,15 @@ impl Default for Dense {
 /// `watch` gets the progress and may stop the algorithm. The result may be incomplete (`complete` is false) if the
 /// density is too high, or too high for that many iterations. Its `clear_density` is then the density of the shapes
 /// that could spread without overlap after others were removed.
-pub fn dense(shapes: &[Shape], region: &Region, settings: &Dense, watch: &mut Watch) -> Result<Packing> {
+pub fn dense(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut Watch) -> Result<Packing> {
     check_shapes(shapes)?;
     settings.orientation.check()?;
     if let Some(density) = settings.density {
         check("the density", density, density > 0.0, "a positive number of shapes per m²")?;
     }
-    let shapes = match settings.density {
-        Some(density) if !region.is_plane() => {
-            let (area, given) = (region.area(), shapes.len());
-            let needed = libm::round(density * area) as u64;
-            require(needed <= given as u64, || {
-                format!("a density of {density} /m² on {area:.3} m² needs {needed} shapes; {given} are given")
-            })?;
-            &shapes[..needed as usize]
-        }
-        _ => shapes,
-    };
+    let wanted = settings.density.filter(|_| region.is_plane());
     let covered: f64 = shapes.iter().map(|shape| shape.moments().area).sum();
-    let room = match (settings.density, region.is_plane()) {
-        (Some(density), true) => shapes.len() as f64 / density,
-        _ => region.area(),
-    };
+    let room = wanted.map_or(region.area(), |density| shapes.len() as f64 / density);
     require(covered <= room, || {
         format!(
             "{} shapes cover {covered:.3} m², but the region has {room:.3} m²: it cannot hold them without overlap",
@@ -109,31 +79,27 @@ pub fn dense(shapes: &[Shape], region: &Region, settings: &Dense, watch: &mut Wa
         )
     })?;
     let random = Random::new(settings.seed);
-    let (iteration, limit) = (0, settings.max_iterations);
-    let mut packer = Packer { random, watch, iteration, limit, stage: Stage::Growing, density: 0.0 };
-    let (bodies, mut ended) = if shapes.is_empty() {
+    let (iteration, limit) = (0, settings.limit.unwrap_or(ITERATIONS));
+    let (orientation, stage, density) = (settings.orientation, Stage::Growing, 0.0);
+    let mut packer = Packer { random, watch, orientation, iteration, limit, stage, density };
+    let (bodies, ended) = if shapes.is_empty() {
         (Vec::new(), Ended::Done)
     } else if region.is_plane() {
-        packer.in_the_open(shapes, settings, covered)
+        packer.in_the_open(shapes, wanted, covered)
     } else {
         packer.density = shapes.len() as f64 / region.area();
-        packer.in_region(shapes, region, settings)
+        packer.in_region(shapes, region)
     };
-    let poses: Vec<_> = bodies.iter().map(Body::pose).collect();
-    let measured = measure(shapes, region, &poses);
-    let enough = match settings.density {
-        Some(density) if region.is_plane() => measured.density >= density,
-        _ => true,
-    };
-    let mut clear_density = measured.clear_density;
-    if !region.is_plane() && measured.largest_overlap > TOLERANCE && ended != Ended::Cancelled {
-        match packer.without_some(shapes, &bodies, region, settings.orientation) {
-            Ok(density) => clear_density = clear_density.max(density),
-            Err(cancelled) => ended = cancelled,
+    let mut packing = Packing::of(shapes, region, bodies.iter().map(Body::pose).collect(), ended, 0);
+    if !region.is_plane() && !packing.complete && packing.ended != Ended::Cancelled {
+        match packer.without_some(shapes, &bodies, region) {
+            Ok(density) => packing.clear_density = packing.clear_density.max(density),
+            Err(cancelled) => packing.ended = cancelled,
         }
     }
-    let packing = Packing::of(poses, &measured, ended, packer.iteration);
-    Ok(Packing { clear_density, complete: enough && packing.complete, ..packing })
+    packing.iterations = packer.iteration;
+    packing.complete &= wanted.is_none_or(|density| packing.density >= density);
+    Ok(packing)
 }
 
 /// How a slide ended.
@@ -150,6 +116,7 @@ enum Slide {
 struct Packer<'w, 'c> {
     random: Random,
     watch: &'w mut Watch<'c>,
+    orientation: Orientation,
     iteration: u64,
     limit: u64,
     stage: Stage,
@@ -158,28 +125,28 @@ struct Packer<'w, 'c> {
 }
 
 impl Packer<'_, '_> {
-    fn in_region(&mut self, shapes: &[Shape], region: &Region, settings: &Dense) -> (Vec<Body>, Ended) {
-        let mut disks = SoftDisks::new(shapes, Boundary::Region(region), settings.orientation, PAD);
-        self.strew(&mut disks, settings.orientation);
-        self.take_off_walls(&mut disks, region, settings.orientation);
+    fn in_region(&mut self, shapes: &[Shape], region: &Region) -> (Vec<Body>, Ended) {
+        let mut disks = SoftDisks::new(shapes, Boundary::Region(region), self.orientation, PAD);
+        self.strew(&mut disks);
+        self.take_off_walls(&mut disks, region);
         let mut slide = self.grow(&mut disks);
         if slide == Slide::AtRest {
-            slide = self.shake(&mut disks, settings.orientation);
+            slide = self.shake(&mut disks);
         }
         (disks.bodies, ended(slide))
     }
 
     /// Compresses the crowd until the wanted density is reached. Returns the densest placing without overlap.
-    fn in_the_open(&mut self, shapes: &[Shape], settings: &Dense, covered: f64) -> (Vec<Body>, Ended) {
-        let wanted = settings.density.unwrap_or(f64::INFINITY);
+    fn in_the_open(&mut self, shapes: &[Shape], least: Option<f64>, covered: f64) -> (Vec<Body>, Ended) {
+        let wanted = least.unwrap_or(f64::INFINITY);
         let widest = shapes.iter().map(reach).fold(0.0, f64::max);
         let mut radius =
             (covered / (LOOSE_COVER * PI)).sqrt().max((shapes.len() as f64 / (wanted * PI)).sqrt());
-        let mut disks = SoftDisks::new(shapes, Boundary::Circle(radius), settings.orientation, PAD);
+        let mut disks = SoftDisks::new(shapes, Boundary::Circle(radius), self.orientation, PAD);
         let mut slide = Slide::AtRest;
         for _ in 0..LOOSER {
             disks.boundary = Boundary::Circle(radius.max(widest + PAD));
-            self.strew(&mut disks, settings.orientation);
+            self.strew(&mut disks);
             slide = self.grow(&mut disks);
             // The hull is smaller than the circle, so even a loose crowd may be too dense.
             let dense = shapes.len() as f64 / hull_area(&disks.circles()) / wanted;
@@ -196,7 +163,7 @@ impl Packer<'_, '_> {
         let mut press = 0.04;
         loop {
             if slide == Slide::AtRest && (best.is_none() || press < 0.003) {
-                slide = self.shake(&mut disks, settings.orientation);
+                slide = self.shake(&mut disks);
             }
             let Boundary::Circle(radius) = disks.boundary else { break };
             match slide {
@@ -223,7 +190,7 @@ impl Packer<'_, '_> {
                 // Even shaking did not help: stop here.
                 Slide::AtRest => {
                     let found = best.is_some();
-                    let ended = if found && settings.density.is_none() { Ended::Done } else { Ended::Stuck };
+                    let ended = if found && least.is_none() { Ended::Done } else { Ended::Stuck };
                     return (best.unwrap_or(disks.bodies), ended);
                 }
                 Slide::Over(ended) => return (best.unwrap_or(disks.bodies), ended),
@@ -235,7 +202,7 @@ impl Packer<'_, '_> {
     }
 
     /// Spreads the shapes in random order over evenly spread points, each with a small random offset.
-    fn strew(&mut self, disks: &mut SoftDisks, orientation: Orientation) {
+    fn strew(&mut self, disks: &mut SoftDisks) {
         // The R2 sequence (Roberts 2018) with a random start: 1/p, 1/p² with p³ = p + 1.
         const STEPS: (f64, f64) = (0.754_877_666_246_692_7, 0.569_840_290_998_053_2);
         let count = disks.bodies.len();
@@ -245,19 +212,19 @@ impl Packer<'_, '_> {
             let u = begin_u + STEPS.0 * k as f64 + self.random.within(off);
             let v = begin_v + STEPS.1 * k as f64 + self.random.within(off);
             disks.bodies[who].position = disks.boundary.point_at(u - libm::floor(u), v - libm::floor(v));
-            disks.bodies[who].angle = orientation.start().unwrap_or_else(|| self.random.within(PI));
+            disks.bodies[who].angle = self.orientation.start().unwrap_or_else(|| self.random.within(PI));
         }
     }
 
     /// Moves the shapes that stand across a wall to other places: they would hold on to both of its sides.
-    fn take_off_walls(&mut self, disks: &mut SoftDisks, region: &Region, orientation: Orientation) {
+    fn take_off_walls(&mut self, disks: &mut SoftDisks, region: &Region) {
         for who in 0..disks.bodies.len() {
             for _ in 0..TRIALS {
                 if !disks.is_across(who, region) {
                     break;
                 }
                 disks.bodies[who].position = disks.boundary.random_point(&mut self.random);
-                if orientation == Orientation::Free {
+                if self.orientation == Orientation::Free {
                     disks.bodies[who].angle = self.random.within(PI);
                 }
             }
@@ -314,7 +281,7 @@ impl Packer<'_, '_> {
     }
 
     /// Moves shapes that overlap until nothing overlaps or no attempt helps. Leaves the best state.
-    fn shake(&mut self, disks: &mut SoftDisks, orientation: Orientation) -> Slide {
+    fn shake(&mut self, disks: &mut SoftDisks) -> Slide {
         self.stage = Stage::Shaking;
         let mut best = (disks.press().energy, disks.bodies.clone());
         let size = disks.bodies.iter().map(|b| b.reach * b.reach).sum::<f64>();
@@ -323,7 +290,7 @@ impl Packer<'_, '_> {
         }
         let (mut vain, mut round) = (0, 0);
         while vain < PATIENCE {
-            let swell = self.disturb(disks, orientation, round);
+            let swell = self.disturb(disks, round);
             round += 1;
             disks.scale = swell;
             let mut slide = if swell > 1.0 { self.slide(disks, GROWING_STEPS) } else { Slide::AtRest };
@@ -348,7 +315,7 @@ impl Packer<'_, '_> {
     }
 
     /// Moves some of the stuck shapes. Returns the size to which all shapes then grow for a while.
-    fn disturb(&mut self, disks: &mut SoftDisks, orientation: Orientation, round: u32) -> f64 {
+    fn disturb(&mut self, disks: &mut SoftDisks, round: u32) -> f64 {
         let loads = disks.loads();
         let stuck: Vec<usize> = (0..loads.len()).filter(|&k| loads[k].1 > PAD).collect();
         if stuck.is_empty() {
@@ -361,7 +328,7 @@ impl Packer<'_, '_> {
                 0 => {
                     let rivals: [usize; 4] = std::array::from_fn(|_| stuck[self.random.below(stuck.len())]);
                     let heaviest = |a: usize, b: usize| if loads[b].0 > loads[a].0 { b } else { a };
-                    self.reinsert(disks, orientation, rivals.into_iter().fold(one, heaviest));
+                    self.reinsert(disks, rivals.into_iter().fold(one, heaviest));
                 }
                 // Exchange two shapes.
                 1 => {
@@ -377,7 +344,7 @@ impl Packer<'_, '_> {
                     for body in &mut disks.bodies {
                         if (body.position - middle).norm() < wide {
                             body.position += self.random.vector(far);
-                            if orientation.turns() {
+                            if self.orientation.turns() {
                                 body.angle += self.random.within(6.0 * far);
                             }
                         }
@@ -390,13 +357,7 @@ impl Packer<'_, '_> {
 
     /// Returns the density \[1/m²\] that is possible without overlap if, little by little, the shapes with the largest
     /// overlap are removed and the others spread; 0 if that takes too long.
-    fn without_some(
-        &mut self,
-        shapes: &[Shape],
-        bodies: &[Body],
-        region: &Region,
-        orientation: Orientation,
-    ) -> Result<f64, Ended> {
+    fn without_some(&mut self, shapes: &[Shape], bodies: &[Body], region: &Region) -> Result<f64, Ended> {
         self.stage = Stage::Thinning;
         self.limit = self.iteration + u64::from(TAKING_ROUNDS) * TAKING_STEPS;
         let mut left: Vec<(&Shape, Body)> = shapes.iter().zip(bodies.iter().copied()).collect();
@@ -405,7 +366,7 @@ impl Packer<'_, '_> {
                 break;
             }
             let shapes: Vec<Shape> = left.iter().map(|(s, _)| (*s).clone()).collect();
-            let mut disks = SoftDisks::new(&shapes, Boundary::Region(region), orientation, PAD);
+            let mut disks = SoftDisks::new(&shapes, Boundary::Region(region), self.orientation, PAD);
             for (body, (_, old)) in disks.bodies.iter_mut().zip(&left) {
                 (body.position, body.angle) = (old.position, old.angle);
             }
@@ -431,12 +392,12 @@ impl Packer<'_, '_> {
     }
 
     /// Moves a shape to the place with the smallest overlap among some hundred random places.
-    fn reinsert(&mut self, disks: &mut SoftDisks, orientation: Orientation, who: usize) {
+    fn reinsert(&mut self, disks: &mut SoftDisks, who: usize) {
         let grid = disks.grid();
         let mut best = (f64::INFINITY, disks.bodies[who].position, disks.bodies[who].angle);
         for _ in 0..TRIALS {
             let position = disks.boundary.random_point(&mut self.random);
-            let angle = match orientation {
+            let angle = match self.orientation {
                 Orientation::Fixed(angle) => angle,
                 Orientation::Towards(angle) => angle + self.random.within(ASKEW),
                 Orientation::Free => self.random.within(PI),
@@ -450,7 +411,7 @@ impl Packer<'_, '_> {
     }
 }
 
-/// Whether only some shapes overlap, in a region where some places are too narrow.
+/// Returns whether only some shapes overlap, in a region where some places are too narrow.
 fn a_few(disks: &mut SoftDisks) -> bool {
     let Boundary::Region(region) = disks.boundary else { return false };
     let stuck = |loads: Vec<(f64, f64)>| loads.iter().filter(|load| load.1 > PAD).count() as f64;

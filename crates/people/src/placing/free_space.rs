@@ -1,6 +1,7 @@
-//! What walls leave of a polygon: ground for people in a room with openings, in a part of a room, between obstacles.
+//! The free space that walls leave of a polygon: ground for people in a room with openings, in a part of a room, between obstacles.
 
 use super::region::{Region, SMALLEST_AREA};
+use crate::doors::is_closed;
 use crate::error::{PeopleError, Result, require};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
@@ -41,16 +42,15 @@ impl Region {
     ///
     /// # Errors
     /// The polygon does not bound a region, or nothing is left of it.
-    pub fn free_space(outer: &[Vec2], walls: &Geometry, earlier: &[&Region]) -> Result<FreeSpace> {
+    pub fn free_space(outer: &[Vec2], walls: &Geometry, earlier: &[Region]) -> Result<FreeSpace> {
         let whole = Region::polygon(outer, &[])?;
         let mut shapes: Shapes = vec![whole.rings().iter().map(contour).collect()];
         let (mut rooms, mut obstacles, mut open) = (Vec::new(), Vec::new(), Vec::new());
         let Some(bounds) = whole.bounds() else {
             return Err(PeopleError::new("no walls: nothing bounds the region"));
         };
-        let near = |wall: &&Wall| {
-            Bounds::of(wall.corners.iter().copied()).is_some_and(|wall| bounds_meet(&bounds, &wall))
-        };
+        let near =
+            |wall: &&Wall| Bounds::of(wall.corners.iter().copied()).is_some_and(|wall| bounds.meets(&wall));
         for wall in walls.walls.iter().filter(near) {
             let Some(ring) = enclosing(wall) else {
                 open.push(wall);
@@ -98,21 +98,16 @@ impl Region {
 
 /// The ring of a closed wall that does not cross itself.
 fn enclosing(wall: &Wall) -> Option<Ring> {
-    let closed = wall.corners.len() > 3 && wall.corners.first() == wall.corners.last();
     let mut corners = wall.corners.clone();
     corners.dedup();
-    Ring::through(corners).filter(|ring| closed && ring.is_simple())
+    Ring::through(corners).filter(|ring| is_closed(wall) && ring.is_simple())
 }
 
-fn bounds_meet(a: &Bounds, b: &Bounds) -> bool {
-    a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y
-}
-
-/// Whether a side of a wall may be in the way of people: it is near, and does not lie along a side of the polygons.
+/// Returns whether a side of a wall may be in the way of people: it is near, and does not lie along a side of the polygons.
 fn is_in(bounds: &Bounds, rings: &[Ring], a: Vec2, b: Vec2) -> bool {
     let along =
         |ring: &Ring| [a, b, (a + b) * 0.5].iter().all(|point| ring.nearest(*point).distance <= BESIDE);
-    Bounds::of([a, b]).is_some_and(|side| bounds_meet(bounds, &side)) && !rings.iter().any(along)
+    Bounds::of([a, b]).is_some_and(|side| bounds.meets(&side)) && !rings.iter().any(along)
 }
 
 fn contour(ring: &Ring) -> Vec<[f64; 2]> {
@@ -147,7 +142,7 @@ fn rings(shape: &[Vec<[f64; 2]>]) -> impl Iterator<Item = Ring> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::placing::{Dense, dense};
+    use crate::placing::{Settings, dense};
     use crate::shape::Shape;
     use lemons_core::plane::{Disk, Rotation};
     use std::ops::ControlFlow;
@@ -236,7 +231,7 @@ mod tests {
         let disk = |x: f64, radius: f64| Disk { radius, centre: vec2(0.0, x) };
         let person = Shape { disks: vec![disk(-0.16, 0.1), disk(0.0, 0.13), disk(0.16, 0.1)] };
         let people = vec![person; 150];
-        let settings = Dense { seed: 7, ..Dense::default() };
+        let settings = Settings { seed: 7, ..Settings::default() };
         let packing = dense(&people, &region, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
         assert!(packing.complete, "{} {}", packing.largest_overlap, packing.clear_density);
         for pose in &packing.poses {
@@ -253,10 +248,10 @@ mod tests {
         let first = Region::rectangle(vec2(6.0, -1.0), vec2(9.0, 9.0)).unwrap();
         let outer: Vec<Vec2> = BOX.iter().map(|&(x, y)| vec2(x, y)).collect();
         let open = Geometry { dimensions: None, walls: vec![] };
-        let free = Region::free_space(&outer, &open, &[&first]).unwrap();
+        let free = Region::free_space(&outer, &open, &[first]).unwrap();
         assert!((free.region.area() - 36.0).abs() < 1e-6);
         let all = Region::rectangle(vec2(-1.0, -1.0), vec2(9.0, 9.0)).unwrap();
-        let none = Region::free_space(&outer, &open, &[&all]).unwrap_err();
+        let none = Region::free_space(&outer, &open, &[all]).unwrap_err();
         assert!(none.to_string().starts_with("no ground is left: earlier regions cover it"), "{none}");
         let none = part(&BOX, vec![square("a", -2.0, 0.0, 6.0), square("b", 4.0, 0.0, 6.0)]).unwrap_err();
         assert!(none.to_string().contains("the closed walls a, b are obstacles"), "{none}");

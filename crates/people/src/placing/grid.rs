@@ -1,27 +1,11 @@
 //! Shapes on a grid, in rows across a direction.
 
-use super::{Ended, Orientation, Packing, Region, check_shapes, measure, reach, wrapped};
+use super::{Ended, Orientation, Packing, Region, Settings, check_shapes, reach, wrapped};
 use crate::error::{Result, require};
 use crate::random::Random;
 use crate::shape::{Shape, bounds};
 use lemons_core::plane::{Bounds, Pose, Rotation, Vec2, segments_touch, vec2};
 use std::f64::consts::PI;
-
-/// Settings of [`grid()`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
-    /// Direction of the shapes and of the columns. For `Free` each shape faces a random direction and the columns are
-    /// along +x.
-    pub orientation: Orientation,
-    /// The same seed gives the same placing.
-    pub seed: u64,
-}
-
-impl Default for Grid {
-    fn default() -> Grid {
-        Grid { orientation: Orientation::Fixed(0.0), seed: 0 }
-    }
-}
 
 /// Number of offsets of the grid along each axis that are tried in a region. The one with most places is used.
 const LAYS: usize = 8;
@@ -32,11 +16,12 @@ const SLACK: f64 = 1e-9;
 /// \[m\] A shape may reach this far through the boundary, so that a region of exactly the right size holds its rows.
 const EXACT: f64 = 1e-7;
 
-/// Places shapes on a grid, row by row; the first shapes are in front (in the direction they face).
+/// Places shapes on a grid, row by row; the first shapes are in front (in the direction they face). The columns are along
+/// this direction; with [`Orientation::Free`] they are along +x, and each shape faces a random direction.
 ///
 /// # Errors
 /// The region has too few places in which the shapes are inside.
-pub fn grid(shapes: &[Shape], region: &Region, settings: &Grid) -> Result<Packing> {
+pub fn grid(shapes: &[Shape], region: &Region, settings: &Settings) -> Result<Packing> {
     check_shapes(shapes)?;
     settings.orientation.check()?;
     let extents: Vec<Bounds> = shapes.iter().map(|s| extent(s, settings.orientation)).collect();
@@ -67,8 +52,7 @@ pub fn grid(shapes: &[Shape], region: &Region, settings: &Grid) -> Result<Packin
             },
         })
         .collect();
-    let measured = measure(shapes, region, &poses);
-    Ok(Packing::of(poses, &measured, Ended::Done, 0))
+    Ok(Packing::of(shapes, region, poses, Ended::Done, 0))
 }
 
 /// The bounding box of a shape that faces +x, or any direction.
@@ -145,7 +129,7 @@ fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Bounds],
     best
 }
 
-/// Whether a box, given by its corners, lies inside a region, except for rounding.
+/// Returns whether a box, given by its corners, lies inside a region, except for rounding.
 fn box_inside(region: &Region, corners: &[Vec2; 4]) -> bool {
     let middle = (corners[0] + corners[2]) * 0.5;
     if !region.contains(middle) {

@@ -3,7 +3,7 @@
 use super::measure::{overlap, through_boundary};
 use super::neighbours::CellGrid;
 use super::{
-    Ended, Orientation, Packing, Progress, Region, Stage, TOLERANCE, Watch, check_shapes, measure, reach,
+    Ended, Packing, Progress, Region, Settings, Stage, TOLERANCE, Watch, check_shapes, measure, reach,
     wrapped,
 };
 use crate::error::Result;
@@ -25,44 +25,30 @@ const ROTATIONAL_INTENSITY: f64 = PI / 18.0;
 /// The temperature begins at 1. In each iteration it falls by this, down to 0.
 const COOLING: f64 = 0.1;
 
-/// Settings of [`paper()`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Paper {
-    /// Largest number of iterations.
-    pub max_iterations: u64,
-    /// With `Free` and `Towards` agents turn (`variable_orientation` in the paper); with `Free` they begin in random
-    /// directions.
-    pub orientation: Orientation,
-    /// The same seed gives the same placing.
-    pub seed: u64,
-}
-
-impl Default for Paper {
-    fn default() -> Paper {
-        Paper { max_iterations: 1000, orientation: Orientation::Towards(0.0), seed: 0 }
-    }
-}
-
+/// Largest number of iterations.
+const ITERATIONS: u64 = 1000;
 /// Repulsions below this fraction of their intensity are left out.
 const NEGLIGIBLE: f64 = 1e-6;
 /// \[1/m²\] In the open plane the agents begin at random places in a square of this density, and spread from there.
 const BEGIN_DENSITY: f64 = 8.0;
 
-/// Places shapes by the paper's algorithm (appendix D): one shape after the other moves by the sum of its forces.
+/// Places shapes by the paper's algorithm (appendix D): one shape after the other moves by the sum of its forces. With
+/// [`Orientation::Fixed`](super::Orientation::Fixed) they do not turn (`variable_orientation` in the paper).
 ///
 /// The paper does not say how to begin and when to stop. Here agents begin at random places, evenly distributed, and
 /// the algorithm stops when nothing overlaps. Overlaps may remain; the result then says that it is not complete.
 /// [`dense()`](super::dense()) reaches higher densities.
-pub fn paper(shapes: &[Shape], region: &Region, settings: &Paper, watch: &mut Watch) -> Result<Packing> {
+pub fn paper(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut Watch) -> Result<Packing> {
     check_shapes(shapes)?;
     settings.orientation.check()?;
+    let limit = settings.limit.unwrap_or(ITERATIONS);
     let mut crowd = Crowd::new(shapes, region, settings);
     let mut temperature = 1.0;
     let (mut iterations, mut ended) = (0, Ended::Exhausted);
     let density = |poses: &[Pose]| measure(shapes, region, poses).density;
     // The hull of a crowd in the open plane takes a while: the density is not updated at every report.
     let mut reported = if shapes.is_empty() { 0.0 } else { density(&crowd.poses) };
-    for iteration in 0..settings.max_iterations {
+    for iteration in 0..limit {
         let overlap = crowd.largest_overlap();
         if overlap <= TOLERANCE {
             ended = Ended::Done;
@@ -71,7 +57,7 @@ pub fn paper(shapes: &[Shape], region: &Region, settings: &Paper, watch: &mut Wa
         if region.is_plane() && iteration % 50 == 49 {
             reported = density(&crowd.poses);
         }
-        let (stage, limit) = (Stage::Spreading, settings.max_iterations);
+        let stage = Stage::Spreading;
         if watch(&Progress { stage, iteration, limit, overlap, density: reported }).is_break() {
             ended = Ended::Cancelled;
             break;
@@ -82,9 +68,7 @@ pub fn paper(shapes: &[Shape], region: &Region, settings: &Paper, watch: &mut Wa
         temperature = f64::max(0.0, temperature - COOLING);
         iterations += 1;
     }
-    let poses = crowd.poses;
-    let measured = measure(shapes, region, &poses);
-    let packing = Packing::of(poses, &measured, ended, iterations);
+    let packing = Packing::of(shapes, region, crowd.poses, ended, iterations);
     // Perhaps the last iteration removed the last overlap.
     let done = packing.complete && ended == Ended::Exhausted;
     Ok(Packing { ended: if done { Ended::Done } else { ended }, ..packing })
@@ -93,7 +77,7 @@ pub fn paper(shapes: &[Shape], region: &Region, settings: &Paper, watch: &mut Wa
 struct Crowd<'a> {
     shapes: &'a [Shape],
     region: &'a Region,
-    settings: &'a Paper,
+    settings: &'a Settings,
     random: Random,
     poses: Vec<Pose>,
     disks: Vec<Vec<Disk>>,
@@ -104,7 +88,7 @@ struct Crowd<'a> {
 }
 
 impl<'a> Crowd<'a> {
-    fn new(shapes: &'a [Shape], region: &'a Region, settings: &'a Paper) -> Crowd<'a> {
+    fn new(shapes: &'a [Shape], region: &'a Region, settings: &'a Settings) -> Crowd<'a> {
         let mut random = Random::new(settings.seed);
         let half = 0.5 * (shapes.len() as f64 / BEGIN_DENSITY).sqrt();
         let mut poses = Vec::with_capacity(shapes.len());
@@ -131,7 +115,7 @@ impl<'a> Crowd<'a> {
         overlap(&self.disks[a], &self.disks[b]).max(0.0)
     }
 
-    /// Those near an agent, in their order.
+    /// The agents near an agent, in their order.
     fn near(&self, agent: usize) -> Vec<usize> {
         let mut near = Vec::new();
         self.cells.for_each_near(self.poses[agent].position, |other| near.push(other));
@@ -205,6 +189,7 @@ impl<'a> Crowd<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::placing::Orientation;
 
     fn disks(count: usize) -> Vec<Shape> {
         vec![Shape { disks: vec![Disk { radius: 0.2, centre: Vec2::ZERO }] }; count]
@@ -215,7 +200,7 @@ mod tests {
     fn forces_are_those_of_the_paper() {
         let region = Region::rectangle(vec2(0.0, 0.0), vec2(5.0, 5.0)).unwrap();
         let shapes = disks(3);
-        let settings = Paper { orientation: Orientation::Fixed(0.0), ..Paper::default() };
+        let settings = Settings { orientation: Orientation::Fixed(0.0), ..Settings::default() };
         let mut crowd = Crowd::new(&shapes, &region, &settings);
         for (k, (x, y)) in [(0.15, 2.0), (0.45, 2.0), (0.15, 2.5)].into_iter().enumerate() {
             crowd.cells.shift(k, crowd.poses[k].position, vec2(x, y));
@@ -235,7 +220,8 @@ mod tests {
     fn stays_inside_and_cools() {
         let region = Region::rectangle(vec2(0.0, 0.0), vec2(1.0, 1.0)).unwrap();
         let shapes = disks(30);
-        let settings = Paper { max_iterations: 40, ..Paper::default() };
+        let settings =
+            Settings { limit: Some(40), orientation: Orientation::Towards(0.0), ..Settings::default() };
         let mut seen = Vec::new();
         let packing = paper(&shapes, &region, &settings, &mut |p| {
             seen.push(p.iteration);
@@ -246,7 +232,7 @@ mod tests {
         assert_eq!((packing.ended, packing.iterations, packing.complete), (Ended::Exhausted, 40, false));
         assert!(packing.poses.iter().all(|p| region.contains(p.position)));
         let turned = |iterations: u64| -> Vec<f64> {
-            let settings = Paper { max_iterations: iterations, ..settings };
+            let settings = Settings { limit: Some(iterations), ..settings };
             let packing =
                 paper(&shapes, &region, &settings, &mut |_| std::ops::ControlFlow::Continue(())).unwrap();
             packing.poses.iter().map(|p| p.orientation).collect()

@@ -18,11 +18,11 @@ pub(super) const MOST_CORNERS: usize = 10_000;
 pub struct Region {
     /// The outer polygon, then its holes, then the next one; the inside is to their left. Empty for the open plane.
     rings: Vec<Ring>,
-    /// Those of the rings, then the walls.
+    /// The sides of the rings, then the walls.
     edges: Vec<Edge>,
     /// Number of edges of the rings.
     of_rings: usize,
-    /// Whether it is what walls left of a polygon: some places in it may be too narrow for anybody.
+    /// True of what walls left of a polygon: some places in it may be too narrow for anybody.
     is_left: bool,
     area: f64,
     slabs: Vec<Slab>,
@@ -162,7 +162,7 @@ impl Region {
         Region { rings, edges, of_rings, is_left: false, area, slabs }
     }
 
-    /// What walls left of a polygon: rings with the inside to their left, walls in it, and its area \[m²\].
+    /// Makes what walls left of a polygon: rings with the inside to their left, walls in it, and its area \[m²\].
     pub(super) fn left(rings: Vec<Ring>, walls: &[(Vec2, Vec2)], area: f64) -> Region {
         let mut left = Region { is_left: true, ..Region::of_sides(rings, area) };
         left.edges.extend(walls.iter().map(|(start, end)| Edge::new(*start, *end, true)));
@@ -214,7 +214,7 @@ impl Region {
         self.is_left
     }
 
-    /// Whether a wall in it is between two points.
+    /// Returns whether a wall in it is between two points.
     pub(super) fn parted(&self, a: Vec2, b: Vec2) -> bool {
         self.edges[self.of_rings..].iter().any(|wall| segments_cross(a, b, wall.start, wall.end))
     }
@@ -344,7 +344,7 @@ fn refuse_crossings(named: &[(String, &[Vec2])], rings: &[Ring]) -> Result<()> {
     Ok(())
 }
 
-/// Whether an edge goes back along the one before.
+/// Returns whether an edge goes back along the one before.
 fn folds_back(before: &Edge, after: &Edge) -> bool {
     let (u, v) = (before.end - before.start, after.end - after.start);
     u.cross(v) == 0.0 && u.dot(v) < 0.0

@@ -84,7 +84,7 @@ impl Body {
 pub struct SoftDisks<'a> {
     pub boundary: Boundary<'a>,
     pub bodies: Vec<Body>,
-    /// Whether the shapes may turn.
+    /// True if the shapes may turn.
     turns: bool,
     /// Relative size of the shapes: 1 is full size.
     pub scale: f64,
@@ -163,7 +163,7 @@ impl<'a> SoftDisks<'a> {
         (0..self.bodies.len()).flat_map(of).collect()
     }
 
-    /// Whether a body, at full size, has disks on both sides of a wall.
+    /// Returns whether a body, at full size, has disks on both sides of a wall.
     pub fn is_across(&self, who: usize, region: &Region) -> bool {
         let body = &self.bodies[who];
         let mut own = self.turned(who, body.angle, 1.0);
@@ -205,26 +205,25 @@ impl<'a> SoftDisks<'a> {
         self.place_disks();
         self.list();
         let mut loads = vec![(0.0, 0.0f64); self.bodies.len()];
+        let mut add = |k: usize, share: f64, overlap: f64| {
+            if overlap > 0.0 {
+                loads[k] = (loads[k].0 + share * overlap * overlap, loads[k].1.max(overlap));
+            }
+        };
         for &(a, b) in &self.pairs {
             let (a, b) = (a as usize, b as usize);
             let apart = self.bodies[b].position - self.bodies[a].position;
             for p in &self.placed[self.bodies[a].first..self.bodies[a].last] {
                 for q in &self.placed[self.bodies[b].first..self.bodies[b].last] {
                     let overlap = p.radius + q.radius - (apart + q.centre - p.centre).norm();
-                    if overlap > 0.0 {
-                        for k in [a, b] {
-                            loads[k] = (loads[k].0 + 0.25 * overlap * overlap, loads[k].1.max(overlap));
-                        }
-                    }
+                    add(a, 0.25, overlap);
+                    add(b, 0.25, overlap);
                 }
             }
         }
         for (k, body) in self.bodies.iter().enumerate() {
             for p in &self.placed[body.first..body.last] {
-                let overlap = self.through(body.position + p.centre, p.radius);
-                if overlap > 0.0 {
-                    loads[k] = (loads[k].0 + 0.5 * overlap * overlap, loads[k].1.max(overlap));
-                }
+                add(k, 0.5, self.through(body.position + p.centre, p.radius));
             }
         }
         loads
@@ -445,8 +444,8 @@ fn add(force: &mut Coordinates, push: Vec2, torque: f64) {
     force[2] += torque;
 }
 
-/// Whether a point is inside, and the nearest point of the boundary. A region lies to the left of its edges. If no edge
-/// is within `within`, the point is on the same side as the origin of its body.
+/// Returns whether a point is inside, and the nearest point of the boundary. A region lies to the left of its edges. If
+/// no edge is within `within`, the point is on the same side as the origin of its body.
 fn side_of(edges: &[Edge], point: Vec2, within: f64, origin_inside: bool) -> (bool, Vec2) {
     let mut nearest = (f64::INFINITY, point);
     let mut left_of = 0.0;
@@ -512,7 +511,7 @@ mod tests {
         }
     }
 
-    /// What a pose would cost is what it costs.
+    /// The energy that a pose would cost is what it costs.
     #[test]
     fn energy_at_a_pose() {
         let region = Region::rectangle(vec2(0.0, 0.0), vec2(1.0, 1.0)).unwrap();
