@@ -1,7 +1,6 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
 use crate::error::{TrialHasErrors, full_message};
-use crate::messages;
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
 use lemons_core::plane::Vec2;
@@ -9,7 +8,7 @@ use lemons_core::trial::DRIVE_FILE;
 use lemons_core::trial::Problems;
 use lemons_core::trial::Trial;
 use lemons_decision::{DECISION_FILE, Plan};
-use lemons_master::{TrialInput, Warning, plan_of};
+use lemons_master::{TrialInput, notes, plan_of};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
@@ -99,11 +98,12 @@ fn report(given: &TrialInput) -> Report {
         doubts_of_drive(drive).into_iter().for_each(|doubt| report.warn(&drive_file, doubt));
     }
     if wishes.is_some() && given.directory().join(DRIVE_FILE).exists() {
-        report.lines.push(messages::warning_text(&Warning::DriveOfWalkers { plan: plan_file }));
+        let added = notes::drive_of_walkers(&plan_file);
+        report.lines.push(format!("note: {added} (--no-drive: only these)"));
     }
     if let Ok(drive) = &drive {
         match (drive.missed(0.0, parameters.time_step), drive.between(0.0, parameters.time_step)) {
-            (Some(missed), _) => report.warn(&drive_file, messages::missed(&missed, "TimeStep")),
+            (Some(missed), _) => report.warn(&drive_file, notes::missed(&missed, "TimeStep")),
             (None, (between @ 1.., of)) => report.note(
                 &drive_file,
                 format!(

@@ -125,7 +125,8 @@ pub fn main() -> ExitCode {
         Err(error) if print::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             note!("lemons: {}", full_message(&error));
-            if error.is::<Misused>() {
+            let misused = matches!(error.downcast_ref(), Some(lemons_master::Error::Misused(_)));
+            if misused || error.is::<Misused>() {
                 return ExitCode::from(2);
             }
             if error.is::<Interrupted>() {

@@ -4,11 +4,11 @@ use crate::binary::{CROWD, Library};
 use crate::files::{self, Force};
 use crate::messages::report_problems;
 use crate::version::BUILD;
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, bail};
 use crowd_mechanics::pack::{Binary, Format, Naming, platforms};
 use lemons_core::trial::Trial;
 use lemons_decision::DECISION_FILE;
-use lemons_master::{Error, TrialInput, binaries_beside};
+use lemons_master::{TrialInput, binaries_beside};
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::path::{Path, PathBuf};
 
@@ -81,21 +81,12 @@ impl FmuArguments {
                     wanted.push(platform.clone());
                 }
             }
-            let binaries = binaries_beside(library.name, &wanted).map_err(with_option)?;
+            let binaries = binaries_beside(library.name, &wanted)?;
             binaries.iter().for_each(|binary| files::reads(&binary.path, library.name));
             return Ok(binaries);
         }
         self.binaries.iter().try_for_each(|binary| library.check(binary))?;
         Ok(self.binaries.clone())
-    }
-}
-
-/// Of an error in finding the own library, which option helps.
-fn with_option(error: Error) -> anyhow::Error {
-    match &error {
-        Error::NoPlatform => anyhow!("{error}: give --binary PLATFORM=FILE"),
-        Error::NoLibrary { platform, .. } => anyhow!("{error}: give --binary {platform}=FILE"),
-        _ => error.into(),
     }
 }
 
@@ -138,7 +129,7 @@ pub fn write_fmu(
     output: &Path,
 ) -> Result<Vec<String>> {
     let packed = lemons_master::pack(trials, binaries, format, Some(picture), drives, output);
-    packed.map_err(|error| report_problems(error.into()))
+    packed.map_err(report_problems)
 }
 
 /// `model.png`; a Trial that cannot be drawn has none.

@@ -26,6 +26,7 @@ use lemons_results::{Frame, Run};
 use lemons_sim::stop::{Still, StopCondition};
 use lemons_sim::{Algorithm, Clock, Point};
 use model::{Prepared, RunModel};
+use outputs::OutputTable;
 pub use recorder::Target as RowTarget;
 use recorder::{CrowdRecorder, PointKind, Recorded, Target};
 use std::ops::ControlFlow;
@@ -278,15 +279,12 @@ fn interrupted(why: String) -> Error {
 }
 
 /// Prepares a run of a Trial, an FMU or an SSP.
-fn prepare(settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
+fn prepare(settings: &Settings) -> Result<Prepared> {
     let runs = [FileType::Trial, FileType::Fmu, FileType::Ssp, FileType::Archive];
     FileType::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
     match TrialInput::find(&settings.input)? {
-        Some(given) => trial::prepare(&given, settings, outputs),
-        None => fmus::prepare(settings, |system, others, (clock, every), before| match outputs {
-            Some(place) => outputs::Outputs::create(system, others, place, &About::of(clock, every, before)),
-            None => Ok(None),
-        }),
+        Some(given) => trial::prepare(&given, settings),
+        None => fmus::prepare(settings),
     }
 }
 
@@ -315,6 +313,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let Prepared {
         mut model,
         crowds,
+        output_columns,
         plans,
         mut coupling,
         mechanical_steps,
@@ -323,7 +322,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         drive_end,
         record,
         before,
-    } = prepare(&settings, outputs.as_ref())?;
+    } = prepare(&settings)?;
     model.take_warnings().iter().for_each(|warning| note!("{warning}"));
     coupling.push(format!("communication step {:>10} s", clock.step));
     if keeps_poses && mechanical_steps.is_empty() {
@@ -336,6 +335,8 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     }
     let Saved { index, every, .. } = record;
     let about = About::of(&clock, every, before.as_ref());
+    let outputs = outputs.filter(|_| !output_columns.is_empty());
+    let outputs = outputs.map(|place| OutputTable::create(output_columns, &place, &about)).transpose()?;
     let mut recorders = Vec::with_capacity(crowds.len());
     for crowd in &crowds {
         let to = if crowds.len() > 1 { rows.named(&crowd.file_name)? } else { rows.clone() };
@@ -353,8 +354,16 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let first = model.time();
     let bar = progress_bar(stop.as_ref(), clock.steps.saturating_sub(index))?;
     let started = Instant::now();
-    let mut run =
-        Recording { recorders, stop, every, index, bar, notes: ProgressNotes::from(started), interrupt };
+    let mut run = Recording {
+        recorders,
+        outputs,
+        stop,
+        every,
+        index,
+        bar,
+        notes: ProgressNotes::from(started),
+        interrupt,
+    };
     let mut done = run.see(&mut *model, if before.is_none() { PointKind::Start } else { PointKind::Resumed });
     if done.is_ok() && !interrupt.pressed() {
         let stepped = lemons_sim::run(&mut *model, &clock, index, |model, point| run.step(model, point));
@@ -362,15 +371,15 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     }
     run.bar.finish_and_clear();
     let (wall, time) = (started.elapsed(), model.time());
-    let Recording { recorders, stop, index, .. } = run;
+    let Recording { recorders, outputs, stop, index, .. } = run;
     if let Some(StopCondition::Left(leaving)) = &stop {
         note_remaining(leaving, &recorders, time, clock.until);
     }
     let saved = match (&done, file) {
         (Ok(()), Some((file, path))) => {
-            let (component, states) = model.states()?;
+            let states = model.states()?;
             let crowd = recorders.iter().map(CrowdRecorder::record).collect();
-            let saved = Saved { index, time, component, crowd, ..record };
+            let saved = Saved { index, time, crowd, ..record };
             let shown = path.display();
             let written = saved.write(&states, file).with_context(|| format!("cannot write {shown}"));
             written.map(|()| Some(format!("saved run          {shown}   (at t = {time:.3} s)")))
@@ -397,7 +406,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         recorded = recorded.or(run);
         failed = and_then(failed, placed);
     }
-    match model.finish_outputs() {
+    match outputs.map(OutputTable::finish).transpose() {
         Ok(line) => seen.extend(line),
         Err(error) => failed = and_then(failed, Err(error)),
     }
@@ -435,6 +444,7 @@ fn claim_series(directory: &Path) -> Result<()> {
 /// A run as it is stepped.
 struct Recording<'a> {
     recorders: Vec<CrowdRecorder>,
+    outputs: Option<OutputTable>,
     stop: Option<StopCondition>,
     every: u64,
     /// The last communication point of the clock that was reached.
@@ -464,7 +474,12 @@ impl Recording<'_> {
         for (recorder, frame) in self.recorders.iter_mut().zip(frames) {
             recorder.see(frame, kind)?;
         }
-        if matches!(kind, PointKind::Start | PointKind::Written) { model.write_outputs() } else { Ok(()) }
+        match &mut self.outputs {
+            Some(outputs) if matches!(kind, PointKind::Start | PointKind::Written) => {
+                outputs.row(model.time(), &model.outputs()?)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// After a step.

@@ -1,6 +1,6 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
-use crate::channel::{Wire, channel_of};
+use crate::channel::Wire;
 use crate::error::{Error, Place, Result};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
@@ -9,10 +9,9 @@ use crate::ssp::{
     Affine, Allowance, Archive, Connector, Extent, Interface, Kind, Parameter, ParameterSet, Single,
     SystemStructure, Type, Unit, Variable, conversion, located,
 };
-use crate::system::{Component, System, component_of};
+use crate::system::{Component, System, Wiring, component_of};
 use lemons_core::files::Scratch;
 use lemons_sim::Algorithm;
-use std::collections::BTreeSet;
 use std::fs::File;
 use std::ops::Range;
 use std::path::Path;
@@ -26,8 +25,8 @@ pub struct Assembled {
     pub start: Option<f64>,
     /// \[s\] `DefaultExperiment` of the structure
     pub stop: Option<f64>,
-    /// Parameter values that no component has a variable for: SSP wants them ignored.
-    pub ignored: Vec<String>,
+    /// What is probably not meant: parameter values that no component has a variable for, which SSP wants ignored.
+    pub warnings: Vec<String>,
 }
 
 /// Reads an `.ssp`, loads its FMUs, connects them and sets their parameters. Of `further` parameters, whose names are
@@ -60,10 +59,10 @@ fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, Strin
         let instance = fmu.instantiate(&described.name).map_err(wrong)?;
         components.push(Component { name: described.name.clone(), fmu: Arc::new(fmu), instance });
     }
-    let ignored = set_parameters(&structure, &components)?;
-    let mut system = System::new(components, algorithm);
-    connect(&mut system, &structure)?;
-    Ok(Assembled { system, start: structure.start, stop: structure.stop, ignored })
+    let warnings = set_parameters(&structure, &components)?;
+    let wiring = connect(&components, &structure)?;
+    let system = System::new(components, algorithm, wiring)?;
+    Ok(Assembled { system, start: structure.start, stop: structure.stop, warnings })
 }
 
 /// The parameters of a component, in the order in which they count.
@@ -82,9 +81,9 @@ fn texts<'a>(
 }
 
 fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
-    let scratch = Scratch::new().map_err(Error::of("cannot make a temporary directory"))?;
+    let scratch = Scratch::new().place(|| "cannot make a temporary directory".to_owned())?;
     let path = scratch.path().join("component.fmu");
-    let mut file = File::create(&path).map_err(Error::of("cannot make a temporary file"))?;
+    let mut file = File::create(&path).place(|| "cannot make a temporary file".to_owned())?;
     archive.copy(source, &mut file, allowance)?;
     Fmu::unzip(&path, allowance)
 }
@@ -100,10 +99,11 @@ fn check(connector: &Connector, interface: &Interface, structure: &SystemStructu
     }
     check_sizes(connector, variable, interface).map_err(wrong)?;
     let Some(of) = &connector.of else { return Ok(()) };
-    if of.name() != variable.of.name() {
-        return Err(wrong(format!("<{}>, but the FMU says {}", of.name(), variable.of.name())));
+    let [said, own] = [*of, variable.of].map(|of| of.class().name());
+    if said != own {
+        return Err(wrong(format!("<{said}>, but the FMU says {own}")));
     }
-    let (here, there) = (of.unit(), variable.of.unit());
+    let (here, there) = (connector.unit.as_deref(), variable.unit.as_deref());
     let definition = here.and_then(|unit| structure.unit(unit));
     let same = conversion((here, definition), (there, there.and_then(|unit| interface.unit(unit))));
     if same != Ok(Affine::IDENTITY) {
@@ -177,10 +177,9 @@ fn end<'a>(
     Ok((variable, place..place + 1))
 }
 
-fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
-    let mut wires: [Vec<Wire>; 4] = Default::default();
-    let mut alike = BTreeSet::new();
-    let interface = |component: usize| &*system.components()[component].fmu.description;
+fn connect(components: &[Component], structure: &SystemStructure) -> Result<Wiring> {
+    let mut wiring = Wiring { connections: structure.connections.len(), ..Wiring::default() };
+    let interface = |component: usize| &*components[component].fmu.description;
     for connection in &structure.connections {
         let line = connection.line;
         let ((source, output), (_, input)) = (structure.port(connection.from), structure.port(connection.to));
@@ -191,36 +190,38 @@ fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
         let (here, there) = (interface(connection.from.component), interface(connection.to.component));
         let (from, sent) = end(here, output, &connection.from_indices).map_err(wrong)?;
         let (to, taken) = end(there, input, &connection.to_indices).map_err(wrong)?;
-        if from.of.name() != to.of.name() {
-            return Err(wrong(format!("{} does not become {}", from.of.name(), to.of.name())));
+        let of = from.of.class();
+        if of != to.of.class() {
+            return Err(wrong(format!("{} does not become {}", of.name(), to.of.class().name())));
         }
         if sent.len() != taken.len() || (sent.len() > 1 && sizes(from) != sizes(to)) {
             return Err(wrong(format!("{} does not become {}", elements(from, &sent), elements(to, &taken))));
         }
-        let Some(channel) = channel_of(&from.of) else {
-            return Err(wrong(format!("type {} is not served", from.of.name())));
-        };
+        if matches!(of, Type::Enumeration | Type::Binary | Type::Clock) {
+            return Err(wrong(format!("type {} is not served", of.name())));
+        }
         let mut map = Affine::IDENTITY;
         if !connection.suppress_unit_conversion {
             map = conversion(unit_of(output, here, structure), unit_of(input, there, structure))
                 .map_err(wrong)?;
         }
         if let Some(transformation) = connection.transformation {
-            if !matches!(from.of, Type::Real(_)) {
-                return Err(wrong(format!("no <LinearTransformation> for type {}", from.of.name())));
+            if of != Type::Real {
+                return Err(wrong(format!("no <LinearTransformation> for type {}", of.name())));
             }
             map = map.then(transformation);
         }
         if output.name == input.name {
-            alike.insert((connection.from.component, connection.to.component));
+            wiring.alike.insert((connection.from.component, connection.to.component));
         }
-        wires[channel].extend(sent.zip(taken).map(|(sent, taken)| Wire {
+        wiring.wires.extend(sent.zip(taken).map(|(sent, taken)| Wire {
             from: (connection.from.component, Single { variable: from, element: sent }.address()),
             to: (connection.to.component, Single { variable: to, element: taken }.address()),
             map,
         }));
     }
-    system.connect(&wires, structure.connections.len(), alike)
+    wiring.wires.sort_by_key(|wire| wire.from.1.of.class());
+    Ok(wiring)
 }
 
 fn sizes(variable: &Variable) -> Vec<usize> {
@@ -242,11 +243,11 @@ fn unit_of<'a>(
     interface: &'a Interface,
     structure: &'a SystemStructure,
 ) -> (Option<&'a str>, Option<&'a Unit>) {
-    if let Some(name) = connector.of.as_ref().and_then(Type::unit) {
+    if let Some(name) = connector.unit.as_deref() {
         return (Some(name), structure.unit(name).or_else(|| interface.unit(name)));
     }
     let variable = variable_of(interface, &connector.name).map(|(variable, _)| variable);
-    let name = variable.and_then(|variable| variable.of.unit());
+    let name = variable.and_then(|variable| variable.unit.as_deref());
     (name, name.and_then(|name| interface.unit(name)))
 }
 
@@ -269,7 +270,7 @@ fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Resu
             let found = target.filter(|(place, name)| components[*place].fmu.kind(name).is_some());
             let Some((place, name)) = found else {
                 ignored.push(format!(
-                    "{}:{}: <Parameter> name={:?}: there is no such variable, ignored",
+                    "warning: {}:{}: <Parameter> name={:?}: there is no such variable, ignored",
                     set.file, parameter.line, parameter.name
                 ));
                 continue;
@@ -291,22 +292,22 @@ fn set_parameter(
     structure: &SystemStructure,
 ) -> Result<()> {
     let (instance, interface) = (&component.instance, &component.fmu.description);
-    let single = interface.single(name);
-    let variable = single.ok_or_else(|| Error::NoVariable(name.to_owned()))?.variable;
-    let Parameter { of, text, .. } = parameter;
-    if let (Type::Real(unit), Type::Real(own)) = (of, &variable.of) {
+    let variable = interface.known(name)?.variable;
+    let Parameter { of, unit, text, .. } = parameter;
+    let [given, own] = [*of, variable.of].map(Type::class);
+    if (given, own) == (Type::Real, Type::Real) {
         let defined = |name: &String| {
             set.units.get(name).or_else(|| structure.unit(name)).or_else(|| interface.unit(name))
         };
         let here = (unit.as_deref(), unit.as_ref().and_then(defined));
-        let there = (own.as_deref(), own.as_ref().and_then(|name| interface.unit(name)));
-        let value: f64 = number(text).map_err(Error::of(format!("{name}={text}: not a number")))?;
+        let own = variable.unit.as_deref();
+        let there = (own, own.and_then(|name| interface.unit(name)));
+        let value: f64 = number(text).place(|| format!("{name}={text}: not a number"))?;
         let value = conversion(here, there).map_err(Error::new)?.apply(value);
         return instance.set(&instance.select([name])?, &[value]);
     }
-    let becomes = of.name() == variable.of.name() || (of.name(), variable.of.name()) == ("Integer", "Real");
-    if !becomes {
-        return Err(Error::new(format!("the FMU's variable is of type {}", variable.of.name())));
+    if given != own && (given, own) != (Type::Integer, Type::Real) {
+        return Err(Error::new(format!("the FMU's variable is of type {}", own.name())));
     }
     instance.set_text(&[name], text)
 }

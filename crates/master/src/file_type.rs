@@ -1,11 +1,12 @@
 //! What a file is that was taken for something else.
 
+use crate::error::{Error, Result};
 use crate::ssp::STRUCTURE_FILE;
 use crate::unzip::DESCRIPTION_FILE;
 use lemons_core::files::input;
 use std::fmt;
 use std::io::{BufReader, ErrorKind, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use zip::ZipArchive;
 
 /// What lies at a path.
@@ -91,29 +92,19 @@ impl FileType {
         found.map_or(FileType::Archive, |(_, kind)| *kind)
     }
 
-    /// That a path leads to one of these kinds, or to what is found to be wrong when it is read.
+    /// Checks that a path leads to one of these kinds, or to what is found to be wrong when it is read.
     ///
     /// # Errors
-    /// It does not; the text says what would be right.
-    pub fn expect(path: &Path, kinds: &[FileType], wanted: &'static str) -> Result<(), Unexpected> {
+    /// It does not; the text says what is there, and what is `wanted`.
+    pub fn expect(path: &Path, kinds: &[FileType], wanted: &str) -> Result<()> {
         let kind = FileType::of(path);
         if kinds.contains(&kind) || kind == FileType::Unreadable {
             return Ok(());
         }
-        Err(Unexpected { path: path.to_owned(), kind, wanted })
+        let wanted = if kind == FileType::Missing { String::new() } else { format!(", not {wanted}") };
+        let hint = if kind == FileType::SavedRun { "; lemons run --resume continues it" } else { "" };
+        Err(Error::new(format!("{}: {kind}{wanted}{hint}", path.display())))
     }
-}
-
-/// A path leads to something else than what is wanted.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{}: {kind}{}", path.display(), if *kind == FileType::Missing { String::new() } else { format!(", not {wanted}") })]
-pub struct Unexpected {
-    /// As it was given.
-    pub path: PathBuf,
-    /// What is there.
-    pub kind: FileType,
-    /// What is wanted.
-    pub wanted: &'static str,
 }
 
 impl fmt::Display for FileType {

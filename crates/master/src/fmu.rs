@@ -1,5 +1,6 @@
 //! An FMU: its files, its description, what its names stand for.
 
+use crate::bundled_library::host;
 use crate::calls::{Calls, Made};
 use crate::error::{Error, Place, Result};
 use crate::file_type::FileType;
@@ -8,7 +9,7 @@ use crate::messages::{Messages, Names};
 use crate::ssp::{Allowance, Fmi, Interface, Kind, Type};
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
-use crowd_mechanics::pack::{host_directory, host_platform};
+use crowd_mechanics::pack::host_directory;
 use crowd_mechanics::quantities;
 use crowd_mechanics::resources::{Resources, ResourcesError};
 use lemons_core::files::{Scratch, input};
@@ -62,7 +63,7 @@ impl Fmu {
 
     /// Like [`Fmu::open`], for a file whose name does not matter in messages.
     pub(crate) fn unzip(path: &Path, allowance: &mut Allowance) -> Result<Fmu> {
-        let directory = Scratch::new().map_err(Error::of("cannot make a temporary directory"))?;
+        let directory = Scratch::new().place(|| "cannot make a temporary directory".to_owned())?;
         unzip(path, directory.path(), allowance)?;
         let bytes = input::read(&directory.path().join(DESCRIPTION_FILE), LARGEST_DESCRIPTION)
             .place(|| DESCRIPTION_FILE.to_owned())?;
@@ -148,7 +149,7 @@ impl Fmu {
     pub fn instantiate(&self, name: &str) -> Result<Instance> {
         let own = self.description.co_simulation.as_ref();
         let own = own.ok_or_else(|| Error::new("the FMU is not for co-simulation".to_owned()))?;
-        let platform = host_platform().ok_or(Error::NoPlatform)?;
+        let platform = host()?;
         let name_of_library = library_of(&own.identifier, platform_of(&self.description, platform));
         let library = self.directory.path().join(&name_of_library);
         if !library.exists() {
@@ -178,7 +179,7 @@ impl Fmu {
                 ": has no directory resources, which it may need"
             };
             let source = Error::new(if said.is_empty() { why } else { said.join("\n") });
-            Error::In { place: format!("{}{hint}", self.shown), source: Box::new(source) }
+            Error::Failed { what: format!("{}{hint}", self.shown), source: Some(source.into()) }
         })?;
         let instance = Instance::new(calls, self.description.clone());
         instance.configure(&self.sizes).place(|| self.shown.clone())?;
@@ -237,8 +238,8 @@ impl Fmu {
     }
 
     /// The type of a value.
-    pub fn kind(&self, name: &str) -> Option<&Type> {
-        self.description.single(name).map(|single| &single.variable.of)
+    pub fn kind(&self, name: &str) -> Option<Type> {
+        self.description.single(name).map(|single| single.variable.of)
     }
 
     /// Chooses the sizes of arrays (FMI 3.0) of the next instances, from parameters of which some are structural. If the
@@ -263,7 +264,7 @@ impl Fmu {
                 chosen.extend(sizes.map(|(size, value)| (size.name.to_owned(), value)));
             }
             if self.is_structural(name) {
-                let value = number(text).map_err(Error::of(format!("{name}={text}: not a size")))?;
+                let value = number(text).place(|| format!("{name}={text}: not a size"))?;
                 chosen.push((name.to_owned(), value));
             }
         }
@@ -374,7 +375,7 @@ mod tests {
             zip.finish().unwrap();
             Fmu::open(&path).unwrap().instantiate("x").map_or_else(|error| error.whole(), |_| "made".into())
         };
-        let own = library_of("x", host_platform().unwrap());
+        let own = library_of("x", host().unwrap());
         let two = said(&["binaries/win16/x.dll", "binaries/linux8/x.so", "binaries/darwin8/other.dylib"]);
         assert!(two.ends_with(&format!("x.fmu: the FMU has no {own}: it has linux8, win16 only")), "{two}");
         let none = said(&["sources/x.c"]);

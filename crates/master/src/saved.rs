@@ -2,13 +2,12 @@
 
 use crate::calls::LARGEST_STATE;
 use crate::error::{Error, Place, Result};
+use crate::file_type::FileType;
 use crate::ssp::{Allowance, sound};
-use crate::system::{Component, System};
 use lemons_core::files::Staged;
 use lemons_core::files::input;
 use lemons_core::trial::quoted;
-use lemons_fmi::fingerprint;
-use lemons_sim::{ExposureSum, Extremes};
+use lemons_sim::{Algorithm, ExposureSum, Extremes};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Display;
@@ -88,9 +87,12 @@ pub struct CrowdRecord {
     pub since: ExposureSum,
 }
 
-/// Of the connections between components.
-pub fn wiring_of(system: &System) -> String {
-    format!("{:032x}", fingerprint(system.wiring().as_bytes()))
+impl ComponentRecord {
+    /// Makes the record of a component without choices, whose state is not known yet.
+    pub fn new(name: &str, model: &str, guid: &str) -> ComponentRecord {
+        let [name, model, guid] = [name, model, guid].map(str::to_owned);
+        ComponentRecord { name, model, guid, chosen: BTreeMap::new(), state: String::new(), bytes: 0 }
+    }
 }
 
 /// What a file says of the programs that wrote it, once `now` has gone on with what those `before` had written: each
@@ -109,20 +111,6 @@ fn wrong(why: impl Display) -> Error {
 impl Saved {
     /// Of this program.
     pub const FORMAT: u32 = FORMAT;
-
-    /// The parts of `component` for these states.
-    pub fn components(system: &System, states: &[Vec<u8>]) -> Vec<ComponentRecord> {
-        let all = system.components().iter().zip(states).enumerate();
-        let record = all.map(|(place, (component, state))| ComponentRecord {
-            name: component.name.clone(),
-            model: component.fmu.description.model_name.clone(),
-            guid: component.fmu.description.guid.clone(),
-            chosen: component.fmu.choices(),
-            state: format!("state-{place}"),
-            bytes: state.len() as u64,
-        });
-        record.collect()
-    }
 
     /// What was chosen before initialization, as parameters: in an SSP, with the names of the components.
     pub(crate) fn chosen(&self, coupled: bool) -> Vec<(String, String)> {
@@ -146,19 +134,22 @@ impl Saved {
         Ok(())
     }
 
-    /// Writes the archive; the same run gives the same bytes.
+    /// Writes the archive with the states of the components; the same run gives the same bytes.
     ///
     /// # Errors
     /// It cannot be written, or the states have more than [`LARGEST_STATE`] together.
-    pub fn write(&self, states: &[Vec<u8>], file: Staged) -> Result<()> {
+    pub fn write(mut self, states: &[Vec<u8>], file: Staged) -> Result<()> {
         Saved::check_states(states, LARGEST_STATE)?;
+        for (place, (component, state)) in self.component.iter_mut().zip(states).enumerate() {
+            (component.state, component.bytes) = (format!("state-{place}"), state.len() as u64);
+        }
         let mut zip = ZipWriter::new(BufWriter::new(file));
         let options = SimpleFileOptions::default()
             .last_modified_time(DateTime::default())
             .unix_permissions(0o644)
             .compression_method(CompressionMethod::Deflated);
         zip.start_file(RUN, options)?;
-        zip.write_all(toml::to_string(self).map_err(wrong)?.as_bytes())?;
+        zip.write_all(toml::to_string(&self).map_err(wrong)?.as_bytes())?;
         for (component, state) in self.component.iter().zip(states) {
             zip.start_file(component.state.as_str(), options)?;
             zip.write_all(state)?;
@@ -173,11 +164,12 @@ impl Saved {
     /// # Errors
     /// It is not a saved run, or it contains impossible numbers.
     pub fn read(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
+        FileType::expect(path, &[FileType::SavedRun], "a saved run (--state writes one)")?;
         Saved::read_archive(path).place(|| format!("saved run {}", path.display()))
     }
 
     fn read_archive(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
-        let zip = ZipArchive::new(BufReader::new(input::open(path)?)).map_err(Error::of("is none"))?;
+        let zip = ZipArchive::new(BufReader::new(input::open(path)?)).place(|| "is none".to_owned())?;
         let mut zip = sound(zip)?;
         if zip.index_for_name(RUN).is_none() {
             return Err(Error::new(format!("it contains no {RUN}, so it is not a saved run")));
@@ -274,40 +266,31 @@ impl Saved {
     ///
     /// # Errors
     /// It is not; the message says why.
-    pub fn check(&self, components: &[[String; 3]], algorithm: &str, wiring: &str) -> Result<()> {
-        let there: Vec<&str> = self.component.iter().map(|component| component.name.as_str()).collect();
-        let here: Vec<&str> = components.iter().map(|[name, ..]| name.as_str()).collect();
+    pub fn check(&self, components: &[ComponentRecord], algorithm: Algorithm, wiring: &str) -> Result<()> {
+        let names = |all: &[ComponentRecord]| {
+            all.iter().map(|component| component.name.as_str()).collect::<Vec<_>>().join(", ")
+        };
+        let (there, here) = (names(&self.component), names(components));
         if there != here {
-            let (there, here) = (there.join(", "), here.join(", "));
             let why = format!("the saved run is of the components {there}; here are {here}");
             return Err(Error::new(why));
         }
-        for (there, [_, model, guid]) in self.component.iter().zip(components) {
-            if there.guid != *guid {
-                let ComponentRecord { name, model: saved, guid: other, .. } = there;
-                return Err(Error::new(format!(
-                    "component {name:?}: the saved run is of {saved:?} with the GUID {other}; here is {model:?} with {guid}"
-                )));
-            }
+        if let Some((there, here)) = self.component.iter().zip(components).find(|(a, b)| a.guid != b.guid) {
+            let ComponentRecord { name, model, guid, .. } = there;
+            return Err(Error::new(format!(
+                "component {name:?}: the saved run is of {model:?} with the GUID {guid}; here is {:?} with {}",
+                here.model, here.guid
+            )));
         }
-        if self.algorithm != algorithm {
-            return Err(Error::Algorithm { there: self.algorithm.clone(), here: algorithm.to_owned() });
+        if self.algorithm != algorithm.to_string() {
+            let there = &self.algorithm;
+            return Err(Error::new(format!("--algorithm: the saved run has {there}, not {algorithm}")));
         }
         if self.wiring != wiring {
             let why = "the components are connected otherwise than in the saved run";
             return Err(Error::new(why.to_owned()));
         }
         Ok(())
-    }
-
-    /// As [`Saved::check`], of a system.
-    pub(crate) fn check_system(&self, system: &System) -> Result<()> {
-        let of = |component: &Component| {
-            let description = &component.fmu.description;
-            [component.name.clone(), description.model_name.clone(), description.guid.clone()]
-        };
-        let components: Vec<_> = system.components().iter().map(of).collect();
-        self.check(&components, &system.algorithm().to_string(), &wiring_of(system))
     }
 }
 

@@ -1,10 +1,11 @@
 //! What is run, and how.
 
 use crate::decider::PlanChoice;
-use crate::prepare_error::{PrepareError, Warning};
+use crate::error::{Error, Place, Result};
+use crate::notes;
 use crate::saved::Saved;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
-use lemons_core::trial::DriveChoice;
+use lemons_core::trial::{DriveChoice, DriveTable};
 use lemons_sim::{Algorithm, Clock};
 use std::path::PathBuf;
 
@@ -42,7 +43,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// With the default of everything else.
+    /// Makes settings with the default of everything else.
     pub fn of(input: impl Into<PathBuf>) -> Settings {
         Settings {
             input: input.into(),
@@ -59,59 +60,79 @@ impl Settings {
             saves: false,
         }
     }
-    /// Checks that nothing is set that a saved run contains, and that points are recorded.
+
+    /// Reads the saved run that goes on, with the states of its components.
     ///
     /// # Errors
-    /// The first setting that cannot be.
-    pub fn check(&self) -> Result<(), PrepareError> {
-        match (&self.resume, self.tolerance, self.parameters.first(), self.threads) {
-            _ if self.every == Some(0) => Err(PrepareError::Every),
-            (None, ..) | (Some(_), None, None, None) => Ok(()),
-            (Some(_), Some(tolerance), ..) => Err(PrepareError::Tolerance(tolerance)),
-            (Some(_), None, Some((name, value)), _) => {
-                Err(PrepareError::Parameter { name: name.clone(), value: value.clone() })
-            }
-            (Some(_), None, None, Some(threads)) => Err(PrepareError::Threads(threads)),
-        }
+    /// It is none, or something is set that it contains.
+    pub fn saved(&self) -> Result<Option<(Saved, Vec<Vec<u8>>)>> {
+        let Some(path) = &self.resume else { return Ok(None) };
+        let its_parameters = "the saved run contains its parameters, and they cannot be changed";
+        let contained = match (self.tolerance, self.parameters.first(), self.threads) {
+            (None, None, None) => return Saved::read(path).map(Some),
+            (Some(tolerance), ..) => format!(
+                "a tolerance of {tolerance:?}: the saved run contains its mechanical step, which cannot be changed"
+            ),
+            (None, Some((name, value)), _) => format!("{name}={value}: {its_parameters}"),
+            (None, None, Some(threads)) => format!("{threads} threads: {its_parameters}"),
+        };
+        Err(Error::Misused(format!("--resume: {contained}")))
     }
 
-    /// Returns the end \[s\] of a run that begins at a time \[s\], or goes on.
+    /// Returns the communication points of a run, the number of them for one that is recorded, and warnings. It begins
+    /// at `start`, or goes on; `stop` and `step` count if neither the settings nor the saved run say others. All in
+    /// seconds.
     ///
     /// # Errors
-    /// It is not after the beginning.
-    pub fn until_of(
+    /// The end is not after the beginning, nothing says how long a step is, or the saved run went otherwise.
+    pub fn points(
         &self,
         before: Option<&Saved>,
         start: f64,
-        stop: Option<f64>,
-    ) -> Result<f64, PrepareError> {
+        [stop, step]: [Option<f64>; 2],
+        drive: &DriveTable,
+    ) -> Result<(Clock, u64, Vec<String>)> {
         let until = self.until.or(before.map(|before| before.until)).or(stop).unwrap_or(DEFAULT_STOP_TIME);
-        let first = before.map_or(start, |before| before.time);
+        let (is, first) =
+            before.map_or(("it starts at", start), |before| ("the saved run is at", before.time));
         if until <= first {
-            return Err(PrepareError::Nothing { first, until, resumed: before.is_some() });
+            let why = format!("{is} {first:?} s and stops at {until:?} s (--until)");
+            return Err(Error::new(format!("nothing to simulate: {why}")));
         }
-        Ok(until)
-    }
-
-    /// Returns communication step \[s\] and recorded points of a saved run, which goes on as it went before.
-    ///
-    /// # Errors
-    /// Others are set.
-    pub fn same_points(&self, before: &Saved) -> Result<(f64, u64), PrepareError> {
-        if let Some(step) = self.step.filter(|step| *step != before.step) {
-            return Err(PrepareError::OtherStep { step, saved: before.step });
+        let step = self.step.or(before.map(|before| before.step)).or(step);
+        let step =
+            step.ok_or_else(|| Error::new("no FMU has a DefaultExperiment with a stepSize: give --step"))?;
+        let every = self.every.or(before.map(|before| before.every)).unwrap_or(1);
+        if let Some(before) = before {
+            let other = if drive.fingerprint() != before.drive {
+                "the saved run had another drive: give the same drive file as before, or --no-drive as before"
+                    .to_owned()
+            } else if step != before.step {
+                let saved = format!("the saved run has a communication step of {:?} s", before.step);
+                format!("--step: a communication step of {step:?} s: {saved}")
+            } else if every != before.every {
+                let saved = before.every;
+                format!("--every: one communication point in {every}: the saved run has one in {saved}")
+            } else {
+                String::new()
+            };
+            if !other.is_empty() {
+                return Err(Error::new(other));
+            }
         }
-        if let Some(every) = self.every.filter(|every| *every != before.every) {
-            return Err(PrepareError::OtherEvery { every, saved: before.every });
-        }
-        Ok((before.step, before.every))
-    }
-
-    /// Returns a warning of a run that goes on from, or is saved, between two communication points.
-    pub fn between(&self, before: Option<&Saved>, clock: &Clock) -> Option<Warning> {
+        let clock = Clock::new(start, step, until).place(|| self.input.display().to_string())?;
+        let missed = drive.missed(start, step);
+        let missed =
+            missed.map(|rows| format!("warning: drive: {}", notes::missed(&rows, "TimeStep, --step")));
         let begun = before.map(|before| (before.time, before.index));
-        let saved = self.saves.then_some((clock.until, clock.steps));
+        let saved = self.saves.then_some((until, clock.steps));
         let between = begun.into_iter().chain(saved).find(|(time, index)| *time != clock.point(*index));
-        between.map(|(time, _)| Warning::Between { time, step: clock.step })
+        let between = between.map(|(time, _)| {
+            format!(
+                "warning: t = {time:?} s is between two communication points ({step:?} s apart): a run that goes on \
+                 from there has one more, so its results are not those of a run without interruption (--until, --step)"
+            )
+        });
+        Ok((clock, every, missed.into_iter().chain(between).collect()))
     }
 }

@@ -24,7 +24,7 @@ pub use allowance::Allowance;
 pub use archive::{Archive, sound, write_archive};
 pub use connect::{Connected, Participant, connect};
 pub use document::{
-    Component, Connection, Connector, Extent, Kind, Native, Parameter, ParameterSet, Port, STRUCTURE_FILE,
+    Component, Connection, Connector, Extent, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE,
     SystemStructure, Type, located,
 };
 pub use interface::{Address, CoSimulation, Dimension, Fmi, Interface, Single, Variable};

@@ -35,7 +35,7 @@ impl TrialInput {
         if !path.is_file() {
             return Ok(None);
         }
-        let scratch = Scratch::new().map_err(Error::of("cannot make a temporary directory"))?;
+        let scratch = Scratch::new().place(|| "cannot make a temporary directory".to_owned())?;
         let found = unzip_trial(path, scratch.path()).place(|| path.display().to_string())?;
         Ok(found.map(|directory| TrialInput { path: given, directory, unpacked: Some(scratch) }))
     }

@@ -22,7 +22,7 @@ pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) ->
     let zip = ZipArchive::new(BufReader::new(input::open(path)?))?;
     if zip.index_for_name(DESCRIPTION_FILE).is_none() {
         if zip.index_for_name(STRUCTURE_FILE).is_some() {
-            return Err(Error::IsSsp);
+            return Err(Error::new("this is an SSP archive: lemons run FILE.ssp"));
         }
         return Err(Error::new(format!("it contains no {DESCRIPTION_FILE}, so it is not an FMU")));
     }
@@ -189,7 +189,7 @@ mod tests {
         let fmu = |files: &[&str]| said_of(files)[0].clone();
         assert_eq!(fmu(&[DESCRIPTION_FILE, "resources/a"]), "text");
         assert_eq!(fmu(&["x"]), "it contains no modelDescription.xml, so it is not an FMU");
-        assert_eq!(fmu(&[STRUCTURE_FILE]), "this is an SSP archive");
+        assert_eq!(fmu(&[STRUCTURE_FILE]), "this is an SSP archive: lemons run FILE.ssp");
         let trial = |files: &[&str]| said_of(files)[1].clone();
         assert_eq!(trial(&["T/Parameters.xml", "T/static/Agents.xml", "__MACOSX/T/._Agents.xml"]), "T: text");
         assert_eq!(trial(&["a/T/Parameters.xml"]), "T: text");

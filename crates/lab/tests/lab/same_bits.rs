@@ -67,9 +67,9 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
         let selection = crowd.instance.select((0..agents).flat_map(of))?;
         let active = crowd.instance.select((0..agents).map(|i| format!("agent[{i}].Active")))?;
         let values: Vec<f64> = crowd.instance.values(&selection)?;
-        let there: Vec<bool> = crowd.instance.values(&active)?;
+        let there: Vec<f64> = crowd.instance.values(&active)?;
         let mut rows: Vec<[f64; 6]> = values.as_chunks().0.to_vec();
-        let left = rows.iter_mut().zip(&there).filter(|(_, there)| !**there);
+        let left = rows.iter_mut().zip(&there).filter(|(_, there)| **there == 0.0);
         left.for_each(|(row, _)| row[..2].fill(f64::NAN));
         Ok(rows.into_iter().map(|row| row.map(f64::to_bits)).collect())
     };

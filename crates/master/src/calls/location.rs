@@ -1,13 +1,13 @@
 //! Where an FMU finds its resources: as an URI in FMI 2.0, as a path in FMI 3.0.
 
 use super::c_text;
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_encode};
 use std::ffi::CString;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
 fn absolute(directory: &Path) -> Result<PathBuf> {
-    std::path::absolute(directory).map_err(Error::of(directory.display().to_string()))
+    std::path::absolute(directory).place(|| directory.display().to_string())
 }
 
 /// What stands for itself in the path of an URI.

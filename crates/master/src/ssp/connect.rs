@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::ssp::document::{Component, Connection, Connector, Extent, Kind, Port, SystemStructure, Type};
-use crate::ssp::interface::{Dimension, Fmi, Interface, Variable};
+use crate::ssp::interface::{Dimension, Interface, Variable};
 use crate::ssp::unit::{Affine, Unit, conversion};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -136,14 +136,14 @@ fn disagreement(
     (target, input): (&Participant, &Variable),
 ) -> Option<String> {
     let (from, to) = (&source.name, &target.name);
-    if output.of.name() != input.of.name() {
-        let (a, b) = (output.of.name(), input.of.name());
+    if output.of.class() != input.of.class() {
+        let (a, b) = (output.of.class().name(), input.of.class().name());
         return Some(format!("{name}: the output of {from} is of type {a}, the input of {to} of type {b}"));
     }
-    if matches!(output.of, Type::Enumeration(_) | Type::Binary | Type::Clock) {
+    if matches!(output.of, Type::Enumeration | Type::Binary | Type::Clock) {
         return Some(format!("{name}: connections of type {} are not served", output.of.name()));
     }
-    let (a, b) = (output.of.unit(), input.of.unit());
+    let (a, b) = (output.unit.as_deref(), input.unit.as_deref());
     let defined = |participant: &Participant, unit: Option<&str>| {
         unit.and_then(|unit| participant.interface.unit(unit)).cloned()
     };
@@ -193,7 +193,7 @@ fn assemble(name: &str, participants: &[Participant], pairs: &[Pair]) -> Result<
         // at, where FMPy fails at Strings, and Enumerations need their items.
         let shown = variables.filter(|(_, variable)| {
             variable.kind == Some(Kind::Output)
-                && matches!(variable.of, Type::Real(_) | Type::Integer | Type::Boolean)
+                && matches!(variable.of.class(), Type::Real | Type::Integer | Type::Boolean)
                 && (arrays || !variable.is_array())
         });
         used.extend(shown.map(|(variable, _)| (place, variable)));
@@ -245,8 +245,8 @@ fn connector(
     variable: &Variable,
     units: &mut BTreeMap<String, Unit>,
 ) -> Result<Connector> {
-    let mut of = variable.of.clone();
-    if let Some(name) = of.unit() {
+    let mut unit = variable.unit.clone();
+    if let Some(name) = &variable.unit {
         match (participant.interface.unit(name), units.get(name)) {
             (Some(unit), Some(known)) if !unit.is_same(known) => {
                 let (of, by) = (&variable.name, &participant.name);
@@ -258,7 +258,7 @@ fn connector(
                 units.insert(name.to_owned(), unit.clone());
             }
             // SSP wants a definition of every unit that it names.
-            (None, _) => of = Type::Real(None),
+            (None, _) => unit = None,
         }
     }
     let kind = variable.kind.unwrap_or(Kind::Output);
@@ -268,8 +268,15 @@ fn connector(
         None => Extent::Size(dimension.size as u64),
     };
     let dimensions = variable.dimensions.iter().map(extent).collect();
-    let native = (interface.fmi == Fmi::V3).then_some(variable.native);
-    Ok(Connector { name: variable.name.clone(), kind, of: Some(of), native, dimensions, line: 0 })
+    Ok(Connector {
+        name: variable.name.clone(),
+        kind,
+        of: Some(variable.of),
+        unit,
+        enumeration: variable.enumeration.clone(),
+        dimensions,
+        line: 0,
+    })
 }
 
 /// The indices of an element of an array, from 1; none of a single value.

@@ -4,9 +4,10 @@ mod elements;
 mod variables;
 
 use crate::error::Result;
-use crate::ssp::document::{Kind, Native, Type};
+use crate::ssp::document::{Kind, Type};
 use crate::ssp::unit::Unit;
 use lemons_core::xml::{Document, Element};
+use lemons_fmi::Status;
 use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
@@ -22,6 +23,20 @@ pub enum Fmi {
     V2,
     /// FMI 3.0: a variable may be an array.
     V3,
+}
+
+impl Fmi {
+    /// Returns what the names of its functions begin with.
+    pub fn prefix(self) -> &'static str {
+        if self == Fmi::V2 { "fmi2" } else { "fmi3" }
+    }
+
+    /// Returns the status with this number, if this version has it.
+    pub fn status(self, code: i32) -> Option<Status> {
+        use Status::{Discard, Error, Fatal, Ok, Pending, Warning};
+        let known = [Ok, Warning, Discard, Error, Fatal].into_iter();
+        known.chain((self == Fmi::V2).then_some(Pending)).find(|status| *status as i32 == code)
+    }
 }
 
 /// What an FMU says of itself.
@@ -78,10 +93,12 @@ pub struct Variable {
     pub reference: u32,
     /// `None` for local and independent variables, and for what is known in Event Mode only.
     pub kind: Option<Kind>,
-    /// With its unit.
+    /// Its type.
     pub of: Type,
-    /// Its type in FMI 3.0, or the one that has the same values.
-    pub native: Native,
+    /// A Real's, if it has one.
+    pub unit: Option<String>,
+    /// The declared type of an Enumeration.
+    pub enumeration: Option<String>,
     /// From the outermost; none for a single value. Elements are in row-major order.
     pub dimensions: Vec<Dimension>,
     /// `start`: none, one for all elements, or one for each.
@@ -135,13 +152,15 @@ impl Single<'_> {
     /// Where the FMU has it.
     pub fn address(self) -> Address {
         let element = self.variable.is_array().then_some(self.element as u32);
-        Address { reference: self.variable.reference, element }
+        Address { of: self.variable.of, reference: self.variable.reference, element }
     }
 }
 
 /// Where an FMU has a single value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Address {
+    /// The type of the variable: in FMI 2.0 each has its own value references.
+    pub of: Type,
     /// The value reference of the variable.
     pub reference: u32,
     /// If the variable is an array: which element, from 0.
@@ -216,14 +235,6 @@ impl Interface {
         self.units.get(name)
     }
 
-    /// Adds a variable under its name.
-    fn add(&mut self, variable: Variable, element: Element) -> Result<()> {
-        let (place, reference) = (self.variables.len(), variable.reference);
-        self.add_name(&variable.name, place, reference, element)?;
-        self.variables.push(variable);
-        Ok(())
-    }
-
     /// Adds a name of the variable at a place, with its value reference.
     fn add_name(&mut self, name: &str, place: usize, reference: u32, element: Element) -> Result<()> {
         if let Some(other) = self.places.insert(name.to_owned(), place) {
@@ -258,7 +269,7 @@ mod tests {
     fn the_crowds_own_description_is_read() {
         let interface = Interface::read(include_bytes!("../../../../fmu/modelDescription.xml")).unwrap();
         let input = interface.variable("agent[2].Fp.x").unwrap();
-        assert_eq!((input.kind, &input.of), (Some(Kind::Input), &Type::Real(Some("N".into()))));
+        assert_eq!((input.kind, input.of, input.unit.as_deref()), (Some(Kind::Input), Type::Real, Some("N")));
         assert_eq!(interface.unit("N").unwrap().exponents, [1, 1, -2, 0, 0, 0, 0, 0]);
         assert_eq!(interface.variable("agent[2].AgentContacts").unwrap().of, Type::Integer);
         assert_eq!((interface.start, interface.stop, interface.step), (Some(0.0), Some(5.0), Some(0.05)));
@@ -337,7 +348,7 @@ mod tests {
             </ModelVariables></fmiModelDescription>"#;
         let interface = Interface::read(text).unwrap();
         let variable = interface.variable("f").unwrap();
-        assert_eq!((variable.kind, variable.of.unit(), variable.reference), (None, Some("N"), 7));
+        assert_eq!((variable.kind, variable.unit.as_deref(), variable.reference), (None, Some("N"), 7));
         let broken = String::from_utf8_lossy(text).replace("\"7\"", "\"-7\"");
         let said = Interface::read(broken.as_bytes()).unwrap_err().to_string();
         assert!(said.contains("modelDescription.xml:4: <ScalarVariable> valueReference=\"-7\""), "{said}");

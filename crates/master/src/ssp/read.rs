@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::ssp::document::{
-    Component, Connection, Connector, Extent, Kind, Native, Parameter, ParameterSet, Port, STRUCTURE_FILE,
+    Component, Connection, Connector, Extent, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE,
     SystemStructure, Type,
 };
 use crate::ssp::unit::{Affine, Unit};
@@ -148,13 +148,16 @@ fn read_connectors(owner: Element) -> Result<Vec<Connector>> {
             Entry::Occupied(_) => return Err(element.wrong("name", "two connectors have this name").into()),
         };
         let kind = element.text("kind")?;
-        let (of, native) = read_type(element)?;
+        let typed = read_type(element)?;
+        let of = typed.map(|(of, _)| of);
+        let attribute = |name: &str| typed.and_then(|(_, typed)| typed.optional(name)).map(str::to_owned);
         let kind = Kind::NAMES.iter().find(|(name, _)| *name == kind).map(|(_, kind)| *kind);
         Ok(Connector {
             name: name.to_owned(),
             kind: kind.ok_or_else(|| element.wrong("kind", "is not a kind of connector"))?,
             of,
-            native,
+            unit: attribute("unit").filter(|_| of.is_some_and(|of| of.class() == Type::Real)),
+            enumeration: attribute("name").filter(|_| of == Some(Type::Enumeration)),
             dimensions: element.children("Dimension").map(read_dimension).collect::<Result<_>>()?,
             line: element.line(),
         })
@@ -162,24 +165,18 @@ fn read_connectors(owner: Element) -> Result<Vec<Connector>> {
     .collect()
 }
 
-/// What a connector's values are, and the name of that in SSP 2.0 if the file has it.
-fn read_type(connector: Element) -> Result<(Option<Type>, Option<Native>)> {
-    for element in connector.elements() {
-        let unit = || element.optional("unit").map(str::to_owned);
-        let of = match element.name() {
-            "ConnectorGeometry" | "Annotations" | "Dimension" => continue,
-            "Real" => Type::Real(unit()),
-            "Integer" => Type::Integer,
-            "Enumeration" => Type::Enumeration(element.text("name")?.to_owned()),
-            "Clock" => return Err(element.problem("is not served: clocks are not").into()),
-            name => match Native::named(name) {
-                Some(native) => return Ok((Some(native.of(unit())), Some(native))),
-                None => return Err(element.problem("is not a type of SSP").into()),
-            },
-        };
-        return Ok((Some(of), None));
+/// The type of a connector's values, and the element that says it.
+fn read_type(connector: Element) -> Result<Option<(Type, Element)>> {
+    let others = ["ConnectorGeometry", "Annotations", "Dimension"];
+    let Some(element) = connector.elements().find(|element| !others.contains(&element.name())) else {
+        return Ok(None);
+    };
+    match Type::named(element.name()) {
+        Some(Type::Clock) => Err(element.problem("is not served: clocks are not").into()),
+        Some(Type::Enumeration) => Ok(element.text("name").map(|_| Some((Type::Enumeration, element)))?),
+        Some(of) => Ok(Some((of, element))),
+        None => Err(element.problem("is not a type of SSP").into()),
     }
-    Ok((None, None))
 }
 
 fn read_dimension(element: Element) -> Result<Extent> {
@@ -344,23 +341,20 @@ fn read_parameters(set: Element, prefix: &str) -> Result<ParameterSet> {
         if let Some(dimension) = element.child("Dimension") {
             return Err(dimension.problem("is not served: set the elements by their names").into());
         }
-        let unit = || typed.optional("unit").map(str::to_owned);
-        let of = match (Native::named(typed.name()), typed.name()) {
-            (Some(native), _) => native.of(unit()),
-            (None, "Real") => Type::Real(unit()),
-            (None, "Integer") => Type::Integer,
-            _ => return Err(typed.problem("is not served as a parameter's type").into()),
-        };
-        let text = typed.optional("value").ok_or_else(|| typed.problem("has no value"))?;
-        match of {
-            Type::Real(_) => typed.number("value").map(drop)?,
+        let served =
+            |of: &Type| [Type::Real, Type::Integer, Type::Boolean, Type::String].contains(&of.class());
+        let of = Type::named(typed.name()).filter(served);
+        let of = of.ok_or_else(|| typed.problem("is not served as a parameter's type"))?;
+        let text = typed.optional("value").ok_or_else(|| typed.problem("has no value"))?.to_owned();
+        match of.class() {
+            Type::Real => typed.number("value").map(drop)?,
             Type::Integer => typed.parsed::<i32>("value", "a whole number").map(drop)?,
             Type::Boolean => typed.boolean("value").map(drop)?,
-            Type::String => {}
-            _ => return Err(typed.problem("is not served as a parameter's type").into()),
+            _ => {}
         }
+        let unit = typed.optional("unit").filter(|_| of.class() == Type::Real).map(str::to_owned);
         let name = format!("{prefix}{}", element.text("name")?);
-        Ok(Parameter { name, of, text: text.to_owned(), line: element.line() })
+        Ok(Parameter { name, of, unit, text, line: element.line() })
     });
     Ok(ParameterSet {
         parameters: parameters.collect::<Result<_>>()?,

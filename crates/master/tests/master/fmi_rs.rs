@@ -53,14 +53,14 @@ fn both_read_the_same_description() {
             Causality::CalculatedParameter => Some(Kind::CalculatedParameter),
             Causality::Local | Causality::Independent => None,
         };
-        let of = match &theirs.variableType {
-            VariableType::Real { unit, .. } => Type::Real(unit.clone()),
-            VariableType::Integer { .. } => Type::Integer,
-            VariableType::Boolean { .. } => Type::Boolean,
-            VariableType::String { .. } => Type::String,
-            VariableType::Enumeration { declaredType, .. } => Type::Enumeration(declaredType.clone()),
+        let (of, unit) = match &theirs.variableType {
+            VariableType::Real { unit, .. } => (Type::Real, unit.as_ref()),
+            VariableType::Integer { .. } => (Type::Integer, None),
+            VariableType::Boolean { .. } => (Type::Boolean, None),
+            VariableType::String { .. } => (Type::String, None),
+            VariableType::Enumeration { .. } => (Type::Enumeration, None),
         };
-        assert_eq!((own.kind, &own.of), (kind, &of), "{}", own.name);
+        assert_eq!((own.kind, own.of, own.unit.as_ref()), (kind, of, unit), "{}", own.name);
     }
 }
 
@@ -72,13 +72,13 @@ fn both_run_to_the_same_bits() {
     let fmu = Fmu::open(&packed(directory.path(), Format::default())).unwrap();
     let outputs = fmu.description.variables.iter();
     let outputs: Vec<u32> = outputs
-        .filter(|variable| variable.kind == Some(Kind::Output) && matches!(variable.of, Type::Real(_)))
+        .filter(|variable| variable.kind == Some(Kind::Output) && variable.of == Type::Real)
         .map(|variable| variable.reference)
         .collect();
     let input = [fmu.description.variable("agent[0].Fp.x").unwrap().reference];
     let own = fmu.instantiate("own").unwrap();
     let select = |references: &[u32]| {
-        let at = |reference: &u32| Address { reference: *reference, element: None };
+        let at = |reference: &u32| Address { of: Type::Real, reference: *reference, element: None };
         own.select_at(&references.iter().map(at).collect::<Vec<_>>()).unwrap()
     };
     let (own_input, own_outputs) = (select(&input), select(&outputs));

@@ -7,6 +7,7 @@
 //! a number of the whole crowd, this number is called `TotalName` in FMI 3.0, and `Name` here.
 
 use super::{Dimension, Interface, Single, Variable};
+use crate::error::{Error, Result};
 use crate::ssp::document::Kind;
 
 /// The structural parameter that is the number of people.
@@ -23,6 +24,15 @@ impl Interface {
             }
             _ => self.parsed(name),
         }
+    }
+
+    /// Returns a single value by its name.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn known(&self, name: &str) -> Result<Single<'_>> {
+        let missing = || Error::new(format!("the FMU has no variable {name:?}; see lemons info"));
+        self.single(name).ok_or_else(missing)
     }
 
     /// All single values, with their names.
