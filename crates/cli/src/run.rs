@@ -7,24 +7,24 @@ mod outputs;
 mod recorder;
 mod trial;
 
+use crate::connect::plain_names;
 use crate::decide::Walk;
 use crate::error::{Misused, and_then, full_message};
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::print::{ProgressNotes, is_closed_pipe};
 use crate::results::{Format, FormatName, Place};
-use crate::version::BUILD;
 use accuracy::{Poses, run_for};
 use anyhow::{Context, Error, Result, bail, ensure};
-use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_core::trial::DriveChoice;
 use lemons_decision::walking_model::WalkingModel;
-use lemons_master::{FileType, Saved, Settings, TrialInput, writers};
+use lemons_master::{FileType, Saved, Settings, TrialInput};
 use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_results::{Frame, Run};
 use lemons_sim::stop::{Still, StopCondition};
-use lemons_sim::{Algorithm, Clock, Point};
+use lemons_sim::{Algorithm, Point};
 use model::{Prepared, RunModel};
 use outputs::OutputTable;
 pub use recorder::Target as RowTarget;
@@ -51,8 +51,8 @@ pub struct Arguments {
     /// How coupled FMUs exchange values. jacobi: all FMUs use the values of the last communication
     /// point. gauss-seidel: the FMUs step one after the other, in the order of the SSP, and each uses the
     /// newest values
-    #[arg(long, value_name = "ALGORITHM", default_value = "jacobi")]
-    algorithm: Order,
+    #[arg(long, default_value = ALGORITHMS[0], value_parser = PossibleValuesParser::new(ALGORITHMS).map(algorithm))]
+    algorithm: Algorithm,
     /// Propulsion over time: a CSV file with columns t,agent,Fp.x,Fp.y,Mp. At each communication point,
     /// values are interpolated linearly between rows; they are held until the next point, so results
     /// depend on the communication step. Before the first and after the last row they are zero. Agents that are not
@@ -173,7 +173,7 @@ impl Arguments {
             every: self.every.map(u64::from),
             drive: drive_of(self.drive.as_deref(), self.no_drive),
             plan: self.walk.choice(),
-            algorithm: self.algorithm.into(),
+            algorithm: self.algorithm,
             resume: self.resume.clone(),
             saves: self.state.is_some(),
             ..Settings::of(&self.input)
@@ -204,19 +204,10 @@ pub fn name_and_value_of_all(settings: &[String]) -> Result<Vec<(String, String)
 const FORMAT_HELP: &str = "Format of the tables: csv; or parquet, for long runs: smaller, with units in the metadata. \
                            Default: by the extension of -o, else csv";
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Order {
-    Jacobi,
-    GaussSeidel,
-}
+const ALGORITHMS: [&str; 2] = ["jacobi", "gauss-seidel"];
 
-impl From<Order> for Algorithm {
-    fn from(order: Order) -> Algorithm {
-        match order {
-            Order::Jacobi => Algorithm::Jacobi,
-            Order::GaussSeidel => Algorithm::GaussSeidel,
-        }
-    }
+fn algorithm(name: String) -> Algorithm {
+    if name == ALGORITHMS[0] { Algorithm::Jacobi } else { Algorithm::GaussSeidel }
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -227,10 +218,7 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 fn length(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("must be a positive number of metres, for example 1e-4".into()),
-    }
+    positive(text).map_err(|_| "must be a positive number of metres, for example 1e-4".into())
 }
 
 /// What came of a run.
@@ -280,7 +268,7 @@ fn interrupted(why: String) -> Error {
 
 /// Prepares a run of a Trial, an FMU or an SSP.
 fn prepare(settings: &Settings) -> Result<Prepared> {
-    let runs = [FileType::Trial, FileType::Fmu, FileType::Ssp, FileType::Archive];
+    let runs = [FileType::TRIAL, FileType::FMU, FileType::SSP, FileType::ARCHIVE];
     FileType::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
     match TrialInput::find(&settings.input)? {
         Some(given) => trial::prepare(&given, settings),
@@ -296,12 +284,11 @@ struct About {
 }
 
 impl About {
-    fn of(clock: &Clock, every: u64, before: Option<&Saved>) -> About {
-        let goes_on = before.is_some();
+    fn of(record: &Saved, goes_on: bool) -> About {
         let lines = vec![
-            ("lemons_version", writers(before.map_or("", |before| &before.lemons), &BUILD.whole())),
-            ("communication_step", format!("{:?}", clock.step)),
-            ("every", every.to_string()),
+            ("lemons_version", record.lemons.clone()),
+            ("communication_step", format!("{:?}", record.step)),
+            ("every", record.every.to_string()),
         ];
         About { lines, goes_on }
     }
@@ -331,15 +318,19 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         );
     }
     if before.is_none() {
-        output_directories.iter().try_for_each(|path| claim_series(path))?;
+        let named = output_directories.iter().filter(|name| !name.is_empty());
+        named.map(Path::new).try_for_each(claim_series)?;
     }
     let Saved { index, every, .. } = record;
-    let about = About::of(&clock, every, before.as_ref());
+    let about = About::of(&record, before.is_some());
     let outputs = outputs.filter(|_| !output_columns.is_empty());
     let outputs = outputs.map(|place| OutputTable::create(output_columns, &place, &about)).transpose()?;
     let mut recorders = Vec::with_capacity(crowds.len());
-    for crowd in &crowds {
-        let to = if crowds.len() > 1 { rows.named(&crowd.file_name)? } else { rows.clone() };
+    // Files have plain names.
+    let names = plain_names(crowds.iter().map(|crowd| crowd.component.as_str()));
+    let several = crowds.len() > 1;
+    for (crowd, name) in crowds.into_iter().zip(&names) {
+        let to = if several { rows.named(name)? } else { rows.clone() };
         recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), keeps_poses)?);
     }
     let stop = match ends {
@@ -398,8 +389,8 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     };
     // What was simulated before a failure is worth having.
     let (mut seen, mut recorded, mut poses, mut failed) = (Vec::new(), None, Vec::new(), Ok(()));
-    for (crowd, recorder) in crowds.iter().zip(recorders) {
-        seen.extend((crowds.len() > 1).then(|| format!("crowd              {}", crowd.component)));
+    for recorder in recorders {
+        seen.extend(several.then(|| format!("crowd              {}", recorder.crowd().component)));
         let (Recorded { lines, run, poses: own }, placed) = recorder.finish();
         seen.extend(lines);
         poses.extend(own);
@@ -465,7 +456,8 @@ impl Recording<'_> {
             Some(StopCondition::Still(_)) if matches!(kind, PointKind::Start | PointKind::Resumed) => {}
             Some(stop @ StopCondition::Still(_)) => stop.see(model.time(), &frames),
             Some(stop @ StopCondition::Left(_)) => {
-                let leave = frames.iter().zip(&self.recorders).filter(|(_, crowd)| crowd.may_leave());
+                let leave =
+                    frames.iter().zip(&self.recorders).filter(|(_, crowd)| crowd.crowd().groups.active);
                 let leave: Vec<Frame> = leave.map(|(frame, _)| frame.clone()).collect();
                 stop.see(model.time(), &leave);
             }
@@ -503,27 +495,22 @@ impl Recording<'_> {
 }
 
 fn progress_bar(stop: Option<&StopCondition>, steps: u64) -> Result<ProgressBar> {
-    Ok(match stop.and_then(StopCondition::left) {
+    let (length, template) = match stop.and_then(StopCondition::left) {
         // How long it takes is not known.
-        Some((leave, _)) => {
-            let style = ProgressStyle::with_template("{bar:40} {msg}  {pos} of {len} have left")?;
-            crate::print::bar(leave as u64).with_style(style)
-        }
-        None => {
-            let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
-            crate::print::bar(steps).with_style(style)
-        }
-    })
+        Some((leave, _)) => (leave as u64, "{bar:40} {msg}  {pos} of {len} have left"),
+        None => (steps, "{bar:40} {percent:>3}%  {msg}  {eta} left"),
+    };
+    Ok(crate::print::bar(length).with_style(ProgressStyle::with_template(template)?))
 }
 
 /// The end of a run in which people leave: when nobody is there any more who has an exit.
 fn until_left(plans: &[Vec<bool>], recorders: &[CrowdRecorder]) -> Result<Leaving> {
     let nobody =
         "--until left: nobody can leave: people do not walk, or have no exits (give a time in seconds)";
-    let leaving = || recorders.iter().filter(|crowd| crowd.may_leave());
+    let leaving = || recorders.iter().filter(|crowd| crowd.crowd().groups.active);
     ensure!(leaving().next().is_some(), nobody);
     // Only our own plans say who has an exit; of others, all might leave.
-    let people: usize = leaving().map(|crowd| crowd.ids().len()).sum();
+    let people: usize = leaving().map(|crowd| crowd.crowd().ids.len()).sum();
     let counted: usize = plans.iter().map(Vec::len).sum();
     let leave = plans.iter().flatten().filter(|leaves| **leaves).count() + people.saturating_sub(counted);
     ensure!(leave > 0, nobody);
@@ -553,7 +540,7 @@ fn note_remaining(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64, unt
         _ => return,
     };
     let (leave, left) = leaving.counts();
-    let ids: Vec<&str> = recorders.iter().flat_map(CrowdRecorder::ids).map(String::as_str).collect();
+    let ids: Vec<&str> = recorders.iter().flat_map(|crowd| &crowd.crowd().ids).map(String::as_str).collect();
     let mut stay: Vec<&str> = leaving.stay().take(MOST_IDS).map(|agent| ids[agent]).collect();
     if leaving.stay().nth(MOST_IDS).is_some() {
         stay.push("…");

@@ -14,7 +14,7 @@ pub use values::Value;
 
 use crate::error::{Error, Place, Result};
 use crate::messages::Messages;
-use crate::ssp::{Fmi, Type};
+use crate::ssp::{Fmi, Interface, Type};
 use lemons_fmi::Status;
 use libloading::Library;
 use location::{file_uri, path_text};
@@ -65,20 +65,6 @@ unsafe fn function<F: Copy>(library: &Library, name: &str) -> Result<F> {
     Ok(*symbol.map_err(|_| Error::new(format!("the FMU has no function {name}")))?)
 }
 
-/// What an instance is made of.
-pub(crate) struct Made<'a> {
-    pub(crate) fmi: Fmi,
-    /// The shared library.
-    pub(crate) library: &'a Path,
-    /// The FMU's directory `resources`; it need not exist.
-    pub(crate) resources: &'a Path,
-    pub(crate) name: &'a str,
-    /// In FMI 3.0 the `instantiationToken`.
-    pub(crate) guid: &'a str,
-    /// Whether the FMU gets functions for memory.
-    pub(crate) memory_functions: bool,
-}
-
 /// An instance. It is freed when this is dropped, before its library is unloaded.
 pub struct Calls {
     component: NonNull<c_void>,
@@ -102,28 +88,36 @@ impl Drop for Calls {
 }
 
 impl Calls {
-    /// Loads a library and instantiates its FMU for co-simulation.
+    /// Loads a library and instantiates its FMU for co-simulation. The FMU's directory `resources` need not exist.
     ///
     /// # Errors
     /// The library cannot be loaded or is none of an FMU; or the FMU refuses.
-    pub(crate) fn new(made: &Made, messages: Arc<Messages>) -> Result<Calls> {
-        let name = c_text(made.name, || format!("instance name={:?}", made.name))?;
-        let guid = c_text(made.guid, || format!("guid={:?}", made.guid))?;
-        let place = if made.fmi == Fmi::V2 { file_uri } else { path_text };
-        let resources = made.resources.is_dir().then(|| place(made.resources)).transpose()?;
+    pub(crate) fn new(
+        description: &Interface,
+        library: &Path,
+        resources: &Path,
+        name: &str,
+        messages: Arc<Messages>,
+    ) -> Result<Calls> {
+        let Interface { fmi, guid, co_simulation, .. } = description;
+        let name = c_text(name, || format!("instance name={name:?}"))?;
+        let guid = c_text(guid, || format!("guid={guid:?}"))?;
+        let place = if *fmi == Fmi::V2 { file_uri } else { path_text };
+        let resources = resources.is_dir().then(|| place(resources)).transpose()?;
         let resources = resources.as_deref().map_or(null(), CStr::as_ptr);
-        let library = load(made.library)?;
-        for name in required(made.fmi) {
+        let library = load(library)?;
+        for name in required(*fmi) {
             // SAFETY: it is not called.
             let found = unsafe { library.get::<fmi2Terminate>(&name) };
             found.place(|| format!("has no function {name}"))?;
         }
-        let logger = Logger::new(messages.clone(), made.memory_functions);
+        let alone = co_simulation.as_ref().is_some_and(|own| own.cannot_use_memory_functions);
+        let logger = Logger::new(messages.clone(), !alone);
         let (name, guid) = (name.as_ptr(), guid.as_ptr());
         // With logging: else an FMU tells no warnings; what it tells with the status Ok is not kept.
         // SAFETY: FMI's types and arguments; the callbacks and their environment live as long as the instance.
         let (call, component) = unsafe {
-            match made.fmi {
+            match fmi {
                 Fmi::V2 => {
                     let instantiate = function::<fmi2Instantiate>(&library, "fmi2Instantiate")?;
                     let callbacks = logger.callbacks();
@@ -144,7 +138,7 @@ impl Calls {
             }
         };
         let component = NonNull::new(component).ok_or_else(|| Error::new(format!("{call} returned NULL")))?;
-        Ok(Calls { component, fmi: made.fmi, messages, _logger: logger, library })
+        Ok(Calls { component, fmi: *fmi, messages, _logger: logger, library })
     }
 
     fn name(&self, [v2, v3]: Names) -> &'static str {

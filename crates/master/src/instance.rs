@@ -9,13 +9,6 @@ use std::cell::{Cell, RefCell};
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Structural parameters: value references, and values.
-#[derive(Default, Clone)]
-pub(crate) struct Sizes {
-    pub references: Vec<u32>,
-    pub values: Vec<u64>,
-}
-
 /// A number that a user wrote.
 pub(crate) fn number<T: FromStr<Err: Into<Cause>>>(text: &str) -> Result<T, Cause> {
     text.parse().map_err(Into::into)
@@ -42,13 +35,12 @@ impl Instance {
     }
 
     /// Sets the structural parameters that were chosen, in Configuration Mode (FMI 3.0).
-    pub(crate) fn configure(&self, sizes: &Sizes) -> Result<()> {
-        let Sizes { references, values } = sizes;
+    pub(crate) fn configure(&self, references: &[u32], sizes: &[u64]) -> Result<()> {
         if references.is_empty() {
             return Ok(());
         }
         self.calls.plain(["", "fmi3EnterConfigurationMode"])?;
-        self.calls.set("fmi3SetUInt64", references, values)?;
+        self.calls.set("fmi3SetUInt64", references, sizes)?;
         self.calls.plain(["", "fmi3ExitConfigurationMode"]).map(drop)
     }
 

@@ -35,7 +35,7 @@ const CROWD: &str = "crowd";
 /// }
 /// let clock = run.clock;
 /// let _ = lemons_sim::run::<_, Error>(&mut run, &clock, 0, |run, point| {
-///     let crowd = &run.system.components()[0].instance;
+///     let crowd = &run.system.components[0].instance;
 ///     println!("{} s: {} m", point.time, crowd.value::<f64>("agent[0].Position.x")?);
 ///     Ok(ControlFlow::Continue(()))
 /// })?;
@@ -65,7 +65,7 @@ impl Model for Prepared {
 
     fn step_to(&mut self, time: f64) -> Result<()> {
         // A system of several components has no drive.
-        self.feed.apply(&self.system.components()[0].instance, self.system.time())?;
+        self.feed.apply(&self.system.components[0].instance, self.system.time)?;
         self.system.step_to(time)
     }
 }
@@ -83,7 +83,7 @@ impl Prepared {
             Some(before) => before.chosen(coupled),
             None => settings.parameters.clone(),
         };
-        let inputs = [FileType::Fmu, FileType::Ssp, FileType::Archive];
+        let inputs = [FileType::FMU, FileType::SSP, FileType::ARCHIVE];
         FileType::expect(&settings.input, &inputs, "an FMU or an SSP")?;
         if matches!(settings.plan, PlanChoice::File(_)) {
             let why =
@@ -108,7 +108,7 @@ impl Prepared {
         let of_saved =
             || settings.resume.iter().map(|path| format!("saved run {}", path.display())).collect();
         if let Some(before) = &before {
-            before.check(&system.records(), system.algorithm(), &system.fingerprint()).place(of_saved)?;
+            before.check(&system.records(), system.algorithm, &system.fingerprint()).place(of_saved)?;
         }
         let start = before.as_ref().map_or(start.unwrap_or(0.0), |before| before.start);
         system.initialize(start, settings.tolerance)?;
@@ -116,11 +116,11 @@ impl Prepared {
             system.restore(before.time, states).place(of_saved)?;
         }
         warnings.extend(system.differing()?);
-        let trials = system.components().iter().map(Component::trial).collect::<Result<Vec<_>>>()?;
+        let trials = system.components.iter().map(Component::trial).collect::<Result<Vec<_>>>()?;
 
         // The crowd; nothing drives the components of an SSP.
         let main = trials.len() - 1;
-        let (crowd, trial) = (&system.components()[main], trials[main].as_ref());
+        let (crowd, trial) = (&system.components[main], trials[main].as_ref());
         let plays = !coupled && own && crowd.fmu.kind(PLAY_DRIVE).is_some();
         let drive = match (coupled, plays) {
             (true, _) => DriveTable::default(),
@@ -129,7 +129,7 @@ impl Prepared {
         };
         let agents = trial.map_or(&[][..], |trial| &trial.agents);
         let feed = DriveFeed::new(&crowd.instance, agents, drive, plays)?;
-        let steps = system.components().iter().zip(&trials).filter_map(|(component, trial)| match trial {
+        let steps = system.components.iter().zip(&trials).filter_map(|(component, trial)| match trial {
             Some(trial) => Some(trial.parameters.time_step),
             None => component.fmu.description.step,
         });
@@ -172,7 +172,7 @@ fn open_ssp(settings: &Settings, parameters: &[(String, String)]) -> Result<Asse
     let mut assembled = assemble(&settings.input, settings.algorithm, parameters)?;
     let system = &assembled.system;
     if settings.drive == DriveChoice::Own {
-        for (place, component) in system.components().iter().enumerate() {
+        for (place, component) in system.components.iter().enumerate() {
             if component.fmu.loses_drive(|input| system.feeds(place, input))? {
                 assembled.warnings.push(notes::drive_replaced(&component.name));
             }
@@ -184,13 +184,13 @@ fn open_ssp(settings: &Settings, parameters: &[(String, String)]) -> Result<Asse
 /// Sets a parameter or a start value; returns a warning if a connection feeds it.
 fn set(system: &System, name: &str, value: &str, coupled: bool) -> Result<Option<String>> {
     let found =
-        if coupled { system.find(name) } else { Some((0, of_crowd(&system.components()[0].fmu, name))) };
+        if coupled { system.find(name) } else { Some((0, of_crowd(&system.components[0].fmu, name))) };
     let (place, variable) = found.ok_or_else(|| {
-        let components: Vec<&str> = system.components().iter().map(|it| it.name.as_str()).collect();
+        let components: Vec<&str> = system.components.iter().map(|it| it.name.as_str()).collect();
         let components = components.join(", ");
         Error::new(format!("--set {name}={value}: expected COMPONENT.NAME; components are {components}"))
     })?;
-    let Component { fmu, instance, .. } = &system.components()[place];
+    let Component { fmu, instance, .. } = &system.components[place];
     let variables = fmu.named(variable);
     let unknown = variables.iter().any(|name| fmu.kind(name).is_none());
     if let Some(meant) = fmu.meant(variable).filter(|_| unknown) {
@@ -214,7 +214,7 @@ fn of_crowd<'a>(fmu: &Fmu, name: &'a str) -> &'a str {
 
 /// Checks that all components can be saved and restored.
 fn check_saves(system: &System) -> Result<()> {
-    for Component { name, fmu, .. } in system.components() {
+    for Component { name, fmu, .. } in &system.components {
         if let Some(flag) = fmu.cannot_save() {
             let why = format!("component {name:?} says {flag}=\"false\" (--state, --resume)");
             return Err(Error::new(format!("the run cannot be saved: {why}")));

@@ -3,22 +3,19 @@
 use crate::calls::LARGEST_STATE;
 use crate::error::{Error, Place, Result};
 use crate::file_type::FileType;
-use crate::ssp::{Allowance, sound};
+use crate::ssp::{Allowance, open_zip, sound};
 use lemons_core::files::Staged;
-use lemons_core::files::input;
 use lemons_core::trial::quoted;
 use lemons_sim::{Algorithm, ExposureSum, Extremes};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Display;
-use std::io::{BufReader, BufWriter, Read, Write};
+use std::io::{BufWriter, Read, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipWriter};
 
 const RUN: &str = "run.toml";
-/// Of `run.toml`; raised when its meaning changes.
-const FORMAT: u32 = 4;
 /// \[byte\] of `run.toml`: thousands of components.
 const LARGEST_RUN: u64 = 4_000_000;
 
@@ -109,8 +106,8 @@ fn wrong(why: impl Display) -> Error {
 }
 
 impl Saved {
-    /// Of this program.
-    pub const FORMAT: u32 = FORMAT;
+    /// The format of `run.toml` that this program knows; raised when its meaning changes.
+    pub const FORMAT: u32 = 4;
 
     /// What was chosen before initialization, as parameters: in an SSP, with the names of the components.
     pub(crate) fn chosen(&self, coupled: bool) -> Vec<(String, String)> {
@@ -164,16 +161,13 @@ impl Saved {
     /// # Errors
     /// It is not a saved run, or it contains impossible numbers.
     pub fn read(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
-        FileType::expect(path, &[FileType::SavedRun], "a saved run (--state writes one)")?;
+        let found = FileType::expect(path, &[FileType::SAVED_RUN], "a saved run");
+        found.map_err(|error| Error::new(format!("{error} (--state writes one)")))?;
         Saved::read_archive(path).place(|| format!("saved run {}", path.display()))
     }
 
     fn read_archive(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
-        let zip = ZipArchive::new(BufReader::new(input::open(path)?)).place(|| "is none".to_owned())?;
-        let mut zip = sound(zip)?;
-        if zip.index_for_name(RUN).is_none() {
-            return Err(Error::new(format!("it contains no {RUN}, so it is not a saved run")));
-        }
+        let mut zip = sound(open_zip(path)?)?;
         let mut text = Vec::new();
         Allowance::new(LARGEST_RUN).copy(RUN, zip.by_name(RUN)?, &mut text)?;
         let text = String::from_utf8(text).map_err(|_| wrong("is not UTF-8 text"))?;
@@ -210,12 +204,13 @@ impl Saved {
             lemons: String,
         }
         let version: Version = toml::from_str(text).map_err(wrong)?;
-        if version.format != FORMAT {
+        if version.format != Saved::FORMAT {
             let Version { format, lemons } = version;
             let by = if lemons.is_empty() { String::new() } else { format!(" (lemons {})", quoted(&lemons)) };
             return Err(wrong(format!(
-                "format = {format}: this program knows format {FORMAT} only; continue the run with the program that \
-                 saved it{by}, or begin it again"
+                "format = {format}: this program knows format {} only; continue the run with the program that \
+                 saved it{by}, or begin it again",
+                Saved::FORMAT
             )));
         }
         let saved: Saved = toml::from_str(text).map_err(wrong)?;
@@ -225,19 +220,17 @@ impl Saved {
 
     fn check_numbers(&self) -> Result<(), (&'static str, String)> {
         let Saved { start, step, until, time, index, every, .. } = *self;
-        let wrong = |key, value: f64, must: &str| Err((key, format!("{value:?}: must be {must}")));
-        if !start.is_finite() {
-            return wrong("start", start, "finite");
-        }
-        if !(step > 0.0 && step.is_finite()) {
-            return wrong("step", step, "positive and finite");
-        }
-        if !until.is_finite() {
-            return wrong("until", until, "finite");
-        }
         let (point, next) = (start + index as f64 * step, start + (index as f64 + 1.0) * step);
-        if !(time >= point && time < next) {
-            return wrong("time", time, &format!("from {point:?} on and before {next:?}, at index {index}"));
+        let within = format!("from {point:?} on and before {next:?}, at index {index}");
+        for (key, value, is_right, must) in [
+            ("start", start, start.is_finite(), "finite"),
+            ("step", step, step > 0.0 && step.is_finite(), "positive and finite"),
+            ("until", until, until.is_finite(), "finite"),
+            ("time", time, time >= point && time < next, &within),
+        ] {
+            if !is_right {
+                return Err((key, format!("{value:?}: must be {must}")));
+            }
         }
         if every == 0 {
             return Err(("every", "0: must be positive".into()));

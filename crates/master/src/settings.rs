@@ -125,7 +125,7 @@ impl Settings {
         let missed =
             missed.map(|rows| format!("warning: drive: {}", notes::missed(&rows, "TimeStep, --step")));
         let begun = before.map(|before| (before.time, before.index));
-        let saved = self.saves.then_some((until, clock.steps));
+        let saved = self.saves.then_some((clock.until, clock.steps));
         let between = begun.into_iter().chain(saved).find(|(time, index)| *time != clock.point(*index));
         let between = between.map(|(time, _)| {
             format!(

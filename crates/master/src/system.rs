@@ -51,14 +51,17 @@ impl Component {
 
 /// Components and the connections between them.
 pub struct System {
-    components: Vec<Component>,
-    algorithm: Algorithm,
+    /// In the order of the file.
+    pub components: Vec<Component>,
+    /// In which order components exchange values and step.
+    pub algorithm: Algorithm,
     numbers: Channel<f64>,
     texts: Channel<String>,
     wiring: Wiring,
     /// The inputs with a connection, by component.
     fed: HashSet<(usize, Address)>,
-    time: f64,
+    /// \[s\] The last communication point.
+    pub time: f64,
 }
 
 /// What a system knows of its connections.
@@ -130,11 +133,6 @@ impl System {
         Ok(warnings)
     }
 
-    /// In the order of the file.
-    pub fn components(&self) -> &[Component] {
-        &self.components
-    }
-
     /// The place of the component, and the variable, for a name `component.variable`.
     pub fn find<'a>(&self, name: &'a str) -> Option<(usize, &'a str)> {
         component_of(&self.components, name)
@@ -146,19 +144,9 @@ impl System {
         single.is_some_and(|single| self.fed.contains(&(place, single.address())))
     }
 
-    /// The algorithm: in which order components exchange values and step.
-    pub fn algorithm(&self) -> Algorithm {
-        self.algorithm
-    }
-
-    /// The number of connections.
+    /// Returns the number of connections.
     pub fn connections(&self) -> usize {
         self.wiring.connections
-    }
-
-    /// \[s\] the last communication point
-    pub fn time(&self) -> f64 {
-        self.time
     }
 
     /// Keeps crowds from playing the drives that are packed in them; before initialization. Crowds of earlier versions play

@@ -45,7 +45,7 @@ impl TrialInput {
     /// # Errors
     /// There is something else, or the zip of a Trial cannot be unpacked.
     pub fn open(path: &Path) -> Result<TrialInput> {
-        FileType::expect(path, &[FileType::Trial, FileType::Archive], "a Trial directory or a zip of one")?;
+        FileType::expect(path, &[FileType::TRIAL, FileType::ARCHIVE], "a Trial directory or a zip of one")?;
         match TrialInput::find(path)? {
             Some(given) => Ok(given),
             // Why it cannot be read says the reader.

@@ -1,14 +1,12 @@
 //! An `.fmu`, or a zip of a Trial -> its files in a directory.
 
 use crate::error::{Error, Place, Result};
-use crate::ssp::{Allowance, STRUCTURE_FILE, sound};
+use crate::ssp::{Allowance, STRUCTURE_FILE, ZipFile, open_zip, sound};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
-use lemons_core::files::{input, make_directories};
+use lemons_core::files::make_directories;
 use std::ffi::OsStr;
 use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use zip::ZipArchive;
 
 /// What makes an archive an FMU.
 pub(crate) const DESCRIPTION_FILE: &str = "modelDescription.xml";
@@ -19,7 +17,7 @@ pub(crate) const DESCRIPTION_FILE: &str = "modelDescription.xml";
 /// No FMU, a broken one, one that leads outside of the directory, holds two files of one name, or is larger than the
 /// allowance.
 pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) -> Result<()> {
-    let zip = ZipArchive::new(BufReader::new(input::open(path)?))?;
+    let zip = open_zip(path)?;
     if zip.index_for_name(DESCRIPTION_FILE).is_none() {
         if zip.index_for_name(STRUCTURE_FILE).is_some() {
             return Err(Error::new("this is an SSP archive: lemons run FILE.ssp"));
@@ -61,7 +59,7 @@ fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) 
     if !path.is_file() {
         return Ok(None);
     }
-    let Ok(zip) = ZipArchive::new(BufReader::new(input::open(path)?)) else { return Ok(None) };
+    let Ok(zip) = open_zip(path) else { return Ok(None) };
     if [DESCRIPTION_FILE, STRUCTURE_FILE].iter().any(|file| zip.index_for_name(file).is_some()) {
         return Ok(None);
     }
@@ -101,7 +99,7 @@ fn with_slashes(name: &str) -> String {
 
 /// Unpacks the files that are wanted, by their names [`with_slashes`]; looks at all of them.
 fn extract(
-    zip: &mut ZipArchive<BufReader<File>>,
+    zip: &mut ZipFile,
     directory: &Path,
     allowance: &mut Allowance,
     wanted: impl Fn(&str) -> bool,

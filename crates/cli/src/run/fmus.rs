@@ -2,7 +2,6 @@
 
 use super::model::{CrowdInfo, Prepared, RunModel, record_of};
 use super::outputs::OutputValues;
-use crate::connect::plain_names;
 use crate::results::{CellType, Column};
 use anyhow::{Error, Result, anyhow};
 use lemons_core::trial::Trial;
@@ -11,7 +10,6 @@ use lemons_master::{Component, Saved, Selection, Settings, System, plan_in};
 use lemons_results::Frame;
 use lemons_results::columns::{self, Groups};
 use lemons_sim::Model;
-use std::path::PathBuf;
 
 struct FmuRun {
     run: lemons_master::Prepared,
@@ -42,10 +40,9 @@ pub fn prepare(settings: &Settings) -> Result<Prepared> {
     let (mut output_columns, mut outputs) = (Vec::new(), Vec::new());
     let mut output_directories = Vec::new();
     for (place, trial) in trials.into_iter().enumerate() {
-        let component = &system.components()[place];
+        let component = &system.components[place];
         if trial.is_some() && component.fmu.kind(DIRECTORY).is_some() {
-            let name = component.instance.value::<String>(DIRECTORY)?;
-            output_directories.extend(Some(name).filter(|name| !name.is_empty()).map(PathBuf::from));
+            output_directories.push(component.instance.value::<String>(DIRECTORY)?);
         }
         let agents = agents_of(&component.fmu.description);
         if agents == 0 {
@@ -62,26 +59,20 @@ pub fn prepare(settings: &Settings) -> Result<Prepared> {
         readers.push(reader);
         crowds.push(crowd);
     }
-    // Files have plain names.
-    let names: Vec<String> = crowds.iter().map(|crowd| crowd.component.clone()).collect();
-    for (crowd, name) in crowds.iter_mut().zip(plain_names(names.iter().map(String::as_str))) {
-        crowd.file_name = name;
-    }
     let mut mechanical_steps = Vec::new();
-    for component in system.components() {
+    for component in &system.components {
         if component.fmu.description.single(STEP).is_some() {
             let name = if run.coupled { format!("{}.{STEP}", component.name) } else { STEP.to_owned() };
             mechanical_steps.push((name, component.instance.value(STEP)?));
         }
     }
-    let (count, connections, algorithm) =
-        (system.components().len(), system.connections(), system.algorithm());
+    let (count, connections, algorithm) = (system.components.len(), system.connections(), system.algorithm);
     let parts =
         format!("components         {count:>10}     ({algorithm} algorithm, {connections} connections)");
     Ok(Prepared {
         crowds,
         output_columns,
-        plans: system.components().iter().filter_map(|component| plan_in(&component.fmu)).collect(),
+        plans: system.components.iter().filter_map(|component| plan_in(&component.fmu)).collect(),
         coupling: run.coupled.then_some(parts).into_iter().collect(),
         mechanical_steps,
         output_directories,
@@ -112,7 +103,7 @@ impl Model for FmuRun {
 
 impl RunModel for FmuRun {
     fn time(&self) -> f64 {
-        self.run.system.time()
+        self.run.system.time
     }
 
     fn frame(&self, crowd: usize) -> Result<Frame> {
@@ -120,14 +111,14 @@ impl RunModel for FmuRun {
     }
 
     fn values(&mut self, crowd: usize, names: &[String]) -> Result<Vec<f64>> {
-        let instance = &self.run.system.components()[self.crowds[crowd].place].instance;
+        let instance = &self.run.system.components[self.crowds[crowd].place].instance;
         Ok(instance.values(&instance.select(names)?)?)
     }
 
     fn outputs(&mut self) -> Result<OutputValues> {
         let mut values = OutputValues::default();
         for (place, numbers, texts) in &self.outputs {
-            let instance = &self.run.system.components()[*place].instance;
+            let instance = &self.run.system.components[*place].instance;
             values.0.extend(instance.values::<f64>(numbers)?);
             values.1.extend(instance.values::<String>(texts)?);
         }
@@ -150,7 +141,7 @@ impl RunModel for FmuRun {
 impl Reader {
     /// Of the first `agents` of an initialized component.
     fn of(system: &System, place: usize, agents: usize, trial: Option<Trial>) -> Result<(Reader, CrowdInfo)> {
-        let component = &system.components()[place];
+        let component = &system.components[place];
         let trial = trial.filter(|trial| trial.agents.len() == agents);
         let description = &component.fmu.description;
         let has_all = |group: &[columns::Quantity]| {
@@ -174,7 +165,6 @@ impl Reader {
         };
         let crowd = CrowdInfo {
             component: component.name.clone(),
-            file_name: String::new(),
             ids,
             trial,
             groups,
@@ -187,9 +177,9 @@ impl Reader {
     }
 
     fn frame(&self, system: &System) -> Result<Frame> {
-        let component = &system.components()[self.place];
+        let component = &system.components[self.place];
         let values = component.instance.values(&self.values)?;
-        let frame = Frame::of_values(system.time(), self.agents, self.groups, &values);
+        let frame = Frame::of_values(system.time, self.agents, self.groups, &values);
         frame.map_err(|what| anyhow!("{}: {what}", component.name))
     }
 }
@@ -220,7 +210,7 @@ fn agents_of(description: &Interface) -> usize {
 
 /// Whether inputs say who is there, and another component decides about it or somebody is not there from the start.
 fn may_leave(system: &System, place: usize, agents: usize) -> Result<bool> {
-    let component = &system.components()[place];
+    let component = &system.components[place];
     let names: Vec<String> = (0..agents).map(|i| of_agent(i, &columns::ACTIVE)).collect();
     let is_input = |name: &String| {
         let found = component.fmu.description.single(name).map(|single| single.variable);

@@ -9,14 +9,11 @@ use lemons_master::{ComponentRecord, Saved, writers};
 use lemons_results::Frame;
 use lemons_results::columns::{Column, Groups};
 use lemons_sim::{Algorithm, Clock, Model};
-use std::path::PathBuf;
 
 /// A crowd whose frames a run records.
 pub struct CrowdInfo {
     /// Name of its component.
     pub component: String,
-    /// The same as a part of the name of a file.
-    pub file_name: String,
     pub ids: Vec<String>,
     /// Shapes, if they are known.
     pub trial: Option<Trial>,
@@ -64,8 +61,8 @@ pub struct Prepared {
     pub coupling: Vec<String>,
     /// Mechanical steps \[s\], by the name of the parameter.
     pub mechanical_steps: Vec<(String, f64)>,
-    /// Directories into which crowds write XML files.
-    pub output_directories: Vec<PathBuf>,
+    /// Directories into which crowds write XML files, if not empty.
+    pub output_directories: Vec<String>,
     pub clock: Clock,
     /// \[s\] When the drive ends, if there is one.
     pub drive_end: Option<f64>,

@@ -12,13 +12,10 @@ use lemons_fmi::variables::{Kind as VariableKind, Scalar};
 use lemons_master::{ComponentRecord, Settings, TrialInput, notes};
 use lemons_results::Frame;
 use lemons_results::columns::Groups;
-use lemons_sim::settings::{DECISION, Selection};
-use lemons_sim::{Documents, Model, SimError, Simulation};
-use std::path::PathBuf;
+use lemons_sim::settings::{CROWD, DECISION, Selection};
+use lemons_sim::{Model, SimError, Simulation};
 
-/// Name of the component in a saved run, and in tables.
-const CROWD: &str = "crowd";
-/// The same in a saved run of people who walk.
+/// Name of the component in a saved run of people who walk.
 const WALKERS: &str = "crowd and decision";
 
 struct TrialRun {
@@ -87,7 +84,8 @@ impl RunModel for TrialRun {
 /// Prepares a run of a Trial. Warnings are printed.
 pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
     let saved = settings.saved()?;
-    let (documents, problems, plan) = documents(given, settings)?;
+    let read = given.documents(&settings.drive, &settings.plan);
+    let (documents, problems, plan) = read.map_err(report_problems)?;
     problems.iter().for_each(|problem| note!("{problem}"));
     let (drive, walking) = (documents.drive.clone(), documents.plan.clone());
     let (trial, drive_end) = (documents.trial.clone(), drive.end());
@@ -146,7 +144,6 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
     let groups = Groups { contacts: true, of_step: true, active: frame.active.is_some(), totals: true };
     let crowd = CrowdInfo {
         component: CROWD.into(),
-        file_name: CROWD.into(),
         ids: simulation.ids().to_vec(),
         groups,
         columns: groups.columns(),
@@ -160,7 +157,6 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
     };
     let step_name = if walking.is_some() { "crowd.TimeStepMechanical" } else { "TimeStepMechanical" };
     let mechanical = simulation.trial().parameters.time_step_mechanical;
-    let directory = simulation.text(Quantity::OutputDirectory).to_owned();
     let parts = |_| format!("people walk        ({} algorithm)", settings.algorithm);
     Ok(Prepared {
         crowds: vec![crowd],
@@ -168,26 +164,13 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
         coupling: walking.iter().map(parts).collect(),
         plans: walking.into_iter().collect(),
         mechanical_steps: vec![(step_name.into(), mechanical)],
-        output_directories: Some(directory)
-            .filter(|name| !name.is_empty())
-            .map(PathBuf::from)
-            .into_iter()
-            .collect(),
+        output_directories: vec![simulation.text(Quantity::OutputDirectory).to_owned()],
         record: record_of((&clock, every), before.as_ref(), settings.algorithm, &drive, component),
         clock,
         drive_end,
         before,
         model: Box::new(TrialRun { simulation, outputs }),
     })
-}
-
-/// The documents of a run; errors of a Trial are printed.
-pub fn documents(
-    given: &TrialInput,
-    settings: &Settings,
-) -> Result<(Documents, lemons_core::trial::Problems, Option<PathBuf>)> {
-    let read = given.documents(&settings.drive, &settings.plan);
-    read.map_err(report_problems)
 }
 
 /// Why a parameter was not set, in the words of the command.

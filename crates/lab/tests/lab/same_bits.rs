@@ -61,7 +61,7 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
     let mut run = Prepared::of(&settings).unwrap();
     let agents = scene.documents.trial.agents.len();
     let see = |run: &Prepared| -> Result<Vec<[u64; 6]>, Error> {
-        let crowd = run.system.components().iter().find(|component| component.name == "crowd").unwrap();
+        let crowd = run.system.components.iter().find(|component| component.name == "crowd").unwrap();
         let quantities = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"];
         let of = |i: usize| quantities.map(|quantity| format!("agent[{i}].{quantity}"));
         let selection = crowd.instance.select((0..agents).flat_map(of))?;

@@ -14,9 +14,17 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
+/// A zip on a disk.
+pub(crate) type ZipFile = ZipArchive<BufReader<File>>;
+
+/// Opens a zip; [`sound`] looks at its entries.
+pub(crate) fn open_zip(path: &Path) -> Result<ZipFile> {
+    Ok(ZipArchive::new(BufReader::new(input::open(path)?))?)
+}
+
 /// An archive that is being read.
 pub struct Archive {
-    zip: ZipArchive<BufReader<File>>,
+    zip: ZipFile,
 }
 
 impl Archive {
@@ -25,7 +33,7 @@ impl Archive {
     /// # Errors
     /// No archive there, or one with too many entries, with an entry that leads outside, or with two of one name.
     pub fn open(path: &Path) -> Result<Archive> {
-        let zip = ZipArchive::new(BufReader::new(input::open(path)?))?;
+        let zip = open_zip(path)?;
         Allowance::new(0).entries(zip.len())?;
         Ok(Archive { zip: sound(zip)? })
     }

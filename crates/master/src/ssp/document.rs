@@ -169,13 +169,15 @@ impl Type {
     }
 }
 
-/// A connector by its places in the lists.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+/// An end of a connection.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Port {
-    /// In [`SystemStructure::components`].
+    /// Its place in [`SystemStructure::components`].
     pub component: usize,
-    /// In [`Component::connectors`].
+    /// Its place in [`Component::connectors`].
     pub connector: usize,
+    /// SSP 2.0: the element of an array, by indices from 1; empty for all of it.
+    pub indices: Vec<usize>,
 }
 
 /// From an output to an input.
@@ -185,10 +187,6 @@ pub struct Connection {
     pub from: Port,
     /// The input.
     pub to: Port,
-    /// SSP 2.0: the element of an output that is an array, by indices from 1; empty for all of it.
-    pub from_indices: Vec<u64>,
-    /// The same of the input.
-    pub to_indices: Vec<u64>,
     /// `LinearTransformation`, after the conversion to the unit of the input.
     pub transformation: Option<Affine>,
     /// `suppressUnitConversion`
@@ -231,14 +229,9 @@ impl SystemStructure {
     }
 
     /// A connector and its component.
-    pub fn port(&self, port: Port) -> (&Component, &Connector) {
+    pub fn port(&self, port: &Port) -> (&Component, &Connector) {
         let component = &self.components[port.component];
         (component, &component.connectors[port.connector])
-    }
-
-    /// A unit by name.
-    pub fn unit(&self, name: &str) -> Option<&Unit> {
-        self.units.get(name)
     }
 }
 

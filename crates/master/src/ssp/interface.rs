@@ -3,6 +3,8 @@
 mod elements;
 mod variables;
 
+pub(crate) use elements::{place_of, written};
+
 use crate::error::Result;
 use crate::ssp::document::{Kind, Type};
 use crate::ssp::unit::Unit;
@@ -52,8 +54,6 @@ pub struct Interface {
     pub version: Option<String>,
     /// `None`: it is not for co-simulation.
     pub co_simulation: Option<CoSimulation>,
-    /// `modelIdentifier` of its `<ModelExchange>`
-    pub model_exchange: Option<String>,
     /// In the order of the file.
     pub variables: Vec<Variable>,
     /// By name, and by an FMI 3.0 `<Alias>`.
@@ -120,6 +120,23 @@ impl Variable {
     /// The number of its values.
     pub fn count(&self) -> usize {
         self.dimensions.iter().map(|dimension| dimension.size).product()
+    }
+
+    /// Returns the sizes of its dimensions.
+    pub fn sizes(&self) -> Vec<usize> {
+        self.dimensions.iter().map(|dimension| dimension.size).collect()
+    }
+
+    /// Returns the indices of one of its elements, from 1; none of a single value.
+    pub fn indices(&self, element: usize) -> Vec<usize> {
+        let mut rest = element;
+        let mut indices: Vec<usize> = Vec::with_capacity(self.dimensions.len());
+        for dimension in self.dimensions.iter().rev() {
+            indices.push(rest % dimension.size.max(1) + 1);
+            rest /= dimension.size.max(1);
+        }
+        indices.reverse();
+        indices
     }
 
     /// Whether it is an array, perhaps of one element.
@@ -194,14 +211,13 @@ impl Interface {
             }
         };
         let token = if fmi == Fmi::V2 { "guid" } else { "instantiationToken" };
-        let exchange = root.child("ModelExchange").map(|element| element.text("modelIdentifier"));
+        root.child("ModelExchange").map(identifier).transpose()?;
         let mut interface = Interface {
             fmi,
             model_name: root.text("modelName")?.to_owned(),
             guid: root.text(token)?.to_owned(),
             version: root.optional("version").map(str::to_owned),
             co_simulation: root.child("CoSimulation").map(|own| read_co_simulation(own, fmi)).transpose()?,
-            model_exchange: exchange.transpose()?.map(str::to_owned),
             ..Interface::default()
         };
         if let Some(experiment) = root.child("DefaultExperiment") {
@@ -247,6 +263,26 @@ impl Interface {
     }
 }
 
+/// \[byte\] Of a modelIdentifier: with a platform's suffix it is the name of a file.
+const LONGEST_IDENTIFIER: usize = 200;
+
+/// Reads a modelIdentifier, which must be what FMI wants, an identifier of C: it is a part of the path of a library that is
+/// loaded.
+fn identifier(element: Element<'_>) -> Result<&str> {
+    let name = element.text("modelIdentifier")?;
+    if name.len() > LONGEST_IDENTIFIER {
+        let length = name.len();
+        let why = format!("modelIdentifier has {length} bytes: must have at most {LONGEST_IDENTIFIER}");
+        return Err(element.problem(why).into());
+    }
+    let letters = name.bytes().all(|byte| byte == b'_' || byte.is_ascii_alphanumeric());
+    if !letters || name.is_empty() || name.as_bytes()[0].is_ascii_digit() {
+        let why = "must be a name in C: letters from A to Z, digits and _, without a digit at the beginning";
+        return Err(element.wrong("modelIdentifier", why).into());
+    }
+    Ok(name)
+}
+
 fn read_co_simulation(element: Element, fmi: Fmi) -> Result<CoSimulation> {
     let flag = |name| lemons_core::xml::Result::Ok(element.boolean(name)?.unwrap_or(false));
     let [state, serialize] = match fmi {
@@ -254,7 +290,7 @@ fn read_co_simulation(element: Element, fmi: Fmi) -> Result<CoSimulation> {
         Fmi::V3 => ["canGetAndSetFMUState", "canSerializeFMUState"],
     };
     Ok(CoSimulation {
-        identifier: element.text("modelIdentifier")?.to_owned(),
+        identifier: identifier(element)?.to_owned(),
         cannot_use_memory_functions: fmi == Fmi::V3 || flag("canNotUseMemoryManagementFunctions")?,
         can_get_and_set_state: flag(state)?,
         can_serialize_state: flag(serialize)?,
@@ -276,67 +312,27 @@ mod tests {
         let own = interface.co_simulation.as_ref().unwrap();
         assert_eq!(own.identifier, "CrowdMechanics");
         assert!(own.can_get_and_set_state && own.can_serialize_state && own.cannot_use_memory_functions);
-        assert_eq!((interface.model_exchange.as_deref(), input.start_of(0)), (None, Some("0.0")));
+        assert_eq!(input.start_of(0), Some("0.0"));
         assert!(interface.guid.starts_with('{') && !interface.model_name.is_empty());
         assert!(input.description.as_ref().is_some_and(|text| !text.is_empty()));
     }
 
     #[test]
     fn what_makes_no_fmu_of_version_2_is_named() {
-        let said = |attributes: &str| {
+        for (attributes, why) in [
+            (
+                "fmiVersion=\"1.0\" modelName=\"m\"",
+                " fmiVersion=\"1.0\": must be 2.0 or 3.0: FMUs of other versions of FMI cannot be read",
+            ),
+            ("fmiVersion=\"3.0\" modelName=\"m\" guid=\"g\"", ": has no instantiationToken"),
+            ("modelName=\"m\" guid=\"g\"", ": has no fmiVersion"),
+            ("fmiVersion=\"2.0\" guid=\"g\"", ": has no modelName"),
+            ("fmiVersion=\"2.0\" modelName=\"m\"", ": has no guid"),
+        ] {
             let text = format!("<fmiModelDescription {attributes}><ModelVariables/></fmiModelDescription>");
-            Interface::read(text.as_bytes()).map_or_else(|error| error.to_string(), |_| "read".to_owned())
-        };
-        assert_eq!(said("fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\""), "read");
-        let place = "modelDescription.xml:1: <fmiModelDescription>";
-        assert_eq!(
-            said("fmiVersion=\"1.0\" modelName=\"m\""),
-            format!(
-                "{place} fmiVersion=\"1.0\": must be 2.0 or 3.0: FMUs of other versions of FMI cannot be read"
-            )
-        );
-        assert_eq!(
-            said("fmiVersion=\"3.0\" modelName=\"m\" guid=\"g\""),
-            format!("{place}: has no instantiationToken")
-        );
-        assert_eq!(said("modelName=\"m\" guid=\"g\""), format!("{place}: has no fmiVersion"));
-        assert_eq!(said("fmiVersion=\"2.0\" guid=\"g\""), format!("{place}: has no modelName"));
-        assert_eq!(said("fmiVersion=\"2.0\" modelName=\"m\""), format!("{place}: has no guid"));
-    }
-
-    fn said_of_variables(variables: &str) -> String {
-        let text = format!(
-            "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"><ModelVariables>\n{variables}\n\
-             </ModelVariables></fmiModelDescription>"
-        );
-        Interface::read(text.as_bytes()).map_or_else(|error| error.to_string(), |_| "read".to_owned())
-    }
-
-    /// `--set` went to the last one.
-    #[test]
-    fn two_variables_of_one_name_are_refused_with_their_references() {
-        let variable = |name: &str, reference: u32| {
-            format!(
-                "<ScalarVariable name=\"{name}\" valueReference=\"{reference}\"><Real/></ScalarVariable>\n"
-            )
-        };
-        assert_eq!(said_of_variables(&(variable("a", 3) + &variable("b", 3))), "read");
-        let said = said_of_variables(&(variable("a", 3) + &variable("b", 4) + &variable("a", 5)));
-        let expected = "modelDescription.xml:4: <ScalarVariable> name=\"a\": two variables have this name, with the value \
-                        references 3 and 5";
-        assert_eq!(said, expected);
-    }
-
-    #[test]
-    fn a_start_value_that_is_no_number_is_refused() {
-        let start = |start: &str| {
-            said_of_variables(&format!(
-                "<ScalarVariable name=\"a\" valueReference=\"1\"><Real start=\"{start}\"/></ScalarVariable>"
-            ))
-        };
-        assert_eq!(start("1e3"), "read");
-        let expected = "modelDescription.xml:2: <Real> start=\"NaN\": of the variable \"a\" is not a number";
-        assert_eq!(start("NaN"), expected);
+            let said = Interface::read(text.as_bytes()).unwrap_err().to_string();
+            assert_eq!(said, format!("modelDescription.xml:1: <fmiModelDescription>{why}"));
+        }
     }
 
     #[test]

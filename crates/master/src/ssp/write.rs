@@ -103,9 +103,9 @@ fn write_connector(out: &mut Out, connector: &Connector, arrays: bool) {
 fn write_connections(out: &mut Out, structure: &SystemStructure) {
     for connection in &structure.connections {
         let ((start, output), (end, input)) =
-            (structure.port(connection.from), structure.port(connection.to));
-        let written = |indices: &[u64]| indices.iter().map(u64::to_string).collect::<Vec<_>>().join(" ");
-        let (from, to) = (written(&connection.from_indices), written(&connection.to_indices));
+            (structure.port(&connection.from), structure.port(&connection.to));
+        let written = |indices: &[usize]| indices.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
+        let (from, to) = (written(&connection.from.indices), written(&connection.to.indices));
         let attributes = [
             ("startElement", start.name.as_str()),
             ("startConnector", &output.name),

@@ -177,10 +177,10 @@ fn arrays_are_coupled_by_ssp_2() {
     let mut system: System = assembled(&structure).unwrap_or_else(|error| panic!("{}", error.whole()));
     system.initialize(0.0, None).unwrap();
     for _ in 0..3 {
-        system.step_to(system.time() + 0.5).unwrap();
+        system.step_to(system.time + 0.5).unwrap();
     }
     let real =
-        |component: usize, name: &str| system.components()[component].instance.value::<f64>(name).unwrap();
+        |component: usize, name: &str| system.components[component].instance.value::<f64>(name).unwrap();
     assert_eq!(real(1, "f64.in[3,1]"), 15.0, "10 (0.5 + 1)");
     assert_eq!(real(1, "f64.in[1,2]"), 10.0, "10 (0 + 1)");
     assert_eq!((real(0, "f32.in[3]"), real(0, "f32.in[2]")), (11.0, 0.0), "only that element");

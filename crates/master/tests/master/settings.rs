@@ -26,7 +26,7 @@ fn poses(settings: &Settings, most: usize) -> (Prepared, Vec<Row>) {
     let (clock, begun) = (run.clock, run.before.as_ref().map_or(0, |before| before.index));
     let mut rows = Vec::new();
     let _ = lemons_sim::run::<_, Error>(&mut run, &clock, begun, |run, point| {
-        rows.push(row(&run.system.components()[0].instance, point.time)?);
+        rows.push(row(&run.system.components[0].instance, point.time)?);
         Ok(if rows.len() < most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
     })
     .unwrap();
@@ -87,9 +87,9 @@ fn save(run: &mut Prepared, index: u64, path: &Path) {
         step: run.clock.step,
         until: run.clock.until,
         index,
-        time: run.system.time(),
+        time: run.system.time,
         every: run.every,
-        algorithm: run.system.algorithm().to_string(),
+        algorithm: run.system.algorithm.to_string(),
         wiring: run.system.fingerprint(),
         drive: run.feed.drive.fingerprint(),
         component: run.system.records(),

@@ -49,22 +49,15 @@ impl Interface {
         if !variable.is_array() {
             return self.total(variable).unwrap_or(name).to_owned();
         }
-        let mut rest = element;
-        let mut indices: Vec<usize> = Vec::with_capacity(variable.dimensions.len());
-        for dimension in variable.dimensions.iter().rev() {
-            indices.push(rest % dimension.size.max(1));
-            rest /= dimension.size.max(1);
-        }
-        indices.reverse();
+        let indices = variable.indices(element);
         if !self.is_of_agents(variable) {
             return format!("{name}{}", written(&indices));
         }
+        let agent = indices[0] - 1;
         match (&indices[1..], &variable.dimensions[1..]) {
-            ([], _) => format!("agent[{}].{name}", indices[0]),
-            ([axis], [second]) if is_pair(second) => {
-                format!("agent[{}].{name}.{}", indices[0], AXES[*axis])
-            }
-            (inner, _) => format!("agent[{}].{name}{}", indices[0], written(inner)),
+            ([], _) => format!("agent[{agent}].{name}"),
+            ([axis], [second]) if is_pair(second) => format!("agent[{agent}].{name}.{}", AXES[axis - 1]),
+            (inner, _) => format!("agent[{agent}].{name}{}", written(inner)),
         }
     }
 
@@ -162,9 +155,9 @@ fn is_pair(dimension: &Dimension) -> bool {
     dimension.size == AXES.len() && dimension.parameter.is_none()
 }
 
-/// Indices from 0, as they are written: from 1.
-fn written(indices: &[usize]) -> String {
-    let indices: Vec<String> = indices.iter().map(|index| (index + 1).to_string()).collect();
+/// Returns indices from 1 as they are written.
+pub(crate) fn written(indices: &[usize]) -> String {
+    let indices: Vec<String> = indices.iter().map(usize::to_string).collect();
     format!("[{}]", indices.join(","))
 }
 
@@ -174,13 +167,17 @@ fn plain(text: &str) -> Option<usize> {
     if plain { text.parse().ok() } else { None }
 }
 
-/// The element with indices that are written from 1, with commas between them.
+/// Returns the place of the element with indices from 1, in row-major order, if there is such an element.
+pub(crate) fn place_of(dimensions: &[Dimension], indices: &[usize]) -> Option<usize> {
+    let next = |place: usize, (index, dimension): (&usize, &Dimension)| {
+        let index = index.checked_sub(1).filter(|index| *index < dimension.size)?;
+        Some(place * dimension.size + index)
+    };
+    let all = indices.len() == dimensions.len();
+    indices.iter().zip(dimensions).try_fold(0, next).filter(|_| all)
+}
+
+/// Returns the place of an element by its indices as they are written.
 fn place(indices: &str, dimensions: &[Dimension]) -> Option<usize> {
-    let mut indices = indices.split(',');
-    let mut place = 0;
-    for dimension in dimensions {
-        let index = plain(indices.next()?)?.checked_sub(1).filter(|index| *index < dimension.size)?;
-        place = place * dimension.size + index;
-    }
-    indices.next().is_none().then_some(place)
+    place_of(dimensions, &indices.split(',').map(plain).collect::<Option<Vec<_>>>()?)
 }
