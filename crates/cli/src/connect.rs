@@ -76,7 +76,7 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
     say_size(&arguments.output)
 }
 
-/// Whether the output can be an SSP, and nothing is lost to it.
+/// Checks that the output can be an SSP, and nothing is lost to it.
 fn check_output(Arguments { output, .. }: &Arguments) -> Result<()> {
     if !output.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp")) {
         bail!("{}: the name of an SSP ends in .ssp", output.display());

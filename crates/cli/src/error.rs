@@ -12,7 +12,15 @@ pub struct TrialHasErrors;
 #[error("{0}")]
 pub struct Misused(pub String);
 
-/// What becomes of several files, each of which is put into its place whatever became of the others: the first error
+/// Prints the errors of a Trial; any other error is returned as it is.
+pub fn report_problems(error: lemons_master::Error) -> anyhow::Error {
+    let lemons_master::Error::Broken { path, problems } = error else { return error.into() };
+    note!("{problems}");
+    note!("lemons: {} has errors", path.display());
+    TrialHasErrors.into()
+}
+
+/// Returns what becomes of several files, each of which is put into its place whatever became of the others: the first error
 /// counts, further ones are told.
 pub fn and_then(done: Result<()>, next: Result<()>) -> Result<()> {
     match (done, next) {

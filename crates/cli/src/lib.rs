@@ -37,8 +37,6 @@ mod sweep;
 mod verify;
 mod version;
 
-mod messages;
-
 use anyhow::Result;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use error::{Misused, TrialHasErrors, full_message};

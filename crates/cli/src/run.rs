@@ -155,7 +155,7 @@ pub struct Job {
     pub state: Option<PathBuf>,
     /// When it ends.
     pub ends: Ends,
-    /// Whether the poses of all communication points are kept.
+    /// True if the poses of all communication points are kept.
     pub keeps_poses: bool,
 }
 
@@ -221,7 +221,7 @@ fn length(text: &str) -> Result<f64, String> {
     positive(text).map_err(|_| "must be a positive number of metres, for example 1e-4".into())
 }
 
-/// What came of a run.
+/// The result of a run.
 pub struct Ended {
     /// If poses are kept: those of each crowd, and the mechanical steps \[s\].
     poses: Vec<Poses>,
@@ -239,7 +239,7 @@ pub struct Ended {
     coupling: Vec<String>,
     seen: Vec<String>,
     saved: Option<String>,
-    /// Of a run that is shown, unless the FMU has no agents.
+    /// The frames of a run that is shown, unless the FMU has no agents.
     pub recorded: Option<Run>,
     /// Why a file is not in its place.
     failed: Option<Error>,
@@ -276,10 +276,10 @@ fn prepare(settings: &Settings) -> Result<Prepared> {
     }
 }
 
-/// What tables say of a run.
+/// The texts that tables have of a run.
 struct About {
     lines: Vec<(&'static str, String)>,
-    /// Whether a saved run goes on: then no table is replaced, which may be one of the run before.
+    /// True if a saved run goes on: then no table is replaced, which may be one of the run before.
     goes_on: bool,
 }
 
@@ -608,7 +608,7 @@ fn stopped(error: Error, time: f64, placed: Result<()>) -> Error {
 }
 
 impl Ended {
-    /// That all files are in their places.
+    /// Checks that all files are in their places.
     pub fn complete(&mut self) -> Result<()> {
         self.failed.take().map_or(Ok(()), Err)
     }

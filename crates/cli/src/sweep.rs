@@ -1,9 +1,8 @@
 //! `lemons sweep`: many runs with other parameters.
 
-use crate::error::Misused;
+use crate::error::{Misused, report_problems};
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::messages::report_problems;
 use crate::output::Output;
 use crate::print::ProgressNotes;
 use crate::version::BUILD;

@@ -1,7 +1,7 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
 use crate::channel::Wire;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, scratch};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::instance::number;
@@ -10,14 +10,13 @@ use crate::ssp::{
     SystemStructure, Type, Unit, Variable, conversion, located, place_of, written,
 };
 use crate::system::{Component, System, Wiring, component_of};
-use lemons_core::files::Scratch;
 use lemons_sim::Algorithm;
 use std::fs::File;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What an `.ssp` holds, ready to be initialized.
+/// The system of an `.ssp`, ready to be initialized.
 pub struct Assembled {
     /// Not yet initialized.
     pub system: System,
@@ -25,7 +24,7 @@ pub struct Assembled {
     pub start: Option<f64>,
     /// \[s\] `DefaultExperiment` of the structure
     pub stop: Option<f64>,
-    /// What is probably not meant: parameter values that no component has a variable for, which SSP wants ignored.
+    /// Warnings: parameter values that no component has a variable for, which SSP wants ignored.
     pub warnings: Vec<String>,
 }
 
@@ -65,7 +64,7 @@ fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, Strin
     Ok(Assembled { system, start: structure.start, stop: structure.stop, warnings })
 }
 
-/// The parameters of a component, in the order in which they count.
+/// Returns the parameters of a component, in the order in which they count.
 fn texts<'a>(
     structure: &'a SystemStructure,
     place: usize,
@@ -81,14 +80,14 @@ fn texts<'a>(
 }
 
 fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
-    let scratch = Scratch::new().place(|| "cannot make a temporary directory".to_owned())?;
-    let path = scratch.path().join("component.fmu");
+    let directory = scratch()?;
+    let path = directory.path().join("component.fmu");
     let mut file = File::create(&path).place(|| "cannot make a temporary file".to_owned())?;
     archive.copy(source, &mut file, allowance)?;
     Fmu::unzip(&path, allowance)
 }
 
-/// What a connector means in the FMU: a variable as a whole, or an element of an array by the element's name; and the unit.
+/// The meaning of a connector in the FMU: a variable as a whole, or an element of an array by the element's name; and the unit.
 struct Meaning<'a> {
     variable: &'a Variable,
     element: Option<usize>,
@@ -131,7 +130,7 @@ fn meaning<'a>(
     Ok(Meaning { variable, element, unit })
 }
 
-/// Whether the dimensions of a connector are those of the FMU.
+/// Checks that the dimensions of a connector are those of the FMU.
 fn check_sizes(connector: &Connector, variable: &Variable, interface: &Interface) -> Result<(), String> {
     let (said, own) = (&connector.dimensions, &variable.dimensions);
     if said.len() != own.len() {
@@ -222,7 +221,7 @@ fn connect(components: &[Component], structure: &SystemStructure) -> Result<Wiri
     Ok(wiring)
 }
 
-/// In messages: how many values of a variable.
+/// Says how many values of a variable.
 fn elements(variable: &Variable, values: &Range<usize>) -> String {
     if values.len() == 1 || !variable.is_array() {
         return "a single value".to_owned();

@@ -33,7 +33,7 @@ use std::sync::Arc;
 /// that of 100 000 agents in contact.
 pub const LARGEST_STATE: usize = 1_000_000_000;
 
-/// What FMI 2.0 and FMI 3.0 call a function.
+/// Names of a function in FMI 2.0 and in FMI 3.0.
 type Names = [&'static str; 2];
 
 /// Returns the functions that every FMU for co-simulation must have, of those that are called here. In FMI 3.0 it may lack

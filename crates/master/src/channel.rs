@@ -12,7 +12,7 @@ use std::collections::HashMap;
 pub(crate) struct Wire {
     pub(crate) from: (usize, Address),
     pub(crate) to: (usize, Address),
-    /// Of Reals.
+    /// Conversion of Reals.
     pub(crate) map: Affine,
 }
 

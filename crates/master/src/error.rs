@@ -1,6 +1,7 @@
 //! Why an FMU or an SSP cannot be used, or a run cannot be made.
 
 use crowd_mechanics::pack::PackError;
+use lemons_core::files::Scratch;
 use lemons_core::trial::{DriveError, Problems};
 use lemons_core::xml::Problem;
 use lemons_sim::ClockError;
@@ -22,7 +23,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 /// the whole message.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// What is wrong, where, or what was tried; and why, if somebody else says it.
+    /// Text of what is wrong, where, or what was tried; and why, if somebody else says it.
     #[error("{what}")]
     Failed {
         /// The text.
@@ -56,7 +57,7 @@ pub enum Error {
     /// The communication points of a run are impossible.
     #[error(transparent)]
     Clock(#[from] ClockError),
-    /// What people want (`decision.toml`) is wrong.
+    /// A `decision.toml` is wrong.
     #[error(transparent)]
     Plan(#[from] lemons_decision::PlanError),
     /// A drive file is wrong.
@@ -92,6 +93,11 @@ pub fn whole(error: &dyn StdError) -> String {
         cause = error.source();
     }
     text
+}
+
+/// Makes a temporary directory.
+pub(crate) fn scratch() -> Result<Scratch> {
+    Scratch::new().place(|| "cannot make a temporary directory".to_owned())
 }
 
 /// Says where an error happened, or what was tried.

@@ -1,4 +1,4 @@
-//! What a file is that was taken for something else.
+//! The type of a file that was taken for something else.
 
 use crate::error::{Error, Result};
 use crate::ssp::{STRUCTURE_FILE, open_zip};
@@ -7,7 +7,7 @@ use lemons_core::files::input;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
-/// What lies at a path, in words.
+/// A kind of file, in words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FileType(&'static str);
 
@@ -30,11 +30,11 @@ impl FileType {
     pub const LIBRARY: FileType = FileType("is a program or a library");
     pub const TEXT: FileType = FileType("is a text file");
     pub const BINARY: FileType = FileType("is a binary file");
-    /// What may be an archive: what is wrong with it is told by what is in it.
+    /// Kinds that may be an archive: what is wrong with it is told by what is in it.
     pub(crate) const ARCHIVES: [FileType; 5] =
         [FileType::FMU, FileType::SSP, FileType::SAVED_RUN, FileType::ARCHIVE, FileType::STREAM];
 
-    /// Looks at the name, at the first bytes, and at the names in an archive.
+    /// Finds the kind by the name, at the first bytes, and at the names in an archive.
     fn of(path: &Path) -> FileType {
         let there = match path.metadata() {
             Ok(there) => there,

@@ -2,7 +2,8 @@
 
 use crate::bundled_library::host;
 use crate::calls::Calls;
-use crate::error::{Error, Place, Result};
+use crate::drive_feed::driven;
+use crate::error::{Error, Place, Result, scratch};
 use crate::file_type::FileType;
 use crate::instance::{Instance, number};
 use crate::messages::{Messages, Names};
@@ -35,7 +36,7 @@ pub struct Fmu {
     shown: String,
     /// The packed Trial that was chosen, if that is known.
     chosen: Option<String>,
-    /// That Trial, once names of materials were asked for.
+    /// The Trial that was chosen, once names of materials were asked for.
     materials: OnceLock<Option<Trial>>,
 }
 
@@ -63,7 +64,7 @@ impl Fmu {
 
     /// Like [`Fmu::open`], for a file whose name does not matter in messages.
     pub(crate) fn unzip(path: &Path, allowance: &mut Allowance) -> Result<Fmu> {
-        let directory = Scratch::new().place(|| "cannot make a temporary directory".to_owned())?;
+        let directory = scratch()?;
         unzip(path, directory.path(), allowance)?;
         let bytes = input::read(&directory.path().join(DESCRIPTION_FILE), LARGEST_DESCRIPTION)
             .place(|| DESCRIPTION_FILE.to_owned())?;
@@ -106,7 +107,7 @@ impl Fmu {
         Ok(read.map_err(|error| Error::new(self.names().said(&error.to_string())))?.0)
     }
 
-    /// What drives a Trial of this FMU.
+    /// Reads the drive of a Trial of this FMU.
     ///
     /// # Errors
     /// The drive file has errors; files have the names that the user knows.
@@ -120,7 +121,7 @@ impl Fmu {
         })
     }
 
-    /// Whether a Trial of this FMU has a drive of its own for people whose Fp or Mp is fed by a connection, which
+    /// Returns whether a Trial of this FMU has a drive of its own for people whose Fp or Mp is fed by a connection, which
     /// replaces it. `feeds` says it of the names of variables.
     ///
     /// # Errors
@@ -130,10 +131,7 @@ impl Fmu {
         for name in packed.names() {
             let trial = self.trial(Some(name))?;
             let drive = self.drive(Some(&trial), &DriveChoice::Own)?;
-            let driven = trial.agents.iter().enumerate().filter(|(_, agent)| drive.rows(&agent.id).is_some());
-            let mut inputs =
-                driven.flat_map(|(i, _)| ["Fp.x", "Fp.y", "Mp"].map(|of| format!("agent[{i}].{of}")));
-            if inputs.any(|input| feeds(&input)) {
+            if driven(&trial.agents, &drive).any(|(_, inputs)| inputs.iter().any(|input| feeds(input))) {
                 return Ok(true);
             }
         }
@@ -279,13 +277,13 @@ impl Fmu {
             .or(lacks(!able.can_serialize_state, ["canSerializeFMUstate", "canSerializeFMUState"]))
     }
 
-    /// What was chosen by [`Fmu::configure`], by name: a saved run must choose it again.
+    /// Returns the choices of [`Fmu::configure`], by name: a saved run must choose it again.
     pub(crate) fn choices(&self) -> BTreeMap<String, String> {
         let sizes = self.sizes.iter().map(|(name, size)| (name.clone(), size.to_string()));
         sizes.chain(self.chosen.iter().map(|trial| (TRIAL.to_owned(), trial.clone()))).collect()
     }
 
-    /// Whether a variable is a structural parameter, which is set by [`Fmu::configure`].
+    /// Returns whether a variable is a structural parameter, which is set by [`Fmu::configure`].
     pub fn is_structural(&self, name: &str) -> bool {
         let found = self.description.variable(name);
         found.is_some_and(|variable| variable.kind == Some(Kind::StructuralParameter))

@@ -9,26 +9,26 @@ use std::cell::{Cell, RefCell};
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// A number that a user wrote.
+/// Reads a number that a user wrote.
 pub(crate) fn number<T: FromStr<Err: Into<Cause>>>(text: &str) -> Result<T, Cause> {
     text.parse().map_err(Into::into)
 }
 
-/// What is set when an instance is in initialization.
+/// Values that are set when an instance is in initialization.
 type Later = Box<dyn FnOnce(&Instance) -> Result<()>>;
 
 /// An instance of an FMU.
 pub struct Instance {
     calls: Calls,
     description: Arc<Interface>,
-    /// Whether initialization has begun.
+    /// True once initialization has begun.
     initialized: Cell<bool>,
     /// Arrays: FMI 3.0 does not let their other elements be read before initialization.
     later: RefCell<Vec<Later>>,
 }
 
 impl Instance {
-    /// One that was just made, of an FMU of this description.
+    /// Makes an instance of an FMU of this description.
     pub(crate) fn new(calls: Calls, description: Arc<Interface>) -> Instance {
         let (initialized, later) = (Cell::new(false), RefCell::default());
         Instance { calls, description, initialized, later }
@@ -44,7 +44,7 @@ impl Instance {
         self.calls.plain(["", "fmi3ExitConfigurationMode"]).map(drop)
     }
 
-    /// Values by their names.
+    /// Selects values by their names.
     ///
     /// # Errors
     /// There is no such value.
@@ -53,7 +53,7 @@ impl Instance {
         self.select_at(&addresses.collect::<Result<Vec<_>>>()?)
     }
 
-    /// Values by their addresses.
+    /// Selects values by their addresses.
     ///
     /// # Errors
     /// There is no such value.
@@ -61,7 +61,7 @@ impl Instance {
         Selection::new(&self.description, addresses)
     }
 
-    /// Where a value is.
+    /// Returns where a value is.
     ///
     /// # Errors
     /// There is no such value.
@@ -95,7 +95,7 @@ impl Instance {
         self.set(&selection, &vec![value; selection.len()])
     }
 
-    /// From the beginning of initialization to its end, at time 0.
+    /// Initializes from the beginning to the end, at time 0.
     ///
     /// # Errors
     /// The FMU refuses the call.
@@ -174,7 +174,7 @@ impl Instance {
         Ok(value)
     }
 
-    /// A step from a time, both \[s\].
+    /// Makes a step from a time, both \[s\].
     ///
     /// # Errors
     /// The FMU refuses the step or fails; in FMI 3.0 also if it wants an event, or the end of the simulation.
@@ -209,7 +209,7 @@ impl Instance {
         self.calls.restore(bytes)
     }
 
-    /// The warnings of the FMU since the last call: the first 1000, the number of further ones, and the time \[s\] of
+    /// Returns the warnings of the FMU since the last call: the first 1000, the number of further ones, and the time \[s\] of
     /// the first step that returned the status Warning.
     pub fn warnings(&self) -> Vec<String> {
         self.calls.messages.warnings()

@@ -1,4 +1,4 @@
-//! What an FMU logs.
+//! Messages that an FMU logs.
 
 use crate::error::{Error, Result};
 use crate::ssp::Fmi;
@@ -43,7 +43,7 @@ impl Heard {
     }
 }
 
-/// What the FMU logs. Errors become the run's error; warnings are kept for the end.
+/// Messages of an FMU. Errors become the run's error; warnings are kept for the end.
 #[derive(Default)]
 pub(crate) struct Messages {
     errors: Mutex<Heard>,

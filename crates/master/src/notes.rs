@@ -1,4 +1,4 @@
-//! What is said of settings: what is probably not meant, in the words of `lemons run`. For runs of FMUs, and of a Trial in
+//! Texts about settings that are probably not meant, in the words of `lemons run`: for runs of FMUs, and of a Trial in
 //! memory.
 
 use crate::error::Error;
@@ -6,7 +6,7 @@ use lemons_core::trial::{DRIVE_FILE, Missed};
 use lemons_decision::DECISION_FILE;
 use std::path::Path;
 
-/// Nothing moves a Trial's people: no drive, no `decision.toml`, no force and no speed at the start.
+/// Says that nothing moves a Trial's people: no drive, no `decision.toml`, no force and no speed at the start.
 pub fn still() -> String {
     format!(
         "note: nobody is driven: neither {DECISION_FILE} (where people walk) nor {DRIVE_FILE} is used, and \
@@ -14,25 +14,25 @@ pub fn still() -> String {
     )
 }
 
-/// A connection feeds an input that is set.
+/// Says that a connection feeds an input that is set.
 pub fn overwritten(name: &str, value: &str, input: &str) -> String {
     format!("warning: --set {name}={value}: overwritten by the connection that feeds {input}")
 }
 
-/// A parameter has other values in one component than in another that is connected by the names of the same people: so
+/// Says that a parameter has other values in one component than in another that is connected by the names of the same people: so
 /// many, the first of them by name.
 pub fn differs(name: &str, [(one, here), (other, there)]: [(&str, f64); 2], people: usize) -> String {
     let people = if people == 1 { "1 person".to_owned() } else { format!("{people} people") };
     format!("warning: {name} is {here:?} in {one}, but {there:?} in {other} (of {people}): set it in both")
 }
 
-/// A Trial has a drive, and a file by which its people walk.
+/// Says that a Trial has a drive, and a file by which its people walk.
 pub fn drive_of_walkers(plan: &Path) -> String {
     let plan = plan.display();
     format!("the forces of {DRIVE_FILE} are added to those with which people walk ({plan})")
 }
 
-/// A connection feeds Fp or Mp of people whom the drive in the FMU of this component would drive.
+/// Says that a connection feeds Fp or Mp of people whom the drive in the FMU of this component would drive.
 pub fn drive_replaced(component: &str) -> String {
     format!(
         "note: {component}: the {DRIVE_FILE} in it does not act on people whose Fp or Mp is connected; of a Trial with \
@@ -40,12 +40,12 @@ pub fn drive_replaced(component: &str) -> String {
     )
 }
 
-/// Rows of a drive are never applied; `by` sets the communication step that applies them.
+/// Says that rows of a drive are never applied; `by` sets the communication step that applies them.
 pub fn missed(missed: &Missed, by: &str) -> String {
     if missed.shortest.is_finite() { format!("{missed} ({by})") } else { missed.to_string() }
 }
 
-/// A parameter names no variable, but its name is like one, or another component has it.
+/// Says that a parameter names no variable, but its name is like one, or another component has it.
 pub fn no_such_variable(name: &str, value: &str, meant: &str) -> Error {
     let question = format!("did you mean --set {meant}={value}?");
     Error::new(format!("--set {name}={value}: there is no such variable; {question}"))

@@ -11,7 +11,7 @@ use crate::instance::Instance;
 use crate::notes;
 use crate::saved::Saved;
 use crate::settings::Settings;
-use crate::system::{Component, PLAY_DRIVE, System};
+use crate::system::{Component, PLAY_DRIVE, System, component_of};
 use lemons_core::trial::{DriveChoice, DriveTable, Trial};
 use lemons_decision::DECISION_FILE;
 use lemons_sim::{Clock, Model};
@@ -44,9 +44,9 @@ const CROWD: &str = "crowd";
 pub struct Prepared {
     /// One FMU as the component `crowd`; or those of the SSP.
     pub system: System,
-    /// What the components simulate, for those whose FMU contains Trials.
+    /// The Trials of the components, for those whose FMU contains Trials.
     pub trials: Vec<Option<Trial>>,
-    /// What drives the crowd.
+    /// The drive of the crowd.
     pub feed: DriveFeed,
     /// The communication points.
     pub clock: Clock,
@@ -54,9 +54,9 @@ pub struct Prepared {
     pub every: u64,
     /// The run that this one goes on from.
     pub before: Option<Saved>,
-    /// Whether FMUs are coupled: those of an SSP.
+    /// True if FMUs are coupled: those of an SSP.
     pub coupled: bool,
-    /// What is probably not meant.
+    /// Warnings: settings that are probably not meant.
     pub warnings: Vec<String>,
 }
 
@@ -144,7 +144,7 @@ impl Prepared {
     }
 }
 
-/// Whether nobody has a speed or a propulsion at the start.
+/// Returns whether nobody has a speed or a propulsion at the start.
 fn is_still(crowd: &Instance, agents: usize) -> Result<bool> {
     let of_one = ["Fp.x", "Fp.y", "Mp", "Velocity.x", "Velocity.y", "Omega"];
     let all = crowd.select((0..agents).flat_map(|i| of_one.map(|name| format!("agent[{i}].{name}"))))?;
@@ -183,8 +183,11 @@ fn open_ssp(settings: &Settings, parameters: &[(String, String)]) -> Result<Asse
 
 /// Sets a parameter or a start value; returns a warning if a connection feeds it.
 fn set(system: &System, name: &str, value: &str, coupled: bool) -> Result<Option<String>> {
-    let found =
-        if coupled { system.find(name) } else { Some((0, of_crowd(&system.components[0].fmu, name))) };
+    let found = if coupled {
+        component_of(&system.components, name)
+    } else {
+        Some((0, of_crowd(&system.components[0].fmu, name)))
+    };
     let (place, variable) = found.ok_or_else(|| {
         let components: Vec<&str> = system.components.iter().map(|it| it.name.as_str()).collect();
         let components = components.join(", ");

@@ -48,7 +48,7 @@ pub struct Saved {
     pub drive: String,
     /// In the order of the system.
     pub component: Vec<ComponentRecord>,
-    /// Of the components that are crowds.
+    /// Records of the components that are crowds.
     pub crowd: Vec<CrowdRecord>,
 }
 
@@ -71,7 +71,7 @@ pub struct ComponentRecord {
     pub bytes: u64,
 }
 
-/// What was recorded of a crowd.
+/// The record of a crowd.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrowdRecord {
@@ -92,7 +92,7 @@ impl ComponentRecord {
     }
 }
 
-/// What a file says of the programs that wrote it, once `now` has gone on with what those `before` had written: each
+/// Returns what a file says of the programs that wrote it, once `now` has gone on with what those `before` had written: each
 /// of them once, oldest first, with `; ` between them.
 pub fn writers(before: &str, now: &str) -> String {
     let mut seen = HashSet::new();
@@ -100,7 +100,7 @@ pub fn writers(before: &str, now: &str) -> String {
     all.filter(|one| !one.is_empty() && seen.insert(*one)).collect::<Vec<_>>().join("; ")
 }
 
-/// What is wrong with `run.toml`.
+/// Says what is wrong with `run.toml`.
 fn wrong(why: impl Display) -> Error {
     Error::new(format!("{RUN}: {why}"))
 }
@@ -109,7 +109,7 @@ impl Saved {
     /// The format of `run.toml` that this program knows; raised when its meaning changes.
     pub const FORMAT: u32 = 4;
 
-    /// What was chosen before initialization, as parameters: in an SSP, with the names of the components.
+    /// Returns what was chosen before initialization, as parameters: in an SSP, with the names of the components.
     pub(crate) fn chosen(&self, coupled: bool) -> Vec<(String, String)> {
         let of = |component: &ComponentRecord, name: &String| {
             if coupled { format!("{}.{name}", component.name) } else { name.clone() }
@@ -120,7 +120,7 @@ impl Saved {
         all.collect()
     }
 
-    /// That the states of all components can be read again.
+    /// Checks that the states of all components can be read again.
     fn check_states(states: &[Vec<u8>], most: usize) -> Result<()> {
         let size = states.iter().fold(0, |sum: usize, state| sum.saturating_add(state.len()));
         if size > most {
@@ -196,7 +196,7 @@ impl Saved {
     }
 
     fn parse(text: &str) -> Result<Saved> {
-        /// What every version has.
+        /// The part that every version has.
         #[derive(Deserialize)]
         struct Version {
             format: u32,

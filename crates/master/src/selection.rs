@@ -15,7 +15,7 @@ pub struct Selection {
     count: usize,
 }
 
-/// What one call reads or sets.
+/// The values that one call reads or sets.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Part {
     pub(crate) of: Type,
@@ -24,9 +24,9 @@ pub(crate) struct Part {
     length: usize,
     /// From the selected values to their places among those of the call; `None` if they are the same.
     places: Option<Vec<Place>>,
-    /// Whether each value of the call is a selected one.
+    /// True if each value of the call is a selected one.
     whole: bool,
-    /// Whether an array is among the variables.
+    /// True if an array is among the variables.
     arrays: bool,
 }
 
@@ -91,17 +91,17 @@ impl Selection {
         Ok(Selection { parts, count })
     }
 
-    /// The number of values.
+    /// Returns the number of values.
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// Whether there are none.
+    /// Returns whether there are none.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Whether an array is among the variables.
+    /// Returns whether an array is among the variables.
     pub(crate) fn has_arrays(&self) -> bool {
         self.parts.iter().any(|part| part.arrays)
     }

@@ -1,4 +1,4 @@
-//! What is run, and how.
+//! Settings of a run.
 
 use crate::decider::PlanChoice;
 use crate::error::{Error, Place, Result};
@@ -9,8 +9,8 @@ use lemons_core::trial::{DriveChoice, DriveTable};
 use lemons_sim::{Algorithm, Clock};
 use std::path::PathBuf;
 
-/// What is run, and how: all that somebody has to say of a run. See [`Prepared::of`](crate::Prepared::of).
-#[derive(Debug, Clone)]
+/// Settings of a run: all that somebody has to say of a run. See [`Prepared::of`](crate::Prepared::of).
+#[derive(Debug, Clone, Default)]
 pub struct Settings {
     /// A Trial (its directory, or a zip of it), an FMU, or an SSP (by its extension).
     pub input: PathBuf,
@@ -19,9 +19,9 @@ pub struct Settings {
     pub parameters: Vec<(String, String)>,
     /// The number of threads of the crowd; not for an SSP, where it is a parameter of each component.
     pub threads: Option<i32>,
-    /// The tolerance of the experiment, positive and finite: each FMU gets it, and makes of it what it can. A crowd takes it
-    /// as the accuracy \[m\] for which it chooses its mechanical step. Default: that of an FMU's own DefaultExperiment,
-    /// else none.
+    /// The tolerance of the experiment, positive and finite; not for a saved run, which contains its mechanical step. Each FMU
+    /// gets it, and makes of it what it can. A crowd takes it as the accuracy \[m\] for which it chooses its mechanical step.
+    /// Default: that of an FMU's own DefaultExperiment, else none.
     pub tolerance: Option<f64>,
     /// \[s\] The communication step, finite and greater than 0. Default: the Trial's TimeStep; of several components, the smallest.
     pub step: Option<f64>,
@@ -30,7 +30,7 @@ pub struct Settings {
     /// One communication point in so many is recorded, beginning with the first: at least 1. Default: that of the saved
     /// run, or 1.
     pub every: Option<u64>,
-    /// Who is pushed when; in an SSP, connections feed the inputs instead.
+    /// The drive: who is pushed when; in an SSP, connections feed the inputs instead.
     pub drive: DriveChoice,
     /// Where a Trial's people walk: then the input is coupled like an SSP of the components `decision` and `crowd`.
     pub plan: PlanChoice,
@@ -38,27 +38,14 @@ pub struct Settings {
     pub algorithm: Algorithm,
     /// A saved run, which goes on. It contains the parameters and the number of threads.
     pub resume: Option<PathBuf>,
-    /// Whether the run is to be saved: then each FMU must be able to save its state.
+    /// True if the run is to be saved: then each FMU must be able to save its state.
     pub saves: bool,
 }
 
 impl Settings {
     /// Makes settings with the default of everything else.
     pub fn of(input: impl Into<PathBuf>) -> Settings {
-        Settings {
-            input: input.into(),
-            parameters: Vec::new(),
-            threads: None,
-            tolerance: None,
-            step: None,
-            until: None,
-            every: None,
-            drive: DriveChoice::Own,
-            plan: PlanChoice::Own,
-            algorithm: Algorithm::default(),
-            resume: None,
-            saves: false,
-        }
+        Settings { input: input.into(), ..Settings::default() }
     }
 
     /// Reads the saved run that goes on, with the states of its components.
@@ -67,16 +54,13 @@ impl Settings {
     /// It is none, or something is set that it contains.
     pub fn saved(&self) -> Result<Option<(Saved, Vec<Vec<u8>>)>> {
         let Some(path) = &self.resume else { return Ok(None) };
-        let its_parameters = "the saved run contains its parameters, and they cannot be changed";
-        let contained = match (self.tolerance, self.parameters.first(), self.threads) {
-            (None, None, None) => return Saved::read(path).map(Some),
-            (Some(tolerance), ..) => format!(
-                "a tolerance of {tolerance:?}: the saved run contains its mechanical step, which cannot be changed"
-            ),
-            (None, Some((name, value)), _) => format!("{name}={value}: {its_parameters}"),
-            (None, None, Some(threads)) => format!("{threads} threads: {its_parameters}"),
+        let contained = match (self.parameters.first(), self.threads) {
+            (None, None) => return Saved::read(path).map(Some),
+            (Some((name, value)), _) => format!("{name}={value}"),
+            (None, Some(threads)) => format!("{threads} threads"),
         };
-        Err(Error::Misused(format!("--resume: {contained}")))
+        let why = "the saved run contains its parameters, and they cannot be changed";
+        Err(Error::Misused(format!("--resume: {contained}: {why}")))
     }
 
     /// Returns the communication points of a run, the number of them for one that is recorded, and warnings. It begins

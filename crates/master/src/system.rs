@@ -37,7 +37,7 @@ pub struct Component {
 }
 
 impl Component {
-    /// The Trial that it runs; `None` if its FMU contains none. The instance must be initialized.
+    /// Reads the Trial that it runs; `None` if its FMU contains none. The instance must be initialized.
     ///
     /// # Errors
     /// The FMU does not say which one, or it cannot be read.
@@ -64,7 +64,7 @@ pub struct System {
     pub time: f64,
 }
 
-/// What a system knows of its connections.
+/// The connections of a system.
 #[derive(Default)]
 pub(crate) struct Wiring {
     /// Those of single values, by type.
@@ -98,7 +98,7 @@ impl System {
         Ok(System { components, algorithm, numbers, texts, wiring, fed, time: 0.0 })
     }
 
-    /// Parameters of the same people that differ between connected components, one warning for each name.
+    /// Finds parameters of the same people that differ between connected components, one warning for each name.
     ///
     /// # Errors
     /// A component refuses to tell them.
@@ -133,12 +133,7 @@ impl System {
         Ok(warnings)
     }
 
-    /// The place of the component, and the variable, for a name `component.variable`.
-    pub fn find<'a>(&self, name: &'a str) -> Option<(usize, &'a str)> {
-        component_of(&self.components, name)
-    }
-
-    /// Whether a connection feeds a variable of the component at this place.
+    /// Returns whether a connection feeds a variable of the component at this place.
     pub fn feeds(&self, place: usize, variable: &str) -> bool {
         let single = self.components[place].fmu.description.single(variable);
         single.is_some_and(|single| self.fed.contains(&(place, single.address())))
@@ -185,7 +180,7 @@ impl System {
         self.each(|system, c| system.read(c).map(drop))
     }
 
-    /// One communication step, to a time \[s\].
+    /// Makes one communication step, to a time \[s\].
     ///
     /// # Errors
     /// A component refuses the step or fails.
@@ -208,7 +203,7 @@ impl System {
         Ok(())
     }
 
-    /// The state of each component at the current communication point, as bytes.
+    /// Returns the state of each component at the current communication point, as bytes.
     ///
     /// # Errors
     /// A component refuses it.
@@ -272,7 +267,7 @@ impl System {
         self.each(|system, c| system.components[c].instance.terminate())
     }
 
-    /// The warnings of the components since the last call.
+    /// Returns the warnings of the components since the last call.
     pub fn warnings(&self) -> Vec<String> {
         let all = self.components.iter().flat_map(|component| {
             let warnings = component.instance.warnings().into_iter();
@@ -313,7 +308,7 @@ impl System {
     }
 }
 
-/// The component that a name `component.variable` leads to, and the variable's name: of several the longest.
+/// Returns the component that a name `component.variable` leads to, and the variable's name: of several the longest.
 pub(crate) fn component_of<'a>(components: &[Component], name: &'a str) -> Option<(usize, &'a str)> {
     let candidates = components.iter().enumerate().filter_map(|(place, component)| {
         let variable = name.strip_prefix(component.name.as_str())?.strip_prefix('.')?;

@@ -8,7 +8,7 @@ use std::ffi::OsStr;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// What makes an archive an FMU.
+/// The file that makes an archive an FMU.
 pub(crate) const DESCRIPTION_FILE: &str = "modelDescription.xml";
 
 /// Unpacks an FMU into a directory.
@@ -138,7 +138,7 @@ mod tests {
 
     const OPTIONS: fn() -> SimpleFileOptions = SimpleFileOptions::default;
 
-    /// What unpacking says of an archive as an FMU, and as the zip of a Trial: the content of a file, or the error.
+    /// Returns what unpacking says of an archive as an FMU, and as the zip of a Trial: the content of a file, or the error.
     fn said(fill: impl Fn(&mut ZipWriter<File>)) -> [String; 2] {
         [false, true].map(|trial| {
             let directory = TempDir::new().unwrap();

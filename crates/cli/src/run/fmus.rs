@@ -14,7 +14,7 @@ use lemons_sim::Model;
 struct FmuRun {
     run: lemons_master::Prepared,
     crowds: Vec<Reader>,
-    /// Of other components, by their places: numbers and texts.
+    /// The outputs of other components, by their places: numbers and texts.
     outputs: Vec<(usize, Selection, Selection)>,
 }
 
@@ -27,7 +27,7 @@ struct Reader {
     values: Selection,
 }
 
-/// What is chosen before initialization.
+/// Parameters that are chosen before initialization.
 const STEP: &str = "TimeStepMechanical";
 const DIRECTORY: &str = "OutputDirectory";
 
@@ -139,7 +139,7 @@ impl RunModel for FmuRun {
 }
 
 impl Reader {
-    /// Of the first `agents` of an initialized component.
+    /// Makes the reader of the first `agents` of an initialized component.
     fn of(system: &System, place: usize, agents: usize, trial: Option<Trial>) -> Result<(Reader, CrowdInfo)> {
         let component = &system.components[place];
         let trial = trial.filter(|trial| trial.agents.len() == agents);
@@ -189,7 +189,7 @@ fn of_agent(i: usize, quantity: &columns::Quantity) -> String {
     format!("agent[{i}].{}", quantity.variable)
 }
 
-/// Whether an FMU has this output, with the type of the quantity.
+/// Returns whether an FMU has this output, with the type of the quantity.
 fn is_output(description: &Interface, name: &str, quantity: &columns::Quantity) -> bool {
     let found = description.single(name).map(|single| single.variable);
     found.is_some_and(|variable| {
@@ -208,7 +208,7 @@ fn agents_of(description: &Interface) -> usize {
     (0..).take_while(has).count()
 }
 
-/// Whether inputs say who is there, and another component decides about it or somebody is not there from the start.
+/// Returns whether inputs say who is there, and another component decides about it or somebody is not there from the start.
 fn may_leave(system: &System, place: usize, agents: usize) -> Result<bool> {
     let component = &system.components[place];
     let names: Vec<String> = (0..agents).map(|i| of_agent(i, &columns::ACTIVE)).collect();

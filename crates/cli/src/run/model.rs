@@ -1,4 +1,4 @@
-//! What a run steps: a Trial in memory, or FMUs.
+//! The model that a run steps: a Trial in memory, or FMUs.
 
 use super::outputs::OutputValues;
 use crate::version::BUILD;
@@ -19,11 +19,11 @@ pub struct CrowdInfo {
     pub trial: Option<Trial>,
     pub groups: Groups,
     pub columns: Vec<Column>,
-    /// What a table says of it.
+    /// The texts that a table has of it.
     pub about: Vec<(&'static str, String)>,
 }
 
-/// What a run steps.
+/// A model that a run steps.
 pub trait RunModel: Model<Error = Error> {
     /// \[s\] The last communication point.
     fn time(&self) -> f64;
@@ -66,12 +66,12 @@ pub struct Prepared {
     pub clock: Clock,
     /// \[s\] When the drive ends, if there is one.
     pub drive_end: Option<f64>,
-    /// What a saved run would say, but for the crowds.
+    /// The record of a saved run, but for the crowds.
     pub record: Saved,
     pub before: Option<Saved>,
 }
 
-/// What a saved run would say at the first communication point, or where another one goes on.
+/// Makes the record of a saved run at the first communication point, or where another one goes on.
 pub fn record_of(
     (clock, every): (&Clock, u64),
     before: Option<&Saved>,

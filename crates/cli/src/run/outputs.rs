@@ -15,9 +15,9 @@ pub type OutputValues = (Vec<f64>, Vec<String>);
 pub struct OutputTable {
     table: TableWriter<Staged>,
     kinds: Vec<CellType>,
-    /// Of the columns after the time; `None` once a value was seen that is no finite number.
+    /// Names of the columns after the time; `None` once a value was seen that is no finite number.
     names: Vec<Option<String>>,
-    /// What was seen then.
+    /// Warnings of what was seen then.
     odd: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What a run records of a crowd: its table or frames in memory, its extremes.
+//! The record of a crowd in a run: its table or frames in memory, its extremes.
 
 use super::About;
 use super::accuracy::Poses;
@@ -25,22 +25,22 @@ enum Rows {
     Memory(Recorder),
 }
 
-/// What was recorded of a crowd.
+/// The record of a crowd.
 pub struct CrowdRecorder {
     crowd: CrowdInfo,
     rows: Rows,
     extremes: Extremes,
-    /// Of the steps since the last rows.
+    /// Exposure in the steps since the last rows.
     exposure: ExposureSum,
-    /// Whether the greatest peak was since then.
+    /// True if the greatest peak was since then.
     peak_passed: bool,
     /// If they are kept.
     poses: Option<Poses>,
-    /// Of the last communication point.
+    /// The last communication point.
     last: Frame,
 }
 
-/// What became of the records.
+/// The result of recording.
 #[derive(Default)]
 pub struct Recorded {
     /// Lines of the summary.
@@ -149,7 +149,7 @@ impl CrowdRecorder {
         &self.crowd
     }
 
-    /// What a saved run keeps of it.
+    /// Returns what a saved run keeps of it.
     pub fn record(&self) -> CrowdRecord {
         let (component, since) = (self.crowd.component.clone(), self.exposure.clone());
         CrowdRecord { component, extremes: self.extremes, since }

@@ -2,7 +2,7 @@
 
 use super::model::{CrowdInfo, Prepared, RunModel, record_of};
 use super::outputs::OutputValues;
-use crate::messages::report_problems;
+use crate::error::report_problems;
 use crate::results::{CellType, Column};
 use anyhow::{Context, Error, Result, anyhow, bail};
 use crowd_mechanics::model_description::MODEL_NAME;
@@ -185,7 +185,7 @@ pub fn not_set(error: SimError) -> Error {
     }
 }
 
-/// Whether nobody has a speed or a force at the start.
+/// Returns whether nobody has a speed or a force at the start.
 fn is_still(simulation: &Simulation) -> bool {
     simulation.world().is_some_and(|world| {
         let still = |(twist, drive): (&lemons_core::plane::Twist, &crowd_mechanics::engine::Wrench)| {

@@ -51,7 +51,7 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
     let directory = TempDir::new().unwrap();
     let crowd = directory.path().join("crowd.fmu");
     let given = TrialInput::open(&scene.directory).unwrap();
-    lemons_master::pack(&[given], vec![own_binary().unwrap()], format, None, true, &crowd).unwrap();
+    lemons_master::pack(&[given], vec![own_binary().unwrap()], format, None, &crowd).unwrap();
     let input = match &scene.documents.plan {
         None => crowd,
         Some(plan) => coupled(directory.path(), plan, format, crowd),

@@ -1,4 +1,4 @@
-//! What FMUs call to tell something.
+//! Functions that FMUs call to tell something.
 
 use crate::messages::Messages;
 use crate::ssp::Fmi;
@@ -9,14 +9,14 @@ use std::ptr::null;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// What `lemons_logger` gets as its environment.
+/// The environment of `lemons_logger`.
 #[repr(C)]
 struct Listener {
     hear: unsafe extern "C" fn(*const Listener, c_int, *const c_char),
     messages: Arc<Messages>,
 }
 
-/// What FMUs keep pointers to.
+/// Callbacks and their environment, to which FMUs keep pointers.
 pub(super) struct Logger {
     callbacks: Rc<CallbackFunctions>,
     listener: Rc<Listener>,
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
     use std::ptr::null_mut;
 
-    /// What is heard when an FMU tells something.
+    /// Returns what is heard when an FMU tells something.
     fn heard(tell: impl FnOnce(*mut c_void)) -> Arc<Messages> {
         let messages = Arc::<Messages>::default();
         tell(Logger::new(messages.clone(), false).environment());

@@ -16,13 +16,13 @@ pub struct Participant<'a> {
     pub interface: &'a Interface,
 }
 
-/// What came of connecting.
+/// The result of connecting.
 pub struct Connected {
     /// The whole.
     pub structure: SystemStructure,
-    /// What is connected by each of its connections: the name of a value, or of an array.
+    /// The names of its connections: that of a value, or of an array.
     pub names: Vec<String>,
-    /// Of each component the names of its inputs that nothing feeds.
+    /// The names of the inputs of each component that nothing feeds.
     pub unconnected: Vec<Vec<String>>,
 }
 
@@ -44,7 +44,7 @@ impl<'a> End<'a> {
     }
 }
 
-/// What is to be connected: single values, or arrays as a whole.
+/// Two ends to be connected: single values, or arrays as a whole.
 struct Pair<'a> {
     from: End<'a>,
     to: End<'a>,
@@ -130,7 +130,7 @@ fn of_kind<'a>(participant: &Participant<'a>, kind: Kind) -> impl Iterator<Item 
     participant.interface.variables.iter().filter(move |variable| variable.kind == Some(kind))
 }
 
-/// Why an output and an input of one name cannot be connected.
+/// Returns why an output and an input of one name cannot be connected.
 fn disagreement(
     name: &str,
     (source, output): (&Participant, &Variable),

@@ -1,4 +1,4 @@
-//! What `SystemStructure.ssd` holds.
+//! The content of `SystemStructure.ssd`.
 
 use crate::ssp::unit::{Affine, Unit};
 use lemons_core::xml::{Problem, Severity};
@@ -11,13 +11,13 @@ pub const STRUCTURE_FILE: &str = "SystemStructure.ssd";
 /// fed twice.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SystemStructure {
-    /// Of the whole.
+    /// The name of the whole.
     pub name: String,
     /// In the order of the file, which is that of Gauss-Seidel.
     pub components: Vec<Component>,
     /// From outputs to inputs.
     pub connections: Vec<Connection>,
-    /// What connectors name, by name.
+    /// Units that connectors name, by name.
     pub units: BTreeMap<String, Unit>,
     /// \[s\] `DefaultExperiment`
     pub start: Option<f64>,
@@ -75,7 +75,7 @@ pub enum Extent {
     Unsaid,
 }
 
-/// What a connector is for.
+/// The purpose of a connector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)] // SSP's own names
 pub enum Kind {
@@ -98,7 +98,7 @@ impl Kind {
         ("inout", Kind::InOut),
     ];
 
-    /// As in the file.
+    /// Returns the name in the file.
     pub fn name(self) -> &'static str {
         Kind::NAMES.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
     }
@@ -200,7 +200,7 @@ pub struct Connection {
 pub struct ParameterSet {
     /// In the order of the file.
     pub parameters: Vec<Parameter>,
-    /// What its Reals name, by name.
+    /// Units that its Reals name, by name.
     pub units: BTreeMap<String, Unit>,
     /// The file that holds it.
     pub file: String,
@@ -215,27 +215,27 @@ pub struct Parameter {
     pub of: Type,
     /// A Real's, if it has one.
     pub unit: Option<String>,
-    /// What it is set to, checked: a value of this type.
+    /// The value that it is set to, checked: a value of this type.
     pub text: String,
     /// In the file.
     pub line: u32,
 }
 
 impl SystemStructure {
-    /// Whether there are array connectors, which SSP 1.0 has not.
+    /// Returns whether there are array connectors, which SSP 1.0 has not.
     pub fn has_arrays(&self) -> bool {
         let mut connectors = self.components.iter().flat_map(|component| &component.connectors);
         connectors.any(|connector| !connector.dimensions.is_empty())
     }
 
-    /// A connector and its component.
+    /// Returns a connector and its component.
     pub fn port(&self, port: &Port) -> (&Component, &Connector) {
         let component = &self.components[port.component];
         (component, &component.connectors[port.connector])
     }
 }
 
-/// An error at a place of the structure: `SystemStructure.ssd:12: <Connector> name="x": …`
+/// Makes an error at a place of the structure: `SystemStructure.ssd:12: <Connector> name="x": …`
 pub fn located(
     line: u32,
     element: &str,

@@ -1,4 +1,4 @@
-//! What an FMU says of itself in its `modelDescription.xml`, of FMI 2.0 or 3.0: names, abilities, variables and units.
+//! The description of an FMU in its `modelDescription.xml`, of FMI 2.0 or 3.0: names, abilities, variables and units.
 
 mod elements;
 mod variables;
@@ -41,7 +41,7 @@ impl Fmi {
     }
 }
 
-/// What an FMU says of itself.
+/// The description of an FMU.
 #[derive(Debug, Clone, Default)]
 pub struct Interface {
     /// `fmiVersion`
@@ -89,7 +89,7 @@ pub struct CoSimulation {
 pub struct Variable {
     /// As the FMU calls it.
     pub name: String,
-    /// Of the FMI functions.
+    /// The value reference.
     pub reference: u32,
     /// `None` for local and independent variables, and for what is known in Event Mode only.
     pub kind: Option<Kind>,
@@ -117,7 +117,7 @@ pub struct Dimension {
 }
 
 impl Variable {
-    /// The number of its values.
+    /// Returns the number of its values.
     pub fn count(&self) -> usize {
         self.dimensions.iter().map(|dimension| dimension.size).product()
     }
@@ -139,12 +139,12 @@ impl Variable {
         indices
     }
 
-    /// Whether it is an array, perhaps of one element.
+    /// Returns whether it is an array, perhaps of one element.
     pub fn is_array(&self) -> bool {
         !self.dimensions.is_empty()
     }
 
-    /// The start value of an element.
+    /// Returns the start value of an element.
     pub fn start_of(&self, element: usize) -> Option<&str> {
         let one_for_all = self.start.len() == 1;
         self.start.get(if one_for_all { 0 } else { element }).map(String::as_str)
@@ -154,26 +154,26 @@ impl Variable {
 /// A single value: a variable, or an element of an array.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Single<'a> {
-    /// Of which it is one.
+    /// The variable of which it is one.
     pub variable: &'a Variable,
     /// Among the values of the variable, from 0, in row-major order.
     pub element: usize,
 }
 
 impl Single<'_> {
-    /// Whether it is a parameter.
+    /// Returns whether it is a parameter.
     pub fn is_parameter(self) -> bool {
         self.variable.kind == Some(Kind::Parameter)
     }
 
-    /// Where the FMU has it.
+    /// Returns where the FMU has it.
     pub fn address(self) -> Address {
         let element = self.variable.is_array().then_some(self.element as u32);
         Address { of: self.variable.of, reference: self.variable.reference, element }
     }
 }
 
-/// Where an FMU has a single value.
+/// The place where an FMU has a single value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Address {
     /// The type of the variable: in FMI 2.0 each has its own value references.
@@ -236,17 +236,17 @@ impl Interface {
         Ok(interface)
     }
 
-    /// A variable by name, whole.
+    /// Returns a variable by name, whole.
     pub fn variable(&self, name: &str) -> Option<&Variable> {
         self.places.get(name).map(|&place| &self.variables[place])
     }
 
-    /// A variable of FMI 3.0 by its value reference; in FMI 2.0 several may have one.
+    /// Returns a variable of FMI 3.0 by its value reference; in FMI 2.0 several may have one.
     pub fn referenced(&self, reference: u32) -> Option<&Variable> {
         self.references.get(&reference).map(|&place| &self.variables[place])
     }
 
-    /// The definition of a unit.
+    /// Returns the definition of a unit.
     pub fn unit(&self, name: &str) -> Option<&Unit> {
         self.units.get(name)
     }

@@ -223,7 +223,7 @@ fn both_run_both_versions_to_the_same_bits() {
         other_3.freeFMUState(&mut again),
     ];
     assert_eq!(done, [fmi3Status::Ok; 5]);
-    let repeated = (STEPS / 2..STEPS).map(step_3).last().unwrap();
+    let repeated = (STEPS / 2..STEPS).map(step_3).fold(Vec::new(), |_, values| values);
     assert_eq!(bits(&repeated), bits(&last));
     assert_eq!(other_3.terminate(), fmi3Status::Ok);
 }

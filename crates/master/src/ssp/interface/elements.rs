@@ -16,7 +16,7 @@ const TOTAL: &str = "Total";
 const AXES: [&str; 2] = ["x", "y"];
 
 impl Interface {
-    /// A single value by its name.
+    /// Returns a single value by its name.
     pub fn single(&self, name: &str) -> Option<Single<'_>> {
         match self.places.get(name) {
             Some(&place) if !self.variables[place].is_array() => {
@@ -35,7 +35,7 @@ impl Interface {
         self.single(name).ok_or_else(missing)
     }
 
-    /// All single values, with their names.
+    /// Returns all single values, with their names.
     pub fn singles(&self) -> impl Iterator<Item = (String, Single<'_>)> {
         self.variables.iter().flat_map(move |variable| {
             let single = move |element| (self.name_of(variable, element), Single { variable, element });
@@ -43,7 +43,7 @@ impl Interface {
         })
     }
 
-    /// The name of a value of one of the variables.
+    /// Returns the name of a value of one of the variables.
     pub fn name_of(&self, variable: &Variable, element: usize) -> String {
         let name = &variable.name;
         if !variable.is_array() {
@@ -61,19 +61,19 @@ impl Interface {
         }
     }
 
-    /// Whether the variable has an element, or elements, for each of some people.
+    /// Returns whether the variable has an element, or elements, for each of some people.
     pub fn is_of_agents(&self, variable: &Variable) -> bool {
         let first = variable.dimensions.first().and_then(|first| first.parameter);
         first.is_some_and(|place| self.variables[place].name == AGENTS)
     }
 
-    /// The name in FMI 2.0 of a number of the whole crowd.
+    /// Returns the name in FMI 2.0 of a number of the whole crowd.
     fn total<'a>(&self, variable: &'a Variable) -> Option<&'a str> {
         let of = variable.name.strip_prefix(TOTAL)?;
         self.variable(of).filter(|array| self.is_of_agents(array)).map(|_| of)
     }
 
-    /// What a name that is not that of a single variable means.
+    /// Returns the value that a name means which is not that of a single variable.
     pub(super) fn parsed(&self, name: &str) -> Option<Single<'_>> {
         if let Some(rest) = name.strip_prefix("agent[") {
             let (agent, rest) = rest.split_once("].")?;
@@ -93,7 +93,7 @@ impl Interface {
         Some(Single { variable: total, element: 0 })
     }
 
-    /// The array that a name within `agent[i]` means, and which of the elements of one agent.
+    /// Returns the array that a name within `agent[i]` means, and which of the elements of one agent.
     fn of_agent(&self, name: &str) -> Option<(&Variable, usize)> {
         let array = |name: &str| self.variable(name).filter(|array| self.is_of_agents(array));
         if let Some((name, axis)) = name.rsplit_once('.')
@@ -114,7 +114,7 @@ impl Interface {
         array(name).filter(|array| array.dimensions.len() == 1).map(|array| (array, 0))
     }
 
-    /// The values of structural parameters by which other arrays than those of the description come about.
+    /// Chooses the value of a structural parameter: other arrays than those of the description come about.
     ///
     /// # Errors
     /// There is no such parameter that is the size of arrays, or the arrays become too large.

@@ -162,7 +162,7 @@ fn read_dimensions(interface: &Interface, element: Element) -> Result<Vec<Dimens
     element.children("Dimension").filter(|_| arrays).map(dimension).collect()
 }
 
-/// That start values are numbers where they must be, and as many as elements.
+/// Checks that start values are numbers where they must be, and as many as elements.
 fn check_starts(variable: &Variable, element: Element) -> Result<()> {
     let (given, count) = (variable.start.len(), variable.count());
     if given > 1 && given != count {
@@ -266,39 +266,31 @@ mod tests {
             </ModelVariables></fmiModelDescription>"#;
         let interface = read(text);
         let names: Vec<String> = interface.singles().map(|(name, _)| name).collect();
-        let (theta, contacts) = (7..10, 10..13);
-        assert_eq!(
-            names[1..7].join(" "),
-            "agent[0].Position.x agent[0].Position.y agent[1].Position.x \
-            agent[1].Position.y agent[2].Position.x agent[2].Position.y"
-        );
-        assert_eq!(names[theta].join(" "), "agent[0].Theta agent[1].Theta agent[2].Theta");
-        assert_eq!(names[contacts][2], "agent[2].AgentContacts");
-        assert_eq!(names[13..15].join(" "), "AgentContacts TotalOther");
-        assert_eq!(
-            names[15..].join(" "),
-            "agent[0].Inertia[1] agent[0].Inertia[2] agent[0].Inertia[3] \
-            agent[1].Inertia[1] agent[1].Inertia[2] agent[1].Inertia[3] agent[2].Inertia[1] agent[2].Inertia[2] \
-            agent[2].Inertia[3]"
-        );
+        let agents =
+            |element: &str| (0..3).map(|i| format!("agent[{i}].{element}")).collect::<Vec<_>>().join(" ");
+        let each = |name: &str, parts: [&str; 3]| {
+            let parts = parts.iter().filter(|part| !part.is_empty());
+            let parts: Vec<String> = parts.map(|part| format!("agent[#].{name}{part}")).collect();
+            (0..3).map(|i| parts.join(" ").replace('#', &i.to_string())).collect::<Vec<_>>().join(" ")
+        };
+        let expected = [
+            "Agents".to_owned(),
+            each("Position", [".x", ".y", ""]),
+            agents("Theta"),
+            agents("AgentContacts"),
+            "AgentContacts TotalOther".to_owned(),
+            each("Inertia", ["[1]", "[2]", "[3]"]),
+        ];
+        assert_eq!(names.join(" "), expected.join(" "));
         for (name, single) in interface.singles() {
             assert_eq!(interface.single(&name), Some(single), "{name}");
         }
         let of = |name: &str| interface.single(name).map(|single| single.address().to_string());
         assert_eq!(of("agent[1].Position.y").as_deref(), Some("2[3]"));
         assert_eq!(of("AgentContacts"), of("TotalAgentContacts"));
-        for none in [
-            "agent[3].Theta",
-            "agent[0].Position",
-            "agent[0].Position.z",
-            "agent[0].Theta.x",
-            "agent[00].Theta",
-            "Theta[1]",
-            "Position[1,1]",
-            "agent[0].Position[1]",
-            "agent[0].Inertia[4]",
-            "agent[0].Agents",
-        ] {
+        let others = "agent[3].Theta agent[0].Position agent[0].Position.z agent[0].Theta.x agent[00].Theta Theta[1] \
+                      Position[1,1] agent[0].Position[1] agent[0].Inertia[4] agent[0].Agents";
+        for none in others.split(' ') {
             assert_eq!(interface.single(none), None, "{none}");
         }
         let twice = text.replace("TotalOther", "agent[2].Theta");
