@@ -19,8 +19,8 @@ pub fn own_binary() -> Result<Binary> {
 /// # Errors
 /// It is in no such place, or FMI has no name for this platform.
 pub fn binary_beside(library: &str) -> Result<Binary> {
-    let mut found = binaries_beside(library, &[host()?.to_owned()])?;
-    Ok(found.remove(0))
+    let (beside, host) = (beside()?, host()?);
+    find(&beside, library, host).ok_or_else(|| Error::new(missing(&beside, library, host)))
 }
 
 /// The shared library for this machine, and those for other platforms that lie in directories with FMI's names (`win64`,
@@ -34,19 +34,22 @@ pub fn binaries_beside(library: &str, wanted: &[String]) -> Result<Vec<Binary>> 
 
 /// Returns FMI's name of the platform of this program.
 pub(crate) fn host() -> Result<&'static str> {
-    let none = || Error::new("FMI has no name for this platform: give --binary PLATFORM=FILE");
-    host_platform().ok_or_else(none)
+    host_platform().ok_or_else(|| Error::new("FMI has no name for this platform"))
+}
+
+fn missing(beside: &Path, library: &str, platform: &str) -> String {
+    let name = library_file(library, platform).unwrap_or_else(|| library.to_owned());
+    format!("{name} is not beside this program ({})", beside.display())
 }
 
 fn binaries_in(beside: &Path, library: &str, wanted: &[String]) -> Result<Vec<Binary>> {
     let missing = |platform: &str| {
-        let name = library_file(library, platform).unwrap_or_else(|| library.to_owned());
-        let place = beside.display();
-        Error::new(format!("{name} is not beside this program ({place}): give --binary {platform}=FILE"))
+        let why = missing(beside, library, platform);
+        Error::new(format!("{why}: give --binary {platform}=FILE"))
     };
     let found = |platform: &str| find(beside, library, platform);
     if wanted.is_empty() {
-        let host = host()?;
+        let host = host().map_err(|error| Error::new(format!("{error}: give --binary PLATFORM=FILE")))?;
         let own = found(host).ok_or_else(|| missing(host))?;
         let others = platforms().filter(|platform| *platform != host).filter_map(found);
         return Ok([own].into_iter().chain(others).collect());

@@ -27,23 +27,13 @@ pub trait Value: Clone + Default + PartialEq + 'static {
     }
 }
 
-/// A number as the FMU has it.
+/// A number as the FMU has it, if that is no double.
 trait Number: Copy + Default + Display {
     /// Returns its value, if it is not too large.
     fn value(self) -> Option<f64>;
 
     /// Returns the number with a value, if there is one.
     fn of(value: f64) -> Option<Self>;
-}
-
-impl Number for f64 {
-    fn value(self) -> Option<f64> {
-        Some(self)
-    }
-
-    fn of(value: f64) -> Option<f64> {
-        Some(value)
-    }
 }
 
 impl Number for f32 {
@@ -73,11 +63,10 @@ macro_rules! whole_numbers {
 
 whole_numbers! { i8 u8 i16 u16 i32 u32 i64 u64 }
 
-/// Calls a function with the type in C of the numbers of variables.
+/// Calls a function with the type in C of the numbers of variables, if that is no double.
 macro_rules! with_number {
     ($function:ident($calls:ident, $of:ident, $($argument:ident),*)) => {
         match ($of, $calls.fmi) {
-            (Type::Real | Type::Float64, _) => $function::<f64>($calls, $of, $($argument),*),
             (Type::Float32, _) => $function::<f32>($calls, $of, $($argument),*),
             (Type::Boolean | Type::Enumeration, Fmi::V2) => $function::<c_int>($calls, $of, $($argument),*),
             // Not `bool`: the FMU might write something else.
@@ -115,11 +104,17 @@ fn set_numbers<N: Number>(calls: &Calls, of: Type, references: &[u32], values: &
 
 impl Value for f64 {
     fn get(calls: &Calls, of: Type, references: &[u32], values: &mut [f64]) -> Result<()> {
-        with_number!(get_numbers(calls, of, references, values))
+        match of {
+            Type::Real | Type::Float64 => calls.get(&calls.accessor("Get", of), references, values),
+            _ => with_number!(get_numbers(calls, of, references, values)),
+        }
     }
 
     fn set(calls: &Calls, of: Type, references: &[u32], values: &[f64]) -> Result<()> {
-        with_number!(set_numbers(calls, of, references, values))
+        match of {
+            Type::Real | Type::Float64 => calls.set(&calls.accessor("Set", of), references, values),
+            _ => with_number!(set_numbers(calls, of, references, values)),
+        }
     }
 
     fn converted(&self, map: Affine) -> f64 {
