@@ -26,7 +26,7 @@ impl Library {
     /// It is not.
     pub fn check(&self, Binary { platform, path }: &Binary) -> Result<()> {
         let named = || format!("--binary {platform}={}", path.display());
-        FileType::expect(path, &[FileType::Library], "a shared library").with_context(named)?;
+        FileType::expect(path, &[FileType::LIBRARY], "a shared library").with_context(named)?;
         let bytes = input::read(path, input::LARGEST_BINARY).context("cannot be read").with_context(named)?;
         if !bytes.windows(self.mark.len()).any(|text| text == self.mark.as_bytes()) {
             bail!("{}: is not the library {}", named(), self.name);

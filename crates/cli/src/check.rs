@@ -1,13 +1,12 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
 use crate::error::{TrialHasErrors, full_message};
-use crate::messages;
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{Agent, DRIVE_FILE, Problems, Trial};
 use lemons_decision::{DECISION_FILE, Plan};
-use lemons_master::{TrialInput, Warning, plan_of};
+use lemons_master::{TrialInput, notes, plan_of};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
@@ -90,11 +89,12 @@ fn report(given: &TrialInput) -> Report {
     let doubts = drive.iter().flat_map(doubts_of_drive);
     doubts.for_each(|doubt| report.warn(&drive_file, doubt));
     if wishes.is_some() && given.directory().join(DRIVE_FILE).exists() {
-        report.lines.push(messages::warning_text(&Warning::DriveOfWalkers { plan: plan_file }));
+        let added = notes::drive_of_walkers(&plan_file);
+        report.lines.push(format!("note: {added} (--no-drive: only these)"));
     }
     if let Ok(drive) = &drive {
         match (drive.missed(0.0, parameters.time_step), drive.between(0.0, parameters.time_step)) {
-            (Some(missed), _) => report.warn(&drive_file, messages::missed(&missed, "TimeStep")),
+            (Some(missed), _) => report.warn(&drive_file, notes::missed(&missed, "TimeStep")),
             (None, (between @ 1.., of)) => report.note(
                 &drive_file,
                 format!(

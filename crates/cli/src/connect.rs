@@ -1,11 +1,10 @@
 //! `lemons connect`: FMUs -> an SSP.
 
 use crate::files::{self, Force};
-use crate::messages::warning_text;
 use crate::pack::say_size;
 use anyhow::{Result, bail};
 use lemons_master::ssp::{Participant, write_archive};
-use lemons_master::{Fmu, Warning};
+use lemons_master::{Fmu, notes};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -64,7 +63,7 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
     for ((component, fmu), inputs) in structure.components.iter().zip(&fmus).zip(&connected.unconnected) {
         let free: HashSet<&str> = inputs.iter().map(String::as_str).collect();
         if fmu.loses_drive(|input| !free.contains(input))? {
-            note!("{}", warning_text(&Warning::DriveReplaced(component.name.clone())));
+            note!("{}", notes::drive_replaced(&component.name));
         }
         // People are there unless somebody says otherwise.
         let there = |name: &&str| *name == "Active" || name.ends_with(".Active");
@@ -77,7 +76,7 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
     say_size(&arguments.output)
 }
 
-/// Whether the output can be an SSP, and nothing is lost to it.
+/// Checks that the output can be an SSP, and nothing is lost to it.
 fn check_output(Arguments { output, .. }: &Arguments) -> Result<()> {
     if !output.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp")) {
         bail!("{}: the name of an SSP ends in .ssp", output.display());

@@ -1,14 +1,15 @@
 //! `lemons decide`: a Trial and its people's wishes -> a Decision FMU.
 
 use crate::binary::DECISION;
+use crate::error::report_problems;
 use crate::files::{self, Force};
-use crate::messages::read_or_report;
 use crate::pack::{Fmi, FmuArguments, say_size};
-use anyhow::{Context, Result, bail};
-use lemons_core::trial::Trial;
-use lemons_decision::{DECISION_FILE, Plan};
-use lemons_master::{PlanChoice, TrialInput, plan_of};
-use std::path::{Path, PathBuf};
+use anyhow::{Context, Result, anyhow};
+use lemons_core::trial::DriveChoice;
+use lemons_decision::DECISION_FILE;
+use lemons_master::{PlanChoice, TrialInput};
+use lemons_sim::Documents;
+use std::path::PathBuf;
 
 /// DecisionConfig of everybody, as short as they can be.
 const SHORTEST: &str = "  desired_speed = 1.34
@@ -39,11 +40,15 @@ pub struct Arguments {
 pub fn decide(arguments: &Arguments) -> Result<()> {
     let mut file = files::stage(&arguments.output)?;
     let given = TrialInput::open(&arguments.trial)?;
-    let (trial, warnings) = read_or_report(&given)?;
-    for warning in warnings.iter() {
-        note!("{warning}");
-    }
-    let plan = wanted(&given, &trial, arguments.plan.as_deref())?;
+    let choice = arguments.plan.clone().map_or(PlanChoice::Own, PlanChoice::File);
+    let read = given.documents(&DriveChoice::None, &choice).map_err(report_problems)?;
+    let (Documents { plan, .. }, warnings, _) = read;
+    warnings.iter().for_each(|warning| note!("{warning}"));
+    let plan = plan.ok_or_else(|| {
+        let missing = given.path().join(DECISION_FILE);
+        let help = "Write it, or name another file with --plan FILE.toml. The shortest such file is:";
+        anyhow!("there is no {}. {help}\n{SHORTEST}", missing.display())
+    })?;
     let binaries = arguments.fmu.binaries(&DECISION)?;
     let unwritten = || format!("cannot write {}", arguments.output.display());
     lemons_decision::pack::write_fmu(
@@ -55,20 +60,6 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     .with_context(|| arguments.output.display().to_string())?;
     file.persist().with_context(unwritten)?;
     say_size(&arguments.output)
-}
-
-/// What the people of a Trial do by the wishes in a file; by default, that of the Trial.
-fn wanted(given: &TrialInput, trial: &Trial, plan: Option<&Path>) -> Result<Plan> {
-    let own = given.path().join(DECISION_FILE);
-    let (path, named) = match (plan, given.wishes()) {
-        (Some(plan), _) => (plan.to_owned(), plan.to_owned()),
-        (None, Some(path)) => (path, own),
-        (None, None) => bail!(
-            "there is no {}. Write it, or name another file with --plan FILE.toml. The shortest such file is:\n{SHORTEST}",
-            own.display()
-        ),
-    };
-    plan_of(trial, &path).with_context(|| named.display().to_string())
 }
 
 /// Where people walk in a run.
@@ -84,7 +75,7 @@ pub struct Walk {
 }
 
 impl Walk {
-    /// Whether one of its options was given.
+    /// Returns whether one of its options was given.
     pub fn given(&self) -> bool {
         self.plan.is_some() || self.no_plan
     }

@@ -1,13 +1,14 @@
 //! `lemons describe`: the model description that a Trial's FMU would have, or its Decision FMU.
 
-use crate::messages::read_or_report;
+use crate::error::report_problems;
 use crate::pack::Fmi;
 use crate::print;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use crowd_mechanics::model_description::model_description;
 use crowd_mechanics::pack::Naming;
+use lemons_core::trial::DriveChoice;
 use lemons_decision::pack::description;
-use lemons_master::{TrialInput, plan_of};
+use lemons_master::{PlanChoice, TrialInput};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -24,14 +25,13 @@ pub struct Arguments {
 }
 
 pub fn describe(arguments: &Arguments) -> Result<()> {
-    let (trial, _) = read_or_report(&TrialInput::open(&arguments.trial)?)?;
+    let choice = arguments.plan.clone().map_or(PlanChoice::None, PlanChoice::File);
+    let given = TrialInput::open(&arguments.trial)?;
+    let (documents, ..) = given.documents(&DriveChoice::None, &choice).map_err(report_problems)?;
     let format = arguments.fmi.format(Naming::Structured);
-    let text = match &arguments.plan {
-        Some(plan) => {
-            let plan = plan_of(&trial, plan).with_context(|| plan.display().to_string())?;
-            description(&plan, format)
-        }
-        None => model_description(&trial, format),
+    let text = match &documents.plan {
+        Some(plan) => description(plan, format),
+        None => model_description(&documents.trial, format),
     };
     Ok(print::out().write_all(text.as_bytes())?)
 }

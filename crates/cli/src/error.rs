@@ -1,8 +1,6 @@
 //! Failures that have an exit code of their own, and how failures are told.
 
 use anyhow::Result;
-use lemons_master::{FileType, Unexpected};
-use std::error::Error;
 
 /// A Trial has errors; they have been printed.
 #[derive(Debug, thiserror::Error)]
@@ -14,8 +12,16 @@ pub struct TrialHasErrors;
 #[error("{0}")]
 pub struct Misused(pub String);
 
-/// Combines what became of several files, each of which is put into its place whatever became of the others: the first
-/// error counts, further ones are told.
+/// Prints the errors of a Trial; any other error is returned as it is.
+pub fn report_problems(error: lemons_master::Error) -> anyhow::Error {
+    let lemons_master::Error::Broken { path, problems } = error else { return error.into() };
+    note!("{problems}");
+    note!("lemons: {} has errors", path.display());
+    TrialHasErrors.into()
+}
+
+/// Returns what becomes of several files, each of which is put into its place whatever became of the others: the first error
+/// counts, further ones are told.
 pub fn and_then(done: Result<()>, next: Result<()>) -> Result<()> {
     match (done, next) {
         (Err(first), Err(second)) => {
@@ -26,10 +32,10 @@ pub fn and_then(done: Result<()>, next: Result<()>) -> Result<()> {
     }
 }
 
-/// Returns the text of an error with its causes; many of them say their cause themselves, which is not said again.
+/// An error with its causes; many of them say their cause themselves, which is not said again.
 pub fn full_message(error: &anyhow::Error) -> String {
     let mut text = String::new();
-    for cause in error.chain().map(with_option).filter(|cause| !cause.is_empty()) {
+    for cause in error.chain().map(ToString::to_string).filter(|cause| !cause.is_empty()) {
         if text.ends_with(&cause) {
             continue;
         }
@@ -39,31 +45,4 @@ pub fn full_message(error: &anyhow::Error) -> String {
         text += &cause;
     }
     text
-}
-
-/// Returns the text of a library's error, and which option or command has to do with it: libraries know of none.
-fn with_option(cause: &(dyn Error + 'static)) -> String {
-    let of_master = match find::<lemons_sweep::Error>(cause) {
-        Some(lemons_sweep::Error::Master(error)) => Some(error),
-        _ => find::<lemons_master::Error>(cause),
-    };
-    let unexpected = match of_master {
-        Some(lemons_master::Error::Unexpected(error)) => Some(error),
-        _ => find::<Unexpected>(cause),
-    };
-    let (before, after) = match of_master {
-        _ if unexpected.is_some_and(|error| error.kind == FileType::SavedRun) => {
-            ("", "; lemons run --resume continues it")
-        }
-        Some(lemons_master::Error::NoVariable(_)) => ("", "; see lemons info"),
-        Some(lemons_master::Error::IsSsp) => ("", ": lemons run FILE.ssp"),
-        Some(lemons_master::Error::Algorithm { .. }) => ("--algorithm: ", ""),
-        _ => ("", ""),
-    };
-    format!("{before}{cause}{after}")
-}
-
-/// An error of a type, which may be in a box as a cause of another.
-fn find<'a, T: Error + 'static>(cause: &'a (dyn Error + 'static)) -> Option<&'a T> {
-    cause.downcast_ref().or_else(|| cause.downcast_ref::<Box<T>>().map(|boxed| &**boxed))
 }

@@ -254,12 +254,12 @@ fn not_exported(to: Format, run: &Record, leaves: bool) -> Vec<String> {
 /// That a file can be the table of a run; what is in it is read later.
 pub fn expect_table(path: &Path) -> Result<()> {
     let tables = [
-        FileType::Text,
-        FileType::Binary,
-        FileType::Parquet,
-        FileType::Stream,
-        FileType::Trial,
-        FileType::Directory,
+        FileType::TEXT,
+        FileType::BINARY,
+        FileType::PARQUET,
+        FileType::STREAM,
+        FileType::TRIAL,
+        FileType::DIRECTORY,
     ];
     Ok(FileType::expect(path, &tables, "a table that lemons run wrote (CSV, Parquet)")?)
 }

@@ -71,9 +71,9 @@ pub fn info(arguments: &Arguments) -> Result<()> {
 
 fn row(name: String, single: Single) -> [String; 4] {
     let (variable, start) = (single.variable, single.variable.start_of(single.element));
-    let unit = match &variable.of {
-        Type::Real(unit) => unit.clone().unwrap_or_default(),
-        other => other.name().to_owned(),
+    let unit = match variable.of.class() {
+        Type::Real => variable.unit.clone().unwrap_or_default(),
+        class => class.name().to_owned(),
     };
     let causality = match variable.kind {
         Some(Kind::Input) => "input",

@@ -37,8 +37,6 @@ mod sweep;
 mod verify;
 mod version;
 
-mod messages;
-
 use anyhow::Result;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use error::{Misused, TrialHasErrors, full_message};
@@ -125,7 +123,8 @@ pub fn main() -> ExitCode {
         Err(error) if print::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             note!("lemons: {}", full_message(&error));
-            if error.is::<Misused>() {
+            let misused = matches!(error.downcast_ref(), Some(lemons_master::Error::Misused(_)));
+            if misused || error.is::<Misused>() {
                 return ExitCode::from(2);
             }
             if error.is::<Interrupted>() {

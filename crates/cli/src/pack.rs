@@ -1,14 +1,14 @@
 //! `lemons pack`: Trials -> FMU.
 
 use crate::binary::{CROWD, Library};
+use crate::error::report_problems;
 use crate::files::{self, Force};
-use crate::messages::report_problems;
 use crate::version::BUILD;
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, bail};
 use crowd_mechanics::pack::{Binary, Format, Naming, platforms};
 use lemons_core::trial::Trial;
 use lemons_decision::DECISION_FILE;
-use lemons_master::{Error, TrialInput, binaries_beside};
+use lemons_master::{TrialInput, binaries_beside};
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::path::{Path, PathBuf};
 
@@ -46,7 +46,7 @@ impl Fmi {
     }
 }
 
-/// What every FMU that is made here can be told.
+/// Options of every FMU that is made here.
 #[derive(clap::Args)]
 pub struct FmuArguments {
     /// Add the shared library of a platform: linux64=FILE, win64=FILE, … Default: those of all platforms that
@@ -81,21 +81,12 @@ impl FmuArguments {
                     wanted.push(platform.clone());
                 }
             }
-            let binaries = binaries_beside(library.name, &wanted).map_err(with_option)?;
+            let binaries = binaries_beside(library.name, &wanted)?;
             binaries.iter().for_each(|binary| files::reads(&binary.path, library.name));
             return Ok(binaries);
         }
         self.binaries.iter().try_for_each(|binary| library.check(binary))?;
         Ok(self.binaries.clone())
-    }
-}
-
-/// Of an error in finding the own library, which option helps.
-fn with_option(error: Error) -> anyhow::Error {
-    match &error {
-        Error::NoPlatform => anyhow!("{error}: give --binary PLATFORM=FILE"),
-        Error::NoLibrary { platform, .. } => anyhow!("{error}: give --binary {platform}=FILE"),
-        _ => error.into(),
     }
 }
 
@@ -108,11 +99,9 @@ pub fn pack(arguments: &Arguments) -> Result<()> {
     let binaries = arguments.fmu.binaries(&CROWD)?;
     files::claim_and_try(&arguments.output)?;
     let trials = arguments.trials.iter().map(|path| TrialInput::open(path)).collect::<Result<Vec<_>, _>>()?;
-    let warnings =
-        write_fmu(&trials, binaries, arguments.fmi.format(arguments.fmu.naming()), true, &arguments.output)?;
-    for warning in warnings {
-        note!("{warning}");
-    }
+    let format = arguments.fmi.format(arguments.fmu.naming());
+    let warnings = write_fmu(&trials, binaries, format, &arguments.output)?;
+    warnings.iter().for_each(|warning| note!("{warning}"));
     for trial in trials.iter().filter(|trial| trial.wishes().is_some()) {
         let path = trial.path().display();
         note!(
@@ -129,16 +118,14 @@ pub fn say_size(output: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Packs Trials; errors of a Trial are printed, one line each. With `drives`, those of its drive, too.
+/// Packs Trials, and returns their warnings; errors of a Trial or of its drive are printed, one line each.
 pub fn write_fmu(
     trials: &[TrialInput],
     binaries: Vec<Binary>,
     format: Format,
-    drives: bool,
     output: &Path,
 ) -> Result<Vec<String>> {
-    let packed = lemons_master::pack(trials, binaries, format, Some(picture), drives, output);
-    packed.map_err(|error| report_problems(error.into()))
+    lemons_master::pack(trials, binaries, format, Some(picture), output).map_err(report_problems)
 }
 
 /// `model.png`; a Trial that cannot be drawn has none.

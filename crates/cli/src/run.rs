@@ -7,25 +7,26 @@ mod outputs;
 mod recorder;
 mod trial;
 
+use crate::connect::plain_names;
 use crate::decide::Walk;
 use crate::error::{Misused, and_then, full_message};
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::print::{ProgressNotes, is_closed_pipe};
 use crate::results::{Format, FormatName, Place};
-use crate::version::BUILD;
 use accuracy::{Poses, run_for};
 use anyhow::{Context, Error, Result, bail, ensure};
-use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_core::trial::DriveChoice;
 use lemons_decision::walking_model::WalkingModel;
-use lemons_master::{FileType, Saved, Settings, TrialInput, writers};
+use lemons_master::{FileType, Saved, Settings, TrialInput};
 use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_results::{Frame, Run};
 use lemons_sim::stop::{Still, StopCondition};
-use lemons_sim::{Algorithm, Clock, Point};
+use lemons_sim::{Algorithm, Point};
 use model::{Prepared, RunModel};
+use outputs::OutputTable;
 pub use recorder::Target as RowTarget;
 use recorder::{CrowdRecorder, PointKind, Recorded, Target};
 use std::ops::ControlFlow;
@@ -50,8 +51,8 @@ pub struct Arguments {
     /// How coupled FMUs exchange values. jacobi: all FMUs use the values of the last communication
     /// point. gauss-seidel: the FMUs step one after the other, in the order of the SSP, and each uses the
     /// newest values
-    #[arg(long, value_name = "ALGORITHM", default_value = "jacobi")]
-    algorithm: Order,
+    #[arg(long, default_value = ALGORITHMS[0], value_parser = PossibleValuesParser::new(ALGORITHMS).map(algorithm))]
+    algorithm: Algorithm,
     /// Propulsion over time: a CSV file with columns t,agent,Fp.x,Fp.y,Mp. At each communication point,
     /// values are interpolated linearly between rows; they are held until the next point, so results
     /// depend on the communication step. Before the first and after the last row they are zero. Agents that are not
@@ -154,7 +155,7 @@ pub struct Job {
     pub state: Option<PathBuf>,
     /// When it ends.
     pub ends: Ends,
-    /// Whether the poses of all communication points are kept.
+    /// True if the poses of all communication points are kept.
     pub keeps_poses: bool,
 }
 
@@ -172,7 +173,7 @@ impl Arguments {
             every: self.every.map(u64::from),
             drive: drive_of(self.drive.as_deref(), self.no_drive),
             plan: self.walk.choice(),
-            algorithm: self.algorithm.into(),
+            algorithm: self.algorithm,
             resume: self.resume.clone(),
             saves: self.state.is_some(),
             ..Settings::of(&self.input)
@@ -203,19 +204,10 @@ pub fn name_and_value_of_all(settings: &[String]) -> Result<Vec<(String, String)
 const FORMAT_HELP: &str = "Format of the tables: csv; or parquet, for long runs: smaller, with units in the metadata. \
                            Default: by the extension of -o, else csv";
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Order {
-    Jacobi,
-    GaussSeidel,
-}
+const ALGORITHMS: [&str; 2] = ["jacobi", "gauss-seidel"];
 
-impl From<Order> for Algorithm {
-    fn from(order: Order) -> Algorithm {
-        match order {
-            Order::Jacobi => Algorithm::Jacobi,
-            Order::GaussSeidel => Algorithm::GaussSeidel,
-        }
-    }
+fn algorithm(name: String) -> Algorithm {
+    if name == ALGORITHMS[0] { Algorithm::Jacobi } else { Algorithm::GaussSeidel }
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -226,13 +218,10 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 fn length(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("must be a positive number of metres, for example 1e-4".into()),
-    }
+    positive(text).map_err(|_| "must be a positive number of metres, for example 1e-4".into())
 }
 
-/// What came of a run.
+/// The result of a run.
 pub struct Ended {
     /// If poses are kept: those of each crowd, and the mechanical steps \[s\].
     poses: Vec<Poses>,
@@ -250,7 +239,7 @@ pub struct Ended {
     coupling: Vec<String>,
     seen: Vec<String>,
     saved: Option<String>,
-    /// Of a run that is shown, unless the FMU has no agents.
+    /// The frames of a run that is shown, unless the FMU has no agents.
     pub recorded: Option<Run>,
     /// Why a file is not in its place.
     failed: Option<Error>,
@@ -278,32 +267,28 @@ fn interrupted(why: String) -> Error {
 }
 
 /// Prepares a run of a Trial, an FMU or an SSP.
-fn prepare(settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
-    let runs = [FileType::Trial, FileType::Fmu, FileType::Ssp, FileType::Archive];
+fn prepare(settings: &Settings) -> Result<Prepared> {
+    let runs = [FileType::TRIAL, FileType::FMU, FileType::SSP, FileType::ARCHIVE];
     FileType::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
     match TrialInput::find(&settings.input)? {
-        Some(given) => trial::prepare(&given, settings, outputs),
-        None => fmus::prepare(settings, |system, others, (clock, every), before| match outputs {
-            Some(place) => outputs::Outputs::create(system, others, place, &About::of(clock, every, before)),
-            None => Ok(None),
-        }),
+        Some(given) => trial::prepare(&given, settings),
+        None => fmus::prepare(settings),
     }
 }
 
-/// What tables say of a run.
+/// The texts that tables have of a run.
 struct About {
     lines: Vec<(&'static str, String)>,
-    /// Whether a saved run goes on: then no table is replaced, which may be one of the run before.
+    /// True if a saved run goes on: then no table is replaced, which may be one of the run before.
     goes_on: bool,
 }
 
 impl About {
-    fn of(clock: &Clock, every: u64, before: Option<&Saved>) -> About {
-        let goes_on = before.is_some();
+    fn of(record: &Saved, goes_on: bool) -> About {
         let lines = vec![
-            ("lemons_version", writers(before.map_or("", |before| &before.lemons), &BUILD.whole())),
-            ("communication_step", format!("{:?}", clock.step)),
-            ("every", every.to_string()),
+            ("lemons_version", record.lemons.clone()),
+            ("communication_step", format!("{:?}", record.step)),
+            ("every", record.every.to_string()),
         ];
         About { lines, goes_on }
     }
@@ -315,6 +300,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let Prepared {
         mut model,
         crowds,
+        output_columns,
         plans,
         mut coupling,
         mechanical_steps,
@@ -323,7 +309,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         drive_end,
         record,
         before,
-    } = prepare(&settings, outputs.as_ref())?;
+    } = prepare(&settings)?;
     model.take_warnings().iter().for_each(|warning| note!("{warning}"));
     coupling.push(format!("communication step {:>10} s", clock.step));
     if keeps_poses && mechanical_steps.is_empty() {
@@ -332,13 +318,19 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         );
     }
     if before.is_none() {
-        output_directories.iter().try_for_each(|path| claim_series(path))?;
+        let named = output_directories.iter().filter(|name| !name.is_empty());
+        named.map(Path::new).try_for_each(claim_series)?;
     }
     let Saved { index, every, .. } = record;
-    let about = About::of(&clock, every, before.as_ref());
+    let about = About::of(&record, before.is_some());
+    let outputs = outputs.filter(|_| !output_columns.is_empty());
+    let outputs = outputs.map(|place| OutputTable::create(output_columns, &place, &about)).transpose()?;
     let mut recorders = Vec::with_capacity(crowds.len());
-    for crowd in &crowds {
-        let to = if crowds.len() > 1 { rows.named(&crowd.file_name)? } else { rows.clone() };
+    // Files have plain names.
+    let names = plain_names(crowds.iter().map(|crowd| crowd.component.as_str()));
+    let several = crowds.len() > 1;
+    for (crowd, name) in crowds.into_iter().zip(&names) {
+        let to = if several { rows.named(name)? } else { rows.clone() };
         recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), keeps_poses)?);
     }
     let stop = match ends {
@@ -353,8 +345,16 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let first = model.time();
     let bar = progress_bar(stop.as_ref(), clock.steps.saturating_sub(index))?;
     let started = Instant::now();
-    let mut run =
-        Recording { recorders, stop, every, index, bar, notes: ProgressNotes::from(started), interrupt };
+    let mut run = Recording {
+        recorders,
+        outputs,
+        stop,
+        every,
+        index,
+        bar,
+        notes: ProgressNotes::from(started),
+        interrupt,
+    };
     let mut done = run.see(&mut *model, if before.is_none() { PointKind::Start } else { PointKind::Resumed });
     if done.is_ok() && !interrupt.pressed() {
         let stepped = lemons_sim::run(&mut *model, &clock, index, |model, point| run.step(model, point));
@@ -362,15 +362,15 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     }
     run.bar.finish_and_clear();
     let (wall, time) = (started.elapsed(), model.time());
-    let Recording { recorders, stop, index, .. } = run;
+    let Recording { recorders, outputs, stop, index, .. } = run;
     if let Some(StopCondition::Left(leaving)) = &stop {
         note_remaining(leaving, &recorders, time, clock.until);
     }
     let saved = match (&done, file) {
         (Ok(()), Some((file, path))) => {
-            let (component, states) = model.states()?;
+            let states = model.states()?;
             let crowd = recorders.iter().map(CrowdRecorder::record).collect();
-            let saved = Saved { index, time, component, crowd, ..record };
+            let saved = Saved { index, time, crowd, ..record };
             let shown = path.display();
             let written = saved.write(&states, file).with_context(|| format!("cannot write {shown}"));
             written.map(|()| Some(format!("saved run          {shown}   (at t = {time:.3} s)")))
@@ -389,15 +389,15 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     };
     // What was simulated before a failure is worth having.
     let (mut seen, mut recorded, mut poses, mut failed) = (Vec::new(), None, Vec::new(), Ok(()));
-    for (crowd, recorder) in crowds.iter().zip(recorders) {
-        seen.extend((crowds.len() > 1).then(|| format!("crowd              {}", crowd.component)));
+    for recorder in recorders {
+        seen.extend(several.then(|| format!("crowd              {}", recorder.crowd().component)));
         let (Recorded { lines, run, poses: own }, placed) = recorder.finish();
         seen.extend(lines);
         poses.extend(own);
         recorded = recorded.or(run);
         failed = and_then(failed, placed);
     }
-    match model.finish_outputs() {
+    match outputs.map(OutputTable::finish).transpose() {
         Ok(line) => seen.extend(line),
         Err(error) => failed = and_then(failed, Err(error)),
     }
@@ -435,6 +435,7 @@ fn claim_series(directory: &Path) -> Result<()> {
 /// A run as it is stepped.
 struct Recording<'a> {
     recorders: Vec<CrowdRecorder>,
+    outputs: Option<OutputTable>,
     stop: Option<StopCondition>,
     every: u64,
     /// The last communication point of the clock that was reached.
@@ -455,7 +456,8 @@ impl Recording<'_> {
             Some(StopCondition::Still(_)) if matches!(kind, PointKind::Start | PointKind::Resumed) => {}
             Some(stop @ StopCondition::Still(_)) => stop.see(model.time(), &frames),
             Some(stop @ StopCondition::Left(_)) => {
-                let leave = frames.iter().zip(&self.recorders).filter(|(_, crowd)| crowd.may_leave());
+                let leave =
+                    frames.iter().zip(&self.recorders).filter(|(_, crowd)| crowd.crowd().groups.active);
                 let leave: Vec<Frame> = leave.map(|(frame, _)| frame.clone()).collect();
                 stop.see(model.time(), &leave);
             }
@@ -464,7 +466,12 @@ impl Recording<'_> {
         for (recorder, frame) in self.recorders.iter_mut().zip(frames) {
             recorder.see(frame, kind)?;
         }
-        if matches!(kind, PointKind::Start | PointKind::Written) { model.write_outputs() } else { Ok(()) }
+        match &mut self.outputs {
+            Some(outputs) if matches!(kind, PointKind::Start | PointKind::Written) => {
+                outputs.row(model.time(), &model.outputs()?)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// After a step.
@@ -488,27 +495,22 @@ impl Recording<'_> {
 }
 
 fn progress_bar(stop: Option<&StopCondition>, steps: u64) -> Result<ProgressBar> {
-    Ok(match stop.and_then(StopCondition::left) {
+    let (length, template) = match stop.and_then(StopCondition::left) {
         // How long it takes is not known.
-        Some((leave, _)) => {
-            let style = ProgressStyle::with_template("{bar:40} {msg}  {pos} of {len} have left")?;
-            crate::print::bar(leave as u64).with_style(style)
-        }
-        None => {
-            let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
-            crate::print::bar(steps).with_style(style)
-        }
-    })
+        Some((leave, _)) => (leave as u64, "{bar:40} {msg}  {pos} of {len} have left"),
+        None => (steps, "{bar:40} {percent:>3}%  {msg}  {eta} left"),
+    };
+    Ok(crate::print::bar(length).with_style(ProgressStyle::with_template(template)?))
 }
 
 /// The end of a run in which people leave: when nobody is there any more who has an exit.
 fn until_left(plans: &[Vec<bool>], recorders: &[CrowdRecorder]) -> Result<Leaving> {
     let nobody =
         "--until left: nobody can leave: people do not walk, or have no exits (give a time in seconds)";
-    let leaving = || recorders.iter().filter(|crowd| crowd.may_leave());
+    let leaving = || recorders.iter().filter(|crowd| crowd.crowd().groups.active);
     ensure!(leaving().next().is_some(), nobody);
     // Only our own plans say who has an exit; of others, all might leave.
-    let people: usize = leaving().map(|crowd| crowd.ids().len()).sum();
+    let people: usize = leaving().map(|crowd| crowd.crowd().ids.len()).sum();
     let counted: usize = plans.iter().map(Vec::len).sum();
     let leave = plans.iter().flatten().filter(|leaves| **leaves).count() + people.saturating_sub(counted);
     ensure!(leave > 0, nobody);
@@ -538,7 +540,7 @@ fn note_remaining(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64, unt
         _ => return,
     };
     let (leave, left) = leaving.counts();
-    let ids: Vec<&str> = recorders.iter().flat_map(CrowdRecorder::ids).map(String::as_str).collect();
+    let ids: Vec<&str> = recorders.iter().flat_map(|crowd| &crowd.crowd().ids).map(String::as_str).collect();
     let mut stay: Vec<&str> = leaving.stay().take(MOST_IDS).map(|agent| ids[agent]).collect();
     if leaving.stay().nth(MOST_IDS).is_some() {
         stay.push("…");
@@ -606,7 +608,7 @@ fn stopped(error: Error, time: f64, placed: Result<()>) -> Error {
 }
 
 impl Ended {
-    /// That all files are in their places.
+    /// Checks that all files are in their places.
     pub fn complete(&mut self) -> Result<()> {
         self.failed.take().map_or(Ok(()), Err)
     }

@@ -1,9 +1,8 @@
 //! `lemons sweep`: many runs with other parameters.
 
-use crate::error::Misused;
+use crate::error::{Misused, report_problems};
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::messages::report_problems;
 use crate::output::Output;
 use crate::print::ProgressNotes;
 use crate::version::BUILD;
@@ -95,7 +94,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let Swept { points, measures, rows, progress: at, warnings } = match (done, newest.get()) {
         (Ok(done), _) => done,
         (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(numbers(at))),
-        (Err(lemons_sweep::Error::Master(error)), None) => return Err(report_problems(error.into())),
+        (Err(lemons_sweep::Error::Master(error)), None) => return Err(report_problems(error)),
         (Err(error @ (lemons_sweep::Error::Spec(_) | lemons_sweep::Error::In { .. })), None) => {
             return Err(anyhow::Error::new(error).context(arguments.spec.display().to_string()));
         }

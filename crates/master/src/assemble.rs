@@ -1,24 +1,22 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
-use crate::channel::{Wire, channel_of};
-use crate::error::{Error, Place, Result};
+use crate::channel::Wire;
+use crate::error::{Error, Place, Result, scratch};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::instance::number;
 use crate::ssp::{
     Affine, Allowance, Archive, Connector, Extent, Interface, Kind, Parameter, ParameterSet, Single,
-    SystemStructure, Type, Unit, Variable, conversion, located,
+    SystemStructure, Type, Unit, Variable, conversion, located, place_of, written,
 };
-use crate::system::{Component, System, component_of};
-use lemons_core::files::Scratch;
+use crate::system::{Component, System, Wiring, component_of};
 use lemons_sim::Algorithm;
-use std::collections::BTreeSet;
 use std::fs::File;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What an `.ssp` holds, ready to be initialized.
+/// The system of an `.ssp`, ready to be initialized.
 pub struct Assembled {
     /// Not yet initialized.
     pub system: System,
@@ -26,8 +24,8 @@ pub struct Assembled {
     pub start: Option<f64>,
     /// \[s\] `DefaultExperiment` of the structure
     pub stop: Option<f64>,
-    /// Parameter values that no component has a variable for: SSP wants them ignored.
-    pub ignored: Vec<String>,
+    /// Warnings: parameter values that no component has a variable for, which SSP wants ignored.
+    pub warnings: Vec<String>,
 }
 
 /// Reads an `.ssp`, loads its FMUs, connects them and sets their parameters. Of `further` parameters, whose names are
@@ -55,18 +53,18 @@ fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, Strin
         fmu.configure(parameters.into_iter()).map_err(wrong)?;
         let fmu = fmu.shown_as(&described.source);
         for connector in &described.connectors {
-            check(connector, &fmu.description, &structure)?;
+            meaning(connector, &fmu.description, &structure)?;
         }
         let instance = fmu.instantiate(&described.name).map_err(wrong)?;
         components.push(Component { name: described.name.clone(), fmu: Arc::new(fmu), instance });
     }
-    let ignored = set_parameters(&structure, &components)?;
-    let mut system = System::new(components, algorithm);
-    connect(&mut system, &structure)?;
-    Ok(Assembled { system, start: structure.start, stop: structure.stop, ignored })
+    let warnings = set_parameters(&structure, &components)?;
+    let wiring = connect(&components, &structure)?;
+    let system = System::new(components, algorithm, wiring)?;
+    Ok(Assembled { system, start: structure.start, stop: structure.stop, warnings })
 }
 
-/// The parameters of a component, in the order in which they count.
+/// Returns the parameters of a component, in the order in which they count.
 fn texts<'a>(
     structure: &'a SystemStructure,
     place: usize,
@@ -82,50 +80,59 @@ fn texts<'a>(
 }
 
 fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
-    let scratch = Scratch::new().map_err(Error::of("cannot make a temporary directory"))?;
-    let path = scratch.path().join("component.fmu");
-    let mut file = File::create(&path).map_err(Error::of("cannot make a temporary file"))?;
+    let directory = scratch()?;
+    let path = directory.path().join("component.fmu");
+    let mut file = File::create(&path).place(|| "cannot make a temporary file".to_owned())?;
     archive.copy(source, &mut file, allowance)?;
     Fmu::unzip(&path, allowance)
 }
 
-/// Whether the FMU has the variable that a connector names, of that kind, type, unit and size.
-fn check(connector: &Connector, interface: &Interface, structure: &SystemStructure) -> Result<()> {
-    let wrong = |why: String| Error::from(located(connector.line, "Connector", "name", &connector.name, why));
-    let variable = variable_of(interface, &connector.name);
-    let (variable, _) = variable.ok_or_else(|| wrong("the FMU has no such variable".into()))?;
+/// The meaning of a connector in the FMU: a variable as a whole, or an element of an array by the element's name; and the unit.
+struct Meaning<'a> {
+    variable: &'a Variable,
+    element: Option<usize>,
+    unit: (Option<&'a str>, Option<&'a Unit>),
+}
+
+/// Finds the variable that a connector names, which must be of that kind, type, unit and size.
+fn meaning<'a>(
+    connector: &'a Connector,
+    interface: &'a Interface,
+    structure: &'a SystemStructure,
+) -> Result<Meaning<'a>> {
+    let name = &connector.name;
+    let wrong = |why: String| Error::from(located(connector.line, "Connector", "name", name, why));
+    let whole = interface.variable(name).map(|variable| (variable, None));
+    let found = whole.or_else(|| interface.single(name).map(|it| (it.variable, Some(it.element))));
+    let (variable, element) = found.ok_or_else(|| wrong("the FMU has no such variable".into()))?;
     if variable.kind != Some(connector.kind) {
         let kind = variable.kind.map_or("neither input nor output", Kind::name);
         return Err(wrong(format!("kind={:?}, but the FMU says {kind}", connector.kind.name())));
     }
-    check_sizes(connector, variable, interface).map_err(wrong)?;
-    let Some(of) = &connector.of else { return Ok(()) };
-    if of.name() != variable.of.name() {
-        return Err(wrong(format!("<{}>, but the FMU says {}", of.name(), variable.of.name())));
+    if element.is_none() || !connector.dimensions.is_empty() {
+        check_sizes(connector, variable, interface).map_err(wrong)?;
     }
-    let (here, there) = (of.unit(), variable.of.unit());
-    let definition = here.and_then(|unit| structure.unit(unit));
-    let same = conversion((here, definition), (there, there.and_then(|unit| interface.unit(unit))));
-    if same != Ok(Affine::IDENTITY) {
-        let (here, there) = (here.unwrap_or_default(), there.unwrap_or_default());
-        return Err(wrong(format!("unit={here:?}, but the FMU says {there:?}")));
+    let own = variable.unit.as_deref();
+    let own = (own, own.and_then(|name| interface.unit(name)));
+    let Some(of) = connector.of else { return Ok(Meaning { variable, element, unit: own }) };
+    let classes = [of, variable.of].map(|of| of.class().name());
+    if classes[0] != classes[1] {
+        return Err(wrong(format!("<{}>, but the FMU says {}", classes[0], classes[1])));
     }
-    Ok(())
+    let said = connector.unit.as_deref();
+    let definition = said.and_then(|name| structure.units.get(name));
+    if conversion((said, definition), own) != Ok(Affine::IDENTITY) {
+        let (said, own) = (said.unwrap_or_default(), own.0.unwrap_or_default());
+        return Err(wrong(format!("unit={said:?}, but the FMU says {own:?}")));
+    }
+    // The unit is the variable's if the connector says none.
+    let unit = said.map_or(own, |name| (said, definition.or_else(|| interface.unit(name))));
+    Ok(Meaning { variable, element, unit })
 }
 
-/// The variable that a connector names, whole; or, for a name that an element of an array has, the element.
-fn variable_of<'a>(interface: &'a Interface, name: &str) -> Option<(&'a Variable, Option<usize>)> {
-    let whole = interface.variable(name).map(|variable| (variable, None));
-    let element = || interface.single(name).map(|single| (single.variable, Some(single.element)));
-    whole.or_else(element)
-}
-
-/// Whether the dimensions of a connector are those of the FMU.
+/// Checks that the dimensions of a connector are those of the FMU.
 fn check_sizes(connector: &Connector, variable: &Variable, interface: &Interface) -> Result<(), String> {
     let (said, own) = (&connector.dimensions, &variable.dimensions);
-    if interface.variable(&connector.name).is_none() && said.is_empty() {
-        return Ok(());
-    }
     if said.len() != own.len() {
         let (said, own) = (said.len(), own.len());
         return Err(format!("it has {said} <Dimension>, but the FMU has an array of {own}"));
@@ -150,104 +157,77 @@ fn check_sizes(connector: &Connector, variable: &Variable, interface: &Interface
     Ok(())
 }
 
-/// What an end of a connection means: the variable, and which of its values.
-fn end<'a>(
-    interface: &'a Interface,
-    connector: &Connector,
-    indices: &[u64],
-) -> Result<(&'a Variable, Range<usize>), String> {
-    let found = variable_of(interface, &connector.name);
-    let (variable, element) = found.ok_or_else(|| "the FMU has no such variable".to_owned())?;
+/// Returns which values of its variable an end of a connection means.
+fn values(end: &Meaning, name: &str, indices: &[usize]) -> Result<Range<usize>, String> {
+    let dimensions = &end.variable.dimensions;
     if indices.is_empty() {
-        return Ok((variable, element.map_or(0..variable.count(), |element| element..element + 1)));
+        return Ok(end.element.map_or(0..end.variable.count(), |element| element..element + 1));
     }
-    let (given, own) = (indices.len(), variable.dimensions.len());
-    if given != own || element.is_some() {
-        return Err(format!("{:?} has {own} dimensions, not {given}", connector.name));
+    let (given, own) = (indices.len(), dimensions.len());
+    if given != own || end.element.is_some() {
+        return Err(format!("{name:?} has {own} dimensions, not {given}"));
     }
-    let mut place = 0;
-    for (index, dimension) in indices.iter().zip(&variable.dimensions) {
-        let index = usize::try_from(*index).ok().and_then(|index| index.checked_sub(1));
-        let index = index.filter(|index| *index < dimension.size).ok_or_else(|| {
-            let written: Vec<String> = indices.iter().map(u64::to_string).collect();
-            format!("{:?} has no element [{}]: indices are from 1 on", connector.name, written.join(","))
-        })?;
-        place = place * dimension.size + index;
-    }
-    Ok((variable, place..place + 1))
+    let place = place_of(dimensions, indices)
+        .ok_or_else(|| format!("{name:?} has no element {}: indices are from 1 on", written(indices)))?;
+    Ok(place..place + 1)
 }
 
-fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
-    let mut wires: [Vec<Wire>; 4] = Default::default();
-    let mut alike = BTreeSet::new();
-    let interface = |component: usize| &*system.components()[component].fmu.description;
+fn connect(components: &[Component], structure: &SystemStructure) -> Result<Wiring> {
+    let mut wiring = Wiring { connections: structure.connections.len(), ..Wiring::default() };
+    let interface = |component: usize| &*components[component].fmu.description;
     for connection in &structure.connections {
         let line = connection.line;
-        let ((source, output), (_, input)) = (structure.port(connection.from), structure.port(connection.to));
+        let ((source, output), (_, input)) =
+            (structure.port(&connection.from), structure.port(&connection.to));
         let wrong = |why: String| {
             let text = format!("{} of {:?}: {why}", output.name, source.name);
             Error::from(located(line, "Connection", "endConnector", &input.name, format!("from {text}")))
         };
         let (here, there) = (interface(connection.from.component), interface(connection.to.component));
-        let (from, sent) = end(here, output, &connection.from_indices).map_err(wrong)?;
-        let (to, taken) = end(there, input, &connection.to_indices).map_err(wrong)?;
-        if from.of.name() != to.of.name() {
-            return Err(wrong(format!("{} does not become {}", from.of.name(), to.of.name())));
+        let [start, end] = [meaning(output, here, structure)?, meaning(input, there, structure)?];
+        let sent = values(&start, &output.name, &connection.from.indices).map_err(wrong)?;
+        let taken = values(&end, &input.name, &connection.to.indices).map_err(wrong)?;
+        let (from, to) = (start.variable, end.variable);
+        let of = from.of.class();
+        if of != to.of.class() {
+            return Err(wrong(format!("{} does not become {}", of.name(), to.of.class().name())));
         }
-        if sent.len() != taken.len() || (sent.len() > 1 && sizes(from) != sizes(to)) {
+        if sent.len() != taken.len() || (sent.len() > 1 && from.sizes() != to.sizes()) {
             return Err(wrong(format!("{} does not become {}", elements(from, &sent), elements(to, &taken))));
         }
-        let Some(channel) = channel_of(&from.of) else {
-            return Err(wrong(format!("type {} is not served", from.of.name())));
-        };
+        if matches!(of, Type::Enumeration | Type::Binary | Type::Clock) {
+            return Err(wrong(format!("type {} is not served", of.name())));
+        }
         let mut map = Affine::IDENTITY;
         if !connection.suppress_unit_conversion {
-            map = conversion(unit_of(output, here, structure), unit_of(input, there, structure))
-                .map_err(wrong)?;
+            map = conversion(start.unit, end.unit).map_err(wrong)?;
         }
         if let Some(transformation) = connection.transformation {
-            if !matches!(from.of, Type::Real(_)) {
-                return Err(wrong(format!("no <LinearTransformation> for type {}", from.of.name())));
+            if of != Type::Real {
+                return Err(wrong(format!("no <LinearTransformation> for type {}", of.name())));
             }
             map = map.then(transformation);
         }
         if output.name == input.name {
-            alike.insert((connection.from.component, connection.to.component));
+            wiring.alike.insert((connection.from.component, connection.to.component));
         }
-        wires[channel].extend(sent.zip(taken).map(|(sent, taken)| Wire {
+        wiring.wires.extend(sent.zip(taken).map(|(sent, taken)| Wire {
             from: (connection.from.component, Single { variable: from, element: sent }.address()),
             to: (connection.to.component, Single { variable: to, element: taken }.address()),
             map,
         }));
     }
-    system.connect(&wires, structure.connections.len(), alike)
+    wiring.wires.sort_by_key(|wire| wire.from.1.of.class());
+    Ok(wiring)
 }
 
-fn sizes(variable: &Variable) -> Vec<usize> {
-    variable.dimensions.iter().map(|dimension| dimension.size).collect()
-}
-
-/// In messages: how many values of a variable.
+/// Says how many values of a variable.
 fn elements(variable: &Variable, values: &Range<usize>) -> String {
     if values.len() == 1 || !variable.is_array() {
         return "a single value".to_owned();
     }
-    let sizes: Vec<String> = sizes(variable).iter().map(usize::to_string).collect();
+    let sizes: Vec<String> = variable.sizes().iter().map(usize::to_string).collect();
     format!("an array of {}", sizes.join(" x "))
-}
-
-/// The unit of a connector, which is the variable's if the connector says none.
-fn unit_of<'a>(
-    connector: &'a Connector,
-    interface: &'a Interface,
-    structure: &'a SystemStructure,
-) -> (Option<&'a str>, Option<&'a Unit>) {
-    if let Some(name) = connector.of.as_ref().and_then(Type::unit) {
-        return (Some(name), structure.unit(name).or_else(|| interface.unit(name)));
-    }
-    let variable = variable_of(interface, &connector.name).map(|(variable, _)| variable);
-    let name = variable.and_then(|variable| variable.of.unit());
-    (name, name.and_then(|name| interface.unit(name)))
 }
 
 /// Sets the parameter values, those of the components first; returns those for which no component has a variable.
@@ -269,7 +249,7 @@ fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Resu
             let found = target.filter(|(place, name)| components[*place].fmu.kind(name).is_some());
             let Some((place, name)) = found else {
                 ignored.push(format!(
-                    "{}:{}: <Parameter> name={:?}: there is no such variable, ignored",
+                    "warning: {}:{}: <Parameter> name={:?}: there is no such variable, ignored",
                     set.file, parameter.line, parameter.name
                 ));
                 continue;
@@ -291,22 +271,22 @@ fn set_parameter(
     structure: &SystemStructure,
 ) -> Result<()> {
     let (instance, interface) = (&component.instance, &component.fmu.description);
-    let single = interface.single(name);
-    let variable = single.ok_or_else(|| Error::NoVariable(name.to_owned()))?.variable;
-    let Parameter { of, text, .. } = parameter;
-    if let (Type::Real(unit), Type::Real(own)) = (of, &variable.of) {
+    let variable = interface.known(name)?.variable;
+    let Parameter { of, unit, text, .. } = parameter;
+    let [given, own] = [*of, variable.of].map(Type::class);
+    if (given, own) == (Type::Real, Type::Real) {
         let defined = |name: &String| {
-            set.units.get(name).or_else(|| structure.unit(name)).or_else(|| interface.unit(name))
+            set.units.get(name).or_else(|| structure.units.get(name)).or_else(|| interface.unit(name))
         };
         let here = (unit.as_deref(), unit.as_ref().and_then(defined));
-        let there = (own.as_deref(), own.as_ref().and_then(|name| interface.unit(name)));
-        let value: f64 = number(text).map_err(Error::of(format!("{name}={text}: not a number")))?;
+        let own = variable.unit.as_deref();
+        let there = (own, own.and_then(|name| interface.unit(name)));
+        let value: f64 = number(text).place(|| format!("{name}={text}: not a number"))?;
         let value = conversion(here, there).map_err(Error::new)?.apply(value);
         return instance.set(&instance.select([name])?, &[value]);
     }
-    let becomes = of.name() == variable.of.name() || (of.name(), variable.of.name()) == ("Integer", "Real");
-    if !becomes {
-        return Err(Error::new(format!("the FMU's variable is of type {}", variable.of.name())));
+    if given != own && (given, own) != (Type::Integer, Type::Real) {
+        return Err(Error::new(format!("the FMU's variable is of type {}", own.name())));
     }
     instance.set_text(&[name], text)
 }

@@ -1,6 +1,6 @@
 //! Shared libraries that were built with this program.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 use crowd_mechanics::pack::{Binary, host_platform, library_file, platforms};
 use std::path::{Path, PathBuf};
 use std::sync::{PoisonError, RwLock};
@@ -19,9 +19,8 @@ pub fn own_binary() -> Result<Binary> {
 /// # Errors
 /// It is in no such place, or FMI has no name for this platform.
 pub fn binary_beside(library: &str) -> Result<Binary> {
-    let platform = host_platform().ok_or(Error::NoPlatform)?.to_owned();
-    let mut found = binaries_beside(library, &[platform])?;
-    found.pop().ok_or(Error::NoPlatform)
+    let (beside, host) = (beside()?, host()?);
+    find(&beside, library, host).ok_or_else(|| Error::new(missing(&beside, library, host)))
 }
 
 /// The shared library for this machine, and those for other platforms that lie in directories with FMI's names (`win64`,
@@ -33,15 +32,24 @@ pub fn binaries_beside(library: &str, wanted: &[String]) -> Result<Vec<Binary>> 
     binaries_in(&beside()?, library, wanted)
 }
 
+/// Returns FMI's name of the platform of this program.
+pub(crate) fn host() -> Result<&'static str> {
+    host_platform().ok_or_else(|| Error::new("FMI has no name for this platform"))
+}
+
+fn missing(beside: &Path, library: &str, platform: &str) -> String {
+    let name = library_file(library, platform).unwrap_or_else(|| library.to_owned());
+    format!("{name} is not beside this program ({})", beside.display())
+}
+
 fn binaries_in(beside: &Path, library: &str, wanted: &[String]) -> Result<Vec<Binary>> {
-    let missing = |platform: &str| Error::NoLibrary {
-        name: library_file(library, platform).unwrap_or_else(|| library.to_owned()),
-        beside: beside.to_owned(),
-        platform: platform.to_owned(),
+    let missing = |platform: &str| {
+        let why = missing(beside, library, platform);
+        Error::new(format!("{why}: give --binary {platform}=FILE"))
     };
     let found = |platform: &str| find(beside, library, platform);
     if wanted.is_empty() {
-        let host = host_platform().ok_or(Error::NoPlatform)?;
+        let host = host().map_err(|error| Error::new(format!("{error}: give --binary PLATFORM=FILE")))?;
         let own = found(host).ok_or_else(|| missing(host))?;
         let others = platforms().filter(|platform| *platform != host).filter_map(found);
         return Ok([own].into_iter().chain(others).collect());
@@ -63,7 +71,7 @@ fn beside() -> Result<PathBuf> {
     if let Some(place) = &*PLACE.read().unwrap_or_else(PoisonError::into_inner) {
         return Ok(place.clone());
     }
-    let program = std::env::current_exe().map_err(Error::of("where is this program?"))?;
+    let program = std::env::current_exe().place(|| "where is this program?".to_owned())?;
     Ok(program.parent().unwrap_or(Path::new(".")).to_owned())
 }
 

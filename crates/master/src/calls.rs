@@ -12,9 +12,9 @@ mod values;
 
 pub use values::Value;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 use crate::messages::Messages;
-use crate::ssp::Fmi;
+use crate::ssp::{Fmi, Interface, Type};
 use lemons_fmi::Status;
 use libloading::Library;
 use location::{file_uri, path_text};
@@ -25,7 +25,6 @@ use signatures::{
     fmi3DoStep, fmi3EnterInitializationMode, fmi3InstantiateCoSimulation,
 };
 use std::ffi::{CStr, CString, c_int, c_uint, c_void};
-use std::fmt;
 use std::path::Path;
 use std::ptr::{NonNull, null, null_mut};
 use std::sync::Arc;
@@ -34,74 +33,22 @@ use std::sync::Arc;
 /// that of 100 000 agents in contact.
 pub const LARGEST_STATE: usize = 1_000_000_000;
 
-/// What a C function returned.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Answer {
-    pub(crate) code: c_int,
-    /// The function's name.
-    pub(crate) call: &'static str,
-}
-
-impl Answer {
-    /// The status; `None` if FMI has no such status.
-    pub fn status(self) -> Option<Status> {
-        use Status::{Discard, Error, Fatal, Ok, Pending, Warning};
-        let pending = self.call.starts_with("fmi2").then_some(Pending);
-        let known = [Ok, Warning, Discard, Error, Fatal].into_iter().chain(pending);
-        known.into_iter().find(|status| *status as c_int == self.code)
-    }
-
-    /// Whether the function has done what it was called for, perhaps with a warning.
-    pub(crate) fn succeeded(self) -> bool {
-        matches!(self.status(), Some(Status::Ok | Status::Warning))
-    }
-
-    /// The name of the C function.
-    pub fn call(self) -> &'static str {
-        self.call
-    }
-}
-
-impl fmt::Display for Answer {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.status() {
-            Some(status) => write!(f, "{status:?}"),
-            None => write!(f, "{}, which is no status of FMI", self.code),
-        }
-    }
-}
-
-/// What FMI 2.0 and FMI 3.0 call a function.
+/// Names of a function in FMI 2.0 and in FMI 3.0.
 type Names = [&'static str; 2];
 
-/// Functions that every FMU 2.0 for co-simulation must have, of those that are called here.
-const REQUIRED_V2: [&str; 15] = [
-    "fmi2Instantiate",
-    "fmi2FreeInstance",
-    "fmi2SetupExperiment",
-    "fmi2EnterInitializationMode",
-    "fmi2ExitInitializationMode",
-    "fmi2Terminate",
-    "fmi2GetReal",
-    "fmi2GetInteger",
-    "fmi2GetBoolean",
-    "fmi2GetString",
-    "fmi2SetReal",
-    "fmi2SetInteger",
-    "fmi2SetBoolean",
-    "fmi2SetString",
-    "fmi2DoStep",
-];
-
-/// The same of FMI 3.0, where an FMU may lack the functions of types that it has not.
-const REQUIRED_V3: [&str; 6] = [
-    "fmi3InstantiateCoSimulation",
-    "fmi3FreeInstance",
-    "fmi3EnterInitializationMode",
-    "fmi3ExitInitializationMode",
-    "fmi3Terminate",
-    "fmi3DoStep",
-];
+/// Returns the functions that every FMU for co-simulation must have, of those that are called here. In FMI 3.0 it may lack
+/// those of types that it has not.
+fn required(fmi: Fmi) -> Vec<String> {
+    let all = ["FreeInstance", "EnterInitializationMode", "ExitInitializationMode", "Terminate", "DoStep"];
+    let own = match fmi {
+        Fmi::V2 => &["Instantiate", "SetupExperiment"][..],
+        Fmi::V3 => &["InstantiateCoSimulation"],
+    };
+    let types = if fmi == Fmi::V2 { &["Real", "Integer", "Boolean", "String"][..] } else { &[] };
+    let accessors = types.iter().flat_map(|of| ["Get", "Set"].map(|verb| format!("{verb}{of}")));
+    let names = all.iter().chain(own).map(|name| (*name).to_owned());
+    names.chain(accessors).map(|name| fmi.prefix().to_owned() + &name).collect()
+}
 
 /// `fmi2CoSimulation`
 const CO_SIMULATION: c_int = 1;
@@ -116,20 +63,6 @@ unsafe fn function<F: Copy>(library: &Library, name: &str) -> Result<F> {
     // SAFETY: the caller's.
     let symbol = unsafe { library.get::<F>(name) };
     Ok(*symbol.map_err(|_| Error::new(format!("the FMU has no function {name}")))?)
-}
-
-/// What an instance is made of.
-pub(crate) struct Made<'a> {
-    pub(crate) fmi: Fmi,
-    /// The shared library.
-    pub(crate) library: &'a Path,
-    /// The FMU's directory `resources`; it need not exist.
-    pub(crate) resources: &'a Path,
-    pub(crate) name: &'a str,
-    /// In FMI 3.0 the `instantiationToken`.
-    pub(crate) guid: &'a str,
-    /// Whether the FMU gets functions for memory.
-    pub(crate) memory_functions: bool,
 }
 
 /// An instance. It is freed when this is dropped, before its library is unloaded.
@@ -155,29 +88,36 @@ impl Drop for Calls {
 }
 
 impl Calls {
-    /// Loads a library and instantiates its FMU for co-simulation.
+    /// Loads a library and instantiates its FMU for co-simulation. The FMU's directory `resources` need not exist.
     ///
     /// # Errors
     /// The library cannot be loaded or is none of an FMU; or the FMU refuses.
-    pub(crate) fn new(made: &Made, messages: Arc<Messages>) -> Result<Calls> {
-        let name = c_text(made.name, || format!("instance name={:?}", made.name))?;
-        let guid = c_text(made.guid, || format!("guid={:?}", made.guid))?;
-        let place = if made.fmi == Fmi::V2 { file_uri } else { path_text };
-        let resources = made.resources.is_dir().then(|| place(made.resources)).transpose()?;
+    pub(crate) fn new(
+        description: &Interface,
+        library: &Path,
+        resources: &Path,
+        name: &str,
+        messages: Arc<Messages>,
+    ) -> Result<Calls> {
+        let Interface { fmi, guid, co_simulation, .. } = description;
+        let name = c_text(name, || format!("instance name={name:?}"))?;
+        let guid = c_text(guid, || format!("guid={guid:?}"))?;
+        let place = if *fmi == Fmi::V2 { file_uri } else { path_text };
+        let resources = resources.is_dir().then(|| place(resources)).transpose()?;
         let resources = resources.as_deref().map_or(null(), CStr::as_ptr);
-        let library = load(made.library)?;
-        let required = if made.fmi == Fmi::V2 { &REQUIRED_V2[..] } else { &REQUIRED_V3 };
-        for &name in required {
+        let library = load(library)?;
+        for name in required(*fmi) {
             // SAFETY: it is not called.
-            let found = unsafe { library.get::<fmi2Terminate>(name) };
-            found.map_err(Error::of(format!("has no function {name}")))?;
+            let found = unsafe { library.get::<fmi2Terminate>(&name) };
+            found.place(|| format!("has no function {name}"))?;
         }
-        let logger = Logger::new(messages.clone(), made.memory_functions);
+        let alone = co_simulation.as_ref().is_some_and(|own| own.cannot_use_memory_functions);
+        let logger = Logger::new(messages.clone(), !alone);
         let (name, guid) = (name.as_ptr(), guid.as_ptr());
         // With logging: else an FMU tells no warnings; what it tells with the status Ok is not kept.
         // SAFETY: FMI's types and arguments; the callbacks and their environment live as long as the instance.
         let (call, component) = unsafe {
-            match made.fmi {
+            match fmi {
                 Fmi::V2 => {
                     let instantiate = function::<fmi2Instantiate>(&library, "fmi2Instantiate")?;
                     let callbacks = logger.callbacks();
@@ -198,32 +138,38 @@ impl Calls {
             }
         };
         let component = NonNull::new(component).ok_or_else(|| Error::new(format!("{call} returned NULL")))?;
-        Ok(Calls { component, fmi: made.fmi, messages, _logger: logger, library })
+        Ok(Calls { component, fmi: *fmi, messages, _logger: logger, library })
     }
 
     fn name(&self, [v2, v3]: Names) -> &'static str {
         if self.fmi == Fmi::V2 { v2 } else { v3 }
     }
 
+    /// Returns the name of the function that gets or sets values of a type.
+    fn accessor(&self, verb: &str, of: Type) -> String {
+        let of = match (self.fmi, of) {
+            (Fmi::V2, Type::Enumeration) => Type::Integer,
+            (Fmi::V3, Type::Enumeration) => Type::Int64,
+            (_, of) => of,
+        };
+        format!("{}{verb}{}", self.fmi.prefix(), of.name())
+    }
+
     /// Calls a function of the library, which gets the instance first. A refusal is an error.
     ///
     /// # Safety
     /// `F` is the type that FMI gives to the function.
-    unsafe fn call<F: Copy>(
-        &self,
-        call: &'static str,
-        with: impl FnOnce(F, *mut c_void) -> c_int,
-    ) -> Result<Answer> {
+    unsafe fn call<F: Copy>(&self, call: &str, with: impl FnOnce(F, *mut c_void) -> c_int) -> Result<Status> {
         // SAFETY: the caller's.
         let function = unsafe { function::<F>(&self.library, call)? };
-        self.messages.done(Answer { code: with(function, self.component.as_ptr()), call })
+        self.messages.done(self.fmi, call, with(function, self.component.as_ptr()))
     }
 
     /// Calls a function that takes the instance only.
     ///
     /// # Errors
     /// The FMU refuses it, or lacks the function.
-    pub(crate) fn plain(&self, names: Names) -> Result<Answer> {
+    pub(crate) fn plain(&self, names: Names) -> Result<Status> {
         // SAFETY: FMI's type; an instance of this library.
         unsafe { self.call(self.name(names), |run: fmi2Terminate, own| run(own)) }
     }
@@ -232,7 +178,7 @@ impl Calls {
     ///
     /// # Errors
     /// The FMU refuses it, or lacks a function.
-    pub(crate) fn enter_initialization(&self, start: f64, tolerance: Option<f64>) -> Result<Answer> {
+    pub(crate) fn enter_initialization(&self, start: f64, tolerance: Option<f64>) -> Result<Status> {
         let (defined, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
         let name = "fmi3EnterInitializationMode";
         if self.fmi == Fmi::V3 {
@@ -253,26 +199,20 @@ impl Calls {
     }
 
     /// Reads all values of the variables: in FMI 2.0 one for each reference.
-    fn get<T>(&self, call: &'static str, references: &[u32], values: &mut [T]) -> Result<()> {
+    fn get<T>(&self, call: &str, references: &[u32], values: &mut [T]) -> Result<()> {
         // SAFETY: a function that writes as many values as said.
         unsafe { self.pass(call, references, values.as_mut_ptr(), values.len()) }
     }
 
     /// Sets all values of the variables: in FMI 2.0 one for each reference.
-    pub(crate) fn set<T>(&self, call: &'static str, references: &[u32], values: &[T]) -> Result<()> {
+    pub(crate) fn set<T>(&self, call: &str, references: &[u32], values: &[T]) -> Result<()> {
         // SAFETY: a function that reads as many values as said, and writes none.
         unsafe { self.pass(call, references, values.as_ptr().cast_mut(), values.len()) }
     }
 
     /// # Safety
     /// A function that reads or sets values of this type, and an array of as many as said.
-    unsafe fn pass<T>(
-        &self,
-        call: &'static str,
-        references: &[u32],
-        values: *mut T,
-        length: usize,
-    ) -> Result<()> {
+    unsafe fn pass<T>(&self, call: &str, references: &[u32], values: *mut T, length: usize) -> Result<()> {
         type V2<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut T) -> c_int;
         type V3<T> = unsafe extern "C" fn(*mut c_void, *const u32, usize, *mut T, usize) -> c_int;
         let (count, references) = (references.len(), references.as_ptr());
@@ -291,7 +231,7 @@ impl Calls {
     ///
     /// # Errors
     /// The FMU refuses the step, has returned early, or wants an event or the end.
-    pub(crate) fn do_step(&self, time: f64, step: f64) -> Result<Answer> {
+    pub(crate) fn do_step(&self, time: f64, step: f64) -> Result<Status> {
         if self.fmi == Fmi::V2 {
             // SAFETY: FMI's type; an instance of this library.
             return unsafe {
@@ -333,7 +273,7 @@ impl Calls {
             return Err(Error::new(format!("{call} returned {size} bytes, more than {LARGEST_STATE}")));
         }
         let mut bytes = Vec::new();
-        bytes.try_reserve_exact(size).map_err(Error::of(format!("a state of {size} bytes")))?;
+        bytes.try_reserve_exact(size).place(|| format!("a state of {size} bytes"))?;
         bytes.resize(size, 0_u8);
         let call = self.name(["fmi2SerializeFMUstate", "fmi3SerializeFMUState"]);
         // SAFETY: FMI's type; a state of this instance; the bytes are as many as said.
@@ -379,7 +319,7 @@ impl Drop for State<'_> {
 
 impl State<'_> {
     /// Calls a function that makes the state, or takes it back.
-    fn hand(&mut self, names: Names) -> Result<Answer> {
+    fn hand(&mut self, names: Names) -> Result<Status> {
         let to = &raw mut self.pointer;
         // SAFETY: FMI's type; the pointer is NULL or a state of this instance.
         unsafe { self.calls.call(self.calls.name(names), |run: fmi2GetFMUstate, own| run(own, to)) }
@@ -392,7 +332,7 @@ impl State<'_> {
 
 /// `what` is said of a text that holds a zero.
 fn c_text(text: &str, what: impl FnOnce() -> String) -> Result<CString> {
-    CString::new(text).map_err(|source| Error::of(what())(source))
+    CString::new(text).place(what)
 }
 
 fn load(path: &Path) -> Result<Library> {
@@ -408,18 +348,5 @@ fn load(path: &Path) -> Result<Library> {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         // SAFETY: as above.
         Ok(unsafe { windows::Library::load_with_flags(path, flags) }.map_err(cannot)?.into())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_status_that_fmi_does_not_know_is_told_as_a_number() {
-        let said = |call| [0, 3, 5, 6, -1].map(|code| Answer { code, call }.to_string());
-        let unknown = ["6, which is no status of FMI", "-1, which is no status of FMI"];
-        assert_eq!(said("fmi2DoStep"), ["Ok", "Error", "Pending", unknown[0], unknown[1]]);
-        assert_eq!(said("fmi3DoStep")[2], "5, which is no status of FMI");
     }
 }

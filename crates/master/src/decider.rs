@@ -1,4 +1,4 @@
-//! What moves the people of a Trial: its `decision.toml`.
+//! The file by which the people of a Trial move: its `decision.toml`.
 
 use crate::error::{Place, Result};
 use crate::fmu::Fmu;
@@ -20,7 +20,7 @@ pub enum PlanChoice {
     File(PathBuf),
 }
 
-/// What the people of a Trial do by the wishes in a file (`decision.toml`). The messages do not name the file.
+/// Reads what the people of a Trial do by the wishes in a file (`decision.toml`). The messages do not name the file.
 ///
 /// # Errors
 /// It cannot be read, it is not such a file, or it names people who are not in the Trial.

@@ -1,61 +1,57 @@
-//! What a file is that was taken for something else.
+//! The type of a file that was taken for something else.
 
-use crate::ssp::STRUCTURE_FILE;
+use crate::error::{Error, Result};
+use crate::ssp::{STRUCTURE_FILE, open_zip};
 use crate::unzip::DESCRIPTION_FILE;
 use lemons_core::files::input;
-use std::fmt;
-use std::io::{BufReader, ErrorKind, Read};
-use std::path::{Path, PathBuf};
-use zip::ZipArchive;
+use std::io::{ErrorKind, Read};
+use std::path::Path;
 
-/// What lies at a path.
+/// A kind of file, in words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)] // the texts say it
-pub enum FileType {
-    Missing,
-    Unreadable,
-    Trial,
-    Directory,
-    /// A pipe, a device: not looked into.
-    Stream,
-    Empty,
-    Fmu,
-    Ssp,
-    SavedRun,
-    Archive,
-    BrokenArchive,
-    Parquet,
-    Library,
-    Text,
-    Binary,
-}
+pub struct FileType(&'static str);
 
 /// Bytes that are looked at.
 const BEGIN: u64 = 4096;
 
+#[allow(missing_docs)] // the texts say it
 impl FileType {
-    /// What may be an archive: what is wrong with it is told by what is in it.
+    const MISSING: FileType = FileType("there is no such file or directory");
+    const UNREADABLE: FileType = FileType("cannot be read");
+    pub const TRIAL: FileType = FileType("is a Trial directory");
+    pub const DIRECTORY: FileType = FileType("is a directory without Parameters.xml");
+    /// Not looked into.
+    pub const STREAM: FileType = FileType("is a pipe or a device");
+    pub const FMU: FileType = FileType("is an FMU");
+    pub const SSP: FileType = FileType("is an SSP");
+    pub const SAVED_RUN: FileType = FileType("is a saved run");
+    pub const ARCHIVE: FileType = FileType("is a zip archive");
+    pub const PARQUET: FileType = FileType("is a table in Parquet");
+    pub const LIBRARY: FileType = FileType("is a program or a library");
+    pub const TEXT: FileType = FileType("is a text file");
+    pub const BINARY: FileType = FileType("is a binary file");
+    /// Kinds that may be an archive: what is wrong with it is told by what is in it.
     pub(crate) const ARCHIVES: [FileType; 5] =
-        [FileType::Fmu, FileType::Ssp, FileType::SavedRun, FileType::Archive, FileType::Stream];
+        [FileType::FMU, FileType::SSP, FileType::SAVED_RUN, FileType::ARCHIVE, FileType::STREAM];
 
-    /// Looks at the name, at the first bytes, and at the names in an archive.
-    pub fn of(path: &Path) -> FileType {
+    /// Finds the kind by the name, at the first bytes, and at the names in an archive.
+    fn of(path: &Path) -> FileType {
         let there = match path.metadata() {
             Ok(there) => there,
-            Err(error) if error.kind() == ErrorKind::NotFound => return FileType::Missing,
-            Err(_) => return FileType::Unreadable,
+            Err(error) if error.kind() == ErrorKind::NotFound => return FileType::MISSING,
+            Err(_) => return FileType::UNREADABLE,
         };
         if there.is_dir() {
-            return if path.join("Parameters.xml").is_file() { FileType::Trial } else { FileType::Directory };
+            return if path.join("Parameters.xml").is_file() { FileType::TRIAL } else { FileType::DIRECTORY };
         }
         if !there.is_file() {
-            return FileType::Stream;
+            return FileType::STREAM;
         }
         let mut begin = Vec::new();
         match input::open(path).and_then(|file| file.take(BEGIN).read_to_end(&mut begin)) {
-            Ok(0) => FileType::Empty,
+            Ok(0) => FileType("is an empty file"),
             Ok(_) => FileType::of_content(path, &begin),
-            Err(_) => FileType::Unreadable,
+            Err(_) => FileType::UNREADABLE,
         }
     }
 
@@ -63,77 +59,36 @@ impl FileType {
         const LIBRARIES: [&[u8]; 5] =
             [b"\x7fELF", b"MZ", b"\xcf\xfa\xed\xfe", b"\xce\xfa\xed\xfe", b"\xca\xfe\xba\xbe"];
         if begin.starts_with(b"PK") {
-            return FileType::of_archive(path);
+            let Ok(archive) = open_zip(path) else { return FileType("is a damaged zip archive") };
+            let marks = [
+                (DESCRIPTION_FILE, FileType::FMU),
+                (STRUCTURE_FILE, FileType::SSP),
+                ("run.toml", FileType::SAVED_RUN),
+            ];
+            let found = marks.iter().find(|(name, _)| archive.index_for_name(name).is_some());
+            return found.map_or(FileType::ARCHIVE, |(_, kind)| *kind);
         }
-        if begin.starts_with(b"PAR1") {
-            return FileType::Parquet;
+        // The end may cut off a character.
+        let text = std::str::from_utf8(begin).map_or_else(|error| error.error_len().is_none(), |_| true);
+        match text && !begin.contains(&0) {
+            _ if begin.starts_with(b"PAR1") => FileType::PARQUET,
+            _ if LIBRARIES.iter().any(|magic| begin.starts_with(magic)) => FileType::LIBRARY,
+            true => FileType::TEXT,
+            false => FileType::BINARY,
         }
-        if LIBRARIES.iter().any(|magic| begin.starts_with(magic)) {
-            return FileType::Library;
-        }
-        let text = match std::str::from_utf8(begin) {
-            Ok(_) => true,
-            // A character that the end cuts off.
-            Err(error) => error.error_len().is_none(),
-        };
-        if text && !begin.contains(&0) { FileType::Text } else { FileType::Binary }
     }
 
-    fn of_archive(path: &Path) -> FileType {
-        let archive = input::open(path).ok().and_then(|file| ZipArchive::new(BufReader::new(file)).ok());
-        let Some(archive) = archive else { return FileType::BrokenArchive };
-        let marks = [
-            (DESCRIPTION_FILE, FileType::Fmu),
-            (STRUCTURE_FILE, FileType::Ssp),
-            ("run.toml", FileType::SavedRun),
-        ];
-        let found = marks.iter().find(|(name, _)| archive.index_for_name(name).is_some());
-        found.map_or(FileType::Archive, |(_, kind)| *kind)
-    }
-
-    /// That a path leads to one of these kinds, or to what is found to be wrong when it is read.
+    /// Checks that a path leads to one of these kinds, or to what is found to be wrong when it is read.
     ///
     /// # Errors
-    /// It does not; the text says what would be right.
-    pub fn expect(path: &Path, kinds: &[FileType], wanted: &'static str) -> Result<(), Unexpected> {
+    /// It does not; the text says what is there, and what is `wanted`.
+    pub fn expect(path: &Path, kinds: &[FileType], wanted: &str) -> Result<()> {
         let kind = FileType::of(path);
-        if kinds.contains(&kind) || kind == FileType::Unreadable {
+        if kinds.contains(&kind) || kind == FileType::UNREADABLE {
             return Ok(());
         }
-        Err(Unexpected { path: path.to_owned(), kind, wanted })
-    }
-}
-
-/// A path leads to something else than what is wanted.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{}: {kind}{}", path.display(), if *kind == FileType::Missing { String::new() } else { format!(", not {wanted}") })]
-pub struct Unexpected {
-    /// As it was given.
-    pub path: PathBuf,
-    /// What is there.
-    pub kind: FileType,
-    /// What is wanted.
-    pub wanted: &'static str,
-}
-
-impl fmt::Display for FileType {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            FileType::Missing => "there is no such file or directory",
-            FileType::Unreadable => "cannot be read",
-            FileType::Trial => "is a Trial directory",
-            FileType::Directory => "is a directory without Parameters.xml",
-            FileType::Stream => "is a pipe or a device",
-            FileType::Empty => "is an empty file",
-            FileType::Fmu => "is an FMU",
-            FileType::Ssp => "is an SSP",
-            FileType::SavedRun => "is a saved run",
-            FileType::Archive => "is a zip archive",
-            FileType::BrokenArchive => "is a damaged zip archive",
-            FileType::Parquet => "is a table in Parquet",
-            FileType::Library => "is a program or a library",
-            FileType::Text => "is a text file",
-            FileType::Binary => "is a binary file",
-        })
+        let wanted = if kind == FileType::MISSING { String::new() } else { format!(", not {wanted}") };
+        let hint = if kind == FileType::SAVED_RUN { "; lemons run --resume continues it" } else { "" };
+        Err(Error::new(format!("{}: {}{wanted}{hint}", path.display(), kind.0)))
     }
 }

@@ -1,14 +1,16 @@
 //! An FMU: its files, its description, what its names stand for.
 
-use crate::calls::{Calls, Made};
-use crate::error::{Error, Place, Result};
+use crate::bundled_library::host;
+use crate::calls::Calls;
+use crate::drive_feed::driven;
+use crate::error::{Error, Place, Result, scratch};
 use crate::file_type::FileType;
-use crate::instance::{Instance, Sizes, number};
+use crate::instance::{Instance, number};
 use crate::messages::{Messages, Names};
 use crate::ssp::{Allowance, Fmi, Interface, Kind, Type};
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
-use crowd_mechanics::pack::{host_directory, host_platform};
+use crowd_mechanics::pack::host_directory;
 use crowd_mechanics::quantities;
 use crowd_mechanics::resources::{Resources, ResourcesError};
 use lemons_core::files::{Scratch, input};
@@ -16,9 +18,9 @@ use lemons_core::trial::Trial;
 use lemons_core::trial::{DriveChoice, DriveTable, own_drive};
 use lemons_fmi::location::Location;
 use lemons_sim::settings::{meant, named};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, OnceLock};
 
 /// The parameter of a crowd that chooses among its packed Trials.
 const TRIAL: &str = "Trial";
@@ -28,14 +30,14 @@ pub struct Fmu {
     directory: Scratch,
     /// The content of `modelDescription.xml`; with the sizes of arrays that were chosen by [`Fmu::configure`].
     pub description: Arc<Interface>,
-    /// The structural parameters that were chosen.
-    sizes: Sizes,
+    /// The structural parameters that were chosen, by name.
+    sizes: BTreeMap<String, u64>,
     /// Where it came from.
     shown: String,
     /// The packed Trial that was chosen, if that is known.
     chosen: Option<String>,
-    /// The values that names of materials stand for, as far as they were asked for: a Trial is large.
-    materials: Mutex<HashMap<String, Vec<String>>>,
+    /// The Trial that was chosen, once names of materials were asked for.
+    materials: OnceLock<Option<Trial>>,
 }
 
 impl Fmu {
@@ -62,20 +64,18 @@ impl Fmu {
 
     /// Like [`Fmu::open`], for a file whose name does not matter in messages.
     pub(crate) fn unzip(path: &Path, allowance: &mut Allowance) -> Result<Fmu> {
-        let directory = Scratch::new().map_err(Error::of("cannot make a temporary directory"))?;
+        let directory = scratch()?;
         unzip(path, directory.path(), allowance)?;
         let bytes = input::read(&directory.path().join(DESCRIPTION_FILE), LARGEST_DESCRIPTION)
             .place(|| DESCRIPTION_FILE.to_owned())?;
-        let description = Interface::read(&bytes)?;
-        check_identifiers(&description).place(|| DESCRIPTION_FILE.to_owned())?;
-        let description = Arc::new(description);
+        let description = Arc::new(Interface::read(&bytes)?);
         Ok(Fmu {
             directory,
             description,
-            sizes: Sizes::default(),
+            sizes: BTreeMap::new(),
             shown: "FMU".into(),
             chosen: None,
-            materials: Mutex::default(),
+            materials: OnceLock::new(),
         })
     }
 
@@ -107,7 +107,7 @@ impl Fmu {
         Ok(read.map_err(|error| Error::new(self.names().said(&error.to_string())))?.0)
     }
 
-    /// What drives a Trial of this FMU.
+    /// Reads the drive of a Trial of this FMU.
     ///
     /// # Errors
     /// The drive file has errors; files have the names that the user knows.
@@ -121,7 +121,7 @@ impl Fmu {
         })
     }
 
-    /// Whether a Trial of this FMU has a drive of its own for people whose Fp or Mp is fed by a connection, which
+    /// Returns whether a Trial of this FMU has a drive of its own for people whose Fp or Mp is fed by a connection, which
     /// replaces it. `feeds` says it of the names of variables.
     ///
     /// # Errors
@@ -131,10 +131,7 @@ impl Fmu {
         for name in packed.names() {
             let trial = self.trial(Some(name))?;
             let drive = self.drive(Some(&trial), &DriveChoice::Own)?;
-            let driven = trial.agents.iter().enumerate().filter(|(_, agent)| drive.rows(&agent.id).is_some());
-            let mut inputs =
-                driven.flat_map(|(i, _)| ["Fp.x", "Fp.y", "Mp"].map(|of| format!("agent[{i}].{of}")));
-            if inputs.any(|input| feeds(&input)) {
+            if driven(&trial.agents, &drive).any(|(_, inputs)| inputs.iter().any(|input| feeds(input))) {
                 return Ok(true);
             }
         }
@@ -148,7 +145,7 @@ impl Fmu {
     pub fn instantiate(&self, name: &str) -> Result<Instance> {
         let own = self.description.co_simulation.as_ref();
         let own = own.ok_or_else(|| Error::new("the FMU is not for co-simulation".to_owned()))?;
-        let platform = host_platform().ok_or(Error::NoPlatform)?;
+        let platform = host()?;
         let name_of_library = library_of(&own.identifier, platform_of(&self.description, platform));
         let library = self.directory.path().join(&name_of_library);
         if !library.exists() {
@@ -160,28 +157,24 @@ impl Fmu {
             return Err(missing).place(|| self.shown.clone());
         }
         let messages = Arc::new(Messages::with(self.names()));
-        let made = Made {
-            fmi: self.description.fmi,
-            library: &library,
-            resources: &self.directory.path().join("resources"),
-            name,
-            guid: &self.description.guid,
-            memory_functions: !own.cannot_use_memory_functions,
-        };
-        let calls = Calls::new(&made, messages.clone()).map_err(|error| {
+        let resources = self.directory.path().join("resources");
+        let made = Calls::new(&self.description, &library, &resources, name, messages.clone());
+        let calls = made.map_err(|error| {
             let prefix = format!("{}/", self.directory.path().display());
             let why = format!("cannot instantiate the FMU: {}", error.whole().replace(&prefix, ""));
             let said = messages.errors();
-            let hint = if self.directory.path().join("resources").is_dir() {
-                ""
-            } else {
-                ": has no directory resources, which it may need"
-            };
-            let source = Error::new(if said.is_empty() { why } else { said.join("\n") });
-            Error::In { place: format!("{}{hint}", self.shown), source: Box::new(source) }
+            let hint =
+                if resources.is_dir() { "" } else { ": has no directory resources, which it may need" };
+            let what =
+                format!("{}{hint}: {}", self.shown, if said.is_empty() { why } else { said.join("\n") });
+            Error::new(what)
         })?;
         let instance = Instance::new(calls, self.description.clone());
-        instance.configure(&self.sizes).place(|| self.shown.clone())?;
+        let sizes = self.sizes.iter();
+        let sizes =
+            sizes.filter_map(|(name, size)| Some((self.description.variable(name)?.reference, *size)));
+        let (references, sizes): (Vec<u32>, Vec<u64>) = sizes.unzip();
+        instance.configure(&references, &sizes).place(|| self.shown.clone())?;
         Ok(instance)
     }
 
@@ -221,24 +214,18 @@ impl Fmu {
         if !name.starts_with("material.") && !name.starts_with("contact.") {
             return Vec::new();
         }
-        if let Some(known) = self.materials.lock().ok().and_then(|known| known.get(name).cloned()) {
-            return known;
-        }
-        let Ok(trial) = self.trial(self.chosen.as_deref()) else { return Vec::new() };
-        let elements = quantities::of_materials(&trial, name).into_iter().filter_map(|(array, element)| {
+        let trial = self.materials.get_or_init(|| self.trial(self.chosen.as_deref()).ok());
+        let elements = trial.iter().flat_map(|trial| quantities::of_materials(trial, name));
+        let elements = elements.filter_map(|(array, element)| {
             let variable = self.description.variable(array).filter(|array| element < array.count())?;
             Some(self.description.name_of(variable, element))
         });
-        let elements: Vec<String> = elements.collect();
-        if let Ok(mut known) = self.materials.lock() {
-            known.insert(name.to_owned(), elements.clone());
-        }
-        elements
+        elements.collect()
     }
 
     /// The type of a value.
-    pub fn kind(&self, name: &str) -> Option<&Type> {
-        self.description.single(name).map(|single| &single.variable.of)
+    pub fn kind(&self, name: &str) -> Option<Type> {
+        self.description.single(name).map(|single| single.variable.of)
     }
 
     /// Chooses the sizes of arrays (FMI 3.0) of the next instances, from parameters of which some are structural. If the
@@ -250,7 +237,6 @@ impl Fmu {
         if self.description.fmi != Fmi::V3 {
             return Ok(());
         }
-        let mut chosen: Vec<(String, u64)> = Vec::new();
         for (name, text) in parameters {
             if name == TRIAL
                 && let Ok(packed) = self.resources()
@@ -258,31 +244,25 @@ impl Fmu {
             {
                 let trial = self.trial(Some(text))?;
                 self.chosen = Some(text.to_owned());
-                self.materials = Mutex::default();
-                let sizes = quantities::SIZES.iter().zip(quantities::sizes(&trial));
-                chosen.extend(sizes.map(|(size, value)| (size.name.to_owned(), value)));
-            }
-            if self.is_structural(name) {
-                let value = number(text).map_err(Error::of(format!("{name}={text}: not a size")))?;
-                chosen.push((name.to_owned(), value));
+                self.materials = OnceLock::new();
+                for (size, value) in quantities::SIZES.iter().zip(quantities::sizes(&trial)) {
+                    self.resize(size.name, value)?;
+                }
+            } else if self.is_structural(name) {
+                self.resize(name, number(text).place(|| format!("{name}={text}: not a size"))?)?;
             }
         }
-        for (name, value) in chosen {
-            if !self.is_structural(&name) {
-                continue;
-            }
-            let description = Arc::make_mut(&mut self.description);
-            description.resize(&name, value).map_err(|why| Error::new(format!("{name}={value}: {why}")))?;
-            let Some(reference) = description.variable(&name).map(|variable| variable.reference) else {
-                continue;
-            };
-            match self.sizes.references.iter().position(|known| *known == reference) {
-                Some(place) => self.sizes.values[place] = value,
-                None => {
-                    self.sizes.references.push(reference);
-                    self.sizes.values.push(value);
-                }
-            }
+        Ok(())
+    }
+
+    /// Chooses a size, if the FMU has this structural parameter.
+    fn resize(&mut self, name: &str, size: u64) -> Result<()> {
+        let Some(variable) = self.description.variable(name) else { return Ok(()) };
+        if variable.kind == Some(Kind::StructuralParameter) {
+            let own = variable.name.clone();
+            let resized = Arc::make_mut(&mut self.description).resize(name, size);
+            resized.map_err(|why| Error::new(format!("{name}={size}: {why}")))?;
+            self.sizes.insert(own, size);
         }
         Ok(())
     }
@@ -291,58 +271,23 @@ impl Fmu {
     /// state.
     pub fn cannot_save(&self) -> Option<&'static str> {
         let v3 = self.description.fmi == Fmi::V3;
-        match &self.description.co_simulation {
-            Some(able) if !able.can_get_and_set_state => {
-                Some(if v3 { "canGetAndSetFMUState" } else { "canGetAndSetFMUstate" })
-            }
-            Some(able) if !able.can_serialize_state => {
-                Some(if v3 { "canSerializeFMUState" } else { "canSerializeFMUstate" })
-            }
-            Some(_) => None,
-            None => Some("co-simulation"),
-        }
+        let lacks = |lacks: bool, flags: [&'static str; 2]| lacks.then_some(flags[usize::from(v3)]);
+        let Some(able) = &self.description.co_simulation else { return Some("co-simulation") };
+        lacks(!able.can_get_and_set_state, ["canGetAndSetFMUstate", "canGetAndSetFMUState"])
+            .or(lacks(!able.can_serialize_state, ["canSerializeFMUstate", "canSerializeFMUState"]))
     }
 
-    /// What was chosen by [`Fmu::configure`], by name: a saved run must choose it again.
+    /// Returns the choices of [`Fmu::configure`], by name: a saved run must choose it again.
     pub(crate) fn choices(&self) -> BTreeMap<String, String> {
-        let Sizes { references, values } = &self.sizes;
-        let sizes = references.iter().zip(values).filter_map(|(reference, value)| {
-            Some((self.description.referenced(*reference)?.name.clone(), value.to_string()))
-        });
+        let sizes = self.sizes.iter().map(|(name, size)| (name.clone(), size.to_string()));
         sizes.chain(self.chosen.iter().map(|trial| (TRIAL.to_owned(), trial.clone()))).collect()
     }
 
-    /// Whether a variable is a structural parameter, which is set by [`Fmu::configure`].
+    /// Returns whether a variable is a structural parameter, which is set by [`Fmu::configure`].
     pub fn is_structural(&self, name: &str) -> bool {
         let found = self.description.variable(name);
         found.is_some_and(|variable| variable.kind == Some(Kind::StructuralParameter))
     }
-}
-
-/// \[byte\] Of a modelIdentifier: with a platform's suffix it is the name of a file.
-const LONGEST_IDENTIFIER: usize = 200;
-
-/// That each modelIdentifier is what FMI wants, an identifier of C: it is a part of the path of a library that is loaded.
-fn check_identifiers(description: &Interface) -> Result<()> {
-    let exchange = description.model_exchange.as_ref();
-    let simulation = description.co_simulation.as_ref().map(|own| &own.identifier);
-    for (element, identifier) in [("ModelExchange", exchange), ("CoSimulation", simulation)] {
-        let Some(identifier) = identifier else { continue };
-        if identifier.len() > LONGEST_IDENTIFIER {
-            let length = identifier.len();
-            let why = format!(": has {length} bytes: must have at most {LONGEST_IDENTIFIER}");
-            return Err(Error::new(format!("<{element}> modelIdentifier{why}")));
-        }
-        let letters = identifier.bytes().all(|byte| byte == b'_' || byte.is_ascii_alphanumeric());
-        if !letters || identifier.is_empty() || identifier.starts_with(|first: char| first.is_ascii_digit()) {
-            let why = format!(
-                "={identifier:?}: must be a name in C: letters from A to Z, digits and _, without a digit at the \
-                 beginning"
-            );
-            return Err(Error::new(format!("<{element}> modelIdentifier{why}")));
-        }
-    }
-    Ok(())
 }
 
 /// Where an FMU has the library for a platform.
@@ -359,75 +304,62 @@ fn platform_of(description: &Interface, platform: &'static str) -> &'static str 
 mod tests {
     use super::*;
 
+    /// Opens an FMU with an element that says its modelIdentifier, and empty files.
+    fn opened(element: &str, identifier: &str, files: &[&str]) -> Result<Fmu> {
+        let directory = tempfile::TempDir::new().unwrap();
+        let path = directory.path().join("x.fmu");
+        let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
+        for name in files.iter().chain(&[DESCRIPTION_FILE]) {
+            zip.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+        }
+        let text = format!(
+            "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"x\" guid=\"x\">\
+             <{element} modelIdentifier=\"{identifier}\"/><ModelVariables/></fmiModelDescription>"
+        );
+        std::io::Write::write_all(&mut zip, text.as_bytes()).unwrap();
+        zip.finish().unwrap();
+        Fmu::open(&path)
+    }
+
     #[test]
     fn an_fmu_for_other_platforms_says_which() {
-        let said = |files: &[&str]| {
-            let directory = tempfile::TempDir::new().unwrap();
-            let path = directory.path().join("x.fmu");
-            let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
-            let text = "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"x\" guid=\"x\">\
-                        <CoSimulation modelIdentifier=\"x\"/><ModelVariables/></fmiModelDescription>";
-            for name in files.iter().chain(&[DESCRIPTION_FILE]) {
-                zip.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
-                std::io::Write::write_all(&mut zip, text.as_bytes()).unwrap();
-            }
-            zip.finish().unwrap();
-            Fmu::open(&path).unwrap().instantiate("x").map_or_else(|error| error.whole(), |_| "made".into())
-        };
-        let own = library_of("x", host_platform().unwrap());
-        let two = said(&["binaries/win16/x.dll", "binaries/linux8/x.so", "binaries/darwin8/other.dylib"]);
-        assert!(two.ends_with(&format!("x.fmu: the FMU has no {own}: it has linux8, win16 only")), "{two}");
-        let none = said(&["sources/x.c"]);
-        assert!(
-            none.ends_with(&format!("the FMU has no {own}: it has no library for any platform")),
-            "{none}"
-        );
+        let own = library_of("x", host().unwrap());
+        let others = ["binaries/win16/x.dll", "binaries/linux8/x.so", "binaries/darwin8/other.dylib"];
+        for (files, has) in
+            [(&others[..], "linux8, win16 only"), (&["sources/x.c"], "no library for any platform")]
+        {
+            let fmu = opened("CoSimulation", "x", files).unwrap();
+            let said = fmu.instantiate("x").map_or_else(|error| error.whole(), |_| "made".into());
+            assert!(said.ends_with(&format!("x.fmu: the FMU has no {own}: it has {has}")), "{said}");
+        }
     }
 
     /// Each was handed to the loader: `../` led out of the FMU.
     #[test]
     fn a_model_identifier_is_a_name_in_c() {
-        let said = |identifier: &str, element: &str| {
-            let directory = tempfile::TempDir::new().unwrap();
-            let path = directory.path().join("x.fmu");
-            let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
-            zip.start_file(DESCRIPTION_FILE, zip::write::SimpleFileOptions::default()).unwrap();
-            let text = format!(
-                "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"x\" guid=\"x\">\
-                 <{element} modelIdentifier=\"{identifier}\"/><ModelVariables/><ModelStructure/>\
-                 </fmiModelDescription>"
-            );
-            std::io::Write::write_all(&mut zip, text.as_bytes()).unwrap();
-            zip.finish().unwrap();
-            Fmu::open(&path).map_or_else(|error| error.whole(), |_| "taken".to_owned())
-        };
         let long = "a".repeat(201);
+        let bad =
+            ["", "9a", "../a", "/tmp/a", "a\\b", ".", "C:a", "a b", "a-b", "\u{e4}", "a\u{202e}b", "a&#10;b"];
         for element in ["CoSimulation", "ModelExchange"] {
             for good in ["a", "_", "A_b9", &long[..200]] {
-                assert_eq!(said(good, element), "taken");
+                assert!(opened(element, good, &[]).is_ok());
             }
-            for bad in [
-                "",
-                "9a",
-                "../a",
-                "/tmp/a",
-                "a\\b",
-                ".",
-                "C:a",
-                "a b",
-                "a-b",
-                "\u{e4}",
-                "a\u{202e}b",
-                "a&#10;b",
-            ] {
-                let text = said(bad, element);
-                let place = format!("x.fmu: modelDescription.xml: <{element}> modelIdentifier=\"");
-                assert!(text.contains(&place) && text.contains("must be a name in C"), "{bad}: {text}");
+            let place = format!("x.fmu: modelDescription.xml:1: <{element}>");
+            let said = |identifier| opened(element, identifier, &[]).map(drop).unwrap_err().whole();
+            for bad in bad {
+                let text = said(bad);
+                assert!(
+                    text.contains(&format!("{place} modelIdentifier=\""))
+                        && text.contains("must be a name in C"),
+                    "{text}"
+                );
             }
-            let text = said(&long, element);
-            assert!(text.contains("modelIdentifier: has 201 bytes: must have at most 200"), "{text}");
+            assert!(
+                said(&long)
+                    .contains(&format!("{place}: modelIdentifier has 201 bytes: must have at most 200"))
+            );
             // XML knows no NUL.
-            assert!(said("a&#0;b", element).contains("x.fmu: modelDescription.xml:1: "));
+            assert!(said("a&#0;b").contains("x.fmu: modelDescription.xml:1: "));
         }
     }
 }

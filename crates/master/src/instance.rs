@@ -1,7 +1,7 @@
 //! An instance of an FMU.
 
 use crate::calls::{Calls, Value};
-use crate::error::{Cause, Error, Result};
+use crate::error::{Cause, Error, Place, Result};
 use crate::selection::{Part, Selection};
 use crate::ssp::{Address, Interface, Type};
 use lemons_fmi::Status;
@@ -9,50 +9,42 @@ use std::cell::{Cell, RefCell};
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Structural parameters: value references, and values.
-#[derive(Default, Clone)]
-pub(crate) struct Sizes {
-    pub references: Vec<u32>,
-    pub values: Vec<u64>,
-}
-
-/// A number that a user wrote.
+/// Reads a number that a user wrote.
 pub(crate) fn number<T: FromStr<Err: Into<Cause>>>(text: &str) -> Result<T, Cause> {
     text.parse().map_err(Into::into)
 }
 
-/// What is set when an instance is in initialization.
+/// Values that are set when an instance is in initialization.
 type Later = Box<dyn FnOnce(&Instance) -> Result<()>>;
 
 /// An instance of an FMU.
 pub struct Instance {
     calls: Calls,
     description: Arc<Interface>,
-    /// Whether initialization has begun.
+    /// True once initialization has begun.
     initialized: Cell<bool>,
     /// Arrays: FMI 3.0 does not let their other elements be read before initialization.
     later: RefCell<Vec<Later>>,
 }
 
 impl Instance {
-    /// One that was just made, of an FMU of this description.
+    /// Makes an instance of an FMU of this description.
     pub(crate) fn new(calls: Calls, description: Arc<Interface>) -> Instance {
         let (initialized, later) = (Cell::new(false), RefCell::default());
         Instance { calls, description, initialized, later }
     }
 
     /// Sets the structural parameters that were chosen, in Configuration Mode (FMI 3.0).
-    pub(crate) fn configure(&self, sizes: &Sizes) -> Result<()> {
-        let Sizes { references, values } = sizes;
+    pub(crate) fn configure(&self, references: &[u32], sizes: &[u64]) -> Result<()> {
         if references.is_empty() {
             return Ok(());
         }
         self.calls.plain(["", "fmi3EnterConfigurationMode"])?;
-        self.calls.set("fmi3SetUInt64", references, values)?;
+        self.calls.set("fmi3SetUInt64", references, sizes)?;
         self.calls.plain(["", "fmi3ExitConfigurationMode"]).map(drop)
     }
 
-    /// Values by their names.
+    /// Selects values by their names.
     ///
     /// # Errors
     /// There is no such value.
@@ -61,7 +53,7 @@ impl Instance {
         self.select_at(&addresses.collect::<Result<Vec<_>>>()?)
     }
 
-    /// Values by their addresses.
+    /// Selects values by their addresses.
     ///
     /// # Errors
     /// There is no such value.
@@ -69,13 +61,12 @@ impl Instance {
         Selection::new(&self.description, addresses)
     }
 
-    /// Where a value is.
+    /// Returns where a value is.
     ///
     /// # Errors
     /// There is no such value.
     pub fn address(&self, name: &str) -> Result<Address> {
-        let single = self.description.single(name);
-        Ok(single.ok_or_else(|| Error::NoVariable(name.to_owned()))?.address())
+        Ok(self.description.known(name)?.address())
     }
 
     /// Sets values of one type from a text, all to the same.
@@ -84,32 +75,27 @@ impl Instance {
     /// There is no such value, the text is no value of the type, or the FMU's refusal.
     pub fn set_text<S: AsRef<str>>(&self, names: &[S], text: &str) -> Result<()> {
         let Some(first) = names.first().map(AsRef::as_ref) else { return Ok(()) };
-        let kind = self.description.single(first).map(|single| &single.variable.of);
-        let kind = kind.ok_or_else(|| Error::NoVariable(first.to_owned()))?;
+        let of = self.description.known(first)?.variable.of;
         let selection = self.select(names)?;
-        let count = selection.len();
         let wrong = |why: &str| format!("{first}={text}: {why}");
-        let not_a_number = |error: Cause| Error::of(wrong("not a number"))(error);
-        match kind {
-            Type::Real(_) => self.set::<f64>(&selection, &vec![number(text).map_err(not_a_number)?; count]),
-            Type::Integer => self.set::<i32>(&selection, &vec![number(text).map_err(not_a_number)?; count]),
-            Type::String => self.set(&selection, &vec![text.to_owned(); count]),
-            Type::Boolean => {
-                let value = match text {
-                    "true" | "1" => true,
-                    "false" | "0" => false,
-                    _ => return Err(Error::new(wrong("neither true nor false"))),
-                };
-                self.set(&selection, &vec![value; count])
+        let value = match of.class() {
+            Type::Real => number(text).place(|| wrong("not a number"))?,
+            Type::Integer => f64::from(number::<i32>(text).place(|| wrong("not a number"))?),
+            Type::Boolean => match text {
+                "true" | "1" => 1.0,
+                "false" | "0" => 0.0,
+                _ => return Err(Error::new(wrong("neither true nor false"))),
+            },
+            Type::String => return self.set(&selection, &vec![text.to_owned(); selection.len()]),
+            of => {
+                let of = of.name();
+                return Err(Error::new(format!("{first}: variables of type {of} cannot be set here")));
             }
-            other => {
-                let of = other.name();
-                Err(Error::new(format!("{first}: variables of type {of} cannot be set here")))
-            }
-        }
+        };
+        self.set(&selection, &vec![value; selection.len()])
     }
 
-    /// From the beginning of initialization to its end, at time 0.
+    /// Initializes from the beginning to the end, at time 0.
     ///
     /// # Errors
     /// The FMU refuses the call.
@@ -155,7 +141,7 @@ impl Instance {
         selection.write(values, |part, values| self.get_part(part, values), set)
     }
 
-    /// Reads values: Reals, Integers (an `i32`: what is larger is refused), Booleans or texts.
+    /// Reads values: numbers (integers as an `i32` has them: what is larger is refused; Booleans are 0 or 1) or texts.
     ///
     /// # Errors
     /// The FMU refuses the call, or a value is too large.
@@ -188,14 +174,13 @@ impl Instance {
         Ok(value)
     }
 
-    /// A step from a time, both \[s\].
+    /// Makes a step from a time, both \[s\].
     ///
     /// # Errors
     /// The FMU refuses the step or fails; in FMI 3.0 also if it wants an event, or the end of the simulation.
     pub fn step(&self, time: f64, step: f64) -> Result<()> {
-        let answer = self.calls.do_step(time, step)?;
-        if answer.status() == Some(Status::Warning) {
-            self.calls.messages.warned(time, answer);
+        if self.calls.do_step(time, step)? == Status::Warning {
+            self.calls.messages.warned(time, self.description.fmi);
         }
         Ok(())
     }
@@ -224,7 +209,7 @@ impl Instance {
         self.calls.restore(bytes)
     }
 
-    /// The warnings of the FMU since the last call: the first 1000, the number of further ones, and the time \[s\] of
+    /// Returns the warnings of the FMU since the last call: the first 1000, the number of further ones, and the time \[s\] of
     /// the first step that returned the status Warning.
     pub fn warnings(&self) -> Vec<String> {
         self.calls.messages.warnings()

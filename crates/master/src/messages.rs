@@ -1,7 +1,7 @@
-//! What an FMU logs.
+//! Messages that an FMU logs.
 
-use crate::calls::Answer;
 use crate::error::{Error, Result};
+use crate::ssp::Fmi;
 use lemons_fmi::Status;
 use std::sync::Mutex;
 
@@ -43,13 +43,13 @@ impl Heard {
     }
 }
 
-/// What the FMU logs. Errors become the run's error; warnings are kept for the end.
+/// Messages of an FMU. Errors become the run's error; warnings are kept for the end.
 #[derive(Default)]
 pub(crate) struct Messages {
     errors: Mutex<Heard>,
     warnings: Mutex<Heard>,
     /// Steps that returned the status Warning: where the first of them began \[s\], and their number.
-    warned: Mutex<Option<(f64, u64, Answer)>>,
+    warned: Mutex<Option<(f64, u64, Fmi)>>,
     names: Names,
 }
 
@@ -70,18 +70,23 @@ impl Messages {
         }
     }
 
-    /// The result of a call; its error is what the FMU has logged about it.
-    pub fn done(&self, answer: Answer) -> Result<Answer> {
+    /// Returns the status of a call, or as an error what the FMU has logged about its refusal.
+    pub fn done(&self, fmi: Fmi, call: &str, code: i32) -> Result<Status> {
         // What was logged as an error in a call that succeeded is not the reason of a later refusal.
         let said = self.errors();
-        if answer.succeeded() { Ok(answer) } else { Err(Error::Refused { answer, said }) }
+        Err(Error::new(match fmi.status(code) {
+            Some(status @ (Status::Ok | Status::Warning)) => return Ok(status),
+            _ if !said.is_empty() => said.join("\n"),
+            Some(status) => format!("{call} returned {status:?}"),
+            None => format!("{call} returned {code}, which is no status of FMI"),
+        }))
     }
 
     /// Notes a step from a time \[s\] that returned the status Warning.
-    pub fn warned(&self, time: f64, answer: Answer) {
+    pub fn warned(&self, time: f64, fmi: Fmi) {
         if let Ok(mut warned) = self.warned.lock() {
-            let (first, steps, answer) = warned.unwrap_or((time, 0, answer));
-            *warned = Some((first, steps + 1, answer));
+            let (first, steps, _) = warned.unwrap_or((time, 0, fmi));
+            *warned = Some((first, steps + 1, fmi));
         }
     }
 
@@ -89,14 +94,14 @@ impl Messages {
     pub fn warnings(&self) -> Vec<String> {
         let said = self.warnings.lock().map(|mut list| list.take()).unwrap_or_default();
         let mut said: Vec<String> = said.iter().map(|message| self.names.said(message)).collect();
-        if let Some((time, steps, answer)) = self.warned.lock().ok().and_then(|mut warned| warned.take()) {
+        if let Some((time, steps, fmi)) = self.warned.lock().ok().and_then(|mut warned| warned.take()) {
             let more = match steps - 1 {
                 0 => String::new(),
                 1 => ", and 1 later step".to_owned(),
                 more => format!(", and {more} later steps"),
             };
-            let status = format!("{}Warning", &answer.call()[..4]);
-            said.push(format!("warning: the step from t = {time:?} s returned the status {status}{more}"));
+            let status = format!("{}Warning{more}", fmi.prefix());
+            said.push(format!("warning: the step from t = {time:?} s returned the status {status}"));
         }
         said
     }
@@ -122,10 +127,13 @@ mod tests {
         assert_eq!(numbers(&messages.errors()), (1001, "999".into(), Some("and 1 more".into())));
         assert!(messages.warnings().is_empty() && messages.errors().is_empty());
         // A step that returns fmi2Warning in silence.
-        let warning = Answer { code: Status::Warning as i32, call: "fmi2DoStep" };
-        [0.5, 0.6, 0.7].into_iter().for_each(|time| messages.warned(time, warning));
+        [0.5, 0.6, 0.7].into_iter().for_each(|time| messages.warned(time, Fmi::V2));
         let said = "warning: the step from t = 0.5 s returned the status fmi2Warning, and 2 later steps";
         assert_eq!(messages.warnings(), [said]);
+    }
+
+    fn unknown(code: i32) -> String {
+        format!("fmi3DoStep returned {code}, which is no status of FMI")
     }
 
     #[test]
@@ -133,11 +141,14 @@ mod tests {
         let messages = Messages::default();
         messages.hear(Some(Status::Error), "harmless");
         messages.hear(Some(Status::Warning), "to be looked at");
-        messages.done(Answer { code: Status::Ok as i32, call: "fmi2SetReal" }).unwrap();
+        messages.done(Fmi::V2, "fmi2SetReal", Status::Ok as i32).unwrap();
         messages.hear(Some(Status::Error), "the reason");
-        let refused = Answer { code: Status::Error as i32, call: "fmi2DoStep" };
-        let error = messages.done(refused).unwrap_err();
-        assert_eq!(error.to_string(), "the reason");
+        let said = |code| messages.done(Fmi::V3, "fmi3DoStep", code).unwrap_err().to_string();
+        assert_eq!(said(Status::Error as i32), "the reason");
         assert_eq!(messages.warnings(), ["to be looked at"]);
+        assert_eq!(said(Status::Error as i32), "fmi3DoStep returned Error");
+        // `Pending` is of FMI 2.0 only.
+        assert_eq!((said(5), said(-1)), (unknown(5), unknown(-1)));
+        assert_eq!(Fmi::V2.status(5), Some(Status::Pending));
     }
 }

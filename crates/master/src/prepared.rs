@@ -8,13 +8,13 @@ use crate::error::{Error, Place, Result};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::instance::Instance;
-use crate::prepare_error::{PrepareError, Warning};
+use crate::notes;
 use crate::saved::Saved;
 use crate::settings::Settings;
-use crate::system::{Component, PLAY_DRIVE, System};
+use crate::system::{Component, PLAY_DRIVE, System, component_of};
 use lemons_core::trial::{DriveChoice, DriveTable, Trial};
+use lemons_decision::DECISION_FILE;
 use lemons_sim::{Clock, Model};
-use std::path::Path;
 use std::sync::Arc;
 
 /// Name of the component of a run of one FMU.
@@ -24,7 +24,7 @@ const CROWD: &str = "crowd";
 /// [`Model`] that [`lemons_sim::run()`] steps.
 ///
 /// ```no_run
-/// use lemons_master::{Error, PrepareError, Prepared, Settings};
+/// use lemons_master::{Error, Prepared, Settings};
 /// use std::ops::ControlFlow;
 ///
 /// let parameters = vec![("agent[*].Mass".to_owned(), "80".to_owned())];
@@ -35,18 +35,18 @@ const CROWD: &str = "crowd";
 /// }
 /// let clock = run.clock;
 /// let _ = lemons_sim::run::<_, Error>(&mut run, &clock, 0, |run, point| {
-///     let crowd = &run.system.components()[0].instance;
+///     let crowd = &run.system.components[0].instance;
 ///     println!("{} s: {} m", point.time, crowd.value::<f64>("agent[0].Position.x")?);
 ///     Ok(ControlFlow::Continue(()))
 /// })?;
-/// # Ok::<(), PrepareError>(())
+/// # Ok::<(), Error>(())
 /// ```
 pub struct Prepared {
     /// One FMU as the component `crowd`; or those of the SSP.
     pub system: System,
-    /// What the components simulate, for those whose FMU contains Trials.
+    /// The Trials of the components, for those whose FMU contains Trials.
     pub trials: Vec<Option<Trial>>,
-    /// What drives the crowd.
+    /// The drive of the crowd.
     pub feed: DriveFeed,
     /// The communication points.
     pub clock: Clock,
@@ -54,10 +54,10 @@ pub struct Prepared {
     pub every: u64,
     /// The run that this one goes on from.
     pub before: Option<Saved>,
-    /// Whether FMUs are coupled: those of an SSP.
+    /// True if FMUs are coupled: those of an SSP.
     pub coupled: bool,
-    /// What is probably not meant.
-    pub warnings: Vec<Warning>,
+    /// Warnings: settings that are probably not meant.
+    pub warnings: Vec<String>,
 }
 
 impl Model for Prepared {
@@ -65,7 +65,7 @@ impl Model for Prepared {
 
     fn step_to(&mut self, time: f64) -> Result<()> {
         // A system of several components has no drive.
-        self.feed.apply(&self.system.components()[0].instance, self.system.time())?;
+        self.feed.apply(&self.system.components[0].instance, self.system.time)?;
         self.system.step_to(time)
     }
 }
@@ -76,17 +76,28 @@ impl Prepared {
     /// # Errors
     /// A setting is outside of its domain ([`Settings`]), the settings do not fit together or to the input, or the
     /// input, the drive or the saved run is wrong.
-    pub fn of(settings: &Settings) -> Result<Prepared, PrepareError> {
-        settings.check()?;
-        let saved = settings.resume.as_deref().map(read_saved).transpose()?;
-        let (before, states) = saved.unzip();
-        let coupled = is_ssp(settings);
+    pub fn of(settings: &Settings) -> Result<Prepared> {
+        let (before, states) = settings.saved()?.unzip();
+        let coupled = settings.input.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp"));
         let parameters = match &before {
             Some(before) => before.chosen(coupled),
             None => settings.parameters.clone(),
         };
-        let Opened { mut system, start, stop, mut warnings } = open(settings, &parameters)?;
-        set_parameters(&system, &parameters, settings.threads, coupled, &mut warnings)?;
+        let inputs = [FileType::FMU, FileType::SSP, FileType::ARCHIVE];
+        FileType::expect(&settings.input, &inputs, "an FMU or an SSP")?;
+        if matches!(settings.plan, PlanChoice::File(_)) {
+            let why =
+                format!("--plan: a file like {DECISION_FILE} is for a Trial, and not for an FMU or an SSP");
+            return Err(Error::Misused(why));
+        }
+        let open = if coupled { open_ssp } else { open_fmu };
+        let Assembled { mut system, start, stop, mut warnings } = open(settings, &parameters)?;
+        for (name, value) in &parameters {
+            warnings.extend(set(&system, name, value, coupled)?);
+        }
+        if let Some(threads) = settings.threads {
+            set(&system, "Threads", &threads.to_string(), coupled)?;
+        }
         let own = settings.drive == DriveChoice::Own;
         if !own {
             system.stop_drives()?;
@@ -94,179 +105,122 @@ impl Prepared {
         if settings.saves || before.is_some() {
             check_saves(&system)?;
         }
-        let of_saved = || settings.resume.as_deref().map(named).unwrap_or_default();
+        let of_saved =
+            || settings.resume.iter().map(|path| format!("saved run {}", path.display())).collect();
         if let Some(before) = &before {
-            before.check_system(&system).place(of_saved)?;
+            before.check(&system.records(), system.algorithm, &system.fingerprint()).place(of_saved)?;
         }
-        let start = before.as_ref().map_or(start, |before| before.start);
-        let until = settings.until_of(before.as_ref(), start, stop)?;
+        let start = before.as_ref().map_or(start.unwrap_or(0.0), |before| before.start);
         system.initialize(start, settings.tolerance)?;
         if let (Some(before), Some(states)) = (&before, &states) {
             system.restore(before.time, states).place(of_saved)?;
         }
         warnings.extend(system.differing()?);
-        let trials = system.components().iter().map(Component::trial).collect::<Result<Vec<_>>>()?;
+        let trials = system.components.iter().map(Component::trial).collect::<Result<Vec<_>>>()?;
 
         // The crowd; nothing drives the components of an SSP.
         let main = trials.len() - 1;
-        let (crowd, trial) = (&system.components()[main], trials[main].as_ref());
+        let (crowd, trial) = (&system.components[main], trials[main].as_ref());
         let plays = !coupled && own && crowd.fmu.kind(PLAY_DRIVE).is_some();
         let drive = match (coupled, plays) {
             (true, _) => DriveTable::default(),
-            (false, true) if !crowd.instance.value::<bool>(PLAY_DRIVE)? => DriveTable::default(),
+            (false, true) if crowd.instance.value::<f64>(PLAY_DRIVE)? == 0.0 => DriveTable::default(),
             (false, _) => crowd.fmu.drive(trial, &settings.drive)?,
         };
         let agents = trial.map_or(&[][..], |trial| &trial.agents);
         let feed = DriveFeed::new(&crowd.instance, agents, drive, plays)?;
-        if before.as_ref().is_some_and(|before| feed.drive.fingerprint() != before.drive) {
-            return Err(PrepareError::OtherDrive);
-        }
-        let (step, every) = match &before {
-            Some(before) => settings.same_points(before)?,
-            None => (step_of(settings, &system, &trials)?, settings.every.unwrap_or(1)),
-        };
-        let clock = Clock::new(start, step, until).map_err(Error::from);
-        let clock = clock.place(|| settings.input.display().to_string())?;
-        warnings.extend(feed.drive.missed(start, step).map(Warning::Missed));
-        warnings.extend(settings.between(before.as_ref(), &clock));
+        let steps = system.components.iter().zip(&trials).filter_map(|(component, trial)| match trial {
+            Some(trial) => Some(trial.parameters.time_step),
+            None => component.fmu.description.step,
+        });
+        let step = steps.filter(|step: &f64| *step > 0.0 && step.is_finite()).reduce(f64::min);
+        let (clock, every, of_points) = settings.points(before.as_ref(), start, [stop, step], &feed.drive)?;
+        warnings.extend(of_points);
         let undriven = !coupled && before.is_none() && feed.drive.end().is_none();
         if undriven && trial.is_some() && is_still(&crowd.instance, agents.len())? {
-            warnings.push(Warning::Still);
+            warnings.push(notes::still());
         }
         Ok(Prepared { system, trials, feed, clock, every, before, coupled, warnings })
     }
 }
 
-/// A system that is not initialized yet.
-struct Opened {
-    system: System,
-    /// \[s\]
-    start: f64,
-    /// \[s\] if the input says when it stops.
-    stop: Option<f64>,
-    warnings: Vec<Warning>,
-}
-
-/// Whether nobody has a speed or a propulsion at the start.
+/// Returns whether nobody has a speed or a propulsion at the start.
 fn is_still(crowd: &Instance, agents: usize) -> Result<bool> {
     let of_one = ["Fp.x", "Fp.y", "Mp", "Velocity.x", "Velocity.y", "Omega"];
     let all = crowd.select((0..agents).flat_map(|i| of_one.map(|name| format!("agent[{i}].{name}"))))?;
     Ok(crowd.values(&all)?.iter().all(|value: &f64| *value == 0.0))
 }
 
-/// Whether the input is an SSP.
-fn is_ssp(settings: &Settings) -> bool {
-    settings.input.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp"))
-}
-
-fn open(settings: &Settings, parameters: &[(String, String)]) -> Result<Opened, PrepareError> {
-    let input = &settings.input;
-    FileType::expect(input, &[FileType::Fmu, FileType::Ssp, FileType::Archive], "an FMU or an SSP")
-        .map_err(Error::from)?;
-    if matches!(settings.plan, PlanChoice::File(_)) {
-        return Err(PrepareError::PlanWithoutTrial);
-    }
-    if is_ssp(settings) {
-        if matches!(settings.drive, DriveChoice::File(_)) {
-            return Err(PrepareError::DriveOfCoupled);
-        }
-        let Assembled { system, start, stop, ignored } = assemble(input, settings.algorithm, parameters)?;
-        let mut warnings: Vec<Warning> = ignored.into_iter().map(Warning::Ignored).collect();
-        if settings.drive == DriveChoice::Own {
-            for (place, component) in system.components().iter().enumerate() {
-                if component.fmu.loses_drive(|input| system.feeds(place, input))? {
-                    warnings.push(Warning::DriveReplaced(component.name.clone()));
-                }
-            }
-        }
-        return Ok(Opened { system, start: start.unwrap_or(0.0), stop, warnings });
-    }
-    let mut fmu = Fmu::open(input)?;
-    let named = parameters.iter().map(|(name, value)| (of_crowd(&fmu, name), value.as_str()));
-    let named: Vec<(&str, &str)> = named.collect();
+fn open_fmu(settings: &Settings, parameters: &[(String, String)]) -> Result<Assembled> {
+    let mut fmu = Fmu::open(&settings.input)?;
+    let named: Vec<_> =
+        parameters.iter().map(|(name, value)| (of_crowd(&fmu, name), value.as_str())).collect();
     fmu.configure(named.into_iter())?;
     let system = System::of_one(CROWD, Arc::new(fmu), settings.algorithm)?;
-    Ok(Opened { system, start: 0.0, stop: None, warnings: Vec::new() })
+    Ok(Assembled { system, start: None, stop: None, warnings: Vec::new() })
 }
 
-/// Parameters, start values and the number of threads.
-fn set_parameters(
-    system: &System,
-    parameters: &[(String, String)],
-    threads: Option<i32>,
-    coupled: bool,
-    warnings: &mut Vec<Warning>,
-) -> Result<(), PrepareError> {
-    for (name, value) in parameters {
-        warnings.extend(set(system, name, value, coupled)?);
+fn open_ssp(settings: &Settings, parameters: &[(String, String)]) -> Result<Assembled> {
+    if matches!(settings.drive, DriveChoice::File(_)) {
+        let why = "--drive: a drive is for a Trial or an FMU: in an SSP inputs are fed by connections";
+        return Err(Error::new(why));
     }
-    match threads {
-        Some(threads) if coupled => Err(PrepareError::ThreadsOfCoupled(threads)),
-        Some(threads) => set(system, "Threads", &threads.to_string(), coupled).map(drop),
-        None => Ok(()),
+    if let Some(threads) = settings.threads {
+        let why = "--threads: a number of threads is for a Trial or an FMU: in an SSP, set NAME.Threads";
+        return Err(Error::new(format!("{why}={threads}")));
     }
+    let mut assembled = assemble(&settings.input, settings.algorithm, parameters)?;
+    let system = &assembled.system;
+    if settings.drive == DriveChoice::Own {
+        for (place, component) in system.components.iter().enumerate() {
+            if component.fmu.loses_drive(|input| system.feeds(place, input))? {
+                assembled.warnings.push(notes::drive_replaced(&component.name));
+            }
+        }
+    }
+    Ok(assembled)
 }
 
-fn set(system: &System, name: &str, value: &str, coupled: bool) -> Result<Option<Warning>, PrepareError> {
-    let given = || (name.to_owned(), value.to_owned());
-    let found =
-        if coupled { system.find(name) } else { Some((0, of_crowd(&system.components()[0].fmu, name))) };
-    let Some((place, variable)) = found else {
-        let components = system.components().iter().map(|component| component.name.clone()).collect();
-        let (name, value) = given();
-        return Err(PrepareError::Component { name, value, components });
+/// Sets a parameter or a start value; returns a warning if a connection feeds it.
+fn set(system: &System, name: &str, value: &str, coupled: bool) -> Result<Option<String>> {
+    let found = if coupled {
+        component_of(&system.components, name)
+    } else {
+        Some((0, of_crowd(&system.components[0].fmu, name)))
     };
-    let component = &system.components()[place];
-    let unknown = component.fmu.named(variable).iter().any(|name| component.fmu.kind(name).is_none());
-    let meant = if unknown { component.fmu.meant(variable) } else { None };
-    if let Some((prefix, meant)) = name.strip_suffix(variable).zip(meant) {
-        let (name, value) = given();
-        return Err(PrepareError::OfOther { name, value, meant: prefix.to_owned() + &meant });
+    let (place, variable) = found.ok_or_else(|| {
+        let components: Vec<&str> = system.components.iter().map(|it| it.name.as_str()).collect();
+        let components = components.join(", ");
+        Error::new(format!("--set {name}={value}: expected COMPONENT.NAME; components are {components}"))
+    })?;
+    let Component { fmu, instance, .. } = &system.components[place];
+    let variables = fmu.named(variable);
+    let unknown = variables.iter().any(|name| fmu.kind(name).is_none());
+    if let Some(meant) = fmu.meant(variable).filter(|_| unknown) {
+        let prefix = name.strip_suffix(variable).unwrap_or_default();
+        return Err(notes::no_such_variable(name, value, &format!("{prefix}{meant}")));
     }
-    if component.fmu.is_structural(variable) {
+    if fmu.is_structural(variable) {
         return Ok(None);
     }
-    let variables = component.fmu.named(variable);
-    component.instance.set_text(&variables, value)?;
-    let fed = variables.into_iter().find(|variable| system.feeds(place, variable));
-    Ok(fed.map(|input| {
-        let (name, value) = given();
-        Warning::Overwritten { name, value, input }
-    }))
+    instance.set_text(&variables, value)?;
+    let fed = variables.iter().find(|variable| system.feeds(place, variable));
+    Ok(fed.map(|input| notes::overwritten(name, value, input)))
 }
 
-/// The variable of the only FMU that a name means, which may have the prefix of a Trial's crowd.
+/// Returns the variable of the only FMU that a name means, which may have the prefix of a Trial's crowd.
 fn of_crowd<'a>(fmu: &Fmu, name: &'a str) -> &'a str {
     let own = fmu.named(name).iter().all(|name| fmu.kind(name).is_some());
     let inside = name.strip_prefix(CROWD).and_then(|rest| rest.strip_prefix('.'));
     inside.filter(|_| !own).unwrap_or(name)
 }
 
-/// \[s\] The one that is wanted, else the smallest that a component asks for.
-fn step_of(settings: &Settings, system: &System, trials: &[Option<Trial>]) -> Result<f64, PrepareError> {
-    let steps = system.components().iter().zip(trials).filter_map(|(component, trial)| match trial {
-        Some(trial) => Some(trial.parameters.time_step),
-        None => component.fmu.description.step,
-    });
-    let smallest = steps.filter(|step: &f64| *step > 0.0 && step.is_finite()).reduce(f64::min);
-    settings.step.or(smallest).ok_or(PrepareError::NoStep)
-}
-
-fn named(path: &Path) -> String {
-    format!("saved run {}", path.display())
-}
-
-/// Reads the run that is to go on.
-pub fn read_saved(path: &Path) -> Result<(Saved, Vec<Vec<u8>>), PrepareError> {
-    FileType::expect(path, &[FileType::SavedRun], "a saved run").map_err(PrepareError::NotSaved)?;
-    Ok(Saved::read(path)?)
-}
-
-/// That all components can be saved and restored.
-fn check_saves(system: &System) -> Result<(), PrepareError> {
-    for component in system.components() {
-        if let Some(flag) = component.fmu.cannot_save() {
-            return Err(PrepareError::CannotSave { component: component.name.clone(), flag });
+/// Checks that all components can be saved and restored.
+fn check_saves(system: &System) -> Result<()> {
+    for Component { name, fmu, .. } in &system.components {
+        if let Some(flag) = fmu.cannot_save() {
+            let why = format!("component {name:?} says {flag}=\"false\" (--state, --resume)");
+            return Err(Error::new(format!("the run cannot be saved: {why}")));
         }
     }
     Ok(())

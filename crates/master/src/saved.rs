@@ -2,24 +2,20 @@
 
 use crate::calls::LARGEST_STATE;
 use crate::error::{Error, Place, Result};
-use crate::ssp::{Allowance, sound};
-use crate::system::{Component, System};
+use crate::file_type::FileType;
+use crate::ssp::{Allowance, open_zip, sound};
 use lemons_core::files::Staged;
-use lemons_core::files::input;
 use lemons_core::trial::quoted;
-use lemons_fmi::fingerprint;
-use lemons_sim::{ExposureSum, Extremes};
+use lemons_sim::{Algorithm, ExposureSum, Extremes};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Display;
-use std::io::{BufReader, BufWriter, Read, Write};
+use std::io::{BufWriter, Read, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipWriter};
 
 const RUN: &str = "run.toml";
-/// Of `run.toml`; raised when its meaning changes.
-const FORMAT: u32 = 4;
 /// \[byte\] of `run.toml`: thousands of components.
 const LARGEST_RUN: u64 = 4_000_000;
 
@@ -52,7 +48,7 @@ pub struct Saved {
     pub drive: String,
     /// In the order of the system.
     pub component: Vec<ComponentRecord>,
-    /// Of the components that are crowds.
+    /// Records of the components that are crowds.
     pub crowd: Vec<CrowdRecord>,
 }
 
@@ -75,7 +71,7 @@ pub struct ComponentRecord {
     pub bytes: u64,
 }
 
-/// What was recorded of a crowd.
+/// The record of a crowd.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrowdRecord {
@@ -88,12 +84,15 @@ pub struct CrowdRecord {
     pub since: ExposureSum,
 }
 
-/// Of the connections between components.
-pub fn wiring_of(system: &System) -> String {
-    format!("{:032x}", fingerprint(system.wiring().as_bytes()))
+impl ComponentRecord {
+    /// Makes the record of a component without choices, whose state is not known yet.
+    pub fn new(name: &str, model: &str, guid: &str) -> ComponentRecord {
+        let [name, model, guid] = [name, model, guid].map(str::to_owned);
+        ComponentRecord { name, model, guid, chosen: BTreeMap::new(), state: String::new(), bytes: 0 }
+    }
 }
 
-/// What a file says of the programs that wrote it, once `now` has gone on with what those `before` had written: each
+/// Returns what a file says of the programs that wrote it, once `now` has gone on with what those `before` had written: each
 /// of them once, oldest first, with `; ` between them.
 pub fn writers(before: &str, now: &str) -> String {
     let mut seen = HashSet::new();
@@ -101,30 +100,16 @@ pub fn writers(before: &str, now: &str) -> String {
     all.filter(|one| !one.is_empty() && seen.insert(*one)).collect::<Vec<_>>().join("; ")
 }
 
-/// What is wrong with `run.toml`.
+/// Says what is wrong with `run.toml`.
 fn wrong(why: impl Display) -> Error {
     Error::new(format!("{RUN}: {why}"))
 }
 
 impl Saved {
-    /// Of this program.
-    pub const FORMAT: u32 = FORMAT;
+    /// The format of `run.toml` that this program knows; raised when its meaning changes.
+    pub const FORMAT: u32 = 4;
 
-    /// The parts of `component` for these states.
-    pub fn components(system: &System, states: &[Vec<u8>]) -> Vec<ComponentRecord> {
-        let all = system.components().iter().zip(states).enumerate();
-        let record = all.map(|(place, (component, state))| ComponentRecord {
-            name: component.name.clone(),
-            model: component.fmu.description.model_name.clone(),
-            guid: component.fmu.description.guid.clone(),
-            chosen: component.fmu.choices(),
-            state: format!("state-{place}"),
-            bytes: state.len() as u64,
-        });
-        record.collect()
-    }
-
-    /// What was chosen before initialization, as parameters: in an SSP, with the names of the components.
+    /// Returns what was chosen before initialization, as parameters: in an SSP, with the names of the components.
     pub(crate) fn chosen(&self, coupled: bool) -> Vec<(String, String)> {
         let of = |component: &ComponentRecord, name: &String| {
             if coupled { format!("{}.{name}", component.name) } else { name.clone() }
@@ -135,7 +120,7 @@ impl Saved {
         all.collect()
     }
 
-    /// That the states of all components can be read again.
+    /// Checks that the states of all components can be read again.
     fn check_states(states: &[Vec<u8>], most: usize) -> Result<()> {
         let size = states.iter().fold(0, |sum: usize, state| sum.saturating_add(state.len()));
         if size > most {
@@ -146,19 +131,22 @@ impl Saved {
         Ok(())
     }
 
-    /// Writes the archive; the same run gives the same bytes.
+    /// Writes the archive with the states of the components; the same run gives the same bytes.
     ///
     /// # Errors
     /// It cannot be written, or the states have more than [`LARGEST_STATE`] together.
-    pub fn write(&self, states: &[Vec<u8>], file: Staged) -> Result<()> {
+    pub fn write(mut self, states: &[Vec<u8>], file: Staged) -> Result<()> {
         Saved::check_states(states, LARGEST_STATE)?;
+        for (place, (component, state)) in self.component.iter_mut().zip(states).enumerate() {
+            (component.state, component.bytes) = (format!("state-{place}"), state.len() as u64);
+        }
         let mut zip = ZipWriter::new(BufWriter::new(file));
         let options = SimpleFileOptions::default()
             .last_modified_time(DateTime::default())
             .unix_permissions(0o644)
             .compression_method(CompressionMethod::Deflated);
         zip.start_file(RUN, options)?;
-        zip.write_all(toml::to_string(self).map_err(wrong)?.as_bytes())?;
+        zip.write_all(toml::to_string(&self).map_err(wrong)?.as_bytes())?;
         for (component, state) in self.component.iter().zip(states) {
             zip.start_file(component.state.as_str(), options)?;
             zip.write_all(state)?;
@@ -173,15 +161,13 @@ impl Saved {
     /// # Errors
     /// It is not a saved run, or it contains impossible numbers.
     pub fn read(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
+        let found = FileType::expect(path, &[FileType::SAVED_RUN], "a saved run");
+        found.map_err(|error| Error::new(format!("{error} (--state writes one)")))?;
         Saved::read_archive(path).place(|| format!("saved run {}", path.display()))
     }
 
     fn read_archive(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
-        let zip = ZipArchive::new(BufReader::new(input::open(path)?)).map_err(Error::of("is none"))?;
-        let mut zip = sound(zip)?;
-        if zip.index_for_name(RUN).is_none() {
-            return Err(Error::new(format!("it contains no {RUN}, so it is not a saved run")));
-        }
+        let mut zip = sound(open_zip(path)?)?;
         let mut text = Vec::new();
         Allowance::new(LARGEST_RUN).copy(RUN, zip.by_name(RUN)?, &mut text)?;
         let text = String::from_utf8(text).map_err(|_| wrong("is not UTF-8 text"))?;
@@ -210,7 +196,7 @@ impl Saved {
     }
 
     fn parse(text: &str) -> Result<Saved> {
-        /// What every version has.
+        /// The part that every version has.
         #[derive(Deserialize)]
         struct Version {
             format: u32,
@@ -218,12 +204,13 @@ impl Saved {
             lemons: String,
         }
         let version: Version = toml::from_str(text).map_err(wrong)?;
-        if version.format != FORMAT {
+        if version.format != Saved::FORMAT {
             let Version { format, lemons } = version;
             let by = if lemons.is_empty() { String::new() } else { format!(" (lemons {})", quoted(&lemons)) };
             return Err(wrong(format!(
-                "format = {format}: this program knows format {FORMAT} only; continue the run with the program that \
-                 saved it{by}, or begin it again"
+                "format = {format}: this program knows format {} only; continue the run with the program that \
+                 saved it{by}, or begin it again",
+                Saved::FORMAT
             )));
         }
         let saved: Saved = toml::from_str(text).map_err(wrong)?;
@@ -233,19 +220,17 @@ impl Saved {
 
     fn check_numbers(&self) -> Result<(), (&'static str, String)> {
         let Saved { start, step, until, time, index, every, .. } = *self;
-        let wrong = |key, value: f64, must: &str| Err((key, format!("{value:?}: must be {must}")));
-        if !start.is_finite() {
-            return wrong("start", start, "finite");
-        }
-        if !(step > 0.0 && step.is_finite()) {
-            return wrong("step", step, "positive and finite");
-        }
-        if !until.is_finite() {
-            return wrong("until", until, "finite");
-        }
         let (point, next) = (start + index as f64 * step, start + (index as f64 + 1.0) * step);
-        if !(time >= point && time < next) {
-            return wrong("time", time, &format!("from {point:?} on and before {next:?}, at index {index}"));
+        let within = format!("from {point:?} on and before {next:?}, at index {index}");
+        for (key, value, is_right, must) in [
+            ("start", start, start.is_finite(), "finite"),
+            ("step", step, step > 0.0 && step.is_finite(), "positive and finite"),
+            ("until", until, until.is_finite(), "finite"),
+            ("time", time, time >= point && time < next, &within),
+        ] {
+            if !is_right {
+                return Err((key, format!("{value:?}: must be {must}")));
+            }
         }
         if every == 0 {
             return Err(("every", "0: must be positive".into()));
@@ -274,40 +259,31 @@ impl Saved {
     ///
     /// # Errors
     /// It is not; the message says why.
-    pub fn check(&self, components: &[[String; 3]], algorithm: &str, wiring: &str) -> Result<()> {
-        let there: Vec<&str> = self.component.iter().map(|component| component.name.as_str()).collect();
-        let here: Vec<&str> = components.iter().map(|[name, ..]| name.as_str()).collect();
+    pub fn check(&self, components: &[ComponentRecord], algorithm: Algorithm, wiring: &str) -> Result<()> {
+        let names = |all: &[ComponentRecord]| {
+            all.iter().map(|component| component.name.as_str()).collect::<Vec<_>>().join(", ")
+        };
+        let (there, here) = (names(&self.component), names(components));
         if there != here {
-            let (there, here) = (there.join(", "), here.join(", "));
             let why = format!("the saved run is of the components {there}; here are {here}");
             return Err(Error::new(why));
         }
-        for (there, [_, model, guid]) in self.component.iter().zip(components) {
-            if there.guid != *guid {
-                let ComponentRecord { name, model: saved, guid: other, .. } = there;
-                return Err(Error::new(format!(
-                    "component {name:?}: the saved run is of {saved:?} with the GUID {other}; here is {model:?} with {guid}"
-                )));
-            }
+        if let Some((there, here)) = self.component.iter().zip(components).find(|(a, b)| a.guid != b.guid) {
+            let ComponentRecord { name, model, guid, .. } = there;
+            return Err(Error::new(format!(
+                "component {name:?}: the saved run is of {model:?} with the GUID {guid}; here is {:?} with {}",
+                here.model, here.guid
+            )));
         }
-        if self.algorithm != algorithm {
-            return Err(Error::Algorithm { there: self.algorithm.clone(), here: algorithm.to_owned() });
+        if self.algorithm != algorithm.to_string() {
+            let there = &self.algorithm;
+            return Err(Error::new(format!("--algorithm: the saved run has {there}, not {algorithm}")));
         }
         if self.wiring != wiring {
             let why = "the components are connected otherwise than in the saved run";
             return Err(Error::new(why.to_owned()));
         }
         Ok(())
-    }
-
-    /// As [`Saved::check`], of a system.
-    pub(crate) fn check_system(&self, system: &System) -> Result<()> {
-        let of = |component: &Component| {
-            let description = &component.fmu.description;
-            [component.name.clone(), description.model_name.clone(), description.guid.clone()]
-        };
-        let components: Vec<_> = system.components().iter().map(of).collect();
-        self.check(&components, &system.algorithm().to_string(), &wiring_of(system))
     }
 }
 

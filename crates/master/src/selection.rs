@@ -1,32 +1,32 @@
 //! Single values that are read or set together.
 //!
-//! An FMU 2.0 has a value for each reference. An FMU 3.0 has arrays, which are read and set whole, by one call for all of
+//! An FMU 2.0 has a value for each type and reference. An FMU 3.0 has arrays, which are read and set whole, by one call for all of
 //! one type: which of their elements are meant is found out once, not at each communication point.
 
 use crate::error::{Error, Result};
-use crate::ssp::{Address, Fmi, Interface, Native};
+use crate::ssp::{Address, Fmi, Interface, Type};
 use std::collections::HashMap;
 
 /// Single values of an instance that are read or set together, in an order.
 #[derive(Debug, Clone, Default)]
 pub struct Selection {
-    /// One for each type of FMI 3.0.
+    /// One for each type.
     parts: Vec<Part>,
     count: usize,
 }
 
-/// What one call reads or sets.
+/// The values that one call reads or sets.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Part {
-    pub(crate) of: Native,
+    pub(crate) of: Type,
     pub(crate) references: Vec<u32>,
     /// The number of values of the call.
     length: usize,
     /// From the selected values to their places among those of the call; `None` if they are the same.
     places: Option<Vec<Place>>,
-    /// Whether each value of the call is a selected one.
+    /// True if each value of the call is a selected one.
     whole: bool,
-    /// Whether an array is among the variables.
+    /// True if an array is among the variables.
     arrays: bool,
 }
 
@@ -38,7 +38,7 @@ struct Place {
 }
 
 impl Selection {
-    /// Of values by their addresses.
+    /// Makes the selection of values by their addresses.
     ///
     /// # Errors
     /// The FMU has no such value.
@@ -46,20 +46,19 @@ impl Selection {
         let count = addresses.len();
         let mut parts: Vec<Part> = Vec::new();
         let mut places: Vec<Vec<Place>> = Vec::new();
-        // Where the values of an array begin, in which part.
-        let mut begins: HashMap<u32, (usize, usize)> = HashMap::new();
-        for (selected, &Address { reference, element }) in (0..).zip(addresses) {
-            let known = begins.get(&reference).copied();
-            let (at, begin) = match known {
-                Some(known) => known,
+        // Where the values of a variable begin, in which part.
+        let mut begins: HashMap<(Type, u32), (usize, usize)> = HashMap::new();
+        for (selected, &Address { of, reference, element }) in (0..).zip(addresses) {
+            let (at, begin) = match begins.get(&(of, reference)) {
+                Some(known) => *known,
                 None => {
-                    // In FMI 2.0 several variables may have one reference, and each is a single value.
-                    let (of, values, array) = if interface.fmi == Fmi::V2 {
-                        (Native::Float64, 1, false)
+                    // In FMI 2.0 each variable is a single value.
+                    let (values, array) = if interface.fmi == Fmi::V2 {
+                        (1, false)
                     } else {
                         let variable = interface.referenced(reference);
                         let variable = variable.ok_or_else(|| no_reference(reference))?;
-                        (variable.native, variable.count(), variable.is_array())
+                        (variable.count(), variable.is_array())
                     };
                     let at = parts.iter().position(|part| part.of == of).unwrap_or_else(|| {
                         parts.push(Part { of, ..Part::default() });
@@ -71,9 +70,7 @@ impl Selection {
                     part.references.push(reference);
                     part.length += values;
                     part.arrays |= array;
-                    if interface.fmi == Fmi::V3 {
-                        begins.insert(reference, (at, begin));
-                    }
+                    begins.insert((of, reference), (at, begin));
                     (at, begin)
                 }
             };
@@ -94,17 +91,17 @@ impl Selection {
         Ok(Selection { parts, count })
     }
 
-    /// The number of values.
+    /// Returns the number of values.
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// Whether there are none.
+    /// Returns whether there are none.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Whether an array is among the variables.
+    /// Returns whether an array is among the variables.
     pub(crate) fn has_arrays(&self) -> bool {
         self.parts.iter().any(|part| part.arrays)
     }

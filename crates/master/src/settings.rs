@@ -1,15 +1,16 @@
-//! What is run, and how.
+//! Settings of a run.
 
 use crate::decider::PlanChoice;
-use crate::prepare_error::{PrepareError, Warning};
+use crate::error::{Error, Place, Result};
+use crate::notes;
 use crate::saved::Saved;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
-use lemons_core::trial::DriveChoice;
+use lemons_core::trial::{DriveChoice, DriveTable};
 use lemons_sim::{Algorithm, Clock};
 use std::path::PathBuf;
 
-/// What is run, and how: all that somebody has to say of a run. See [`Prepared::of`](crate::Prepared::of).
-#[derive(Debug, Clone)]
+/// Settings of a run: all that somebody has to say of a run. See [`Prepared::of`](crate::Prepared::of).
+#[derive(Debug, Clone, Default)]
 pub struct Settings {
     /// A Trial (its directory, or a zip of it), an FMU, or an SSP (by its extension).
     pub input: PathBuf,
@@ -18,9 +19,9 @@ pub struct Settings {
     pub parameters: Vec<(String, String)>,
     /// The number of threads of the crowd; not for an SSP, where it is a parameter of each component.
     pub threads: Option<i32>,
-    /// The tolerance of the experiment, positive and finite: each FMU gets it, and makes of it what it can. A crowd takes it
-    /// as the accuracy \[m\] for which it chooses its mechanical step. Default: that of an FMU's own DefaultExperiment,
-    /// else none.
+    /// The tolerance of the experiment, positive and finite; not for a saved run, which contains its mechanical step. Each FMU
+    /// gets it, and makes of it what it can. A crowd takes it as the accuracy \[m\] for which it chooses its mechanical step.
+    /// Default: that of an FMU's own DefaultExperiment, else none.
     pub tolerance: Option<f64>,
     /// \[s\] The communication step, finite and greater than 0. Default: the Trial's TimeStep; of several components, the smallest.
     pub step: Option<f64>,
@@ -29,7 +30,7 @@ pub struct Settings {
     /// One communication point in so many is recorded, beginning with the first: at least 1. Default: that of the saved
     /// run, or 1.
     pub every: Option<u64>,
-    /// Who is pushed when; in an SSP, connections feed the inputs instead.
+    /// The drive: who is pushed when; in an SSP, connections feed the inputs instead.
     pub drive: DriveChoice,
     /// Where a Trial's people walk: then the input is coupled like an SSP of the components `decision` and `crowd`.
     pub plan: PlanChoice,
@@ -37,81 +38,85 @@ pub struct Settings {
     pub algorithm: Algorithm,
     /// A saved run, which goes on. It contains the parameters and the number of threads.
     pub resume: Option<PathBuf>,
-    /// Whether the run is to be saved: then each FMU must be able to save its state.
+    /// True if the run is to be saved: then each FMU must be able to save its state.
     pub saves: bool,
 }
 
 impl Settings {
-    /// With the default of everything else.
+    /// Makes settings with the default of everything else.
     pub fn of(input: impl Into<PathBuf>) -> Settings {
-        Settings {
-            input: input.into(),
-            parameters: Vec::new(),
-            threads: None,
-            tolerance: None,
-            step: None,
-            until: None,
-            every: None,
-            drive: DriveChoice::Own,
-            plan: PlanChoice::Own,
-            algorithm: Algorithm::default(),
-            resume: None,
-            saves: false,
-        }
-    }
-    /// Checks that nothing is set that a saved run contains, and that points are recorded.
-    ///
-    /// # Errors
-    /// The first setting that cannot be.
-    pub fn check(&self) -> Result<(), PrepareError> {
-        match (&self.resume, self.tolerance, self.parameters.first(), self.threads) {
-            _ if self.every == Some(0) => Err(PrepareError::Every),
-            (None, ..) | (Some(_), None, None, None) => Ok(()),
-            (Some(_), Some(tolerance), ..) => Err(PrepareError::Tolerance(tolerance)),
-            (Some(_), None, Some((name, value)), _) => {
-                Err(PrepareError::Parameter { name: name.clone(), value: value.clone() })
-            }
-            (Some(_), None, None, Some(threads)) => Err(PrepareError::Threads(threads)),
-        }
+        Settings { input: input.into(), ..Settings::default() }
     }
 
-    /// Returns the end \[s\] of a run that begins at a time \[s\], or goes on.
+    /// Reads the saved run that goes on, with the states of its components.
     ///
     /// # Errors
-    /// It is not after the beginning.
-    pub fn until_of(
+    /// It is none, or something is set that it contains.
+    pub fn saved(&self) -> Result<Option<(Saved, Vec<Vec<u8>>)>> {
+        let Some(path) = &self.resume else { return Ok(None) };
+        let contained = match (self.parameters.first(), self.threads) {
+            (None, None) => return Saved::read(path).map(Some),
+            (Some((name, value)), _) => format!("{name}={value}"),
+            (None, Some(threads)) => format!("{threads} threads"),
+        };
+        let why = "the saved run contains its parameters, and they cannot be changed";
+        Err(Error::Misused(format!("--resume: {contained}: {why}")))
+    }
+
+    /// Returns the communication points of a run, the number of them for one that is recorded, and warnings. It begins
+    /// at `start`, or goes on; `stop` and `step` count if neither the settings nor the saved run say others. All in
+    /// seconds.
+    ///
+    /// # Errors
+    /// The end is not after the beginning, nothing says how long a step is, or the saved run went otherwise.
+    pub fn points(
         &self,
         before: Option<&Saved>,
         start: f64,
-        stop: Option<f64>,
-    ) -> Result<f64, PrepareError> {
+        [stop, step]: [Option<f64>; 2],
+        drive: &DriveTable,
+    ) -> Result<(Clock, u64, Vec<String>)> {
         let until = self.until.or(before.map(|before| before.until)).or(stop).unwrap_or(DEFAULT_STOP_TIME);
-        let first = before.map_or(start, |before| before.time);
+        let (is, first) =
+            before.map_or(("it starts at", start), |before| ("the saved run is at", before.time));
         if until <= first {
-            return Err(PrepareError::Nothing { first, until, resumed: before.is_some() });
+            let why = format!("{is} {first:?} s and stops at {until:?} s (--until)");
+            return Err(Error::new(format!("nothing to simulate: {why}")));
         }
-        Ok(until)
-    }
-
-    /// Returns communication step \[s\] and recorded points of a saved run, which goes on as it went before.
-    ///
-    /// # Errors
-    /// Others are set.
-    pub fn same_points(&self, before: &Saved) -> Result<(f64, u64), PrepareError> {
-        if let Some(step) = self.step.filter(|step| *step != before.step) {
-            return Err(PrepareError::OtherStep { step, saved: before.step });
+        let step = self.step.or(before.map(|before| before.step)).or(step);
+        let step =
+            step.ok_or_else(|| Error::new("no FMU has a DefaultExperiment with a stepSize: give --step"))?;
+        let every = self.every.or(before.map(|before| before.every)).unwrap_or(1);
+        if let Some(before) = before {
+            let other = if drive.fingerprint() != before.drive {
+                "the saved run had another drive: give the same drive file as before, or --no-drive as before"
+                    .to_owned()
+            } else if step != before.step {
+                let saved = format!("the saved run has a communication step of {:?} s", before.step);
+                format!("--step: a communication step of {step:?} s: {saved}")
+            } else if every != before.every {
+                let saved = before.every;
+                format!("--every: one communication point in {every}: the saved run has one in {saved}")
+            } else {
+                String::new()
+            };
+            if !other.is_empty() {
+                return Err(Error::new(other));
+            }
         }
-        if let Some(every) = self.every.filter(|every| *every != before.every) {
-            return Err(PrepareError::OtherEvery { every, saved: before.every });
-        }
-        Ok((before.step, before.every))
-    }
-
-    /// Returns a warning of a run that goes on from, or is saved, between two communication points.
-    pub fn between(&self, before: Option<&Saved>, clock: &Clock) -> Option<Warning> {
+        let clock = Clock::new(start, step, until).place(|| self.input.display().to_string())?;
+        let missed = drive.missed(start, step);
+        let missed =
+            missed.map(|rows| format!("warning: drive: {}", notes::missed(&rows, "TimeStep, --step")));
         let begun = before.map(|before| (before.time, before.index));
         let saved = self.saves.then_some((clock.until, clock.steps));
         let between = begun.into_iter().chain(saved).find(|(time, index)| *time != clock.point(*index));
-        between.map(|(time, _)| Warning::Between { time, step: clock.step })
+        let between = between.map(|(time, _)| {
+            format!(
+                "warning: t = {time:?} s is between two communication points ({step:?} s apart): a run that goes on \
+                 from there has one more, so its results are not those of a run without interruption (--until, --step)"
+            )
+        });
+        Ok((clock, every, missed.into_iter().chain(between).collect()))
     }
 }

@@ -21,11 +21,13 @@ mod unit;
 mod write;
 
 pub use allowance::Allowance;
-pub use archive::{Archive, sound, write_archive};
+pub use archive::{Archive, write_archive};
+pub(crate) use archive::{ZipFile, open_zip, sound};
 pub use connect::{Connected, Participant, connect};
 pub use document::{
-    Component, Connection, Connector, Extent, Kind, Native, Parameter, ParameterSet, Port, STRUCTURE_FILE,
+    Component, Connection, Connector, Extent, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE,
     SystemStructure, Type, located,
 };
 pub use interface::{Address, CoSimulation, Dimension, Fmi, Interface, Single, Variable};
+pub(crate) use interface::{place_of, written};
 pub use unit::{Affine, Unit, conversion};

@@ -10,15 +10,17 @@
 //! Initial values: while all components are in initialization mode, outputs are read and inputs are set as many times as
 //! there are components, or until nothing changes. The longest chain without a loop then has its values.
 
-use crate::channel::{Exchange, Wire, channel_of, channels};
+use crate::channel::{Channel, Wire};
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::instance::Instance;
-use crate::prepare_error::Warning;
-use crate::ssp::{Single, Type};
+use crate::notes;
+use crate::saved::ComponentRecord;
+use crate::ssp::{Address, Single, Type};
 use lemons_core::trial::Trial;
+use lemons_fmi::fingerprint;
 use lemons_sim::Algorithm;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
 
 /// The parameter of a crowd that says whether it plays the drive that is packed in it.
@@ -35,7 +37,7 @@ pub struct Component {
 }
 
 impl Component {
-    /// The Trial that it runs; `None` if its FMU contains none. The instance must be initialized.
+    /// Reads the Trial that it runs; `None` if its FMU contains none. The instance must be initialized.
     ///
     /// # Errors
     /// The FMU does not say which one, or it cannot be read.
@@ -49,71 +51,70 @@ impl Component {
 
 /// Components and the connections between them.
 pub struct System {
-    components: Vec<Component>,
-    algorithm: Algorithm,
-    channels: [Box<dyn Exchange>; 4],
-    connections: usize,
+    /// In the order of the file.
+    pub components: Vec<Component>,
+    /// In which order components exchange values and step.
+    pub algorithm: Algorithm,
+    numbers: Channel<f64>,
+    texts: Channel<String>,
+    wiring: Wiring,
+    /// The inputs with a connection, by component.
+    fed: HashSet<(usize, Address)>,
+    /// \[s\] The last communication point.
+    pub time: f64,
+}
+
+/// The connections of a system.
+#[derive(Default)]
+pub(crate) struct Wiring {
+    /// Those of single values, by type.
+    pub(crate) wires: Vec<Wire>,
+    /// Number of the connections of the SSP.
+    pub(crate) connections: usize,
     /// Components of which the first feeds inputs of the second that have the names of its outputs.
-    alike: BTreeSet<(usize, usize)>,
-    time: f64,
+    pub(crate) alike: BTreeSet<(usize, usize)>,
 }
 
 impl System {
-    /// A system of a single FMU, whose results do not depend on the algorithm.
+    /// Makes a system of a single FMU, whose results do not depend on the algorithm.
     ///
     /// # Errors
     /// The FMU cannot be instantiated.
     pub fn of_one(name: &str, fmu: Arc<Fmu>, algorithm: Algorithm) -> Result<System> {
         let instance = fmu.instantiate(name)?;
-        Ok(System::new(vec![Component { name: name.to_owned(), fmu, instance }], algorithm))
+        System::new(vec![Component { name: name.to_owned(), fmu, instance }], algorithm, Wiring::default())
     }
 
-    pub(crate) fn new(components: Vec<Component>, algorithm: Algorithm) -> System {
-        let count = components.len();
-        System {
-            components,
-            algorithm,
-            channels: channels(count),
-            connections: 0,
-            alike: BTreeSet::new(),
-            time: 0.0,
-        }
-    }
-
-    /// Adds connections by the places of their channels; each is one of so many lines of the SSP. `alike` are the pairs
-    /// of components with one between equal names.
+    /// Connects components.
     ///
     /// # Errors
     /// An FMU has no such values.
-    pub(crate) fn connect(
-        &mut self,
-        wires: &[Vec<Wire>; 4],
-        connections: usize,
-        alike: BTreeSet<(usize, usize)>,
-    ) -> Result<()> {
-        let instances: Vec<&Instance> = self.components.iter().map(|component| &component.instance).collect();
-        for (channel, wires) in self.channels.iter_mut().zip(wires) {
-            channel.connect(wires, &instances)?;
-        }
-        self.connections += connections;
-        self.alike = alike;
-        Ok(())
+    pub(crate) fn new(components: Vec<Component>, algorithm: Algorithm, wiring: Wiring) -> Result<System> {
+        let (texts, numbers): (Vec<&Wire>, Vec<&Wire>) =
+            wiring.wires.iter().partition(|wire| wire.from.1.of == Type::String);
+        let numbers = Channel::new(numbers.into_iter(), &components)?;
+        let texts = Channel::new(texts.into_iter(), &components)?;
+        let fed = wiring.wires.iter().map(|wire| wire.to).collect();
+        Ok(System { components, algorithm, numbers, texts, wiring, fed, time: 0.0 })
     }
 
-    /// Parameters of the same people that differ between connected components, one warning for each name.
+    /// Finds parameters of the same people that differ between connected components, one warning for each name.
     ///
     /// # Errors
     /// A component refuses to tell them.
-    pub(crate) fn differing(&self) -> Result<Vec<Warning>> {
+    pub(crate) fn differing(&self) -> Result<Vec<String>> {
         let mut warnings = Vec::new();
         // Each pair once, whichever feeds the other.
-        let pairs = self.alike.iter().filter(|(a, b)| a < b || !self.alike.contains(&(*b, *a)));
+        let pairs = self.wiring.alike.iter().filter(|(a, b)| a < b || !self.wiring.alike.contains(&(*b, *a)));
         for (a, b) in pairs.map(|(a, b)| (&self.components[*a], &self.components[*b])) {
             let same = |(name, single): &(String, Single)| {
                 let other = b.fmu.description.single(name);
-                let real = matches!(single.variable.of, Type::Real(_)) && name.starts_with("agent[");
-                real && single.is_parameter()
-                    && other.is_some_and(|it| it.is_parameter() && it.variable.of == single.variable.of)
+                let real = single.variable.of.class() == Type::Real && name.starts_with("agent[");
+                let alike = |other: Single| {
+                    let [a, b] = [single.variable, other.variable].map(|of| (of.of.class(), &of.unit));
+                    other.is_parameter() && a == b
+                };
+                real && single.is_parameter() && other.is_some_and(alike)
             };
             let names: Vec<String> = a.fmu.description.singles().filter(same).map(|(name, _)| name).collect();
             let values = |component: &Component| -> Result<Vec<f64>> {
@@ -125,46 +126,22 @@ impl System {
                 let quantity = names[k].split_once("].").map_or("", |(_, quantity)| quantity);
                 differing.entry(quantity).or_insert((k, 0)).1 += 1;
             }
-            warnings.extend(differing.into_values().map(|(k, people)| Warning::Differs {
-                name: names[k].clone(),
-                values: [(a.name.clone(), here[k]), (b.name.clone(), there[k])],
-                people,
+            warnings.extend(differing.into_values().map(|(k, people)| {
+                notes::differs(&names[k], [(&a.name, here[k]), (&b.name, there[k])], people)
             }));
         }
         Ok(warnings)
     }
 
-    /// In the order of the file.
-    pub fn components(&self) -> &[Component] {
-        &self.components
-    }
-
-    /// The place of the component, and the variable, for a name `component.variable`.
-    pub fn find<'a>(&self, name: &'a str) -> Option<(usize, &'a str)> {
-        component_of(&self.components, name)
-    }
-
-    /// Whether a connection feeds a variable of the component at this place.
+    /// Returns whether a connection feeds a variable of the component at this place.
     pub fn feeds(&self, place: usize, variable: &str) -> bool {
-        let component = &self.components[place];
-        let Some(single) = component.fmu.description.single(variable) else { return false };
-        let channel = channel_of(&single.variable.of).map(|place| &self.channels[place]);
-        channel.is_some_and(|channel| channel.feeds(place, single.address()))
+        let single = self.components[place].fmu.description.single(variable);
+        single.is_some_and(|single| self.fed.contains(&(place, single.address())))
     }
 
-    /// The algorithm: in which order components exchange values and step.
-    pub fn algorithm(&self) -> Algorithm {
-        self.algorithm
-    }
-
-    /// The number of connections.
+    /// Returns the number of connections.
     pub fn connections(&self) -> usize {
-        self.connections
-    }
-
-    /// \[s\] the last communication point
-    pub fn time(&self) -> f64 {
-        self.time
+        self.wiring.connections
     }
 
     /// Keeps crowds from playing the drives that are packed in them; before initialization. Crowds of earlier versions play
@@ -203,7 +180,7 @@ impl System {
         self.each(|system, c| system.read(c).map(drop))
     }
 
-    /// One communication step, to a time \[s\].
+    /// Makes one communication step, to a time \[s\].
     ///
     /// # Errors
     /// A component refuses the step or fails.
@@ -226,7 +203,7 @@ impl System {
         Ok(())
     }
 
-    /// The state of each component at the current communication point, as bytes.
+    /// Returns the state of each component at the current communication point, as bytes.
     ///
     /// # Errors
     /// A component refuses it.
@@ -254,10 +231,32 @@ impl System {
         self.each(|system, c| system.read(c).map(drop))
     }
 
-    /// The connections as text. Two texts are equal if and only if the same outputs feed the same inputs with the same
+    /// Returns the fingerprint of the connections: the same if the same outputs feed the same inputs with the same
     /// conversions.
-    pub fn wiring(&self) -> String {
-        self.channels.each_ref().map(|channel| channel.wiring()).join("\n")
+    pub fn fingerprint(&self) -> String {
+        let line =
+            |Wire { from, to, map }: &Wire| format!("{}.{} -> {}.{} {map:?}", from.0, from.1, to.0, to.1);
+        let of_type = |of: Type| {
+            let wires = self.wiring.wires.iter().filter(|wire| wire.from.1.of.class() == of);
+            let mut lines: Vec<String> = wires.map(line).collect();
+            lines.sort_unstable();
+            lines.join(" ")
+        };
+        let all = [Type::Real, Type::Integer, Type::Boolean, Type::String].map(of_type).join("\n");
+        format!("{:032x}", fingerprint(all.as_bytes()))
+    }
+
+    /// Returns what a saved run says of the components.
+    pub fn records(&self) -> Vec<ComponentRecord> {
+        let record = |component: &Component| ComponentRecord {
+            chosen: component.fmu.choices(),
+            ..ComponentRecord::new(
+                &component.name,
+                &component.fmu.description.model_name,
+                &component.fmu.description.guid,
+            )
+        };
+        self.components.iter().map(record).collect()
     }
 
     /// Terminates all components.
@@ -268,7 +267,7 @@ impl System {
         self.each(|system, c| system.components[c].instance.terminate())
     }
 
-    /// The warnings of the components since the last call.
+    /// Returns the warnings of the components since the last call.
     pub fn warnings(&self) -> Vec<String> {
         let all = self.components.iter().flat_map(|component| {
             let warnings = component.instance.warnings().into_iter();
@@ -296,24 +295,20 @@ impl System {
         Ok(())
     }
 
-    /// Reads the connected outputs of a component; whether one is new.
+    /// Reads the connected outputs of a component; returns whether one is new.
     fn read(&mut self, c: usize) -> Result<bool> {
-        let instance = &self.components[c].instance;
-        let mut news = false;
-        for channel in &mut self.channels {
-            news |= channel.read(c, instance)?;
-        }
-        Ok(news)
+        let component = &self.components[c];
+        Ok(self.numbers.read(c, component)? | self.texts.read(c, component)?)
     }
 
     /// Sets the connected inputs of a component.
     fn send(&mut self, c: usize) -> Result<()> {
-        let instance = &self.components[c].instance;
-        self.channels.iter_mut().try_for_each(|channel| channel.send(c, instance))
+        self.numbers.send(c, &self.components[c])?;
+        self.texts.send(c, &self.components[c])
     }
 }
 
-/// The component that a name `component.variable` leads to, and the variable's name: of several the longest.
+/// Returns the component that a name `component.variable` leads to, and the variable's name: of several the longest.
 pub(crate) fn component_of<'a>(components: &[Component], name: &'a str) -> Option<(usize, &'a str)> {
     let candidates = components.iter().enumerate().filter_map(|(place, component)| {
         let variable = name.strip_prefix(component.name.as_str())?.strip_prefix('.')?;

@@ -1,11 +1,11 @@
 //! A Trial as users give it: its directory, or a zip of that; and the FMU that it becomes.
 
 use crate::decider::{PlanChoice, plan_of};
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, scratch};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::unzip::unzip_trial;
-use crowd_mechanics::pack::{Binary, Check, Draw, Format, PackError, Package};
+use crowd_mechanics::pack::{Binary, Draw, Format, PackError, Package};
 use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
 use lemons_core::trial::{DriveChoice, DriveTable};
@@ -23,7 +23,7 @@ pub struct TrialInput {
 }
 
 impl TrialInput {
-    /// `None` where there is neither a directory nor the zip of a Trial: perhaps an FMU.
+    /// Finds a Trial; `None` where there is neither a directory nor the zip of a Trial: perhaps an FMU.
     ///
     /// # Errors
     /// The zip of a Trial cannot be unpacked.
@@ -35,17 +35,17 @@ impl TrialInput {
         if !path.is_file() {
             return Ok(None);
         }
-        let scratch = Scratch::new().map_err(Error::of("cannot make a temporary directory"))?;
-        let found = unzip_trial(path, scratch.path()).place(|| path.display().to_string())?;
-        Ok(found.map(|directory| TrialInput { path: given, directory, unpacked: Some(scratch) }))
+        let unpacked = scratch()?;
+        let found = unzip_trial(path, unpacked.path()).place(|| path.display().to_string())?;
+        Ok(found.map(|directory| TrialInput { path: given, directory, unpacked: Some(unpacked) }))
     }
 
-    /// For what takes nothing but Trials.
+    /// Opens what must be a Trial.
     ///
     /// # Errors
     /// There is something else, or the zip of a Trial cannot be unpacked.
     pub fn open(path: &Path) -> Result<TrialInput> {
-        FileType::expect(path, &[FileType::Trial, FileType::Archive], "a Trial directory or a zip of one")?;
+        FileType::expect(path, &[FileType::TRIAL, FileType::ARCHIVE], "a Trial directory or a zip of one")?;
         match TrialInput::find(path)? {
             Some(given) => Ok(given),
             // Why it cannot be read says the reader.
@@ -53,23 +53,23 @@ impl TrialInput {
         }
     }
 
-    /// As it was given.
+    /// Returns its path as it was given.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Where its files are.
+    /// Returns the directory of its files.
     pub fn directory(&self) -> &Path {
         &self.directory
     }
 
-    /// Its file that says where its people walk, if there is one: a link that leads nowhere, too, which is an error for
+    /// Returns its file that says where its people walk, if there is one: a link that leads nowhere, too, which is an error for
     /// whoever reads it, and must not mean that nobody walks.
     pub fn wishes(&self) -> Option<PathBuf> {
         Some(self.directory.join(DECISION_FILE)).filter(|path| path.symlink_metadata().is_ok())
     }
 
-    /// The Trial with its warnings.
+    /// Reads the Trial with its warnings.
     ///
     /// # Errors
     /// All that is wrong with it, and the warnings; files have the names that the user knows.
@@ -97,7 +97,7 @@ impl TrialInput {
         Ok((trial, self.renamed(&warnings)))
     }
 
-    /// The drive of the Trial that was read.
+    /// Reads the drive of the Trial that was read.
     ///
     /// # Errors
     /// All that is wrong with its `drive.csv`; the file has the name that the user knows.
@@ -105,7 +105,7 @@ impl TrialInput {
         DriveTable::of(Some(trial), &DriveChoice::Own).map_err(|problems| self.renamed(&problems))
     }
 
-    /// What the Trial is simulated with, with the file that says where people walk, as the user knows it.
+    /// Reads what the Trial is simulated with, and the file that says where people walk, as the user knows it.
     ///
     /// # Errors
     /// The Trial, its drive or its plan has errors: [`Error::Broken`] where these are files of the Trial.
@@ -131,7 +131,7 @@ impl TrialInput {
         Ok((documents, warnings, plan.map(|(_, known)| known)))
     }
 
-    /// A text in which the user's name for it replaces that of the place where it was unpacked.
+    /// Returns a text in which the user's name for it replaces that of the place where it was unpacked.
     pub fn under_its_name(&self, text: &str) -> String {
         match self.unpacked {
             Some(_) => text.replace(&*self.directory.to_string_lossy(), &self.path.to_string_lossy()),
@@ -139,7 +139,7 @@ impl TrialInput {
         }
     }
 
-    /// With the names of files within a zip instead of those where it was unpacked.
+    /// Returns problems with the names of files within a zip instead of those where it was unpacked.
     fn renamed(&self, problems: &Problems) -> Problems {
         let mut renamed = Problems::default();
         for problem in problems.iter() {
@@ -153,7 +153,7 @@ impl TrialInput {
     }
 }
 
-/// What a Trial, or the Trial that an FMU contains, is simulated with: as [`TrialInput::documents`]. The mechanics are those of
+/// Reads what a Trial, or the Trial that an FMU contains, is simulated with: as [`TrialInput::documents`]. The mechanics are those of
 /// this program, whichever has packed the FMU.
 ///
 /// # Errors
@@ -176,7 +176,7 @@ pub fn documents_of(
 }
 
 /// Packs Trials into an FMU, and returns their warnings; `picture` draws its `model.png`. A drive is read when it is
-/// used: with `drives`, it is checked before.
+/// used, and checked before.
 ///
 /// # Errors
 /// [`Error::Broken`] if a Trial has errors, with the names of files that the user knows; else [`PackError`].
@@ -185,7 +185,6 @@ pub fn pack(
     binaries: Vec<Binary>,
     format: Format,
     picture: Option<Draw>,
-    drives: bool,
     output: &Path,
 ) -> Result<Vec<String>> {
     let directories = trials.iter().map(|trial| trial.directory.clone()).collect();
@@ -193,8 +192,7 @@ pub fn pack(
         DriveTable::of(Some(trial), &DriveChoice::Own)
             .map_or_else(|problems| problems, |_| Problems::default())
     };
-    let check = drives.then_some(check as Check);
-    let package = Package { trials: directories, binaries, picture, check, format };
+    let package = Package { trials: directories, binaries, picture, check: Some(check), format };
     match package.write(output) {
         Ok(warnings) => {
             let known = |text: String| trials.iter().fold(text, |text, trial| trial.under_its_name(&text));

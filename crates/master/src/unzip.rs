@@ -1,16 +1,14 @@
 //! An `.fmu`, or a zip of a Trial -> its files in a directory.
 
 use crate::error::{Error, Place, Result};
-use crate::ssp::{Allowance, STRUCTURE_FILE, sound};
+use crate::ssp::{Allowance, STRUCTURE_FILE, ZipFile, open_zip, sound};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
-use lemons_core::files::{input, make_directories};
+use lemons_core::files::make_directories;
 use std::ffi::OsStr;
 use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use zip::ZipArchive;
 
-/// What makes an archive an FMU.
+/// The file that makes an archive an FMU.
 pub(crate) const DESCRIPTION_FILE: &str = "modelDescription.xml";
 
 /// Unpacks an FMU into a directory.
@@ -19,10 +17,10 @@ pub(crate) const DESCRIPTION_FILE: &str = "modelDescription.xml";
 /// No FMU, a broken one, one that leads outside of the directory, holds two files of one name, or is larger than the
 /// allowance.
 pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) -> Result<()> {
-    let zip = ZipArchive::new(BufReader::new(input::open(path)?))?;
+    let zip = open_zip(path)?;
     if zip.index_for_name(DESCRIPTION_FILE).is_none() {
         if zip.index_for_name(STRUCTURE_FILE).is_some() {
-            return Err(Error::IsSsp);
+            return Err(Error::new("this is an SSP archive: lemons run FILE.ssp"));
         }
         return Err(Error::new(format!("it contains no {DESCRIPTION_FILE}, so it is not an FMU")));
     }
@@ -61,7 +59,7 @@ fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) 
     if !path.is_file() {
         return Ok(None);
     }
-    let Ok(zip) = ZipArchive::new(BufReader::new(input::open(path)?)) else { return Ok(None) };
+    let Ok(zip) = open_zip(path) else { return Ok(None) };
     if [DESCRIPTION_FILE, STRUCTURE_FILE].iter().any(|file| zip.index_for_name(file).is_some()) {
         return Ok(None);
     }
@@ -101,7 +99,7 @@ fn with_slashes(name: &str) -> String {
 
 /// Unpacks the files that are wanted, by their names [`with_slashes`]; looks at all of them.
 fn extract(
-    zip: &mut ZipArchive<BufReader<File>>,
+    zip: &mut ZipFile,
     directory: &Path,
     allowance: &mut Allowance,
     wanted: impl Fn(&str) -> bool,
@@ -140,7 +138,7 @@ mod tests {
 
     const OPTIONS: fn() -> SimpleFileOptions = SimpleFileOptions::default;
 
-    /// What unpacking says of an archive as an FMU, and as the zip of a Trial: the content of a file, or the error.
+    /// Returns what unpacking says of an archive as an FMU, and as the zip of a Trial: the content of a file, or the error.
     fn said(fill: impl Fn(&mut ZipWriter<File>)) -> [String; 2] {
         [false, true].map(|trial| {
             let directory = TempDir::new().unwrap();
@@ -189,7 +187,7 @@ mod tests {
         let fmu = |files: &[&str]| said_of(files)[0].clone();
         assert_eq!(fmu(&[DESCRIPTION_FILE, "resources/a"]), "text");
         assert_eq!(fmu(&["x"]), "it contains no modelDescription.xml, so it is not an FMU");
-        assert_eq!(fmu(&[STRUCTURE_FILE]), "this is an SSP archive");
+        assert_eq!(fmu(&[STRUCTURE_FILE]), "this is an SSP archive: lemons run FILE.ssp");
         let trial = |files: &[&str]| said_of(files)[1].clone();
         assert_eq!(trial(&["T/Parameters.xml", "T/static/Agents.xml", "__MACOSX/T/._Agents.xml"]), "T: text");
         assert_eq!(trial(&["a/T/Parameters.xml"]), "T: text");

@@ -47,7 +47,7 @@ impl LoadedModel {
                 return Err(Error::Spec(format!("plan = true: {} has no decision.toml", path.display())));
             }
             Some(plan) if documents.drive.end().is_some() => {
-                warnings.push(lemons_master::Warning::DriveOfWalkers { plan }.to_string());
+                warnings.push(lemons_master::notes::drive_of_walkers(&plan));
             }
             _ => {}
         }

@@ -131,8 +131,7 @@ impl Spec {
     /// # Errors
     /// A sentence with the key and what is wrong.
     pub fn read(path: &Path) -> Result<Spec> {
-        FileType::expect(path, &[FileType::Text, FileType::Stream], "a sweep.toml (lemons sweep --help)")
-            .map_err(lemons_master::Error::from)?;
+        FileType::expect(path, &[FileType::TEXT, FileType::STREAM], "a sweep.toml (lemons sweep --help)")?;
         let text = input::read_text(path, input::LARGEST_SETTINGS)
             .place(|| format!("cannot read {}", path.display()))?;
         let directory = path.parent().unwrap_or(Path::new(""));

@@ -346,7 +346,6 @@ impl TrialArguments {
                 &[TrialInput::open(&directory)?],
                 binaries,
                 self.fmi.format(self.packing.naming()),
-                true,
                 file,
             );
             wrote("FMU", file, written.map(drop));

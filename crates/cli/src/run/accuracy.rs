@@ -19,7 +19,7 @@ pub type Chosen = Vec<(String, f64)>;
 pub struct Poses {
     /// Times \[s\], each with the poses of all agents.
     pub points: Vec<(f64, Vec<Pose>)>,
-    /// Of the agents.
+    /// Ids of the agents.
     pub ids: Vec<String>,
     /// \[m\] From the centre of mass to the rim, by agent; `None`: shapes are not known.
     pub rims: Option<Vec<f64>>,

@@ -1,34 +1,29 @@
-//! What a run steps: a Trial in memory, or FMUs.
+//! The model that a run steps: a Trial in memory, or FMUs.
 
+use super::outputs::OutputValues;
 use crate::version::BUILD;
 use anyhow::{Error, Result};
-use lemons_core::trial::Trial;
+use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::Plan;
 use lemons_master::{ComponentRecord, Saved, writers};
 use lemons_results::Frame;
 use lemons_results::columns::{Column, Groups};
-use lemons_sim::{Clock, Model};
-use std::path::PathBuf;
+use lemons_sim::{Algorithm, Clock, Model};
 
 /// A crowd whose frames a run records.
 pub struct CrowdInfo {
     /// Name of its component.
     pub component: String,
-    /// The same as a part of the name of a file.
-    pub file_name: String,
     pub ids: Vec<String>,
     /// Shapes, if they are known.
     pub trial: Option<Trial>,
     pub groups: Groups,
     pub columns: Vec<Column>,
-    /// What a table says of it.
+    /// The texts that a table has of it.
     pub about: Vec<(&'static str, String)>,
 }
 
-/// States of the components of a run, with what a saved run says of them.
-pub type States = (Vec<ComponentRecord>, Vec<Vec<u8>>);
-
-/// What a run steps.
+/// A model that a run steps.
 pub trait RunModel: Model<Error = Error> {
     /// \[s\] The last communication point.
     fn time(&self) -> f64;
@@ -39,18 +34,11 @@ pub trait RunModel: Model<Error = Error> {
     /// Values of variables of a crowd.
     fn values(&mut self, crowd: usize, names: &[String]) -> Result<Vec<f64>>;
 
-    /// Writes a row of what is not of a crowd, if there is such.
-    fn write_outputs(&mut self) -> Result<()> {
-        Ok(())
-    }
-
-    /// Puts the table of these rows in its place; returns the line of the summary.
-    fn finish_outputs(&mut self) -> Result<Option<String>> {
-        Ok(None)
-    }
+    /// The outputs of what is not a crowd.
+    fn outputs(&mut self) -> Result<OutputValues>;
 
     /// States at the last communication point.
-    fn states(&mut self) -> Result<States>;
+    fn states(&mut self) -> Result<Vec<Vec<u8>>>;
 
     /// Ends the run.
     fn terminate(&mut self) -> Result<()> {
@@ -65,24 +53,32 @@ pub trait RunModel: Model<Error = Error> {
 pub struct Prepared {
     pub model: Box<dyn RunModel>,
     pub crowds: Vec<CrowdInfo>,
+    /// Those of the outputs of what is not a crowd.
+    pub output_columns: Vec<Column>,
     /// Known plans of people who walk.
     pub plans: Vec<Plan>,
     /// Lines of the summary: what is coupled.
     pub coupling: Vec<String>,
     /// Mechanical steps \[s\], by the name of the parameter.
     pub mechanical_steps: Vec<(String, f64)>,
-    /// Directories into which crowds write XML files.
-    pub output_directories: Vec<PathBuf>,
+    /// Directories into which crowds write XML files, if not empty.
+    pub output_directories: Vec<String>,
     pub clock: Clock,
     /// \[s\] When the drive ends, if there is one.
     pub drive_end: Option<f64>,
-    /// What a saved run would say, but for components and crowds.
+    /// The record of a saved run, but for the crowds.
     pub record: Saved,
     pub before: Option<Saved>,
 }
 
-/// What a saved run would say at the first communication point, or where another one goes on.
-pub fn record_of(clock: &Clock, every: u64, before: Option<&Saved>) -> Saved {
+/// Makes the record of a saved run at the first communication point, or where another one goes on.
+pub fn record_of(
+    (clock, every): (&Clock, u64),
+    before: Option<&Saved>,
+    algorithm: Algorithm,
+    drive: &DriveTable,
+    component: Vec<ComponentRecord>,
+) -> Saved {
     Saved {
         format: Saved::FORMAT,
         lemons: writers(before.map_or("", |before| &before.lemons), &BUILD.whole()),
@@ -92,10 +88,10 @@ pub fn record_of(clock: &Clock, every: u64, before: Option<&Saved>) -> Saved {
         index: before.map_or(0, |before| before.index),
         time: before.map_or(clock.start, |before| before.time),
         every,
-        algorithm: String::new(),
+        algorithm: algorithm.to_string(),
         wiring: String::new(),
-        drive: String::new(),
-        component: Vec::new(),
+        drive: drive.fingerprint(),
+        component,
         crowd: Vec::new(),
     }
 }

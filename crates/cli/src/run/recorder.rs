@@ -1,4 +1,4 @@
-//! What a run records of a crowd: its table or frames in memory, its extremes.
+//! The record of a crowd in a run: its table or frames in memory, its extremes.
 
 use super::About;
 use super::accuracy::Poses;
@@ -25,25 +25,22 @@ enum Rows {
     Memory(Recorder),
 }
 
-/// What was recorded of a crowd.
+/// The record of a crowd.
 pub struct CrowdRecorder {
-    component: String,
-    ids: Vec<String>,
-    may_leave: bool,
-    of_step: bool,
+    crowd: CrowdInfo,
     rows: Rows,
     extremes: Extremes,
-    /// Of the steps since the last rows.
+    /// Exposure in the steps since the last rows.
     exposure: ExposureSum,
-    /// Whether the greatest peak was since then.
+    /// True if the greatest peak was since then.
     peak_passed: bool,
     /// If they are kept.
     poses: Option<Poses>,
-    /// Of the last communication point.
+    /// The last communication point.
     last: Frame,
 }
 
-/// What became of the records.
+/// The result of recording.
 #[derive(Default)]
 pub struct Recorded {
     /// Lines of the summary.
@@ -69,14 +66,15 @@ pub enum PointKind {
 
 impl CrowdRecorder {
     pub fn create(
-        crowd: &CrowdInfo,
+        crowd: CrowdInfo,
         to: Target,
         about: &About,
         before: Option<&Saved>,
         keeps_poses: bool,
     ) -> Result<CrowdRecorder> {
-        let (ids, component) = (crowd.ids.clone(), crowd.component.clone());
-        let record = before.and_then(|saved| saved.crowd.iter().find(|record| record.component == component));
+        let CrowdInfo { ids, component, groups, .. } = &crowd;
+        let record =
+            before.and_then(|saved| saved.crowd.iter().find(|record| record.component == *component));
         let (extremes, exposure) = match record {
             Some(record) => (record.extremes, record.since.clone()),
             None if before.is_some() => {
@@ -93,12 +91,8 @@ impl CrowdRecorder {
             Target::Table(place) => {
                 let lines = about.lines.iter().chain(&crowd.about).cloned().collect();
                 let content = Content { columns: crowd.columns.clone(), about: lines };
-                let writer = FrameWriter::new(
-                    results::begin(&place, &content, about.goes_on)?,
-                    ids.clone(),
-                    crowd.groups,
-                )?;
-                Rows::Table(Box::new(writer), place.path)
+                let table = results::begin(&place, &content, about.goes_on)?;
+                Rows::Table(Box::new(FrameWriter::new(table, ids.clone(), *groups)?), place.path)
             }
             Target::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),
         };
@@ -108,10 +102,7 @@ impl CrowdRecorder {
         let rims = crowd.trial.as_ref().map(|trial| trial.agents.iter().map(rim).collect());
         Ok(CrowdRecorder {
             poses: keeps_poses.then(|| Poses { ids: ids.clone(), rims, points: Vec::new() }),
-            may_leave: crowd.groups.active,
-            of_step: crowd.groups.of_step,
-            component,
-            ids,
+            crowd,
             rows,
             extremes,
             exposure,
@@ -154,37 +145,34 @@ impl CrowdRecorder {
         &self.last
     }
 
-    pub fn ids(&self) -> &[String] {
-        &self.ids
+    pub fn crowd(&self) -> &CrowdInfo {
+        &self.crowd
     }
 
-    pub fn may_leave(&self) -> bool {
-        self.may_leave
-    }
-
-    /// What a saved run keeps of it.
+    /// Returns what a saved run keeps of it.
     pub fn record(&self) -> CrowdRecord {
-        let (component, since) = (self.component.clone(), self.exposure.clone());
+        let (component, since) = (self.crowd.component.clone(), self.exposure.clone());
         CrowdRecord { component, extremes: self.extremes, since }
     }
 
     /// Puts the table in its place.
     pub fn finish(self) -> (Recorded, Result<()>) {
+        let CrowdInfo { ids, groups, .. } = self.crowd;
         let Extremes { largest_overlap, mean_squeeze, peak_squeeze } = self.extremes;
         let squeeze = |what: &str, Greatest { force, agent, time }: Greatest, when: &str| {
             let line = format!("{what:<18} {force:>10.1} N");
             if force > 0.0 {
-                format!("{line}   (squeeze of agent {}, {when} {time:.3} s)", self.ids[agent])
+                format!("{line}   (squeeze of agent {}, {when} {time:.3} s)", ids[agent])
             } else {
                 line
             }
         };
         let mut lines = Vec::new();
-        if self.may_leave {
-            let left = (0..self.ids.len()).filter(|agent| !self.last.is_there(*agent)).count();
-            lines.push(format!("left               {left:>10}     (of {} people)", self.ids.len()));
+        if groups.active {
+            let left = (0..ids.len()).filter(|agent| !self.last.is_there(*agent)).count();
+            lines.push(format!("left               {left:>10}     (of {} people)", ids.len()));
         }
-        if self.of_step {
+        if groups.of_step {
             lines.push(format!("largest overlap    {:>10.3} mm", 1e3 * largest_overlap));
             lines.push(squeeze("greatest step mean", mean_squeeze, "step to"));
             lines.push(squeeze("greatest peak", peak_squeeze, "step to"));
@@ -205,7 +193,7 @@ impl CrowdRecorder {
                     done.is_ok().then(|| format!("trajectories       {}{}", path.display(), large(&path))),
                 );
             }
-            Rows::Memory(recorder) => match recorder.finish(Path::new(""), self.ids) {
+            Rows::Memory(recorder) => match recorder.finish(Path::new(""), ids) {
                 Ok(made) => run = Some(made),
                 Err(error) => done = Err(error.into()),
             },

@@ -49,7 +49,7 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
     let directory = TempDir::new().unwrap();
     let crowd = directory.path().join("crowd.fmu");
     let given = TrialInput::open(&scene.directory).unwrap();
-    lemons_master::pack(&[given], vec![own_binary().unwrap()], format, None, true, &crowd).unwrap();
+    lemons_master::pack(&[given], vec![own_binary().unwrap()], format, None, &crowd).unwrap();
     let input = match &scene.documents.plan {
         None => crowd,
         Some(plan) => coupled(directory.path(), plan, format, crowd),
@@ -59,15 +59,15 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
     let mut run = Prepared::of(&settings).unwrap();
     let agents = scene.documents.trial.agents.len();
     let see = |run: &Prepared| -> Result<Vec<[u64; 6]>, Error> {
-        let crowd = run.system.components().iter().find(|component| component.name == "crowd").unwrap();
+        let crowd = run.system.components.iter().find(|component| component.name == "crowd").unwrap();
         let quantities = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"];
         let of = |i: usize| quantities.map(|quantity| format!("agent[{i}].{quantity}"));
         let selection = crowd.instance.select((0..agents).flat_map(of))?;
         let active = crowd.instance.select((0..agents).map(|i| format!("agent[{i}].Active")))?;
         let values: Vec<f64> = crowd.instance.values(&selection)?;
-        let there: Vec<bool> = crowd.instance.values(&active)?;
+        let there: Vec<f64> = crowd.instance.values(&active)?;
         let mut rows: Vec<[f64; 6]> = values.as_chunks().0.to_vec();
-        let left = rows.iter_mut().zip(&there).filter(|(_, there)| !**there);
+        let left = rows.iter_mut().zip(&there).filter(|(_, there)| **there == 0.0);
         left.for_each(|(row, _)| row[..2].fill(f64::NAN));
         Ok(rows.into_iter().map(|row| row.map(f64::to_bits)).collect())
     };

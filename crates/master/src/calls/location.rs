@@ -1,16 +1,16 @@
 //! Where an FMU finds its resources: as an URI in FMI 2.0, as a path in FMI 3.0.
 
 use super::c_text;
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_encode};
 use std::ffi::CString;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
 fn absolute(directory: &Path) -> Result<PathBuf> {
-    std::path::absolute(directory).map_err(Error::of(directory.display().to_string()))
+    std::path::absolute(directory).place(|| directory.display().to_string())
 }
 
-/// What stands for itself in the path of an URI.
+/// Characters that stand for themselves in the path of an URI.
 const ENCODED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~').remove(b'/');
 
 /// `file:///…/`, as FMI 2.0 wants it.
@@ -20,7 +20,7 @@ pub(super) fn file_uri(directory: &Path) -> Result<CString> {
     c_text(&uri, || uri.clone())
 }
 
-/// Of an absolute path.
+/// Returns the URI of an absolute path.
 fn uri_of(path: &[u8], windows: bool) -> String {
     let encoded = |path: &[u8]| {
         let text = percent_encode(path, ENCODED).to_string();

@@ -1,7 +1,7 @@
-//! What FMUs call to tell something.
+//! Functions that FMUs call to tell something.
 
-use super::Answer;
 use crate::messages::Messages;
+use crate::ssp::Fmi;
 use lemons_fmi::Status;
 use lemons_fmi::v2::CallbackFunctions;
 use std::ffi::{CStr, c_char, c_int, c_void};
@@ -9,14 +9,14 @@ use std::ptr::null;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// What `lemons_logger` gets as its environment.
+/// The environment of `lemons_logger`.
 #[repr(C)]
 struct Listener {
     hear: unsafe extern "C" fn(*const Listener, c_int, *const c_char),
     messages: Arc<Messages>,
 }
 
-/// What FMUs keep pointers to.
+/// Callbacks and their environment, to which FMUs keep pointers.
 pub(super) struct Logger {
     callbacks: Rc<CallbackFunctions>,
     listener: Rc<Listener>,
@@ -64,9 +64,8 @@ unsafe extern "C" {
 unsafe extern "C" fn hear(listener: *const Listener, status: c_int, text: *const c_char) {
     // SAFETY: as said above; only `lemons_logger` calls this.
     let (listener, text) = unsafe { (&*listener, CStr::from_ptr(text)) };
-    let status = Answer { code: status, call: "fmi2CallbackLogger" }.status();
     // A number sign in a message is doubled (FMI 2.0.5, section 2.1.5).
-    listener.messages.hear(status, &text.to_string_lossy().replace("##", "#"));
+    listener.messages.hear(Fmi::V2.status(status), &text.to_string_lossy().replace("##", "#"));
 }
 
 /// `fmi3LogMessageCallback`: a message is a text, without arguments.
@@ -84,9 +83,10 @@ pub(super) unsafe extern "C" fn log_3(
     }
     // SAFETY: as said above, and not NULL.
     let (listener, text) = unsafe { (&*environment.cast::<Listener>(), CStr::from_ptr(message)) };
-    let status = Answer { code: status, call: "fmi3LogMessageCallback" }.status();
     let text = text.to_bytes();
-    listener.messages.hear(status, &String::from_utf8_lossy(&text[..text.len().min(LONGEST)]));
+    listener
+        .messages
+        .hear(Fmi::V3.status(status), &String::from_utf8_lossy(&text[..text.len().min(LONGEST)]));
 }
 
 /// \[byte\] Of a message; the rest is cut off.
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
     use std::ptr::null_mut;
 
-    /// What is heard when an FMU tells something.
+    /// Returns what is heard when an FMU tells something.
     fn heard(tell: impl FnOnce(*mut c_void)) -> Arc<Messages> {
         let messages = Arc::<Messages>::default();
         tell(Logger::new(messages.clone(), false).environment());

@@ -1,6 +1,6 @@
 //! How much may be unpacked.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 use std::io::{self, Read, Write};
 
 /// How much archives may still unpack to: a small one can hold a lot of zeros, and the sizes that it declares
@@ -46,7 +46,7 @@ impl Allowance {
     pub fn copy(&mut self, name: &str, entry: impl Read, to: &mut impl Write) -> Result<()> {
         // One byte more tells too large from just fitting.
         let mut entry = entry.take(self.left.saturating_add(1));
-        let copied = io::copy(&mut entry, to).map_err(Error::of(name))?;
+        let copied = io::copy(&mut entry, to).place(|| name.to_owned())?;
         let most = self.limit as f64 / 1e6;
         let large = || Error::new(format!("{name}: is refused: more than {most} MB to unpack in all"));
         self.left = self.left.checked_sub(copied).ok_or_else(large)?;

@@ -14,9 +14,17 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
+/// A zip on a disk.
+pub(crate) type ZipFile = ZipArchive<BufReader<File>>;
+
+/// Opens a zip; [`sound`] looks at its entries.
+pub(crate) fn open_zip(path: &Path) -> Result<ZipFile> {
+    Ok(ZipArchive::new(BufReader::new(input::open(path)?))?)
+}
+
 /// An archive that is being read.
 pub struct Archive {
-    zip: ZipArchive<BufReader<File>>,
+    zip: ZipFile,
 }
 
 impl Archive {
@@ -25,12 +33,12 @@ impl Archive {
     /// # Errors
     /// No archive there, or one with too many entries, with an entry that leads outside, or with two of one name.
     pub fn open(path: &Path) -> Result<Archive> {
-        let zip = ZipArchive::new(BufReader::new(input::open(path)?))?;
+        let zip = open_zip(path)?;
         Allowance::new(0).entries(zip.len())?;
         Ok(Archive { zip: sound(zip)? })
     }
 
-    /// The default structure, with the parameter files that it names.
+    /// Reads the default structure, with the parameter files that it names.
     ///
     /// # Errors
     /// There is none, it is broken, or it holds what is not served.
@@ -66,14 +74,14 @@ impl Archive {
     }
 }
 
-/// Of the name of an entry of an archive: absolute, with a drive, or with a step upwards.
+/// Returns whether the name of an entry leads outside: absolute, with a drive, or with a step upwards.
 fn leads_outside(name: &str) -> bool {
     let drive = name.as_bytes().get(1) == Some(&b':');
     drive || name.starts_with(['/', '\\']) || name.split(['/', '\\']).any(|part| part == "..")
 }
 
-/// An archive whose entries all lie inside of it, and have different names on every system: `A` and `./a` are one name.
-/// Of two entries with one name, programs read one or the other.
+/// Checks that the entries of an archive all lie inside of it, and have different names on every system: `A` and `./a` are one name.
+/// Programs read, of two entries with one name, one or the other.
 ///
 /// # Errors
 /// An entry leads outside, or two have one name; the text says which.
@@ -95,7 +103,7 @@ pub fn sound<R: Read + Seek>(zip: ZipArchive<R>) -> Result<ZipArchive<R>> {
     Ok(zip)
 }
 
-/// A name as a system without upper and lower case understands it.
+/// Returns a name as a system without upper and lower case understands it.
 fn plain(name: &str) -> String {
     let parts = name.split(['/', '\\']).filter(|part| !matches!(*part, "" | "."));
     parts.map(str::to_lowercase).collect::<Vec<_>>().join("/")
@@ -142,7 +150,7 @@ mod tests {
         done.map_or_else(|error| error.to_string(), |zip| zip.len().to_string())
     }
 
-    /// Of two entries with one name the last was taken, without a word.
+    /// The last of two entries with one name was taken, without a word.
     #[test]
     fn two_entries_of_one_name_are_refused_by_name() {
         let twice = |name: &'static str| {

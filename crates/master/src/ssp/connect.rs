@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::ssp::document::{Component, Connection, Connector, Extent, Kind, Port, SystemStructure, Type};
-use crate::ssp::interface::{Dimension, Fmi, Interface, Variable};
+use crate::ssp::interface::{Dimension, Interface, Variable};
 use crate::ssp::unit::{Affine, Unit, conversion};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -16,31 +16,38 @@ pub struct Participant<'a> {
     pub interface: &'a Interface,
 }
 
-/// What came of connecting.
+/// The result of connecting.
 pub struct Connected {
     /// The whole.
     pub structure: SystemStructure,
-    /// What is connected by each of its connections: the name of a value, or of an array.
+    /// The names of its connections: that of a value, or of an array.
     pub names: Vec<String>,
-    /// Of each component the names of its inputs that nothing feeds.
+    /// The names of the inputs of each component that nothing feeds.
     pub unconnected: Vec<Vec<String>>,
 }
 
 /// The most mistakes of one kind that a message lists.
 const LISTED: usize = 5;
 
-/// A value of a participant: its variable by place, and which of the variable's values.
-#[derive(Clone, Copy, PartialEq)]
-struct End {
+/// A value of a participant.
+#[derive(Clone, Copy)]
+struct End<'a> {
     participant: usize,
-    variable: usize,
+    variable: &'a Variable,
     element: usize,
 }
 
-/// What is to be connected: single values, or arrays as a whole.
-struct Pair {
-    from: End,
-    to: End,
+impl<'a> End<'a> {
+    /// Returns whose variable it is of, and the name of that.
+    fn place(&self) -> (usize, &'a str) {
+        (self.participant, &self.variable.name)
+    }
+}
+
+/// Two ends to be connected: single values, or arrays as a whole.
+struct Pair<'a> {
+    from: End<'a>,
+    to: End<'a>,
     whole: bool,
     name: String,
 }
@@ -53,10 +60,10 @@ struct Pair {
 pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
     let mut outputs: HashMap<String, Vec<End>> = HashMap::new();
     for (participant, own) in participants.iter().enumerate() {
-        for (variable, output) in of_kind(own, Kind::Output) {
-            for element in 0..output.count() {
+        for variable in of_kind(own, Kind::Output) {
+            for element in 0..variable.count() {
                 let end = End { participant, variable, element };
-                outputs.entry(own.interface.name_of(output, element)).or_default().push(end);
+                outputs.entry(own.interface.name_of(variable, element)).or_default().push(end);
             }
         }
     }
@@ -65,22 +72,18 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
     let mut unconnected = Vec::new();
     for (participant, own) in participants.iter().enumerate() {
         let mut free = Vec::new();
-        for (variable, input) in of_kind(own, Kind::Input) {
+        for variable in of_kind(own, Kind::Input) {
             let mut of_input: Vec<Pair> = Vec::new();
-            for element in 0..input.count() {
-                let name = own.interface.name_of(input, element);
+            for element in 0..variable.count() {
+                let name = own.interface.name_of(variable, element);
                 let to = End { participant, variable, element };
                 match outputs.get(&name).map_or(&[][..], Vec::as_slice) {
                     [] => free.push(name),
                     [from] => {
-                        let source = &participants[from.participant];
-                        let output = &source.interface.variables[from.variable];
                         // Elements of an array agree alike.
-                        let last = of_input.last().map(|last| (last.from.participant, last.from.variable));
-                        if last != Some((from.participant, from.variable))
-                            && let Some(why) = disagreement(&name, (source, output), (own, input))
-                        {
-                            problems.push(why);
+                        if of_input.last().is_none_or(|last| last.from.place() != from.place()) {
+                            let source = (&participants[from.participant], from.variable);
+                            problems.extend(disagreement(&name, source, (own, variable)));
                         }
                         of_input.push(Pair { from: *from, to, whole: false, name });
                     }
@@ -90,7 +93,7 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
                     )),
                 }
             }
-            let array = as_array(participants, input, &of_input);
+            let array = as_array(variable, &of_input);
             pairs.extend(array.map_or(of_input, |whole| vec![whole]));
         }
         unconnected.push(free);
@@ -113,37 +116,35 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
     Ok(Connected { structure, names, unconnected })
 }
 
-/// All pairs of an input as one of whole arrays, if each of its elements is fed by the same one of an array.
-fn as_array(participants: &[Participant], input: &Variable, pairs: &[Pair]) -> Option<Pair> {
-    let first = pairs.first().filter(|_| input.is_array() && pairs.len() == input.count())?;
-    let output = &participants[first.from.participant].interface.variables[first.from.variable];
-    let sizes = |of: &Variable| of.dimensions.iter().map(|dimension| dimension.size).collect::<Vec<_>>();
-    let alike = pairs.iter().enumerate().all(|(element, pair)| pair.from == End { element, ..first.from });
-    let whole = output.is_array() && sizes(output) == sizes(input) && alike;
-    whole.then(|| Pair { from: first.from, to: first.to, whole: true, name: input.name.clone() })
+/// Returns all pairs of an input as one of whole arrays, if each of its elements is fed by the same one of an array.
+fn as_array<'a>(input: &Variable, pairs: &[Pair<'a>]) -> Option<Pair<'a>> {
+    let Pair { from, to, .. } =
+        *pairs.first().filter(|_| input.is_array() && pairs.len() == input.count())?;
+    let mut ends = pairs.iter().map(|pair| pair.from).enumerate();
+    let alike = ends.all(|(element, end)| end.element == element && end.place() == from.place());
+    let whole = from.variable.is_array() && from.variable.sizes() == input.sizes() && alike;
+    whole.then(|| Pair { from, to, whole: true, name: input.name.clone() })
 }
 
-/// The variables of a kind, with their places.
-fn of_kind<'a>(participant: &Participant<'a>, kind: Kind) -> impl Iterator<Item = (usize, &'a Variable)> {
-    let variables = participant.interface.variables.iter().enumerate();
-    variables.filter(move |(_, variable)| variable.kind == Some(kind))
+fn of_kind<'a>(participant: &Participant<'a>, kind: Kind) -> impl Iterator<Item = &'a Variable> {
+    participant.interface.variables.iter().filter(move |variable| variable.kind == Some(kind))
 }
 
-/// Why an output and an input of one name cannot be connected.
+/// Returns why an output and an input of one name cannot be connected.
 fn disagreement(
     name: &str,
     (source, output): (&Participant, &Variable),
     (target, input): (&Participant, &Variable),
 ) -> Option<String> {
     let (from, to) = (&source.name, &target.name);
-    if output.of.name() != input.of.name() {
-        let (a, b) = (output.of.name(), input.of.name());
+    if output.of.class() != input.of.class() {
+        let (a, b) = (output.of.class().name(), input.of.class().name());
         return Some(format!("{name}: the output of {from} is of type {a}, the input of {to} of type {b}"));
     }
-    if matches!(output.of, Type::Enumeration(_) | Type::Binary | Type::Clock) {
+    if matches!(output.of, Type::Enumeration | Type::Binary | Type::Clock) {
         return Some(format!("{name}: connections of type {} are not served", output.of.name()));
     }
-    let (a, b) = (output.of.unit(), input.of.unit());
+    let (a, b) = (output.unit.as_deref(), input.unit.as_deref());
     let defined = |participant: &Participant, unit: Option<&str>| {
         unit.and_then(|unit| participant.interface.unit(unit)).cloned()
     };
@@ -165,7 +166,7 @@ fn disagreement(
 fn summary(participant: &Participant) -> String {
     let line = |kind: Kind| {
         let interface = participant.interface;
-        let all = of_kind(participant, kind).flat_map(|(_, variable)| {
+        let all = of_kind(participant, kind).flat_map(|variable| {
             (0..variable.count()).map(move |element| interface.name_of(variable, element))
         });
         let names: Vec<String> = all.collect();
@@ -181,34 +182,32 @@ fn summary(participant: &Participant) -> String {
 
 fn assemble(name: &str, participants: &[Participant], pairs: &[Pair]) -> Result<SystemStructure> {
     let mut structure = SystemStructure { name: name.to_owned(), ..SystemStructure::default() };
-    let mut ports: HashMap<(usize, usize), Port> = HashMap::new();
-    let variable_of = |end: &End| &participants[end.participant].interface.variables[end.variable];
+    let mut places: HashMap<(usize, &str), usize> = HashMap::new();
     let ends = || pairs.iter().flat_map(|pair| [&pair.from, &pair.to]);
-    let mut used: HashSet<(usize, usize)> = ends().map(|end| (end.participant, end.variable)).collect();
+    let mut used: HashSet<(usize, &str)> = ends().map(End::place).collect();
     // SSP 1.0 has no arrays.
-    let arrays = ends().any(|end| variable_of(end).is_array());
+    let arrays = ends().any(|end| end.variable.is_array());
     for (place, participant) in participants.iter().enumerate() {
-        let variables = participant.interface.variables.iter().enumerate();
+        let variables = &participant.interface.variables;
         // Only inputs that are fed: FMPy 0.3.32 connects every other one to a wrong output. Outputs are there to be looked
         // at, where FMPy fails at Strings, and Enumerations need their items.
-        let shown = variables.filter(|(_, variable)| {
-            variable.kind == Some(Kind::Output)
-                && matches!(variable.of, Type::Real(_) | Type::Integer | Type::Boolean)
+        let shown = of_kind(participant, Kind::Output).filter(|variable| {
+            matches!(variable.of.class(), Type::Real | Type::Integer | Type::Boolean)
                 && (arrays || !variable.is_array())
         });
-        used.extend(shown.map(|(variable, _)| (place, variable)));
+        used.extend(shown.map(|variable| (place, variable.name.as_str())));
         // What says how large they are.
-        let sizes = participant.interface.variables.iter().enumerate();
-        let sizes: Vec<usize> = sizes
-            .filter(|(variable, _)| used.contains(&(place, *variable)))
-            .flat_map(|(_, variable)| variable.dimensions.iter().filter_map(|dimension| dimension.parameter))
-            .collect();
-        used.extend(sizes.into_iter().map(|variable| (place, variable)));
+        let own = variables.iter().filter(|variable| used.contains(&(place, variable.name.as_str())));
+        let dimensions = own.flat_map(|variable| &variable.dimensions);
+        let sizes =
+            dimensions.filter_map(|dimension| Some((place, variables[dimension.parameter?].name.as_str())));
+        used.extend(sizes.collect::<Vec<_>>());
         let mut connectors = Vec::new();
-        for (variable, own) in participant.interface.variables.iter().enumerate() {
-            if used.contains(&(place, variable)) {
-                ports.insert((place, variable), Port { component: place, connector: connectors.len() });
-                connectors.push(connector(participant, own, &mut structure.units)?);
+        for variable in variables {
+            let name = (place, variable.name.as_str());
+            if used.contains(&name) {
+                places.insert(name, connectors.len());
+                connectors.push(connector(participant, variable, &mut structure.units)?);
             }
         }
         structure.components.push(Component {
@@ -219,12 +218,14 @@ fn assemble(name: &str, participants: &[Participant], pairs: &[Pair]) -> Result<
         });
     }
     for Pair { from, to, whole, .. } in pairs {
-        let indices = |end| if *whole { Vec::new() } else { indices(variable_of(end), end.element) };
+        let port = |end: &End| Port {
+            component: end.participant,
+            connector: places[&end.place()],
+            indices: if *whole { Vec::new() } else { end.variable.indices(end.element) },
+        };
         structure.connections.push(Connection {
-            from: ports[&(from.participant, from.variable)],
-            to: ports[&(to.participant, to.variable)],
-            from_indices: indices(from),
-            to_indices: indices(to),
+            from: port(from),
+            to: port(to),
             transformation: None,
             suppress_unit_conversion: false,
             line: 0,
@@ -245,8 +246,8 @@ fn connector(
     variable: &Variable,
     units: &mut BTreeMap<String, Unit>,
 ) -> Result<Connector> {
-    let mut of = variable.of.clone();
-    if let Some(name) = of.unit() {
+    let mut unit = variable.unit.clone();
+    if let Some(name) = &variable.unit {
         match (participant.interface.unit(name), units.get(name)) {
             (Some(unit), Some(known)) if !unit.is_same(known) => {
                 let (of, by) = (&variable.name, &participant.name);
@@ -258,7 +259,7 @@ fn connector(
                 units.insert(name.to_owned(), unit.clone());
             }
             // SSP wants a definition of every unit that it names.
-            (None, _) => of = Type::Real(None),
+            (None, _) => unit = None,
         }
     }
     let kind = variable.kind.unwrap_or(Kind::Output);
@@ -268,18 +269,13 @@ fn connector(
         None => Extent::Size(dimension.size as u64),
     };
     let dimensions = variable.dimensions.iter().map(extent).collect();
-    let native = (interface.fmi == Fmi::V3).then_some(variable.native);
-    Ok(Connector { name: variable.name.clone(), kind, of: Some(of), native, dimensions, line: 0 })
-}
-
-/// The indices of an element of an array, from 1; none of a single value.
-fn indices(variable: &Variable, element: usize) -> Vec<u64> {
-    let mut rest = element;
-    let mut indices = Vec::with_capacity(variable.dimensions.len());
-    for dimension in variable.dimensions.iter().rev() {
-        indices.push((rest % dimension.size) as u64 + 1);
-        rest /= dimension.size;
-    }
-    indices.reverse();
-    indices
+    Ok(Connector {
+        name: variable.name.clone(),
+        kind,
+        of: Some(variable.of),
+        unit,
+        enumeration: variable.enumeration.clone(),
+        dimensions,
+        line: 0,
+    })
 }

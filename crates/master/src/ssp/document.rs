@@ -1,4 +1,4 @@
-//! What `SystemStructure.ssd` holds.
+//! The content of `SystemStructure.ssd`.
 
 use crate::ssp::unit::{Affine, Unit};
 use lemons_core::xml::{Problem, Severity};
@@ -11,13 +11,13 @@ pub const STRUCTURE_FILE: &str = "SystemStructure.ssd";
 /// fed twice.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SystemStructure {
-    /// Of the whole.
+    /// The name of the whole.
     pub name: String,
     /// In the order of the file, which is that of Gauss-Seidel.
     pub components: Vec<Component>,
     /// From outputs to inputs.
     pub connections: Vec<Connection>,
-    /// What connectors name, by name.
+    /// Units that connectors name, by name.
     pub units: BTreeMap<String, Unit>,
     /// \[s\] `DefaultExperiment`
     pub start: Option<f64>,
@@ -54,8 +54,10 @@ pub struct Connector {
     pub kind: Kind,
     /// The variable's type, if the file says it.
     pub of: Option<Type>,
-    /// The same in the words of SSP 2.0, if the file or the FMU says it.
-    pub native: Option<Native>,
+    /// A Real's, if it has one.
+    pub unit: Option<String>,
+    /// The name of an Enumeration's type.
+    pub enumeration: Option<String>,
     /// SSP 2.0: those of an array, from the outermost.
     pub dimensions: Vec<Extent>,
     /// In the file; 0 if there is none.
@@ -73,7 +75,7 @@ pub enum Extent {
     Unsaid,
 }
 
-/// What a connector is for.
+/// The purpose of a connector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)] // SSP's own names
 pub enum Kind {
@@ -96,58 +98,22 @@ impl Kind {
         ("inout", Kind::InOut),
     ];
 
-    /// As in the file.
+    /// Returns the name in the file.
     pub fn name(self) -> &'static str {
         Kind::NAMES.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
     }
 }
 
-/// The type of a variable or connector.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A type of variables: those of FMI 2.0 and of FMI 3.0, of which SSP takes both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[allow(missing_docs)] // FMI's own names
 pub enum Type {
-    /// With its unit, if it has one.
-    Real(Option<String>),
+    #[default]
+    Real,
     Integer,
     Boolean,
     String,
-    /// With its name.
-    Enumeration(String),
-    /// Not in FMI 2.0.
-    Binary,
-    /// Not in FMI 2.0.
-    Clock,
-}
-
-impl Type {
-    /// As in the file.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Type::Real(_) => "Real",
-            Type::Integer => "Integer",
-            Type::Boolean => "Boolean",
-            Type::String => "String",
-            Type::Enumeration(_) => "Enumeration",
-            Type::Binary => "Binary",
-            Type::Clock => "Clock",
-        }
-    }
-
-    /// A Real's.
-    pub fn unit(&self) -> Option<&str> {
-        match self {
-            Type::Real(unit) => unit.as_deref(),
-            _ => None,
-        }
-    }
-}
-
-/// The types of FMI 3.0. A Real of FMI 2.0 is a `Float64`, an Integer or an Enumeration an `Int32`; an Enumeration of FMI
-/// 3.0 is an `Int64`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-#[allow(missing_docs)] // FMI's own names
-pub enum Native {
-    #[default]
+    Enumeration,
     Float64,
     Float32,
     Int8,
@@ -158,61 +124,60 @@ pub enum Native {
     UInt32,
     Int64,
     UInt64,
-    Boolean,
-    String,
     Binary,
     Clock,
 }
 
-impl Native {
-    /// FMI's names.
-    pub const NAMES: [(&str, Native); 14] = [
-        ("Float64", Native::Float64),
-        ("Float32", Native::Float32),
-        ("Int8", Native::Int8),
-        ("UInt8", Native::UInt8),
-        ("Int16", Native::Int16),
-        ("UInt16", Native::UInt16),
-        ("Int32", Native::Int32),
-        ("UInt32", Native::UInt32),
-        ("Int64", Native::Int64),
-        ("UInt64", Native::UInt64),
-        ("Boolean", Native::Boolean),
-        ("String", Native::String),
-        ("Binary", Native::Binary),
-        ("Clock", Native::Clock),
+impl Type {
+    const NAMES: [(&str, Type); 17] = [
+        ("Real", Type::Real),
+        ("Integer", Type::Integer),
+        ("Boolean", Type::Boolean),
+        ("String", Type::String),
+        ("Enumeration", Type::Enumeration),
+        ("Float64", Type::Float64),
+        ("Float32", Type::Float32),
+        ("Int8", Type::Int8),
+        ("UInt8", Type::UInt8),
+        ("Int16", Type::Int16),
+        ("UInt16", Type::UInt16),
+        ("Int32", Type::Int32),
+        ("UInt32", Type::UInt32),
+        ("Int64", Type::Int64),
+        ("UInt64", Type::UInt64),
+        ("Binary", Type::Binary),
+        ("Clock", Type::Clock),
     ];
 
-    /// FMI's name.
+    /// Returns its name in FMI.
     pub fn name(self) -> &'static str {
-        Native::NAMES.iter().find(|(_, native)| *native == self).map_or("", |(name, _)| name)
+        Type::NAMES[self as usize].0
     }
 
-    /// The type with this name.
-    pub fn named(name: &str) -> Option<Native> {
-        Native::NAMES.iter().find(|(known, _)| *known == name).map(|(_, native)| *native)
+    /// Returns the type with this name.
+    pub fn named(name: &str) -> Option<Type> {
+        Type::NAMES.iter().find(|(known, _)| *known == name).map(|(_, of)| *of)
     }
 
-    /// What its values are, with a unit.
-    pub fn of(self, unit: Option<String>) -> Type {
+    /// Returns the type of FMI 2.0 with such values; a Binary and a Clock, which it has not, are what they are.
+    pub fn class(self) -> Type {
         match self {
-            Native::Float64 | Native::Float32 => Type::Real(unit),
-            Native::Boolean => Type::Boolean,
-            Native::String => Type::String,
-            Native::Binary => Type::Binary,
-            Native::Clock => Type::Clock,
-            _ => Type::Integer,
+            Type::Float64 | Type::Float32 => Type::Real,
+            of if (Type::Int8..=Type::UInt64).contains(&of) => Type::Integer,
+            of => of,
         }
     }
 }
 
-/// A connector by its places in the lists.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+/// An end of a connection.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Port {
-    /// In [`SystemStructure::components`].
+    /// Its place in [`SystemStructure::components`].
     pub component: usize,
-    /// In [`Component::connectors`].
+    /// Its place in [`Component::connectors`].
     pub connector: usize,
+    /// SSP 2.0: the element of an array, by indices from 1; empty for all of it.
+    pub indices: Vec<usize>,
 }
 
 /// From an output to an input.
@@ -222,10 +187,6 @@ pub struct Connection {
     pub from: Port,
     /// The input.
     pub to: Port,
-    /// SSP 2.0: the element of an output that is an array, by indices from 1; empty for all of it.
-    pub from_indices: Vec<u64>,
-    /// The same of the input.
-    pub to_indices: Vec<u64>,
     /// `LinearTransformation`, after the conversion to the unit of the input.
     pub transformation: Option<Affine>,
     /// `suppressUnitConversion`
@@ -239,7 +200,7 @@ pub struct Connection {
 pub struct ParameterSet {
     /// In the order of the file.
     pub parameters: Vec<Parameter>,
-    /// What its Reals name, by name.
+    /// Units that its Reals name, by name.
     pub units: BTreeMap<String, Unit>,
     /// The file that holds it.
     pub file: String,
@@ -250,34 +211,31 @@ pub struct ParameterSet {
 pub struct Parameter {
     /// The variable's, with the binding's prefix.
     pub name: String,
-    /// Its type; of a Real with the unit, if it has one.
+    /// Its type.
     pub of: Type,
-    /// What it is set to, checked: a value of this type.
+    /// A Real's, if it has one.
+    pub unit: Option<String>,
+    /// The value that it is set to, checked: a value of this type.
     pub text: String,
     /// In the file.
     pub line: u32,
 }
 
 impl SystemStructure {
-    /// Whether there are array connectors, which SSP 1.0 has not.
+    /// Returns whether there are array connectors, which SSP 1.0 has not.
     pub fn has_arrays(&self) -> bool {
         let mut connectors = self.components.iter().flat_map(|component| &component.connectors);
         connectors.any(|connector| !connector.dimensions.is_empty())
     }
 
-    /// A connector and its component.
-    pub fn port(&self, port: Port) -> (&Component, &Connector) {
+    /// Returns a connector and its component.
+    pub fn port(&self, port: &Port) -> (&Component, &Connector) {
         let component = &self.components[port.component];
         (component, &component.connectors[port.connector])
     }
-
-    /// A unit by name.
-    pub fn unit(&self, name: &str) -> Option<&Unit> {
-        self.units.get(name)
-    }
 }
 
-/// An error at a place of the structure: `SystemStructure.ssd:12: <Connector> name="x": …`
+/// Makes an error at a place of the structure: `SystemStructure.ssd:12: <Connector> name="x": …`
 pub fn located(
     line: u32,
     element: &str,

@@ -1,12 +1,15 @@
-//! What an FMU says of itself in its `modelDescription.xml`, of FMI 2.0 or 3.0: names, abilities, variables and units.
+//! The description of an FMU in its `modelDescription.xml`, of FMI 2.0 or 3.0: names, abilities, variables and units.
 
 mod elements;
 mod variables;
 
+pub(crate) use elements::{place_of, written};
+
 use crate::error::Result;
-use crate::ssp::document::{Kind, Native, Type};
+use crate::ssp::document::{Kind, Type};
 use crate::ssp::unit::Unit;
 use lemons_core::xml::{Document, Element};
+use lemons_fmi::Status;
 use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
@@ -24,7 +27,21 @@ pub enum Fmi {
     V3,
 }
 
-/// What an FMU says of itself.
+impl Fmi {
+    /// Returns what the names of its functions begin with.
+    pub fn prefix(self) -> &'static str {
+        if self == Fmi::V2 { "fmi2" } else { "fmi3" }
+    }
+
+    /// Returns the status with this number, if this version has it.
+    pub fn status(self, code: i32) -> Option<Status> {
+        use Status::{Discard, Error, Fatal, Ok, Pending, Warning};
+        let known = [Ok, Warning, Discard, Error, Fatal].into_iter();
+        known.chain((self == Fmi::V2).then_some(Pending)).find(|status| *status as i32 == code)
+    }
+}
+
+/// The description of an FMU.
 #[derive(Debug, Clone, Default)]
 pub struct Interface {
     /// `fmiVersion`
@@ -37,8 +54,6 @@ pub struct Interface {
     pub version: Option<String>,
     /// `None`: it is not for co-simulation.
     pub co_simulation: Option<CoSimulation>,
-    /// `modelIdentifier` of its `<ModelExchange>`
-    pub model_exchange: Option<String>,
     /// In the order of the file.
     pub variables: Vec<Variable>,
     /// By name, and by an FMI 3.0 `<Alias>`.
@@ -74,14 +89,16 @@ pub struct CoSimulation {
 pub struct Variable {
     /// As the FMU calls it.
     pub name: String,
-    /// Of the FMI functions.
+    /// The value reference.
     pub reference: u32,
     /// `None` for local and independent variables, and for what is known in Event Mode only.
     pub kind: Option<Kind>,
-    /// With its unit.
+    /// Its type.
     pub of: Type,
-    /// Its type in FMI 3.0, or the one that has the same values.
-    pub native: Native,
+    /// A Real's, if it has one.
+    pub unit: Option<String>,
+    /// The declared type of an Enumeration.
+    pub enumeration: Option<String>,
     /// From the outermost; none for a single value. Elements are in row-major order.
     pub dimensions: Vec<Dimension>,
     /// `start`: none, one for all elements, or one for each.
@@ -100,17 +117,34 @@ pub struct Dimension {
 }
 
 impl Variable {
-    /// The number of its values.
+    /// Returns the number of its values.
     pub fn count(&self) -> usize {
         self.dimensions.iter().map(|dimension| dimension.size).product()
     }
 
-    /// Whether it is an array, perhaps of one element.
+    /// Returns the sizes of its dimensions.
+    pub fn sizes(&self) -> Vec<usize> {
+        self.dimensions.iter().map(|dimension| dimension.size).collect()
+    }
+
+    /// Returns the indices of one of its elements, from 1; none of a single value.
+    pub fn indices(&self, element: usize) -> Vec<usize> {
+        let mut rest = element;
+        let mut indices: Vec<usize> = Vec::with_capacity(self.dimensions.len());
+        for dimension in self.dimensions.iter().rev() {
+            indices.push(rest % dimension.size.max(1) + 1);
+            rest /= dimension.size.max(1);
+        }
+        indices.reverse();
+        indices
+    }
+
+    /// Returns whether it is an array, perhaps of one element.
     pub fn is_array(&self) -> bool {
         !self.dimensions.is_empty()
     }
 
-    /// The start value of an element.
+    /// Returns the start value of an element.
     pub fn start_of(&self, element: usize) -> Option<&str> {
         let one_for_all = self.start.len() == 1;
         self.start.get(if one_for_all { 0 } else { element }).map(String::as_str)
@@ -120,28 +154,30 @@ impl Variable {
 /// A single value: a variable, or an element of an array.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Single<'a> {
-    /// Of which it is one.
+    /// The variable of which it is one.
     pub variable: &'a Variable,
     /// Among the values of the variable, from 0, in row-major order.
     pub element: usize,
 }
 
 impl Single<'_> {
-    /// Whether it is a parameter.
+    /// Returns whether it is a parameter.
     pub fn is_parameter(self) -> bool {
         self.variable.kind == Some(Kind::Parameter)
     }
 
-    /// Where the FMU has it.
+    /// Returns where the FMU has it.
     pub fn address(self) -> Address {
         let element = self.variable.is_array().then_some(self.element as u32);
-        Address { reference: self.variable.reference, element }
+        Address { of: self.variable.of, reference: self.variable.reference, element }
     }
 }
 
-/// Where an FMU has a single value.
+/// The place where an FMU has a single value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Address {
+    /// The type of the variable: in FMI 2.0 each has its own value references.
+    pub of: Type,
     /// The value reference of the variable.
     pub reference: u32,
     /// If the variable is an array: which element, from 0.
@@ -175,14 +211,13 @@ impl Interface {
             }
         };
         let token = if fmi == Fmi::V2 { "guid" } else { "instantiationToken" };
-        let exchange = root.child("ModelExchange").map(|element| element.text("modelIdentifier"));
+        root.child("ModelExchange").map(identifier).transpose()?;
         let mut interface = Interface {
             fmi,
             model_name: root.text("modelName")?.to_owned(),
             guid: root.text(token)?.to_owned(),
             version: root.optional("version").map(str::to_owned),
             co_simulation: root.child("CoSimulation").map(|own| read_co_simulation(own, fmi)).transpose()?,
-            model_exchange: exchange.transpose()?.map(str::to_owned),
             ..Interface::default()
         };
         if let Some(experiment) = root.child("DefaultExperiment") {
@@ -201,27 +236,19 @@ impl Interface {
         Ok(interface)
     }
 
-    /// A variable by name, whole.
+    /// Returns a variable by name, whole.
     pub fn variable(&self, name: &str) -> Option<&Variable> {
         self.places.get(name).map(|&place| &self.variables[place])
     }
 
-    /// A variable of FMI 3.0 by its value reference; in FMI 2.0 several may have one.
+    /// Returns a variable of FMI 3.0 by its value reference; in FMI 2.0 several may have one.
     pub fn referenced(&self, reference: u32) -> Option<&Variable> {
         self.references.get(&reference).map(|&place| &self.variables[place])
     }
 
-    /// The definition of a unit.
+    /// Returns the definition of a unit.
     pub fn unit(&self, name: &str) -> Option<&Unit> {
         self.units.get(name)
-    }
-
-    /// Adds a variable under its name.
-    fn add(&mut self, variable: Variable, element: Element) -> Result<()> {
-        let (place, reference) = (self.variables.len(), variable.reference);
-        self.add_name(&variable.name, place, reference, element)?;
-        self.variables.push(variable);
-        Ok(())
     }
 
     /// Adds a name of the variable at a place, with its value reference.
@@ -236,6 +263,26 @@ impl Interface {
     }
 }
 
+/// \[byte\] Of a modelIdentifier: with a platform's suffix it is the name of a file.
+const LONGEST_IDENTIFIER: usize = 200;
+
+/// Reads a modelIdentifier, which must be what FMI wants, an identifier of C: it is a part of the path of a library that is
+/// loaded.
+fn identifier(element: Element<'_>) -> Result<&str> {
+    let name = element.text("modelIdentifier")?;
+    if name.len() > LONGEST_IDENTIFIER {
+        let length = name.len();
+        let why = format!("modelIdentifier has {length} bytes: must have at most {LONGEST_IDENTIFIER}");
+        return Err(element.problem(why).into());
+    }
+    let letters = name.bytes().all(|byte| byte == b'_' || byte.is_ascii_alphanumeric());
+    if !letters || name.is_empty() || name.as_bytes()[0].is_ascii_digit() {
+        let why = "must be a name in C: letters from A to Z, digits and _, without a digit at the beginning";
+        return Err(element.wrong("modelIdentifier", why).into());
+    }
+    Ok(name)
+}
+
 fn read_co_simulation(element: Element, fmi: Fmi) -> Result<CoSimulation> {
     let flag = |name| lemons_core::xml::Result::Ok(element.boolean(name)?.unwrap_or(false));
     let [state, serialize] = match fmi {
@@ -243,7 +290,7 @@ fn read_co_simulation(element: Element, fmi: Fmi) -> Result<CoSimulation> {
         Fmi::V3 => ["canGetAndSetFMUState", "canSerializeFMUState"],
     };
     Ok(CoSimulation {
-        identifier: element.text("modelIdentifier")?.to_owned(),
+        identifier: identifier(element)?.to_owned(),
         cannot_use_memory_functions: fmi == Fmi::V3 || flag("canNotUseMemoryManagementFunctions")?,
         can_get_and_set_state: flag(state)?,
         can_serialize_state: flag(serialize)?,
@@ -258,74 +305,34 @@ mod tests {
     fn the_crowds_own_description_is_read() {
         let interface = Interface::read(include_bytes!("../../../../fmu/modelDescription.xml")).unwrap();
         let input = interface.variable("agent[2].Fp.x").unwrap();
-        assert_eq!((input.kind, &input.of), (Some(Kind::Input), &Type::Real(Some("N".into()))));
+        assert_eq!((input.kind, input.of, input.unit.as_deref()), (Some(Kind::Input), Type::Real, Some("N")));
         assert_eq!(interface.unit("N").unwrap().exponents, [1, 1, -2, 0, 0, 0, 0, 0]);
         assert_eq!(interface.variable("agent[2].AgentContacts").unwrap().of, Type::Integer);
         assert_eq!((interface.start, interface.stop, interface.step), (Some(0.0), Some(5.0), Some(0.05)));
         let own = interface.co_simulation.as_ref().unwrap();
         assert_eq!(own.identifier, "CrowdMechanics");
         assert!(own.can_get_and_set_state && own.can_serialize_state && own.cannot_use_memory_functions);
-        assert_eq!((interface.model_exchange.as_deref(), input.start_of(0)), (None, Some("0.0")));
+        assert_eq!(input.start_of(0), Some("0.0"));
         assert!(interface.guid.starts_with('{') && !interface.model_name.is_empty());
         assert!(input.description.as_ref().is_some_and(|text| !text.is_empty()));
     }
 
     #[test]
     fn what_makes_no_fmu_of_version_2_is_named() {
-        let said = |attributes: &str| {
+        for (attributes, why) in [
+            (
+                "fmiVersion=\"1.0\" modelName=\"m\"",
+                " fmiVersion=\"1.0\": must be 2.0 or 3.0: FMUs of other versions of FMI cannot be read",
+            ),
+            ("fmiVersion=\"3.0\" modelName=\"m\" guid=\"g\"", ": has no instantiationToken"),
+            ("modelName=\"m\" guid=\"g\"", ": has no fmiVersion"),
+            ("fmiVersion=\"2.0\" guid=\"g\"", ": has no modelName"),
+            ("fmiVersion=\"2.0\" modelName=\"m\"", ": has no guid"),
+        ] {
             let text = format!("<fmiModelDescription {attributes}><ModelVariables/></fmiModelDescription>");
-            Interface::read(text.as_bytes()).map_or_else(|error| error.to_string(), |_| "read".to_owned())
-        };
-        assert_eq!(said("fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\""), "read");
-        let place = "modelDescription.xml:1: <fmiModelDescription>";
-        assert_eq!(
-            said("fmiVersion=\"1.0\" modelName=\"m\""),
-            format!(
-                "{place} fmiVersion=\"1.0\": must be 2.0 or 3.0: FMUs of other versions of FMI cannot be read"
-            )
-        );
-        assert_eq!(
-            said("fmiVersion=\"3.0\" modelName=\"m\" guid=\"g\""),
-            format!("{place}: has no instantiationToken")
-        );
-        assert_eq!(said("modelName=\"m\" guid=\"g\""), format!("{place}: has no fmiVersion"));
-        assert_eq!(said("fmiVersion=\"2.0\" guid=\"g\""), format!("{place}: has no modelName"));
-        assert_eq!(said("fmiVersion=\"2.0\" modelName=\"m\""), format!("{place}: has no guid"));
-    }
-
-    fn said_of_variables(variables: &str) -> String {
-        let text = format!(
-            "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"><ModelVariables>\n{variables}\n\
-             </ModelVariables></fmiModelDescription>"
-        );
-        Interface::read(text.as_bytes()).map_or_else(|error| error.to_string(), |_| "read".to_owned())
-    }
-
-    /// `--set` went to the last one.
-    #[test]
-    fn two_variables_of_one_name_are_refused_with_their_references() {
-        let variable = |name: &str, reference: u32| {
-            format!(
-                "<ScalarVariable name=\"{name}\" valueReference=\"{reference}\"><Real/></ScalarVariable>\n"
-            )
-        };
-        assert_eq!(said_of_variables(&(variable("a", 3) + &variable("b", 3))), "read");
-        let said = said_of_variables(&(variable("a", 3) + &variable("b", 4) + &variable("a", 5)));
-        let expected = "modelDescription.xml:4: <ScalarVariable> name=\"a\": two variables have this name, with the value \
-                        references 3 and 5";
-        assert_eq!(said, expected);
-    }
-
-    #[test]
-    fn a_start_value_that_is_no_number_is_refused() {
-        let start = |start: &str| {
-            said_of_variables(&format!(
-                "<ScalarVariable name=\"a\" valueReference=\"1\"><Real start=\"{start}\"/></ScalarVariable>"
-            ))
-        };
-        assert_eq!(start("1e3"), "read");
-        let expected = "modelDescription.xml:2: <Real> start=\"NaN\": of the variable \"a\" is not a number";
-        assert_eq!(start("NaN"), expected);
+            let said = Interface::read(text.as_bytes()).unwrap_err().to_string();
+            assert_eq!(said, format!("modelDescription.xml:1: <fmiModelDescription>{why}"));
+        }
     }
 
     #[test]
@@ -337,7 +344,7 @@ mod tests {
             </ModelVariables></fmiModelDescription>"#;
         let interface = Interface::read(text).unwrap();
         let variable = interface.variable("f").unwrap();
-        assert_eq!((variable.kind, variable.of.unit(), variable.reference), (None, Some("N"), 7));
+        assert_eq!((variable.kind, variable.unit.as_deref(), variable.reference), (None, Some("N"), 7));
         let broken = String::from_utf8_lossy(text).replace("\"7\"", "\"-7\"");
         let said = Interface::read(broken.as_bytes()).unwrap_err().to_string();
         assert!(said.contains("modelDescription.xml:4: <ScalarVariable> valueReference=\"-7\""), "{said}");

@@ -2,13 +2,12 @@
 
 use crate::error::Result;
 use crate::ssp::document::{
-    Component, Connection, Connector, Extent, Kind, Native, Parameter, ParameterSet, Port, STRUCTURE_FILE,
+    Component, Connection, Connector, Extent, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE,
     SystemStructure, Type,
 };
 use crate::ssp::unit::{Affine, Unit};
 use lemons_core::xml::{Document, Element};
-use std::collections::hash_map::Entry;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
 const FMU_TYPE: &str = "application/x-fmu-sharedlibrary";
@@ -61,7 +60,7 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
     for element in system.child("Connections").into_iter().flat_map(|list| list.children("Connection")) {
         let Some(connection) = read_connection(element, &structure, &names, &outside)? else { continue };
         if let Some(first) = fed.add(&connection) {
-            let (component, connector) = structure.port(connection.to);
+            let (component, connector) = structure.port(&connection.to);
             return Err(element
                 .problem(format!(
                     "feeds the input {:?} of {:?}, which line {first} feeds already",
@@ -78,25 +77,20 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
 #[derive(Default)]
 struct Fed {
     /// The first line that feeds a connector or a part of it.
-    connectors: HashMap<Port, u32>,
-    /// Elements of arrays.
-    elements: HashMap<(Port, Vec<u64>), u32>,
+    connectors: HashMap<(usize, usize), u32>,
+    /// Whole connectors, and elements of arrays.
+    ports: HashMap<Port, u32>,
 }
 
 impl Fed {
-    /// The line that feeds the same input already.
-    fn add(&mut self, connection: &Connection) -> Option<u32> {
-        let (port, indices) = (connection.to, &connection.to_indices);
-        let whole = self.elements.get(&(port, Vec::new())).copied();
-        let same = self.elements.insert((port, indices.clone()), connection.line);
-        let any = match self.connectors.entry(port) {
-            Entry::Vacant(first) => {
-                first.insert(connection.line);
-                None
-            }
-            Entry::Occupied(first) => Some(*first.get()),
-        };
-        same.or(whole).or(if indices.is_empty() { any } else { None })
+    /// Adds a connection; returns the line that feeds the same input already.
+    fn add(&mut self, Connection { to, line, .. }: &Connection) -> Option<u32> {
+        let whole = self.ports.get(&Port { indices: Vec::new(), ..*to }).copied();
+        let same = self.ports.insert(to.clone(), *line);
+        let connector = (to.component, to.connector);
+        let first = self.connectors.get(&connector).copied();
+        self.connectors.entry(connector).or_insert(*line);
+        same.or(whole).or(first.filter(|_| to.indices.is_empty()))
     }
 }
 
@@ -139,22 +133,24 @@ fn read_component(element: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>
 
 /// The connectors of a component or of the system.
 fn read_connectors(owner: Element) -> Result<Vec<Connector>> {
-    let mut names = HashMap::new();
+    let mut names = HashSet::new();
     let list = owner.child("Connectors").into_iter().flat_map(|list| list.children("Connector"));
     list.map(|element| {
         let name = element.text("name")?;
-        match names.entry(name) {
-            Entry::Vacant(place) => place.insert(()),
-            Entry::Occupied(_) => return Err(element.wrong("name", "two connectors have this name").into()),
-        };
+        if !names.insert(name) {
+            return Err(element.wrong("name", "two connectors have this name").into());
+        }
         let kind = element.text("kind")?;
-        let (of, native) = read_type(element)?;
+        let typed = read_type(element)?;
+        let of = typed.map(|(of, _)| of);
+        let attribute = |name: &str| typed.and_then(|(_, typed)| typed.optional(name)).map(str::to_owned);
         let kind = Kind::NAMES.iter().find(|(name, _)| *name == kind).map(|(_, kind)| *kind);
         Ok(Connector {
             name: name.to_owned(),
             kind: kind.ok_or_else(|| element.wrong("kind", "is not a kind of connector"))?,
             of,
-            native,
+            unit: attribute("unit").filter(|_| of.is_some_and(|of| of.class() == Type::Real)),
+            enumeration: attribute("name").filter(|_| of == Some(Type::Enumeration)),
             dimensions: element.children("Dimension").map(read_dimension).collect::<Result<_>>()?,
             line: element.line(),
         })
@@ -162,24 +158,18 @@ fn read_connectors(owner: Element) -> Result<Vec<Connector>> {
     .collect()
 }
 
-/// What a connector's values are, and the name of that in SSP 2.0 if the file has it.
-fn read_type(connector: Element) -> Result<(Option<Type>, Option<Native>)> {
-    for element in connector.elements() {
-        let unit = || element.optional("unit").map(str::to_owned);
-        let of = match element.name() {
-            "ConnectorGeometry" | "Annotations" | "Dimension" => continue,
-            "Real" => Type::Real(unit()),
-            "Integer" => Type::Integer,
-            "Enumeration" => Type::Enumeration(element.text("name")?.to_owned()),
-            "Clock" => return Err(element.problem("is not served: clocks are not").into()),
-            name => match Native::named(name) {
-                Some(native) => return Ok((Some(native.of(unit())), Some(native))),
-                None => return Err(element.problem("is not a type of SSP").into()),
-            },
-        };
-        return Ok((Some(of), None));
+/// The type of a connector's values, and the element that says it.
+fn read_type(connector: Element) -> Result<Option<(Type, Element)>> {
+    let others = ["ConnectorGeometry", "Annotations", "Dimension"];
+    let Some(element) = connector.elements().find(|element| !others.contains(&element.name())) else {
+        return Ok(None);
+    };
+    match Type::named(element.name()) {
+        Some(Type::Clock) => Err(element.problem("is not served: clocks are not").into()),
+        Some(Type::Enumeration) => Ok(element.text("name").map(|_| Some((Type::Enumeration, element)))?),
+        Some(of) => Ok(Some((of, element))),
+        None => Err(element.problem("is not a type of SSP").into()),
     }
-    Ok((None, None))
 }
 
 fn read_dimension(element: Element) -> Result<Extent> {
@@ -192,14 +182,6 @@ fn read_dimension(element: Element) -> Result<Extent> {
     })
 }
 
-/// The indices of an element of an array connector, from 1; empty for all of it.
-fn read_indices(element: Element, attribute: &str) -> Result<Vec<u64>> {
-    let indices = element.optional(attribute).unwrap_or_default().split_whitespace();
-    let index = |text: &str| text.parse().ok().filter(|index| *index > 0);
-    let indices = indices.map(index).collect::<Option<Vec<u64>>>();
-    Ok(indices.ok_or_else(|| element.wrong(attribute, "must be a list of whole numbers from 1 on"))?)
-}
-
 /// `None` for what leads to an output of the system: nobody is outside to see it.
 fn read_connection(
     element: Element,
@@ -207,12 +189,11 @@ fn read_connection(
     names: &Names,
     outside: &HashMap<&str, Kind>,
 ) -> Result<Option<Connection>> {
-    let start = read_end(element, "startElement", "startConnector", names)?;
-    let end = read_end(element, "endElement", "endConnector", names)?;
+    let [start, end] = [read_end(element, "start", names)?, read_end(element, "end", names)?];
     let (start, end) = match (start, end) {
         (Some(start), Some(end)) => (start, end),
-        (Some(_), None) | (None, Some(_)) => {
-            let attribute = if start.is_none() { "startConnector" } else { "endConnector" };
+        (one @ Some(_), None) | (one @ None, Some(_)) => {
+            let attribute = if one.is_none() { "startConnector" } else { "endConnector" };
             let name = element.text(attribute)?;
             let kind = outside.get(name);
             let kind = kind.ok_or_else(|| element.wrong(attribute, "the system has no such connector"))?;
@@ -228,21 +209,14 @@ fn read_connection(
         }
     };
     // Start and end say nothing about the direction, the connectors' kinds do.
-    let kind = |port| structure.port(port).1.kind;
-    let (start_indices, end_indices) =
-        (read_indices(element, "startIndices")?, read_indices(element, "endIndices")?);
-    let (from, to, from_indices, to_indices) = match (kind(start), kind(end)) {
-        (Kind::Output, Kind::Input) => (start, end, start_indices, end_indices),
-        (Kind::Input, Kind::Output) => (end, start, end_indices, start_indices),
+    let [one, other] = [&start, &end].map(|port| structure.port(port).1);
+    let (from, to) = match (one.kind, other.kind) {
+        (Kind::Output, Kind::Input) => (start, end),
+        (Kind::Input, Kind::Output) => (end, start),
         (a, b) => {
-            let text = format!(
-                "connects {} {:?} with {} {:?}: only an output and an input are served",
-                a.name(),
-                structure.port(start).1.name,
-                b.name(),
-                structure.port(end).1.name
-            );
-            return Err(element.problem(text).into());
+            let ends = format!("{} {:?} with {} {:?}", a.name(), one.name, b.name(), other.name);
+            let why = format!("connects {ends}: only an output and an input are served");
+            return Err(element.problem(why).into());
         }
     };
     let mut transformation = None;
@@ -261,23 +235,27 @@ fn read_connection(
     Ok(Some(Connection {
         from,
         to,
-        from_indices,
-        to_indices,
         transformation,
         suppress_unit_conversion: element.boolean("suppressUnitConversion")?.unwrap_or(false),
         line: element.line(),
     }))
 }
 
-/// One end of a connection; `None` for a connector of the system itself.
-fn read_end(element: Element, owner: &str, connector: &str, names: &Names) -> Result<Option<Port>> {
-    let name = element.text(connector)?;
-    let Some(owner_name) = element.optional(owner) else { return Ok(None) };
+/// One end of a connection, `start` or `end`; `None` for a connector of the system itself.
+fn read_end(element: Element, end: &str, names: &Names) -> Result<Option<Port>> {
+    let [owner, connector, indices] = ["Element", "Connector", "Indices"].map(|of| format!("{end}{of}"));
+    let name = element.text(&connector)?;
+    let Some(owner_name) = element.optional(&owner) else { return Ok(None) };
     let component = names.components.get(owner_name).copied();
-    let component = component.ok_or_else(|| element.wrong(owner, "there is no such component"))?;
+    let component = component.ok_or_else(|| element.wrong(&owner, "there is no such component"))?;
     let place = names.connectors[component].get(name).copied();
-    let missing = || element.wrong(connector, format!("component {owner_name:?} has no such connector"));
-    Ok(Some(Port { component, connector: place.ok_or_else(missing)? }))
+    let missing = || element.wrong(&connector, format!("component {owner_name:?} has no such connector"));
+    let place = place.ok_or_else(missing)?;
+    // The indices of an element of an array connector, from 1; empty for all of it.
+    let all = element.optional(&indices).unwrap_or_default().split_whitespace();
+    let all = all.map(|text| text.parse().ok().filter(|index| *index > 0)).collect::<Option<Vec<usize>>>();
+    let all = all.ok_or_else(|| element.wrong(&indices, "must be a list of whole numbers from 1 on"))?;
+    Ok(Some(Port { component, connector: place, indices: all }))
 }
 
 /// By name; of two with one name the first.
@@ -344,23 +322,20 @@ fn read_parameters(set: Element, prefix: &str) -> Result<ParameterSet> {
         if let Some(dimension) = element.child("Dimension") {
             return Err(dimension.problem("is not served: set the elements by their names").into());
         }
-        let unit = || typed.optional("unit").map(str::to_owned);
-        let of = match (Native::named(typed.name()), typed.name()) {
-            (Some(native), _) => native.of(unit()),
-            (None, "Real") => Type::Real(unit()),
-            (None, "Integer") => Type::Integer,
-            _ => return Err(typed.problem("is not served as a parameter's type").into()),
-        };
-        let text = typed.optional("value").ok_or_else(|| typed.problem("has no value"))?;
-        match of {
-            Type::Real(_) => typed.number("value").map(drop)?,
+        let served =
+            |of: &Type| [Type::Real, Type::Integer, Type::Boolean, Type::String].contains(&of.class());
+        let of = Type::named(typed.name()).filter(served);
+        let of = of.ok_or_else(|| typed.problem("is not served as a parameter's type"))?;
+        let text = typed.optional("value").ok_or_else(|| typed.problem("has no value"))?.to_owned();
+        match of.class() {
+            Type::Real => typed.number("value").map(drop)?,
             Type::Integer => typed.parsed::<i32>("value", "a whole number").map(drop)?,
             Type::Boolean => typed.boolean("value").map(drop)?,
-            Type::String => {}
-            _ => return Err(typed.problem("is not served as a parameter's type").into()),
+            _ => {}
         }
+        let unit = typed.optional("unit").filter(|_| of.class() == Type::Real).map(str::to_owned);
         let name = format!("{prefix}{}", element.text("name")?);
-        Ok(Parameter { name, of, text: text.to_owned(), line: element.line() })
+        Ok(Parameter { name, of, unit, text, line: element.line() })
     });
     Ok(ParameterSet {
         parameters: parameters.collect::<Result<_>>()?,

@@ -1,9 +1,9 @@
 //! Units and the conversion between them.
 
-/// What a value undergoes on its way: `factor * value + offset`.
+/// A change of a value on its way: `factor * value + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Affine {
-    /// Of the unit after per unit before.
+    /// In the unit after per unit before.
     pub factor: f64,
     /// In the unit after.
     pub offset: f64,
@@ -13,13 +13,13 @@ impl Affine {
     /// Leaves every value as it is, to the last bit.
     pub const IDENTITY: Affine = Affine { factor: 1.0, offset: 0.0 };
 
-    /// The value afterwards.
+    /// Returns the value afterwards.
     pub fn apply(self, value: f64) -> f64 {
         // −0 + 0 is +0: the identity must not touch it.
         if self == Affine::IDENTITY { value } else { self.factor * value + self.offset }
     }
 
-    /// This one first, then the other.
+    /// Returns this one first, then the other.
     pub fn then(self, next: Affine) -> Affine {
         Affine { factor: next.factor * self.factor, offset: next.factor * self.offset + next.offset }
     }
@@ -42,12 +42,12 @@ impl Unit {
     /// The base units, as FMI 2.0 and SSP 1.0 call them.
     pub const BASE: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
 
-    /// Whether both are the same, whatever their names.
+    /// Returns whether both are the same, whatever their names.
     pub fn is_same(&self, other: &Unit) -> bool {
         self.exponents == other.exponents && self.factor == other.factor && self.offset == other.offset
     }
 
-    /// From this unit to another; `None` if it measures another quantity.
+    /// Returns the conversion from this unit to another; `None` if it measures another quantity.
     pub fn to(&self, other: &Unit) -> Option<Affine> {
         if self.is_same(other) {
             return Some(Affine::IDENTITY);
@@ -59,7 +59,7 @@ impl Unit {
     }
 }
 
-/// From one unit to another, by name and by definition as far as there is one. A value without a unit passes
+/// Returns the conversion from one unit to another, by name and by definition as far as there is one. A value without a unit passes
 /// unchanged, as between equal names.
 ///
 /// # Errors
@@ -69,16 +69,16 @@ pub fn conversion(
     to: (Option<&str>, Option<&Unit>),
 ) -> Result<Affine, String> {
     let (Some(from_name), Some(to_name)) = (from.0, to.0) else { return Ok(Affine::IDENTITY) };
-    match (from.1, to.1) {
-        (Some(from), Some(to)) => from
-            .to(to)
-            .ok_or_else(|| format!("{from_name:?} cannot be converted to {to_name:?}: another quantity")),
-        _ if from_name == to_name => Ok(Affine::IDENTITY),
-        (None, _) => {
-            Err(format!("{from_name:?} cannot be converted to {to_name:?}: {from_name:?} is not defined"))
-        }
-        _ => Err(format!("{from_name:?} cannot be converted to {to_name:?}: {to_name:?} is not defined")),
-    }
+    let why = match (from.1, to.1) {
+        (Some(from), Some(to)) => match from.to(to) {
+            Some(map) => return Ok(map),
+            None => "another quantity".to_owned(),
+        },
+        _ if from_name == to_name => return Ok(Affine::IDENTITY),
+        (None, _) => format!("{from_name:?} is not defined"),
+        _ => format!("{to_name:?} is not defined"),
+    };
+    Err(format!("{from_name:?} cannot be converted to {to_name:?}: {why}"))
 }
 
 #[cfg(test)]

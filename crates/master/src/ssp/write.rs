@@ -1,6 +1,6 @@
 //! [`SystemStructure`] -> `SystemStructure.ssd`.
 
-use crate::ssp::document::{Component, Connector, Extent, Native, SystemStructure, Type};
+use crate::ssp::document::{Component, Connector, Extent, SystemStructure};
 use crate::ssp::unit::Unit;
 use lemons_core::xml::{Layout, Out, number};
 
@@ -84,15 +84,12 @@ fn write_component(out: &mut Out, component: &Component, arrays: bool) {
 
 fn write_connector(out: &mut Out, connector: &Connector, arrays: bool) {
     let attributes = [("name", connector.name.as_str()), ("kind", connector.kind.name())];
-    let Some(of) = &connector.of else { return out.empty("ssd:Connector", &attributes) };
+    let Some(of) = connector.of else { return out.empty("ssd:Connector", &attributes) };
     out.element("ssd:Connector", &attributes, |out| {
-        let detail = match of {
-            Type::Real(Some(unit)) => Some(("unit", unit.as_str())),
-            Type::Enumeration(name) => Some(("name", name.as_str())),
-            _ => None,
-        };
-        let native = connector.native.filter(|_| arrays && !matches!(of, Type::Enumeration(_)));
-        out.empty(&format!("ssc:{}", native.map_or(of.name(), Native::name)), detail.as_slice());
+        let detail = [("unit", &connector.unit), ("name", &connector.enumeration)];
+        let detail = detail.map(|(name, text)| Some((name, text.as_deref()?)));
+        let of = if arrays { of } else { of.class() };
+        out.empty(&format!("ssc:{}", of.name()), &detail.into_iter().flatten().collect::<Vec<_>>());
         for dimension in &connector.dimensions {
             match dimension {
                 Extent::Size(size) => out.empty("ssc:Dimension", &[("size", &size.to_string())]),
@@ -106,9 +103,9 @@ fn write_connector(out: &mut Out, connector: &Connector, arrays: bool) {
 fn write_connections(out: &mut Out, structure: &SystemStructure) {
     for connection in &structure.connections {
         let ((start, output), (end, input)) =
-            (structure.port(connection.from), structure.port(connection.to));
-        let written = |indices: &[u64]| indices.iter().map(u64::to_string).collect::<Vec<_>>().join(" ");
-        let (from, to) = (written(&connection.from_indices), written(&connection.to_indices));
+            (structure.port(&connection.from), structure.port(&connection.to));
+        let written = |indices: &[usize]| indices.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
+        let (from, to) = (written(&connection.from.indices), written(&connection.to.indices));
         let attributes = [
             ("startElement", start.name.as_str()),
             ("startConnector", &output.name),

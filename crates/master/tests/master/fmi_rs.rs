@@ -1,23 +1,39 @@
-//! An importer that others wrote, fmi-rs, and our own: both read and run the crowd's FMU alike.
+//! An importer that others wrote, fmi-rs, and our own: both read and run the crowd's FMUs of both versions alike.
 
 use crate::packed;
 use crowd_mechanics::pack::Format;
-use fmi_rs::fmi2::log::Logger;
 use fmi_rs::fmi2::types::{fmi2FMUstate, fmi2Status};
-use fmi_rs::fmi2::{CS, FMU2};
+use fmi_rs::fmi2::{CS, FMU2, log::Logger as Logger2};
+use fmi_rs::fmi3::native::{NativeLibrary, PLATFORM_TUPLE};
+use fmi_rs::fmi3::types::{fmi3FMUState, fmi3Status};
+use fmi_rs::fmi3::{FMU3, log::Logger as Logger3};
 use fmi_rs::model_description::fmi2::{Causality, ModelDescription, VariableType};
+use fmi_rs::model_description::fmi3::{Causality as Causality3, ModelDescription as ModelDescription3};
 use lemons_master::Fmu;
 use lemons_master::ssp::{Address, Kind, Type};
+use std::ptr::null_mut;
 use std::sync::Arc;
 use tempfile::TempDir;
+
+const STEP: f64 = 0.01;
+const STEPS: u32 = 60;
+const AGENTS: usize = 5;
 
 /// Nothing is to be said.
 struct Silence;
 
-impl Logger for Silence {
+impl Logger2 for Silence {
     fn log_call(&self, _: fmi2Status, _: &str) {}
 
     fn log_message(&self, status: fmi2Status, _: &str, message: &str) {
+        panic!("{status:?}: {message}");
+    }
+}
+
+impl Logger3 for Silence {
+    fn log_call(&self, _: fmi3Status, _: &str) {}
+
+    fn log_message(&self, status: fmi3Status, _: &str, message: &str) {
         panic!("{status:?}: {message}");
     }
 }
@@ -53,82 +69,161 @@ fn both_read_the_same_description() {
             Causality::CalculatedParameter => Some(Kind::CalculatedParameter),
             Causality::Local | Causality::Independent => None,
         };
-        let of = match &theirs.variableType {
-            VariableType::Real { unit, .. } => Type::Real(unit.clone()),
-            VariableType::Integer { .. } => Type::Integer,
-            VariableType::Boolean { .. } => Type::Boolean,
-            VariableType::String { .. } => Type::String,
-            VariableType::Enumeration { declaredType, .. } => Type::Enumeration(declaredType.clone()),
+        let (of, unit) = match &theirs.variableType {
+            VariableType::Real { unit, .. } => (Type::Real, unit.as_ref()),
+            VariableType::Integer { .. } => (Type::Integer, None),
+            VariableType::Boolean { .. } => (Type::Boolean, None),
+            VariableType::String { .. } => (Type::String, None),
+            VariableType::Enumeration { .. } => (Type::Enumeration, None),
         };
-        assert_eq!((own.kind, &own.of), (kind, &of), "{}", own.name);
+        assert_eq!((own.kind, own.of, own.unit.as_ref()), (kind, of, unit), "{}", own.name);
     }
 }
 
-#[test]
-fn both_run_to_the_same_bits() {
-    const STEP: f64 = 0.01;
-    const FORCE: f64 = 900.0;
-    let directory = TempDir::new().unwrap();
-    let fmu = Fmu::open(&packed(directory.path(), Format::default())).unwrap();
-    let outputs = fmu.description.variables.iter();
-    let outputs: Vec<u32> = outputs
-        .filter(|variable| variable.kind == Some(Kind::Output) && matches!(variable.of, Type::Real(_)))
-        .map(|variable| variable.reference)
-        .collect();
-    let input = [fmu.description.variable("agent[0].Fp.x").unwrap().reference];
-    let own = fmu.instantiate("own").unwrap();
-    let select = |references: &[u32]| {
-        let at = |reference: &u32| Address { reference: *reference, element: None };
-        own.select_at(&references.iter().map(at).collect::<Vec<_>>()).unwrap()
-    };
-    let (own_input, own_outputs) = (select(&input), select(&outputs));
-    let (identifier, guid) =
-        (&fmu.description.co_simulation.as_ref().unwrap().identifier, &fmu.description.guid);
-    let theirs = FMU2::<CS>::new(
-        fmu.directory(),
-        identifier,
+/// The FMU 2.0 in fmi-rs; its initialization is over.
+fn theirs_2(fmu: &Fmu) -> Arc<FMU2<CS>> {
+    let own = fmu.description.co_simulation.as_ref().unwrap();
+    let (directory, guid, silence) = (fmu.directory(), &fmu.description.guid, Arc::new(Silence));
+    let made =
+        FMU2::<CS>::new(directory, &own.identifier, "theirs", guid, false, false, false, silence, true);
+    let made = made.unwrap_or_else(|error| panic!("{error}"));
+    let begun = [made.setupExperiment(None, 0.0, None), made.enterInitializationMode()];
+    assert_eq!((begun, made.exitInitializationMode()), ([fmi2Status::Ok; 2], fmi2Status::Ok));
+    made
+}
+
+/// The FMU 3.0 in fmi-rs, and its description.
+fn theirs_3(fmu: &Fmu) -> (ModelDescription3, Arc<FMU3>) {
+    let description = ModelDescription3::from_path(&fmu.directory().join("modelDescription.xml")).unwrap();
+    let identifier = &description.coSimulation.as_ref().unwrap().modelIdentifier;
+    let library = format!("binaries/{PLATFORM_TUPLE}/{identifier}{}", std::env::consts::DLL_SUFFIX);
+    let library = Box::new(NativeLibrary::load(fmu.directory().join(library)).unwrap());
+    let (token, resources) = (&description.instantiationToken, fmu.directory().join("resources"));
+    let made = FMU3::instantiateCoSimulation(
+        library,
+        Some(&resources),
         "theirs",
-        guid,
+        token,
         false,
+        true,
         false,
         false,
         Arc::new(Silence),
-        true,
+        false,
+        None,
     );
-    let theirs = theirs.unwrap_or_else(|error| panic!("{error}"));
-    own.initialize().unwrap();
-    let done = [
-        theirs.setupExperiment(None, 0.0, None),
-        theirs.enterInitializationMode(),
-        theirs.exitInitializationMode(),
-    ];
-    assert_eq!(done, [fmi2Status::Ok; 3]);
-    let (mut ours, mut others) = (vec![0.0; outputs.len()], vec![0.0; outputs.len()]);
-    let mut squeezed = false;
-    for k in 0..60 {
-        let time = f64::from(k) * STEP;
-        own.set(&own_input, &[FORCE]).unwrap();
-        own.step(time, STEP).unwrap();
-        own.get(&own_outputs, &mut ours).unwrap();
+    let made = made.unwrap_or_else(|error| panic!("{error}"));
+    let begun = [made.enterInitializationMode(None, 0.0, None), made.exitInitializationMode()];
+    assert_eq!(begun, [fmi3Status::Ok; 2]);
+    (description, made)
+}
+
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+#[test]
+fn both_run_both_versions_to_the_same_bits() {
+    let directories = [TempDir::new().unwrap(), TempDir::new().unwrap()];
+    let [fmu_2, fmu_3] = [(0, Format::default()), (1, Format::Fmi3)]
+        .map(|(place, format)| Fmu::open(&packed(directories[place].path(), format)).unwrap());
+    let [own_2, own_3] = [&fmu_2, &fmu_3].map(|fmu| {
+        let own = fmu.instantiate("own").unwrap();
+        own.initialize().unwrap();
+        own
+    });
+    let (other_2, (description, other_3)) = (theirs_2(&fmu_2), theirs_3(&fmu_3));
+    assert_eq!((description.modelVariables.len(), description.outputs.len()), (39, 15));
+    let inputs = description.modelVariables.iter().filter(|it| it.causality == Causality3::Input);
+    assert_eq!(inputs.map(|it| &it.name[..]).collect::<Vec<_>>(), ["Fp", "Mp", "Active"]);
+
+    // All Reals of FMI 2.0, by their references.
+    let outputs = fmu_2.description.variables.iter();
+    let outputs: Vec<u32> = outputs
+        .filter(|variable| variable.kind == Some(Kind::Output) && variable.of == Type::Real)
+        .map(|variable| variable.reference)
+        .collect();
+    let at = |reference: &u32| Address { of: Type::Real, reference: *reference, element: None };
+    let own_outputs = own_2.select_at(&outputs.iter().map(at).collect::<Vec<_>>()).unwrap();
+    // Arrays of FMI 3.0, and their elements by name.
+    let size = |name: &str| {
+        let variable = description.variable_by_name(name).unwrap();
+        let sizes = description.initial_size(variable).unwrap();
+        (variable.valueReference, sizes.iter().product::<usize>())
+    };
+    let quantities = ["Position", "Theta", "Velocity", "Omega", "MeanNormalForce", "PeakNormalForce"];
+    let (references, lengths): (Vec<u32>, Vec<usize>) = quantities.map(size).into_iter().unzip();
+    let elements = quantities.iter().flat_map(|name| {
+        let axes = if ["Position", "Velocity"].contains(name) { &[".x", ".y"][..] } else { &[""] };
+        (0..AGENTS).flat_map(move |i| axes.iter().map(move |axis| format!("agent[{i}].{name}{axis}")))
+    });
+    let elements: Vec<String> = elements.collect();
+    let drives = (0..AGENTS).flat_map(|i| ["x", "y"].map(|axis| format!("agent[{i}].Fp.{axis}")));
+    let drives: Vec<String> = drives.collect();
+    let reference = |name: &String| fmu_2.description.variable(name).unwrap().reference;
+    let (drives_2, (fp, length)) = (drives.iter().map(reference).collect::<Vec<_>>(), size("Fp"));
+    assert_eq!(length, 2 * AGENTS);
+    let own = [&own_2, &own_3].map(|own| (own, own.select(&drives).unwrap(), own.select(&elements).unwrap()));
+
+    let mut force = vec![0.0; length];
+    force[0] = 900.0;
+    let step_3 = |k: u32| {
+        let (time, mut no, mut reached) = (f64::from(k) * STEP, [true; 3], f64::NAN);
+        let mut values = vec![f64::NAN; lengths.iter().sum()];
+        let [event, terminate, early] = &mut no;
         let done = [
-            theirs.setReal(&input, &[FORCE]),
-            theirs.doStep(time, STEP, 1),
-            theirs.getReal(&outputs, &mut others),
+            other_3.setFloat64(&[fp], &force),
+            other_3.doStep(time, STEP, true, event, terminate, early, &mut reached),
+            other_3.getFloat64(&references, &mut values),
+        ];
+        assert_eq!((done, no, reached), ([fmi3Status::Ok; 3], [false; 3], time + STEP));
+        values
+    };
+    let (mut squeezed, mut state_3, mut last) = (0.0_f64, null_mut() as fmi3FMUState, Vec::new());
+    for k in 0..STEPS {
+        if k == STEPS / 2 {
+            assert_eq!(other_3.getFMUState(&mut state_3), fmi3Status::Ok);
+        }
+        last = step_3(k);
+        for (own, drives, elements) in &own {
+            own.set(drives, &force).unwrap();
+            own.step(f64::from(k) * STEP, STEP).unwrap();
+            assert_eq!(bits(&own.values(elements).unwrap()), bits(&last), "step {k}");
+        }
+        let mut others = vec![f64::NAN; outputs.len()];
+        let done = [
+            other_2.setReal(&drives_2, &force),
+            other_2.doStep(f64::from(k) * STEP, STEP, 1),
+            other_2.getReal(&outputs, &mut others),
         ];
         assert_eq!(done, [fmi2Status::Ok; 3]);
-        let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-        assert!(bits(&ours) == bits(&others), "step {k}");
-        squeezed |= ours.iter().any(|value| *value > 100.0);
+        assert_eq!(bits(&own_2.values(&own_outputs).unwrap()), bits(&others), "step {k}");
+        squeezed = squeezed.max(last[last.len() - AGENTS]);
     }
-    assert!(squeezed, "somebody is pushed");
+    assert!(squeezed > 100.0, "they touch");
+
     // A state crosses from one to the other, as bytes.
-    let bytes = own.state().unwrap();
-    let (mut state, mut size): (fmi2FMUstate, usize) = (std::ptr::null_mut(), 0);
-    let done = [theirs.getFMUstate(&raw mut state), theirs.serializedFMUstateSize(state, &mut size)];
+    let bytes = own_2.state().unwrap();
+    let (mut state, mut size): (fmi2FMUstate, usize) = (null_mut(), 0);
+    let done = [other_2.getFMUstate(&raw mut state), other_2.serializedFMUstateSize(state, &mut size)];
     assert_eq!((done, size), ([fmi2Status::Ok; 2], bytes.len()));
     let mut other = vec![0; size];
-    assert_eq!(theirs.serializeFMUstate(state, &mut other), fmi2Status::Ok);
-    assert_eq!(theirs.freeFMUstate(&raw mut state), fmi2Status::Ok);
+    assert_eq!(other_2.serializeFMUstate(state, &mut other), fmi2Status::Ok);
+    assert_eq!(other_2.freeFMUstate(&raw mut state), fmi2Status::Ok);
     assert!(bytes == other, "the states are the same bytes");
-    own.restore(&other).unwrap();
+    own_2.restore(&other).unwrap();
+    // By way of bytes, back to the middle of the push.
+    assert_eq!(other_3.serializedFMUStateSize(state_3, &mut size), fmi3Status::Ok);
+    let (mut bytes, mut again) = (vec![0; size], null_mut() as fmi3FMUState);
+    let done = [
+        other_3.serializeFMUState(state_3, &mut bytes),
+        other_3.freeFMUState(&mut state_3),
+        other_3.deserializeFMUState(&bytes, &mut again),
+        other_3.setFMUState(again),
+        other_3.freeFMUState(&mut again),
+    ];
+    assert_eq!(done, [fmi3Status::Ok; 5]);
+    let repeated = (STEPS / 2..STEPS).map(step_3).fold(Vec::new(), |_, values| values);
+    assert_eq!(bits(&repeated), bits(&last));
+    assert_eq!(other_3.terminate(), fmi3Status::Ok);
 }

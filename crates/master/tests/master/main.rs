@@ -7,7 +7,6 @@ mod arrays;
 mod controller;
 mod coupling;
 mod fmi_rs;
-mod fmi_rs_3;
 mod settings;
 
 use crowd_mechanics::pack::{Format, Package};

@@ -154,7 +154,7 @@ pub fn overhead(agents: usize, runs: usize, format: Format) -> Result<Overhead> 
     let (inputs, reals) = (select(&instance, agents, &INPUTS)?, select(&instance, agents, &REALS)?);
     let integers = select(&instance, agents, &INTEGERS)?;
     let given: Vec<f64> = (0..inputs.len()).map(|k| k as f64).collect();
-    let (mut numbers, mut counts) = (vec![0.0; reals.len()], vec![0; integers.len()]);
+    let (mut numbers, mut counts) = (vec![0.0; reals.len()], vec![0.0; integers.len()]);
     let set = || instance.set(&inputs, &given);
     let mut get = || {
         instance.get(&reals, &mut numbers)?;

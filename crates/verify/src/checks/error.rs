@@ -42,9 +42,6 @@ pub enum Error {
         /// Number of agents.
         agents: usize,
     },
-    /// A run cannot be prepared.
-    #[error(transparent)]
-    Prepare(#[from] lemons_master::PrepareError),
     /// There is no run to take a median of.
     #[error("no run")]
     NoRun,

@@ -7,6 +7,7 @@
 //! a number of the whole crowd, this number is called `TotalName` in FMI 3.0, and `Name` here.
 
 use super::{Dimension, Interface, Single, Variable};
+use crate::error::{Error, Result};
 use crate::ssp::document::Kind;
 
 /// The structural parameter that is the number of people.
@@ -15,7 +16,7 @@ const TOTAL: &str = "Total";
 const AXES: [&str; 2] = ["x", "y"];
 
 impl Interface {
-    /// A single value by its name.
+    /// Returns a single value by its name.
     pub fn single(&self, name: &str) -> Option<Single<'_>> {
         match self.places.get(name) {
             Some(&place) if !self.variables[place].is_array() => {
@@ -25,7 +26,16 @@ impl Interface {
         }
     }
 
-    /// All single values, with their names.
+    /// Returns a single value by its name.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn known(&self, name: &str) -> Result<Single<'_>> {
+        let missing = || Error::new(format!("the FMU has no variable {name:?}; see lemons info"));
+        self.single(name).ok_or_else(missing)
+    }
+
+    /// Returns all single values, with their names.
     pub fn singles(&self) -> impl Iterator<Item = (String, Single<'_>)> {
         self.variables.iter().flat_map(move |variable| {
             let single = move |element| (self.name_of(variable, element), Single { variable, element });
@@ -33,44 +43,37 @@ impl Interface {
         })
     }
 
-    /// The name of a value of one of the variables.
+    /// Returns the name of a value of one of the variables.
     pub fn name_of(&self, variable: &Variable, element: usize) -> String {
         let name = &variable.name;
         if !variable.is_array() {
             return self.total(variable).unwrap_or(name).to_owned();
         }
-        let mut rest = element;
-        let mut indices: Vec<usize> = Vec::with_capacity(variable.dimensions.len());
-        for dimension in variable.dimensions.iter().rev() {
-            indices.push(rest % dimension.size.max(1));
-            rest /= dimension.size.max(1);
-        }
-        indices.reverse();
+        let indices = variable.indices(element);
         if !self.is_of_agents(variable) {
             return format!("{name}{}", written(&indices));
         }
+        let agent = indices[0] - 1;
         match (&indices[1..], &variable.dimensions[1..]) {
-            ([], _) => format!("agent[{}].{name}", indices[0]),
-            ([axis], [second]) if is_pair(second) => {
-                format!("agent[{}].{name}.{}", indices[0], AXES[*axis])
-            }
-            (inner, _) => format!("agent[{}].{name}{}", indices[0], written(inner)),
+            ([], _) => format!("agent[{agent}].{name}"),
+            ([axis], [second]) if is_pair(second) => format!("agent[{agent}].{name}.{}", AXES[axis - 1]),
+            (inner, _) => format!("agent[{agent}].{name}{}", written(inner)),
         }
     }
 
-    /// Whether the variable has an element, or elements, for each of some people.
+    /// Returns whether the variable has an element, or elements, for each of some people.
     pub fn is_of_agents(&self, variable: &Variable) -> bool {
         let first = variable.dimensions.first().and_then(|first| first.parameter);
         first.is_some_and(|place| self.variables[place].name == AGENTS)
     }
 
-    /// The name in FMI 2.0 of a number of the whole crowd.
+    /// Returns the name in FMI 2.0 of a number of the whole crowd.
     fn total<'a>(&self, variable: &'a Variable) -> Option<&'a str> {
         let of = variable.name.strip_prefix(TOTAL)?;
         self.variable(of).filter(|array| self.is_of_agents(array)).map(|_| of)
     }
 
-    /// What a name that is not that of a single variable means.
+    /// Returns the value that a name means which is not that of a single variable.
     pub(super) fn parsed(&self, name: &str) -> Option<Single<'_>> {
         if let Some(rest) = name.strip_prefix("agent[") {
             let (agent, rest) = rest.split_once("].")?;
@@ -90,7 +93,7 @@ impl Interface {
         Some(Single { variable: total, element: 0 })
     }
 
-    /// The array that a name within `agent[i]` means, and which of the elements of one agent.
+    /// Returns the array that a name within `agent[i]` means, and which of the elements of one agent.
     fn of_agent(&self, name: &str) -> Option<(&Variable, usize)> {
         let array = |name: &str| self.variable(name).filter(|array| self.is_of_agents(array));
         if let Some((name, axis)) = name.rsplit_once('.')
@@ -111,7 +114,7 @@ impl Interface {
         array(name).filter(|array| array.dimensions.len() == 1).map(|array| (array, 0))
     }
 
-    /// The values of structural parameters by which other arrays than those of the description come about.
+    /// Chooses the value of a structural parameter: other arrays than those of the description come about.
     ///
     /// # Errors
     /// There is no such parameter that is the size of arrays, or the arrays become too large.
@@ -152,9 +155,9 @@ fn is_pair(dimension: &Dimension) -> bool {
     dimension.size == AXES.len() && dimension.parameter.is_none()
 }
 
-/// Indices from 0, as they are written: from 1.
-fn written(indices: &[usize]) -> String {
-    let indices: Vec<String> = indices.iter().map(|index| (index + 1).to_string()).collect();
+/// Returns indices from 1 as they are written.
+pub(crate) fn written(indices: &[usize]) -> String {
+    let indices: Vec<String> = indices.iter().map(usize::to_string).collect();
     format!("[{}]", indices.join(","))
 }
 
@@ -164,13 +167,17 @@ fn plain(text: &str) -> Option<usize> {
     if plain { text.parse().ok() } else { None }
 }
 
-/// The element with indices that are written from 1, with commas between them.
+/// Returns the place of the element with indices from 1, in row-major order, if there is such an element.
+pub(crate) fn place_of(dimensions: &[Dimension], indices: &[usize]) -> Option<usize> {
+    let next = |place: usize, (index, dimension): (&usize, &Dimension)| {
+        let index = index.checked_sub(1).filter(|index| *index < dimension.size)?;
+        Some(place * dimension.size + index)
+    };
+    let all = indices.len() == dimensions.len();
+    indices.iter().zip(dimensions).try_fold(0, next).filter(|_| all)
+}
+
+/// Returns the place of an element by its indices as they are written.
 fn place(indices: &str, dimensions: &[Dimension]) -> Option<usize> {
-    let mut indices = indices.split(',');
-    let mut place = 0;
-    for dimension in dimensions {
-        let index = plain(indices.next()?)?.checked_sub(1).filter(|index| *index < dimension.size)?;
-        place = place * dimension.size + index;
-    }
-    indices.next().is_none().then_some(place)
+    place_of(dimensions, &indices.split(',').map(plain).collect::<Option<Vec<_>>>()?)
 }

@@ -2,7 +2,7 @@
 
 use super::{Dimension, Fmi, Interface, Variable};
 use crate::error::Result;
-use crate::ssp::document::{Kind, Native, Type};
+use crate::ssp::document::{Kind, Type};
 use lemons_core::xml::Element;
 use std::collections::HashMap;
 
@@ -31,90 +31,81 @@ fn declared_units<'a>(root: Element<'a>) -> Result<Units<'a>> {
 pub fn read_variables(interface: &mut Interface, root: Element) -> Result<()> {
     let declared = declared_units(root)?;
     let list = root.child("ModelVariables").into_iter().flat_map(Element::elements);
-    match interface.fmi {
-        Fmi::V2 => {
-            for element in list.filter(|element| element.name() == "ScalarVariable") {
-                let typed = element.elements().find_map(|child| Some((child, type_2(child, &declared)?)));
-                let (typed, (of, native)) = typed.ok_or_else(|| element.problem("has no type"))?;
-                let start = typed.optional("start").map(str::to_owned).into_iter().collect();
-                let variable = read_variable(element, of, native, start)?;
-                check_starts(&variable, typed)?;
-                interface.add(variable, element)?;
-            }
-            Ok(())
+    let v3 = interface.fmi == Fmi::V3;
+    let is_variable = |element: &Element| match interface.fmi {
+        Fmi::V2 => element.name() == "ScalarVariable",
+        Fmi::V3 => element.name() != "Annotations",
+    };
+    let elements: Vec<Element> = list.filter(is_variable).collect();
+    let mut all_typed = Vec::with_capacity(elements.len());
+    for &element in &elements {
+        // In FMI 2.0 an element within says the type.
+        let found = if v3 { typed(element, v3) } else { element.elements().find_map(|own| typed(own, v3)) };
+        let missing = if v3 { "is not a type of FMI 3.0" } else { "has no type" };
+        let (typed, of) = found.ok_or_else(|| element.problem(missing))?;
+        let variable = read_variable(element, typed, of, &declared)?;
+        let (place, reference) = (interface.variables.len(), variable.reference);
+        if v3 && let Some(other) = interface.references.insert(reference, place) {
+            let (one, other) = (&interface.variables[other].name, &variable.name);
+            let why = format!("the variables {one:?} and {other:?} have this value reference");
+            return Err(element.wrong("valueReference", why).into());
         }
-        Fmi::V3 => {
-            let list = list.filter(|element| element.name() != "Annotations");
-            read_arrays(interface, &list.collect::<Vec<_>>(), &declared)
+        interface.add_name(&variable.name, place, reference, element)?;
+        interface.variables.push(variable);
+        for alias in element.children("Alias") {
+            interface.add_name(alias.text("name")?, place, reference, alias)?;
         }
+        all_typed.push(typed);
     }
+    read_sizes(interface, &elements, &all_typed)
 }
 
-/// What an element of FMI 2.0 says of the type of its variable; `None` if it is another element.
-fn type_2(element: Element, declared: &Units) -> Option<(Type, Native)> {
-    Some(match element.name() {
-        "Real" => (Type::Real(unit(element, declared)), Native::Float64),
-        "Integer" => (Type::Integer, Native::Int32),
-        "Boolean" => (Type::Boolean, Native::Boolean),
-        "String" => (Type::String, Native::String),
-        "Enumeration" => (enumeration(element), Native::Int32),
-        _ => return None,
-    })
+/// Returns an element that says a type, with the type; `None` if this version of FMI has no such type.
+fn typed(element: Element, v3: bool) -> Option<(Element, Type)> {
+    let is_known = |of: &Type| match of {
+        Type::Boolean | Type::String | Type::Enumeration => true,
+        Type::Real | Type::Integer => !v3,
+        _ => v3,
+    };
+    Type::named(element.name()).filter(is_known).map(|of| (element, of))
 }
 
-fn enumeration(element: Element) -> Type {
-    Type::Enumeration(element.optional("declaredType").unwrap_or_default().to_owned())
-}
-
-/// The unit that an element has itself, or its declared type.
-fn unit(element: Element, declared: &Units) -> Option<String> {
-    let of_type = || declared.get(element.optional("declaredType")?).copied();
-    element.optional("unit").or_else(of_type).filter(|unit| !unit.is_empty()).map(str::to_owned)
-}
-
-fn read_variable(element: Element, of: Type, native: Native, start: Vec<String>) -> Result<Variable> {
+fn read_variable(element: Element, typed: Element, of: Type, declared: &Units) -> Result<Variable> {
     let reference = element.parsed("valueReference", "a number from 0 to 4294967295")?;
     let causality = element.optional("causality").unwrap_or("local");
+    let kind = Kind::NAMES.iter().find(|(name, _)| *name == causality).map(|(_, kind)| *kind);
+    let declared_type = typed.optional("declaredType");
+    let of_type = || declared.get(declared_type?).copied();
+    let unit = typed.optional("unit").or_else(of_type).filter(|unit| !unit.is_empty());
+    // Those of texts are elements in FMI 3.0, all others are in one attribute.
+    let start = typed.optional("start").into_iter();
+    let start = match of {
+        Type::String | Type::Binary if typed.has("start") => start.map(str::to_owned).collect(),
+        Type::String | Type::Binary => {
+            let texts = element.children("Start").map(|start| Ok(start.text("value")?.to_owned()));
+            texts.collect::<Result<_>>()?
+        }
+        _ => start.flat_map(str::split_whitespace).map(str::to_owned).collect(),
+    };
     Ok(Variable {
         name: element.text("name")?.to_owned(),
         reference: reference.ok_or_else(|| element.problem("has no valueReference"))?,
-        kind: Kind::NAMES.iter().find(|(name, _)| *name == causality).map(|(_, kind)| *kind),
+        // Outside of Event Mode, what belongs to a clock has no value that counts.
+        kind: kind.filter(|_| of != Type::Clock && !element.has("clocks")),
         of,
-        native,
+        unit: unit.filter(|_| of.class() == Type::Real).map(str::to_owned),
+        enumeration: (of == Type::Enumeration).then(|| declared_type.unwrap_or_default().to_owned()),
         dimensions: Vec::new(),
         start,
         description: element.optional("description").map(str::to_owned),
     })
 }
 
-/// Adds the variables of FMI 3.0.
-fn read_arrays(interface: &mut Interface, elements: &[Element], declared: &Units) -> Result<()> {
-    for &element in elements {
-        let (of, native) = match (element.name(), Native::named(element.name())) {
-            (_, Some(native)) => (native.of(unit(element, declared)), native),
-            ("Enumeration", _) => (enumeration(element), Native::Int64),
-            _ => return Err(element.problem("is not a type of FMI 3.0").into()),
-        };
-        let mut variable = read_variable(element, of, native, read_starts(element, native)?)?;
-        // Outside of Event Mode, what belongs to a clock has no value that counts.
-        if native == Native::Clock || element.has("clocks") {
-            variable.kind = None;
-        }
-        let (place, reference) = (interface.variables.len(), variable.reference);
-        if let Some(&other) = interface.references.get(&reference) {
-            let (one, other) = (&interface.variables[other].name, &variable.name);
-            let why = format!("the variables {one:?} and {other:?} have this value reference");
-            return Err(element.wrong("valueReference", why).into());
-        }
-        interface.references.insert(reference, place);
-        interface.add(variable, element)?;
-        for alias in element.children("Alias") {
-            interface.add_name(alias.text("name")?, place, reference, alias)?;
-        }
-    }
+/// Reads the dimensions of the variables, and checks names and start values by them.
+fn read_sizes(interface: &mut Interface, elements: &[Element], all_typed: &[Element]) -> Result<()> {
     // A dimension may name a structural parameter that comes later.
     let mut all = 0;
-    for (place, element) in elements.iter().enumerate() {
+    for (place, (element, typed)) in elements.iter().zip(all_typed).enumerate() {
         let dimensions = read_dimensions(interface, *element)?;
         let sizes = dimensions.iter().map(|of| of.size);
         let count = sizes.clone().try_fold(1, usize::checked_mul);
@@ -127,23 +118,13 @@ fn read_arrays(interface: &mut Interface, elements: &[Element], declared: &Units
         })?;
         interface.variables[place].dimensions = dimensions;
         let variable = &interface.variables[place];
-        check_starts(variable, *element)?;
+        check_starts(variable, *typed)?;
         if !variable.is_array() && interface.parsed(&variable.name).is_some() {
             let why = format!("an element of an array is called {name:?}, too", name = variable.name);
             return Err(element.wrong("name", why).into());
         }
     }
     Ok(())
-}
-
-/// Those of texts are elements, all others are in one attribute.
-fn read_starts(element: Element, native: Native) -> Result<Vec<String>> {
-    if matches!(native, Native::String | Native::Binary) {
-        let texts = element.children("Start").map(|start| Ok(start.text("value")?.to_owned()));
-        return texts.collect();
-    }
-    let starts = element.optional("start").unwrap_or_default().split_whitespace();
-    Ok(starts.map(str::to_owned).collect())
 }
 
 fn read_dimensions(interface: &Interface, element: Element) -> Result<Vec<Dimension>> {
@@ -155,8 +136,8 @@ fn read_dimensions(interface: &Interface, element: Element) -> Result<Vec<Dimens
             (None, Some(reference)) => {
                 let place = interface.references.get(&reference).copied();
                 let place = place.filter(|place| {
-                    let Variable { kind, native, .. } = interface.variables[*place];
-                    kind == Some(Kind::StructuralParameter) && native == Native::UInt64
+                    let Variable { kind, of, .. } = interface.variables[*place];
+                    kind == Some(Kind::StructuralParameter) && of == Type::UInt64
                 });
                 let why = "no structural parameter of type UInt64 has this value reference";
                 let place = place.ok_or_else(|| dimension.wrong("valueReference", why))?;
@@ -177,10 +158,11 @@ fn read_dimensions(interface: &Interface, element: Element) -> Result<Vec<Dimens
         let size = usize::try_from(size).unwrap_or(usize::MAX);
         Ok(Dimension { size, parameter })
     };
-    element.children("Dimension").map(dimension).collect()
+    let arrays = interface.fmi == Fmi::V3;
+    element.children("Dimension").filter(|_| arrays).map(dimension).collect()
 }
 
-/// That start values are numbers where they must be, and as many as elements.
+/// Checks that start values are numbers where they must be, and as many as elements.
 fn check_starts(variable: &Variable, element: Element) -> Result<()> {
     let (given, count) = (variable.start.len(), variable.count());
     if given > 1 && given != count {
@@ -189,7 +171,7 @@ fn check_starts(variable: &Variable, element: Element) -> Result<()> {
         let problem = element.problem(&why);
         return Err(if texts { problem } else { element.wrong("start", why) }.into());
     }
-    if matches!(variable.of, Type::Real(_)) {
+    if variable.of.class() == Type::Real {
         let nan = |start: &String| start.trim().parse::<f64>().is_ok_and(f64::is_nan);
         if let Some(place) = variable.start.iter().position(nan) {
             let which = if given > 1 { format!(" (value {} of {given})", place + 1) } else { String::new() };
@@ -227,7 +209,7 @@ mod tests {
         );
         let a = interface.variable("A").unwrap();
         assert_eq!(interface.variable("B"), Some(a), "an alias");
-        assert_eq!((a.kind, &a.of), (Some(Kind::Input), &Type::Real(Some("m".into()))));
+        assert_eq!((a.kind, a.of, a.unit.as_deref()), (Some(Kind::Input), Type::Float64, Some("m")));
         assert_eq!(interface.unit("m").map(|unit: &Unit| unit.exponents[1]), Some(1));
         assert_eq!((a.count(), a.start_of(5), a.start_of(6)), (6, Some("6"), None));
         // Row-major order, indices from 1.
@@ -246,10 +228,10 @@ mod tests {
             assert_eq!(interface.single(none), None, "{none}");
         }
         let kind =
-            |name: &str| (interface.variable(name).unwrap().kind, interface.variable(name).unwrap().native);
-        assert_eq!(kind("e"), (Some(Kind::Output), Native::Int64));
-        assert_eq!(kind("y"), (Some(Kind::Output), Native::Float32));
-        assert_eq!(kind("m"), (Some(Kind::StructuralParameter), Native::UInt64));
+            |name: &str| (interface.variable(name).unwrap().kind, interface.variable(name).unwrap().of);
+        assert_eq!(kind("e"), (Some(Kind::Output), Type::Enumeration));
+        assert_eq!(kind("y"), (Some(Kind::Output), Type::Float32));
+        assert_eq!(kind("m"), (Some(Kind::StructuralParameter), Type::UInt64));
         assert_eq!((kind("tick").0, kind("counted").0), (None, None), "there is no Event Mode");
         assert_eq!(interface.variable("s").unwrap().start, ["one & a half", ""]);
     }
@@ -284,39 +266,31 @@ mod tests {
             </ModelVariables></fmiModelDescription>"#;
         let interface = read(text);
         let names: Vec<String> = interface.singles().map(|(name, _)| name).collect();
-        let (theta, contacts) = (7..10, 10..13);
-        assert_eq!(
-            names[1..7].join(" "),
-            "agent[0].Position.x agent[0].Position.y agent[1].Position.x \
-            agent[1].Position.y agent[2].Position.x agent[2].Position.y"
-        );
-        assert_eq!(names[theta].join(" "), "agent[0].Theta agent[1].Theta agent[2].Theta");
-        assert_eq!(names[contacts][2], "agent[2].AgentContacts");
-        assert_eq!(names[13..15].join(" "), "AgentContacts TotalOther");
-        assert_eq!(
-            names[15..].join(" "),
-            "agent[0].Inertia[1] agent[0].Inertia[2] agent[0].Inertia[3] \
-            agent[1].Inertia[1] agent[1].Inertia[2] agent[1].Inertia[3] agent[2].Inertia[1] agent[2].Inertia[2] \
-            agent[2].Inertia[3]"
-        );
+        let agents =
+            |element: &str| (0..3).map(|i| format!("agent[{i}].{element}")).collect::<Vec<_>>().join(" ");
+        let each = |name: &str, parts: [&str; 3]| {
+            let parts = parts.iter().filter(|part| !part.is_empty());
+            let parts: Vec<String> = parts.map(|part| format!("agent[#].{name}{part}")).collect();
+            (0..3).map(|i| parts.join(" ").replace('#', &i.to_string())).collect::<Vec<_>>().join(" ")
+        };
+        let expected = [
+            "Agents".to_owned(),
+            each("Position", [".x", ".y", ""]),
+            agents("Theta"),
+            agents("AgentContacts"),
+            "AgentContacts TotalOther".to_owned(),
+            each("Inertia", ["[1]", "[2]", "[3]"]),
+        ];
+        assert_eq!(names.join(" "), expected.join(" "));
         for (name, single) in interface.singles() {
             assert_eq!(interface.single(&name), Some(single), "{name}");
         }
         let of = |name: &str| interface.single(name).map(|single| single.address().to_string());
         assert_eq!(of("agent[1].Position.y").as_deref(), Some("2[3]"));
         assert_eq!(of("AgentContacts"), of("TotalAgentContacts"));
-        for none in [
-            "agent[3].Theta",
-            "agent[0].Position",
-            "agent[0].Position.z",
-            "agent[0].Theta.x",
-            "agent[00].Theta",
-            "Theta[1]",
-            "Position[1,1]",
-            "agent[0].Position[1]",
-            "agent[0].Inertia[4]",
-            "agent[0].Agents",
-        ] {
+        let others = "agent[3].Theta agent[0].Position agent[0].Position.z agent[0].Theta.x agent[00].Theta Theta[1] \
+                      Position[1,1] agent[0].Position[1] agent[0].Inertia[4] agent[0].Agents";
+        for none in others.split(' ') {
             assert_eq!(interface.single(none), None, "{none}");
         }
         let twice = text.replace("TotalOther", "agent[2].Theta");

@@ -1,0 +1,52 @@
+//! Texts about settings that are probably not meant, in the words of `lemons run`: for runs of FMUs, and of a Trial in
+//! memory.
+
+use crate::error::Error;
+use lemons_core::trial::{DRIVE_FILE, Missed};
+use lemons_decision::DECISION_FILE;
+use std::path::Path;
+
+/// Says that nothing moves a Trial's people: no drive, no `decision.toml`, no force and no speed at the start.
+pub fn still() -> String {
+    format!(
+        "note: nobody is driven: neither {DECISION_FILE} (where people walk) nor {DRIVE_FILE} is used, and \
+         AgentDynamics.xml has no force and no speed (lemons decide --help, --drive)"
+    )
+}
+
+/// Says that a connection feeds an input that is set.
+pub fn overwritten(name: &str, value: &str, input: &str) -> String {
+    format!("warning: --set {name}={value}: overwritten by the connection that feeds {input}")
+}
+
+/// Says that a parameter has other values in one component than in another that is connected by the names of the same people: so
+/// many, the first of them by name.
+pub fn differs(name: &str, [(one, here), (other, there)]: [(&str, f64); 2], people: usize) -> String {
+    let people = if people == 1 { "1 person".to_owned() } else { format!("{people} people") };
+    format!("warning: {name} is {here:?} in {one}, but {there:?} in {other} (of {people}): set it in both")
+}
+
+/// Says that a Trial has a drive, and a file by which its people walk.
+pub fn drive_of_walkers(plan: &Path) -> String {
+    let plan = plan.display();
+    format!("the forces of {DRIVE_FILE} are added to those with which people walk ({plan})")
+}
+
+/// Says that a connection feeds Fp or Mp of people whom the drive in the FMU of this component would drive.
+pub fn drive_replaced(component: &str) -> String {
+    format!(
+        "note: {component}: the {DRIVE_FILE} in it does not act on people whose Fp or Mp is connected; of a Trial with \
+         {DECISION_FILE}, lemons run TRIAL adds it to the forces with which they walk"
+    )
+}
+
+/// Says that rows of a drive are never applied; `by` sets the communication step that applies them.
+pub fn missed(missed: &Missed, by: &str) -> String {
+    if missed.shortest.is_finite() { format!("{missed} ({by})") } else { missed.to_string() }
+}
+
+/// Says that a parameter names no variable, but its name is like one, or another component has it.
+pub fn no_such_variable(name: &str, value: &str, meant: &str) -> Error {
+    let question = format!("did you mean --set {meant}={value}?");
+    Error::new(format!("--set {name}={value}: there is no such variable; {question}"))
+}
