@@ -97,18 +97,10 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             .as_ref()
             .with_context(|| format!("{}: give the Trial or FMU of the run with --trial", source.display()))
     };
-    let run = if source.is_dir() && arguments.memory.is_none() {
-        Record::series(source, need()?)?
-    } else {
-        let run = match &arguments.memory {
-            Some(memory) => memory.run.clone().into(),
-            None => Record::tables(&[std::slice::from_ref(source), &arguments.more[..]].concat())?,
-        };
-        match &trial {
-            Some(trial) => run.of_trial(trial)?,
-            None => run,
-        }
-    };
+    if source.is_dir() && arguments.memory.is_none() {
+        need()?;
+    }
+    let run = recorded(source, &arguments.more, arguments.memory.as_deref(), trial.as_ref())?;
     let run = run.every(*every as usize);
     let last = run.frames() - 1;
     let mut said = Vec::new();
@@ -262,6 +254,25 @@ pub fn expect_table(path: &Path) -> Result<()> {
         FileType::Directory,
     ];
     Ok(FileType::expect(path, &tables, "a table that lemons run wrote (CSV, Parquet)")?)
+}
+
+/// The record of a run: in memory, in the XML series of an OutputDirectory, or in tables; with a Trial, its agents are in
+/// the Trial's order.
+pub fn recorded(
+    source: &Path,
+    more: &[PathBuf],
+    memory: Option<&InMemory>,
+    trial: Option<&Trial>,
+) -> Result<Record> {
+    let record = match (memory, trial) {
+        (Some(memory), _) => memory.run.clone().into(),
+        (None, Some(trial)) if source.is_dir() => return Ok(Record::series(source, trial)?),
+        _ => Record::tables(&[&[source.to_owned()], more].concat())?,
+    };
+    match trial {
+        Some(trial) => Ok(record.of_trial(trial)?),
+        None => Ok(record),
+    }
 }
 
 /// \[bytes\] A polygon of more is a mistake.

@@ -1,10 +1,9 @@
 //! Bicycles with their riders, seen from above, facing +x. They are given apart from the Trial, which cannot contain
 //! them.
 
-use crate::body::{TENTH_OF_MM, point};
+use crate::body::{TENTH_OF_MM, begin_at, drawable, near};
 use crate::colour::{Colour, Palette};
-use crate::plane::{drawable, near};
-use crate::text::{escaped, number, text_of};
+use crate::text::{escaped, text_of};
 use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
 use std::fmt::Write;
 
@@ -74,11 +73,8 @@ pub(crate) fn bicycles(out: &mut String, drawn: &[&Bicycle], palette: &Palette, 
 impl Bicycle {
     fn draw(&self, out: &mut String, palette: &Palette) {
         let ((along, across), (length, breadth)) = (self.wheels, self.rider);
-        *out += "<g transform=\"translate(";
-        point(out, self.pose.position);
-        *out += ")rotate(";
-        number(out, self.pose.orientation.rem_euclid(std::f64::consts::TAU).to_degrees(), 2);
-        let _ = write!(out, ")\"><title>{}</title>", escaped(&self.id));
+        begin_at(out, &self.pose);
+        let _ = write!(out, "><title>{}</title>", escaped(&self.id));
         let mut part = |more: &str, centre: Vec2, half: Vec2, corner: f64| {
             let low = centre - half;
             let [x, y, width, height, corner] =

@@ -1,8 +1,8 @@
 //! The colours of the bodies, and what they mean.
 
-use crate::colour::{Colour, ColourMap, Ramp, Theme};
+use crate::colour::{Colour, ColourMap, Ramp};
 use crate::scene::Scene;
-use crate::style::{Fill, Values};
+use crate::style::{Fill, Style, Values};
 use crate::text::short;
 
 #[derive(Debug, Clone)]
@@ -47,52 +47,48 @@ impl Scale {
 
 impl Colouring {
     /// In a scene with a density map the scale is that of the map, and bodies have no values.
-    pub fn new(scene: &Scene, fill: &Fill, theme: Theme) -> Colouring {
-        if let Some(map) = &scene.density {
-            let high = map.values().into_iter().fold(0.0, f64::max);
-            let (low, high) = given(map.range).unwrap_or((0.0, if high > 0.0 { high } else { 1.0 }));
-            let ramp = Ramp::new(ColourMap::Viridis, theme);
-            let nothing = map.range.is_none() && map.values().into_iter().all(|value| value == 0.0);
-            let nothing = nothing.then(|| zero("density", "1/m²"));
-            let title = titled("density", "1/m²");
-            let scale = Scale { title, low, high, clipped: false, nothing, ramp };
-            return Colouring { single: ramp.at(0.0), scale: Some(scale), values: Vec::new() };
-        }
-        let Values { values, label, unit, range, quantile, beyond, map } = match fill {
-            Fill::Single(colour) => return Colouring { single: *colour, scale: None, values: Vec::new() },
-            Fill::Values(values) => values.clone(),
-            Fill::BodyArea => Values {
-                values: scene.bodies.iter().map(|body| body.area).collect(),
-                label: "body area".to_owned(),
-                unit: "m²".to_owned(),
-                ..Values::default()
-            },
+    pub fn new(scene: &Scene, style: &Style) -> Colouring {
+        let values = match (&scene.density, &style.fill) {
+            (Some(map), _) => Values::of(map.values(), "density", "1/m²"),
+            (None, Fill::Single(colour)) => {
+                return Colouring { single: *colour, scale: None, values: Vec::new() };
+            }
+            (None, Fill::BodyArea) => {
+                Values::of(scene.bodies.iter().map(|body| body.area).collect(), "body area", "m²")
+            }
+            (None, Fill::Values(values)) => values.clone(),
         };
+        let Values { values, label, unit, quantile, beyond, map } = values;
+        let given = style.range.filter(|(a, b)| a.is_finite() && b.is_finite() && a <= b);
         let finite = || values.iter().copied().filter(|v| v.is_finite());
         // All values are zero, or all are unknown: a colour bar would need invented ends.
-        let nothing = given(range).is_none() && finite().all(|value| value == 0.0);
+        let nothing = given.is_none() && finite().all(|value| value == 0.0);
         let nothing = nothing.then(|| match finite().next() {
-            Some(_) => zero(&label, &unit),
+            Some(_) if unit.is_empty() => format!("{label}: 0 everywhere"),
+            Some(_) => format!("{label}: 0 {unit} everywhere"),
             None => format!("{label}: not known"),
         });
-        let (low, high) = given(range).unwrap_or_else(|| {
+        let (low, high) = given.unwrap_or_else(|| {
             let low = finite().fold(f64::INFINITY, f64::min);
             let high = finite().fold(f64::NEG_INFINITY, f64::max);
-            match map {
-                // Avoid a scale around zero if all values are zero.
-                _ if nothing.is_some() => (0.0, 1.0),
-                // Such a map begins at zero.
-                ColourMap::FromPaper if high <= 0.0 => (low.min(0.0), 1.0),
-                ColourMap::FromPaper => (low.min(0.0), high),
-                ColourMap::Viridis => (low, high),
+            if nothing.is_some() {
+                (0.0, 1.0)
+            } else if scene.density.is_some() || map == ColourMap::FromPaper {
+                (low.min(0.0), if high > 0.0 { high } else { 1.0 })
+            } else {
+                (low, high)
             }
         });
         let mut title = titled(&label, &unit);
         if let Some(quantile) = quantile {
             title += &format!(", to the {} % quantile", short(100.0 * quantile));
         }
+        let ramp = Ramp::new(map, style.theme);
+        if scene.density.is_some() {
+            let scale = Scale { title, low, high, clipped: false, nothing, ramp };
+            return Colouring { single: ramp.at(0.0), scale: Some(scale), values: Vec::new() };
+        }
         let clipped = beyond || quantile.is_some() || finite().any(|value| value > high);
-        let ramp = Ramp::new(map, theme);
         let scale = Scale { title, low, high, clipped, nothing, ramp };
         Colouring { single: Colour::MISSING, scale: Some(scale), values }
     }
@@ -105,17 +101,8 @@ impl Colouring {
     }
 }
 
-fn given(range: Option<(f64, f64)>) -> Option<(f64, f64)> {
-    range.filter(|(a, b)| a.is_finite() && b.is_finite() && a <= b)
-}
-
-fn zero(label: &str, unit: &str) -> String {
-    let space = if unit.is_empty() { "" } else { " " };
-    format!("{label}: 0{space}{unit} everywhere")
-}
-
-/// Returns the label with its unit.
-pub(crate) fn titled(label: &str, unit: &str) -> String {
+/// Returns the name of a quantity with its unit, which may be empty: "speed (m/s)".
+pub fn titled(label: &str, unit: &str) -> String {
     match (label.is_empty(), unit.is_empty()) {
         (_, true) => label.to_owned(),
         (true, false) => unit.to_owned(),

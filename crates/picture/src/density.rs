@@ -1,6 +1,6 @@
 //! People per area.
 
-use crate::plane::near;
+use crate::body::near;
 use lemons_core::plane::{Bounds, Vec2, vec2};
 use lemons_core::trial::Wall;
 
@@ -33,8 +33,6 @@ pub struct DensityMap {
     sum: Vec<f64>,
     /// \[m\] Sides of walls.
     walls: Vec<[Vec2; 2]>,
-    /// \[1/m²\] Ends of the colour map; `None`: 0 and the highest density.
-    pub range: Option<(f64, f64)>,
 }
 
 impl DensityMap {
@@ -55,7 +53,7 @@ impl DensityMap {
         }
         let (columns, rows) = (cells(cell).0 as usize, cells(cell).1 as usize);
         let sum = vec![0.0; columns * rows];
-        DensityMap { view, kernel, columns, rows, frames: 0, sum, walls, range: None }
+        DensityMap { view, kernel, columns, rows, frames: 0, sum, walls }
     }
 
     /// Adds a frame: the positions of all people \[m\] at one time. Positions that are not finite are ignored.

@@ -3,8 +3,7 @@
 use crate::body::TENTH_OF_MM;
 use crate::colouring::Scale;
 use crate::density::DensityMap;
-use crate::page::Frame;
-use crate::scene::Scene;
+use crate::sheet::Frame;
 use crate::text::{escaped, pair, text_of};
 use contour::ContourBuilder;
 use lemons_core::plane::{Vec2, vec2};
@@ -14,8 +13,7 @@ use std::collections::BTreeMap;
 const SHADES: usize = 24;
 
 /// Draws the areas above each level, from the lowest level to the highest.
-pub(crate) fn isobands(out: &mut String, scene: &Scene, frame: &Frame, scale: &Scale) {
-    let Some(map) = &scene.density else { return };
+pub(crate) fn isobands(out: &mut String, map: &DensityMap, frame: &Frame, scale: &Scale) {
     let (view, (columns, rows), cell) = (map.view(), map.cells(), map.cell());
     let shade = |k: usize| (k as f64 + 0.5) / SHADES as f64;
     let between = |part: f64| scale.low * (1.0 - part) + scale.high * part;

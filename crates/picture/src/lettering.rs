@@ -21,15 +21,6 @@ pub(crate) enum Anchor {
     End,
 }
 
-/// The direction of y where the text is drawn.
-#[derive(Clone, Copy)]
-pub(crate) enum Up {
-    /// World coordinates.
-    Positive,
-    /// Page coordinates.
-    Negative,
-}
-
 /// Position and size of text.
 #[derive(Clone, Copy)]
 pub(crate) struct Place {
@@ -38,7 +29,8 @@ pub(crate) struct Place {
     pub y: f64,
     pub cap_height: f64,
     pub anchor: Anchor,
-    pub up: Up,
+    /// Direction of y in which letters stand: 1 in the plane, −1 on a page.
+    pub up: f64,
     pub decimals: usize,
 }
 
@@ -167,10 +159,7 @@ pub(crate) fn width(text: &str, cap_height: f64) -> f64 {
 /// Writes the text as SVG path data, to be stroked with a round pen of width [`PEN`] cap heights.
 pub(crate) fn strokes(d: &mut String, text: &str, place: Place) {
     let unit = place.cap_height / CAP;
-    let up = match place.up {
-        Up::Positive => unit,
-        Up::Negative => -unit,
-    };
+    let up = unit * place.up;
     let length = width(text, place.cap_height);
     let mut x = place.x
         - match place.anchor {

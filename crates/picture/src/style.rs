@@ -19,6 +19,8 @@ pub struct Style {
     pub time: Option<f64>,
     /// Number of decimals of times.
     pub time_decimals: usize,
+    /// Values at the ends of the colour map; `None`: the lowest and the highest value of all scenes.
+    pub range: Option<(f64, f64)>,
     /// Whether the bodies are drawn; not if only a density map is to be drawn.
     pub bodies: bool,
     /// \[N\] The force with the widest line; `None`: the largest force of the picture. If it is given (for movies), the
@@ -36,6 +38,7 @@ impl Default for Style {
             orientation: true,
             time: None,
             time_decimals: 2,
+            range: None,
             bodies: true,
             forces: None,
         }
@@ -54,7 +57,7 @@ pub enum Fill {
 }
 
 /// One number for each agent, shown as a colour.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Values {
     /// Values, in the order of the agents; missing ones and those that are not finite are grey.
     pub values: Vec<f64>,
@@ -62,13 +65,19 @@ pub struct Values {
     pub label: String,
     /// Unit; empty if there is none.
     pub unit: String,
-    /// Values at the ends of the colour map; `None`: the lowest and the highest value.
-    pub range: Option<(f64, f64)>,
-    /// The upper end of `range` is this quantile (0 to 1) of all shown values, and some are above it. The colour bar
+    /// The upper end of the style's `range` is this quantile (0 to 1) of all shown values, and some are above it. The colour bar
     /// says so.
     pub quantile: Option<f64>,
-    /// Some of all shown values are above the upper end of `range`. The colour bar says so.
+    /// Some of all shown values are above the upper end of the style's `range`. The colour bar says so.
     pub beyond: bool,
     /// The colour map.
     pub map: ColourMap,
+}
+
+impl Values {
+    /// Returns values of a quantity, on the default colour map.
+    pub fn of(values: Vec<f64>, label: &str, unit: &str) -> Values {
+        let (label, unit, map) = (label.to_owned(), unit.to_owned(), ColourMap::default());
+        Values { values, label, unit, quantile: None, beyond: false, map }
+    }
 }

@@ -1,19 +1,17 @@
 //! Draws everything that is to scale, in metres.
 
 use crate::bicycle::{Bicycle, bicycles};
-use crate::body::{Body, point, polyline};
+use crate::body::{Body, begin_at, near, point, polyline};
 use crate::colour::{Colour, Palette};
 use crate::colouring::Colouring;
-use crate::ids;
 use crate::isobands::isobands;
-use crate::lettering::{self, Anchor, PEN, Place, Up};
-use crate::look::{Look, drawable_forces, measured};
-use crate::overlay::{forces, trails};
-use crate::page::{Frame, MARGIN};
-use crate::plane::near;
+use crate::lettering::{self, Anchor, PEN, Place};
+use crate::overlay::{drawable_forces, forces, measured, trails};
+use crate::page::{MARGIN, Page};
 use crate::scene::Scene;
+use crate::sheet::Frame;
 use crate::style::Style;
-use crate::text::{PX, escaped, number, text_of};
+use crate::text::{PX, escaped, text_of};
 use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
 use std::fmt::Write;
 
@@ -24,6 +22,11 @@ const BODY_STROKE: f64 = 1.1;
 /// Width of the outline of a body / square root of its area.
 const BODY_STROKE_PART: f64 = 0.05;
 
+/// Largest height of an Id / half depth of a body.
+const TALLEST_ID: f64 = 0.56;
+/// Ids with less room than this fraction of the median are left out, so that one small body does not make all Ids
+/// small.
+const LEAST_ID: f64 = 0.5;
 /// \[px\] Objects that are cut extend this far beyond the view.
 pub(crate) const CUT_BORDER: f64 = 0.4 * MARGIN;
 
@@ -44,31 +47,35 @@ fn walls_of(scene: &Scene) -> Vec<Vec<Vec2>> {
     scene.trial.geometry.walls.iter().map(|wall| finite(&wall.corners)).collect()
 }
 
-/// Whether the view cuts anything. Only a view that the caller gives can. Clipping makes rasterizing slow.
+/// Returns whether the view cuts anything. Clipping makes rasterizing slow.
 pub(crate) fn is_cut(scene: &Scene, style: &Style, frame: &Frame) -> bool {
     let trails = scene.trails.iter().flat_map(|t| t.points.iter().copied());
     let mut lines = trails.chain(drawable_forces(scene).flat_map(|f| [f.from, f.to])).filter(|p| near(*p));
-    scene.view.is_some()
-        && (seen(scene, style, frame).iter().any(|(_, pose, body)| frame.cuts(pose.position, body.reach))
-            || ridden(scene, style, frame).iter().any(|b| frame.cuts(b.pose.position, b.reach()))
-            || walls_of(scene).iter().flatten().any(|c| frame.cuts(*c, 0.0))
-            || lines.any(|p| frame.cuts(p, 0.0)))
+    seen(scene, style, frame).iter().any(|(_, pose, body)| frame.cuts(pose.position, body.reach))
+        || ridden(scene, style, frame).iter().any(|b| frame.cuts(b.pose.position, b.reach()))
+        || walls_of(scene).iter().flatten().any(|c| frame.cuts(*c, 0.0))
+        || lines.any(|p| frame.cuts(p, 0.0))
 }
 
-/// Draws the scene into the frame.
-pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame, colouring: &Colouring) {
-    let Look { style, palette, .. } = look;
-    let pale;
-    let colouring = if colouring.scale.is_none() && measured(&[scene]) {
+/// Draws the scene into the frame, with lines of force of a width \[px/N\]; `cut`: without what is beyond the frame.
+pub(crate) fn world(
+    page: &mut Page,
+    scene: &Scene,
+    style: &Style,
+    force_scale: f64,
+    frame: &Frame,
+    colouring: &Colouring,
+    cut: bool,
+) {
+    let Page { out, palette, .. } = page;
+    // Trails that are compared with measured ones must be seen completely.
+    let compared = measured(&[scene]);
+    let mut colouring = colouring.clone();
+    if colouring.scale.is_none() && compared {
         // Bodies of one colour become paler, so that the colours of the trails stand out.
-        let single = colouring.single.mixed(palette.paper, 0.6);
-        pale = Colouring { single, ..colouring.clone() };
-        &pale
-    } else {
-        colouring
-    };
+        colouring.single = colouring.single.mixed(palette.paper, 0.6);
+    }
     let (drawn, walls) = (seen(scene, style, frame), walls_of(scene));
-    let cut = is_cut(scene, style, frame);
     let (mut left, mut top) = (frame.left, frame.top);
     if cut {
         let border = CUT_BORDER * frame.unit;
@@ -85,34 +92,28 @@ pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame,
         "<g transform=\"matrix({s} 0 0 -{s} {x} {y})\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n"
     );
 
-    let over_density = match (&scene.density, &colouring.scale) {
-        (Some(_), Some(scale)) => {
-            isobands(out, scene, frame, scale);
-            true
-        }
-        _ => false,
-    };
-    draw_walls(out, &walls, palette, frame, over_density);
-    // Trails that are compared with measured ones must be seen completely.
-    let compared = measured(&[scene]);
+    if let (Some(map), Some(scale)) = (&scene.density, &colouring.scale) {
+        isobands(out, map, frame, scale);
+    }
+    draw_walls(out, &walls, palette, frame, scene.density.is_some());
     if !compared {
         trails(out, scene, palette, frame);
     }
-    bodies(out, scene, style, palette, frame, colouring, &drawn);
+    bodies(out, scene, style, palette, frame, &colouring, &drawn);
     let ridden = ridden(scene, style, frame);
     let riders = ridden.iter().map(|b| b.rider.0 * b.rider.1).sum::<f64>() / ridden.len().max(1) as f64;
     bicycles(out, &ridden, palette, outline(frame, riders));
     if compared {
         trails(out, scene, palette, frame);
     }
-    forces(out, scene, look, frame);
+    forces(out, scene, force_scale, frame);
     if style.ids {
         let crossed = !scene.trails.is_empty() || !scene.forces.is_empty();
         let pen = text_of(PEN * lettering::CAP, PX);
         *out += &format!("<g class=\"ids\" fill=\"none\" stroke-width=\"{pen}\">\n");
-        let height = ids::height(scene);
+        let height = id_height(scene);
         for (agent, pose, body) in &drawn {
-            if let Some(a) = scene.trial.agents.get(*agent).filter(|a| ids::fits(&a.id, body, height)) {
+            if let Some(a) = scene.trial.agents.get(*agent).filter(|a| room(&a.id, body) >= height) {
                 id_on(out, &a.id, height, pose, body, colouring.of(*agent), crossed);
             }
         }
@@ -136,8 +137,8 @@ fn draw_walls(out: &mut String, walls: &[Vec<Vec2>], palette: &Palette, frame: &
     };
     if over_density {
         // White on the dark end of the map; dark around it on the bright end and on paper.
-        group("halo", Colour(0x1c, 0x2b, 0x40), 1.6 * WALL_STROKE);
-        group("walls", Colour(0xff, 0xff, 0xff), 0.7 * WALL_STROKE);
+        group("halo", Colour::hex(0x1c2b40), 1.6 * WALL_STROKE);
+        group("walls", Colour::WHITE, 0.7 * WALL_STROKE);
     } else {
         group("walls", palette.wall, WALL_STROKE);
     }
@@ -174,11 +175,7 @@ fn bodies(
     for (agent, pose, body) in drawn {
         let id = scene.trial.agents.get(*agent).map_or("", |a| &a.id);
         let fill = colouring.of(*agent);
-        *out += "<g transform=\"translate(";
-        point(out, pose.position);
-        *out += ")rotate(";
-        number(out, pose.orientation.rem_euclid(std::f64::consts::TAU).to_degrees(), 2);
-        *out += ")\"";
+        begin_at(out, pose);
         if fill != colouring.single && !outlined {
             let _ = write!(out, " fill=\"{fill}\"");
         }
@@ -208,6 +205,31 @@ fn mark(out: &mut String, body: &Body, fill: Colour) {
     *out += "Z\"/>";
 }
 
+/// \[m\] Cap height of an Id for which a body has room.
+fn room(id: &str, body: &Body) -> f64 {
+    (body.front / lettering::width(id, 1.0).max(0.1)).min(TALLEST_ID * body.front)
+}
+
+fn rooms<'a>(scene: &'a Scene) -> impl Iterator<Item = (&'a str, f64)> {
+    let named = scene.trial.agents.iter().map(|agent| agent.id.as_str());
+    named.zip(&scene.bodies).filter(|(_, body)| !body.disks.is_empty()).map(|(id, body)| (id, room(id, body)))
+}
+
+/// \[m\] Cap height of all Ids: the smallest for which there is room, without those left out. It depends on the Trial
+/// only, so that it is the same in all frames of a movie.
+fn id_height(scene: &Scene) -> f64 {
+    let mut all: Vec<f64> = rooms(scene).map(|(_, room)| room).collect();
+    all.sort_by(f64::total_cmp);
+    let Some(middle) = all.get(all.len().saturating_sub(1) / 2) else { return 0.0 };
+    all.iter().copied().find(|room| *room >= LEAST_ID * middle).unwrap_or(*middle)
+}
+
+/// Returns the Ids that pictures leave out because they would be much smaller than the others.
+pub fn ids_without_room<'a>(scene: &'a Scene) -> Vec<&'a str> {
+    let height = id_height(scene);
+    rooms(scene).filter(|(_, room)| *room < height).map(|(id, _)| id).collect()
+}
+
 /// Draws the Id upright in the middle of the body, with a halo where lines cross it.
 fn id_on(out: &mut String, id: &str, height: f64, pose: &Pose, body: &Body, fill: Colour, crossed: bool) {
     let turn = Rotation::by(pose.orientation);
@@ -215,7 +237,7 @@ fn id_on(out: &mut String, id: &str, height: f64, pose: &Pose, body: &Body, fill
     // In units of the letters' grid: integers and halves are short and exact.
     let grid = lettering::CAP;
     let (x, y) = (-(0.5 * lettering::width(id, grid)).round(), -0.5 * grid);
-    let (anchor, up, decimals) = (Anchor::Start, Up::Positive, 1);
+    let (anchor, up, decimals) = (Anchor::Start, 1.0, 1);
     let mut d = String::new();
     lettering::strokes(&mut d, id, Place { x, y, cap_height: grid, anchor, up, decimals });
     let mut path = |colour: Colour, more: &str| {

@@ -1,6 +1,6 @@
 //! Measured trajectories, to be drawn beside simulated ones.
 
-use super::moment::agents_at;
+use super::trial_run::agents_at;
 use anyhow::{Context, Result, bail};
 use lemons_core::files::input;
 use lemons_core::plane::{Vec2, vec2};

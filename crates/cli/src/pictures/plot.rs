@@ -1,19 +1,18 @@
 //! `lemons plot`: scenes, time series, a map of density.
 
-use super::look::{Look, Looks, seconds};
-use super::moment::Moment;
 use super::quantity::Quantity;
-use super::series::{Selection, chart};
+use super::series::series;
 use super::source::{End, KeptFrames, Source};
+use super::style::{Scenes, StyleArguments, number, seconds};
+use super::trial_run::{Moment, nothing_between};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::run::{Until, until};
 use anyhow::{Result, bail};
-use lemons_picture::{
-    ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, Style, chart_svg, pdf, png, sheet, svg,
-};
+use lemons_picture::{DENSITY_KERNEL, DensityMap, Scene, Style, pdf, png, sheet, svg};
+use lemons_results::Frame;
 use lemons_results::measure::within;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -35,10 +34,10 @@ pub struct Arguments {
     /// Draw these quantities over time for each agent, instead of scenes. Curves of contacts are drawn
     /// slightly apart; equal curves are drawn in dashes of all their colours
     #[arg(long, value_name = "QUANTITY,…", value_delimiter = ',', conflicts_with = "density")]
-    series: Vec<Quantity>,
+    pub series: Vec<Quantity>,
     /// Draw time series of these agents only, by Id. Default: all
     #[arg(long, value_name = "ID,…", value_delimiter = ',', requires = "series")]
-    agents: Vec<String>,
+    pub agents: Vec<String>,
     /// Draw a map of people per square metre, averaged over all frames, instead of scenes. Density does
     /// not spread through walls
     #[arg(long)]
@@ -48,24 +47,21 @@ pub struct Arguments {
     kernel: f64,
     /// Start of time series and density map, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    from: Option<f64>,
+    pub from: Option<f64>,
     /// End of time series and density map, in seconds. With the word left, a Trial in which people walk is
     /// run until everybody has left, as by lemons run. Default: the end of earlier results; 5 for a
     /// Trial or FMU
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
-    until: Option<Until>,
+    pub until: Option<Until>,
     #[command(flatten)]
     _force: Force,
     #[command(flatten)]
-    look: Look,
+    pub style: StyleArguments,
 }
 
 /// \[m\] Narrower ones need more cells than a picture has pixels.
 fn kernel(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if (0.02..=100.0).contains(&value) => Ok(value),
-        _ => Err("must be a number of metres from 0.02 to 100".into()),
-    }
+    number(text, |value| (0.02..=100.0).contains(&value), "a number of metres from 0.02 to 100")
 }
 
 pub fn plot(arguments: &Arguments) -> Result<()> {
@@ -94,7 +90,12 @@ impl Arguments {
         if self.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
             bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
         }
-        self.look.check(&self.series)
+        self.style.check(&self.series)
+    }
+
+    /// \[s\] `--from` and `--until`, if they are given as times.
+    pub fn times(&self) -> (Option<f64>, Option<f64>) {
+        (self.from, self.until.and_then(Until::time))
     }
 
     /// The picture, in the format of its file.
@@ -106,7 +107,7 @@ impl Arguments {
         } else {
             scenes(self, interrupt)?
         };
-        Format::of(&self.output)?.bytes(text, self.look.width)
+        Format::of(&self.output)?.bytes(text, self.style.width)
     }
 }
 
@@ -140,32 +141,25 @@ impl Format {
 }
 
 fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
-    let Arguments { source, at, look, .. } = arguments;
+    let Arguments { source, at, style, .. } = arguments;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
-    let wanted = if look.needs_all() { KeptFrames::All } else { KeptFrames::Around(at.clone()) };
-    let footage = source.footage(latest.map(End::NotBefore), wanted, interrupt)?;
-    at.iter().try_for_each(|time| footage.check(*time))?;
+    let wanted = if style.needs_all() { KeptFrames::All } else { KeptFrames::Around(at.clone()) };
+    let run = source.trial_run(latest.map(End::NotBefore), wanted, interrupt)?;
+    at.iter().try_for_each(|time| run.check(*time))?;
     // Poses between two frames would stand beside forces of one of them.
-    let asked = if at.is_empty() { vec![footage.last()] } else { at.clone() };
-    let times: Vec<f64> = asked.iter().map(|time| footage.run.frames[footage.nearest(*time)].time).collect();
-    let mut looks = Looks::new(look, &footage, &times, interrupt)?;
-    let moments: Vec<Moment> = times.iter().map(|time| footage.at(*time)).collect();
-    let scenes: Vec<Scene> = moments.iter().map(|moment| looks.scene(moment)).collect();
-    if looks.other_parameters() {
+    let asked = if at.is_empty() { vec![run.run.times().1] } else { at.clone() };
+    let times: Vec<f64> = asked.iter().map(|time| run.run.frames[run.nearest(*time)].time).collect();
+    let mut all = Scenes::new(style, &run, &times, interrupt)?;
+    let moments: Vec<Moment> = times.iter().map(|time| run.at(*time)).collect();
+    let scenes: Vec<Scene> = moments.iter().map(|moment| all.scene(moment)).collect();
+    let styles: Vec<Style> = moments.iter().map(|moment| all.style(moment)).collect();
+    if all.other_parameters {
         note!("{OTHER_PARAMETERS}");
     }
-    if let ([scene], [moment]) = (&scenes[..], &moments[..]) {
-        return Ok(svg(scene, &looks.style(moment)));
-    }
-    let panels: Vec<Panel> = scenes
-        .iter()
-        .zip(&moments)
-        .map(|(scene, moment)| Panel { scene, time: Some(moment.time), fill: Some(looks.style(moment).fill) })
-        .collect();
-    let view = scenes[0].view.unwrap_or_else(|| scenes[0].extent());
-    let size = view.high - view.low;
+    let panels: Vec<(&Scene, &Style)> = scenes.iter().zip(&styles).collect();
+    let size = scenes[0].view.unwrap_or_else(|| scenes[0].extent()).size();
     let columns = arguments.columns.map_or_else(|| columns(panels.len(), size.x / size.y), |n| n as usize);
-    Ok(sheet(&panels, columns, &looks.style(&moments[0])))
+    Ok(sheet(&panels, columns))
 }
 
 /// Said of forces.
@@ -184,41 +178,28 @@ fn columns(panels: usize, aspect: f64) -> usize {
     (1..=panels).min_by(|a, b| badness(a).total_cmp(&badness(b))).unwrap_or(1)
 }
 
-fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
-    let Arguments { source, look, .. } = arguments;
-    let opened = source.open(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
-    let (from, until) = (arguments.from, arguments.until.and_then(Until::time));
-    let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
-    let chart = chart(opened, look, &selection)?;
-    let theme = look.theme();
-    Ok(chart_svg(&chart, &ChartStyle { width: f64::from(look.width), theme, ..ChartStyle::default() }))
-}
-
 fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
-    let Arguments { source, look, .. } = arguments;
-    let footage = source.footage(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
-    let until = arguments.until.and_then(Until::time);
-    let within = |time: f64| within(time, arguments.from, until);
-    let places: Vec<usize> =
-        (0..footage.run.frames.len()).filter(|&k| within(footage.run.frames[k].time)).collect();
-    let Some(&last) = places.last() else { bail!(footage.nothing_between(arguments.from, until)) };
-    let times: Vec<f64> = places.iter().map(|&place| footage.run.frames[place].time).collect();
-    let mut looks = Looks::new(look, &footage, &times, interrupt)?;
-    let moment = footage.frame(last);
-    let mut scene = looks.scene(&moment);
-    let view = scene.view.unwrap_or_else(|| scene.extent());
-    let one = places.len() == 1;
+    let Arguments { source, style, .. } = arguments;
+    let run = source.trial_run(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
+    let (from, until) = arguments.times();
+    let frames: Vec<&Frame> = run.run.frames.iter().filter(|frame| within(frame.time, from, until)).collect();
+    let times: Vec<f64> = frames.iter().map(|frame| frame.time).collect();
+    let Some(&last) = times.last() else { bail!(nothing_between(&run.run, from, until)) };
+    let mut scenes = Scenes::new(style, &run, &times, interrupt)?;
+    let moment = run.at(last);
+    let mut scene = scenes.scene(&moment);
+    let one = times.len() == 1;
     if !one {
         // They are of one time.
         (scene.forces, scene.trails) = (Vec::new(), Vec::new());
     }
-    let mut map = DensityMap::new(view, arguments.kernel, &footage.trial.geometry.walls);
-    for place in &places {
-        map.add(footage.run.frames[*place].present().map(|(_, agent)| agent.pose.position));
+    let view = scene.view.unwrap_or_else(|| scene.extent());
+    let mut map = DensityMap::new(view, arguments.kernel, &run.trial.geometry.walls);
+    for frame in frames {
+        map.add(frame.present().map(|(_, agent)| agent.pose.position));
     }
-    map.range = look.range();
     note!("density: {}", map.described());
     scene.density = Some(map);
-    let time = one.then_some(moment.time);
-    Ok(svg(&scene, &Style { bodies: one, time, ..looks.style(&moment) }))
+    let time = one.then_some(last);
+    Ok(svg(&scene, &Style { bodies: one, time, range: style.range, ..scenes.style(&moment) }))
 }

@@ -1,13 +1,13 @@
 //! What is shown of each agent at each time.
 
-use super::moment::Moment;
+use super::trial_run::Moment;
 use crate::error::Misused;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use lemons_core::plane::Motion;
 use lemons_picture::ColourMap;
 use lemons_results::measure::{MovingMeans, squeeze};
-use lemons_results::{Observed, OfStep, Run};
+use lemons_results::{Frame, OfStep, Run};
 
 /// What is known of each agent at each time.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -71,27 +71,6 @@ impl Quantity {
         );
         Quantity::SqueezeAtTheTime
     }
-
-    /// Of an agent; NaN where it is not known.
-    fn of(self, agent: &Motion, seen: Option<&Observed>) -> f64 {
-        let of_step = |value: fn(&OfStep) -> f64| seen?.of_step.as_ref().map(value);
-        let known = match self {
-            Quantity::X => Some(agent.pose.position.x),
-            Quantity::Y => Some(agent.pose.position.y),
-            Quantity::Speed => Some(agent.twist.velocity.norm()),
-            Quantity::Squeeze | Quantity::GreatestSqueeze => of_step(|step| step.mean_normal_force),
-            Quantity::PeakSqueeze => of_step(|step| step.peak_normal_force),
-            Quantity::SqueezeAtTheTime => seen.map(|seen| seen.normal_force),
-            Quantity::Contacts => {
-                seen.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
-            }
-        };
-        known.unwrap_or(f64::NAN)
-    }
-
-    fn map(self) -> ColourMap {
-        if self.is_of_contacts() { ColourMap::FromPaper } else { ColourMap::Viridis }
-    }
 }
 
 /// A quantity of everybody in each frame of a run.
@@ -104,6 +83,8 @@ pub struct Shown {
 }
 
 impl Shown {
+    /// Takes what can be shown of a quantity from a run.
+    ///
     /// # Errors
     /// Means are over less than a communication step.
     pub fn of(quantity: Quantity, run: &Run, over: Option<f64>) -> Result<Shown> {
@@ -137,29 +118,43 @@ impl Shown {
     }
 
     pub fn map(&self) -> ColourMap {
-        self.quantity.map()
+        if self.quantity.is_of_contacts() { ColourMap::FromPaper } else { ColourMap::Viridis }
     }
 
-    /// Of everybody; NaN where it is not known.
+    /// Returns the values of everybody; NaN where it is not known.
     pub fn of_all(&self, moment: &Moment) -> Vec<f64> {
-        if let Some(values) = &self.values {
-            return values[moment.nearest].clone();
-        }
-        let of = |(k, agent)| self.quantity.of(agent, moment.observed.get(k));
+        let of = |(k, agent)| self.value(moment.frame, moment.nearest, k, agent);
         moment.agents.iter().enumerate().map(of).collect()
     }
 
-    /// Of an agent in a frame; NaN where it is not known, or has left.
+    /// Returns the value of an agent in a frame; NaN where it is not known.
     pub fn of_one(&self, run: &Run, frame: usize, agent: usize) -> f64 {
-        let seen = &run.frames[frame];
-        match &self.values {
-            _ if !seen.is_there(agent) => f64::NAN,
-            Some(values) => values[frame][agent],
-            None => {
-                let observed = seen.observed.as_ref().and_then(|all| all.get(agent));
-                self.quantity.of(&seen.agents[agent], observed)
-            }
+        self.value(&run.frames[frame], frame, agent, &run.frames[frame].agents[agent])
+    }
+
+    /// Returns the value of an agent, who moves so, in a frame at a place of the run; NaN where it is not known, or if
+    /// the agent has left.
+    fn value(&self, frame: &Frame, place: usize, agent: usize, motion: &Motion) -> f64 {
+        if !frame.is_there(agent) {
+            return f64::NAN;
         }
+        if let Some(values) = &self.values {
+            return values[place][agent];
+        }
+        let seen = frame.observed.as_ref().and_then(|all| all.get(agent));
+        let of_step = |value: fn(&OfStep) -> f64| seen?.of_step.as_ref().map(value);
+        let known = match self.quantity {
+            Quantity::X => Some(motion.pose.position.x),
+            Quantity::Y => Some(motion.pose.position.y),
+            Quantity::Speed => Some(motion.twist.velocity.norm()),
+            Quantity::Squeeze | Quantity::GreatestSqueeze => of_step(|step| step.mean_normal_force),
+            Quantity::PeakSqueeze => of_step(|step| step.peak_normal_force),
+            Quantity::SqueezeAtTheTime => seen.map(|seen| seen.normal_force),
+            Quantity::Contacts => {
+                seen.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
+            }
+        };
+        known.unwrap_or(f64::NAN)
     }
 }
 
@@ -185,10 +180,7 @@ fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
         let means = means.unwrap_or_else(|| vec![f64::NAN; people]);
         // The greater one; what is known, if the other is not.
         most.iter_mut().zip(&means).for_each(|(most, mean)| *most = most.max(*mean));
-        let shown = if greatest { &most } else { &means };
-        // Who has left has no value, and no part in the scale.
-        let of = |(agent, value): (usize, &f64)| if frame.is_there(agent) { *value } else { f64::NAN };
-        shown.iter().enumerate().map(of).collect()
+        if greatest { most.clone() } else { means }
     };
     run.frames.iter().enumerate().map(of_frame).collect()
 }
@@ -196,7 +188,7 @@ fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_results::Frame;
+    use lemons_results::Observed;
     use lemons_results::measure::Exposure;
     use std::path::PathBuf;
 

@@ -1,36 +1,27 @@
 //! Time series of each agent.
 
-use super::look::Look;
 use super::measured::Measured;
-use super::moment::Footage;
+use super::plot::Arguments;
 use super::quantity::{Quantity, Shown};
-use super::source::Opened;
+use super::source::KeptFrames;
+use super::trial_run::{TrialRun, nothing_between};
+use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
-use lemons_picture::{Axis, Chart, ChartPanel, Line};
+use lemons_picture::{Chart, ChartPanel, ChartStyle, Line, chart_svg, titled};
 use lemons_results::Run;
 use lemons_results::measure::within;
 
-/// What is shown of a run.
-pub struct Selection<'a> {
-    pub quantities: &'a [Quantity],
-    /// By Id; all if empty.
-    pub agents: &'a [String],
-    /// \[s\]
-    pub from: Option<f64>,
-    /// \[s\]
-    pub until: Option<f64>,
-}
-
-/// One panel for each quantity, one line for each agent; measured positions beside simulated ones.
-pub fn chart(opened: Opened, look: &Look, selection: &Selection) -> Result<Chart> {
-    let Opened { trial, run } = opened;
+/// Draws one panel for each quantity, one line for each agent; measured positions beside simulated ones.
+pub fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
+    let Arguments { source, style, .. } = arguments;
+    let (trial, run) = source.open(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
     // What contacts do is recorded, or computed from the Trial's bodies.
     let run = match trial {
-        Some(trial) => Footage::new(trial, run)?.run,
+        Some(trial) => TrialRun::new(trial, run)?.run,
         None => run,
     };
     let recorded = run.frames.iter().all(|frame| frame.observed.is_some());
-    let mut of_contacts = selection.quantities.iter().filter(|quantity| quantity.is_of_contacts());
+    let mut of_contacts = arguments.series.iter().filter(|quantity| quantity.is_of_contacts());
     if let Some(quantity) = of_contacts.next().filter(|_| !recorded) {
         let (name, _) = quantity.label();
         bail!(
@@ -38,15 +29,16 @@ pub fn chart(opened: Opened, look: &Look, selection: &Selection) -> Result<Chart
             run.source.display()
         );
     }
-    let places = places(&run, selection.agents)?;
-    let within = |time: f64| within(time, selection.from, selection.until);
+    let places = places(&run, &arguments.agents)?;
+    let (from, until) = arguments.times();
+    let within = |time: f64| within(time, from, until);
     if !run.frames.iter().any(|frame| within(frame.time)) {
-        bail!("{}: no frame between --from and --until", run.source.display());
+        bail!(nothing_between(&run, from, until));
     }
-    let measured = look.measured(&run)?;
+    let measured = style.measured(&run)?;
     let mut quantities: Vec<Shown> = Vec::new();
-    for quantity in selection.quantities {
-        let shown = Shown::of(*quantity, &run, look.over())?;
+    for quantity in &arguments.series {
+        let shown = Shown::of(*quantity, &run, style.over)?;
         // Mean and peak may have become the same.
         if !quantities.iter().any(|known| known.quantity == shown.quantity) {
             quantities.push(shown);
@@ -65,13 +57,14 @@ pub fn chart(opened: Opened, look: &Look, selection: &Selection) -> Result<Chart
             Some(Line { name: run.ids[place].clone(), points, group: place, dashed: true })
         });
         ChartPanel {
-            y: Axis { label: shown.label(), unit: shown.unit().to_owned() },
+            y: titled(&shown.label(), shown.unit()),
             lines: simulated.chain(seen).collect(),
             steps: quantity == Quantity::Contacts,
         }
     });
-    let x = Axis { label: "time".to_owned(), unit: "s".to_owned() };
-    Ok(Chart { x, panels: panels.collect(), noun: "agent".to_owned() })
+    let chart = Chart { x: "time (s)".to_owned(), panels: panels.collect(), noun: "agent".to_owned() };
+    let (width, theme) = (f64::from(style.width), style.theme());
+    Ok(chart_svg(&chart, &ChartStyle { width, theme, ..ChartStyle::default() }))
 }
 
 fn places(run: &Run, agents: &[String]) -> Result<Vec<usize>> {

@@ -1,9 +1,9 @@
 //! What is in the pictures.
 
-use crate::common::{agent, pedestrian, trial, values};
+use crate::common::{agent, pedestrian, trial};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Shape, Trial};
-use lemons_picture::{Bounds, Colour, Fill, Pose, Scene, Style, Theme, body_area, png, svg, viridis};
+use lemons_picture::{Bounds, Colour, Fill, Pose, Scene, Style, Theme, Values, png, svg, viridis};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Bodies without a mark of their direction.
@@ -116,11 +116,9 @@ fn theta_turns_the_shoulders() {
 fn values_and_their_colours() {
     let at = |x: f64| (pedestrian("0"), vec2(x, 0.0), 0.0);
     let t = trial(vec![at(-1.5), at(-0.5), at(0.5), at(1.5)], vec![box_of(-2.0, 2.0)]);
-    let values = values(vec![0.0, f64::NAN, 10.0], "speed", "m/s", Some((0.0, 10.0)));
-    let picture = Pixels::of(
-        &svg(&Scene::at_start(&t), &Style { width: 428.0, fill: Fill::Values(values), ..plain() }),
-        428,
-    );
+    let fill = Fill::Values(Values::of(vec![0.0, f64::NAN, 10.0], "speed", "m/s"));
+    let style = Style { width: 428.0, fill, range: Some((0.0, 10.0)), ..plain() };
+    let picture = Pixels::of(&svg(&Scene::at_start(&t), &style), 428);
     assert_eq!(on_page(&picture, vec2(-1.5, 0.0)), viridis(0.0));
     assert_eq!(on_page(&picture, vec2(0.5, 0.0)), viridis(1.0));
     assert_eq!(on_page(&picture, vec2(-0.5, 0.0)), on_page(&picture, vec2(1.5, 0.0)));
@@ -154,9 +152,8 @@ fn nothing_panics() {
         );
         render(&t, vec![], &full, Some(Bounds { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }));
         for range in [None, Some((v, 1.0)), Some((-1e308, 1e308)), Some((2.0, 1.0))] {
-            let values = values(vec![v, 1.0], "é\u{0}", "<", range);
-            let scene = Scene::at_start(&t);
-            png(&svg(&scene, &Style { fill: Fill::Values(values), ..full.clone() }), 64).unwrap();
+            let fill = Fill::Values(Values::of(vec![v, 1.0], "é\u{0}", "<"));
+            png(&svg(&Scene::at_start(&t), &Style { fill, range, ..full.clone() }), 64).unwrap();
         }
         let shape = Shape { radius: v, material_id: String::new(), position: vec2(v, v) };
         let t = trial(
@@ -181,18 +178,4 @@ fn what_leaves_a_fixed_view_is_cut() {
     png(&text, 100).unwrap();
     assert_eq!(text.matches("rotate(").count(), 3);
     assert_eq!(text.matches("<svg").count(), 2);
-}
-
-#[test]
-fn the_areas_of_people() {
-    // Against a count of millimetre squares.
-    let person = pedestrian("0");
-    let covered = |x: i32, y: i32| {
-        let p = vec2(f64::from(x) + 0.5, f64::from(y) + 0.5) * 1e-3;
-        person.shapes.iter().any(|s| (p - s.position).norm() < s.radius)
-    };
-    let count =
-        (-300..300).flat_map(|x| (-300..300).map(move |y| (x, y))).filter(|&(x, y)| covered(x, y)).count();
-    let area = body_area(&person);
-    assert!((area - 1e-6 * count as f64).abs() < 1e-4, "{area}");
 }

@@ -1,4 +1,4 @@
-//! A run at any time: between its frames everything is linear.
+//! A run of a Trial at any time: between its frames everything is linear.
 
 use anyhow::bail;
 use crowd_mechanics::engine::{BodyId, Crowded, PairForce, State, World};
@@ -10,25 +10,23 @@ use lemons_results::{Frame, Observed, Run};
 use lemons_sim::stop::moves;
 
 /// The crowd at one time.
-pub struct Moment {
+pub struct Moment<'r> {
     /// \[s\]
     pub time: f64,
     pub agents: Vec<Motion>,
-    /// Whether each is there, at the frame that is nearest in time.
-    pub there: Vec<bool>,
-    /// At that frame.
-    pub observed: Vec<Observed>,
-    /// Of that frame.
+    /// The frame that is nearest in time: who is there, and what contacts do.
+    pub frame: &'r Frame,
+    /// Its place in the run.
     pub nearest: usize,
 }
 
-/// Who has no pose is not drawn.
+/// The pose of those who are not there: they are not drawn.
 const NOWHERE: Pose = Pose { position: vec2(f64::NAN, f64::NAN), orientation: f64::NAN };
 
-impl Moment {
+impl Moment<'_> {
     pub fn poses(&self) -> Vec<Pose> {
-        let pose = |(agent, there): (&Motion, &bool)| if *there { agent.pose } else { NOWHERE };
-        self.agents.iter().zip(&self.there).map(pose).collect()
+        let pose = |(k, agent): (usize, &Motion)| if self.frame.is_there(k) { agent.pose } else { NOWHERE };
+        self.agents.iter().enumerate().map(pose).collect()
     }
 }
 
@@ -39,21 +37,21 @@ const AGREEMENT: (f64, f64) = (1e-3, 1.0);
 const ROUNDING: f64 = 1e-9;
 
 /// A run of a Trial, whose frames all say what contacts do to each agent.
-pub struct Footage {
+pub struct TrialRun {
     pub trial: Trial,
     pub run: Run,
 }
 
 /// The Trial's bodies, put where a run had them.
-pub struct Shadow(World);
+pub struct Replay(World);
 
-impl Footage {
+impl TrialRun {
     /// A run of the Trial's agents, in their order.
-    pub fn new(trial: Trial, mut run: Run) -> Result<Footage, WorldError> {
-        let mut shadow = Shadow::new(&trial)?;
+    pub fn new(trial: Trial, mut run: Run) -> Result<TrialRun, WorldError> {
+        let mut replay = Replay::new(&trial)?;
         for frame in run.frames.iter_mut().filter(|frame| frame.observed.is_none()) {
-            shadow.put(frame).map_err(|crowded| Setup::of(&trial).too_crowded(crowded))?;
-            let bodies = shadow.0.contacts().bodies.iter();
+            replay.put(frame).map_err(|crowded| Setup::of(&trial).too_crowded(crowded))?;
+            let bodies = replay.0.contacts().bodies.iter();
             let seen = bodies.map(|body| Observed {
                 agent_contacts: body.agent_contacts,
                 wall_contacts: body.wall_contacts,
@@ -63,20 +61,12 @@ impl Footage {
             });
             frame.observed = Some(seen.collect());
         }
-        Ok(Footage { trial, run })
+        Ok(TrialRun { trial, run })
     }
 
-    pub fn first(&self) -> f64 {
-        self.run.times().0
-    }
-
-    pub fn last(&self) -> f64 {
-        self.run.times().1
-    }
-
-    /// That a time \[s\] is one of the run's.
+    /// Checks that a time \[s\] is one of the run's.
     pub fn check(&self, time: f64) -> anyhow::Result<()> {
-        let (first, last) = (self.first(), self.last());
+        let (first, last) = self.run.times();
         if time < first - ROUNDING || time > last + ROUNDING {
             let source = self.run.source.display();
             bail!("{source}: t = {time:?} s is not in it: it goes from {first:?} to {last:?} s");
@@ -84,19 +74,10 @@ impl Footage {
         Ok(())
     }
 
-    /// That none of its frames is between two times \[s\].
-    pub fn nothing_between(&self, from: Option<f64>, until: Option<f64>) -> String {
-        let (first, last) = (self.first(), self.last());
-        let (from, until) = (from.unwrap_or(first), until.unwrap_or(last));
-        let source = self.run.source.display();
-        format!("{source}: no frame from {from:?} to {until:?} s: it goes from {first:?} to {last:?} s")
-    }
-
     /// \[s\] The first frame from which on nobody moves; `None` if somebody does in the last.
     pub fn still_from(&self) -> Option<f64> {
         let frames = &self.run.frames;
-        let moving = |frame: &Frame| moves(frame);
-        let still = frames.iter().rposition(moving).map_or(0, |last| last + 1);
+        let still = frames.iter().rposition(moves).map_or(0, |last| last + 1);
         frames.get(still).map(|frame| frame.time)
     }
 
@@ -109,13 +90,11 @@ impl Footage {
         frames.get(before + 1).map(|frame| (frame.time, stay))
     }
 
-    /// At a time \[s\] of the run; its ends for times beyond them.
-    pub fn at(&self, time: f64) -> Moment {
-        let nearest = self.nearest(time);
-        let time = time.clamp(self.first(), self.last());
-        let observed = observed(&self.run.frames[nearest]).to_vec();
-        let there = there(&self.run.frames[nearest]);
-        Moment { time, agents: agents_at(&self.run, time), there, observed, nearest }
+    /// The crowd at a time \[s\] of the run; at its ends for times beyond them.
+    pub fn at(&self, time: f64) -> Moment<'_> {
+        let (first, last) = self.run.times();
+        let (nearest, time) = (self.nearest(time), time.clamp(first, last));
+        Moment { time, agents: agents_at(&self.run, time), frame: &self.run.frames[nearest], nearest }
     }
 
     /// The place of the frame that is nearest to a time \[s\].
@@ -125,23 +104,11 @@ impl Footage {
         let before = after.saturating_sub(1);
         if time - frames[before].time < frames[after].time - time { before } else { after }
     }
-
-    /// One of the frames as it is.
-    pub fn frame(&self, place: usize) -> Moment {
-        let frame = &self.run.frames[place];
-        Moment {
-            time: frame.time,
-            agents: frame.agents.clone(),
-            there: there(frame),
-            observed: observed(frame).to_vec(),
-            nearest: place,
-        }
-    }
 }
 
-impl Shadow {
-    pub fn new(trial: &Trial) -> Result<Shadow, WorldError> {
-        Ok(Shadow(Setup::of(trial).world()?))
+impl Replay {
+    pub fn new(trial: &Trial) -> Result<Replay, WorldError> {
+        Ok(Replay(Setup::of(trial).world()?))
     }
 
     fn put(&mut self, frame: &Frame) -> Result<(), Crowded> {
@@ -156,29 +123,21 @@ impl Shadow {
     /// body; for each wall, from the body to where it touches.
     ///
     /// Also whether they are those that the run recorded; a run with other parameters had others.
-    pub fn forces(&mut self, footage: &Footage, moment: &Moment) -> (Vec<Force>, bool) {
-        let frame = &footage.run.frames[moment.nearest];
-        if self.put(frame).is_err() {
+    pub fn forces(&mut self, moment: &Moment) -> (Vec<Force>, bool) {
+        if self.put(moment.frame).is_err() {
             // No run of this Trial has so many in one place.
             return (Vec::new(), false);
         }
-        let chain = |PairForce { from, to, normal_force }| Force { from, to, normal_force };
-        let forces = self.0.pair_forces(&moment.poses()).into_iter().map(chain).collect();
+        let force = |PairForce { from, to, normal_force }| Force { from, to, normal_force };
+        let forces = self.0.pair_forces(&moment.poses()).into_iter().map(force).collect();
         let (relative, absolute) = AGREEMENT;
-        let agree = self.0.contacts().bodies.iter().zip(observed(frame)).all(|(computed, recorded)| {
+        let recorded = moment.frame.observed.iter().flatten();
+        let agree = self.0.contacts().bodies.iter().zip(recorded).all(|(computed, recorded)| {
             (computed.squeeze - recorded.normal_force).abs()
                 <= absolute + relative * recorded.normal_force.max(computed.squeeze)
         });
         (forces, agree)
     }
-}
-
-fn there(frame: &Frame) -> Vec<bool> {
-    (0..frame.agents.len()).map(|place| frame.is_there(place)).collect()
-}
-
-fn observed(frame: &Frame) -> &[Observed] {
-    frame.observed.as_deref().unwrap_or_default()
 }
 
 /// Everybody at a time \[s\] of a run; its ends for times beyond them.
@@ -190,4 +149,12 @@ pub fn agents_at(run: &Run, time: f64) -> Vec<Motion> {
     let a = &run.frames[before];
     let part = (time - a.time) / (b.time - a.time);
     a.agents.iter().zip(&b.agents).map(|(a, b)| a.towards(b, part)).collect()
+}
+
+/// Says that none of the frames is between two times \[s\].
+pub fn nothing_between(run: &Run, from: Option<f64>, until: Option<f64>) -> String {
+    let (first, last) = run.times();
+    let (from, until) = (from.unwrap_or(first), until.unwrap_or(last));
+    let source = run.source.display();
+    format!("{source}: no frame from {from:?} to {until:?} s: it goes from {first:?} to {last:?} s")
 }
