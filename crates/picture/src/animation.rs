@@ -283,7 +283,7 @@ impl Palette {
         })
     }
 
-    /// Whether the palette represents these pixels well enough.
+    /// Returns whether the palette represents these pixels well enough.
     fn serves(&mut self, pixels: &[[u8; 4]]) -> bool {
         let off =
             pixels.iter().filter(|p| p[3] > 0).filter(|[r, g, b, _]| self.nearest([*r, *g, *b]).1 > SEEN);

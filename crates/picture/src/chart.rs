@@ -41,7 +41,7 @@ pub struct Chart {
     pub x: String,
     /// The panels, from the top down.
     pub panels: Vec<ChartPanel>,
-    /// What each line represents, such as "agent". It precedes the name of a line; before several names it gets an s.
+    /// Name of what each line is of, such as "agent". It precedes the name of a line; before several names it gets an s.
     pub noun: String,
 }
 
@@ -113,7 +113,7 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     let numbers = panels.iter().flat_map(|p| &p.ticks).map(|(_, text)| lettering::width(text, cap));
     let left = margin + numbers.fold(0.0, f64::max) + TICK_GAP * unit;
     let names = panels.iter().flat_map(|p| &p.strokes).filter_map(|s| s.name.as_ref());
-    let named = names.map(|n| lettering::width(n, cap) + 1.3 * TICK_GAP * unit).fold(0.0, f64::max);
+    let named = names.map(|(n, _)| lettering::width(n, cap) + 1.3 * TICK_GAP * unit).fold(0.0, f64::max);
     // Very long names leave half of the page to the curves.
     let right = (width - margin - named).max(0.5 * width).max(left + unit);
     let x_ticks = x.ticks(((right - left) / (GRID.0 * unit)).max(1.0), false);
@@ -184,16 +184,14 @@ struct Stroke {
     /// Pieces drawn in dashes with others, and pieces drawn alone; if empty, the whole curve is drawn alone.
     pieces: Vec<Piece>,
     colour: Colour,
-    /// Colour of its name.
-    lettering: Colour,
     /// \[px\] width.
     width: f64,
     /// \[px\] Distance by which it is drawn above its place.
     aside: f64,
     opacity: f64,
     dashed: bool,
-    /// Name at its end.
-    name: Option<String>,
+    /// Name at its end, and its colour.
+    name: Option<(String, Colour)>,
     title: String,
 }
 
@@ -232,8 +230,8 @@ impl Ready {
     }
 
     /// Places the names beside the ends of their curves without overlap.
-    fn names(
-        &self,
+    fn names<'s>(
+        &'s self,
         page: &mut Page,
         (above, bottom): (f64, f64),
         right: f64,
@@ -241,15 +239,15 @@ impl Ready {
         up: impl Fn(f64) -> f64,
     ) {
         let (cap, gap) = (CAP_HEIGHT * page.unit, 1.3 * TICK_GAP * page.unit);
-        let named = |s: &'_ Stroke| {
+        let named = |s: &'s Stroke| {
             let (_, y) = s.points.iter().rev().find(|p| drawable(p))?;
-            Some((up(*y) - s.aside, s.name.clone().filter(|n| !n.is_empty())?, s.lettering))
+            Some((up(*y) - s.aside, s.name.as_ref().filter(|(name, _)| !name.is_empty())?))
         };
-        let mut names: Vec<(f64, String, Colour)> = self.strokes.iter().filter_map(named).collect();
+        let mut names: Vec<(f64, &(String, Colour))> = self.strokes.iter().filter_map(named).collect();
         names.sort_by(|a, b| a.0.total_cmp(&b.0));
         let places = names.iter().map(|n| n.0).collect();
         let places = apart(places, 1.5 * cap, above + 0.5 * cap, bottom - 0.5 * cap);
-        for ((_, name, colour), y) in names.iter().zip(places) {
+        for ((_, (name, colour)), y) in names.iter().zip(places) {
             let place = page.place(right + gap, y + 0.5 * cap, Anchor::Start);
             fitting(page, "name", name, place, (room - gap).max(page.unit), *colour);
         }
@@ -280,7 +278,7 @@ fn take_turns(strokes: &mut [Stroke], lines: &[&Line], noun: &str, near: f64, pa
         let names: Vec<&str> = together.iter().map(|k| lines[solid[*k]].name.as_str()).collect();
         let name = called(noun, &names);
         let (first, rest) = (solid[together[0]], &together[1..]);
-        (strokes[first].name, strokes[first].lettering) = (Some(name), palette.ink);
+        strokes[first].name = Some((name, palette.ink));
         rest.iter().for_each(|k| strokes[solid[*k]].name = None);
     }
 }
@@ -296,13 +294,15 @@ fn called(noun: &str, names: &[&str]) -> String {
 
 /// Few lines: each has its colour, each group one name.
 fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Stroke> {
-    let speaker = |line: &Line| {
-        let of_group = || lines.iter().filter(|l| l.group == line.group);
-        of_group().find(|l| !l.dashed).or_else(|| of_group().next()).copied()
+    // A group is named beside its first solid line, if it has one.
+    let speaks = |line: &Line| {
+        let own = || lines.iter().filter(|l| l.group == line.group);
+        own().find(|l| !l.dashed).or(own().next()).is_some_and(|l| std::ptr::eq(*l, line))
     };
-    let stroke = |line: &&Line| Stroke {
-        name: speaker(line).is_some_and(|s| std::ptr::eq(s, *line)).then(|| called(noun, &[&line.name])),
-        ..Stroke::of(line, noun, palette.series(line.group), STROKE * unit)
+    let stroke = |line: &&Line| {
+        let colour = palette.series(line.group);
+        let name = speaks(line).then(|| (called(noun, &[&line.name]), colour));
+        Stroke { name, ..Stroke::of(line, noun, colour, STROKE * unit) }
     };
     lines.iter().map(stroke).collect()
 }
@@ -320,7 +320,7 @@ fn crowd(steps: bool, noun: &str, lines: &[&Line], x: Range, unit: f64, palette:
     };
     let strong = |class, points, place, name: String| Stroke {
         class,
-        name: Some(name.clone()),
+        name: Some((name.clone(), palette.series(place))),
         ..Stroke::new(points, palette.series(place), STROKE * unit, name)
     };
     // The first of several with the same maximum.
@@ -360,9 +360,9 @@ fn value_at(points: &[(f64, f64)], x: f64, steps: bool) -> Option<f64> {
 impl Stroke {
     /// A solid line without a name.
     fn new(points: Vec<(f64, f64)>, colour: Colour, width: f64, title: String) -> Stroke {
-        let (class, pieces, lettering) = ("simulated", Vec::new(), colour);
+        let (class, pieces) = ("simulated", Vec::new());
         let (aside, opacity, dashed, name) = (0.0, 1.0, false, None);
-        Stroke { class, points, pieces, colour, lettering, width, aside, opacity, dashed, name, title }
+        Stroke { class, points, pieces, colour, width, aside, opacity, dashed, name, title }
     }
 
     fn of(line: &Line, noun: &str, colour: Colour, width: f64) -> Stroke {

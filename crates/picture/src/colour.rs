@@ -34,7 +34,7 @@ impl Colour {
 }
 
 impl fmt::Display for Colour {
-    /// As in CSS: `#8cb4de`.
+    /// Writes it as in CSS: `#8cb4de`.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
     }

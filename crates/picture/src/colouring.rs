@@ -46,7 +46,7 @@ impl Scale {
 }
 
 impl Colouring {
-    /// In a scene with a density map the scale is that of the map, and bodies have no values.
+    /// Chooses the colours. In a scene with a density map the scale is that of the map, and bodies have no values.
     pub fn new(scene: &Scene, style: &Style) -> Colouring {
         let values = match (&scene.density, &style.fill) {
             (Some(map), _) => Values::of(map.values(), "density", "1/m²"),

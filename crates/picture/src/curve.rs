@@ -169,34 +169,28 @@ pub(crate) fn shared(curves: &[&[(f64, f64)]], near: f64) -> (Vec<Vec<Piece>>, V
         let (p, q) = (curves[a][at], curves[b][at]);
         a == b || comparable[a] && comparable[b] && known(p) && known(q) && (p.1 - q.1).abs() <= near
     };
-    // The first curve that is equal from one point to the next.
+    // The first curve that is equal from one point to the next; `None` after the end of a curve.
     let leader = |k: usize, from: usize| {
-        (0..k).find(|&other| equal(k, other, from) && equal(k, other, from + 1)).unwrap_or(k)
+        let alike = |other: &usize| equal(k, *other, from) && equal(k, *other, from + 1);
+        if from + 1 < curves[k].len() { (0..=k).find(alike) } else { None }
     };
     let mut pieces = vec![Vec::new(); curves.len()];
-    let (mut leaders, mut mates) = (vec![0; curves.len()], Vec::new());
     // For each curve: the curves equal to it, and since when.
-    let mut open: Vec<Option<(Vec<usize>, usize)>> = vec![None; curves.len()];
+    let mut open: Vec<(Vec<usize>, usize)> = vec![Default::default(); curves.len()];
     let longest = curves.iter().map(|curve| curve.len()).max().unwrap_or(0);
     for from in 0..longest {
-        let goes_on = |k: usize| from + 1 < curves[k].len();
-        for k in (0..curves.len()).filter(|&k| goes_on(k)) {
-            leaders[k] = leader(k, from);
-        }
+        let leaders: Vec<Option<usize>> = (0..curves.len()).map(|k| leader(k, from)).collect();
         for k in 0..curves.len() {
-            mates.clear();
-            if goes_on(k) {
-                let with = |o: &usize| goes_on(*o) && leaders[*o] == leaders[k];
-                mates.extend((0..curves.len()).filter(with));
-            }
-            if open[k].as_ref().is_some_and(|(last, _)| *last == mates) {
+            let alike = |other: &usize| leaders[k].is_some() && leaders[*other] == leaders[k];
+            if (0..curves.len()).filter(alike).eq(open[k].0.iter().copied()) {
                 continue;
             }
-            if let Some((last, begun)) = open[k].take() {
+            let mates = (0..curves.len()).filter(alike).collect();
+            let (last, begun) = std::mem::replace(&mut open[k], (mates, from));
+            if let Some(first) = last.first() {
                 let turn = (last.iter().position(|mate| *mate == k).unwrap_or(0), last.len());
-                pieces[k].push(Piece { points: curves[last[0]][begun..=from].to_vec(), turn });
+                pieces[k].push(Piece { points: curves[*first][begun..=from].to_vec(), turn });
             }
-            open[k] = (!mates.is_empty()).then(|| (mates.clone(), from));
         }
     }
     let both_unknown = |a: usize, b: usize, at: usize| !known(curves[a][at]) && !known(curves[b][at]);

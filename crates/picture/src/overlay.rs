@@ -3,7 +3,7 @@
 use crate::body::{near, polyline};
 use crate::colour::{Colour, Palette};
 use crate::page::{CASING, dashes};
-use crate::scene::{Force, Scene, TrailKind};
+use crate::scene::{Force, Scene};
 use crate::sheet::Frame;
 use crate::text::text_of;
 use lemons_core::plane::Vec2;
@@ -22,7 +22,7 @@ const AGES: usize = 8;
 
 /// Returns whether trails are compared with measured ones.
 pub(crate) fn measured(scenes: &[&Scene]) -> bool {
-    scenes.iter().flat_map(|s| &s.trails).any(|t| t.kind == TrailKind::Measured)
+    scenes.iter().flat_map(|s| &s.trails).any(|t| t.measured)
 }
 
 /// Returns the forces that can be drawn.
@@ -85,11 +85,10 @@ pub(crate) fn trails(out: &mut String, scene: &Scene, palette: &Palette, frame: 
     let mut lines: Vec<_> = scene
         .trails
         .iter()
-        .enumerate()
-        .map(|(k, trail)| {
+        .map(|trail| {
             let mut d = String::new();
             pieces(&trail.points, step).iter().for_each(|piece| polyline(&mut d, piece));
-            (trail.kind == TrailKind::Measured, palette.series(trail.agent.unwrap_or(k)), d)
+            (trail.measured, palette.series(trail.agent), d)
         })
         .filter(|(_, _, d)| !d.is_empty())
         .collect();

@@ -166,9 +166,11 @@ impl Drawing {
         if let Some(outer) = clip.clip_path() {
             self.clip(outer)?;
         }
-        let mut outlines = Vec::new();
-        collect(clip.root(), clip.transform(), &mut outlines)?;
-        outlines.iter().for_each(|outline| self.outline(outline));
+        for node in clip.root().children() {
+            let Node::Path(path) = node else { return Err(PictureError::Pdf("a clip of groups")) };
+            let outline = path.data().clone().transform(clip.transform());
+            outline.iter().for_each(|outline| self.outline(outline));
+        }
         self.content.clip_nonzero().end_path();
         Ok(())
     }
@@ -271,19 +273,6 @@ impl Drawing {
             }
         }
     }
-}
-
-/// Collects the outlines of a clip, in the frame of the clipped object.
-fn collect(group: &Group, frame: Transform, outlines: &mut Vec<Outline>) -> Result<(), PictureError> {
-    let frame = frame.pre_concat(group.transform());
-    for node in group.children() {
-        match node {
-            Node::Group(group) => collect(group, frame, outlines)?,
-            Node::Path(path) => outlines.extend(path.data().clone().transform(frame)),
-            Node::Image(_) | Node::Text(_) => return Err(PictureError::Pdf("images and text")),
-        }
-    }
-    Ok(())
 }
 
 fn rgb(paint: &Paint) -> Result<[f32; 3], PictureError> {

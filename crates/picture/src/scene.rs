@@ -21,20 +21,12 @@ pub struct Force {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trail {
     /// Index of the agent; it selects the colour.
-    pub agent: Option<usize>,
-    /// Simulated (solid) or measured (dashed).
-    pub kind: TrailKind,
+    pub agent: usize,
+    /// Measured ones are dashed, simulated ones solid. Without a measured trail beside them, simulated ones have one
+    /// colour that becomes paler with age.
+    pub measured: bool,
     /// \[m\] Points in order of time. Points that are not finite interrupt the line.
     pub points: Vec<Vec2>,
-}
-
-/// The source of a trail.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TrailKind {
-    /// Solid. Without a measured trail beside it, it has one colour that becomes paler with age.
-    Simulated,
-    /// Dashed.
-    Measured,
 }
 
 /// Walls, and bodies at poses.

@@ -9,7 +9,7 @@ use crate::overlay::{FORCE_HALO, TRAIL_STROKE, drawable_forces, measured};
 use crate::page::{
     BAND_GAP, CAP_HEIGHT, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, footer_height, page_width,
 };
-use crate::scene::{Scene, TrailKind};
+use crate::scene::Scene;
 use crate::style::Style;
 use crate::text::round_below;
 use crate::world::{CUT_BORDER, is_cut, world};
@@ -52,13 +52,13 @@ impl Frame {
         Frame { unit, view, scale, left: left + 0.5 * (room - drawn.x), top, drawn }
     }
 
-    /// Whether the border would cut a disk.
+    /// Returns whether the border would cut a disk.
     pub fn cuts(&self, p: Vec2, r: f64) -> bool {
         let Bounds { low, high } = self.view;
         p.x - r < low.x || p.x + r > high.x || p.y - r < low.y || p.y + r > high.y
     }
 
-    /// Whether a disk is completely off the page.
+    /// Returns whether a disk is completely off the page.
     pub fn misses(&self, p: Vec2, r: f64) -> bool {
         let Bounds { low, high } = self.view;
         let r = r + MARGIN * self.unit / self.scale;
@@ -108,7 +108,7 @@ pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
     if !alone {
         // Objects that extend beyond their panel are cut, so that they do not reach the next one.
         let anywhere = Frame::fit(view, unit, 0.0, width, 0.0);
-        if scenes.iter().any(|scene| is_cut(scene, style, &anywhere)) {
+        if scenes.iter().any(|scene| is_cut(scene, &anywhere)) {
             gutter += 2.0 * CUT_BORDER;
             gap += 2.0 * CUT_BORDER;
         }
@@ -136,7 +136,7 @@ pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
         let left = margin + column as f64 * (cell + gutter * unit);
         let above = top + row as f64 * pitch;
         let frame = Frame::fit(view, unit, left, cell, above + heading);
-        let cut = (!alone || scene.view.is_some()) && is_cut(scene, style, &frame);
+        let cut = (!alone || scene.view.is_some()) && is_cut(scene, &frame);
         if !alone {
             page.out += "<g class=\"panel\">\n";
         }
@@ -225,7 +225,7 @@ fn forces_and_legend(scenes: &[&Scene], style: &Style, unit: f64, scale: f64) ->
         legend.push(Entry { class: "force", label, colour: Colour::FORCE, width, halo, dashed: false });
     }
     if measured(scenes) {
-        let simulated = |s: &&Scene| s.trails.iter().any(|t| t.kind == TrailKind::Simulated);
+        let simulated = |s: &&Scene| s.trails.iter().any(|t| !t.measured);
         let without = if scenes.iter().any(simulated) { 0 } else { 1 };
         legend.extend(Entry::simulated_and_measured(&palette, TRAIL_STROKE * unit).into_iter().skip(without));
     }

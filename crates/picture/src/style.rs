@@ -21,8 +21,6 @@ pub struct Style {
     pub time_decimals: usize,
     /// Values at the ends of the colour map; `None`: the lowest and the highest value of all scenes.
     pub range: Option<(f64, f64)>,
-    /// Whether the bodies are drawn; not if only a density map is to be drawn.
-    pub bodies: bool,
     /// \[N\] The force with the widest line; `None`: the largest force of the picture. If it is given (for movies), the
     /// legend is drawn even without forces.
     pub forces: Option<f64>,
@@ -39,7 +37,6 @@ impl Default for Style {
             time: None,
             time_decimals: 2,
             range: None,
-            bodies: true,
             forces: None,
         }
     }
@@ -50,9 +47,9 @@ impl Default for Style {
 pub enum Fill {
     /// One colour for all.
     Single(Colour),
-    /// By the area of each body.
+    /// Colours by the area of each body.
     BodyArea,
-    /// By one number for each agent.
+    /// Colours by one number for each agent.
     Values(Values),
 }
 

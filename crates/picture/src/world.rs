@@ -4,7 +4,7 @@ use crate::bicycle::{Bicycle, bicycles};
 use crate::body::{Body, begin_at, near, point, polyline};
 use crate::colour::{Colour, Palette};
 use crate::colouring::Colouring;
-use crate::isobands::isobands;
+use crate::density::density;
 use crate::lettering::{self, Anchor, PEN, Place};
 use crate::overlay::{drawable_forces, forces, measured, trails};
 use crate::page::{MARGIN, Page};
@@ -30,16 +30,13 @@ const LEAST_ID: f64 = 0.5;
 /// \[px\] Objects that are cut extend this far beyond the view.
 pub(crate) const CUT_BORDER: f64 = 0.4 * MARGIN;
 
-/// The bodies that are drawn, with their indices.
-fn seen<'a>(scene: &'a Scene, style: &Style, frame: &Frame) -> Vec<(usize, &'a Pose, &'a Body)> {
-    let seen =
-        |(_, pose, body): &(usize, &Pose, &Body)| style.bodies && !frame.misses(pose.position, body.reach);
-    scene.drawn().filter(seen).collect()
+/// Returns the bodies on the page, with their indices.
+fn seen<'a>(scene: &'a Scene, frame: &Frame) -> Vec<(usize, &'a Pose, &'a Body)> {
+    scene.drawn().filter(|(_, pose, body)| !frame.misses(pose.position, body.reach)).collect()
 }
 
-fn ridden<'a>(scene: &'a Scene, style: &Style, frame: &Frame) -> Vec<&'a Bicycle> {
-    let seen = |b: &&Bicycle| style.bodies && !frame.misses(b.pose.position, b.reach());
-    scene.drawn_bicycles().filter(seen).collect()
+fn ridden<'a>(scene: &'a Scene, frame: &Frame) -> Vec<&'a Bicycle> {
+    scene.drawn_bicycles().filter(|b| !frame.misses(b.pose.position, b.reach())).collect()
 }
 
 fn walls_of(scene: &Scene) -> Vec<Vec<Vec2>> {
@@ -48,11 +45,11 @@ fn walls_of(scene: &Scene) -> Vec<Vec<Vec2>> {
 }
 
 /// Returns whether the view cuts anything. Clipping makes rasterizing slow.
-pub(crate) fn is_cut(scene: &Scene, style: &Style, frame: &Frame) -> bool {
+pub(crate) fn is_cut(scene: &Scene, frame: &Frame) -> bool {
     let trails = scene.trails.iter().flat_map(|t| t.points.iter().copied());
     let mut lines = trails.chain(drawable_forces(scene).flat_map(|f| [f.from, f.to])).filter(|p| near(*p));
-    seen(scene, style, frame).iter().any(|(_, pose, body)| frame.cuts(pose.position, body.reach))
-        || ridden(scene, style, frame).iter().any(|b| frame.cuts(b.pose.position, b.reach()))
+    seen(scene, frame).iter().any(|(_, pose, body)| frame.cuts(pose.position, body.reach))
+        || ridden(scene, frame).iter().any(|b| frame.cuts(b.pose.position, b.reach()))
         || walls_of(scene).iter().flatten().any(|c| frame.cuts(*c, 0.0))
         || lines.any(|p| frame.cuts(p, 0.0))
 }
@@ -75,7 +72,7 @@ pub(crate) fn world(
         // Bodies of one colour become paler, so that the colours of the trails stand out.
         colouring.single = colouring.single.mixed(palette.paper, 0.6);
     }
-    let (drawn, walls) = (seen(scene, style, frame), walls_of(scene));
+    let (drawn, walls) = (seen(scene, frame), walls_of(scene));
     let (mut left, mut top) = (frame.left, frame.top);
     if cut {
         let border = CUT_BORDER * frame.unit;
@@ -93,14 +90,14 @@ pub(crate) fn world(
     );
 
     if let (Some(map), Some(scale)) = (&scene.density, &colouring.scale) {
-        isobands(out, map, frame, scale);
+        density(out, map, frame, scale);
     }
     draw_walls(out, &walls, palette, frame, scene.density.is_some());
     if !compared {
         trails(out, scene, palette, frame);
     }
     bodies(out, scene, style, palette, frame, &colouring, &drawn);
-    let ridden = ridden(scene, style, frame);
+    let ridden = ridden(scene, frame);
     let riders = ridden.iter().map(|b| b.rider.0 * b.rider.1).sum::<f64>() / ridden.len().max(1) as f64;
     bicycles(out, &ridden, palette, outline(frame, riders));
     if compared {

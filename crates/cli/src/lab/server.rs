@@ -10,18 +10,18 @@ use std::time::{Duration, Instant};
 const MOST_CONNECTIONS: usize = 64;
 /// \[byte\] Of a request; what follows its head is not read.
 const LARGEST_HEAD: usize = 16_384;
-/// For a request to come, and for the next part of an answer to be taken.
+/// Longest time for a request to come, and for the next part of an answer to be taken.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// What is asked.
+/// A request.
 pub struct Request<'a> {
     pub method: &'a str,
-    /// As it is in the address, with what follows `?`.
+    /// The path of the address, with what follows `?`.
     pub path: &'a str,
     pub host: &'a str,
 }
 
-/// What is answered.
+/// An answer.
 pub struct Answer {
     pub status: &'static str,
     /// Lines of the head, each with its end.
@@ -125,7 +125,7 @@ impl Connection {
     }
 }
 
-/// What the lines of a head ask, and whether only for a head; empty texts where it says nothing.
+/// Returns the request of a head, and whether it is for a head only; empty texts where it says nothing.
 fn request_of(head: &str) -> (Request<'_>, bool) {
     let mut lines = head.split("\r\n");
     let mut words = lines.next().unwrap_or_default().split(' ');
@@ -144,7 +144,7 @@ mod tests {
     /// \[byte\] More than a connection takes that nobody reads from.
     const LARGE: usize = 64_000_000;
 
-    /// What a server answers that repeats what was asked.
+    /// Returns the answer of a server that repeats what was asked.
     fn told(asked: &mut TcpStream, text: &str) -> String {
         asked.write_all(text.as_bytes()).unwrap();
         let mut answer = String::new();

@@ -12,6 +12,7 @@ use anyhow::{Context, Result, bail};
 use indicatif::ProgressStyle;
 use lemons_core::files::{Scratch, Staged, input};
 use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
+use lemons_results::Frame;
 use lemons_sim::stop::REST;
 use rayon::prelude::*;
 use std::fs::File;
@@ -162,24 +163,26 @@ fn rest(run: &TrialRun, first: f64) -> Result<f64> {
     }
 }
 
-/// \[s\] Where a movie from `first` on ends as the last one leaves.
+/// \[s\] Where a movie from `first` on ends as the last one leaves: the first frame with those who stay.
 fn left(run: &TrialRun, first: f64) -> Result<f64> {
-    let source = run.run.source.display();
-    match run.left_from() {
-        None => bail!("--until left: {source}: nobody leaves"),
-        Some((time, _)) if time <= first => {
-            bail!("--until left: {source}: nobody leaves after t = {:?} s: nothing to show", told(first))
-        }
-        Some((time, 0)) => Ok(time),
-        Some((time, stay)) => {
-            let time_told = told(time);
-            note!(
-                "{source}: {stay} of {} people stay: the movie ends at t = {time_told:?} s, when the last of the others has left",
-                run.run.ids.len()
-            );
-            Ok(time)
-        }
+    let (source, frames) = (run.run.source.display(), &run.run.frames);
+    let there = |frame: &Frame| frame.present().count();
+    let stay = frames.last().map_or(0, there);
+    let Some(before) = frames.iter().rposition(|frame| there(frame) != stay) else {
+        bail!("--until left: {source}: nobody leaves")
+    };
+    let time = frames[before + 1].time;
+    if time <= first {
+        bail!("--until left: {source}: nobody leaves after t = {:?} s: nothing to show", told(first));
     }
+    if stay > 0 {
+        note!(
+            "{source}: {stay} of {} people stay: the movie ends at t = {:?} s, when the last of the others has left",
+            run.run.ids.len(),
+            told(time)
+        );
+    }
+    Ok(time)
 }
 
 /// \[s\] A time as it is told: without what rounding has added.

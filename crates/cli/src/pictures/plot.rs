@@ -84,7 +84,7 @@ pub fn drawn(arguments: &Arguments) -> Result<Vec<u8>> {
 }
 
 impl Arguments {
-    /// Whether the options belong together.
+    /// Checks that the options belong together.
     fn check(&self) -> Result<()> {
         Format::of(&self.output)?;
         if self.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
@@ -111,7 +111,7 @@ impl Arguments {
     }
 }
 
-/// What a picture is written as.
+/// Format of a picture.
 #[derive(Clone, Copy)]
 pub enum Format {
     Svg,
@@ -120,7 +120,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// By the end of the file's name.
+    /// Returns the format of a file's name.
     pub fn of(path: &Path) -> Result<Format> {
         match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("svg") => Ok(Format::Svg),
@@ -190,8 +190,8 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let mut scene = scenes.scene(&moment);
     let one = times.len() == 1;
     if !one {
-        // They are of one time.
-        (scene.forces, scene.trails) = (Vec::new(), Vec::new());
+        // Bodies, forces and trails are of one time.
+        (scene.poses, scene.forces, scene.trails) = (Vec::new(), Vec::new(), Vec::new());
     }
     let view = scene.view.unwrap_or_else(|| scene.extent());
     let mut map = DensityMap::new(view, arguments.kernel, &run.trial.geometry.walls);
@@ -201,5 +201,5 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     note!("density: {}", map.described());
     scene.density = Some(map);
     let time = one.then_some(last);
-    Ok(svg(&scene, &Style { bodies: one, time, range: style.range, ..scenes.style(&moment) }))
+    Ok(svg(&scene, &Style { time, range: style.range, ..scenes.style(&moment) }))
 }

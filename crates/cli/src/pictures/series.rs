@@ -78,7 +78,7 @@ fn places(run: &Run, agents: &[String]) -> Result<Vec<usize>> {
     agents.iter().map(place).collect()
 }
 
-/// Of what was measured: where somebody was.
+/// Returns where somebody was measured.
 fn seen(quantity: Quantity, measured: &Measured, id: &str) -> Option<Vec<(f64, f64)>> {
     let rows = measured.of(id).iter();
     match quantity {

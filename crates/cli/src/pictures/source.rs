@@ -104,7 +104,7 @@ impl Source {
         Ok((trial, run))
     }
 
-    /// As [`Source::open`] with all frames; those of earlier results stay in their file.
+    /// Opens it as [`Source::open`] with all frames; those of earlier results stay in their file.
     pub fn record_of(&self, until: Option<End>, interrupt: &Interrupt) -> Result<(Option<Trial>, Record)> {
         let (trial, found) = self.find(until, KeptFrames::All, interrupt)?;
         let record = match found {
@@ -187,7 +187,7 @@ impl Source {
     /// The end of a run that is made now; `None` for earlier results, which have one.
     ///
     /// # Errors
-    /// Of earlier results, it is asked when everybody has left.
+    /// Earlier results are to end when everybody has left.
     pub fn end(&self, until: Option<Until>) -> Result<Option<End>> {
         match until {
             Some(Until::Left) if !self.runs() => Err(Misused(
@@ -201,7 +201,7 @@ impl Source {
         }
     }
 
-    /// As [`Source::open`], with shapes and walls.
+    /// Opens it as [`Source::open`], with shapes and walls.
     pub fn trial_run(
         &self,
         until: Option<End>,
@@ -218,7 +218,7 @@ impl Source {
         Ok(TrialRun::new(trial, run)?)
     }
 
-    /// Whether it is something to run.
+    /// Returns whether it is something to run.
     pub fn runs(&self) -> bool {
         if self.memory.is_some() {
             return false;
@@ -227,7 +227,7 @@ impl Source {
         ends("fmu") || ends("zip") || self.path.join("Parameters.xml").is_file()
     }
 
-    /// As `lemons run` does it, in memory.
+    /// Runs it as `lemons run` does, in memory.
     fn record(&self, until: End, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Run> {
         let settings = Settings {
             parameters: name_and_value_of_all(&self.settings)?,

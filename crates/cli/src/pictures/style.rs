@@ -9,9 +9,7 @@ use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use lemons_core::plane::{Vec2, vec2};
-use lemons_picture::{
-    Bounds, Colour, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, ids_without_room,
-};
+use lemons_picture::{Bounds, Colour, Fill, Force, Scene, Style, Theme, Trail, Values, ids_without_room};
 use lemons_results::Run;
 use std::path::PathBuf;
 
@@ -68,7 +66,7 @@ pub struct StyleArguments {
     pub width: u32,
 }
 
-/// What the colour of a body says.
+/// Meaning of the colour of a body.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Filling {
     Area,
@@ -140,17 +138,17 @@ pub struct Scenes<'r> {
     measured: Option<Measured>,
     /// If forces are shown.
     replay: Option<Replay>,
-    /// Without poses, trails and forces.
+    /// A scene without poses, trails and forces.
     scene: Scene<'r>,
-    /// Without values and time.
+    /// A style without values and time.
     style: Style,
-    /// What the colours say, unless they are of areas or a single one.
+    /// The quantity that colours show, unless they are of areas or a single one.
     shown: Option<Shown>,
     /// Whether forces were shown that the run did not have: it had other parameters than the Trial.
     pub other_parameters: bool,
 }
 
-/// As many as it takes to tell the times, from 2 to 4.
+/// Returns how many decimals it takes to tell the times, from 2 to 4.
 fn decimals(times: &[f64]) -> usize {
     let exact = |places: &usize| {
         let unit = 10f64.powi(-(*places as i32));
@@ -164,12 +162,12 @@ impl StyleArguments {
         if self.dark { Theme::Dark } else { Theme::Light }
     }
 
-    /// Whether scenes show where people were before.
+    /// Returns whether scenes show where people were before.
     pub fn shows_trails(&self) -> bool {
         self.trails.is_some() || self.measured.is_some()
     }
 
-    /// Whether scenes depend on all that was before.
+    /// Returns whether scenes depend on all that was before.
     pub fn needs_all(&self) -> bool {
         self.shows_trails() || self.over.is_some() || self.fill == Filling::Of(Quantity::GreatestSqueeze)
     }
@@ -190,10 +188,7 @@ impl StyleArguments {
         }
     }
 
-    /// That means over a time are asked for where they are shown: as colours, or in `series`.
-    ///
-    /// # Errors
-    /// They are not.
+    /// Checks that means over a time are shown where they are asked for: as colours, or in `series`.
     pub fn check(&self, series: &[Quantity]) -> Result<()> {
         let colours = if let Filling::Of(quantity) = self.fill { Some(quantity) } else { None };
         if self.over.is_some() && !series.iter().chain(&colours).any(|quantity| quantity.is_mean()) {
@@ -323,19 +318,19 @@ impl<'r> Scenes<'r> {
         let simulated = there.map(|agent| {
             let past = frames().map(|frame| frame.agents[agent].pose.position);
             let points = thinned(past.chain([moment.agents[agent].pose.position]));
-            Trail { agent: Some(agent), kind: TrailKind::Simulated, points }
+            Trail { agent, measured: false, points }
         });
         let measured = self.measured.iter().flat_map(|measured| {
             run.ids.iter().enumerate().map(|(agent, id)| {
                 let past = measured.of(id).iter().filter(|(time, _)| within(*time)).map(|row| row.1);
-                Trail { agent: Some(agent), kind: TrailKind::Measured, points: thinned(past) }
+                Trail { agent, measured: true, points: thinned(past) }
             })
         });
         simulated.chain(measured).filter(|trail| trail.points.len() > 1).collect()
     }
 }
 
-/// Without points nearer than this to the one before.
+/// Returns points without those nearer than this to the one before.
 fn thinned(points: impl Iterator<Item = Vec2>) -> Vec<Vec2> {
     let mut kept: Vec<Vec2> = Vec::new();
     for point in points {

@@ -81,15 +81,6 @@ impl TrialRun {
         frames.get(still).map(|frame| frame.time)
     }
 
-    /// \[s\] The first frame without the last who has left, and how many are there; `None` if nobody has left.
-    pub fn left_from(&self) -> Option<(f64, usize)> {
-        let frames = &self.run.frames;
-        let there = |frame: &Frame| frame.present().count();
-        let stay = frames.last().map(there)?;
-        let before = frames.iter().rposition(|frame| there(frame) != stay)?;
-        frames.get(before + 1).map(|frame| (frame.time, stay))
-    }
-
     /// The crowd at a time \[s\] of the run; at its ends for times beyond them.
     pub fn at(&self, time: f64) -> Moment<'_> {
         let (first, last) = self.run.times();

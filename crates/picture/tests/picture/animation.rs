@@ -25,6 +25,15 @@ fn film(format: AnimationFormat, rate: f64, frames: &[Pixels]) -> Vec<u8> {
     bytes
 }
 
+/// Draws the opaque pixels of a part of a frame, so many in a row, at its place.
+fn draw(canvas: &mut [u8], part: &[u8], width: u32, (left, top): (u32, u32)) {
+    for (k, pixel) in part.chunks_exact(4).enumerate().filter(|(_, pixel)| pixel[3] == 255) {
+        let (x, y) = (k as u32 % width + left, k as u32 / width + top);
+        let to = 4 * (y * 40 + x) as usize;
+        canvas[to..to + 4].copy_from_slice(pixel);
+    }
+}
+
 /// Ten frames, the fifth like the fourth.
 fn frames() -> Vec<Pixels> {
     (0..10).map(|k| frame(if k == 4 { 3 } else { k })).collect()
@@ -43,15 +52,7 @@ fn every_frame_of_an_animated_png() {
         let info = reader.next_frame(&mut buffer).unwrap();
         let at = *reader.info().frame_control().unwrap();
         assert_eq!(f64::from(at.delay_num) / f64::from(at.delay_den), 0.08);
-        for y in 0..info.height {
-            for x in 0..info.width {
-                let from = 4 * (y * info.width + x) as usize;
-                let to = 4 * ((y + at.y_offset) * 40 + x + at.x_offset) as usize;
-                if buffer[from + 3] == 255 {
-                    canvas[to..to + 4].copy_from_slice(&buffer[from..from + 4]);
-                }
-            }
-        }
+        draw(&mut canvas, &buffer[..info.buffer_size()], info.width, (at.x_offset, at.y_offset));
         assert!(canvas == frame.rgba, "frame {k}");
         if k == 4 {
             assert_eq!((info.width, info.height), (1, 1));
@@ -75,13 +76,7 @@ fn every_frame_of_a_gif() {
     while let Some(part) = decoder.read_next_frame().unwrap() {
         hundredths += part.delay;
         assert!((3..=4).contains(&part.delay));
-        for (k, pixel) in part.buffer.chunks_exact(4).enumerate() {
-            let (x, y) = (k % part.width as usize, k / part.width as usize);
-            let to = 4 * ((y + part.top as usize) * 40 + x + part.left as usize);
-            if pixel[3] == 255 {
-                canvas[to..to + 4].copy_from_slice(pixel);
-            }
-        }
+        draw(&mut canvas, &part.buffer, part.width.into(), (part.left.into(), part.top.into()));
         let off = canvas.iter().zip(&frames[count].rgba).map(|(a, b)| a.abs_diff(*b)).max();
         assert!(off <= Some(3), "frame {count}: {off:?}");
         count += 1;
