@@ -4,7 +4,6 @@ mod measured;
 pub mod movie;
 pub mod plot;
 mod quantity;
-mod series;
 pub mod source;
 mod spread;
 pub mod style;

@@ -1,8 +1,8 @@
 //! Maps of people per area, as filled contours.
 
 use crate::body::{TENTH_OF_MM, near};
-use crate::colouring::Scale;
 use crate::sheet::Frame;
+use crate::style::Scale;
 use crate::text::{escaped, pair, text_of};
 use contour::ContourBuilder;
 use lemons_core::plane::{Bounds, Vec2, vec2};

@@ -1,8 +1,8 @@
 //! A page, and what is on it beside scenes and curves: texts, legend, scale bar, colour bar.
 
 use crate::colour::{Colour, Palette, Theme};
-use crate::colouring::Scale;
 use crate::lettering::{self, Anchor, PEN, Place};
+use crate::style::Scale;
 use crate::text::{PX, escaped, round_below, short, text_of};
 
 /// \[px\] Page width at which lines and letters have their nominal sizes in px.

@@ -45,15 +45,10 @@ pub struct Pixels {
 }
 
 impl Pixels {
-    /// Returns width and height of [`Pixels::even`].
-    pub fn even_size(&self) -> (u32, u32) {
-        (self.width + self.width % 2, self.height + self.height % 2)
-    }
-
     /// Returns the picture with an even width and height: the last column or row is repeated where needed. H.264 in
     /// 4:2:0, which all players support, needs this.
     pub fn even(self) -> Pixels {
-        let (width, height) = self.even_size();
+        let (width, height) = (self.width + self.width % 2, self.height + self.height % 2);
         if (width, height) == (self.width, self.height) {
             return self;
         }

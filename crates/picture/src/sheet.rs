@@ -3,16 +3,14 @@
 use crate::bicycle::Bicycle;
 use crate::body::near;
 use crate::colour::{Colour, Palette};
-use crate::colouring::{Colouring, Scale};
 use crate::lettering::{self, Anchor};
-use crate::overlay::{FORCE_HALO, TRAIL_STROKE, drawable_forces, measured};
 use crate::page::{
     BAND_GAP, CAP_HEIGHT, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, footer_height, page_width,
 };
 use crate::scene::Scene;
-use crate::style::Style;
+use crate::style::{Colouring, Scale, Style};
 use crate::text::round_below;
-use crate::world::{CUT_BORDER, is_cut, world};
+use crate::world::{CUT_BORDER, FORCE_HALO, TRAIL_STROKE, drawable_forces, is_cut, measured, world};
 use lemons_core::plane::{Bounds, Vec2, vec2};
 
 /// \[px\] Distance between two panels.

@@ -100,13 +100,13 @@ impl Connection {
         self.request.extend_from_slice(&part[..length]);
         if let Some(end) = self.request.windows(4).position(|end| end == b"\r\n\r\n") {
             let text = String::from_utf8_lossy(&self.request[..end]);
-            let (request, head_only) = request_of(&text);
+            let request = request_of(&text);
             let Answer { status, head, content } = answer(&request);
             let head = format!(
                 "HTTP/1.1 {status}\r\nContent-Length: {}\r\nConnection: close\r\n{head}\r\n",
                 content.len()
             );
-            let content = if head_only { Cow::default() } else { content };
+            let content = if request.method == "HEAD" { Cow::default() } else { content };
             (self.answer, self.since) = ([Cow::Owned(head.into_bytes()), content], Instant::now());
         } else if self.request.len() > LARGEST_HEAD {
             return Ok(0);
@@ -125,14 +125,14 @@ impl Connection {
     }
 }
 
-/// Returns the request of a head, and whether it is for a head only; empty texts where it says nothing.
-fn request_of(head: &str) -> (Request<'_>, bool) {
+/// Returns the request of a head; empty texts where it says nothing.
+fn request_of(head: &str) -> Request<'_> {
     let mut lines = head.split("\r\n");
     let mut words = lines.next().unwrap_or_default().split(' ');
     let (method, path) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
     let mut fields = lines.filter_map(|line| line.split_once(':'));
     let host = fields.find(|(name, _)| name.eq_ignore_ascii_case("host"));
-    (Request { method, path, host: host.map_or("", |(_, value)| value.trim()) }, method == "HEAD")
+    Request { method, path, host: host.map_or("", |(_, value)| value.trim()) }
 }
 
 #[cfg(test)]

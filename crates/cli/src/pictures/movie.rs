@@ -71,8 +71,8 @@ fn end(text: &str) -> Result<End, String> {
 pub fn movie(arguments: &Arguments) -> Result<()> {
     let Arguments { source, style, frame_rate, speed_up, .. } = arguments;
     let path = arguments.output.clone().unwrap_or_else(default_output);
-    let kind = Kind::of(&path)?;
-    if kind == Kind::Of(AnimationFormat::Gif) && *frame_rate > MOST_OF_GIF {
+    let format = format_of(&path)?;
+    if format == Some(AnimationFormat::Gif) && *frame_rate > MOST_OF_GIF {
         bail!(Misused(format!(
             "--frame-rate {frame_rate}: a GIF shows at most {MOST_OF_GIF} frames per second"
         )));
@@ -111,10 +111,14 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
         let moment = run.at(*time);
         (scenes.scene(&moment), scenes.style(&moment))
     };
-    let draw = |(scene, style): &(Scene, Style)| pixels(&svg(scene, style), arguments.style.width);
+    let draw = |(scene, style): &(Scene, Style)| {
+        let frame = pixels(&svg(scene, style), arguments.style.width);
+        // Frames for ffmpeg need even sides.
+        if format.is_none() { frame.map(Pixels::even) } else { frame }
+    };
     // Its size is that of all.
     let first_frame = draw(&shown(&first))?;
-    let film = Film::begin(file.writer(), kind, *frame_rate, times.len(), &first_frame);
+    let film = Film::begin(file.writer(), format, *frame_rate, times.len(), &first_frame);
     let mut film = film.with_context(of_path)?;
     let bar = ProgressStyle::with_template("{bar:40} {percent:>3}%  frame {pos} of {len}  {eta} left")?;
     let progress = crate::print::bar(times.len() as u64).with_style(bar);
@@ -123,7 +127,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
         let drawn: Vec<_> = shown.par_iter().map(draw).collect();
         for frame in drawn {
             interrupt.check()?;
-            film.add(frame?).with_context(of_path)?;
+            film.add(&frame?).with_context(of_path)?;
             progress.inc(1);
         }
     }
@@ -190,24 +194,17 @@ fn told(time: f64) -> f64 {
     (time * 1e6).round() / 1e6
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    Mp4,
-    Of(AnimationFormat),
-}
-
-impl Kind {
-    fn of(path: &Path) -> Result<Kind> {
-        match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("mp4") if ffmpeg_is_there() => Ok(Kind::Mp4),
-            Some("mp4") => bail!(
-                "{}: MP4 needs the program ffmpeg, which is not there; .png (animated PNG) and .gif need nothing",
-                path.display()
-            ),
-            Some("png" | "apng") => Ok(Kind::Of(AnimationFormat::Apng)),
-            Some("gif") => Ok(Kind::Of(AnimationFormat::Gif)),
-            _ => bail!(Misused(format!("{}: movies are .mp4, .png or .gif", path.display()))),
-        }
+/// Returns the format of a file's name; `None`: MP4, which ffmpeg makes.
+fn format_of(path: &Path) -> Result<Option<AnimationFormat>> {
+    match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("mp4") if ffmpeg_is_there() => Ok(None),
+        Some("mp4") => bail!(
+            "{}: MP4 needs the program ffmpeg, which is not there; .png (animated PNG) and .gif need nothing",
+            path.display()
+        ),
+        Some("png" | "apng") => Ok(Some(AnimationFormat::Apng)),
+        Some("gif") => Ok(Some(AnimationFormat::Gif)),
+        _ => bail!(Misused(format!("{}: movies are .mp4, .png or .gif", path.display()))),
     }
 }
 
@@ -250,31 +247,32 @@ impl Drop for Ffmpeg {
 impl<'a> Film<'a> {
     fn begin(
         file: &'a mut BufWriter<Staged>,
-        kind: Kind,
+        format: Option<AnimationFormat>,
         frame_rate: f64,
         frames: usize,
         first: &Pixels,
     ) -> Result<Film<'a>> {
-        let writer = match kind {
-            Kind::Mp4 => {
-                let (ffmpeg, to) = Ffmpeg::start(frame_rate, first.even_size())?;
+        let size = (first.width, first.height);
+        let writer = match format {
+            None => {
+                let (ffmpeg, to) = Ffmpeg::start(frame_rate, size)?;
                 Writer::Ffmpeg(ffmpeg, to, file)
             }
-            Kind::Of(format) => {
+            Some(format) => {
                 Writer::Animated(Animation::begin(file, format, frame_rate, u32::try_from(frames)?, first)?)
             }
         };
-        Ok(Film { size: (first.width, first.height), writer })
+        Ok(Film { size, writer })
     }
 
-    fn add(&mut self, frame: Pixels) -> Result<()> {
+    fn add(&mut self, frame: &Pixels) -> Result<()> {
         let (size, (width, height)) = ((frame.width, frame.height), self.size);
         if size != self.size {
             bail!("a frame has {} × {} pixels, those before {width} × {height}", size.0, size.1);
         }
         match &mut self.writer {
-            Writer::Animated(animation) => Ok(animation.add(&frame)?),
-            Writer::Ffmpeg(ffmpeg, to, _) => to.write_all(&frame.even().rgba).or_else(|error| {
+            Writer::Animated(animation) => Ok(animation.add(frame)?),
+            Writer::Ffmpeg(ffmpeg, to, _) => to.write_all(&frame.rgba).or_else(|error| {
                 // It has said why.
                 ffmpeg.wait()?;
                 Err(error).context("ffmpeg")

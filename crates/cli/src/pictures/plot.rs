@@ -1,19 +1,22 @@
 //! `lemons plot`: scenes, time series, a map of density.
 
-use super::quantity::Quantity;
-use super::series::series;
+use super::quantity::{Quantity, Shown};
 use super::source::{End, KeptFrames, Source};
 use super::style::{Scenes, StyleArguments, number, seconds};
-use super::trial_run::{Moment, nothing_between};
+use super::trial_run::{Moment, TrialRun, nothing_between};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::run::{Until, until};
 use anyhow::{Result, bail};
-use lemons_picture::{DENSITY_KERNEL, DensityMap, Scene, Style, pdf, png, sheet, svg};
-use lemons_results::Frame;
+use lemons_core::plane::Vec2;
+use lemons_picture::{
+    Chart, ChartPanel, ChartStyle, DENSITY_KERNEL, DensityMap, Line, Scene, Style, chart_svg, pdf, png,
+    sheet, svg, titled,
+};
 use lemons_results::measure::within;
+use lemons_results::{Frame, Run};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -34,10 +37,10 @@ pub struct Arguments {
     /// Draw these quantities over time for each agent, instead of scenes. Curves of contacts are drawn
     /// slightly apart; equal curves are drawn in dashes of all their colours
     #[arg(long, value_name = "QUANTITY,…", value_delimiter = ',', conflicts_with = "density")]
-    pub series: Vec<Quantity>,
+    series: Vec<Quantity>,
     /// Draw time series of these agents only, by Id. Default: all
     #[arg(long, value_name = "ID,…", value_delimiter = ',', requires = "series")]
-    pub agents: Vec<String>,
+    agents: Vec<String>,
     /// Draw a map of people per square metre, averaged over all frames, instead of scenes. Density does
     /// not spread through walls
     #[arg(long)]
@@ -47,16 +50,16 @@ pub struct Arguments {
     kernel: f64,
     /// Start of time series and density map, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    pub from: Option<f64>,
+    from: Option<f64>,
     /// End of time series and density map, in seconds. With the word left, a Trial in which people walk is
     /// run until everybody has left, as by lemons run. Default: the end of earlier results; 5 for a
     /// Trial or FMU
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
-    pub until: Option<Until>,
+    until: Option<Until>,
     #[command(flatten)]
     _force: Force,
     #[command(flatten)]
-    pub style: StyleArguments,
+    style: StyleArguments,
 }
 
 /// \[m\] Narrower ones need more cells than a picture has pixels.
@@ -94,7 +97,7 @@ impl Arguments {
     }
 
     /// \[s\] `--from` and `--until`, if they are given as times.
-    pub fn times(&self) -> (Option<f64>, Option<f64>) {
+    fn times(&self) -> (Option<f64>, Option<f64>) {
         (self.from, self.until.and_then(Until::time))
     }
 
@@ -202,4 +205,79 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     scene.density = Some(map);
     let time = one.then_some(last);
     Ok(svg(&scene, &Style { time, range: style.range, ..scenes.style(&moment) }))
+}
+
+/// Draws one panel for each quantity, one line for each agent; measured positions beside simulated ones.
+fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
+    let Arguments { source, style, .. } = arguments;
+    let (trial, run) = source.open(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
+    // What contacts do is recorded, or computed from the Trial's bodies.
+    let run = match trial {
+        Some(trial) => TrialRun::new(trial, run)?.run,
+        None => run,
+    };
+    let recorded = run.frames.iter().all(|frame| frame.observed.is_some());
+    let mut of_contacts = arguments.series.iter().filter(|quantity| quantity.is_of_contacts());
+    if let Some(quantity) = of_contacts.next().filter(|_| !recorded) {
+        let (name, _) = quantity.label();
+        bail!(
+            "{}: it does not contain the {name}: give the Trial or FMU of the run with --trial",
+            run.source.display()
+        );
+    }
+    let places = places(&run, &arguments.agents)?;
+    let (from, until) = arguments.times();
+    let within = |time: f64| within(time, from, until);
+    if !run.frames.iter().any(|frame| within(frame.time)) {
+        bail!(nothing_between(&run, from, until));
+    }
+    let measured = style.measured(&run)?;
+    let mut quantities: Vec<Shown> = Vec::new();
+    for quantity in &arguments.series {
+        let shown = Shown::of(*quantity, &run, style.over)?;
+        // Mean and peak may have become the same.
+        if !quantities.iter().any(|known| known.quantity == shown.quantity) {
+            quantities.push(shown);
+        }
+    }
+    let line = |place: usize, dashed: bool, points: &mut dyn Iterator<Item = (f64, f64)>| Line {
+        name: run.ids[place].clone(),
+        points: points.filter(|point| within(point.0)).collect(),
+        group: place,
+        dashed,
+    };
+    let panels = quantities.into_iter().map(|shown| {
+        let simulated = places.iter().map(|&place| {
+            let frames = run.frames.iter().enumerate();
+            line(place, false, &mut frames.map(|(k, frame)| (frame.time, shown.of_one(&run, k, place))))
+        });
+        let mut lines: Vec<Line> = simulated.collect();
+        let axis: Option<fn(Vec2) -> f64> = match shown.quantity {
+            Quantity::X => Some(|at| at.x),
+            Quantity::Y => Some(|at| at.y),
+            _ => None,
+        };
+        if let (Some(measured), Some(axis)) = (&measured, axis) {
+            lines.extend(places.iter().map(|&place| {
+                let rows = measured.of(&run.ids[place]).iter();
+                line(place, true, &mut rows.map(|(time, at)| (*time, axis(*at))))
+            }));
+        }
+        let steps = shown.quantity == Quantity::Contacts;
+        ChartPanel { y: titled(&shown.label(), shown.unit()), lines, steps }
+    });
+    let chart = Chart { x: "time (s)".to_owned(), panels: panels.collect(), noun: "agent".to_owned() };
+    let (width, theme) = (f64::from(style.width), style.theme());
+    Ok(chart_svg(&chart, &ChartStyle { width, theme, ..ChartStyle::default() }))
+}
+
+fn places(run: &Run, agents: &[String]) -> Result<Vec<usize>> {
+    if agents.is_empty() {
+        return Ok((0..run.ids.len()).collect());
+    }
+    let place = |id: &String| match run.ids.iter().position(|known| known == id) {
+        Some(place) => Ok(place),
+        None => bail!("{}: there is no agent {id:?}", run.source.display()),
+    };
+    agents.iter().map(place).collect()
 }
