@@ -191,7 +191,7 @@ impl Arguments {
     }
 }
 
-/// The `decision.toml` of a Trial for those who are there at the end of its run, if it has one.
+/// Returns the `decision.toml` of a Trial for those who are there at the end of its run, if it has one.
 fn wishes_at_end(given: &Path, end: &Trial, said: &mut Vec<String>) -> Result<Option<String>> {
     let Some(path) = TrialInput::find(given)?.and_then(|given| given.wishes()) else { return Ok(None) };
     let shown = || given.join(DECISION_FILE).display().to_string();
@@ -251,7 +251,7 @@ pub fn expect_table(path: &Path) -> Result<()> {
     Ok(FileType::expect(path, &tables, "a table that lemons run wrote (CSV, Parquet)")?)
 }
 
-/// The record of a run: in memory, in the XML series of an OutputDirectory, or in tables; with a Trial, its agents are in
+/// Opens the record of a run: in memory, in the XML series of an OutputDirectory, or in tables; with a Trial, its agents are in
 /// the Trial's order.
 pub fn recorded(
     source: &Path,
@@ -273,7 +273,7 @@ pub fn recorded(
 /// \[bytes\] A polygon of more is a mistake.
 const LARGEST_AREA: u64 = 16 << 20;
 
-/// The walkable area: given by an option, or from the walls.
+/// Returns the walkable area: given by an option, or from the walls.
 pub fn area(run: &Record, given: (&str, Option<&Path>), trial: Option<&Trial>) -> Result<Area> {
     let positions = run.positions()?;
     let positions = positions.iter().copied();
@@ -286,12 +286,12 @@ pub fn area(run: &Record, given: (&str, Option<&Path>), trial: Option<&Trial>) -
     Ok(walkable_area(trial.map_or(&[][..], |trial| &trial.geometry.walls), positions))
 }
 
-/// Before one of them is written.
+/// Claims files before one of them is written.
 fn claim_all(mut paths: impl Iterator<Item = PathBuf>) -> Result<()> {
     paths.try_for_each(|path| files::claim(&path))
 }
 
-/// The Trial or FMU that was given with the record of a run, else the Trial directory that a series lies in.
+/// Reads the Trial or FMU that was given with the record of a run, else the Trial directory that a series lies in.
 pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
     let Some(path) = given else {
         let own = source.canonicalize().ok().filter(|source| source.is_dir());

@@ -69,13 +69,13 @@ impl<W: Write> Animation<W> {
         match &mut self.encoder {
             Encoder::Apng(writer) => {
                 let (over, under) = fraction(self.frames_per_second);
-                writer.set_frame_delay(over, under).map_err(png_error)?;
+                writer.set_frame_delay(over, under)?;
                 if self.written > 0 {
-                    writer.reset_frame_position().map_err(png_error)?;
-                    writer.set_frame_dimension(area.width, area.height).map_err(png_error)?;
-                    writer.set_frame_position(area.x, area.y).map_err(png_error)?;
+                    writer.reset_frame_position()?;
+                    writer.set_frame_dimension(area.width, area.height)?;
+                    writer.set_frame_position(area.x, area.y)?;
                 }
-                writer.write_image_data(&pixels.concat()).map_err(png_error)?;
+                writer.write_image_data(&pixels.concat())?;
             }
             Encoder::Gif(encoder, palette) => {
                 // Round the end of each frame to hundredths of a second: rounding errors do not add up.
@@ -99,7 +99,7 @@ impl<W: Write> Animation<W> {
                     buffer: buffer.into(),
                     ..gif::Frame::default()
                 };
-                encoder.write_frame(&frame).map_err(gif_error)?;
+                encoder.write_frame(&frame)?;
             }
         }
         self.last = Some(frame.clone());
@@ -113,8 +113,8 @@ impl<W: Write> Animation<W> {
     /// The file cannot be written, or frames are missing.
     pub fn finish(self) -> Result<(), PictureError> {
         match self.encoder {
-            Encoder::Apng(writer) => writer.finish().map_err(png_error),
-            Encoder::Gif(encoder, _) => Ok(encoder.into_inner().map_err(gif_error)?.flush()?),
+            Encoder::Apng(writer) => Ok(writer.finish()?),
+            Encoder::Gif(encoder, _) => Ok(encoder.into_inner()?.flush()?),
         }
     }
 }
@@ -124,11 +124,11 @@ fn apng<W: Write>(to: W, first: &Pixels, frames: u32) -> Result<png::Writer<W>, 
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Balanced);
-    encoder.set_animated(frames, 0).map_err(png_error)?;
+    encoder.set_animated(frames, 0)?;
     encoder.validate_sequence(true);
-    encoder.set_blend_op(png::BlendOp::Over).map_err(png_error)?;
-    encoder.set_dispose_op(png::DisposeOp::None).map_err(png_error)?;
-    encoder.write_header().map_err(png_error)
+    encoder.set_blend_op(png::BlendOp::Over)?;
+    encoder.set_dispose_op(png::DisposeOp::None)?;
+    Ok(encoder.write_header()?)
 }
 
 fn gif<W: Write>(to: W, first: &Pixels) -> Result<Encoder<W>, PictureError> {
@@ -138,23 +138,9 @@ fn gif<W: Write>(to: W, first: &Pixels) -> Result<Encoder<W>, PictureError> {
     };
     let whole = Area { x: 0, y: 0, width: first.width, height: first.height };
     let palette = Palette::of(&whole.pixels(first, None));
-    let mut encoder = gif::Encoder::new(to, width, height, &palette.bytes()).map_err(gif_error)?;
-    encoder.set_repeat(gif::Repeat::Infinite).map_err(gif_error)?;
+    let mut encoder = gif::Encoder::new(to, width, height, &palette.bytes())?;
+    encoder.set_repeat(gif::Repeat::Infinite)?;
     Ok(Encoder::Gif(Box::new(encoder), palette))
-}
-
-fn png_error(error: png::EncodingError) -> PictureError {
-    match error {
-        png::EncodingError::IoError(error) => error.into(),
-        error => PictureError::Png(error.to_string()),
-    }
-}
-
-fn gif_error(error: gif::EncodingError) -> PictureError {
-    match error {
-        gif::EncodingError::Io(error) => error.into(),
-        error => PictureError::Gif(error.to_string()),
-    }
 }
 
 /// \[s\] Duration of a frame as animated PNG stores it: exact for integer rates.

@@ -1,18 +1,18 @@
 //! Curves over time.
 //!
-//! They are drawn here and not by a plotting library: with the same stroked lettering as scenes. So the bytes are the
+//! They are drawn here and not by a plotting library: with the same stroked letters as scenes. So the bytes are the
 //! same on every machine, and rasterizing needs no font.
 
 use crate::colour::{Colour, Palette, Theme};
 use crate::curve::{Piece, Range, apart, extremes, listed, shared, thinned};
-use crate::lettering::{self, Anchor, Place};
+use crate::glyphs::{self, Anchor, Place};
 use crate::page::{
     CAP_HEIGHT, CASING, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, dashes, page_width, shrunk,
 };
 use crate::text::{PX, escaped, pair, text_of};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Size of lettering and lines, relative to a scene's page.
+/// Size of letters and lines, relative to a scene's page.
 const FINER: f64 = 0.85;
 /// A chart with more lines shows a crowd: only the median and the highest line have a colour and a name.
 const MOST_NAMED: usize = 8;
@@ -70,7 +70,7 @@ pub struct Line {
     pub dashed: bool,
 }
 
-/// Settings of a chart. Lines and lettering scale with the width.
+/// Settings of a chart. Lines and letters scale with the width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartStyle {
     /// \[px\] Width. The height follows from the panels.
@@ -108,12 +108,12 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
 
     let aspect = style.aspect.filter(|a| a.is_finite() && *a > 0.0).map(|a| a.clamp(0.02, 10.0));
     let tall = aspect.unwrap_or(if chart.panels.len() > 1 { 0.25 } else { 0.5 }) * width;
-    let panels: Vec<Ready> =
-        chart.panels.iter().map(|p| Ready::new(p, &chart.noun, x, tall, unit, &palette)).collect();
-    let numbers = panels.iter().flat_map(|p| &p.ticks).map(|(_, text)| lettering::width(text, cap));
+    let panels: Vec<PanelLayout> =
+        chart.panels.iter().map(|p| PanelLayout::new(p, &chart.noun, x, tall, unit, &palette)).collect();
+    let numbers = panels.iter().flat_map(|p| &p.ticks).map(|(_, text)| glyphs::width(text, cap));
     let left = margin + numbers.fold(0.0, f64::max) + TICK_GAP * unit;
     let names = panels.iter().flat_map(|p| &p.strokes).filter_map(|s| s.name.as_ref());
-    let named = names.map(|(n, _)| lettering::width(n, cap) + 1.3 * TICK_GAP * unit).fold(0.0, f64::max);
+    let named = names.map(|(n, _)| glyphs::width(n, cap) + 1.3 * TICK_GAP * unit).fold(0.0, f64::max);
     // Very long names leave half of the page to the curves.
     let right = (width - margin - named).max(0.5 * width).max(left + unit);
     let x_ticks = x.ticks(((right - left) / (GRID.0 * unit)).max(1.0), false);
@@ -127,31 +127,31 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     let mut page = Page::begin(&chart.x, style.theme, unit, width, height);
     let across = |v: f64| left + x.part(v) * (right - left);
     let [left_px, right_px, hair] = [left, right, 0.8 * unit].map(|v| text_of(v, PX));
-    for (k, (panel, ready)) in chart.panels.iter().zip(&panels).enumerate() {
+    for (k, (panel, layout)) in chart.panels.iter().zip(&panels).enumerate() {
         let above = top + k as f64 * pitch + cap + 6.0 * unit;
         let bottom = above + tall;
-        let up = |v: f64| bottom - ready.y.part(v) * tall;
+        let up = |v: f64| bottom - layout.y.part(v) * tall;
         page.out += "<g class=\"chart-panel\">\n";
-        let rows = ready.ticks.iter().map(|(v, _)| format!("M{left_px} {}H{right_px}", text_of(up(*v), PX)));
+        let rows = layout.ticks.iter().map(|(v, _)| format!("M{left_px} {}H{right_px}", text_of(up(*v), PX)));
         let [above_px, bottom_px] = [above, bottom].map(|v| text_of(v, PX));
         let column = |(v, _): &(f64, String)| format!("M{} {above_px}V{bottom_px}", text_of(across(*v), PX));
         let d: String = rows.chain(x_ticks.iter().map(column)).collect();
         page.line("grid", palette.faint, &hair, "", &d);
-        let base = text_of(if ready.y.low < 0.0 && ready.y.high > 0.0 { up(0.0) } else { bottom }, PX);
+        let base = text_of(if layout.y.low < 0.0 && layout.y.high > 0.0 { up(0.0) } else { bottom }, PX);
         let d = format!("M{left_px} {base}H{right_px}");
         page.line("axis", palette.ink.mixed(palette.paper, 0.35), &hair, "", &d);
-        for (v, text) in &ready.ticks {
+        for (v, text) in &layout.ticks {
             let place = page.place(left - TICK_GAP * unit, up(*v) + 0.5 * cap, Anchor::End);
             page.text("tick", text, place);
         }
         let place = page.place(margin, above - 6.0 * unit, Anchor::Start);
         fitting(&mut page, "label", &panel.y, place, width - 2.0 * margin, palette.ink);
         page.out += "<g class=\"lines\" fill=\"none\" stroke-linejoin=\"round\">\n";
-        for stroke in &ready.strokes {
+        for stroke in &layout.strokes {
             stroke.draw(&mut page, panel.steps, across, |v| up(v) - stroke.aside);
         }
         page.out += "</g>\n";
-        ready.names(&mut page, (above, bottom), right, (width - margin - right).max(unit), up);
+        layout.names(&mut page, (above, bottom), right, (width - margin - right).max(unit), up);
         page.out += "</g>\n";
     }
     let bottom = height - margin - below;
@@ -171,7 +171,7 @@ fn drawable(p: &(f64, f64)) -> bool {
 /// Draws text, smaller if it is longer than `room`.
 fn fitting(page: &mut Page, class: &str, text: &str, place: Place, room: f64, colour: Colour) {
     if !text.is_empty() {
-        let shrink = shrunk(lettering::width(text, place.cap_height), room);
+        let shrink = shrunk(glyphs::width(text, place.cap_height), room);
         let place = Place { cap_height: place.cap_height * shrink, ..place };
         page.text_of_colour(class, text, place, colour);
     }
@@ -196,14 +196,14 @@ struct Stroke {
 }
 
 /// A panel, laid out except for its place on the page.
-struct Ready {
+struct PanelLayout {
     y: Range,
     ticks: Vec<(f64, String)>,
     strokes: Vec<Stroke>,
 }
 
-impl Ready {
-    fn new(panel: &ChartPanel, noun: &str, x: Range, tall: f64, unit: f64, palette: &Palette) -> Ready {
+impl PanelLayout {
+    fn new(panel: &ChartPanel, noun: &str, x: Range, tall: f64, unit: f64, palette: &Palette) -> PanelLayout {
         let lines: Vec<&Line> = panel.lines.iter().filter(|l| l.points.iter().any(drawable)).collect();
         let values = lines.iter().flat_map(|l| &l.points).filter(|p| drawable(p)).map(|p| p.1);
         let y = Range::around(values, true).airy();
@@ -226,7 +226,7 @@ impl Ready {
             // Draw dashed lines last, so that solid lines do not hide them.
             strokes.sort_by_key(|stroke| stroke.dashed);
         }
-        Ready { y, ticks, strokes }
+        PanelLayout { y, ticks, strokes }
     }
 
     /// Places the names beside the ends of their curves without overlap.
@@ -295,13 +295,13 @@ fn called(noun: &str, names: &[&str]) -> String {
 /// Few lines: each has its colour, each group one name.
 fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Stroke> {
     // A group is named beside its first solid line, if it has one.
-    let speaks = |line: &Line| {
+    let is_named = |line: &Line| {
         let own = || lines.iter().filter(|l| l.group == line.group);
         own().find(|l| !l.dashed).or(own().next()).is_some_and(|l| std::ptr::eq(*l, line))
     };
     let stroke = |line: &&Line| {
         let colour = palette.series(line.group);
-        let name = speaks(line).then(|| (called(noun, &[&line.name]), colour));
+        let name = is_named(line).then(|| (called(noun, &[&line.name]), colour));
         Stroke { name, ..Stroke::of(line, noun, colour, STROKE * unit) }
     };
     lines.iter().map(stroke).collect()

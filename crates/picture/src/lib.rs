@@ -22,7 +22,7 @@ mod chart;
 mod colour;
 mod curve;
 mod density;
-mod lettering;
+mod glyphs;
 mod page;
 mod pdf;
 mod raster;

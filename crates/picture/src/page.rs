@@ -1,7 +1,7 @@
 //! A page, and what is on it beside scenes and curves: texts, legend, scale bar, colour bar.
 
 use crate::colour::{Colour, Palette, Theme};
-use crate::lettering::{self, Anchor, PEN, Place};
+use crate::glyphs::{self, Anchor, PEN, Place};
 use crate::style::Scale;
 use crate::text::{PX, escaped, round_below, short, text_of};
 
@@ -90,7 +90,7 @@ impl Page {
     /// Draws text of a colour, with a label for readers that cannot see strokes.
     pub fn text_of_colour(&mut self, class: &str, text: &str, place: Place, colour: Colour) {
         let mut d = String::new();
-        lettering::strokes(&mut d, text, place);
+        glyphs::strokes(&mut d, text, place);
         self.out += &format!(
             "<path class=\"{class}\" aria-label=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{}\" \
              stroke-linecap=\"round\" stroke-linejoin=\"round\" d=\"{d}\"/>\n",
@@ -127,13 +127,13 @@ impl Page {
         let y = self.height - MARGIN * self.unit;
         if let Some(words) = &scale.nothing {
             // Long ones are above the scale bar, and not across it.
-            let long = lettering::width(words, cap) > 0.55 * self.width;
+            let long = glyphs::width(words, cap) > 0.55 * self.width;
             let y = if long { y - 1.9 * cap } else { y };
             return self.text("label", words, self.place(right, y, Anchor::End));
         }
         let (bar, space) = (120.0 * self.unit, 0.8 * cap);
         let number = if low == high { short(*high) } else { scale.high_label() };
-        let x1 = right - (lettering::width(&number, cap) + space);
+        let x1 = right - (glyphs::width(&number, cap) + space);
         let x0 = x1 - bar;
         let last = ramp.0.len() - 1;
         let stop = |(k, colour)| {
@@ -152,7 +152,7 @@ impl Page {
         }
         self.text("high", &number, self.place(x1 + space, y, Anchor::Start));
         // A title longer than the bar is centred on it while there is room, then it shrinks.
-        let length = lettering::width(title, cap);
+        let length = glyphs::width(title, cap);
         let shrink = shrunk(length, self.width - 2.0 * MARGIN * self.unit);
         let x = (0.5 * (x0 + x1)).min(right - 0.5 * length * shrink);
         let place = self.place(x, y - 1.9 * cap, Anchor::Middle);
@@ -209,7 +209,7 @@ impl Entry {
         page.line(self.class, self.colour, &text_of(self.width, 3), more, &d);
         let x = x + (SAMPLE + SAMPLE_GAP) * unit;
         page.text("entry", &self.label, page.place(x, base, Anchor::Start));
-        x + lettering::width(&self.label, cap)
+        x + glyphs::width(&self.label, cap)
     }
 }
 
@@ -225,10 +225,10 @@ impl Header {
     /// Places the legend right of the time, or in rows below it if there is no room. No time is empty.
     pub fn new(time: &str, legend: Vec<Entry>, unit: f64, width: f64) -> Header {
         let (left, room) = (MARGIN * unit, width - 2.0 * MARGIN * unit);
-        let length = |e: &Entry| (SAMPLE + SAMPLE_GAP) * unit + lettering::width(&e.label, CAP_HEIGHT * unit);
+        let length = |e: &Entry| (SAMPLE + SAMPLE_GAP) * unit + glyphs::width(&e.label, CAP_HEIGHT * unit);
         let gap = ENTRY_GAP * unit;
         let whole: f64 = legend.iter().map(|e| length(e) + gap).sum::<f64>() - gap;
-        let beside = if time.is_empty() { 0.0 } else { lettering::width(time, CAP_HEIGHT * unit) + gap };
+        let beside = if time.is_empty() { 0.0 } else { glyphs::width(time, CAP_HEIGHT * unit) + gap };
         let mut rows = Vec::new();
         if whole + beside <= room {
             rows.push((left + room - whole.max(0.0), legend));

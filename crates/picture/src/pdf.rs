@@ -52,7 +52,7 @@ pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
     let mut resources = page.resources();
     let mut states = resources.ext_g_states();
     for (place, (fill, stroke)) in opacities.iter().enumerate() {
-        let mut state = states.insert(Name(state_name(place).as_bytes())).start::<ExtGraphicsState>();
+        let mut state = states.insert(Name(name('O', place).as_bytes())).start::<ExtGraphicsState>();
         state.non_stroking_alpha(*fill).stroking_alpha(*stroke);
     }
     states.finish();
@@ -63,7 +63,7 @@ pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
     for (place, shading) in shadings.iter().enumerate() {
         let object = Ref::new(free);
         free += 1 + shading.stops.len() as i32;
-        places.pair(Name(shading_name(place).as_bytes()), object);
+        places.pair(Name(name('S', place).as_bytes()), object);
         objects.push((object, shading));
     }
     places.finish();
@@ -91,12 +91,9 @@ struct Shading {
     stops: Vec<(f32, [f32; 3])>,
 }
 
-fn state_name(place: usize) -> String {
-    format!("O{place}")
-}
-
-fn shading_name(place: usize) -> String {
-    format!("S{place}")
+/// Returns the name of an object of the page: O for opacities, S for shadings.
+fn name(kind: char, place: usize) -> String {
+    format!("{kind}{place}")
 }
 
 impl Shading {
@@ -195,7 +192,7 @@ impl Drawing {
             self.opacities.push(opacity);
             self.opacities.len() - 1
         });
-        self.content.set_parameters(Name(state_name(place).as_bytes()));
+        self.content.set_parameters(Name(name('O', place).as_bytes()));
         let even_odd = fill.is_some_and(|fill| fill.rule() == FillRule::EvenOdd);
         // Painting both at once would make them one object: a transparent stroke would not show the fill.
         let both = fill.is_some() && path.stroke().is_some() && opacity.1 == 1.0;
@@ -221,7 +218,7 @@ impl Drawing {
         if !opaque || gradient.spread_method() != SpreadMethod::Pad || gradient.stops().len() < 2 {
             return Err(PictureError::Pdf("gradients that are transparent or repeated"));
         }
-        let name = shading_name(self.shadings.len());
+        let name = name('S', self.shadings.len());
         self.shadings.push(Shading::of(gradient));
         self.content.save_state();
         self.outline(outline);

@@ -22,15 +22,30 @@ pub enum PictureError {
     /// The SVG has a feature that pictures of this crate do not have.
     #[error("PDF: the SVG contains {0}, which is not supported")]
     Pdf(&'static str),
-    /// The PNG encoder failed.
-    #[error("PNG: {0}")]
-    Png(String),
-    /// The GIF encoder failed.
-    #[error("GIF: {0}")]
-    Gif(String),
+    /// The encoder of PNG or GIF failed.
+    #[error("{0}: {1}")]
+    Encoder(&'static str, String),
     /// The file cannot be written.
     #[error(transparent)]
     Io(#[from] std::io::Error),
+}
+
+impl From<png::EncodingError> for PictureError {
+    fn from(error: png::EncodingError) -> PictureError {
+        match error {
+            png::EncodingError::IoError(error) => error.into(),
+            error => PictureError::Encoder("PNG", error.to_string()),
+        }
+    }
+}
+
+impl From<gif::EncodingError> for PictureError {
+    fn from(error: gif::EncodingError) -> PictureError {
+        match error {
+            gif::EncodingError::Io(error) => error.into(),
+            error => PictureError::Encoder("GIF", error.to_string()),
+        }
+    }
 }
 
 /// A picture as pixels.
@@ -67,16 +82,15 @@ impl Pixels {
 pub fn png(svg: &str, width_px: u32) -> Result<Vec<u8>, PictureError> {
     let Pixels { width, height, rgba } = pixels(svg, width_px)?;
     let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
-    let failed = |error: png::EncodingError| PictureError::Png(error.to_string());
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_compression(png::Compression::Balanced);
     // Flat colours repeat exactly; filters would only hide that.
     encoder.set_filter(png::Filter::NoFilter);
-    let mut writer = encoder.write_header().map_err(failed)?;
-    writer.write_image_data(&rgb).map_err(failed)?;
-    writer.finish().map_err(failed)?;
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&rgb)?;
+    writer.finish()?;
     Ok(bytes)
 }
 

@@ -3,7 +3,7 @@
 use crate::bicycle::Bicycle;
 use crate::body::near;
 use crate::colour::{Colour, Palette};
-use crate::lettering::{self, Anchor};
+use crate::glyphs::{self, Anchor};
 use crate::page::{
     BAND_GAP, CAP_HEIGHT, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, footer_height, page_width,
 };
@@ -15,7 +15,7 @@ use lemons_core::plane::{Bounds, Vec2, vec2};
 
 /// \[px\] Distance between two panels.
 const GUTTER: f64 = 14.0;
-/// Size of lettering and lines where panels are beside each other, relative to the page of a single scene.
+/// Size of letters and lines where panels are beside each other, relative to the page of a single scene.
 const FINER: f64 = 0.85;
 /// Largest height / width of a scene.
 const TALLEST: f64 = 1.4;
@@ -111,7 +111,7 @@ pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
             gap += 2.0 * CUT_BORDER;
         }
         // As large as on the page of a single scene, if the headings leave room.
-        let widest = headings.iter().map(|h| lettering::width(h, CAP_HEIGHT)).fold(0.0, f64::max);
+        let widest = headings.iter().map(|h| glyphs::width(h, CAP_HEIGHT)).fold(0.0, f64::max);
         let needed = columns as f64 * widest + 2.0 * MARGIN + (columns - 1) as f64 * gutter;
         unit = unit.min(width / needed);
     }
@@ -140,7 +140,7 @@ pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
         }
         if let Some(heading) = headings.get(k) {
             // Above the left edge of the scene, or at the start of the cell if the scene is narrower than the heading.
-            let length = lettering::width(heading, CAP_HEIGHT * unit);
+            let length = glyphs::width(heading, CAP_HEIGHT * unit);
             let x = if length <= drawn.x { frame.left } else { left };
             page.text("time", heading, page.place(x, above + CAP_HEIGHT * unit, Anchor::Start));
         }

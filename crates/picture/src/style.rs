@@ -4,7 +4,7 @@ use crate::colour::{Colour, ColourMap, Ramp, Theme};
 use crate::scene::Scene;
 use crate::text::short;
 
-/// Settings of a drawing. Lines and lettering scale with the width.
+/// Settings of a drawing. Lines and letters scale with the width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Style {
     /// \[px\] Width. The height follows from the scene.

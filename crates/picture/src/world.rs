@@ -4,7 +4,7 @@ use crate::bicycle::{Bicycle, bicycles};
 use crate::body::{Body, begin_at, near, point, polyline};
 use crate::colour::{Colour, Palette};
 use crate::density::density;
-use crate::lettering::{self, Anchor, PEN, Place};
+use crate::glyphs::{self, Anchor, PEN, Place};
 use crate::page::{CASING, MARGIN, Page, dashes};
 use crate::scene::{Force, Scene};
 use crate::sheet::Frame;
@@ -115,7 +115,7 @@ pub(crate) fn world(
     forces(out, scene, force_scale, frame);
     if style.ids {
         let crossed = !scene.trails.is_empty() || !scene.forces.is_empty();
-        let pen = text_of(PEN * lettering::CAP, PX);
+        let pen = text_of(PEN * glyphs::CAP, PX);
         *out += &format!("<g class=\"ids\" fill=\"none\" stroke-width=\"{pen}\">\n");
         let height = id_height(scene);
         for (agent, pose, body) in &drawn {
@@ -213,7 +213,7 @@ fn mark(out: &mut String, body: &Body, fill: Colour) {
 
 /// \[m\] Cap height of an Id for which a body has room.
 fn room(id: &str, body: &Body) -> f64 {
-    (body.front / lettering::width(id, 1.0).max(0.1)).min(TALLEST_ID * body.front)
+    (body.front / glyphs::width(id, 1.0).max(0.1)).min(TALLEST_ID * body.front)
 }
 
 fn rooms<'a>(scene: &'a Scene) -> impl Iterator<Item = (&'a str, f64)> {
@@ -241,11 +241,11 @@ fn id_on(out: &mut String, id: &str, height: f64, pose: &Pose, body: &Body, fill
     let turn = Rotation::by(pose.orientation);
     let middle = pose.position + (body.middle - vec2(0.18 * body.front, 0.0)).rotated(turn);
     // In units of the letters' grid: integers and halves are short and exact.
-    let grid = lettering::CAP;
-    let (x, y) = (-(0.5 * lettering::width(id, grid)).round(), -0.5 * grid);
+    let grid = glyphs::CAP;
+    let (x, y) = (-(0.5 * glyphs::width(id, grid)).round(), -0.5 * grid);
     let (anchor, up, decimals) = (Anchor::Start, 1.0, 1);
     let mut d = String::new();
-    lettering::strokes(&mut d, id, Place { x, y, cap_height: grid, anchor, up, decimals });
+    glyphs::strokes(&mut d, id, Place { x, y, cap_height: grid, anchor, up, decimals });
     let mut path = |colour: Colour, more: &str| {
         *out += "<path transform=\"translate(";
         point(out, middle);

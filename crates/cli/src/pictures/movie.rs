@@ -108,8 +108,8 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let mut scenes = Scenes::new(style, &run, &times, &interrupt)?;
     let of_path = || path.display().to_string();
     let mut shown = |time: &f64| {
-        let moment = run.at(*time);
-        (scenes.scene(&moment), scenes.style(&moment))
+        let state = run.at(*time);
+        (scenes.scene(&state), scenes.style(&state))
     };
     let draw = |(scene, style): &(Scene, Style)| {
         let frame = pixels(&svg(scene, style), arguments.style.width);

@@ -3,7 +3,7 @@
 use super::quantity::{Quantity, Shown};
 use super::source::{End, KeptFrames, Source};
 use super::style::{Scenes, StyleArguments, number, seconds};
-use super::trial_run::{Moment, TrialRun, nothing_between};
+use super::trial_run::{CrowdState, TrialRun, nothing_between};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
@@ -101,7 +101,7 @@ impl Arguments {
         (self.from, self.until.and_then(Until::time))
     }
 
-    /// The picture, in the format of its file.
+    /// Returns the picture, in the format of its file.
     fn draw(&self, interrupt: &Interrupt) -> Result<Vec<u8>> {
         let text = if !self.series.is_empty() {
             series(self, interrupt)?
@@ -133,7 +133,7 @@ impl Format {
         }
     }
 
-    /// A picture in SVG, as what it is written.
+    /// Returns a picture in SVG in this format.
     pub fn bytes(self, svg: String, width: u32) -> Result<Vec<u8>> {
         Ok(match self {
             Format::Svg => svg.into_bytes(),
@@ -153,9 +153,9 @@ fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let asked = if at.is_empty() { vec![run.run.times().1] } else { at.clone() };
     let times: Vec<f64> = asked.iter().map(|time| run.run.frames[run.nearest(*time)].time).collect();
     let mut all = Scenes::new(style, &run, &times, interrupt)?;
-    let moments: Vec<Moment> = times.iter().map(|time| run.at(*time)).collect();
-    let scenes: Vec<Scene> = moments.iter().map(|moment| all.scene(moment)).collect();
-    let styles: Vec<Style> = moments.iter().map(|moment| all.style(moment)).collect();
+    let states: Vec<CrowdState> = times.iter().map(|time| run.at(*time)).collect();
+    let scenes: Vec<Scene> = states.iter().map(|state| all.scene(state)).collect();
+    let styles: Vec<Style> = states.iter().map(|state| all.style(state)).collect();
     if all.other_parameters {
         note!("{OTHER_PARAMETERS}");
     }
@@ -165,11 +165,11 @@ fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     Ok(sheet(&panels, columns))
 }
 
-/// Said of forces.
+/// Warning beside forces.
 pub const OTHER_PARAMETERS: &str = "warning: with the Trial's parameters the contacts would not have the squeeze that \
     the run recorded: the forces shown are not the run's (give what was set: --set)";
 
-/// So that the sheet is about as wide as a page is.
+/// Returns the number of columns with which a sheet is about as wide as a page is.
 fn columns(panels: usize, aspect: f64) -> usize {
     /// Width of a sheet over its height.
     const WIDE: f64 = 1.3;
@@ -189,8 +189,8 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let times: Vec<f64> = frames.iter().map(|frame| frame.time).collect();
     let Some(&last) = times.last() else { bail!(nothing_between(&run.run, from, until)) };
     let mut scenes = Scenes::new(style, &run, &times, interrupt)?;
-    let moment = run.at(last);
-    let mut scene = scenes.scene(&moment);
+    let state = run.at(last);
+    let mut scene = scenes.scene(&state);
     let one = times.len() == 1;
     if !one {
         // Bodies, forces and trails are of one time.
@@ -204,7 +204,7 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     note!("density: {}", map.described());
     scene.density = Some(map);
     let time = one.then_some(last);
-    Ok(svg(&scene, &Style { time, range: style.range, ..scenes.style(&moment) }))
+    Ok(svg(&scene, &Style { time, range: style.range, ..scenes.style(&state) }))
 }
 
 /// Draws one panel for each quantity, one line for each agent; measured positions beside simulated ones.

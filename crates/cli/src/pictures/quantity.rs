@@ -1,6 +1,6 @@
 //! What is shown of each agent at each time.
 
-use super::trial_run::Moment;
+use super::trial_run::CrowdState;
 use crate::error::Misused;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
@@ -59,15 +59,15 @@ impl Quantity {
     /// Returns what can be shown of it: of a run that does not say what contacts did during its steps, the squeeze at
     /// the times, which is told.
     fn known_of(self, run: &Run) -> Quantity {
+        let of_steps = self.is_mean() || self == Quantity::PeakSqueeze;
         let mut observed = run.frames.iter().flat_map(|frame| frame.observed.iter().flatten());
-        let of_steps = !(self.is_mean() || self == Quantity::PeakSqueeze);
-        if of_steps || observed.all(|seen| seen.of_step.is_some()) {
+        if !of_steps || observed.all(|seen| seen.of_step.is_some()) {
             return self;
         }
-        let (label, _) = self.label();
-        let source = run.source.display();
         note!(
-            "{source}: it does not contain the {label} over communication steps; the squeeze at this time is shown instead"
+            "{}: it does not contain the {} over communication steps; the squeeze at this time is shown instead",
+            run.source.display(),
+            self.label().0
         );
         Quantity::SqueezeAtTheTime
     }
@@ -122,9 +122,9 @@ impl Shown {
     }
 
     /// Returns the values of everybody; NaN where it is not known.
-    pub fn of_all(&self, moment: &Moment) -> Vec<f64> {
-        let of = |(k, agent)| self.value(moment.frame, moment.nearest, k, agent);
-        moment.agents.iter().enumerate().map(of).collect()
+    pub fn of_all(&self, state: &CrowdState) -> Vec<f64> {
+        let of = |(k, agent)| self.value(state.frame, state.nearest, k, agent);
+        state.agents.iter().enumerate().map(of).collect()
     }
 
     /// Returns the value of an agent in a frame; NaN where it is not known.

@@ -89,7 +89,7 @@ impl End {
 }
 
 impl Source {
-    /// A Trial or an FMU is run until then; without an end it is shown as it begins. A table may come without a Trial.
+    /// Opens it: a Trial or an FMU is run until then; without an end it is shown as it begins. A table may come without a Trial.
     pub fn open(
         &self,
         until: Option<End>,
@@ -184,7 +184,7 @@ impl Source {
         Ok((trial, found))
     }
 
-    /// The end of a run that is made now; `None` for earlier results, which have one.
+    /// Returns the end of a run that is made now; `None` for earlier results, which have one.
     ///
     /// # Errors
     /// Earlier results are to end when everybody has left.
@@ -278,7 +278,7 @@ fn tell_other(record: &Record, trial: &Trial) {
     }
 }
 
-/// A Trial as it begins.
+/// Returns a Trial as it begins, as a run.
 fn still(path: &Path, trial: &Trial) -> Run {
     let start = Frame {
         time: 0.0,

@@ -3,7 +3,7 @@
 use super::measured::{Measured, Origin};
 use super::quantity::{Quantity, Shown, longest_gap};
 use super::spread::Spread;
-use super::trial_run::{Moment, Replay, TrialRun};
+use super::trial_run::{CrowdState, Replay, TrialRun};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
@@ -228,25 +228,25 @@ impl<'r> Scenes<'r> {
             shown,
             other_parameters: false,
         };
-        // One moment after the other: those of a long movie would not go into memory together.
+        // One time after the other: states of a long movie would not go into memory together.
         let (mut spread, mut widest, mut extent) = (Spread::default(), arguments.widest, None::<Bounds>);
         let mut extend =
             |own: Bounds| extent = Bounds::of(extent.into_iter().chain([own]).flat_map(|b| [b.low, b.high]));
         let mut beyond = false;
         for time in times {
             interrupt.check()?;
-            let moment = run.at(*time);
-            for value in scenes.shown.iter().flat_map(|shown| shown.of_all(&moment)) {
+            let state = run.at(*time);
+            for value in scenes.shown.iter().flat_map(|shown| shown.of_all(&state)) {
                 match arguments.range {
                     Some((_, high)) => beyond |= value > high,
                     None => spread.add(value),
                 }
             }
             if arguments.widest.is_none() {
-                let forces = scenes.forces(&moment).into_iter().map(|force| force.normal_force);
+                let forces = scenes.forces(&state).into_iter().map(|force| force.normal_force);
                 widest = forces.chain(widest).reduce(f64::max);
             }
-            scenes.scene.poses = moment.poses();
+            scenes.scene.poses = state.poses();
             extend(scenes.scene.extent());
         }
         if let Some(last) = times.last().filter(|_| arguments.shows_trails()) {
@@ -282,42 +282,42 @@ impl<'r> Scenes<'r> {
         Ok(scenes)
     }
 
-    /// Returns the scene of a moment.
-    pub fn scene(&mut self, moment: &Moment) -> Scene<'r> {
+    /// Returns the scene of a crowd at one time.
+    pub fn scene(&mut self, state: &CrowdState) -> Scene<'r> {
         let length = self.arguments.trails.unwrap_or(f64::INFINITY);
-        let trails = if self.arguments.shows_trails() { self.trails(moment, length) } else { Vec::new() };
-        let (poses, forces) = (moment.poses(), self.forces(moment));
+        let trails = if self.arguments.shows_trails() { self.trails(state, length) } else { Vec::new() };
+        let (poses, forces) = (state.poses(), self.forces(state));
         let mut scene = self.scene.clone();
         (scene.poses, scene.trails, scene.forces) = (poses, trails, forces);
         scene
     }
 
     /// Returns its style.
-    pub fn style(&self, moment: &Moment) -> Style {
-        let mut style = Style { time: Some(moment.time), ..self.style.clone() };
+    pub fn style(&self, state: &CrowdState) -> Style {
+        let mut style = Style { time: Some(state.time), ..self.style.clone() };
         if let (Some(shown), Fill::Values(values)) = (&self.shown, &mut style.fill) {
-            values.values = shown.of_all(moment);
+            values.values = shown.of_all(state);
         }
         style
     }
 
-    fn forces(&mut self, moment: &Moment) -> Vec<Force> {
+    fn forces(&mut self, state: &CrowdState) -> Vec<Force> {
         let Some(replay) = &mut self.replay else { return Vec::new() };
-        let (forces, agree) = replay.forces(moment);
+        let (forces, agree) = replay.forces(state);
         self.other_parameters |= !agree;
         forces
     }
 
-    /// Simulated ones, then measured ones, of so many seconds until the moment.
-    fn trails(&self, moment: &Moment, length: f64) -> Vec<Trail> {
-        let (from, to) = (moment.time - length, moment.time);
+    /// Simulated ones, then measured ones, of so many seconds until then.
+    fn trails(&self, state: &CrowdState, length: f64) -> Vec<Trail> {
+        let (from, to) = (state.time - length, state.time);
         let within = |time: f64| (from..=to).contains(&time);
         let run = &self.run.run;
         let frames = || run.frames.iter().filter(|frame| within(frame.time));
-        let there = (0..moment.agents.len()).filter(|agent| moment.frame.is_there(*agent));
+        let there = (0..state.agents.len()).filter(|agent| state.frame.is_there(*agent));
         let simulated = there.map(|agent| {
             let past = frames().map(|frame| frame.agents[agent].pose.position);
-            let points = thinned(past.chain([moment.agents[agent].pose.position]));
+            let points = thinned(past.chain([state.agents[agent].pose.position]));
             Trail { agent, measured: false, points }
         });
         let measured = self.measured.iter().flat_map(|measured| {

@@ -10,7 +10,7 @@ use lemons_results::{Frame, Observed, Run};
 use lemons_sim::stop::moves;
 
 /// The crowd at one time.
-pub struct Moment<'r> {
+pub struct CrowdState<'r> {
     /// \[s\]
     pub time: f64,
     pub agents: Vec<Motion>,
@@ -23,7 +23,7 @@ pub struct Moment<'r> {
 /// The pose of those who are not there: they are not drawn.
 const NOWHERE: Pose = Pose { position: vec2(f64::NAN, f64::NAN), orientation: f64::NAN };
 
-impl Moment<'_> {
+impl CrowdState<'_> {
     pub fn poses(&self) -> Vec<Pose> {
         let pose = |(k, agent): (usize, &Motion)| if self.frame.is_there(k) { agent.pose } else { NOWHERE };
         self.agents.iter().enumerate().map(pose).collect()
@@ -74,21 +74,21 @@ impl TrialRun {
         Ok(())
     }
 
-    /// \[s\] The first frame from which on nobody moves; `None` if somebody does in the last.
+    /// Returns the time \[s\] of the first frame from which on nobody moves; `None` if somebody does in the last.
     pub fn still_from(&self) -> Option<f64> {
         let frames = &self.run.frames;
         let still = frames.iter().rposition(moves).map_or(0, |last| last + 1);
         frames.get(still).map(|frame| frame.time)
     }
 
-    /// The crowd at a time \[s\] of the run; at its ends for times beyond them.
-    pub fn at(&self, time: f64) -> Moment<'_> {
+    /// Returns the crowd at a time \[s\] of the run; at its ends for times beyond them.
+    pub fn at(&self, time: f64) -> CrowdState<'_> {
         let (first, last) = self.run.times();
         let (nearest, time) = (self.nearest(time), time.clamp(first, last));
-        Moment { time, agents: agents_at(&self.run, time), frame: &self.run.frames[nearest], nearest }
+        CrowdState { time, agents: agents_at(&self.run, time), frame: &self.run.frames[nearest], nearest }
     }
 
-    /// The place of the frame that is nearest to a time \[s\].
+    /// Returns the place of the frame that is nearest to a time \[s\].
     pub fn nearest(&self, time: f64) -> usize {
         let frames = &self.run.frames;
         let after = frames.partition_point(|frame| frame.time <= time).min(frames.len() - 1);
@@ -110,19 +110,19 @@ impl Replay {
         self.0.restore(State::new(poses, twists))
     }
 
-    /// The normal forces at the nearest frame: for each two that touch, their contacts together, from body to
+    /// Returns the normal forces at the nearest frame: for each two that touch, their contacts together, from body to
     /// body; for each wall, from the body to where it touches.
     ///
     /// Also whether they are those that the run recorded; a run with other parameters had others.
-    pub fn forces(&mut self, moment: &Moment) -> (Vec<Force>, bool) {
-        if self.put(moment.frame).is_err() {
+    pub fn forces(&mut self, state: &CrowdState) -> (Vec<Force>, bool) {
+        if self.put(state.frame).is_err() {
             // No run of this Trial has so many in one place.
             return (Vec::new(), false);
         }
         let force = |PairForce { from, to, normal_force }| Force { from, to, normal_force };
-        let forces = self.0.pair_forces(&moment.poses()).into_iter().map(force).collect();
+        let forces = self.0.pair_forces(&state.poses()).into_iter().map(force).collect();
         let (relative, absolute) = AGREEMENT;
-        let recorded = moment.frame.observed.iter().flatten();
+        let recorded = state.frame.observed.iter().flatten();
         let agree = self.0.contacts().bodies.iter().zip(recorded).all(|(computed, recorded)| {
             (computed.squeeze - recorded.normal_force).abs()
                 <= absolute + relative * recorded.normal_force.max(computed.squeeze)
@@ -131,7 +131,7 @@ impl Replay {
     }
 }
 
-/// Everybody at a time \[s\] of a run; its ends for times beyond them.
+/// Returns everybody at a time \[s\] of a run; at its ends for times beyond them.
 pub fn agents_at(run: &Run, time: f64) -> Vec<Motion> {
     let after = run.frames.partition_point(|frame| frame.time <= time);
     let (Some(before), Some(b)) = (after.checked_sub(1), run.frames.get(after)) else {

@@ -3,9 +3,7 @@
 use crate::common::{agent, pedestrian, trial};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Shape, Trial};
-use lemons_picture::{
-    Bounds, Colour, Fill, Pixels, Pose, Scene, Style, Theme, Values, pixels, png, svg, viridis,
-};
+use lemons_picture::{Bounds, Colour, Fill, Pixels, Pose, Scene, Style, Theme, Values, pixels, png, svg};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Bodies without a mark of their direction.
@@ -103,19 +101,6 @@ fn theta_turns_the_shoulders() {
             assert!(!seen(left * 1.35) && seen(-left * 1.35), "own {own}, theta {theta}");
         }
     }
-}
-
-#[test]
-fn values_and_their_colours() {
-    let at = |x: f64| (pedestrian("0"), vec2(x, 0.0), 0.0);
-    let t = trial(vec![at(-1.5), at(-0.5), at(0.5), at(1.5)], vec![box_of(-2.0, 2.0)]);
-    let fill = Fill::Values(Values::of(vec![0.0, f64::NAN, 10.0], "speed", "m/s"));
-    let style = Style { width: 428.0, fill, range: Some((0.0, 10.0)), ..plain() };
-    let picture = pixels(&svg(&Scene::at_start(&t), &style), 428).unwrap();
-    assert_eq!(on_page(&picture, vec2(-1.5, 0.0)), viridis(0.0));
-    assert_eq!(on_page(&picture, vec2(0.5, 0.0)), viridis(1.0));
-    assert_eq!(on_page(&picture, vec2(-0.5, 0.0)), on_page(&picture, vec2(1.5, 0.0)));
-    assert_eq!(viridis(f64::NAN), on_page(&picture, vec2(1.5, 0.0)));
 }
 
 #[test]

@@ -350,15 +350,16 @@ fn nothing_is_pale_and_a_clipped_scale_says_so() {
     };
     let fills = |text: &str| -> Vec<String> {
         let document = Document::parse(text).unwrap();
-        let bodies = class(&document, "bodies")[0].children().filter(|n| n.is_element());
-        bodies.map(|n| n.attribute("fill").unwrap().to_owned()).collect()
+        let group = class(&document, "bodies")[0];
+        let bodies = group.children().filter(|n| n.is_element());
+        bodies.map(|n| n.attribute("fill").or(group.attribute("fill")).unwrap().to_owned()).collect()
     };
     let clipped = of(vec![0.0, 3200.0, 90_000.0], Some((0.0, 3200.0)), Some(0.98), Theme::Light);
     assert_eq!(ends(&clipped), ["0", "≥ 3200", "mean squeeze (N), to the 98 % quantile"]);
     assert_eq!(fills(&clipped), ["#fcfdbf", "#1a1042", "#1a1042"]);
-    let whole = of(vec![0.0, 3200.0, 10.0], Some((0.0, 3200.0)), None, Theme::Dark);
+    let whole = of(vec![0.0, 3200.0, f64::NAN], Some((0.0, 3200.0)), None, Theme::Dark);
     assert_eq!(ends(&whole), ["0", "3200", "mean squeeze (N)"]);
-    assert_eq!(fills(&whole)[..2], ["#1a1042", "#fcfdbf"]);
+    assert_eq!(fills(&whole), ["#1a1042", "#fcfdbf", "#a8a8a8"]);
     let nobody = of(vec![0.0; 3], None, None, Theme::Light);
     assert!(fills(&nobody).iter().all(|fill| fill == "#fcfdbf"));
 }
