@@ -28,21 +28,15 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
         bail!("no crowd has {:?} in its name", arguments.only.as_deref().unwrap_or_default());
     }
     let Arguments { runs, threads, .. } = arguments;
-    writeln!(out, "{}", machine())?;
-    writeln!(out, "ns: processor time per agent and mechanical step, one thread, median of {runs}.")?;
-    writeln!(out, "pairs, contacts: per agent and step; lists, near: lists made in 1000 steps.")?;
-    writeln!(out, "x{threads}: times as fast with {threads} threads, by the clock on the wall.")?;
-    writeln!(out, "Others: measured once on a machine of this kind, not here.\n")?;
     writeln!(
         out,
-        "{:<19}{:>7}{:>7}{:>6}{:>9}{:>6}{:>5}{:>5} LEMONS C++, LAMMPS",
-        "crowd",
-        "agents",
-        "ns",
-        "pairs",
-        "contacts",
-        "lists",
-        "near",
+        "{}\n\
+         ns: processor time per agent and mechanical step, one thread, median of {runs}.\n\
+         pairs, contacts: per agent and step; lists, near: lists made in 1000 steps.\n\
+         x{threads}: times as fast with {threads} threads, by the clock on the wall.\n\
+         Others: measured once on a machine of this kind, not here.\n\n\
+         crowd               agents     ns pairs contacts lists near{:>5} LEMONS C++, LAMMPS",
+        machine(),
         format!("x{threads}")
     )?;
     for case in cases.iter().filter(|case| wanted(case.name)) {
@@ -92,14 +86,11 @@ fn through_fmu(out: &mut impl Write, runs: usize) -> Result<()> {
     row("push, 5 s at 2e-6 s: processor time", push.processor, "s")
 }
 
-/// What the figures were measured on.
+/// Returns what the figures were measured on.
 fn machine() -> String {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let known = input::read_text("/proc/cpuinfo".as_ref(), input::LARGEST_SETTINGS).unwrap_or_default();
     let model = known.lines().find_map(|line| line.strip_prefix("model name")?.split(':').nth(1));
-    format!(
-        "On {}, {cores} core{}.",
-        model.map_or(std::env::consts::ARCH, str::trim),
-        if cores == 1 { "" } else { "s" }
-    )
+    let (model, s) = (model.map_or(std::env::consts::ARCH, str::trim), if cores == 1 { "" } else { "s" });
+    format!("On {model}, {cores} core{s}.")
 }

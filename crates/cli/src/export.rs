@@ -97,20 +97,12 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             .as_ref()
             .with_context(|| format!("{}: give the Trial or FMU of the run with --trial", source.display()))
     };
-    let run = if source.is_dir() && arguments.memory.is_none() {
-        Record::series(source, need()?)?
-    } else {
-        let run = match &arguments.memory {
-            Some(memory) => memory.run.clone().into(),
-            None => Record::tables(&[std::slice::from_ref(source), &arguments.more[..]].concat())?,
-        };
-        match &trial {
-            Some(trial) => run.of_trial(trial)?,
-            None => run,
-        }
-    };
+    if source.is_dir() && arguments.memory.is_none() {
+        need()?;
+    }
+    let run = recorded(source, &arguments.more, arguments.memory.as_deref(), trial.as_ref())?;
     let run = run.every(*every as usize);
-    let last = run.frames() - 1;
+    let (first, end) = (run.times().next().unwrap_or_default(), run.times().last().unwrap_or_default());
     let mut said = Vec::new();
     let mut agents = run.ids().len();
     match to {
@@ -133,7 +125,6 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             let trial = trial_at_end(&run, before)?;
             agents = trial.agents.len();
             if agents == 0 {
-                let end = run.times().nth(last).unwrap_or_default();
                 bail!(
                     "{}: nobody is there at its end, t = {end:?} s: no Trial can go on from it",
                     source.display()
@@ -141,10 +132,11 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             }
             let given = arguments.trial.as_deref().unwrap_or(&before.directory);
             let wishes = wishes_at_end(given, &trial, &mut said)?;
-            let plan = wishes.as_ref().map(|_| out.join(DECISION_FILE));
-            claim_all(trial.files_written(out).into_iter().chain(plan.clone()))?;
+            let plan = out.join(DECISION_FILE);
+            let own = wishes.is_some().then(|| plan.clone());
+            claim_all(trial.files_written(out).into_iter().chain(own))?;
             trial.write(out)?;
-            if let (Some(text), Some(plan)) = (&wishes, plan) {
+            if let Some(text) = &wishes {
                 let mut file = Output::claimed(&plan)?;
                 file.fill(|file| file.write_all(text.as_bytes()))?;
                 file.persist()?;
@@ -156,7 +148,6 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     for line in said {
         note!("{line}");
     }
-    let (first, end) = (run.times().next().unwrap_or_default(), run.times().nth(last).unwrap_or_default());
     let out = out.display();
     match to {
         Format::Trial => say!("{out}: {agents} agents as at t = {end:?} s")?,
@@ -166,7 +157,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
 }
 
 impl Arguments {
-    /// Whether the options belong together.
+    /// Checks that the options belong together.
     fn check(&self) -> Result<()> {
         if self.to == Format::Trial && self.every != 1 {
             bail!("--every is not for --to trial, which takes the last frame");
@@ -190,7 +181,7 @@ impl Arguments {
         Ok(())
     }
 
-    /// Whether the Trial has a `decision.toml` with which people leave.
+    /// Returns whether the Trial has a `decision.toml` with which people leave.
     fn lets_leave(&self, trial: Option<&Trial>) -> Result<bool> {
         let Some(trial) = trial else { return Ok(false) };
         let given = self.trial.as_deref().unwrap_or(&trial.directory);
@@ -200,7 +191,7 @@ impl Arguments {
     }
 }
 
-/// The `decision.toml` of a Trial for those who are there at the end of its run, if it has one.
+/// Returns the `decision.toml` of a Trial for those who are there at the end of its run, if it has one.
 fn wishes_at_end(given: &Path, end: &Trial, said: &mut Vec<String>) -> Result<Option<String>> {
     let Some(path) = TrialInput::find(given)?.and_then(|given| given.wishes()) else { return Ok(None) };
     let shown = || given.join(DECISION_FILE).display().to_string();
@@ -217,41 +208,37 @@ fn wishes_at_end(given: &Path, end: &Trial, said: &mut Vec<String>) -> Result<Op
     }))
 }
 
-/// What the format or the record does not have.
+/// Returns what the format or the record does not have.
 fn not_exported(to: Format, run: &Record, leaves: bool) -> Vec<String> {
-    let mut said = Vec::new();
-    if matches!(to, Format::Jupedsim | Format::Pedpy) && run.numeric_ids().is_none() {
-        said.push("Ids are not whole numbers: agents are numbered from 0, in the order of the source".into());
-    }
-    let without_contacts = !run.contacts();
-    if to == Format::Series && without_contacts {
-        said.push(
+    let mut said: Vec<String> = Vec::new();
+    match to {
+        Format::Jupedsim | Format::Pedpy if run.numeric_ids().is_none() => said
+            .push("Ids are not whole numbers: agents are numbered from 0, in the order of the source".into()),
+        Format::Series if !run.contacts() => said.push(
             "a table contains no contacts, so no AgentInteractions files are written. To have them, let the FMU write \
              the files: lemons run TRIAL --set OutputDirectory=DIRECTORY"
                 .into(),
-        );
-    }
-    if to == Format::Trial {
-        if without_contacts {
+        ),
+        Format::Trial => {
+            let no_contacts = "a table contains no contacts, so all contact springs start unstretched";
             // An OutputDirectory does not say who has left.
             let kept = if leaves {
                 ""
             } else {
                 ". To keep them, export from an OutputDirectory (lemons run TRIAL --set OutputDirectory=DIRECTORY)"
             };
-            said.push(format!(
-                "a table contains no contacts, so all contact springs start unstretched{kept}"
-            ));
+            said.extend((!run.contacts()).then(|| format!("{no_contacts}{kept}")));
+            said.push(
+                "Fp and Mp are those of the Trial, because runs do not record them; its drive.csv is not copied"
+                    .into(),
+            );
         }
-        said.push(
-            "Fp and Mp are those of the Trial, because runs do not record them; its drive.csv is not copied"
-                .into(),
-        );
+        _ => {}
     }
     said
 }
 
-/// That a file can be the table of a run; what is in it is read later.
+/// Checks that a file can be the table of a run; what is in it is read later.
 pub fn expect_table(path: &Path) -> Result<()> {
     let tables = [
         FileType::TEXT,
@@ -264,10 +251,29 @@ pub fn expect_table(path: &Path) -> Result<()> {
     Ok(FileType::expect(path, &tables, "a table that lemons run wrote (CSV, Parquet)")?)
 }
 
+/// Opens the record of a run: in memory, in the XML series of an OutputDirectory, or in tables; with a Trial, its agents are in
+/// the Trial's order.
+pub fn recorded(
+    source: &Path,
+    more: &[PathBuf],
+    memory: Option<&InMemory>,
+    trial: Option<&Trial>,
+) -> Result<Record> {
+    let record = match (memory, trial) {
+        (Some(memory), _) => memory.run.clone().into(),
+        (None, Some(trial)) if source.is_dir() => return Ok(Record::series(source, trial)?),
+        _ => Record::tables(&[&[source.to_owned()], more].concat())?,
+    };
+    match trial {
+        Some(trial) => Ok(record.of_trial(trial)?),
+        None => Ok(record),
+    }
+}
+
 /// \[bytes\] A polygon of more is a mistake.
 const LARGEST_AREA: u64 = 16 << 20;
 
-/// The walkable area: given by an option, or from the walls.
+/// Returns the walkable area: given by an option, or from the walls.
 pub fn area(run: &Record, given: (&str, Option<&Path>), trial: Option<&Trial>) -> Result<Area> {
     let positions = run.positions()?;
     let positions = positions.iter().copied();
@@ -280,23 +286,19 @@ pub fn area(run: &Record, given: (&str, Option<&Path>), trial: Option<&Trial>) -
     Ok(walkable_area(trial.map_or(&[][..], |trial| &trial.geometry.walls), positions))
 }
 
-/// Before one of them is written.
+/// Claims files before one of them is written.
 fn claim_all(mut paths: impl Iterator<Item = PathBuf>) -> Result<()> {
     paths.try_for_each(|path| files::claim(&path))
 }
 
-/// The Trial or FMU that was given with the record of a run, else the Trial directory that a series lies in.
+/// Reads the Trial or FMU that was given with the record of a run, else the Trial directory that a series lies in.
 pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
     let Some(path) = given else {
         let own = source.canonicalize().ok().filter(|source| source.is_dir());
-        let around = own.iter().flat_map(|own| own.ancestors().take(2));
-        let found = around.map(Path::to_owned).find(|path| path.join("Parameters.xml").is_file());
-        return found
-            .map(|path| {
-                files::reads(&path, &source.display().to_string());
-                Ok(setup::read(&path)?.0)
-            })
-            .transpose();
+        let mut around = own.iter().flat_map(|own| own.ancestors().take(2));
+        let Some(path) = around.find(|path| path.join("Parameters.xml").is_file()) else { return Ok(None) };
+        files::reads(path, &source.display().to_string());
+        return Ok(Some(setup::read(path)?.0));
     };
     if let Some(given) = TrialInput::find(path)? {
         return Ok(Some(given.read()?.0));

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 
 include!(concat!(env!("OUT_DIR"), "/lab.rs"));
 
-/// As the page itself says; and no other page may show this one in a frame.
+/// The policy of the page itself; and no other page may show this one in a frame.
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; \
      worker-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -38,7 +38,7 @@ pub fn lab(arguments: &Arguments) -> Result<()> {
     if FILES.is_empty() {
         bail!("this program was built without the lab: run lab/build.sh, then build it again (docs/lab.md)");
     }
-    let libraries = Libraries::beside();
+    let libraries = libraries();
     let interrupt = Interrupt::watch();
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, arguments.port))
         .with_context(|| format!("cannot listen on port {}", arguments.port))?;
@@ -56,27 +56,19 @@ pub fn lab(arguments: &Arguments) -> Result<()> {
     serve(&listener, || !interrupt.pressed(), answered).context("the lab takes no more connections")
 }
 
-/// The crowd's libraries and their licences: path in the page's address -> platform, file.
-struct Libraries(BTreeMap<String, (String, PathBuf)>);
+/// The crowd's libraries, and their licences: platform -> path in the page's address, and file.
+type Libraries = BTreeMap<String, (String, PathBuf)>;
 
-impl Libraries {
-    /// Without them, the page says that it makes no FMUs.
-    fn beside() -> Libraries {
-        let found = lemons_master::binaries_beside("crowd_mechanics", &[]).unwrap_or_default();
-        let licences = found.first().and_then(Binary::third_party);
-        let place = |Binary { platform, path }: Binary| {
-            let name = path.file_name()?.to_str()?;
-            Some((format!("binaries/{platform}/{name}"), (platform, path)))
-        };
-        let licences =
-            licences.map(|path| (format!("binaries/{THIRD_PARTY}"), (THIRD_PARTY.to_owned(), path)));
-        Libraries(found.into_iter().filter_map(place).chain(licences).collect())
-    }
-
-    fn list(&self) -> String {
-        let entries = self.0.iter().map(|(place, (name, _))| format!("{name:?}:{place:?}"));
-        format!("{{{}}}", entries.collect::<Vec<_>>().join(","))
-    }
+/// Returns those beside this program. Without them, the page says that it makes no FMUs.
+fn libraries() -> Libraries {
+    let found = lemons_master::binaries_beside("crowd_mechanics", &[]).unwrap_or_default();
+    let licences = found.first().and_then(Binary::third_party);
+    let licences = licences.map(|path| (THIRD_PARTY.to_owned(), (format!("binaries/{THIRD_PARTY}"), path)));
+    let place = |Binary { platform, path }: Binary| {
+        let place = format!("binaries/{platform}/{}", path.file_name()?.to_str()?);
+        Some((platform, (place, path)))
+    };
+    found.into_iter().filter_map(place).chain(licences).collect()
 }
 
 fn answer(request: &Request, address: SocketAddr, libraries: &Libraries) -> Answer {
@@ -91,10 +83,11 @@ fn answer(request: &Request, address: SocketAddr, libraries: &Libraries) -> Answ
     } else if let Some((name, content)) = FILES.iter().find(|(name, _)| *name == path) {
         ("200 OK", name.rsplit('.').next().unwrap_or_default(), Cow::Borrowed(*content))
     } else if path == "binaries.json" {
-        ("200 OK", "json", libraries.list().into_bytes().into())
+        let places: BTreeMap<_, _> = libraries.iter().map(|(name, (place, _))| (name, place)).collect();
+        ("200 OK", "json", serde_json::to_vec(&places).unwrap_or_default().into())
     } else {
-        let library = libraries.0.get(path).map(|(_, file)| input::read(file, input::LARGEST_BINARY));
-        match library {
+        let file = libraries.values().find(|(place, _)| place == path);
+        match file.map(|(_, file)| input::read(file, input::LARGEST_BINARY)) {
             Some(Ok(content)) => ("200 OK", "so", content.into()),
             _ => ("404 Not Found", "txt", b"there is no such file".into()),
         }

@@ -183,9 +183,8 @@ fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused
         scene.forces = run.pair_forces(shown)?.into_iter().map(force).collect();
     }
     let range = Some((0.0, wanted.most)).filter(|_| wanted.most > 0.0);
-    let (label, unit) = (wanted.label.clone(), wanted.unit.clone());
-    let fill = Fill::Values(Values { values, label, unit, range, ..Values::default() });
-    let style = Style { width: 800.0, fill, time: Some(wanted.time), ..Style::default() };
+    let fill = Fill::Values(Values::of(values, &wanted.label, &wanted.unit));
+    let style = Style { width: 800.0, fill, range, time: Some(wanted.time), ..Style::default() };
     Ok(lemons_picture::svg(&scene, &style))
 }
 

@@ -7,7 +7,7 @@ use crowd_mechanics::setup::Setup;
 use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
 use lemons_core::trial::{Contact, Geometry, Material, Trial, Wall, stiffness};
 use lemons_people::{Agent, Person, Sex, Shape, TrialSettings, crowd_trial, paper_materials};
-use lemons_picture::{Axis, Chart, ChartPanel, ChartStyle, Line, chart_svg};
+use lemons_picture::{Chart, ChartPanel, ChartStyle, Line, chart_svg, titled};
 use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -191,7 +191,7 @@ fn numbers() -> Result<String, std::fmt::Error> {
 }
 
 fn panel(label: &str, unit: &str, lines: Vec<Line>) -> ChartPanel {
-    ChartPanel { y: Axis { label: label.into(), unit: unit.into() }, lines, steps: false }
+    ChartPanel { y: titled(label, unit), lines, steps: false }
 }
 
 fn curve(group: usize, name: &str, points: Vec<(f64, f64)>) -> Line {
@@ -199,7 +199,7 @@ fn curve(group: usize, name: &str, points: Vec<(f64, f64)>) -> Line {
 }
 
 fn chart(time: &str, unit: &str, panels: Vec<ChartPanel>, aspect: Option<f64>) -> String {
-    let x = Axis { label: time.into(), unit: unit.into() };
+    let x = titled(time, unit);
     let style = ChartStyle { width: 760.0, aspect, ..ChartStyle::default() };
     chart_svg(&Chart { x, panels, noun: String::new() }, &style)
 }

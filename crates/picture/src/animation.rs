@@ -28,12 +28,8 @@ pub enum AnimationFormat {
 
 /// An animation, written frame by frame. Players repeat it for ever.
 pub struct Animation<W: Write> {
-    /// The output, until the first frame gives the size.
-    to: Option<W>,
-    encoder: Option<Encoder<W>>,
-    format: AnimationFormat,
+    encoder: Encoder<W>,
     frames_per_second: f64,
-    frames: u32,
     written: u32,
     last: Option<Pixels>,
 }
@@ -44,73 +40,47 @@ enum Encoder<W: Write> {
 }
 
 impl<W: Write> Animation<W> {
-    /// Begins an animation of `frames` frames (an animated PNG stores their number first). Their size is that of the
-    /// first.
-    pub fn new(
+    /// Begins an animation of `frames` frames (an animated PNG stores their number first) with the size of the first.
+    ///
+    /// # Errors
+    /// The file cannot be written, or a GIF cannot be so large.
+    pub fn begin(
         to: W,
         format: AnimationFormat,
         frames_per_second: f64,
         frames: u32,
+        first: &Pixels,
     ) -> Result<Animation<W>, PictureError> {
-        let most = match format {
-            AnimationFormat::Apng => 1000.0,
-            AnimationFormat::Gif => 50.0,
+        let encoder = match format {
+            AnimationFormat::Apng => Encoder::Apng(apng(to, first, frames)?),
+            AnimationFormat::Gif => gif(to, first)?,
         };
-        if !(0.001..=most).contains(&frames_per_second) {
-            let text = format!("{frames_per_second} frames per second; from 0.001 to {most} are possible");
-            return Err(PictureError::Animation(text));
-        }
-        if frames == 0 {
-            return Err(PictureError::Animation("no frames".to_owned()));
-        }
-        let (to, encoder, last) = (Some(to), None, None);
-        Ok(Animation { to, encoder, format, frames_per_second, frames, written: 0, last })
+        Ok(Animation { encoder, frames_per_second, written: 0, last: None })
     }
 
-    /// Adds the next frame.
+    /// Adds the next frame, which is as large as the first.
+    ///
+    /// # Errors
+    /// The file cannot be written, or this is a frame too many.
     pub fn add(&mut self, frame: &Pixels) -> Result<(), PictureError> {
-        let Pixels { width, height, ref rgba } = *frame;
-        if rgba.len() as u64 != 4 * u64::from(width) * u64::from(height) || rgba.is_empty() {
-            let text = format!("{} bytes are not {width} × {height} pixels", rgba.len());
-            return Err(PictureError::Animation(text));
-        }
-        if let Some(last) = &self.last
-            && (last.width, last.height) != (width, height)
-        {
-            let text = format!(
-                "frame {} has {width} × {height} pixels, those before {} × {}",
-                self.written, last.width, last.height
-            );
-            return Err(PictureError::Animation(text));
-        }
-        if self.written == self.frames {
-            return Err(PictureError::Animation(format!("more than {} frames", self.frames)));
-        }
-        if let Some(to) = self.to.take() {
-            self.encoder = Some(match self.format {
-                AnimationFormat::Apng => Encoder::Apng(apng(to, frame, self.frames)?),
-                AnimationFormat::Gif => gif(to, frame)?,
-            });
-        }
+        let Pixels { width, height, .. } = *frame;
         let area = self.last.as_ref().map_or(Area { x: 0, y: 0, width, height }, |last| changed(last, frame));
-        let number = self.written;
+        let pixels = area.pixels(frame, self.last.as_ref());
         match &mut self.encoder {
-            Some(Encoder::Apng(writer)) => {
+            Encoder::Apng(writer) => {
                 let (over, under) = fraction(self.frames_per_second);
-                writer.set_frame_delay(over, under).map_err(png_error)?;
-                if number > 0 {
-                    writer.reset_frame_position().map_err(png_error)?;
-                    writer.set_frame_dimension(area.width, area.height).map_err(png_error)?;
-                    writer.set_frame_position(area.x, area.y).map_err(png_error)?;
+                writer.set_frame_delay(over, under)?;
+                if self.written > 0 {
+                    writer.reset_frame_position()?;
+                    writer.set_frame_dimension(area.width, area.height)?;
+                    writer.set_frame_position(area.x, area.y)?;
                 }
-                let pixels = area.pixels(frame, self.last.as_ref());
-                writer.write_image_data(&pixels.concat()).map_err(png_error)?;
+                writer.write_image_data(&pixels.concat())?;
             }
-            Some(Encoder::Gif(encoder, palette)) => {
+            Encoder::Gif(encoder, palette) => {
                 // Round the end of each frame to hundredths of a second: rounding errors do not add up.
                 let end = |k: u32| (f64::from(k) * 100.0 / self.frames_per_second).round() as u64;
-                let delay = (end(number + 1) - end(number)).min(u64::from(u16::MAX)) as u16;
-                let pixels = area.pixels(frame, self.last.as_ref());
+                let delay = (end(self.written + 1) - end(self.written)).min(u64::from(u16::MAX)) as u16;
                 let (buffer, colours) = if palette.serves(&pixels) {
                     (palette.indices(&pixels), None)
                 } else {
@@ -129,9 +99,8 @@ impl<W: Write> Animation<W> {
                     buffer: buffer.into(),
                     ..gif::Frame::default()
                 };
-                encoder.write_frame(&frame).map_err(gif_error)?;
+                encoder.write_frame(&frame)?;
             }
-            None => return Err(PictureError::Animation("an earlier error ended it".to_owned())),
         }
         self.last = Some(frame.clone());
         self.written += 1;
@@ -139,15 +108,13 @@ impl<W: Write> Animation<W> {
     }
 
     /// Ends the file after the last frame.
+    ///
+    /// # Errors
+    /// The file cannot be written, or frames are missing.
     pub fn finish(self) -> Result<(), PictureError> {
-        if self.written < self.frames {
-            let text = format!("{} frames of {}", self.written, self.frames);
-            return Err(PictureError::Animation(text));
-        }
         match self.encoder {
-            Some(Encoder::Apng(writer)) => writer.finish().map_err(png_error),
-            Some(Encoder::Gif(encoder, _)) => Ok(encoder.into_inner().map_err(gif_error)?.flush()?),
-            None => Ok(()),
+            Encoder::Apng(writer) => Ok(writer.finish()?),
+            Encoder::Gif(encoder, _) => Ok(encoder.into_inner()?.flush()?),
         }
     }
 }
@@ -157,10 +124,11 @@ fn apng<W: Write>(to: W, first: &Pixels, frames: u32) -> Result<png::Writer<W>, 
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Balanced);
-    encoder.set_animated(frames, 0).map_err(png_error)?;
-    encoder.set_blend_op(png::BlendOp::Over).map_err(png_error)?;
-    encoder.set_dispose_op(png::DisposeOp::None).map_err(png_error)?;
-    encoder.write_header().map_err(png_error)
+    encoder.set_animated(frames, 0)?;
+    encoder.validate_sequence(true);
+    encoder.set_blend_op(png::BlendOp::Over)?;
+    encoder.set_dispose_op(png::DisposeOp::None)?;
+    Ok(encoder.write_header()?)
 }
 
 fn gif<W: Write>(to: W, first: &Pixels) -> Result<Encoder<W>, PictureError> {
@@ -170,23 +138,9 @@ fn gif<W: Write>(to: W, first: &Pixels) -> Result<Encoder<W>, PictureError> {
     };
     let whole = Area { x: 0, y: 0, width: first.width, height: first.height };
     let palette = Palette::of(&whole.pixels(first, None));
-    let mut encoder = gif::Encoder::new(to, width, height, &palette.bytes()).map_err(gif_error)?;
-    encoder.set_repeat(gif::Repeat::Infinite).map_err(gif_error)?;
+    let mut encoder = gif::Encoder::new(to, width, height, &palette.bytes())?;
+    encoder.set_repeat(gif::Repeat::Infinite)?;
     Ok(Encoder::Gif(Box::new(encoder), palette))
-}
-
-fn png_error(error: png::EncodingError) -> PictureError {
-    match error {
-        png::EncodingError::IoError(error) => error.into(),
-        error => PictureError::Png(error.to_string()),
-    }
-}
-
-fn gif_error(error: gif::EncodingError) -> PictureError {
-    match error {
-        gif::EncodingError::Io(error) => error.into(),
-        error => PictureError::Gif(error.to_string()),
-    }
 }
 
 /// \[s\] Duration of a frame as animated PNG stores it: exact for integer rates.
@@ -216,48 +170,38 @@ struct Area {
 }
 
 impl Area {
-    /// Its pixels; those equal to the last frame are transparent.
+    /// Returns its pixels; those equal to the last frame are transparent.
     fn pixels(&self, frame: &Pixels, last: Option<&Pixels>) -> Vec<[u8; 4]> {
-        let mut pixels = Vec::with_capacity(self.width as usize * self.height as usize);
-        for y in self.y..self.y + self.height {
-            let start = 4 * (y as usize * frame.width as usize + self.x as usize);
-            let row = start..start + 4 * self.width as usize;
-            let colours = frame.rgba[row.clone()].chunks_exact(4).map(|p| [p[0], p[1], p[2], 255]);
-            match last {
-                None => pixels.extend(colours),
-                Some(last) => {
-                    let before = last.rgba[row].chunks_exact(4);
-                    pixels
-                        .extend(colours.zip(before).map(|(p, b)| if p[..3] == b[..3] { [0; 4] } else { p }));
-                }
-            }
-        }
-        pixels
+        let rows = self.y as usize..(self.y + self.height) as usize;
+        let columns = self.x as usize..(self.x + self.width) as usize;
+        let colour_at = |pixels: &Pixels, x, y| {
+            let k = 4 * (y * pixels.width as usize + x);
+            [pixels.rgba[k], pixels.rgba[k + 1], pixels.rgba[k + 2], 255]
+        };
+        let pixel = |x, y| {
+            let colour = colour_at(frame, x, y);
+            if last.is_some_and(|last| colour_at(last, x, y) == colour) { [0; 4] } else { colour }
+        };
+        rows.flat_map(|y| columns.clone().map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect()
     }
 }
 
-/// The smallest rectangle around all changes; one pixel if nothing changed.
+/// Returns the smallest rectangle around all changes; one pixel if nothing changed.
 fn changed(last: &Pixels, frame: &Pixels) -> Area {
     let row = 4 * frame.width as usize;
-    let rows = || last.rgba.chunks_exact(row).zip(frame.rgba.chunks_exact(row)).enumerate();
-    let mut differing = rows().filter(|(_, (a, b))| a != b).map(|(y, _)| y);
-    let Some(top) = differing.next() else { return Area { x: 0, y: 0, width: 1, height: 1 } };
-    let bottom = differing.next_back().unwrap_or(top);
-    let (mut left, mut right) = (frame.width as usize - 1, 0);
-    for (_, (a, b)) in rows().skip(top).take(bottom - top + 1) {
-        let mut differing =
-            a.chunks_exact(4).zip(b.chunks_exact(4)).enumerate().filter(|(_, (a, b))| a != b).map(|(x, _)| x);
-        if let Some(first) = differing.next() {
-            left = left.min(first);
-            right = right.max(differing.next_back().unwrap_or(first));
-        }
+    let rows = last.rgba.chunks_exact(row).zip(frame.rgba.chunks_exact(row)).enumerate();
+    let (mut left, mut right, mut top, mut bottom) = (usize::MAX, 0, usize::MAX, 0);
+    for (y, (a, b)) in rows.filter(|(_, (a, b))| a != b) {
+        (top, bottom) = (top.min(y), y);
+        let mut pairs = a.chunks_exact(4).zip(b.chunks_exact(4));
+        left = left.min(pairs.clone().position(|(a, b)| a != b).unwrap_or(left));
+        right = right.max(pairs.rposition(|(a, b)| a != b).unwrap_or(right));
     }
-    Area {
-        x: left as u32,
-        y: top as u32,
-        width: (right - left + 1) as u32,
-        height: (bottom - top + 1) as u32,
+    if top > bottom {
+        return Area { x: 0, y: 0, width: 1, height: 1 };
     }
+    let [x, y, width, height] = [left, top, right - left + 1, bottom - top + 1].map(|v| v as u32);
+    Area { x, y, width, height }
 }
 
 /// Up to 255 colours, and a cache of the nearest one for colours that occurred.
@@ -325,7 +269,7 @@ impl Palette {
         })
     }
 
-    /// Whether the palette represents these pixels well enough.
+    /// Returns whether the palette represents these pixels well enough.
     fn serves(&mut self, pixels: &[[u8; 4]]) -> bool {
         let off =
             pixels.iter().filter(|p| p[3] > 0).filter(|[r, g, b, _]| self.nearest([*r, *g, *b]).1 > SEEN);

@@ -1,10 +1,9 @@
 //! Bicycles with their riders, seen from above, facing +x. They are given apart from the Trial, which cannot contain
 //! them.
 
-use crate::body::{TENTH_OF_MM, point};
+use crate::body::{TENTH_OF_MM, begin_at, drawable, near};
 use crate::colour::{Colour, Palette};
-use crate::plane::{drawable, near};
-use crate::text::{escaped, number, text_of};
+use crate::text::{escaped, text_of};
 use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
 use std::fmt::Write;
 
@@ -55,30 +54,12 @@ impl Bicycle {
             [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)].into_iter().map(corner)
         })
     }
-}
 
-/// Draws bicycles with outlines of this width \[m\], like bodies.
-pub(crate) fn bicycles(out: &mut String, drawn: &[&Bicycle], palette: &Palette, stroke: f64) {
-    if drawn.is_empty() {
-        return;
-    }
-    let (fill, outline, stroke) = (Bicycle::FILL, palette.outline, text_of(stroke, 6));
-    let _ = writeln!(
-        out,
-        "<g class=\"bicycles\" fill=\"{fill}\" stroke=\"{outline}\" stroke-width=\"{stroke}\">"
-    );
-    drawn.iter().for_each(|bicycle| bicycle.draw(out, palette));
-    *out += "</g>\n";
-}
-
-impl Bicycle {
+    /// Draws it in the plane.
     fn draw(&self, out: &mut String, palette: &Palette) {
         let ((along, across), (length, breadth)) = (self.wheels, self.rider);
-        *out += "<g transform=\"translate(";
-        point(out, self.pose.position);
-        *out += ")rotate(";
-        number(out, self.pose.orientation.rem_euclid(std::f64::consts::TAU).to_degrees(), 2);
-        let _ = write!(out, ")\"><title>{}</title>", escaped(&self.id));
+        begin_at(out, &self.pose);
+        let _ = write!(out, "><title>{}</title>", escaped(&self.id));
         let mut part = |more: &str, centre: Vec2, half: Vec2, corner: f64| {
             let low = centre - half;
             let [x, y, width, height, corner] =
@@ -110,4 +91,18 @@ impl Bicycle {
         part(&dark, behind + vec2(0.04 * length, 0.0), vec2(head, head), head);
         *out += "</g>\n";
     }
+}
+
+/// Draws bicycles with outlines of this width \[m\], like bodies.
+pub(crate) fn bicycles(out: &mut String, drawn: &[&Bicycle], palette: &Palette, stroke: f64) {
+    if drawn.is_empty() {
+        return;
+    }
+    let (fill, outline, stroke) = (Bicycle::FILL, palette.outline, text_of(stroke, 6));
+    let _ = writeln!(
+        out,
+        "<g class=\"bicycles\" fill=\"{fill}\" stroke=\"{outline}\" stroke-width=\"{stroke}\">"
+    );
+    drawn.iter().for_each(|bicycle| bicycle.draw(out, palette));
+    *out += "</g>\n";
 }

@@ -1,21 +1,18 @@
 //! Curves over time.
 //!
-//! They are drawn here and not by a plotting library: with the same stroked lettering as scenes. So the bytes are the
+//! They are drawn here and not by a plotting library: with the same stroked letters as scenes. So the bytes are the
 //! same on every machine, and rasterizing needs no font.
 
 use crate::colour::{Colour, Palette, Theme};
-use crate::colouring::titled;
-use crate::curve::{Piece, apart, extremes, listed, shared, thinned};
-use crate::draw::begin;
-use crate::furniture::{Entry, Header, lettered, small};
-use crate::lettering::{self, Anchor, Place};
-use crate::look::{CASING, dashes};
-use crate::page::{CAP_HEIGHT, MARGIN, NOMINAL_WIDTH, Page, page_width};
-use crate::range::Range;
+use crate::curve::{Piece, Range, apart, extremes, listed, shared, thinned};
+use crate::glyphs::{self, Anchor, Place};
+use crate::page::{
+    CAP_HEIGHT, CASING, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, dashes, page_width, shrunk,
+};
 use crate::text::{PX, escaped, pair, text_of};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Size of lettering and lines, relative to a scene's page.
+/// Size of letters and lines, relative to a scene's page.
 const FINER: f64 = 0.85;
 /// A chart with more lines shows a crowd: only the median and the highest line have a colour and a name.
 const MOST_NAMED: usize = 8;
@@ -40,28 +37,19 @@ const SAMPLES: usize = 300;
 /// A chart: panels above each other that share the x axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Chart {
-    /// The x axis, below all panels.
-    pub x: Axis,
+    /// Name and unit of the x axis, such as "time (s)": below all panels.
+    pub x: String,
     /// The panels, from the top down.
     pub panels: Vec<ChartPanel>,
-    /// What each line represents, such as "agent". It precedes the name of a line; before several names it gets an s.
+    /// Name of what each line is of, such as "agent". It precedes the name of a line; before several names it gets an s.
     pub noun: String,
-}
-
-/// The quantity of an axis.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Axis {
-    /// Name of the quantity.
-    pub label: String,
-    /// Unit; empty if there is none.
-    pub unit: String,
 }
 
 /// A panel with lines.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ChartPanel {
-    /// The y axis, written above the panel.
-    pub y: Axis,
+    /// Name and unit of the y axis: above the panel.
+    pub y: String,
     /// Lines, in the order in which they are drawn.
     pub lines: Vec<Line>,
     /// Whether a value holds until the next point (steps), as for counts.
@@ -82,7 +70,7 @@ pub struct Line {
     pub dashed: bool,
 }
 
-/// Settings of a chart. Lines and lettering scale with the width.
+/// Settings of a chart. Lines and letters scale with the width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartStyle {
     /// \[px\] Width. The height follows from the panels.
@@ -111,26 +99,21 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     let width = page_width(style.width);
     let unit = width / NOMINAL_WIDTH * FINER;
     let (margin, cap) = (MARGIN * unit, CAP_HEIGHT * unit);
-    let xs = || chart.panels.iter().flat_map(|p| &p.lines).flat_map(|l| &l.points).filter(drawable);
-    let x = Range::around(xs().map(|p| p.0), false);
+    let lines = || chart.panels.iter().flat_map(|p| &p.lines).filter(|l| l.points.iter().any(drawable));
+    let x = Range::around(lines().flat_map(|l| &l.points).filter(|p| drawable(p)).map(|p| p.0), false);
 
-    let lines =
-        || chart.panels.iter().flat_map(|p| &p.lines).filter(|l| l.points.iter().any(|p| drawable(&p)));
-    let mut legend = Vec::new();
-    if lines().any(|l| l.dashed) && lines().any(|l| !l.dashed) {
-        legend.push(Entry::of_line("simulated", &palette, STROKE * unit));
-        legend.push(Entry::of_line("measured", &palette, STROKE * unit).dashed(unit));
-    }
-    let header = Header::new(None, legend, unit, width);
+    let compared = lines().any(|l| l.dashed) && lines().any(|l| !l.dashed);
+    let legend = compared.then(|| Entry::simulated_and_measured(&palette, STROKE * unit));
+    let header = Header::new("", legend.into_iter().flatten().collect(), unit, width);
 
     let aspect = style.aspect.filter(|a| a.is_finite() && *a > 0.0).map(|a| a.clamp(0.02, 10.0));
     let tall = aspect.unwrap_or(if chart.panels.len() > 1 { 0.25 } else { 0.5 }) * width;
-    let panels: Vec<Ready> =
-        chart.panels.iter().map(|p| Ready::new(p, &chart.noun, x, tall, unit, &palette)).collect();
-    let numbers = panels.iter().flat_map(|p| &p.ticks).map(|(_, text)| lettering::width(text, cap));
+    let panels: Vec<PanelLayout> =
+        chart.panels.iter().map(|p| PanelLayout::new(p, &chart.noun, x, tall, unit, &palette)).collect();
+    let numbers = panels.iter().flat_map(|p| &p.ticks).map(|(_, text)| glyphs::width(text, cap));
     let left = margin + numbers.fold(0.0, f64::max) + TICK_GAP * unit;
     let names = panels.iter().flat_map(|p| &p.strokes).filter_map(|s| s.name.as_ref());
-    let named = names.map(|n| lettering::width(n, cap) + 1.3 * TICK_GAP * unit).fold(0.0, f64::max);
+    let named = names.map(|(n, _)| glyphs::width(n, cap) + 1.3 * TICK_GAP * unit).fold(0.0, f64::max);
     // Very long names leave half of the page to the curves.
     let right = (width - margin - named).max(0.5 * width).max(left + unit);
     let x_ticks = x.ticks(((right - left) / (GRID.0 * unit)).max(1.0), false);
@@ -140,73 +123,57 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     let below = (2.0 * (CAP_HEIGHT + TICK_GAP) + 3.0) * unit;
     let count = panels.len().max(1) as f64;
     let height = (top + count * pitch - PANEL_GAP * unit + below + margin - 1e-6).ceil();
-    let page = Page { unit, width, height };
 
-    let mut out = String::new();
-    begin(&mut out, &page, &titled(&chart.x.label, &chart.x.unit), palette.paper);
+    let mut page = Page::begin(&chart.x, style.theme, unit, width, height);
     let across = |v: f64| left + x.part(v) * (right - left);
-    for (k, (panel, ready)) in chart.panels.iter().zip(&panels).enumerate() {
+    let [left_px, right_px, hair] = [left, right, 0.8 * unit].map(|v| text_of(v, PX));
+    for (k, (panel, layout)) in chart.panels.iter().zip(&panels).enumerate() {
         let above = top + k as f64 * pitch + cap + 6.0 * unit;
         let bottom = above + tall;
-        let up = |v: f64| bottom - ready.y.part(v) * tall;
-        out += "<g class=\"chart-panel\">\n";
-        let mut d = String::new();
-        for (v, _) in &ready.ticks {
-            d += &format!("M{} {}H{}", text_of(left, PX), text_of(up(*v), PX), text_of(right, PX));
+        let up = |v: f64| bottom - layout.y.part(v) * tall;
+        page.out += "<g class=\"chart-panel\">\n";
+        let rows = layout.ticks.iter().map(|(v, _)| format!("M{left_px} {}H{right_px}", text_of(up(*v), PX)));
+        let [above_px, bottom_px] = [above, bottom].map(|v| text_of(v, PX));
+        let column = |(v, _): &(f64, String)| format!("M{} {above_px}V{bottom_px}", text_of(across(*v), PX));
+        let d: String = rows.chain(x_ticks.iter().map(column)).collect();
+        page.line("grid", palette.faint, &hair, "", &d);
+        let base = text_of(if layout.y.low < 0.0 && layout.y.high > 0.0 { up(0.0) } else { bottom }, PX);
+        let d = format!("M{left_px} {base}H{right_px}");
+        page.line("axis", palette.ink.mixed(palette.paper, 0.35), &hair, "", &d);
+        for (v, text) in &layout.ticks {
+            let place = page.place(left - TICK_GAP * unit, up(*v) + 0.5 * cap, Anchor::End);
+            page.text("tick", text, place);
         }
-        for (v, _) in &x_ticks {
-            d += &format!("M{} {}V{}", text_of(across(*v), PX), text_of(above, PX), text_of(bottom, PX));
+        let place = page.place(margin, above - 6.0 * unit, Anchor::Start);
+        fitting(&mut page, "label", &panel.y, place, width - 2.0 * margin, palette.ink);
+        page.out += "<g class=\"lines\" fill=\"none\" stroke-linejoin=\"round\">\n";
+        for stroke in &layout.strokes {
+            stroke.draw(&mut page, panel.steps, across, |v| up(v) - stroke.aside);
         }
-        let hair = text_of(0.8 * unit, PX);
-        out += &format!(
-            "<path class=\"grid\" fill=\"none\" stroke=\"{}\" stroke-width=\"{hair}\" d=\"{d}\"/>\n",
-            palette.faint
-        );
-        let base = text_of(if ready.y.low < 0.0 && ready.y.high > 0.0 { up(0.0) } else { bottom }, PX);
-        out += &format!(
-            "<path class=\"axis\" fill=\"none\" stroke=\"{}\" stroke-width=\"{hair}\" d=\"M{} {base}H{}\"/>\n",
-            palette.ink.mixed(palette.paper, 0.35),
-            text_of(left, PX),
-            text_of(right, PX)
-        );
-        for (v, text) in &ready.ticks {
-            let place =
-                Place { x: left - TICK_GAP * unit, y: up(*v) + 0.5 * cap, ..small(unit, Anchor::End) };
-            lettered(&mut out, "tick", text, place, palette.ink);
-        }
-        let title = titled(&panel.y.label, &panel.y.unit);
-        let place = Place { x: margin, y: above - 6.0 * unit, ..small(unit, Anchor::Start) };
-        fitting(&mut out, "label", &title, place, width - 2.0 * margin, palette.ink);
-        out += "<g class=\"lines\" fill=\"none\" stroke-linejoin=\"round\">\n";
-        for stroke in &ready.strokes {
-            stroke.draw(&mut out, panel.steps, unit, palette.paper, across, |v| up(v) - stroke.aside);
-        }
-        out += "</g>\n";
-        ready.names(&mut out, (above, bottom), right, (width - margin - right).max(unit), unit, up);
-        out += "</g>\n";
+        page.out += "</g>\n";
+        layout.names(&mut page, (above, bottom), right, (width - margin - right).max(unit), up);
+        page.out += "</g>\n";
     }
     let bottom = height - margin - below;
     for (v, text) in &x_ticks {
-        let place = Place { x: across(*v), y: bottom + TICK_GAP * unit + cap, ..small(unit, Anchor::Middle) };
-        lettered(&mut out, "tick", text, place, palette.ink);
+        page.text("tick", text, page.place(across(*v), bottom + TICK_GAP * unit + cap, Anchor::Middle));
     }
-    let place = Place { x: 0.5 * (left + right), y: height - margin, ..small(unit, Anchor::Middle) };
-    let title = titled(&chart.x.label, &chart.x.unit);
-    fitting(&mut out, "label", &title, place, width - 2.0 * margin, palette.ink);
-    header.draw(&mut out, &page, &palette, margin);
-    out += "</svg>\n";
-    out
+    let place = page.place(0.5 * (left + right), height - margin, Anchor::Middle);
+    fitting(&mut page, "label", &chart.x, place, width - 2.0 * margin, palette.ink);
+    header.draw(&mut page);
+    page.end()
 }
 
-fn drawable(p: &&(f64, f64)) -> bool {
+fn drawable(p: &(f64, f64)) -> bool {
     p.0.is_finite() && p.1.is_finite()
 }
 
 /// Draws text, smaller if it is longer than `room`.
-fn fitting(out: &mut String, class: &str, text: &str, place: Place, room: f64, colour: Colour) {
+fn fitting(page: &mut Page, class: &str, text: &str, place: Place, room: f64, colour: Colour) {
     if !text.is_empty() {
-        let shrink = (room / lettering::width(text, place.cap_height).max(1e-9)).min(1.0);
-        lettered(out, class, text, Place { cap_height: place.cap_height * shrink, ..place }, colour);
+        let shrink = shrunk(glyphs::width(text, place.cap_height), room);
+        let place = Place { cap_height: place.cap_height * shrink, ..place };
+        page.text_of_colour(class, text, place, colour);
     }
 }
 
@@ -217,79 +184,72 @@ struct Stroke {
     /// Pieces drawn in dashes with others, and pieces drawn alone; if empty, the whole curve is drawn alone.
     pieces: Vec<Piece>,
     colour: Colour,
-    /// Colour of its name.
-    lettering: Colour,
     /// \[px\] width.
     width: f64,
     /// \[px\] Distance by which it is drawn above its place.
     aside: f64,
     opacity: f64,
     dashed: bool,
-    /// Name at its end.
-    name: Option<String>,
+    /// Name at its end, and its colour.
+    name: Option<(String, Colour)>,
     title: String,
 }
 
 /// A panel, laid out except for its place on the page.
-struct Ready {
+struct PanelLayout {
     y: Range,
     ticks: Vec<(f64, String)>,
     strokes: Vec<Stroke>,
 }
 
-impl Ready {
-    fn new(panel: &ChartPanel, noun: &str, x: Range, tall: f64, unit: f64, palette: &Palette) -> Ready {
-        let lines: Vec<&Line> =
-            panel.lines.iter().filter(|l| l.points.iter().any(|p| drawable(&p))).collect();
-        let values = lines.iter().flat_map(|l| &l.points).filter(drawable).map(|p| p.1);
+impl PanelLayout {
+    fn new(panel: &ChartPanel, noun: &str, x: Range, tall: f64, unit: f64, palette: &Palette) -> PanelLayout {
+        let lines: Vec<&Line> = panel.lines.iter().filter(|l| l.points.iter().any(drawable)).collect();
+        let values = lines.iter().flat_map(|l| &l.points).filter(|p| drawable(p)).map(|p| p.1);
         let y = Range::around(values, true).airy();
         let ticks = y.ticks((tall / (GRID.1 * unit)).max(1.0), panel.steps);
         let groups: BTreeSet<usize> = lines.iter().map(|l| l.group).collect();
-        let mut strokes = if groups.len() <= MOST_NAMED {
+        let few = groups.len() <= MOST_NAMED;
+        let mut strokes = if few {
             named(&lines, noun, unit, palette)
         } else {
-            crowd(panel, noun, &lines, x, unit, palette)
+            crowd(panel.steps, noun, &lines, x, unit, palette)
         };
         if panel.steps {
             step_aside(&mut strokes, &lines, &groups, tall / (y.high - y.low), unit);
-        } else if groups.len() <= MOST_NAMED {
+        } else if few {
             // Curves closer than half a line's width count as equal.
             let near = 0.5 * STROKE * unit * (y.high - y.low) / tall;
             take_turns(&mut strokes, &lines, noun, near, palette);
         }
-        if groups.len() <= MOST_NAMED {
+        if few {
             // Draw dashed lines last, so that solid lines do not hide them.
             strokes.sort_by_key(|stroke| stroke.dashed);
         }
-        Ready { y, ticks, strokes }
+        PanelLayout { y, ticks, strokes }
     }
 
     /// Places the names beside the ends of their curves without overlap.
-    fn names(
-        &self,
-        out: &mut String,
+    fn names<'s>(
+        &'s self,
+        page: &mut Page,
         (above, bottom): (f64, f64),
         right: f64,
         room: f64,
-        unit: f64,
         up: impl Fn(f64) -> f64,
     ) {
-        let cap = CAP_HEIGHT * unit;
-        let mut names: Vec<(f64, &str, Colour)> = self
-            .strokes
-            .iter()
-            .filter_map(|s| {
-                let (_, y) = s.points.iter().rev().find(drawable)?;
-                Some((up(*y) - s.aside, s.name.as_deref().filter(|n| !n.is_empty())?, s.lettering))
-            })
-            .collect();
+        let (cap, gap) = (CAP_HEIGHT * page.unit, 1.3 * TICK_GAP * page.unit);
+        let named = |s: &'s Stroke| {
+            let (_, y) = s.points.iter().rev().find(|p| drawable(p))?;
+            Some((up(*y) - s.aside, s.name.as_ref().filter(|(name, _)| !name.is_empty())?))
+        };
+        let mut names: Vec<(f64, &(String, Colour))> = self.strokes.iter().filter_map(named).collect();
         names.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let places =
-            apart(names.iter().map(|n| n.0).collect(), 1.5 * cap, above + 0.5 * cap, bottom - 0.5 * cap);
-        for ((_, name, colour), y) in names.iter().zip(places) {
-            let gap = 1.3 * TICK_GAP * unit;
-            let place = Place { x: right + gap, y: y + 0.5 * cap, ..small(unit, Anchor::Start) };
-            fitting(out, "name", name, place, (room - gap).max(unit), *colour);
+        let places = names.iter().map(|n| n.0).collect();
+        let places = apart(places, 1.5 * cap, above + 0.5 * cap, bottom - 0.5 * cap);
+        for ((_, (name, colour)), y) in names.iter().zip(places) {
+            let place = page.place(right + gap, y + 0.5 * cap, Anchor::Start);
+            fitting(page, "name", name, place, (room - gap).max(page.unit), *colour);
         }
     }
 }
@@ -318,7 +278,7 @@ fn take_turns(strokes: &mut [Stroke], lines: &[&Line], noun: &str, near: f64, pa
         let names: Vec<&str> = together.iter().map(|k| lines[solid[*k]].name.as_str()).collect();
         let name = called(noun, &names);
         let (first, rest) = (solid[together[0]], &together[1..]);
-        (strokes[first].name, strokes[first].lettering) = (Some(name), palette.ink);
+        strokes[first].name = Some((name, palette.ink));
         rest.iter().for_each(|k| strokes[solid[*k]].name = None);
     }
 }
@@ -334,38 +294,33 @@ fn called(noun: &str, names: &[&str]) -> String {
 
 /// Few lines: each has its colour, each group one name.
 fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Stroke> {
-    let speaker = |line: &Line| {
-        let of_group = || lines.iter().filter(|l| l.group == line.group);
-        of_group().find(|l| !l.dashed).or_else(|| of_group().next()).copied()
+    // A group is named beside its first solid line, if it has one.
+    let is_named = |line: &Line| {
+        let own = || lines.iter().filter(|l| l.group == line.group);
+        own().find(|l| !l.dashed).or(own().next()).is_some_and(|l| std::ptr::eq(*l, line))
     };
-    let stroke = |line: &&Line| Stroke {
-        name: speaker(line).is_some_and(|s| std::ptr::eq(s, *line)).then(|| called(noun, &[&line.name])),
-        ..Stroke::of(line, noun, palette.series(line.group), STROKE * unit)
+    let stroke = |line: &&Line| {
+        let colour = palette.series(line.group);
+        let name = is_named(line).then(|| (called(noun, &[&line.name]), colour));
+        Stroke { name, ..Stroke::of(line, noun, colour, STROKE * unit) }
     };
     lines.iter().map(stroke).collect()
 }
 
 /// Many lines: all of them pale, their median, and the one with the highest value.
-fn crowd(
-    panel: &ChartPanel,
-    noun: &str,
-    lines: &[&Line],
-    x: Range,
-    unit: f64,
-    palette: &Palette,
-) -> Vec<Stroke> {
+fn crowd(steps: bool, noun: &str, lines: &[&Line], x: Range, unit: f64, palette: &Palette) -> Vec<Stroke> {
     let opacity = (14.0 / lines.len() as f64).clamp(0.1, 0.5);
     let pale = |line: &&Line| Stroke { opacity, ..Stroke::of(line, noun, palette.ink, THIN * unit) };
     let mut strokes: Vec<Stroke> = lines.iter().map(pale).collect();
-    let solid: Vec<&&Line> = if lines.iter().any(|l| !l.dashed) {
-        lines.iter().filter(|l| !l.dashed).collect()
-    } else {
-        lines.iter().collect()
+    let all_dashed = lines.iter().all(|l| l.dashed);
+    let solid: Vec<&&Line> = lines.iter().filter(|l| all_dashed || !l.dashed).collect();
+    let top = |line: &Line| {
+        let known = line.points.iter().filter(|p| drawable(p));
+        known.fold(f64::NEG_INFINITY, |high, p| high.max(p.1))
     };
-    let top = |line: &Line| line.points.iter().filter(drawable).fold(f64::NEG_INFINITY, |h, p| h.max(p.1));
     let strong = |class, points, place, name: String| Stroke {
         class,
-        name: Some(name.clone()),
+        name: Some((name.clone(), palette.series(place))),
         ..Stroke::new(points, palette.series(place), STROKE * unit, name)
     };
     // The first of several with the same maximum.
@@ -374,51 +329,40 @@ fn crowd(
         let name = format!("{} (max)", called(noun, &[&line.name]));
         strokes.push(strong("highest", line.points.clone(), 1, name));
     }
-    let mut each: Vec<_> = solid.iter().map(|l| Reader { points: &l.points, next: 0 }).collect();
     let median = (0..=SAMPLES).map(|k| {
         let at = x.low + (x.high - x.low) * k as f64 / SAMPLES as f64;
-        let mut values: Vec<f64> = each.iter_mut().filter_map(|r| r.at(at, panel.steps)).collect();
+        let mut values: Vec<f64> = solid.iter().filter_map(|l| value_at(&l.points, at, steps)).collect();
         values.sort_by(f64::total_cmp);
         let middle = values.len() / 2;
         let value = match values.len() {
             0 => f64::NAN,
-            n if n % 2 == 1 || panel.steps => values[middle],
+            n if n % 2 == 1 || steps => values[middle],
             _ => 0.5 * values[middle - 1] + 0.5 * values[middle],
         };
         (at, value)
     });
-    let median: Vec<_> = median.collect();
-    strokes.push(strong("median", median, 0, "median".to_owned()));
+    strokes.push(strong("median", median.collect(), 0, "median".to_owned()));
     strokes
 }
 
-/// Reads a curve at increasing x.
-struct Reader<'a> {
-    points: &'a [(f64, f64)],
-    next: usize,
-}
-
-impl Reader<'_> {
-    fn at(&mut self, x: f64, steps: bool) -> Option<f64> {
-        while self.points.get(self.next).is_some_and(|p| p.0 <= x || p.0.is_nan()) {
-            self.next += 1;
-        }
-        let before = self.points[..self.next].last().filter(drawable)?;
-        if steps || before.0 == x {
-            return (self.next < self.points.len() || before.0 == x).then_some(before.1);
-        }
-        let after = self.points.get(self.next).filter(drawable)?;
-        let part = (x - before.0) / (after.0 - before.0);
-        Some(before.1 * (1.0 - part) + after.1 * part)
+/// Returns y of a curve at x, if it is known there.
+fn value_at(points: &[(f64, f64)], x: f64, steps: bool) -> Option<f64> {
+    let next = points.partition_point(|p| p.0 <= x || p.0.is_nan());
+    let (after, before) = (points.get(next), points[..next].last().filter(|p| drawable(p))?);
+    if before.0 == x || steps {
+        return (before.0 == x || after.is_some()).then_some(before.1);
     }
+    let after = after.filter(|p| drawable(p))?;
+    let part = (x - before.0) / (after.0 - before.0);
+    Some(before.1 * (1.0 - part) + after.1 * part)
 }
 
 impl Stroke {
     /// A solid line without a name.
     fn new(points: Vec<(f64, f64)>, colour: Colour, width: f64, title: String) -> Stroke {
-        let (class, pieces, lettering) = ("simulated", Vec::new(), colour);
+        let (class, pieces) = ("simulated", Vec::new());
         let (aside, opacity, dashed, name) = (0.0, 1.0, false, None);
-        Stroke { class, points, pieces, colour, lettering, width, aside, opacity, dashed, name, title }
+        Stroke { class, points, pieces, colour, width, aside, opacity, dashed, name, title }
     }
 
     fn of(line: &Line, noun: &str, colour: Colour, width: f64) -> Stroke {
@@ -427,17 +371,10 @@ impl Stroke {
         Stroke { class, dashed: line.dashed, ..stroke }
     }
 
-    fn draw(
-        &self,
-        out: &mut String,
-        steps: bool,
-        unit: f64,
-        paper: Colour,
-        across: impl Fn(f64) -> f64,
-        up: impl Fn(f64) -> f64,
-    ) {
+    fn draw(&self, page: &mut Page, steps: bool, across: impl Fn(f64) -> f64, up: impl Fn(f64) -> f64) {
+        let unit = page.unit;
         let path = |d: &mut String, points: &[(f64, f64)]| {
-            for piece in points.split(|p| !drawable(&p)) {
+            for piece in points.split(|p| !drawable(p)) {
                 let mut on_page: Vec<(f64, f64)> = Vec::with_capacity(piece.len());
                 for p in piece {
                     let (x, y) = (across(p.0), up(p.1));
@@ -446,14 +383,14 @@ impl Stroke {
                     }
                     on_page.push((x, y));
                 }
-                for (k, p) in thinned(&extremes(&on_page, 0.5 * unit), TOLERANCE * unit).iter().enumerate() {
-                    d.push(if k == 0 { 'M' } else { 'L' });
-                    pair(d, *p, PX);
-                }
+                let mut kept = thinned(&extremes(&on_page, 0.5 * unit), TOLERANCE * unit);
                 if let [only] = on_page[..] {
                     // A single point between gaps is a dot.
-                    d.push('L');
-                    pair(d, only, PX);
+                    kept.push(only);
+                }
+                for (k, p) in kept.into_iter().enumerate() {
+                    d.push(if k == 0 { 'M' } else { 'L' });
+                    pair(d, p, PX);
                 }
             }
         };
@@ -465,34 +402,31 @@ impl Stroke {
         for piece in &self.pieces {
             path(paths.entry(piece.turn).or_default(), &piece.points);
         }
+        let Stroke { class, colour, .. } = self;
+        let (title, paper) = (escaped(&self.title), page.palette.paper);
+        let [width, cased] = [0.0, 2.0].map(|borders| text_of(self.width + borders * CASING * unit, PX));
+        let [casing, dash] = dashes(unit);
+        let pale = self.opacity < 1.0;
+        let opacity = format!(" stroke-opacity=\"{}\"", text_of(self.opacity, 2));
         for ((turn, of), d) in paths.iter().filter(|(_, d)| !d.is_empty()) {
-            let mut more = String::new();
-            if self.opacity < 1.0 {
-                more += &format!(" stroke-opacity=\"{}\"", text_of(self.opacity, 2));
-            }
-            if self.dashed {
-                let [casing, dash] = dashes(unit);
-                if self.opacity >= 1.0 {
-                    let width = text_of(self.width + 2.0 * CASING * unit, PX);
-                    *out += &format!(
-                        "<path class=\"casing\" stroke=\"{paper}\" stroke-width=\"{width}\"{casing} d=\"{d}\"/>\n"
+            let more = if self.dashed {
+                if !pale {
+                    page.out += &format!(
+                        "<path class=\"casing\" stroke=\"{paper}\" stroke-width=\"{cased}\"{casing} d=\"{d}\"/>\n"
                     );
                 }
-                more += &dash;
+                dash.clone()
             } else if *of > 1 {
                 let length = TURN * unit;
                 let [length, rest, offset] =
                     [length, length * (of - 1) as f64, length * (of - turn) as f64].map(|v| text_of(v, PX));
-                more += &format!(" stroke-dasharray=\"{length} {rest}\" stroke-dashoffset=\"{offset}\"");
+                format!(" stroke-dasharray=\"{length} {rest}\" stroke-dashoffset=\"{offset}\"")
             } else {
-                more += " stroke-linecap=\"round\"";
-            }
-            *out += &format!(
-                "<path class=\"{}\" stroke=\"{}\" stroke-width=\"{}\"{more} d=\"{d}\"><title>{}</title></path>\n",
-                self.class,
-                self.colour,
-                text_of(self.width, PX),
-                escaped(&self.title)
+                " stroke-linecap=\"round\"".to_owned()
+            };
+            let opacity = if pale { &opacity } else { "" };
+            page.out += &format!(
+                "<path class=\"{class}\" stroke=\"{colour}\" stroke-width=\"{width}\"{opacity}{more} d=\"{d}\"><title>{title}</title></path>\n"
             );
         }
     }

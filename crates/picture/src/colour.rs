@@ -8,9 +8,17 @@ pub struct Colour(pub u8, pub u8, pub u8);
 
 impl Colour {
     /// The default blue of a body.
-    pub const BODY: Colour = Colour(0x8c, 0xb4, 0xde);
+    pub const BODY: Colour = Colour::hex(0x8cb4de);
+    /// A line of force, and the halo around it.
+    pub(crate) const FORCE: Colour = Colour::hex(0xd01c3f);
+    pub(crate) const WHITE: Colour = Colour::hex(0xffffff);
     /// The colour of a body without a value.
-    pub(crate) const MISSING: Colour = Colour(0xa8, 0xa8, 0xa8);
+    pub(crate) const MISSING: Colour = Colour::hex(0xa8a8a8);
+
+    /// Makes a colour of a number such as 0x8cb4de.
+    pub(crate) const fn hex(rgb: u32) -> Colour {
+        Colour((rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8)
+    }
 
     /// Mixes two colours: `part` 0 is this one, 1 is the other.
     pub(crate) fn mixed(self, other: Colour, part: f64) -> Colour {
@@ -21,12 +29,12 @@ impl Colour {
     /// Returns near-black or white, whichever has more contrast on this colour.
     pub(crate) fn contrast(self) -> Colour {
         let luma = 0.299 * f64::from(self.0) + 0.587 * f64::from(self.1) + 0.114 * f64::from(self.2);
-        if luma > 120.0 { Colour(0x11, 0x1a, 0x24) } else { Colour(0xff, 0xff, 0xff) }
+        if luma > 120.0 { Colour::hex(0x111a24) } else { Colour::WHITE }
     }
 }
 
 impl fmt::Display for Colour {
-    /// As in CSS: `#8cb4de`.
+    /// Writes it as in CSS: `#8cb4de`.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
     }
@@ -47,43 +55,15 @@ const SHADES: usize = 16;
 
 /// *viridis* (S. van der Walt, N. Smith, public domain) at 16 equidistant places. Its lightness grows evenly, so that
 /// it is readable for colour-blind people and in grey print.
-const VIRIDIS: [Colour; SHADES] = [
-    Colour(0x44, 0x01, 0x54),
-    Colour(0x48, 0x1a, 0x6c),
-    Colour(0x47, 0x2f, 0x7d),
-    Colour(0x41, 0x44, 0x87),
-    Colour(0x39, 0x56, 0x8c),
-    Colour(0x31, 0x68, 0x8e),
-    Colour(0x2a, 0x78, 0x8e),
-    Colour(0x23, 0x88, 0x8e),
-    Colour(0x1f, 0x98, 0x8b),
-    Colour(0x22, 0xa8, 0x84),
-    Colour(0x35, 0xb7, 0x79),
-    Colour(0x54, 0xc5, 0x68),
-    Colour(0x7a, 0xd1, 0x51),
-    Colour(0xa5, 0xdb, 0x36),
-    Colour(0xd2, 0xe2, 0x1b),
-    Colour(0xfd, 0xe7, 0x25),
+const VIRIDIS: [u32; SHADES] = [
+    0x440154, 0x481a6c, 0x472f7d, 0x414487, 0x39568c, 0x31688e, 0x2a788e, 0x23888e, 0x1f988b, 0x22a884,
+    0x35b779, 0x54c568, 0x7ad151, 0xa5db36, 0xd2e21b, 0xfde725,
 ];
 
 /// *magma* by the same authors, from its bright end, without the nearly black colours.
-const MAGMA: [Colour; SHADES] = [
-    Colour(0xfc, 0xfd, 0xbf),
-    Colour(0xfd, 0xe2, 0xa3),
-    Colour(0xfe, 0xc6, 0x8a),
-    Colour(0xfe, 0xaa, 0x74),
-    Colour(0xfc, 0x8e, 0x64),
-    Colour(0xf7, 0x72, 0x5c),
-    Colour(0xec, 0x58, 0x60),
-    Colour(0xd9, 0x46, 0x6b),
-    Colour(0xc2, 0x3b, 0x75),
-    Colour(0xaa, 0x33, 0x7d),
-    Colour(0x91, 0x2b, 0x81),
-    Colour(0x79, 0x22, 0x82),
-    Colour(0x62, 0x19, 0x80),
-    Colour(0x4a, 0x10, 0x79),
-    Colour(0x31, 0x11, 0x65),
-    Colour(0x1a, 0x10, 0x42),
+const MAGMA: [u32; SHADES] = [
+    0xfcfdbf, 0xfde2a3, 0xfec68a, 0xfeaa74, 0xfc8e64, 0xf7725c, 0xec5860, 0xd9466b, 0xc23b75, 0xaa337d,
+    0x912b81, 0x792282, 0x621980, 0x4a1079, 0x311165, 0x1a1042,
 ];
 
 /// The colour map for numbers.
@@ -99,7 +79,7 @@ pub enum ColourMap {
 
 /// The colours of a map for a theme, from its low end, equidistant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Ramp([Colour; SHADES]);
+pub(crate) struct Ramp(pub [Colour; SHADES]);
 
 impl Ramp {
     /// All maps in pictures.
@@ -111,17 +91,13 @@ impl Ramp {
 
     pub fn new(map: ColourMap, theme: Theme) -> Ramp {
         let mut colours = match map {
-            ColourMap::Viridis => VIRIDIS,
-            ColourMap::FromPaper => MAGMA,
+            ColourMap::Viridis => VIRIDIS.map(Colour::hex),
+            ColourMap::FromPaper => MAGMA.map(Colour::hex),
         };
         if (map, theme) == (ColourMap::FromPaper, Theme::Dark) {
             colours.reverse();
         }
         Ramp(colours)
-    }
-
-    pub fn colours(&self) -> &[Colour] {
-        &self.0
     }
 
     /// Returns the colour of a fraction from 0 to 1. Beyond the ends it is the colour of the end; NaN is grey.
@@ -138,7 +114,7 @@ impl Ramp {
 /// Returns the colour of a fraction: 0 is dark violet, 1 is yellow. Beyond the ends it is the colour of the end; NaN is
 /// grey.
 pub fn viridis(fraction: f64) -> Colour {
-    Ramp(VIRIDIS).at(fraction)
+    Ramp(VIRIDIS.map(Colour::hex)).at(fraction)
 }
 
 /// Colours of everything except the bodies.
@@ -150,31 +126,24 @@ pub(crate) struct Palette {
     pub outline: Colour,
     /// Lines of a grid.
     pub faint: Colour,
-    /// A line of force, and the halo around it.
-    pub force: Colour,
-    pub halo: Colour,
 }
 
 impl Palette {
     pub fn of(theme: Theme) -> Palette {
         match theme {
             Theme::Light => Palette {
-                paper: Colour(0xff, 0xff, 0xff),
-                ink: Colour(0x3a, 0x43, 0x50),
-                wall: Colour(0x2a, 0x30, 0x3a),
-                outline: Colour(0x1c, 0x2b, 0x40),
-                faint: Colour(0xe3, 0xe7, 0xec),
-                force: Colour(0xd0, 0x1c, 0x3f),
-                halo: Colour(0xff, 0xff, 0xff),
+                paper: Colour::WHITE,
+                ink: Colour::hex(0x3a4350),
+                wall: Colour::hex(0x2a303a),
+                outline: Colour::hex(0x1c2b40),
+                faint: Colour::hex(0xe3e7ec),
             },
             Theme::Dark => Palette {
-                paper: Colour(0x12, 0x16, 0x1d),
-                ink: Colour(0xc4, 0xcc, 0xd8),
-                wall: Colour(0xd5, 0xdb, 0xe4),
-                outline: Colour(0xee, 0xf2, 0xf7),
-                faint: Colour(0x2a, 0x31, 0x3b),
-                force: Colour(0xd0, 0x1c, 0x3f),
-                halo: Colour(0xff, 0xff, 0xff),
+                paper: Colour::hex(0x12161d),
+                ink: Colour::hex(0xc4ccd8),
+                wall: Colour::hex(0xd5dbe4),
+                outline: Colour::hex(0xeef2f7),
+                faint: Colour::hex(0x2a313b),
             },
         }
     }
@@ -184,13 +153,13 @@ impl Palette {
     pub fn series(&self, place: usize) -> Colour {
         match place % 7 {
             // Their blue is too dark on near-black.
-            0 if self.paper.0 < 128 => Colour(0x40, 0x95, 0xc8),
-            0 => Colour(0x00, 0x72, 0xb2),
-            1 => Colour(0xd5, 0x5e, 0x00),
-            2 => Colour(0x00, 0x9e, 0x73),
-            3 => Colour(0xcc, 0x79, 0xa7),
-            4 => Colour(0xe6, 0x9f, 0x00),
-            5 => Colour(0x56, 0xb4, 0xe9),
+            0 if self.paper.0 < 128 => Colour::hex(0x4095c8),
+            0 => Colour::hex(0x0072b2),
+            1 => Colour::hex(0xd55e00),
+            2 => Colour::hex(0x009e73),
+            3 => Colour::hex(0xcc79a7),
+            4 => Colour::hex(0xe69f00),
+            5 => Colour::hex(0x56b4e9),
             _ => self.ink,
         }
     }
@@ -213,7 +182,7 @@ mod tests {
     #[test]
     fn maps_have_even_steps_of_lightness_and_nothing_is_as_the_paper() {
         for (map, theme) in Ramp::ALL {
-            let lights: Vec<f64> = Ramp::new(map, theme).colours().iter().map(|c| lightness(*c)).collect();
+            let lights: Vec<f64> = Ramp::new(map, theme).0.map(lightness).to_vec();
             let mean = (lights[SHADES - 1] - lights[0]) / (SHADES - 1) as f64;
             let even = lights.windows(2).all(|two| ((two[1] - two[0]) / mean - 1.0).abs() < 0.3);
             assert!(even && mean.abs() > 4.5, "{map:?} {theme:?}: {lights:?}");

@@ -1,6 +1,65 @@
-//! Points of curves on the page: which are drawn, and where names are placed.
+//! Axes and curves: ranges and ticks, which points are drawn, and where names are placed.
 
+use crate::text::{round_above, short, text_of};
 use std::collections::BTreeSet;
+
+/// The range of values of an axis.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Range {
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Range {
+    /// The range of all values. If `reaches_zero`, it is extended to zero if that is near.
+    pub fn around(values: impl Iterator<Item = f64>, reaches_zero: bool) -> Range {
+        let (mut low, mut high) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        if low > high {
+            (low, high) = (0.0, 1.0);
+        }
+        if reaches_zero && low > 0.0 && low < 0.6 * high {
+            low = 0.0;
+        }
+        if high / 2.0 - low / 2.0 <= (1e-12 * high.abs().max(low.abs())).max(1e-250) {
+            let grow = if high.abs() < 1e-250 { 1.0 } else { 0.1 * high.abs() };
+            if low == 0.0 && reaches_zero {
+                high = grow;
+            } else {
+                (low, high) = (low - grow, high + grow);
+            }
+        }
+        Range { low: low.max(-1e307), high: high.min(1e307) }
+    }
+
+    /// Adds space beyond the curves, but not below zero.
+    pub fn airy(self) -> Range {
+        let air = 0.05 * (self.high - self.low);
+        let low = if self.low == 0.0 { 0.0 } else { self.low - air };
+        Range { low, high: self.high + air }
+    }
+
+    pub fn part(self, v: f64) -> f64 {
+        ((v - self.low) / (self.high - self.low)).clamp(-0.1, 1.1)
+    }
+
+    /// Returns about `about` round numbers with their labels; integers only if `whole`.
+    pub fn ticks(self, about: f64, whole: bool) -> Vec<(f64, String)> {
+        let mut step = round_above((self.high - self.low) / about);
+        if whole {
+            step = step.max(1.0);
+        }
+        let first = (self.low / step).ceil();
+        let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
+        let plain = (1e-4..1e6).contains(&step) && self.high.abs().max(self.low.abs()) < 1e6;
+        (0..100)
+            .map(|k| first + f64::from(k))
+            .map(|k| k * step)
+            .take_while(|v| *v <= self.high * (1.0 + 1e-12 * self.high.signum()))
+            .map(|v| (v, if plain { text_of(v, decimals) } else { short(v) }))
+            .collect()
+    }
+}
 
 /// Returns, for each column of pixels, the first, lowest, highest and last point.
 pub(crate) fn extremes(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
@@ -110,34 +169,28 @@ pub(crate) fn shared(curves: &[&[(f64, f64)]], near: f64) -> (Vec<Vec<Piece>>, V
         let (p, q) = (curves[a][at], curves[b][at]);
         a == b || comparable[a] && comparable[b] && known(p) && known(q) && (p.1 - q.1).abs() <= near
     };
-    // The first curve that is equal from one point to the next.
+    // The first curve that is equal from one point to the next; `None` after the end of a curve.
     let leader = |k: usize, from: usize| {
-        (0..k).find(|&other| equal(k, other, from) && equal(k, other, from + 1)).unwrap_or(k)
+        let alike = |other: &usize| equal(k, *other, from) && equal(k, *other, from + 1);
+        if from + 1 < curves[k].len() { (0..=k).find(alike) } else { None }
     };
     let mut pieces = vec![Vec::new(); curves.len()];
-    let (mut leaders, mut mates) = (vec![0; curves.len()], Vec::new());
     // For each curve: the curves equal to it, and since when.
-    let mut open: Vec<Option<(Vec<usize>, usize)>> = vec![None; curves.len()];
+    let mut open: Vec<(Vec<usize>, usize)> = vec![Default::default(); curves.len()];
     let longest = curves.iter().map(|curve| curve.len()).max().unwrap_or(0);
     for from in 0..longest {
-        let goes_on = |k: usize| from + 1 < curves[k].len();
-        for k in (0..curves.len()).filter(|&k| goes_on(k)) {
-            leaders[k] = leader(k, from);
-        }
+        let leaders: Vec<Option<usize>> = (0..curves.len()).map(|k| leader(k, from)).collect();
         for k in 0..curves.len() {
-            mates.clear();
-            if goes_on(k) {
-                let with = |o: &usize| goes_on(*o) && leaders[*o] == leaders[k];
-                mates.extend((0..curves.len()).filter(with));
-            }
-            if open[k].as_ref().is_some_and(|(last, _)| *last == mates) {
+            let alike = |other: &usize| leaders[k].is_some() && leaders[*other] == leaders[k];
+            if (0..curves.len()).filter(alike).eq(open[k].0.iter().copied()) {
                 continue;
             }
-            if let Some((last, begun)) = open[k].take() {
+            let mates = (0..curves.len()).filter(alike).collect();
+            let (last, begun) = std::mem::replace(&mut open[k], (mates, from));
+            if let Some(first) = last.first() {
                 let turn = (last.iter().position(|mate| *mate == k).unwrap_or(0), last.len());
-                pieces[k].push(Piece { points: curves[last[0]][begun..=from].to_vec(), turn });
+                pieces[k].push(Piece { points: curves[*first][begun..=from].to_vec(), turn });
             }
-            open[k] = (!mates.is_empty()).then(|| (mates.clone(), from));
         }
     }
     let both_unknown = |a: usize, b: usize, at: usize| !known(curves[a][at]) && !known(curves[b][at]);

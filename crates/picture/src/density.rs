@@ -1,8 +1,13 @@
-//! People per area.
+//! Maps of people per area, as filled contours.
 
-use crate::plane::near;
+use crate::body::{TENTH_OF_MM, near};
+use crate::sheet::Frame;
+use crate::style::Scale;
+use crate::text::{escaped, pair, text_of};
+use contour::ContourBuilder;
 use lemons_core::plane::{Bounds, Vec2, vec2};
 use lemons_core::trial::Wall;
+use std::collections::BTreeMap;
 
 /// \[m\] Default standard deviation of the kernel: slightly more than half a shoulder breadth.
 pub const DENSITY_KERNEL: f64 = 0.3;
@@ -15,6 +20,9 @@ const MOST_CELLS: f64 = 100_000.0;
 const MOST_BEYOND: i64 = 400;
 /// Cut-off of the kernel, in standard deviations: 2 · 10⁻⁹ of a person is lost.
 const REACH: f64 = 6.0;
+
+/// Number of shades of a density map.
+const SHADES: usize = 24;
 
 /// People per m² on a grid, averaged over the added frames.
 ///
@@ -33,8 +41,6 @@ pub struct DensityMap {
     sum: Vec<f64>,
     /// \[m\] Sides of walls.
     walls: Vec<[Vec2; 2]>,
-    /// \[1/m²\] Ends of the colour map; `None`: 0 and the highest density.
-    pub range: Option<(f64, f64)>,
 }
 
 impl DensityMap {
@@ -55,7 +61,7 @@ impl DensityMap {
         }
         let (columns, rows) = (cells(cell).0 as usize, cells(cell).1 as usize);
         let sum = vec![0.0; columns * rows];
-        DensityMap { view, kernel, columns, rows, frames: 0, sum, walls, range: None }
+        DensityMap { view, kernel, columns, rows, frames: 0, sum, walls }
     }
 
     /// Adds a frame: the positions of all people \[m\] at one time. Positions that are not finite are ignored.
@@ -131,16 +137,6 @@ impl DensityMap {
         (first, (first..last).map(|k| (below(k + 1) - below(k)) / cell).collect())
     }
 
-    /// Returns the part of the plane that the map covers.
-    pub fn view(&self) -> Bounds {
-        self.view
-    }
-
-    /// Returns the standard deviation of the Gaussian \[m\].
-    pub fn kernel(&self) -> f64 {
-        self.kernel
-    }
-
     /// Returns a description of the kernel in words.
     pub fn described(&self) -> String {
         let walls = if self.walls.is_empty() { "" } else { ", not through walls" };
@@ -153,11 +149,6 @@ impl DensityMap {
             "each person is spread as a Gaussian with a standard deviation of {} m{walls}; {frames}",
             self.kernel
         )
-    }
-
-    /// \[m\] Sides of walls.
-    pub(crate) fn walls(&self) -> &[[Vec2; 2]] {
-        &self.walls
     }
 
     /// Returns the number of cells along x and along y.
@@ -202,4 +193,110 @@ fn shadow(p: Vec2, [a, b]: [Vec2; 2], y: f64) -> Option<(f64, f64)> {
         }
     }
     (low <= high).then_some((low + p.x, high + p.x))
+}
+
+/// Draws the areas above each level, from the lowest level to the highest.
+pub(crate) fn density(out: &mut String, map: &DensityMap, frame: &Frame, scale: &Scale) {
+    let (view, cell) = (map.view, map.cell());
+    let shade = |k: usize| (k as f64 + 0.5) / SHADES as f64;
+    let between = |part: f64| scale.low * (1.0 - part) + scale.high * part;
+    let [x, y, w, h] = [view.low.x, view.low.y, view.high.x - view.low.x, view.high.y - view.low.y]
+        .map(|v| text_of(v, TENTH_OF_MM));
+    *out += &format!("<desc>{}</desc>\n", escaped(&map.described()));
+    *out += "<g class=\"density\" stroke=\"none\">\n";
+    *out += &format!(
+        "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" fill=\"{}\"/>\n",
+        scale.of(between(shade(0)))
+    );
+    let levels: Vec<f64> = (1..SHADES).map(|k| between(k as f64 / SHADES as f64)).collect();
+    let builder = ContourBuilder::new(map.columns, map.rows, true)
+        .x_origin(view.low.x)
+        .y_origin(view.low.y)
+        .x_step(cell.x)
+        .y_step(cell.y);
+    let contours = builder.contours(&map.values(), &levels).unwrap_or_default();
+    let walls = Crossings::new(map);
+    let decimals = if frame.scale > 300.0 { 4 } else { 3 };
+    for (k, contour) in contours.iter().enumerate() {
+        let mut d = String::new();
+        for polygon in contour.geometry() {
+            for ring in std::iter::once(polygon.exterior()).chain(polygon.interiors()) {
+                let points = &ring.0[..ring.0.len().saturating_sub(1)];
+                for (n, p) in points.iter().enumerate() {
+                    d.push(if n == 0 { 'M' } else { 'L' });
+                    let p = walls.ended(vec2(p.x, p.y));
+                    pair(&mut d, (p.x, p.y), decimals);
+                }
+                d.push('Z');
+            }
+        }
+        if !d.is_empty() {
+            let colour = scale.of(between(shade(k + 1)));
+            *out += &format!("<path fill=\"{colour}\" fill-rule=\"evenodd\" d=\"{d}\"/>\n");
+        }
+    }
+    *out += "</g>\n";
+}
+
+/// Crossings of walls with the lines between centres of neighbouring cells. Contours run between the centres; a contour
+/// between two sides of a wall is moved onto the wall.
+struct Crossings {
+    low: Vec2,
+    cell: Vec2,
+    /// Positions of crossings: by axis, place of the centre before along the axis, and place across it, in cells
+    /// from that centre.
+    all: BTreeMap<(Axis, i64, i64), f64>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Axis {
+    X,
+    Y,
+}
+
+impl Axis {
+    /// Returns the coordinate along the axis and the one across it, or takes them back.
+    fn swapped(self, p: Vec2) -> Vec2 {
+        if self == Axis::X { p } else { vec2(p.y, p.x) }
+    }
+}
+
+impl Crossings {
+    fn new(map: &DensityMap) -> Crossings {
+        let mut crossings = Crossings { low: map.view.low, cell: map.cell(), all: BTreeMap::new() };
+        for side in &map.walls {
+            for (axis, across) in [(Axis::X, map.rows), (Axis::Y, map.columns)] {
+                let [a, b] = side.map(|corner| axis.swapped(crossings.in_cells(corner)));
+                for row in within(a.y, b.y, across) {
+                    let x = a.x + (b.x - a.x) * (row as f64 - a.y) / (b.y - a.y);
+                    crossings.all.insert((axis, x.floor() as i64, row), x - x.floor());
+                }
+            }
+        }
+        crossings
+    }
+
+    /// Returns a point in units of cells: centres have integer coordinates.
+    fn in_cells(&self, p: Vec2) -> Vec2 {
+        vec2((p.x - self.low.x) / self.cell.x - 0.5, (p.y - self.low.y) / self.cell.y - 0.5)
+    }
+
+    /// Moves a corner of a contour onto the wall, if there is one between its two centres.
+    fn ended(&self, p: Vec2) -> Vec2 {
+        for axis in [Axis::X, Axis::Y] {
+            let [at, low, cell, p] = [self.in_cells(p), self.low, self.cell, p].map(|v| axis.swapped(v));
+            let whole = (at.y - at.y.round()).abs() < 1e-6;
+            let crossing = self.all.get(&(axis, at.x.floor() as i64, at.y.round() as i64));
+            if let Some(part) = crossing.filter(|_| whole) {
+                return axis.swapped(vec2(low.x + (at.x.floor() + part + 0.5) * cell.x, p.y));
+            }
+        }
+        p
+    }
+}
+
+/// The integers between two numbers, from 0 to `count`.
+fn within(a: f64, b: f64, count: usize) -> std::ops::Range<i64> {
+    let (low, high) = (a.min(b).max(-1.0), a.max(b).min(count as f64));
+    if a == b { 0..0 } else { low.ceil() as i64..high.floor() as i64 + 1 }
 }

@@ -3,11 +3,12 @@
 use crate::raster::PictureError;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use pdf_writer::types::{FunctionShadingType, LineCapStyle, LineJoinStyle};
+use pdf_writer::writers::ExtGraphicsState;
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 use resvg::usvg::tiny_skia_path::{Path as Outline, PathSegment, Point};
 use resvg::usvg::{
-    BlendMode, ClipPath, Color, FillRule, Group, LineCap, LineJoin, LinearGradient, Node, Options, Paint,
-    PaintOrder, Path, SpreadMethod, Stop, Stroke, Transform, Tree,
+    BlendMode, ClipPath, Color, Fill, FillRule, Group, LineCap, LineJoin, LinearGradient, Node, Options,
+    Paint, Path, SpreadMethod, Stop, Stroke, Transform, Tree,
 };
 
 /// \[pt/px\] An inch is 72 points or 96 px.
@@ -51,25 +52,20 @@ pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
     let mut resources = page.resources();
     let mut states = resources.ext_g_states();
     for (place, (fill, stroke)) in opacities.iter().enumerate() {
-        let mut state = states
-            .insert(Name(state_name(place).as_bytes()))
-            .start::<pdf_writer::writers::ExtGraphicsState>();
+        let mut state = states.insert(Name(name('O', place).as_bytes())).start::<ExtGraphicsState>();
         state.non_stroking_alpha(*fill).stroking_alpha(*stroke);
     }
     states.finish();
     // The functions of a shading follow it.
     let mut free = FIRST_FREE;
     let mut places = resources.shadings();
-    let objects: Vec<(Ref, &Shading)> = shadings
-        .iter()
-        .enumerate()
-        .map(|(place, shading)| {
-            let object = Ref::new(free);
-            free += 1 + shading.stops.len() as i32;
-            places.pair(Name(shading_name(place).as_bytes()), object);
-            (object, shading)
-        })
-        .collect();
+    let mut objects = Vec::new();
+    for (place, shading) in shadings.iter().enumerate() {
+        let object = Ref::new(free);
+        free += 1 + shading.stops.len() as i32;
+        places.pair(Name(name('S', place).as_bytes()), object);
+        objects.push((object, shading));
+    }
     places.finish();
     resources.finish();
     page.finish();
@@ -95,12 +91,9 @@ struct Shading {
     stops: Vec<(f32, [f32; 3])>,
 }
 
-fn state_name(place: usize) -> String {
-    format!("O{place}")
-}
-
-fn shading_name(place: usize) -> String {
-    format!("S{place}")
+/// Returns the name of an object of the page: O for opacities, S for shadings.
+fn name(kind: char, place: usize) -> String {
+    format!("{kind}{place}")
 }
 
 impl Shading {
@@ -170,27 +163,26 @@ impl Drawing {
         if let Some(outer) = clip.clip_path() {
             self.clip(outer)?;
         }
-        let mut outlines = Vec::new();
-        collect(clip.root(), clip.transform(), &mut outlines)?;
-        outlines.iter().for_each(|outline| self.outline(outline));
+        for node in clip.root().children() {
+            let Node::Path(path) = node else { return Err(PictureError::Pdf("a clip of groups")) };
+            let outline = path.data().clone().transform(clip.transform());
+            outline.iter().for_each(|outline| self.outline(outline));
+        }
         self.content.clip_nonzero().end_path();
         Ok(())
     }
 
     fn path(&mut self, path: &Path) -> Result<(), PictureError> {
         let mut opacity = (1.0, 1.0);
-        let mut shaded = false;
-        match path.fill().map(|fill| (fill.paint(), fill.opacity().get())) {
-            None => {}
-            Some((Paint::LinearGradient(gradient), 1.0)) => {
-                self.shade(path.data(), gradient)?;
-                shaded = true;
-            }
-            Some((paint, covering)) => {
-                let [r, g, b] = rgb(paint)?;
-                self.content.set_fill_rgb(r, g, b);
-                opacity.0 = covering;
-            }
+        let mut fill = path.fill();
+        if let Some(Paint::LinearGradient(gradient)) = fill.map(Fill::paint) {
+            self.shade(path.data(), gradient)?;
+            fill = None;
+        }
+        if let Some(fill) = fill {
+            let [r, g, b] = rgb(fill.paint())?;
+            self.content.set_fill_rgb(r, g, b);
+            opacity.0 = fill.opacity().get();
         }
         if let Some(stroke) = path.stroke() {
             self.pen(stroke)?;
@@ -200,21 +192,22 @@ impl Drawing {
             self.opacities.push(opacity);
             self.opacities.len() - 1
         });
-        self.content.set_parameters(Name(state_name(place).as_bytes()));
-        let even_odd = path.fill().is_some_and(|fill| fill.rule() == FillRule::EvenOdd);
-        let (filled, stroked) = (path.fill().is_some() && !shaded, path.stroke().is_some());
-        let steps: &[Step] = match (filled, stroked) {
-            (true, true) if path.paint_order() == PaintOrder::StrokeAndFill => &[Step::Stroke, Step::Fill],
-            // Painting both at once would make them one object: a transparent stroke would not show the fill.
-            (true, true) if opacity.1 < 1.0 => &[Step::Fill, Step::Stroke],
-            (true, true) => &[Step::Both],
-            (true, false) => &[Step::Fill],
-            (false, true) => &[Step::Stroke],
-            (false, false) => &[],
-        };
-        for step in steps {
+        self.content.set_parameters(Name(name('O', place).as_bytes()));
+        let even_odd = fill.is_some_and(|fill| fill.rule() == FillRule::EvenOdd);
+        // Painting both at once would make them one object: a transparent stroke would not show the fill.
+        let both = fill.is_some() && path.stroke().is_some() && opacity.1 == 1.0;
+        if fill.is_some() {
             self.outline(path.data());
-            self.paint(*step, even_odd);
+            match (both, even_odd) {
+                (false, false) => self.content.fill_nonzero(),
+                (false, true) => self.content.fill_even_odd(),
+                (true, false) => self.content.fill_nonzero_and_stroke(),
+                (true, true) => self.content.fill_even_odd_and_stroke(),
+            };
+        }
+        if path.stroke().is_some() && !both {
+            self.outline(path.data());
+            self.content.stroke();
         }
         Ok(())
     }
@@ -225,7 +218,7 @@ impl Drawing {
         if !opaque || gradient.spread_method() != SpreadMethod::Pad || gradient.stops().len() < 2 {
             return Err(PictureError::Pdf("gradients that are transparent or repeated"));
         }
-        let name = shading_name(self.shadings.len());
+        let name = name('S', self.shadings.len());
         self.shadings.push(Shading::of(gradient));
         self.content.save_state();
         self.outline(outline);
@@ -234,27 +227,16 @@ impl Drawing {
         Ok(())
     }
 
-    fn paint(&mut self, step: Step, even_odd: bool) {
-        match (step, even_odd) {
-            (Step::Fill, false) => self.content.fill_nonzero(),
-            (Step::Fill, true) => self.content.fill_even_odd(),
-            (Step::Stroke, _) => self.content.stroke(),
-            (Step::Both, false) => self.content.fill_nonzero_and_stroke(),
-            (Step::Both, true) => self.content.fill_even_odd_and_stroke(),
-        };
-    }
-
     fn pen(&mut self, stroke: &Stroke) -> Result<(), PictureError> {
         let [r, g, b] = rgb(stroke.paint())?;
+        // Pictures of this crate have no other ends and corners.
         let join = match stroke.linejoin() {
             LineJoin::Round => LineJoinStyle::RoundJoin,
-            LineJoin::Bevel => LineJoinStyle::BevelJoin,
-            LineJoin::Miter | LineJoin::MiterClip => LineJoinStyle::MiterJoin,
+            _ => LineJoinStyle::MiterJoin,
         };
         let cap = match stroke.linecap() {
-            LineCap::Butt => LineCapStyle::ButtCap,
             LineCap::Round => LineCapStyle::RoundCap,
-            LineCap::Square => LineCapStyle::ProjectingSquareCap,
+            _ => LineCapStyle::ButtCap,
         };
         let dashes = stroke.dasharray().unwrap_or_default().iter().copied();
         let content = &mut self.content;
@@ -265,58 +247,29 @@ impl Drawing {
     }
 
     fn outline(&mut self, outline: &Outline) {
-        let mut at = Point::zero();
+        let (content, mut at) = (&mut self.content, Point::zero());
         for segment in outline.segments() {
             match segment {
-                PathSegment::MoveTo(p) => {
-                    self.content.move_to(p.x, p.y);
-                    at = p;
-                }
-                PathSegment::LineTo(p) => {
-                    self.content.line_to(p.x, p.y);
-                    at = p;
-                }
+                PathSegment::MoveTo(p) => content.move_to(p.x, p.y),
+                PathSegment::LineTo(p) => content.line_to(p.x, p.y),
                 PathSegment::QuadTo(c, p) => {
-                    // Convert the quadratic curve to a cubic one.
-                    let towards = |from: Point| Point {
-                        x: from.x + (c.x - from.x) * (2.0 / 3.0),
-                        y: from.y + (c.y - from.y) * (2.0 / 3.0),
-                    };
-                    let (first, second) = (towards(at), towards(p));
-                    self.content.cubic_to(first.x, first.y, second.x, second.y, p.x, p.y);
-                    at = p;
+                    // PDF has cubic curves only.
+                    let towards = |from: f32, to: f32| from + (to - from) * (2.0 / 3.0);
+                    let [a, b] = [at, p].map(|end| (towards(end.x, c.x), towards(end.y, c.y)));
+                    content.cubic_to(a.0, a.1, b.0, b.1, p.x, p.y)
                 }
-                PathSegment::CubicTo(a, b, p) => {
-                    self.content.cubic_to(a.x, a.y, b.x, b.y, p.x, p.y);
-                    at = p;
-                }
-                PathSegment::Close => {
-                    self.content.close_path();
-                }
+                PathSegment::CubicTo(a, b, p) => content.cubic_to(a.x, a.y, b.x, b.y, p.x, p.y),
+                PathSegment::Close => content.close_path(),
+            };
+            if let PathSegment::MoveTo(p)
+            | PathSegment::LineTo(p)
+            | PathSegment::QuadTo(_, p)
+            | PathSegment::CubicTo(_, _, p) = segment
+            {
+                at = p;
             }
         }
     }
-}
-
-/// The part of an outline that is painted.
-#[derive(Clone, Copy)]
-enum Step {
-    Fill,
-    Stroke,
-    Both,
-}
-
-/// Collects the outlines of a clip, in the frame of the clipped object.
-fn collect(group: &Group, frame: Transform, outlines: &mut Vec<Outline>) -> Result<(), PictureError> {
-    let frame = frame.pre_concat(group.transform());
-    for node in group.children() {
-        match node {
-            Node::Group(group) => collect(group, frame, outlines)?,
-            Node::Path(path) => outlines.extend(path.data().clone().transform(frame)),
-            Node::Image(_) | Node::Text(_) => return Err(PictureError::Pdf("images and text")),
-        }
-    }
-    Ok(())
 }
 
 fn rgb(paint: &Paint) -> Result<[f32; 3], PictureError> {

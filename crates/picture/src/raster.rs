@@ -22,18 +22,30 @@ pub enum PictureError {
     /// The SVG has a feature that pictures of this crate do not have.
     #[error("PDF: the SVG contains {0}, which is not supported")]
     Pdf(&'static str),
-    /// The PNG encoder failed.
-    #[error("PNG: {0}")]
-    Png(String),
-    /// The GIF encoder failed.
-    #[error("GIF: {0}")]
-    Gif(String),
-    /// The frames cannot be an animation.
-    #[error("animation: {0}")]
-    Animation(String),
+    /// The encoder of PNG or GIF failed.
+    #[error("{0}: {1}")]
+    Encoder(&'static str, String),
     /// The file cannot be written.
     #[error(transparent)]
     Io(#[from] std::io::Error),
+}
+
+impl From<png::EncodingError> for PictureError {
+    fn from(error: png::EncodingError) -> PictureError {
+        match error {
+            png::EncodingError::IoError(error) => error.into(),
+            error => PictureError::Encoder("PNG", error.to_string()),
+        }
+    }
+}
+
+impl From<gif::EncodingError> for PictureError {
+    fn from(error: gif::EncodingError) -> PictureError {
+        match error {
+            gif::EncodingError::Io(error) => error.into(),
+            error => PictureError::Encoder("GIF", error.to_string()),
+        }
+    }
 }
 
 /// A picture as pixels.
@@ -55,15 +67,13 @@ impl Pixels {
         if (width, height) == (self.width, self.height) {
             return self;
         }
-        let row = 4 * self.width as usize;
-        let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
-        for y in 0..height.min(self.height + 1) {
-            let start = row * y.min(self.height - 1) as usize;
-            rgba.extend_from_slice(&self.rgba[start..start + row]);
-            if width > self.width {
-                rgba.extend_from_slice(&self.rgba[start + row - 4..start + row]);
-            }
-        }
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let rgba = places.flat_map(|(x, y)| {
+            let (x, y) = (x.min(self.width - 1) as usize, y.min(self.height - 1) as usize);
+            let k = 4 * (y * self.width as usize + x);
+            [self.rgba[k], self.rgba[k + 1], self.rgba[k + 2], self.rgba[k + 3]]
+        });
+        let rgba = rgba.collect();
         Pixels { width, height, rgba }
     }
 }
@@ -72,43 +82,30 @@ impl Pixels {
 pub fn png(svg: &str, width_px: u32) -> Result<Vec<u8>, PictureError> {
     let Pixels { width, height, rgba } = pixels(svg, width_px)?;
     let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
-    let failed = |error: png::EncodingError| PictureError::Png(error.to_string());
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_compression(png::Compression::Balanced);
     // Flat colours repeat exactly; filters would only hide that.
     encoder.set_filter(png::Filter::NoFilter);
-    let mut writer = encoder.write_header().map_err(failed)?;
-    writer.write_image_data(&rgb).map_err(failed)?;
-    writer.finish().map_err(failed)?;
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&rgb)?;
+    writer.finish()?;
     Ok(bytes)
 }
 
 /// Returns the SVG as pixels of a width; the height follows from the SVG. Transparent areas become white.
-pub fn pixels(svg: &str, width_px: u32) -> Result<Pixels, PictureError> {
-    let picture = render(svg, width_px)?;
-    let (width, height) = (picture.width(), picture.height());
-    let mut rgba = picture.take();
-    // The colours are already multiplied by alpha.
-    for pixel in rgba.chunks_exact_mut(4).filter(|p| p[3] < 255) {
-        let white = 255 - pixel[3];
-        pixel[..3].iter_mut().for_each(|part| *part = part.saturating_add(white));
-        pixel[3] = 255;
-    }
-    Ok(Pixels { width, height, rgba })
-}
-
-fn render(svg: &str, width_px: u32) -> Result<tiny_skia::Pixmap, PictureError> {
+pub fn pixels(svg: &str, width: u32) -> Result<Pixels, PictureError> {
     let tree = usvg::Tree::from_str(svg, &usvg::Options::default())?;
-    let scale = f64::from(width_px) / f64::from(tree.size().width());
+    let scale = f64::from(width) / f64::from(tree.size().width());
     let height = (scale * f64::from(tree.size().height())).round().max(1.0);
-    let too_big = || PictureError::Size { width: width_px, height };
-    if f64::from(width_px) * height > MOST_PIXELS {
+    let too_big = || PictureError::Size { width, height };
+    if f64::from(width) * height > MOST_PIXELS {
         return Err(too_big());
     }
-    let mut pixels = tiny_skia::Pixmap::new(width_px, height as u32).ok_or_else(too_big)?;
+    let mut picture = tiny_skia::Pixmap::new(width, height as u32).ok_or_else(too_big)?;
+    picture.fill(tiny_skia::Color::WHITE);
     let stretch = height as f32 / tree.size().height();
-    resvg::render(&tree, tiny_skia::Transform::from_scale(scale as f32, stretch), &mut pixels.as_mut());
-    Ok(pixels)
+    resvg::render(&tree, tiny_skia::Transform::from_scale(scale as f32, stretch), &mut picture.as_mut());
+    Ok(Pixels { width, height: picture.height(), rgba: picture.take() })
 }

@@ -1,9 +1,8 @@
 //! Scenes: the content of a picture.
 
 use crate::bicycle::Bicycle;
-use crate::body::Body;
+use crate::body::{Body, drawable, near};
 use crate::density::DensityMap;
-use crate::plane::{drawable, near};
 use lemons_core::plane::{Bounds, Pose, Vec2, vec2};
 use lemons_core::trial::Trial;
 
@@ -22,20 +21,12 @@ pub struct Force {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trail {
     /// Index of the agent; it selects the colour.
-    pub agent: Option<usize>,
-    /// Simulated (solid) or measured (dashed).
-    pub kind: TrailKind,
+    pub agent: usize,
+    /// Measured ones are dashed, simulated ones solid. Without a measured trail beside them, simulated ones have one
+    /// colour that becomes paler with age.
+    pub measured: bool,
     /// \[m\] Points in order of time. Points that are not finite interrupt the line.
     pub points: Vec<Vec2>,
-}
-
-/// The source of a trail.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TrailKind {
-    /// Solid. Without a measured trail beside it, it has one colour that becomes paler with age.
-    Simulated,
-    /// Dashed.
-    Measured,
 }
 
 /// Walls, and bodies at poses.
@@ -90,7 +81,7 @@ impl<'a> Scene<'a> {
         let trails = self.trails.iter().flat_map(|trail| &trail.points);
         let lines = corners.chain(trails).copied().filter(|p| near(*p));
         let disks = self.drawn().flat_map(|(_, pose, body)| body.disks_at(pose));
-        let rims = disks.flat_map(|(centre, radius)| [-1.0, 1.0].map(|s| centre + vec2(radius, radius) * s));
+        let rims = disks.flat_map(|d| [-1.0, 1.0].map(|s| d.centre + vec2(d.radius, d.radius) * s));
         let bicycles = self.drawn_bicycles().flat_map(Bicycle::corners);
         Bounds::of(lines.chain(rims).chain(bicycles)).unwrap_or(Bounds::UNIT)
     }

@@ -1,131 +1,184 @@
-//! Draws several scenes on one page.
+//! Draws scenes on a page: one, or several in rows and columns.
 
-use crate::colouring::{Colouring, Scale};
-use crate::draw::{begin, stamp};
-use crate::furniture::{Header, colour_bar, footer_height, lettered, scale_bar, small};
-use crate::lettering::{self, Anchor, Place};
-use crate::look::Look;
-use crate::page::{BAND_GAP, CAP_HEIGHT, Frame, MARGIN, NOMINAL_WIDTH, Page, page_width, view_of};
+use crate::bicycle::Bicycle;
+use crate::body::near;
+use crate::colour::{Colour, Palette};
+use crate::glyphs::{self, Anchor};
+use crate::page::{
+    BAND_GAP, CAP_HEIGHT, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, footer_height, page_width,
+};
 use crate::scene::Scene;
-use crate::style::{Fill, Style};
-use crate::world::{CUT_BORDER, is_cut, world};
-use lemons_core::plane::Bounds;
+use crate::style::{Colouring, Scale, Style};
+use crate::text::round_below;
+use crate::world::{CUT_BORDER, FORCE_HALO, TRAIL_STROKE, drawable_forces, is_cut, measured, world};
+use lemons_core::plane::{Bounds, Vec2, vec2};
 
 /// \[px\] Distance between two panels.
 const GUTTER: f64 = 14.0;
-/// Size of lettering and lines, relative to the page of a single scene.
+/// Size of letters and lines where panels are beside each other, relative to the page of a single scene.
 const FINER: f64 = 0.85;
+/// Largest height / width of a scene.
+const TALLEST: f64 = 1.4;
+/// \[m\] Smallest width and height of a view.
+const SMALLEST_VIEW: f64 = 0.01;
+/// \[px\] Largest width of a line of force (for the largest force, or limited by small bodies).
+const FORCE_STROKE: f64 = 6.0;
+/// Largest width of a line of force / square root of a body's area.
+const FORCE_PART: f64 = 0.2;
+/// \[px\] Width of the line of a bicycle in the legend.
+const BICYCLE_STROKE: f64 = 5.0;
 
-/// A scene of a sheet.
-#[derive(Debug, Clone)]
-pub struct Panel<'a> {
-    /// The scene.
-    pub scene: &'a Scene<'a>,
-    /// \[s\] Time, written above the scene.
-    pub time: Option<f64>,
-    /// Colour of the bodies; `None`: that of the sheet's style.
-    pub fill: Option<Fill>,
+/// Position and scale of the view on the page.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Frame {
+    pub unit: f64,
+    pub view: Bounds,
+    /// \[px/m\] Scale.
+    pub scale: f64,
+    /// \[px\] Upper left corner and size of the view.
+    pub left: f64,
+    pub top: f64,
+    pub drawn: Vec2,
+}
+
+impl Frame {
+    /// Fits the view below `top`, as large as possible and centred in a width `room` from `left` on.
+    fn fit(view: Bounds, unit: f64, left: f64, room: f64, top: f64) -> Frame {
+        let size = view.size();
+        let scale = (room / size.x).min(TALLEST * room / size.y);
+        let drawn = size * scale;
+        Frame { unit, view, scale, left: left + 0.5 * (room - drawn.x), top, drawn }
+    }
+
+    /// Returns whether the border would cut a disk.
+    pub fn cuts(&self, p: Vec2, r: f64) -> bool {
+        let Bounds { low, high } = self.view;
+        p.x - r < low.x || p.x + r > high.x || p.y - r < low.y || p.y + r > high.y
+    }
+
+    /// Returns whether a disk is completely off the page.
+    pub fn misses(&self, p: Vec2, r: f64) -> bool {
+        let Bounds { low, high } = self.view;
+        let r = r + MARGIN * self.unit / self.scale;
+        p.x + r < low.x || p.x - r > high.x || p.y + r < low.y || p.y - r > high.y
+    }
+}
+
+/// Returns the scene as SVG.
+///
+/// Groups, from the lowest: `density`, `walls`, `bodies` (one group for each agent, in their order, with the agent's Id
+/// as title), `bicycles`, `trails` (paths of class `simulated` and `measured`; below the bodies if none is measured),
+/// `forces`, `ids`. Outside the scene, in pixels: `time`, `legend`, `scale-bar`, `colour-bar`.
+pub fn svg(scene: &Scene, style: &Style) -> String {
+    sheet(&[(scene, style)], 1)
 }
 
 /// Returns several scenes as one SVG, row by row in `columns` columns. All share one scale, view, colour bar, scale bar
-/// and width of forces; the style's time is not used. Letters (a), (b), … are beside the times. The view is the smallest that contains those of all scenes. A colour scale without a given
-/// range covers the values of all panels.
+/// and width of forces; everything but times and colours of bodies is as the first style says. Letters (a), (b), … are
+/// beside the times. The view is the smallest that contains those of all scenes. A colour scale without a given range
+/// covers the values of all scenes.
 ///
-/// Each scene is a group `panel` that contains the groups of [`svg`](crate::svg).
-pub fn sheet(panels: &[Panel], columns: usize, style: &Style) -> String {
-    let columns = columns.clamp(1, panels.len().max(1));
+/// Each of several scenes is a group `panel` that contains the groups of [`svg`].
+pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
+    let [(first, style), ..] = panels else { return String::new() };
+    let alone = panels.len() == 1;
+    let columns = columns.clamp(1, panels.len());
     let rows = panels.len().div_ceil(columns);
-    let scenes: Vec<&Scene> = panels.iter().map(|p| p.scene).collect();
+    let scenes: Vec<&Scene> = panels.iter().map(|(scene, _)| *scene).collect();
     let width = page_width(style.width);
-    let mut colourings: Vec<_> = panels
-        .iter()
-        .map(|p| Colouring::new(p.scene, p.fill.as_ref().unwrap_or(&style.fill), style.theme))
-        .collect();
-    let scale = shared(&mut colourings);
-    let bar = scale.as_ref();
+    let mut colourings: Vec<_> = panels.iter().map(|(scene, style)| Colouring::new(scene, style)).collect();
+    let bar = shared(&mut colourings);
 
-    let headings: Vec<String> = panels
-        .iter()
-        .enumerate()
-        .map(|(k, panel)| {
-            let letter = if panels.len() > 1 { lettered_place(k) } else { String::new() };
-            let time = panel
-                .time
-                .filter(|t| t.is_finite())
-                .map(|t| stamp(t, style.time_decimals))
-                .unwrap_or_default();
-            [letter, time].iter().filter(|t| !t.is_empty()).cloned().collect::<Vec<_>>().join(" ")
-        })
-        .collect();
-    // As large as on the page of a single scene, if the headings leave room.
-    let mut unit = width / NOMINAL_WIDTH * if columns > 1 { FINER } else { 1.0 };
-    let views = scenes.iter().map(|s| view_of(s));
-    let view = Bounds::of(views.flat_map(|view| [view.low, view.high])).unwrap_or(Bounds::UNIT);
-    // Objects that extend beyond their panel are cut, so that they do not reach the next one.
-    let cut = {
-        let anywhere = Frame::fit(view, unit, 0.0, width, 0.0);
-        panels.iter().any(|p| is_cut(&Scene { view: Some(view), ..p.scene.clone() }, style, &anywhere))
+    let decimals = style.time_decimals.min(9);
+    let times = panels.iter().map(|(_, style)| style.time.filter(|t| t.is_finite()));
+    let times = times.map(|time| time.map_or(String::new(), |t| format!("t = {t:.decimals$} s")));
+    let lettered = |(k, time)| format!("{} {time}", lettered_place(k)).trim_end().to_owned();
+    // The time of a single scene is beside the legend.
+    let (time, headings): (String, Vec<String>) = if alone {
+        (times.collect(), Vec::new())
+    } else {
+        (String::new(), times.enumerate().map(lettered).collect())
     };
-    let more = if cut { 2.0 * CUT_BORDER } else { 0.0 };
-    let gutter = GUTTER + more;
-    let cell_at =
-        |unit: f64| (width - 2.0 * MARGIN * unit - (columns - 1) as f64 * gutter * unit) / columns as f64;
-    let widest = headings.iter().map(|h| lettering::width(h, CAP_HEIGHT)).fold(0.0, f64::max);
-    let needed = columns as f64 * widest + 2.0 * MARGIN + (columns - 1) as f64 * gutter;
-    unit = unit.min(width / needed);
-    let (margin, cell) = (MARGIN * unit, cell_at(unit));
+    let mut unit = width / NOMINAL_WIDTH * if columns > 1 { FINER } else { 1.0 };
+    let view = Bounds::of(scenes.iter().map(|s| view_of(s)).flat_map(|view| [view.low, view.high]));
+    let view = view.unwrap_or(Bounds::UNIT);
+    let (mut gutter, mut gap) = (GUTTER, 1.3 * BAND_GAP);
+    if !alone {
+        // Objects that extend beyond their panel are cut, so that they do not reach the next one.
+        let anywhere = Frame::fit(view, unit, 0.0, width, 0.0);
+        if scenes.iter().any(|scene| is_cut(scene, &anywhere)) {
+            gutter += 2.0 * CUT_BORDER;
+            gap += 2.0 * CUT_BORDER;
+        }
+        // As large as on the page of a single scene, if the headings leave room.
+        let widest = headings.iter().map(|h| glyphs::width(h, CAP_HEIGHT)).fold(0.0, f64::max);
+        let needed = columns as f64 * widest + 2.0 * MARGIN + (columns - 1) as f64 * gutter;
+        unit = unit.min(width / needed);
+    }
+    let (margin, gap) = (MARGIN * unit, gap * unit);
+    let cell = (width - 2.0 * margin - (columns - 1) as f64 * gutter * unit) / columns as f64;
 
-    let frame = Frame::fit(view, unit, margin, cell, margin);
-    let look = Look::new(style, &scenes, &frame);
-    let header = Header::new(None, look.legend(&scenes, unit), unit, width);
+    let Frame { scale, left, drawn, .. } = Frame::fit(view, unit, margin, cell, margin);
+    let (force_scale, legend) = forces_and_legend(&scenes, style, unit, scale);
+    let left_of_time = if legend.is_empty() { left } else { margin };
+    let header = Header::new(&time, legend, unit, width);
     let heading = if headings.iter().all(String::is_empty) { 0.0 } else { (CAP_HEIGHT + 7.0) * unit };
-    let gap = (1.3 * BAND_GAP + more) * unit;
-    let pitch = heading + frame.drawn.y + gap;
+    let pitch = heading + drawn.y + gap;
     let top = margin + header.height;
     let footer = footer_height(bar.is_some()) * unit;
-    let gaps = if rows > 0 { gap } else { 0.0 };
-    let height = (top + rows as f64 * pitch - gaps + footer + margin - 1e-6).ceil();
-    let page = Page { unit, width, height };
+    let height = (top + rows as f64 * pitch - gap + footer + margin - 1e-6).ceil();
 
-    let mut out = String::new();
-    begin(&mut out, &page, scenes.first().map_or("", |s| &s.trial.name), look.palette.paper);
-    for (k, (panel, colouring)) in panels.iter().zip(&colourings).enumerate() {
+    let mut page = Page::begin(&first.trial.name, style.theme, unit, width, height);
+    for (k, (scene, colouring)) in scenes.iter().zip(&colourings).enumerate() {
         let (column, row) = (k % columns, k / columns);
         let left = margin + column as f64 * (cell + gutter * unit);
         let above = top + row as f64 * pitch;
         let frame = Frame::fit(view, unit, left, cell, above + heading);
-        out += "<g class=\"panel\">\n";
-        if !headings[k].is_empty() {
-            // Above the left edge of the scene, or at the start of the cell if the scene is narrower than the heading.
-            let length = lettering::width(&headings[k], CAP_HEIGHT * unit);
-            let x = if length <= frame.drawn.x { frame.left } else { left };
-            let place = Place { x, y: above + CAP_HEIGHT * unit, ..small(unit, Anchor::Start) };
-            lettered(&mut out, "time", &headings[k], place, look.palette.ink);
+        let cut = (!alone || scene.view.is_some()) && is_cut(scene, &frame);
+        if !alone {
+            page.out += "<g class=\"panel\">\n";
         }
-        let scene = Scene { view: Some(view), ..panel.scene.clone() };
-        world(&mut out, &scene, &look, &frame, colouring);
-        out += "</g>\n";
+        if let Some(heading) = headings.get(k) {
+            // Above the left edge of the scene, or at the start of the cell if the scene is narrower than the heading.
+            let length = glyphs::width(heading, CAP_HEIGHT * unit);
+            let x = if length <= drawn.x { frame.left } else { left };
+            page.text("time", heading, page.place(x, above + CAP_HEIGHT * unit, Anchor::Start));
+        }
+        world(&mut page, scene, style, force_scale, &frame, colouring, cut);
+        if !alone {
+            page.out += "</g>\n";
+        }
     }
-    header.draw(&mut out, &page, &look.palette, margin);
-    scale_bar(&mut out, &page, &look.palette, frame.scale, (100.0 * unit).min(cell));
-    if let Some(scale) = bar {
-        colour_bar(&mut out, &page, &look.palette, scale);
+    if !time.is_empty() {
+        page.text("time", &time, page.place(left_of_time, margin + CAP_HEIGHT * unit, Anchor::Start));
     }
-    out += "</svg>\n";
-    out
+    header.draw(&mut page);
+    page.scale_bar(scale, if alone { 0.27 * cell } else { (100.0 * unit).min(cell) });
+    if let Some(scale) = &bar {
+        page.colour_bar(scale);
+    }
+    page.end()
+}
+
+/// Returns the view of a scene, not smaller than can be drawn.
+fn view_of(scene: &Scene) -> Bounds {
+    let view = scene.view.filter(|v| near(v.low) && near(v.high)).unwrap_or_else(|| scene.extent());
+    let size = view.size();
+    let grow = |size: f64| 0.5 * (SMALLEST_VIEW - size).max(0.0);
+    let by = vec2(grow(size.x), grow(size.y));
+    Bounds { low: view.low - by, high: view.high + by }
 }
 
 /// Returns (a), (b), … (z), (aa), …
 fn lettered_place(mut k: usize) -> String {
-    let mut letters = Vec::new();
+    let mut letters = String::new();
     loop {
-        letters.push(char::from(b'a' + (k % 26) as u8));
+        letters.insert(0, char::from(b'a' + (k % 26) as u8));
         if k < 26 {
-            break;
+            return format!("({letters})");
         }
         k = k / 26 - 1;
     }
-    format!("({})", letters.iter().rev().collect::<String>())
 }
 
 /// Makes one scale for all: from the lowest to the highest value, with the name of the first.
@@ -141,4 +194,48 @@ fn shared(colourings: &mut [Colouring]) -> Option<Scale> {
     let scale = Scale { low, high, clipped, ..first };
     colourings.iter_mut().filter(|c| c.scale.is_some()).for_each(|c| c.scale = Some(scale.clone()));
     Some(scale)
+}
+
+/// Returns the width of lines of force \[px/N\] in these scenes at a scale \[px/m\], and the legend for their lines.
+fn forces_and_legend(scenes: &[&Scene], style: &Style, unit: f64, scale: f64) -> (f64, Vec<Entry>) {
+    let palette = Palette::of(style.theme);
+    let mut legend = Vec::new();
+    // A given force belongs to a movie: its legend stays when there are no forces.
+    let given = style.forces.filter(|f| f.is_finite() && *f > 0.0);
+    let forces = scenes.iter().flat_map(|s| drawable_forces(s)).map(|f| f.normal_force);
+    let largest = given.unwrap_or_else(|| forces.fold(0.0, f64::max));
+    let mut force_scale = 0.0;
+    if largest > 0.0 {
+        let areas = || scenes.iter().flat_map(|s| s.drawn()).map(|(_, _, body)| body.area);
+        let size = (areas().sum::<f64>() / areas().count().max(1) as f64).max(0.0).sqrt();
+        let by_size = if size > 0.0 { FORCE_PART * size * scale } else { f64::INFINITY };
+        force_scale = (FORCE_STROKE * unit).min(by_size) / largest;
+        let newton = round_below(largest);
+        let label = if newton >= 1000.0 {
+            format!("{} kN", newton / 1000.0)
+        } else if newton >= 1.0 {
+            format!("{newton} N")
+        } else {
+            format!("{} mN", (newton * 1e4).round() / 10.0)
+        };
+        let width = newton * force_scale;
+        let halo = Some((Colour::WHITE, (FORCE_HALO * unit).min(width)));
+        legend.push(Entry { class: "force", label, colour: Colour::FORCE, width, halo, dashed: false });
+    }
+    if measured(scenes) {
+        let simulated = |s: &&Scene| s.trails.iter().any(|t| !t.measured);
+        let without = if scenes.iter().any(simulated) { 0 } else { 1 };
+        legend.extend(Entry::simulated_and_measured(&palette, TRAIL_STROKE * unit).into_iter().skip(without));
+    }
+    if scenes.iter().any(|scene| scene.drawn_bicycles().next().is_some()) {
+        legend.push(Entry {
+            class: "bicycle",
+            label: "bicycle with rider".to_owned(),
+            colour: Bicycle::FILL,
+            width: BICYCLE_STROKE * unit,
+            halo: Some((palette.outline, FORCE_HALO * unit)),
+            dashed: false,
+        });
+    }
+    (force_scale, legend)
 }

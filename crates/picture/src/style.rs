@@ -1,8 +1,10 @@
-//! Settings of a drawing.
+//! Settings of a drawing, and the colours of the bodies that follow from them.
 
-use crate::colour::{Colour, ColourMap, Theme};
+use crate::colour::{Colour, ColourMap, Ramp, Theme};
+use crate::scene::Scene;
+use crate::text::short;
 
-/// Settings of a drawing. Lines and lettering scale with the width.
+/// Settings of a drawing. Lines and letters scale with the width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Style {
     /// \[px\] Width. The height follows from the scene.
@@ -19,8 +21,8 @@ pub struct Style {
     pub time: Option<f64>,
     /// Number of decimals of times.
     pub time_decimals: usize,
-    /// Whether the bodies are drawn; not if only a density map is to be drawn.
-    pub bodies: bool,
+    /// Values at the ends of the colour map; `None`: the lowest and the highest value of all scenes.
+    pub range: Option<(f64, f64)>,
     /// \[N\] The force with the widest line; `None`: the largest force of the picture. If it is given (for movies), the
     /// legend is drawn even without forces.
     pub forces: Option<f64>,
@@ -36,7 +38,7 @@ impl Default for Style {
             orientation: true,
             time: None,
             time_decimals: 2,
-            bodies: true,
+            range: None,
             forces: None,
         }
     }
@@ -47,14 +49,14 @@ impl Default for Style {
 pub enum Fill {
     /// One colour for all.
     Single(Colour),
-    /// By the area of each body.
+    /// Colours by the area of each body.
     BodyArea,
-    /// By one number for each agent.
+    /// Colours by one number for each agent.
     Values(Values),
 }
 
 /// One number for each agent, shown as a colour.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Values {
     /// Values, in the order of the agents; missing ones and those that are not finite are grey.
     pub values: Vec<f64>,
@@ -62,13 +64,125 @@ pub struct Values {
     pub label: String,
     /// Unit; empty if there is none.
     pub unit: String,
-    /// Values at the ends of the colour map; `None`: the lowest and the highest value.
-    pub range: Option<(f64, f64)>,
-    /// The upper end of `range` is this quantile (0 to 1) of all shown values, and some are above it. The colour bar
+    /// The upper end of the style's `range` is this quantile (0 to 1) of all shown values, and some are above it. The colour bar
     /// says so.
     pub quantile: Option<f64>,
-    /// Some of all shown values are above the upper end of `range`. The colour bar says so.
+    /// Some of all shown values are above the upper end of the style's `range`. The colour bar says so.
     pub beyond: bool,
     /// The colour map.
     pub map: ColourMap,
+}
+
+impl Values {
+    /// Returns values of a quantity, on the default colour map.
+    pub fn of(values: Vec<f64>, label: &str, unit: &str) -> Values {
+        let (label, unit, map) = (label.to_owned(), unit.to_owned(), ColourMap::default());
+        Values { values, label, unit, quantile: None, beyond: false, map }
+    }
+}
+
+/// The colours of the bodies of a scene.
+#[derive(Debug, Clone)]
+pub(crate) struct Colouring {
+    pub single: Colour,
+    pub scale: Option<Scale>,
+    pub values: Vec<f64>,
+}
+
+/// The meaning of the colour map.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Scale {
+    pub title: String,
+    pub low: f64,
+    pub high: f64,
+    /// Whether values above the upper end occur; they have the colour of the end.
+    pub clipped: bool,
+    /// Words instead of a colour bar, if all values are equal to zero or unknown.
+    pub nothing: Option<String>,
+    pub ramp: Ramp,
+}
+
+impl Scale {
+    /// Returns the colour of a value.
+    pub fn of(&self, value: f64) -> Colour {
+        let Scale { low, high, ramp, .. } = *self;
+        if !value.is_finite() {
+            Colour::MISSING
+        } else if high > low {
+            // Halved first, because the difference of two finite numbers may be infinite.
+            ramp.at((value / 2.0 - low / 2.0) / (high / 2.0 - low / 2.0))
+        } else {
+            ramp.at(0.5)
+        }
+    }
+
+    /// Returns the label at the upper end of the colour bar.
+    pub fn high_label(&self) -> String {
+        format!("{}{}", if self.clipped { "≥ " } else { "" }, short(self.high))
+    }
+}
+
+impl Colouring {
+    /// Chooses the colours. In a scene with a density map the scale is that of the map, and bodies have no values.
+    pub fn new(scene: &Scene, style: &Style) -> Colouring {
+        let values = match (&scene.density, &style.fill) {
+            (Some(map), _) => Values::of(map.values(), "density", "1/m²"),
+            (None, Fill::Single(colour)) => {
+                return Colouring { single: *colour, scale: None, values: Vec::new() };
+            }
+            (None, Fill::BodyArea) => {
+                Values::of(scene.bodies.iter().map(|body| body.area).collect(), "body area", "m²")
+            }
+            (None, Fill::Values(values)) => values.clone(),
+        };
+        let Values { values, label, unit, quantile, beyond, map } = values;
+        let given = style.range.filter(|(a, b)| a.is_finite() && b.is_finite() && a <= b);
+        let finite = || values.iter().copied().filter(|v| v.is_finite());
+        // All values are zero, or all are unknown: a colour bar would need invented ends.
+        let nothing = given.is_none() && finite().all(|value| value == 0.0);
+        let nothing = nothing.then(|| match finite().next() {
+            Some(_) if unit.is_empty() => format!("{label}: 0 everywhere"),
+            Some(_) => format!("{label}: 0 {unit} everywhere"),
+            None => format!("{label}: not known"),
+        });
+        let (low, high) = given.unwrap_or_else(|| {
+            let low = finite().fold(f64::INFINITY, f64::min);
+            let high = finite().fold(f64::NEG_INFINITY, f64::max);
+            if nothing.is_some() {
+                (0.0, 1.0)
+            } else if scene.density.is_some() || map == ColourMap::FromPaper {
+                (low.min(0.0), if high > 0.0 { high } else { 1.0 })
+            } else {
+                (low, high)
+            }
+        });
+        let mut title = titled(&label, &unit);
+        if let Some(quantile) = quantile {
+            title += &format!(", to the {} % quantile", short(100.0 * quantile));
+        }
+        let ramp = Ramp::new(map, style.theme);
+        if scene.density.is_some() {
+            let scale = Scale { title, low, high, clipped: false, nothing, ramp };
+            return Colouring { single: ramp.at(0.0), scale: Some(scale), values: Vec::new() };
+        }
+        let clipped = beyond || quantile.is_some() || finite().any(|value| value > high);
+        let scale = Scale { title, low, high, clipped, nothing, ramp };
+        Colouring { single: Colour::MISSING, scale: Some(scale), values }
+    }
+
+    pub fn of(&self, agent: usize) -> Colour {
+        match &self.scale {
+            None => self.single,
+            Some(scale) => self.values.get(agent).map_or(self.single, |value| scale.of(*value)),
+        }
+    }
+}
+
+/// Returns the name of a quantity with its unit, which may be empty: "speed (m/s)".
+pub fn titled(label: &str, unit: &str) -> String {
+    match (label.is_empty(), unit.is_empty()) {
+        (_, true) => label.to_owned(),
+        (true, false) => unit.to_owned(),
+        (false, false) => format!("{label} ({unit})"),
+    }
 }

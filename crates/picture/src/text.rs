@@ -5,29 +5,23 @@ use std::fmt::Write;
 /// Number of decimals of a length in pixels.
 pub(crate) const PX: usize = 2;
 
+/// Returns 1, 2, 5 · 10ⁿ for these n.
+fn round_numbers(powers: std::ops::RangeInclusive<i32>) -> impl Iterator<Item = f64> {
+    // As a quotient of integers: 0.2 is then the nearest double.
+    let times = |digit: f64, n: i32| if n < 0 { digit / 10f64.powi(-n) } else { digit * 10f64.powi(n) };
+    powers.flat_map(move |n| [1.0, 2.0, 5.0].map(|digit| times(digit, n)))
+}
+
 /// Returns the largest of 1, 2, 5 · 10ⁿ that is not above the limit.
 pub(crate) fn round_below(limit: f64) -> f64 {
-    let mut best = 1e-6;
-    for power in -6..8 {
-        for digit in [1.0, 2.0, 5.0] {
-            // As a quotient of integers: 0.2 is then the nearest double.
-            let step = if power < 0 { digit / 10f64.powi(-power) } else { digit * 10f64.powi(power) };
-            if step <= limit {
-                best = step;
-            }
-        }
-    }
-    best
+    round_numbers(-6..=7).take_while(|number| *number <= limit).last().unwrap_or(1e-6)
 }
 
 /// Returns the smallest of 1, 2, 5 · 10ⁿ that is not below the limit.
 pub(crate) fn round_above(limit: f64) -> f64 {
     let power = limit.log10().floor().clamp(-300.0, 307.0) as i32;
-    let whole = |digit: f64, power: i32| {
-        if power < 0 { digit / 10f64.powi(-power) } else { digit * 10f64.powi(power) }
-    };
-    let steps = [whole(1.0, power), whole(2.0, power), whole(5.0, power), whole(10.0, power)];
-    steps.into_iter().find(|s| *s >= limit * (1.0 - 1e-12)).unwrap_or(steps[3])
+    let mut four = round_numbers(power..=power + 1).take(4);
+    four.find(|number| *number >= limit * (1.0 - 1e-12)).unwrap_or(10f64.powi(power + 1))
 }
 
 /// Formats with three significant digits.

@@ -10,18 +10,18 @@ use std::time::{Duration, Instant};
 const MOST_CONNECTIONS: usize = 64;
 /// \[byte\] Of a request; what follows its head is not read.
 const LARGEST_HEAD: usize = 16_384;
-/// For a request to come, and for the next part of an answer to be taken.
+/// Longest time for a request to come, and for the next part of an answer to be taken.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// What is asked.
+/// A request.
 pub struct Request<'a> {
     pub method: &'a str,
-    /// As it is in the address, with what follows `?`.
+    /// The path of the address, with what follows `?`.
     pub path: &'a str,
     pub host: &'a str,
 }
 
-/// What is answered.
+/// An answer.
 pub struct Answer {
     pub status: &'static str,
     /// Lines of the head, each with its end.
@@ -100,13 +100,13 @@ impl Connection {
         self.request.extend_from_slice(&part[..length]);
         if let Some(end) = self.request.windows(4).position(|end| end == b"\r\n\r\n") {
             let text = String::from_utf8_lossy(&self.request[..end]);
-            let (request, head_only) = request_of(&text);
+            let request = request_of(&text);
             let Answer { status, head, content } = answer(&request);
             let head = format!(
                 "HTTP/1.1 {status}\r\nContent-Length: {}\r\nConnection: close\r\n{head}\r\n",
                 content.len()
             );
-            let content = if head_only { Cow::default() } else { content };
+            let content = if request.method == "HEAD" { Cow::default() } else { content };
             (self.answer, self.since) = ([Cow::Owned(head.into_bytes()), content], Instant::now());
         } else if self.request.len() > LARGEST_HEAD {
             return Ok(0);
@@ -125,14 +125,14 @@ impl Connection {
     }
 }
 
-/// What the lines of a head ask, and whether only for a head; empty texts where it says nothing.
-fn request_of(head: &str) -> (Request<'_>, bool) {
+/// Returns the request of a head; empty texts where it says nothing.
+fn request_of(head: &str) -> Request<'_> {
     let mut lines = head.split("\r\n");
     let mut words = lines.next().unwrap_or_default().split(' ');
     let (method, path) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
     let mut fields = lines.filter_map(|line| line.split_once(':'));
     let host = fields.find(|(name, _)| name.eq_ignore_ascii_case("host"));
-    (Request { method, path, host: host.map_or("", |(_, value)| value.trim()) }, method == "HEAD")
+    Request { method, path, host: host.map_or("", |(_, value)| value.trim()) }
 }
 
 #[cfg(test)]
@@ -144,7 +144,7 @@ mod tests {
     /// \[byte\] More than a connection takes that nobody reads from.
     const LARGE: usize = 64_000_000;
 
-    /// What a server answers that repeats what was asked.
+    /// Returns the answer of a server that repeats what was asked.
     fn told(asked: &mut TcpStream, text: &str) -> String {
         asked.write_all(text.as_bytes()).unwrap();
         let mut answer = String::new();

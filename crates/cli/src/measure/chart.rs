@@ -2,7 +2,7 @@
 
 use super::Arguments;
 use super::pass::{OVER, Passed, QUANTILES};
-use lemons_picture::{Axis, Chart, ChartPanel, ChartStyle, Line, chart_svg};
+use lemons_picture::{Chart, ChartPanel, ChartStyle, Line, chart_svg};
 use lemons_results::measure::{Density, Passage, Way, windows};
 
 /// \[px\]
@@ -23,8 +23,8 @@ impl Colours {
     }
 }
 
-fn panel(label: &str, unit: &str, lines: Vec<Line>, steps: bool) -> ChartPanel {
-    ChartPanel { y: Axis { label: label.to_owned(), unit: unit.to_owned() }, lines, steps }
+fn panel(y: &str, lines: Vec<Line>, steps: bool) -> ChartPanel {
+    ChartPanel { y: y.to_owned(), lines, steps }
 }
 
 /// As SVG. A panel without anything to show is left out.
@@ -74,15 +74,15 @@ pub fn svg(arguments: &Arguments, passed: &Passed) -> String {
     });
     let squeezes = squeezes.collect();
     let panels = [
-        panel("people across", "", counts, true),
-        panel("flow", "1/s", flows, false),
-        panel("Voronoi density", "1/m²", densities, false),
-        panel("speed", "m/s", speeds, false),
-        panel(&format!("mean squeeze over {OVER} s"), "N", squeezes, false),
+        panel("people across", counts, true),
+        panel("flow (1/s)", flows, false),
+        panel("Voronoi density (1/m²)", densities, false),
+        panel("speed (m/s)", speeds, false),
+        panel(&format!("mean squeeze over {OVER} s (N)"), squeezes, false),
     ];
     let shown = |panel: &ChartPanel| panel.lines.iter().any(|line| !line.points.is_empty());
     let chart = Chart {
-        x: Axis { label: "time".to_owned(), unit: "s".to_owned() },
+        x: "time (s)".to_owned(),
         panels: panels.into_iter().filter(shown).collect(),
         noun: String::new(),
     };

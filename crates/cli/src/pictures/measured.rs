@@ -1,6 +1,6 @@
 //! Measured trajectories, to be drawn beside simulated ones.
 
-use super::moment::agents_at;
+use super::trial_run::agents_at;
 use anyhow::{Context, Result, bail};
 use lemons_core::files::input;
 use lemons_core::plane::{Vec2, vec2};
@@ -13,7 +13,7 @@ pub struct Measured {
     people: BTreeMap<String, Vec<(f64, Vec2)>>,
 }
 
-/// What the x and y of the file are.
+/// Meaning of x and y of the file.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Origin {
     /// Positions in the Trial's plane
@@ -33,8 +33,9 @@ impl Measured {
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
         let header = reader.headers()?.clone();
         let column = |name: &str| {
-            let named = |column: &str| plain(column.trim_start_matches('\u{feff}')) == name;
-            let place = header.iter().position(named);
+            // A column may have its unit: `x [m]`.
+            let plain = |column: &str| column.split('[').next().map(str::trim_end) == Some(name);
+            let place = header.iter().position(|column| plain(column.trim_start_matches('\u{feff}')));
             place.with_context(|| format!("there is no column {name:?} (expected t,id,x,y)"))
         };
         let (id, numbers) = (column("id")?, [column("t")?, column("x")?, column("y")?]);
@@ -98,11 +99,6 @@ impl Measured {
     pub fn of(&self, id: &str) -> &[(f64, Vec2)] {
         self.people.get(id).map_or(&[], Vec::as_slice)
     }
-}
-
-/// A column's name without its unit: `x [m]` is `x`.
-fn plain(column: &str) -> &str {
-    column.split_once('[').map_or(column, |(name, _)| name).trim_end()
 }
 
 #[cfg(test)]

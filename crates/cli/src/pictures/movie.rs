@@ -1,9 +1,9 @@
 //! `lemons movie`: the scene over time.
 
-use super::look::{Look, Looks, positive, seconds};
-use super::moment::Footage;
 use super::plot::OTHER_PARAMETERS;
 use super::source::{End, KeptFrames, Source};
+use super::style::{Scenes, StyleArguments, number, positive, seconds};
+use super::trial_run::TrialRun;
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
@@ -12,6 +12,7 @@ use anyhow::{Context, Result, bail};
 use indicatif::ProgressStyle;
 use lemons_core::files::{Scratch, Staged, input};
 use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
+use lemons_results::Frame;
 use lemons_sim::stop::REST;
 use rayon::prelude::*;
 use std::fs::File;
@@ -52,14 +53,11 @@ pub struct Arguments {
     #[command(flatten)]
     _force: Force,
     #[command(flatten)]
-    look: Look,
+    style: StyleArguments,
 }
 
 fn rate(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if (0.1..=240.0).contains(&value) => Ok(value),
-        _ => Err("must be a number from 0.1 to 240".into()),
-    }
+    number(text, |value| (0.1..=240.0).contains(&value), "a number from 0.1 to 240")
 }
 
 fn end(text: &str) -> Result<End, String> {
@@ -71,10 +69,10 @@ fn end(text: &str) -> Result<End, String> {
 }
 
 pub fn movie(arguments: &Arguments) -> Result<()> {
-    let Arguments { source, look, frame_rate, speed_up, .. } = arguments;
+    let Arguments { source, style, frame_rate, speed_up, .. } = arguments;
     let path = arguments.output.clone().unwrap_or_else(default_output);
-    let kind = Kind::of(&path)?;
-    if kind == Kind::Of(AnimationFormat::Gif) && *frame_rate > MOST_OF_GIF {
+    let format = format_of(&path)?;
+    if format == Some(AnimationFormat::Gif) && *frame_rate > MOST_OF_GIF {
         bail!(Misused(format!(
             "--frame-rate {frame_rate}: a GIF shows at most {MOST_OF_GIF} frames per second"
         )));
@@ -84,20 +82,20 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     {
         bail!(Misused(format!("--from {from:?} is not before --until {until:?}")));
     }
-    look.check(&[])?;
+    style.check(&[])?;
     // Before there is anything that would be left.
     let interrupt = Interrupt::watch();
     let mut file = Output::open(&path)?;
     let until = arguments.until.unwrap_or(End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME));
-    let footage = source.footage(source.runs().then_some(until), KeptFrames::All, &interrupt)?;
-    let first = arguments.from.unwrap_or_else(|| footage.first());
+    let run = source.trial_run(source.runs().then_some(until), KeptFrames::All, &interrupt)?;
+    let first = arguments.from.unwrap_or(run.run.times().0);
     let last = match arguments.until {
         Some(End::At(time) | End::NotBefore(time)) => time,
-        Some(End::Still) => rest(&footage, first)?,
-        Some(End::Left) => left(&footage, first)?,
-        None => footage.last(),
+        Some(End::Still) => rest(&run, first)?,
+        Some(End::Left) => left(&run, first)?,
+        None => run.run.times().1,
     };
-    [first, last].into_iter().try_for_each(|time| footage.check(time))?;
+    [first, last].into_iter().try_for_each(|time| run.check(time))?;
     let frames = ((last - first) * frame_rate / speed_up + 1e-9).floor() + 1.0;
     if !(2.0..=MOST_FRAMES).contains(&frames) {
         bail!(
@@ -106,35 +104,40 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
         );
     }
     let times: Vec<f64> = (0..frames as u64).map(|k| first + k as f64 * speed_up / frame_rate).collect();
-    look.tell_sampled(&footage.run, speed_up / frame_rate);
-    let mut looks = Looks::new(look, &footage, &times, &interrupt)?;
+    style.tell_sampled(&run.run, speed_up / frame_rate);
+    let mut scenes = Scenes::new(style, &run, &times, &interrupt)?;
     let of_path = || path.display().to_string();
-    let mut film = Film::begin(file.writer(), kind, *frame_rate, times.len()).with_context(of_path)?;
-    let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  frame {pos} of {len}  {eta} left")?;
-    let progress = crate::print::bar(times.len() as u64).with_style(style);
+    let mut shown = |time: &f64| {
+        let state = run.at(*time);
+        (scenes.scene(&state), scenes.style(&state))
+    };
+    let draw = |(scene, style): &(Scene, Style)| {
+        let frame = pixels(&svg(scene, style), arguments.style.width);
+        // Frames for ffmpeg need even sides.
+        if format.is_none() { frame.map(Pixels::even) } else { frame }
+    };
+    // Its size is that of all.
+    let first_frame = draw(&shown(&first))?;
+    let film = Film::begin(file.writer(), format, *frame_rate, times.len(), &first_frame);
+    let mut film = film.with_context(of_path)?;
+    let bar = ProgressStyle::with_template("{bar:40} {percent:>3}%  frame {pos} of {len}  {eta} left")?;
+    let progress = crate::print::bar(times.len() as u64).with_style(bar);
     for batch in times.chunks(BATCH) {
-        let scenes: Vec<(Scene, Style)> = batch
-            .iter()
-            .map(|time| {
-                let moment = footage.at(*time);
-                (looks.scene(&moment), looks.style(&moment))
-            })
-            .collect();
-        let drawn: Vec<_> =
-            scenes.par_iter().map(|(scene, style)| pixels(&svg(scene, style), look.width)).collect();
+        let shown: Vec<(Scene, Style)> = batch.iter().map(&mut shown).collect();
+        let drawn: Vec<_> = shown.par_iter().map(draw).collect();
         for frame in drawn {
             interrupt.check()?;
-            film.add(frame?).with_context(of_path)?;
+            film.add(&frame?).with_context(of_path)?;
             progress.inc(1);
         }
     }
     film.end().with_context(of_path)?;
     file.persist()?;
     progress.finish_and_clear();
-    if looks.other_parameters() {
+    if scenes.other_parameters {
         note!("{OTHER_PARAMETERS}");
     }
-    if let Some(still) = footage.still_from().filter(|still| still + REST <= last) {
+    if let Some(still) = run.still_from().filter(|still| still + REST <= last) {
         let time = told(still);
         match still > first {
             // It was asked for, as --until still does it.
@@ -149,11 +152,11 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
 }
 
 /// \[s\] Where a movie from `first` on ends as all have come to rest.
-fn rest(footage: &Footage, first: f64) -> Result<f64> {
-    let source = footage.run.source.display();
-    match footage.still_from() {
+fn rest(run: &TrialRun, first: f64) -> Result<f64> {
+    let source = run.run.source.display();
+    match run.still_from() {
         None => {
-            let last = footage.last();
+            let (_, last) = run.run.times();
             note!("{source}: somebody still moves at t = {:?} s: the movie ends there", told(last));
             Ok(last)
         }
@@ -164,24 +167,26 @@ fn rest(footage: &Footage, first: f64) -> Result<f64> {
     }
 }
 
-/// \[s\] Where a movie from `first` on ends as the last one leaves.
-fn left(footage: &Footage, first: f64) -> Result<f64> {
-    let source = footage.run.source.display();
-    match footage.left_from() {
-        None => bail!("--until left: {source}: nobody leaves"),
-        Some((time, _)) if time <= first => {
-            bail!("--until left: {source}: nobody leaves after t = {:?} s: nothing to show", told(first))
-        }
-        Some((time, 0)) => Ok(time),
-        Some((time, stay)) => {
-            let time_told = told(time);
-            note!(
-                "{source}: {stay} of {} people stay: the movie ends at t = {time_told:?} s, when the last of the others has left",
-                footage.run.ids.len()
-            );
-            Ok(time)
-        }
+/// \[s\] Where a movie from `first` on ends as the last one leaves: the first frame with those who stay.
+fn left(run: &TrialRun, first: f64) -> Result<f64> {
+    let (source, frames) = (run.run.source.display(), &run.run.frames);
+    let there = |frame: &Frame| frame.present().count();
+    let stay = frames.last().map_or(0, there);
+    let Some(before) = frames.iter().rposition(|frame| there(frame) != stay) else {
+        bail!("--until left: {source}: nobody leaves")
+    };
+    let time = frames[before + 1].time;
+    if time <= first {
+        bail!("--until left: {source}: nobody leaves after t = {:?} s: nothing to show", told(first));
     }
+    if stay > 0 {
+        note!(
+            "{source}: {stay} of {} people stay: the movie ends at t = {:?} s, when the last of the others has left",
+            run.run.ids.len(),
+            told(time)
+        );
+    }
+    Ok(time)
 }
 
 /// \[s\] A time as it is told: without what rounding has added.
@@ -189,24 +194,17 @@ fn told(time: f64) -> f64 {
     (time * 1e6).round() / 1e6
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    Mp4,
-    Of(AnimationFormat),
-}
-
-impl Kind {
-    fn of(path: &Path) -> Result<Kind> {
-        match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("mp4") if ffmpeg_is_there() => Ok(Kind::Mp4),
-            Some("mp4") => bail!(
-                "{}: MP4 needs the program ffmpeg, which is not there; .png (animated PNG) and .gif need nothing",
-                path.display()
-            ),
-            Some("png" | "apng") => Ok(Kind::Of(AnimationFormat::Apng)),
-            Some("gif") => Ok(Kind::Of(AnimationFormat::Gif)),
-            _ => bail!(Misused(format!("{}: movies are .mp4, .png or .gif", path.display()))),
-        }
+/// Returns the format of a file's name; `None`: MP4, which ffmpeg makes.
+fn format_of(path: &Path) -> Result<Option<AnimationFormat>> {
+    match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("mp4") if ffmpeg_is_there() => Ok(None),
+        Some("mp4") => bail!(
+            "{}: MP4 needs the program ffmpeg, which is not there; .png (animated PNG) and .gif need nothing",
+            path.display()
+        ),
+        Some("png" | "apng") => Ok(Some(AnimationFormat::Apng)),
+        Some("gif") => Ok(Some(AnimationFormat::Gif)),
+        _ => bail!(Misused(format!("{}: movies are .mp4, .png or .gif", path.display()))),
     }
 }
 
@@ -220,83 +218,77 @@ fn ffmpeg_is_there() -> bool {
     asked.status().is_ok_and(|status| status.success())
 }
 
-/// A movie being written.
-enum Film<'a> {
-    Ffmpeg {
-        frame_rate: f64,
-        /// Begun with the first frame, which gives the size.
-        running: Option<Ffmpeg>,
-        file: &'a mut BufWriter<Staged>,
-    },
+/// A movie being written; all its frames have one size.
+struct Film<'a> {
+    size: (u32, u32),
+    writer: Writer<'a>,
+}
+
+enum Writer<'a> {
+    Ffmpeg(Ffmpeg, BufWriter<ChildStdin>, &'a mut BufWriter<Staged>),
     Animated(Animation<&'a mut BufWriter<Staged>>),
 }
 
+/// The running program; ended with the movie, whatever becomes of that.
 struct Ffmpeg {
-    program: Running,
-    frames: BufWriter<ChildStdin>,
-    size: (u32, u32),
+    program: Child,
     /// Where it writes, and what it says.
     scratch: Scratch,
 }
 
-/// Ended with the movie, whatever becomes of that.
-struct Running(Child);
-
-impl Drop for Running {
+impl Drop for Ffmpeg {
     fn drop(&mut self) {
         // It may have ended by itself.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
+        let _ = self.program.kill();
+        let _ = self.program.wait();
     }
 }
 
 impl<'a> Film<'a> {
     fn begin(
         file: &'a mut BufWriter<Staged>,
-        kind: Kind,
+        format: Option<AnimationFormat>,
         frame_rate: f64,
         frames: usize,
+        first: &Pixels,
     ) -> Result<Film<'a>> {
-        Ok(match kind {
-            Kind::Mp4 => Film::Ffmpeg { frame_rate, running: None, file },
-            Kind::Of(format) => {
-                Film::Animated(Animation::new(file, format, frame_rate, u32::try_from(frames)?)?)
+        let size = (first.width, first.height);
+        let writer = match format {
+            None => {
+                let (ffmpeg, to) = Ffmpeg::start(frame_rate, size)?;
+                Writer::Ffmpeg(ffmpeg, to, file)
             }
-        })
+            Some(format) => {
+                Writer::Animated(Animation::begin(file, format, frame_rate, u32::try_from(frames)?, first)?)
+            }
+        };
+        Ok(Film { size, writer })
     }
 
-    fn add(&mut self, frame: Pixels) -> Result<()> {
-        match self {
-            Film::Animated(animation) => Ok(animation.add(&frame)?),
-            Film::Ffmpeg { frame_rate, running, .. } => {
-                let frame = frame.even();
-                let size = (frame.width, frame.height);
-                let ffmpeg = match running {
-                    Some(ffmpeg) => ffmpeg,
-                    None => running.insert(Ffmpeg::start(*frame_rate, size)?),
-                };
-                if size != ffmpeg.size {
-                    bail!("a frame has another size");
-                }
-                match ffmpeg.frames.write_all(&frame.rgba) {
-                    Ok(()) => Ok(()),
-                    // It has said why.
-                    Err(error) => {
-                        running.take().map_or(Ok(()), |ffmpeg| ffmpeg.end().map(drop))?;
-                        Err(error).context("ffmpeg")
-                    }
-                }
-            }
+    fn add(&mut self, frame: &Pixels) -> Result<()> {
+        let (size, (width, height)) = ((frame.width, frame.height), self.size);
+        if size != self.size {
+            bail!("a frame has {} × {} pixels, those before {width} × {height}", size.0, size.1);
+        }
+        match &mut self.writer {
+            Writer::Animated(animation) => Ok(animation.add(frame)?),
+            Writer::Ffmpeg(ffmpeg, to, _) => to.write_all(&frame.rgba).or_else(|error| {
+                // It has said why.
+                ffmpeg.wait()?;
+                Err(error).context("ffmpeg")
+            }),
         }
     }
 
     fn end(self) -> Result<()> {
-        match self {
-            Film::Animated(animation) => Ok(animation.finish()?),
-            Film::Ffmpeg { running, file, .. } => {
-                let Some(ffmpeg) = running else { return Ok(()) };
-                let made = ffmpeg.end()?;
-                std::io::copy(&mut input::open(&made.path().join(MADE)).context("what ffmpeg made")?, file)?;
+        match self.writer {
+            Writer::Animated(animation) => Ok(animation.finish()?),
+            Writer::Ffmpeg(mut ffmpeg, to, file) => {
+                // A broken pipe is told by ffmpeg itself.
+                let _ = to.into_inner();
+                ffmpeg.wait()?;
+                let made = input::open(&ffmpeg.scratch.path().join(MADE)).context("what ffmpeg made");
+                std::io::copy(&mut made?, file)?;
                 Ok(())
             }
         }
@@ -308,7 +300,8 @@ const MADE: &str = "movie.mp4";
 const SAID: &str = "said";
 
 impl Ffmpeg {
-    fn start(frame_rate: f64, size: (u32, u32)) -> Result<Ffmpeg> {
+    /// Starts the program, with where it takes frames of a size \[px\].
+    fn start(frame_rate: f64, (width, height): (u32, u32)) -> Result<(Ffmpeg, BufWriter<ChildStdin>)> {
         // It goes back in the file to put the index first, so it cannot write to a pipe.
         let scratch = Scratch::new().context("cannot make a temporary directory")?;
         let said = File::create(scratch.path().join(SAID)).context("cannot make a temporary file")?;
@@ -318,7 +311,7 @@ impl Ffmpeg {
         std::os::unix::process::CommandExt::process_group(&mut program, 0);
         let mut program = program
             .args(["-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba"])
-            .args(["-s", &format!("{}x{}", size.0, size.1), "-r", &frame_rate.to_string(), "-i", "-"])
+            .args(["-s", &format!("{width}x{height}"), "-r", &frame_rate.to_string(), "-i", "-"])
             // What every player reads; the index first, so that pages play it while it loads.
             .args(["-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-y"])
             .arg(scratch.path().join(MADE))
@@ -327,21 +320,21 @@ impl Ffmpeg {
             .stderr(said)
             .spawn()
             .context("cannot start ffmpeg")?;
-        let frames = BufWriter::new(program.stdin.take().context("ffmpeg takes no frames")?);
-        Ok(Ffmpeg { program: Running(program), frames, size, scratch })
+        let to = BufWriter::new(program.stdin.take().context("ffmpeg takes no frames")?);
+        Ok((Ffmpeg { program, scratch }, to))
     }
 
-    /// The file that it made.
-    fn end(self) -> Result<Scratch> {
-        let Ffmpeg { mut program, frames, scratch, .. } = self;
-        // A broken pipe is told by ffmpeg itself.
-        let _ = frames.into_inner();
-        let status = program.0.wait().context("ffmpeg")?;
+    /// Waits for its end.
+    ///
+    /// # Errors
+    /// It failed, and why.
+    fn wait(&mut self) -> Result<()> {
+        let status = self.program.wait().context("ffmpeg")?;
         if !status.success() {
-            let text =
-                input::read_text(&scratch.path().join(SAID), input::LARGEST_SETTINGS).context("ffmpeg")?;
+            let said = self.scratch.path().join(SAID);
+            let text = input::read_text(&said, input::LARGEST_SETTINGS).context("ffmpeg")?;
             bail!("ffmpeg ({status}): {}", text.trim());
         }
-        Ok(scratch)
+        Ok(())
     }
 }

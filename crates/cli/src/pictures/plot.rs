@@ -1,20 +1,22 @@
 //! `lemons plot`: scenes, time series, a map of density.
 
-use super::look::{Look, Looks, seconds};
-use super::moment::Moment;
-use super::quantity::Quantity;
-use super::series::{Selection, chart};
+use super::quantity::{Quantity, Shown};
 use super::source::{End, KeptFrames, Source};
+use super::style::{Scenes, StyleArguments, number, seconds};
+use super::trial_run::{CrowdState, TrialRun, nothing_between};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::run::{Until, until};
 use anyhow::{Result, bail};
+use lemons_core::plane::Vec2;
 use lemons_picture::{
-    ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, Style, chart_svg, pdf, png, sheet, svg,
+    Chart, ChartPanel, ChartStyle, DENSITY_KERNEL, DensityMap, Line, Scene, Style, chart_svg, pdf, png,
+    sheet, svg, titled,
 };
 use lemons_results::measure::within;
+use lemons_results::{Frame, Run};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -57,15 +59,12 @@ pub struct Arguments {
     #[command(flatten)]
     _force: Force,
     #[command(flatten)]
-    look: Look,
+    style: StyleArguments,
 }
 
 /// \[m\] Narrower ones need more cells than a picture has pixels.
 fn kernel(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if (0.02..=100.0).contains(&value) => Ok(value),
-        _ => Err("must be a number of metres from 0.02 to 100".into()),
-    }
+    number(text, |value| (0.02..=100.0).contains(&value), "a number of metres from 0.02 to 100")
 }
 
 pub fn plot(arguments: &Arguments) -> Result<()> {
@@ -88,16 +87,21 @@ pub fn drawn(arguments: &Arguments) -> Result<Vec<u8>> {
 }
 
 impl Arguments {
-    /// Whether the options belong together.
+    /// Checks that the options belong together.
     fn check(&self) -> Result<()> {
         Format::of(&self.output)?;
         if self.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
             bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
         }
-        self.look.check(&self.series)
+        self.style.check(&self.series)
     }
 
-    /// The picture, in the format of its file.
+    /// \[s\] `--from` and `--until`, if they are given as times.
+    fn times(&self) -> (Option<f64>, Option<f64>) {
+        (self.from, self.until.and_then(Until::time))
+    }
+
+    /// Returns the picture, in the format of its file.
     fn draw(&self, interrupt: &Interrupt) -> Result<Vec<u8>> {
         let text = if !self.series.is_empty() {
             series(self, interrupt)?
@@ -106,11 +110,11 @@ impl Arguments {
         } else {
             scenes(self, interrupt)?
         };
-        Format::of(&self.output)?.bytes(text, self.look.width)
+        Format::of(&self.output)?.bytes(text, self.style.width)
     }
 }
 
-/// What a picture is written as.
+/// Format of a picture.
 #[derive(Clone, Copy)]
 pub enum Format {
     Svg,
@@ -119,7 +123,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// By the end of the file's name.
+    /// Returns the format of a file's name.
     pub fn of(path: &Path) -> Result<Format> {
         match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("svg") => Ok(Format::Svg),
@@ -129,7 +133,7 @@ impl Format {
         }
     }
 
-    /// A picture in SVG, as what it is written.
+    /// Returns a picture in SVG in this format.
     pub fn bytes(self, svg: String, width: u32) -> Result<Vec<u8>> {
         Ok(match self {
             Format::Svg => svg.into_bytes(),
@@ -140,39 +144,32 @@ impl Format {
 }
 
 fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
-    let Arguments { source, at, look, .. } = arguments;
+    let Arguments { source, at, style, .. } = arguments;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
-    let wanted = if look.needs_all() { KeptFrames::All } else { KeptFrames::Around(at.clone()) };
-    let footage = source.footage(latest.map(End::NotBefore), wanted, interrupt)?;
-    at.iter().try_for_each(|time| footage.check(*time))?;
+    let wanted = if style.needs_all() { KeptFrames::All } else { KeptFrames::Around(at.clone()) };
+    let run = source.trial_run(latest.map(End::NotBefore), wanted, interrupt)?;
+    at.iter().try_for_each(|time| run.check(*time))?;
     // Poses between two frames would stand beside forces of one of them.
-    let asked = if at.is_empty() { vec![footage.last()] } else { at.clone() };
-    let times: Vec<f64> = asked.iter().map(|time| footage.run.frames[footage.nearest(*time)].time).collect();
-    let mut looks = Looks::new(look, &footage, &times, interrupt)?;
-    let moments: Vec<Moment> = times.iter().map(|time| footage.at(*time)).collect();
-    let scenes: Vec<Scene> = moments.iter().map(|moment| looks.scene(moment)).collect();
-    if looks.other_parameters() {
+    let asked = if at.is_empty() { vec![run.run.times().1] } else { at.clone() };
+    let times: Vec<f64> = asked.iter().map(|time| run.run.frames[run.nearest(*time)].time).collect();
+    let mut all = Scenes::new(style, &run, &times, interrupt)?;
+    let states: Vec<CrowdState> = times.iter().map(|time| run.at(*time)).collect();
+    let scenes: Vec<Scene> = states.iter().map(|state| all.scene(state)).collect();
+    let styles: Vec<Style> = states.iter().map(|state| all.style(state)).collect();
+    if all.other_parameters {
         note!("{OTHER_PARAMETERS}");
     }
-    if let ([scene], [moment]) = (&scenes[..], &moments[..]) {
-        return Ok(svg(scene, &looks.style(moment)));
-    }
-    let panels: Vec<Panel> = scenes
-        .iter()
-        .zip(&moments)
-        .map(|(scene, moment)| Panel { scene, time: Some(moment.time), fill: Some(looks.style(moment).fill) })
-        .collect();
-    let view = scenes[0].view.unwrap_or_else(|| scenes[0].extent());
-    let size = view.high - view.low;
+    let panels: Vec<(&Scene, &Style)> = scenes.iter().zip(&styles).collect();
+    let size = scenes[0].view.unwrap_or_else(|| scenes[0].extent()).size();
     let columns = arguments.columns.map_or_else(|| columns(panels.len(), size.x / size.y), |n| n as usize);
-    Ok(sheet(&panels, columns, &looks.style(&moments[0])))
+    Ok(sheet(&panels, columns))
 }
 
-/// Said of forces.
+/// Warning beside forces.
 pub const OTHER_PARAMETERS: &str = "warning: with the Trial's parameters the contacts would not have the squeeze that \
     the run recorded: the forces shown are not the run's (give what was set: --set)";
 
-/// So that the sheet is about as wide as a page is.
+/// Returns the number of columns with which a sheet is about as wide as a page is.
 fn columns(panels: usize, aspect: f64) -> usize {
     /// Width of a sheet over its height.
     const WIDE: f64 = 1.3;
@@ -184,41 +181,103 @@ fn columns(panels: usize, aspect: f64) -> usize {
     (1..=panels).min_by(|a, b| badness(a).total_cmp(&badness(b))).unwrap_or(1)
 }
 
-fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
-    let Arguments { source, look, .. } = arguments;
-    let opened = source.open(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
-    let (from, until) = (arguments.from, arguments.until.and_then(Until::time));
-    let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
-    let chart = chart(opened, look, &selection)?;
-    let theme = look.theme();
-    Ok(chart_svg(&chart, &ChartStyle { width: f64::from(look.width), theme, ..ChartStyle::default() }))
-}
-
 fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
-    let Arguments { source, look, .. } = arguments;
-    let footage = source.footage(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
-    let until = arguments.until.and_then(Until::time);
-    let within = |time: f64| within(time, arguments.from, until);
-    let places: Vec<usize> =
-        (0..footage.run.frames.len()).filter(|&k| within(footage.run.frames[k].time)).collect();
-    let Some(&last) = places.last() else { bail!(footage.nothing_between(arguments.from, until)) };
-    let times: Vec<f64> = places.iter().map(|&place| footage.run.frames[place].time).collect();
-    let mut looks = Looks::new(look, &footage, &times, interrupt)?;
-    let moment = footage.frame(last);
-    let mut scene = looks.scene(&moment);
-    let view = scene.view.unwrap_or_else(|| scene.extent());
-    let one = places.len() == 1;
+    let Arguments { source, style, .. } = arguments;
+    let run = source.trial_run(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
+    let (from, until) = arguments.times();
+    let frames: Vec<&Frame> = run.run.frames.iter().filter(|frame| within(frame.time, from, until)).collect();
+    let times: Vec<f64> = frames.iter().map(|frame| frame.time).collect();
+    let Some(&last) = times.last() else { bail!(nothing_between(&run.run, from, until)) };
+    let mut scenes = Scenes::new(style, &run, &times, interrupt)?;
+    let state = run.at(last);
+    let mut scene = scenes.scene(&state);
+    let one = times.len() == 1;
     if !one {
-        // They are of one time.
-        (scene.forces, scene.trails) = (Vec::new(), Vec::new());
+        // Bodies, forces and trails are of one time.
+        (scene.poses, scene.forces, scene.trails) = (Vec::new(), Vec::new(), Vec::new());
     }
-    let mut map = DensityMap::new(view, arguments.kernel, &footage.trial.geometry.walls);
-    for place in &places {
-        map.add(footage.run.frames[*place].present().map(|(_, agent)| agent.pose.position));
+    let view = scene.view.unwrap_or_else(|| scene.extent());
+    let mut map = DensityMap::new(view, arguments.kernel, &run.trial.geometry.walls);
+    for frame in frames {
+        map.add(frame.present().map(|(_, agent)| agent.pose.position));
     }
-    map.range = look.range();
     note!("density: {}", map.described());
     scene.density = Some(map);
-    let time = one.then_some(moment.time);
-    Ok(svg(&scene, &Style { bodies: one, time, ..looks.style(&moment) }))
+    let time = one.then_some(last);
+    Ok(svg(&scene, &Style { time, range: style.range, ..scenes.style(&state) }))
+}
+
+/// Draws one panel for each quantity, one line for each agent; measured positions beside simulated ones.
+fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
+    let Arguments { source, style, .. } = arguments;
+    let (trial, run) = source.open(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
+    // What contacts do is recorded, or computed from the Trial's bodies.
+    let run = match trial {
+        Some(trial) => TrialRun::new(trial, run)?.run,
+        None => run,
+    };
+    let recorded = run.frames.iter().all(|frame| frame.observed.is_some());
+    let mut of_contacts = arguments.series.iter().filter(|quantity| quantity.is_of_contacts());
+    if let Some(quantity) = of_contacts.next().filter(|_| !recorded) {
+        let (name, _) = quantity.label();
+        bail!(
+            "{}: it does not contain the {name}: give the Trial or FMU of the run with --trial",
+            run.source.display()
+        );
+    }
+    let places = places(&run, &arguments.agents)?;
+    let (from, until) = arguments.times();
+    let within = |time: f64| within(time, from, until);
+    if !run.frames.iter().any(|frame| within(frame.time)) {
+        bail!(nothing_between(&run, from, until));
+    }
+    let measured = style.measured(&run)?;
+    let mut quantities: Vec<Shown> = Vec::new();
+    for quantity in &arguments.series {
+        let shown = Shown::of(*quantity, &run, style.over)?;
+        // Mean and peak may have become the same.
+        if !quantities.iter().any(|known| known.quantity == shown.quantity) {
+            quantities.push(shown);
+        }
+    }
+    let line = |place: usize, dashed: bool, points: &mut dyn Iterator<Item = (f64, f64)>| Line {
+        name: run.ids[place].clone(),
+        points: points.filter(|point| within(point.0)).collect(),
+        group: place,
+        dashed,
+    };
+    let panels = quantities.into_iter().map(|shown| {
+        let simulated = places.iter().map(|&place| {
+            let frames = run.frames.iter().enumerate();
+            line(place, false, &mut frames.map(|(k, frame)| (frame.time, shown.of_one(&run, k, place))))
+        });
+        let mut lines: Vec<Line> = simulated.collect();
+        let axis: Option<fn(Vec2) -> f64> = match shown.quantity {
+            Quantity::X => Some(|at| at.x),
+            Quantity::Y => Some(|at| at.y),
+            _ => None,
+        };
+        if let (Some(measured), Some(axis)) = (&measured, axis) {
+            lines.extend(places.iter().map(|&place| {
+                let rows = measured.of(&run.ids[place]).iter();
+                line(place, true, &mut rows.map(|(time, at)| (*time, axis(*at))))
+            }));
+        }
+        let steps = shown.quantity == Quantity::Contacts;
+        ChartPanel { y: titled(&shown.label(), shown.unit()), lines, steps }
+    });
+    let chart = Chart { x: "time (s)".to_owned(), panels: panels.collect(), noun: "agent".to_owned() };
+    let (width, theme) = (f64::from(style.width), style.theme());
+    Ok(chart_svg(&chart, &ChartStyle { width, theme, ..ChartStyle::default() }))
+}
+
+fn places(run: &Run, agents: &[String]) -> Result<Vec<usize>> {
+    if agents.is_empty() {
+        return Ok((0..run.ids.len()).collect());
+    }
+    let place = |id: &String| match run.ids.iter().position(|known| known == id) {
+        Some(place) => Ok(place),
+        None => bail!("{}: there is no agent {id:?}", run.source.display()),
+    };
+    agents.iter().map(place).collect()
 }

@@ -1,15 +1,15 @@
 //! What is shown of each agent at each time.
 
-use super::moment::Moment;
+use super::trial_run::CrowdState;
 use crate::error::Misused;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use lemons_core::plane::Motion;
 use lemons_picture::ColourMap;
 use lemons_results::measure::{MovingMeans, squeeze};
-use lemons_results::{Observed, OfStep, Run};
+use lemons_results::{Frame, OfStep, Run};
 
-/// What is known of each agent at each time.
+/// A quantity of each agent at each time.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Quantity {
     /// x of the centre of mass
@@ -46,51 +46,30 @@ impl Quantity {
         }
     }
 
-    /// Whether it is a mean over a time.
+    /// Returns whether it is a mean over a time.
     pub fn is_mean(self) -> bool {
         matches!(self, Quantity::Squeeze | Quantity::GreatestSqueeze)
     }
 
-    /// What contacts do; else it is known of every run.
+    /// Returns whether contacts make it; else it is known of every run.
     pub fn is_of_contacts(self) -> bool {
         !matches!(self, Quantity::X | Quantity::Y | Quantity::Speed)
     }
 
-    /// What can be shown of it: of a run that does not say what contacts did during its steps, the squeeze at
+    /// Returns what can be shown of it: of a run that does not say what contacts did during its steps, the squeeze at
     /// the times, which is told.
     fn known_of(self, run: &Run) -> Quantity {
+        let of_steps = self.is_mean() || self == Quantity::PeakSqueeze;
         let mut observed = run.frames.iter().flat_map(|frame| frame.observed.iter().flatten());
-        let of_steps = !(self.is_mean() || self == Quantity::PeakSqueeze);
-        if of_steps || observed.all(|seen| seen.of_step.is_some()) {
+        if !of_steps || observed.all(|seen| seen.of_step.is_some()) {
             return self;
         }
-        let (label, _) = self.label();
-        let source = run.source.display();
         note!(
-            "{source}: it does not contain the {label} over communication steps; the squeeze at this time is shown instead"
+            "{}: it does not contain the {} over communication steps; the squeeze at this time is shown instead",
+            run.source.display(),
+            self.label().0
         );
         Quantity::SqueezeAtTheTime
-    }
-
-    /// Of an agent; NaN where it is not known.
-    fn of(self, agent: &Motion, seen: Option<&Observed>) -> f64 {
-        let of_step = |value: fn(&OfStep) -> f64| seen?.of_step.as_ref().map(value);
-        let known = match self {
-            Quantity::X => Some(agent.pose.position.x),
-            Quantity::Y => Some(agent.pose.position.y),
-            Quantity::Speed => Some(agent.twist.velocity.norm()),
-            Quantity::Squeeze | Quantity::GreatestSqueeze => of_step(|step| step.mean_normal_force),
-            Quantity::PeakSqueeze => of_step(|step| step.peak_normal_force),
-            Quantity::SqueezeAtTheTime => seen.map(|seen| seen.normal_force),
-            Quantity::Contacts => {
-                seen.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
-            }
-        };
-        known.unwrap_or(f64::NAN)
-    }
-
-    fn map(self) -> ColourMap {
-        if self.is_of_contacts() { ColourMap::FromPaper } else { ColourMap::Viridis }
     }
 }
 
@@ -104,6 +83,8 @@ pub struct Shown {
 }
 
 impl Shown {
+    /// Takes what can be shown of a quantity from a run.
+    ///
     /// # Errors
     /// Means are over less than a communication step.
     pub fn of(quantity: Quantity, run: &Run, over: Option<f64>) -> Result<Shown> {
@@ -137,29 +118,43 @@ impl Shown {
     }
 
     pub fn map(&self) -> ColourMap {
-        self.quantity.map()
+        if self.quantity.is_of_contacts() { ColourMap::FromPaper } else { ColourMap::Viridis }
     }
 
-    /// Of everybody; NaN where it is not known.
-    pub fn of_all(&self, moment: &Moment) -> Vec<f64> {
-        if let Some(values) = &self.values {
-            return values[moment.nearest].clone();
-        }
-        let of = |(k, agent)| self.quantity.of(agent, moment.observed.get(k));
-        moment.agents.iter().enumerate().map(of).collect()
+    /// Returns the values of everybody; NaN where it is not known.
+    pub fn of_all(&self, state: &CrowdState) -> Vec<f64> {
+        let of = |(k, agent)| self.value(state.frame, state.nearest, k, agent);
+        state.agents.iter().enumerate().map(of).collect()
     }
 
-    /// Of an agent in a frame; NaN where it is not known, or has left.
+    /// Returns the value of an agent in a frame; NaN where it is not known.
     pub fn of_one(&self, run: &Run, frame: usize, agent: usize) -> f64 {
-        let seen = &run.frames[frame];
-        match &self.values {
-            _ if !seen.is_there(agent) => f64::NAN,
-            Some(values) => values[frame][agent],
-            None => {
-                let observed = seen.observed.as_ref().and_then(|all| all.get(agent));
-                self.quantity.of(&seen.agents[agent], observed)
-            }
+        self.value(&run.frames[frame], frame, agent, &run.frames[frame].agents[agent])
+    }
+
+    /// Returns the value of an agent, who moves so, in a frame at a place of the run; NaN where it is not known, or if
+    /// the agent has left.
+    fn value(&self, frame: &Frame, place: usize, agent: usize, motion: &Motion) -> f64 {
+        if !frame.is_there(agent) {
+            return f64::NAN;
         }
+        if let Some(values) = &self.values {
+            return values[place][agent];
+        }
+        let seen = frame.observed.as_ref().and_then(|all| all.get(agent));
+        let of_step = |value: fn(&OfStep) -> f64| seen?.of_step.as_ref().map(value);
+        let known = match self.quantity {
+            Quantity::X => Some(motion.pose.position.x),
+            Quantity::Y => Some(motion.pose.position.y),
+            Quantity::Speed => Some(motion.twist.velocity.norm()),
+            Quantity::Squeeze | Quantity::GreatestSqueeze => of_step(|step| step.mean_normal_force),
+            Quantity::PeakSqueeze => of_step(|step| step.peak_normal_force),
+            Quantity::SqueezeAtTheTime => seen.map(|seen| seen.normal_force),
+            Quantity::Contacts => {
+                seen.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
+            }
+        };
+        known.unwrap_or(f64::NAN)
     }
 }
 
@@ -185,10 +180,7 @@ fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
         let means = means.unwrap_or_else(|| vec![f64::NAN; people]);
         // The greater one; what is known, if the other is not.
         most.iter_mut().zip(&means).for_each(|(most, mean)| *most = most.max(*mean));
-        let shown = if greatest { &most } else { &means };
-        // Who has left has no value, and no part in the scale.
-        let of = |(agent, value): (usize, &f64)| if frame.is_there(agent) { *value } else { f64::NAN };
-        shown.iter().enumerate().map(of).collect()
+        if greatest { most.clone() } else { means }
     };
     run.frames.iter().enumerate().map(of_frame).collect()
 }
@@ -196,7 +188,7 @@ fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_results::Frame;
+    use lemons_results::Observed;
     use lemons_results::measure::Exposure;
     use std::path::PathBuf;
 
@@ -240,20 +232,6 @@ mod tests {
             }
         }
         assert_eq!(shown.label(), "greatest mean squeeze over 1 s so far");
-    }
-
-    #[test]
-    fn a_mean_over_a_time_is_that_of_its_steps() {
-        let run = run();
-        let mean_of_step = |k: usize| squeeze(&run.frames[k], 0).unwrap().0;
-        let shown = Shown::of(Quantity::Squeeze, &run, Some(0.5)).unwrap();
-        for k in 0..run.frames.len() {
-            let expected = if k < 5 { f64::NAN } else { (k - 4..=k).map(mean_of_step).sum::<f64>() / 5.0 };
-            let value = shown.of_one(&run, k, 0);
-            assert!((value - expected).abs() < 1e-9 || (value.is_nan() && expected.is_nan()), "{k}: {value}");
-        }
-        let single = Shown::of(Quantity::Squeeze, &run, None).unwrap();
-        assert_eq!(single.of_one(&run, 7, 0), mean_of_step(7));
         assert!(Shown::of(Quantity::Squeeze, &run, Some(0.05)).is_err(), "shorter than a step");
     }
 }

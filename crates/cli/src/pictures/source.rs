@@ -1,11 +1,11 @@
 //! What `lemons plot` and `lemons movie` show, and `lemons measure` measures: a Trial, an FMU, or the record of a run.
 
-use super::look::positive;
-use super::moment::Footage;
+use super::style::positive;
+use super::trial_run::TrialRun;
 use crate::decide::Walk;
 use crate::embedded::InMemory;
 use crate::error::Misused;
-use crate::export::{expect_table, trial_of};
+use crate::export::{expect_table, recorded, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::run::{Ends, Job, RowTarget, Until, drive_of, name_and_value_of_all, not_set, simulate};
 use anyhow::{Context, Result, bail};
@@ -71,13 +71,6 @@ pub enum End {
 /// \[s\] Crowds that push for ever never come to rest.
 pub const LATEST: f64 = 120.0;
 
-/// What was found there.
-pub struct Opened {
-    /// `None` where a table came without.
-    pub trial: Option<Trial>,
-    pub run: Run,
-}
-
 /// A run in memory, or in its file.
 enum Found {
     Made(Run),
@@ -96,17 +89,22 @@ impl End {
 }
 
 impl Source {
-    /// A Trial or an FMU is run until then; without an end it is shown as it begins.
-    pub fn open(&self, until: Option<End>, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Opened> {
+    /// Opens it: a Trial or an FMU is run until then; without an end it is shown as it begins. A table may come without a Trial.
+    pub fn open(
+        &self,
+        until: Option<End>,
+        wanted: KeptFrames,
+        interrupt: &Interrupt,
+    ) -> Result<(Option<Trial>, Run)> {
         let (trial, found) = self.find(until, wanted.clone(), interrupt)?;
         let run = match found {
             Found::Made(run) => run,
             Found::Recorded(record) => record.read_wanted(wanted)?,
         };
-        Ok(Opened { trial, run })
+        Ok((trial, run))
     }
 
-    /// As [`Source::open`] with all frames; those of earlier results stay in their file.
+    /// Opens it as [`Source::open`] with all frames; those of earlier results stay in their file.
     pub fn record_of(&self, until: Option<End>, interrupt: &Interrupt) -> Result<(Option<Trial>, Record)> {
         let (trial, found) = self.find(until, KeptFrames::All, interrupt)?;
         let record = match found {
@@ -173,34 +171,23 @@ impl Source {
                 Found::Made(self.record(until, wanted, interrupt)?)
             }
             (true, None, Some(trial)) => Found::Made(still(&self.path, trial)),
-            (_, _, Some(trial)) if self.path.is_dir() => Found::Recorded(Record::series(&self.path, trial)?),
-            (_, _, Some(trial)) => {
-                let record = self.tables()?.of_trial(trial)?;
-                tell_other(&record, trial);
-                Found::Recorded(record)
-            }
             (_, _, None) if self.path.is_dir() => bail!(
                 "{}: is not a Trial (it has no Parameters.xml); for an OutputDirectory, give the Trial or FMU of the run with --trial",
                 self.path.display()
             ),
-            (_, _, None) => Found::Recorded(self.tables()?),
+            (_, _, trial) => {
+                let record = recorded(&self.path, &self.more, self.memory.as_deref(), trial.as_ref())?;
+                trial.iter().for_each(|trial| tell_other(&record, trial));
+                Found::Recorded(record)
+            }
         };
         Ok((trial, found))
     }
 
-    /// The tables of one run.
-    fn tables(&self) -> Result<Record> {
-        if let Some(memory) = &self.memory {
-            return Ok(memory.run.clone().into());
-        }
-        let all: Vec<PathBuf> = std::iter::once(&self.path).chain(&self.more).cloned().collect();
-        Ok(Record::tables(&all)?)
-    }
-
-    /// The end of a run that is made now; `None` for earlier results, which have one.
+    /// Returns the end of a run that is made now; `None` for earlier results, which have one.
     ///
     /// # Errors
-    /// Of earlier results, it is asked when everybody has left.
+    /// Earlier results are to end when everybody has left.
     pub fn end(&self, until: Option<Until>) -> Result<Option<End>> {
         match until {
             Some(Until::Left) if !self.runs() => Err(Misused(
@@ -214,19 +201,24 @@ impl Source {
         }
     }
 
-    /// With shapes and walls.
-    pub fn footage(&self, until: Option<End>, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Footage> {
-        let Opened { trial, run } = self.open(until, wanted, interrupt)?;
-        let need = || {
-            format!(
+    /// Opens it as [`Source::open`], with shapes and walls.
+    pub fn trial_run(
+        &self,
+        until: Option<End>,
+        wanted: KeptFrames,
+        interrupt: &Interrupt,
+    ) -> Result<TrialRun> {
+        let (trial, run) = self.open(until, wanted, interrupt)?;
+        let Some(trial) = trial else {
+            bail!(
                 "{}: it contains no shapes and no walls: give the Trial or FMU of the run with --trial",
                 self.path.display()
-            )
+            );
         };
-        Ok(Footage::new(trial.with_context(need)?, run)?)
+        Ok(TrialRun::new(trial, run)?)
     }
 
-    /// Whether it is something to run.
+    /// Returns whether it is something to run.
     pub fn runs(&self) -> bool {
         if self.memory.is_some() {
             return false;
@@ -235,7 +227,7 @@ impl Source {
         ends("fmu") || ends("zip") || self.path.join("Parameters.xml").is_file()
     }
 
-    /// As `lemons run` does it, in memory.
+    /// Runs it as `lemons run` does, in memory.
     fn record(&self, until: End, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Run> {
         let settings = Settings {
             parameters: name_and_value_of_all(&self.settings)?,
@@ -286,7 +278,7 @@ fn tell_other(record: &Record, trial: &Trial) {
     }
 }
 
-/// A Trial as it begins.
+/// Returns a Trial as it begins, as a run.
 fn still(path: &Path, trial: &Trial) -> Run {
     let start = Frame {
         time: 0.0,

@@ -1,6 +1,6 @@
 //! `lemons plot` and `lemons movie`: what is in the pictures is what was in the run.
 
-use crate::common::{assert_code, command, default_trial, done, err};
+use crate::common::{command, default_trial, done, err};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -106,39 +106,6 @@ fn a_spike_does_not_set_the_scale() {
     let room =
         svg(at, &["spike.csv", "--trial", "push", "--at", "0,1", "--fill", "squeeze", "--range", "0,90000"]);
     assert!(!room.contains('≥'));
-}
-
-#[test]
-fn movies() {
-    let directory = push();
-    let at = directory.path();
-    let small = ["--width", "120", "--frame-rate", "10"];
-    let movie = |name: &str, more: &[&str]| {
-        done(at, &[&["movie", "trajectories.csv", "--trial", "push", "-o", name], &small[..], more].concat());
-        fs::read(at.join(name)).unwrap()
-    };
-    let frames = |bytes: Vec<u8>| {
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-        let control = *reader.info().animation_control().unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        (0..control.num_frames).for_each(|_| {
-            reader.next_frame(&mut pixels).unwrap();
-        });
-        control.num_frames
-    };
-    assert_eq!(frames(movie("a.png", &[])), 11);
-    assert_eq!(frames(movie("b.png", &["--speed-up", "0.5", "--from", "0.2", "--until", "0.6"])), 9);
-    assert!(movie("c.gif", &["--fill", "speed"]).starts_with(b"GIF89a"));
-    // Without ffmpeg it is a GIF, and MP4 says what it needs.
-    let without = |arguments: &[&str]| {
-        let arguments = [&["movie", "trajectories.csv", "--trial", "push"], &small[..], arguments].concat();
-        command(at, &arguments).env("PATH", "").output().unwrap()
-    };
-    assert_code(&without(&[]), 0);
-    assert!(at.join("movie.gif").is_file());
-    let refused = without(&["-o", "d.mp4"]);
-    assert_code(&refused, 1);
-    assert!(err(&refused).contains("MP4 needs the program ffmpeg") && !at.join("d.mp4").exists());
 }
 
 #[test]

@@ -27,16 +27,18 @@ pub struct Moments {
 }
 
 /// An uncovered piece of a disk's circle, counter-clockwise.
-struct Arc {
-    disk: usize,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arc {
+    /// Place of the disk.
+    pub disk: usize,
     /// \[rad\] start.
-    from: f64,
+    pub from: f64,
     /// \[rad\] end.
-    to: f64,
+    pub to: f64,
 }
 
-/// Returns the boundary of the union. Disks without a positive radius are left out.
-fn boundary(disks: &[Disk]) -> Vec<Arc> {
+/// Returns the boundary of the union, disk by disk, from angle 0 to 2π. Disks without a positive radius are left out.
+pub fn boundary(disks: &[Disk]) -> Vec<Arc> {
     let mut inside: Vec<bool> = disks.iter().map(|disk| disk.radius.is_nan() || disk.radius <= 0.0).collect();
     // [rad] Covered pieces of each circle: start in 0…2π, and end.
     let mut covered: Vec<Vec<(f64, f64)>> = vec![Vec::new(); disks.len()];

@@ -4,18 +4,14 @@ use crate::common::{self, extent, labels};
 use lemons_picture::*;
 use roxmltree::{Document, Node};
 
-fn axis(label: &str, unit: &str) -> Axis {
-    Axis { label: label.into(), unit: unit.into() }
-}
-
 fn line(group: usize, dashed: bool, points: Vec<(f64, f64)>) -> Line {
     Line { name: group.to_string(), points, group, dashed }
 }
 
 fn one_panel(lines: Vec<Line>, steps: bool) -> Chart {
     Chart {
-        x: axis("time", "s"),
-        panels: vec![ChartPanel { y: axis("speed", "m/s"), lines, steps }],
+        x: "time (s)".into(),
+        panels: vec![ChartPanel { y: "speed (m/s)".into(), lines, steps }],
         noun: "agent".into(),
     }
 }
@@ -62,13 +58,6 @@ fn axes_lines_and_names() {
     assert_ne!(solid[0].attribute("stroke"), solid[1].attribute("stroke"));
     // A straight line is its two ends, whatever the number of points.
     assert_eq!(corners(solid[0]).len(), 2);
-    assert_eq!(
-        text,
-        drawn(&one_panel(
-            vec![line(0, false, ramp(0.9)), line(0, true, ramp(1.0)), line(1, false, ramp(0.5))],
-            false
-        ))
-    );
     png(&text, 400).unwrap();
 }
 
@@ -213,7 +202,7 @@ fn nothing_panics() {
                     };
                     let mut chart = one_panel((0..n).map(of).collect(), steps);
                     chart.panels.push(ChartPanel::default());
-                    chart.panels[0].y.label = "é\u{0}<".repeat(40);
+                    chart.panels[0].y = "é\u{0}<".repeat(40);
                     let style = ChartStyle { width: a, theme: Theme::Dark, aspect: Some(b) };
                     let text = chart_svg(&chart, &style);
                     Document::parse(&text).unwrap();

@@ -2,7 +2,6 @@
 
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::*;
-use lemons_picture::Values;
 use roxmltree::{Document, Node};
 use std::path::PathBuf;
 
@@ -66,11 +65,6 @@ pub fn trial(agents: Vec<(Agent, Vec2, f64)>, walls: Vec<Vec<Vec2>>) -> Trial {
         agents: agents.into_iter().map(|a| a.0).collect(),
         interactions: Interactions::default(),
     }
-}
-
-/// Values of bodies, with their name, unit and range of colours.
-pub fn values(values: Vec<f64>, label: &str, unit: &str, range: Option<(f64, f64)>) -> Values {
-    Values { values, label: label.into(), unit: unit.into(), range, ..Values::default() }
 }
 
 /// The elements of a class.

@@ -19,12 +19,12 @@ fn full(trial: &Trial) -> String {
     let mut scene = Scene::at_start(trial);
     scene.view = Some(Bounds { low: vec2(-0.6, -1.2), high: vec2(2.8, 0.8) });
     scene.forces = vec![Force { from: vec2(0.0, 0.0), to: vec2(1.0, 0.0), normal_force: 900.0 }];
-    let trail = |kind, y: f64| Trail {
-        agent: Some(1),
-        kind,
+    let trail = |measured, y: f64| Trail {
+        agent: 1,
+        measured,
         points: vec![vec2(0.0, y), vec2(0.6, y + 0.2), vec2(3.5, y)],
     };
-    scene.trails = vec![trail(TrailKind::Simulated, 0.4), trail(TrailKind::Measured, 0.5)];
+    scene.trails = vec![trail(false, 0.4), trail(true, 0.5)];
     let pose = Pose { position: vec2(1.2, -0.6), orientation: 0.3 };
     scene.bicycles = vec![Bicycle { id: "b".into(), pose, wheels: (1.42, 0.06), rider: (0.61, 0.45) }];
     svg(&scene, &Style { fill: Fill::BodyArea, ids: true, time: Some(1.5), ..Style::default() })

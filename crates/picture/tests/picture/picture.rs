@@ -1,9 +1,9 @@
 //! What is in the pictures.
 
-use crate::common::{agent, pedestrian, trial, values};
+use crate::common::{agent, pedestrian, trial};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Shape, Trial};
-use lemons_picture::{Bounds, Colour, Fill, Pose, Scene, Style, Theme, body_area, png, svg, viridis};
+use lemons_picture::{Bounds, Colour, Fill, Pixels, Pose, Scene, Style, Theme, Values, pixels, png, svg};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Bodies without a mark of their direction.
@@ -11,26 +11,9 @@ fn plain() -> Style {
     Style { orientation: false, ..Style::default() }
 }
 
-struct Pixels {
-    width: usize,
-    height: usize,
-    bytes: Vec<u8>,
-}
-
-impl Pixels {
-    fn of(svg: &str, width: u32) -> Pixels {
-        let bytes = png(svg, width).unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut bytes).unwrap();
-        assert_eq!(info.color_type, png::ColorType::Rgb);
-        Pixels { width: info.width as usize, height: info.height as usize, bytes }
-    }
-
-    fn at(&self, x: f64, y: f64) -> Colour {
-        let k = 3 * (y as usize * self.width + x as usize);
-        Colour(self.bytes[k], self.bytes[k + 1], self.bytes[k + 2])
-    }
+fn colour_at(pixels: &Pixels, x: f64, y: f64) -> Colour {
+    let k = 4 * (y as usize * pixels.width as usize + x as usize);
+    Colour(pixels.rgba[k], pixels.rgba[k + 1], pixels.rgba[k + 2])
 }
 
 fn box_of(low: f64, high: f64) -> Vec<Vec2> {
@@ -41,7 +24,7 @@ fn box_of(low: f64, high: f64) -> Vec<Vec2> {
 fn on_page(pixels: &Pixels, p: Vec2) -> Colour {
     let margin = 14.0 * 1.07;
     let scale = (428.0 - 2.0 * margin) / 4.0;
-    pixels.at(margin + scale * (p.x + 2.0), margin + scale * (2.0 - p.y))
+    colour_at(pixels, margin + scale * (p.x + 2.0), margin + scale * (2.0 - p.y))
 }
 
 #[test]
@@ -77,15 +60,22 @@ fn size_and_colours() {
     let (red, night) = (Colour(0xdd, 0x33, 0x22), Colour(0x12, 0x16, 0x1d));
     let t = trial(vec![(pedestrian("0"), vec2(1.0, 1.0), 0.0)], vec![box_of(-2.0, 2.0)]);
     let style = Style { width: 428.0, fill: Fill::Single(red), ..plain() };
-    let light = Pixels::of(&svg(&Scene::at_start(&t), &style), 428);
+    let text = svg(&Scene::at_start(&t), &style);
+    let light = pixels(&text, 428).unwrap();
+    // The PNG has the same colours.
+    let file = png(&text, 428).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut bytes).unwrap();
+    assert!(bytes.chunks_exact(3).eq(light.rgba.chunks_exact(4).map(|pixel| &pixel[..3])));
     // Below the view are a gap and the scale bar: 19.5 px of a page of 400.
     assert_eq!((light.width, light.height), (428, 449));
     assert_eq!(on_page(&light, vec2(1.0, 1.0)), red);
     assert_eq!(on_page(&light, vec2(1.0, -1.0)), Colour(255, 255, 255));
     assert_eq!(on_page(&light, vec2(-2.0, 0.0)), Colour(0x2a, 0x30, 0x3a));
-    let dark = Pixels::of(&svg(&Scene::at_start(&t), &Style { theme: Theme::Dark, ..style }), 428);
+    let dark = pixels(&svg(&Scene::at_start(&t), &Style { theme: Theme::Dark, ..style }), 428).unwrap();
     assert_eq!(on_page(&dark, vec2(1.0, -1.0)), night);
-    let wide = Pixels::of(&svg(&Scene::at_start(&t), &plain()), 1000);
+    let wide = pixels(&svg(&Scene::at_start(&t), &plain()), 1000).unwrap();
     assert_eq!((wide.width, wide.height), (1000, 1050));
     assert!(png("<svg", 10).is_err() && png(&svg(&Scene::at_start(&t), &plain()), 0).is_err());
     assert!(png(&svg(&Scene::at_start(&t), &plain()), 60_000).is_err());
@@ -104,27 +94,13 @@ fn theta_turns_the_shoulders() {
         let lopsided = agent("0", vec![disk(0.2, 1.0), disk(0.5, -1.0)]);
         for (theta, left) in [(0.0, vec2(0.0, 1.0)), (FRAC_PI_2, vec2(-1.0, 0.0)), (PI, vec2(0.0, -1.0))] {
             let t = trial(vec![(lopsided.clone(), Vec2::ZERO, theta)], vec![box_of(-2.0, 2.0)]);
-            let picture = Pixels::of(&svg(&Scene::at_start(&t), &Style { width: 428.0, ..plain() }), 428);
+            let text = svg(&Scene::at_start(&t), &Style { width: 428.0, ..plain() });
+            let picture = pixels(&text, 428).unwrap();
             let seen = |p: Vec2| on_page(&picture, p) == Colour::BODY;
             assert!(seen(left) && seen(-left));
             assert!(!seen(left * 1.35) && seen(-left * 1.35), "own {own}, theta {theta}");
         }
     }
-}
-
-#[test]
-fn values_and_their_colours() {
-    let at = |x: f64| (pedestrian("0"), vec2(x, 0.0), 0.0);
-    let t = trial(vec![at(-1.5), at(-0.5), at(0.5), at(1.5)], vec![box_of(-2.0, 2.0)]);
-    let values = values(vec![0.0, f64::NAN, 10.0], "speed", "m/s", Some((0.0, 10.0)));
-    let picture = Pixels::of(
-        &svg(&Scene::at_start(&t), &Style { width: 428.0, fill: Fill::Values(values), ..plain() }),
-        428,
-    );
-    assert_eq!(on_page(&picture, vec2(-1.5, 0.0)), viridis(0.0));
-    assert_eq!(on_page(&picture, vec2(0.5, 0.0)), viridis(1.0));
-    assert_eq!(on_page(&picture, vec2(-0.5, 0.0)), on_page(&picture, vec2(1.5, 0.0)));
-    assert_eq!(viridis(f64::NAN), on_page(&picture, vec2(1.5, 0.0)));
 }
 
 #[test]
@@ -154,9 +130,8 @@ fn nothing_panics() {
         );
         render(&t, vec![], &full, Some(Bounds { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }));
         for range in [None, Some((v, 1.0)), Some((-1e308, 1e308)), Some((2.0, 1.0))] {
-            let values = values(vec![v, 1.0], "é\u{0}", "<", range);
-            let scene = Scene::at_start(&t);
-            png(&svg(&scene, &Style { fill: Fill::Values(values), ..full.clone() }), 64).unwrap();
+            let fill = Fill::Values(Values::of(vec![v, 1.0], "é\u{0}", "<"));
+            png(&svg(&Scene::at_start(&t), &Style { fill, range, ..full.clone() }), 64).unwrap();
         }
         let shape = Shape { radius: v, material_id: String::new(), position: vec2(v, v) };
         let t = trial(
@@ -181,18 +156,4 @@ fn what_leaves_a_fixed_view_is_cut() {
     png(&text, 100).unwrap();
     assert_eq!(text.matches("rotate(").count(), 3);
     assert_eq!(text.matches("<svg").count(), 2);
-}
-
-#[test]
-fn the_areas_of_people() {
-    // Against a count of millimetre squares.
-    let person = pedestrian("0");
-    let covered = |x: i32, y: i32| {
-        let p = vec2(f64::from(x) + 0.5, f64::from(y) + 0.5) * 1e-3;
-        person.shapes.iter().any(|s| (p - s.position).norm() < s.radius)
-    };
-    let count =
-        (-300..300).flat_map(|x| (-300..300).map(move |y| (x, y))).filter(|&(x, y)| covered(x, y)).count();
-    let area = body_area(&person);
-    assert!((area - 1e-6 * count as f64).abs() < 1e-4, "{area}");
 }

@@ -1,6 +1,6 @@
 //! Forces, trails, density and sheets in the SVG.
 
-use crate::common::{class, extent, labels, number, pedestrian, trial, values};
+use crate::common::{class, extent, labels, number, pedestrian, trial};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::Trial;
 use lemons_picture::*;
@@ -55,8 +55,8 @@ fn a_line_is_as_wide_as_its_force() {
     assert_eq!(labels(&Document::parse(&none).unwrap(), "entry"), ["2 kN"]);
 }
 
-fn trail(kind: TrailKind, points: &[(f64, f64)]) -> Trail {
-    Trail { agent: Some(0), kind, points: points.iter().map(|(x, y)| vec2(*x, *y)).collect() }
+fn trail(measured: bool, points: &[(f64, f64)]) -> Trail {
+    Trail { agent: 0, measured, points: points.iter().map(|(x, y)| vec2(*x, *y)).collect() }
 }
 
 #[test]
@@ -65,8 +65,8 @@ fn measured_is_dashed_and_simulated_solid() {
     let mut scene = Scene::at_start(&t);
     let nan = f64::NAN;
     scene.trails = vec![
-        trail(TrailKind::Simulated, &[(0.0, 0.5), (1.0, 0.5), (nan, 0.5), (1.5, 0.5), (2.0, 3.0)]),
-        trail(TrailKind::Measured, &[(0.0, 0.7), (1.0, 0.7)]),
+        trail(false, &[(0.0, 0.5), (1.0, 0.5), (nan, 0.5), (1.5, 0.5), (2.0, 3.0)]),
+        trail(true, &[(0.0, 0.7), (1.0, 0.7)]),
     ];
     let text = svg(&scene, &Style::default());
     let document = Document::parse(&text).unwrap();
@@ -84,8 +84,8 @@ fn measured_is_dashed_and_simulated_solid() {
 
     // Alone, the simulated ones fade with age and need no legend.
     scene.trails = vec![Trail {
-        agent: None,
-        kind: TrailKind::Simulated,
+        agent: 0,
+        measured: false,
         points: (0..100).map(|k| vec2(f64::from(k) * 0.02, 0.5)).collect(),
     }];
     let text = svg(&scene, &Style::default());
@@ -110,10 +110,7 @@ fn nothing_overlaps_above_a_scene() {
     let t = row(5);
     let mut scene = Scene::at_start(&t);
     scene.forces = vec![force(0.0, 1.0, 120.0)];
-    scene.trails = vec![
-        trail(TrailKind::Simulated, &[(0.0, 0.5), (1.0, 0.5)]),
-        trail(TrailKind::Measured, &[(0.0, 0.5), (1.0, 0.5)]),
-    ];
+    scene.trails = vec![trail(false, &[(0.0, 0.5), (1.0, 0.5)]), trail(true, &[(0.0, 0.5), (1.0, 0.5)])];
     for time in [0.0, 1234567.0, 1e15, 1e40] {
         let text = svg(&scene, &Style { time: Some(time), ..Style::default() });
         let document = Document::parse(&text).unwrap();
@@ -222,8 +219,6 @@ fn the_map_is_below_the_outlines() {
     };
     assert_eq!(on(vec2(1.0, 1.9)), viridis(0.5 / 24.0));
     assert_eq!(on(vec2(1.0, 0.0)), viridis(23.5 / 24.0));
-    let hidden = svg(&scene, &Style { bodies: false, ..Style::default() });
-    assert!(class(&Document::parse(&hidden).unwrap(), "bodies")[0].first_element_child().is_none());
 }
 
 #[test]
@@ -237,15 +232,14 @@ fn a_sheet_has_one_of_everything() {
             scene
         })
         .collect();
-    let panels: Vec<Panel> = scenes
-        .iter()
-        .enumerate()
-        .map(|(k, scene)| {
-            let fill = values(vec![k as f64, 1.0, 2.0], "speed", "m/s", None);
-            Panel { scene, time: Some(0.5 * k as f64), fill: Some(Fill::Values(fill)) }
+    let styles: Vec<Style> = (0..5)
+        .map(|k| {
+            let fill = Fill::Values(Values::of(vec![f64::from(k), 1.0, 2.0], "speed", "m/s"));
+            Style { time: Some(0.5 * f64::from(k)), fill, ..Style::default() }
         })
         .collect();
-    let text = sheet(&panels, 2, &Style::default());
+    let panels: Vec<(&Scene, &Style)> = scenes.iter().zip(&styles).collect();
+    let text = sheet(&panels, 2);
     let document = Document::parse(&text).unwrap();
     assert_eq!(class(&document, "panel").len(), 5);
     for once in ["colour-bar", "scale-bar", "legend"] {
@@ -266,9 +260,8 @@ fn a_sheet_has_one_of_everything() {
         .collect();
     assert_eq!(widths.len(), 4);
     assert!((widths[3] / widths[0] - 4.0).abs() < 1e-3);
-    let alone = sheet(&panels[1..2], 7, &Style::default());
-    assert_eq!(labels(&Document::parse(&alone).unwrap(), "time"), ["t = 0.50 s"]);
-    png(&sheet(&[], 0, &Style::default()), 100).unwrap();
+    assert_eq!(sheet(&panels[1..2], 7), svg(panels[1].0, panels[1].1));
+    assert!(sheet(&[], 0).is_empty());
 }
 
 /// Contours between the centres of cells on both sides of a wall went through it by up to a cell.
@@ -305,9 +298,7 @@ fn cut_panels_stand_apart() {
     let view = Bounds { low: vec2(0.5, -0.5), high: vec2(2.5, 0.5) };
     let mut scene = Scene::at_start(&t);
     scene.view = Some(view);
-    let scenes = vec![scene; 4];
-    let panels: Vec<Panel> = scenes.iter().map(|scene| Panel { scene, time: None, fill: None }).collect();
-    let text = sheet(&panels, 2, &Style::default());
+    let text = sheet(&[(&scene, &Style::default()); 4], 2);
     let document = Document::parse(&text).unwrap();
     // Where each panel's clip is on the page.
     let clips: Vec<[f64; 4]> = document
@@ -350,8 +341,8 @@ fn nothing_is_pale_and_a_clipped_scale_says_so() {
     let scene = Scene::at_start(&t);
     let of = |of: Vec<f64>, range, quantile, theme| {
         let map = ColourMap::FromPaper;
-        let fill = Fill::Values(Values { quantile, map, ..values(of, "mean squeeze", "N", range) });
-        svg(&scene, &Style { fill, theme, ..Style::default() })
+        let fill = Fill::Values(Values { quantile, map, ..Values::of(of, "mean squeeze", "N") });
+        svg(&scene, &Style { fill, range, theme, ..Style::default() })
     };
     let ends = |text: &str| {
         let document = Document::parse(text).unwrap();
@@ -359,15 +350,16 @@ fn nothing_is_pale_and_a_clipped_scale_says_so() {
     };
     let fills = |text: &str| -> Vec<String> {
         let document = Document::parse(text).unwrap();
-        let bodies = class(&document, "bodies")[0].children().filter(|n| n.is_element());
-        bodies.map(|n| n.attribute("fill").unwrap().to_owned()).collect()
+        let group = class(&document, "bodies")[0];
+        let bodies = group.children().filter(|n| n.is_element());
+        bodies.map(|n| n.attribute("fill").or(group.attribute("fill")).unwrap().to_owned()).collect()
     };
     let clipped = of(vec![0.0, 3200.0, 90_000.0], Some((0.0, 3200.0)), Some(0.98), Theme::Light);
     assert_eq!(ends(&clipped), ["0", "≥ 3200", "mean squeeze (N), to the 98 % quantile"]);
     assert_eq!(fills(&clipped), ["#fcfdbf", "#1a1042", "#1a1042"]);
-    let whole = of(vec![0.0, 3200.0, 10.0], Some((0.0, 3200.0)), None, Theme::Dark);
+    let whole = of(vec![0.0, 3200.0, f64::NAN], Some((0.0, 3200.0)), None, Theme::Dark);
     assert_eq!(ends(&whole), ["0", "3200", "mean squeeze (N)"]);
-    assert_eq!(fills(&whole)[..2], ["#1a1042", "#fcfdbf"]);
+    assert_eq!(fills(&whole), ["#1a1042", "#fcfdbf", "#a8a8a8"]);
     let nobody = of(vec![0.0; 3], None, None, Theme::Light);
     assert!(fills(&nobody).iter().all(|fill| fill == "#fcfdbf"));
 }
@@ -377,31 +369,32 @@ fn nothing_is_pale_and_a_clipped_scale_says_so() {
 fn words_stand_where_a_colour_bar_would_have_nothing_to_show() {
     let t = row(3);
     let scene = Scene::at_start(&t);
-    let fill = |of: Vec<f64>, unit: &str, range, map| {
-        Fill::Values(Values { map, ..values(of, "mean squeeze", unit, range) })
+    let style = |of: Vec<f64>, unit: &str, range, map| {
+        let fill = Fill::Values(Values { map, ..Values::of(of, "mean squeeze", unit) });
+        Style { fill, range, ..Style::default() }
     };
     let shown = |text: &str| {
         let document = Document::parse(text).unwrap();
         let bar = class(&document, "colour-bar").len();
         (bar, ["low", "high", "label"].map(|name| labels(&document, name).concat()).join("|"))
     };
-    let of = |fill| shown(&svg(&scene, &Style { fill, ..Style::default() }));
     for map in [ColourMap::FromPaper, ColourMap::Viridis] {
-        assert_eq!(of(fill(vec![0.0; 3], "N", None, map)), (0, "||mean squeeze: 0 N everywhere".into()));
-        assert_eq!(of(fill(vec![0.0; 3], "", None, map)), (0, "||mean squeeze: 0 everywhere".into()));
-        assert_eq!(of(fill(vec![f64::NAN; 3], "N", None, map)), (0, "||mean squeeze: not known".into()));
-        assert_eq!(of(fill(vec![0.0, 0.5, 0.0], "N", None, map)), (1, "0|0.5|mean squeeze (N)".into()));
-        // A bar that was asked for.
-        assert_eq!(of(fill(vec![0.0; 3], "N", Some((0.0, 2.0)), map)), (1, "0|2|mean squeeze (N)".into()));
+        for (values, unit, range, expected) in [
+            (vec![0.0; 3], "N", None, (0, "||mean squeeze: 0 N everywhere")),
+            (vec![0.0; 3], "", None, (0, "||mean squeeze: 0 everywhere")),
+            (vec![f64::NAN; 3], "N", None, (0, "||mean squeeze: not known")),
+            (vec![0.0, 0.5, 0.0], "N", None, (1, "0|0.5|mean squeeze (N)")),
+            // A bar that was asked for.
+            (vec![0.0; 3], "N", Some((0.0, 2.0)), (1, "0|2|mean squeeze (N)")),
+        ] {
+            let (bar, words) = shown(&svg(&scene, &style(values, unit, range, map)));
+            assert_eq!((bar, words.as_str()), expected);
+        }
     }
     // Beside a panel that has something to show, one without does not make its bar longer.
     let panels = |values: [f64; 2]| {
-        let panel = |value: f64| Panel {
-            scene: &scene,
-            time: None,
-            fill: Some(fill(vec![value; 3], "N", None, ColourMap::FromPaper)),
-        };
-        shown(&sheet(&values.map(panel), 2, &Style::default()))
+        let styles = values.map(|value| style(vec![value; 3], "N", None, ColourMap::FromPaper));
+        shown(&sheet(&[(&scene, &styles[0]), (&scene, &styles[1])], 2))
     };
     assert_eq!(panels([0.0, 0.25]), (1, "0|0.25|mean squeeze (N)".into()));
     assert_eq!(panels([0.0, 0.0]), (0, "||mean squeeze: 0 N everywhere".into()));
@@ -420,9 +413,9 @@ fn nothing_panics() {
                 Force { from: Vec2::ZERO, to: vec2(1.0, 0.0), normal_force: w },
             ];
             let points = vec![vec2(v, w), Vec2::ZERO, vec2(w, 1.0), vec2(0.1, v), vec2(0.2, 0.2)];
-            for kind in [TrailKind::Simulated, TrailKind::Measured] {
-                scene.trails.push(Trail { agent: Some(usize::MAX), kind, points: points.clone() });
-                scene.trails.push(Trail { agent: None, kind, points: vec![] });
+            for measured in [false, true] {
+                scene.trails.push(Trail { agent: usize::MAX, measured, points: points.clone() });
+                scene.trails.push(Trail { agent: 0, measured, points: vec![] });
                 let style = Style { forces: Some(v), ids: true, time: Some(w), ..Style::default() };
                 let text = svg(&scene, &style);
                 Document::parse(&text).unwrap();
@@ -439,11 +432,9 @@ fn densities(t: &Trial, v: f64) {
     for view in [view, scene.extent(), Bounds { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }] {
         let mut map = DensityMap::new(view, v, &t.geometry.walls);
         map.add([vec2(0.5, v), Vec2::ZERO]);
-        map.range = Some((v, 1.0));
         scene.density = Some(map);
-        let panel = |time| Panel { scene: &scene, time, fill: None };
-        let style = Style { width: v, ..Style::default() };
-        let text = sheet(&[panel(Some(v)), panel(None)], usize::MAX, &style);
+        let style = |time| Style { width: v, time, range: Some((v, 1.0)), ..Style::default() };
+        let text = sheet(&[(&scene, &style(Some(v))), (&scene, &style(None))], usize::MAX);
         Document::parse(&text).unwrap();
         png(&text, 64).unwrap();
     }

@@ -1,18 +1,15 @@
-//! How scenes look: options that `lemons plot` and `lemons movie` share.
+//! The style of scenes: options that `lemons plot` and `lemons movie` share, and the scenes of a run in it.
 
 use super::measured::{Measured, Origin};
-use super::moment::{Footage, Moment, Shadow};
 use super::quantity::{Quantity, Shown, longest_gap};
 use super::spread::Spread;
+use super::trial_run::{CrowdState, Replay, TrialRun};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use lemons_core::plane::{Vec2, vec2};
-use lemons_picture::{
-    Bounds, Colour, ColourMap, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, body_area,
-    ids_without_room,
-};
+use lemons_picture::{Bounds, Colour, Fill, Force, Scene, Style, Theme, Trail, Values, ids_without_room};
 use lemons_results::Run;
 use std::path::PathBuf;
 
@@ -23,7 +20,7 @@ const CLIP: f64 = 0.98;
 
 #[derive(clap::Args)]
 #[command(next_help_heading = "Look")]
-pub struct Look {
+pub struct StyleArguments {
     /// Colour of the bodies: area, speed, contacts, squeeze (mean over the communication step that ends
     /// at this time, or --over), greatest-squeeze (the greatest such mean until this time), peak-squeeze
     /// (largest value within that step), or one colour such as #8cb4de
@@ -32,11 +29,11 @@ pub struct Look {
     /// Show squeeze and greatest-squeeze as means over so many seconds before the time, which are not known
     /// at first. Default: over one communication step, in which single collisions count
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    over: Option<f64>,
+    pub over: Option<f64>,
     /// Values at the two ends of the colour bar. Default: 0 and the 98 % quantile of the values that are
     /// not 0 (the bar says ≥ if there are greater ones); for areas, the least and the greatest
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
-    range: Option<(f64, f64)>,
+    pub range: Option<(f64, f64)>,
     /// Draw contacts as lines whose width shows the normal force
     #[arg(long)]
     forces: bool,
@@ -69,7 +66,7 @@ pub struct Look {
     pub width: u32,
 }
 
-/// What the colour of a body says.
+/// Meaning of the colour of a body.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Filling {
     Area,
@@ -116,49 +113,42 @@ fn view(text: &str) -> Result<Bounds, String> {
     }
 }
 
-pub fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("must be a positive number".into()),
-    }
+/// Reads a number that fits, or says what it must be.
+pub fn number(text: &str, fits: impl Fn(f64) -> bool, must: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|value| fits(*value)).ok_or_else(|| format!("must be {must}"))
 }
 
-/// Of a time.
+pub fn positive(text: &str) -> Result<f64, String> {
+    number(text, |value| value > 0.0 && value.is_finite(), "a positive number")
+}
+
+/// Reads a time.
 pub fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err("must be a number of seconds".into()),
-    }
+    number(text, f64::is_finite, "a number of seconds")
 }
 
 fn trail(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 => Ok(value),
-        _ => Err("must be a positive number of seconds".into()),
-    }
+    number(text, |value| value > 0.0, "a positive number of seconds")
 }
 
 /// The scenes of one run: all in one view, their colours and widths on one scale.
-pub struct Looks<'f> {
-    look: &'f Look,
-    footage: &'f Footage,
+pub struct Scenes<'r> {
+    arguments: &'r StyleArguments,
+    run: &'r TrialRun,
     measured: Option<Measured>,
-    shadow: Option<Shadow>,
-    scene: Scene<'f>,
-    /// What the colours say, unless they are of areas or a single one.
+    /// If forces are shown.
+    replay: Option<Replay>,
+    /// A scene without poses, trails and forces.
+    scene: Scene<'r>,
+    /// A style without values and time.
+    style: Style,
+    /// The quantity that colours show, unless they are of areas or a single one.
     shown: Option<Shown>,
-    range: Option<(f64, f64)>,
-    /// Of the values shown, where some are beyond the range for it.
-    quantile: Option<f64>,
-    /// Whether any is above the range.
-    beyond: bool,
-    widest: Option<f64>,
-    /// Of the time stamp.
-    decimals: usize,
-    other_parameters: bool,
+    /// Whether forces were shown that the run did not have: it had other parameters than the Trial.
+    pub other_parameters: bool,
 }
 
-/// As many as it takes to tell the times, from 2 to 4.
+/// Returns how many decimals it takes to tell the times, from 2 to 4.
 fn decimals(times: &[f64]) -> usize {
     let exact = |places: &usize| {
         let unit = 10f64.powi(-(*places as i32));
@@ -167,17 +157,17 @@ fn decimals(times: &[f64]) -> usize {
     (2..4).find(exact).unwrap_or(4)
 }
 
-impl Look {
+impl StyleArguments {
     pub fn theme(&self) -> Theme {
         if self.dark { Theme::Dark } else { Theme::Light }
     }
 
-    /// Whether scenes show where people were before.
+    /// Returns whether scenes show where people were before.
     pub fn shows_trails(&self) -> bool {
         self.trails.is_some() || self.measured.is_some()
     }
 
-    /// Whether scenes depend on all that was before.
+    /// Returns whether scenes depend on all that was before.
     pub fn needs_all(&self) -> bool {
         self.shows_trails() || self.over.is_some() || self.fill == Filling::Of(Quantity::GreatestSqueeze)
     }
@@ -198,10 +188,7 @@ impl Look {
         }
     }
 
-    /// That means over a time are asked for where they are shown: as colours, or in `series`.
-    ///
-    /// # Errors
-    /// They are not.
+    /// Checks that means over a time are shown where they are asked for: as colours, or in `series`.
     pub fn check(&self, series: &[Quantity]) -> Result<()> {
         let colours = if let Filling::Of(quantity) = self.fill { Some(quantity) } else { None };
         if self.over.is_some() && !series.iter().chain(&colours).any(|quantity| quantity.is_mean()) {
@@ -212,169 +199,138 @@ impl Look {
         Ok(())
     }
 
-    /// \[s\] `--over`
-    pub fn over(&self) -> Option<f64> {
-        self.over
-    }
-
-    /// `--range`
-    pub fn range(&self) -> Option<(f64, f64)> {
-        self.range
-    }
-
-    /// Beside a run.
+    /// Reads the measured trajectories that are drawn beside a run.
     pub fn measured(&self, run: &Run) -> Result<Option<Measured>> {
         let placed = |path: &PathBuf| Measured::read(path)?.placed(self.measured_from, run);
         self.measured.as_ref().map(placed).transpose()
     }
 }
 
-impl<'f> Looks<'f> {
-    /// Of scenes at these times.
+impl<'r> Scenes<'r> {
+    /// Prepares scenes at these times.
     pub fn new(
-        look: &'f Look,
-        footage: &'f Footage,
+        arguments: &'r StyleArguments,
+        run: &'r TrialRun,
         times: &[f64],
         interrupt: &Interrupt,
-    ) -> Result<Looks<'f>> {
-        let mut looks = Looks {
-            look,
-            footage,
-            measured: look.measured(&footage.run)?,
-            shadow: look.forces.then(|| Shadow::new(&footage.trial)).transpose()?,
-            scene: Scene::new(&footage.trial, footage.frame(0).poses()),
-            shown: match look.fill {
-                Filling::Of(quantity) => Some(Shown::of(quantity, &footage.run, look.over)?),
-                _ => None,
-            },
-            range: look.range,
-            quantile: None,
-            beyond: false,
-            widest: look.widest,
-            decimals: decimals(times),
+    ) -> Result<Scenes<'r>> {
+        let shown = match arguments.fill {
+            Filling::Of(quantity) => Some(Shown::of(quantity, &run.run, arguments.over)?),
+            _ => None,
+        };
+        let mut scenes = Scenes {
+            arguments,
+            run,
+            measured: arguments.measured(&run.run)?,
+            replay: arguments.forces.then(|| Replay::new(&run.trial)).transpose()?,
+            scene: Scene::at_start(&run.trial),
+            style: Style::default(),
+            shown,
             other_parameters: false,
         };
-        // One moment after the other: those of a long movie would not go into memory together.
-        let (mut spread, mut widest, mut extent) = (Spread::default(), None, None::<Bounds>);
+        // One time after the other: states of a long movie would not go into memory together.
+        let (mut spread, mut widest, mut extent) = (Spread::default(), arguments.widest, None::<Bounds>);
+        let mut extend =
+            |own: Bounds| extent = Bounds::of(extent.into_iter().chain([own]).flat_map(|b| [b.low, b.high]));
+        let mut beyond = false;
         for time in times {
             interrupt.check()?;
-            let moment = footage.at(*time);
-            if let Some(shown) = &looks.shown {
-                for value in shown.of_all(&moment) {
-                    match look.range {
-                        Some((_, high)) => looks.beyond |= value > high,
-                        None => spread.add(value),
-                    }
+            let state = run.at(*time);
+            for value in scenes.shown.iter().flat_map(|shown| shown.of_all(&state)) {
+                match arguments.range {
+                    Some((_, high)) => beyond |= value > high,
+                    None => spread.add(value),
                 }
             }
-            if look.widest.is_none() {
-                let forces = looks.forces(&moment).into_iter().map(|force| force.normal_force);
+            if arguments.widest.is_none() {
+                let forces = scenes.forces(&state).into_iter().map(|force| force.normal_force);
                 widest = forces.chain(widest).reduce(f64::max);
             }
-            looks.scene.poses = moment.poses();
-            let own = looks.scene.extent();
-            extent = Some(extent.map_or(own, |all| around(all, own)));
+            scenes.scene.poses = state.poses();
+            extend(scenes.scene.extent());
         }
-        if looks.shown.is_some() && look.range.is_none() {
-            // A spike of a millisecond would leave all others at the low end.
-            // Without any but zeros the picture says so.
-            if let Some((high, beyond)) = spread.quantile(CLIP) {
-                (looks.range, looks.quantile) = (Some((0.0, high)), beyond.then_some(CLIP));
-            }
+        if let Some(last) = times.last().filter(|_| arguments.shows_trails()) {
+            scenes.scene.trails = scenes.trails(&run.at(*last), f64::INFINITY);
+            extend(scenes.scene.extent());
         }
-        looks.widest = look.widest.or(widest);
-        if let Some(last) = times.last().filter(|_| look.shows_trails()) {
-            let moment = footage.at(*last);
-            looks.scene.trails = looks.trails(&moment, f64::INFINITY);
-            extent = extent.map(|all| around(all, looks.scene.extent()));
-        }
-        looks.scene.view = look.view.or(extent);
-        let without = if look.ids { ids_without_room(&looks.scene) } else { Vec::new() };
+        scenes.scene.view = arguments.view.or(extent);
+        // A spike of a millisecond would leave all others at the low end. Without any but zeros the picture says so.
+        let clipped = spread.quantile(CLIP);
+        scenes.style = Style {
+            width: f64::from(arguments.width),
+            fill: match (&scenes.shown, arguments.fill) {
+                (Some(shown), _) => {
+                    let quantile = clipped.and_then(|(_, beyond)| beyond.then_some(CLIP));
+                    let values = Values::of(Vec::new(), &shown.label(), shown.unit());
+                    Fill::Values(Values { quantile, beyond, map: shown.map(), ..values })
+                }
+                (None, Filling::Single(colour)) => Fill::Single(colour),
+                (None, _) => Fill::BodyArea,
+            },
+            range: arguments.range.or(clipped.map(|(high, _)| (0.0, high))),
+            theme: arguments.theme(),
+            ids: arguments.ids,
+            orientation: !arguments.no_orientation,
+            forces: widest,
+            time_decimals: decimals(times),
+            ..Style::default()
+        };
+        let without = if arguments.ids { ids_without_room(&scenes.scene) } else { Vec::new() };
         if !without.is_empty() {
             note!("--ids: left out, as their bodies have no room for them: {}", without.join(", "));
         }
-        Ok(looks)
+        Ok(scenes)
     }
 
-    /// What is to be drawn of a moment.
-    pub fn scene(&mut self, moment: &Moment) -> Scene<'f> {
-        let length = self.look.trails.unwrap_or(f64::INFINITY);
-        let trails = if self.look.shows_trails() { self.trails(moment, length) } else { Vec::new() };
-        let (poses, forces) = (moment.poses(), self.forces(moment));
+    /// Returns the scene of a crowd at one time.
+    pub fn scene(&mut self, state: &CrowdState) -> Scene<'r> {
+        let length = self.arguments.trails.unwrap_or(f64::INFINITY);
+        let trails = if self.arguments.shows_trails() { self.trails(state, length) } else { Vec::new() };
+        let (poses, forces) = (state.poses(), self.forces(state));
         let mut scene = self.scene.clone();
         (scene.poses, scene.trails, scene.forces) = (poses, trails, forces);
         scene
     }
 
-    /// How.
-    pub fn style(&self, moment: &Moment) -> Style {
-        let values = |values, label: String, unit: &str, map| {
-            let (unit, range) = (unit.to_owned(), self.range);
-            Fill::Values(Values {
-                values,
-                label,
-                unit,
-                range,
-                quantile: self.quantile,
-                beyond: self.beyond,
-                map,
-            })
-        };
-        Style {
-            width: f64::from(self.look.width),
-            fill: match (&self.shown, self.look.fill) {
-                (Some(shown), _) => values(shown.of_all(moment), shown.label(), shown.unit(), shown.map()),
-                (None, Filling::Single(colour)) => Fill::Single(colour),
-                (None, _) if self.range.is_none() => Fill::BodyArea,
-                (None, _) => {
-                    let areas = self.footage.trial.agents.iter().map(body_area);
-                    values(areas.collect(), "body area".to_owned(), "m²", ColourMap::Viridis)
-                }
-            },
-            theme: self.look.theme(),
-            ids: self.look.ids,
-            orientation: !self.look.no_orientation,
-            time: Some(moment.time),
-            forces: self.widest,
-            time_decimals: self.decimals,
-            ..Style::default()
+    /// Returns its style.
+    pub fn style(&self, state: &CrowdState) -> Style {
+        let mut style = Style { time: Some(state.time), ..self.style.clone() };
+        if let (Some(shown), Fill::Values(values)) = (&self.shown, &mut style.fill) {
+            values.values = shown.of_all(state);
         }
+        style
     }
 
-    /// Whether forces were shown that the run did not have: it had other parameters than the Trial.
-    pub fn other_parameters(&self) -> bool {
-        self.other_parameters
-    }
-
-    fn forces(&mut self, moment: &Moment) -> Vec<Force> {
-        let Some(shadow) = &mut self.shadow else { return Vec::new() };
-        let (forces, agree) = shadow.forces(self.footage, moment);
+    fn forces(&mut self, state: &CrowdState) -> Vec<Force> {
+        let Some(replay) = &mut self.replay else { return Vec::new() };
+        let (forces, agree) = replay.forces(state);
         self.other_parameters |= !agree;
         forces
     }
 
-    /// Simulated ones, then measured ones, of so many seconds until the moment.
-    fn trails(&self, moment: &Moment, length: f64) -> Vec<Trail> {
-        let (from, to) = (moment.time - length, moment.time);
+    /// Simulated ones, then measured ones, of so many seconds until then.
+    fn trails(&self, state: &CrowdState, length: f64) -> Vec<Trail> {
+        let (from, to) = (state.time - length, state.time);
         let within = |time: f64| (from..=to).contains(&time);
-        let frames = || self.footage.run.frames.iter().filter(|frame| within(frame.time));
-        let there = (0..moment.agents.len()).filter(|agent| moment.there[*agent]);
+        let run = &self.run.run;
+        let frames = || run.frames.iter().filter(|frame| within(frame.time));
+        let there = (0..state.agents.len()).filter(|agent| state.frame.is_there(*agent));
         let simulated = there.map(|agent| {
             let past = frames().map(|frame| frame.agents[agent].pose.position);
-            let points = thinned(past.chain([moment.agents[agent].pose.position]));
-            Trail { agent: Some(agent), kind: TrailKind::Simulated, points }
+            let points = thinned(past.chain([state.agents[agent].pose.position]));
+            Trail { agent, measured: false, points }
         });
         let measured = self.measured.iter().flat_map(|measured| {
-            self.footage.run.ids.iter().enumerate().map(|(agent, id)| {
+            run.ids.iter().enumerate().map(|(agent, id)| {
                 let past = measured.of(id).iter().filter(|(time, _)| within(*time)).map(|row| row.1);
-                Trail { agent: Some(agent), kind: TrailKind::Measured, points: thinned(past) }
+                Trail { agent, measured: true, points: thinned(past) }
             })
         });
         simulated.chain(measured).filter(|trail| trail.points.len() > 1).collect()
     }
 }
 
-/// Without points nearer than this to the one before.
+/// Returns points without those nearer than this to the one before.
 fn thinned(points: impl Iterator<Item = Vec2>) -> Vec<Vec2> {
     let mut kept: Vec<Vec2> = Vec::new();
     for point in points {
@@ -383,11 +339,4 @@ fn thinned(points: impl Iterator<Item = Vec2>) -> Vec<Vec2> {
         }
     }
     kept
-}
-
-fn around(a: Bounds, b: Bounds) -> Bounds {
-    Bounds {
-        low: vec2(a.low.x.min(b.low.x), a.low.y.min(b.low.y)),
-        high: vec2(a.high.x.max(b.high.x), a.high.y.max(b.high.y)),
-    }
 }

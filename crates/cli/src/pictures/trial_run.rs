@@ -1,0 +1,151 @@
+//! A run of a Trial at any time: between its frames everything is linear.
+
+use anyhow::bail;
+use crowd_mechanics::engine::{BodyId, Crowded, PairForce, State, World};
+use crowd_mechanics::setup::{Setup, WorldError};
+use lemons_core::plane::{Motion, Pose, vec2};
+use lemons_core::trial::Trial;
+use lemons_picture::Force;
+use lemons_results::{Frame, Observed, Run};
+use lemons_sim::stop::moves;
+
+/// The crowd at one time.
+pub struct CrowdState<'r> {
+    /// \[s\]
+    pub time: f64,
+    pub agents: Vec<Motion>,
+    /// The frame that is nearest in time: who is there, and what contacts do.
+    pub frame: &'r Frame,
+    /// Its place in the run.
+    pub nearest: usize,
+}
+
+/// The pose of those who are not there: they are not drawn.
+const NOWHERE: Pose = Pose { position: vec2(f64::NAN, f64::NAN), orientation: f64::NAN };
+
+impl CrowdState<'_> {
+    pub fn poses(&self) -> Vec<Pose> {
+        let pose = |(k, agent): (usize, &Motion)| if self.frame.is_there(k) { agent.pose } else { NOWHERE };
+        self.agents.iter().enumerate().map(pose).collect()
+    }
+}
+
+/// \[1\], \[N\] Recorded and computed squeezes agree to this, or the run had other parameters.
+const AGREEMENT: (f64, f64) = (1e-3, 1.0);
+
+/// \[s\] Times are sums of steps: rounding does not leave a frame out.
+const ROUNDING: f64 = 1e-9;
+
+/// A run of a Trial, whose frames all say what contacts do to each agent.
+pub struct TrialRun {
+    pub trial: Trial,
+    pub run: Run,
+}
+
+/// The Trial's bodies, put where a run had them.
+pub struct Replay(World);
+
+impl TrialRun {
+    /// A run of the Trial's agents, in their order.
+    pub fn new(trial: Trial, mut run: Run) -> Result<TrialRun, WorldError> {
+        let mut replay = Replay::new(&trial)?;
+        for frame in run.frames.iter_mut().filter(|frame| frame.observed.is_none()) {
+            replay.put(frame).map_err(|crowded| Setup::of(&trial).too_crowded(crowded))?;
+            let bodies = replay.0.contacts().bodies.iter();
+            let seen = bodies.map(|body| Observed {
+                agent_contacts: body.agent_contacts,
+                wall_contacts: body.wall_contacts,
+                contacting_agents: body.touching_bodies,
+                normal_force: body.squeeze,
+                of_step: None,
+            });
+            frame.observed = Some(seen.collect());
+        }
+        Ok(TrialRun { trial, run })
+    }
+
+    /// Checks that a time \[s\] is one of the run's.
+    pub fn check(&self, time: f64) -> anyhow::Result<()> {
+        let (first, last) = self.run.times();
+        if time < first - ROUNDING || time > last + ROUNDING {
+            let source = self.run.source.display();
+            bail!("{source}: t = {time:?} s is not in it: it goes from {first:?} to {last:?} s");
+        }
+        Ok(())
+    }
+
+    /// Returns the time \[s\] of the first frame from which on nobody moves; `None` if somebody does in the last.
+    pub fn still_from(&self) -> Option<f64> {
+        let frames = &self.run.frames;
+        let still = frames.iter().rposition(moves).map_or(0, |last| last + 1);
+        frames.get(still).map(|frame| frame.time)
+    }
+
+    /// Returns the crowd at a time \[s\] of the run; at its ends for times beyond them.
+    pub fn at(&self, time: f64) -> CrowdState<'_> {
+        let (first, last) = self.run.times();
+        let (nearest, time) = (self.nearest(time), time.clamp(first, last));
+        CrowdState { time, agents: agents_at(&self.run, time), frame: &self.run.frames[nearest], nearest }
+    }
+
+    /// Returns the place of the frame that is nearest to a time \[s\].
+    pub fn nearest(&self, time: f64) -> usize {
+        let frames = &self.run.frames;
+        let after = frames.partition_point(|frame| frame.time <= time).min(frames.len() - 1);
+        let before = after.saturating_sub(1);
+        if time - frames[before].time < frames[after].time - time { before } else { after }
+    }
+}
+
+impl Replay {
+    pub fn new(trial: &Trial) -> Result<Replay, WorldError> {
+        Ok(Replay(Setup::of(trial).world()?))
+    }
+
+    fn put(&mut self, frame: &Frame) -> Result<(), Crowded> {
+        for place in 0..frame.agents.len() {
+            self.0.set_present(BodyId::from(place), frame.is_there(place));
+        }
+        let (poses, twists) = frame.agents.iter().map(|agent| (agent.pose, agent.twist)).unzip();
+        self.0.restore(State::new(poses, twists))
+    }
+
+    /// Returns the normal forces at the nearest frame: for each two that touch, their contacts together, from body to
+    /// body; for each wall, from the body to where it touches.
+    ///
+    /// Also whether they are those that the run recorded; a run with other parameters had others.
+    pub fn forces(&mut self, state: &CrowdState) -> (Vec<Force>, bool) {
+        if self.put(state.frame).is_err() {
+            // No run of this Trial has so many in one place.
+            return (Vec::new(), false);
+        }
+        let force = |PairForce { from, to, normal_force }| Force { from, to, normal_force };
+        let forces = self.0.pair_forces(&state.poses()).into_iter().map(force).collect();
+        let (relative, absolute) = AGREEMENT;
+        let recorded = state.frame.observed.iter().flatten();
+        let agree = self.0.contacts().bodies.iter().zip(recorded).all(|(computed, recorded)| {
+            (computed.squeeze - recorded.normal_force).abs()
+                <= absolute + relative * recorded.normal_force.max(computed.squeeze)
+        });
+        (forces, agree)
+    }
+}
+
+/// Returns everybody at a time \[s\] of a run; at its ends for times beyond them.
+pub fn agents_at(run: &Run, time: f64) -> Vec<Motion> {
+    let after = run.frames.partition_point(|frame| frame.time <= time);
+    let (Some(before), Some(b)) = (after.checked_sub(1), run.frames.get(after)) else {
+        return run.frames[after.min(run.frames.len() - 1)].agents.clone();
+    };
+    let a = &run.frames[before];
+    let part = (time - a.time) / (b.time - a.time);
+    a.agents.iter().zip(&b.agents).map(|(a, b)| a.towards(b, part)).collect()
+}
+
+/// Says that none of the frames is between two times \[s\].
+pub fn nothing_between(run: &Run, from: Option<f64>, until: Option<f64>) -> String {
+    let (first, last) = run.times();
+    let (from, until) = (from.unwrap_or(first), until.unwrap_or(last));
+    let source = run.source.display();
+    format!("{source}: no frame from {from:?} to {until:?} s: it goes from {first:?} to {last:?} s")
+}
