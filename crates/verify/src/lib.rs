@@ -2,7 +2,7 @@
 //!
 //! - [`testing`]: helpers of tests; always there
 //! - `checks` (feature `checks`): the table of `lemons verify`
-//! - `bench` (feature `checks`): the crowds of `lemons bench` and of `benches/`
+//! - `bench` (feature `checks`): the crowds of `lemons bench`
 //! - `fuzz` (feature `fuzz`): what the fuzzers of `fuzz/` do with their bytes
 
 #[cfg(feature = "checks")]
