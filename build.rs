@@ -15,7 +15,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What programs are built from, as git's pathspecs.
+/// Files that programs are built from, as git's pathspecs.
 const BUILT_FROM: [&str; 8] = [
     "Cargo.toml",
     "Cargo.lock",

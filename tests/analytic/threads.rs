@@ -3,7 +3,7 @@
 use crowd_mechanics::engine::*;
 use lemons_verify::checks::scenes::*;
 
-/// So many people: the first half stands so near that they touch, the others have room, and one runs into those.
+/// A crowd: the first half stands so near that they touch, the others have room, and one runs into those.
 fn crowd(people: usize) -> World {
     let half = people / 2;
     let person = |k: usize| {

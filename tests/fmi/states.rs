@@ -24,7 +24,7 @@ fn touching(version: Version) -> Crowd {
     crowd
 }
 
-/// What comes after the meeting, step by step; the drive changes on the way.
+/// Returns what comes after the meeting, step by step; the drive changes on the way.
 fn future(crowd: &Crowd) -> Vec<Bits> {
     let seen = (MEETING..MEETING + 20).map(|k| {
         if k == MEETING + 10 {
@@ -163,7 +163,7 @@ fn many_states_and_pointers_that_are_none() {
     assert!(crowd.bytes() == before);
 }
 
-/// With the checksum that belongs to it.
+/// Returns bytes with the checksum that belongs to them.
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     let end = bytes.len() - 4;
     let checksum = crc32fast::hash(&bytes[..end]);
@@ -171,7 +171,7 @@ fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-/// With a part replaced where it first stands, and the checksum that belongs to it.
+/// Returns bytes with a part replaced where it first stands, and the checksum that belongs to it.
 fn forged(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     assert_eq!(from.len(), to.len());
     let place = bytes.windows(from.len()).position(|part| part == from).expect("it is there");
@@ -206,7 +206,7 @@ fn damaged_states_are_refused() {
     }
 }
 
-/// What setting refuses, a state does not bring in; nor does it lead out of the resources.
+/// Values that setting refuses, a state does not bring in; nor does it lead out of the resources.
 #[test]
 fn states_with_impossible_content_are_refused() {
     let original = touching(V2);

@@ -1,4 +1,4 @@
-//! What is written reads back.
+//! Trials that are written read back.
 
 use crate::good::{FILES, INTERACTIONS, edited, moved};
 use crowd_mechanics::engine::{Vec2, vec2};
@@ -73,7 +73,7 @@ fn an_output_omits_the_drive() {
     assert_eq!(text, expected);
 }
 
-/// One of so many.
+/// Draws one of so many.
 fn pick(random: &mut Random, count: usize) -> usize {
     (random.share() * count as f64) as usize
 }

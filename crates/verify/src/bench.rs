@@ -199,7 +199,7 @@ fn median(numbers: &mut [f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// What the crowds are called is what they are, and they cost the work that they should; counts, never times.
+    /// Crowds are what they are called, and they cost the work that they should; counts, never times.
     #[test]
     fn crowds_are_what_they_are_called() {
         for case in cases().into_iter().filter(|case| case.agents <= 1_000) {

@@ -33,9 +33,9 @@ type Figure = fn() -> Result<f64>;
 
 /// One row of the table.
 pub struct Check {
-    /// What is checked.
+    /// Name of what is checked.
     pub name: &'static str,
-    /// What it is compared with.
+    /// Name of what it is compared with.
     pub against: &'static str,
     /// Unit of the figure; "" for a ratio.
     pub unit: &'static str,
@@ -151,7 +151,7 @@ pub(crate) fn halved(first: f64, count: i32, figure: impl Fn(f64) -> Result<f64>
     steps.map(|step| Ok((step, figure(step)?))).collect()
 }
 
-/// By how much the order at which figures fall is less than expected.
+/// Returns the amount by which the order at which figures fall is less than expected.
 pub(crate) fn shortfall(figures: &Halved, expected: f64) -> f64 {
     let halvings = figures.len() - 1;
     let fall = (figures[0].1 / figures[halvings].1).abs();
@@ -172,7 +172,7 @@ pub(crate) struct Oscillator {
 }
 
 impl Oscillator {
-    /// With these stiffness, damping and mass.
+    /// Makes one of this stiffness, damping and mass.
     pub fn new(stiffness: f64, damping: f64, mass: f64) -> Oscillator {
         let decay = damping / (2.0 * mass);
         Oscillator { decay, pulsation: (stiffness / mass - decay * decay).sqrt() }

@@ -1,4 +1,4 @@
-//! What the programs are verified with.
+//! Verification of the programs.
 //!
 //! - [`testing`]: helpers of tests; always there
 //! - `checks` (feature `checks`): the table of `lemons verify`

@@ -1,4 +1,4 @@
-//! What the tests of the command share.
+//! Helpers that the tests of the command share.
 
 pub use lemons_verify::testing::{copy_tree, repository as root, trial_push as default_trial};
 use std::collections::HashMap;
@@ -88,7 +88,7 @@ pub fn assert_code(output: &Output, code: i32) {
     assert_eq!(output.status.code(), Some(code), "{}{}", out(output), err(output));
 }
 
-/// What it prints, of a call that must do.
+/// Returns what a call that must do prints.
 #[track_caller]
 pub fn done(directory: &Path, arguments: &[&str]) -> Output {
     let output = lemons(directory, arguments);

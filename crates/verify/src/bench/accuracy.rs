@@ -38,14 +38,14 @@ struct Motion {
 
 /// A kind of scene: motions that are looked at together.
 pub struct Scene {
-    /// What it is called in docs/step.md.
+    /// Name in docs/step.md.
     pub name: &'static str,
     /// \[s\] ends of the stages, over which drives are constant.
     pub times: Vec<f64>,
     motions: Vec<Motion>,
 }
 
-/// What was found for one step.
+/// Errors and cost of one step.
 pub struct Found {
     /// \[s\]
     pub step: f64,

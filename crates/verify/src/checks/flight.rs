@@ -69,7 +69,7 @@ const GOLDEN: u64 = 0x65ba_a920_4c80_73c6;
 /// The same for a crowd of 1156 after 300 steps, whose blocks are shared among threads.
 const GOLDEN_OF_BLOCKS: u64 = 0x738d_454e_60cd_4ce7;
 
-/// Whether the hash of a dense crowd differs from the expected one.
+/// Returns 1 if the hash of a dense crowd differs from the expected one, else 0.
 fn golden(side: u32, steps: u32, threads: usize, expected: u64) -> Result<f64> {
     let mut world = lattice(side, 0.4, 1e-5);
     world.shortlisting = Shortlisting::Off;

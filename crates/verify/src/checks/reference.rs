@@ -13,7 +13,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 
 static CASES: &str = include_str!("../../../../tests/reference/cases.json");
-/// With the materials of the default Trial.
+/// Cases with the materials of the default Trial.
 static USUAL: &str = include_str!("../../../../tests/reference/usual.json");
 
 pub(crate) const FIGURES: &[Figure] = &[

@@ -33,37 +33,37 @@ pub struct Placed {
 }
 
 impl Placed {
-    /// At a place \[m\].
+    /// Puts it at a place \[m\].
     pub fn at(mut self, x: f64, y: f64) -> Placed {
         self.pose.position = vec2(x, y);
         self
     }
 
-    /// Turned by an angle \[rad\]; else the gaze is along +x.
+    /// Turns its gaze, which else is along +x, to an angle \[rad\].
     pub fn turned(mut self, angle: f64) -> Placed {
         self.pose.orientation = angle;
         self
     }
 
-    /// With a velocity \[m/s\].
+    /// Gives it a velocity \[m/s\].
     pub fn moving(mut self, x: f64, y: f64) -> Placed {
         self.twist.velocity = vec2(x, y);
         self
     }
 
-    /// With an angular velocity \[rad/s\].
+    /// Gives it an angular velocity \[rad/s\].
     pub fn spinning(mut self, angular_velocity: f64) -> Placed {
         self.twist.angular_velocity = angular_velocity;
         self
     }
 
-    /// With relaxation rates \[1/s\] of velocity and angular velocity.
+    /// Gives it relaxation rates \[1/s\] of velocity and angular velocity.
     pub fn relaxing(mut self, translation: f64, rotation: f64) -> Placed {
         (self.body.translation_rate, self.body.rotation_rate) = (translation, rotation);
         self
     }
 
-    /// With another moment of inertia \[kg.m2\].
+    /// Gives it another moment of inertia \[kg.m2\].
     pub fn of_inertia(mut self, inertia: f64) -> Placed {
         self.body.inertia = inertia;
         self

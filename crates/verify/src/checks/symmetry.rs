@@ -24,7 +24,7 @@ pub struct Seen<P, A> {
     pub place: P,
     /// Maps angles.
     pub angle: A,
-    /// Whether left is right then.
+    /// True if left is right then.
     pub mirror: bool,
 }
 
