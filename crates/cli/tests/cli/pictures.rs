@@ -61,44 +61,6 @@ fn a_scene_is_where_the_run_was() {
     assert!((high / greatest - 1.0).abs() < 0.01, "{labels:?}, {greatest} N");
 }
 
-/// One step in two hundred is a spike: all others had the colour of nothing.
-#[test]
-fn a_spike_does_not_set_the_scale() {
-    let directory = push();
-    let at = directory.path();
-    let table = fs::read_to_string(at.join("trajectories.csv")).unwrap();
-    let mut columns = table.lines().next().unwrap().split(',');
-    let place = columns.position(|column| column == "mean_normal_force").unwrap();
-    let rows: Vec<String> = table
-        .lines()
-        .enumerate()
-        .map(|(k, row)| {
-            let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
-            if k > 0 {
-                cells[place] = if k == 40 { "90000".into() } else { format!("{}", 100 + k) };
-            }
-            cells.join(",")
-        })
-        .collect();
-    fs::write(at.join("spike.csv"), rows.join("\n") + "\n").unwrap();
-    let count = rows.len() - 1;
-    assert!(count > 100, "{count} rows");
-    let times: Vec<String> = (0..=20).map(|k| format!("{}", f64::from(k) * 0.05)).collect();
-    let text = svg(at, &["spike.csv", "--trial", "push", "--at", &times.join(","), "--fill", "squeeze"]);
-    let labels = labels(&text);
-    assert!(labels.contains(&"mean squeeze over a step (N), to the 98 % quantile"), "{labels:?}");
-    let high = labels.iter().find_map(|label| label.strip_prefix("≥ ")).unwrap().parse::<f64>().unwrap();
-    // The spike is the last of them; the others are 101, 102, ….
-    let rank = (0.98 * count as f64).ceil();
-    assert!((high - (100.0 + rank)).abs() <= 2.0, "{high} N of {count} rows");
-    let asked =
-        svg(at, &["spike.csv", "--trial", "push", "--at", "0,1", "--fill", "squeeze", "--range", "0,50"]);
-    assert!(asked.contains("≥ 50") && !asked.contains("quantile"));
-    let room =
-        svg(at, &["spike.csv", "--trial", "push", "--at", "0,1", "--fill", "squeeze", "--range", "0,90000"]);
-    assert!(!room.contains('≥'));
-}
-
 #[test]
 fn movies() {
     let directory = push();
