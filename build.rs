@@ -15,40 +15,38 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The commit, then the sources of the date in order of priority.
-const GIVEN: [&str; 3] = ["LEMONS_COMMIT", "LEMONS_COMMIT_DATE", "SOURCE_DATE_EPOCH"];
-/// Directories of a crate that are not part of a program.
-const ASIDE: [&str; 4] = ["tests", "benches", "examples", "target"];
-
-/// The version of the sources.
-#[derive(Default)]
-struct Sources {
-    /// The complete commit, hexadecimal.
-    commit: Option<String>,
-    /// Date of the commit in UTC, such as `2026-11-22`.
-    date: Option<String>,
-    /// Whether a file that the program is built from differs from the commit.
-    changed: bool,
-}
+/// Files that programs are built from, as git's pathspecs.
+const BUILT_FROM: [&str; 8] = [
+    "Cargo.toml",
+    "Cargo.lock",
+    "build.rs",
+    "src",
+    "crates",
+    ":(exclude,glob)crates/*/tests/**",
+    ":(exclude,glob)crates/*/benches/**",
+    ":(exclude,glob)crates/*/examples/**",
+];
 
 fn main() {
     // The workspace. A `.git` in a directory above it belongs to another project.
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");
     let root = root.canonicalize().unwrap_or(root);
     println!("cargo::rerun-if-changed={}", root.join("build.rs").display());
-    GIVEN.iter().for_each(|name| println!("cargo::rerun-if-env-changed={name}"));
-    let [commit, date, epoch] = GIVEN.map(|name| env::var(name).ok());
+    let [commit, date, epoch] = ["LEMONS_COMMIT", "LEMONS_COMMIT_DATE", "SOURCE_DATE_EPOCH"].map(|name| {
+        println!("cargo::rerun-if-env-changed={name}");
+        env::var(name).ok()
+    });
     let is_repository = commit.is_none() && root.join(".git").exists();
-    let mut sources = if is_repository { of_git(&root).unwrap_or_default() } else { Sources::default() };
-    if let Some(commit) = commit {
-        sources.commit = plain(&commit);
-    }
+    let [own, day_of_it, changed] = is_repository.then(|| of_git(&root)).flatten().unwrap_or_default();
     let epoch = epoch.and_then(|seconds| day(seconds.trim().parse().ok()?));
-    sources.date = date.as_deref().and_then(plain).or(epoch).or(sources.date);
+    let date = date.as_deref().and_then(plain).or(epoch).unwrap_or(day_of_it);
+    println!(
+        "cargo::rustc-env=LEMONS_BUILD_COMMIT={}",
+        commit.map_or(Some(own), |commit| plain(&commit)).unwrap_or_default()
+    );
+    println!("cargo::rustc-env=LEMONS_BUILD_DATE={date}");
+    println!("cargo::rustc-env=LEMONS_BUILD_CHANGED={changed}");
     lab(&root);
-    println!("cargo::rustc-env=LEMONS_BUILD_COMMIT={}", sources.commit.unwrap_or_default());
-    println!("cargo::rustc-env=LEMONS_BUILD_DATE={}", sources.date.unwrap_or_default());
-    println!("cargo::rustc-env=LEMONS_BUILD_CHANGED={}", if sources.changed { "1" } else { "" });
 }
 
 /// Writes `lab.rs` into `OUT_DIR`: the names and contents of the files in `lab/dist`, none if it was not made. The
@@ -81,46 +79,23 @@ fn plain(text: &str) -> Option<String> {
     (!text.is_empty() && text.len() <= 64 && text.chars().all(fits)).then(|| text.to_owned())
 }
 
-/// Reads the version with git.
-fn of_git(root: &Path) -> Option<Sources> {
-    // These files change when another commit is checked out or made. Missing files are left out, because cargo would
+/// Returns the complete commit, its date in UTC such as `2026-11-22`, and "1" if a file that programs are built from
+/// differs from it.
+fn of_git(root: &Path) -> Option<[String; 3]> {
+    // The first two change when another commit is checked out or made. Missing files are left out, because cargo would
     // then run this script every time.
     let places = git(root, &["rev-parse", "--git-path", "HEAD", "--git-path", "logs/HEAD"])?;
-    let files = built_from(root);
-    for path in places.lines().map(|place| root.join(place)).filter(|path| path.exists()).chain(files.clone())
-    {
-        println!("cargo::rerun-if-changed={}", path.display());
-    }
-    let commit = git(root, &["log", "-1", "--no-show-signature", "--format=%H %ct"])?;
-    let (commit, seconds) = commit.trim().split_once(' ')?;
-    let status =
-        ["status", "--porcelain", "--untracked-files=no", "--ignore-submodules", "--"].map(str::to_owned);
-    let all = status.into_iter().chain(files.iter().map(|path| path.display().to_string()));
-    let all: Vec<String> = all.collect();
-    let all: Vec<&str> = all.iter().map(String::as_str).collect();
-    Some(Sources {
-        commit: plain(commit),
-        date: seconds.parse().ok().and_then(day),
-        changed: git(root, &all).is_some_and(|changes| !changes.trim().is_empty()),
-    })
-}
-
-/// The files in the repository from which programs are built.
-fn built_from(root: &Path) -> Vec<PathBuf> {
-    let files = ["Cargo.toml", "Cargo.lock", "build.rs", "src"].map(|name| root.join(name));
-    let inside = |path: &Path| -> Vec<PathBuf> {
-        let entries = fs::read_dir(path).into_iter().flatten().flatten();
-        entries.map(|entry| entry.path()).collect()
-    };
-    let aside = |path: &PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        name.starts_with('.') || ASIDE.contains(&&*name)
-    };
-    let crates = inside(&root.join("crates")).into_iter().flat_map(|path| inside(&path));
-    let mut all: Vec<PathBuf> =
-        files.into_iter().chain(crates.filter(|path| !aside(path))).filter(|path| path.exists()).collect();
-    all.sort();
-    all
+    let files = git(root, &[&["ls-files", "--"], &BUILT_FROM[..]].concat())?;
+    let watched = places.lines().chain(files.lines()).map(|path| root.join(path));
+    watched
+        .filter(|path| path.exists())
+        .for_each(|path| println!("cargo::rerun-if-changed={}", path.display()));
+    let format = ["--no-show-signature", "--date=format-local:%Y-%m-%d", "--format=%H %cd"];
+    let commit = git(root, &[&["log", "-1"], &format[..]].concat())?;
+    let (commit, date) = commit.trim().split_once(' ')?;
+    let changes = git(root, &[&["diff", "--name-only", "HEAD", "--"], &BUILT_FROM[..]].concat())?;
+    let changed = if changes.is_empty() { "" } else { "1" };
+    Some([commit, date, changed].map(str::to_owned))
 }
 
 /// The output of git for this repository, independent of hooks and settings.
@@ -133,7 +108,7 @@ fn git(root: &Path, arguments: &[&str]) -> Option<String> {
         command.env("GIT_CEILING_DIRECTORIES", above);
     }
     // Git must not refresh the index: reading must not change files.
-    command.env("GIT_OPTIONAL_LOCKS", "0").arg("-C").arg(root).args(arguments);
+    command.env("GIT_OPTIONAL_LOCKS", "0").env("TZ", "UTC").arg("-C").arg(root).args(arguments);
     let output = command.output().ok()?;
     output.status.success().then(|| String::from_utf8(output.stdout).ok()).flatten()
 }

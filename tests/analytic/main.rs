@@ -1,10 +1,8 @@
 //! The engine's behaviour in small scenes. What is measured against closed forms, conservation laws and
 //! independent integrators stands in the table of `lemons verify` (crates/verify).
 
-mod collision;
-mod friction;
+mod contacts;
 mod ramp;
 mod shortlist;
 mod symmetry;
 mod threads;
-mod walls;

@@ -3,22 +3,18 @@
 use crowd_mechanics::engine::*;
 use lemons_verify::checks::scenes::*;
 
-/// So many people: the first half stands so near that they touch, the others have room, and one runs into those.
+/// A crowd: the first half stands so near that they touch, the others have room, and one runs into those.
 fn crowd(people: usize) -> World {
-    let bodies = vec![pedestrian(70.0, 4.5); people];
-    let motions: Vec<(Pose, Twist)> = (0..people)
-        .map(|k| {
-            let (half, numbered) = (people / 2, k as f64);
-            let pose = if k < half {
-                at(0.4 * (k % 20) as f64, 0.4 * (k / 20) as f64)
-            } else {
-                at(12.0 + 0.9 * ((k - half) % 20) as f64, 0.9 * ((k - half) / 20) as f64)
-            };
-            (Pose { orientation: 0.7 * numbered, ..pose }, Twist::default())
-        })
-        .collect();
-    let around = wall(&[(-1.0, -0.5), (31.0, -0.5)]);
-    let mut world = world(&bodies, &[around], BODIES, &motions, 1e-4);
+    let half = people / 2;
+    let person = |k: usize| {
+        let person = pedestrian(70.0, 4.5).turned(0.7 * k as f64);
+        if k < half {
+            return person.at(0.4 * (k % 20) as f64, 0.4 * (k / 20) as f64);
+        }
+        person.at(12.0 + 0.9 * ((k - half) % 20) as f64, 0.9 * ((k - half) / 20) as f64)
+    };
+    let crowd: Vec<Placed> = (0..people).map(person).collect();
+    let mut world = world(&crowd, &[&[(-1.0, -0.5), (31.0, -0.5)]], BODIES, 1e-4);
     world.drive[0] = Wrench { force: vec2(300.0, 100.0), torque: 1.0 };
     // He comes through a row of people of two blocks who stand free.
     world.drive[people - 20] = Wrench { force: vec2(6000.0, 0.0), torque: 0.0 };
@@ -75,21 +71,17 @@ fn a_clone_shares_the_threads_and_may_move_on_elsewhere() {
 /// Forces and impulses between bodies of different blocks act on both.
 #[test]
 fn a_crowd_of_several_blocks_keeps_its_momentum() {
-    let people = 1100;
-    let bodies = vec![pedestrian(70.0, 0.0); people];
-    let motions: Vec<(Pose, Twist)> = (0..people)
-        .map(|k| {
-            let pose =
-                Pose { orientation: 0.7 * k as f64, ..at(0.47 * (k % 34) as f64, 0.47 * (k / 34) as f64) };
-            let (sin, cos) = libm::sincos(2.3 * k as f64);
-            (pose, Twist { velocity: vec2(cos, sin), angular_velocity: 2.0 * sin })
-        })
-        .collect();
-    let mut world = world(&bodies, &[], BODIES, &motions, 1e-4);
+    let person = |k: usize| {
+        let (sin, cos) = libm::sincos(2.3 * k as f64);
+        let person = pedestrian(70.0, 0.0).at(0.47 * (k % 34) as f64, 0.47 * (k / 34) as f64);
+        person.turned(0.7 * k as f64).moving(cos, sin).spinning(2.0 * sin)
+    };
+    let people: Vec<Placed> = (0..1100).map(person).collect();
+    let mut world = world(&people, &[], BODIES, 1e-4);
     let (momentum_before, angular_before) = (momentum(&world), angular_momentum(&world));
     world.advance(0.3).unwrap();
     assert!(world.work().contacts > 100_000, "{:?}", world.work());
-    let of_all = 70.0 * people as f64;
+    let of_all = 70.0 * 1100.0;
     assert!((momentum(&world) - momentum_before).norm() < 1e-12 * of_all);
     assert!((angular_momentum(&world) - angular_before).abs() < 1e-12 * of_all * 16.0);
 }

@@ -33,34 +33,6 @@ fn a_force_rises_within_the_step_as_the_closed_form_has_it() {
     assert_eq!(crowd.get("agent[4].Fp.x"), f, "an input keeps the value that was set");
 }
 
-/// The same ramp, once in one step and once in ten whose forces are the ramp's: in contact too.
-#[test]
-fn a_ramp_does_not_depend_on_the_communication_step() {
-    let run = |steps: usize, interpolate: bool| {
-        let crowd = Crowd::new(V2);
-        crowd.must(crowd.set("TimeStepMechanical", 1e-5));
-        crowd.initialize();
-        let (h, j) = (0.4 / steps as f64, 3000.0);
-        for k in 0..steps {
-            let t = h * k as f64;
-            crowd.must(crowd.set("agent[0].Fp.x", j * t));
-            if interpolate {
-                crowd.must(rates(&crowd, &[("agent[0].Fp.x", 1, j)]));
-            }
-            crowd.must(crowd.try_step(t, h));
-        }
-        assert!(crowd.get("agent[1].Velocity.x") > 0.1, "it was hit");
-        crowd.get("agent[0].Position.x")
-    };
-    let (once, tenfold) = (run(1, true), run(10, true));
-    assert!((once - tenfold).abs() < 1e-7, "{once} {tenfold}");
-    // Held, the force lags by half a step.
-    let (held, finer) = (run(10, false), run(100, false));
-    assert!((held - tenfold).abs() > 1e-4 && (finer - tenfold).abs() > 1e-5, "{held} {finer} {tenfold}");
-    let order = ((held - tenfold) / (finer - tenfold)).log10();
-    assert!((order - 1.0).abs() < 0.1, "{order}");
-}
-
 #[test]
 fn a_rate_counts_for_one_step_and_zero_is_held() {
     let [with, zero, without] = [(); 3].map(|()| Crowd::pushed(V2));

@@ -117,14 +117,14 @@ impl Resources {
         self.directory().join("Trial_push")
     }
 
-    /// With a text in one file of the Trial replaced, where it first stands.
+    /// Makes them with a text in one file of the Trial replaced, where it first stands.
     pub fn edited(file: &str, from: &str, to: &str) -> Resources {
         let resources = Resources::new();
         edit(&resources.trial().join(file), from, to);
         resources
     }
 
-    /// With another Trial, whose agent 1 stands elsewhere.
+    /// Makes them with another Trial, whose agent 1 stands elsewhere.
     pub fn with_other(name: &str, place: &str) -> Resources {
         let resources = Resources::new();
         resources.add(name, place);
@@ -137,7 +137,7 @@ impl Resources {
         edit(&other.join("dynamic/AgentDynamics.xml"), "0.279,0.030", place);
     }
 
-    /// With a Trial of the paper's first agents and the same materials.
+    /// Makes them with a Trial of the paper's first agents and the same materials.
     pub fn with_fewer(name: &str, agents: usize) -> Resources {
         let resources = Resources::new();
         let other = resources.directory().join(name);
@@ -159,7 +159,7 @@ pub fn edit(path: &Path, from: &str, to: &str) {
     std::fs::write(path, text.replacen(from, to, 1)).unwrap();
 }
 
-/// Whether a Real is computed, so that nobody sets it.
+/// Returns whether a Real is computed, so that nobody sets it.
 pub fn computed(name: &str) -> bool {
     name.ends_with("NormalForce") || name.ends_with("Overlap")
 }
@@ -242,7 +242,7 @@ impl Model {
         Model { token, places, reals, all, starts }
     }
 
-    /// Of the paper's Trial.
+    /// Returns that of the paper's Trial.
     pub fn paper(version: Version) -> &'static Model {
         static MODELS: OnceLock<[Model; 2]> = OnceLock::new();
         let models = MODELS.get_or_init(|| BOTH.map(|version| Model::of(&paper(), version)));
@@ -262,7 +262,7 @@ impl Model {
 pub struct Crowd {
     instance: Instance,
     pub model: &'static Model,
-    /// What was set when nothing could be read.
+    /// Arrays that were set when nothing could be read.
     set: RefCell<HashMap<u32, Vec<f64>>>,
 }
 
@@ -298,7 +298,7 @@ impl Crowd {
         Crowd::try_of(fmu, version, resources).unwrap_or_else(|log| panic!("{log:?}"))
     }
 
-    /// Of resources with the paper's variables.
+    /// Makes one of resources with the paper's variables.
     #[track_caller]
     pub fn on(version: Version, resources: &Resources) -> Crowd {
         Crowd::of(Fmu::get(), version, &resources.directory())
@@ -384,7 +384,7 @@ impl Crowd {
         value
     }
 
-    /// Of each agent.
+    /// Returns a quantity of each agent.
     #[track_caller]
     pub fn of_agents(&self, quantity: &str) -> Vec<f64> {
         (0..AGENTS).map(|i| self.get(&format!("agent[{i}].{quantity}"))).collect()

@@ -77,21 +77,6 @@ fn sixty_four_instances_in_eight_threads_with_eight_trials() {
     }
 }
 
-#[test]
-fn instances_move_between_threads() {
-    let mut crowd = thread::spawn(|| start(V2, 700.0)).join().unwrap();
-    for k in 0..STEPS {
-        let step = move || {
-            crowd.steps(k, k + 1);
-            crowd
-        };
-        crowd = thread::spawn(step).join().unwrap();
-    }
-    let found = crowd.everything();
-    thread::spawn(move || drop(crowd)).join().unwrap();
-    assert_eq!(found, alone(V2, 700.0));
-}
-
 /// People: of the blocks of 512 that are shared out, three.
 const PEOPLE: usize = 1100;
 

@@ -155,7 +155,7 @@ fn table(version: Version) -> Vec<(&'static str, &'static str, Call)> {
     common.chain(if version == V2 { OF_V2.to_vec() } else { OF_V3.to_vec() }).collect()
 }
 
-/// What leaves a state: FMI's own transitions. All other functions stay.
+/// Returns where a function leads: FMI's own transitions. All other functions stay.
 fn leads_to(name: &str, state: State) -> State {
     match &name[4..] {
         "EnterConfigurationMode" => Configuration,
@@ -248,7 +248,7 @@ fn no_instance_is_an_error() {
     }
 }
 
-/// What an importer need not take: flags of a step of FMI 3.0. Nothing to free is no error.
+/// Pointers that an importer need not give: flags of a step of FMI 3.0. Nothing to free is no error.
 fn may_be_null(name: &str) -> bool {
     name == "fmi3DoStep" || name.ends_with("FreeFMUstate") || name.ends_with("FreeFMUState")
 }

@@ -10,14 +10,21 @@ const MEETING: usize = 10;
 
 /// An instance in the middle of a contact.
 fn touching(version: Version) -> Crowd {
-    let crowd = Crowd::pushed(version);
-    crowd.must(crowd.set("agent[0].Fp.y", 40.0)); // so that springs stretch
+    let crowd = Crowd::new(version);
+    // Parameters other than the Trial's, and a push so that springs stretch.
+    crowd.must(crowd.set_all(&[
+        ("contact.human_naked.human_naked.KineticFriction", 0.9),
+        ("material.human_naked.YoungModulus", 4.1e6),
+        ("agent[2].Mass", 60.0),
+        ("agent[0].Fp.y", 40.0),
+    ]));
+    crowd.push_and_initialize();
     crowd.steps(0, MEETING);
     assert!(crowd.integer("AgentContacts") > 0 && crowd.get("agent[1].NormalForce") > 0.0);
     crowd
 }
 
-/// What comes after the meeting, step by step; the drive changes on the way.
+/// Returns what comes after the meeting, step by step; the drive changes on the way.
 fn future(crowd: &Crowd) -> Vec<Bits> {
     let seen = (MEETING..MEETING + 20).map(|k| {
         if k == MEETING + 10 {
@@ -75,28 +82,6 @@ fn a_state_runs_on_bit_for_bit_wherever_it_is_restored() {
                 assert!(other.refused(status).contains("bytes follow it"));
             }
         }
-    }
-}
-
-/// A state holds the settings of its instance: a run with other parameters is restored with them.
-#[test]
-fn a_state_carries_its_parameters() {
-    for version in BOTH {
-        let crowd = Crowd::new(version);
-        crowd.must(crowd.set_all(&[
-            ("agent[0].Mass", 60.0),
-            ("contact.human_naked.human_naked.KineticFriction", 0.9),
-            ("material.human_naked.YoungModulus", 3.5e6),
-            ("agent[1].Position.y", 0.05),
-        ]));
-        crowd.push_and_initialize();
-        crowd.steps(0, MEETING);
-        let bytes = crowd.bytes();
-        let expected = future(&crowd);
-        let other = Crowd::pushed(version);
-        other.must(other.restore(&bytes));
-        assert_eq!(other.get("agent[0].Mass"), 60.0);
-        assert_eq!(future(&other), expected);
     }
 }
 
@@ -178,7 +163,7 @@ fn many_states_and_pointers_that_are_none() {
     assert!(crowd.bytes() == before);
 }
 
-/// With the checksum that belongs to it.
+/// Returns bytes with the checksum that belongs to them.
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     let end = bytes.len() - 4;
     let checksum = crc32fast::hash(&bytes[..end]);
@@ -186,7 +171,7 @@ fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-/// With a part replaced where it first stands, and the checksum that belongs to it.
+/// Returns bytes with a part replaced where it first stands, and the checksum that belongs to it.
 fn forged(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     assert_eq!(from.len(), to.len());
     let place = bytes.windows(from.len()).position(|part| part == from).expect("it is there");
@@ -221,29 +206,7 @@ fn damaged_states_are_refused() {
     }
 }
 
-/// Bytes that somebody made up, checksum and all: refused or run, but not a crash and no fatal fault.
-#[test]
-fn forged_states_do_not_crash() {
-    let bytes = touching(V2).bytes();
-    let mut accepted = 0;
-    for (place, &was) in bytes[..bytes.len() - 4].iter().enumerate() {
-        for byte in [0x00, 0x01, 0x7f, 0x80, 0xff, was ^ 0x10] {
-            let crowd = Crowd::new(V2);
-            let mut forged = bytes.clone();
-            forged[place] = byte;
-            let status = crowd.restore(&sealed(forged));
-            // One mechanical step; whatever the phase and the time have become.
-            let then = [crowd.try_step(MEETING as f64 * STEP, 1e-5), crowd.try_get("agent[4].NormalForce").0];
-            let fine = |status: &Status| matches!(status, OK | ERROR);
-            let case = format!("byte {place} = {byte:#x}: {status:?}, {then:?}, {:?}", crowd.take_messages());
-            assert!(fine(&status) && then.iter().all(fine), "{case}");
-            accepted += usize::from(status == OK);
-        }
-    }
-    assert!(accepted > 0, "most numbers may be other numbers");
-}
-
-/// What setting refuses, a state does not bring in; nor does it lead out of the resources.
+/// Values that setting refuses, a state does not bring in; nor does it lead out of the resources.
 #[test]
 fn states_with_impossible_content_are_refused() {
     let original = touching(V2);

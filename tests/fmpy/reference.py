@@ -16,16 +16,15 @@ a sliding contact's follows from the motion. Forces are continuous when a contac
 accelerations that the third test needs without gamma_t do not depend on its outcome.
 The equations are those of the paper's appendix A; a Trial is read from its XML text by the standard library.
 
-A case in cases.json: `files`, the texts of its Trial; `times` [s], its communication points; `drive`, for each step ending there and each
-agent Fp.x, Fp.y, Mp; `states`, at each of these times and for each agent x, y, theta, vx, vy, omega; `happens`, a count of events; how the
-states answer to the start `moved` by 1e-9 and to a `loose` tolerance of 1e-10. Cases are random, from their `seed`.
+A case in cases.json and usual.json: `files`, the texts of its Trial; `times` [s], its communication points; `drive`, for each step ending
+there and each agent Fp.x, Fp.y, Mp; `states`, at each of these times and for each agent x, y, theta, vx, vy, omega; `happens`, a count of
+events; how the states answer to the start `moved` by 1e-9 (m, rad, m/s, rad/s) and to a `loose` tolerance of 1e-10. Both are small: grazing
+contacts were left out when the cases were drawn at random, once, from their `seed` (commit af11d78 has the program). The materials of
+usual.json are those of the default Trial.
 
-    python tests/fmpy/reference.py --write tests/reference/cases.json     makes the cases and their reference solutions anew
-    python tests/fmpy/reference.py --list  tests/reference/cases.json     what happens in each
-    python tests/fmpy/reference.py --usual tests/reference/usual.json     20 cases of 4 to 6 agents with the default materials
+    python tests/fmpy/reference.py tests/reference/cases.json     solves the cases again
 """
 
-import argparse
 import cmath
 import itertools
 import json
@@ -33,6 +32,7 @@ import math
 import sys
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -43,10 +43,6 @@ LINE = math.radians(20) + 1e-9  # [rad] faces that turn by at most this are one 
 MAX_STEP = 1e-3  # [s] short against the shortest contact, so that none slips through between two looks
 LOOKS = 4  # looks for events per integrator step
 TINY = {"touch": 1e-13, "normal": 1e-8, "stick": 1e-8, "slide": 1e-8, "release": 1e-3}  # [m], [N], [N], [N], [N/s]: round-off of the event functions
-
-
-class Grazing(Exception):
-    """The case is degenerate: events pile up, or a disk's centre reaches a wall."""
 
 
 # --- the scene ---------------------------------------------------------------------------------------------------
@@ -285,8 +281,7 @@ class Contact:
             point, other, cosine = self.pair
             h = (h - (self.ri - _dot(e + self.point - point, other)) * cosine) / (1 - cosine**2)
             h1 = (u + _dot(e1, other) * cosine) / (1 - cosine**2)
-        if h > 0.5 * self.ri:
-            raise Grazing("very deep overlap")
+        assert h <= 0.5 * self.ri, "very deep overlap"
         arm_i, arm_j = self.ri - h / 2, (self.rj - h / 2 if self.b is not None else 0.0)
         vt = _dot(e1, t) - w * arm_i - wj * arm_j
         if acceleration is None:
@@ -332,8 +327,7 @@ class Simulation:
         self.drive = self.scene.drive
         self.contacts = {}  # place in scene.touch -> Contact
         self.counts = Counter()
-        if (self.scene.touching(self.y) >= 0).any():
-            raise Grazing("overlap at the start")
+        assert (self.scene.touching(self.y) < 0).all(), "overlap at the start"
 
     # The smooth piece: state, then the elongations.
 
@@ -457,8 +451,7 @@ class Simulation:
         faces = [c for c in self.contacts.values() if c.kind == "face"]
         for c in faces:
             others = [o for o in faces if o.i == c.i and (c.number, o.number) in self.scene.pairs]
-            if len(others) > 1:
-                raise Grazing("three faces act together")
+            assert len(others) <= 1, "three faces act together"
             before, c.pair = c.pair, None
             for o in others:
                 _, normal, cosine = self.scene.pairs[c.number, o.number]
@@ -490,8 +483,7 @@ class Simulation:
             at_limit = set(np.flatnonzero(np.abs(self.scene.touching(whole)) < 1e-11)) | {n}
             ending = [m for m in at_limit if m in self.contacts and ahead[m] < 0]
             beginning = [m for m in at_limit if m not in self.contacts and ahead[m] > 0]
-            if not ending and not beginning:
-                raise Grazing("a touch without depth")
+            assert ending or beginning, "a touch without depth"
             if ending and beginning:
                 self.counts["passes on"] += 1
             gone = {}
@@ -535,8 +527,7 @@ class Simulation:
             event = self._piece(end)
             if event:
                 self.counts["events"] += 1
-                if self.counts["events"] > 3000:
-                    raise Grazing("too many events")
+                assert self.counts["events"] <= 3000, "too many events"
                 self._happen(*event)
         return self.y.reshape(-1, 6)
 
@@ -557,8 +548,7 @@ class Simulation:
         before = self._margins(last_y)
         while solver.status == "running":
             message = solver.step()
-            if solver.status == "failed":
-                raise Grazing(message)
+            assert solver.status != "failed", message
             dense, left = solver.dense_output(), last_t
             for right in np.linspace(last_t, solver.t, LOOKS + 1)[1:]:
                 after = self._margins(dense(right))
@@ -583,8 +573,7 @@ class Simulation:
 
     def _root(self, dense, k, left, right, before, slack):
         shift = 0.0 if before > 0 else slack  # just begun: zero but for round-off
-        if before + shift <= 0:
-            raise Grazing("an event right after another")
+        assert before + shift > 0, "an event right after another"
         return brentq(lambda t: self._margins(dense(t))[k] + shift, left, right, xtol=1e-16, rtol=1e-15)
 
     def _land(self, t, whole, at):
@@ -606,256 +595,19 @@ def solve(case, perturbation=None, tolerance=RTOL):
 
 # --- the cases ---------------------------------------------------------------------------------------------------
 
-# Five disks of a person of 0.41 m: (radius, x, y), as in the paper's appendix C.
-PERSON = [(0.0950, -0.0155, 0.1535), (0.1306, 0.0087, 0.0674), (0.1365, 0.0135, 0.0), (0.1306, 0.0087, -0.0674), (0.0950, -0.0155, -0.1535)]
-TRIPLE = [(0.08, 0.0, 0.14), (0.12, 0.02, 0.0), (0.09, 0.0, -0.15)]
-ROUND = [(0.18, 0.0, 0.0)]
-HAMMER = [(0.12, 0.0, 0.1), (0.07, 0.05, -0.12)]
 
-# name: shapes of the agents, walls, and what else is special.
-FAMILIES = {
-    "two round, oblique": dict(shapes=[ROUND] * 2, count=1),
-    "three round, spinning": dict(shapes=[ROUND] * 3, spin=12.0, count=2),
-    "round along a bent open wall": dict(shapes=[ROUND] * 2, wall="bent", press=900.0, spin=6.0),
-    "straight wall in three pieces": dict(shapes=[ROUND, PERSON], wall="pieces", press=1500.0, needs="passes on"),
-    "round over a protruding corner": dict(shapes=[ROUND], wall="wedge", press=2500.0, spin=5.0, count=2, needs="passes on"),
-    "person over a protruding corner": dict(shapes=[PERSON, ROUND], wall="wedge", press=1500.0, needs="passes on"),
-    "round in a closed polygon": dict(shapes=[ROUND] * 3, wall="room", rates=True),
-    "two persons, oblique": dict(shapes=[PERSON] * 2),
-    "two persons, relaxing and driven": dict(shapes=[PERSON] * 2, rates=True, press=1200.0),
-    "bodies drawn turned": dict(shapes=[TRIPLE, HAMMER, PERSON], turned=True),
-    "three persons at a bent open wall": dict(shapes=[PERSON] * 3, wall="bent", rates=True, press=600.0),
-    "mixed before a protruding corner": dict(shapes=[PERSON, ROUND, TRIPLE, ROUND], wall="wedge", rates=True, press=500.0),
-    "four persons, drive changes": dict(shapes=[PERSON] * 4, rates=True, press=500.0, changing=True),
-    "five mixed, drive changes": dict(shapes=[PERSON, ROUND, PERSON, HAMMER, TRIPLE], wall="room", rates=True, press=300.0, changing=True, turned=True),
-    "six round in a closed polygon": dict(shapes=[ROUND] * 6, wall="room", spin=4.0),
-    "two round, undamped": dict(shapes=[ROUND] * 2, count=1, damped=False),
-    "three persons, undamped": dict(shapes=[PERSON] * 3, damped=False),
-    "round in a closed polygon, undamped": dict(shapes=[ROUND] * 3, wall="room", spin=6.0, damped=False),
-    "mixed, undamped, relaxing and driven": dict(shapes=[PERSON, ROUND, TRIPLE, HAMMER], wall="bent", rates=True, press=500.0, turned=True, damped=False),
-    "three persons, undamped, frictionless": dict(shapes=[PERSON] * 3, damped=False, rough=False),
-    "four persons, undamped, frictionless": dict(shapes=[PERSON] * 4, rates=True, press=500.0, changing=True, damped=False, rough=False),
-    "mixed, bent wall, undamped, frictionless": dict(shapes=[ROUND, TRIPLE, HAMMER], wall="bent", turned=True, damped=False, rough=False),
-    "six mixed": dict(shapes=[ROUND, PERSON, ROUND, PERSON, ROUND, TRIPLE], rates=True, press=300.0),
-    "round into a bend of 10": dict(shapes=[ROUND], wall="bend", turn=10, press=900.0, spin=6.0, needs="goes on around a bend"),
-    "two walls, a bend of 15": dict(shapes=[PERSON, ROUND], wall="bend", turn=15, apart=True, press=900.0, needs="goes on around a bend"),
-    "round over a bend of 12": dict(shapes=[ROUND], wall="bend", turn=-12, press=2500.0, spin=5.0, count=2, needs="goes on straight"),
-    "a face twice, inner corner of 35": dict(shapes=[ROUND], wall="bend", turn=35, apart=True, twice=True, press=900.0, spin=6.0, needs="two faces"),
-    "person into an inner corner of 60": dict(shapes=[PERSON, ROUND], wall="bend", turn=60, press=900.0, needs="two faces"),
-    "inner corner of 60, undamped": dict(shapes=[ROUND], wall="bend", turn=60, press=900.0, spin=6.0, needs="two faces", damped=False),
-}
-DURATION, POINTS = 0.4, 4  # [s], communication points
-AMPLIFIED = 1e-7  # see `screen`
-
-
-# The materials of resources/Trial_push: naked and clothed people, concrete.
-USUAL = """<Materials><Intrinsic>
-<Material Id="soft" YoungModulus="4.0e6" ShearModulus="1379310.3"/>
-<Material Id="firm" YoungModulus="3.1e6" ShearModulus="9e5"/>
-<Material Id="wall" YoungModulus="1.7e9" ShearModulus="7.1e8"/>
-</Intrinsic><Binary>
-<Contact Id1="soft" Id2="soft" GammaNormal="700" GammaTangential="700" KineticFriction="0.4"/>
-<Contact Id1="soft" Id2="firm" GammaNormal="1300" GammaTangential="1300" KineticFriction="0.5"/>
-<Contact Id1="soft" Id2="wall" GammaNormal="1230" GammaTangential="1230" KineticFriction="0.5"/>
-<Contact Id1="firm" Id2="firm" GammaNormal="1300" GammaTangential="1300" KineticFriction="0.5"/>
-<Contact Id1="firm" Id2="wall" GammaNormal="1300" GammaTangential="1300" KineticFriction="0.5"/>
-<Contact Id1="wall" Id2="wall" GammaNormal="1300" GammaTangential="1300" KineticFriction="0.5"/>
-</Binary></Materials>
-"""
-# Families of 4 to 6 agents, each with so many seeds.
-USUAL_FAMILIES = {
-    "four persons, drive changes": 6,
-    "mixed before a protruding corner": 3,
-    "five mixed, drive changes": 3,
-    "six round in a closed polygon": 4,
-    "six mixed": 4,
-}
-
-
-def materials_xml(rng, damped, rough):
-    names = ["soft", "firm", "wall"]
-    young = [rng.uniform(2e5, 8e5), rng.uniform(1e6, 4e6), 1.7e9]
-    lines = ["<Materials><Intrinsic>"]
-    for name, e, ratio in zip(names, young, (rng.uniform(0.3, 0.36), rng.uniform(0.34, 0.42), 0.42)):
-        lines.append(f'<Material Id="{name}" YoungModulus="{e:.6g}" ShearModulus="{e * ratio:.6g}"/>')
-    lines.append("</Intrinsic><Binary>")
-    for k, a in enumerate(names):
-        for b in names[k:]:
-            n, t, mu = rng.uniform(150, 900), rng.uniform(50, 500), rng.uniform(0.15, 0.8)
-            if not damped:
-                n = t = 0.0
-            if not rough:
-                mu = 0.0
-            lines.append(f'<Contact Id1="{a}" Id2="{b}" GammaNormal="{n:.1f}" GammaTangential="{t:.1f}" KineticFriction="{mu:.3f}"/>')
-    return "\n".join(lines + ["</Binary></Materials>", ""])
-
-
-def make_case(name, seed):
-    """A random Trial of the family, from the seed alone. The start may overlap: see `screen`."""
-    family, rng = FAMILIES[name], np.random.default_rng(seed)
-    wall, count = family.get("wall"), len(family["shapes"])
-    agents, dynamics, drive = [], [], []
-    tilt = rng.uniform(-math.pi, math.pi)  # the whole scene is turned, so that no direction is special
-    if wall == "pieces":
-        tilt = math.atan2(4, 3)  # so that the pieces stay in line when they are written in decimals
-    place = lambda x, y: complex(x, y) * complex(math.cos(tilt), math.sin(tilt))
-    towards = lambda z: f"{z.real:.4f},{z.imag:.4f}"
-    for k, shapes in enumerate(family["shapes"]):
-        size, mass = rng.uniform(0.85, 1.15), rng.uniform(40, 100)
-        inertia = mass * (0.0205 if len(shapes) > 1 else 0.5 * 0.18**2) * size**2 * rng.uniform(0.8, 1.2)
-        rates = (rng.uniform(1, 5), rng.uniform(1, 5)) if family.get("rates") else (0.0, 0.0)
-        drawn = rng.uniform(-3, 3) if family.get("turned") else 0.0
-        lines = [f'<Agent Type="pedestrian" Id="{k}" Mass="{mass:.2f}" Height="1.75" MomentOfInertia="{inertia:.4f}" FloorDamping="{rates[0]:.3f}" AngularDamping="{rates[1]:.3f}">']
-        for radius, x, y in shapes:
-            at = size * complex(x, y) * complex(math.cos(drawn), math.sin(drawn))
-            material = "soft" if rng.random() < 0.4 else "firm"
-            lines.append(f'<Shape Type="disk" Radius="{size * radius:.5f}" MaterialId="{material}" Position="{at.real:.6f},{at.imag:.6f}"/>')
-        agents += lines + ["</Agent>"]
-        if wall in ("bent", "pieces", "wedge", "bend"):  # a row above the wall, heading down and along
-            x, y = 0.55 * (k - (count - 1) / 2) + rng.uniform(-0.05, 0.05), rng.uniform(0.2, 0.35)
-            if wall == "wedge":
-                x, y = x - 0.12, y + 0.35 * max(0.0, 0.5 - abs(x))
-            elif wall == "bend":
-                x, y = x - 0.15, y + abs(x - 0.15) * math.tan(math.radians(max(0, family["turn"])) / 2)
-            going = complex(rng.uniform(0.5, 1.8) * (1 if wall != "bent" else rng.choice([-1, 1])), -rng.uniform(0.5, 1.5))
-            push = complex(rng.uniform(-0.3, 0.6), -1)
-        else:  # a ring, heading inwards and past each other
-            angle = 2 * math.pi * (k + rng.uniform(-0.15, 0.15)) / count
-            radius = (0.24 if count < 4 else 0.075 * count) + rng.uniform(0.0, 0.12)
-            x, y = radius * math.cos(angle), radius * math.sin(angle)
-            going = -complex(x, y) / radius * rng.uniform(0.5, 1.6) + complex(*rng.normal(0, 0.4, 2))
-            push = -complex(x, y) / radius
-        spin = family.get("spin", 2.0)
-        velocity = place(going.real, going.imag)
-        dynamics.append((towards(place(x, y)), towards(velocity), f"{rng.uniform(-3, 3):.4f}", f"{rng.uniform(-spin, spin):.4f}"))
-        turns = [rng.uniform(0.3, 1.0) * (-0.5 if family.get("changing") and p % 2 else 1.0) for p in range(POINTS)]
-        if not family.get("changing"):
-            turns = turns[:1] * POINTS
-        push = place(push.real, push.imag) * family.get("press", 0.0)
-        torque = rng.uniform(-30, 30) if "press" in family else 0.0
-        drive.append([[round((f * push).real, 2), round((f * push).imag, 2), round(f * torque, 2)] for f in turns])
-    corners = {
-        None: None,
-        "bent": [(-2.5, 0.35), (-0.4, 0.0), (0.5, -0.02), (2.5, 0.5)],
-        "pieces": [(-2.5, 0.0), (-0.1, 0.0), (0.15, 0.0), (2.5, 0.0)],
-        "wedge": [(-1.5, -0.75), (0.0, 0.06), (1.4, -0.6)],
-        "room": None,
-        "bend": [(x, abs(x) * math.tan(math.radians(family.get("turn", 0)) / 2)) for x in (-1.5, 0.0, 1.5)],
-    }[wall]
-    if wall == "room":
-        reach = (0.42 if count < 4 else 0.26 + 0.075 * count) + rng.uniform(0.02, 0.1)
-        at = [2 * math.pi * (k + rng.uniform(-0.15, 0.15)) / 5 for k in range(5)]
-        corners = [(1.3 * reach * math.cos(a), 1.3 * reach * math.sin(a)) for a in at]
-        corners.append(corners[0])
-    geometry = ['<Geometry><Dimensions Lx="6" Ly="6"/>']
-    walls = [corners] if corners else []
-    if family.get("apart"):  # the second face as a wall of its own
-        walls = [corners if family.get("twice") else corners[:2], corners[1:]]
-    for number, corners in enumerate(walls):
-        geometry.append(f'<Wall Id="{number}" MaterialId="wall">')
-        geometry += [f'<Corner Coordinates="{z.real:.5f},{z.imag:.5f}"/>' for z in (place(*c) for c in corners)]
-        geometry.append("</Wall>")
-    geometry += ["</Geometry>", ""]
-    times = [round(DURATION * (p + 1) / POINTS, 6) for p in range(POINTS)]
-    drive = [[agent[p] for agent in drive] for p in range(POINTS)]  # per communication step
-    moving = [
-        f'<Agent Id="{k}"><Kinematics Position="{p}" Velocity="{v}" Theta="{theta}" Omega="{omega}"/><Dynamics Fp="{drive[0][k][0]},{drive[0][k][1]}" Mp="{drive[0][k][2]}"/></Agent>'
-        for k, (p, v, theta, omega) in enumerate(dynamics)
-    ]
-    files = {
-        "Parameters.xml": f'<Parameters><Directories Static="./static/" Dynamic="./dynamic/"/><Times TimeStep="{times[0]}" TimeStepMechanical="1e-5"/></Parameters>\n',
-        "static/Materials.xml": materials_xml(rng, family.get("damped", True), family.get("rough", True)),
-        "static/Geometry.xml": "\n".join(geometry),
-        "static/Agents.xml": "\n".join(["<Agents>", *agents, "</Agents>", ""]),
-        "dynamic/AgentDynamics.xml": "\n".join(["<Agents>", *moving, "</Agents>", ""]),
-    }
-    return {"name": name, "seed": seed, "agents": count, "times": times, "drive": drive, "files": files}
-
-
-def screen(case):
-    """Solves a case; None if it is no fair test: an overlap at the start, hardly any contact, or ill conditioned.
-
-    Ill conditioned (grazing contacts are): the start moved by 1e-9 (m, rad, m/s, rad/s) moves some later state by more than
-    `AMPLIFIED`; or the tolerance 1e-10 disagrees by more than 1e-9.
-    """
-    try:
-        simulation = Simulation(case["files"])
-        if simulation.scene.touching(simulation.y).max() > -0.002:
-            return None
-        states, simulation = solve(case)
-        counts = simulation.counts
-        if counts[FAMILIES[case["name"]].get("needs", "contacts")] == 0:
-            return None
-        if counts["contacts"] < FAMILIES[case["name"]].get("count", case["agents"]) or counts["ends"] < 0.5 * counts["contacts"]:
-            return None
-        shift = 1e-9 * np.random.default_rng(case["seed"]).uniform(-1, 1, len(simulation.y))
-        moved = np.abs(np.array(solve(case, shift)[0]) - states).max()
-        loose = np.abs(np.array(solve(case, None, 1e-10)[0]) - states).max()
-    except Grazing:
-        return None
-    if moved > AMPLIFIED or loose > 1e-9:
-        return None
+def solved(case):
+    """The case with its solution, and how well conditioned that is."""
+    states, simulation = solve(case)
+    shift = 1e-9 * np.random.default_rng(case["seed"]).uniform(-1, 1, len(simulation.y))
     case["states"] = np.round(states, 13).tolist()
-    case["happens"] = {what: n for what, n in sorted(counts.items()) if n}
-    case["moved"], case["loose"] = float(f"{moved:.1e}"), float(f"{loose:.1e}")
+    case["happens"] = {what: n for what, n in sorted(simulation.counts.items()) if n}
+    for name, arguments in (("moved", (shift,)), ("loose", (None, 1e-10))):
+        case[name] = float(f"{np.abs(np.array(solve(case, *arguments)[0]) - states).max():.1e}")
     return case
 
 
-def make_usual(report=lambda *_: None):
-    """Cases with the default materials, to measure which mechanical step gives which accuracy."""
-    cases = []
-    for name, wanted in USUAL_FAMILIES.items():
-        found = 0
-        for seed in range(5000, 5400):
-            case = make_case(name, seed)
-            case["files"]["static/Materials.xml"] = USUAL
-            if case := screen(case):
-                report(case)
-                cases.append(case)
-                found += 1
-                if found == wanted:
-                    break
-        else:
-            raise SystemExit(f"too few seeds will do for {name}")
-    return cases
-
-
-def make_all(report=lambda *_: None):
-    cases = []
-    for number, name in enumerate(FAMILIES):
-        for seed in range(100 * number, 100 * number + 100):
-            case = screen(make_case(name, seed))
-            if case:
-                break
-        else:
-            raise SystemExit(f"no seed will do for {name}")
-        report(case)
-        cases.append(case)
-    return cases
-
-
-def describe(case):
-    print(f"{case['name']:41} seed {case['seed']:4}  start moved by 1e-9: {case['moved']:.0e}  tolerance 1e-10: {case['loose']:.0e}  {case['happens']}", flush=True)
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--write", metavar="FILE", help="make the cases and their solutions anew")
-    parser.add_argument("--usual", metavar="FILE", help="make the cases with the default materials")
-    parser.add_argument("--list", metavar="FILE", help="what happens in each case of a file")
-    arguments = parser.parse_args()
-    if arguments.write or arguments.usual:
-        cases = make_all(describe) if arguments.write else make_usual(describe)
-        with open(arguments.write or arguments.usual, "w") as file:
-            file.write("[\n" + ",\n".join(json.dumps(case, separators=(",", ":")) for case in cases) + "\n]\n")
-    elif arguments.list:
-        with open(arguments.list) as file:
-            for case in json.load(file):
-                describe(case)
-    else:
-        parser.print_help()
-        sys.exit(2)
-
-
 if __name__ == "__main__":
-    main()
+    path = Path(sys.argv[1])
+    solutions = [json.dumps(solved(case), separators=(",", ":")) for case in json.loads(path.read_text())]
+    path.write_text("[\n" + ",\n".join(solutions) + "\n]\n")

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from crowd import TRIAL_DOOR, TRIAL_PUSH, bits, ids_of, outputs, push_drive, push_job, read_table
+from crowd import TRIAL_DOOR, TRIAL_PUSH, bits, ids_of, outputs, push_job, read_table
 from fmpy import simulate_fmu
 from lemons_fmu import Crowd, simulate
 from masters import run
@@ -41,27 +41,6 @@ def test_other_tools_show_the_push(push_fmu, pushed, row, tool, package):
     assert said == ""
     assert bits(seen) == bits(pushed(job.steps, job.step))
     row(package, "a packed push, without inputs", "same bits as `lemons run`")
-
-
-def test_who_reads_the_file_does_not_push_twice(push_fmu):
-    """A script of the time when only `lemons run` read drive.csv."""
-    drive, step = push_drive(), 0.05
-    names = [f"agent[0].{name}" for name in ["Fp.x", "Fp.y", "Mp"]]
-    signals = np.array(
-        [(k * step, *drive.at(k * step)[0]) for k in range(21)], dtype=[(name, float) for name in ["time", *names]]
-    )
-    own = simulate_fmu(push_fmu, stop_time=1.0, input=signals, output=outputs(5))
-    packed = simulate_fmu(push_fmu, stop_time=1.0, output=outputs(5))
-    assert all(bits(own[name].tolist()) == bits(packed[name].tolist()) for name in outputs(5))
-    # One that pushes another way pushes that way.
-    signals[names[0]] = -300.0
-    signals[names[1]] = 0.0
-    other = simulate_fmu(push_fmu, stop_time=1.0, input=signals, output=outputs(5))
-    alone = simulate_fmu(
-        push_fmu, {"PlayDrive": False, "agent[0].Fp.x": -300.0}, stop_time=1.0, input=signals, output=outputs(5)
-    )
-    assert all(bits(other[name].tolist()) == bits(alone[name].tolist()) for name in outputs(5))
-    assert other["agent[0].Position.x"][-1] < -0.05
 
 
 def test_commands_do_not_push_twice(lemons, push_fmu, tmp_path):

@@ -38,12 +38,3 @@ def test_a_ramp_in_one_step(push_fmu, row):
     (*_, held) = simulate(push_fmu, END, 4, derivatives=False)
     assert held == 0.0, "without derivatives the first value is held"
     row("fmpy", "`simulate_fmu` with derivatives of the inputs", "the closed form of a force that rises within a step")
-
-
-def test_a_push_does_not_depend_on_the_step(push_fmu):
-    """Agent 0 hits agent 1: held forces lag behind by half a step, interpolated ones do not."""
-    coarse, fine = (simulate(push_fmu, interval, 0, derivatives=True)[-1] for interval in [0.2, 0.01])
-    assert coarse == pytest.approx(fine, abs=1e-6)
-    errors = [simulate(push_fmu, interval, 0, derivatives=False)[-1] - fine for interval in [0.02, 0.01]]
-    assert abs(errors[0]) > 1e-3
-    assert 1.5 < errors[0] / errors[1] < 2.5, errors

@@ -185,27 +185,6 @@ def test_as_many_steps_as_lemons_run_makes(step, until, words):
         crowd.run(until=1e17 + 64, step=1.0)
 
 
-def test_mean_and_peak_squeeze_do_not_hang_on_the_step():
-    """The mean over a step is that of its parts; the peak is one of theirs. The sample hangs on the instant."""
-    push = np.zeros((5, 3))
-    push[0, 0] = 800.0
-
-    def run_in(step):
-        with Crowd(TRIAL_PUSH) as crowd:
-            seen = crowd.run(push, until=1.0, step=step)
-            last = np.column_stack([crowd.mean_squeeze(), crowd.peak_squeeze(), crowd.peak_overlap()])
-            assert (last == seen.reals[-1, :, 7:]).all() and crowd["LargestOverlap"] == last[:, 2].max()
-        return seen
-
-    fine, coarse = run_in(0.01), run_in(0.05)
-    means = fine.mean_squeeze[1:].reshape(-1, 5, 5).mean(axis=1)
-    assert np.allclose(means, coarse.mean_squeeze[1:], rtol=1e-6, atol=1e-6 * means.max()) and means.max() > 100.0
-    for one, other in (fine.peak_squeeze, coarse.peak_squeeze), (fine.peak_overlap, coarse.peak_overlap):
-        assert np.allclose(one[1:].reshape(-1, 5, 5).max(axis=1), other[1:], rtol=1e-6) and one.max() > 0
-    assert (coarse.mean_squeeze <= coarse.peak_squeeze).all() and (coarse.squeeze <= coarse.peak_squeeze).all()
-    assert (coarse.squeeze[-1] < 0.5 * coarse.peak_squeeze[-1]).all(), "else this shows nothing"
-
-
 def test_ids_of_agents_are_those_of_the_trial(tmp_path):
     trial = Path(shutil.copytree(TRIAL_PUSH, tmp_path / "Trial"))
     for file in ("static/Agents.xml", "dynamic/AgentDynamics.xml"):

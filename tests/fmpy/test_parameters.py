@@ -1,9 +1,7 @@
-"""Parameters, start values, the choice of the Trial, XML output."""
-
-import xml.etree.ElementTree as ElementTree
+"""Parameters and start values."""
 
 import pytest
-from crowd import Crowd, bits, push_drive, refused, write_trial
+from crowd import Crowd, bits, push_drive, refused
 
 HUMANS = "contact.human_naked.human_naked"
 PARAMETERS = {
@@ -60,25 +58,3 @@ def test_start_pose_can_be_set_until_initialization_ends(push):
     for name in ["Position.x", "Theta", "Velocity.y", "Omega"]:
         with refused(push, f"agent[1].{name}", "after initialization"):
             push[f"agent[1].{name}"] = 0.0
-
-
-def test_output_directory(pack, instantiate, tmp_path):
-    """A walker who comes to lean on a wall; files are named as in the paper's script."""
-    walker = {"mass": 80.0, "x": 1.5, "vx": 1.0, "fx": 160.0, "rate": 2.0}
-    wall = [(2.0, -1.0), (2.0, 1.0)]
-    crowd = instantiate(pack(write_trial(tmp_path / "Trial", [walker], [wall], damping=2e4)))
-    output = tmp_path / "output"
-    output.mkdir()
-    crowd["OutputDirectory"] = str(output)
-    seen = crowd.initialize().run(12, 0.1)
-    times = [f"{k / 10:.1f}" for k in range(1, 13)]
-    touching = [t for t, (_, [walker]) in zip(times, seen) if walker[7]]
-    assert touching and len(touching) < 11 and times[-1] in touching
-    names = [f"AgentDynamics output t={t}.xml" for t in times] + [f"AgentInteractions t={t}.xml" for t in touching]
-    assert sorted(path.name for path in output.iterdir()) == sorted(names)
-    for t, (_, [walker]) in zip(times, seen):
-        kinematics = ElementTree.parse(output / f"AgentDynamics output t={t}.xml").find("Agent/Kinematics")
-        written = ",".join(kinematics.get(name) for name in ["Position", "Velocity", "Theta", "Omega"])
-        assert bits([float(number) for number in written.split(",")]) == bits(walker[:6])
-    interactions = (output / f"AgentInteractions t={times[-1]}.xml").read_text()
-    assert "<Wall" in interactions and "TangentialRelativeDisplacement" in interactions

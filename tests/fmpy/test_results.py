@@ -72,20 +72,3 @@ def test_instances_in_threads(instantiate, push_directory, row):
     for seen in map(list.__add__, early, reversed(late)):
         assert bits(seen) == bits(alone)
     row("fmpy", "four instances, moved between threads", "same bits as one alone")
-
-
-def test_two_instances_do_not_see_each_other(instantiate, push_directory):
-    def two():
-        crowds = [instantiate(push_directory) for _ in range(2)]
-        crowds[1]["agent[2].Mass"] = 40.0
-        return [crowd.initialize() for crowd in crowds]
-
-    drive = push_drive()
-    alone = [crowd.run(16, 0.05, drive) for crowd in two()]
-    assert bits(alone[0]) != bits(alone[1])
-    interleaved = [[], []]
-    crowds = two()
-    for k in range(16):
-        for crowd, seen in zip(crowds, interleaved):
-            seen += crowd.run(k + 1, 0.05, drive, first=k)
-    assert bits(interleaved) == bits(alone)

@@ -1,4 +1,4 @@
-"""Saved and restored states, step sizes, reset."""
+"""Saved and restored states, reset."""
 
 import json
 import subprocess
@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from crowd import bits, push_drive, refused
+from crowd import bits, push_drive
 
 SAVED, STEPS = 8, 23  # 0.4 s: agents 0 and 1 are in contact
 
@@ -81,10 +81,3 @@ def test_reset_gives_the_same_bits_again(push, row):
     push.fmu.reset()
     assert bits(push.initialize().run(STEPS, 0.05, push_drive())) == first
     row("fmpy", "reset", "same bits again")
-
-
-def test_start_time(push):
-    push.initialize(start=7.5)
-    with refused(push, "7.5"):
-        push.fmu.doStep(0.0, 0.05)
-    push.step(0.05)

@@ -161,50 +161,6 @@ fn a_missing_file_is_named_unless_it_is_the_interactions() {
     assert!(nowhere.contains("Parameters.xml: cannot be read"), "{nowhere}");
 }
 
-/// Only "Radius: is missing" was said.
-#[test]
-fn a_misspelt_name_is_told_where_the_right_one_is_missing() {
-    let agents = "static/Agents.xml";
-    for (file, old, new, said) in [
-        (
-            agents,
-            "Radius",
-            "Raduis",
-            "Agents.xml:3: <Shape> Radius: is missing; there is \"Raduis\": is it misspelt?",
-        ),
-        (
-            agents,
-            "Mass=",
-            "mass=",
-            "Agents.xml:2: <Agent> Mass: is missing; there is \"mass\": is it misspelt?",
-        ),
-        (
-            "static/Materials.xml",
-            "YoungModulus",
-            "YoungsModulus",
-            "Materials.xml:3: <Material> YoungModulus: is missing; there is \"YoungsModulus\": is it misspelt?",
-        ),
-        (
-            "Parameters.xml",
-            "<Times",
-            "<Tmies",
-            "Parameters.xml:1: <Parameters>: has no <Times>; there is <Tmies>: is it misspelt?",
-        ),
-        (
-            "dynamic/AgentDynamics.xml",
-            "<Kinematics",
-            "<Kinematic",
-            "AgentDynamics.xml:2: <Agent>: has no <Kinematics>; there is <Kinematic>: is it misspelt?",
-        ),
-        // What is known is not another one misspelt.
-        ("static/Geometry.xml", " Lx=\"4\"", "", "Geometry.xml:2: <Dimensions> Lx: is missing"),
-    ] {
-        let problems = edited(&[(file, old, new)]).unwrap_err();
-        let lines: Vec<String> = problems.iter().map(ToString::to_string).collect();
-        assert!(lines.len() == 1 && lines[0].ends_with(said), "{said}\n{problems}");
-    }
-}
-
 /// A misspelt `<Dynamics>` left its agent without a drive, and nobody said so.
 #[test]
 fn what_nobody_reads_is_warned_of_once_for_each_name() {

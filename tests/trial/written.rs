@@ -1,11 +1,10 @@
-//! What is written reads back.
+//! Trials that are written read back.
 
 use crate::good::{FILES, INTERACTIONS, edited, moved};
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::setup::{self};
 use lemons_core::trial::*;
-use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
+use lemons_verify::checks::scenes::Random;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -73,172 +72,137 @@ fn an_output_omits_the_drive() {
     assert_eq!(text, expected);
 }
 
-fn number() -> impl Strategy<Value = f64> {
-    prop_oneof![-1e3..1e3, any::<f64>().prop_filter("finite", |x| x.is_finite())]
+/// Draws one of so many.
+fn pick(random: &mut Random, count: usize) -> usize {
+    (random.share() * count as f64) as usize
 }
 
-fn positive() -> impl Strategy<Value = f64> {
-    prop_oneof![1e-3..1e3, Just(f64::MIN_POSITIVE), Just(f64::MAX), Just(5e-324)]
+fn positive(random: &mut Random) -> f64 {
+    let extreme = [f64::MIN_POSITIVE, f64::MAX, 5e-324, 1.0];
+    if pick(random, 4) == 0 { extreme[pick(random, 4)] } else { random.within(1e-3, 1e3) }
 }
 
-fn vector() -> impl Strategy<Value = Vec2> {
-    (number(), number()).prop_map(|(x, y)| vec2(x, y))
+/// Any finite number, zeros of both signs too.
+fn number(random: &mut Random) -> f64 {
+    let sign = if pick(random, 2) == 0 { 1.0 } else { -1.0 };
+    let extreme = [0.0, f64::MAX, 5e-324, 10f64.powf(random.within(-300.0, 300.0))];
+    sign * if pick(random, 2) == 0 { extreme[pick(random, 4)] } else { random.within(0.0, 1e3) }
+}
+
+fn vector(random: &mut Random) -> Vec2 {
+    vec2(number(random), number(random))
 }
 
 /// Any place that a Trial may have.
-fn point() -> impl Strategy<Value = Vec2> {
-    let number = || prop_oneof![-1e3..1e3, -1e9..=1e9, Just(5e-324)];
-    (number(), number()).prop_map(|(x, y)| vec2(x, y))
+fn point(random: &mut Random) -> Vec2 {
+    let mut number = || if pick(random, 8) == 0 { 5e-324 } else { random.within(-1e9, 1e9) };
+    vec2(number(), number())
 }
 
 /// Anything an Id can hold; the number makes it unique and not blank.
-fn id(kind: &str, place: usize) -> impl Strategy<Value = String> + use<> {
-    let end = format!("{kind}{place}");
-    "[ -~\t\n\rà-ÿ€😀]{0,6}".prop_map(move |start| start.trim_start().to_owned() + &end)
+fn id(random: &mut Random, kind: &str, place: usize) -> String {
+    const SIGNS: [char; 16] =
+        [' ', '\t', '\n', '\r', '<', '>', '&', '"', '\'', ']', '~', 'A', 'à', 'ÿ', '€', '😀'];
+    let start: String = (0..pick(random, 7)).map(|_| SIGNS[pick(random, 16)]).collect();
+    format!("{}{kind}{place}", start.trim_start())
 }
 
-fn force() -> impl Strategy<Value = ContactForce> {
-    (vector(), vector(), vector()).prop_map(|(elongation, normal, tangential)| ContactForce {
-        elongation,
-        normal,
-        tangential,
-    })
+fn force(random: &mut Random) -> ContactForce {
+    ContactForce { elongation: vector(random), normal: vector(random), tangential: vector(random) }
 }
 
-fn agent(place: usize, materials: Vec<String>) -> impl Strategy<Value = Agent> {
-    let shape = (positive(), prop::sample::select(materials), point());
-    let shape = shape.prop_map(|(radius, material_id, position)| Shape { radius, material_id, position });
-    let kind = prop::option::of(Just("pedestrian".to_owned()));
-    let numbers = (positive(), prop::option::of(positive()), positive(), 0.0..9.0, 0.0..9.0);
-    (kind, id("a", place), numbers, prop::collection::vec(shape, 1..4)).prop_map(
-        |(kind, id, (mass, height, moment_of_inertia, floor_damping, angular_damping), shapes)| Agent {
-            kind,
-            id,
-            mass,
-            height,
-            moment_of_inertia,
-            floor_damping,
-            angular_damping,
-            shapes,
+fn trial(random: &mut Random) -> Trial {
+    let [agents, walls, kinds] = [1 + pick(random, 3), pick(random, 3), 1 + pick(random, 3)];
+    let mut material = |place| {
+        let young_modulus = random.within(1.0, 1e9);
+        let shear_modulus = young_modulus * random.within(0.3, 9.0);
+        Material { id: id(random, "m", place), young_modulus, shear_modulus }
+    };
+    let intrinsic: Vec<Material> = (0..kinds).map(&mut material).collect();
+    let mut contact = |(i, j): (usize, usize)| Contact {
+        id1: intrinsic[i].id.clone(),
+        id2: intrinsic[j].id.clone(),
+        gamma_normal: random.within(0.0, 1e4),
+        gamma_tangential: random.within(0.0, 1e4),
+        kinetic_friction: random.within(0.0, 2.0),
+    };
+    let binary = (0..kinds).flat_map(|i| (0..=i).map(move |j| (i, j))).map(&mut contact).collect();
+    let material_id = |random: &mut Random| intrinsic[pick(random, kinds)].id.clone();
+    let shape = |random: &mut Random| Shape {
+        radius: positive(random),
+        material_id: material_id(random),
+        position: point(random),
+    };
+    let mut agent = |place| Agent {
+        kind: (pick(random, 2) == 0).then(|| "pedestrian".to_owned()),
+        id: id(random, "a", place),
+        mass: positive(random),
+        height: (pick(random, 2) == 0).then(|| positive(random)),
+        moment_of_inertia: positive(random),
+        floor_damping: random.within(0.0, 9.0),
+        angular_damping: random.within(0.0, 9.0),
+        shapes: (0..1 + pick(random, 3)).map(|_| shape(random)).collect(),
+    };
+    let people = (0..agents).map(&mut agent).collect();
+    let mut dynamics = |_| AgentDynamics {
+        position: point(random),
+        velocity: vector(random),
+        theta: number(random),
+        omega: number(random),
+        fp: vector(random),
+        mp: number(random),
+    };
+    let dynamics = (0..agents).map(&mut dynamics).collect();
+    // Corners apart from each other, so that no face has no length.
+    let corner = |random: &mut Random, k| vec2(3.0 * f64::from(k) + random.signed(), random.signed());
+    let mut wall = |place| Wall {
+        id: id(random, "w", place),
+        material_id: material_id(random),
+        corners: (0..2 + pick(random, 4) as u32).map(|k| corner(random, k)).collect(),
+    };
+    let geometry_walls = (0..walls).map(&mut wall).collect();
+    // Of some pairs of the agents, and of some agents with some walls, the first disk and face.
+    let mut interactions = Interactions::default();
+    for i in 0..agents {
+        for child in (i + 1..agents).filter(|_| pick(random, 2) == 0).collect::<Vec<_>>() {
+            let force = force(random);
+            let contact = AgentInteraction { parent: i, child, parent_shape: 0, child_shape: 0, force };
+            interactions.agents.push(contact);
+        }
+        for wall in (0..walls).filter(|_| pick(random, 2) == 0).collect::<Vec<_>>() {
+            let force = force(random);
+            interactions.walls.push(WallInteraction { agent: i, shape: 0, wall, corner: 0, force });
+        }
+    }
+    Trial {
+        name: "Trial".into(),
+        directory: PathBuf::new(),
+        parameters: Parameters {
+            static_directory: ["./static/", "st", ".", "a/b & c"][pick(random, 4)].into(),
+            dynamic_directory: "./dynamic/".into(),
+            time_step: random.within(1e-3, 1.0),
+            time_step_mechanical: random.within(1e-9, 1e-3),
         },
-    )
-}
-
-fn dynamics() -> impl Strategy<Value = AgentDynamics> {
-    (point(), vector(), number(), number(), vector(), number()).prop_map(
-        |(position, velocity, theta, omega, fp, mp)| AgentDynamics {
-            position,
-            velocity,
-            theta,
-            omega,
-            fp,
-            mp,
+        materials: Materials { intrinsic, binary },
+        geometry: Geometry {
+            dimensions: (pick(random, 2) == 0).then(|| vector(random)),
+            walls: geometry_walls,
         },
-    )
+        agents: people,
+        dynamics,
+        interactions,
+    }
 }
 
-/// Corners apart from each other, so that no face has no length.
-fn wall(place: usize, materials: Vec<String>) -> impl Strategy<Value = Wall> {
-    (id("w", place), prop::sample::select(materials), prop::collection::vec((-1.0..1.0, -1.0..1.0), 2..6))
-        .prop_map(|(id, material_id, offsets)| {
-            let corners =
-                offsets.iter().zip(0..).map(|(&(x, y), k)| vec2(x + 3.0 * f64::from(k), y)).collect();
-            Wall { id, material_id, corners }
-        })
-}
-
-fn materials(count: usize) -> impl Strategy<Value = Materials> {
-    let ids: Vec<_> = (0..count).map(|place| id("m", place)).collect();
-    let pairs = count * (count + 1) / 2;
-    (
-        ids,
-        prop::collection::vec((1.0..1e9, 0.3..9.0), count),
-        prop::collection::vec((0.0..1e4, 0.0..1e4, 0.0..2.0), pairs),
-    )
-        .prop_map(move |(ids, moduli, laws)| {
-            let order = (0..count).flat_map(|i| (0..=i).map(move |j| (i, j)));
-            let binary =
-                order.zip(laws).map(|((i, j), (gamma_normal, gamma_tangential, kinetic_friction))| Contact {
-                    id1: ids[i].clone(),
-                    id2: ids[j].clone(),
-                    gamma_normal,
-                    gamma_tangential,
-                    kinetic_friction,
-                });
-            let binary = binary.collect();
-            let intrinsic = ids.iter().zip(moduli).map(|(id, (young_modulus, ratio))| Material {
-                id: id.clone(),
-                young_modulus,
-                shear_modulus: young_modulus * ratio,
-            });
-            Materials { intrinsic: intrinsic.collect(), binary }
-        })
-}
-
-/// Contacts of every pair of the agents, and of every agent with every wall, first disk and face alone.
-fn interactions(agents: usize, walls: usize) -> impl Strategy<Value = Interactions> {
-    let pairs: Vec<_> = (0..agents).flat_map(|i| (i + 1..agents).map(move |j| (i, j))).collect();
-    let touches: Vec<_> = (0..agents).flat_map(|i| (0..walls).map(move |wall| (i, wall))).collect();
-    let of = |count| prop::collection::vec(prop::option::of(force()), count);
-    (of(pairs.len()), of(touches.len())).prop_map(move |(on_agents, on_walls)| Interactions {
-        agents: (pairs.iter().zip(on_agents))
-            .filter_map(|(&(parent, child), force)| {
-                Some(AgentInteraction { parent, child, parent_shape: 0, child_shape: 0, force: force? })
-            })
-            .collect(),
-        walls: (touches.iter().zip(on_walls))
-            .filter_map(|(&(agent, wall), force)| {
-                Some(WallInteraction { agent, shape: 0, wall, corner: 0, force: force? })
-            })
-            .collect(),
-    })
-}
-
-fn trial() -> impl Strategy<Value = Trial> {
-    (1..4usize, 0..3usize, 1..4usize)
-        .prop_flat_map(|(agents, walls, kinds)| (Just((agents, walls)), materials(kinds)))
-        .prop_flat_map(|((agents, walls), materials)| {
-            let ids: Vec<String> = materials.intrinsic.iter().map(|material| material.id.clone()).collect();
-            (
-                Just(materials),
-                (0..agents).map(|place| agent(place, ids.clone())).collect::<Vec<_>>(),
-                prop::collection::vec(dynamics(), agents),
-                (0..walls).map(|place| wall(place, ids.clone())).collect::<Vec<_>>(),
-                prop::option::of(vector()),
-                interactions(agents, walls),
-                (1e-3..1.0, 1e-9..1e-3),
-                prop::sample::select(vec!["./static/", "st", ".", "a/b & c"]),
-            )
-        })
-        .prop_map(|(materials, agents, dynamics, walls, dimensions, interactions, times, directory)| Trial {
-            name: "Trial".into(),
-            directory: PathBuf::new(),
-            parameters: Parameters {
-                static_directory: directory.into(),
-                dynamic_directory: "./dynamic/".into(),
-                time_step: times.0,
-                time_step_mechanical: times.1,
-            },
-            materials,
-            geometry: Geometry { dimensions, walls },
-            agents,
-            dynamics,
-            interactions,
-        })
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 128, rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() })]
-
-    #[test]
-    fn what_is_written_reads_back(trial in trial()) {
+#[test]
+fn what_is_written_reads_back() {
+    let mut random = Random(7);
+    for case in 0..200 {
+        let trial = trial(&mut random);
         let directory = TempDir::new().unwrap();
         trial.write(directory.path()).unwrap();
-        let (back, _) = match setup::read(directory.path()) {
-            Ok(read) => read,
-            Err(problems) => return Err(TestCaseError::fail(problems.to_string())),
-        };
+        let (back, _) = setup::read(directory.path()).unwrap_or_else(|problems| panic!("{case}: {problems}"));
         // Debug text tells −0 from 0.
-        prop_assert_eq!(format!("{back:?}"), format!("{:?}", moved(&trial, &back)));
+        assert_eq!(format!("{back:?}"), format!("{:?}", moved(&trial, &back)), "{case}");
     }
 }

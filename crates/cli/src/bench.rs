@@ -2,7 +2,6 @@
 
 use crate::print;
 use anyhow::{Result, bail};
-use crowd_mechanics::pack::Format;
 use lemons_core::files::input;
 use lemons_verify::bench::{Figures, cases, fmu, measure};
 use std::io::Write;
@@ -67,23 +66,10 @@ const THROUGH_FMU: &str = "through the FMU";
 /// The second table: what lies around the mechanics.
 fn through_fmu(out: &mut impl Write, runs: usize) -> Result<()> {
     writeln!(out, "\n{:<50}{:>10}", THROUGH_FMU, "")?;
-    let mut row = |what: &str, value: f64, unit: &str| -> Result<()> {
+    fmu::measure(runs, |what, value, unit| {
         writeln!(out, "{what:<50}{value:>10.3} {unit}")?;
         Ok(out.flush()?)
-    };
-    for (version, format) in [("", Format::default()), (" (FMI 3.0)", Format::Fmi3)] {
-        let overhead = fmu::overhead(1_000, runs, format)?;
-        row(&format!("1000 agents: set 3 inputs of each{version}"), overhead.set, "µs")?;
-        row(&format!("1000 agents: get 10 outputs of each{version}"), overhead.get, "µs")?;
-    }
-    let loading = fmu::loading(10_000, runs)?;
-    row("10 000 agents: read and check the Trial", loading.read, "s")?;
-    row("10 000 agents: read, check and pack it", loading.pack, "s")?;
-    row("10 000 agents: instantiate the FMU", loading.instantiate, "s")?;
-    row("10 000 agents: initialize it", loading.initialize, "s")?;
-    let push = fmu::push(runs)?;
-    row("push, 5 s at 2e-6 s: wall time", push.wall, "s")?;
-    row("push, 5 s at 2e-6 s: processor time", push.processor, "s")
+    })
 }
 
 /// Returns what the figures were measured on.

@@ -45,7 +45,7 @@ pub fn verify(arguments: &Arguments) -> Result<()> {
             writeln!(out, "    {against:46} {figure:>9.1e}  {limit:<12}  {verdict}")?;
         }
         if let Some(error) = trouble {
-            writeln!(out, "    {}", full_message(&error.into()))?;
+            writeln!(out, "    {}", full_message(&error))?;
         }
         out.flush()?;
     }

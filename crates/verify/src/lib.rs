@@ -1,8 +1,8 @@
-//! What the programs are verified with.
+//! Verification of the programs.
 //!
 //! - [`testing`]: helpers of tests; always there
 //! - `checks` (feature `checks`): the table of `lemons verify`
-//! - `bench` (feature `checks`): the crowds of `lemons bench` and of `benches/`
+//! - `bench` (feature `checks`): the crowds of `lemons bench`
 //! - `fuzz` (feature `fuzz`): what the fuzzers of `fuzz/` do with their bytes
 
 #[cfg(feature = "checks")]

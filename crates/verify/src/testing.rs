@@ -1,4 +1,4 @@
-//! Helpers for the tests, benches and fuzzers of several packages. No program contains them.
+//! Helpers for the tests and fuzzers of several packages. No program contains them.
 //!
 //! - [`places`]: where the repository, its Trials and the shared data are; copies of directories
 //! - [`functions`]: the FMI functions as an importer sees them, of a shared library or of a model

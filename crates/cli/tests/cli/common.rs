@@ -1,8 +1,9 @@
-//! What the tests of the command share.
+//! Helpers that the tests of the command share.
 
-pub use lemons_verify::testing::{repository as root, trial_push as default_trial};
+pub use lemons_verify::testing::{copy_tree, repository as root, trial_push as default_trial};
+use std::collections::HashMap;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::Once;
 
 pub fn command(directory: &Path, arguments: &[&str]) -> Command {
@@ -32,6 +33,44 @@ pub fn decision_library() {
     });
 }
 
+/// Starts the command; what it says is kept.
+pub fn started(directory: &Path, arguments: &[&str]) -> Child {
+    command(directory, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+/// Sends a signal to a command as soon as it has begun something. SIGINT would be ignored where the tests are started in
+/// the background of a shell.
+pub fn signalled(mut child: Child, signal: &str, begun: impl Fn() -> bool) -> Output {
+    while !begun() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    child.wait_with_output().unwrap()
+}
+
+/// The names in a directory, hidden ones too.
+pub fn names(at: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(at).unwrap();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// A row of a table: its cells by the names of the columns.
+pub type Row = HashMap<String, String>;
+
+pub fn read_csv(path: &Path) -> Vec<Row> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
+    reader.deserialize().map(|row| row.unwrap()).collect()
+}
+
+pub fn number(row: &Row, name: &str) -> f64 {
+    row[name].parse().unwrap_or_else(|_| panic!("{name}: {row:?}"))
+}
+
 pub fn lemons(directory: &Path, arguments: &[&str]) -> Output {
     command(directory, arguments).output().unwrap()
 }
@@ -49,7 +88,7 @@ pub fn assert_code(output: &Output, code: i32) {
     assert_eq!(output.status.code(), Some(code), "{}{}", out(output), err(output));
 }
 
-/// What it prints, of a call that must do.
+/// Returns what a call that must do prints.
 #[track_caller]
 pub fn done(directory: &Path, arguments: &[&str]) -> Output {
     let output = lemons(directory, arguments);

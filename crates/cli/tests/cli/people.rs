@@ -1,10 +1,9 @@
 //! `lemons crowd` and `lemons person` as their users meet them.
 
-use crate::common::{assert_code, err, lemons, out};
+use crate::common::{assert_code, err, lemons, names, out, signalled, started};
 use lemons_core::xml::{Document, Element};
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 use tempfile::TempDir;
 
 fn narrow(text: &str) {
@@ -119,23 +118,14 @@ fn an_interrupt_leaves_nothing_behind() {
     let directory = TempDir::new().unwrap();
     let arguments =
         ["crowd", "-n", "3000", "--box", "17.2x17.2", "-o", "T", "--population", "p.csv", "--obj", "b.obj"];
-    let mut child = Command::new(env!("CARGO_BIN_EXE_lemons"))
-        .args(arguments)
-        .current_dir(directory.path())
-        .stdout(std::process::Stdio::null())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
+    let at = directory.path();
     // Once its files are open it watches for the signal, and is at work.
-    let begun = || fs::read_dir(directory.path()).unwrap().count() == 2;
-    while !begun() {
-        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-    std::thread::sleep(std::time::Duration::from_millis(300));
-    assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
+    let output = signalled(started(at, &arguments), "-TERM", || {
+        let begun = names(at).len() == 2;
+        std::thread::sleep(std::time::Duration::from_millis(if begun { 300 } else { 5 }));
+        begun
+    });
     assert_code(&output, 130);
     assert!(err(&output).contains("interrupted: nothing was written"), "{}", err(&output));
-    assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
+    assert_eq!(names(at), [""; 0]);
 }

@@ -1,6 +1,6 @@
 //! What `lemons run` writes, stops and goes on with.
 
-use crate::common::{lemons, out};
+use crate::common::{self, default_trial, lemons, names, out, started};
 use lemons_results::Run;
 use std::fs::{self, File};
 use std::io::{Read, Write};
@@ -9,7 +9,7 @@ use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
 fn trial() -> String {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push").to_str().unwrap().to_owned()
+    default_trial().display().to_string()
 }
 
 fn said(output: &Output, code: i32) -> String {
@@ -30,39 +30,17 @@ fn read(at: &Path, name: &str) -> Vec<u8> {
     fs::read(at.join(name)).unwrap()
 }
 
-/// Hidden files too.
-fn names(at: &Path) -> Vec<String> {
-    let mut names: Vec<String> =
-        fs::read_dir(at).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
-}
-
-/// Runs the push for very long and sends a signal as soon as some steps are written. SIGINT would be ignored where the
-/// tests are started in the background of a shell.
+/// Runs the push for very long and sends a signal as soon as some steps are written.
 #[cfg(unix)]
 fn signalled(at: &Path, signal: &str, options: &str) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_lemons"))
-        .args(["run", &trial(), "--until", "100000"])
-        .args(options.split_whitespace())
-        .current_dir(at)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let trial = trial();
+    let arguments = [&["run", &trial, "--until", "100000"], &*options.split_whitespace().collect::<Vec<_>>()];
+    let child = started(at, &arguments.concat());
     let prefix = format!(".lemons-{}-", child.id());
-    let written = || {
-        let files = fs::read_dir(at).unwrap().map(|entry| entry.unwrap());
-        let mut own = files.filter(|entry| entry.file_name().to_str().unwrap().starts_with(&prefix));
-        own.any(|entry| entry.metadata().is_ok_and(|file| file.len() > 8_000))
-    };
-    while !written() {
-        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
-        std::thread::sleep(std::time::Duration::from_millis(1));
-    }
-    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
-    assert!(sent.success());
-    child.wait_with_output().unwrap()
+    common::signalled(child, signal, || {
+        let mut own = names(at).into_iter().filter(|name| name.starts_with(&prefix));
+        own.any(|name| fs::metadata(at.join(name)).is_ok_and(|file| file.len() > 8_000))
+    })
 }
 
 #[test]
@@ -115,29 +93,6 @@ fn a_killed_run_leaves_nothing_under_its_names() {
     assert_eq!(signalled(at, "-KILL", "--state push.run --force").status.code(), None);
     assert_eq!(read(at, "trajectories.csv"), b"of before");
     assert!(!at.join("push.run").exists());
-}
-
-#[test]
-fn parquet_holds_what_csv_holds() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    push(at, "--until 1", 0);
-    push(at, "--until 1 --format parquet", 0);
-    push(at, "--until 1 -o again.parquet", 0);
-    assert!(read(at, "trajectories.parquet") == read(at, "again.parquet"), "same run, same bytes");
-    fs::rename(at.join("again.parquet"), at.join("odd.csv")).unwrap();
-    let csv = Run::read_table(&at.join("trajectories.csv")).unwrap();
-    for name in ["trajectories.parquet", "odd.csv"] {
-        let parquet = Run::read_table(&at.join(name)).unwrap();
-        assert_eq!(csv.ids, parquet.ids);
-        assert_eq!(csv.frames.len(), 21);
-        assert_eq!(csv.frames.len(), parquet.frames.len());
-        for (a, b) in csv.frames.iter().zip(&parquet.frames) {
-            assert_eq!((a.time, format!("{:?}", a.agents)), (b.time, format!("{:?}", b.agents)));
-            assert_eq!(format!("{:?}", a.observed), format!("{:?}", b.observed));
-            assert!(a.observed.is_some());
-        }
-    }
 }
 
 #[test]
@@ -217,7 +172,7 @@ fn saved_runs_are_hostile_until_checked() {
     let at = directory.path();
     push(at, "--until 0.5 --state push.run", 0);
     let before = read(at, "trajectories.csv");
-    let text = |from: &'static str, to: &'static str| {
+    let text = |from: &str, to: &str| {
         forged(at, "push.run", |name, bytes| {
             if name != "run.toml" {
                 return bytes;
@@ -228,49 +183,10 @@ fn saved_runs_are_hostile_until_checked() {
         });
         push(at, "--resume forged.run --until 1 -o rest.csv", 1)
     };
-    for (from, to, words) in [
-        (
-            "format = 4",
-            "format = 2",
-            "run.toml: format = 2: this program knows format 4 only; continue the run with the program that saved it (lemons ",
-        ),
-        ("step = 0.05", "step = nan", "run.toml: step: NaN: must be positive and finite"),
-        ("step = 0.05", "step = -1.0", "step: -1.0"),
-        ("start = 0.0", "start = inf", "start: inf"),
-        ("time = 0.5", "time = 0.7", "time: 0.7: must be from 0.5 on and before 0.55"),
-        ("index = 10", "index = -1", "run.toml: "),
-        ("index = 10", "index = 9000000000000000000", "time: 0.5: must be"),
-        ("every = 1", "every = 0", "every: 0"),
-        ("until = 0.5", "until = nan", "until: NaN"),
-        ("largest_overlap = ", "largest_overlap = -", "has a number that is not possible"),
-        ("agent = ", "agent = 7", "contains other agents"),
-        (
-            "component = \"crowd\"",
-            "component = \"crowd\"\nsince = { duration = 1.0, agents = [[1.0, 1.0, 1.0]] }",
-            "contains other agents",
-        ),
-        (
-            "component = \"crowd\"",
-            "component = \"crowd\"\nsince = { duration = -1.0, agents = [] }",
-            "has a number that is not possible",
-        ),
-        ("state = \"state-0\"", "state = \"../x\"", "it contains no \"../x\""),
-        (
-            "state = \"state-0\"",
-            "state = \"run.toml\"",
-            "run.toml: state: \"run.toml\": component \"crowd\" has no entry of its own",
-        ),
-        ("bytes = ", "bytes = 1", "state-0: has not the 1"),
-        ("every = 1", "every = 1\nevil = 1", "evil"),
-        ("guid = \"{", "guid = \"{0", "the saved run is of"),
-        ("[[crowd]]", "[[crowd]]\ncomponent = \"x\"", "run.toml: "),
-        (
-            "[[component]]",
-            "[[component]]\nname = \"other\"\nmodel = \"\"\nguid = \"\"\nstate = \"state-0\"\nbytes = 1\n\n[[component]]",
-            "run.toml: state: \"state-0\": is that of component \"other\" and of \"crowd\"",
-        ),
-        ("component = \"crowd\"", "component = \"x\"", "it has no entry for the crowd \"crowd\""),
-    ] {
+    let table = include_str!("forged_runs.txt").lines().filter(|line| !line.starts_with('#'));
+    for row in table {
+        let row = row.replace("\\n", "\n");
+        let [from, to, words] = row.split(" | ").collect::<Vec<_>>()[..] else { panic!("{row:?}") };
         let said = text(from, to);
         assert!(said.contains("run") && said.contains(words), "{from} -> {to}: {said}");
         assert!(read(at, "trajectories.csv") == before, "{to}");

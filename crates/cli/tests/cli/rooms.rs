@@ -95,28 +95,3 @@ fn nobody_stands_across_a_wall() {
         assert_eq!(places.filter(in_pillar).count(), 0);
     }
 }
-
-/// The area for PedPy, by the closed form of the rooms without their openings.
-#[test]
-fn a_room_with_doors_is_a_walkable_area() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    let room = ["crowd", "-n", "20", "--box", "8x6", "-o", "T", "--door", "8,3,1", "--door", "8,0,0.8"];
-    done(at, &room);
-    // The second door goes round a corner: its line cuts off half of 0.4 m x 0.4 m. The corridor of Trial_door is open
-    // at its end.
-    let door = crate::common::root().join("resources/Trial_door");
-    let by_hand = [(at.join("T"), 48.0 - 0.08), (door, 25.0 + 0.2 * 0.9 + 8.8 * 2.0)];
-    for (trial, expected) in by_hand {
-        let trial = read(&trial);
-        let places = trial.dynamics.iter().map(|moving| moving.position);
-        let area = lemons_results::walkable_area(&trial.geometry.walls, places);
-        assert!(
-            area.said[0].contains("closed by") && !area.said[0].contains("bounding box"),
-            "{:?}",
-            area.said
-        );
-        assert!(area.polygon.holes.is_empty(), "{area:?}");
-        assert!((area.polygon.outer.area() - expected).abs() < 1e-9, "{area:?}");
-    }
-}

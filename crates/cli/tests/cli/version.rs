@@ -1,7 +1,6 @@
 //! What the top-level `build.rs` says of the sources: it is compiled here and run on repositories of its own.
 
 use crate::common::{done, out};
-use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -22,37 +21,28 @@ static SCRIPT: LazyLock<(TempDir, PathBuf)> = LazyLock::new(|| {
 
 /// What the script says of a workspace.
 struct Said {
-    commit: String,
-    date: String,
-    changed: bool,
+    /// Commit, date, "1" for changes.
+    values: [String; 3],
     /// What it is run again for.
     watched: Vec<PathBuf>,
 }
 
 fn script(root: &Path, around: &[(&str, &str)]) -> Said {
     let mut command = Command::new(&SCRIPT.1);
-    command.env("CARGO_MANIFEST_DIR", root.join("crates/cli"));
+    command.env("CARGO_MANIFEST_DIR", root.join("crates/cli")).env("OUT_DIR", SCRIPT.0.path());
     for name in ["LEMONS_COMMIT", "LEMONS_COMMIT_DATE", "SOURCE_DATE_EPOCH"] {
         command.env_remove(name);
     }
     let output = command.envs(around.iter().copied()).output().unwrap();
     assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
     let text = out(&output);
-    let lines: Vec<&str> = text.lines().collect();
-    let values: HashMap<&str, &str> =
-        lines.iter().filter_map(|line| line.strip_prefix("cargo::rustc-env=")?.split_once('=')).collect();
-    let watched = lines.iter().filter_map(|line| line.strip_prefix("cargo::rerun-if-changed="));
-    let watched: Vec<PathBuf> = watched.map(PathBuf::from).collect();
+    let all = |begin: &str| text.lines().filter_map(|line| line.strip_prefix(begin)).collect::<Vec<_>>();
+    let values = ["COMMIT", "DATE", "CHANGED"]
+        .map(|name| all(&format!("cargo::rustc-env=LEMONS_BUILD_{name}="))[0].to_owned());
+    let watched: Vec<PathBuf> = all("cargo::rerun-if-changed=").into_iter().map(PathBuf::from).collect();
     // Cargo runs a script each time if a file is not there.
-    for path in &watched {
-        assert!(path.exists(), "{}", path.display());
-    }
-    Said {
-        commit: values["LEMONS_BUILD_COMMIT"].to_owned(),
-        date: values["LEMONS_BUILD_DATE"].to_owned(),
-        changed: values["LEMONS_BUILD_CHANGED"] == "1",
-        watched,
-    }
+    assert!(watched.iter().all(|path| path.exists()), "{text}");
+    Said { values, watched }
 }
 
 /// The directory of a workspace.
@@ -98,14 +88,7 @@ fn repository(at: &Path) -> PathBuf {
 
 /// Newest time of what a script is run again for.
 fn newest(said: &Said) -> std::time::SystemTime {
-    fn of(path: &Path) -> std::time::SystemTime {
-        let own = path.symlink_metadata().unwrap().modified().unwrap();
-        if !path.is_dir() {
-            return own;
-        }
-        fs::read_dir(path).unwrap().map(|entry| of(&entry.unwrap().path())).fold(own, Ord::max)
-    }
-    said.watched.iter().map(|path| of(path)).max().unwrap()
+    said.watched.iter().map(|path| path.symlink_metadata().unwrap().modified().unwrap()).max().unwrap()
 }
 
 #[test]
@@ -128,21 +111,20 @@ fn the_command_says_its_version_and_commit() {
 fn a_commit_its_date_and_changes_are_said() {
     let directory = TempDir::new().unwrap();
     let root = repository(directory.path());
-    let said = script(&root, &[]);
-    assert_eq!(said.commit, git(&root, &["rev-parse", "HEAD"]));
-    // In UTC it is the next day.
-    assert_eq!((said.date.as_str(), said.changed), ("2026-11-23", false));
+    let says = |changed: &str| {
+        // In UTC it is the next day.
+        assert_eq!(script(&root, &[]).values, [&*git(&root, &["rev-parse", "HEAD"]), "2026-11-23", changed]);
+    };
+    says("");
     // What no program is built from is no change of it.
     fs::write(root.join("README.md"), "five").unwrap();
     fs::write(root.join("crates/cli/tests/all.rs"), "//! Six.").unwrap();
     fs::write(root.join("src/new.rs"), "//! Not in git, named by nobody.").unwrap();
-    assert!(!script(&root, &[]).changed);
+    says("");
     fs::write(root.join("crates/cli/src/lib.rs"), "//! Seven.").unwrap();
-    assert!(script(&root, &[]).changed);
+    says("1");
     git(&root, &["commit", "-q", "-a", "-m", "two"]);
-    let after = script(&root, &[]);
-    assert!(!after.changed && after.commit != said.commit);
-    assert_eq!(after.commit, git(&root, &["rev-parse", "HEAD"]));
+    says("");
 }
 
 #[test]
@@ -159,7 +141,7 @@ fn it_is_run_again_for_a_commit_and_not_for_a_question() {
         git(root, &["commit", "-q", "--allow-empty", "-m", what]);
         // Of the files that were watched before.
         assert!(newest(&commit) > before, "{what}: the commit is not seen");
-        assert_ne!(script(root, &[]).commit, commit.commit, "{what}");
+        assert_ne!(script(root, &[]).values, commit.values, "{what}");
     };
     next(&root, "a branch");
     git(&root, &["pack-refs", "--all"]);
@@ -181,17 +163,16 @@ fn sources_without_git_have_a_version_only_wherever_they_lie() {
     // Within somebody else's repository.
     let outer = repository(directory.path());
     let root = workspace(&outer.join("vendored"));
-    let said = script(&root, &[]);
-    assert_eq!((said.commit.as_str(), said.date.as_str(), said.changed), ("", "", false));
+    let says_nothing = |around: &[(&str, &str)]| assert_eq!(script(&root, around).values, [""; 3]);
+    says_nothing(&[]);
     // A `.git` that is none must not lead there either.
     fs::create_dir(root.join(".git")).unwrap();
-    assert_eq!(script(&root, &[]).commit, "");
+    says_nothing(&[]);
     fs::remove_dir(root.join(".git")).unwrap();
     fs::write(root.join(".git"), "gitdir: /nowhere/at/all\n").unwrap();
-    assert_eq!(script(&root, &[]).commit, "");
+    says_nothing(&[]);
     // Nor what a hook of it sets.
-    let hook = outer.join(".git");
-    assert_eq!(script(&root, &[("GIT_DIR", hook.to_str().unwrap())]).commit, "");
+    says_nothing(&[("GIT_DIR", outer.join(".git").to_str().unwrap())]);
 }
 
 #[test]
@@ -200,34 +181,19 @@ fn packagers_say_commit_and_date() {
     let root = repository(directory.path());
     let own = git(&root, &["rev-parse", "HEAD"]);
     fs::write(root.join("src/lib.rs"), "//! Patched.").unwrap();
-    for (around, commit, date, changed) in [
-        (
-            vec![("LEMONS_COMMIT", "v0.1.0"), ("LEMONS_COMMIT_DATE", "2026-11-20")],
-            "v0.1.0",
-            "2026-11-20",
-            false,
-        ),
-        (
-            vec![("LEMONS_COMMIT", "abc1234"), ("SOURCE_DATE_EPOCH", "1709164800")],
-            "abc1234",
-            "2024-02-29",
-            false,
-        ),
-        (vec![("LEMONS_COMMIT", "abc1234")], "abc1234", "", false),
-        (vec![("LEMONS_COMMIT", "")], "", "", false),
-        (vec![("LEMONS_COMMIT", "two words\nand lines")], "", "", false),
-        (vec![("SOURCE_DATE_EPOCH", "951782400")], own.as_str(), "2000-02-29", true),
-        (vec![("SOURCE_DATE_EPOCH", "951868799"), ("LEMONS_COMMIT_DATE", "")], &own, "2000-02-29", true),
-        (vec![("SOURCE_DATE_EPOCH", "-1")], &own, "1969-12-31", true),
-        (vec![("SOURCE_DATE_EPOCH", "4107542400")], &own, "2100-03-01", true),
-        (vec![("SOURCE_DATE_EPOCH", "9223372036854775807")], &own, "2026-11-23", true),
-        (vec![("SOURCE_DATE_EPOCH", "soon")], &own, "2026-11-23", true),
+    for (commit, date, epoch, expected) in [
+        ("v0.1.0", "2026-11-20", "", ["v0.1.0", "2026-11-20", ""]),
+        ("abc1234", "", "1709164800", ["abc1234", "2024-02-29", ""]),
+        ("abc1234", "", "", ["abc1234", "", ""]),
+        ("two words\nand lines", "", "", ["", "", ""]),
+        ("-", "", "951868799", [&own, "2000-02-29", "1"]),
+        ("-", "", "-1", [&own, "1969-12-31", "1"]),
+        ("-", "", "4107542400", [&own, "2100-03-01", "1"]),
+        ("-", "", "9223372036854775807", [&own, "2026-11-23", "1"]),
+        ("-", "", "soon", [&own, "2026-11-23", "1"]),
     ] {
-        let said = script(&root, &around);
-        assert_eq!(
-            (said.commit.as_str(), said.date.as_str(), said.changed),
-            (commit, date, changed),
-            "{around:?}"
-        );
+        let mut around = vec![("LEMONS_COMMIT_DATE", date), ("SOURCE_DATE_EPOCH", epoch)];
+        around.extend((commit != "-").then_some(("LEMONS_COMMIT", commit)));
+        assert_eq!(script(&root, &around).values, expected, "{around:?}");
     }
 }

@@ -1,21 +1,11 @@
 //! `lemons sweep` of people who walk: its points are the runs of `lemons run TRIAL`.
 
-use crate::common::{assert_code, decision_library, done, err, lemons, out};
-use crate::walking::{copy, door};
-use std::collections::HashMap;
+use crate::common::{
+    Row, assert_code, copy_tree, decision_library, done, err, lemons, number, out, read_csv,
+};
+use crate::walking::door;
 use std::fs;
 use std::path::Path;
-
-pub type Row = HashMap<String, String>;
-
-pub fn read_csv(path: &Path) -> Vec<Row> {
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
-    reader.deserialize().map(|row| row.unwrap()).collect()
-}
-
-pub fn number(row: &Row, name: &str) -> f64 {
-    row[name].parse().unwrap_or_else(|_| panic!("{name}: {row:?}"))
-}
 
 /// Somebody arrives soon: all others may still walk.
 const NEAR: &str = "waypoints = [{ x = 5.1, y = 2.5, radius = 0.4 }, { x = 6.0, y = 2.5 }]\n";
@@ -23,7 +13,7 @@ const NEAR: &str = "waypoints = [{ x = 5.1, y = 2.5, radius = 0.4 }, { x = 6.0, 
 /// Trials `T_1` and `T_2`, whose people walk to the door and, of the second, more slowly.
 fn two(at: &Path) {
     for (name, speed) in [("T_1", 1.5), ("T_2", 0.9)] {
-        copy(&at.join("T"), &at.join(name));
+        copy_tree(&at.join("T"), &at.join(name));
         fs::write(at.join(name).join("decision.toml"), format!("desired_speed = {speed}\n{NEAR}")).unwrap();
     }
 }

@@ -1,11 +1,9 @@
 //! Runs of a Trial whose people walk by its `decision.toml`.
 
-use crate::common::{decision_library, done, err, joined, root};
-use crate::walked_sweep::{number, read_csv};
+use crate::common::{copy_tree, decision_library, default_trial, done, err, joined, number, read_csv, root};
 use crowd_mechanics::setup;
 use lemons_core::trial::Trial;
 use lemons_results::Run;
-use lemons_verify::testing::trial_push;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -15,23 +13,11 @@ pub fn door() -> TempDir {
     decision_library();
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    copy(&root().join("resources/Trial_door"), &at.join("T"));
+    copy_tree(&root().join("resources/Trial_door"), &at.join("T"));
     done(at, &["decide", "T", "-o", "decision.fmu"]);
     done(at, &["pack", "T", "-o", "crowd.fmu"]);
     done(at, &["connect", "decision.fmu", "crowd.fmu", "-o", "x.ssp"]);
     directory
-}
-
-pub fn copy(from: &Path, to: &Path) {
-    fs::create_dir(to).unwrap();
-    for entry in fs::read_dir(from).unwrap().map(Result::unwrap) {
-        let place = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy(&entry.path(), &place)
-        } else {
-            fs::copy(entry.path(), place).unwrap();
-        }
-    }
 }
 
 /// Masses and dampings are in both FMUs: a name set those of one, and walkers reached 5.6 m/s.
@@ -45,8 +31,7 @@ fn a_name_without_a_component_sets_what_both_have() {
     let agents = fs::read_to_string(at.join("T/static/Agents.xml")).unwrap();
     let first = agents.find("</Agent>").unwrap() + "</Agent>".len();
     let one = agents[..first].to_owned() + "\n</Agents>\n";
-    fs::create_dir(at.join("edited")).unwrap();
-    copy(&at.join("T"), &at.join("edited/T"));
+    copy_tree(&at.join("T"), &at.join("edited/T"));
     let dynamics = fs::read_to_string(at.join("T/dynamic/AgentDynamics.xml")).unwrap();
     let first = dynamics.find("</Agent>").unwrap() + "</Agent>".len();
     let edited = one.replace("Mass=\"78.0\"", "Mass=\"40\"").replace("Damping=\"4.50\"", "Damping=\"1\"");
@@ -102,7 +87,7 @@ const GEOMETRY: &str = "<Geometry><Dimensions Lx=\"10\" Ly=\"10\"/></Geometry>";
 /// One person in the open.
 fn alone(at: &Path, plan: &str) -> Trial {
     decision_library();
-    let (mut trial, _) = setup::read(&trial_push()).unwrap();
+    let (mut trial, _) = setup::read(&default_trial()).unwrap();
     trial.agents.truncate(1);
     trial.dynamics.truncate(1);
     trial.geometry.walls.clear();

@@ -5,18 +5,17 @@
 //! tests/fmpy/reference.py.
 
 use crate::bench::{crowd, sparse};
-use crate::checks::Result;
 use crate::checks::reference;
+use crate::checks::scenarios::{files_of, read};
 use crate::checks::scenes::Random;
+use anyhow::{Context, Result};
 use cpu_time::ThreadTime;
 use crowd_mechanics::engine::{World, Wrench};
-use crowd_mechanics::setup::{self, Setup};
+use crowd_mechanics::setup::Setup;
 use include_dir::{Dir, include_dir};
-use lemons_core::plane::{Pose, Vec2, vec2};
-use lemons_core::trial::Trial;
-use lemons_core::trial::{DriveChoice, DriveTable};
+use lemons_core::plane::{Pose, vec2};
+use lemons_core::trial::{Agent, DriveTable};
 use std::f64::consts::PI;
-use tempfile::TempDir;
 
 pub(crate) static PUSH: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../resources/Trial_push");
 static DOOR: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../resources/Trial_door");
@@ -26,16 +25,8 @@ const EXACT: f64 = 1e-7;
 /// \[s\] The steps that are measured.
 pub const STEPS: [f64; 9] = [2e-7, 1e-6, 2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4];
 
-/// Wrenches of all people at a time \[s\].
-type Rule = Box<dyn Fn(f64, &World) -> Vec<Wrench>>;
-
-/// What drives a scene over a stage.
-enum Drive {
-    /// These wrenches of each stage.
-    Stages(Vec<Vec<Wrench>>),
-    /// A function of the time \[s\] at the beginning of the stage, and of the poses there.
-    Rule(Rule),
-}
+/// Wrenches of all people over a stage, from the time \[s\] at which it begins, and from where they are then.
+type Drive = Box<dyn Fn(usize, f64, &World) -> Vec<Wrench>>;
 
 /// A motion from its start.
 struct Motion {
@@ -47,14 +38,14 @@ struct Motion {
 
 /// A kind of scene: motions that are looked at together.
 pub struct Scene {
-    /// What it is called in docs/step.md.
+    /// Name in docs/step.md.
     pub name: &'static str,
     /// \[s\] ends of the stages, over which drives are constant.
-    times: Vec<f64>,
+    pub times: Vec<f64>,
     motions: Vec<Motion>,
 }
 
-/// What was found for one step.
+/// Errors and cost of one step.
 pub struct Found {
     /// \[s\]
     pub step: f64,
@@ -73,50 +64,35 @@ impl Found {
 }
 
 impl Scene {
-    /// \[s\] Returns the ends of the stages.
-    pub fn times(&self) -> &[f64] {
-        &self.times
-    }
-
     /// Returns the number of people.
     pub fn people(&self) -> usize {
         self.motions.iter().map(|motion| motion.start.scene().bodies.len()).sum()
     }
 
-    /// Runs the scene with each step, and compares it.
+    /// Runs the scene with each of [`STEPS`], and compares it.
     ///
     /// # Errors
     /// The simulation diverges.
-    pub fn measure(&self, steps: &[f64]) -> Result<Vec<Found>> {
-        let exact = self.motions.iter().map(|motion| match &motion.known {
-            Some(known) => Ok(known.clone()),
-            None => Ok(motion.run(&self.times, EXACT)?.0),
-        });
-        let exact = exact.collect::<Result<Vec<_>>>()?;
-        steps.iter().map(|&step| self.compare(step, &exact)).collect()
-    }
-
-    fn compare(&self, step: f64, exact: &[Vec<Vec<Pose>>]) -> Result<Found> {
-        let mut errors = vec![Vec::new(); self.times.len()];
-        let mut seconds = 0.0;
-        for (motion, exact) in self.motions.iter().zip(exact) {
-            let (found, cost) = motion.run(&self.times, step)?;
-            seconds += cost;
-            for (stage, (found, exact)) in found.iter().zip(exact).enumerate() {
-                let bodies = &motion.start.scene().bodies;
-                let poses = found.iter().zip(exact);
-                let apart = bodies
-                    .iter()
-                    .zip(poses)
-                    .map(|(body, (one, other))| one.apart(other, body.bounding_radius));
-                errors[stage].extend(apart);
+    pub fn measure(&self) -> Result<Vec<Found>> {
+        let mut all: Vec<Found> = STEPS.map(|step| Found { step, cost: 0.0, errors: Vec::new() }).into();
+        let simulated = self.times.last().copied().unwrap_or(1.0) * self.motions.len() as f64;
+        for motion in &self.motions {
+            let exact = match &motion.known {
+                Some(known) => known.clone(),
+                None => motion.run(&self.times, EXACT)?.0,
+            };
+            for found in &mut all {
+                let (poses, seconds) = motion.run(&self.times, found.step)?;
+                found.cost += seconds / simulated;
+                found.errors.resize(self.times.len(), Vec::new());
+                for ((errors, poses), exact) in found.errors.iter_mut().zip(&poses).zip(&exact) {
+                    let bodies = motion.start.scene().bodies.iter().zip(poses).zip(exact);
+                    errors.extend(bodies.map(|((body, one), other)| one.apart(other, body.bounding_radius)));
+                }
             }
         }
-        for errors in &mut errors {
-            errors.sort_by(f64::total_cmp);
-        }
-        let simulated = self.times.last().copied().unwrap_or(1.0) * self.motions.len() as f64;
-        Ok(Found { step, cost: seconds / simulated, errors })
+        all.iter_mut().flat_map(|found| &mut found.errors).for_each(|errors| errors.sort_by(f64::total_cmp));
+        Ok(all)
     }
 }
 
@@ -128,10 +104,7 @@ impl Motion {
         let (mut time, mut poses) = (0.0, Vec::new());
         let begun = ThreadTime::now();
         for (stage, &end) in times.iter().enumerate() {
-            world.drive = match &self.drive {
-                Drive::Stages(stages) => stages[stage].clone(),
-                Drive::Rule(rule) => rule(time, &world),
-            };
+            world.drive = (self.drive)(stage, time, &world);
             world.advance(end - time)?;
             time = end;
             poses.push(world.state().poses.clone());
@@ -140,80 +113,67 @@ impl Motion {
     }
 }
 
-/// \[s\] Ends of stages of a twentieth of a second.
-fn twentieths(until: f64) -> Vec<f64> {
-    (1..=(20.0 * until).round() as u32).map(|k| f64::from(k) / 20.0).collect()
-}
-
 /// Returns the five kinds of scene.
 ///
 /// # Errors
 /// A Trial cannot be read, or a crowd cannot be made.
 pub fn scenes() -> Result<Vec<Scene>> {
-    Ok(vec![push()?, collisions()?, dense()?, door()?, walkers()?])
+    Ok(vec![push()?, collisions()?, dense(), door()?, walkers()?])
 }
 
-pub(crate) fn trial(files: &Dir<'_>) -> Result<(Trial, TempDir)> {
-    let directory = TempDir::with_prefix("lemons-bench-")?;
-    files.extract(directory.path())?;
-    let (trial, _) = setup::read(directory.path())?;
-    Ok((trial, directory))
+/// A scene of one motion, over twentieths of a second.
+fn scene(name: &'static str, until: f64, start: World, drive: Drive) -> Scene {
+    let times = (1..=(20.0 * until).round() as u32).map(|k| f64::from(k) / 20.0).collect();
+    Scene { name, times, motions: vec![Motion { start, drive, known: None }] }
 }
 
 /// The default Trial with its own push.
 fn push() -> Result<Scene> {
-    let (trial, _directory) = trial(&PUSH)?;
-    let table = DriveTable::of(Some(&trial), &DriveChoice::Own)?;
-    let start = Setup::of(&trial).world().map_err(crate::checks::Error::from)?;
-    let ids: Vec<String> = trial.agents.iter().map(|agent| agent.id.clone()).collect();
-    let rule = move |time: f64, _: &World| {
-        let of = |id: &String| table.at(id, time).unwrap_or_default();
-        ids.iter().map(of).map(|[x, y, torque]| Wrench { force: vec2(x, y), torque }).collect()
+    let trial = read(files_of(&PUSH))?;
+    let table = PUSH.get_file("drive.csv").context("the push of the Trial")?;
+    let table = DriveTable::from_csv(table.contents())?;
+    let start = Setup::of(&trial).world()?;
+    let drive = move |_, time: f64, _: &World| {
+        let of = |agent: &Agent| table.at(&agent.id, time).unwrap_or_default();
+        trial.agents.iter().map(of).map(|[x, y, torque]| Wrench { force: vec2(x, y), torque }).collect()
     };
-    let motions = vec![Motion { start, drive: Drive::Rule(Box::new(rule)), known: None }];
-    Ok(Scene { name: "push", times: twentieths(2.0), motions })
+    Ok(scene("push", 2.0, start, Box::new(drive)))
 }
 
 /// Random cases of four to six, with the default materials.
 fn collisions() -> Result<Scene> {
     let cases = reference::usual()?;
-    let times = cases.first().map(|case| case.times.clone()).unwrap_or_default();
-    let motions = cases.iter().map(|case| {
-        let stages = 0..case.times.len();
-        let poses = |stage| case.solution(stage).into_iter().map(|(pose, _)| pose).collect();
+    let times = cases[0].times.clone();
+    let motions = cases.into_iter().map(|case| {
+        let poses = |stage| case.solution(stage).into_iter().map(|known| known.pose).collect();
         Ok(Motion {
             start: case.world(EXACT)?,
-            drive: Drive::Stages(stages.clone().map(|stage| case.drive(stage)).collect()),
-            known: Some(stages.map(poses).collect()),
+            known: Some((0..case.times.len()).map(poses).collect()),
+            drive: Box::new(move |stage, _, _| case.drive(stage)),
         })
     });
-    let motions = motions.collect::<Result<Vec<_>>>()?;
-    Ok(Scene { name: "collisions", times, motions })
+    Ok(Scene { name: "collisions", times, motions: motions.collect::<Result<_>>()? })
 }
 
 /// A hundred people who stand at six per square metre; those at the left are pushed.
-fn dense() -> Result<Scene> {
-    let start = crowd(100, vec2(0.32, 0.521), 0.5, 0.0);
-    let rule = |time: f64, world: &World| {
-        let pushed = |pose: &Pose| pose.position.x < 0.3;
+fn dense() -> Scene {
+    let drive = |_, time: f64, world: &World| {
         let force = if time < 0.6 { 600.0 * (PI * (time + 0.025) / 0.6).sin() } else { 0.0 };
         let of = |pose: &Pose| Wrench {
-            force: Vec2 { x: if pushed(pose) { force } else { 0.0 }, y: 0.0 },
+            force: vec2(if pose.position.x < 0.3 { force } else { 0.0 }, 0.0),
             torque: 0.0,
         };
         world.state().poses.iter().map(of).collect()
     };
-    let motions = vec![Motion { start, drive: Drive::Rule(Box::new(rule)), known: None }];
-    Ok(Scene { name: "dense crowd", times: twentieths(1.0), motions })
+    scene("dense crowd", 1.0, crowd(100, vec2(0.32, 0.521), 0.5, 0.0), Box::new(drive))
 }
 
 /// The thirty people of the Trial who have come to the door.
 fn door() -> Result<Scene> {
-    let (trial, _directory) = trial(&DOOR)?;
-    let mut start = Setup::of(&trial).world().map_err(crate::checks::Error::from)?;
+    let mut start = Setup::of(&read(files_of(&DOOR))?).world()?;
     let mut numbers = Random(4);
     let wished: Vec<f64> = start.scene().bodies.iter().map(|_| 1.4 + 0.3 * numbers.signed()).collect();
-    let rule = move |_: f64, world: &World| {
+    let drive = move |_, _, world: &World| {
         let bodies = world.scene().bodies.iter().zip(&world.state().poses).zip(&wished);
         let of = |((body, pose), speed): ((&crowd_mechanics::engine::Body, &Pose), &f64)| {
             let goal = if pose.position.x < 5.0 { vec2(5.1, 2.5) } else { vec2(30.0, 2.5) };
@@ -224,17 +184,15 @@ fn door() -> Result<Scene> {
     };
     start.mechanical_step = 1e-4;
     for _ in 0..60 {
-        start.drive = rule(0.0, &start);
+        start.drive = drive(0, 0.0, &start);
         start.advance(0.05)?;
     }
-    let motions = vec![Motion { start, drive: Drive::Rule(Box::new(rule)), known: None }];
-    Ok(Scene { name: "door", times: twentieths(1.0), motions })
+    Ok(scene("door", 1.0, start, Box::new(drive)))
 }
 
 /// One person per 2 m², each walking somewhere.
 fn walkers() -> Result<Scene> {
     let start = sparse(100)?;
-    let drive = Drive::Stages(vec![start.drive.clone(); 20]);
-    let motions = vec![Motion { start, drive, known: None }];
-    Ok(Scene { name: "walkers", times: twentieths(1.0), motions })
+    let drive = start.drive.clone();
+    Ok(scene("walkers", 1.0, start, Box::new(move |_, _, _| drive.clone())))
 }

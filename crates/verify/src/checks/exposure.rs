@@ -1,30 +1,25 @@
 //! Forces on bodies and their deepest overlaps during a communication step.
 
-use crate::checks::error::{Result, ensure};
 use crate::checks::scenes::*;
-use crate::checks::{Check, largest};
+use crate::checks::{Figure, Result, ensure, friction, largest};
 use crowd_mechanics::engine::*;
 
-pub(crate) const CHECKS: &[Check] = &[
-    Check::new("mean squeeze over a collision, times its duration", "change of momentum", "", 1e-12, impulse),
-    Check::new("peak squeeze of a collision within one step", "v √(k_n m*)", "", 1e-6, peak),
-    Check::new("deepest overlap of it", "v √(m*/k_n)", "", 1e-6, deepest),
-    Check::new("mean squeeze of a disk pressed on a wall", "the force that presses", "", 1e-9, pressed),
-    Check::new("a crowd's greatest peak, seen each 0.1 s", "seen each mechanical step", "", 1e-9, || {
-        Ok(crowd()?.0)
-    }),
-    Check::new("its mean over 0.1 s", "the mean of the means of each step", "", 1e-9, || Ok(crowd()?.1)),
-    Check::new("its deepest overlap, seen each 0.1 s", "seen each mechanical step", "", 1e-9, || {
-        Ok(crowd()?.2)
-    }),
+pub(crate) const FIGURES: &[Figure] = &[
+    impulse,
+    || off(SPEED * (ELASTIC.normal_stiffness * REDUCED).sqrt(), |of| of.peak_force),
+    || off(SPEED * (REDUCED / ELASTIC.normal_stiffness).sqrt(), |of| of.peak_overlap),
+    pressed,
+    || Ok(crowd()?.0),
+    || Ok(crowd()?.1),
+    || Ok(crowd()?.2),
 ];
 
 const SPEED: f64 = 1.3;
 
 /// 80 kg on 50 kg head-on, within one communication step of 0.2 s, in mechanical steps of 2 µs.
 fn collision() -> Result<World> {
-    let motions = [(at(0.0, 0.0), moving(SPEED, 0.0)), (at(0.45, 0.0), moving(0.0, 0.0))];
-    let mut world = world(&[disk(80.0, 0.2), disk(50.0, 0.2)], &[], ELASTIC, &motions, 2e-6);
+    let people = [disk(80.0, 0.2).moving(SPEED, 0.0), disk(50.0, 0.2).at(0.45, 0.0)];
+    let mut world = world(&people, &[], ELASTIC, 2e-6);
     world.advance(0.2)?;
     ensure!(world.contacts().contacts.is_empty(), "they have parted");
     Ok(world)
@@ -36,25 +31,17 @@ const REDUCED: f64 = 80.0 * 50.0 / 130.0;
 fn impulse() -> Result<f64> {
     let world = collision()?;
     let change = 80.0 * (SPEED - world.state().twists[0].velocity.x);
-    ensure!((change / (2.0 * REDUCED * SPEED) - 1.0).abs() < 1e-6, "elastic");
+    ensure!((change / (2.0 * REDUCED * SPEED) - 1.0).abs() < 1e-6, "it is elastic");
     Ok(largest(world.exposures().iter().map(|of| (of.mean_force * 0.2 / change - 1.0).abs())))
 }
 
-fn peak() -> Result<f64> {
-    let expected = SPEED * (ELASTIC.normal_stiffness * REDUCED).sqrt();
-    Ok(largest(collision()?.exposures().iter().map(|of| (of.peak_force / expected - 1.0).abs())))
-}
-
-fn deepest() -> Result<f64> {
-    let expected = SPEED * (REDUCED / ELASTIC.normal_stiffness).sqrt();
-    Ok(largest(collision()?.exposures().iter().map(|of| (of.peak_overlap / expected - 1.0).abs())))
+/// Relative difference of a figure of that collision from an expected one.
+fn off(expected: f64, figure: fn(&Exposure) -> f64) -> Result<f64> {
+    Ok(largest(collision()?.exposures().iter().map(|of| (figure(of) / expected - 1.0).abs())))
 }
 
 fn pressed() -> Result<f64> {
-    let rest = 0.2 - 500.0 / BODIES.normal_stiffness;
-    let walls = [wall(&[(-1.0, 0.0), (1.0, 0.0)])];
-    let mut world = world(&[disk(80.0, 0.2)], &walls, BODIES, &[(at(0.0, rest), moving(0.0, 0.0))], 1e-5);
-    world.drive[0].force = vec2(0.0, -500.0);
+    let mut world = friction::pressed(disk(80.0, 0.2), BODIES);
     world.advance(0.01)?;
     let Exposure { mean_force, peak_force, .. } = world.exposures()[0];
     Ok(largest([(mean_force / 500.0 - 1.0).abs(), (peak_force / 500.0 - 1.0).abs()]))
@@ -64,8 +51,8 @@ fn pressed() -> Result<f64> {
 /// depend on velocities, so that the motion does not depend on the communication step.
 fn crowd() -> Result<(f64, f64, f64)> {
     let dt = 1e-4;
-    let below = wall(&[(-1.0, -0.5), (3.0, -0.5)]);
-    let mut whole = crowd_on_lattice(6, 0.33, FREE, &below, ELASTIC, dt);
+    let people = on_lattice(6, [0.33; 2], 0.0);
+    let mut whole = world(&people, &[&[(-1.0, -0.5), (3.0, -0.5)]], ELASTIC, dt);
     let mut stepped = whole.clone();
     whole.advance(0.1)?;
     let (mut peaks, mut depths) = ([0.0f64; 36], [0.0f64; 36]);

@@ -1,39 +1,26 @@
 //! Motion without contact, the shortlist, and saved states.
 
-use crate::checks::error::{Result, ensure};
 use crate::checks::ramp::{along_row, flight};
 use crate::checks::scenes::*;
-use crate::checks::{Check, farthest_apart};
+use crate::checks::{Figure, Result, ensure, farthest_apart};
 use crowd_mechanics::engine::*;
 
-pub(crate) const CHECKS: &[Check] = &[
-    Check::new("free relaxation of r, v, θ, ω, shortlisted", "closed form", "SI", 1e-10, || {
-        relaxation(Shortlisting::On)
-    }),
-    Check::new("the same, by mechanical steps", "closed form", "SI", 1e-10, || relaxation(Shortlisting::Off)),
-    Check::new("a push through a row within one step", "no shortlist", "m", 1e-9, row),
-    Check::new("a crowd of 64 with shortlist", "without", "m", 1e-9, crowd),
-    Check::new(
-        "dense crowd after 1000 steps: bits unlike the golden ones",
-        "the same bits on every machine",
-        "",
-        0.0,
-        || golden(12, 1000, 1, GOLDEN),
-    ),
-    Check::new("1156 people on one thread: bits unlike the golden ones", "the same bits", "", 0.0, || {
-        golden(34, 300, 1, GOLDEN_OF_BLOCKS)
-    }),
-    Check::new("the same on two threads", "the same bits", "", 0.0, || golden(34, 300, 2, GOLDEN_OF_BLOCKS)),
-    Check::new("the same on three threads", "the same bits", "", 0.0, || {
-        golden(34, 300, 3, GOLDEN_OF_BLOCKS)
-    }),
-    Check::new("restored in mid-contact and run on: unequal bits", "uninterrupted run", "", 0.0, restored),
+pub(crate) const FIGURES: &[Figure] = &[
+    || relaxation(Shortlisting::On),
+    || relaxation(Shortlisting::Off),
+    row,
+    crowd,
+    || golden(12, 1000, 1, GOLDEN),
+    || golden(34, 300, 1, GOLDEN_OF_BLOCKS),
+    || golden(34, 300, 2, GOLDEN_OF_BLOCKS),
+    || golden(34, 300, 3, GOLDEN_OF_BLOCKS),
+    restored,
 ];
 
 fn relaxation(shortlisting: Shortlisting) -> Result<f64> {
-    let start = Twist { velocity: vec2(1.2, -0.4), angular_velocity: 2.0 };
+    let someone = pedestrian(70.0, 0.0).relaxing(4.5, 3.0).moving(1.2, -0.4).spinning(2.0);
     let drive = Wrench { force: vec2(50.0, 20.0), torque: 1.5 };
-    flight(shortlisting, &[(4.5, 3.0)], start, [drive, Wrench::default()], (20, 0.1))
+    flight(shortlisting, &someone, [drive, Wrench::default()], (20, 0.1))
 }
 
 /// Standing people with gaps, and one who runs into them. Within one communication step the push travels through bodies
@@ -82,12 +69,12 @@ const GOLDEN: u64 = 0x65ba_a920_4c80_73c6;
 /// The same for a crowd of 1156 after 300 steps, whose blocks are shared among threads.
 const GOLDEN_OF_BLOCKS: u64 = 0x738d_454e_60cd_4ce7;
 
-/// Whether the hash of a dense crowd differs from the expected one.
+/// Returns 1 if the hash of a dense crowd differs from the expected one, else 0.
 fn golden(side: u32, steps: u32, threads: usize, expected: u64) -> Result<f64> {
     let mut world = lattice(side, 0.4, 1e-5);
     world.shortlisting = Shortlisting::Off;
     world.set_threads(threads)?;
-    ensure!(world.threads() == threads, "as many threads as asked for");
+    ensure!(world.threads() == threads, "there are as many threads as asked for");
     world.advance(1e-5 * f64::from(steps))?;
     ensure!(world.work().contacts > 10_000, "it is dense");
     ensure!(world.shared() == u64::from(threads > 1), "threads have shared it");

@@ -1,65 +1,36 @@
 //! Contacts never make energy: random pairs over materials, inner corners of walls, round rooms. Nobody drives them.
 
-use crate::checks::error::{Error, Result, ensure};
 use crate::checks::scenarios::open;
 use crate::checks::scenes::*;
-use crate::checks::{Check, largest};
+use crate::checks::{Figure, Result, ensure, largest};
+use anyhow::Context;
 use crowd_mechanics::engine::*;
 use crowd_mechanics::setup::Setup;
+use lemons_core::trial::Trial;
 use std::f64::consts::{PI, TAU};
 
-pub(crate) const CHECKS: &[Check] = &[
-    Check::new(
-        "two pedestrians, γ_t = 1.5e4 kg/s: energy after / before",
-        "0.8564: independent integrator",
-        "",
-        1e-3,
-        || Ok((damped_pair(1.5e4)? - 0.8564).abs()),
-    ),
-    Check::new("the same, γ_t = 1000 kg/s", "0.7727: independent integrator", "", 1e-3, || {
-        Ok((damped_pair(1000.0)? - 0.7727).abs())
-    }),
-    Check::new(
-        "500 random pairs, E 1e5–1e7, γ 0–3e4, μ 0–5, longest steps that check lets pass: energy gained",
-        "no more than before",
-        "",
-        1e-2,
-        || random_pairs(1.0),
-    ),
-    Check::new("the same at a tenth of these steps", "no more than before", "", 1e-4, || random_pairs(0.1)),
-    Check::new(
-        "200 hits at inner corners of 0.1° to 89° and round rooms, no damping: energy gained or lost",
-        "none",
-        "",
-        1e-4,
-        || corners(ELASTIC),
-    ),
-    Check::new(
-        "the same with damping and friction: energy gained in a hit",
-        "no more than before",
-        "",
-        1e-4,
-        || corners(CONCRETE),
-    ),
-    Check::new(
-        "walls end to end, drawn twice, in parts: slider and rebound",
-        "one wall",
-        "SI",
-        1e-9,
-        drawn_in_parts,
-    ),
+pub(crate) const FIGURES: &[Figure] = &[
+    || Ok((damped_pair(1.5e4)? - 0.8564).abs()),
+    || Ok((damped_pair(1000.0)? - 0.7727).abs()),
+    || random_pairs(1.0),
+    || random_pairs(0.1),
+    || corners(ELASTIC),
+    || corners(CONCRETE),
+    drawn_in_parts,
 ];
 
-/// The law of two equal materials (paper, App. A).
-fn law(young: f64, [normal_damping, tangential_damping]: [f64; 2], friction: f64) -> PairLaw {
-    let shear = young / 2.2905;
-    PairLaw {
-        normal_stiffness: 0.5 / ((4.0 * shear - young) / (4.0 * shear * shear)),
-        tangential_stiffness: 0.5 / ((6.0 * shear - young) / (8.0 * shear * shear)),
-        normal_damping,
-        tangential_damping,
-        friction,
+/// A Trial of two people of one material.
+fn pair(people: &[Placed; 2], young_modulus: f64, damping: [f64; 2], friction: f64) -> Result<Trial> {
+    let mut trial = open("push_agent_agent")?;
+    populate(&mut trial, people);
+    for material in &mut trial.materials.intrinsic {
+        (material.young_modulus, material.shear_modulus) = (young_modulus, young_modulus / 2.2905);
     }
+    for contact in &mut trial.materials.binary {
+        [contact.gamma_normal, contact.gamma_tangential] = damping;
+        contact.kinetic_friction = friction;
+    }
+    Ok(trial)
 }
 
 /// \[J\] Kinetic energy, and that of the springs.
@@ -70,15 +41,11 @@ fn energy(world: &World) -> f64 {
 
 /// Two five-disk bodies that run into each other.
 fn damped_pair(tangential_damping: f64) -> Result<f64> {
-    let bodies =
-        [(30.4, 0.291), (51.6, 0.961)].map(|(mass, inertia)| BodySpec { inertia, ..pedestrian(mass, FREE) });
-    let motion = |x: f64, y: f64, orientation, velocity, angular_velocity| {
-        (Pose { position: vec2(x, y), orientation }, Twist { velocity, angular_velocity })
-    };
-    let motions =
-        [motion(-0.35, 0.037, 2.9, vec2(2.3, 0.67), 4.3), motion(0.35, 0.0, -0.19, vec2(-1.67, -1.0), 2.1)];
-    let law = law(3.6e5, [16.0, tangential_damping], 1.0);
-    let mut world = world(&bodies, &[], law, &motions, 1e-5);
+    let first = pedestrian(30.4, 0.0).of_inertia(0.291).at(-0.35, 0.037).turned(2.9).moving(2.3, 0.67);
+    let second = pedestrian(51.6, 0.0).of_inertia(0.961).at(0.35, 0.0).turned(-0.19).moving(-1.67, -1.0);
+    let people = [first.spinning(4.3), second.spinning(2.1)];
+    let mut world = Setup::of(&pair(&people, 3.6e5, [16.0, tangential_damping], 1.0)?).world()?;
+    world.mechanical_step = 1e-5;
     let before = energy(&world);
     for _ in 0..10 {
         world.advance(0.1)?;
@@ -90,65 +57,38 @@ fn damped_pair(tangential_damping: f64) -> Result<f64> {
 /// Returns the largest energy gained, as a share of that before, of random pairs of pedestrians; at a share of the
 /// longest step without a warning.
 fn random_pairs(share_of_longest: f64) -> Result<f64> {
-    let (_directory, mut trial) = open("push_agent_agent")?;
     let mut random = Random(16);
     let (mut worst, mut met) = (f64::NEG_INFINITY, 0);
     while met < 500 {
         let powers = |random: &mut Random, low: f64, high: f64| low * (high / low).powf(random.share());
-        let young = powers(&mut random, 1e5, 1e7);
+        let young_modulus = powers(&mut random, 1e5, 1e7);
         let damping = [(); 2].map(|()| {
             let (none, strength) = (random.share() < 0.15, powers(&mut random, 3.0, 3e4));
             if none { 0.0 } else { strength }
         });
         let friction = if random.share() < 0.1 { 0.0 } else { random.within(0.0, 5.0) };
-        let law = law(young, damping, friction);
-        let bodies = [(); 2].map(|()| {
+        let mut people = [(); 2].map(|()| {
             let mass = random.within(20.0, 120.0);
-            BodySpec { inertia: mass * random.within(0.008, 0.03), ..pedestrian(mass, FREE) }
+            pedestrian(mass, 0.0).of_inertia(mass * random.within(0.008, 0.03))
         });
-        for (agent, body) in trial.agents.iter_mut().zip(&bodies) {
-            (agent.mass, agent.moment_of_inertia) = (body.mass, body.inertia);
-            let shape = agent.shapes[0].clone();
-            agent.shapes = body
-                .disks
-                .iter()
-                .map(|disk| lemons_core::trial::Shape {
-                    radius: disk.radius,
-                    position: disk.position,
-                    ..shape.clone()
-                })
-                .collect();
-        }
-        for material in &mut trial.materials.intrinsic {
-            (material.young_modulus, material.shear_modulus) = (young, young / 2.2905);
-        }
-        for contact in &mut trial.materials.binary {
-            [contact.gamma_normal, contact.gamma_tangential] = damping;
-            contact.kinetic_friction = friction;
-        }
-        let steps = Setup::of(&trial).steps().ok_or_else(|| Error::Premise("they can touch".to_owned()))?;
         let direction = random.within(0.0, TAU);
-        let towards = vec2(-libm::cos(direction), -libm::sin(direction)) * random.within(0.5, 4.0);
-        let beside = random.within(-0.25, 0.25);
-        let first = at(0.0, 0.0).position;
-        let second = vec2(libm::cos(direction), libm::sin(direction)) * 0.7
-            + vec2(-libm::sin(direction), libm::cos(direction)) * beside;
+        let away = vec2(libm::cos(direction), libm::sin(direction));
+        let towards = away * -random.within(0.5, 4.0);
+        people[1].pose.position = away * 0.7 + away.perp() * random.within(-0.25, 0.25);
         let share = random.share();
-        let motions =
-            [(first, towards * -share), (second, towards * (1.0 - share))].map(|(position, velocity)| {
-                let orientation = random.within(-PI, PI);
-                (
-                    Pose { position, orientation },
-                    Twist { velocity, angular_velocity: random.within(-6.0, 6.0) },
-                )
-            });
-        let dt = share_of_longest * steps.longest();
-        let mut world = world(&bodies, &[], law, &motions, dt);
+        for (person, velocity) in people.iter_mut().zip([towards * -share, towards * (1.0 - share)]) {
+            person.pose.orientation = random.within(-PI, PI);
+            person.twist = Twist { velocity, angular_velocity: random.within(-6.0, 6.0) };
+        }
+        let trial = pair(&people, young_modulus, damping, friction)?;
+        let longest = Setup::of(&trial).steps().context("they can touch")?.longest();
+        let mut world = Setup::of(&trial).world()?;
+        let dt = share_of_longest * longest;
+        world.mechanical_step = dt;
         ensure!(world.contacts().contacts.is_empty(), "they are apart at first");
         let before = energy(&world);
         let mut most = f64::NEG_INFINITY;
-        let looks = (1.5 / (5.0 * dt)).ceil() as u32;
-        for _ in 0..looks {
+        for _ in 0..(1.5 / (5.0 * dt)).ceil() as u32 {
             if world.advance(5.0 * dt).is_err() {
                 return Ok(f64::INFINITY);
             }
@@ -171,8 +111,8 @@ fn corners(law: PairLaw) -> Result<f64> {
     let conservative = law == ELASTIC;
     let (mut worst, mut hits) = (0.0f64, 0);
     let mut random = Random(89);
-    let mut fly = |walls: &[WallSpec], motion: (Pose, Twist), time: f64, hits: &mut u32| -> Result<()> {
-        let mut world = world(&[disk(80.0, 0.2)], walls, law, &[motion], 1e-5);
+    let mut fly = |wall: &[(f64, f64)], body: Placed, time: f64| -> Result<()> {
+        let mut world = world(&[body], &[wall], law, 1e-5);
         ensure!(world.contacts().contacts.is_empty(), "it is apart at first");
         let (mut before, mut touched) = (energy(&world), 0);
         for _ in 0..(time / 1e-3) as u32 {
@@ -182,7 +122,7 @@ fn corners(law: PairLaw) -> Result<f64> {
                 let change = energy(&world) / before - 1.0;
                 worst = worst.max(if conservative { change.abs() } else { change });
                 (before, touched) = (energy(&world), touches);
-                *hits += 1;
+                hits += 1;
             }
         }
         Ok(())
@@ -191,34 +131,23 @@ fn corners(law: PairLaw) -> Result<f64> {
         let turn = degrees.to_radians();
         for _ in 0..12 {
             let end = (3.0 * libm::cos(turn), 3.0 * libm::sin(turn));
-            let walls = [wall(&[(-3.0, 0.0), (0.0, 0.0), end])];
             // Towards the place where the disk touches both faces.
             let aim = vec2(-0.2 * libm::tan(0.5 * turn) + random.within(-0.03, 0.03), 0.2);
             let from = random.within(turn + 0.2, PI - 0.2);
             let direction = vec2(libm::cos(from), libm::sin(from));
             let start = aim + direction * 0.3;
             let velocity = direction * -random.within(0.5, 6.0);
-            let spin = random.within(-4.0, 4.0);
-            let motion = (at(start.x, start.y), Twist { velocity, angular_velocity: spin });
-            fly(&walls, motion, 0.9, &mut hits)?;
+            let body = disk(80.0, 0.2).at(start.x, start.y).moving(velocity.x, velocity.y);
+            fly(&[(-3.0, 0.0), (0.0, 0.0), end], body.spinning(random.within(-4.0, 4.0)), 0.9)?;
         }
     }
     for pieces in [18, 72, 300, 1142] {
-        let corner = |k: u32| {
-            let (sin, cos) = libm::sincos(TAU * f64::from(k % pieces) / f64::from(pieces));
-            (cos, sin)
-        };
-        let walls = [wall(&(0..=pieces).map(corner).collect::<Vec<_>>())];
         for _ in 0..3 {
             let (direction, speed) = (random.within(0.0, TAU), random.within(2.0, 6.0));
-            let velocity = vec2(libm::cos(direction), libm::sin(direction)) * speed;
-            let start = at(random.within(-0.5, 0.5), random.within(-0.5, 0.5));
-            fly(
-                &walls,
-                (start, Twist { velocity, angular_velocity: random.within(-4.0, 4.0) }),
-                3.0,
-                &mut hits,
-            )?;
+            let [x, y, spin] = [0.5, 0.5, 4.0].map(|most| random.within(-most, most));
+            let body =
+                disk(80.0, 0.2).at(x, y).moving(speed * libm::cos(direction), speed * libm::sin(direction));
+            fly(&polygon(pieces), body.spinning(spin), 3.0)?;
         }
     }
     ensure!(hits >= 200, "there are more than 200 hits: {hits}");
@@ -237,9 +166,9 @@ fn drawn_in_parts() -> Result<f64> {
     ];
     let (mut first, mut worst): (Option<Vec<f64>>, f64) = (None, 0.0);
     for way in ways {
-        let walls: Vec<WallSpec> = way.iter().map(|corners| wall(corners)).collect();
-        let motions = [(at(-0.3, 0.1999), moving(0.9, 0.0)), (at(1.0, 0.3), moving(0.4, -2.0))];
-        let mut world = world(&[disk(80.0, 0.2), disk(70.0, 0.2)], &walls, CONCRETE, &motions, 1e-5);
+        let slider = disk(80.0, 0.2).at(-0.3, 0.1999).moving(0.9, 0.0);
+        let thrown = disk(70.0, 0.2).at(1.0, 0.3).moving(0.4, -2.0);
+        let mut world = world(&[slider, thrown], way, CONCRETE, 1e-5);
         world.drive[0].force = vec2(0.0, -500.0);
         let mut seen = Vec::new();
         for _ in 0..100 {

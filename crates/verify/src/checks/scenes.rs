@@ -1,16 +1,9 @@
 //! Small scenes for checks and tests.
 
 use crowd_mechanics::engine::*;
-
-/// \[1/s\] Relaxation rate zero.
-pub const FREE: f64 = 0.0;
-
-/// Returns a table of one material with this law.
-pub fn laws(law: PairLaw) -> LawTable {
-    let mut laws = LawTable::new(1);
-    laws.set(0, 0, law);
-    laws
-}
+use lemons_core::plane::Motion;
+use lemons_core::trial::{Agent, AgentDynamics, Shape, Trial};
+use std::f64::consts::TAU;
 
 /// Springs only.
 pub const ELASTIC: PairLaw = PairLaw {
@@ -30,19 +23,67 @@ pub const BODIES: PairLaw = PairLaw {
     friction: 0.4,
 };
 
-/// Returns a round body of one disk.
-pub fn disk(mass: f64, radius: f64) -> BodySpec {
-    BodySpec {
-        mass,
-        inertia: 0.5 * mass * radius * radius,
-        translation_rate: FREE,
-        rotation_rate: FREE,
-        disks: vec![DiskSpec { radius, position: Vec2::ZERO, material: 0 }],
+/// A body, and how it moves at first.
+#[derive(Debug, Clone)]
+#[allow(missing_docs)]
+pub struct Placed {
+    pub body: BodySpec,
+    pub pose: Pose,
+    pub twist: Twist,
+}
+
+impl Placed {
+    /// Puts it at a place \[m\].
+    pub fn at(mut self, x: f64, y: f64) -> Placed {
+        self.pose.position = vec2(x, y);
+        self
+    }
+
+    /// Turns its gaze, which else is along +x, to an angle \[rad\].
+    pub fn turned(mut self, angle: f64) -> Placed {
+        self.pose.orientation = angle;
+        self
+    }
+
+    /// Gives it a velocity \[m/s\].
+    pub fn moving(mut self, x: f64, y: f64) -> Placed {
+        self.twist.velocity = vec2(x, y);
+        self
+    }
+
+    /// Gives it an angular velocity \[rad/s\].
+    pub fn spinning(mut self, angular_velocity: f64) -> Placed {
+        self.twist.angular_velocity = angular_velocity;
+        self
+    }
+
+    /// Gives it relaxation rates \[1/s\] of velocity and angular velocity.
+    pub fn relaxing(mut self, translation: f64, rotation: f64) -> Placed {
+        (self.body.translation_rate, self.body.rotation_rate) = (translation, rotation);
+        self
+    }
+
+    /// Gives it another moment of inertia \[kg.m2\].
+    pub fn of_inertia(mut self, inertia: f64) -> Placed {
+        self.body.inertia = inertia;
+        self
     }
 }
 
-/// Returns a body with the five disks of the paper's agent 0 (App. C), gaze along +x.
-pub fn pedestrian(mass: f64, rate: f64) -> BodySpec {
+fn placed(mass: f64, inertia: f64, disks: &[(f64, f64, f64)]) -> Placed {
+    let disk = |&(radius, x, y): &(f64, f64, f64)| DiskSpec { radius, position: vec2(x, y), material: 0 };
+    let disks = disks.iter().map(disk).collect();
+    let body = BodySpec { mass, inertia, translation_rate: 0.0, rotation_rate: 0.0, disks };
+    Placed { body, pose: Pose::default(), twist: Twist::default() }
+}
+
+/// Returns a round body of one disk at the origin, at rest, without relaxation.
+pub fn disk(mass: f64, radius: f64) -> Placed {
+    placed(mass, 0.5 * mass * radius * radius, &[(radius, 0.0, 0.0)])
+}
+
+/// Returns a body with the five disks of the paper's agent 0 (App. C), and one relaxation rate \[1/s\].
+pub fn pedestrian(mass: f64, rate: f64) -> Placed {
     let shape = [
         (0.09495, -0.015458, 0.153544),
         (0.13058, 0.008692, 0.067374),
@@ -50,16 +91,7 @@ pub fn pedestrian(mass: f64, rate: f64) -> BodySpec {
         (0.13058, 0.008692, -0.067376),
         (0.09495, -0.015458, -0.153546),
     ];
-    BodySpec {
-        mass,
-        inertia: 1.85 * mass / 89.0,
-        translation_rate: rate,
-        rotation_rate: rate,
-        disks: shape
-            .iter()
-            .map(|&(radius, x, y)| DiskSpec { radius, position: vec2(x, y), material: 0 })
-            .collect(),
-    }
+    placed(mass, 1.85 * mass / 89.0, &shape).relaxing(rate, rate)
 }
 
 /// The paper's body on concrete (App. C).
@@ -71,35 +103,51 @@ pub const CONCRETE: PairLaw = PairLaw {
     friction: 0.5,
 };
 
-/// Returns a pose with the gaze along +x.
-pub fn at(x: f64, y: f64) -> Pose {
-    Pose { position: vec2(x, y), orientation: 0.0 }
-}
-
-/// Returns a motion without rotation.
-pub fn moving(x: f64, y: f64) -> Twist {
-    Twist { velocity: vec2(x, y), angular_velocity: 0.0 }
-}
-
-/// Returns a wall through corners \[m\].
-pub fn wall(corners: &[(f64, f64)]) -> WallSpec {
-    WallSpec { material: 0, corners: corners.iter().map(|&(x, y)| vec2(x, y)).collect() }
-}
-
-/// Returns a world of one material, without drive.
+/// Returns a world of one material, without drive; its walls run through corners \[m\].
 ///
 /// # Panics
 /// Never: every pair has the law, and there are few bodies.
-pub fn world(
-    bodies: &[BodySpec],
-    walls: &[WallSpec],
-    law: PairLaw,
-    motions: &[(Pose, Twist)],
-    mechanical_step: f64,
-) -> World {
-    let scene = Scene::new(bodies, walls, laws(law));
-    let (poses, twists) = motions.iter().copied().unzip();
+pub fn world(people: &[Placed], walls: &[&[(f64, f64)]], law: PairLaw, mechanical_step: f64) -> World {
+    let corner = |&(x, y): &(f64, f64)| vec2(x, y);
+    let wall =
+        |corners: &&[(f64, f64)]| WallSpec { material: 0, corners: corners.iter().map(corner).collect() };
+    let walls: Vec<WallSpec> = walls.iter().map(wall).collect();
+    let bodies: Vec<BodySpec> = people.iter().map(|person| person.body.clone()).collect();
+    let mut laws = LawTable::new(1);
+    laws.set(0, 0, law);
+    let scene = Scene::new(&bodies, &walls, laws);
+    let (poses, twists) = people.iter().map(|person| (person.pose, person.twist)).unzip();
     World::new(scene, State::new(poses, twists), mechanical_step).expect("few bodies")
+}
+
+/// Returns a closed regular polygon of radius 1 m about the origin.
+pub fn polygon(sides: u32) -> Vec<(f64, f64)> {
+    let corner = |k: u32| {
+        let (sin, cos) = libm::sincos(TAU * f64::from(k % sides) / f64::from(sides));
+        (cos, sin)
+    };
+    (0..=sides).map(corner).collect()
+}
+
+/// Puts people into a Trial, each like its first one, of the material of that one's first disk.
+pub fn populate(trial: &mut Trial, people: &[Placed]) {
+    let (someone, still) = (trial.agents[0].clone(), trial.dynamics[0].clone());
+    let shape =
+        |disk: &DiskSpec| Shape { radius: disk.radius, position: disk.position, ..someone.shapes[0].clone() };
+    let agent = |(k, person): (usize, &Placed)| Agent {
+        id: k.to_string(),
+        mass: person.body.mass,
+        moment_of_inertia: person.body.inertia,
+        shapes: person.body.disks.iter().map(shape).collect(),
+        ..someone.clone()
+    };
+    let moving = |person: &Placed| AgentDynamics {
+        fp: still.fp,
+        mp: still.mp,
+        ..AgentDynamics::of(&Motion { pose: person.pose, twist: person.twist })
+    };
+    trial.agents = people.iter().enumerate().map(agent).collect();
+    trial.dynamics = people.iter().map(moving).collect();
 }
 
 /// Returns the momentum \[kg.m/s\].
@@ -135,8 +183,17 @@ pub fn kinetic_energy(world: &World) -> f64 {
 }
 
 /// Returns poses and twists of all bodies.
-pub fn motions(world: &World) -> Vec<(Pose, Twist)> {
-    world.state().poses.iter().copied().zip(world.state().twists.iter().copied()).collect()
+pub fn motions(world: &World) -> Vec<Motion> {
+    let state = world.state();
+    state.poses.iter().zip(&state.twists).map(|(&pose, &twist)| Motion { pose, twist }).collect()
+}
+
+/// Returns the motion of these numbers: x, y, orientation, their rates.
+pub(crate) fn motion(&[x, y, orientation, vx, vy, angular_velocity]: &[f64; 6]) -> Motion {
+    Motion {
+        pose: Pose { position: vec2(x, y), orientation },
+        twist: Twist { velocity: vec2(vx, vy), angular_velocity },
+    }
 }
 
 /// Returns the law of a contact.
@@ -157,13 +214,10 @@ pub fn stored(scene: &Scene, contact: &Contact) -> [f64; 2] {
 
 /// Returns two disks pressed together, to be twisted well below the limit of sticking.
 pub fn pressed_together(mechanical_step: f64) -> World {
-    let mut bodies = [disk(80.0, 0.2), disk(60.0, 0.25)];
-    for body in &mut bodies {
-        (body.translation_rate, body.rotation_rate) = (2.0, 2.0);
-    }
+    let first = disk(80.0, 0.2).moving(0.05, 0.0).relaxing(2.0, 2.0);
+    let second = disk(60.0, 0.25).at(0.449, 0.0).relaxing(2.0, 2.0);
     let law = PairLaw { friction: 5.0, ..BODIES };
-    let motions = [(at(0.0, 0.0), moving(0.05, 0.0)), (at(0.449, 0.0), moving(0.0, 0.0))];
-    let mut world = world(&bodies, &[], law, &motions, mechanical_step);
+    let mut world = world(&[first, second], &[], law, mechanical_step);
     world.drive[0].force = vec2(2000.0, 0.0);
     world.drive[1].force = vec2(-2000.0, 0.0);
     world
@@ -200,26 +254,17 @@ impl Random {
 /// Returns pedestrians of different orientations on a square lattice \[m\], running in all directions, and a wall below
 /// them.
 pub fn lattice(side: u32, spacing: f64, mechanical_step: f64) -> World {
-    let below = wall(&[(-1.0, -0.5), (spacing * f64::from(side) + 3.0, -0.5)]);
-    crowd_on_lattice(side, spacing, 4.5, &below, BODIES, mechanical_step)
+    let below = [(-1.0, -0.5), (spacing * f64::from(side) + 3.0, -0.5)];
+    world(&on_lattice(side, [spacing; 2], 4.5), &[&below], BODIES, mechanical_step)
 }
 
-/// Returns such a crowd with another relaxation rate, wall and law.
-pub fn crowd_on_lattice(
-    side: u32,
-    spacing: f64,
-    rate: f64,
-    below: &WallSpec,
-    law: PairLaw,
-    mechanical_step: f64,
-) -> World {
-    let bodies: Vec<BodySpec> = (0..side * side).map(|_| pedestrian(70.0, rate)).collect();
-    let motions: Vec<(Pose, Twist)> = (0..side * side)
-        .map(|k| {
-            let (column, row, k) = (f64::from(k % side), f64::from(k / side), f64::from(k));
-            let pose = Pose { position: vec2(spacing * column, spacing * row), orientation: 0.7 * k };
-            (pose, moving(libm::sin(1.3 * k), libm::cos(2.1 * k)))
-        })
-        .collect();
-    world(&bodies, std::slice::from_ref(below), law, &motions, mechanical_step)
+/// Returns pedestrians of 70 kg with this relaxation rate \[1/s\] on a square lattice, columns and rows so far apart
+/// \[m\].
+pub fn on_lattice(side: u32, [x, y]: [f64; 2], rate: f64) -> Vec<Placed> {
+    let person = |k: u32| {
+        let (column, row, k) = (f64::from(k % side), f64::from(k / side), f64::from(k));
+        let person = pedestrian(70.0, rate).at(x * column, y * row).turned(0.7 * k);
+        person.moving(libm::sin(1.3 * k), libm::cos(2.1 * k))
+    };
+    (0..side * side).map(person).collect()
 }

@@ -1,63 +1,28 @@
 //! The longest stable mechanical step, and the warnings of `lemons check` about it.
 
-use crate::checks::error::{Error, Result, ensure};
 use crate::checks::scenarios::open;
 use crate::checks::scenes::*;
-use crate::checks::{Check, largest};
+use crate::checks::{Figure, Result, ensure, largest};
+use anyhow::Context;
 use crowd_mechanics::engine::*;
 use crowd_mechanics::setup::Setup;
-use lemons_core::trial::{Agent, AgentDynamics, Shape, Trial};
+use lemons_core::trial::Trial;
 use std::f64::consts::PI;
 
-pub(crate) const CHECKS: &[Check] = &[
-    Check::new("longest stable step of a damped contact", "root of the step's polynomial", "", 1e-2, || {
-        let cases = [0.0, 0.1, 1.0, 10.0, 1e3].map(limit_apart);
-        Ok(largest(cases.into_iter().collect::<Result<Vec<_>>>()?))
-    }),
-    Check::new(
-        "what an undamped contact that sticks gains in a step",
-        "κ²/8, κ = dt² k/m*",
-        "",
-        0.1,
-        gain_apart,
-    ),
-    Check::new(
-        "sweep of m, k, γ, dt, all that check lets pass: speed gained",
-        "no faster than they met",
-        "",
-        1e-2,
-        sweep,
-    ),
-    Check::new(
-        "80 kg, γ_n = 2e6 kg/s, dt = 1e-4 s: unstable contacts without a warning of check",
-        "none",
-        "",
-        0.0,
-        unsaid,
-    ),
-    Check::new(
-        "head-on hits at the steps for 1 mm, 0.1 mm, 1 µm: error of a place after 1 s / accuracy asked for",
-        "damped oscillator",
-        "",
-        1.0,
-        hits_as_accurate_as_wished,
-    ),
-    Check::new(
-        "a pressed crowd at the longest steps that check lets pass: kinetic energy",
-        "energy at first, nobody drives it",
-        "",
-        1.0,
-        pressed,
-    ),
+pub(crate) const FIGURES: &[Figure] = &[
+    || Ok(largest([0.0, 0.1, 1.0, 10.0, 1e3].into_iter().map(limit_apart).collect::<Result<Vec<_>>>()?)),
+    gain_apart,
+    sweep,
+    unsaid,
+    hits_as_accurate_as_wished,
+    pressed,
 ];
 
 /// A disk of 80 kg pressed on a wall.
 fn at_wall(law: PairLaw, dt: f64, speed: Vec2) -> World {
     let pressed = 2e4;
-    let x = pressed / law.normal_stiffness - 0.2;
-    let body = disk(80.0, 0.2);
-    let motion = [(at(x, 0.0), Twist { velocity: speed, angular_velocity: 0.0 })];
-    let mut world = world(&[body], &[wall(&[(0.0, -9.0), (0.0, 9.0)])], law, &motion, dt);
+    let body = disk(80.0, 0.2).at(pressed / law.normal_stiffness - 0.2, 0.0).moving(speed.x, speed.y);
+    let mut world = world(&[body], &[&[(0.0, -9.0), (0.0, 9.0)]], law, dt);
     world.drive[0].force = vec2(pressed, 0.0);
     world
 }
@@ -99,8 +64,7 @@ fn gain_apart() -> Result<f64> {
     let mut world = at_wall(law, dt, vec2(0.0, 0.1));
     let energy = |world: &World| -> Result<f64> {
         let contact = world.contacts().contacts.first();
-        let contact = contact.ok_or_else(|| Error::Premise("it is pressed on".to_owned()))?;
-        let (slip, stretch) = (contact.slip_speed, contact.elongation);
+        let Contact { slip_speed: slip, elongation: stretch, .. } = *contact.context("it is pressed on")?;
         Ok(slip * slip / lightness + law.tangential_stiffness * stretch * stretch)
     };
     world.advance(dt)?;
@@ -155,22 +119,19 @@ fn gained(trial: &Trial) -> Result<f64> {
 }
 
 fn sweep() -> Result<f64> {
-    let (_directory, trial) = open("push_agent_wall")?;
+    let trial = open("push_agent_wall")?;
     let (mut worst, mut passed, mut unstable) = (0.0f64, 0, 0);
-    for mass in [0.01, 1.0, 20.0, 80.0, 1000.0] {
-        for hardness in [0.01, 1.0, 100.0] {
-            for damping in [0.0, 1e2, 1e3, 1e4, 1e5, 1e6] {
-                for damping in [[damping, damping], [damping, 0.0], [0.0, damping]] {
-                    for dt in [1e-6, 5e-6, 2e-5, 1e-4, 3e-4, 1e-3] {
-                        let case = bouncing(&trial, mass, hardness, damping, dt);
-                        if warned(&case) {
-                            unstable += usize::from(gained(&case)? > 0.1);
-                        } else {
-                            worst = worst.max(gained(&case)?);
-                            passed += 1;
-                        }
-                    }
-                }
+    let dampings = [0.0, 1e2, 1e3, 1e4, 1e5, 1e6].into_iter().flat_map(|d| [[d, d], [d, 0.0], [0.0, d]]);
+    let steps = [1e-6, 5e-6, 2e-5, 1e-4, 3e-4, 1e-3];
+    let steps = dampings.flat_map(|damping| steps.map(|step| (damping, step)));
+    for (mass, hardness) in masses_and_hardnesses(&[0.01, 1.0, 20.0, 80.0, 1000.0]) {
+        for (damping, dt) in steps.clone() {
+            let case = bouncing(&trial, mass, hardness, damping, dt);
+            if warned(&case) {
+                unstable += usize::from(gained(&case)? > 0.1);
+            } else {
+                worst = worst.max(gained(&case)?);
+                passed += 1;
             }
         }
     }
@@ -179,6 +140,10 @@ fn sweep() -> Result<f64> {
         "more than 300 cases pass, and more than 100 of those warned of are unstable: {passed} and {unstable}"
     );
     Ok(worst)
+}
+
+fn masses_and_hardnesses(masses: &[f64]) -> impl Iterator<Item = (f64, f64)> {
+    masses.iter().flat_map(|mass| [0.01, 1.0, 100.0].map(|hardness| (*mass, hardness)))
 }
 
 /// \[m\] Place of the bouncing disk a time \[s\] after it has touched the wall at 0.21 m with 1 m/s.
@@ -203,27 +168,24 @@ fn place_after_hit(mass: f64, law: &PairLaw, time: f64) -> f64 {
 
 /// Returns the largest error, divided by the accuracy that its step was chosen for.
 fn hits_as_accurate_as_wished() -> Result<f64> {
-    let (_directory, trial) = open("push_agent_wall")?;
+    let trial = open("push_agent_wall")?;
     let mut worst = 0.0f64;
-    for mass in [1.0, 20.0, 80.0, 1000.0] {
-        for hardness in [0.01, 1.0, 100.0] {
-            for damping in [0.0, 1e2, 1e3, 1e4, 1e5] {
-                for accuracy in [1e-3, 1e-4, 1e-6] {
-                    let mut case = bouncing(&trial, mass, hardness, [damping, damping], 1e-5);
-                    case.dynamics[0].velocity = vec2(1.0, 0.0);
-                    case.dynamics[0].omega = 0.0;
-                    // 12.345 678 mm from the wall, so that it touches at any time within a step.
-                    let gap = 0.012_345_678;
-                    case.dynamics[0].position.x = 0.01 - gap;
-                    let step = Setup::of(&case).steps().and_then(|steps| steps.accurate_to(accuracy));
-                    case.parameters.time_step_mechanical =
-                        step.ok_or_else(|| Error::Premise("there is a step".to_owned()))?;
-                    let mut world = Setup::of(&case).world()?;
-                    let law = *world.scene().law(0, 1);
-                    world.advance(gap + 1.0)?;
-                    let exact = place_after_hit(mass, &law, 1.0);
-                    worst = worst.max((world.state().poses[0].position.x - exact).abs() / accuracy);
-                }
+    for (mass, hardness) in masses_and_hardnesses(&[1.0, 20.0, 80.0, 1000.0]) {
+        for damping in [0.0, 1e2, 1e3, 1e4, 1e5] {
+            let mut case = bouncing(&trial, mass, hardness, [damping, damping], 1e-5);
+            case.dynamics[0].velocity = vec2(1.0, 0.0);
+            case.dynamics[0].omega = 0.0;
+            // 12.345 678 mm from the wall, so that it touches at any time within a step.
+            let gap = 0.012_345_678;
+            case.dynamics[0].position.x = 0.01 - gap;
+            for accuracy in [1e-3, 1e-4, 1e-6] {
+                let step = Setup::of(&case).steps().and_then(|steps| steps.accurate_to(accuracy));
+                let mut world = Setup::of(&case).world()?;
+                world.mechanical_step = step.context("there is a step")?;
+                let law = *world.scene().law(0, 1);
+                world.advance(gap + 1.0)?;
+                let exact = place_after_hit(mass, &law, 1.0);
+                worst = worst.max((world.state().poses[0].position.x - exact).abs() / accuracy);
             }
         }
     }
@@ -231,7 +193,7 @@ fn hits_as_accurate_as_wished() -> Result<f64> {
 }
 
 fn unsaid() -> Result<f64> {
-    let (_directory, trial) = open("push_agent_wall")?;
+    let trial = open("push_agent_wall")?;
     let case = bouncing(&trial, 80.0, 1.0, [2e6, 0.0], 1e-4);
     let gained = gained(&case)?;
     ensure!(gained > 0.2, "it parts faster than it came: {gained}");
@@ -242,29 +204,15 @@ fn unsaid() -> Result<f64> {
 fn crowd(trial: &Trial, damping: f64) -> Trial {
     let mut trial = trial.clone();
     let (side, x, y) = (7, 0.255, 0.47);
-    let body = pedestrian(60.0, FREE);
-    let material = trial.agents[0].shapes[0].material_id.clone();
-    let shape = |disk: &DiskSpec| Shape {
-        radius: disk.radius,
-        material_id: material.clone(),
-        position: disk.position,
-    };
-    let person = Agent {
-        mass: body.mass,
-        moment_of_inertia: body.inertia,
-        shapes: body.disks.iter().map(shape).collect(),
-        ..trial.agents[0].clone()
-    };
-    trial.agents = (0..side * side).map(|k| Agent { id: k.to_string(), ..person.clone() }).collect();
-    let still = trial.dynamics[0].clone();
-    let moving = |k: u32| {
-        let (column, row, k) = (f64::from(k % side), f64::from(k / side), f64::from(k));
-        let velocity = vec2(0.3 * libm::sin(1.3 * k), 0.3 * libm::cos(2.1 * k));
-        AgentDynamics { position: vec2(x * column, y * row), velocity, ..still.clone() }
-    };
-    trial.dynamics = (0..side * side).map(moving).collect();
-    let (left, bottom) = (-0.5 * x, -0.5 * y);
-    let (right, top) = (left + x * f64::from(side), bottom + y * f64::from(side));
+    let mut people = on_lattice(side, [x, y], 0.0);
+    for person in &mut people {
+        *person = pedestrian(60.0, 0.0)
+            .at(person.pose.position.x, person.pose.position.y)
+            .moving(0.3 * person.twist.velocity.x, 0.3 * person.twist.velocity.y);
+    }
+    populate(&mut trial, &people);
+    let [[left, right], [bottom, top]] =
+        [x, y].map(|spacing| [-0.5, f64::from(side) - 0.5].map(|k| k * spacing));
     trial.geometry.walls[0].corners =
         [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
             .map(|(x, y)| vec2(x, y))
@@ -276,7 +224,7 @@ fn crowd(trial: &Trial, damping: f64) -> Trial {
 }
 
 fn pressed() -> Result<f64> {
-    let (_directory, trial) = open("push_agent_wall")?;
+    let trial = open("push_agent_wall")?;
     let mut worst = 0.0f64;
     for damping in [0.0, 700.0, 3e4, 3e5] {
         let mut trial = crowd(&trial, damping);

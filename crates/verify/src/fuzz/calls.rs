@@ -43,9 +43,9 @@ impl Real {
     }
 }
 
-/// At most this many variables in a call.
+/// Largest number of variables in a call.
 const MOST: usize = 12;
-/// At most this many elements in an array: see `models::LONGEST`.
+/// Largest number of elements in an array: see `models::LONGEST`.
 const ROOM: usize = 4096;
 
 /// A change to a serialised state, in its content unless said otherwise.
@@ -60,7 +60,7 @@ enum Edit {
     Header(u8, u8),
 }
 
-/// Whether a changed state gets the length and the checksum that belong to it.
+/// Choice whether a changed state gets the length and the checksum that belong to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Arbitrary)]
 enum Seal {
     Good,
@@ -117,7 +117,7 @@ enum At {
 
 #[derive(Debug, Clone, Arbitrary)]
 enum Call {
-    /// As masters do: into Initialization Mode, and perhaps out of it.
+    /// The way of masters: into Initialization Mode, and perhaps out of it.
     Start(bool),
     /// Any function that returns a status, with arguments that may fit.
     Any(u8),
@@ -145,7 +145,7 @@ struct Drawn<'a, 'b> {
     references: Option<Vec<u32>>,
     /// The number of their values.
     values: usize,
-    /// Whether a text may be a directory into which files are written.
+    /// True if a text may be a directory into which files are written.
     writes: bool,
     texts: Vec<CString>,
     rooms: Vec<Vec<u64>>,
@@ -300,11 +300,11 @@ struct Session {
     instance: Rc<Instance>,
     /// States that it has given.
     slots: [*mut c_void; 3],
-    /// Of an instance to which nothing has happened.
+    /// State of an instance to which nothing has happened.
     pristine: Vec<u8>,
-    /// Whether refusals are told: `SetDebugLogging` has not been called.
+    /// True while refusals are told: `SetDebugLogging` has not been called.
     hears: bool,
-    /// How many times the callback within steps ran.
+    /// Number of times that the callback within steps ran.
     updates: Rc<Cell<usize>>,
     /// Mechanical steps that may still be made.
     work: f64,
@@ -399,7 +399,7 @@ impl Session {
         assert!(status != Status::Ok || values.iter().all(|value| value.is_finite()), "{values:?}");
     }
 
-    /// Whether files would be written only where they may. Asked before every call that may write: a damaged state may
+    /// Returns whether files would be written only where they may. Asked before every call that may write: a damaged state may
     /// name any directory.
     fn writes_in_its_place(&self) -> bool {
         let Some(output) = self.fmu.named("OutputDirectory") else { return true };
@@ -418,7 +418,7 @@ impl Session {
         self.writes_in_its_place() && states.all(own)
     }
 
-    /// Whether an OutputDirectory is none, or one of ours.
+    /// Returns whether an OutputDirectory is none, or one of ours.
     fn is_ours(&self, name: &str) -> bool {
         self.fmu.texts[..OUTPUTS].iter().any(|own| own.as_bytes() == name.as_bytes())
     }
@@ -636,11 +636,11 @@ enum Saved {
     Configuration,
     Initialization,
     Running,
-    /// In FMI 2.0: with a drive and its rate.
+    /// Running; in FMI 2.0 with a drive and its rate.
     Driven,
-    /// In FMI 3.0: after a step in parts.
+    /// Running; in FMI 3.0 after a step in parts.
     Parts,
-    /// Of a Trial of another size; in FMI 2.0, of another Trial.
+    /// State of a Trial of another size; in FMI 2.0, of another Trial.
     Other,
     Terminated,
 }

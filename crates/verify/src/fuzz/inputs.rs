@@ -89,7 +89,7 @@ pub fn table_csv(data: &[u8]) {
     }
 }
 
-/// What `lemons plot` and `export` read: refused in words, or a run that reads back from a table in either format, and
+/// A table that `lemons plot` and `export` read: refused in words, or a run that reads back from a table in either format, and
 /// that PedPy and ChAOS can be given.
 fn table(data: &[u8]) {
     show_panics();
@@ -135,7 +135,7 @@ fn names_file(error: &RecordError, path: &Path) -> bool {
     error.to_string().starts_with(&format!("{}: ", path.display()))
 }
 
-/// What other tools are given has a line for each person and frame, or is refused in words, without half of a file.
+/// A file for another tool has a line for each person and frame, or is refused in words, without half of a file.
 fn exported(record: &Record, run: &Run, directory: &Path) {
     assert_eq!(record.ids(), run.ids);
     assert!(record.times().eq(run.frames.iter().map(|frame| frame.time)), "{run:?}");
@@ -195,7 +195,7 @@ fn groups_of(run: &Run) -> Groups {
     }
 }
 
-/// Whether it could be written: other programs may have counted more contacts than the tables hold.
+/// Returns whether it could be written: other programs may have counted more contacts than the tables hold.
 fn written(run: &Run, path: &Path, format: Format) -> bool {
     let groups = groups_of(run);
     let content = Content { columns: groups.columns(), about: Vec::new() };
@@ -290,7 +290,7 @@ pub fn sweep_toml(data: &[u8]) {
     }
 }
 
-/// Of a sweep, in its directory.
+/// Table of points of a sweep, in its directory.
 const TABLE: &str = "points.csv";
 const OF_A_TABLE: &str = "fmu = 'x.fmu'\nuntil = 1\ntable = 'points.csv'\n[measures]\n\
                           far = { of = 'x', take = 'max' }\n";
@@ -307,7 +307,7 @@ fn as_points(points: &Points, path: &Path) {
     out.flush().expect("a file");
 }
 
-/// What such a sweep measures stays in its table, and when it is opened again.
+/// Measures of such a sweep stay in its table, and when it is opened again.
 fn kept(points: &Points, measures: &[String], path: &Path) {
     let outcome = |point: usize| match point % 3 {
         2 => Err("it \"fell\", badly".to_owned()),
@@ -388,7 +388,7 @@ fn with_its_states(text: &[u8]) -> Vec<u8> {
     archive_of(&files)
 }
 
-/// What a run goes on from.
+/// Checks what a run goes on from.
 fn sound(saved: &Saved) {
     let Saved { start, step, until, index, time, every, .. } = *saved;
     assert!(start.is_finite() && until.is_finite() && step > 0.0 && step.is_finite() && every > 0);

@@ -22,7 +22,7 @@ pub trait Source {
 pub struct Probe<F> {
     /// Its name.
     pub name: &'static str,
-    /// How many pointers it takes, besides the instance.
+    /// Number of pointers that it takes, besides the instance.
     pub pointers: usize,
     /// Calls it on an instance or NULL, with arguments from a source.
     pub with: fn(&F, *mut c_void, &mut dyn Source) -> Option<Status>,

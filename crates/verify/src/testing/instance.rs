@@ -26,7 +26,7 @@ impl Version {
     /// Both.
     pub const BOTH: [Version; 2] = [Version::V2, Version::V3];
 
-    /// What an importer says of a directory of resources.
+    /// Returns what an importer says of a directory of resources.
     pub fn location(self, path: &Path) -> String {
         match self {
             Version::V2 => format!("file://{}", path.display()),
@@ -83,7 +83,7 @@ pub struct Message {
 /// Called within a step of FMI 3.0, at a time \[s\], and whether the step may end there: returns when it shall end.
 pub type Update = dyn FnMut(f64, bool) -> Option<f64>;
 
-/// What the callbacks of an instance know.
+/// Things that the callbacks of an instance know.
 #[derive(Default)]
 struct Environment {
     messages: Mutex<Vec<Message>>,
@@ -165,16 +165,16 @@ pub struct Arguments<'a> {
     /// URI or path of the resources.
     pub location: Option<&'a CStr>,
     pub logging_on: bool,
-    /// Of FMI 2.0.
+    /// `fmi2Type`
     pub fmu_type: c_int,
-    /// Of FMI 3.0.
+    /// `eventModeUsed` and what follows in FMI 3.0.
     pub event_mode: bool,
     pub early_return: bool,
     pub updates: bool,
 }
 
 impl<'a> Arguments<'a> {
-    /// Of an instance that a master makes.
+    /// Returns those of an instance that a master makes.
     pub fn new(token: &'a CStr, location: &'a CStr) -> Arguments<'a> {
         Arguments {
             name: Some(c"crowd"),
@@ -189,12 +189,12 @@ impl<'a> Arguments<'a> {
     }
 }
 
-/// What a step said.
+/// Answer of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(missing_docs)]
 pub struct Stepped {
     pub status: Status,
-    /// Whether it returned early; never in FMI 2.0.
+    /// True if it returned early; never in FMI 2.0.
     pub early: bool,
     /// \[s\] the time that was reached.
     pub time: f64,
@@ -202,7 +202,7 @@ pub struct Stepped {
 
 /// An instance; freed when dropped.
 pub struct Instance {
-    /// As the functions take it.
+    /// Pointer that the functions take.
     pub raw: *mut c_void,
     /// The functions.
     pub functions: Functions,
@@ -378,7 +378,7 @@ impl Instance {
         call!(self, fmi2ExitInitializationMode / fmi3ExitInitializationMode)
     }
 
-    /// From instantiated to the first step, at time 0.
+    /// Leads from instantiated to the first step, at time 0.
     #[track_caller]
     pub fn initialize(&self) {
         self.must(self.enter(None, 0.0, None));
@@ -547,7 +547,7 @@ impl Instance {
         unsafe { (self.v2().fmi2SetRealInputDerivatives)(self.raw, at, count, of, from) }
     }
 
-    /// From a time over a step, both \[s\].
+    /// Makes a step from a time, both \[s\].
     pub fn do_step(&self, from: f64, step: f64) -> Stepped {
         let (mut event, mut terminate, mut early, mut time) = (true, true, true, f64::NAN);
         // SAFETY: an instance, and places of values or NULL.
@@ -598,7 +598,7 @@ impl Instance {
         (call!(self, fmi2SerializedFMUstateSize / fmi3SerializedFMUStateSize, state, to), size)
     }
 
-    /// Into a buffer of `size` bytes.
+    /// Writes a state into a buffer of `size` bytes.
     pub fn serialize(&self, state: *mut c_void, size: usize) -> (Status, Vec<u8>) {
         let mut bytes = vec![0xEE; size];
         let to = self.or_null_mut(0, bytes.as_mut_ptr());
