@@ -1,13 +1,12 @@
 //! The crowd's part of FMI's "FMU state": saving and restoring.
 
-use super::{
-    CrowdModel, Drive, ModelError, Packed, Settings, by_tolerance, edited, give_threads, make_directory,
-};
+use super::{CrowdModel, Drive, ModelError, Packed, Settings, give_threads, make_directory};
 use crate::engine::{BodyId, Exposure, State, World, Wrench};
 use crate::quantities::{Quantity, guid};
 use crate::setup::Setup;
+use lemons_fmi::variables::Domain;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// The complete state of a crowd, without the location of its resources.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -15,13 +14,6 @@ pub struct Saved {
     trial: String,
     fingerprint: u128,
     settings: Settings,
-    play_drive: bool,
-    threads: i32,
-    most_steps: f64,
-    intermediate_steps: i32,
-    output_directory: String,
-    rates: BTreeMap<usize, Wrench>,
-    tolerance: Option<f64>,
     running: Option<Running>,
 }
 
@@ -45,13 +37,6 @@ impl CrowdModel {
             trial: self.packed.trial.name.clone(),
             fingerprint: self.packed.fingerprint,
             settings: self.settings.clone(),
-            play_drive: self.play_drive,
-            threads: self.threads,
-            most_steps: self.most_steps,
-            intermediate_steps: self.intermediate_steps,
-            output_directory: self.output_directory.clone(),
-            rates: self.rates.clone(),
-            tolerance: self.tolerance,
             running: self.world.as_ref().map(|world| Running {
                 drive: world.drive.clone(),
                 played: self.played.clone(),
@@ -82,29 +67,26 @@ impl CrowdModel {
             return Err(ModelError::OtherTrial(saved.trial.clone()));
         }
         let unknown = ModelError::Saved("a setting of an unknown variable");
-        let mut trial = edited(&packed.trial, &saved.settings).ok_or(unknown)?;
+        let settings = &saved.settings;
+        let mut trial = settings.applied_to(&packed.trial).ok_or(unknown)?;
         let good = |(quantity, value): (Quantity, f64)| quantity.row().domain.check(value).is_ok();
-        if !saved.settings.iter().all(|((quantity, _), value)| good((*quantity, *value))) {
+        if !settings.elements.iter().all(|((quantity, _), value)| good((*quantity, *value))) {
             return Err(ModelError::Saved("a setting out of its domain"));
         }
-        if !saved.rates.iter().all(|(&i, rate)| i < packed.trial.agents.len() && finite(rate)) {
+        if !settings.rates.iter().all(|(&i, rate)| i < packed.trial.agents.len() && finite(rate)) {
             return Err(ModelError::Saved("a rate of an unknown agent, or one that is not finite"));
         }
-        if saved.threads < 1 || saved.intermediate_steps < 0 || saved.output_directory.contains('\0') {
+        if settings.threads < 1 || settings.intermediate_steps < 0 || settings.output_directory.contains('\0')
+        {
             return Err(ModelError::Saved("a number of threads or an OutputDirectory that cannot be set"));
         }
-        if !(saved.most_steps > 0.0 && saved.most_steps.is_finite()) {
+        if Domain::Positive.check(settings.most_steps).is_err() {
             return Err(ModelError::Saved("a MostMechanicalSteps that cannot be set"));
         }
-        if saved.tolerance.is_some_and(|tolerance| !(tolerance > 0.0 && tolerance.is_finite())) {
+        if settings.tolerance.is_some_and(|tolerance| Domain::Positive.check(tolerance).is_err()) {
             return Err(ModelError::Saved("a tolerance that is not possible"));
         }
-        if let Some(tolerance) = saved.tolerance
-            && !saved.settings.contains_key(&(Quantity::TimeStepMechanical, 0))
-            && let Ok(step) = by_tolerance(&trial, tolerance, saved.most_steps)
-        {
-            trial.parameters.time_step_mechanical = step;
-        }
+        settings.choose_step(&mut trial);
         let world = match &saved.running {
             None => None,
             Some(running) => {
@@ -113,7 +95,7 @@ impl CrowdModel {
                 if !running.played.is_empty() {
                     check_played(&packed, packed.drive(&self.resources)?, running)?;
                 }
-                give_threads(&mut world, saved.threads, self.world.as_ref())?;
+                give_threads(&mut world, settings.threads, self.world.as_ref())?;
                 let bodies = running.present.iter().enumerate();
                 bodies.for_each(|(b, &present)| world.set_present(BodyId::from(b), present));
                 world
@@ -124,20 +106,13 @@ impl CrowdModel {
             }
         };
         if world.is_some() {
-            make_directory(&saved.output_directory)?;
+            make_directory(&settings.output_directory)?;
         }
         (self.packed, self.trial, self.world) = (packed, trial, world);
         self.said_coincident = self.first_coincident();
         self.moved.clear();
-        self.settings.clone_from(&saved.settings);
-        self.play_drive = saved.play_drive;
+        self.settings.clone_from(settings);
         self.played = saved.running.as_ref().map(|running| running.played.clone()).unwrap_or_default();
-        self.threads = saved.threads;
-        self.most_steps = saved.most_steps;
-        self.intermediate_steps = saved.intermediate_steps;
-        self.output_directory.clone_from(&saved.output_directory);
-        self.rates.clone_from(&saved.rates);
-        self.tolerance = saved.tolerance;
         Ok(())
     }
 }

@@ -357,9 +357,22 @@ pub fn terminals_xml<M: Model>(description: &str, names: &[&str], icon: bool) ->
     })
 }
 
+/// Returns `documentation/index.html`: the page of a version, filled in.
+pub fn documentation<M: Model>(model: &M, version: Version, page: &str, agents: usize) -> String {
+    let token = match version {
+        Version::V2 => guid(&model.scalars()),
+        Version::V3 => instantiation_token::<M>(),
+    };
+    page.replace("{version}", env!("CARGO_PKG_VERSION"))
+        .replace("{agents}", &agents.to_string())
+        .replace("{last}", &agents.saturating_sub(1).to_string())
+        .replace("{token}", &token.braced().to_string())
+        .replace("{variables}", &rows_html::<M>())
+}
+
 /// Returns a row of HTML for each variable of FMI 3.0: name with sizes, causality, unit,
 /// description.
-pub fn rows_html<M: Model>() -> String {
+fn rows_html<M: Model>() -> String {
     let row = |variable: &Variable<M::Quantity>| {
         let sizes = variable.dimensions.iter().map(|dimension| match *dimension {
             Dimension::Size(place) => format!("[{}]", M::SIZES[place].name),

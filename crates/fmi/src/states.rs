@@ -26,7 +26,8 @@ fn held() -> MutexGuard<'static, Held> {
 }
 
 /// A pointer that is not that of a state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[error("FMUstate is not a state of this instance, or it was freed")]
 pub(crate) struct Unknown;
 
 /// Keeps a new state, or another one in place of an old one.

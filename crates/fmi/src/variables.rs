@@ -2,6 +2,7 @@
 //! them.
 
 use crate::Version;
+use std::borrow::Cow;
 
 /// Causality, variability and `initial` of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,7 +41,8 @@ impl Kind {
 
 /// A [`Kind`] without its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Type {
+#[allow(missing_docs)] // FMI's own names
+pub enum Type {
     Real,
     Integer,
     Boolean,
@@ -71,6 +73,54 @@ impl From<Kind> for Type {
             Kind::Boolean => Type::Boolean,
             Kind::String => Type::String,
         }
+    }
+}
+
+/// A type of C for numbers of an FMI type.
+pub trait Number: Copy {
+    /// The FMI type.
+    const TYPE: Type;
+
+    /// Converts a number of a model.
+    fn of(number: f64) -> Self;
+
+    /// Converts numbers for a model.
+    fn numbers(values: &[Self]) -> Cow<'_, [f64]>;
+}
+
+impl Number for f64 {
+    const TYPE: Type = Type::Real;
+
+    fn of(number: f64) -> f64 {
+        number
+    }
+
+    fn numbers(values: &[f64]) -> Cow<'_, [f64]> {
+        Cow::Borrowed(values)
+    }
+}
+
+impl Number for i32 {
+    const TYPE: Type = Type::Integer;
+
+    fn of(number: f64) -> i32 {
+        number as i32
+    }
+
+    fn numbers(values: &[i32]) -> Cow<'_, [f64]> {
+        values.iter().map(|value| f64::from(*value)).collect()
+    }
+}
+
+impl Number for bool {
+    const TYPE: Type = Type::Boolean;
+
+    fn of(number: f64) -> bool {
+        number != 0.0
+    }
+
+    fn numbers(values: &[bool]) -> Cow<'_, [f64]> {
+        values.iter().map(|value| f64::from(*value)).collect()
     }
 }
 
