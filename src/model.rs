@@ -6,61 +6,23 @@ mod saved;
 
 pub use saved::Saved;
 
-use crate::engine::{AdvanceError, BodyId, Pair, ThreadsError, Vec2, World, Wrench, step_count, vec2};
+use crate::engine::{AdvanceError, BodyId, Pair, Vec2, World, Wrench, step_count, vec2};
 use crate::quantities::{
     self, MOST_MECHANICAL_STEPS, QUANTITIES, Quantity, SIZES, field, ids_of_pair, place_of_contact,
 };
 use crate::resources::{Resources, ResourcesError};
-use crate::setup::{FINEST_ACCURACY, Setup, WorldError, dynamics_of, interactions_of};
+use crate::setup::{FINEST_ACCURACY, Setup, dynamics_of, interactions_of};
 use lemons_core::files::{Change, WriteError, change_all};
 use lemons_core::trial::{
     DriveTable, DynamicsElement, Problem, Trial, dynamics_xml, interactions_xml, output_names,
 };
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Role, Scalar, Size, Variable};
-use lemons_fmi::{Model, Part, Phase, StepError};
+use lemons_fmi::{Answer, Model, Part, Phase, Refusal, StepError, refuse};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use thiserror::Error;
-
-/// Why the crowd refuses a call.
-#[derive(Debug, Error)]
-#[allow(missing_docs)] // the messages say it
-pub enum ModelError {
-    #[error(transparent)]
-    Resources(#[from] ResourcesError),
-    #[error(transparent)]
-    World(#[from] WorldError),
-    #[error("Trial = {value:?}: must be one of the packed Trials: {names}")]
-    NoSuchTrial { value: String, names: String },
-    #[error(
-        "Trial = {0:?}: values were set of agents or materials that it does not have: choose the Trial before its values"
-    )]
-    OtherSizes(String),
-    #[error("materials {0:?} and {1:?} have two different values: the matrix must be symmetric")]
-    Asymmetric(String, String),
-    #[error("materials {0:?} and {1:?} have no <Contact> in Materials.xml: their value must be 0")]
-    NoContact(String, String),
-    #[error("the state belongs to another model: Trial {0:?} has other variables than this FMU")]
-    OtherVariables(String),
-    #[error("the state belongs to another model: Trial {0:?} has changed since the state was saved")]
-    OtherTrial(String),
-    #[error("the state is damaged or is not a state of this FMU: {0}")]
-    Saved(&'static str),
-    #[error("Threads: {0}")]
-    Threads(#[from] ThreadsError),
-    #[error("{0}")]
-    Advance(String),
-    #[error(
-        "a communication step of {step:?} s takes {steps} mechanical steps of {mechanical_step:?} s, more than \
-        MostMechanicalSteps = {most}: take shorter communication steps, or set that parameter"
-    )]
-    TooManySteps { step: f64, steps: u64, mechanical_step: f64, most: f64 },
-    #[error("OutputDirectory: {0}")]
-    Output(#[from] WriteError),
-}
 
 /// What importers have set, but for the values of inputs at communication points. States hold it in this order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -189,7 +151,6 @@ pub struct CrowdModel {
 impl Model for CrowdModel {
     type Quantity = Quantity;
     type Saved = Saved;
-    type Error = ModelError;
 
     const NAME: &'static str = "LEMONS crowd mechanics";
     const IDENTIFIER: &'static str = "CrowdMechanics";
@@ -203,7 +164,7 @@ impl Model for CrowdModel {
     const SIZES: &'static [Size] = &SIZES;
     const VARIABLES: &'static [Variable<Quantity>] = &QUANTITIES;
 
-    fn load(location: Location<'_>) -> Result<CrowdModel, ModelError> {
+    fn load(location: Location<'_>) -> Answer<CrowdModel> {
         let resources = Resources::at(location)?;
         let (packed, warnings) = Packed::load(&resources, resources.first())?;
         let any_size = matches!(location, Location::Path(_));
@@ -227,7 +188,7 @@ impl Model for CrowdModel {
     }
 
     #[inline(always)]
-    fn number(&mut self, quantity: Quantity, element: usize) -> Result<f64, ModelError> {
+    fn number(&mut self, quantity: Quantity, element: usize) -> Answer<f64> {
         let mut value = [0.0];
         match &self.world {
             Some(world) if read(world, quantity, element, &mut value) => Ok(value[0]),
@@ -235,7 +196,7 @@ impl Model for CrowdModel {
         }
     }
 
-    fn numbers(&mut self, quantity: Quantity, values: &mut [f64]) -> Result<(), ModelError> {
+    fn numbers(&mut self, quantity: Quantity, values: &mut [f64]) -> Answer<()> {
         if self.world.as_ref().is_some_and(|world| read(world, quantity, 0, values)) {
             return Ok(());
         }
@@ -255,7 +216,7 @@ impl Model for CrowdModel {
     }
 
     /// Checks matrices of pairs of materials.
-    fn check(&self, quantity: Quantity, values: &[f64]) -> Result<(), ModelError> {
+    fn check(&self, quantity: Quantity, values: &[f64]) -> Answer<()> {
         if !quantity.is_of_pairs() {
             return Ok(());
         }
@@ -263,10 +224,14 @@ impl Model for CrowdModel {
         for (k, &value) in values.iter().enumerate() {
             let Some([one, other]) = ids_of_pair(materials, k) else { continue };
             if value != values[(k % n) * n + k / n] {
-                return Err(ModelError::Asymmetric(one.to_owned(), other.to_owned()));
+                return refuse(format!(
+                    "materials {one:?} and {other:?} have two different values: the matrix must be symmetric"
+                ));
             }
             if value != 0.0 && place_of_contact(materials, k).is_none() {
-                return Err(ModelError::NoContact(one.to_owned(), other.to_owned()));
+                return refuse(format!(
+                    "materials {one:?} and {other:?} have no <Contact> in Materials.xml: their value must be 0"
+                ));
             }
         }
         Ok(())
@@ -301,7 +266,7 @@ impl Model for CrowdModel {
         }
     }
 
-    fn set_texts(&mut self, values: &[(Quantity, &str)]) -> Result<(), ModelError> {
+    fn set_texts(&mut self, values: &[(Quantity, &str)]) -> Answer<()> {
         let last =
             |wanted| values.iter().rev().find(|(quantity, _)| *quantity == wanted).map(|(_, value)| *value);
         for (_, value) in values.iter().filter(|(quantity, _)| *quantity == Quantity::Trial) {
@@ -349,7 +314,7 @@ impl Model for CrowdModel {
         self.world = None;
     }
 
-    fn initialize(&mut self, start: f64) -> Result<(), ModelError> {
+    fn initialize(&mut self, start: f64) -> Answer<()> {
         self.make_world()?;
         if self.chooses_step() {
             self.warnings.extend(self.warning_of_step());
@@ -381,7 +346,7 @@ impl Model for CrowdModel {
         (0..steps).step_by(every as usize).map(part).collect()
     }
 
-    fn advance(&mut self, part: Part) -> Result<(), StepError<ModelError>> {
+    fn advance(&mut self, part: Part) -> Result<(), StepError> {
         let Part { from, length, so_far, at_end } = part;
         self.make_world().map_err(StepError::Refused)?;
         self.few_steps(length).map_err(StepError::Refused)?;
@@ -393,7 +358,7 @@ impl Model for CrowdModel {
             self.warn_of_returns(from);
         }
         if let Err(error) = self.advance_world(length, so_far) {
-            let told = ModelError::Advance(Setup::of(&self.trial).name_body(&error));
+            let told = Refusal::new(Setup::of(&self.trial).name_body(&error));
             // All other errors are found before the step begins.
             let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
             if failed {
@@ -410,10 +375,10 @@ impl Model for CrowdModel {
         self.settings.rates.clear();
         let Some(to) = at_end else { return Ok(()) };
         self.play(to);
-        self.write_output(to).map_err(|error| StepError::Failed(error.into()))
+        self.write_output(to).map_err(StepError::Failed)
     }
 
-    fn reset(&mut self) -> Result<(), ModelError> {
+    fn reset(&mut self) -> Answer<()> {
         if self.packed.trial.name != self.resources.first() {
             self.packed = Packed::load(&self.resources, self.resources.first())?.0;
         }
@@ -427,7 +392,7 @@ impl Model for CrowdModel {
         self.saved()
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), ModelError> {
+    fn restore(&mut self, saved: &Saved) -> Answer<()> {
         self.go_back(saved)
     }
 }
@@ -473,7 +438,7 @@ impl CrowdModel {
 
     /// The agents whom the packed drive drives: those in it of whom the importer has not set Fp or Mp to another value than
     /// the Trial's.
-    fn whom_it_plays(&self) -> Result<BTreeSet<usize>, ModelError> {
+    fn whom_it_plays(&self) -> Answer<BTreeSet<usize>> {
         if !self.settings.play_drive {
             return Ok(BTreeSet::new());
         }
@@ -526,7 +491,7 @@ impl CrowdModel {
         world.set_present(body, value != 0.0);
     }
 
-    fn make_world(&mut self) -> Result<&mut World, ModelError> {
+    fn make_world(&mut self) -> Answer<&mut World> {
         if self.world.is_none() {
             self.choose_step();
             let mut world = Setup::of(&self.trial).world()?;
@@ -535,7 +500,7 @@ impl CrowdModel {
             // A state with such forces could not be restored.
             if let Some(i) = world.exposures().iter().position(|exposure| !exposure.is_finite()) {
                 let told = format!("agent {:?}: the forces on it are not finite", self.trial.agents[i].id);
-                return Err(ModelError::Advance(told));
+                return refuse(told);
             }
             self.world = Some(world);
         }
@@ -543,7 +508,7 @@ impl CrowdModel {
     }
 
     /// Takes those out of a new world who are not there at the start.
-    fn dismiss(&self, world: &mut World) -> Result<(), ModelError> {
+    fn dismiss(&self, world: &mut World) -> Answer<()> {
         let absent = self
             .settings
             .elements
@@ -598,7 +563,7 @@ impl CrowdModel {
     }
 
     /// Checks that a communication step \[s\] has no more mechanical steps than allowed.
-    fn few_steps(&self, step: f64) -> Result<(), ModelError> {
+    fn few_steps(&self, step: f64) -> Answer<()> {
         let Some(mechanical_step) = self.world.as_ref().map(|world| world.mechanical_step) else {
             return Ok(());
         };
@@ -606,7 +571,10 @@ impl CrowdModel {
         let steps = step_count(step, mechanical_step).unwrap_or(0);
         let most = self.settings.most_steps;
         if steps as f64 > most {
-            return Err(ModelError::TooManySteps { step, steps, mechanical_step, most });
+            return refuse(format!(
+                "a communication step of {step:?} s takes {steps} mechanical steps of {mechanical_step:?} s, more than \
+                 MostMechanicalSteps = {most}: take shorter communication steps, or set that parameter"
+            ));
         }
         Ok(())
     }
@@ -662,7 +630,7 @@ impl CrowdModel {
 
     /// Returns a number of this instance or of the documents, or one for which a world must be made first.
     #[cold]
-    fn without_world(&mut self, quantity: Quantity, element: usize) -> Result<f64, ModelError> {
+    fn without_world(&mut self, quantity: Quantity, element: usize) -> Answer<f64> {
         if quantity == Quantity::TimeStepMechanical && self.world.is_none() {
             self.choose_step();
         }
@@ -684,25 +652,33 @@ impl CrowdModel {
         })
     }
 
-    fn known_trial(&self, name: &str) -> Result<(), ModelError> {
+    fn known_trial(&self, name: &str) -> Answer<()> {
         if self.resources.names().iter().any(|known| known == name) {
             return Ok(());
         }
         let names = self.resources.names().join(", ");
-        Err(ModelError::NoSuchTrial { value: name.to_owned(), names })
+        refuse(format!("Trial = {name:?}: must be one of the packed Trials: {names}"))
     }
 
     /// Loads another packed Trial; settings are kept.
-    fn choose(&mut self, name: &str) -> Result<(), ModelError> {
+    fn choose(&mut self, name: &str) -> Answer<()> {
         let (packed, warnings) = Packed::load(&self.resources, name)?;
         if !self.any_size && quantities::guid(&packed.trial) != quantities::guid(&self.packed.trial) {
-            return Err(ModelError::OtherVariables(name.to_owned()));
+            return refuse(format!(
+                "the state belongs to another model: Trial {name:?} has other variables than this FMU"
+            ));
         }
         // A pair has another element where there are other materials.
         let same = packed.trial.materials.intrinsic.len() == self.trial.materials.intrinsic.len();
         let fits = same || !self.settings.elements.keys().any(|(quantity, _)| quantity.is_of_pairs());
         let edited = self.settings.applied_to(&packed.trial).filter(|_| fits);
-        self.trial = edited.ok_or_else(|| ModelError::OtherSizes(name.to_owned()))?;
+        let Some(edited) = edited else {
+            return refuse(format!(
+                "Trial = {name:?}: values were set of agents or materials that it does not have: choose the Trial \
+                 before its values"
+            ));
+        };
+        self.trial = edited;
         self.packed = packed;
         self.warnings.extend(warnings);
         self.world = None;
@@ -710,7 +686,7 @@ impl CrowdModel {
     }
 
     /// Writes the XML files of the paper's script, with its file names, at a communication point \[s\].
-    fn write_output(&self, time: f64) -> Result<(), WriteError> {
+    fn write_output(&self, time: f64) -> Answer<()> {
         let (Some(world), false) = (&self.world, self.settings.output_directory.is_empty()) else {
             return Ok(());
         };
@@ -718,8 +694,7 @@ impl CrowdModel {
         let [dynamics_name, interactions_name] = output_names(time);
         let (dynamics, interactions) = (directory.join(dynamics_name), directory.join(interactions_name));
         let changes = output(&self.trial, world, dynamics, interactions);
-        changes.iter().try_for_each(check_no_link)?;
-        change_all(&changes)
+        changes.iter().try_for_each(check_no_link).and_then(|()| change_all(&changes)).or_else(no_output)
     }
 }
 
@@ -812,21 +787,25 @@ fn read(world: &World, quantity: Quantity, first: usize, values: &mut [f64]) -> 
 }
 
 /// Gives a world a number of threads: those of the previous world, if it has as many.
-fn give_threads(world: &mut World, threads: i32, so_far: Option<&World>) -> Result<(), ThreadsError> {
+fn give_threads(world: &mut World, threads: i32, so_far: Option<&World>) -> Answer<()> {
     if let Some(so_far) = so_far {
         world.share_threads(so_far);
     }
-    world.set_threads(usize::try_from(threads).unwrap_or(1))
+    let given = world.set_threads(usize::try_from(threads).unwrap_or(1));
+    given.or_else(|error| refuse(format!("Threads: {error}")))
 }
 
 /// Creates the OutputDirectory, if one is set.
-fn make_directory(name: &str) -> Result<(), WriteError> {
+fn make_directory(name: &str) -> Answer<()> {
     let directory = Path::new(name);
     if name.is_empty() {
-        Ok(())
-    } else {
-        std::fs::create_dir_all(directory).map_err(WriteError::at(directory))
+        return Ok(());
     }
+    std::fs::create_dir_all(directory).map_err(WriteError::at(directory)).or_else(no_output)
+}
+
+fn no_output(error: WriteError) -> Answer<()> {
+    refuse(format!("OutputDirectory: {error}"))
 }
 
 /// \[s\] The mechanical step for a tolerance \[m\]: see docs/step.md. A TimeStep takes no more than `most` of them.

@@ -75,26 +75,17 @@ pub struct Package {
     pub format: Format,
 }
 
-/// What is written, apart from the binaries and what the Trials' files hold.
-struct Contents {
-    trials: Vec<Trial>,
-    description: String,
-    warnings: Vec<String>,
-}
-
 impl Package {
     /// Writes the FMU and returns the Trials' warnings. A failure leaves no half-written file.
     ///
     /// # Errors
     /// See [`PackError`]. The file at `output` is then unchanged.
     pub fn write(&self, output: &Path) -> Result<Vec<String>, PackError> {
-        let contents = self.read(&Disk)?;
         let write_error = |error| PackError::Write { path: output.to_owned(), error };
-        let mut file = Staged::beside(output).map_err(write_error)?;
-        self.fill(&Disk, &contents, &mut file)
-            .map_err(|error| PackError::Archive { path: output.to_owned(), error })?;
+        let begin = || Staged::beside(output).map_err(write_error);
+        let (warnings, file) = self.write_with(&Disk, output, begin)?;
         file.persist().map_err(write_error)?;
-        Ok(contents.warnings)
+        Ok(warnings)
     }
 
     /// Writes the FMU from Trials and binaries in these files. Messages call it `name`.
@@ -107,36 +98,40 @@ impl Package {
         name: &Path,
         output: impl Write + Seek,
     ) -> Result<Vec<String>, PackError> {
-        let contents = self.read(files)?;
-        self.fill(files, &contents, output)
-            .map_err(|error| PackError::Archive { path: name.to_owned(), error })?;
-        Ok(contents.warnings)
+        Ok(self.write_with(files, name, || Ok(output))?.0)
     }
 
-    /// Reads the Trials, and makes the description.
-    fn read(&self, files: &dyn Source) -> Result<Contents, PackError> {
+    /// Reads the Trials, begins the file, and writes it.
+    fn write_with<W: Write + Seek>(
+        &self,
+        files: &dyn Source,
+        name: &Path,
+        begin: impl FnOnce() -> Result<W, PackError>,
+    ) -> Result<(Vec<String>, W), PackError> {
         let (trials, warnings) = self.read_trials(files)?;
-        if trials.is_empty() {
-            return Err(PackError::NoTrial);
-        }
-        check_size(&trials[0], least_size(&trials[0], self.format))?;
-        let description = model_description(&trials[0], self.format);
-        check_size(&trials[0], description.len() as u64)?;
-        Ok(Contents { trials, description, warnings })
+        let first = trials.first().ok_or(PackError::NoTrial)?;
+        check_size(first, least_size(first, self.format))?;
+        let description = model_description(first, self.format);
+        check_size(first, description.len() as u64)?;
+        let mut file = begin()?;
+        self.fill(files, &trials, &description, &mut file)
+            .map_err(|error| PackError::Archive { path: name.to_owned(), error })?;
+        Ok((warnings, file))
     }
 
     /// Writes the archive's content.
     fn fill(
         &self,
         files: &dyn Source,
-        contents: &Contents,
+        trials: &[Trial],
+        description: &str,
         file: impl Write + Seek,
     ) -> Result<(), ArchiveError> {
-        let (trials, version) = (&contents.trials, self.format.version());
+        let version = self.format.version();
         let picture = self.picture.and_then(|draw| draw(&trials[0]));
         let content = Content {
             version,
-            description: &contents.description,
+            description,
             documentation: &documentation(&trials[0], version),
             binaries: &self.binaries,
             terminals: terminals(picture.is_some()),

@@ -1,10 +1,11 @@
 //! The crowd's part of FMI's "FMU state": saving and restoring.
 
-use super::{CrowdModel, Drive, ModelError, Packed, Settings, give_threads, make_directory};
+use super::{CrowdModel, Drive, Packed, Settings, give_threads, make_directory};
 use crate::engine::{BodyId, Exposure, State, World, Wrench};
 use crate::quantities::{Quantity, guid};
 use crate::setup::Setup;
 use lemons_fmi::variables::Domain;
+use lemons_fmi::{Answer, damaged, refuse};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -54,7 +55,7 @@ impl CrowdModel {
     }
 
     /// Restores a state. After an error nothing has changed.
-    pub(super) fn go_back(&mut self, saved: &Saved) -> Result<(), ModelError> {
+    pub(super) fn go_back(&mut self, saved: &Saved) -> Answer<()> {
         let packed = if saved.trial == self.packed.trial.name {
             self.packed.clone()
         } else {
@@ -64,27 +65,28 @@ impl CrowdModel {
         };
         let fits = self.any_size || guid(&packed.trial) == guid(&self.packed.trial);
         if packed.fingerprint != saved.fingerprint || !fits {
-            return Err(ModelError::OtherTrial(saved.trial.clone()));
+            return other_trial(&saved.trial);
         }
-        let unknown = ModelError::Saved("a setting of an unknown variable");
         let settings = &saved.settings;
-        let mut trial = settings.applied_to(&packed.trial).ok_or(unknown)?;
+        let Some(mut trial) = settings.applied_to(&packed.trial) else {
+            return damaged("a setting of an unknown variable");
+        };
         let good = |(quantity, value): (Quantity, f64)| quantity.row().domain.check(value).is_ok();
         if !settings.elements.iter().all(|((quantity, _), value)| good((*quantity, *value))) {
-            return Err(ModelError::Saved("a setting out of its domain"));
+            return damaged("a setting out of its domain");
         }
         if !settings.rates.iter().all(|(&i, rate)| i < packed.trial.agents.len() && finite(rate)) {
-            return Err(ModelError::Saved("a rate of an unknown agent, or one that is not finite"));
+            return damaged("a rate of an unknown agent, or one that is not finite");
         }
         if settings.threads < 1 || settings.intermediate_steps < 0 || settings.output_directory.contains('\0')
         {
-            return Err(ModelError::Saved("a number of threads or an OutputDirectory that cannot be set"));
+            return damaged("a number of threads or an OutputDirectory that cannot be set");
         }
         if Domain::Positive.check(settings.most_steps).is_err() {
-            return Err(ModelError::Saved("a MostMechanicalSteps that cannot be set"));
+            return damaged("a MostMechanicalSteps that cannot be set");
         }
         if settings.tolerance.is_some_and(|tolerance| Domain::Positive.check(tolerance).is_err()) {
-            return Err(ModelError::Saved("a tolerance that is not possible"));
+            return damaged("a tolerance that is not possible");
         }
         settings.choose_step(&mut trial);
         let world = match &saved.running {
@@ -100,7 +102,7 @@ impl CrowdModel {
                 bodies.for_each(|(b, &present)| world.set_present(BodyId::from(b), present));
                 world
                     .restore_with(running.state.clone(), running.exposures.clone())
-                    .map_err(|_| ModelError::Saved("more agents in one place than can be held"))?;
+                    .or_else(|_| damaged("more agents in one place than can be held"))?;
                 world.drive.clone_from(&running.drive);
                 Some(world)
             }
@@ -118,7 +120,7 @@ impl CrowdModel {
 }
 
 /// Checks that a state from outside fits the scene, before the engine uses its indices.
-fn check_running(world: &World, running: &Running) -> Result<(), ModelError> {
+fn check_running(world: &World, running: &Running) -> Answer<()> {
     let (scene, state) = (world.scene(), &running.state);
     let bodies = scene.bodies.len();
     let (disks, faces) = (scene.disks.len(), scene.faces.len());
@@ -130,7 +132,7 @@ fn check_running(world: &World, running: &Running) -> Result<(), ModelError> {
         && state.disk_springs.iter().all(|s| s.first.index() < disks && s.second.index() < disks)
         && state.face_springs.iter().all(|s| s.disk.index() < disks && s.face.index() < faces);
     if !fits {
-        return Err(ModelError::Saved("it does not fit the scene"));
+        return damaged("it does not fit the scene");
     }
     let positive = |number: f64| number >= 0.0 && number.is_finite();
     let exposed = |of: &Exposure| [of.mean_force, of.peak_force, of.peak_overlap].into_iter().all(positive);
@@ -140,21 +142,27 @@ fn check_running(world: &World, running: &Running) -> Result<(), ModelError> {
         && state.twists.iter().all(|twist| twist.velocity.is_finite() && twist.angular_velocity.is_finite())
         && state.disk_springs.iter().all(|spring| spring.elongation.is_finite())
         && state.face_springs.iter().all(|spring| spring.elongation.is_finite());
-    if finite { Ok(()) } else { Err(ModelError::Saved("a number that is not finite")) }
+    if finite { Ok(()) } else { damaged("a number that is not finite") }
 }
 
 /// Checks that a state from outside plays a drive of this Trial.
-fn check_played(packed: &Packed, drive: &Drive, running: &Running) -> Result<(), ModelError> {
+fn check_played(packed: &Packed, drive: &Drive, running: &Running) -> Answer<()> {
     let Packed { trial, .. } = packed;
     if running.packed_drive.as_ref() != Some(&drive.fingerprint) {
-        return Err(ModelError::OtherTrial(trial.name.clone()));
+        return other_trial(&trial.name);
     }
     let driven = |i: &usize| trial.agents.get(*i).is_some_and(|agent| drive.table.rows(&agent.id).is_some());
     if running.played.iter().all(driven) {
         Ok(())
     } else {
-        Err(ModelError::Saved("an agent whom the packed drive does not name"))
+        damaged("an agent whom the packed drive does not name")
     }
+}
+
+fn other_trial(name: &str) -> Answer<()> {
+    refuse(format!(
+        "the state belongs to another model: Trial {name:?} has changed since the state was saved"
+    ))
 }
 
 fn finite(wrench: &Wrench) -> bool {

@@ -94,17 +94,6 @@ fn steps_without_end_are_refused() {
     }
 }
 
-/// Any other step is served too, and two halves lead about where one whole leads.
-#[test]
-fn the_step_may_vary() {
-    let (one, two) = (Crowd::pushed(V2), Crowd::pushed(V3));
-    one.must(one.try_step(0.0, 0.04));
-    two.must(two.try_step(0.0, 0.013));
-    two.must(two.try_step(0.013, 0.027));
-    let (one, two) = (one.get("agent[0].Position.x"), two.get("agent[0].Position.x"));
-    assert!(one > 0.005 && (one - two).abs() < 1e-9, "{one} {two}");
-}
-
 #[test]
 fn output_that_cannot_be_written_is_named() {
     let directory = tempfile::tempdir().unwrap();

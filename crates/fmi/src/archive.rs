@@ -86,14 +86,9 @@ pub fn library_file(name: &str, platform: &str) -> Option<String> {
 
 /// Returns the FMI name of the platform on which this program runs, if it has one.
 pub fn host_platform() -> Option<&'static str> {
-    match (std::env::consts::OS, std::env::consts::ARCH) {
-        ("linux", "x86_64") => Some("linux64"),
-        ("linux", "aarch64") => Some("aarch64-linux"),
-        ("windows", "x86_64") => Some("win64"),
-        ("macos", "x86_64") => Some("darwin64"),
-        ("macos", "aarch64") => Some("aarch64-darwin"),
-        _ => None,
-    }
+    let system = std::env::consts::OS.replace("macos", "darwin");
+    let own = format!("{}-{system}", std::env::consts::ARCH);
+    PLATFORMS.iter().find(|row| row.1 == own).map(|row| row.0)
 }
 
 /// Returns the name that FMI 3.0 gives the directory of this platform's binary.

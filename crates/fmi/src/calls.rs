@@ -20,22 +20,8 @@ use crate::model::Model;
 use crate::slave::{Answer, Snapshot, refuse};
 use crate::variables::Number;
 use crate::{Version, states};
-use std::ffi::{CString, c_char, c_int, c_void};
+use std::ffi::{CStr, CString, c_char, c_void};
 use std::sync::Arc;
-
-/// A Boolean of C.
-pub trait Flag {
-    /// The same, when an importer may have written others than 0 and 1.
-    type Bits: Copy + Default + From<bool> + PartialEq;
-}
-
-impl Flag for c_int {
-    type Bits = c_int;
-}
-
-impl Flag for bool {
-    type Bits = u8;
-}
 
 const REFERENCES: &str = "valueReferences";
 const VALUES: &str = "values";
@@ -118,36 +104,6 @@ impl<M: Model> Component<M> {
         let (references, values) =
             unsafe { (array(references, count, REFERENCES)?, array(values, length, VALUES)?) };
         self.slave.set(references, values)
-    }
-
-    pub unsafe fn get_booleans<F: Flag>(
-        &mut self,
-        references: *const u32,
-        count: usize,
-        values: *mut F,
-        length: usize,
-    ) -> Answer<()> {
-        let values = values.cast::<F::Bits>();
-        let (references, values) =
-            unsafe { (array(references, count, REFERENCES)?, array_mut(values, length, VALUES)?) };
-        let mut read = vec![false; length];
-        self.slave.get(references, &mut read)?;
-        values.iter_mut().zip(read).for_each(|(value, read)| *value = read.into());
-        Ok(())
-    }
-
-    pub unsafe fn set_booleans<F: Flag>(
-        &mut self,
-        references: *const u32,
-        count: usize,
-        values: *const F,
-        length: usize,
-    ) -> Answer<()> {
-        let values = values.cast::<F::Bits>();
-        let (references, values) =
-            unsafe { (array(references, count, REFERENCES)?, array(values, length, VALUES)?) };
-        let values: Vec<bool> = values.iter().map(|value| *value != Default::default()).collect();
-        self.slave.set(references, &values)
     }
 
     /// The texts live until the next such call or the end of the instance.
@@ -254,19 +210,29 @@ impl<M: Model> Component<M> {
     }
 }
 
+/// Gives a text that is always the same: a version, or the types of a platform.
+pub unsafe fn text<M: Model>(_: &str, text: &'static CStr) -> *const c_char {
+    text.as_ptr()
+}
+
 /// Does a communication step. If the model wants values to be seen within it, and the importer has
 /// given a callback for that, it is done in parts. No borrow of the instance is held while the
-/// callback runs: it reads values by calls of its own. Returns the time that was reached, and
-/// whether the importer asked for an early return.
-pub(crate) unsafe fn do_step<M: Model>(
+/// callback runs: it reads values by calls of its own. Writes to places, unless they are NULL:
+/// whether events must be handled, whether the simulation shall end, whether the importer asked for
+/// an early return; and the time that was reached.
+pub unsafe fn do_step<M: Model>(
     name: &'static str,
     instance: *mut c_void,
     from: f64,
     step: f64,
-) -> (Status, f64, bool) {
-    let intermediate = unsafe { Instance::<M>::of(instance) }.and_then(|instance| instance.intermediate);
+    flags: [*mut bool; 3],
+    last_time: *mut f64,
+) -> Status {
+    let Some(Instance { intermediate, .. }) = (unsafe { Instance::<M>::of(instance) }) else {
+        return Status::Error;
+    };
     let intermediate = intermediate.filter(|intermediate| intermediate.update.is_some());
-    let (mut parts, mut time) = (Vec::new(), f64::NAN);
+    let (mut parts, mut time, mut early) = (Vec::new(), f64::NAN, false);
     let mut status = unsafe {
         call::<M>(instance, name, |component| {
             time = component.slave.time();
@@ -292,25 +258,26 @@ pub(crate) unsafe fn do_step<M: Model>(
             })
         };
         let (mut requested, mut until) = (false, time);
+        let (request, place) = (&raw mut requested, &raw mut until);
         within(true);
-        // The importer's callback, called as FMI says. No borrow of the instance is held.
-        unsafe {
-            update(
-                environment,
-                time,
-                false,
-                true,
-                true,
-                early_return_allowed,
-                &raw mut requested,
-                &raw mut until,
-            );
-        }
+        // SAFETY: the importer's callback, called as FMI says. No borrow of the instance is held.
+        unsafe { update(environment, time, false, true, true, early_return_allowed, request, place) };
         within(false);
         // A time to return at that is later is reached by a later part.
-        if requested && early_return_allowed && (until <= time || until.is_nan()) {
-            return (status, time, true);
+        early = requested && early_return_allowed && (until <= time || until.is_nan());
+        if early {
+            break;
         }
     }
-    (status, time, false)
+    unsafe {
+        for (place, value) in flags.into_iter().zip([false, false, early]) {
+            if let Some(place) = place.as_mut() {
+                *place = value;
+            }
+        }
+        if let Some(place) = last_time.as_mut() {
+            *place = time;
+        }
+    }
+    status
 }

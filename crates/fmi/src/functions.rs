@@ -4,10 +4,10 @@
 //! `fmi2_functions! { [my_macro] first … }` becomes `my_macro! { first … }` with two lists, and so does
 //! `fmi3_functions!`. Types are those of the caller: an importer declares `Status` as a number.
 //!
-//! - The functions of the first list are said whole. Behind `=` is the body in this crate.
+//! - The functions of the first list are said whole. Behind `=` is the body in this crate, and what
+//!   it gets of the arguments.
 //! - Those after `[of an instance]` also take the instance, before all else, and return a status.
-//!   Behind `=` is a method of [`Component`](crate::boundary::Component), and which of the arguments
-//!   it gets.
+//!   Behind `=` is a method of [`Component`](crate::boundary::Component).
 
 /// Defines the C functions of the lists.
 #[doc(hidden)]
@@ -15,21 +15,23 @@
 macro_rules! export_functions {
     (
         $model:path;
-        $($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? = $module:ident::$body:ident;)*
+        $($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?
+            = $module:ident::$body:ident($($with:expr),*);)*
         [of an instance]
-        $($call:ident($($given:ident: $of:ty),*) = $method:ident($($passed:ident),*);)*
+        $($call:ident($($given:ident: $of:ty),*) = $method:ident($($passed:expr),*);)*
     ) => {
         $(
             #[doc = concat!("`", stringify!($name), "`")]
+            #[allow(unused_variables)] // what is not offered takes arguments, too
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
                 // SAFETY: the importer keeps FMI's contract, which is the body's.
-                unsafe { $crate::$module::$body::<$model>(stringify!($name), $($argument),*) }
+                unsafe { $crate::$module::$body::<$model>(stringify!($name) $(, $with)*) }
             }
         )*
         $(
             #[doc = concat!("`", stringify!($call), "`")]
-            #[allow(unused_variables)] // what is not offered takes arguments, too
+            #[allow(unused_variables)] // as above
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $call(instance: *mut c_void $(, $given: $of)*) -> Status {
                 // SAFETY: as above.
@@ -47,18 +49,22 @@ macro_rules! export_functions {
 #[macro_export]
 macro_rules! fmi2_functions {
     ([$($callback:tt)+] $($first:tt)*) => { $($callback)+! { $($first)*
-        fmi2GetTypesPlatform() -> *const c_char = v2::get_types_platform;
-        fmi2GetVersion() -> *const c_char = v2::get_version;
+        fmi2GetTypesPlatform() -> *const c_char = calls::text(c"default");
+        fmi2GetVersion() -> *const c_char = calls::text(c"2.0");
         fmi2Instantiate(
             instance_name: *const c_char, fmu_type: c_int, guid: *const c_char,
             resource_location: *const c_char, functions: *const CallbackFunctions, visible: c_int,
             logging_on: c_int
-        ) -> *mut c_void = v2::instantiate;
-        fmi2FreeInstance(instance: *mut c_void) = boundary::free;
+        ) -> *mut c_void
+            = v2::instantiate(instance_name, fmu_type, guid, resource_location, functions, logging_on);
+        fmi2FreeInstance(instance: *mut c_void) = boundary::free(instance);
         fmi2DoStep(
             instance: *mut c_void, current_communication_point: f64, communication_step_size: f64,
             no_set_fmu_state_prior_to_current_point: c_int
-        ) -> Status = v2::do_step;
+        ) -> Status = calls::do_step(
+            instance, current_communication_point, communication_step_size,
+            [std::ptr::null_mut(); 3], std::ptr::null_mut()
+        );
         [of an instance]
         fmi2SetDebugLogging(on: c_int, count: usize, categories: *const *const c_char)
             = set_debug_logging(on, count, categories);
@@ -72,13 +78,13 @@ macro_rules! fmi2_functions {
         fmi2GetReal(vr: *const c_uint, nvr: usize, values: *mut f64) = get(vr, nvr, values, nvr);
         fmi2GetInteger(vr: *const c_uint, nvr: usize, values: *mut c_int) = get(vr, nvr, values, nvr);
         fmi2GetBoolean(vr: *const c_uint, nvr: usize, values: *mut c_int)
-            = get_booleans(vr, nvr, values, nvr);
+            = get(vr, nvr, values.cast::<$crate::variables::Flag<c_int>>(), nvr);
         fmi2GetString(vr: *const c_uint, nvr: usize, values: *mut *const c_char)
             = get_strings(vr, nvr, values, nvr);
         fmi2SetReal(vr: *const c_uint, nvr: usize, values: *const f64) = set(vr, nvr, values, nvr);
         fmi2SetInteger(vr: *const c_uint, nvr: usize, values: *const c_int) = set(vr, nvr, values, nvr);
         fmi2SetBoolean(vr: *const c_uint, nvr: usize, values: *const c_int)
-            = set_booleans(vr, nvr, values, nvr);
+            = set(vr, nvr, values.cast::<$crate::variables::Flag<c_int>>(), nvr);
         fmi2SetString(vr: *const c_uint, nvr: usize, values: *const *const c_char)
             = set_strings(vr, nvr, values, nvr);
         fmi2GetFMUstate(state: *mut *mut c_void) = get_state(state);
@@ -112,32 +118,38 @@ macro_rules! fmi2_functions {
 #[macro_export]
 macro_rules! fmi3_functions {
     ([$($callback:tt)+] $($first:tt)*) => { $($callback)+! { $($first)*
-        fmi3GetVersion() -> *const c_char = v3::get_version;
+        fmi3GetVersion() -> *const c_char = calls::text(c"3.0");
         fmi3InstantiateModelExchange(
             instance_name: *const c_char, instantiation_token: *const c_char,
             resource_path: *const c_char, visible: bool, logging_on: bool,
             instance_environment: *mut c_void, log_message: Option<Logger3>
-        ) -> *mut c_void = v3::instantiate_model_exchange;
+        ) -> *mut c_void = v3::instantiate_another_kind(instance_environment, log_message);
         fmi3InstantiateCoSimulation(
             instance_name: *const c_char, instantiation_token: *const c_char,
             resource_path: *const c_char, visible: bool, logging_on: bool, event_mode_used: bool,
             early_return_allowed: bool, required_intermediate_variables: *const u32,
             n_required_intermediate_variables: usize, instance_environment: *mut c_void,
             log_message: Option<Logger3>, intermediate_update: Option<IntermediateUpdate>
-        ) -> *mut c_void = v3::instantiate_co_simulation;
+        ) -> *mut c_void = v3::instantiate_co_simulation(
+            instance_name, instantiation_token, resource_path, logging_on, event_mode_used,
+            early_return_allowed, instance_environment, log_message, intermediate_update
+        );
         fmi3InstantiateScheduledExecution(
             instance_name: *const c_char, instantiation_token: *const c_char,
             resource_path: *const c_char, visible: bool, logging_on: bool,
             instance_environment: *mut c_void, log_message: Option<Logger3>,
             clock_update: *const c_void, lock_preemption: *const c_void,
             unlock_preemption: *const c_void
-        ) -> *mut c_void = v3::instantiate_scheduled_execution;
-        fmi3FreeInstance(instance: *mut c_void) = boundary::free;
+        ) -> *mut c_void = v3::instantiate_another_kind(instance_environment, log_message);
+        fmi3FreeInstance(instance: *mut c_void) = boundary::free(instance);
         fmi3DoStep(
             instance: *mut c_void, current_communication_point: f64, communication_step_size: f64,
             no_set_state_prior_to_current_point: bool, event_handling_needed: *mut bool,
             terminate_simulation: *mut bool, early_return: *mut bool, last_successful_time: *mut f64
-        ) -> Status = v3::do_step;
+        ) -> Status = calls::do_step(
+            instance, current_communication_point, communication_step_size,
+            [event_handling_needed, terminate_simulation, early_return], last_successful_time
+        );
         [of an instance]
         fmi3SetDebugLogging(on: bool, count: usize, categories: *const *const c_char)
             = set_debug_logging(on, count, categories);
@@ -156,9 +168,9 @@ macro_rules! fmi3_functions {
         fmi3GetInt32(vr: *const u32, nvr: usize, values: *mut i32, n: usize) = get(vr, nvr, values, n);
         fmi3GetUInt32(vr: *const u32, nvr: usize, values: *mut u32, n: usize) = no_variables(vr, nvr);
         fmi3GetInt64(vr: *const u32, nvr: usize, values: *mut i64, n: usize) = no_variables(vr, nvr);
-        fmi3GetUInt64(vr: *const u32, nvr: usize, values: *mut u64, n: usize) = get_sizes(vr, nvr, values, n);
+        fmi3GetUInt64(vr: *const u32, nvr: usize, values: *mut u64, n: usize) = get(vr, nvr, values, n);
         fmi3GetBoolean(vr: *const u32, nvr: usize, values: *mut bool, n: usize)
-            = get_booleans(vr, nvr, values, n);
+            = get(vr, nvr, values.cast::<$crate::variables::Flag<u8>>(), n);
         fmi3GetString(vr: *const u32, nvr: usize, values: *mut *const c_char, n: usize)
             = get_strings(vr, nvr, values, n);
         fmi3GetBinary(
@@ -174,10 +186,9 @@ macro_rules! fmi3_functions {
         fmi3SetInt32(vr: *const u32, nvr: usize, values: *const i32, n: usize) = set(vr, nvr, values, n);
         fmi3SetUInt32(vr: *const u32, nvr: usize, values: *const u32, n: usize) = no_variables(vr, nvr);
         fmi3SetInt64(vr: *const u32, nvr: usize, values: *const i64, n: usize) = no_variables(vr, nvr);
-        fmi3SetUInt64(vr: *const u32, nvr: usize, values: *const u64, n: usize)
-            = set_sizes(vr, nvr, values, n);
+        fmi3SetUInt64(vr: *const u32, nvr: usize, values: *const u64, n: usize) = set(vr, nvr, values, n);
         fmi3SetBoolean(vr: *const u32, nvr: usize, values: *const bool, n: usize)
-            = set_booleans(vr, nvr, values, n);
+            = set(vr, nvr, values.cast::<$crate::variables::Flag<u8>>(), n);
         fmi3SetString(vr: *const u32, nvr: usize, values: *const *const c_char, n: usize)
             = set_strings(vr, nvr, values, n);
         fmi3SetBinary(

@@ -5,7 +5,7 @@
 
 use crate::lifecycle::{Function, Phase, allowed};
 use crate::model::{Model, Part, StepError, guid, instantiation_token, reference};
-use crate::variables::{Dimension, Domain, Known, Number, Role, Scalar, Type, Variable};
+use crate::variables::{Dimension, Domain, Known, MOST, Number, Role, Scalar, Type, Variable};
 use crate::{Status, Version};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -20,6 +20,13 @@ pub struct Refusal {
     pub message: String,
 }
 
+impl Refusal {
+    /// Makes the refusal of a call.
+    pub fn new(message: impl Into<String>) -> Refusal {
+        Refusal { status: Status::Error, message: message.into() }
+    }
+}
+
 impl std::fmt::Display for Refusal {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.message)
@@ -28,7 +35,7 @@ impl std::fmt::Display for Refusal {
 
 impl<E: std::error::Error> From<E> for Refusal {
     fn from(error: E) -> Refusal {
-        Refusal { status: Status::Error, message: error.to_string() }
+        Refusal::new(error.to_string())
     }
 }
 
@@ -36,8 +43,11 @@ impl<E: std::error::Error> From<E> for Refusal {
 pub type Answer<T> = Result<T, Refusal>;
 
 /// Refuses a call.
-pub(crate) fn refuse<T>(message: impl Into<String>) -> Answer<T> {
-    Err(Refusal { status: Status::Error, message: message.into() })
+///
+/// # Errors
+/// Always.
+pub fn refuse<T>(message: impl Into<String>) -> Answer<T> {
+    Err(Refusal::new(message))
 }
 
 /// Start time and, if given, stop time of the simulation \[s\].
@@ -327,8 +337,10 @@ impl<M: Model> Slave<M> {
             let (these, others) = rest.split_at_mut(self.length(reference)?);
             numbers.clear();
             numbers.resize(these.len(), self.time);
-            if let Some(quantity) = self.row(reference, N::TYPE)?.quantity {
-                self.model.numbers(quantity, &mut numbers)?;
+            match self.row(reference, N::TYPE)?.quantity {
+                Some(quantity) => self.model.numbers(quantity, &mut numbers)?,
+                None if N::TYPE == Type::Size => numbers[0] = self.sizes[reference as usize - 1] as f64,
+                None => {}
             }
             these.iter_mut().zip(&numbers).for_each(|(value, number)| *value = N::of(*number));
             rest = others;
@@ -354,57 +366,19 @@ impl<M: Model> Slave<M> {
         Ok(texts)
     }
 
-    /// `fmi3GetUInt64`: structural parameters.
-    ///
-    /// # Errors
-    /// Those of [`Slave::get_strings`].
-    pub fn get_sizes(&self, references: &[u32], values: &mut [u64]) -> Answer<()> {
-        self.check(Function::Get)?;
-        self.check_count(references, Type::Size, values.len())?;
-        for (value, &reference) in values.iter_mut().zip(references) {
-            *value = self.sizes[reference as usize - 1];
-        }
-        Ok(())
-    }
-
-    /// `fmi3SetUInt64`: structural parameters, in Configuration Mode.
-    ///
-    /// # Errors
-    /// Wrong phase, unknown references, a wrong number of values, or a value that is 0 or far too
-    /// large. Then none of them is set.
-    pub fn set_sizes(&mut self, references: &[u32], values: &[u64]) -> Answer<()> {
-        self.check(Function::Set)?;
-        self.check_count(references, Type::Size, values.len())?;
-        for (&reference, &value) in references.iter().zip(values) {
-            if self.phase != Phase::Configuration {
-                return self.not_settable(reference, "outside Configuration Mode");
-            }
-            if !(1..=MOST).contains(&value) {
-                let name = self.name(reference, None);
-                return refuse(format!("{name} = {value}: must be at least 1 and at most {MOST}"));
-            }
-        }
-        for (&reference, &value) in references.iter().zip(values) {
-            self.sizes[reference as usize - 1] = value;
-        }
-        Ok(())
-    }
-
     /// Refuses a variable that cannot be set in this phase.
     #[inline]
-    fn check_settable(&self, reference: u32, role: Role) -> Answer<()> {
+    fn check_settable(&self, reference: u32, row: Row<M::Quantity>) -> Answer<()> {
         let before = matches!(self.phase, Phase::Instantiated | Phase::Initialization);
-        let when = match role {
+        let when = match row.role {
+            _ if row.of == Type::Size && self.phase == Phase::Configuration => return Ok(()),
+            _ if row.of == Type::Size => "outside Configuration Mode",
             _ if self.phase == Phase::Configuration => "in Configuration Mode",
             Role::Input => return Ok(()),
             Role::Parameter | Role::Exact if before => return Ok(()),
             Role::Parameter | Role::Exact => "after initialization",
             Role::Calculated | Role::CalculatedParameter => "at all: it is computed",
         };
-        self.not_settable(reference, when)
-    }
-
-    fn not_settable(&self, reference: u32, when: &str) -> Answer<()> {
         refuse(format!("{} cannot be set {when}", self.name(reference, None)))
     }
 
@@ -420,12 +394,15 @@ impl<M: Model> Slave<M> {
         let mut rest = values;
         for &reference in references {
             let row = self.row(reference, of)?;
-            self.check_settable(reference, row.role)?;
+            self.check_settable(reference, row)?;
             let (these, others) = rest.split_at(self.length(reference)?);
             for (element, &value) in these.iter().enumerate() {
                 if let Err(must) = row.domain.check(value) {
-                    let value =
-                        if of == Type::Integer { format!("{value:.0}") } else { format!("{value:?}") };
+                    let value = if matches!(of, Type::Integer | Type::Size) {
+                        format!("{value:.0}")
+                    } else {
+                        format!("{value:?}")
+                    };
                     return refuse(format!(
                         "{} = {value}: must be {must}",
                         self.name(reference, Some(element))
@@ -441,9 +418,10 @@ impl<M: Model> Slave<M> {
         for &reference in references {
             let row = self.row(reference, of)?;
             let (these, others) = rest.split_at(self.length(reference)?);
-            if let Some(quantity) = row.quantity {
-                for (element, &value) in (row.element as usize..).zip(these) {
-                    self.model.set(quantity, element, value, self.phase);
+            for (element, &value) in (row.element as usize..).zip(these) {
+                match row.quantity {
+                    Some(quantity) => self.model.set(quantity, element, value, self.phase),
+                    None => self.sizes[reference as usize - 1] = value as u64,
                 }
             }
             rest = others;
@@ -461,10 +439,10 @@ impl<M: Model> Slave<M> {
         let mut texts = Vec::with_capacity(references.len());
         for (&reference, &value) in references.iter().zip(values) {
             let row = self.row(reference, Type::String)?;
-            self.check_settable(reference, row.role)?;
+            self.check_settable(reference, row)?;
             texts.extend(row.quantity.map(|quantity| (quantity, value)));
         }
-        Ok(self.model.set_texts(&texts)?)
+        self.model.set_texts(&texts)
     }
 
     /// Reads derivatives with respect to time, of order 1.
@@ -605,10 +583,10 @@ impl<M: Model> Slave<M> {
                 self.time = part.end();
                 Ok(())
             }
-            Err(StepError::Refused(error)) if part.so_far == 0.0 => Err(error.into()),
+            Err(StepError::Refused(error)) if part.so_far == 0.0 => Err(error),
             Err(StepError::Refused(error) | StepError::Failed(error)) => {
                 self.phase = Phase::Error;
-                Err(error.into())
+                Err(error)
             }
         }
     }
@@ -742,13 +720,17 @@ fn unknown_reference<T>(kind: &str, reference: u32) -> Answer<T> {
     refuse(format!("no variable of type {kind} has the value reference {reference}"))
 }
 
-fn damaged<T>(why: &str) -> Answer<T> {
+/// Refuses a saved state.
+///
+/// # Errors
+/// Always.
+pub fn damaged<T>(why: &str) -> Answer<T> {
     refuse(format!("the state is damaged or is not a state of this FMU: {why}"))
 }
 
 /// Returns the variables of FMI 3.0, by value reference.
 fn rows_of_arrays<M: Model>() -> Vec<Row<M::Quantity>> {
-    let other = |of, role| Row { quantity: None, element: 0, of, role, domain: Domain::Finite };
+    let other = |of, role| Row { quantity: None, element: 0, of, role, domain: Domain::Size };
     let sizes = M::SIZES.iter().map(|_| other(Type::Size, Role::Parameter));
     let arrays = M::VARIABLES.iter().map(|variable| Row::new(variable, 0));
     [other(Type::Real, Role::Calculated)].into_iter().chain(sizes).chain(arrays).collect()
@@ -765,8 +747,6 @@ fn state_version<M: Model>() -> u32 {
     FORMAT << 16 | M::STATE_VERSION
 }
 
-/// Largest value of a structural parameter.
-const MOST: u64 = 100_000_000;
 /// Each on all: the largest number of dependencies that are listed.
 const MOST_DEPENDENCIES: usize = 10_000_000;
 const MAGIC: &[u8; 8] = b"LEMONSst";

@@ -1,7 +1,7 @@
 //! The bodies of the C functions that only FMI 2.0 has, or has with other arguments than FMI 3.0.
 //!
 //! # Safety
-//! That of [`calls`].
+//! That of [`calls`](crate::calls).
 
 #![allow(unsafe_code)] // the C boundary
 #![allow(clippy::missing_safety_doc)] // said once, above
@@ -12,7 +12,6 @@ use crate::Version;
 use crate::boundary::{
     Arguments, Component, Log, Logger, Logger2, Status, array, make, place, silence_panics,
 };
-use crate::calls;
 use crate::lifecycle::Function;
 use crate::model::Model;
 use crate::slave::{Answer, Refusal};
@@ -30,16 +29,6 @@ pub struct CallbackFunctions {
     pub component_environment: *mut c_void,
 }
 
-/// `fmi2GetTypesPlatform`
-pub unsafe fn get_types_platform<M: Model>(_: &str) -> *const c_char {
-    c"default".as_ptr()
-}
-
-/// `fmi2GetVersion`
-pub unsafe fn get_version<M: Model>(_: &str) -> *const c_char {
-    c"2.0".as_ptr()
-}
-
 /// `fmi2Instantiate`: NULL, after a message, when the instance cannot be made.
 pub unsafe fn instantiate<M: Model>(
     name: &str,
@@ -48,7 +37,6 @@ pub unsafe fn instantiate<M: Model>(
     token: *const c_char,
     location: *const c_char,
     functions: *const CallbackFunctions,
-    _visible: c_int,
     logging_on: c_int,
 ) -> *mut c_void {
     silence_panics();
@@ -65,17 +53,6 @@ pub unsafe fn instantiate<M: Model>(
     };
     // SAFETY: the importer keeps FMI's contract; the same below.
     unsafe { make::<M>(name, arguments) }
-}
-
-/// `fmi2DoStep`
-pub unsafe fn do_step<M: Model>(
-    name: &'static str,
-    instance: *mut c_void,
-    from: f64,
-    step: f64,
-    _no_set_fmu_state_prior_to_current_point: c_int,
-) -> Status {
-    unsafe { calls::do_step::<M>(name, instance, from, step).0 }
 }
 
 /// `fmi2StatusKind`

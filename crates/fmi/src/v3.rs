@@ -1,7 +1,7 @@
 //! The bodies of the C functions that only FMI 3.0 has, or has with other arguments than FMI 2.0.
 //!
 //! # Safety
-//! That of [`calls`].
+//! That of [`calls`](crate::calls).
 
 #![allow(unsafe_code)] // the C boundary
 #![allow(clippy::missing_safety_doc)] // said once, above
@@ -13,17 +13,11 @@ use crate::boundary::{
     Arguments, Component, Intermediate, IntermediateUpdate, Log, Logger, Logger3, Status, array, array_mut,
     make, place, silence_panics,
 };
-use crate::calls;
 use crate::lifecycle::{Function, Phase};
 use crate::model::Model;
 use crate::slave::{Answer, refuse};
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
-
-/// `fmi3GetVersion`
-pub unsafe fn get_version<M: Model>(_: &str) -> *const c_char {
-    c"3.0".as_ptr()
-}
 
 /// `fmi3InstantiateCoSimulation`: NULL, after a message, when the instance cannot be made.
 pub unsafe fn instantiate_co_simulation<M: Model>(
@@ -31,12 +25,9 @@ pub unsafe fn instantiate_co_simulation<M: Model>(
     instance_name: *const c_char,
     token: *const c_char,
     location: *const c_char,
-    _visible: bool,
     logging_on: bool,
     event_mode_used: bool,
     early_return_allowed: bool,
-    _required: *const u32,
-    _required_count: usize,
     environment: *mut c_void,
     log_message: Option<Logger3>,
     update: Option<IntermediateUpdate>,
@@ -55,69 +46,15 @@ pub unsafe fn instantiate_co_simulation<M: Model>(
     unsafe { make::<M>(name, arguments) }
 }
 
-/// `fmi3InstantiateModelExchange`: not offered.
-pub unsafe fn instantiate_model_exchange<M: Model>(
+/// `fmi3InstantiateModelExchange`, `fmi3InstantiateScheduledExecution`: not offered.
+pub unsafe fn instantiate_another_kind<M: Model>(
     name: &str,
-    _instance_name: *const c_char,
-    _token: *const c_char,
-    _resource_path: *const c_char,
-    _visible: bool,
-    _logging_on: bool,
     environment: *mut c_void,
     log_message: Option<Logger3>,
 ) -> *mut c_void {
     let message = format!("{name}: this FMU is for co-simulation only");
     Log::new(Logger::V3(log_message), environment, false).write(Status::Error, &message);
     null_mut()
-}
-
-/// `fmi3InstantiateScheduledExecution`: not offered.
-pub unsafe fn instantiate_scheduled_execution<M: Model>(
-    name: &str,
-    instance_name: *const c_char,
-    token: *const c_char,
-    location: *const c_char,
-    visible: bool,
-    logging_on: bool,
-    environment: *mut c_void,
-    log: Option<Logger3>,
-    _clock_update: *const c_void,
-    _lock: *const c_void,
-    _unlock: *const c_void,
-) -> *mut c_void {
-    let instantiate = instantiate_model_exchange::<M>;
-    unsafe { instantiate(name, instance_name, token, location, visible, logging_on, environment, log) }
-}
-
-/// `fmi3DoStep`
-pub unsafe fn do_step<M: Model>(
-    name: &'static str,
-    instance: *mut c_void,
-    from: f64,
-    step: f64,
-    _no_set_fmu_state_prior_to_current_point: bool,
-    event_handling_needed: *mut bool,
-    terminate_simulation: *mut bool,
-    early_return: *mut bool,
-    last_successful_time: *mut f64,
-) -> Status {
-    if instance.is_null() {
-        return Status::Error;
-    }
-    unsafe fn give<T>(place: *mut T, value: T) {
-        // SAFETY: NULL or the place of a value of the importer's.
-        if let Some(place) = unsafe { place.as_mut() } {
-            *place = value;
-        }
-    }
-    unsafe {
-        let (status, time, returned_early) = calls::do_step::<M>(name, instance, from, step);
-        give(event_handling_needed, false);
-        give(terminate_simulation, false);
-        give(early_return, returned_early);
-        give(last_successful_time, time);
-        status
-    }
 }
 
 /// `fmi3Dependent`
@@ -144,31 +81,6 @@ impl<M: Model> Component<M> {
 
     pub unsafe fn exit_configuration_mode(&mut self) -> Answer<()> {
         self.slave.change_phase(Function::ExitConfigurationMode, Phase::Instantiated)
-    }
-
-    /// Structural parameters.
-    pub unsafe fn get_sizes(
-        &mut self,
-        references: *const u32,
-        count: usize,
-        values: *mut u64,
-        length: usize,
-    ) -> Answer<()> {
-        let (references, values) =
-            unsafe { (array(references, count, "valueReferences")?, array_mut(values, length, "values")?) };
-        self.slave.get_sizes(references, values)
-    }
-
-    pub unsafe fn set_sizes(
-        &mut self,
-        references: *const u32,
-        count: usize,
-        values: *const u64,
-        length: usize,
-    ) -> Answer<()> {
-        let (references, values) =
-            unsafe { (array(references, count, "valueReferences")?, array(values, length, "values")?) };
-        self.slave.set_sizes(references, values)
     }
 
     /// Reads or sets a type that no variable has: right only without variables.

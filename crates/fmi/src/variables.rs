@@ -112,15 +112,32 @@ impl Number for i32 {
     }
 }
 
-impl Number for bool {
-    const TYPE: Type = Type::Boolean;
+impl Number for u64 {
+    const TYPE: Type = Type::Size;
 
-    fn of(number: f64) -> bool {
-        number != 0.0
+    fn of(number: f64) -> u64 {
+        number as u64
     }
 
-    fn numbers(values: &[bool]) -> Cow<'_, [f64]> {
-        values.iter().map(|value| f64::from(*value)).collect()
+    fn numbers(values: &[u64]) -> Cow<'_, [f64]> {
+        values.iter().map(|value| *value as f64).collect()
+    }
+}
+
+/// A Boolean as importers write it: 0, or anything else for true.
+#[derive(Clone, Copy)]
+#[repr(transparent)]
+pub struct Flag<T>(T);
+
+impl<T: Copy + Default + From<bool> + PartialEq> Number for Flag<T> {
+    const TYPE: Type = Type::Boolean;
+
+    fn of(number: f64) -> Flag<T> {
+        Flag((number != 0.0).into())
+    }
+
+    fn numbers(values: &[Flag<T>]) -> Cow<'_, [f64]> {
+        values.iter().map(|value| f64::from(value.0 != T::default())).collect()
     }
 }
 
@@ -166,7 +183,12 @@ pub enum Domain {
     NonNegative,
     /// Finite and > 0.
     Positive,
+    /// The number of elements along a dimension.
+    Size,
 }
+
+/// Largest value of a structural parameter.
+pub(crate) const MOST: u64 = 100_000_000;
 
 impl Domain {
     /// Checks that the number is in the domain.
@@ -178,6 +200,7 @@ impl Domain {
             _ if !value.is_finite() => Err("finite"),
             Domain::Positive if value <= 0.0 => Err("positive"),
             Domain::NonNegative if value < 0.0 => Err("at least 0"),
+            Domain::Size if !(1.0..=MOST as f64).contains(&value) => Err("at least 1 and at most 100000000"),
             _ => Ok(()),
         }
     }

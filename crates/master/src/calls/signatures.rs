@@ -12,9 +12,10 @@ type IntermediateUpdate = unsafe extern "C" fn();
 
 macro_rules! types {
     (
-        $($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? = $module:ident::$body:ident;)*
+        $($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?
+            = $module:ident::$body:ident($($with:expr),*);)*
         [of an instance]
-        $($call:ident($($given:ident: $of:ty),*) = $method:ident($($passed:ident),*);)*
+        $($call:ident($($given:ident: $of:ty),*) = $method:ident($($passed:expr),*);)*
     ) => {
         $(pub(super) type $name = unsafe extern "C" fn($($type),*) $(-> $result)?;)*
         $(pub(super) type $call = unsafe extern "C" fn(*mut c_void $(, $of)*) -> Status;)*

@@ -123,9 +123,10 @@ macro_rules! probe {
 
 macro_rules! functions {
     (
-        $($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? = $module:ident::$body:ident;)*
+        $($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?
+            = $module:ident::$body:ident($($with:expr),*);)*
         [of an instance]
-        $($call:ident($($given:ident: $of:ty),*) = $method:ident($($passed:ident),*);)*
+        $($call:ident($($given:ident: $of:ty),*) = $method:ident($($passed:expr),*);)*
     ) => {
         /// All functions of this version.
         #[allow(non_snake_case, missing_docs)] // the standard's own names
@@ -155,13 +156,14 @@ macro_rules! functions {
             #[allow(non_snake_case)] // the standard's own names
             pub fn of_model<M: Model>() -> Functions {
                 $(
+                    #[allow(unused_variables)] // what is not offered takes arguments, too
                     unsafe extern "C" fn $name<M: Model>($($argument: $type),*) $(-> $result)? {
                         // SAFETY: the caller keeps FMI's contract, which is the body's.
-                        unsafe { lemons_fmi::$module::$body::<M>(stringify!($name), $($argument),*) }
+                        unsafe { lemons_fmi::$module::$body::<M>(stringify!($name) $(, $with)*) }
                     }
                 )*
                 $(
-                    #[allow(unused_variables)] // what is not offered takes arguments, too
+                    #[allow(unused_variables)] // as above
                     unsafe extern "C" fn $call<M: Model>(instance: *mut c_void $(, $given: $of)*) -> Status {
                         // SAFETY: as above.
                         unsafe {
