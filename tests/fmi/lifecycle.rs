@@ -99,8 +99,7 @@ const COMMON: [(&str, &str, &str, Call); 19] = [
     }),
     ("fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState", "x x x x x x", |c| c.restore(&c.bytes())),
     ("fmi2GetRealOutputDerivatives", "fmi3GetOutputDerivatives", "- - - x x x", |c| {
-        let length = if c.version() == V2 { 1 } else { AGENTS };
-        c.output_derivatives(&[c.model.reference("agent[0].Omega")], &[1], length).0
+        c.try_derivative("agent[0].Omega", 1).0
     }),
 ];
 

@@ -258,11 +258,16 @@ fn fault(panic: &(dyn std::any::Any + Send)) -> Refusal {
     Refusal { status: Status::Fatal, message }
 }
 
+/// A pointer of the importer's, and how many elements it leads to.
+pub type In<T> = (*const T, usize);
+/// The same, of elements that are written to.
+pub type Out<T> = (*mut T, usize);
+
 /// An array that belongs to the importer.
 ///
 /// # Safety
-/// `pointer` is NULL or leads to `length` elements that live through the call.
-pub(crate) unsafe fn array<'a, T>(pointer: *const T, length: usize, what: &str) -> Answer<&'a [T]> {
+/// The pointer is NULL or leads to as many elements as said, which live through the call.
+pub(crate) unsafe fn array<'a, T>((pointer, length): In<T>, what: &str) -> Answer<&'a [T]> {
     match (pointer.is_null(), length) {
         (_, 0) => Ok(&[]),
         (true, _) => refuse(format!("{what} is NULL")),
@@ -275,7 +280,7 @@ pub(crate) unsafe fn array<'a, T>(pointer: *const T, length: usize, what: &str) 
 ///
 /// # Safety
 /// As [`array`], and no other code uses the elements during the call.
-pub(crate) unsafe fn array_mut<'a, T>(pointer: *mut T, length: usize, what: &str) -> Answer<&'a mut [T]> {
+pub(crate) unsafe fn array_mut<'a, T>((pointer, length): Out<T>, what: &str) -> Answer<&'a mut [T]> {
     match (pointer.is_null(), length) {
         (_, 0) => Ok(&mut []),
         (true, _) => refuse(format!("{what} is NULL")),
@@ -310,11 +315,7 @@ pub(crate) unsafe fn text<'a>(pointer: *const c_char, what: &str) -> Answer<&'a 
 ///
 /// # Safety
 /// As [`array`] and [`text`].
-pub(crate) unsafe fn texts<'a>(
-    pointer: *const *const c_char,
-    length: usize,
-    what: &str,
-) -> Answer<Vec<&'a str>> {
+pub(crate) unsafe fn texts<'a>(values: In<*const c_char>, what: &str) -> Answer<Vec<&'a str>> {
     // SAFETY: as the caller promises.
-    unsafe { array(pointer, length, what)?.iter().map(|&value| text(value, what)).collect() }
+    unsafe { array(values, what)?.iter().map(|&value| text(value, what)).collect() }
 }

@@ -13,7 +13,8 @@
 #![allow(clippy::missing_safety_doc)] // said once, above
 
 use crate::boundary::{
-    Component, Instance, Intermediate, LOG_CATEGORIES, Log, Status, array, array_mut, call, place, texts,
+    Component, In, Instance, Intermediate, LOG_CATEGORIES, Log, Out, Status, array, array_mut, call, place,
+    texts,
 };
 use crate::lifecycle::{Function, Phase};
 use crate::model::Model;
@@ -32,20 +33,19 @@ impl<M: Model> Component<M> {
     pub unsafe fn set_debug_logging(
         &mut self,
         on: impl Default + PartialEq,
-        count: usize,
-        categories: *const *const c_char,
+        categories: In<*const c_char>,
     ) -> Answer<()> {
         self.slave.check(Function::SetDebugLogging)?;
         let mut wanted = [false; 4];
         // SAFETY: the importer keeps FMI's contract; the same below.
-        for name in unsafe { texts(categories, count, "a category")? } {
+        for name in unsafe { texts(categories, "a category")? } {
             let Some(place) = LOG_CATEGORIES.iter().position(|(known, _)| *known == name) else {
                 let known = LOG_CATEGORIES.map(|(name, _)| name).join(", ");
                 return refuse(format!("no log category {name:?}; there are {known}"));
             };
             wanted[place] = true;
         }
-        self.log.wanted = match (on != Default::default(), count) {
+        self.log.wanted = match (on != Default::default(), categories.1) {
             (false, _) => Log::wanted(false),
             (true, 0) => [true; 4],
             (true, _) => wanted,
@@ -82,40 +82,19 @@ impl<M: Model> Component<M> {
         self.slave.reset()
     }
 
-    pub unsafe fn get(
-        &mut self,
-        references: *const u32,
-        count: usize,
-        values: *mut impl Number,
-        length: usize,
-    ) -> Answer<()> {
-        let (references, values) =
-            unsafe { (array(references, count, REFERENCES)?, array_mut(values, length, VALUES)?) };
+    pub unsafe fn get(&mut self, references: In<u32>, values: Out<impl Number>) -> Answer<()> {
+        let (references, values) = unsafe { (array(references, REFERENCES)?, array_mut(values, VALUES)?) };
         self.slave.get(references, values)
     }
 
-    pub unsafe fn set(
-        &mut self,
-        references: *const u32,
-        count: usize,
-        values: *const impl Number,
-        length: usize,
-    ) -> Answer<()> {
-        let (references, values) =
-            unsafe { (array(references, count, REFERENCES)?, array(values, length, VALUES)?) };
+    pub unsafe fn set(&mut self, references: In<u32>, values: In<impl Number>) -> Answer<()> {
+        let (references, values) = unsafe { (array(references, REFERENCES)?, array(values, VALUES)?) };
         self.slave.set(references, values)
     }
 
     /// The texts live until the next such call or the end of the instance.
-    pub unsafe fn get_strings(
-        &mut self,
-        references: *const u32,
-        count: usize,
-        values: *mut *const c_char,
-        length: usize,
-    ) -> Answer<()> {
-        let (references, values) =
-            unsafe { (array(references, count, REFERENCES)?, array_mut(values, length, VALUES)?) };
+    pub unsafe fn get_strings(&mut self, references: In<u32>, values: Out<*const c_char>) -> Answer<()> {
+        let (references, values) = unsafe { (array(references, REFERENCES)?, array_mut(values, VALUES)?) };
         let texts = self.slave.get_strings(references, values.len())?;
         self.strings = texts.into_iter().map(|text| CString::new(text).unwrap_or_default()).collect();
         for (value, text) in values.iter_mut().zip(&self.strings) {
@@ -124,29 +103,19 @@ impl<M: Model> Component<M> {
         Ok(())
     }
 
-    pub unsafe fn set_strings(
-        &mut self,
-        references: *const u32,
-        count: usize,
-        values: *const *const c_char,
-        length: usize,
-    ) -> Answer<()> {
-        let (references, values) =
-            unsafe { (array(references, count, REFERENCES)?, texts(values, length, "a value")?) };
+    pub unsafe fn set_strings(&mut self, references: In<u32>, values: In<*const c_char>) -> Answer<()> {
+        let (references, values) = unsafe { (array(references, REFERENCES)?, texts(values, "a value")?) };
         self.slave.set_strings(references, &values)
     }
 
     pub unsafe fn get_output_derivatives(
         &mut self,
-        references: *const u32,
-        count: usize,
-        orders: *const i32,
-        values: *mut f64,
-        length: usize,
+        references: In<u32>,
+        orders: In<i32>,
+        values: Out<f64>,
     ) -> Answer<()> {
-        let (references, orders) =
-            unsafe { (array(references, count, REFERENCES)?, array(orders, count, "orders")?) };
-        self.slave.get_output_derivatives(references, orders, unsafe { array_mut(values, length, VALUES)? })
+        let (references, orders) = unsafe { (array(references, REFERENCES)?, array(orders, "orders")?) };
+        self.slave.get_output_derivatives(references, orders, unsafe { array_mut(values, VALUES)? })
     }
 
     pub unsafe fn no_directional_derivative(&mut self) -> Answer<()> {
@@ -179,24 +148,20 @@ impl<M: Model> Component<M> {
         Ok(())
     }
 
-    pub unsafe fn serialize_state(&mut self, state: *mut c_void, bytes: *mut u8, size: usize) -> Answer<()> {
+    pub unsafe fn serialize_state(&mut self, state: *mut c_void, buffer: Out<u8>) -> Answer<()> {
         self.slave.check(Function::State)?;
-        let buffer = unsafe { array_mut(bytes, size, "serializedState")? };
+        let buffer = unsafe { array_mut(buffer, "serializedState")? };
         let bytes = self.slave.serialize(&*self.state(state)?)?;
-        let Some(buffer) = buffer.get_mut(..bytes.len()) else {
-            return refuse(format!("the buffer has {size} bytes, but the state needs {}", bytes.len()));
+        let (given, needed) = (buffer.len(), bytes.len());
+        let Some(buffer) = buffer.get_mut(..needed) else {
+            return refuse(format!("the buffer has {given} bytes, but the state needs {needed}"));
         };
         buffer.copy_from_slice(&bytes);
         Ok(())
     }
 
-    pub unsafe fn deserialize_state(
-        &mut self,
-        bytes: *const u8,
-        size: usize,
-        state: *mut *mut c_void,
-    ) -> Answer<()> {
-        let (bytes, place) = unsafe { (array(bytes, size, "serializedState")?, place(state, STATE)?) };
+    pub unsafe fn deserialize_state(&mut self, bytes: In<u8>, state: *mut *mut c_void) -> Answer<()> {
+        let (bytes, place) = unsafe { (array(bytes, "serializedState")?, place(state, STATE)?) };
         Ok(states::put(place, self.slave.deserialize(bytes)?)?)
     }
 

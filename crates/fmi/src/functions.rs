@@ -67,7 +67,7 @@ macro_rules! fmi2_functions {
         );
         [of an instance]
         fmi2SetDebugLogging(on: c_int, count: usize, categories: *const *const c_char)
-            = set_debug_logging(on, count, categories);
+            = set_debug_logging(on, (categories, count));
         fmi2SetupExperiment(
             tolerance_defined: c_int, tolerance: f64, start: f64, stop_defined: c_int, stop: f64
         ) = setup_experiment(tolerance_defined, tolerance, start, stop_defined, stop);
@@ -75,36 +75,36 @@ macro_rules! fmi2_functions {
         fmi2ExitInitializationMode() = exit_initialization_mode();
         fmi2Terminate() = terminate();
         fmi2Reset() = reset();
-        fmi2GetReal(vr: *const c_uint, nvr: usize, values: *mut f64) = get(vr, nvr, values, nvr);
-        fmi2GetInteger(vr: *const c_uint, nvr: usize, values: *mut c_int) = get(vr, nvr, values, nvr);
+        fmi2GetReal(vr: *const c_uint, nvr: usize, values: *mut f64) = get((vr, nvr), (values, nvr));
+        fmi2GetInteger(vr: *const c_uint, nvr: usize, values: *mut c_int) = get((vr, nvr), (values, nvr));
         fmi2GetBoolean(vr: *const c_uint, nvr: usize, values: *mut c_int)
-            = get(vr, nvr, values.cast::<$crate::variables::Flag<c_int>>(), nvr);
+            = get((vr, nvr), (values.cast::<$crate::variables::Flag<c_int>>(), nvr));
         fmi2GetString(vr: *const c_uint, nvr: usize, values: *mut *const c_char)
-            = get_strings(vr, nvr, values, nvr);
-        fmi2SetReal(vr: *const c_uint, nvr: usize, values: *const f64) = set(vr, nvr, values, nvr);
-        fmi2SetInteger(vr: *const c_uint, nvr: usize, values: *const c_int) = set(vr, nvr, values, nvr);
+            = get_strings((vr, nvr), (values, nvr));
+        fmi2SetReal(vr: *const c_uint, nvr: usize, values: *const f64) = set((vr, nvr), (values, nvr));
+        fmi2SetInteger(vr: *const c_uint, nvr: usize, values: *const c_int) = set((vr, nvr), (values, nvr));
         fmi2SetBoolean(vr: *const c_uint, nvr: usize, values: *const c_int)
-            = set(vr, nvr, values.cast::<$crate::variables::Flag<c_int>>(), nvr);
+            = set((vr, nvr), (values.cast::<$crate::variables::Flag<c_int>>(), nvr));
         fmi2SetString(vr: *const c_uint, nvr: usize, values: *const *const c_char)
-            = set_strings(vr, nvr, values, nvr);
+            = set_strings((vr, nvr), (values, nvr));
         fmi2GetFMUstate(state: *mut *mut c_void) = get_state(state);
         fmi2SetFMUstate(state: *mut c_void) = set_state(state);
         fmi2FreeFMUstate(state: *mut *mut c_void) = free_state(state);
         fmi2SerializedFMUstateSize(state: *mut c_void, size: *mut usize) = state_size(state, size);
         fmi2SerializeFMUstate(state: *mut c_void, bytes: *mut u8, size: usize)
-            = serialize_state(state, bytes, size);
+            = serialize_state(state, (bytes, size));
         fmi2DeSerializeFMUstate(bytes: *const u8, size: usize, state: *mut *mut c_void)
-            = deserialize_state(bytes, size, state);
+            = deserialize_state((bytes, size), state);
         fmi2GetDirectionalDerivative(
             unknowns: *const c_uint, unknown_count: usize, knowns: *const c_uint, known_count: usize,
             known_differentials: *const f64, unknown_differentials: *mut f64
         ) = no_directional_derivative();
         fmi2SetRealInputDerivatives(
             vr: *const c_uint, nvr: usize, orders: *const c_int, values: *const f64
-        ) = set_input_derivatives(vr, nvr, orders, values);
+        ) = set_input_derivatives((vr, nvr), (orders, nvr), (values, nvr));
         fmi2GetRealOutputDerivatives(
             vr: *const c_uint, nvr: usize, orders: *const c_int, values: *mut f64
-        ) = get_output_derivatives(vr, nvr, orders, values, nvr);
+        ) = get_output_derivatives((vr, nvr), (orders, nvr), (values, nvr));
         fmi2CancelStep() = cancel_step();
         fmi2GetStatus(kind: c_int, value: *mut c_int) = get_no_status(value);
         fmi2GetRealStatus(kind: c_int, value: *mut f64) = get_real_status(kind, value);
@@ -152,49 +152,50 @@ macro_rules! fmi3_functions {
         );
         [of an instance]
         fmi3SetDebugLogging(on: bool, count: usize, categories: *const *const c_char)
-            = set_debug_logging(on, count, categories);
+            = set_debug_logging(on, (categories, count));
         fmi3EnterInitializationMode(
             tolerance_defined: bool, tolerance: f64, start: f64, stop_defined: bool, stop: f64
         ) = enter_with_experiment(tolerance_defined, tolerance, start, stop_defined, stop);
         fmi3ExitInitializationMode() = exit_initialization_mode();
         fmi3Terminate() = terminate();
         fmi3Reset() = reset();
-        fmi3GetFloat32(vr: *const u32, nvr: usize, values: *mut f32, n: usize) = no_variables(vr, nvr);
-        fmi3GetFloat64(vr: *const u32, nvr: usize, values: *mut f64, n: usize) = get(vr, nvr, values, n);
-        fmi3GetInt8(vr: *const u32, nvr: usize, values: *mut i8, n: usize) = no_variables(vr, nvr);
-        fmi3GetUInt8(vr: *const u32, nvr: usize, values: *mut u8, n: usize) = no_variables(vr, nvr);
-        fmi3GetInt16(vr: *const u32, nvr: usize, values: *mut i16, n: usize) = no_variables(vr, nvr);
-        fmi3GetUInt16(vr: *const u32, nvr: usize, values: *mut u16, n: usize) = no_variables(vr, nvr);
-        fmi3GetInt32(vr: *const u32, nvr: usize, values: *mut i32, n: usize) = get(vr, nvr, values, n);
-        fmi3GetUInt32(vr: *const u32, nvr: usize, values: *mut u32, n: usize) = no_variables(vr, nvr);
-        fmi3GetInt64(vr: *const u32, nvr: usize, values: *mut i64, n: usize) = no_variables(vr, nvr);
-        fmi3GetUInt64(vr: *const u32, nvr: usize, values: *mut u64, n: usize) = get(vr, nvr, values, n);
+        fmi3GetFloat32(vr: *const u32, nvr: usize, values: *mut f32, n: usize) = no_variables((vr, nvr));
+        fmi3GetFloat64(vr: *const u32, nvr: usize, values: *mut f64, n: usize) = get((vr, nvr), (values, n));
+        fmi3GetInt8(vr: *const u32, nvr: usize, values: *mut i8, n: usize) = no_variables((vr, nvr));
+        fmi3GetUInt8(vr: *const u32, nvr: usize, values: *mut u8, n: usize) = no_variables((vr, nvr));
+        fmi3GetInt16(vr: *const u32, nvr: usize, values: *mut i16, n: usize) = no_variables((vr, nvr));
+        fmi3GetUInt16(vr: *const u32, nvr: usize, values: *mut u16, n: usize) = no_variables((vr, nvr));
+        fmi3GetInt32(vr: *const u32, nvr: usize, values: *mut i32, n: usize) = get((vr, nvr), (values, n));
+        fmi3GetUInt32(vr: *const u32, nvr: usize, values: *mut u32, n: usize) = no_variables((vr, nvr));
+        fmi3GetInt64(vr: *const u32, nvr: usize, values: *mut i64, n: usize) = no_variables((vr, nvr));
+        fmi3GetUInt64(vr: *const u32, nvr: usize, values: *mut u64, n: usize) = get((vr, nvr), (values, n));
         fmi3GetBoolean(vr: *const u32, nvr: usize, values: *mut bool, n: usize)
-            = get(vr, nvr, values.cast::<$crate::variables::Flag<u8>>(), n);
+            = get((vr, nvr), (values.cast::<$crate::variables::Flag<u8>>(), n));
         fmi3GetString(vr: *const u32, nvr: usize, values: *mut *const c_char, n: usize)
-            = get_strings(vr, nvr, values, n);
+            = get_strings((vr, nvr), (values, n));
         fmi3GetBinary(
             vr: *const u32, nvr: usize, sizes: *mut usize, values: *mut *const u8, n: usize
-        ) = no_variables(vr, nvr);
-        fmi3GetClock(vr: *const u32, nvr: usize, values: *mut bool) = no_variables(vr, nvr);
-        fmi3SetFloat32(vr: *const u32, nvr: usize, values: *const f32, n: usize) = no_variables(vr, nvr);
-        fmi3SetFloat64(vr: *const u32, nvr: usize, values: *const f64, n: usize) = set(vr, nvr, values, n);
-        fmi3SetInt8(vr: *const u32, nvr: usize, values: *const i8, n: usize) = no_variables(vr, nvr);
-        fmi3SetUInt8(vr: *const u32, nvr: usize, values: *const u8, n: usize) = no_variables(vr, nvr);
-        fmi3SetInt16(vr: *const u32, nvr: usize, values: *const i16, n: usize) = no_variables(vr, nvr);
-        fmi3SetUInt16(vr: *const u32, nvr: usize, values: *const u16, n: usize) = no_variables(vr, nvr);
-        fmi3SetInt32(vr: *const u32, nvr: usize, values: *const i32, n: usize) = set(vr, nvr, values, n);
-        fmi3SetUInt32(vr: *const u32, nvr: usize, values: *const u32, n: usize) = no_variables(vr, nvr);
-        fmi3SetInt64(vr: *const u32, nvr: usize, values: *const i64, n: usize) = no_variables(vr, nvr);
-        fmi3SetUInt64(vr: *const u32, nvr: usize, values: *const u64, n: usize) = set(vr, nvr, values, n);
+        ) = no_variables((vr, nvr));
+        fmi3GetClock(vr: *const u32, nvr: usize, values: *mut bool) = no_variables((vr, nvr));
+        fmi3SetFloat32(vr: *const u32, nvr: usize, values: *const f32, n: usize) = no_variables((vr, nvr));
+        fmi3SetFloat64(vr: *const u32, nvr: usize, values: *const f64, n: usize)
+            = set((vr, nvr), (values, n));
+        fmi3SetInt8(vr: *const u32, nvr: usize, values: *const i8, n: usize) = no_variables((vr, nvr));
+        fmi3SetUInt8(vr: *const u32, nvr: usize, values: *const u8, n: usize) = no_variables((vr, nvr));
+        fmi3SetInt16(vr: *const u32, nvr: usize, values: *const i16, n: usize) = no_variables((vr, nvr));
+        fmi3SetUInt16(vr: *const u32, nvr: usize, values: *const u16, n: usize) = no_variables((vr, nvr));
+        fmi3SetInt32(vr: *const u32, nvr: usize, values: *const i32, n: usize) = set((vr, nvr), (values, n));
+        fmi3SetUInt32(vr: *const u32, nvr: usize, values: *const u32, n: usize) = no_variables((vr, nvr));
+        fmi3SetInt64(vr: *const u32, nvr: usize, values: *const i64, n: usize) = no_variables((vr, nvr));
+        fmi3SetUInt64(vr: *const u32, nvr: usize, values: *const u64, n: usize) = set((vr, nvr), (values, n));
         fmi3SetBoolean(vr: *const u32, nvr: usize, values: *const bool, n: usize)
-            = set(vr, nvr, values.cast::<$crate::variables::Flag<u8>>(), n);
+            = set((vr, nvr), (values.cast::<$crate::variables::Flag<u8>>(), n));
         fmi3SetString(vr: *const u32, nvr: usize, values: *const *const c_char, n: usize)
-            = set_strings(vr, nvr, values, n);
+            = set_strings((vr, nvr), (values, n));
         fmi3SetBinary(
             vr: *const u32, nvr: usize, sizes: *const usize, values: *const *const u8, n: usize
-        ) = no_variables(vr, nvr);
-        fmi3SetClock(vr: *const u32, nvr: usize, values: *const bool) = no_variables(vr, nvr);
+        ) = no_variables((vr, nvr));
+        fmi3SetClock(vr: *const u32, nvr: usize, values: *const bool) = no_variables((vr, nvr));
         fmi3GetNumberOfVariableDependencies(vr: u32, count: *mut usize)
             = get_number_of_variable_dependencies(vr, count);
         fmi3GetVariableDependencies(
@@ -208,9 +209,9 @@ macro_rules! fmi3_functions {
         fmi3FreeFMUState(state: *mut *mut c_void) = free_state(state);
         fmi3SerializedFMUStateSize(state: *mut c_void, size: *mut usize) = state_size(state, size);
         fmi3SerializeFMUState(state: *mut c_void, bytes: *mut u8, size: usize)
-            = serialize_state(state, bytes, size);
+            = serialize_state(state, (bytes, size));
         fmi3DeserializeFMUState(bytes: *const u8, size: usize, state: *mut *mut c_void)
-            = deserialize_state(bytes, size, state);
+            = deserialize_state((bytes, size), state);
         fmi3GetDirectionalDerivative(
             unknowns: *const u32, n_unknowns: usize, knowns: *const u32, n_knowns: usize,
             seed: *const f64, n_seed: usize, sensitivity: *mut f64, n_sensitivity: usize
@@ -223,7 +224,7 @@ macro_rules! fmi3_functions {
         fmi3ExitConfigurationMode() = exit_configuration_mode();
         fmi3GetOutputDerivatives(
             vr: *const u32, nvr: usize, orders: *const i32, values: *mut f64, n: usize
-        ) = get_output_derivatives(vr, nvr, orders, values, n);
+        ) = get_output_derivatives((vr, nvr), (orders, nvr), (values, n));
         fmi3EnterEventMode() = not_offered();
         fmi3GetIntervalDecimal(
             vr: *const u32, nvr: usize, intervals: *mut f64, qualifiers: *mut i32

@@ -10,7 +10,7 @@
 
 use crate::Version;
 use crate::boundary::{
-    Arguments, Component, Log, Logger, Logger2, Status, array, make, place, silence_panics,
+    Arguments, Component, In, Log, Logger, Logger2, Status, array, make, place, silence_panics,
 };
 use crate::lifecycle::Function;
 use crate::model::Model;
@@ -63,14 +63,12 @@ const TERMINATED: c_int = 3;
 impl<M: Model> Component<M> {
     pub unsafe fn set_input_derivatives(
         &mut self,
-        references: *const u32,
-        count: usize,
-        orders: *const c_int,
-        values: *const f64,
+        references: In<u32>,
+        orders: In<c_int>,
+        values: In<f64>,
     ) -> Answer<()> {
-        let (references, orders, values) = unsafe {
-            (array(references, count, "vr")?, array(orders, count, "order")?, array(values, count, "value")?)
-        };
+        let (references, orders, values) =
+            unsafe { (array(references, "vr")?, array(orders, "order")?, array(values, "value")?) };
         self.slave.set_input_derivatives(references, orders, values)
     }
 

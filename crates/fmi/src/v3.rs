@@ -10,8 +10,8 @@
 
 use crate::Version;
 use crate::boundary::{
-    Arguments, Component, Intermediate, IntermediateUpdate, Log, Logger, Logger3, Status, array, array_mut,
-    make, place, silence_panics,
+    Arguments, Component, In, Intermediate, IntermediateUpdate, Log, Logger, Logger3, Status, array,
+    array_mut, make, place, silence_panics,
 };
 use crate::lifecycle::{Function, Phase};
 use crate::model::Model;
@@ -84,10 +84,10 @@ impl<M: Model> Component<M> {
     }
 
     /// Reads or sets a type that no variable has: right only without variables.
-    pub unsafe fn no_variables(&mut self, references: *const u32, count: usize) -> Answer<()> {
+    pub unsafe fn no_variables(&mut self, references: In<u32>) -> Answer<()> {
         let (verb, kind) = self.function.split_at("fmi3Get".len());
         self.slave.check(if verb == "fmi3Get" { Function::Get } else { Function::Set })?;
-        match unsafe { array(references, count, "valueReferences")? } {
+        match unsafe { array(references, "valueReferences")? } {
             [] => Ok(()),
             [reference, ..] => {
                 refuse(format!("no variable of type {kind} has the value reference {reference}"))
@@ -120,10 +120,10 @@ impl<M: Model> Component<M> {
         }
         let (dependents, independents, elements, kinds) = unsafe {
             (
-                array_mut(dependents, count, "elementIndicesOfDependent")?,
-                array_mut(independents, count, "independents")?,
-                array_mut(elements, count, "elementIndicesOfIndependents")?,
-                array_mut(kinds, count, "dependencyKinds")?,
+                array_mut((dependents, count), "elementIndicesOfDependent")?,
+                array_mut((independents, count), "independents")?,
+                array_mut((elements, count), "elementIndicesOfIndependents")?,
+                array_mut((kinds, count), "dependencyKinds")?,
             )
         };
         for (k, (dependent, independent, element)) in found.into_iter().enumerate() {
