@@ -7,12 +7,11 @@
 #![allow(unsafe_code)] // the C boundary
 #![allow(non_snake_case)] // the paper's own name
 
-use crate::setup;
-use crate::setup::Setup;
-use crate::setup::{WorldError, dynamics_of, interactions_of};
+use crate::model::output;
+use crate::setup::{self, Setup, WorldError};
 use lemons_core::files::source::Disk;
-use lemons_core::files::{Change, WriteError, change_all};
-use lemons_core::trial::{DynamicsElement, FileNames, Problems, dynamics_xml, interactions_xml};
+use lemons_core::files::{WriteError, change_all};
+use lemons_core::trial::{FileNames, Problems};
 use std::ffi::{CStr, OsString, c_char, c_int};
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
@@ -48,17 +47,8 @@ pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallErr
     world
         .advance(trial.parameters.time_step)
         .map_err(|error| CallError::Advance(Setup::of(&trial).name_body(&error)))?;
-    let dynamics = dynamics_xml(&trial.agents, &dynamics_of(&world), DynamicsElement::Omitted);
-    let FileNames { dynamics: dynamics_path, interactions, .. } = trial.places(names);
-    let interactions = if world.contacts().contacts.is_empty() {
-        Change::Remove(interactions)
-    } else {
-        Change::Write(
-            interactions,
-            interactions_xml(&trial.agents, &trial.geometry, &interactions_of(&world)),
-        )
-    };
-    Ok(change_all(&[interactions, Change::Write(dynamics_path, dynamics)])?)
+    let FileNames { dynamics, interactions, .. } = trial.places(names);
+    Ok(change_all(&output(&trial, &world, dynamics, interactions))?)
 }
 
 /// Reads the files, advances one `TimeStep`, overwrites `AgentDynamics.xml` (without `<Dynamics>`), writes

@@ -6,63 +6,85 @@ mod saved;
 
 pub use saved::Saved;
 
-use crate::engine::{AdvanceError, BodyId, Pair, ThreadsError, Vec2, World, Wrench, step_count, vec2};
+use crate::engine::{AdvanceError, BodyId, Pair, Vec2, World, Wrench, step_count, vec2};
 use crate::quantities::{
     self, MOST_MECHANICAL_STEPS, QUANTITIES, Quantity, SIZES, field, ids_of_pair, place_of_contact,
 };
 use crate::resources::{Resources, ResourcesError};
-use crate::setup::{FINEST_ACCURACY, Setup, WorldError, dynamics_of, interactions_of};
+use crate::setup::{FINEST_ACCURACY, Setup, dynamics_of, interactions_of};
 use lemons_core::files::{Change, WriteError, change_all};
 use lemons_core::trial::{
     DriveTable, DynamicsElement, Problem, Trial, dynamics_xml, interactions_xml, output_names,
 };
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Role, Scalar, Size, Variable};
-use lemons_fmi::{Model, Part, Phase, StepError};
+use lemons_fmi::{Answer, Model, Part, Phase, Refusal, StepError, refuse};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use thiserror::Error;
 
-/// Why the crowd refuses a call.
-#[derive(Debug, Error)]
-#[allow(missing_docs)] // the messages say it
-pub enum ModelError {
-    #[error(transparent)]
-    Resources(#[from] ResourcesError),
-    #[error(transparent)]
-    World(#[from] WorldError),
-    #[error("Trial = {value:?}: must be one of the packed Trials: {names}")]
-    NoSuchTrial { value: String, names: String },
-    #[error(
-        "Trial = {0:?}: values were set of agents or materials that it does not have: choose the Trial before its values"
-    )]
-    OtherSizes(String),
-    #[error("materials {0:?} and {1:?} have two different values: the matrix must be symmetric")]
-    Asymmetric(String, String),
-    #[error("materials {0:?} and {1:?} have no <Contact> in Materials.xml: their value must be 0")]
-    NoContact(String, String),
-    #[error("the state belongs to another model: Trial {0:?} has other variables than this FMU")]
-    OtherVariables(String),
-    #[error("the state belongs to another model: Trial {0:?} has changed since the state was saved")]
-    OtherTrial(String),
-    #[error("the state is damaged or is not a state of this FMU: {0}")]
-    Saved(&'static str),
-    #[error("Threads: {0}")]
-    Threads(#[from] ThreadsError),
-    #[error("{0}")]
-    Advance(String),
-    #[error(
-        "a communication step of {step:?} s takes {steps} mechanical steps of {mechanical_step:?} s, more than \
-        MostMechanicalSteps = {most}: take shorter communication steps, or set that parameter"
-    )]
-    TooManySteps { step: f64, steps: u64, mechanical_step: f64, most: f64 },
-    #[error("OutputDirectory: {0}")]
-    Output(#[from] WriteError),
+/// What importers have set, but for the values of inputs at communication points. States hold it in this order.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Settings {
+    /// Elements of quantities: of the documents, and who is there at the start.
+    elements: BTreeMap<(Quantity, usize), f64>,
+    play_drive: bool,
+    threads: i32,
+    /// A communication step with more mechanical steps is refused.
+    most_steps: f64,
+    /// Mechanical steps between intermediate updates; 0 for none.
+    intermediate_steps: i32,
+    output_directory: String,
+    /// Rates of the inputs over the next step, by agent; missing ones are constant.
+    rates: BTreeMap<usize, Wrench>,
+    /// \[m\] of the importer's experiment: chooses the mechanical step, unless that was set.
+    tolerance: Option<f64>,
 }
 
-/// The elements of quantities that were set: of the documents, and who is there at the start.
-type Settings = BTreeMap<(Quantity, usize), f64>;
+impl Default for Settings {
+    fn default() -> Settings {
+        Settings {
+            elements: BTreeMap::new(),
+            play_drive: true,
+            threads: 1,
+            most_steps: MOST_MECHANICAL_STEPS,
+            intermediate_steps: 0,
+            output_directory: String::new(),
+            rates: BTreeMap::new(),
+            tolerance: None,
+        }
+    }
+}
+
+impl Settings {
+    /// Returns the importer's tolerance if it chooses the mechanical step.
+    fn choosing_tolerance(&self) -> Option<f64> {
+        self.tolerance.filter(|_| !self.elements.contains_key(&(Quantity::TimeStepMechanical, 0)))
+    }
+
+    /// Gives a Trial the mechanical step that the tolerance chooses.
+    fn choose_step(&self, trial: &mut Trial) {
+        if let Some(tolerance) = self.choosing_tolerance()
+            && let Ok(step) = by_tolerance(trial, tolerance, self.most_steps)
+        {
+            trial.parameters.time_step_mechanical = step;
+        }
+    }
+
+    /// Returns a packed Trial with these settings; `None` if it does not have what was set.
+    fn applied_to(&self, packed: &Trial) -> Option<Trial> {
+        let mut trial = packed.clone();
+        for (&(quantity, element), &value) in &self.elements {
+            if quantity == Quantity::Active {
+                trial.agents.get(element)?;
+            } else {
+                *field(&mut trial, quantity, element)? = value;
+            }
+        }
+        Some(trial)
+    }
+}
 
 /// A Trial as it was packed.
 struct Packed {
@@ -112,23 +134,12 @@ pub struct CrowdModel {
     /// The Trial with the settings of this instance.
     trial: Trial,
     settings: Settings,
-    play_drive: bool,
     /// Places of the agents whom the packed drive drives; nobody before initialization has ended.
     played: BTreeSet<usize>,
     /// Places of the agents whom the packed drive does not drive, whatever their values are.
     undriven: BTreeSet<usize>,
     /// Places of the agents who have left or come back since the last step.
     moved: BTreeSet<usize>,
-    threads: i32,
-    /// A communication step with more mechanical steps is refused.
-    most_steps: f64,
-    /// Mechanical steps between intermediate updates; 0 for none.
-    intermediate_steps: i32,
-    output_directory: String,
-    /// Rates of the inputs over the next step, by agent; missing ones are constant.
-    rates: BTreeMap<usize, Wrench>,
-    /// \[m\] of the importer's experiment: chooses the mechanical step, unless that was set.
-    tolerance: Option<f64>,
     /// Made when initialization ends, or earlier if a computed output is read.
     world: Option<World>,
     /// Warnings that were not yet returned.
@@ -140,7 +151,6 @@ pub struct CrowdModel {
 impl Model for CrowdModel {
     type Quantity = Quantity;
     type Saved = Saved;
-    type Error = ModelError;
 
     const NAME: &'static str = "LEMONS crowd mechanics";
     const IDENTIFIER: &'static str = "CrowdMechanics";
@@ -154,7 +164,7 @@ impl Model for CrowdModel {
     const SIZES: &'static [Size] = &SIZES;
     const VARIABLES: &'static [Variable<Quantity>] = &QUANTITIES;
 
-    fn load(location: Location<'_>) -> Result<CrowdModel, ModelError> {
+    fn load(location: Location<'_>) -> Answer<CrowdModel> {
         let resources = Resources::at(location)?;
         let (packed, warnings) = Packed::load(&resources, resources.first())?;
         let any_size = matches!(location, Location::Path(_));
@@ -178,7 +188,7 @@ impl Model for CrowdModel {
     }
 
     #[inline(always)]
-    fn number(&mut self, quantity: Quantity, element: usize) -> Result<f64, ModelError> {
+    fn number(&mut self, quantity: Quantity, element: usize) -> Answer<f64> {
         let mut value = [0.0];
         match &self.world {
             Some(world) if read(world, quantity, element, &mut value) => Ok(value[0]),
@@ -186,7 +196,7 @@ impl Model for CrowdModel {
         }
     }
 
-    fn numbers(&mut self, quantity: Quantity, values: &mut [f64]) -> Result<(), ModelError> {
+    fn numbers(&mut self, quantity: Quantity, values: &mut [f64]) -> Answer<()> {
         if self.world.as_ref().is_some_and(|world| read(world, quantity, 0, values)) {
             return Ok(());
         }
@@ -201,12 +211,12 @@ impl Model for CrowdModel {
             Quantity::Trial => &self.packed.trial.name,
             Quantity::AgentId => &self.trial.agents[element].id,
             Quantity::MaterialId => &self.trial.materials.intrinsic[element].id,
-            _ => &self.output_directory,
+            _ => &self.settings.output_directory,
         }
     }
 
     /// Checks matrices of pairs of materials.
-    fn check(&self, quantity: Quantity, values: &[f64]) -> Result<(), ModelError> {
+    fn check(&self, quantity: Quantity, values: &[f64]) -> Answer<()> {
         if !quantity.is_of_pairs() {
             return Ok(());
         }
@@ -214,10 +224,14 @@ impl Model for CrowdModel {
         for (k, &value) in values.iter().enumerate() {
             let Some([one, other]) = ids_of_pair(materials, k) else { continue };
             if value != values[(k % n) * n + k / n] {
-                return Err(ModelError::Asymmetric(one.to_owned(), other.to_owned()));
+                return refuse(format!(
+                    "materials {one:?} and {other:?} have two different values: the matrix must be symmetric"
+                ));
             }
             if value != 0.0 && place_of_contact(materials, k).is_none() {
-                return Err(ModelError::NoContact(one.to_owned(), other.to_owned()));
+                return refuse(format!(
+                    "materials {one:?} and {other:?} have no <Contact> in Materials.xml: their value must be 0"
+                ));
             }
         }
         Ok(())
@@ -227,17 +241,17 @@ impl Model for CrowdModel {
     fn set(&mut self, quantity: Quantity, element: usize, value: f64, phase: Phase) {
         match quantity {
             Quantity::MostMechanicalSteps => {
-                self.most_steps = value;
+                self.settings.most_steps = value;
                 if self.chooses_step() {
                     self.world = None;
                 }
             }
             Quantity::Threads => {
-                self.threads = value as i32;
+                self.settings.threads = value as i32;
                 self.world = None;
             }
-            Quantity::IntermediateSteps => self.intermediate_steps = value as i32,
-            Quantity::PlayDrive => self.play_drive = value != 0.0,
+            Quantity::IntermediateSteps => self.settings.intermediate_steps = value as i32,
+            Quantity::PlayDrive => self.settings.play_drive = value != 0.0,
             Quantity::Active => self.set_present(element, value, phase),
             _ => {
                 self.take_over(quantity, element);
@@ -252,7 +266,7 @@ impl Model for CrowdModel {
         }
     }
 
-    fn set_texts(&mut self, values: &[(Quantity, &str)]) -> Result<(), ModelError> {
+    fn set_texts(&mut self, values: &[(Quantity, &str)]) -> Answer<()> {
         let last =
             |wanted| values.iter().rev().find(|(quantity, _)| *quantity == wanted).map(|(_, value)| *value);
         for (_, value) in values.iter().filter(|(quantity, _)| *quantity == Quantity::Trial) {
@@ -262,7 +276,7 @@ impl Model for CrowdModel {
             self.choose(name)?;
         }
         if let Some(directory) = last(Quantity::OutputDirectory) {
-            directory.clone_into(&mut self.output_directory);
+            directory.clone_into(&mut self.settings.output_directory);
         }
         Ok(())
     }
@@ -287,7 +301,7 @@ impl Model for CrowdModel {
     fn set_rate(&mut self, quantity: Quantity, element: usize, rate: f64) {
         self.take_over(quantity, element);
         if matches!(quantity, Quantity::Fp | Quantity::Mp) {
-            let rates = self.rates.entry(agent_of_drive(quantity, element)).or_default();
+            let rates = self.settings.rates.entry(agent_of_drive(quantity, element)).or_default();
             *part_of_drive(rates, quantity, element) = rate;
         }
     }
@@ -296,17 +310,18 @@ impl Model for CrowdModel {
         if self.chooses_step() {
             self.trial.parameters.time_step_mechanical = self.packed.trial.parameters.time_step_mechanical;
         }
-        self.tolerance = tolerance;
+        self.settings.tolerance = tolerance;
         self.world = None;
     }
 
-    fn initialize(&mut self, start: f64) -> Result<(), ModelError> {
+    fn initialize(&mut self, start: f64) -> Answer<()> {
         self.make_world()?;
         if self.chooses_step() {
             self.warnings.extend(self.warning_of_step());
         }
-        make_directory(&self.output_directory)?;
-        let inputs_only = self.settings.keys().all(|(quantity, _)| quantity.row().role == Role::Input);
+        make_directory(&self.settings.output_directory)?;
+        let inputs_only =
+            self.settings.elements.keys().all(|(quantity, _)| quantity.row().role == Role::Input);
         if self.chooses_step() || !inputs_only {
             let advice = Setup::of(&self.trial).advice_as_edited();
             self.warnings.extend(advice.iter().map(Problem::without_severity));
@@ -319,11 +334,11 @@ impl Model for CrowdModel {
     }
 
     fn parts(&self, step: f64) -> Vec<f64> {
-        let every = u64::try_from(self.intermediate_steps).unwrap_or(0);
+        let every = u64::try_from(self.settings.intermediate_steps).unwrap_or(0);
         let mechanical_step = self.world.as_ref().map(|world| world.mechanical_step);
         let steps = mechanical_step.and_then(|longest| step_count(step, longest).ok()).unwrap_or(1);
         // What is refused is refused as a whole.
-        if every == 0 || steps <= every || steps as f64 > self.most_steps {
+        if every == 0 || steps <= every || steps as f64 > self.settings.most_steps {
             return vec![step];
         }
         let dt = step / steps as f64;
@@ -331,7 +346,7 @@ impl Model for CrowdModel {
         (0..steps).step_by(every as usize).map(part).collect()
     }
 
-    fn advance(&mut self, part: Part) -> Result<(), StepError<ModelError>> {
+    fn advance(&mut self, part: Part) -> Result<(), StepError> {
         let Part { from, length, so_far, at_end } = part;
         self.make_world().map_err(StepError::Refused)?;
         self.few_steps(length).map_err(StepError::Refused)?;
@@ -343,7 +358,7 @@ impl Model for CrowdModel {
             self.warn_of_returns(from);
         }
         if let Err(error) = self.advance_world(length, so_far) {
-            let told = ModelError::Advance(Setup::of(&self.trial).name_body(&error));
+            let told = Refusal::new(Setup::of(&self.trial).name_body(&error));
             // All other errors are found before the step begins.
             let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
             if failed {
@@ -357,13 +372,13 @@ impl Model for CrowdModel {
         }
         self.warn_of_coincidence();
         // A rate is used for one step.
-        self.rates.clear();
+        self.settings.rates.clear();
         let Some(to) = at_end else { return Ok(()) };
         self.play(to);
-        self.write_output(to).map_err(|error| StepError::Failed(error.into()))
+        self.write_output(to).map_err(StepError::Failed)
     }
 
-    fn reset(&mut self) -> Result<(), ModelError> {
+    fn reset(&mut self) -> Answer<()> {
         if self.packed.trial.name != self.resources.first() {
             self.packed = Packed::load(&self.resources, self.resources.first())?.0;
         }
@@ -377,7 +392,7 @@ impl Model for CrowdModel {
         self.saved()
     }
 
-    fn restore(&mut self, saved: &Saved) -> Result<(), ModelError> {
+    fn restore(&mut self, saved: &Saved) -> Answer<()> {
         self.go_back(saved)
     }
 }
@@ -395,17 +410,10 @@ impl CrowdModel {
             any_size: false,
             trial: packed.trial.clone(),
             packed,
-            settings: Settings::new(),
-            play_drive: true,
+            settings: Settings::default(),
             played: BTreeSet::new(),
             undriven: BTreeSet::new(),
             moved: BTreeSet::new(),
-            threads: 1,
-            most_steps: MOST_MECHANICAL_STEPS,
-            intermediate_steps: 0,
-            output_directory: String::new(),
-            rates: BTreeMap::new(),
-            tolerance: None,
             world: None,
             warnings: Vec::new(),
             said_coincident: None,
@@ -430,8 +438,8 @@ impl CrowdModel {
 
     /// The agents whom the packed drive drives: those in it of whom the importer has not set Fp or Mp to another value than
     /// the Trial's.
-    fn whom_it_plays(&self) -> Result<BTreeSet<usize>, ModelError> {
-        if !self.play_drive {
+    fn whom_it_plays(&self) -> Answer<BTreeSet<usize>> {
+        if !self.settings.play_drive {
             return Ok(BTreeSet::new());
         }
         let (agents, drive) = (self.packed.trial.agents.iter(), &self.packed.drive(&self.resources)?.table);
@@ -440,7 +448,7 @@ impl CrowdModel {
         let drives = |i: usize| (self.trial.dynamics[i].fp, self.trial.dynamics[i].mp);
         let packed = |i: usize| (self.packed.trial.dynamics[i].fp, self.packed.trial.dynamics[i].mp);
         played.retain(|&i| drives(i) == packed(i));
-        played.retain(|i| !self.rates.contains_key(i) && !self.undriven.contains(i));
+        played.retain(|i| !self.settings.rates.contains_key(i) && !self.undriven.contains(i));
         Ok(played)
     }
 
@@ -473,7 +481,7 @@ impl CrowdModel {
     fn set_present(&mut self, agent: usize, value: f64, phase: Phase) {
         let Some(world) = self.world.as_mut().filter(|_| phase == Phase::StepComplete) else {
             self.world = None;
-            self.settings.insert((Quantity::Active, agent), value);
+            self.settings.elements.insert((Quantity::Active, agent), value);
             return;
         };
         let body = BodyId::from(agent);
@@ -483,16 +491,16 @@ impl CrowdModel {
         world.set_present(body, value != 0.0);
     }
 
-    fn make_world(&mut self) -> Result<&mut World, ModelError> {
+    fn make_world(&mut self) -> Answer<&mut World> {
         if self.world.is_none() {
             self.choose_step();
             let mut world = Setup::of(&self.trial).world()?;
-            give_threads(&mut world, self.threads, None)?;
+            give_threads(&mut world, self.settings.threads, None)?;
             self.dismiss(&mut world)?;
             // A state with such forces could not be restored.
             if let Some(i) = world.exposures().iter().position(|exposure| !exposure.is_finite()) {
                 let told = format!("agent {:?}: the forces on it are not finite", self.trial.agents[i].id);
-                return Err(ModelError::Advance(told));
+                return refuse(told);
             }
             self.world = Some(world);
         }
@@ -500,9 +508,10 @@ impl CrowdModel {
     }
 
     /// Takes those out of a new world who are not there at the start.
-    fn dismiss(&self, world: &mut World) -> Result<(), ModelError> {
+    fn dismiss(&self, world: &mut World) -> Answer<()> {
         let absent = self
             .settings
+            .elements
             .iter()
             .filter(|((quantity, _), value)| *quantity == Quantity::Active && **value == 0.0);
         let absent: Vec<BodyId> = absent.map(|((_, agent), _)| BodyId::from(*agent)).collect();
@@ -516,24 +525,22 @@ impl CrowdModel {
 
     /// Whether the importer's tolerance chooses the mechanical step.
     fn chooses_step(&self) -> bool {
-        self.tolerance.is_some() && !self.settings.contains_key(&(Quantity::TimeStepMechanical, 0))
+        self.settings.choosing_tolerance().is_some()
     }
 
     /// Gives the documents the mechanical step that is used.
     fn choose_step(&mut self) {
-        if let Some(tolerance) = self.tolerance.filter(|_| self.chooses_step()) {
+        if self.chooses_step() {
             self.trial.parameters.time_step_mechanical = self.packed.trial.parameters.time_step_mechanical;
-            if let Ok(step) = by_tolerance(&self.trial, tolerance, self.most_steps) {
-                self.trial.parameters.time_step_mechanical = step;
-            }
+            self.settings.choose_step(&mut self.trial);
         }
     }
 
     /// Says why the tolerance is not kept to.
     fn warning_of_step(&self) -> Option<String> {
-        let tolerance = self.tolerance?;
+        let tolerance = self.settings.tolerance?;
         let step = self.trial.parameters.time_step_mechanical;
-        match by_tolerance(&self.trial, tolerance, self.most_steps) {
+        match by_tolerance(&self.trial, tolerance, self.settings.most_steps) {
             Err(None) => None,
             Err(Some(why)) => Some(format!(
                 "the tolerance {tolerance:e} chooses no mechanical step: {why}; TimeStepMechanical stays {step:?} s"
@@ -548,7 +555,7 @@ impl CrowdModel {
                     format!(
                         "the tolerance {tolerance:e} needs more than MostMechanicalSteps = {} mechanical steps in a \
                          TimeStep of {:?} s: TimeStepMechanical is {step:?} s, which is accurate to about {error:.1e} m",
-                        self.most_steps, self.trial.parameters.time_step
+                        self.settings.most_steps, self.trial.parameters.time_step
                     )
                 })
             }
@@ -556,15 +563,18 @@ impl CrowdModel {
     }
 
     /// Checks that a communication step \[s\] has no more mechanical steps than allowed.
-    fn few_steps(&self, step: f64) -> Result<(), ModelError> {
+    fn few_steps(&self, step: f64) -> Answer<()> {
         let Some(mechanical_step) = self.world.as_ref().map(|world| world.mechanical_step) else {
             return Ok(());
         };
         // If the number of steps is not defined, the world reports the error.
         let steps = step_count(step, mechanical_step).unwrap_or(0);
-        let most = self.most_steps;
+        let most = self.settings.most_steps;
         if steps as f64 > most {
-            return Err(ModelError::TooManySteps { step, steps, mechanical_step, most });
+            return refuse(format!(
+                "a communication step of {step:?} s takes {steps} mechanical steps of {mechanical_step:?} s, more than \
+                 MostMechanicalSteps = {most}: take shorter communication steps, or set that parameter"
+            ));
         }
         Ok(())
     }
@@ -603,7 +613,7 @@ impl CrowdModel {
     fn advance_world(&mut self, part: f64, so_far: f64) -> Result<(), AdvanceError> {
         let Some(world) = &mut self.world else { return Ok(()) };
         world.drive_rate.fill(Wrench::default());
-        for (&i, &rate) in &self.rates {
+        for (&i, &rate) in &self.settings.rates {
             world.drive_rate[i] = rate;
         }
         world.advance_on(part, so_far)
@@ -614,13 +624,13 @@ impl CrowdModel {
     fn edit(&mut self, quantity: Quantity, element: usize, value: f64) {
         if let Some(field) = field(&mut self.trial, quantity, element) {
             *field = value;
-            self.settings.insert((quantity, element), value);
+            self.settings.elements.insert((quantity, element), value);
         }
     }
 
     /// Returns a number of this instance or of the documents, or one for which a world must be made first.
     #[cold]
-    fn without_world(&mut self, quantity: Quantity, element: usize) -> Result<f64, ModelError> {
+    fn without_world(&mut self, quantity: Quantity, element: usize) -> Answer<f64> {
         if quantity == Quantity::TimeStepMechanical && self.world.is_none() {
             self.choose_step();
         }
@@ -628,11 +638,11 @@ impl CrowdModel {
             return Ok(*field);
         }
         Ok(match quantity {
-            Quantity::Threads => self.threads.into(),
-            Quantity::IntermediateSteps => self.intermediate_steps.into(),
-            Quantity::PlayDrive => self.play_drive.into(),
-            Quantity::MostMechanicalSteps => self.most_steps,
-            Quantity::Active => self.settings.get(&(quantity, element)).copied().unwrap_or(1.0),
+            Quantity::Threads => self.settings.threads.into(),
+            Quantity::IntermediateSteps => self.settings.intermediate_steps.into(),
+            Quantity::PlayDrive => self.settings.play_drive.into(),
+            Quantity::MostMechanicalSteps => self.settings.most_steps,
+            Quantity::Active => self.settings.elements.get(&(quantity, element)).copied().unwrap_or(1.0),
             _ if quantity.row().role == Role::Calculated => {
                 let mut value = [0.0];
                 read(self.make_world()?, quantity, element, &mut value);
@@ -642,25 +652,33 @@ impl CrowdModel {
         })
     }
 
-    fn known_trial(&self, name: &str) -> Result<(), ModelError> {
+    fn known_trial(&self, name: &str) -> Answer<()> {
         if self.resources.names().iter().any(|known| known == name) {
             return Ok(());
         }
         let names = self.resources.names().join(", ");
-        Err(ModelError::NoSuchTrial { value: name.to_owned(), names })
+        refuse(format!("Trial = {name:?}: must be one of the packed Trials: {names}"))
     }
 
     /// Loads another packed Trial; settings are kept.
-    fn choose(&mut self, name: &str) -> Result<(), ModelError> {
+    fn choose(&mut self, name: &str) -> Answer<()> {
         let (packed, warnings) = Packed::load(&self.resources, name)?;
         if !self.any_size && quantities::guid(&packed.trial) != quantities::guid(&self.packed.trial) {
-            return Err(ModelError::OtherVariables(name.to_owned()));
+            return refuse(format!(
+                "the state belongs to another model: Trial {name:?} has other variables than this FMU"
+            ));
         }
         // A pair has another element where there are other materials.
         let same = packed.trial.materials.intrinsic.len() == self.trial.materials.intrinsic.len();
-        let fits = same || !self.settings.keys().any(|(quantity, _)| quantity.is_of_pairs());
-        let edited = edited(&packed.trial, &self.settings).filter(|_| fits);
-        self.trial = edited.ok_or_else(|| ModelError::OtherSizes(name.to_owned()))?;
+        let fits = same || !self.settings.elements.keys().any(|(quantity, _)| quantity.is_of_pairs());
+        let edited = self.settings.applied_to(&packed.trial).filter(|_| fits);
+        let Some(edited) = edited else {
+            return refuse(format!(
+                "Trial = {name:?}: values were set of agents or materials that it does not have: choose the Trial \
+                 before its values"
+            ));
+        };
+        self.trial = edited;
         self.packed = packed;
         self.warnings.extend(warnings);
         self.world = None;
@@ -668,29 +686,33 @@ impl CrowdModel {
     }
 
     /// Writes the XML files of the paper's script, with its file names, at a communication point \[s\].
-    fn write_output(&self, time: f64) -> Result<(), WriteError> {
-        let (Some(world), false) = (&self.world, self.output_directory.is_empty()) else { return Ok(()) };
-        let directory = Path::new(&self.output_directory);
-        let [dynamics_name, interactions_name] = output_names(time);
-        let dynamics = dynamics_xml(&self.trial.agents, &dynamics_of(world), DynamicsElement::Omitted);
-        let dynamics = Change::Write(directory.join(dynamics_name), dynamics);
-        // A file of an earlier run must not be mistaken for one of this run.
-        let place = directory.join(interactions_name);
-        let interactions = if world.contacts().contacts.is_empty() {
-            Change::Remove(place)
-        } else {
-            Change::Write(
-                place,
-                interactions_xml(&self.trial.agents, &self.trial.geometry, &interactions_of(world)),
-            )
+    fn write_output(&self, time: f64) -> Answer<()> {
+        let (Some(world), false) = (&self.world, self.settings.output_directory.is_empty()) else {
+            return Ok(());
         };
-        let changes = [dynamics, interactions];
-        changes.iter().try_for_each(check_no_link)?;
-        change_all(&changes)
+        let directory = Path::new(&self.settings.output_directory);
+        let [dynamics_name, interactions_name] = output_names(time);
+        let (dynamics, interactions) = (directory.join(dynamics_name), directory.join(interactions_name));
+        let changes = output(&self.trial, world, dynamics, interactions);
+        changes.iter().try_for_each(check_no_link).and_then(|()| change_all(&changes)).or_else(no_output)
     }
 }
 
-/// That a change does not go through a link, to a file somewhere else.
+/// Returns the files of the paper's script for a moment of a world. Of no contacts there is none: that of an earlier
+/// run must not be mistaken for one of this run.
+pub(crate) fn output(trial: &Trial, world: &World, dynamics: PathBuf, interactions: PathBuf) -> [Change; 2] {
+    let motion = dynamics_xml(&trial.agents, &dynamics_of(world), DynamicsElement::Omitted);
+    let contacts = match &world.contacts().contacts[..] {
+        [] => Change::Remove(interactions),
+        _ => {
+            let told = interactions_xml(&trial.agents, &trial.geometry, &interactions_of(world));
+            Change::Write(interactions, told)
+        }
+    };
+    [contacts, Change::Write(dynamics, motion)]
+}
+
+/// Checks that a change does not go through a link, to a file somewhere else.
 fn check_no_link(change: &Change) -> Result<(), WriteError> {
     let (Change::Write(path, _) | Change::Remove(path)) = change;
     match path.symlink_metadata() {
@@ -765,21 +787,25 @@ fn read(world: &World, quantity: Quantity, first: usize, values: &mut [f64]) -> 
 }
 
 /// Gives a world a number of threads: those of the previous world, if it has as many.
-fn give_threads(world: &mut World, threads: i32, so_far: Option<&World>) -> Result<(), ThreadsError> {
+fn give_threads(world: &mut World, threads: i32, so_far: Option<&World>) -> Answer<()> {
     if let Some(so_far) = so_far {
         world.share_threads(so_far);
     }
-    world.set_threads(usize::try_from(threads).unwrap_or(1))
+    let given = world.set_threads(usize::try_from(threads).unwrap_or(1));
+    given.or_else(|error| refuse(format!("Threads: {error}")))
 }
 
 /// Creates the OutputDirectory, if one is set.
-fn make_directory(name: &str) -> Result<(), WriteError> {
+fn make_directory(name: &str) -> Answer<()> {
     let directory = Path::new(name);
     if name.is_empty() {
-        Ok(())
-    } else {
-        std::fs::create_dir_all(directory).map_err(WriteError::at(directory))
+        return Ok(());
     }
+    std::fs::create_dir_all(directory).map_err(WriteError::at(directory)).or_else(no_output)
+}
+
+fn no_output(error: WriteError) -> Answer<()> {
+    refuse(format!("OutputDirectory: {error}"))
 }
 
 /// \[s\] The mechanical step for a tolerance \[m\]: see docs/step.md. A TimeStep takes no more than `most` of them.
@@ -795,17 +821,4 @@ fn by_tolerance(trial: &Trial, tolerance: f64, most: f64) -> Result<f64, Option<
         return Err(Some("MostMechanicalSteps allows no stable step"));
     }
     Ok(step.max(shortest))
-}
-
-/// Returns a packed Trial with an instance's settings; `None` if it does not have what was set.
-fn edited(packed: &Trial, settings: &Settings) -> Option<Trial> {
-    let mut trial = packed.clone();
-    for (&(quantity, element), &value) in settings {
-        if quantity == Quantity::Active {
-            trial.agents.get(element)?;
-        } else {
-            *field(&mut trial, quantity, element)? = value;
-        }
-    }
-    Some(trial)
 }

@@ -3,18 +3,17 @@
 //! The same Trials and binaries give the same bytes, so that FMUs can be compared.
 
 use crate::model::CrowdModel;
-use crate::model_description::{LARGEST_DESCRIPTION, MODEL_IDENTIFIER, model_description, terminals};
+use crate::model_description::{LARGEST_DESCRIPTION, model_description, terminals};
 use crate::quantities::{guid, scalars};
 use crate::resources::{TRIALS_FILE, can_be_packed};
 use crate::setup;
 use lemons_core::files::Staged;
 use lemons_core::files::source::{Disk, Source};
-use lemons_core::trial::{DRIVE_FILE, FileNames, Problems, Trial};
-use lemons_fmi::archive::{Archive, ArchiveError, read};
+use lemons_core::trial::{DRIVE_FILE, DriveTable, FileNames, Problems, Trial};
+use lemons_fmi::archive::{Archive, ArchiveError, Content, read};
 pub use lemons_fmi::archive::{Binary, THIRD_PARTY, host_directory, host_platform, library_file, platforms};
-use lemons_fmi::description::rows_html;
 pub use lemons_fmi::{Format, Naming};
-use lemons_fmi::{Version, instantiation_token};
+use lemons_fmi::{Version, description};
 use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
 use thiserror::Error;
@@ -76,26 +75,17 @@ pub struct Package {
     pub format: Format,
 }
 
-/// What is written, apart from the binaries and what the Trials' files hold.
-struct Contents {
-    trials: Vec<Trial>,
-    description: String,
-    warnings: Vec<String>,
-}
-
 impl Package {
     /// Writes the FMU and returns the Trials' warnings. A failure leaves no half-written file.
     ///
     /// # Errors
     /// See [`PackError`]. The file at `output` is then unchanged.
     pub fn write(&self, output: &Path) -> Result<Vec<String>, PackError> {
-        let contents = self.read(&Disk)?;
         let write_error = |error| PackError::Write { path: output.to_owned(), error };
-        let mut file = Staged::beside(output).map_err(write_error)?;
-        self.fill(&Disk, &contents, &mut file)
-            .map_err(|error| PackError::Archive { path: output.to_owned(), error })?;
+        let begin = || Staged::beside(output).map_err(write_error);
+        let (warnings, file) = self.write_with(&Disk, output, begin)?;
         file.persist().map_err(write_error)?;
-        Ok(contents.warnings)
+        Ok(warnings)
     }
 
     /// Writes the FMU from Trials and binaries in these files. Messages call it `name`.
@@ -108,44 +98,46 @@ impl Package {
         name: &Path,
         output: impl Write + Seek,
     ) -> Result<Vec<String>, PackError> {
-        let contents = self.read(files)?;
-        self.fill(files, &contents, output)
-            .map_err(|error| PackError::Archive { path: name.to_owned(), error })?;
-        Ok(contents.warnings)
+        Ok(self.write_with(files, name, || Ok(output))?.0)
     }
 
-    /// Reads the Trials, and makes the description.
-    fn read(&self, files: &dyn Source) -> Result<Contents, PackError> {
+    /// Reads the Trials, begins the file, and writes it.
+    fn write_with<W: Write + Seek>(
+        &self,
+        files: &dyn Source,
+        name: &Path,
+        begin: impl FnOnce() -> Result<W, PackError>,
+    ) -> Result<(Vec<String>, W), PackError> {
         let (trials, warnings) = self.read_trials(files)?;
-        if trials.is_empty() {
-            return Err(PackError::NoTrial);
-        }
-        check_size(&trials[0], least_size(&trials[0], self.format))?;
-        let description = model_description(&trials[0], self.format);
-        check_size(&trials[0], description.len() as u64)?;
-        Ok(Contents { trials, description, warnings })
+        let first = trials.first().ok_or(PackError::NoTrial)?;
+        check_size(first, least_size(first, self.format))?;
+        let description = model_description(first, self.format);
+        check_size(first, description.len() as u64)?;
+        let mut file = begin()?;
+        self.fill(files, &trials, &description, &mut file)
+            .map_err(|error| PackError::Archive { path: name.to_owned(), error })?;
+        Ok((warnings, file))
     }
 
     /// Writes the archive's content.
     fn fill(
         &self,
         files: &dyn Source,
-        contents: &Contents,
+        trials: &[Trial],
+        description: &str,
         file: impl Write + Seek,
     ) -> Result<(), ArchiveError> {
-        let Contents { trials, description, .. } = contents;
-        let (version, picture) = (self.format.version(), self.picture.and_then(|draw| draw(&trials[0])));
-        let documentation = documentation(&trials[0], version);
-        let mut archive = Archive::begin(file, version, description, &documentation)?;
-        archive.add_binaries(files, MODEL_IDENTIFIER, &self.binaries)?;
-        if version == Version::V3 {
-            archive
-                .add("terminalsAndIcons/terminalsAndIcons.xml", terminals(picture.is_some()).as_bytes())?;
-        }
-        if let Some(picture) = picture {
-            let name = if version == Version::V2 { "model.png" } else { "terminalsAndIcons/icon.png" };
-            archive.add(name, &picture)?;
-        }
+        let version = self.format.version();
+        let picture = self.picture.and_then(|draw| draw(&trials[0]));
+        let content = Content {
+            version,
+            description,
+            documentation: &documentation(&trials[0], version),
+            binaries: &self.binaries,
+            terminals: terminals(picture.is_some()),
+            picture,
+        };
+        let mut archive = Archive::begin::<CrowdModel>(file, files, &content)?;
         let names: String = trials.iter().map(|trial| format!("{}\n", trial.name)).collect();
         archive.add(&format!("resources/{TRIALS_FILE}"), names.as_bytes())?;
         for trial in trials {
@@ -274,17 +266,13 @@ fn add_trial<W: Write + Seek>(
 
 /// `documentation/index.html`
 fn documentation(trial: &Trial, version: Version) -> String {
-    let (page, token) = match version {
-        Version::V2 => (include_str!("documentation.html"), guid(trial)),
-        Version::V3 => (include_str!("documentation_3.html"), instantiation_token::<CrowdModel>()),
+    let page = match version {
+        Version::V2 => include_str!("documentation.html"),
+        Version::V3 => include_str!("documentation_3.html"),
     };
-    let parameters = &trial.parameters;
-    page.replace("{version}", env!("CARGO_PKG_VERSION"))
+    let crowd = CrowdModel::of_trial(trial.clone(), DriveTable::default());
+    description::documentation(&crowd, version, page, trial.agents.len())
         .replace("{trial}", &lemons_core::xml::escaped(&trial.name))
-        .replace("{agents}", &trial.agents.len().to_string())
-        .replace("{last}", &(trial.agents.len().saturating_sub(1)).to_string())
-        .replace("{time_step}", &format!("{:?}", parameters.time_step))
-        .replace("{time_step_mechanical}", &format!("{:?}", parameters.time_step_mechanical))
-        .replace("{token}", &token.braced().to_string())
-        .replace("{variables}", &rows_html::<CrowdModel>())
+        .replace("{time_step}", &format!("{:?}", trial.parameters.time_step))
+        .replace("{time_step_mechanical}", &format!("{:?}", trial.parameters.time_step_mechanical))
 }

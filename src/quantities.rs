@@ -242,11 +242,10 @@ fn quoted(id: &str) -> String {
     let mut name = String::from("'");
     for byte in id.bytes() {
         match byte {
-            b'\'' | b'"' | b'\\' => {
+            b'\'' | b'"' | b'\\' | b'?' => {
                 name.push('\\');
                 name.push(char::from(byte));
             }
-            b'?' => name.push_str("\\?"),
             b'%' => name.push_str("%25"),
             b' '..=b'~' if byte != b'`' => name.push(char::from(byte)),
             _ => name.push_str(&format!("%{byte:02X}")),

@@ -4,6 +4,7 @@ use crate::setup;
 use lemons_core::files::input;
 use lemons_core::trial::{DriveChoice, DriveTable, Problem, Problems, Trial};
 use lemons_fmi::location::{Location, LocationError};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use thiserror::Error;
@@ -114,28 +115,19 @@ impl Resources {
     }
 }
 
-/// The names of the Trials in a directory: those in [`TRIALS_FILE`], or else all, sorted by name.
+/// Returns the names of the Trials in a directory: those in [`TRIALS_FILE`], or else all, sorted by name.
 fn names_in(directory: &Path) -> Result<Vec<String>, ResourcesError> {
     let list = directory.join(TRIALS_FILE);
     match input::read_text(&list, input::LARGEST_SETTINGS) {
         Ok(text) => {
-            let lines = text.lines().enumerate().filter(|(_, name)| !name.trim().is_empty());
-            return lines
-                .map(|(line, name)| {
-                    if !can_be_packed(name) {
-                        return Err(ResourcesError::Name {
-                            path: list.clone(),
-                            line: line + 1,
-                            name: name.to_owned(),
-                        });
-                    }
-                    Ok(name.to_owned())
-                })
-                .collect();
+            let lines = text.lines().zip(1..).filter(|(name, _)| !name.trim().is_empty());
+            let name = |(name, line): (&str, usize)| match can_be_packed(name) {
+                true => Ok(name.to_owned()),
+                false => Err(ResourcesError::Name { path: list.clone(), line, name: name.to_owned() }),
+            };
+            return lines.map(name).collect();
         }
-        Err(error)
-            if error.kind() == std::io::ErrorKind::NotFound
-                || error.kind() == std::io::ErrorKind::NotADirectory => {}
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
         Err(error) => return Err(ResourcesError::Read { path: list, error }),
     }
     let Ok(entries) = std::fs::read_dir(directory) else { return Ok(Vec::new()) };

@@ -1,13 +1,13 @@
 //! The crowd's part of FMI's "FMU state": saving and restoring.
 
-use super::{
-    CrowdModel, Drive, ModelError, Packed, Settings, by_tolerance, edited, give_threads, make_directory,
-};
+use super::{CrowdModel, Drive, Packed, Settings, give_threads, make_directory};
 use crate::engine::{BodyId, Exposure, State, World, Wrench};
 use crate::quantities::{Quantity, guid};
 use crate::setup::Setup;
+use lemons_fmi::variables::Domain;
+use lemons_fmi::{Answer, damaged, refuse};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// The complete state of a crowd, without the location of its resources.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -15,13 +15,6 @@ pub struct Saved {
     trial: String,
     fingerprint: u128,
     settings: Settings,
-    play_drive: bool,
-    threads: i32,
-    most_steps: f64,
-    intermediate_steps: i32,
-    output_directory: String,
-    rates: BTreeMap<usize, Wrench>,
-    tolerance: Option<f64>,
     running: Option<Running>,
 }
 
@@ -45,13 +38,6 @@ impl CrowdModel {
             trial: self.packed.trial.name.clone(),
             fingerprint: self.packed.fingerprint,
             settings: self.settings.clone(),
-            play_drive: self.play_drive,
-            threads: self.threads,
-            most_steps: self.most_steps,
-            intermediate_steps: self.intermediate_steps,
-            output_directory: self.output_directory.clone(),
-            rates: self.rates.clone(),
-            tolerance: self.tolerance,
             running: self.world.as_ref().map(|world| Running {
                 drive: world.drive.clone(),
                 played: self.played.clone(),
@@ -69,7 +55,7 @@ impl CrowdModel {
     }
 
     /// Restores a state. After an error nothing has changed.
-    pub(super) fn go_back(&mut self, saved: &Saved) -> Result<(), ModelError> {
+    pub(super) fn go_back(&mut self, saved: &Saved) -> Answer<()> {
         let packed = if saved.trial == self.packed.trial.name {
             self.packed.clone()
         } else {
@@ -79,32 +65,30 @@ impl CrowdModel {
         };
         let fits = self.any_size || guid(&packed.trial) == guid(&self.packed.trial);
         if packed.fingerprint != saved.fingerprint || !fits {
-            return Err(ModelError::OtherTrial(saved.trial.clone()));
+            return other_trial(&saved.trial);
         }
-        let unknown = ModelError::Saved("a setting of an unknown variable");
-        let mut trial = edited(&packed.trial, &saved.settings).ok_or(unknown)?;
+        let settings = &saved.settings;
+        let Some(mut trial) = settings.applied_to(&packed.trial) else {
+            return damaged("a setting of an unknown variable");
+        };
         let good = |(quantity, value): (Quantity, f64)| quantity.row().domain.check(value).is_ok();
-        if !saved.settings.iter().all(|((quantity, _), value)| good((*quantity, *value))) {
-            return Err(ModelError::Saved("a setting out of its domain"));
+        if !settings.elements.iter().all(|((quantity, _), value)| good((*quantity, *value))) {
+            return damaged("a setting out of its domain");
         }
-        if !saved.rates.iter().all(|(&i, rate)| i < packed.trial.agents.len() && finite(rate)) {
-            return Err(ModelError::Saved("a rate of an unknown agent, or one that is not finite"));
+        if !settings.rates.iter().all(|(&i, rate)| i < packed.trial.agents.len() && finite(rate)) {
+            return damaged("a rate of an unknown agent, or one that is not finite");
         }
-        if saved.threads < 1 || saved.intermediate_steps < 0 || saved.output_directory.contains('\0') {
-            return Err(ModelError::Saved("a number of threads or an OutputDirectory that cannot be set"));
-        }
-        if !(saved.most_steps > 0.0 && saved.most_steps.is_finite()) {
-            return Err(ModelError::Saved("a MostMechanicalSteps that cannot be set"));
-        }
-        if saved.tolerance.is_some_and(|tolerance| !(tolerance > 0.0 && tolerance.is_finite())) {
-            return Err(ModelError::Saved("a tolerance that is not possible"));
-        }
-        if let Some(tolerance) = saved.tolerance
-            && !saved.settings.contains_key(&(Quantity::TimeStepMechanical, 0))
-            && let Ok(step) = by_tolerance(&trial, tolerance, saved.most_steps)
+        if settings.threads < 1 || settings.intermediate_steps < 0 || settings.output_directory.contains('\0')
         {
-            trial.parameters.time_step_mechanical = step;
+            return damaged("a number of threads or an OutputDirectory that cannot be set");
         }
+        if Domain::Positive.check(settings.most_steps).is_err() {
+            return damaged("a MostMechanicalSteps that cannot be set");
+        }
+        if settings.tolerance.is_some_and(|tolerance| Domain::Positive.check(tolerance).is_err()) {
+            return damaged("a tolerance that is not possible");
+        }
+        settings.choose_step(&mut trial);
         let world = match &saved.running {
             None => None,
             Some(running) => {
@@ -113,37 +97,30 @@ impl CrowdModel {
                 if !running.played.is_empty() {
                     check_played(&packed, packed.drive(&self.resources)?, running)?;
                 }
-                give_threads(&mut world, saved.threads, self.world.as_ref())?;
+                give_threads(&mut world, settings.threads, self.world.as_ref())?;
                 let bodies = running.present.iter().enumerate();
                 bodies.for_each(|(b, &present)| world.set_present(BodyId::from(b), present));
                 world
                     .restore_with(running.state.clone(), running.exposures.clone())
-                    .map_err(|_| ModelError::Saved("more agents in one place than can be held"))?;
+                    .or_else(|_| damaged("more agents in one place than can be held"))?;
                 world.drive.clone_from(&running.drive);
                 Some(world)
             }
         };
         if world.is_some() {
-            make_directory(&saved.output_directory)?;
+            make_directory(&settings.output_directory)?;
         }
         (self.packed, self.trial, self.world) = (packed, trial, world);
         self.said_coincident = self.first_coincident();
         self.moved.clear();
-        self.settings.clone_from(&saved.settings);
-        self.play_drive = saved.play_drive;
+        self.settings.clone_from(settings);
         self.played = saved.running.as_ref().map(|running| running.played.clone()).unwrap_or_default();
-        self.threads = saved.threads;
-        self.most_steps = saved.most_steps;
-        self.intermediate_steps = saved.intermediate_steps;
-        self.output_directory.clone_from(&saved.output_directory);
-        self.rates.clone_from(&saved.rates);
-        self.tolerance = saved.tolerance;
         Ok(())
     }
 }
 
 /// Checks that a state from outside fits the scene, before the engine uses its indices.
-fn check_running(world: &World, running: &Running) -> Result<(), ModelError> {
+fn check_running(world: &World, running: &Running) -> Answer<()> {
     let (scene, state) = (world.scene(), &running.state);
     let bodies = scene.bodies.len();
     let (disks, faces) = (scene.disks.len(), scene.faces.len());
@@ -155,7 +132,7 @@ fn check_running(world: &World, running: &Running) -> Result<(), ModelError> {
         && state.disk_springs.iter().all(|s| s.first.index() < disks && s.second.index() < disks)
         && state.face_springs.iter().all(|s| s.disk.index() < disks && s.face.index() < faces);
     if !fits {
-        return Err(ModelError::Saved("it does not fit the scene"));
+        return damaged("it does not fit the scene");
     }
     let positive = |number: f64| number >= 0.0 && number.is_finite();
     let exposed = |of: &Exposure| [of.mean_force, of.peak_force, of.peak_overlap].into_iter().all(positive);
@@ -165,21 +142,27 @@ fn check_running(world: &World, running: &Running) -> Result<(), ModelError> {
         && state.twists.iter().all(|twist| twist.velocity.is_finite() && twist.angular_velocity.is_finite())
         && state.disk_springs.iter().all(|spring| spring.elongation.is_finite())
         && state.face_springs.iter().all(|spring| spring.elongation.is_finite());
-    if finite { Ok(()) } else { Err(ModelError::Saved("a number that is not finite")) }
+    if finite { Ok(()) } else { damaged("a number that is not finite") }
 }
 
 /// Checks that a state from outside plays a drive of this Trial.
-fn check_played(packed: &Packed, drive: &Drive, running: &Running) -> Result<(), ModelError> {
+fn check_played(packed: &Packed, drive: &Drive, running: &Running) -> Answer<()> {
     let Packed { trial, .. } = packed;
     if running.packed_drive.as_ref() != Some(&drive.fingerprint) {
-        return Err(ModelError::OtherTrial(trial.name.clone()));
+        return other_trial(&trial.name);
     }
     let driven = |i: &usize| trial.agents.get(*i).is_some_and(|agent| drive.table.rows(&agent.id).is_some());
     if running.played.iter().all(driven) {
         Ok(())
     } else {
-        Err(ModelError::Saved("an agent whom the packed drive does not name"))
+        damaged("an agent whom the packed drive does not name")
     }
+}
+
+fn other_trial(name: &str) -> Answer<()> {
+    refuse(format!(
+        "the state belongs to another model: Trial {name:?} has changed since the state was saved"
+    ))
 }
 
 fn finite(wrench: &Wrench) -> bool {

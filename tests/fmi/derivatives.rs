@@ -110,34 +110,13 @@ fn derivatives_of_outputs_are_those_of_the_motion() {
         crowd.steps(0, 12);
         let time = 12.0 * STEP;
         crowd.must(crowd.try_step(time, SHORT));
-        // Of each name: in FMI 3.0, an element of the whole array's.
         let derivatives = || {
-            let (references, lengths) = if version == V2 {
-                (names.iter().flatten().map(|name| crowd.model.reference(name)).collect(), 6 * AGENTS)
-            } else {
-                (
-                    ["Position", "Theta", "Velocity", "Omega"]
-                        .map(|name| crowd.model.reference(name))
-                        .to_vec(),
-                    6 * AGENTS,
-                )
+            let of = |name: &String| {
+                let (status, value) = crowd.try_derivative(name, 1);
+                crowd.must(status);
+                value
             };
-            let orders = vec![1; references.len()];
-            let (status, values): (_, Vec<f64>) = crowd.output_derivatives(&references, &orders, lengths);
-            crowd.must(status);
-            if version == V2 {
-                return values;
-            }
-            let at = |from: usize, step: usize| (0..AGENTS).map(move |i| from + step * i);
-            let order = [
-                at(0, 2),
-                at(1, 2),
-                at(2 * AGENTS, 1),
-                at(3 * AGENTS, 2),
-                at(3 * AGENTS + 1, 2),
-                at(5 * AGENTS, 1),
-            ];
-            order.into_iter().flatten().map(|k| values[k]).collect()
+            names.iter().flatten().map(of).collect::<Vec<f64>>()
         };
         let values = || names.iter().flatten().map(|name| crowd.get(name)).collect::<Vec<f64>>();
         let (rates, before) = (derivatives(), values());
@@ -169,10 +148,9 @@ fn derivatives_of_outputs_are_those_of_the_motion() {
             ("agent[0].MeanNormalForce", "MeanNormalForce", 1, "not known"),
             ("agent[0].Mp", "Mp", 1, "not known"),
         ] {
-            let length = if version == V2 { 1 } else { AGENTS };
-            let (status, values) = crowd.output_derivatives(&[crowd.model.reference(name)], &[order], length);
+            let (status, value) = crowd.try_derivative(name, order);
             let message = crowd.refused(status);
-            assert!(message.contains(quantity) && message.contains(why) && values[0] == 1.0, "{message}");
+            assert!(message.contains(quantity) && message.contains(why) && value == 1.0, "{message}");
         }
     }
 }

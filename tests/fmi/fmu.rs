@@ -377,6 +377,13 @@ impl Crowd {
         (status, values[place.elements[0]])
     }
 
+    /// Of a variable, or of its element of an array.
+    pub fn try_derivative(&self, name: &str, order: i32) -> (Status, f64) {
+        let place = self.model.place(name);
+        let (status, values) = self.output_derivatives(&[place.reference], &[order], place.length);
+        (status, values[place.elements[0]])
+    }
+
     #[track_caller]
     pub fn get(&self, name: &str) -> f64 {
         let (status, value) = self.try_get(name);

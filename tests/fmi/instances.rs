@@ -2,7 +2,8 @@
 //! bits for any number.
 
 use crate::fmu::*;
-use std::fmt::Write as _;
+use crowd_mechanics::engine::vec2;
+use lemons_verify::bench::fmu::write_trial;
 use std::sync::OnceLock;
 use std::thread;
 
@@ -13,29 +14,6 @@ fn start(version: Version, force: f64) -> Crowd {
     crowd.must(crowd.set_all(&[("TimeStepMechanical", 2e-5), ("agent[0].Fp.x", force)]));
     crowd.initialize();
     crowd
-}
-
-fn alone(version: Version, force: f64) -> Bits {
-    let crowd = start(version, force);
-    crowd.steps(0, STEPS);
-    crowd.everything()
-}
-
-/// Also beside one in the error state.
-#[test]
-fn interleaved_instances_give_what_each_gives_alone() {
-    let (a, b, bad) = (start(V2, 700.0), start(V3, 900.0), Crowd::new(V2));
-    bad.must(bad.set_all(&[("agent[0].Mass", 1e-300), ("agent[0].Fp.x", 1e300)]));
-    bad.initialize();
-    for k in 0..STEPS {
-        a.steps(k, k + 1);
-        if k == STEPS / 2 {
-            bad.refused(bad.try_step(0.0, STEP));
-        }
-        b.steps(k, k + 1);
-    }
-    drop(bad);
-    assert_eq!((a.everything(), b.everything()), (alone(V2, 700.0), alone(V3, 900.0)));
 }
 
 #[test]
@@ -80,36 +58,13 @@ fn sixty_four_instances_in_eight_threads_with_eight_trials() {
 /// People: of the blocks of 512 that are shared out, three.
 const PEOPLE: usize = 1100;
 
-/// The people of the paper's Trial again and again, in rows and nearer to each other than they are wide.
+/// A dense crowd in which people walk into each other.
 pub fn large() -> (&'static Resources, &'static Model) {
     static CROWD: OnceLock<(Resources, Model)> = OnceLock::new();
     let (resources, model) = CROWD.get_or_init(|| {
         let resources = Resources::new();
-        let path = resources.trial().join("static/Agents.xml");
-        let text = std::fs::read_to_string(&path).unwrap();
-        let people: Vec<&str> =
-            text.split("<Agent ").skip(1).map(|agent| agent.split("</Agent>").next().unwrap()).collect();
-        let (mut agents, mut dynamics) = ("<Agents>".to_owned(), "<Agents>".to_owned());
-        for k in 0..PEOPLE {
-            let who = people[k % 5].replacen(&format!("Id=\"{}\"", k % 5), &format!("Id=\"{k}\""), 1);
-            write!(agents, "<Agent {who}</Agent>").unwrap();
-            let (x, y) = (0.265 * (k % 40) as f64, 0.52 * (k / 40) as f64 + 0.01 * (k % 3) as f64);
-            // They walk into each other.
-            let push = 600.0 * (k as f64).sin();
-            write!(
-                dynamics,
-                "<Agent Id=\"{k}\"><Kinematics Position=\"{x:.6},{y:.6}\" Velocity=\"0,0\" Theta=\"{:.6}\" \
-                 Omega=\"0\"/><Dynamics Fp=\"{push:.6},{:.6}\" Mp=\"0\"/></Agent>",
-                0.2 * (k as f64).cos(),
-                0.5 * push
-            )
-            .unwrap();
-        }
-        std::fs::write(path, agents + "</Agents>").unwrap();
-        std::fs::write(resources.trial().join("dynamic/AgentDynamics.xml"), dynamics + "</Agents>").unwrap();
-        let geometry = "<Geometry><Dimensions Lx=\"14\" Ly=\"16\"/><Wall Id=\"0\" MaterialId=\"concrete\">\
-            <Corner Coordinates=\"-0.2,-1\"/><Corner Coordinates=\"-0.2,15\"/></Wall></Geometry>";
-        std::fs::write(resources.trial().join("static/Geometry.xml"), geometry).unwrap();
+        std::fs::remove_dir_all(resources.trial()).unwrap();
+        write_trial(PEOPLE, vec2(0.285, 0.5), &resources.trial()).unwrap();
         let model = Model::of(&resources.trial(), V2);
         (resources, model)
     });

@@ -8,7 +8,7 @@ use std::ptr::null_mut;
 /// Steps until agent 0 has met agent 1.
 const MEETING: usize = 10;
 
-/// An instance in the middle of a contact.
+/// An instance in the middle of a contact, with parameters that are not the Trial's.
 fn touching(version: Version) -> Crowd {
     let crowd = Crowd::new(version);
     // Parameters other than the Trial's, and a push so that springs stretch.

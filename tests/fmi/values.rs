@@ -48,13 +48,6 @@ fn what_is_not_a_finite_number_is_refused_for_every_real() {
             }
         }
         crowd.initialize();
-        for (name, array) in
-            [("agent[0].Fp.x", "Fp[0]"), ("agent[3].Fp.y", "Fp[7]"), ("agent[4].Mp", "Mp[4]")]
-        {
-            let message = crowd.refused(crowd.set(name, f64::NAN));
-            let named = if version == V2 { name } else { array };
-            assert!(message.contains(&format!("{named} = NaN")) || version == V3, "{message}");
-        }
         crowd.reset();
         assert!(crowd.bytes() == before);
     }
@@ -94,33 +87,33 @@ fn unphysical_parameters_are_refused_and_named() {
     }
 }
 
-/// Each good alone, but together no material: told when initialization ends, and can be put right then.
+/// Each good alone, but together no material, or forces that are no numbers, with which a state could be saved but not
+/// restored: told when initialization ends, and can be put right then.
 #[test]
-fn moduli_that_make_no_material_are_told_when_they_are_used() {
+fn values_that_do_not_fit_together_are_told_when_they_are_used() {
+    type Values<'a> = &'a [(&'a str, f64)];
+    const YOUNG: &str = "material.human_naked.YoungModulus";
+    const CASES: [(Values<'static>, &str, Values<'static>); 2] = [
+        (&[(YOUNG, 1e9)], "human_naked", &[(YOUNG, 4e6)]),
+        (
+            &[("agent[1].Position.x", 0.2), ("agent[1].Velocity.x", -1e308)],
+            "agent \"0\": the forces on it are not finite",
+            &[("agent[1].Velocity.x", 0.0)],
+        ),
+    ];
     for version in BOTH {
-        let crowd = Crowd::new(version);
-        crowd.must(crowd.set("material.human_naked.YoungModulus", 1e9));
-        crowd.enter_initialization();
-        let message = crowd.refused(crowd.exit());
-        assert!(message.contains("human_naked"), "{message}");
-        let message = crowd.refused(crowd.try_get("agent[0].NormalForce").0);
-        assert!(message.contains("human_naked"), "{message}");
-        crowd.must(crowd.set("material.human_naked.YoungModulus", 4e6));
-        crowd.must(crowd.exit());
-    }
-}
-
-/// Nor are forces that are no numbers: a state with them could be saved, but not restored.
-#[test]
-fn forces_at_the_start_that_are_not_finite_are_told() {
-    for version in BOTH {
-        let crowd = Crowd::new(version);
-        crowd.must(crowd.set_all(&[("agent[1].Position.x", 0.2), ("agent[1].Velocity.x", -1e308)]));
-        crowd.enter_initialization();
-        let message = crowd.refused(crowd.exit());
-        assert!(message.contains("agent \"0\": the forces on it are not finite"), "{message}");
-        crowd.must(crowd.set("agent[1].Velocity.x", 0.0));
-        crowd.must(crowd.exit());
+        for (bad, words, good) in CASES {
+            let crowd = Crowd::new(version);
+            crowd.must(crowd.set_all(bad));
+            crowd.enter_initialization();
+            for refused in [crowd.exit(), crowd.try_get("agent[0].NormalForce").0] {
+                assert_eq!(refused, ERROR);
+            }
+            let said = crowd.take_messages();
+            assert!(said.len() == 2 && said.iter().all(|told| told.text.contains(words)), "{said:?}");
+            crowd.must(crowd.set_all(good));
+            crowd.must(crowd.exit());
+        }
     }
 }
 
@@ -189,21 +182,6 @@ fn what_is_set_is_what_is_got() {
         let (status, texts) = crowd.get_string(&references, 3);
         crowd.must(status);
         assert_eq!(texts, [c"Trial_push".into(), c"/tmp/a b/ü".to_owned(), c"Trial_push".into()]);
-    }
-}
-
-/// Start values are the Trial's; inputs set between steps are seen at once, poses are not touched.
-#[test]
-fn inputs_and_outputs_at_a_communication_point() {
-    for version in BOTH {
-        let crowd = Crowd::pushed(version);
-        let names = ["agent[1].Position.x", "agent[1].Position.y", "agent[0].Mass", "agent[0].Fp.x"];
-        assert_eq!(names.map(|name| crowd.get(name)), [0.279, 0.030, 89.0, 700.0]);
-        crowd.steps(0, 3);
-        let x = crowd.get("agent[0].Position.x");
-        assert!(x > 0.0);
-        crowd.must(crowd.set("agent[0].Fp.x", -50.0));
-        assert_eq!((crowd.get("agent[0].Fp.x"), crowd.get("agent[0].Position.x")), (-50.0, x));
     }
 }
 

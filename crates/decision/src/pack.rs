@@ -4,9 +4,9 @@ use crate::decision::{Decision, PLAN_FILE};
 use crate::error::PlanError;
 use crate::plan::Plan;
 use lemons_core::files::source::Disk;
-use lemons_fmi::archive::{Archive, ArchiveError, Binary};
-use lemons_fmi::description::{model_description, rows_html, terminals_xml};
-use lemons_fmi::{Format, Model, Version, guid, instantiation_token};
+use lemons_fmi::archive::{Archive, ArchiveError, Binary, Content};
+use lemons_fmi::description::{documentation, model_description, terminals_xml};
+use lemons_fmi::{Format, Version};
 use std::io::{Seek, Write};
 use thiserror::Error;
 
@@ -33,12 +33,6 @@ pub fn description(plan: &Plan, format: Format) -> String {
     model_description(&mut Decision::new(plan.clone()), format).expect("start values are in the plan")
 }
 
-/// Returns the terminal that fits the crowd's: motion in, drives out.
-fn terminals() -> String {
-    let names = ["Position", "Theta", "Fp", "Mp", "Active"];
-    terminals_xml::<Decision>("motion in, drives out", &names, false)
-}
-
 /// Writes the FMU of a plan.
 ///
 /// # Errors
@@ -52,13 +46,22 @@ pub fn write_fmu(
     if format == Format::Fmi3 {
         check_size(plan)?;
     }
-    let (version, description) = (format.version(), description(plan, format));
-    let documentation = documentation(plan, version);
-    let mut archive = Archive::begin(file, version, &description, &documentation)?;
-    archive.add_binaries(&Disk, Decision::IDENTIFIER, binaries)?;
-    if version == Version::V3 {
-        archive.add("terminalsAndIcons/terminalsAndIcons.xml", terminals().as_bytes())?;
-    }
+    let version = format.version();
+    let page = match version {
+        Version::V2 => include_str!("documentation.html"),
+        Version::V3 => include_str!("documentation_3.html"),
+    };
+    let names = ["Position", "Theta", "Fp", "Mp", "Active"];
+    let content = Content {
+        version,
+        description: &description(plan, format),
+        documentation: &documentation(&Decision::new(plan.clone()), version, page, plan.agents.len()),
+        binaries,
+        // It fits the crowd's.
+        terminals: terminals_xml::<Decision>("motion in, drives out", &names, false),
+        picture: None,
+    };
+    let mut archive = Archive::begin::<Decision>(file, &Disk, &content)?;
     archive.add(&format!("resources/{PLAN_FILE}"), plan.to_toml()?.as_bytes())?;
     Ok(archive.finish()?)
 }
@@ -68,19 +71,6 @@ fn check_size(plan: &Plan) -> Result<(), PackError> {
     let (agents, waypoints) = (plan.agents.len() as u64, waypoints as u64);
     let numbers = agents.saturating_mul(waypoints).saturating_mul(2);
     if numbers > MOST_NUMBERS { Err(PackError::TooLarge { agents, waypoints }) } else { Ok(()) }
-}
-
-/// `documentation/index.html`
-fn documentation(plan: &Plan, version: Version) -> String {
-    let (page, token) = match version {
-        Version::V2 => (include_str!("documentation.html"), guid(&Decision::new(plan.clone()).scalars())),
-        Version::V3 => (include_str!("documentation_3.html"), instantiation_token::<Decision>()),
-    };
-    page.replace("{version}", env!("CARGO_PKG_VERSION"))
-        .replace("{agents}", &plan.agents.len().to_string())
-        .replace("{last}", &plan.agents.len().saturating_sub(1).to_string())
-        .replace("{token}", &token.braced().to_string())
-        .replace("{variables}", &rows_html::<Decision>())
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use lemons_decision::pack::description;
 use lemons_decision::rule::Pose;
 use lemons_decision::{Decision, DecisionConfig, Person, Plan};
 use lemons_fmi::Status::{self, Ok as OK};
-use lemons_fmi::{self as fmi, Format, Model, Slave};
+use lemons_fmi::{self as fmi, Format, Model};
 use lemons_verify::testing::instance::{Arguments, Functions};
 use lemons_verify::testing::{Instance, Version};
 use std::ffi::CString;
@@ -60,11 +60,15 @@ impl Deref for Walkers {
 
 impl Walkers {
     fn new() -> Walkers {
+        Walkers::of(Version::V3, fmi::instantiation_token::<Decision>().to_string())
+    }
+
+    fn of(version: Version, token: String) -> Walkers {
         let resources = TempDir::new().unwrap();
         std::fs::write(resources.path().join(PLAN_FILE), plan().to_toml().unwrap()).unwrap();
-        let token = CString::new(fmi::instantiation_token::<Decision>().braced().to_string()).unwrap();
-        let path = CString::new(resources.path().to_str().unwrap()).unwrap();
-        let functions = Functions::of_model::<Decision>(Version::V3);
+        let token = CString::new(token).unwrap();
+        let path = CString::new(version.location(resources.path())).unwrap();
+        let functions = Functions::of_model::<Decision>(version);
         let instance = Instance::new(&functions, &Arguments::new(&token, &path));
         Walkers { instance: instance.unwrap_or_else(|said| panic!("{said:?}")), _resources: resources }
     }
@@ -132,49 +136,36 @@ fn the_descriptions_are_those_that_importers_know() {
 #[test]
 fn arrays_have_the_bits_of_scalars() {
     let instance = Walkers::initialized();
-    let decision = Decision::new(plan());
-    let table = decision.scalars();
-    let guid = fmi::guid(&table).to_string();
-    let mut scalars = Slave::new(decision, fmi::Version::V2, &guid).unwrap();
-    let place = |name: String| table.iter().position(|row| row.name == name).unwrap() as u32;
-    scalars.setup_experiment(0.0, None, None).unwrap();
-    scalars.enter_initialization().unwrap();
-    scalars.exit_initialization().unwrap();
+    let table = Decision::new(plan()).scalars();
+    let scalars = Walkers::of(Version::V2, fmi::guid(&table).to_string());
+    scalars.initialize();
+    let places = |name: &str| -> Vec<u32> {
+        let rows = (0..).zip(&table).filter(|(_, row)| row.variable.name == name);
+        rows.map(|(place, _)| place).collect()
+    };
     for k in 0..40 {
         let along = 0.2 * f64::from(k);
-        let (mut position, mut theta) = (Vec::new(), Vec::new());
-        for i in 0..AGENTS {
-            let to = &plan().agents[i].walker.waypoints[0];
-            let pose = [to.x - 4.0 + along, to.y - 0.1 + 0.05 * i as f64, 0.3 * along];
-            for (name, value) in ["Position.x", "Position.y", "Theta"].into_iter().zip(pose) {
-                scalars.set_real(&[place(format!("agent[{i}].{name}"))], &[value]).unwrap();
-            }
-            position.extend(&pose[..2]);
-            theta.push(pose[2]);
+        let starts = plan().agents.into_iter().map(|agent| agent.walker.waypoints[0]);
+        let position: Vec<f64> = starts
+            .zip(0..)
+            .flat_map(|(to, i)| [to.x - 4.0 + along, to.y - 0.1 + 0.05 * f64::from(i)])
+            .collect();
+        for (name, values) in [("Position", &position), ("Theta", &vec![0.3 * along; AGENTS])] {
+            instance.must(instance.try_set(name, values));
+            scalars.must(scalars.set_real(&places(name), values));
         }
-        instance.must(instance.try_set("Position", &position));
-        instance.must(instance.try_set("Theta", &theta));
-        let mut one = |name: String| {
-            let mut value = [f64::NAN];
-            scalars.get_real(&[place(name)], &mut value).unwrap();
-            value[0].to_bits()
-        };
-        let force = instance.get("Fp", 2 * AGENTS);
-        let torque = instance.get("Mp", AGENTS);
-        for i in 0..AGENTS {
-            assert_eq!(force[2 * i].to_bits(), one(format!("agent[{i}].Fp.x")));
-            assert_eq!(force[2 * i + 1].to_bits(), one(format!("agent[{i}].Fp.y")));
-            assert_eq!(torque[i].to_bits(), one(format!("agent[{i}].Mp")));
+        for (name, length) in [("Fp", 2 * AGENTS), ("Mp", AGENTS)] {
+            let (status, values) = scalars.get_real(&places(name), length);
+            scalars.must(status);
+            let same = |(a, b): (f64, &f64)| a.to_bits() == b.to_bits();
+            assert!(instance.get(name, length).into_iter().zip(&values).all(same), "{name}, step {k}");
         }
-        let mut next = [0; AGENTS + 1];
-        let names = (0..AGENTS).map(|i| place(format!("agent[{i}].NextWaypoint")));
-        let names: Vec<u32> = names.chain([place("Arrived".into())]).collect();
-        scalars.get_integer(&names, &mut next).unwrap();
-        assert_eq!(instance.integers("NextWaypoint", AGENTS), next[..AGENTS]);
-        assert_eq!(instance.integers("Arrived", 1), next[AGENTS..]);
-        let time = 0.05 * f64::from(k);
-        instance.must(instance.try_step(time));
-        scalars.do_step(time, 0.05).unwrap();
+        for (name, length) in [("NextWaypoint", AGENTS), ("Arrived", 1)] {
+            assert_eq!((OK, instance.integers(name, length)), scalars.get_integer(&places(name), length));
+        }
+        for walkers in [&instance, &scalars] {
+            walkers.must(walkers.try_step(0.05 * f64::from(k)));
+        }
     }
     let next = instance.integers("NextWaypoint", AGENTS);
     assert!(next[0] > 0 && next[1] == 1 && next[2] > 1, "they walk past way-points: {next:?}");

@@ -1,6 +1,6 @@
 //! Writes an `.fmu`. The same content gives the same bytes, so that FMUs can be compared.
 
-use crate::Version;
+use crate::{Model, Version};
 use lemons_core::files::input;
 use lemons_core::files::source::{Disk, Source};
 use std::io::{Seek, Write};
@@ -86,14 +86,9 @@ pub fn library_file(name: &str, platform: &str) -> Option<String> {
 
 /// Returns the FMI name of the platform on which this program runs, if it has one.
 pub fn host_platform() -> Option<&'static str> {
-    match (std::env::consts::OS, std::env::consts::ARCH) {
-        ("linux", "x86_64") => Some("linux64"),
-        ("linux", "aarch64") => Some("aarch64-linux"),
-        ("windows", "x86_64") => Some("win64"),
-        ("macos", "x86_64") => Some("darwin64"),
-        ("macos", "aarch64") => Some("aarch64-darwin"),
-        _ => None,
-    }
+    let system = std::env::consts::OS.replace("macos", "darwin");
+    let own = format!("{}-{system}", std::env::consts::ARCH);
+    PLATFORMS.iter().find(|row| row.1 == own).map(|row| row.0)
 }
 
 /// Returns the name that FMI 3.0 gives the directory of this platform's binary.
@@ -107,52 +102,59 @@ pub const THIRD_PARTY: &str = "THIRD-PARTY.txt";
 /// An FMU being written.
 pub struct Archive<W: Write + Seek> {
     zip: ZipWriter<W>,
-    version: Version,
+}
+
+/// The content of an FMU, apart from its resources.
+pub struct Content<'a> {
+    /// Version of FMI.
+    pub version: Version,
+    /// `modelDescription.xml`
+    pub description: &'a str,
+    /// `documentation/index.html`
+    pub documentation: &'a str,
+    /// The binaries, at least one. The first one's [`THIRD_PARTY`] is added, if there is one.
+    pub binaries: &'a [Binary],
+    /// `terminalsAndIcons.xml` of FMI 3.0
+    pub terminals: String,
+    /// `model.png`, in FMI 3.0 `icon.png`
+    pub picture: Option<Vec<u8>>,
 }
 
 impl<W: Write + Seek> Archive<W> {
-    /// Starts the archive and writes the description and the documentation. What follows are the binaries.
+    /// Starts the archive of a model's FMU, with binaries that are in these files. What follows are the resources.
     ///
     /// # Errors
-    /// [`ArchiveError`]
-    pub fn begin(
+    /// There is no binary, or one cannot be read; the archive cannot be written.
+    pub fn begin<M: Model>(
         file: W,
-        version: Version,
-        description: &str,
-        documentation: &str,
+        files: &dyn Source,
+        content: &Content<'_>,
     ) -> Result<Archive<W>, ArchiveError> {
-        let mut archive = Archive { zip: ZipWriter::new(file), version };
-        archive.add("modelDescription.xml", description.as_bytes())?;
-        archive.add("documentation/index.html", documentation.as_bytes())?;
+        let mut archive = Archive { zip: ZipWriter::new(file) };
+        archive.add("modelDescription.xml", content.description.as_bytes())?;
+        archive.add("documentation/index.html", content.documentation.as_bytes())?;
         for (name, text) in LICENSES {
             archive.add(&format!("documentation/licenses/{name}"), text.as_bytes())?;
         }
-        Ok(archive)
-    }
-
-    /// Adds the binaries, which are in these files, and the first one's [`THIRD_PARTY`] with the licences, if there is one.
-    ///
-    /// # Errors
-    /// There is none, or one cannot be read.
-    pub fn add_binaries(
-        &mut self,
-        files: &dyn Source,
-        model_identifier: &str,
-        binaries: &[Binary],
-    ) -> Result<(), ArchiveError> {
-        if binaries.is_empty() {
-            return Err(ArchiveError::NoBinary);
-        }
-        for binary in binaries {
-            let (platform, extension) = platform(&binary.platform, self.version)
+        let first = content.binaries.first().ok_or(ArchiveError::NoBinary)?;
+        for binary in content.binaries {
+            let (platform, extension) = platform(&binary.platform, content.version)
                 .ok_or_else(|| ArchiveError::Platform(binary.platform.clone()))?;
-            let name = format!("binaries/{platform}/{model_identifier}.{extension}");
-            self.add(&name, &read(files, &binary.path)?)?;
+            let name = format!("binaries/{platform}/{}.{extension}", M::IDENTIFIER);
+            archive.add(&name, &read(files, &binary.path)?)?;
         }
-        if let Some(path) = binaries[0].third_party_in(files) {
-            self.add(&format!("documentation/licenses/{THIRD_PARTY}"), &read(files, &path)?)?;
+        if let Some(path) = first.third_party_in(files) {
+            archive.add(&format!("documentation/licenses/{THIRD_PARTY}"), &read(files, &path)?)?;
         }
-        Ok(())
+        let picture = match content.version {
+            Version::V2 => "model.png",
+            Version::V3 => {
+                archive.add("terminalsAndIcons/terminalsAndIcons.xml", content.terminals.as_bytes())?;
+                "terminalsAndIcons/icon.png"
+            }
+        };
+        content.picture.iter().try_for_each(|drawn| archive.add(picture, drawn))?;
+        Ok(archive)
     }
 
     /// Adds a file under its name, with forward slashes.

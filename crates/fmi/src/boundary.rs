@@ -2,12 +2,12 @@
 
 #![allow(unsafe_code)] // the C boundary
 
+use crate::Version;
+use crate::location::Location;
 use crate::model::Model;
-use crate::slave::{Slave, SlaveError, Snapshot};
-use crate::states::{self, Unknown};
+use crate::slave::{Answer, Refusal, Slave, refuse};
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
 
 /// `fmi2Status`; without `Pending`, `fmi3Status`.
 #[repr(C)]
@@ -29,6 +29,7 @@ pub const LOG_CATEGORIES: [(&str, &str); 4] = [
     ("logStatusFatal", "a fault of the FMU itself"),
     ("logAll", "everything"),
 ];
+const ALL: usize = 3;
 
 /// `fmi2CallbackLogger`
 pub type Logger2 =
@@ -43,27 +44,31 @@ pub(crate) enum Logger {
     V3(Option<Logger3>),
 }
 
-pub(crate) const WARNING: usize = 0;
-pub(crate) const ERROR: usize = 1;
-pub(crate) const FATAL: usize = 2;
-pub(crate) const ALL: usize = 3;
-
 /// The importer's logger, and which categories it wants.
-pub(crate) struct Log {
-    pub logger: Logger,
-    pub environment: *mut c_void,
-    pub instance_name: CString,
+pub struct Log {
+    logger: Logger,
+    environment: *mut c_void,
+    instance_name: CString,
     /// One for each of [`LOG_CATEGORIES`].
-    pub wanted: [bool; 4],
+    pub(crate) wanted: [bool; 4],
 }
 
 impl Log {
+    pub(crate) fn new(logger: Logger, environment: *mut c_void, logging_on: bool) -> Log {
+        Log { logger, environment, instance_name: CString::default(), wanted: Log::wanted(logging_on) }
+    }
+
     /// Why calls were refused is always told; `loggingOn` is about the rest.
-    pub fn wanted(logging_on: bool) -> [bool; 4] {
+    pub(crate) fn wanted(logging_on: bool) -> [bool; 4] {
         [logging_on, true, true, logging_on]
     }
 
-    pub fn write(&self, status: Status, category: usize, message: &str) {
+    pub(crate) fn write(&self, status: Status, message: &str) {
+        let category = match status {
+            Status::Fatal => 2,
+            Status::Error => 1,
+            _ => 0,
+        };
         if !(self.wanted[category] || self.wanted[ALL]) {
             return;
         }
@@ -97,96 +102,22 @@ impl Log {
     }
 }
 
-/// The object behind an instance.
-pub(crate) struct Component<M: Model> {
-    pub slave: Slave<M>,
-    pub log: Log,
+/// What calls on an instance borrow.
+pub struct Component<M: Model> {
+    pub(crate) slave: Slave<M>,
+    pub(crate) log: Log,
     /// Keeps the texts of the last call that returned some alive.
-    pub strings: Vec<CString>,
+    pub(crate) strings: Vec<CString>,
+    /// The function that runs.
+    pub(crate) function: &'static str,
     /// A panic happened: the instance may be in any condition.
     broken: bool,
 }
 
 impl<M: Model> Component<M> {
-    pub fn new(slave: Slave<M>, log: Log) -> Component<M> {
-        let mut component = Component { slave, log, strings: Vec::new(), broken: false };
-        component.tell_warnings();
-        component
-    }
-
-    pub fn tell_warnings(&mut self) {
+    fn tell_warnings(&mut self) {
         for warning in self.slave.take_warnings() {
-            self.log.write(Status::Warning, WARNING, &warning);
-        }
-    }
-
-    /// The snapshot behind a state of the importer.
-    pub fn state(&self, state: *mut c_void) -> Result<Arc<Snapshot<M::Saved>>, Refusal<M>> {
-        if state.is_null() {
-            return Err(Refusal::Null("FMUstate"));
-        }
-        Ok(states::get(state)?)
-    }
-}
-
-/// Why a call is refused or fails.
-pub(crate) enum Refusal<M: Model> {
-    Slave(SlaveError<M::Error>),
-    Null(&'static str),
-    NotUtf8(&'static str),
-    Category(String),
-    BufferSize {
-        given: usize,
-        needed: usize,
-    },
-    /// A pointer that is not that of a state.
-    UnknownState,
-    /// The call is allowed, but there is no result.
-    Discard(&'static str),
-}
-
-impl<M: Model> From<SlaveError<M::Error>> for Refusal<M> {
-    fn from(error: SlaveError<M::Error>) -> Self {
-        Refusal::Slave(error)
-    }
-}
-
-impl<M: Model> From<Unknown> for Refusal<M> {
-    fn from(Unknown: Unknown) -> Self {
-        Refusal::UnknownState
-    }
-}
-
-/// An argument that cannot be what FMI says it is.
-pub(crate) enum Bad {
-    Null(&'static str),
-    NotUtf8(&'static str),
-}
-
-impl<M: Model> From<Bad> for Refusal<M> {
-    fn from(bad: Bad) -> Self {
-        match bad {
-            Bad::Null(what) => Refusal::Null(what),
-            Bad::NotUtf8(what) => Refusal::NotUtf8(what),
-        }
-    }
-}
-
-impl<M: Model> std::fmt::Display for Refusal<M> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Refusal::Slave(error) => write!(f, "{error}"),
-            Refusal::Null(what) => write!(f, "{what} is NULL"),
-            Refusal::NotUtf8(what) => write!(f, "{what} is not UTF-8 text"),
-            Refusal::Category(name) => {
-                let known: Vec<&str> = LOG_CATEGORIES.iter().map(|(name, _)| *name).collect();
-                write!(f, "no log category {name:?}; there are {}", known.join(", "))
-            }
-            Refusal::BufferSize { given, needed } => {
-                write!(f, "the buffer has {given} bytes, but the state needs {needed}")
-            }
-            Refusal::UnknownState => f.write_str("FMUstate is not a state of this instance, or it was freed"),
-            Refusal::Discard(why) => f.write_str(why),
+            self.log.write(Status::Warning, &warning);
         }
     }
 }
@@ -219,64 +150,101 @@ pub(crate) struct Instance<M: Model> {
 
 impl<M: Model> Instance<M> {
     /// Returns an instance that the importer holds; `None` of NULL.
-    pub fn of<'a>(instance: *mut c_void) -> Option<&'a Instance<M>> {
-        // SAFETY: NULL or an instance of ours by the contract of the C functions.
+    ///
+    /// # Safety
+    /// `instance` is NULL or one that [`make`] returned and that lives.
+    pub unsafe fn of<'a>(instance: *mut c_void) -> Option<&'a Instance<M>> {
+        // SAFETY: as the caller promises.
         unsafe { instance.cast::<Instance<M>>().as_ref() }
     }
 }
 
-/// Runs a call on an instance. No panic and no error leaves it.
-pub(crate) fn call<M: Model>(
+/// Runs a call on an instance, and tells its warnings. No panic and no error leaves it.
+///
+/// # Safety
+/// `instance` is NULL or one that [`make`] returned and that lives; no other call on it runs.
+pub unsafe fn call<M: Model>(
     instance: *mut c_void,
-    name: &str,
-    body: impl FnOnce(&mut Component<M>) -> Result<(), Refusal<M>>,
+    name: &'static str,
+    body: impl FnOnce(&mut Component<M>) -> Answer<()>,
 ) -> Status {
     // SAFETY: the component of an instance lives as long as it, and no other call borrows it.
-    let component = Instance::<M>::of(instance).and_then(|it| unsafe { it.component.as_mut() });
+    let component = unsafe { Instance::<M>::of(instance).and_then(|it| it.component.as_mut()) };
     let Some(component) = component else { return Status::Error };
-    if component.broken {
-        component.log.write(Status::Fatal, FATAL, &format!("{name}: the instance broke in an earlier call"));
-        return Status::Fatal;
-    }
-    match catch_unwind(AssertUnwindSafe(|| body(component))) {
-        Ok(Ok(())) => Status::Ok,
-        Ok(Err(refusal)) => {
-            let status = if matches!(refusal, Refusal::Discard(_)) { Status::Discard } else { Status::Error };
-            let category = if status == Status::Discard { WARNING } else { ERROR };
-            component.log.write(status, category, &format!("{name}: {refusal}"));
-            status
+    let told = if component.broken {
+        Refusal { status: Status::Fatal, message: "the instance broke in an earlier call".to_owned() }
+    } else {
+        component.function = name;
+        match catch_unwind(AssertUnwindSafe(|| body(component))) {
+            Ok(Ok(())) => {
+                component.tell_warnings();
+                return Status::Ok;
+            }
+            Ok(Err(refusal)) => refusal,
+            Err(panic) => {
+                component.broken = true;
+                fault(&*panic)
+            }
         }
-        Err(panic) => {
-            component.broken = true;
-            component.log.write(Status::Fatal, FATAL, &format!("{name}: {}", panic_message(&*panic)));
-            Status::Fatal
-        }
-    }
+    };
+    component.log.write(told.status, &format!("{name}: {told}"));
+    told.status
 }
 
-/// Makes an instance; NULL, after a message, if that fails.
-pub(crate) fn make<M: Model>(
-    log: Log,
-    intermediate: Option<Intermediate>,
-    name: &str,
-    body: impl FnOnce() -> Result<Slave<M>, Refusal<M>>,
-) -> *mut c_void {
-    match catch_unwind(AssertUnwindSafe(body)) {
+/// The arguments that make an instance.
+pub(crate) struct Arguments {
+    pub version: Version,
+    pub log: Log,
+    pub intermediate: Option<Intermediate>,
+    /// What the importer asks for that there is not.
+    pub unsupported: Option<&'static str>,
+    pub instance_name: *const c_char,
+    pub token: *const c_char,
+    pub location: *const c_char,
+}
+
+/// Makes an instance: NULL, after a message, when that fails.
+///
+/// # Safety
+/// The texts are NULL or end with a zero.
+pub(crate) unsafe fn make<M: Model>(name: &str, arguments: Arguments) -> *mut c_void {
+    let Arguments { version, mut log, intermediate, unsupported, .. } = arguments;
+    // SAFETY: as the caller promises; the same below.
+    let instance_name = unsafe { text(arguments.instance_name, "instanceName") };
+    log.instance_name = CString::new(instance_name.as_ref().map_or("", |name| *name)).unwrap_or_default();
+    let slave = || {
+        if instance_name?.is_empty() {
+            return refuse("instanceName is empty");
+        }
+        if let Some(why) = unsupported {
+            return refuse(why);
+        }
+        let (of_token, of_location, location) = match version {
+            Version::V2 => ("fmuGUID", "fmuResourceLocation", Location::Uri as fn(_) -> _),
+            Version::V3 => ("instantiationToken", "resourcePath", Location::Path as fn(_) -> _),
+        };
+        let token = unsafe { text(arguments.token, of_token)? };
+        Slave::new(M::load(location(unsafe { text(arguments.location, of_location)? }))?, version, token)
+    };
+    let told = match catch_unwind(AssertUnwindSafe(slave)) {
         Ok(Ok(slave)) => {
-            let component = Box::into_raw(Box::new(Component::new(slave, log)));
+            let mut component = Component { slave, log, strings: Vec::new(), function: "", broken: false };
+            component.tell_warnings();
+            let component = Box::into_raw(Box::new(component));
             return Box::into_raw(Box::new(Instance { component, intermediate })).cast();
         }
-        Ok(Err(refusal)) => log.write(Status::Error, ERROR, &format!("{name}: {refusal}")),
-        Err(panic) => log.write(Status::Fatal, FATAL, &format!("{name}: {}", panic_message(&*panic))),
-    }
+        Ok(Err(refusal)) => refusal,
+        Err(panic) => fault(&*panic),
+    };
+    log.write(told.status, &format!("{name}: {told}"));
     std::ptr::null_mut()
 }
 
 /// Frees an instance.
 ///
 /// # Safety
-/// `instance` is NULL or one that [`make`] returned, given back once.
-pub(crate) unsafe fn free<M: Model>(instance: *mut c_void) {
+/// `instance` is NULL or one that was made, given back once.
+pub unsafe fn free<M: Model>(_: &str, instance: *mut c_void) {
     if !instance.is_null() {
         // SAFETY: as the caller promises.
         let component = unsafe { Box::from_raw(Box::from_raw(instance.cast::<Instance<M>>()).component) };
@@ -284,23 +252,25 @@ pub(crate) unsafe fn free<M: Model>(instance: *mut c_void) {
     }
 }
 
-fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
+fn fault(panic: &(dyn std::any::Any + Send)) -> Refusal {
     let text = panic.downcast_ref::<&str>().copied().or(panic.downcast_ref::<String>().map(String::as_str));
-    format!("a fault of the FMU itself: {}", text.unwrap_or("no message"))
+    let message = format!("a fault of the FMU itself: {}", text.unwrap_or("no message"));
+    Refusal { status: Status::Fatal, message }
 }
+
+/// A pointer of the importer's, and how many elements it leads to.
+pub type In<T> = (*const T, usize);
+/// The same, of elements that are written to.
+pub type Out<T> = (*mut T, usize);
 
 /// An array that belongs to the importer.
 ///
 /// # Safety
-/// `pointer` is NULL or leads to `length` elements that live through the call.
-pub(crate) unsafe fn array<'a, T>(
-    pointer: *const T,
-    length: usize,
-    what: &'static str,
-) -> Result<&'a [T], Bad> {
+/// The pointer is NULL or leads to as many elements as said, which live through the call.
+pub(crate) unsafe fn array<'a, T>((pointer, length): In<T>, what: &str) -> Answer<&'a [T]> {
     match (pointer.is_null(), length) {
         (_, 0) => Ok(&[]),
-        (true, _) => Err(Bad::Null(what)),
+        (true, _) => refuse(format!("{what} is NULL")),
         // SAFETY: as the caller promises.
         (false, _) => Ok(unsafe { std::slice::from_raw_parts(pointer, length) }),
     }
@@ -310,84 +280,42 @@ pub(crate) unsafe fn array<'a, T>(
 ///
 /// # Safety
 /// As [`array`], and no other code uses the elements during the call.
-pub(crate) unsafe fn array_mut<'a, T>(
-    pointer: *mut T,
-    length: usize,
-    what: &'static str,
-) -> Result<&'a mut [T], Bad> {
+pub(crate) unsafe fn array_mut<'a, T>((pointer, length): Out<T>, what: &str) -> Answer<&'a mut [T]> {
     match (pointer.is_null(), length) {
         (_, 0) => Ok(&mut []),
-        (true, _) => Err(Bad::Null(what)),
+        (true, _) => refuse(format!("{what} is NULL")),
         // SAFETY: as the caller promises.
         (false, _) => Ok(unsafe { std::slice::from_raw_parts_mut(pointer, length) }),
     }
+}
+
+/// The place of a value of the importer's.
+///
+/// # Safety
+/// As [`array_mut`] of one element.
+pub(crate) unsafe fn place<'a, T>(pointer: *mut T, what: &str) -> Answer<&'a mut T> {
+    // SAFETY: as the caller promises.
+    unsafe { pointer.as_mut() }.map_or_else(|| refuse(format!("{what} is NULL")), Ok)
 }
 
 /// A text that belongs to the importer.
 ///
 /// # Safety
 /// `pointer` is NULL or leads to a text that ends in a zero and lives through the call.
-pub(crate) unsafe fn text<'a>(pointer: *const c_char, what: &'static str) -> Result<&'a str, Bad> {
+pub(crate) unsafe fn text<'a>(pointer: *const c_char, what: &str) -> Answer<&'a str> {
     if pointer.is_null() {
-        return Err(Bad::Null(what));
+        return refuse(format!("{what} is NULL"));
     }
     // SAFETY: as the caller promises.
-    unsafe { CStr::from_ptr(pointer) }.to_str().map_err(|_| Bad::NotUtf8(what))
+    let text = unsafe { CStr::from_ptr(pointer) }.to_str();
+    text.or_else(|_| refuse(format!("{what} is not UTF-8 text")))
 }
 
 /// The texts of an array of the importer's.
 ///
 /// # Safety
 /// As [`array`] and [`text`].
-pub(crate) unsafe fn texts<'a>(
-    pointer: *const *const c_char,
-    length: usize,
-    what: &'static str,
-) -> Result<Vec<&'a str>, Bad> {
+pub(crate) unsafe fn texts<'a>(values: In<*const c_char>, what: &str) -> Answer<Vec<&'a str>> {
     // SAFETY: as the caller promises.
-    unsafe { array(pointer, length, what)?.iter().map(|&value| text(value, what)).collect() }
-}
-
-impl<M: Model> Component<M> {
-    /// The body of `fmi2SetDebugLogging` and `fmi3SetDebugLogging`.
-    pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Result<(), Refusal<M>> {
-        let mut wanted = [false; 4];
-        for name in categories {
-            let place = LOG_CATEGORIES.iter().position(|(known, _)| known == name);
-            wanted[place.ok_or_else(|| Refusal::Category((*name).to_owned()))?] = true;
-        }
-        self.log.wanted = match (on, categories.is_empty()) {
-            (false, _) => Log::wanted(false),
-            (true, true) => [true; 4],
-            (true, false) => wanted,
-        };
-        Ok(())
-    }
-
-    /// Gives the importer texts that live until the next call of this kind.
-    pub fn give_texts(&mut self, texts: Vec<String>, values: &mut [*const c_char]) {
-        self.strings = texts.into_iter().map(|text| CString::new(text).unwrap_or_default()).collect();
-        for (value, text) in values.iter_mut().zip(&self.strings) {
-            *value = text.as_ptr();
-        }
-    }
-
-    /// Writes a state to a buffer of the importer's.
-    pub fn serialize(&self, state: *mut c_void, buffer: &mut [u8]) -> Result<(), Refusal<M>> {
-        let bytes = self.slave.serialize(&*self.state(state)?)?;
-        let (given, needed) = (buffer.len(), bytes.len());
-        buffer.get_mut(..needed).ok_or(Refusal::BufferSize { given, needed })?.copy_from_slice(&bytes);
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn panics_have_messages() {
-        let panic = catch_unwind(|| panic!("broken {}", 1)).unwrap_err();
-        assert_eq!(panic_message(&*panic), "a fault of the FMU itself: broken 1");
-    }
+    unsafe { array(values, what)?.iter().map(|&value| text(value, what)).collect() }
 }

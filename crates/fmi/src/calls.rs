@@ -1,6 +1,5 @@
 //! The bodies of the C functions that both versions of FMI have, for any model: pointers in,
-//! statuses out, nothing else. Each body gets the name of its function, for messages;
-//! `export_fmi2!` and `export_fmi3!` make functions of them.
+//! refusals out, nothing else. `export_fmi2!` and `export_fmi3!` make functions of them.
 //!
 //! Nothing here panics, prints, exits or leaks across the boundary: a panic inside becomes "fatal"
 //! with a message, and from then on the instance refuses all calls but the one that frees it.
@@ -14,455 +13,236 @@
 #![allow(clippy::missing_safety_doc)] // said once, above
 
 use crate::boundary::{
-    Component, Instance, Intermediate, Log, Refusal, Status, array, array_mut, call, free, make, text, texts,
+    Component, In, Instance, Intermediate, LOG_CATEGORIES, Log, Out, Status, array, array_mut, call, place,
+    texts,
 };
 use crate::lifecycle::{Function, Phase};
-use crate::location::Location;
 use crate::model::Model;
-use crate::slave::{Answer, Slave, SlaveError};
+use crate::slave::{Answer, Snapshot, refuse};
+use crate::variables::Number;
 use crate::{Version, states};
-use std::ffi::{CString, c_char, c_void};
+use std::ffi::{CStr, CString, c_char, c_void};
+use std::sync::Arc;
 
-/// The C type of numbers. All types but those of variables refuse every value reference.
-pub trait Value: Copy {
-    /// Name of the type in FMI 3.0.
-    const NAME: &'static str;
+const REFERENCES: &str = "valueReferences";
+const VALUES: &str = "values";
+const STATE: &str = "FMUstate";
 
-    /// Reads variables of the type.
-    fn get<M: Model>(slave: &mut Slave<M>, references: &[u32], _values: &mut [Self]) -> Answer<M, ()> {
-        no_variables(slave, Function::Get, Self::NAME, references)
-    }
-
-    /// Sets variables of the type.
-    fn set<M: Model>(slave: &mut Slave<M>, references: &[u32], _values: &[Self]) -> Answer<M, ()> {
-        no_variables(slave, Function::Set, Self::NAME, references)
-    }
-}
-
-impl Value for f64 {
-    const NAME: &'static str = "Float64";
-
-    fn get<M: Model>(slave: &mut Slave<M>, references: &[u32], values: &mut [f64]) -> Answer<M, ()> {
-        slave.get_real(references, values)
-    }
-
-    fn set<M: Model>(slave: &mut Slave<M>, references: &[u32], values: &[f64]) -> Answer<M, ()> {
-        slave.set_real(references, values)
-    }
-}
-
-impl Value for i32 {
-    const NAME: &'static str = "Int32";
-
-    fn get<M: Model>(slave: &mut Slave<M>, references: &[u32], values: &mut [i32]) -> Answer<M, ()> {
-        slave.get_integer(references, values)
-    }
-
-    fn set<M: Model>(slave: &mut Slave<M>, references: &[u32], values: &[i32]) -> Answer<M, ()> {
-        slave.set_integer(references, values)
-    }
-}
-
-impl Value for u64 {
-    const NAME: &'static str = "UInt64";
-
-    fn get<M: Model>(slave: &mut Slave<M>, references: &[u32], values: &mut [u64]) -> Answer<M, ()> {
-        slave.get_size(references, values)
-    }
-
-    fn set<M: Model>(slave: &mut Slave<M>, references: &[u32], values: &[u64]) -> Answer<M, ()> {
-        slave.set_size(references, values)
-    }
-}
-
-impl Value for f32 {
-    const NAME: &'static str = "Float32";
-}
-
-impl Value for i8 {
-    const NAME: &'static str = "Int8";
-}
-
-impl Value for u8 {
-    const NAME: &'static str = "UInt8";
-}
-
-impl Value for i16 {
-    const NAME: &'static str = "Int16";
-}
-
-impl Value for u16 {
-    const NAME: &'static str = "UInt16";
-}
-
-impl Value for u32 {
-    const NAME: &'static str = "UInt32";
-}
-
-impl Value for i64 {
-    const NAME: &'static str = "Int64";
-}
-
-/// Refuses references of a type that no variable has.
-pub(crate) fn no_variables<M: Model>(
-    slave: &Slave<M>,
-    function: Function,
-    kind: &'static str,
-    references: &[u32],
-) -> Answer<M, ()> {
-    slave.check(function)?;
-    match references.first() {
-        None => Ok(()),
-        Some(&reference) => Err(SlaveError::UnknownReference { kind, reference }),
-    }
-}
-
-/// What both versions pass to make an instance.
-pub(crate) struct Arguments<'a> {
-    pub version: Version,
-    pub log: Log,
-    pub intermediate: Option<Intermediate>,
-    /// What the importer asks for that there is not.
-    pub unsupported: Option<&'static str>,
-    pub instance_name: *const c_char,
-    pub token: (*const c_char, &'static str),
-    pub location: (*const c_char, &'static str),
-    pub location_of: fn(&'a str) -> Location<'a>,
-}
-
-/// Makes an instance: NULL, after a message, when that fails.
-pub(crate) unsafe fn instantiate<M: Model>(name: &str, arguments: Arguments<'_>) -> *mut c_void {
-    let Arguments { version, mut log, intermediate, unsupported, .. } = arguments;
-    // SAFETY: NULL or texts of the importer's; the same below.
-    let instance_name = unsafe { text(arguments.instance_name, "instanceName") };
-    log.instance_name = CString::new(instance_name.as_ref().map_or("", |name| *name)).unwrap_or_default();
-    make::<M>(log, intermediate, name, || {
-        if instance_name?.is_empty() {
-            return Err(SlaveError::Unsupported("instanceName is empty").into());
+#[allow(missing_docs)] // FMI's own names
+impl<M: Model> Component<M> {
+    pub unsafe fn set_debug_logging(
+        &mut self,
+        on: impl Default + PartialEq,
+        categories: In<*const c_char>,
+    ) -> Answer<()> {
+        self.slave.check(Function::SetDebugLogging)?;
+        let mut wanted = [false; 4];
+        // SAFETY: the importer keeps FMI's contract; the same below.
+        for name in unsafe { texts(categories, "a category")? } {
+            let Some(place) = LOG_CATEGORIES.iter().position(|(known, _)| *known == name) else {
+                let known = LOG_CATEGORIES.map(|(name, _)| name).join(", ");
+                return refuse(format!("no log category {name:?}; there are {known}"));
+            };
+            wanted[place] = true;
         }
-        if let Some(why) = unsupported {
-            return Err(SlaveError::Unsupported(why).into());
+        self.log.wanted = match (on != Default::default(), categories.1) {
+            (false, _) => Log::wanted(false),
+            (true, 0) => [true; 4],
+            (true, _) => wanted,
+        };
+        Ok(())
+    }
+
+    pub unsafe fn setup_experiment(
+        &mut self,
+        tolerance_defined: impl Default + PartialEq,
+        tolerance: f64,
+        start: f64,
+        stop_defined: impl Default + PartialEq,
+        stop: f64,
+    ) -> Answer<()> {
+        let tolerance = (tolerance_defined != Default::default()).then_some(tolerance);
+        let stop = (stop_defined != Default::default()).then_some(stop);
+        self.slave.setup_experiment(start, stop, tolerance)
+    }
+
+    pub unsafe fn enter_initialization_mode(&mut self) -> Answer<()> {
+        self.slave.enter_initialization()
+    }
+
+    pub unsafe fn exit_initialization_mode(&mut self) -> Answer<()> {
+        self.slave.exit_initialization()
+    }
+
+    pub unsafe fn terminate(&mut self) -> Answer<()> {
+        self.slave.change_phase(Function::Terminate, Phase::Terminated)
+    }
+
+    pub unsafe fn reset(&mut self) -> Answer<()> {
+        self.slave.reset()
+    }
+
+    pub unsafe fn get(&mut self, references: In<u32>, values: Out<impl Number>) -> Answer<()> {
+        let (references, values) = unsafe { (array(references, REFERENCES)?, array_mut(values, VALUES)?) };
+        self.slave.get(references, values)
+    }
+
+    pub unsafe fn set(&mut self, references: In<u32>, values: In<impl Number>) -> Answer<()> {
+        let (references, values) = unsafe { (array(references, REFERENCES)?, array(values, VALUES)?) };
+        self.slave.set(references, values)
+    }
+
+    /// The texts live until the next such call or the end of the instance.
+    pub unsafe fn get_strings(&mut self, references: In<u32>, values: Out<*const c_char>) -> Answer<()> {
+        let (references, values) = unsafe { (array(references, REFERENCES)?, array_mut(values, VALUES)?) };
+        let texts = self.slave.get_strings(references, values.len())?;
+        self.strings = texts.into_iter().map(|text| CString::new(text).unwrap_or_default()).collect();
+        for (value, text) in values.iter_mut().zip(&self.strings) {
+            *value = text.as_ptr();
         }
-        let ((token, token_name), (location, location_name)) = (arguments.token, arguments.location);
-        let (token, location) = unsafe { (text(token, token_name)?, text(location, location_name)?) };
-        let model = M::load((arguments.location_of)(location)).map_err(SlaveError::from)?;
-        Ok(Slave::new(model, version, token)?)
-    })
-}
-
-/// Frees an instance.
-pub unsafe fn free_instance<M: Model>(_: &str, instance: *mut c_void) {
-    // SAFETY: an instance that was made, given back once.
-    unsafe { free::<M>(instance) }
-}
-
-/// Sets which messages are written.
-pub(crate) unsafe fn set_logging<M: Model>(
-    name: &str,
-    instance: *mut c_void,
-    on: bool,
-    count: usize,
-    categories: *const *const c_char,
-) -> Status {
-    call::<M>(instance, name, |component| {
-        component.slave.check(Function::SetDebugLogging)?;
-        // SAFETY: as many texts as said.
-        component.set_debug_logging(on, &unsafe { texts(categories, count, "a category")? })
-    })
-}
-
-/// Runs a call that may warn.
-fn warn<M: Model>(
-    name: &str,
-    instance: *mut c_void,
-    body: impl FnOnce(&mut Slave<M>) -> Answer<M, ()>,
-) -> Status {
-    call(instance, name, |component: &mut Component<M>| {
-        body(&mut component.slave)?;
-        component.tell_warnings();
         Ok(())
-    })
-}
+    }
 
-/// Leaves Initialization Mode.
-pub unsafe fn exit_initialization_mode<M: Model>(name: &str, instance: *mut c_void) -> Status {
-    warn(name, instance, Slave::<M>::exit_initialization)
-}
+    pub unsafe fn set_strings(&mut self, references: In<u32>, values: In<*const c_char>) -> Answer<()> {
+        let (references, values) = unsafe { (array(references, REFERENCES)?, texts(values, "a value")?) };
+        self.slave.set_strings(references, &values)
+    }
 
-/// Ends the simulation.
-pub unsafe fn terminate<M: Model>(name: &str, instance: *mut c_void) -> Status {
-    warn(name, instance, |slave: &mut Slave<M>| slave.change_phase(Function::Terminate, Phase::Terminated))
-}
+    pub unsafe fn get_output_derivatives(
+        &mut self,
+        references: In<u32>,
+        orders: In<i32>,
+        values: Out<f64>,
+    ) -> Answer<()> {
+        let (references, orders) = unsafe { (array(references, REFERENCES)?, array(orders, "orders")?) };
+        self.slave.get_output_derivatives(references, orders, unsafe { array_mut(values, VALUES)? })
+    }
 
-/// Goes back to the state after instantiation.
-pub unsafe fn reset<M: Model>(name: &str, instance: *mut c_void) -> Status {
-    warn(name, instance, Slave::<M>::reset)
-}
+    pub unsafe fn no_directional_derivative(&mut self) -> Answer<()> {
+        self.slave.check(Function::GetDirectionalDerivative)?;
+        refuse(match self.slave.version() {
+            Version::V2 => "providesDirectionalDerivative is false",
+            Version::V3 => "providesDirectionalDerivatives and providesAdjointDerivatives are false",
+        })
+    }
 
-/// Reads numbers.
-pub unsafe fn get<M: Model>(
-    name: &str,
-    instance: *mut c_void,
-    references: *const u32,
-    count: usize,
-    values: *mut impl Value,
-    value_count: usize,
-) -> Status {
-    call::<M>(instance, name, |component| {
-        // SAFETY: as many elements as said; the same below.
-        let (references, values) = unsafe {
-            (array(references, count, "valueReferences")?, array_mut(values, value_count, "values")?)
-        };
-        Ok(Value::get(&mut component.slave, references, values)?)
-    })
-}
+    /// A state that is not NULL is overwritten.
+    pub unsafe fn get_state(&mut self, state: *mut *mut c_void) -> Answer<()> {
+        Ok(states::put(unsafe { place(state, STATE)? }, self.slave.snapshot()?)?)
+    }
 
-/// Sets numbers.
-pub unsafe fn set<M: Model>(
-    name: &str,
-    instance: *mut c_void,
-    references: *const u32,
-    count: usize,
-    values: *const impl Value,
-    value_count: usize,
-) -> Status {
-    call::<M>(instance, name, |component| {
-        let (references, values) =
-            unsafe { (array(references, count, "valueReferences")?, array(values, value_count, "values")?) };
-        Ok(Value::set(&mut component.slave, references, values)?)
-    })
-}
+    pub unsafe fn set_state(&mut self, state: *mut c_void) -> Answer<()> {
+        let snapshot = self.state(state)?;
+        self.slave.restore(&snapshot)
+    }
 
-/// Reads Booleans, as 0 or 1 of a type of C.
-pub(crate) unsafe fn get_booleans<M: Model>(
-    name: &str,
-    instance: *mut c_void,
-    references: *const u32,
-    count: usize,
-    values: *mut impl From<bool>,
-    value_count: usize,
-) -> Status {
-    call::<M>(instance, name, |component| {
-        let (references, values) = unsafe {
-            (array(references, count, "valueReferences")?, array_mut(values, value_count, "values")?)
-        };
-        Ok(component.slave.get_boolean(references, values)?)
-    })
-}
-
-/// Sets Booleans: everything but 0 is true.
-pub(crate) unsafe fn set_booleans<M: Model>(
-    name: &str,
-    instance: *mut c_void,
-    references: *const u32,
-    count: usize,
-    values: *const (impl Default + PartialEq),
-    value_count: usize,
-) -> Status {
-    call::<M>(instance, name, |component| {
-        let (references, values) =
-            unsafe { (array(references, count, "valueReferences")?, array(values, value_count, "values")?) };
-        let values: Vec<bool> = values.iter().map(|value| *value != Default::default()).collect();
-        Ok(component.slave.set_boolean(references, &values)?)
-    })
-}
-
-/// Reads texts, which live until the next such call or the end of the instance.
-pub unsafe fn get_string<M: Model>(
-    name: &str,
-    instance: *mut c_void,
-    references: *const u32,
-    count: usize,
-    values: *mut *const c_char,
-    value_count: usize,
-) -> Status {
-    call::<M>(instance, name, |component| {
-        let (references, values) = unsafe {
-            (array(references, count, "valueReferences")?, array_mut(values, value_count, "values")?)
-        };
-        let texts = component.slave.get_string(references, values.len())?;
-        component.give_texts(texts, values);
-        Ok(())
-    })
-}
-
-/// Sets texts.
-pub unsafe fn set_string<M: Model>(
-    name: &str,
-    instance: *mut c_void,
-    references: *const u32,
-    count: usize,
-    values: *const *const c_char,
-    value_count: usize,
-) -> Status {
-    call::<M>(instance, name, |component| {
-        let (references, values) =
-            unsafe { (array(references, count, "valueReferences")?, texts(values, value_count, "a value")?) };
-        component.slave.set_string(references, &values)?;
-        component.tell_warnings();
-        Ok(())
-    })
-}
-
-/// Reads derivatives of outputs.
-pub unsafe fn get_output_derivatives<M: Model>(
-    name: &str,
-    instance: *mut c_void,
-    references: *const u32,
-    count: usize,
-    orders: *const i32,
-    values: *mut f64,
-    value_count: usize,
-) -> Status {
-    call::<M>(instance, name, |component| {
-        let (references, orders, values) = unsafe {
-            (
-                array(references, count, "valueReferences")?,
-                array(orders, count, "orders")?,
-                array_mut(values, value_count, "values")?,
-            )
-        };
-        Ok(component.slave.get_output_derivatives(references, orders, values)?)
-    })
-}
-
-/// Saves a state: a new one, or an old one overwritten.
-pub unsafe fn get_state<M: Model>(name: &str, instance: *mut c_void, state: *mut *mut c_void) -> Status {
-    call::<M>(instance, name, |component| {
-        // SAFETY: NULL or the place of a state pointer; the same below.
-        let place = unsafe { state.as_mut() }.ok_or(Refusal::Null("FMUstate"))?;
-        Ok(states::put(place, component.slave.snapshot()?)?)
-    })
-}
-
-/// Restores a state.
-pub unsafe fn set_state<M: Model>(name: &str, instance: *mut c_void, state: *mut c_void) -> Status {
-    call::<M>(instance, name, |component| {
-        component.slave.check(Function::State)?;
-        let snapshot = component.state(state)?;
-        Ok(component.slave.restore(&snapshot)?)
-    })
-}
-
-/// Frees a state: NULL is fine, and it is NULL afterwards.
-pub unsafe fn free_state<M: Model>(name: &str, instance: *mut c_void, state: *mut *mut c_void) -> Status {
-    call::<M>(instance, name, |component| {
-        component.slave.check(Function::State)?;
+    /// NULL is fine, and it is NULL afterwards.
+    pub unsafe fn free_state(&mut self, state: *mut *mut c_void) -> Answer<()> {
+        self.slave.check(Function::State)?;
         Ok(unsafe { state.as_mut() }.map_or(Ok(()), states::free)?)
-    })
-}
+    }
 
-/// Tells how many bytes a state has.
-pub unsafe fn state_size<M: Model>(
-    name: &str,
-    instance: *mut c_void,
-    state: *mut c_void,
-    size: *mut usize,
-) -> Status {
-    call::<M>(instance, name, |component| {
-        component.slave.check(Function::State)?;
-        let snapshot = component.state(state)?;
-        // SAFETY: NULL or the place of a number.
-        let size = unsafe { size.as_mut() }.ok_or(Refusal::Null("size"))?;
-        *size = component.slave.serialize(&snapshot)?.len();
+    pub unsafe fn state_size(&mut self, state: *mut c_void, size: *mut usize) -> Answer<()> {
+        let snapshot = self.state(state)?;
+        *unsafe { place(size, "size")? } = self.slave.serialize(&snapshot)?.len();
         Ok(())
-    })
+    }
+
+    pub unsafe fn serialize_state(&mut self, state: *mut c_void, buffer: Out<u8>) -> Answer<()> {
+        self.slave.check(Function::State)?;
+        let buffer = unsafe { array_mut(buffer, "serializedState")? };
+        let bytes = self.slave.serialize(&*self.state(state)?)?;
+        let (given, needed) = (buffer.len(), bytes.len());
+        let Some(buffer) = buffer.get_mut(..needed) else {
+            return refuse(format!("the buffer has {given} bytes, but the state needs {needed}"));
+        };
+        buffer.copy_from_slice(&bytes);
+        Ok(())
+    }
+
+    pub unsafe fn deserialize_state(&mut self, bytes: In<u8>, state: *mut *mut c_void) -> Answer<()> {
+        let (bytes, place) = unsafe { (array(bytes, "serializedState")?, place(state, STATE)?) };
+        Ok(states::put(place, self.slave.deserialize(bytes)?)?)
+    }
+
+    /// The snapshot behind a state of the importer.
+    fn state(&self, state: *mut c_void) -> Answer<Arc<Snapshot<M::Saved>>> {
+        self.slave.check(Function::State)?;
+        if state.is_null() {
+            return refuse(format!("{STATE} is NULL"));
+        }
+        Ok(states::get(state)?)
+    }
 }
 
-/// Writes a state to a buffer of the importer's.
-pub unsafe fn serialize_state<M: Model>(
-    name: &str,
-    instance: *mut c_void,
-    state: *mut c_void,
-    bytes: *mut u8,
-    size: usize,
-) -> Status {
-    call::<M>(instance, name, |component| {
-        component.slave.check(Function::State)?;
-        // SAFETY: NULL or as many bytes as said.
-        component.serialize(state, unsafe { array_mut(bytes, size, "serializedState")? })
-    })
-}
-
-/// Reads a state from bytes.
-pub unsafe fn deserialize_state<M: Model>(
-    name: &str,
-    instance: *mut c_void,
-    bytes: *const u8,
-    size: usize,
-    state: *mut *mut c_void,
-) -> Status {
-    call::<M>(instance, name, |component| {
-        // SAFETY: NULL, or as many bytes as said and the place of a state pointer.
-        let (bytes, place) = unsafe { (array(bytes, size, "serializedState")?, state.as_mut()) };
-        let place = place.ok_or(Refusal::Null("FMUstate"))?;
-        Ok(states::put(place, component.slave.deserialize(bytes)?)?)
-    })
+/// Gives a text that is always the same: a version, or the types of a platform.
+pub unsafe fn text<M: Model>(_: &str, text: &'static CStr) -> *const c_char {
+    text.as_ptr()
 }
 
 /// Does a communication step. If the model wants values to be seen within it, and the importer has
 /// given a callback for that, it is done in parts. No borrow of the instance is held while the
-/// callback runs: it reads values by calls of its own. Returns the time that was reached, and
-/// whether the importer asked for an early return.
-pub(crate) fn do_step<M: Model>(
-    name: &str,
+/// callback runs: it reads values by calls of its own. Writes to places, unless they are NULL:
+/// whether events must be handled, whether the simulation shall end, whether the importer asked for
+/// an early return; and the time that was reached.
+pub unsafe fn do_step<M: Model>(
+    name: &'static str,
     instance: *mut c_void,
     from: f64,
     step: f64,
-) -> (Status, f64, bool) {
-    let intermediate = Instance::<M>::of(instance).and_then(|instance| instance.intermediate);
-    let Some(Intermediate { update: Some(update), environment, early_return_allowed }) = intermediate else {
-        let mut time = f64::NAN;
-        let status = call::<M>(instance, name, |component| {
-            time = component.slave.time();
-            component.slave.do_step(from, step)?;
-            time = component.slave.time();
-            component.tell_warnings();
-            Ok(())
-        });
-        return (status, time, false);
+    flags: [*mut bool; 3],
+    last_time: *mut f64,
+) -> Status {
+    let Some(Instance { intermediate, .. }) = (unsafe { Instance::<M>::of(instance) }) else {
+        return Status::Error;
     };
-    let (mut parts, mut time) = (Vec::new(), f64::NAN);
-    let mut status = call::<M>(instance, name, |component| {
-        time = component.slave.time();
-        parts = component.slave.parts(from, step)?;
-        Ok(())
-    });
+    let intermediate = intermediate.filter(|intermediate| intermediate.update.is_some());
+    let (mut parts, mut time, mut early) = (Vec::new(), f64::NAN, false);
+    let mut status = unsafe {
+        call::<M>(instance, name, |component| {
+            time = component.slave.time();
+            parts = component.slave.parts(from, step, intermediate.is_some())?;
+            Ok(())
+        })
+    };
     for part in parts {
-        status = warn(name, instance, |slave: &mut Slave<M>| slave.do_part(part));
+        status = unsafe { call::<M>(instance, name, |component| component.slave.do_part(part)) };
         if status != Status::Ok {
             break;
         }
         time = part.end();
-        if part.at_end.is_some() {
+        let Some(Intermediate { update: Some(update), environment, early_return_allowed }) =
+            intermediate.filter(|_| part.at_end.is_none())
+        else {
             break;
-        }
-        let within = |intermediate| {
+        };
+        let within = |intermediate| unsafe {
             call::<M>(instance, name, |component| {
                 component.slave.set_intermediate(intermediate);
                 Ok(())
             })
         };
         let (mut requested, mut until) = (false, time);
+        let (request, place) = (&raw mut requested, &raw mut until);
         within(true);
         // SAFETY: the importer's callback, called as FMI says. No borrow of the instance is held.
-        unsafe {
-            update(
-                environment,
-                time,
-                false,
-                true,
-                true,
-                early_return_allowed,
-                &raw mut requested,
-                &raw mut until,
-            );
-        }
+        unsafe { update(environment, time, false, true, true, early_return_allowed, request, place) };
         within(false);
         // A time to return at that is later is reached by a later part.
-        if requested && early_return_allowed && (until <= time || until.is_nan()) {
-            return (status, time, true);
+        early = requested && early_return_allowed && (until <= time || until.is_nan());
+        if early {
+            break;
         }
     }
-    (status, time, false)
+    unsafe {
+        for (place, value) in flags.into_iter().zip([false, false, early]) {
+            if let Some(place) = place.as_mut() {
+                *place = value;
+            }
+        }
+        if let Some(place) = last_time.as_mut() {
+            *place = time;
+        }
+    }
+    status
 }

@@ -5,7 +5,7 @@ use crate::boundary::LOG_CATEGORIES;
 use crate::model::{Model, guid, instantiation_token, reference};
 use crate::variables::units::SECOND;
 use crate::variables::{Dependency, Dimension, Kind, Known, Role, Scalar, Type, Unit, Variable};
-use crate::{Format, Naming, Version};
+use crate::{Answer, Format, Naming, Version};
 use lemons_core::xml::{Layout, Out, escaped, number};
 use std::collections::{BTreeSet, HashMap};
 
@@ -13,22 +13,18 @@ use std::collections::{BTreeSet, HashMap};
 ///
 /// # Errors
 /// A start value is not known.
-pub fn model_description<M: Model>(model: &mut M, format: Format) -> Result<String, M::Error> {
+pub fn model_description<M: Model>(model: &mut M, format: Format) -> Answer<String> {
     match format {
         Format::Fmi2(naming) => of_scalars(model, naming),
         Format::Fmi3 => of_arrays(model),
     }
 }
 
-fn of_scalars<M: Model>(model: &mut M, naming: Naming) -> Result<String, M::Error> {
+fn of_scalars<M: Model>(model: &mut M, naming: Naming) -> Answer<String> {
     let scalars = model.scalars();
     let mut starts = Vec::with_capacity(scalars.len());
     for Scalar { variable, element, .. } in &scalars {
-        starts.push(match (has_start(variable.role), variable.kind) {
-            (false, _) => None,
-            (true, Kind::String) => Some(model.text(variable.quantity, *element).to_owned()),
-            (true, kind) => Some(written(model.number(variable.quantity, *element)?, kind)),
-        });
+        starts.push(start(model, variable, *element, 1)?);
     }
     let naming = match naming {
         Naming::Structured => "structured",
@@ -72,7 +68,7 @@ const UNKNOWNS: [(&str, IsWanted, Known); 2] = [
     ),
 ];
 
-fn of_arrays<M: Model>(model: &mut M) -> Result<String, M::Error> {
+fn of_arrays<M: Model>(model: &mut M) -> Answer<String> {
     let sizes: Vec<u64> = (0..M::SIZES.len()).map(|place| model.size(place)).collect();
     let mut starts = Vec::with_capacity(M::VARIABLES.len());
     for variable in M::VARIABLES {
@@ -80,14 +76,7 @@ fn of_arrays<M: Model>(model: &mut M) -> Result<String, M::Error> {
             Dimension::Size(place) => sizes[place],
             Dimension::Fixed(size) => size,
         });
-        let mut numbers = vec![0.0; length.product::<u64>() as usize];
-        starts.push(match (has_start(variable.role), variable.kind) {
-            (false, _) | (_, Kind::String) => None,
-            (true, kind) => {
-                model.numbers(variable.quantity, &mut numbers)?;
-                Some(compact(&numbers, kind))
-            }
-        });
+        starts.push(start(model, variable, 0, length.product::<u64>() as usize)?);
     }
     let token = instantiation_token::<M>().braced().to_string();
     let identity = [("fmiVersion", "3.0"), ("instantiationToken", &*token)];
@@ -106,7 +95,7 @@ fn of_arrays<M: Model>(model: &mut M) -> Result<String, M::Error> {
                 out.empty("UInt64", &attributes);
             }
             for (variable, start) in M::VARIABLES.iter().zip(&starts) {
-                write_array(out, model, variable, start.as_deref());
+                write_array::<M>(out, variable, start.as_deref());
             }
         });
         out.element("ModelStructure", &[], |out| {
@@ -239,16 +228,15 @@ fn write_time(out: &mut Out) {
     out.empty("Float64", &attributes);
 }
 
-fn write_array<M: Model>(out: &mut Out, model: &M, variable: &Variable<M::Quantity>, start: Option<&str>) {
+fn write_array<M: Model>(out: &mut Out, variable: &Variable<M::Quantity>, start: Option<&str>) {
     let own = value_reference::<M>(variable);
     let mut attributes = attributes(variable, variable.name, &own, variable.description);
     if let Kind::Real(unit) = variable.kind {
         attributes.push(("unit", unit.name));
     }
-    attributes.extend(start.map(|start| ("start", start)));
     // Only single texts can be set.
-    let text =
-        (variable.kind == Kind::String && has_start(variable.role)).then(|| model.text(variable.quantity, 0));
+    let (number, text) = if variable.kind == Kind::String { (None, start) } else { (start, None) };
+    attributes.extend(number.map(|start| ("start", start)));
     let element = Type::from(variable.kind).name(Version::V3);
     if variable.dimensions.is_empty() && text.is_none() {
         return out.empty(element, &attributes);
@@ -303,26 +291,31 @@ fn joined(numbers: impl IntoIterator<Item = impl ToString>) -> String {
     numbers.into_iter().map(|number| number.to_string()).collect::<Vec<String>>().join(" ")
 }
 
-fn has_start(role: Role) -> bool {
-    matches!(role, Role::Input | Role::Exact | Role::Parameter)
-}
-
-fn written(value: f64, kind: Kind) -> String {
-    match kind {
-        Kind::Integer => format!("{value:.0}"),
-        Kind::Boolean => (value != 0.0).to_string(),
-        _ => number(value),
+/// Returns the start value of a variable, if it has one: of elements from the first on. If all are
+/// equal, one is written.
+fn start<M: Model>(
+    model: &mut M,
+    variable: &Variable<M::Quantity>,
+    first: usize,
+    length: usize,
+) -> Answer<Option<String>> {
+    if !matches!(variable.role, Role::Input | Role::Exact | Role::Parameter) {
+        return Ok(None);
     }
-}
-
-/// Returns values as a list; as one value where all are equal.
-fn compact(values: &[f64], kind: Kind) -> String {
-    match values {
-        [first, rest @ ..] if rest.iter().all(|value| value.to_bits() == first.to_bits()) => {
-            written(*first, kind)
+    let mut starts = Vec::with_capacity(length);
+    for element in first..first + length {
+        if variable.kind == Kind::String {
+            return Ok(Some(model.text(variable.quantity, element).to_owned()));
         }
-        _ => values.iter().map(|value| written(*value, kind)).collect::<Vec<String>>().join(" "),
+        starts.push(model.number(variable.quantity, element)?);
     }
+    let written = |value: &f64| match variable.kind {
+        Kind::Integer => format!("{value:.0}"),
+        Kind::Boolean => (*value != 0.0).to_string(),
+        _ => number(*value),
+    };
+    let alike = starts.iter().all(|value| value.to_bits() == starts[0].to_bits());
+    Ok(Some(joined(starts[..if alike { length.min(1) } else { length }].iter().map(written))))
 }
 
 /// Returns `terminalsAndIcons.xml` with a terminal `crowd`, and the icon `icon.png` if there is
@@ -357,14 +350,41 @@ pub fn terminals_xml<M: Model>(description: &str, names: &[&str], icon: bool) ->
     })
 }
 
-/// Returns a row of HTML for each variable of FMI 3.0: name with sizes, causality, unit,
-/// description.
-pub fn rows_html<M: Model>() -> String {
+/// Returns `documentation/index.html`: a text about the version, filled in, and the table of
+/// variables.
+pub fn documentation<M: Model>(model: &M, version: Version, text: &str, agents: usize) -> String {
+    let token = match version {
+        Version::V2 => guid(&model.scalars()),
+        Version::V3 => instantiation_token::<M>(),
+    };
+    include_str!("page.html")
+        .replace("{text}", text)
+        .replace("{name}", M::NAME)
+        .replace("{version}", env!("CARGO_PKG_VERSION"))
+        .replace("{agents}", &agents.to_string())
+        .replace("{last}", &agents.saturating_sub(1).to_string())
+        .replace("{token}", &token.braced().to_string())
+        .replace("{variables}", &rows_html(model, version))
+}
+
+/// Returns a row of HTML for each variable: name, causality, unit, description. In FMI 3.0 names
+/// have sizes; in FMI 2.0 those of the first element stand for all.
+fn rows_html<M: Model>(model: &M, version: Version) -> String {
+    let scalars = if version == Version::V2 { model.scalars() } else { Vec::new() };
     let row = |variable: &Variable<M::Quantity>| {
         let sizes = variable.dimensions.iter().map(|dimension| match *dimension {
             Dimension::Size(place) => format!("[{}]", M::SIZES[place].name),
             Dimension::Fixed(size) => format!("[{size}]"),
         });
+        let name = match version {
+            Version::V2 => {
+                let first = scalars.iter().find(|scalar| scalar.variable.quantity == variable.quantity)?;
+                let name = escaped(&first.name);
+                let other = if variable.is_vector() { ", <code>.y</code>" } else { "" };
+                format!("<code>{name}</code>{other}")
+            }
+            Version::V3 => format!("<code>{}</code> {}", variable.name, sizes.collect::<String>()),
+        };
         let kind = match variable.role {
             Role::Input => "input",
             Role::Exact => "output; start settable",
@@ -373,11 +393,8 @@ pub fn rows_html<M: Model>() -> String {
             Role::CalculatedParameter => "calculated parameter",
         };
         let unit = if let Kind::Real(unit) = variable.kind { unit.name } else { "" };
-        let (name, sizes) = (variable.name, sizes.collect::<String>());
         let description = escaped(variable.description);
-        format!(
-            "<tr><td><code>{name}</code> {sizes}</td><td>{kind}</td><td>{unit}</td><td>{description}</td></tr>\n"
-        )
+        Some(format!("<tr><td>{name}</td><td>{kind}</td><td>{unit}</td><td>{description}</td></tr>\n"))
     };
-    M::VARIABLES.iter().map(row).collect()
+    M::VARIABLES.iter().filter_map(row).collect()
 }

@@ -11,17 +11,17 @@
 //! - [`slave`]: one instance: lifecycle, variables, stepping and states
 //! - `states`: the states that importers hold
 //! - [`archive`]: an `.fmu`, the same bytes for the same content
-//! - `boundary`: what all C functions share: pointers, messages, panics
+//! - [`boundary`]: what all C functions share: pointers, messages, panics
 //! - [`description`]: the table as XML and HTML
 //! - [`calls`], [`v2`], [`v3`]: the bodies of the C functions: of both versions, of one of them
 //! - [`export_fmi2!`], [`export_fmi3!`]: the C functions for a model
 
 pub mod archive;
-mod boundary;
+pub mod boundary;
 pub mod calls;
 pub mod description;
-mod export;
 mod format;
+mod functions;
 pub mod lifecycle;
 pub mod location;
 pub mod model;
@@ -35,4 +35,4 @@ pub use boundary::{LOG_CATEGORIES, Logger2, Status, silence_panics};
 pub use format::{Format, Naming, Version};
 pub use lifecycle::{Function, Phase};
 pub use model::{Model, Part, StepError, fingerprint, guid, instantiation_token, reference};
-pub use slave::{Slave, SlaveError, Snapshot};
+pub use slave::{Answer, Refusal, Slave, Snapshot, damaged, refuse};

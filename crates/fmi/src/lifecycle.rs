@@ -55,10 +55,9 @@ pub fn allowed(function: Function, version: Version, phase: Phase) -> bool {
     // A synchronous slave is never in the middle of a step, so that there is nothing to cancel.
     let [of_2, of_3] = match function {
         Function::SetDebugLogging => ["I-IS-TE", "ICISITE"],
-        Function::SetupExperiment => ["I------", "-------"],
+        Function::SetupExperiment | Function::EnterInitializationMode => ["I------", "I------"],
         Function::EnterConfigurationMode => ["-------", "I------"],
         Function::ExitConfigurationMode => ["-------", "-C-----"],
-        Function::EnterInitializationMode => ["I------", "I------"],
         Function::ExitInitializationMode => ["--I----", "--I----"],
         Function::Terminate | Function::DoStep => ["---S---", "---S---"],
         Function::Reset | Function::State => ["I-IS-TE", "ICIS-TE"],

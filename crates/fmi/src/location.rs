@@ -53,15 +53,11 @@ impl<'a> Location<'a> {
 /// # Errors
 /// There is no location, or it is not a file URI.
 pub fn directories(location: &str) -> Result<Vec<PathBuf>, LocationError> {
-    let paths = paths(location)?;
-    Ok(paths.into_iter().flat_map(|path| [path.clone(), path.join("resources")]).collect())
+    let paths = texts(location, cfg!(windows))?.into_iter().map(PathBuf::from);
+    Ok(paths.flat_map(|path| [path.clone(), path.join("resources")]).collect())
 }
 
-fn paths(location: &str) -> Result<Vec<PathBuf>, LocationError> {
-    Ok(texts(location, cfg!(windows))?.into_iter().map(PathBuf::from).collect())
-}
-
-/// The paths, as texts of an operating system.
+/// Returns the paths, as texts of an operating system.
 fn texts(location: &str, windows: bool) -> Result<Vec<String>, LocationError> {
     let uri = location.trim();
     if uri.is_empty() {
@@ -110,7 +106,7 @@ fn texts(location: &str, windows: bool) -> Result<Vec<String>, LocationError> {
     Ok([decoded].into_iter().chain(literal).collect())
 }
 
-/// Whether a path of Windows begins with a drive, whose colon may be encoded.
+/// Returns whether a path of Windows begins with a drive, whose colon may be encoded.
 fn has_drive(path: &str) -> bool {
     let mut letters = path.chars();
     let rest =
@@ -122,32 +118,19 @@ fn has_drive(path: &str) -> bool {
 mod tests {
     use super::*;
 
-    fn first(uri: &str) -> String {
-        paths(uri).unwrap()[0].to_str().unwrap().to_owned()
-    }
-
     #[test]
-    #[cfg(unix)]
     fn uris_are_read_liberally() {
-        assert_eq!(first("file:///tmp/sp%20ace/resources"), "/tmp/sp ace/resources");
-        assert_eq!(first("file:/tmp/x"), "/tmp/x");
-        assert_eq!(first("file:////tmp/x"), "//tmp/x");
-        assert_eq!(first("file://localhost/tmp/x"), "/tmp/x");
-        assert_eq!(first("FILE:///tmp/x"), "/tmp/x");
-        assert_eq!(first("/tmp/a b/ü"), "/tmp/a b/ü");
-        assert_eq!(first("file:///tmp/%C3%BC"), "/tmp/ü");
-        // A percent sign that was not encoded.
-        assert_eq!(paths("file:///tmp/a%20b").unwrap()[1], Path::new("/tmp/a%20b"));
-        assert!(paths("http://host/x").is_err());
-        assert!(paths("file://elsewhere/x").is_err());
-        assert!(matches!(paths(" "), Err(LocationError::Missing)));
-    }
-
-    #[test]
-    fn uris_of_windows_are_read_liberally() {
-        let said =
-            |uri: &str| texts(uri, true).map(|texts| texts[0].clone()).map_err(|error| error.to_string());
-        for (uri, path) in [
+        const UNIX: [(&str, &str); 8] = [
+            ("file:///tmp/sp%20ace/resources", "/tmp/sp ace/resources"),
+            ("file:/tmp/x", "/tmp/x"),
+            ("file:////tmp/x", "//tmp/x"),
+            ("file://localhost/tmp/x", "/tmp/x"),
+            ("FILE:///tmp/x", "/tmp/x"),
+            ("/tmp/a b/ü", "/tmp/a b/ü"),
+            ("file:///tmp/%C3%BC", "/tmp/ü"),
+            ("file:///C:/x", "/C:/x"),
+        ];
+        const WINDOWS: [(&str, &str); 17] = [
             ("file:///C:/Users/J%C3%BCrgen/a%20b/resources", "C:/Users/Jürgen/a b/resources"),
             ("file:///C:/Users/Jürgen/resources/", "C:/Users/Jürgen/resources/"),
             ("file:///c%3A/x", "c:/x"),
@@ -165,16 +148,17 @@ mod tests {
             ("file://server/share/a%20b", "//server/share/a b"),
             ("file:////server/share/x", "//server/share/x"),
             ("/x", "/x"),
-        ] {
-            assert_eq!(said(uri).as_deref(), Ok(path), "{uri}");
+        ];
+        let cases = UNIX.map(|case| (case, false)).into_iter().chain(WINDOWS.map(|case| (case, true)));
+        for ((uri, path), windows) in cases {
+            assert_eq!(texts(uri, windows).unwrap()[0], path, "{uri}");
         }
         // A percent sign that was not encoded.
         assert_eq!(texts("file:///C:/100%25", true).unwrap(), ["C:/100%", "C:/100%25"]);
-        for uri in ["http://host/x", "file://", "file://server", ""] {
-            assert!(said(uri).is_err(), "{uri}");
+        for uri in ["http://host/x", "file://", "file://server", " "] {
+            assert!(texts(uri, true).is_err() && texts(uri, false).is_err(), "{uri}");
         }
         // Elsewhere a machine's name is not a part of a path.
         assert!(texts("file://server/share/x", false).is_err());
-        assert_eq!(texts("file:///C:/x", false).unwrap(), ["/C:/x"]);
     }
 }

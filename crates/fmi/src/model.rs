@@ -1,10 +1,9 @@
 //! The model behind an FMU, and what identifies its interface.
 
-use crate::Phase;
 use crate::location::Location;
 use crate::variables::{Dependency, Known, Scalar, Size, Variable};
+use crate::{Answer, Phase, Refusal};
 use serde::{Serialize, de::DeserializeOwned};
-use std::error::Error;
 use std::fmt::Debug;
 use uuid::Uuid;
 
@@ -46,12 +45,12 @@ pub fn reference<M: Model>(quantity: M::Quantity) -> Option<u32> {
 }
 
 /// Why a model did not advance.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum StepError<E> {
+#[derive(Debug)]
+pub enum StepError {
     /// The model is unchanged; another step may be tried.
-    Refused(E),
+    Refused(Refusal),
     /// The model may be in any condition; only a saved state or a reset helps.
-    Failed(E),
+    Failed(Refusal),
 }
 
 /// A part of a communication step; the whole one where no values are wanted within it.
@@ -82,7 +81,7 @@ impl Part {
 
 /// The model behind an FMU, called by [`Slave`](crate::Slave). The slave checks lifecycle, value
 /// references, types, lengths, domains and times. The model gets only calls that are allowed and
-/// well-formed.
+/// well-formed. After an error it is unchanged, if not stated otherwise.
 ///
 /// Values are elements of the variables of [`Model::VARIABLES`], numbers of any type are `f64`.
 pub trait Model: Sized + Send {
@@ -90,8 +89,6 @@ pub trait Model: Sized + Send {
     type Quantity: Copy + Debug + PartialEq + Send + Sync + 'static;
     /// Everything on which the model's future depends: its part of the FMU state.
     type Saved: Clone + Debug + PartialEq + Send + Serialize + DeserializeOwned + Sync + 'static;
-    /// Why a call is refused. The model is then unchanged, if not stated otherwise.
-    type Error: Error + Send + Sync + 'static;
 
     /// `modelName`
     const NAME: &'static str;
@@ -118,7 +115,7 @@ pub trait Model: Sized + Send {
     ///
     /// # Errors
     /// The resources are missing or damaged.
-    fn load(location: Location<'_>) -> Result<Self, Self::Error>;
+    fn load(location: Location<'_>) -> Answer<Self>;
 
     /// Returns the value of the structural parameter at a place of [`Model::SIZES`] for what is
     /// loaded.
@@ -131,19 +128,21 @@ pub trait Model: Sized + Send {
     fn step_size(&self) -> f64;
 
     /// Returns the warnings since the last call.
-    fn take_warnings(&mut self) -> Vec<String>;
+    fn take_warnings(&mut self) -> Vec<String> {
+        Vec::new()
+    }
 
     /// Returns a number.
     ///
     /// # Errors
     /// The values that were set do not fit together, so that the number cannot be computed.
-    fn number(&mut self, quantity: Self::Quantity, element: usize) -> Result<f64, Self::Error>;
+    fn number(&mut self, quantity: Self::Quantity, element: usize) -> Answer<f64>;
 
     /// Returns all elements of an array of numbers.
     ///
     /// # Errors
     /// Those of [`Model::number`].
-    fn numbers(&mut self, quantity: Self::Quantity, values: &mut [f64]) -> Result<(), Self::Error> {
+    fn numbers(&mut self, quantity: Self::Quantity, values: &mut [f64]) -> Answer<()> {
         for (element, value) in values.iter_mut().enumerate() {
             *value = self.number(quantity, element)?;
         }
@@ -157,7 +156,7 @@ pub trait Model: Sized + Send {
     ///
     /// # Errors
     /// They do not.
-    fn check(&self, _quantity: Self::Quantity, _values: &[f64]) -> Result<(), Self::Error> {
+    fn check(&self, _quantity: Self::Quantity, _values: &[f64]) -> Answer<()> {
         Ok(())
     }
 
@@ -168,7 +167,7 @@ pub trait Model: Sized + Send {
     ///
     /// # Errors
     /// A text is not a value of its variable.
-    fn set_texts(&mut self, _values: &[(Self::Quantity, &str)]) -> Result<(), Self::Error> {
+    fn set_texts(&mut self, _values: &[(Self::Quantity, &str)]) -> Answer<()> {
         Ok(())
     }
 
@@ -202,7 +201,7 @@ pub trait Model: Sized + Send {
     ///
     /// # Errors
     /// The values that were set do not fit together.
-    fn initialize(&mut self, start: f64) -> Result<(), Self::Error>;
+    fn initialize(&mut self, start: f64) -> Answer<()>;
 
     /// Returns the lengths \[s\] of the parts of a communication step \[s\] after which values are
     /// wanted; one part if none are wanted.
@@ -214,13 +213,13 @@ pub trait Model: Sized + Send {
     ///
     /// # Errors
     /// [`StepError`] says whether anything has changed.
-    fn advance(&mut self, part: Part) -> Result<(), StepError<Self::Error>>;
+    fn advance(&mut self, part: Part) -> Result<(), StepError>;
 
     /// Returns to the state after [`Model::load`].
     ///
     /// # Errors
     /// The resources can no longer be read.
-    fn reset(&mut self) -> Result<(), Self::Error>;
+    fn reset(&mut self) -> Answer<()>;
 
     /// Returns the state; see [`Model::Saved`].
     fn save(&self) -> Self::Saved;
@@ -229,5 +228,5 @@ pub trait Model: Sized + Send {
     ///
     /// # Errors
     /// The state cannot have been saved by an instance of this model.
-    fn restore(&mut self, saved: &Self::Saved) -> Result<(), Self::Error>;
+    fn restore(&mut self, saved: &Self::Saved) -> Answer<()>;
 }

@@ -3,69 +3,51 @@
 //!
 //! A call that is refused does not change the instance.
 
-use crate::Version;
 use crate::lifecycle::{Function, Phase, allowed};
 use crate::model::{Model, Part, StepError, guid, instantiation_token, reference};
-use crate::variables::{Dimension, Domain, Known, Role, Scalar, Type, Variable};
+use crate::variables::{Dimension, Domain, Known, MOST, Number, Role, Scalar, Type, Variable};
+use crate::{Status, Version};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-use thiserror::Error;
 use uuid::Uuid;
 
-/// Why a call was refused or failed; `E` is the error type of the model.
-#[derive(Debug, Error)]
-#[allow(missing_docs)] // the messages say it
-pub enum SlaveError<E> {
-    #[error("not allowed in the state {phase:?}")]
-    NotAllowed { phase: Phase },
-    #[error(
-        "the {word} {given:?} is not this FMU's {expected:?}: modelDescription.xml and resources do not belong together"
-    )]
-    Token { word: &'static str, given: String, expected: String },
-    #[error("no variable of type {kind} has the value reference {reference}")]
-    UnknownReference { kind: &'static str, reference: u32 },
-    #[error("{name} = {value}: must be {must}")]
-    Value { name: String, value: String, must: &'static str },
-    #[error("{name} cannot be set {when}")]
-    NotSettable { name: String, when: &'static str },
-    #[error("{given} values for variables of {wanted} elements together")]
-    ValueCount { given: usize, wanted: u64 },
-    #[error(
-        "{name} is {declared}, but what is loaded has {loaded}: choose what to load, or set {name} in Configuration Mode"
-    )]
-    Size { name: &'static str, declared: u64, loaded: u64 },
-    #[error("{name} = {value}: must be at least 1 and at most {most}")]
-    SizeValue { name: String, value: u64, most: u64 },
-    #[error("{name}: its derivative is not known, only those of continuous motion are")]
-    NoDerivative { name: String },
-    #[error("the derivative of order {order} of {name}: only order 1 is known")]
-    OutputOrder { name: String, order: i32 },
-    #[error("{name} is not an input, so its derivative cannot be set")]
-    NoInput { name: String },
-    #[error("the derivative of order {order} of {name}: inputs are interpolated with order 1")]
-    Order { name: String, order: i32 },
-    #[error("fmi2SetupExperiment has not been called")]
-    NoExperiment,
-    #[error("start time {0:?}: must be finite")]
-    StartTime(f64),
-    #[error("stop time {stop:?} s: must be finite and not before the start time {start:?} s")]
-    StopTime { start: f64, stop: f64 },
-    #[error("a tolerance of {0:?}: must be positive and finite, or not defined")]
-    Tolerance(f64),
-    #[error("a communication step of {0:?} s: must be positive and finite, and end at a finite time")]
-    StepSize(f64),
-    #[error("the communication point {given:?} s is not the slave's time {expected:?} s")]
-    CommunicationPoint { given: f64, expected: f64 },
-    #[error("a step from {from:?} s of {step:?} s goes beyond the stop time {stop:?} s")]
-    BeyondStopTime { from: f64, step: f64, stop: f64 },
-    #[error("the state is damaged or is not a state of this FMU: {0}")]
-    Snapshot(&'static str),
-    #[error("the state belongs to another model: {0}")]
-    OtherModel(&'static str),
-    #[error("{0}")]
-    Unsupported(&'static str),
-    #[error(transparent)]
-    Model(#[from] E),
+/// Why a call was refused or failed, in words.
+#[derive(Debug)]
+pub struct Refusal {
+    /// What the importer gets.
+    pub status: Status,
+    /// What it is told.
+    pub message: String,
+}
+
+impl Refusal {
+    /// Makes the refusal of a call.
+    pub fn new(message: impl Into<String>) -> Refusal {
+        Refusal { status: Status::Error, message: message.into() }
+    }
+}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl<E: std::error::Error> From<E> for Refusal {
+    fn from(error: E) -> Refusal {
+        Refusal::new(error.to_string())
+    }
+}
+
+/// The result of a call.
+pub type Answer<T> = Result<T, Refusal>;
+
+/// Refuses a call.
+///
+/// # Errors
+/// Always.
+pub fn refuse<T>(message: impl Into<String>) -> Answer<T> {
+    Err(Refusal::new(message))
 }
 
 /// Start time and, if given, stop time of the simulation \[s\].
@@ -128,15 +110,12 @@ pub struct Slave<M: Model> {
     experiment: Option<Experiment>,
 }
 
-/// The result of a call.
-pub(crate) type Answer<M, T> = Result<T, SlaveError<<M as Model>::Error>>;
-
 impl<M: Model> Slave<M> {
     /// Makes an instance of a model.
     ///
     /// # Errors
     /// The token is not that of the model.
-    pub fn new(model: M, version: Version, given: &str) -> Answer<M, Slave<M>> {
+    pub fn new(model: M, version: Version, given: &str) -> Answer<Slave<M>> {
         let mut scalars = Vec::new();
         let (rows, token, word) = match version {
             Version::V2 => {
@@ -148,12 +127,19 @@ impl<M: Model> Slave<M> {
         };
         let bare = |text: &str| text.trim_matches(['{', '}']).to_ascii_lowercase();
         if bare(given) != token.to_string() {
-            let expected = token.braced().to_string();
-            return Err(SlaveError::Token { word, given: given.to_owned(), expected });
+            return refuse(format!(
+                "the {word} {given:?} is not this FMU's {:?}: modelDescription.xml and resources do not belong \
+                 together",
+                token.braced().to_string()
+            ));
         }
         let sizes = sizes(&model, version);
         let (phase, time, experiment) = (Phase::Instantiated, 0.0, None);
         Ok(Slave { model, version, token, rows, scalars, sizes, phase, time, experiment })
+    }
+
+    pub(crate) fn version(&self) -> Version {
+        self.version
     }
 
     /// Returns the current communication point \[s\].
@@ -170,73 +156,49 @@ impl<M: Model> Slave<M> {
     ///
     /// # Errors
     /// It is not allowed.
-    pub fn check(&self, function: Function) -> Answer<M, ()> {
+    pub fn check(&self, function: Function) -> Answer<()> {
         if allowed(function, self.version, self.phase) {
             Ok(())
         } else {
-            Err(SlaveError::NotAllowed { phase: self.phase })
+            refuse(format!("not allowed in the state {:?}", self.phase))
         }
     }
 
-    /// `fmi2SetupExperiment`: start time and, if given, stop time of the simulation \[s\], and
-    /// tolerance.
+    /// Sets start time and, if given, stop time of the simulation \[s\], and tolerance:
+    /// `fmi2SetupExperiment`, or the first part of `fmi3EnterInitializationMode`.
     ///
     /// # Errors
     /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is not
     /// positive and finite.
-    pub fn setup_experiment(
-        &mut self,
-        start: f64,
-        stop: Option<f64>,
-        tolerance: Option<f64>,
-    ) -> Answer<M, ()> {
+    pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>, tolerance: Option<f64>) -> Answer<()> {
         self.check(Function::SetupExperiment)?;
-        self.set_experiment(start, stop, tolerance)
-    }
-
-    /// Sets start time and, if given, stop time \[s\] and tolerance.
-    pub(crate) fn set_experiment(
-        &mut self,
-        start: f64,
-        stop: Option<f64>,
-        tolerance: Option<f64>,
-    ) -> Answer<M, ()> {
         if let Some(tolerance) = tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
-            return Err(SlaveError::Tolerance(tolerance));
+            return refuse(format!(
+                "a tolerance of {tolerance:?}: must be positive and finite, or not defined"
+            ));
         }
         if !start.is_finite() {
-            return Err(SlaveError::StartTime(start));
+            return refuse(format!("start time {start:?}: must be finite"));
         }
         if let Some(stop) = stop.filter(|stop| !(stop.is_finite() && *stop >= start)) {
-            return Err(SlaveError::StopTime { start, stop });
+            return refuse(format!(
+                "stop time {stop:?} s: must be finite and not before the start time {start:?} s"
+            ));
         }
         (self.experiment, self.time) = (Some(Experiment { start, stop }), start);
         self.model.set_tolerance(tolerance);
         Ok(())
     }
 
-    /// `fmi3EnterInitializationMode`: with what FMI 2.0 sets up before.
-    ///
-    /// # Errors
-    /// Those of [`Slave::setup_experiment`].
-    pub fn enter_with_experiment(
-        &mut self,
-        start: f64,
-        stop: Option<f64>,
-        tolerance: Option<f64>,
-    ) -> Answer<M, ()> {
-        self.check(Function::EnterInitializationMode)?;
-        self.set_experiment(start, stop, tolerance)?;
-        self.enter_initialization()
-    }
-
     /// Enters Initialization Mode.
     ///
     /// # Errors
     /// Wrong phase, or no start time.
-    pub fn enter_initialization(&mut self) -> Answer<M, ()> {
+    pub fn enter_initialization(&mut self) -> Answer<()> {
         self.check(Function::EnterInitializationMode)?;
-        self.experiment.ok_or(SlaveError::NoExperiment)?;
+        if self.experiment.is_none() {
+            return refuse("fmi2SetupExperiment has not been called");
+        }
         self.phase = Phase::Initialization;
         Ok(())
     }
@@ -246,7 +208,7 @@ impl<M: Model> Slave<M> {
     /// # Errors
     /// Wrong phase; structural parameters that are not the sizes of what is loaded; values that do
     /// not fit together.
-    pub fn exit_initialization(&mut self) -> Answer<M, ()> {
+    pub fn exit_initialization(&mut self) -> Answer<()> {
         self.check(Function::ExitInitializationMode)?;
         (0..self.sizes.len()).try_for_each(|place| self.check_size(place))?;
         self.model.initialize(self.time)?;
@@ -258,7 +220,7 @@ impl<M: Model> Slave<M> {
     ///
     /// # Errors
     /// Wrong phase.
-    pub fn change_phase(&mut self, function: Function, to: Phase) -> Answer<M, ()> {
+    pub fn change_phase(&mut self, function: Function, to: Phase) -> Answer<()> {
         self.check(function)?;
         self.phase = to;
         Ok(())
@@ -268,7 +230,7 @@ impl<M: Model> Slave<M> {
     ///
     /// # Errors
     /// Wrong phase, or resources that can no longer be read.
-    pub fn reset(&mut self) -> Answer<M, ()> {
+    pub fn reset(&mut self) -> Answer<()> {
         self.check(Function::Reset)?;
         self.model.reset()?;
         self.sizes = sizes(&self.model, self.version);
@@ -277,19 +239,23 @@ impl<M: Model> Slave<M> {
     }
 
     /// Refuses a structural parameter that is not the size of what is loaded.
-    fn check_size(&self, place: usize) -> Answer<M, ()> {
+    fn check_size(&self, place: usize) -> Answer<()> {
         let (declared, loaded) = (self.sizes[place], self.model.size(place));
         if declared == loaded {
             return Ok(());
         }
-        Err(SlaveError::Size { name: M::SIZES[place].name, declared, loaded })
+        let name = M::SIZES[place].name;
+        refuse(format!(
+            "{name} is {declared}, but what is loaded has {loaded}: choose what to load, or set {name} in \
+             Configuration Mode"
+        ))
     }
 
     #[inline]
-    fn row(&self, reference: u32, of: Type) -> Answer<M, Row<M::Quantity>> {
+    fn row(&self, reference: u32, of: Type) -> Answer<Row<M::Quantity>> {
         match self.rows.get(reference as usize) {
             Some(row) if row.of == of => Ok(*row),
-            _ => Err(SlaveError::UnknownReference { kind: of.name(self.version), reference }),
+            _ => unknown_reference(of.name(self.version), reference),
         }
     }
 
@@ -300,7 +266,7 @@ impl<M: Model> Slave<M> {
 
     /// Returns the number of elements of a variable, whose sizes must be those of what is loaded.
     #[inline]
-    fn length(&self, reference: u32) -> Answer<M, usize> {
+    fn length(&self, reference: u32) -> Answer<usize> {
         if self.version == Version::V2 {
             return Ok(1);
         }
@@ -319,7 +285,7 @@ impl<M: Model> Slave<M> {
 
     /// Checks types, and that the number of elements of all variables together is that of the
     /// values.
-    fn check_count(&self, references: &[u32], of: Type, given: usize) -> Answer<M, ()> {
+    fn check_count(&self, references: &[u32], of: Type, given: usize) -> Answer<()> {
         if self.version == Version::V2 {
             return Ok(());
         }
@@ -328,7 +294,10 @@ impl<M: Model> Slave<M> {
             self.row(reference, of)?;
             wanted += self.length(reference)?;
         }
-        if wanted == given { Ok(()) } else { Err(SlaveError::ValueCount { given, wanted: wanted as u64 }) }
+        if wanted == given {
+            return Ok(());
+        }
+        refuse(format!("{given} values for variables of {wanted} elements together"))
     }
 
     /// Returns the name of a variable, or of an element of an array, for messages.
@@ -347,57 +316,33 @@ impl<M: Model> Slave<M> {
         }
     }
 
-    /// Reads Reals.
+    /// Reads numbers.
     ///
     /// # Errors
     /// Wrong phase, unknown references, a wrong number of values; in initialization, values that do
     /// not fit together.
-    pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Answer<M, ()> {
-        self.get(references, Type::Real, values, |number| number)
-    }
-
-    /// Reads Integers.
-    ///
-    /// # Errors
-    /// Those of [`Slave::get_real`].
-    pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Answer<M, ()> {
-        self.get(references, Type::Integer, values, |number| number as i32)
-    }
-
-    /// Reads Booleans.
-    ///
-    /// # Errors
-    /// Those of [`Slave::get_real`].
-    pub fn get_boolean(&mut self, references: &[u32], values: &mut [impl From<bool>]) -> Answer<M, ()> {
-        self.get(references, Type::Boolean, values, |number| (number != 0.0).into())
-    }
-
-    fn get<T>(
-        &mut self,
-        references: &[u32],
-        of: Type,
-        values: &mut [T],
-        from: impl Fn(f64) -> T,
-    ) -> Answer<M, ()> {
+    pub fn get<N: Number>(&mut self, references: &[u32], values: &mut [N]) -> Answer<()> {
         self.check(Function::Get)?;
         if self.version == Version::V2 {
             for (&reference, value) in references.iter().zip(values) {
-                if let Row { quantity: Some(quantity), element, .. } = self.row(reference, of)? {
-                    *value = from(self.model.number(quantity, element as usize)?);
+                if let Row { quantity: Some(quantity), element, .. } = self.row(reference, N::TYPE)? {
+                    *value = N::of(self.model.number(quantity, element as usize)?);
                 }
             }
             return Ok(());
         }
-        self.check_count(references, of, values.len())?;
+        self.check_count(references, N::TYPE, values.len())?;
         let (mut rest, mut numbers) = (values, Vec::new());
         for &reference in references {
             let (these, others) = rest.split_at_mut(self.length(reference)?);
             numbers.clear();
             numbers.resize(these.len(), self.time);
-            if let Some(quantity) = self.row(reference, of)?.quantity {
-                self.model.numbers(quantity, &mut numbers)?;
+            match self.row(reference, N::TYPE)?.quantity {
+                Some(quantity) => self.model.numbers(quantity, &mut numbers)?,
+                None if N::TYPE == Type::Size => numbers[0] = self.sizes[reference as usize - 1] as f64,
+                None => {}
             }
-            these.iter_mut().zip(&numbers).for_each(|(value, number)| *value = from(*number));
+            these.iter_mut().zip(&numbers).for_each(|(value, number)| *value = N::of(*number));
             rest = others;
         }
         Ok(())
@@ -407,7 +352,7 @@ impl<M: Model> Slave<M> {
     ///
     /// # Errors
     /// Wrong phase, unknown references, a wrong number of values.
-    pub fn get_string(&self, references: &[u32], count: usize) -> Answer<M, Vec<String>> {
+    pub fn get_strings(&self, references: &[u32], count: usize) -> Answer<Vec<String>> {
         self.check(Function::Get)?;
         self.check_count(references, Type::String, count)?;
         let mut texts = Vec::with_capacity(count);
@@ -421,97 +366,48 @@ impl<M: Model> Slave<M> {
         Ok(texts)
     }
 
-    /// `fmi3GetUInt64`: structural parameters.
-    ///
-    /// # Errors
-    /// Those of [`Slave::get_string`].
-    pub fn get_size(&self, references: &[u32], values: &mut [u64]) -> Answer<M, ()> {
-        self.check(Function::Get)?;
-        self.check_count(references, Type::Size, values.len())?;
-        for (value, &reference) in values.iter_mut().zip(references) {
-            *value = self.sizes[reference as usize - 1];
-        }
-        Ok(())
-    }
-
-    /// `fmi3SetUInt64`: structural parameters, in Configuration Mode.
-    ///
-    /// # Errors
-    /// Wrong phase, unknown references, a wrong number of values, or a value that is 0 or far too
-    /// large. Then none of them is set.
-    pub fn set_size(&mut self, references: &[u32], values: &[u64]) -> Answer<M, ()> {
-        self.check(Function::Set)?;
-        self.check_count(references, Type::Size, values.len())?;
-        for (&reference, &value) in references.iter().zip(values) {
-            if self.phase != Phase::Configuration {
-                let (name, when) = (self.name(reference, None), "outside Configuration Mode");
-                return Err(SlaveError::NotSettable { name, when });
-            }
-            if !(1..=MOST).contains(&value) {
-                return Err(SlaveError::SizeValue { name: self.name(reference, None), value, most: MOST });
-            }
-        }
-        for (&reference, &value) in references.iter().zip(values) {
-            self.sizes[reference as usize - 1] = value;
-        }
-        Ok(())
-    }
-
     /// Refuses a variable that cannot be set in this phase.
     #[inline]
-    fn check_settable(&self, reference: u32, role: Role) -> Answer<M, ()> {
+    fn check_settable(&self, reference: u32, row: Row<M::Quantity>) -> Answer<()> {
         let before = matches!(self.phase, Phase::Instantiated | Phase::Initialization);
-        let when = match role {
+        let when = match row.role {
+            _ if row.of == Type::Size && self.phase == Phase::Configuration => return Ok(()),
+            _ if row.of == Type::Size => "outside Configuration Mode",
             _ if self.phase == Phase::Configuration => "in Configuration Mode",
             Role::Input => return Ok(()),
             Role::Parameter | Role::Exact if before => return Ok(()),
             Role::Parameter | Role::Exact => "after initialization",
             Role::Calculated | Role::CalculatedParameter => "at all: it is computed",
         };
-        Err(SlaveError::NotSettable { name: self.name(reference, None), when })
+        refuse(format!("{} cannot be set {when}", self.name(reference, None)))
     }
 
-    /// Sets Reals.
+    /// Sets numbers.
     ///
     /// # Errors
     /// Wrong phase, unknown references, a wrong number of values, or values outside their domain.
     /// Then none of them is set.
-    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Answer<M, ()> {
-        self.set(references, Type::Real, values)
-    }
-
-    /// Sets Integers.
-    ///
-    /// # Errors
-    /// Those of [`Slave::set_real`].
-    pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Answer<M, ()> {
-        let numbers: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
-        self.set(references, Type::Integer, &numbers)
-    }
-
-    /// Sets Booleans.
-    ///
-    /// # Errors
-    /// Those of [`Slave::set_real`].
-    pub fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Answer<M, ()> {
-        let numbers: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
-        self.set(references, Type::Boolean, &numbers)
-    }
-
-    fn set(&mut self, references: &[u32], of: Type, values: &[f64]) -> Answer<M, ()> {
+    pub fn set<N: Number>(&mut self, references: &[u32], values: &[N]) -> Answer<()> {
+        let (of, values) = (N::TYPE, &*N::numbers(values));
         self.check(Function::Set)?;
         self.check_count(references, of, values.len())?;
         let mut rest = values;
         for &reference in references {
             let row = self.row(reference, of)?;
-            self.check_settable(reference, row.role)?;
+            self.check_settable(reference, row)?;
             let (these, others) = rest.split_at(self.length(reference)?);
             for (element, &value) in these.iter().enumerate() {
-                row.domain.check(value).map_err(|must| SlaveError::Value {
-                    name: self.name(reference, Some(element)),
-                    value: if of == Type::Integer { format!("{value:.0}") } else { format!("{value:?}") },
-                    must,
-                })?;
+                if let Err(must) = row.domain.check(value) {
+                    let value = if matches!(of, Type::Integer | Type::Size) {
+                        format!("{value:.0}")
+                    } else {
+                        format!("{value:?}")
+                    };
+                    return refuse(format!(
+                        "{} = {value}: must be {must}",
+                        self.name(reference, Some(element))
+                    ));
+                }
             }
             if let (Version::V3, Some(quantity)) = (self.version, row.quantity) {
                 self.model.check(quantity, these)?;
@@ -522,9 +418,10 @@ impl<M: Model> Slave<M> {
         for &reference in references {
             let row = self.row(reference, of)?;
             let (these, others) = rest.split_at(self.length(reference)?);
-            if let Some(quantity) = row.quantity {
-                for (element, &value) in (row.element as usize..).zip(these) {
-                    self.model.set(quantity, element, value, self.phase);
+            for (element, &value) in (row.element as usize..).zip(these) {
+                match row.quantity {
+                    Some(quantity) => self.model.set(quantity, element, value, self.phase),
+                    None => self.sizes[reference as usize - 1] = value as u64,
                 }
             }
             rest = others;
@@ -535,17 +432,17 @@ impl<M: Model> Slave<M> {
     /// Sets texts.
     ///
     /// # Errors
-    /// Those of [`Slave::set_real`]; a text is not a value of its variable.
-    pub fn set_string(&mut self, references: &[u32], values: &[&str]) -> Answer<M, ()> {
+    /// Those of [`Slave::set`]; a text is not a value of its variable.
+    pub fn set_strings(&mut self, references: &[u32], values: &[&str]) -> Answer<()> {
         self.check(Function::Set)?;
         self.check_count(references, Type::String, values.len())?;
         let mut texts = Vec::with_capacity(references.len());
         for (&reference, &value) in references.iter().zip(values) {
             let row = self.row(reference, Type::String)?;
-            self.check_settable(reference, row.role)?;
+            self.check_settable(reference, row)?;
             texts.extend(row.quantity.map(|quantity| (quantity, value)));
         }
-        Ok(self.model.set_texts(&texts)?)
+        self.model.set_texts(&texts)
     }
 
     /// Reads derivatives with respect to time, of order 1.
@@ -558,19 +455,25 @@ impl<M: Model> Slave<M> {
         references: &[u32],
         orders: &[i32],
         values: &mut [f64],
-    ) -> Answer<M, ()> {
+    ) -> Answer<()> {
         self.check(Function::GetOutputDerivatives)?;
         self.check_count(references, Type::Real, values.len())?;
         let mut found = Vec::with_capacity(values.len());
         for (&reference, &order) in references.iter().zip(orders) {
             let row = self.row(reference, Type::Real)?;
             if order != 1 {
-                return Err(SlaveError::OutputOrder { name: self.name(reference, None), order });
+                let name = self.name(reference, None);
+                return refuse(format!("the derivative of order {order} of {name}: only order 1 is known"));
             }
             for element in (row.element as usize..).take(self.length(reference)?) {
                 let derivative = row.quantity.and_then(|quantity| self.model.derivative(quantity, element));
-                let unknown = || SlaveError::NoDerivative { name: self.name(reference, None) };
-                found.push(derivative.ok_or_else(unknown)?);
+                let Some(derivative) = derivative else {
+                    let name = self.name(reference, None);
+                    return refuse(format!(
+                        "{name}: its derivative is not known, only those of continuous motion are"
+                    ));
+                };
+                found.push(derivative);
             }
         }
         values.copy_from_slice(&found);
@@ -588,23 +491,25 @@ impl<M: Model> Slave<M> {
         references: &[u32],
         orders: &[i32],
         values: &[f64],
-    ) -> Answer<M, ()> {
+    ) -> Answer<()> {
         self.check(Function::SetInputDerivatives)?;
         if !M::INTERPOLATES_INPUTS {
-            let why = "canInterpolateInputs is false: inputs are held over a step";
-            return Err(SlaveError::Unsupported(why));
+            return refuse("canInterpolateInputs is false: inputs are held over a step");
         }
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
             let row = self.row(reference, Type::Real)?;
+            let name = || self.name(reference, None);
             if row.role != Role::Input {
-                return Err(SlaveError::NoInput { name: self.name(reference, None) });
+                return refuse(format!("{} is not an input, so its derivative cannot be set", name()));
             }
             if order != 1 {
-                return Err(SlaveError::Order { name: self.name(reference, None), order });
+                let name = name();
+                return refuse(format!(
+                    "the derivative of order {order} of {name}: inputs are interpolated with order 1"
+                ));
             }
             if !value.is_finite() {
-                let name = format!("the derivative of {}", self.name(reference, None));
-                return Err(SlaveError::Value { name, value: format!("{value:?}"), must: "finite" });
+                return refuse(format!("the derivative of {} = {value:?}: must be finite", name()));
             }
         }
         for (&reference, &value) in references.iter().zip(values) {
@@ -622,11 +527,11 @@ impl<M: Model> Slave<M> {
     ///
     /// # Errors
     /// Wrong phase or an unknown reference.
-    pub fn dependencies(&self, of: u32) -> Answer<M, Vec<(usize, u32, usize)>> {
+    pub fn dependencies(&self, of: u32) -> Answer<Vec<(usize, u32, usize)>> {
         self.check(Function::GetVariableDependencies)?;
         let Some(array) = self.array(of) else {
-            let unknown = SlaveError::UnknownReference { kind: "any", reference: of };
-            return if (of as usize) < self.rows.len() { Ok(Vec::new()) } else { Err(unknown) };
+            let known = (of as usize) < self.rows.len();
+            return if known { Ok(Vec::new()) } else { unknown_reference("any", of) };
         };
         let known = match self.phase {
             Phase::Instantiated | Phase::Configuration | Phase::Initialization => Known::InputsAndParameters,
@@ -640,30 +545,23 @@ impl<M: Model> Slave<M> {
         let all: BTreeSet<(u32, usize)> = own.map(|(_, on, element)| (on, element)).collect();
         let elements = self.length(of)?;
         if elements * all.len() > MOST_DEPENDENCIES {
-            let many = "each element depends on those of all agents, which are too many to be listed";
-            return Err(SlaveError::Unsupported(many));
+            return refuse("each element depends on those of all agents, which are too many to be listed");
         }
         let each = (0..elements).flat_map(|k| all.iter().map(move |&(on, element)| (k, on, element)));
         Ok(each.collect())
     }
 
-    /// A communication step: from the communication point `from` over `step`, both \[s\].
+    /// Returns the parts of a communication step from the communication point `from` of a length
+    /// `step`, both \[s\]: more than one if the importer sees values within it.
     ///
     /// # Errors
     /// Wrong phase, a communication point that is not the slave's time, or a step that is not
-    /// positive, goes beyond the stop time, or is refused by the model. Then nothing has changed.
-    /// If the model fails during the step, the slave is in the error state.
-    pub fn do_step(&mut self, from: f64, step: f64) -> Answer<M, ()> {
+    /// positive, or goes beyond the stop time.
+    pub(crate) fn parts(&self, from: f64, step: f64, seen: bool) -> Answer<Vec<Part>> {
         self.check_step(from, step)?;
-        self.do_part(Part::whole(from, step))
-    }
-
-    /// Returns the parts of a communication step from `from` of a length `step`, both \[s\].
-    ///
-    /// # Errors
-    /// Those of [`Slave::do_step`], before anything is changed.
-    pub(crate) fn parts(&self, from: f64, step: f64) -> Answer<M, Vec<Part>> {
-        self.check_step(from, step)?;
+        if !seen {
+            return Ok(vec![Part::whole(from, step)]);
+        }
         let lengths = self.model.parts(step);
         let (mut so_far, last) = (0.0, lengths.len() - 1);
         let part = |(k, length): (usize, f64)| {
@@ -679,16 +577,16 @@ impl<M: Model> Slave<M> {
     /// # Errors
     /// The model refuses the first part, and nothing has changed; or it fails, and the slave is in
     /// the error state.
-    pub(crate) fn do_part(&mut self, part: Part) -> Answer<M, ()> {
+    pub(crate) fn do_part(&mut self, part: Part) -> Answer<()> {
         match self.model.advance(part) {
             Ok(()) => {
                 self.time = part.end();
                 Ok(())
             }
-            Err(StepError::Refused(error)) if part.so_far == 0.0 => Err(error.into()),
+            Err(StepError::Refused(error)) if part.so_far == 0.0 => Err(error),
             Err(StepError::Refused(error) | StepError::Failed(error)) => {
                 self.phase = Phase::Error;
-                Err(error.into())
+                Err(error)
             }
         }
     }
@@ -699,23 +597,33 @@ impl<M: Model> Slave<M> {
     }
 
     /// Checks a communication step, before anything is changed.
-    pub(crate) fn check_step(&self, from: f64, step: f64) -> Answer<M, ()> {
+    fn check_step(&self, from: f64, step: f64) -> Answer<()> {
         self.check(Function::DoStep)?;
+        let step_size = || {
+            refuse(format!(
+                "a communication step of {step:?} s: must be positive and finite, and end at a finite time"
+            ))
+        };
         if !(step > 0.0 && step.is_finite()) {
-            return Err(SlaveError::StepSize(step));
+            return step_size();
         }
         // Masters add up their own times. A difference of half a step is another communication
         // point.
         let tolerance = (1e-5 * from.abs().max(step)).min(0.5 * step);
         if (from - self.time).abs() > tolerance || from.is_nan() {
-            return Err(SlaveError::CommunicationPoint { given: from, expected: self.time });
+            return refuse(format!(
+                "the communication point {from:?} s is not the slave's time {:?} s",
+                self.time
+            ));
         }
         if !(from + step).is_finite() {
-            return Err(SlaveError::StepSize(step));
+            return step_size();
         }
         let stop = self.experiment.and_then(|experiment| experiment.stop);
         if let Some(stop) = stop.filter(|stop| from + step > stop + tolerance) {
-            return Err(SlaveError::BeyondStopTime { from, step, stop });
+            return refuse(format!(
+                "a step from {from:?} s of {step:?} s goes beyond the stop time {stop:?} s"
+            ));
         }
         Ok(())
     }
@@ -724,7 +632,7 @@ impl<M: Model> Slave<M> {
     ///
     /// # Errors
     /// Wrong phase.
-    pub fn snapshot(&self) -> Answer<M, Snapshot<M::Saved>> {
+    pub fn snapshot(&self) -> Answer<Snapshot<M::Saved>> {
         self.check(Function::State)?;
         let (phase, time, experiment) = (self.phase, self.time, self.experiment);
         Ok(Snapshot { phase, time, experiment, sizes: self.sizes.clone(), model: self.model.save() })
@@ -735,20 +643,20 @@ impl<M: Model> Slave<M> {
     /// # Errors
     /// Wrong phase, a snapshot of another model, or one with impossible times. Then nothing has
     /// changed.
-    pub fn restore(&mut self, snapshot: &Snapshot<M::Saved>) -> Answer<M, ()> {
+    pub fn restore(&mut self, snapshot: &Snapshot<M::Saved>) -> Answer<()> {
         self.check(Function::State)?;
         let possible = snapshot.experiment.is_none_or(|Experiment { start, stop }| {
             start.is_finite() && stop.is_none_or(|stop| stop.is_finite() && stop >= start)
         });
         if !(possible && snapshot.time.is_finite()) {
-            return Err(SlaveError::Snapshot("a time that is not possible"));
+            return damaged("a time that is not possible");
         }
         if !allowed(Function::State, self.version, snapshot.phase) {
-            return Err(SlaveError::Snapshot("a phase that is not possible"));
+            return damaged("a phase that is not possible");
         }
         let sizes = &snapshot.sizes;
         if sizes.len() != self.sizes.len() || !sizes.iter().all(|size| (1..=MOST).contains(size)) {
-            return Err(SlaveError::Snapshot("sizes that are not possible"));
+            return damaged("sizes that are not possible");
         }
         self.model.restore(&snapshot.model)?;
         self.sizes.clone_from(sizes);
@@ -760,9 +668,8 @@ impl<M: Model> Slave<M> {
     ///
     /// # Errors
     /// The snapshot cannot be serialised.
-    pub fn serialize(&self, snapshot: &Snapshot<M::Saved>) -> Answer<M, Vec<u8>> {
-        let content =
-            postcard::to_stdvec(snapshot).map_err(|_| SlaveError::Snapshot("it cannot be written"))?;
+    pub fn serialize(&self, snapshot: &Snapshot<M::Saved>) -> Answer<Vec<u8>> {
+        let content = postcard::to_stdvec(snapshot)?;
         let mut bytes = Vec::with_capacity(HEADER + content.len() + 4);
         bytes.extend_from_slice(MAGIC);
         bytes.extend_from_slice(&state_version::<M>().to_le_bytes());
@@ -778,40 +685,52 @@ impl<M: Model> Slave<M> {
     ///
     /// # Errors
     /// The bytes are damaged, or belong to another version or another model.
-    pub fn deserialize(&self, bytes: &[u8]) -> Answer<M, Snapshot<M::Saved>> {
+    pub fn deserialize(&self, bytes: &[u8]) -> Answer<Snapshot<M::Saved>> {
         self.check(Function::State)?;
-        let take = |from: usize, length: usize| {
-            bytes.get(from..from + length).ok_or(SlaveError::Snapshot("it is cut off"))
-        };
-        if take(0, 8)? != MAGIC {
-            return Err(SlaveError::Snapshot("it does not begin like a state"));
+        const CUT_OFF: &str = "it is cut off";
+        let Some((header, rest)) = bytes.split_first_chunk::<HEADER>() else { return damaged(CUT_OFF) };
+        if header[..8] != *MAGIC {
+            return damaged("it does not begin like a state");
         }
-        if take(8, 4)? != state_version::<M>().to_le_bytes() {
-            return Err(SlaveError::Snapshot("another version of the format"));
+        if header[8..12] != state_version::<M>().to_le_bytes() {
+            return damaged("another version of the format");
         }
-        if take(12, 16)? != self.token.as_bytes() {
-            return Err(SlaveError::OtherModel("it was saved by an FMU with another GUID"));
+        if header[12..28] != *self.token.as_bytes() {
+            return refuse("the state belongs to another model: it was saved by an FMU with another GUID");
         }
-        let length = take(28, 8)?.try_into().map(u64::from_le_bytes).unwrap_or(u64::MAX);
-        let end = usize::try_from(length).ok().and_then(|length| HEADER.checked_add(length));
-        let end = end.filter(|end| *end < bytes.len()).ok_or(SlaveError::Snapshot("it is cut off"))?;
-        if take(end, 4)? != crc32fast::hash(&bytes[..end]).to_le_bytes() {
-            return Err(SlaveError::Snapshot("its checksum is wrong"));
+        let length = header[28..].try_into().map(u64::from_le_bytes).unwrap_or(u64::MAX);
+        let length = usize::try_from(length).unwrap_or(usize::MAX);
+        let Some((content, rest)) = rest.split_at_checked(length) else { return damaged(CUT_OFF) };
+        let Some((checksum, more)) = rest.split_first_chunk::<4>() else { return damaged(CUT_OFF) };
+        if *checksum != crc32fast::hash(&bytes[..HEADER + length]).to_le_bytes() {
+            return damaged("its checksum is wrong");
         }
         // Importers of FMI 2.0 pass buffers that are longer.
-        if bytes.len() > end + 4 && self.version == Version::V3 {
-            return Err(SlaveError::Snapshot("bytes follow it"));
+        if !more.is_empty() && self.version == Version::V3 {
+            return damaged("bytes follow it");
         }
-        match postcard::take_from_bytes(&bytes[HEADER..end]) {
+        match postcard::take_from_bytes(content) {
             Ok((snapshot, [])) => Ok(snapshot),
-            _ => Err(SlaveError::Snapshot("its content is malformed")),
+            _ => damaged("its content is malformed"),
         }
     }
 }
 
+fn unknown_reference<T>(kind: &str, reference: u32) -> Answer<T> {
+    refuse(format!("no variable of type {kind} has the value reference {reference}"))
+}
+
+/// Refuses a saved state.
+///
+/// # Errors
+/// Always.
+pub fn damaged<T>(why: &str) -> Answer<T> {
+    refuse(format!("the state is damaged or is not a state of this FMU: {why}"))
+}
+
 /// Returns the variables of FMI 3.0, by value reference.
 fn rows_of_arrays<M: Model>() -> Vec<Row<M::Quantity>> {
-    let other = |of, role| Row { quantity: None, element: 0, of, role, domain: Domain::Finite };
+    let other = |of, role| Row { quantity: None, element: 0, of, role, domain: Domain::Size };
     let sizes = M::SIZES.iter().map(|_| other(Type::Size, Role::Parameter));
     let arrays = M::VARIABLES.iter().map(|variable| Row::new(variable, 0));
     [other(Type::Real, Role::Calculated)].into_iter().chain(sizes).chain(arrays).collect()
@@ -828,8 +747,6 @@ fn state_version<M: Model>() -> u32 {
     FORMAT << 16 | M::STATE_VERSION
 }
 
-/// Largest value of a structural parameter.
-const MOST: u64 = 100_000_000;
 /// Each on all: the largest number of dependencies that are listed.
 const MOST_DEPENDENCIES: usize = 10_000_000;
 const MAGIC: &[u8; 8] = b"LEMONSst";

@@ -26,7 +26,8 @@ fn held() -> MutexGuard<'static, Held> {
 }
 
 /// A pointer that is not that of a state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[error("FMUstate is not a state of this instance, or it was freed")]
 pub(crate) struct Unknown;
 
 /// Keeps a new state, or another one in place of an old one.
@@ -63,31 +64,4 @@ pub(crate) fn free(place: &mut *mut c_void) -> Result<(), Unknown> {
         *place = std::ptr::null_mut();
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::ptr::null_mut;
-
-    #[test]
-    fn what_is_not_a_state_or_was_freed_is_unknown() {
-        let (mut one, mut other) = (null_mut(), null_mut());
-        put(&mut one, 1_u8).unwrap();
-        put(&mut other, 2_u8).unwrap();
-        assert_eq!((*get::<u8>(one).unwrap(), *get::<u8>(other).unwrap()), (1, 2));
-        put(&mut one, 3_u8).unwrap();
-        assert_eq!(*get::<u8>(one).unwrap(), 3);
-        let mut freed = one;
-        free(&mut one).unwrap();
-        assert!(one.is_null() && free(&mut one).is_ok());
-        assert_eq!(get::<u8>(freed).unwrap_err(), Unknown);
-        assert_eq!(free(&mut freed).unwrap_err(), Unknown);
-        assert_eq!(put(&mut freed, 4_u8).unwrap_err(), Unknown);
-        // Of another kind of model in the same library.
-        assert_eq!(get::<u16>(other).unwrap_err(), Unknown);
-        let mut wrong = without_provenance_mut(usize::MAX);
-        assert_eq!(free(&mut wrong).unwrap_err(), Unknown);
-        free(&mut other).unwrap();
-    }
 }

@@ -2,6 +2,7 @@
 //! them.
 
 use crate::Version;
+use std::borrow::Cow;
 
 /// Causality, variability and `initial` of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,7 +41,8 @@ impl Kind {
 
 /// A [`Kind`] without its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Type {
+#[allow(missing_docs)] // FMI's own names
+pub enum Type {
     Real,
     Integer,
     Boolean,
@@ -71,6 +73,71 @@ impl From<Kind> for Type {
             Kind::Boolean => Type::Boolean,
             Kind::String => Type::String,
         }
+    }
+}
+
+/// A type of C for numbers of an FMI type.
+pub trait Number: Copy {
+    /// The FMI type.
+    const TYPE: Type;
+
+    /// Converts a number of a model.
+    fn of(number: f64) -> Self;
+
+    /// Converts numbers for a model.
+    fn numbers(values: &[Self]) -> Cow<'_, [f64]>;
+}
+
+impl Number for f64 {
+    const TYPE: Type = Type::Real;
+
+    fn of(number: f64) -> f64 {
+        number
+    }
+
+    fn numbers(values: &[f64]) -> Cow<'_, [f64]> {
+        Cow::Borrowed(values)
+    }
+}
+
+impl Number for i32 {
+    const TYPE: Type = Type::Integer;
+
+    fn of(number: f64) -> i32 {
+        number as i32
+    }
+
+    fn numbers(values: &[i32]) -> Cow<'_, [f64]> {
+        values.iter().map(|value| f64::from(*value)).collect()
+    }
+}
+
+impl Number for u64 {
+    const TYPE: Type = Type::Size;
+
+    fn of(number: f64) -> u64 {
+        number as u64
+    }
+
+    fn numbers(values: &[u64]) -> Cow<'_, [f64]> {
+        values.iter().map(|value| *value as f64).collect()
+    }
+}
+
+/// A Boolean as importers write it: 0, or anything else for true.
+#[derive(Clone, Copy)]
+#[repr(transparent)]
+pub struct Flag<T>(T);
+
+impl<T: Copy + Default + From<bool> + PartialEq> Number for Flag<T> {
+    const TYPE: Type = Type::Boolean;
+
+    fn of(number: f64) -> Flag<T> {
+        Flag((number != 0.0).into())
+    }
+
+    fn numbers(values: &[Flag<T>]) -> Cow<'_, [f64]> {
+        values.iter().map(|value| f64::from(value.0 != T::default())).collect()
     }
 }
 
@@ -116,7 +183,12 @@ pub enum Domain {
     NonNegative,
     /// Finite and > 0.
     Positive,
+    /// The number of elements along a dimension.
+    Size,
 }
+
+/// Largest value of a structural parameter.
+pub(crate) const MOST: u64 = 100_000_000;
 
 impl Domain {
     /// Checks that the number is in the domain.
@@ -128,6 +200,7 @@ impl Domain {
             _ if !value.is_finite() => Err("finite"),
             Domain::Positive if value <= 0.0 => Err("positive"),
             Domain::NonNegative if value < 0.0 => Err("at least 0"),
+            Domain::Size if !(1.0..=MOST as f64).contains(&value) => Err("at least 1 and at most 100000000"),
             _ => Ok(()),
         }
     }

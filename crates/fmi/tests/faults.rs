@@ -3,7 +3,7 @@
 
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Kind, Scalar, Size, Variable, row, units};
-use lemons_fmi::{Model, Part, Phase, Status, StepError, guid};
+use lemons_fmi::{Answer, Model, Part, Phase, Status, StepError, guid};
 use lemons_verify::testing::fmi2;
 use lemons_verify::testing::instance::{Arguments, Functions};
 use lemons_verify::testing::{Instance, Message};
@@ -16,21 +16,9 @@ struct Brittle {
     x: f64,
 }
 
-#[derive(Debug)]
-struct Never;
-
-impl std::fmt::Display for Never {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("never")
-    }
-}
-
-impl std::error::Error for Never {}
-
 impl Model for Brittle {
     type Quantity = ();
     type Saved = f64;
-    type Error = Never;
 
     const NAME: &'static str = "brittle";
     const IDENTIFIER: &'static str = "Brittle";
@@ -40,7 +28,7 @@ impl Model for Brittle {
     const SIZES: &'static [Size] = &[];
     const VARIABLES: &'static [Variable<()>] = &X;
 
-    fn load(location: Location<'_>) -> Result<Brittle, Never> {
+    fn load(location: Location<'_>) -> Answer<Brittle> {
         assert!(location.text() != "broken", "no such place");
         Ok(Brittle { x: 0.0 })
     }
@@ -57,11 +45,7 @@ impl Model for Brittle {
         1.0
     }
 
-    fn take_warnings(&mut self) -> Vec<String> {
-        Vec::new()
-    }
-
-    fn number(&mut self, (): (), _: usize) -> Result<f64, Never> {
+    fn number(&mut self, (): (), _: usize) -> Answer<f64> {
         Ok(self.x)
     }
 
@@ -73,16 +57,16 @@ impl Model for Brittle {
         self.x = value;
     }
 
-    fn initialize(&mut self, _: f64) -> Result<(), Never> {
+    fn initialize(&mut self, _: f64) -> Answer<()> {
         Ok(())
     }
 
-    fn advance(&mut self, _: Part) -> Result<(), StepError<Never>> {
+    fn advance(&mut self, _: Part) -> Result<(), StepError> {
         assert!(self.x != 13.0, "x is {}", self.x);
         Ok(())
     }
 
-    fn reset(&mut self) -> Result<(), Never> {
+    fn reset(&mut self) -> Answer<()> {
         Ok(())
     }
 
@@ -90,7 +74,7 @@ impl Model for Brittle {
         self.x
     }
 
-    fn restore(&mut self, saved: &f64) -> Result<(), Never> {
+    fn restore(&mut self, saved: &f64) -> Answer<()> {
         self.x = *saved;
         Ok(())
     }

@@ -5,7 +5,7 @@ use crowd_mechanics::quantities::Quantity;
 use lemons_core::files::words;
 use lemons_decision::decision;
 use lemons_fmi::variables::{Kind, Role, Scalar};
-use lemons_fmi::{Model, Phase};
+use lemons_fmi::{Answer, Model, Phase};
 use std::collections::BTreeMap;
 use std::fmt::Debug;
 
@@ -83,10 +83,7 @@ impl<Q: Copy + Debug> Names<Q> {
 }
 
 /// Sets variables of a model, which is not initialized, to the value that a text means.
-fn set<M: Model>(model: &mut M, scalars: &[&Scalar<M::Quantity>], text: &str) -> Result<(), SimError>
-where
-    SimError: From<M::Error>,
-{
+fn set<M: Model>(model: &mut M, scalars: &[&Scalar<M::Quantity>], text: &str) -> Result<(), SimError> {
     let Some(first) = scalars.first() else { return Ok(()) };
     let wrong =
         |why: &str| SimError::Value { name: first.name.clone(), text: text.to_owned(), why: why.into() };
@@ -334,7 +331,7 @@ pub enum Value {
     Text(String),
 }
 
-fn value<M: Model>(model: &mut M, scalar: &Scalar<M::Quantity>) -> Result<Value, M::Error> {
+fn value<M: Model>(model: &mut M, scalar: &Scalar<M::Quantity>) -> Answer<Value> {
     let (quantity, element) = (scalar.variable.quantity, scalar.element);
     Ok(match scalar.variable.kind {
         Kind::Real(_) => Value::Real(model.number(quantity, element)?),

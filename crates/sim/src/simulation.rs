@@ -2,14 +2,14 @@
 
 use crate::settings::{DecisionNames, Names};
 use crowd_mechanics::engine::{Pose, World, Wrench, vec2};
-use crowd_mechanics::model::{CrowdModel, ModelError, Saved as SavedCrowd};
+use crowd_mechanics::model::{CrowdModel, Saved as SavedCrowd};
 use crowd_mechanics::quantities::Quantity;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{DriveTable, Trial};
-use lemons_decision::decision::{Act, DecisionError, Saved as SavedDecision};
+use lemons_decision::decision::{Act, Saved as SavedDecision};
 use lemons_decision::rule::Pose as SeenPose;
 use lemons_decision::{Decision, Plan};
-use lemons_fmi::{Model, Part, Phase, StepError, fingerprint};
+use lemons_fmi::{Model, Part, Phase, Refusal, StepError, fingerprint};
 use lemons_results::{Frame, Observed, OfStep, Totals};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -48,12 +48,9 @@ impl fmt::Display for Algorithm {
 /// Why a simulation does not begin or go on.
 #[derive(Debug, thiserror::Error)]
 pub enum SimError {
-    /// The crowd refuses it.
-    #[error(transparent)]
-    Crowd(#[from] ModelError),
-    /// Decision refuses it.
-    #[error(transparent)]
-    Decision(#[from] DecisionError),
+    /// The crowd or Decision refuses it.
+    #[error("{0}")]
+    Model(Refusal),
     /// A text is not a value of a variable.
     #[error("{name}={text}: {why}")]
     Value {
@@ -93,13 +90,16 @@ pub enum SimError {
     State,
 }
 
-impl<E> From<StepError<E>> for SimError
-where
-    SimError: From<E>,
-{
-    fn from(error: StepError<E>) -> SimError {
-        let (StepError::Refused(error) | StepError::Failed(error)) = error;
-        error.into()
+impl From<Refusal> for SimError {
+    fn from(refusal: Refusal) -> SimError {
+        SimError::Model(refusal)
+    }
+}
+
+impl From<StepError> for SimError {
+    fn from(error: StepError) -> SimError {
+        let (StepError::Refused(refusal) | StepError::Failed(refusal)) = error;
+        SimError::Model(refusal)
     }
 }
 

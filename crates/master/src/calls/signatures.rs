@@ -12,11 +12,13 @@ type IntermediateUpdate = unsafe extern "C" fn();
 
 macro_rules! types {
     (
-        $($name:ident = $module:ident::$body:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?;)*
-        $([not offered] $($other:ident($($unused:ident: $unused_type:ty),*);)*)?
+        $($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?
+            = $module:ident::$body:ident($($with:expr),*);)*
+        [of an instance]
+        $($call:ident($($given:ident: $of:ty),*) = $method:ident($($passed:expr),*);)*
     ) => {
         $(pub(super) type $name = unsafe extern "C" fn($($type),*) $(-> $result)?;)*
-        $($(pub(super) type $other = unsafe extern "C" fn($($unused_type),*) -> Status;)*)?
+        $(pub(super) type $call = unsafe extern "C" fn(*mut c_void $(, $of)*) -> Status;)*
     };
 }
 

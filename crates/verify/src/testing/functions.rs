@@ -123,20 +123,22 @@ macro_rules! probe {
 
 macro_rules! functions {
     (
-        $($name:ident = $module:ident::$body:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?;)*
-        $([not offered] $($other:ident(instance: $instance:ty $(, $unused:ident: $unused_type:ty)*);)*)?
+        $($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?
+            = $module:ident::$body:ident($($with:expr),*);)*
+        [of an instance]
+        $($call:ident($($given:ident: $of:ty),*) = $method:ident($($passed:expr),*);)*
     ) => {
         /// All functions of this version.
         #[allow(non_snake_case, missing_docs)] // the standard's own names
         #[derive(Clone, Copy)]
         pub struct Functions {
             $(pub $name: unsafe extern "C" fn($($type),*) $(-> $result)?,)*
-            $($(pub $other: unsafe extern "C" fn($instance $(, $unused_type)*) -> Status,)*)?
+            $(pub $call: unsafe extern "C" fn(*mut c_void $(, $of)*) -> Status,)*
         }
 
         impl Functions {
             /// Their names.
-            pub const NAMES: &[&str] = &[$(stringify!($name),)* $($(stringify!($other)),*)?];
+            pub const NAMES: &[&str] = &[$(stringify!($name),)* $(stringify!($call)),*];
 
             /// Those of a shared library, which must stay loaded while they are called.
             ///
@@ -146,7 +148,7 @@ macro_rules! functions {
                 Functions {
                     // SAFETY: the library exports them with the standard's signatures.
                     $($name: *unsafe { exported(library, stringify!($name)) },)*
-                    $($($other: *unsafe { exported(library, stringify!($other)) },)*)?
+                    $($call: *unsafe { exported(library, stringify!($call)) },)*
                 }
             }
 
@@ -154,28 +156,31 @@ macro_rules! functions {
             #[allow(non_snake_case)] // the standard's own names
             pub fn of_model<M: Model>() -> Functions {
                 $(
+                    #[allow(unused_variables)] // what is not offered takes arguments, too
                     unsafe extern "C" fn $name<M: Model>($($argument: $type),*) $(-> $result)? {
                         // SAFETY: the caller keeps FMI's contract, which is the body's.
-                        unsafe { lemons_fmi::$module::$body::<M>(stringify!($name), $($argument),*) }
+                        unsafe { lemons_fmi::$module::$body::<M>(stringify!($name) $(, $with)*) }
                     }
                 )*
-                $($(
-                    unsafe extern "C" fn $other<M: Model>(
-                        instance: $instance $(, $unused: $unused_type)*
-                    ) -> Status {
-                        $(let _ = $unused;)*
+                $(
+                    #[allow(unused_variables)] // as above
+                    unsafe extern "C" fn $call<M: Model>(instance: *mut c_void $(, $given: $of)*) -> Status {
                         // SAFETY: as above.
-                        unsafe { lemons_fmi::v3::not_offered::<M>(stringify!($other), instance) }
+                        unsafe {
+                            lemons_fmi::boundary::call::<M>(instance, stringify!($call), |component| {
+                                component.$method($($passed),*)
+                            })
+                        }
                     }
-                )*)?
-                Functions { $($name: $name::<M>,)* $($($other: $other::<M>,)*)? }
+                )*
+                Functions { $($name: $name::<M>,)* $($call: $call::<M>,)* }
             }
 
             /// Calls of all functions that take an instance and return a status.
             pub fn probes() -> Vec<Probe<Functions>> {
                 let all = [
                     $(probe!($name, $($argument: $type),*),)*
-                    $($(probe!($other, instance: $instance $(, $unused: $unused_type)*),)*)?
+                    $(probe!($call, instance: *mut c_void $(, $given: $of)*),)*
                 ];
                 all.into_iter().flatten().collect()
             }
@@ -216,7 +221,7 @@ pub mod fmi2 {
 /// The 75 functions of FMI 3.0.
 pub mod fmi3 {
     use super::*;
-    use lemons_fmi::v3::{IntermediateUpdate, Logger3};
+    use lemons_fmi::boundary::{IntermediateUpdate, Logger3};
 
     lemons_fmi::fmi3_functions! { [functions] }
 }
