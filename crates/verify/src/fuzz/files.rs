@@ -127,7 +127,7 @@ pub fn ssp_archive(data: &[u8]) {
             let text = structure.to_xml();
             roxmltree::Document::parse(&text).unwrap_or_else(|error| panic!("{error} in {text}"));
             for connection in &structure.connections {
-                for port in [connection.from, connection.to] {
+                for port in [&connection.from, &connection.to] {
                     structure.port(port);
                 }
             }

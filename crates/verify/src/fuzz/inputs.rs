@@ -360,6 +360,7 @@ pub fn run_file(data: &[u8]) {
     let again = directory.path().join("again.run");
     let write = || {
         saved
+            .clone()
             .write(&states, Staged::beside(&again).expect("a file"))
             .unwrap_or_else(|error| panic!("{error:?}"));
         std::fs::read(&again).expect("a file")
