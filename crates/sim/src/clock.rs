@@ -1,56 +1,9 @@
 //! The communication points of a run.
 
-/// Why there are no such communication points.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum ClockError {
-    /// A time or the step is infinite or not a number.
-    #[error("{what} {value:?} s: not a finite number")]
-    NotFinite {
-        /// Which one.
-        what: &'static str,
-        /// \[s\]
-        value: f64,
-    },
-    /// The step is zero or negative.
-    #[error("a communication step of {step:?} s: it must be greater than 0")]
-    NotPositive {
-        /// \[s\]
-        step: f64,
-    },
-    /// The end is not after the start.
-    #[error("from {start:?} to {until:?} s there is nothing to simulate")]
-    Nothing {
-        /// \[s\]
-        start: f64,
-        /// \[s\]
-        until: f64,
-    },
-    /// More of them than are made.
-    #[error(
-        "from {start:?} to {until:?} s there are {:.4e} communication steps of {step:?} s: at most {most:e} are made",
-        (until - start) / step
-    )]
-    TooMany {
-        /// \[s\]
-        start: f64,
-        /// \[s\]
-        step: f64,
-        /// \[s\]
-        until: f64,
-        /// How many are made.
-        most: u64,
-    },
-    /// The step is less than what times of this size are rounded by.
-    #[error("a communication step of {step:?} s is lost in rounding between {start:?} and {until:?} s")]
-    Lost {
-        /// \[s\]
-        start: f64,
-        /// \[s\]
-        step: f64,
-        /// \[s\]
-        until: f64,
-    },
-}
+/// Why there are no such communication points: a sentence.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct ClockError(String);
 
 /// The communication points of a run: `start + k * step`, never sums, and `until`; all in \[s\].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,20 +32,23 @@ impl Clock {
     pub fn new(start: f64, step: f64, until: f64) -> Result<Clock, ClockError> {
         for (what, value) in [("start time", start), ("communication step", step), ("stop time", until)] {
             if !value.is_finite() {
-                return Err(ClockError::NotFinite { what, value });
+                return Err(ClockError(format!("{what} {value:?} s: not a finite number")));
             }
         }
         if step <= 0.0 {
-            return Err(ClockError::NotPositive { step });
+            let message = format!("a communication step of {step:?} s: it must be greater than 0");
+            return Err(ClockError(message));
         }
         if until <= start {
-            return Err(ClockError::Nothing { start, until });
+            return Err(ClockError(format!("from {start:?} to {until:?} s there is nothing to simulate")));
         }
         let quotient = (until - start) / step;
         let mut clock = Clock { start, step, until, steps: quotient.round().max(1.0) as u64 };
         clock.check_at_most(Clock::MOST_STEPS)?;
         if start + step <= start || until - step >= until {
-            return Err(ClockError::Lost { start, step, until });
+            return Err(ClockError(format!(
+                "a communication step of {step:?} s is lost in rounding between {start:?} and {until:?} s"
+            )));
         }
         // Both the quotient and the multiple are rounded: by less than a few of the smallest differences of such times.
         let rounding = 4.0 * (until.abs().next_up() - until.abs()).max(start.abs().next_up() - start.abs());
@@ -118,7 +74,11 @@ impl Clock {
             return Ok(());
         }
         let Clock { start, step, until, .. } = *self;
-        Err(ClockError::TooMany { start, step, until, most })
+        let steps = (until - start) / step;
+        Err(ClockError(format!(
+            "from {start:?} to {until:?} s there are {steps:.4e} communication steps of {step:?} s: at most {most:e} are \
+             made"
+        )))
     }
 
     /// The k-th communication point.

@@ -56,7 +56,8 @@ pub fn of_documents(documents: &Documents, algorithm: Algorithm, step: f64) -> R
 pub(crate) fn of_spec(spec: &Spec) -> Map<String, Value> {
     let mut all = spec.identity.clone();
     all.insert("points".into(), of_points(&spec.points));
-    let walkable = spec.places.walkable.as_ref().map(|walkable| Sha1::from(&walkable.wkt).digest().to_string());
+    let walkable =
+        spec.places.walkable.as_ref().map(|walkable| Sha1::from(&walkable.wkt).digest().to_string());
     all.extend(walkable.map(|digest| ("walkable".into(), digest.into())));
     all
 }

@@ -1,15 +1,13 @@
 //! Frames that are written to a table and read again are the same to the bit, in every format, in one table or several.
 
 use lemons_core::plane::{Motion, Pose, Twist, vec2};
-use lemons_results::columns::{Column, Groups};
+use lemons_results::columns::{ALL, Column, Groups};
 use lemons_results::{
     Cell, CellType, Content, Format, Frame, FrameWriter, Observed, OfStep, Record, Run, TableWriter, Totals,
 };
 use std::fs::File;
 use std::path::Path;
 use tempfile::TempDir;
-
-const ALL: Groups = Groups { contacts: true, of_step: true, active: true, totals: true };
 
 fn ids() -> Vec<String> {
     ["7", "a, \"quoted\"", "ß"].map(str::to_owned).to_vec()
@@ -57,13 +55,13 @@ fn frames(count: usize) -> Vec<Frame> {
     (0..count).map(frame).collect()
 }
 
-fn content(groups: Groups) -> Content {
-    Content { columns: groups.columns(), about: vec![("component", "crowd".into())] }
+fn begin(path: &Path, format: Format, columns: Vec<Column>) -> TableWriter<File> {
+    let content = Content { columns, about: vec![("component", "crowd".into())] };
+    TableWriter::create(File::create(path).unwrap(), path, format, &content).unwrap()
 }
 
 fn write(path: &Path, format: Format, groups: Groups, frames: &[Frame]) {
-    let table = TableWriter::create(File::create(path).unwrap(), path, format, &content(groups)).unwrap();
-    let mut writer = FrameWriter::new(table, ids(), groups).unwrap();
+    let mut writer = FrameWriter::new(begin(path, format, groups.columns()), ids(), groups);
     frames.iter().for_each(|frame| writer.frame(frame).unwrap());
     writer.finish().unwrap();
 }
@@ -168,75 +166,52 @@ fn cut_off_parquet_is_refused() {
     }
 }
 
-#[test]
-fn frames_must_have_what_the_table_has() {
-    let directory = TempDir::new().unwrap();
-    let path = directory.path().join("run.csv");
-    let table =
-        || TableWriter::create(File::create(&path).unwrap(), &path, Format::Csv, &content(ALL)).unwrap();
-    let other = FrameWriter::new(table(), ids(), Groups::default()).err().unwrap().to_string();
-    assert!(other.contains("run.csv: its columns are t, id, x,"), "{other}");
-    let mut writer = FrameWriter::new(table(), ids(), ALL).unwrap();
-    type Change = fn(&mut Frame);
-    let cases: [(Change, &str); 5] = [
-        (|frame| frame.agents.truncate(2), "at t = 0.0 s has 2 agents, the table 3"),
-        (|frame| frame.observed = None, "has not the contacts of all agents"),
-        (|frame| frame.observed.as_mut().unwrap()[1].of_step = None, "has no means and peaks"),
-        (|frame| frame.totals = None, "has no contacts of the whole crowd"),
-        (|frame| frame.totals.as_mut().unwrap().wall_contacts = 1 << 31, "has 2147483648 contacts"),
-    ];
-    for (change, expected) in cases {
-        let mut frame = frames(1).remove(0);
-        change(&mut frame);
-        let error = writer.frame(&frame).unwrap_err().to_string();
-        assert!(error.contains(expected), "{error}");
-    }
-}
-
 /// What is not a crowd has other columns.
 #[test]
 fn tables_of_other_columns() {
     let directory = TempDir::new().unwrap();
-    let column = |name: &str, kind: CellType| Column {
-        name: name.into(),
-        kind,
-        unit: None,
-        variable: name.into(),
-        description: String::new(),
-    };
-    let columns = vec![
-        Column::time(),
-        column("on", CellType::Boolean),
-        column("many", CellType::Integer),
-        column("what", CellType::Text),
-    ];
-    let content = Content { columns, about: Vec::new() };
     let path = directory.path().join("outputs.csv");
-    let mut table = TableWriter::create(File::create(&path).unwrap(), &path, Format::Csv, &content).unwrap();
+    let column = |(name, kind): (&str, CellType)| Column { name: name.into(), kind, ..Column::time() };
+    let others = [("on", CellType::Boolean), ("many", CellType::Integer), ("what", CellType::Text)];
+    let columns = || [Column::time()].into_iter().chain(others.map(column)).collect();
+    let mut table = begin(&path, Format::Csv, columns());
     table.row(0.5, [Cell::Boolean(true), Cell::Integer(-3), Cell::Text("a,b")]).unwrap();
     table.finish().unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     assert_eq!(text, "t,on,many,what\n0.5,true,-3,\"a,b\"\n");
-    let mut table = TableWriter::create(File::create(&path).unwrap(), &path, Format::Csv, &content).unwrap();
-    table.row(0.5, [Cell::Boolean(true), Cell::Integer(1), Cell::Text("")]).unwrap();
-    let error = table.row(0.5, [Cell::Boolean(true)]).unwrap_err().to_string();
-    assert!(error.starts_with(&format!("{}: cannot be written", path.display())), "{error}");
+    for (format, row) in [
+        (Format::Csv, vec![Cell::Boolean(true)]),
+        (Format::Parquet, vec![Cell::Boolean(true), Cell::Integer(1), Cell::Real(0.0)]),
+    ] {
+        let mut table = begin(&path, format, columns());
+        table.row(0.5, [Cell::Boolean(true), Cell::Integer(1), Cell::Text("")]).unwrap();
+        let error = table.row(0.5, row).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("{}: cannot be written", path.display())), "{error}");
+    }
+}
+
+#[test]
+fn more_contacts_than_a_table_holds_are_refused() {
+    let directory = TempDir::new().unwrap();
+    let path = directory.path().join("run.csv");
+    let mut writer = FrameWriter::new(begin(&path, Format::Csv, ALL.columns()), ids(), ALL);
+    let mut frame = frames(1).remove(0);
+    frame.totals.as_mut().unwrap().wall_contacts = 1 << 31;
+    let error = writer.frame(&frame).unwrap_err().to_string();
+    assert!(error.contains("run.csv: the frame at t = 0.0 s has 2147483648 contacts"), "{error}");
 }
 
 /// An FMU of somebody else counted in millimetres: the table in CSV was read as metres.
 #[test]
 fn a_table_in_another_unit_is_not_read_as_ours() {
     let directory = TempDir::new().unwrap();
-    for format in [Format::Csv, Format::Parquet] {
-        let mut content = content(ALL);
-        let x = content.columns.iter_mut().find(|column| column.name == "x").unwrap();
-        x.unit = Some("mm".to_owned());
-        let path = directory.path().join("table").with_extension(format.extension());
-        let file = lemons_core::files::Staged::beside(&path).unwrap();
-        let table = TableWriter::create(file, &path, format, &content).unwrap();
-        let mut writer = FrameWriter::new(table, ids(), ALL).unwrap();
+    for format in Format::ALL {
+        let mut columns = ALL.columns();
+        columns.iter_mut().find(|column| column.name == "x").unwrap().unit = Some("mm".to_owned());
+        let path = directory.path().join("table");
+        let mut writer = FrameWriter::new(begin(&path, format, columns), ids(), ALL);
         frames(2).iter().for_each(|frame| writer.frame(frame).unwrap());
-        writer.finish().unwrap().persist().unwrap();
+        writer.finish().unwrap();
         let message = Run::read_table(&path).unwrap_err().to_string();
         assert!(message.contains("column x: is in \"mm\", it must be in \"m\""), "{message}");
     }
