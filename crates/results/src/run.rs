@@ -80,12 +80,12 @@ impl Run {
 }
 
 impl Frame {
-    /// Whether an agent is there. One who is not has a row, too: it stands where it was last, and touches nothing.
+    /// Returns whether an agent is there. One who is not has a row, too: it stands where it was last, and touches nothing.
     pub fn is_there(&self, place: usize) -> bool {
         self.active.as_ref().is_none_or(|active| active.get(place).copied().unwrap_or(true))
     }
 
-    /// Those who are there, with their places.
+    /// Returns those who are there, with their places.
     pub fn present(&self) -> impl Iterator<Item = (usize, &Motion)> + Clone {
         self.agents.iter().enumerate().filter(|(place, _)| self.is_there(*place))
     }
@@ -136,7 +136,7 @@ impl Frame {
     }
 
     /// Returns the row of an agent.
-    pub(crate) fn row(&self, place: usize) -> Row {
+    pub fn row(&self, place: usize) -> Row {
         let Motion { pose: Pose { position, orientation }, twist } = self.agents[place];
         let seen = self.observed.as_ref().map(|all| all[place]).unwrap_or_default();
         let (step, totals) = (seen.of_step.unwrap_or_default(), self.totals.unwrap_or_default());

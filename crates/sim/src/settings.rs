@@ -99,7 +99,7 @@ where
     Ok(())
 }
 
-/// What a name means: variables of the crowd, of Decision, or parameters of people that both have.
+/// The meaning of a name: variables of the crowd, of Decision, or parameters of people that both have.
 struct Meaning {
     crowd: Vec<Scalar<Quantity>>,
     decision: Vec<Scalar<decision::Quantity>>,

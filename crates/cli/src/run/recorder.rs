@@ -93,11 +93,8 @@ impl CrowdRecorder {
             Target::Table(place) => {
                 let lines = about.lines.iter().chain(&crowd.about).cloned().collect();
                 let content = Content { columns: crowd.columns.clone(), about: lines };
-                let writer = FrameWriter::new(
-                    results::begin(&place, &content, about.goes_on)?,
-                    ids.clone(),
-                    crowd.groups,
-                )?;
+                let table = results::begin(&place, &content, about.goes_on)?;
+                let writer = FrameWriter::new(table, ids.clone(), crowd.groups);
                 Rows::Table(Box::new(writer), place.path)
             }
             Target::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),

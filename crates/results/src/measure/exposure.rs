@@ -129,7 +129,7 @@ impl Exposure {
     }
 }
 
-/// Of a line from `a` to `b`.
+/// Returns the part of a line from `a` to `b` that is above a level.
 fn part_above((a, b): (f64, f64), level: f64) -> f64 {
     match (a > level, b > level) {
         (true, true) => 1.0,
@@ -142,7 +142,7 @@ fn part_above((a, b): (f64, f64), level: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Of one person whose squeeze has this integral \[N s\] from 0 to a time, in steps of this length \[s\].
+    /// Returns the exposure of a person whose squeeze has this integral \[N s\] from 0 to a time, in steps of this length \[s\].
     fn exposed(impulse: impl Fn(f64) -> f64, step: f64, until: f64, mut exposure: Exposure) -> Exposed {
         for k in 0..=(until / step).round() as u64 {
             let (from, time) = ((k as f64 - 1.0) * step, k as f64 * step);

@@ -82,7 +82,7 @@ pub(super) struct Writer<W: Write> {
 }
 
 impl<W: Write> Writer<W> {
-    /// With the header only.
+    /// Begins a table, with the header only.
     pub fn create(file: W, columns: &[Column]) -> io::Result<Writer<W>> {
         let mut out = csv::Writer::from_writer(file);
         out.write_record(columns.iter().map(head_of))?;

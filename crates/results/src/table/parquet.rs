@@ -90,7 +90,7 @@ fn attributes_of_columns(metadata: &ParquetMetaData) -> Map<String, Value> {
     text.and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
 }
 
-/// Whether a column has values of a type that its name allows.
+/// Checks that a column has values of a type that its name allows.
 fn check_type(column: &Type, (name, unit): Head) -> Result<(), String> {
     let physical = column.is_primitive().then(|| column.get_physical_type());
     let logical = column.get_basic_info().logical_type_ref();
@@ -155,7 +155,7 @@ enum Pending {
 }
 
 impl<W: Write + Send> Writer<W> {
-    /// Without rows.
+    /// Begins a table without rows.
     pub fn create(file: W, content: &Content) -> io::Result<Writer<W>> {
         let mut names = HashSet::new();
         if let Some(twice) = content.columns.iter().find(|column| !names.insert(&column.name)) {

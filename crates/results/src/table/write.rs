@@ -68,7 +68,7 @@ impl<W: Write + Send> TableWriter<W> {
         Ok(written.map_err(WriteError::at(&self.path))?)
     }
 
-    /// What messages call the file.
+    /// Returns what messages call the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
