@@ -76,8 +76,7 @@ def test_a_restored_crowd_runs_on_with_the_same_bits(drive):
         crowd.reset()
         assert crowd.time == 0.0 and crowd.run(drive, until=1.0).frame().equals(simulate(TRIAL_PUSH, until=1.0))
     for one in (again, elsewhere):
-        assert one.reals.tobytes() == wanted.reals.tobytes()
-        assert one.counts.tobytes() == wanted.counts.tobytes()
+        assert one.numbers.tobytes() == wanted.numbers.tobytes()
 
 
 def command_table(lemons, path, model, *options):
@@ -298,9 +297,9 @@ def test_arrays_are_writable_and_are_not_the_crowd():
         crowd.poses()[:] = 7.0
         assert (crowd.poses() == before).all()
         seen = crowd.run(until=0.2)
-    assert seen.reals.flags.c_contiguous and seen.poses.base is not None
+    assert seen.numbers.flags.c_contiguous and seen.poses.base is not None
     seen.poses[0] = 1.0
-    assert (seen.reals[0, :, :3] == 1.0).all()
+    assert (seen.numbers[0, :, :3] == 1.0).all()
 
 
 def test_progress_is_told_to_a_function(monkeypatch):

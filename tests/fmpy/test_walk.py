@@ -94,13 +94,13 @@ def test_a_crowd_that_walks_is_stepped_saved_and_reset(leaving):
         crowd.restore(state)
         on = crowd.run(until=8.0, step=EXACT)
         # What was seen within the step before is no part of a state.
-        assert on.reals[1:].tobytes() == wanted.reals[middle + 1 :].tobytes()
+        assert on.numbers[1:].tobytes() == wanted.numbers[middle + 1 :].tobytes()
         assert (on.poses[0] == wanted.poses[middle]).all() and (on.active == wanted.active[middle:]).all()
         assert crowd["decision.Arrived"] >= crowd.left > other.left
         crowd.reset({"decision.agent[*].DesiredSpeed": 0.4})
         assert crowd.run(until=1.0, step=EXACT).poses[-1].tobytes() != wanted.poses[64].tobytes()
         crowd.reset()
-        assert crowd.run(until=8.0, step=EXACT).reals.tobytes() == wanted.reals.tobytes()
+        assert crowd.run(until=8.0, step=EXACT).numbers.tobytes() == wanted.numbers.tobytes()
     with Crowd(leaving, plan=False) as still, pytest.raises(SimulationError, match="not a state of this Trial"):
         still.restore(state)
 
@@ -118,7 +118,7 @@ def test_a_run_ends_when_it_is_told_to(leaving):
         crowd.reset()
         at_once = crowd.run(until="left", step=EXACT)
         assert at_once.ended == whole.ended == at_once.times[-1] and len(at_once.times) > 1024
-        assert at_once.reals.tobytes() == np.concatenate([run.reals, whole.reals[1:]]).tobytes()
+        assert at_once.numbers.tobytes() == np.concatenate([run.numbers, whole.numbers[1:]]).tobytes()
         crowd.reset()
         assert crowd.run(until=0.5, stop=lambda crowd: False).ended is None
         crowd.reset()

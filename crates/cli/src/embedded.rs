@@ -1,7 +1,6 @@
 //! Commands that another program calls: their arguments are the same words, runs may be in memory, and nothing is printed.
 
 use crate::error::full_message;
-use crate::measure::Tables;
 use crate::{Arguments, Command, definition, files, interrupt, print};
 use anyhow::{Context, Result};
 use clap::FromArgMatches;
@@ -82,8 +81,8 @@ fn dispatch(words: &[OsString], run: Option<Arc<InMemory>>) -> Result<Done> {
         }
         Command::Measure(mut arguments) => {
             arguments.source.memory = run;
-            let Tables { summary, tables } = crate::measure::measured(&arguments)?.tables();
-            (done.summary, done.tables) = (summary, tables);
+            let measured = crate::measure::measured(&mut arguments)?;
+            (done.summary, done.tables) = (measured.json, measured.tables);
         }
         Command::Export(mut arguments) => {
             arguments.memory = run;

@@ -164,7 +164,7 @@ fn execute(command: Command) -> Result<()> {
         Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Plot(arguments) => pictures::plot::plot(&arguments),
         Command::Movie(arguments) => pictures::movie::movie(&arguments),
-        Command::Measure(arguments) => measure::measure(&arguments),
+        Command::Measure(arguments) => measure::measure(*arguments),
         Command::Export(arguments) => export::export(&arguments),
         Command::Info(arguments) => info::info(&arguments),
         Command::Check(arguments) => check::check(&arguments),

@@ -5,7 +5,7 @@ mod options;
 mod pass;
 mod summary;
 mod tables;
-mod told;
+mod text;
 
 use crate::error::{Misused, and_then};
 use crate::export::area;
@@ -20,12 +20,10 @@ use anyhow::{Result, bail};
 use lemons_core::trial::Trial;
 use lemons_results::Record;
 use lemons_results::measure::{Line, MeasuringArea, Room};
-use options::{Named, level, line, measuring_area, names_differ};
-use pass::Pass;
+use options::{Named, level, line, measuring_area, name_all};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use summary::Summary;
-use tables::Rows;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -79,8 +77,8 @@ pub struct Arguments {
 /// Windows of the flow over time.
 const MOST_WINDOWS: f64 = 1e6;
 
-pub fn measure(arguments: &Arguments) -> Result<()> {
-    told::tell(&measured(arguments)?.summary)?;
+pub fn measure(mut arguments: Arguments) -> Result<()> {
+    text::print(&measured(&mut arguments)?.summary)?;
     for path in arguments.output.iter().chain(&arguments.plot) {
         say!("{:<18} {}", "written", path.display())?;
     }
@@ -90,35 +88,17 @@ pub fn measure(arguments: &Arguments) -> Result<()> {
 /// What was measured.
 pub struct Measured {
     summary: Summary,
-    json: String,
-    tables: [Rows; tables::TABLES.len()],
-}
-
-/// The same as texts.
-pub struct Tables {
-    /// JSON.
-    pub summary: String,
+    /// The same as JSON.
+    pub json: String,
     /// CSV, by the names of the tables.
     pub tables: Vec<(&'static str, String)>,
 }
 
-impl Measured {
-    /// As texts.
-    pub fn tables(self) -> Tables {
-        let text = |rows: &Rows| {
-            let mut bytes = Vec::new();
-            tables::write(&mut bytes, rows).map(|()| String::from_utf8_lossy(&bytes).into_owned())
-        };
-        let tables = tables::TABLES.into_iter().zip(&self.tables);
-        let tables = tables.map(|(name, rows)| (name, text(rows).unwrap_or_default())).collect();
-        Tables { summary: self.json, tables }
-    }
-}
-
 /// Measures, and writes the files that are asked for.
-pub fn measured(arguments: &Arguments) -> Result<Measured> {
-    let Arguments { source, lines, areas, output, .. } = arguments;
+pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
     arguments.check()?;
+    let arguments = &*arguments;
+    let Arguments { source, output, .. } = arguments;
     let format = arguments.plot.as_deref().map(Format::of).transpose()?;
     let interrupt = Interrupt::watch();
     let mut summary_file = arguments.summary.as_deref().map(Output::open).transpose()?;
@@ -127,39 +107,29 @@ pub fn measured(arguments: &Arguments) -> Result<Measured> {
     paths.iter().try_for_each(|path| files::claim(path))?;
 
     let (trial, record) = source.record_of(source.end(arguments.until)?, &interrupt)?;
-    let room = if areas.is_empty() { None } else { Some(arguments.room(&record, trial.as_ref())?) };
-    let pass = Pass {
-        lines: lines.iter().map(|line| line.what).collect(),
-        areas: areas.iter().map(|area| &area.what).collect(),
-        room: room.as_ref(),
-        above: &arguments.above,
-        over: arguments.over,
-        from: arguments.from,
-        until: arguments.end(),
-        spread: picture.is_some(),
-    };
-    let passed = pass.over(&record, &interrupt)?;
-    let (from, until) = passed.times;
-    if !lines.is_empty() && (until - from) / arguments.window > MOST_WINDOWS {
+    let has_areas = !arguments.areas.is_empty();
+    let room = has_areas.then(|| arguments.room(&record, trial.as_ref())).transpose()?;
+    let seen = pass::pass(arguments, &record, room.as_ref(), &interrupt)?;
+    let (from, until) = seen.times;
+    if !arguments.lines.is_empty() && (until - from) / arguments.window > MOST_WINDOWS {
         bail!(Misused(format!("--window: {} s makes more than a million windows", arguments.window)));
     }
-    let summary = Summary::of(arguments, &record, &passed)?;
-    if let Some(why) = summary.left_out() {
+    if let Err(why) = seen.exposed {
         if !arguments.above.is_empty() {
             bail!("--above: {}: {why}", source.path.display());
         }
         note!("exposure to squeeze is left out: {why}");
     }
-
+    let summary = Summary::of(arguments, record.ids(), &seen);
     let json = serde_json::to_string_pretty(&summary)? + "\n";
     if let Some(file) = &mut summary_file {
         file.fill(|out| out.write_all(json.as_bytes()))?;
     }
     if let (Some(file), Some(format)) = (&mut picture, format) {
-        let bytes = format.bytes(chart::svg(arguments, &passed), chart::WIDTH)?;
+        let bytes = format.bytes(chart::svg(arguments, &seen), chart::WIDTH)?;
         file.fill(|out| out.write_all(&bytes))?;
     }
-    let tables = tables::of(arguments, &record, &passed, &summary);
+    let tables = tables::of(arguments, record.ids(), &seen)?;
     let written = match output {
         Some(directory) => tables::written(&tables, directory, &json)?,
         None => Vec::new(),
@@ -170,10 +140,10 @@ pub fn measured(arguments: &Arguments) -> Result<Measured> {
 }
 
 impl Arguments {
-    /// Whether the options belong together.
-    fn check(&self) -> Result<()> {
-        names_differ("--line", self.lines.iter().map(|line| &line.name))?;
-        names_differ("--area", self.areas.iter().map(|area| &area.name))?;
+    /// Checks that the options belong together, and numbers lines and areas without names.
+    fn check(&mut self) -> Result<()> {
+        name_all("--line", &mut self.lines)?;
+        name_all("--area", &mut self.areas)?;
         if self.above.windows(2).any(|pair| pair[0] >= pair[1]) {
             bail!(Misused("--above: must be rising numbers of newtons, as in 1000,2000".into()));
         }
@@ -186,12 +156,12 @@ impl Arguments {
         Ok(())
     }
 
-    /// \[s\] `--until`, if it is a time.
+    /// Returns `--until` \[s\], if it is a time.
     fn end(&self) -> Option<f64> {
         self.until.and_then(Until::time)
     }
 
-    /// Where people can be.
+    /// Returns where people can be.
     fn room(&self, record: &Record, trial: Option<&Trial>) -> Result<Room> {
         let area = area(record, ("--walkable", self.walkable.as_deref()), trial)?;
         for line in &area.said {
@@ -200,14 +170,4 @@ impl Arguments {
         }
         Ok(Room::of(&area.polygon))
     }
-
-    /// \[m\]
-    fn width_of(&self, line: &Line) -> f64 {
-        self.width.unwrap_or(line.length())
-    }
-}
-
-/// How the user calls what is measured.
-fn shown(path: &Path) -> String {
-    path.display().to_string()
 }

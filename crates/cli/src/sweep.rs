@@ -49,21 +49,19 @@ const SHOWN: usize = 3;
 
 pub fn sweep(arguments: &Arguments) -> Result<()> {
     let spec = Spec::read(&arguments.spec)?;
-    let output = match &arguments.output {
-        Some(output) => output.clone(),
-        None => arguments.spec.with_extension("csv"),
-    };
+    let output = arguments.output.clone().unwrap_or_else(|| arguments.spec.with_extension("csv"));
     let who = arguments.spec.display().to_string();
     spec.inputs.iter().for_each(|path| files::reads(path, &who));
     // What is there is gone on with, or refused.
     files::claim_directory(&output)?;
-    claim_series(&spec)?;
+    // Where points write files themselves.
+    for (_, directory) in spec.points.output_directories() {
+        files::claim_series(Path::new(directory)).context("OutputDirectory")?;
+    }
     check_over(&spec.points, &arguments.over).map_err(|error| Misused(format!("--over: {error}")))?;
-    let mut summary_file = arguments.summary.as_deref().map(Output::open).transpose()?;
-    let threads = match arguments.threads {
-        Some(threads) => usize::from(threads),
-        None => std::thread::available_parallelism().map_or(1, usize::from),
-    };
+    let summary_file = arguments.summary.as_deref().map(Output::open).transpose()?;
+    let all_processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = arguments.threads.map_or_else(all_processors, usize::from);
     let interrupt = Interrupt::watch();
     let style =
         ProgressStyle::with_template("{bar:40} {percent:>3}%  {pos} of {len} points  {msg}{eta} left")?;
@@ -115,23 +113,13 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         bail!("none of the {} points succeeded: {again}", at.total);
     }
     told?;
-    if let Some(file) = &mut summary_file {
+    if let (Some(mut file), Some(path)) = (summary_file, &arguments.summary) {
         let text = summary(&points, &measures, &rows, &arguments.over)?;
         file.fill(|out| out.write_all(text.as_bytes()))?;
-    }
-    if let (Some(file), Some(path)) = (summary_file, &arguments.summary) {
         file.persist()?;
         say!("summary            {}", path.display())?;
     }
     Ok(say!("table              {}", output.display())?)
-}
-
-/// Claims the directories where points write files themselves.
-fn claim_series(spec: &Spec) -> Result<()> {
-    for (_, directory) in spec.points.output_directories() {
-        files::claim_series(Path::new(directory)).context("OutputDirectory")?;
-    }
-    Ok(())
 }
 
 /// What became of all points, in a line.
@@ -153,25 +141,21 @@ fn print_points(rows: &[Finished], at: Progress, wall: f64, threads: usize, may_
         say!("not simulated      {:>10}", at.total - at.done)?;
     }
     // When a point ended by itself comes after its measures.
-    let on = |row: &&Finished| matches!(row.outcome.as_ref().map(|values| values.last()), Ok(Some(None)));
-    match rows.iter().filter(on).count() {
-        on if may_end && on > 0 => {
-            say!("without an end     {on:>10}     (people stayed, or stop did not hold: column ended)")?;
-        }
-        _ => {}
+    let endless = |row: &&Finished| matches!(&row.outcome, Ok(values) if values.last() == Some(&None));
+    let endless = rows.iter().filter(endless).count();
+    if may_end && endless > 0 {
+        say!("without an end     {endless:>10}     (people stayed, or stop did not hold: column ended)")?;
     }
     say!("wall time          {wall:>10.3} s   ({threads} at once)")?;
     if new > 0 {
         say!("points per second  {:>10.2}", new as f64 / wall)?;
     }
-    let failed: Vec<&Finished> = rows.iter().filter(|row| row.outcome.is_err()).collect();
-    for Finished { point, outcome } in failed.iter().take(SHOWN) {
-        if let Err(message) = outcome {
-            say!("point {point:<6}       {}", message.lines().next().unwrap_or_default())?;
-        }
+    let failed = || rows.iter().filter_map(|row| Some((row.point, row.outcome.as_ref().err()?)));
+    for (point, message) in failed().take(SHOWN) {
+        say!("point {point:<6}       {}", message.lines().next().unwrap_or_default())?;
     }
-    if failed.len() > SHOWN {
-        say!("                   … and {} more, see the column error", failed.len() - SHOWN)?;
+    if failed().count() > SHOWN {
+        say!("                   … and {} more, see the column error", failed().count() - SHOWN)?;
     }
     Ok(())
 }

@@ -201,7 +201,7 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
     let (file, path) = (Cursor::new(Vec::new()), Path::new("the table"));
     let writer = TableWriter::create(file, path, lemons_results::Format::Csv, &content)?;
     let ids = of.trial.agents.iter().map(|agent| agent.id.clone()).collect();
-    let mut writer = FrameWriter::new(writer, ids, groups)?;
+    let mut writer = FrameWriter::new(writer, ids, groups);
     writer.frame(&run.observed())?;
     for step in 1..=steps {
         run.step()?;

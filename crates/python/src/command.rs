@@ -2,11 +2,10 @@
 
 use crate::CommandError;
 use crate::model::Model;
-use crate::recording::{COUNTS, REALS};
+use crate::recording::{NUMBERS, frame_of};
 use lemons_cli::embedded::{Done, InMemory, call};
-use lemons_core::plane::{Motion, Pose, Twist, vec2};
-use lemons_results::{Frame, Observed, OfStep, Run, Totals};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use lemons_results::Run;
+use numpy::{PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -29,7 +28,7 @@ pub struct Task {
     result: Option<Result<Done, String>>,
 }
 
-/// What it says, its notes; its picture; its summary and tables.
+/// A command's output, its notes; its picture; its summary and tables.
 type Made<'py> = (String, Vec<String>, Bound<'py, PyBytes>, String, Vec<(&'static str, String)>);
 
 #[pymethods]
@@ -67,7 +66,7 @@ impl Task {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// What came of it.
+    /// Returns what came of it.
     fn result<'py>(&mut self, py: Python<'py>) -> PyResult<Made<'py>> {
         let result = self.result.take().ok_or_else(|| PyRuntimeError::new_err("a fault in this program"))?;
         let Done { said, notes, picture, summary, tables } = result.map_err(CommandError::new_err)?;
@@ -86,47 +85,12 @@ fn in_memory(run: &Bound<'_, PyAny>) -> PyResult<InMemory> {
     let model = run.getattr("model")?;
     let model = model.cast::<Model>()?.get();
     let times: PyReadonlyArray1<'_, f64> = run.getattr("times")?.extract()?;
-    let reals: PyReadonlyArray3<'_, f64> = run.getattr("reals")?.extract()?;
-    let counts: PyReadonlyArray3<'_, i32> = run.getattr("counts")?.extract()?;
-    let active: PyReadonlyArray2<'_, bool> = run.getattr("active")?.extract()?;
+    let numbers: PyReadonlyArray3<'_, f64> = run.getattr("numbers")?.extract()?;
     let leaving: bool = run.getattr("leaving")?.extract()?;
     let ids: Vec<String> = run.getattr("ids")?.extract()?;
-    let people = ids.len().max(1);
-    let (reals, counts) = (reals.as_slice()?, counts.as_slice()?);
-    let of_frames = reals.chunks_exact(people * REALS.len()).zip(counts.chunks_exact(people * COUNTS));
-    let of_frames = of_frames.zip(active.as_slice()?.chunks_exact(people));
-    let frames = times.as_slice()?.iter().zip(of_frames).map(|(time, ((reals, counts), active))| {
-        let rows = || reals.chunks_exact(REALS.len()).zip(counts.chunks_exact(COUNTS));
-        let sum = |place: usize| counts.iter().skip(place).step_by(COUNTS).sum::<i32>() as u32;
-        Frame {
-            time: *time,
-            agents: rows().map(|(reals, _)| motion(reals)).collect(),
-            observed: Some(rows().map(|(reals, counts)| observed(reals, counts)).collect()),
-            active: leaving.then(|| active.to_vec()),
-            // A contact of two people counts for both.
-            totals: Some(Totals { agent_contacts: sum(0) / 2, wall_contacts: sum(1) }),
-            place: format!("t = {time:?} s"),
-            ..Frame::default()
-        }
-    });
-    let run = Run { source: run.repr()?.to_string().into(), ids, frames: frames.collect() };
+    let numbers = numbers.as_slice()?.chunks_exact(ids.len().max(1) * NUMBERS);
+    let frames = times.as_slice()?.iter().zip(numbers);
+    let frames = frames.map(|(time, numbers)| frame_of(*time, numbers, leaving)).collect();
+    let run = Run { source: run.repr()?.to_string().into(), ids, frames };
     Ok(InMemory { run, trial: model.documents.trial.clone() })
-}
-
-fn motion(reals: &[f64]) -> Motion {
-    Motion {
-        pose: Pose { position: vec2(reals[0], reals[1]), orientation: reals[2] },
-        twist: Twist { velocity: vec2(reals[3], reals[4]), angular_velocity: reals[5] },
-    }
-}
-
-fn observed(reals: &[f64], counts: &[i32]) -> Observed {
-    let of_step = OfStep { mean_normal_force: reals[7], peak_normal_force: reals[8], peak_overlap: reals[9] };
-    Observed {
-        agent_contacts: counts[0] as u32,
-        wall_contacts: counts[1] as u32,
-        contacting_agents: counts[2] as u32,
-        normal_force: reals[6],
-        of_step: Some(of_step),
-    }
 }

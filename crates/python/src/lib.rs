@@ -31,7 +31,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let python = module.py();
     module.add("SimulationError", python.get_type::<SimulationError>())?;
     module.add("CommandError", python.get_type::<CommandError>())?;
-    module.add("REALS", recording::REALS.map(|quantity| quantity.name).to_vec())?;
+    module.add("NUMBERS", recording::names())?;
     module.add("TABLE", recording::table())?;
     module.add_class::<command::Task>()?;
     module.add_class::<model::Model>()?;
@@ -39,10 +39,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<recording::Recording>()?;
     module.add_class::<simulation::Simulation>()?;
     module.add("SweepError", python.get_type::<sweep::SweepError>())?;
-    module.add_class::<sweep::Points>()?;
     module.add_class::<sweep::Study>()?;
     module.add_class::<sweep::Table>()?;
-    module.add_function(wrap_pyfunction!(sweep::check_clock, module)?)?;
     module.add_function(wrap_pyfunction!(model::read_drive, module)?)?;
     module.add_function(wrap_pyfunction!(model::read_people, module)?)?;
     module.add_function(wrap_pyfunction!(model::read_text, module)?)?;

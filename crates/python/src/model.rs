@@ -1,6 +1,7 @@
 //! What is simulated: a Trial, its drive, and where its people walk.
 
 use crate::CommandError;
+use crate::simulation::refused;
 use crowd_mechanics::setup;
 use lemons_core::files::input;
 use lemons_core::files::source::Memory;
@@ -102,19 +103,13 @@ impl Model {
         self.documents.trial.parameters.time_step
     }
 
-    /// How many people have an exit; 0 where nobody walks.
-    #[getter]
-    fn leave(&self) -> usize {
-        self.leaving().into_iter().filter(|leaves| *leaves).count()
-    }
-
     /// The Trial's drive.csv.
     fn drive<'py>(&self, py: Python<'py>) -> PyResult<Drives<'py>> {
         drives(py, &self.documents.drive, &self.ids())
     }
 }
 
-/// What a model is made of: its texts, the name of its plan, warnings.
+/// The parts of a model: its texts, the name of its plan, warnings.
 type Parts = (Texts, Option<PathBuf>, Vec<String>);
 
 /// Said of an FMU that has no Trial.
@@ -122,10 +117,16 @@ const OTHER_FMU: &str = "; here the Trial in the FMU of a crowd is simulated: an
                          (fmpy.simulate_fmu), or with lemons run";
 
 impl Model {
-    /// Of everybody, whether they have an exit.
+    /// Returns of everybody whether they have an exit.
     pub(crate) fn leaving(&self) -> Vec<bool> {
         self.documents.plan.as_ref().map(Plan::leaving).unwrap_or_default()
     }
+}
+
+/// Checks that somebody has an exit.
+pub(crate) fn check_leaving(leaving: Vec<bool>) -> PyResult<Vec<bool>> {
+    let nobody = "until='left': nobody can leave: people do not walk, or have no exits (give a time)";
+    if leaving.contains(&true) { Ok(leaving) } else { Err(refused(nobody)) }
 }
 
 /// The people of a Trial: Ids, masses \[kg\], moments of inertia \[kg.m2\], statures \[m\] (not a number: not known), disks of

@@ -1,41 +1,58 @@
 //! A run under way, and what is recorded of it.
 
+use crate::model::check_leaving;
 use crate::simulation::{Simulation, refused};
-use crowd_mechanics::engine::{World, Wrench, vec2};
-use lemons_results::columns::{CONTACTS, Groups, MOTION, OF_STEP, Quantity, SQUEEZE};
+use crowd_mechanics::engine::{Wrench, vec2};
+use lemons_results::Frame;
+use lemons_results::columns::{ALL, Groups, Row};
 use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_sim::stop::places;
-use lemons_sim::{Clock, Model, SimError};
-use numpy::{IntoPyArray, PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray3};
+use lemons_sim::{Clock, Model as _, SimError};
+use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
-use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// The real outputs of an agent, in the order of the last axis of their array: pose, velocity, squeeze.
-pub const REALS: [Quantity; 10] = [
-    MOTION[0], MOTION[1], MOTION[4], MOTION[2], MOTION[3], MOTION[5], SQUEEZE, OF_STEP[0], OF_STEP[1],
-    OF_STEP[2],
-];
-/// How many numbers of contacts an agent has.
-pub const COUNTS: usize = CONTACTS.len();
+/// The numbers of an agent in arrays, by their places in the row of a table: pose, velocity, squeeze, contacts, and whether
+/// it is there. So poses and velocities are parts of an array.
+const ORDER: [usize; NUMBERS] = [0, 1, 4, 2, 3, 5, 9, 10, 11, 12, 6, 7, 8, 13];
+/// How many numbers an agent has.
+pub const NUMBERS: usize = 14;
 
-/// Names of the columns of a table, in their order; those of contacts and `active` among them.
-pub fn table() -> Vec<String> {
-    let all = Groups { contacts: true, of_step: true, active: true, totals: true };
-    all.columns().into_iter().map(|column| column.name).collect()
+/// Returns the names of these numbers.
+pub fn names() -> Vec<String> {
+    let table = table();
+    // After time and Id.
+    ORDER.map(|place| table[2 + place].clone()).to_vec()
 }
 
-/// Appends the outputs of everybody.
-pub fn observe(world: &World, reals: &mut Vec<f64>, counts: &mut Vec<i32>) {
-    let (state, contacts) = (world.state(), world.contacts());
-    for (i, (pose, twist)) in state.poses.iter().zip(&state.twists).enumerate() {
-        let (body, exposure) = (&contacts.bodies[i], &world.exposures()[i]);
-        reals.extend([pose.position.x, pose.position.y, pose.orientation]);
-        reals.extend([twist.velocity.x, twist.velocity.y, twist.angular_velocity, body.squeeze]);
-        reals.extend([exposure.mean_force, exposure.peak_force, exposure.peak_overlap]);
-        counts.extend([body.agent_contacts, body.wall_contacts, body.touching_bodies].map(|n| n as i32));
+/// Returns the names of the columns of a table, in their order; those of contacts and `active` among them.
+pub fn table() -> Vec<String> {
+    ALL.columns().into_iter().map(|column| column.name).collect()
+}
+
+/// Appends the numbers of everybody.
+pub fn observe(frame: &Frame, numbers: &mut Vec<f64>) {
+    for agent in 0..frame.agents.len() {
+        let row = frame.row(agent);
+        numbers.extend(ORDER.map(|place| row[place]));
     }
+}
+
+/// Makes a frame of the numbers of everybody at a time \[s\].
+pub fn frame_of(time: f64, numbers: &[f64], leaving: bool) -> Frame {
+    let mut rows: Vec<Row> = Vec::with_capacity(numbers.len() / NUMBERS);
+    for own in numbers.chunks_exact(NUMBERS) {
+        let mut row = Row::default();
+        ORDER.iter().zip(own).for_each(|(place, number)| row[*place] = *number);
+        rows.push(row);
+    }
+    // A contact of two people counts for both.
+    let sum = |place: usize| rows.iter().map(|row| row[place]).sum::<f64>();
+    let totals = [0.5 * sum(6), sum(7)];
+    rows.iter_mut().for_each(|row| row[14..].copy_from_slice(&totals));
+    let groups = Groups { active: leaving, ..ALL };
+    Frame { place: format!("t = {time:?} s"), ..Frame::of_rows(time, &rows, groups) }
 }
 
 /// A run: its communication points, what pushes people in it, when it ends, and its frames.
@@ -51,39 +68,9 @@ pub struct Recording {
     pushed: Vec<usize>,
     pushes: Vec<f64>,
     times: Vec<f64>,
-    reals: Vec<f64>,
-    counts: Vec<i32>,
-    active: Vec<bool>,
+    /// [`NUMBERS`] of each agent at each of these times.
+    numbers: Vec<f64>,
 }
-
-/// A simulation whose agents are pushed before each step.
-struct Pushed<'a> {
-    simulation: &'a mut lemons_sim::Simulation,
-    agents: &'a [usize],
-    /// Of the steps that follow.
-    pushes: std::slice::ChunksExact<'a, f64>,
-}
-
-impl Model for Pushed<'_> {
-    type Error = SimError;
-
-    fn step_to(&mut self, time: f64) -> Result<(), SimError> {
-        let pushes = self.pushes.next().unwrap_or_default().chunks_exact(3);
-        for (agent, push) in self.agents.iter().zip(pushes) {
-            let push = Wrench { force: vec2(push[0], push[1]), torque: push[2] };
-            self.simulation.push(*agent, push);
-        }
-        self.simulation.step_to(time)
-    }
-}
-
-/// What was recorded: times, reals, counts, whether people are there.
-type Arrays<'py> = (
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray3<f64>>,
-    Bound<'py, PyArray3<i32>>,
-    Bound<'py, PyArray2<bool>>,
-);
 
 #[pymethods]
 impl Recording {
@@ -91,14 +78,11 @@ impl Recording {
     /// left who has an exit. `whole`: it surely goes on until its time.
     #[new]
     fn new(simulation: &Simulation, until: Option<f64>, step: f64, whole: bool) -> PyResult<Recording> {
-        let leave = simulation.leaving.iter().filter(|leaves| **leaves).count();
-        if until.is_none() && leave == 0 {
-            return Err(refused(
-                "until='left': nobody can leave: people do not walk, or have no exits (give a time)",
-            ));
-        }
-        let who = simulation.leaving.clone();
-        let leaving = until.is_none().then(|| Leaving::of(leave).among(who));
+        let leaving = || {
+            let who = check_leaving(simulation.leaving.clone())?;
+            Ok::<_, PyErr>(Leaving::of(who.iter().filter(|leaves| **leaves).count()).among(who))
+        };
+        let leaving = if until.is_none() { Some(leaving()?) } else { None };
         let simulation = &simulation.simulation;
         let clock = Clock::new(simulation.time(), step, until.unwrap_or(LATEST));
         let clock = clock.map_err(|error| PyValueError::new_err(error.to_string()))?;
@@ -111,9 +95,7 @@ impl Recording {
             pushed: Vec::new(),
             pushes: Vec::new(),
             times: Vec::new(),
-            reals: Vec::new(),
-            counts: Vec::new(),
-            active: Vec::new(),
+            numbers: Vec::new(),
         };
         if whole && recording.leaving.is_none() {
             recording.reserve()?;
@@ -178,21 +160,16 @@ impl Recording {
             .map_err(refused)
     }
 
-    /// Gives what was recorded, without a copy.
-    fn finish<'py>(&mut self, py: Python<'py>) -> PyResult<Arrays<'py>> {
-        let (frames, people) = (self.times.len(), self.people);
-        Ok((
-            taken(py, &mut self.times),
-            taken(py, &mut self.reals).reshape([frames, people, REALS.len()])?,
-            taken(py, &mut self.counts).reshape([frames, people, COUNTS])?,
-            taken(py, &mut self.active).reshape([frames, people])?,
-        ))
+    /// Gives what was recorded, without a copy: times, and the numbers of all agents.
+    #[allow(clippy::type_complexity)] // two arrays
+    fn finish<'py>(
+        &mut self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray3<f64>>)> {
+        let shape = [self.times.len(), self.people, NUMBERS];
+        let (times, numbers) = (std::mem::take(&mut self.times), std::mem::take(&mut self.numbers));
+        Ok((times.into_pyarray(py), numbers.into_pyarray(py).reshape(shape)?))
     }
-}
-
-/// An array that owns these values.
-fn taken<'py, T: numpy::Element>(py: Python<'py>, values: &mut Vec<T>) -> Bound<'py, PyArray<T, numpy::Ix1>> {
-    std::mem::take(values).into_pyarray(py)
 }
 
 impl Recording {
@@ -202,17 +179,12 @@ impl Recording {
 
     /// Makes room for all frames.
     fn reserve(&mut self) -> PyResult<()> {
-        let all =
-            usize::try_from(self.clock.steps + 1).ok().and_then(|frames| frames.checked_mul(self.people));
-        let reserved = all.is_some_and(|rows| {
-            rows.checked_mul(REALS.len()).is_some_and(|reals| self.reals.try_reserve_exact(reals).is_ok())
-                && self.counts.try_reserve_exact(rows * COUNTS).is_ok()
-                && self.active.try_reserve_exact(rows).is_ok()
-        });
-        if reserved {
+        let (steps, people) = (self.clock.steps, self.people);
+        let frames = usize::try_from(steps + 1).ok();
+        let all = frames.and_then(|frames| frames.checked_mul(NUMBERS)?.checked_mul(people));
+        if all.is_some_and(|all| self.numbers.try_reserve_exact(all).is_ok()) {
             return Ok(());
         }
-        let (steps, people) = (self.clock.steps, self.people);
         Err(PyMemoryError::new_err(format!("the memory does not hold {steps} steps of {people} people")))
     }
 
@@ -222,32 +194,31 @@ impl Recording {
         most: u64,
         time: Duration,
     ) -> Result<(), SimError> {
-        let (begin, clock, first) = (Instant::now(), self.clock, self.index);
-        let (agents, pushes) = (std::mem::take(&mut self.pushed), std::mem::take(&mut self.pushes));
-        let of_step = 3 * agents.len().max(1);
-        let mut rest = pushes.chunks_exact(of_step);
-        if first > 0 {
-            rest.nth(first as usize - 1);
+        let (begin, steps) = (Instant::now(), self.clock.steps - self.index);
+        for _ in 0..steps.min(most) {
+            let mut of_steps = self.pushes.chunks_exact(3 * self.pushed.len().max(1));
+            let pushes = of_steps.nth(self.index as usize).unwrap_or_default().chunks_exact(3);
+            for (agent, push) in self.pushed.iter().zip(pushes) {
+                let push = Wrench { force: vec2(push[0], push[1]), torque: push[2] };
+                simulation.push(*agent, push);
+            }
+            simulation.step_to(self.clock.end(self.index))?;
+            self.index += 1;
+            self.see(simulation);
+            if self.is_over() || begin.elapsed() >= time {
+                break;
+            }
         }
-        let mut pushed = Pushed { simulation, agents: &agents, pushes: rest };
-        let done = lemons_sim::run::<_, SimError>(&mut pushed, &clock, first, |pushed, point| {
-            self.index = point.steps;
-            self.see(pushed.simulation);
-            let enough = point.steps - first >= most || begin.elapsed() >= time;
-            Ok(if enough || self.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
-        });
-        (self.pushed, self.pushes) = (agents, pushes);
-        done.map(drop)
+        Ok(())
     }
 
     /// Records the present communication point.
     fn see(&mut self, simulation: &lemons_sim::Simulation) {
-        let Some(world) = simulation.world() else { return };
-        self.times.push(simulation.time());
-        observe(world, &mut self.reals, &mut self.counts);
-        self.active.extend(world.present());
+        let frame = simulation.frame();
+        self.times.push(frame.time);
+        observe(&frame, &mut self.numbers);
         if let Some(leaving) = &mut self.leaving {
-            leaving.see(simulation.time(), &places(&simulation.frame()));
+            leaving.see(frame.time, &places(&frame));
         }
     }
 }

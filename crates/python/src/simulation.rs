@@ -2,7 +2,7 @@
 
 use crate::SimulationError;
 use crate::model::Model;
-use crate::recording::{COUNTS, REALS, observe};
+use crate::recording::{NUMBERS, observe};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_sim::settings::Value;
 use lemons_sim::{Algorithm, Model as _};
@@ -15,7 +15,7 @@ use pyo3::types::{PyBool, PyBytes, PyFloat, PyInt, PyString};
 #[pyclass(module = "lemons_fmu._native")]
 pub struct Simulation {
     pub(crate) simulation: lemons_sim::Simulation,
-    /// Of everybody, whether they have an exit.
+    /// Whether each person has an exit.
     pub(crate) leaving: Vec<bool>,
 }
 
@@ -24,7 +24,19 @@ pub fn refused(error: impl std::fmt::Display) -> PyErr {
     SimulationError::new_err(error.to_string())
 }
 
-/// A value as the text that sets it.
+/// Returns the algorithm of this name.
+pub fn algorithm_of(name: &str) -> PyResult<Algorithm> {
+    match name {
+        "jacobi" => Ok(Algorithm::Jacobi),
+        "gauss-seidel" => Ok(Algorithm::GaussSeidel),
+        other => {
+            let text = format!("the algorithm is {other:?}; it must be one of \"jacobi\", \"gauss-seidel\"");
+            Err(PyValueError::new_err(text))
+        }
+    }
+}
+
+/// Returns a value as the text that sets it.
 ///
 /// # Errors
 /// It is neither a number, nor a truth value, nor a text.
@@ -50,15 +62,7 @@ pub fn text_of(value: &Bound<'_, PyAny>) -> PyResult<String> {
 impl Simulation {
     #[new]
     fn new(model: &Model, algorithm: &str) -> PyResult<Simulation> {
-        let algorithm = match algorithm {
-            "jacobi" => Algorithm::Jacobi,
-            "gauss-seidel" => Algorithm::GaussSeidel,
-            other => {
-                let text =
-                    format!("the algorithm is {other:?}; it must be one of \"jacobi\", \"gauss-seidel\"");
-                return Err(PyValueError::new_err(text));
-            }
-        };
+        let algorithm = algorithm_of(algorithm)?;
         let simulation = lemons_sim::Simulation::new(model.documents.clone(), algorithm);
         Ok(Simulation { simulation: simulation.map_err(refused)?, leaving: model.leaving() })
     }
@@ -134,16 +138,11 @@ impl Simulation {
 
     /// What drives everybody: Fp.x, Fp.y \[N\], Mp \[N.m\], shape (N, 3).
     fn drive<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let world = self.simulation.world().ok_or_else(|| refused(NOT_BEGUN))?;
+        let world = self.simulation.world();
+        let world = world.ok_or_else(|| refused("the simulation has not begun"))?;
         let drive: Vec<f64> =
             world.drive.iter().flat_map(|drive| [drive.force.x, drive.force.y, drive.torque]).collect();
         drive.into_pyarray(py).reshape([world.drive.len(), 3])
-    }
-
-    /// Whether people are there.
-    fn active<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let world = self.simulation.world().ok_or_else(|| refused(NOT_BEGUN))?;
-        Ok(world.present().to_vec().into_pyarray(py))
     }
 
     /// Takes people out, or lets them come back.
@@ -154,20 +153,12 @@ impl Simulation {
         Ok(())
     }
 
-    /// The outputs [`REALS`] of everybody, shape (N, 10), and their contacts, shape (N, 3).
-    #[allow(clippy::type_complexity)] // two arrays
-    fn observe<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i32>>)> {
-        let world = self.simulation.world().ok_or_else(|| refused(NOT_BEGUN))?;
-        let (mut reals, mut counts) = (Vec::new(), Vec::new());
-        observe(world, &mut reals, &mut counts);
-        let people = self.simulation.ids().len();
-        Ok((
-            reals.into_pyarray(py).reshape([people, REALS.len()])?,
-            counts.into_pyarray(py).reshape([people, COUNTS])?,
-        ))
+    /// The numbers of everybody, shape (N, 14).
+    fn observe<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let frame = self.simulation.frame();
+        let mut numbers = Vec::new();
+        observe(&frame, &mut numbers);
+        numbers.into_pyarray(py).reshape([frame.agents.len(), NUMBERS])
     }
 
     /// The state, as bytes.
@@ -185,5 +176,3 @@ impl Simulation {
         self.simulation.take_warnings()
     }
 }
-
-const NOT_BEGUN: &str = "the simulation has not begun";

@@ -1,10 +1,10 @@
 //! The points of a sweep, what they simulate, and the table of their results.
 
-use crate::model::Model;
-use crate::simulation::{Simulation, refused};
+use crate::model::{Model, check_leaving};
+use crate::simulation::{algorithm_of, refused};
 use lemons_master::PlanChoice;
 use lemons_results::measure::LATEST;
-use lemons_sim::{Algorithm, Clock};
+use lemons_sim::Clock;
 use lemons_sweep::{Finished, Measured, Models, Plan, Template, check_parameters, identity};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyTypeError, PyValueError};
@@ -24,12 +24,13 @@ fn wrong(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// The points of a sweep: a row of parameter values for each.
+/// The points of a sweep: a row of parameter values for each, and what they simulate.
 #[pyclass(frozen, module = "lemons_fmu._native")]
-pub struct Points {
+pub struct Study {
     points: lemons_sweep::Points,
     /// Of each parameter.
     kinds: Vec<Kind>,
+    models: Models,
 }
 
 /// What the values of a parameter are.
@@ -60,11 +61,28 @@ fn values(name: &str, values: &[Bound<'_, PyAny>]) -> PyResult<(Kind, Vec<String
     Ok((Kind::Real, values.iter().map(text).collect::<PyResult<_>>().map_err(|_| other())?))
 }
 
+/// Reads a path with the names of parameters in braces. What is there as it is written has none.
+fn template(text: &str, points: &lemons_sweep::Points) -> PyResult<Template> {
+    let path = Path::new(text);
+    if path.symlink_metadata().is_ok() {
+        return Ok(Template::of_path(path));
+    }
+    Template::read(text, Path::new(""), points).map_err(wrong)
+}
+
 #[pymethods]
-impl Points {
-    /// Makes the points of parameters and their values: all combinations (a grid), or a point for each row.
-    #[staticmethod]
-    fn of(columns: Vec<(String, Vec<Bound<'_, PyAny>>)>, grid: bool) -> PyResult<Points> {
+impl Study {
+    /// Makes the points of parameters and their values: all combinations (a grid), or a point for each row. They simulate a
+    /// Trial or the FMU of a crowd, whose path may contain names of parameters in braces. People walk by `plan`, by default
+    /// by the Trial's decision.toml, or not at all.
+    #[new]
+    fn new(
+        columns: Vec<(String, Vec<Bound<'_, PyAny>>)>,
+        grid: bool,
+        what: &str,
+        plan: Option<&str>,
+        walk: bool,
+    ) -> PyResult<Study> {
         let (mut kinds, mut all) = (Vec::new(), Vec::new());
         for (name, column) in columns {
             let (kind, column) = values(&name, &column)?;
@@ -79,7 +97,13 @@ impl Points {
         if points.count == 0 {
             return Err(wrong("there are no points"));
         }
-        Ok(Points { points, kinds })
+        let plan = match plan {
+            Some(text) => Plan::File(template(text, &points)?),
+            None if walk => Plan::Own,
+            None => Plan::None,
+        };
+        let models = Models::of(&points, &template(what, &points)?, &plan);
+        Ok(Study { models: models.map_err(|error| wrong(error.whole()))?, points, kinds })
     }
 
     /// The number of points.
@@ -94,23 +118,7 @@ impl Points {
         self.points.parameters.iter().map(|parameter| parameter.name.as_str()).collect()
     }
 
-    /// The values of a parameter at these points.
-    fn column<'py>(
-        &self,
-        py: Python<'py>,
-        column: usize,
-        points: Vec<usize>,
-    ) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        points.into_iter().map(|point| self.value(py, column, point)).collect()
-    }
-
-    /// The values of all parameters at a point.
-    fn values<'py>(&self, py: Python<'py>, point: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        (0..self.kinds.len()).map(|column| self.value(py, column, point)).collect()
-    }
-}
-
-impl Points {
+    /// The value of a parameter at a point.
     fn value<'py>(&self, py: Python<'py>, column: usize, point: usize) -> PyResult<Bound<'py, PyAny>> {
         let text = self.points.parameters[column].at(point);
         Ok(match self.kinds[column] {
@@ -119,41 +127,8 @@ impl Points {
             Kind::Text => text.into_pyobject(py)?.into_any(),
         })
     }
-}
 
-/// What the points of a sweep simulate.
-#[pyclass(frozen, module = "lemons_fmu._native")]
-pub struct Study {
-    points: Py<Points>,
-    models: Models,
-}
-
-/// A path with the names of parameters in braces. What is there as it is written has none.
-fn template(text: &str, points: &lemons_sweep::Points) -> PyResult<Template> {
-    let path = Path::new(text);
-    if path.symlink_metadata().is_ok() {
-        return Ok(Template::of_path(path));
-    }
-    Template::read(text, Path::new(""), points).map_err(wrong)
-}
-
-#[pymethods]
-impl Study {
-    /// Finds what is simulated: a Trial or the FMU of a crowd, whose path may contain names of parameters in braces. People
-    /// walk by `plan`, by default by the Trial's decision.toml, or not at all.
-    #[new]
-    fn new(points: Py<Points>, what: &str, plan: Option<&str>, walk: bool) -> PyResult<Study> {
-        let all = &points.get().points;
-        let plan = match plan {
-            Some(text) => Plan::File(template(text, all)?),
-            None if walk => Plan::Own,
-            None => Plan::None,
-        };
-        let models = Models::of(all, &template(what, all)?, &plan).map_err(|error| wrong(error.whole()))?;
-        Ok(Study { points, models })
-    }
-
-    /// Of each model its path, the path of its plan, and whether people walk.
+    /// Each model's path, the path of its plan, and whether people walk.
     fn models(&self) -> Vec<(PathBuf, Option<PathBuf>, bool)> {
         let all = self.models.all.iter();
         all.map(|(path, plan)| match plan {
@@ -170,41 +145,33 @@ impl Study {
 
     /// The places of parameters that are set: the others only choose a model.
     fn set(&self) -> Vec<usize> {
-        let columns = 0..self.points.get().points.parameters.len();
+        let columns = 0..self.points.parameters.len();
         columns.filter(|column| !self.models.only_chooses(*column)).collect()
     }
 
-    /// Checks that a model has all variables that are set.
-    fn check(&self, simulation: &Simulation) -> PyResult<()> {
-        let only_chooses = |column: usize| self.models.only_chooses(column);
-        let checked = check_parameters(&self.points.get().points, only_chooses, &simulation.simulation);
-        checked.map_err(|error| refused(error.whole()))
-    }
-
-    /// What must be equal to go on, as JSON: of a model, and of the points.
-    fn identity(&self, model: &Model, algorithm: &str, step: f64) -> PyResult<String> {
-        let algorithm = if algorithm == "jacobi" { Algorithm::Jacobi } else { Algorithm::GaussSeidel };
-        let own = identity::of_documents(&model.documents, algorithm, step)
-            .map_err(|error| wrong(error.whole()))?;
-        Ok(Value::Object(own).to_string())
+    /// Checks that a model has all variables that are set, that people can leave (without a time `until` \[s\]), and that
+    /// there are communication points. Returns what must be equal to go on, as JSON.
+    fn identity(&self, model: &Model, algorithm: &str, until: Option<f64>, step: f64) -> PyResult<String> {
+        let algorithm = algorithm_of(algorithm)?;
+        let simulation = lemons_sim::Simulation::new(model.documents.clone(), algorithm).map_err(refused)?;
+        let checked = check_parameters(&self.points, &self.models, &simulation);
+        checked.map_err(|error| refused(error.whole()))?;
+        if until.is_none() {
+            check_leaving(model.leaving())?;
+        }
+        Clock::new(0.0, step, until.unwrap_or(LATEST)).map_err(wrong)?;
+        let own = identity::of_documents(&model.documents, algorithm, step);
+        Ok(Value::Object(own.map_err(|error| wrong(error.whole()))?).to_string())
     }
 
     /// The same of all models together, by what is different in them; and of the points.
     fn identity_of_all(&self, each: Vec<String>) -> String {
-        let points = &self.points.get().points;
-        let mut all = Map::from_iter([("points".to_owned(), identity::of_points(points))]);
+        let mut all = Map::from_iter([("points".to_owned(), identity::of_points(&self.points))]);
         if each.len() > 1 {
-            all.extend(identity::of_models(points, &each, &self.models));
+            all.extend(identity::of_models(&self.points, &each, &self.models));
         }
         Value::Object(all).to_string()
     }
-}
-
-/// Checks that there are communication points until a time \[s\], or the latest one.
-#[pyfunction]
-#[pyo3(signature = (until, step))]
-pub fn check_clock(until: Option<f64>, step: f64) -> PyResult<()> {
-    Clock::new(0.0, step, until.unwrap_or(LATEST)).map(drop).map_err(wrong)
 }
 
 /// A finished point: its number, its measures by their names, or the message of its failure.
@@ -222,14 +189,15 @@ fn cannot(error: lemons_sweep::Error) -> PyErr {
 impl Table {
     /// Creates the table, or opens that of an unfinished sweep. `identity` is JSON.
     #[new]
-    fn new(path: PathBuf, identity: &str, points: &Points) -> PyResult<Table> {
+    fn new(path: PathBuf, identity: &str, study: &Study) -> PyResult<Table> {
         let identity: Map<String, Value> = serde_json::from_str(identity).map_err(wrong)?;
         // Opening a pipe would wait.
         if path.exists() && !path.is_file() {
             let text = format!("{}: is not a file; give the name of a table (.csv)", path.display());
             return Err(SweepError::new_err(text));
         }
-        lemons_sweep::Table::open(&path, &identity, &points.points, None).map(Some).map(Table).map_err(cannot)
+        let table = lemons_sweep::Table::open(&path, &identity, &study.points, None).map_err(cannot)?;
+        Ok(Table(Some(table)))
     }
 
     /// Names of the measures; None as long as no point has any.

@@ -1,7 +1,7 @@
 //! The walkable area that walls enclose.
 
 use crate::outlines::{Outline, Outlines};
-use crate::shapes::{Contour, Shape, contour, overlay, ring};
+use crate::shapes::{Contour, Shape, check, contour, overlay, ring};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use lemons_core::plane::{Bounds, Polygon, Ring, Vec2, convex_hull, segments_touch, vec2};
@@ -11,10 +11,6 @@ use lemons_core::trial::Wall;
 pub const MARGIN: f64 = 0.5;
 /// \[m\] Thickness that a wall inside the area gets: a polygon cannot have a line for a wall.
 pub const THICKNESS: f64 = 0.02;
-/// \[m\] A corner of a given area that is further away is a mistake; what is computed of it would be wrong.
-const FARTHEST: f64 = 1e6;
-/// More corners of a ring are a mistake.
-const MOST_CORNERS: usize = 10_000;
 /// \[1/m\] A calculated corner is given to one part in so many of a metre.
 const GRAINS: f64 = 1e6;
 
@@ -38,30 +34,22 @@ pub struct Area {
 /// Closed walls inside that nobody was in are holes. Open walls inside are taken out with a [`THICKNESS`].
 pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clone) -> Area {
     let Outlines { mut rings, open, mut joined } = Outlines::of(walls);
-    let mut said = Vec::new();
-    rings.retain(|ring| {
-        let simple = ring.ring.is_simple();
-        if !simple {
-            said.push(format!("{} crosses itself: it bounds no area", ring.name));
-        }
-        simple
-    });
-    // The smallest one first.
-    rings.sort_by(|a, b| a.ring.area().total_cmp(&b.ring.area()));
+    let crossing = rings.extract_if(.., |outline| !outline.ring.is_simple());
+    let mut said: Vec<String> =
+        crossing.map(|outline| format!("{} crosses itself: it bounds no area", outline.name)).collect();
     joined.retain(|outline| outline.ring.is_simple());
-    joined.sort_by(|a, b| a.ring.area().total_cmp(&b.ring.area()));
+    // The smallest one first.
+    for outlines in [&mut rings, &mut joined] {
+        outlines.sort_by(|a, b| a.ring.area().total_cmp(&b.ring.area()));
+    }
     let around = |outline: &Outline| positions.clone().all(|position| outline.ring.contains(position));
     let closed = rings.iter().position(&around);
-    let opened = || joined.iter().position(&around);
-    let outer = if let Some(place) = closed {
-        let ring = rings.remove(place);
-        said.push(format!("walkable area: inside of {}", ring.name));
-        ring
-    } else if let Some(place) = opened() {
-        let ring = joined.remove(place);
+    let found = closed.map(|place| rings.remove(place));
+    let opened = || joined.iter().position(&around).map(|place| joined.swap_remove(place));
+    let outer = if let Some(ring) = found.or_else(opened) {
         said.push(format!("walkable area: inside of {}", ring.described()));
         ring
-    } else if let Some(ring) = with_yards(&rings, &joined, positions.clone(), &mut said) {
+    } else if let Some(ring) = with_outside(&rings, &joined, positions.clone(), &mut said) {
         ring
     } else {
         said.push(format!(
@@ -124,15 +112,8 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
 pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Area, String> {
     let polygon = Polygon::from_wkt(wkt)?;
     let name = |k: usize| if k == 0 { "the outer ring".to_owned() } else { format!("hole {k}") };
-    let far = |ring: &Ring| ring.corners().iter().any(|p| !(p.x.abs() <= FARTHEST && p.y.abs() <= FARTHEST));
-    if let Some(k) = polygon.rings().position(far) {
-        return Err(format!("{} has a corner further than {FARTHEST:e} m from the origin", name(k)));
-    }
-    if let Some(k) = polygon.rings().position(|ring| ring.corners().len() > MOST_CORNERS) {
-        return Err(format!("{} has more than {MOST_CORNERS} corners", name(k)));
-    }
-    if let Some(k) = polygon.rings().position(|ring| !ring.is_simple()) {
-        return Err(format!("{} crosses itself or has no area", name(k)));
+    for (k, ring) in polygon.rings().enumerate() {
+        check(ring).map_err(|what| format!("{} {what}", name(k)))?;
     }
     let Polygon { outer, holes } = &polygon;
     for (k, hole) in holes.iter().enumerate() {
@@ -157,9 +138,9 @@ pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Ar
     Ok(Area { polygon, said: vec!["walkable area: the polygon given; walls are not looked at".into()] })
 }
 
-/// The rooms that people were in, and beside each opening the convex hull of where they were outside. `None` if
+/// Returns the rooms that people were in, and beside each opening the convex hull of where they were outside. `None` if
 /// nobody was in a room, or if this is not one polygon around everybody.
-fn with_yards(
+fn with_outside(
     rings: &[Outline],
     joined: &[Outline],
     positions: impl Iterator<Item = Vec2> + Clone,
@@ -168,37 +149,30 @@ fn with_yards(
     let peopled = |room: &&Outline| positions.clone().any(|position| room.ring.contains(position));
     let rooms: Vec<&Outline> = joined.iter().filter(peopled).collect();
     let bridges: Vec<(Vec2, Vec2)> = rooms.iter().flat_map(|room| room.bridges.iter().copied()).collect();
-    if bridges.is_empty() {
-        return None;
-    }
     let known = || rings.iter().chain(rooms.iter().copied());
-    let mut yards: Vec<Vec<Vec2>> = vec![Vec::new(); bridges.len()];
+    let mut beyond: Vec<Vec<Vec2>> = vec![Vec::new(); bridges.len()];
     for p in positions.clone().filter(|p| !known().any(|outline| outline.ring.contains(*p))) {
         let off = |&(a, b): &(Vec2, Vec2)| (p - (a + b) * 0.5).norm_squared();
         let nearest = (0..bridges.len()).min_by(|&a, &b| off(&bridges[a]).total_cmp(&off(&bridges[b])))?;
-        yards[nearest].extend(
-            [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| p + vec2(x, y) * MARGIN),
-        );
+        beyond[nearest].extend(Ring::around(Bounds { low: p, high: p }.grown(MARGIN)).corners());
     }
-    let mut shapes: Shape = rooms.iter().map(|room| counter_clockwise(&room.ring)).collect();
-    let mut beyond = 0;
-    for (mut yard, (a, b)) in yards.into_iter().zip(&bridges) {
-        if !yard.is_empty() {
-            yard.extend([*a, *b]);
-            shapes.push(convex_hull(yard).iter().map(|p| [p.x, p.y]).collect());
-            beyond += 1;
-        }
-    }
+    let hulls = beyond.into_iter().zip(&bridges).filter(|(places, _)| !places.is_empty());
+    let hulls = hulls.map(|(mut places, (a, b))| {
+        places.extend([*a, *b]);
+        convex_hull(places).iter().map(|p| [p.x, p.y]).collect()
+    });
+    let mut shapes: Shape = hulls.collect();
+    let openings = if shapes.len() == 1 { "the opening" } else { "each opening" };
+    shapes.splice(..0, rooms.iter().map(|room| counter_clockwise(&room.ring)));
     let union = overlay(&shapes, &Shape::new(), OverlayRule::Subject, FillRule::NonZero);
     let polygon = of_people(union, positions)?;
     let mut all: Vec<String> = rooms.iter().map(|room| room.described()).collect();
-    let openings = if beyond == 1 { "the opening" } else { "each opening" };
     all.push(format!("beyond {openings} the convex hull of where people were and {MARGIN} m more"));
     said.push(format!("walkable area: inside of {}", all.join("; ")));
     Some(Outline::new("the outline", polygon.outer))
 }
 
-/// The one polygon that has everybody in it.
+/// Returns the one polygon that has everybody in it.
 fn of_people(shapes: Vec<Shape>, mut positions: impl Iterator<Item = Vec2>) -> Option<Polygon> {
     let rounded = |contour: Contour| {
         let whole = |x: f64| libm::round(x * GRAINS) / GRAINS;
@@ -214,7 +188,7 @@ fn of_people(shapes: Vec<Shape>, mut positions: impl Iterator<Item = Vec2>) -> O
     (polygon.outer.is_simple() && positions.all(|p| polygon.contains(p))).then_some(polygon)
 }
 
-/// As the rule `NonZero` wants it.
+/// Returns a contour as the rule `NonZero` wants it.
 fn counter_clockwise(ring: &Ring) -> Contour {
     let mut corners = contour(ring);
     if ring.signed_area() < 0.0 {
@@ -223,13 +197,13 @@ fn counter_clockwise(ring: &Ring) -> Contour {
     corners
 }
 
-/// Whether part of a line may be in a polygon.
+/// Returns whether part of a line may be in a polygon.
 fn meets(polygon: &Polygon, a: Vec2, b: Vec2) -> bool {
     let touches = |ring: &Ring| ring.sides().any(|(c, d)| segments_touch(a, b, c, d));
     [(a + b) * 0.5, a, b].into_iter().any(|p| polygon.contains(p)) || polygon.rings().any(touches)
 }
 
-/// A polygon without walls; `None` if everybody is not in one piece then.
+/// Returns a polygon without walls; `None` if everybody is not in one piece then.
 fn parted(
     polygon: &Polygon,
     walls: &[(Vec2, Vec2)],
@@ -270,51 +244,62 @@ mod tests {
     }
 
     #[test]
-    fn a_room_with_pillars() {
-        let walls = [
-            square("pillar", 4.0, 4.0, 1.0),
-            square("room", 0.0, 0.0, 10.0),
-            square("in it", 4.25, 4.25, 0.5),
-        ];
-        let area = area(&walls, &[(1.0, 1.0), (9.0, 9.5)]);
-        assert_eq!(
-            area.polygon.to_wkt(),
-            "POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0), (4 4, 5 4, 5 5, 4 5, 4 4))"
-        );
-        assert_eq!(area.said, ["walkable area: inside of wall \"room\"", "wall \"pillar\" is taken out"]);
-    }
-
-    #[test]
-    fn the_smallest_ring_around_everybody() {
-        let walls = [
-            square("site", -5.0, -5.0, 30.0),
-            square("room", 0.0, 0.0, 10.0),
-            square("next", 12.0, 0.0, 5.0),
-        ];
-        assert!(
-            area(&walls, &[(1.0, 1.0)])
-                .polygon
-                .to_wkt()
-                .starts_with("POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0))")
-        );
-        let both = area(&walls, &[(1.0, 1.0), (13.0, 1.0)]);
-        assert_eq!(both.polygon.to_wkt(), "POLYGON ((-5 -5, 25 -5, 25 25, -5 25, -5 -5))");
-        assert_eq!(both.said.iter().filter(|text| text.contains("people inside and outside")).count(), 2);
-    }
-
-    #[test]
-    fn open_walls_have_a_box_around_them() {
-        let walls = [wall("long", &[(0.0, 0.0), (8.0, 0.0)]), square("pillar", 4.0, 1.0, 1.0)];
-        let area = area(&walls, &[(1.0, 2.0), (2.0, 3.5)]);
-        // The wall and the pillar are taken out.
-        let expected = "POLYGON ((-0.5 4, -0.5 -0.5, 8.5 -0.5, 8.5 4, -0.5 4), \
-            (-0.01 -0.01, -0.01 0.01, 8.01 0.01, 8.01 -0.01, -0.01 -0.01), (4 1, 4 2, 5 2, 5 1, 4 1))";
-        assert_eq!(area.polygon.to_wkt(), expected);
-        assert!(area.said[0].contains("bounding box"), "{:?}", area.said);
-        assert_eq!(
-            self::area(&[], &[(1.0, 2.0)]).polygon.to_wkt(),
-            "POLYGON ((0.5 1.5, 1.5 1.5, 1.5 2.5, 0.5 2.5, 0.5 1.5))"
-        );
+    fn closed_walls_are_rooms_and_pillars() {
+        let room = || square("room", 0.0, 0.0, 10.0);
+        let pillars = [square("pillar", 4.0, 4.0, 1.0), room(), square("in it", 4.25, 4.25, 0.5)];
+        let three = || [square("site", -5.0, -5.0, 30.0), room(), square("next", 12.0, 0.0, 5.0)];
+        let bow = wall("bow", &[(1.0, 1.0), (3.0, 3.0), (3.0, 1.0), (1.0, 3.0), (1.0, 1.0)]);
+        let thin = wall("thin", &[(5.0, 1.0), (7.0, 1.0), (5.0, 1.0)]);
+        let odd = [room(), bow, thin, square("niche", 0.0, 5.0, 1.0), square("through", 9.0, 5.0, 3.0)];
+        let whole = "POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0))";
+        for (walls, people, polygon, said) in [
+            (
+                &pillars[..],
+                &[(1.0, 1.0), (9.0, 9.5)][..],
+                "POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0), (4 4, 5 4, 5 5, 4 5, 4 4))",
+                &["walkable area: inside of wall \"room\"", "wall \"pillar\" is taken out"][..],
+            ),
+            // The smallest one around everybody.
+            (&three(), &[(1.0, 1.0)], whole, &["inside of wall \"room\""]),
+            (
+                &three(),
+                &[(1.0, 1.0), (13.0, 1.0)],
+                "POLYGON ((-5 -5, 25 -5, 25 25, -5 25, -5 -5))",
+                &["\"room\" has people inside and outside", "\"next\" has people inside and outside"],
+            ),
+            // What is no valid hole stays.
+            (
+                &odd,
+                &[(5.0, 5.0)],
+                whole,
+                &[
+                    "\"bow\" crosses itself",
+                    "\"thin\" crosses itself",
+                    "\"niche\" touches",
+                    "\"through\" touches",
+                ],
+            ),
+            (
+                &[],
+                &[(1.0, 2.0)],
+                "POLYGON ((0.5 1.5, 1.5 1.5, 1.5 2.5, 0.5 2.5, 0.5 1.5))",
+                &["bounding box"],
+            ),
+            // The wall and the pillar are taken out.
+            (
+                &[wall("long", &[(0.0, 0.0), (8.0, 0.0)]), square("pillar", 4.0, 1.0, 1.0)],
+                &[(1.0, 2.0), (2.0, 3.5)],
+                "POLYGON ((-0.5 4, -0.5 -0.5, 8.5 -0.5, 8.5 4, -0.5 4), (-0.01 -0.01, -0.01 0.01, 8.01 0.01, \
+                 8.01 -0.01, -0.01 -0.01), (4 1, 4 2, 5 2, 5 1, 4 1))",
+                &["bounding box"],
+            ),
+        ] {
+            let area = area(walls, people);
+            assert_eq!(area.polygon.to_wkt(), polygon);
+            for text in said {
+                assert!(area.said.iter().any(|said| said.contains(text)), "{text}: {:?}", area.said);
+            }
+        }
     }
 
     #[test]
@@ -342,7 +327,7 @@ mod tests {
         assert_eq!(inside(&gap, &[(1.0, 2.0), (4.1, 2.0)]), [true, false]);
     }
 
-    /// Whether points are in an area.
+    /// Returns whether points are in an area.
     fn inside(area: &Area, points: &[(f64, f64)]) -> Vec<bool> {
         points.iter().map(|&(x, y)| area.polygon.contains(vec2(x, y))).collect()
     }
@@ -403,21 +388,6 @@ mod tests {
         ] {
             let said = given_area(text, people()).unwrap_err();
             assert!(said.contains(expected), "{text}: {said}");
-        }
-    }
-
-    #[test]
-    fn what_is_no_valid_hole_stays() {
-        let room = square("room", 0.0, 0.0, 10.0);
-        let bow = wall("bow", &[(1.0, 1.0), (3.0, 3.0), (3.0, 1.0), (1.0, 3.0), (1.0, 1.0)]);
-        let thin = wall("thin", &[(5.0, 1.0), (7.0, 1.0), (5.0, 1.0)]);
-        let walls = [room, bow, thin, square("niche", 0.0, 5.0, 1.0), square("through", 9.0, 5.0, 3.0)];
-        let area = area(&walls, &[(5.0, 5.0)]);
-        assert_eq!(area.polygon.to_wkt(), "POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0))");
-        for text in
-            ["\"bow\" crosses itself", "\"thin\" crosses itself", "\"niche\" touches", "\"through\" touches"]
-        {
-            assert!(area.said.iter().any(|said| said.contains(text)), "{text}: {:?}", area.said);
         }
     }
 }

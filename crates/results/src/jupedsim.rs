@@ -48,9 +48,7 @@ fn fill(file: &Path, record: &Record, area: &Area, rate: f64, path: &Path) -> Re
     };
     let mut database = begin().map_err(cannot)?;
     let transaction = database.transaction().map_err(cannot)?;
-    let wkt = area.polygon.to_wkt();
-    let hash = hash(&wkt);
-    head(&transaction, area, (&wkt, hash), rate).map_err(cannot)?;
+    let hash = head(&transaction, area, rate).map_err(cannot)?;
     {
         let prepared = |text| transaction.prepare(text).map_err(cannot);
         let mut rows = prepared("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)")?;
@@ -73,19 +71,20 @@ fn fill(file: &Path, record: &Record, area: &Area, rate: f64, path: &Path) -> Re
     Ok(database.close().map_err(|(_, error)| cannot(error))?)
 }
 
-/// What stands before the rows.
-fn head(database: &Connection, area: &Area, (wkt, hash): (&str, i64), rate: f64) -> rusqlite::Result<()> {
+/// Writes what stands before the rows; returns the hash of the geometry.
+fn head(database: &Connection, area: &Area, rate: f64) -> rusqlite::Result<i64> {
+    let Bounds { low, high } = area.polygon.outer.bounds();
     let mut metadata = database.prepare("INSERT INTO metadata VALUES (?, ?)")?;
     metadata.execute(["version", "2"])?;
-    metadata.execute(["fps", &format!("{rate:?}")])?;
-    let Bounds { low, high } = area.polygon.outer.bounds();
-    let limits = [("xmin", low.x), ("xmax", high.x), ("ymin", low.y), ("ymax", high.y)];
-    for (key, value) in limits {
+    let numbers = [("fps", rate), ("xmin", low.x), ("xmax", high.x), ("ymin", low.y), ("ymax", high.y)];
+    for (key, value) in numbers {
         metadata.execute([key, &format!("{value:?}")])?;
     }
     metadata.execute(["walkable_area", &area.said.join("; ")])?;
+    let wkt = area.polygon.to_wkt();
+    let hash = hash(&wkt);
     database.execute("INSERT INTO geometry VALUES (?, ?)", params![hash, wkt])?;
-    Ok(())
+    Ok(hash)
 }
 
 /// FNV-1a: any number would do that tells geometries apart.

@@ -17,13 +17,16 @@ pub(crate) struct Outline {
 }
 
 impl Outline {
-    /// Without openings.
+    /// Makes one without openings.
     pub fn new(name: impl Into<String>, ring: Ring) -> Outline {
         Outline { ring, name: name.into(), bridges: Vec::new() }
     }
 
-    /// With its openings.
+    /// Returns its name, with its openings.
     pub fn described(&self) -> String {
+        if self.bridges.is_empty() {
+            return self.name.clone();
+        }
         let widths: Vec<String> =
             self.bridges.iter().map(|(a, b)| format!("{:.3}", (*b - *a).norm())).collect();
         let widths: Vec<&str> =
@@ -53,7 +56,7 @@ pub(crate) struct Outlines {
 #[derive(Clone)]
 struct Chain {
     corners: Vec<Vec2>,
-    /// Of the walls.
+    /// Ids of the walls.
     ids: Vec<String>,
 }
 

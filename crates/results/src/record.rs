@@ -1,7 +1,7 @@
 //! A recorded run that is read frame by frame, as often as needed.
 
 use crate::error::RecordError;
-use crate::run::{Frame, Run, numeric, order_of};
+use crate::run::{Frame, Run, numeric, order_of, sorted};
 use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::Trial;
 use std::path::{Path, PathBuf};
@@ -18,17 +18,11 @@ type Pass = dyn Fn(&mut Each<'_>) -> Result<Vec<String>, RecordError>;
 pub struct Record {
     source: PathBuf,
     pass: Rc<Pass>,
-    /// As the source has them.
-    own_ids: Vec<String>,
+    ids: Vec<String>,
     /// \[s\] of all frames.
     times: Vec<f64>,
-    /// In the first frame, in the order of the source.
     first: Vec<Motion>,
     contacts: bool,
-    /// Places of the agents in the source, if they are wanted in another order.
-    order: Option<Vec<usize>>,
-    ids: Vec<String>,
-    every: usize,
 }
 
 /// \[s\] Names of files hold nine decimals.
@@ -49,49 +43,35 @@ impl Record {
             contacts &= frame.interactions.is_some();
             Ok(())
         })?;
-        let source = source.to_owned();
-        Ok(Record {
-            source,
-            pass: Rc::new(pass),
-            own_ids: ids.clone(),
-            times,
-            first,
-            contacts,
-            order: None,
-            ids,
-            every: 1,
-        })
+        Ok(Record { source: source.to_owned(), pass: Rc::new(pass), ids, times, first, contacts })
     }
 
-    /// The file or directory that it is read from.
+    /// Returns the file or directory that it is read from.
     pub fn source(&self) -> &Path {
         &self.source
     }
 
-    /// Ids of the agents, as in `Agents.xml`.
+    /// Returns the Ids of the agents, as in `Agents.xml`.
     pub fn ids(&self) -> &[String] {
         &self.ids
     }
 
-    /// \[s\] Times of the frames; at least one.
+    /// Returns the times of the frames \[s\]; at least one.
     pub fn times(&self) -> impl ExactSizeIterator<Item = f64> + Clone {
-        self.times.iter().copied().step_by(self.every)
+        self.times.iter().copied()
     }
 
-    /// Everybody in the first frame.
-    pub fn first(&self) -> Vec<Motion> {
-        match &self.order {
-            Some(order) => order.iter().map(|&place| self.first[place]).collect(),
-            None => self.first.clone(),
-        }
+    /// Returns everybody in the first frame.
+    pub fn first(&self) -> &[Motion] {
+        &self.first
     }
 
-    /// Number of frames.
+    /// Returns the number of frames.
     pub fn frames(&self) -> usize {
-        self.times().len()
+        self.times.len()
     }
 
-    /// Whether all frames have contacts with their springs ([`Frame::interactions`]).
+    /// Returns whether all frames have contacts with their springs ([`Frame::interactions`]).
     pub fn contacts(&self) -> bool {
         self.contacts
     }
@@ -99,7 +79,15 @@ impl Record {
     /// Leaves only every `n`-th frame, beginning with the first.
     #[must_use]
     pub fn every(self, n: usize) -> Record {
-        Record { every: self.every * n.max(1), ..self }
+        let (pass, n) = (self.pass, n.max(1));
+        let times = self.times.into_iter().step_by(n).collect();
+        let pass = move |each: &mut Each<'_>| {
+            let mut places = 0_usize..;
+            pass(&mut |frame| {
+                if places.next().is_some_and(|place| place % n == 0) { each(frame) } else { Ok(()) }
+            })
+        };
+        Record { pass: Rc::new(pass), times, ..self }
     }
 
     /// Puts the agents in the order of a Trial.
@@ -107,18 +95,31 @@ impl Record {
     /// # Errors
     /// The agents are not those of the Trial.
     pub fn of_trial(self, trial: &Trial) -> Result<Record, RecordError> {
-        let order = order_of(&self.own_ids, trial, &self.source)?;
-        let ids = order.iter().map(|&place| self.own_ids[place].clone()).collect();
-        let order = (!order.iter().copied().eq(0..order.len())).then_some(order);
-        Ok(Record { order, ids, ..self })
+        let order = order_of(&self.ids, trial, &self.source)?;
+        if order.iter().copied().eq(0..self.ids.len()) {
+            return Ok(self);
+        }
+        let (pass, count) = (self.pass, self.ids.len());
+        let first = order.iter().map(|&place| self.first[place]).collect();
+        let ids = sorted(&self.ids, &order);
+        let source = self.source.clone();
+        let pass = move |each: &mut Each<'_>| {
+            let mut checked = |frame: Frame| match frame.agents.len() == count {
+                true => each(frame.sorted(&order)),
+                false => Err(changed(&source)),
+            };
+            let ids = pass(&mut checked)?;
+            if ids.len() == count { Ok(sorted(&ids, &order)) } else { Err(changed(&source)) }
+        };
+        Ok(Record { pass: Rc::new(pass), ids, first, ..self })
     }
 
-    /// The agents' Ids as numbers; `None` unless all are different whole numbers from 0 on.
+    /// Returns the agents' Ids as numbers; `None` unless all are different whole numbers from 0 on.
     pub fn numeric_ids(&self) -> Option<Vec<i64>> {
         numeric(&self.ids)
     }
 
-    /// Numbers of the agents: their Ids, or else their places, from 0.
+    /// Returns the numbers of the agents: their Ids, or else their places, from 0.
     pub fn numbers(&self) -> Vec<i64> {
         self.numeric_ids().unwrap_or_else(|| (0..self.ids.len() as i64).collect())
     }
@@ -131,24 +132,15 @@ impl Record {
         &self,
         mut what: impl FnMut(usize, Frame) -> Result<(), RecordError>,
     ) -> Result<(), RecordError> {
-        let changed = || RecordError::wrong(&self.source, "was changed while it was read");
         let mut read = 0;
         let ids = (self.pass)(&mut |frame| {
-            let k = read;
             read += 1;
-            if self.times.get(k) != Some(&frame.time) || frame.agents.len() != self.own_ids.len() {
-                return Err(changed());
+            if self.times.get(read - 1) != Some(&frame.time) || frame.agents.len() != self.ids.len() {
+                return Err(changed(&self.source));
             }
-            if k % self.every != 0 {
-                return Ok(());
-            }
-            let frame = match &self.order {
-                Some(order) => frame.sorted(order),
-                None => frame,
-            };
-            what(k / self.every, frame)
+            what(read - 1, frame)
         })?;
-        if read == self.times.len() && ids == self.own_ids { Ok(()) } else { Err(changed()) }
+        if read == self.times.len() && ids == self.ids { Ok(()) } else { Err(changed(&self.source)) }
     }
 
     /// Reads the frames with the wanted numbers into memory.
@@ -232,6 +224,10 @@ impl Record {
         })?;
         Ok(all)
     }
+}
+
+fn changed(source: &Path) -> RecordError {
+    RecordError::wrong(source, "was changed while it was read")
 }
 
 /// A run in memory, too.

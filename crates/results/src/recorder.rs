@@ -18,55 +18,49 @@ pub enum KeptFrames {
 #[derive(Debug)]
 pub struct Recorder {
     wanted: KeptFrames,
-    kept: Vec<Frame>,
-    /// The newest two that are not kept yet: the last ones may be wanted.
-    newest: Vec<Frame>,
+    /// The frames, and whether they are surely wanted; the newest two may still be.
+    frames: Vec<(Frame, bool)>,
 }
 
 impl Recorder {
-    /// A recorder without frames.
+    /// Makes a recorder without frames.
     pub fn new(wanted: KeptFrames) -> Recorder {
-        Recorder { wanted, kept: Vec::new(), newest: Vec::new() }
+        Recorder { wanted, frames: Vec::new() }
     }
 
     /// Adds the next frame.
     pub fn add(&mut self, frame: Frame) {
-        let KeptFrames::Around(asked) = &self.wanted else { return self.kept.push(frame) };
-        if self.kept.is_empty() && self.newest.is_empty() {
-            return self.kept.push(frame);
+        let Some((before, wanted)) = self.frames.last_mut() else {
+            return self.frames.push((frame, true));
+        };
+        let between = match &self.wanted {
+            KeptFrames::All => true,
+            KeptFrames::Around(asked) => {
+                asked.iter().any(|asked| before.time <= *asked && *asked < frame.time)
+            }
+        };
+        *wanted |= between;
+        self.frames.push((frame, between));
+        if let Some(place) = self.frames.len().checked_sub(3)
+            && !self.frames[place].1
+        {
+            self.frames.remove(place);
         }
-        // The frame before was the last one up to one of the times, this one is the first after it.
-        let before = self.newest.last().or(self.kept.last()).map_or(f64::NEG_INFINITY, |last| last.time);
-        if asked.iter().any(|asked| before <= *asked && *asked < frame.time) {
-            // Of the two, only the newer stands right before it.
-            self.kept.extend(self.newest.pop());
-            self.newest.clear();
-            self.kept.push(frame);
-            return;
-        }
-        if self.newest.len() == 2 {
-            self.newest.remove(0);
-        }
-        self.newest.push(frame);
     }
 
     /// Returns the frames that were kept, as a run of the agents with these Ids.
     ///
     /// # Errors
     /// No frame was added; the message names `source`.
-    pub fn finish(self, source: &Path, ids: Vec<String>) -> Result<Run, RecordError> {
-        let Recorder { wanted, kept: mut frames, mut newest } = self;
-        // After the last frame there is none: a time beyond it is between the last two.
-        if let (KeptFrames::Around(asked), Some(last)) = (&wanted, newest.last()) {
-            let beyond = asked.iter().any(|asked| *asked >= last.time);
-            if !beyond && newest.len() == 2 {
-                newest.remove(0);
-            }
-        }
-        frames.extend(newest);
-        if frames.is_empty() {
+    pub fn finish(mut self, source: &Path, ids: Vec<String>) -> Result<Run, RecordError> {
+        let Some((last, _)) = self.frames.pop() else {
             return Err(RecordError::wrong(source, "the run is empty: there is no frame"));
-        }
+        };
+        // After the last frame there is none: a time beyond it is between the last two.
+        let beyond = |asked: &Vec<f64>| asked.iter().any(|asked| *asked >= last.time);
+        let beyond = matches!(&self.wanted, KeptFrames::Around(asked) if beyond(asked));
+        self.frames.pop_if(|(_, wanted)| !(*wanted || beyond));
+        let frames = self.frames.into_iter().map(|(frame, _)| frame).chain([last]).collect();
         Ok(Run { source: source.to_owned(), ids, frames })
     }
 }
@@ -117,24 +111,11 @@ mod tests {
     #[test]
     fn frames_around_times_are_kept() {
         assert_eq!(kept(KeptFrames::All).len(), 10);
-        for asked in [
-            vec![],
-            vec![0.0],
-            vec![3.5],
-            vec![3.0],
-            vec![3.5, 4.5],
-            vec![9.0],
-            vec![8.5],
-            vec![20.0],
-            vec![-1.0],
-            vec![0.5, 7.2, 8.9],
-        ] {
-            assert_eq!(kept(KeptFrames::Around(asked.clone())), expected(&asked), "{asked:?}");
+        for asked in
+            [&[][..], &[0.0], &[3.5], &[3.0], &[3.5, 4.5], &[9.0], &[8.5], &[20.0], &[-1.0], &[0.5, 7.2, 8.9]]
+        {
+            assert_eq!(kept(KeptFrames::Around(asked.to_vec())), expected(asked), "{asked:?}");
         }
-    }
-
-    #[test]
-    fn an_empty_run_is_an_error() {
         let error = Recorder::new(KeptFrames::All).finish(Path::new("run"), Vec::new()).unwrap_err();
         assert!(error.to_string().contains("there is no frame"), "{error}");
     }

@@ -1,8 +1,8 @@
 //! What was recorded of a crowd.
 
-use crate::columns::{AgentRow, Groups, Quantity};
+use crate::columns::{Groups, Row};
 use crate::error::RecordError;
-use lemons_core::plane::Motion;
+use lemons_core::plane::{Motion, Pose, Twist, vec2};
 use lemons_core::trial::{Interactions, Trial};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -80,12 +80,12 @@ impl Run {
 }
 
 impl Frame {
-    /// Whether an agent is there. One who is not has a row, too: it stands where it was last, and touches nothing.
+    /// Returns whether an agent is there. One who is not has a row, too: it stands where it was last, and touches nothing.
     pub fn is_there(&self, place: usize) -> bool {
         self.active.as_ref().is_none_or(|active| active.get(place).copied().unwrap_or(true))
     }
 
-    /// Those who are there, with their places.
+    /// Returns those who are there, with their places.
     pub fn present(&self) -> impl Iterator<Item = (usize, &Motion)> + Clone {
         self.agents.iter().enumerate().filter(|(place, _)| self.is_there(*place))
     }
@@ -95,54 +95,90 @@ impl Frame {
     /// # Errors
     /// A sentence with a number that cannot be.
     pub fn of_values(time: f64, agents: usize, groups: Groups, values: &[f64]) -> Result<Frame, String> {
-        let mut values = values.iter().copied();
-        let mut rows = vec![AgentRow::default(); agents];
-        let mut set = |row: &mut AgentRow, quantity: &Quantity| {
-            let value = values.next().unwrap_or(f64::NAN);
-            let wrong = |must| format!("{}: {value:?} is not {must}", quantity.variable);
-            (quantity.field)(row).set_any(value).map_err(wrong)
-        };
-        for row in &mut rows {
-            groups.of_agent().try_for_each(|quantity| set(row, quantity))?;
-        }
-        if let Some(first) = rows.first_mut() {
-            groups.of_crowd().try_for_each(|quantity| set(first, quantity))?;
+        let mut rows = vec![Row::default(); agents];
+        for ((agent, place, quantity), &value) in groups.of_fmu(agents).zip(values) {
+            quantity
+                .check(value, true)
+                .map_err(|must| format!("{}: {value:?} is not {must}", quantity.variable))?;
+            if let Some(row) = rows.get_mut(agent.unwrap_or(0)) {
+                row[place] = value;
+            }
         }
         Ok(Frame { place: format!("t = {time:?} s"), ..Frame::of_rows(time, &rows, groups) })
     }
 
     /// Makes a frame of the rows of all agents, with these groups of columns.
-    pub(crate) fn of_rows(time: f64, rows: &[AgentRow], groups: Groups) -> Frame {
-        let totals = rows.first().map(|row| row.totals);
+    pub fn of_rows(time: f64, rows: &[Row], groups: Groups) -> Frame {
+        let motion = |&[x, y, vx, vy, orientation, angular_velocity, ..]: &Row| Motion {
+            pose: Pose { position: vec2(x, y), orientation },
+            twist: Twist { velocity: vec2(vx, vy), angular_velocity },
+        };
+        let observed = |row: &Row| Observed {
+            agent_contacts: row[6] as u32,
+            wall_contacts: row[7] as u32,
+            contacting_agents: row[8] as u32,
+            normal_force: row[9],
+            of_step: groups.of_step.then_some(OfStep {
+                mean_normal_force: row[10],
+                peak_normal_force: row[11],
+                peak_overlap: row[12],
+            }),
+        };
+        let totals = |row: &Row| Totals { agent_contacts: row[14] as u32, wall_contacts: row[15] as u32 };
         Frame {
             time,
-            agents: rows.iter().map(|row| row.motion).collect(),
-            observed: groups.contacts.then(|| rows.iter().map(|row| row.observed).collect()),
-            active: groups.active.then(|| rows.iter().map(|row| row.active).collect()),
-            totals: totals.filter(|_| groups.totals),
+            agents: rows.iter().map(motion).collect(),
+            observed: groups.contacts.then(|| rows.iter().map(observed).collect()),
+            active: groups.active.then(|| rows.iter().map(|row| row[13] != 0.0).collect()),
+            totals: rows.first().map(totals).filter(|_| groups.totals),
             ..Frame::default()
         }
     }
 
-    /// The row of an agent.
-    pub(crate) fn row(&self, place: usize) -> AgentRow {
-        AgentRow {
-            motion: self.agents[place],
-            observed: self.observed.as_ref().map(|all| all[place]).unwrap_or_default(),
-            active: self.is_there(place),
-            totals: self.totals.unwrap_or_default(),
-        }
+    /// Returns the row of an agent.
+    pub fn row(&self, place: usize) -> Row {
+        let Motion { pose: Pose { position, orientation }, twist } = self.agents[place];
+        let seen = self.observed.as_ref().map(|all| all[place]).unwrap_or_default();
+        let (step, totals) = (seen.of_step.unwrap_or_default(), self.totals.unwrap_or_default());
+        let counts = [seen.agent_contacts, seen.wall_contacts, seen.contacting_agents].map(f64::from);
+        let [x, y, vx, vy] = [position.x, position.y, twist.velocity.x, twist.velocity.y];
+        let [mean, peak, overlap] = [step.mean_normal_force, step.peak_normal_force, step.peak_overlap];
+        let [active, agents, walls] =
+            [self.is_there(place).into(), totals.agent_contacts, totals.wall_contacts].map(f64::from);
+        [
+            x,
+            y,
+            vx,
+            vy,
+            orientation,
+            twist.angular_velocity,
+            counts[0],
+            counts[1],
+            counts[2],
+            seen.normal_force,
+            mean,
+            peak,
+            overlap,
+            active,
+            agents,
+            walls,
+        ]
     }
 
-    /// With the agents of these places.
+    /// Returns the frame with the agents of these places.
     pub(crate) fn sorted(self, order: &[usize]) -> Frame {
         Frame {
-            agents: order.iter().map(|&place| self.agents[place]).collect(),
-            observed: self.observed.map(|all| order.iter().map(|&place| all[place]).collect()),
-            active: self.active.map(|all| order.iter().map(|&place| all[place]).collect()),
+            agents: sorted(&self.agents, order),
+            observed: self.observed.map(|all| sorted(&all, order)),
+            active: self.active.map(|all| sorted(&all, order)),
             ..self
         }
     }
+}
+
+/// Returns the values at these places.
+pub(crate) fn sorted<T: Clone>(values: &[T], order: &[usize]) -> Vec<T> {
+    order.iter().map(|&place| values[place].clone()).collect()
 }
 
 /// The places of a Trial's agents among these.

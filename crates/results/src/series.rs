@@ -1,7 +1,7 @@
 //! The paper's series of XML files, as an `OutputDirectory` holds it, and the Trial that goes on from its end.
 
 use crate::error::RecordError;
-use crate::record::{Each, Record};
+use crate::record::Record;
 use crate::run::{Frame, Observed};
 use crate::text::{files_of, own};
 use lemons_core::files::{Change, change_all};
@@ -10,12 +10,12 @@ use lemons_core::trial::{
 };
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const DYNAMICS: &str = "AgentDynamics output t=";
 const INTERACTIONS: &str = "AgentInteractions t=";
 
-/// What stands between a prefix and `.xml`.
+/// Returns the text between a prefix and `.xml`.
 fn time_of<'a>(name: &'a str, prefix: &str) -> Option<&'a str> {
     name.strip_prefix(prefix)?.strip_suffix(".xml")
 }
@@ -27,74 +27,61 @@ impl Record {
     /// # Errors
     /// The directory holds no such series, or one of its files is wrong; the message names the file and the line.
     pub fn series(directory: &Path, trial: &Trial) -> Result<Record, RecordError> {
-        let series = Series::open(directory, trial)?;
-        Record::new(directory, move |each| series.pass(each))
-    }
-}
-
-/// The files of a series.
-struct Series {
-    directory: PathBuf,
-    trial: Trial,
-    /// \[s\] with its text in the names.
-    times: Vec<(f64, String)>,
-    /// Texts of those times at which there were contacts, sorted.
-    contacts: Vec<String>,
-}
-
-impl Series {
-    fn open(directory: &Path, trial: &Trial) -> Result<Series, RecordError> {
-        let (mut times, mut contacts) = (Vec::new(), Vec::new());
-        directory.read_dir().map_err(|error| RecordError::Read { path: directory.to_owned(), error })?;
-        for name in series_in(directory)? {
-            if let Some(text) = time_of(&name, INTERACTIONS) {
-                contacts.push(text.to_owned());
-            } else if let Some(text) = time_of(&name, DYNAMICS) {
-                let time = text.parse::<f64>().ok().filter(|time| time.is_finite());
-                let message = "the name holds no time in seconds after \"t=\"";
-                let time = time.ok_or_else(|| RecordError::wrong(&directory.join(&name), message))?;
-                times.push((time, text.to_owned()));
+        let (directory, trial) = (directory.to_owned(), trial.clone());
+        let (times, contacts) = times_of(&directory)?;
+        Record::new(&directory.clone(), move |each| {
+            for (time, text) in &times {
+                let place = format!("{DYNAMICS}{text}.xml");
+                let interactions = if contacts.contains(text) {
+                    trial.read_interactions(&directory.join(format!("{INTERACTIONS}{text}.xml")))?
+                } else {
+                    Interactions::default()
+                };
+                let dynamics = trial.read_dynamics(&directory.join(&place))?;
+                let agents = dynamics.iter().map(AgentDynamics::motion).collect();
+                let observed = Some(observed(trial.agents.len(), &interactions));
+                let interactions = Some(interactions);
+                each(Frame { time: *time, agents, observed, interactions, place, ..Frame::default() })?;
             }
-        }
-        times.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
-        if times.is_empty() {
-            let message = format!("holds no series: no file is named {DYNAMICS:?}….xml");
-            return Err(RecordError::wrong(directory, message));
-        }
-        if let Some(pair) = times.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-            let path = directory.join(format!("{DYNAMICS}{}.xml", pair[1].1));
-            return Err(RecordError::wrong(&path, format!("t={} is the same time", pair[0].1)));
-        }
-        if let Some(alone) = contacts.iter().find(|text| times.iter().all(|(_, time)| time != *text)) {
-            let path = directory.join(format!("{INTERACTIONS}{alone}.xml"));
-            return Err(RecordError::wrong(
-                &path,
-                format!("there is no {:?} beside it", format!("{DYNAMICS}{alone}.xml")),
-            ));
-        }
-        Ok(Series { directory: directory.to_owned(), trial: trial.clone(), times, contacts })
-    }
-
-    fn pass(&self, each: &mut Each<'_>) -> Result<Vec<String>, RecordError> {
-        let Series { directory, trial, times, contacts } = self;
-        for (time, text) in times {
-            let place = format!("{DYNAMICS}{text}.xml");
-            let interactions = if contacts.binary_search(text).is_ok() {
-                trial.read_interactions(&directory.join(format!("{INTERACTIONS}{text}.xml")))?
-            } else {
-                Interactions::default()
-            };
-            let dynamics = trial.read_dynamics(&directory.join(&place))?;
-            let agents = dynamics.iter().map(AgentDynamics::motion).collect();
-            let observed = Some(observed(trial.agents.len(), &interactions));
-            let interactions = Some(interactions);
-            each(Frame { time: *time, agents, observed, interactions, place, ..Frame::default() })?;
-        }
-        Ok(trial.agents.iter().map(|agent| agent.id.clone()).collect())
+            Ok(trial.agents.iter().map(|agent| agent.id.clone()).collect())
+        })
     }
 }
 
-/// What contacts do to each of so many agents.
+/// Times \[s\] with their texts in the names of files.
+type Times = Vec<(f64, String)>;
+
+/// Finds the times of a series in a directory, and at which of them there were contacts.
+fn times_of(directory: &Path) -> Result<(Times, BTreeSet<String>), RecordError> {
+    let wrong = |name: &str, message: String| RecordError::wrong(&directory.join(name), message);
+    let (mut times, mut contacts) = (Vec::new(), BTreeSet::new());
+    directory.read_dir().map_err(|error| RecordError::Read { path: directory.to_owned(), error })?;
+    for name in series_in(directory)? {
+        if let Some(text) = time_of(&name, INTERACTIONS) {
+            contacts.insert(text.to_owned());
+        } else if let Some(text) = time_of(&name, DYNAMICS) {
+            let time = text.parse::<f64>().ok().filter(|time| time.is_finite());
+            let message = "the name holds no time in seconds after \"t=\"";
+            times.push((time.ok_or_else(|| wrong(&name, message.into()))?, text.to_owned()));
+        }
+    }
+    times.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
+    if times.is_empty() {
+        let message = format!("holds no series: no file is named {DYNAMICS:?}….xml");
+        return Err(RecordError::wrong(directory, message));
+    }
+    if let Some(pair) = times.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        let message = format!("t={} is the same time", pair[0].1);
+        return Err(wrong(&format!("{DYNAMICS}{}.xml", pair[1].1), message));
+    }
+    if let Some(alone) = contacts.iter().find(|text| times.iter().all(|(_, time)| time != *text)) {
+        let message = format!("there is no {:?} beside it", format!("{DYNAMICS}{alone}.xml"));
+        return Err(wrong(&format!("{INTERACTIONS}{alone}.xml"), message));
+    }
+    Ok((times, contacts))
+}
+
+/// Sums up the contacts of each of so many agents.
 fn observed(agents: usize, interactions: &Interactions) -> Vec<Observed> {
     let mut all = vec![Observed::default(); agents];
     let mut touching = BTreeSet::new();
@@ -169,28 +156,22 @@ pub fn series(record: &Record, trial: &Trial, directory: &Path) -> Result<(), Re
 /// The agents are not those of the Trial.
 pub fn trial_at_end(record: &Record, trial: &Trial) -> Result<Trial, RecordError> {
     let record = record.clone().of_trial(trial)?;
-    let last = record.read(|k| k + 1 == record.frames())?.frames.pop();
+    let last = record.read(|k| k + 1 == record.frames())?.frames.pop().unwrap_or_default();
     let mut trial = trial.clone();
-    if let Some(last) = last {
-        let moved = last.agents.iter().map(AgentDynamics::of).zip(&trial.dynamics);
-        trial.dynamics = moved
-            .map(|(now, was)| AgentDynamics {
-                theta: within_a_turn(now.theta),
-                fp: was.fp,
-                mp: was.mp,
-                ..now
-            })
-            .collect();
-        // A run in which people leave is a table, which has no springs: nothing names those who are taken out.
-        let (mut agent, mut motion) = (0.., 0..);
-        trial.agents.retain(|_| agent.next().is_some_and(|place| last.is_there(place)));
-        trial.dynamics.retain(|_| motion.next().is_some_and(|place| last.is_there(place)));
-        trial.interactions = last.interactions.unwrap_or_default();
-    }
+    let moved = |(motion, was): (_, &AgentDynamics)| {
+        let now = AgentDynamics::of(motion);
+        AgentDynamics { theta: within_a_turn(now.theta), fp: was.fp, mp: was.mp, ..now }
+    };
+    trial.dynamics = last.agents.iter().zip(&trial.dynamics).map(moved).collect();
+    // A run in which people leave is a table, which has no springs: nothing names those who are taken out.
+    let (mut agent, mut motion) = (0.., 0..);
+    trial.agents.retain(|_| agent.next().is_some_and(|place| last.is_there(place)));
+    trial.dynamics.retain(|_| motion.next().is_some_and(|place| last.is_there(place)));
+    trial.interactions = last.interactions.unwrap_or_default();
     Ok(trial)
 }
 
-/// The same orientation \[rad\], more than -π and at most π: in a run bodies turn on and on.
+/// Returns the same orientation \[rad\], more than -π and at most π: in a run bodies turn on and on.
 fn within_a_turn(theta: f64) -> f64 {
     if theta > -PI && theta <= PI {
         return theta;

@@ -5,6 +5,26 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
 use lemons_core::plane::{Ring, vec2};
 
+/// \[m\] From the origin. What is computed of points that are further away has rounding errors that are not seen.
+pub(crate) const FARTHEST: f64 = 1e6;
+/// More corners of a ring are a mistake.
+const MOST_CORNERS: usize = 10_000;
+
+/// Checks a ring that a user gives.
+///
+/// # Errors
+/// What is wrong with it.
+pub(crate) fn check(ring: &Ring) -> Result<(), String> {
+    // Before anything else: whether it is simple takes time.
+    if ring.corners().iter().any(|p| !(p.x.abs() <= FARTHEST && p.y.abs() <= FARTHEST)) {
+        return Err(format!("has a corner further than {FARTHEST:e} m from the origin"));
+    }
+    if ring.corners().len() > MOST_CORNERS {
+        return Err(format!("has more than {MOST_CORNERS} corners"));
+    }
+    if ring.is_simple() { Ok(()) } else { Err("crosses itself or has no area".into()) }
+}
+
 /// The corners of a ring \[m\].
 pub(crate) type Contour = Vec<[f64; 2]>;
 /// A polygon with holes: the first contour is its rim.

@@ -11,18 +11,18 @@ pub use format::{Content, Format};
 pub use write::{FrameWriter, TableWriter};
 
 use crate::error::RecordError;
-use crate::record::{Each, Record};
-use crate::run::Run;
+use crate::record::Record;
+use crate::run::{Frame, Run};
 use lemons_core::files::input;
 use rows::Stop;
 use std::fs::File;
-use std::io::{BufReader, Read, Seek};
+use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
 /// What a file of Parquet begins with.
 const PARQUET: &[u8; 4] = b"PAR1";
 
-/// What a build without the feature says.
+/// Message of a build without the feature.
 #[cfg(not(feature = "parquet"))]
 const NO_PARQUET: &str = "this build has no Parquet: build with --features parquet";
 
@@ -61,29 +61,38 @@ impl Record {
     /// As [`Record::table`], a table has other agents than the first, or it begins before the end of the
     /// one before.
     pub fn tables(paths: &[PathBuf]) -> Result<Record, RecordError> {
-        let tables = paths.iter().map(|path| Table::open(path)).collect::<Result<Vec<Table>, _>>()?;
+        let tables = paths.iter().map(|path| open(path).map(|file| (path.clone(), file)));
+        let tables = tables.collect::<Result<Vec<_>, _>>()?;
         let source = paths.first().cloned().unwrap_or_default();
         Record::new(&source, move |each| {
             let mut ids: Option<Vec<String>> = None;
             let mut end = f64::NEG_INFINITY;
-            for table in &tables {
+            for (path, (file, parquet)) in &tables {
                 let (before, mut first) = (end, true);
-                let own = table.pass(&mut |frame| {
+                let mut later = |frame: Frame| {
                     let time = frame.time;
                     if std::mem::take(&mut first) && time < before {
                         let message = format!(
                             "begins at t = {time:?} s, before the end of the table before it, t = {before:?} s"
                         );
-                        return Err(RecordError::wrong(&table.path, message));
+                        return Err(RecordError::wrong(path, message));
                     }
                     end = time;
                     if time > before { each(frame) } else { Ok(()) }
+                };
+                let mut file = file.try_clone().map_err(cannot_read(path))?;
+                file.rewind().map_err(cannot_read(path))?;
+                let read = if *parquet {
+                    read_parquet(file, &mut later)
+                } else {
+                    csv::read(BufReader::new(file), &mut later)
+                };
+                let own = read.map_err(|stop| match stop {
+                    Stop::Wrong(message) => RecordError::wrong(path, message),
+                    Stop::Error(error) => error,
                 })?;
                 if ids.get_or_insert_with(|| own.clone()) != &own {
-                    return Err(RecordError::wrong(
-                        &table.path,
-                        "its agents are not those of the first table",
-                    ));
+                    return Err(RecordError::wrong(path, "its agents are not those of the first table"));
                 }
             }
             Ok(ids.unwrap_or_default())
@@ -91,38 +100,22 @@ impl Record {
     }
 }
 
-/// A file that is read more than once.
-struct Table {
-    path: PathBuf,
-    file: File,
-    parquet: bool,
+fn cannot_read(path: &Path) -> impl FnOnce(io::Error) -> RecordError {
+    move |error| RecordError::Read { path: path.to_owned(), error }
 }
 
-impl Table {
-    fn open(path: &Path) -> Result<Table, RecordError> {
-        let cannot = |error| RecordError::Read { path: path.to_owned(), error };
-        let mut file = input::open(path).map_err(cannot)?;
-        let mut begin = Vec::new();
-        file.by_ref().take(PARQUET.len() as u64).read_to_end(&mut begin).map_err(cannot)?;
-        Ok(Table { path: path.to_owned(), file, parquet: begin == PARQUET })
-    }
-
-    fn pass(&self, each: &mut Each<'_>) -> Result<Vec<String>, RecordError> {
-        let again = (&self.file).rewind().and_then(|()| self.file.try_clone());
-        let file = again.map_err(|error| RecordError::Read { path: self.path.clone(), error })?;
-        let read =
-            if self.parquet { read_parquet(file, each) } else { csv::read(BufReader::new(file), each) };
-        read.map_err(|stop| match stop {
-            Stop::Wrong(message) => RecordError::wrong(&self.path, message),
-            Stop::Error(error) => error,
-        })
-    }
+/// Opens a file that is read more than once; with whether it is Parquet.
+fn open(path: &Path) -> Result<(File, bool), RecordError> {
+    let mut file = input::open(path).map_err(cannot_read(path))?;
+    let mut begin = Vec::new();
+    file.by_ref().take(PARQUET.len() as u64).read_to_end(&mut begin).map_err(cannot_read(path))?;
+    Ok((file, begin == PARQUET))
 }
 
 #[cfg(feature = "parquet")]
 use parquet::read as read_parquet;
 
 #[cfg(not(feature = "parquet"))]
-fn read_parquet(_: File, _: &mut Each<'_>) -> Result<Vec<String>, Stop> {
+fn read_parquet(_: File, _: &mut crate::record::Each<'_>) -> Result<Vec<String>, Stop> {
     Err(Stop::Wrong(NO_PARQUET.into()))
 }

@@ -14,9 +14,8 @@ use std::path::Path;
 pub fn pedpy(record: &Record, file: Staged, path: &Path) -> Result<(), RecordError> {
     let (rate, numbers) = (record.frame_rate()?, record.numbers());
     let mut out = BufWriter::new(file);
-    let cannot = WriteError::at(path);
     let head = writeln!(out, "# framerate: {rate:?} fps\n# id frame x/m y/m z/m");
-    head.map_err(cannot)?;
+    head.map_err(WriteError::at(path))?;
     record.each(|k, frame| {
         // Who has left has no more rows there.
         let written = frame.present().try_for_each(|(place, agent)| {
@@ -50,12 +49,9 @@ pub fn chaos(record: &Record, directory: &Path) -> Result<(), RecordError> {
     for (k, name) in names.iter().enumerate() {
         let path = directory.join(name);
         let mut out = BufWriter::new(Staged::beside(&path).map_err(WriteError::at(&path))?);
-        for (time, positions) in &frames {
-            if let Some(position) = positions[k] {
-                let written = writeln!(out, "{time:?},{:?},{:?},0.0", position.x, position.y);
-                written.map_err(WriteError::at(&path))?;
-            }
-        }
+        let mut rows = frames.iter().filter_map(|(time, positions)| Some((time, positions[k]?)));
+        let written = rows.try_for_each(|(time, p)| writeln!(out, "{time:?},{:?},{:?},0.0", p.x, p.y));
+        written.map_err(WriteError::at(&path))?;
         ended(out, &path)?;
     }
     Ok(())

@@ -71,7 +71,7 @@ impl Greatest {
 pub struct ExposureSum {
     /// \[s\] The length of these steps.
     duration: f64,
-    /// Of each agent: mean squeeze \[N\], peak squeeze \[N\], deepest overlap \[m\].
+    /// For each agent: mean squeeze \[N\], peak squeeze \[N\], deepest overlap \[m\].
     agents: Vec<[f64; 3]>,
 }
 

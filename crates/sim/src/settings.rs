@@ -59,31 +59,17 @@ impl<Q: Copy + Debug> Names<Q> {
     }
 
     /// Returns the variables that a name stands for; `None` if one of them is unknown.
-    pub(crate) fn find(&self, name: &str) -> Option<Vec<&Scalar<Q>>> {
-        named(name, |name| self.0.contains_key(name)).iter().map(|name| self.0.get(name)).collect()
+    fn find(&self, name: &str) -> Option<Vec<Scalar<Q>>> {
+        named(name, |name| self.0.contains_key(name)).iter().map(|name| self.0.get(name).cloned()).collect()
     }
 
     fn meant(&self, name: &str) -> Option<String> {
         meant(name, self.0.keys().cloned())
     }
-
-    /// Returns the names of the variables that a name stands for, with a prefix.
-    fn full(&self, prefix: &str, name: &str) -> Option<Vec<String>> {
-        Some(self.find(name)?.iter().map(|variable| format!("{prefix}.{}", variable.name)).collect())
-    }
-
-    /// Returns the elements that a name stands for; `None` if one is a text.
-    fn numbers(&self, name: &str) -> Option<Vec<(Q, usize)>> {
-        let number = |scalar: &&Scalar<Q>| {
-            let of = scalar.variable;
-            (of.kind != Kind::String).then_some((of.quantity, scalar.element))
-        };
-        self.find(name)?.iter().map(number).collect()
-    }
 }
 
 /// Sets variables of a model, which is not initialized, to the value that a text means.
-fn set<M: Model>(model: &mut M, scalars: &[&Scalar<M::Quantity>], text: &str) -> Result<(), SimError> {
+fn set<M: Model>(model: &mut M, scalars: &[Scalar<M::Quantity>], text: &str) -> Result<(), SimError> {
     let Some(first) = scalars.first() else { return Ok(()) };
     let wrong =
         |why: &str| SimError::Value { name: first.name.clone(), text: text.to_owned(), why: why.into() };
@@ -110,34 +96,47 @@ fn set<M: Model>(model: &mut M, scalars: &[&Scalar<M::Quantity>], text: &str) ->
     Ok(())
 }
 
-/// Whose variable a name means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Of {
-    Crowd,
-    Decision,
-    /// A parameter of people that both have: the same people's.
-    Both,
+/// The meaning of a name: variables of the crowd, of Decision, or parameters of people that both have.
+struct Meaning {
+    crowd: Vec<Scalar<Quantity>>,
+    decision: Vec<Scalar<decision::Quantity>>,
+}
+
+impl Meaning {
+    /// Returns the first input among these variables.
+    fn input(&self) -> Option<&str> {
+        let crowd = self.crowd.iter().map(|scalar| (scalar.variable.role, &scalar.name));
+        let decision = self.decision.iter().map(|scalar| (scalar.variable.role, &scalar.name));
+        crowd.chain(decision).find(|(role, _)| *role == Role::Input).map(|(_, name)| name.as_str())
+    }
 }
 
 impl Simulation {
-    /// Returns whose variable a name means, and its name there.
-    pub(crate) fn meaning<'a>(&self, name: &'a str) -> (Of, &'a str) {
-        let Some(decision) = &self.decision_names else {
-            return (Of::Crowd, within(CROWD, name).unwrap_or(name));
-        };
-        if let Some(name) = within(CROWD, name) {
-            return (Of::Crowd, name);
+    /// Returns what a name means.
+    ///
+    /// # Errors
+    /// There is no such variable: the name that is probably meant, if any.
+    fn meaning(&self, name: &str) -> Result<Meaning, Option<String>> {
+        let of_crowd = within(CROWD, name);
+        let of_decision = self.decision_names.as_ref().zip(within(DECISION, name));
+        let variable = of_crowd.or(of_decision.map(|(_, variable)| variable)).unwrap_or(name);
+        let crowd = self.crowd_names.find(variable);
+        let decision = self.decision_names.as_ref().and_then(|names| names.find(variable));
+        let prefixed = |meant: Option<String>| Some(name.strip_suffix(variable)?.to_owned() + &meant?);
+        match (of_decision, crowd, decision) {
+            (Some(_), _, Some(decision)) => Ok(Meaning { crowd: Vec::new(), decision }),
+            (Some(_), Some(_), None) => Err(Some(format!("{CROWD}.{variable}"))),
+            (Some((names, _)), None, None) => Err(prefixed(names.meant(variable))),
+            (None, Some(crowd), decision) => {
+                // What only Decision has needs its prefix: the crowd may get such a variable later.
+                let both = of_crowd.is_none() && name.starts_with("agent[");
+                let decision = decision.unwrap_or_default();
+                let both = both && decision.iter().all(|of| of.variable.role == Role::Parameter);
+                Ok(Meaning { crowd, decision: if both { decision } else { Vec::new() } })
+            }
+            (None, None, Some(_)) => Err(Some(format!("{DECISION}.{variable}"))),
+            (None, None, None) => Err(prefixed(self.crowd_names.meant(variable))),
         }
-        if let Some(name) = within(DECISION, name) {
-            return (Of::Decision, name);
-        }
-        let both = name.starts_with("agent[")
-            && decision
-                .find(name)
-                .is_some_and(|found| found.iter().all(|of| of.variable.role == Role::Parameter));
-        // What only Decision has needs its prefix: the crowd may get such a variable later.
-        let both = both && self.crowd_names.find(name).is_some();
-        (if both { Of::Both } else { Of::Crowd }, name)
     }
 
     /// Sets a parameter or a start value, before [`Simulation::begin`]: `Threads`, `agent[*].Mass`,
@@ -147,49 +146,19 @@ impl Simulation {
     /// # Errors
     /// There is no such variable, it is computed, or the text is no value of it.
     pub fn set(&mut self, name: &str, text: &str) -> Result<Option<String>, SimError> {
-        let (of, variable) = self.meaning(name);
-        let crowd = if of == Of::Decision { None } else { Some(self.crowd_names.find(variable)) };
-        let decision = if of == Of::Crowd { None } else { self.decision_names.as_ref() };
-        let decision = decision.map(|names| names.find(variable));
-        if crowd == Some(None) || decision == Some(None) {
-            let meant = self.meant(of, name, variable);
-            return Err(SimError::Unknown { name: name.to_owned(), text: text.to_owned(), meant });
-        }
-        let mut overwritten = None;
-        if let Some(scalars) = crowd.flatten() {
-            set(&mut self.crowd, &scalars, text)?;
-            for Scalar { variable, element, .. } in &scalars {
-                match variable.quantity {
-                    Quantity::Fp => self.crowd.keep_drive_from(element / 2),
-                    Quantity::Mp => self.crowd.keep_drive_from(*element),
-                    _ => {}
-                }
+        let unknown = |meant| SimError::Unknown { name: name.to_owned(), text: text.to_owned(), meant };
+        let meaning = self.meaning(name).map_err(unknown)?;
+        set(&mut self.crowd, &meaning.crowd, text)?;
+        for Scalar { variable, element, .. } in &meaning.crowd {
+            match variable.quantity {
+                Quantity::Fp => self.crowd.keep_drive_from(element / 2),
+                Quantity::Mp => self.crowd.keep_drive_from(*element),
+                _ => {}
             }
-            let fed = scalars.iter().find(|scalar| scalar.variable.role == Role::Input);
-            overwritten = fed.filter(|_| self.decision.is_some()).map(|scalar| scalar.name.clone());
         }
-        if let (Some(scalars), Some(decision)) = (decision.flatten(), &mut self.decision) {
-            set(decision, &scalars, text)?;
-            let fed = scalars.iter().find(|scalar| scalar.variable.role == Role::Input);
-            overwritten = overwritten.or(fed.map(|scalar| scalar.name.clone()));
-        }
-        Ok(overwritten)
-    }
-
-    /// Returns the name that was probably meant: the same with the prefix of who has it, or one that is spelt alike.
-    fn meant(&self, of: Of, name: &str, variable: &str) -> Option<String> {
-        let decision = self.decision_names.as_ref();
-        if of == Of::Crowd && decision.is_some_and(|names| names.find(variable).is_some()) {
-            return Some(format!("{DECISION}.{variable}"));
-        }
-        if of == Of::Decision && self.crowd_names.find(variable).is_some() {
-            return Some(format!("{CROWD}.{variable}"));
-        }
-        let meant = match (of, decision) {
-            (Of::Decision, Some(names)) => names.meant(variable),
-            _ => self.crowd_names.meant(variable),
-        };
-        Some(name.strip_suffix(variable)?.to_owned() + &meant?)
+        let Some(decision) = &mut self.decision else { return Ok(None) };
+        set(decision, &meaning.decision, text)?;
+        Ok(meaning.input().map(str::to_owned))
     }
 
     /// Returns the full names of the variables that a name sets: `crowd.agent[0].Mass`.
@@ -197,15 +166,9 @@ impl Simulation {
     /// # Errors
     /// There is no such variable: the name that is probably meant, if any.
     pub fn resolve(&self, name: &str) -> Result<Vec<String>, Option<String>> {
-        let (of, variable) = self.meaning(name);
-        let crowd =
-            if of == Of::Decision { Some(Vec::new()) } else { self.crowd_names.full(CROWD, variable) };
-        let decision = self.decision_names.as_ref().filter(|_| of != Of::Crowd);
-        let decision = decision.map_or(Some(Vec::new()), |names| names.full(DECISION, variable));
-        match (crowd, decision) {
-            (Some(crowd), Some(decision)) => Ok([crowd, decision].concat()),
-            _ => Err(self.meant(of, name, variable)),
-        }
+        let Meaning { crowd, decision } = self.meaning(name)?;
+        let crowd = crowd.iter().map(|scalar| format!("{CROWD}.{}", scalar.name));
+        Ok(crowd.chain(decision.iter().map(|scalar| format!("{DECISION}.{}", scalar.name))).collect())
     }
 
     /// Returns parameters of people that differ between crowd and Decision: for each quantity the name of the first of
@@ -252,29 +215,18 @@ impl Simulation {
     /// # Errors
     /// There is no such variable, or Decision cannot compute it.
     pub fn value(&mut self, name: &str) -> Result<Value, SimError> {
-        let (of, variable) = self.meaning(name);
-        if of == Of::Decision {
-            let names = self.decision_names.as_ref();
-            let found = names.and_then(|names| Some((*names.find(variable)?.first()?).clone()));
-            if let (Some(found), Some(decision)) = (found, &mut self.decision) {
-                return Ok(value(decision, &found)?);
-            }
-        } else if let Some(found) =
-            self.crowd_names.find(variable).and_then(|found| found.first().copied()).cloned()
-        {
-            return Ok(value(&mut self.crowd, &found)?);
+        let unknown = |meant| SimError::NoVariable { name: name.to_owned(), meant };
+        let Meaning { crowd, decision } = self.meaning(name).map_err(unknown)?;
+        match (crowd.first(), decision.first(), &mut self.decision) {
+            (Some(found), ..) => Ok(value(&mut self.crowd, found)?),
+            (None, Some(found), Some(decision)) => Ok(value(decision, found)?),
+            _ => Err(unknown(None)),
         }
-        let (name, meant) = (name.to_owned(), self.meant(of, name, variable));
-        Err(SimError::NoVariable { name, meant })
     }
 
     /// Returns whether a variable, by its full name, is an input that crowd and Decision feed each other.
     pub fn is_fed(&self, full: &str) -> bool {
-        let of = |prefix| within(prefix, full);
-        let Some(decision) = &self.decision_names else { return false };
-        let crowd = of(CROWD).and_then(|name| self.crowd_names.0.get(name)).map(|of| of.variable.role);
-        let decision = of(DECISION).and_then(|name| decision.0.get(name)).map(|of| of.variable.role);
-        crowd == Some(Role::Input) || decision == Some(Role::Input)
+        self.walks() && self.meaning(full).is_ok_and(|meaning| meaning.input().is_some())
     }
 
     /// Finds variables that are read together, in an order: of people whom both have, those of the crowd.
@@ -284,20 +236,16 @@ impl Simulation {
     pub fn select(&self, names: &[String]) -> Result<Selection, (String, Option<String>)> {
         let mut all = Vec::new();
         for name in names {
-            let (of, variable) = self.meaning(name);
-            let found = match (of, &self.decision_names) {
-                (Of::Decision, Some(names)) => names.numbers(variable).map(|found| {
-                    all.extend(
-                        found.into_iter().map(|(quantity, element)| Selected::Decision(quantity, element)),
-                    );
-                }),
-                _ => self.crowd_names.numbers(variable).map(|found| {
-                    all.extend(
-                        found.into_iter().map(|(quantity, element)| Selected::Crowd(quantity, element)),
-                    );
-                }),
-            };
-            found.ok_or_else(|| (name.clone(), self.meant(of, name, variable)))?;
+            let Meaning { crowd, decision } = self.meaning(name).map_err(|meant| (name.clone(), meant))?;
+            let texts = |kind: Kind| kind == Kind::String;
+            let decision = if crowd.is_empty() { decision } else { Vec::new() };
+            if crowd.iter().any(|of| texts(of.variable.kind))
+                || decision.iter().any(|of| texts(of.variable.kind))
+            {
+                return Err((name.clone(), None));
+            }
+            all.extend(crowd.iter().map(|of| Selected::Crowd(of.variable.quantity, of.element)));
+            all.extend(decision.iter().map(|of| Selected::Decision(of.variable.quantity, of.element)));
         }
         Ok(Selection(all))
     }

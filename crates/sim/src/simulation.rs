@@ -27,7 +27,8 @@ pub struct Documents {
 }
 
 /// In which order crowd and Decision exchange values and step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Algorithm {
     /// Both use the values of the last communication point.
     #[default]

@@ -1,26 +1,26 @@
 //! The measures of a point while it runs.
 
 use crate::error::{Error, Result};
-use crate::loaded::{LoadedModel, Reads};
 use crate::measure::Measure;
 use crate::measure::area::InArea;
-use crate::measure::line::LineAccumulator;
-use crate::measure::output::OutputAccumulator;
-use crate::measure::squeeze::SqueezeAccumulator;
-use crate::output::Reading;
+use crate::measure::line::OverLine;
+use crate::measure::output::{OfOutput, Statistics};
+use crate::measure::squeeze::OfSqueeze;
+use crate::output::{Reading, agents_named};
 use crate::places::Places;
 use crate::spec::Spec;
 use lemons_core::plane::Vec2;
-use lemons_core::trial::Wall;
+use lemons_core::trial::Trial;
 use lemons_results::Frame;
-use lemons_results::measure::Density;
+use lemons_results::measure::{Density, Exposure, MeasuringArea, Passages, squeeze};
 use lemons_sim::Simulation;
 use std::collections::HashMap;
 
 /// All measures of a point.
 pub struct Accumulators<'a> {
     places: &'a Places,
-    of_each: Vec<Accumulator<'a>>,
+    people: usize,
+    of_each: Vec<(&'a Measure, Accumulator<'a>)>,
     /// Whether a measure needs to know where people could be, which is known at the end.
     needs_room: bool,
     /// Frames in which areas are measured at the end.
@@ -30,46 +30,63 @@ pub struct Accumulators<'a> {
 }
 
 enum Accumulator<'a> {
-    Output(OutputAccumulator<'a>, &'a Reading),
-    Line(LineAccumulator<'a>),
-    Area(&'a InArea, Vec<Density>),
-    /// What is measured at the end, in the frames that are kept.
-    AreaOfRoom(&'a InArea),
-    Squeeze(SqueezeAccumulator<'a>),
+    Output(&'a OfOutput, Reading, Vec<Statistics>),
+    /// With the width \[m\].
+    Line(&'a OverLine, Passages, f64),
+    /// Without densities where it needs the room: they are measured at the end, in the frames that are kept.
+    Area(&'a InArea, &'a MeasuringArea, Vec<Density>),
+    /// And the places of the agents that count.
+    Squeeze(&'a OfSqueeze, Vec<usize>, Exposure),
 }
 
 impl<'a> Accumulators<'a> {
-    /// Before the point begins.
+    /// Begins, before a point of a simulation of this Trial.
     ///
     /// # Errors
-    /// Its parameters are no possible width.
-    pub fn begin(spec: &'a Spec, model: &'a LoadedModel, point: usize) -> Result<Accumulators<'a>> {
-        let (people, places) = (model.documents.trial.agents.len(), &spec.places);
-        let begin = |((_, measure), reads): (&'a (String, Measure), &'a Reads)| {
-            Ok(match (measure, reads) {
-                (Measure::Output(of), Reads::Output(reading)) => {
-                    Accumulator::Output(OutputAccumulator::new(of), reading)
+    /// There is no such variable or agent, or something of a measure is missing; the message names it.
+    pub fn begin(
+        spec: &'a Spec,
+        trial: &Trial,
+        simulation: &Simulation,
+        point: usize,
+    ) -> Result<Accumulators<'a>> {
+        let (places, people) = (&spec.places, trial.agents.len());
+        let begin = |measure: &'a Measure| -> Result<Accumulator<'a>, String> {
+            Ok(match measure {
+                Measure::Output(of) => {
+                    let reading = of.of.reading(simulation, trial, &of.agents)?;
+                    of.check(reading.values())?;
+                    Accumulator::Output(of, reading, Vec::new())
                 }
-                (Measure::Squeeze(of), Reads::Agents(agents)) => {
-                    Accumulator::Squeeze(SqueezeAccumulator::new(of, agents))
+                Measure::Line(of) => {
+                    let line = places.line(&of.line)?;
+                    let width = of.width_at(point, line, &spec.points)?;
+                    Accumulator::Line(of, Passages::over(line, people), width)
                 }
-                (Measure::Line(of), _) => {
-                    Accumulator::Line(LineAccumulator::new(of, places, &spec.points, point, people)?)
-                }
-                (Measure::Area(of), _) if of.needs_room() => Accumulator::AreaOfRoom(of),
-                (Measure::Area(of), _) => Accumulator::Area(of, Vec::new()),
-                (Measure::Output(_) | Measure::Squeeze(_), _) => {
-                    unreachable!("a loaded model reads what is measured")
+                Measure::Area(of) => Accumulator::Area(of, places.area(&of.area)?, Vec::new()),
+                Measure::Squeeze(of) => {
+                    let agents = agents_named(trial, &of.agents)?;
+                    of.check(agents.len())?;
+                    let exposure = of.begin(agents.len());
+                    Accumulator::Squeeze(of, agents, exposure)
                 }
             })
         };
-        let of_each =
-            spec.measures.iter().zip(&model.measures).map(begin).collect::<Result<Vec<_>, String>>();
-        let of_each = of_each.map_err(Error::Spec)?;
-        let of_room = of_each.iter().any(|of| matches!(of, Accumulator::AreaOfRoom(_)));
-        // Nobody may be outside of what is walkable.
-        let needs_room = of_room || places.walkable.is_some();
-        Ok(Accumulators { places, of_each, needs_room, frames: Vec::new(), positions: Vec::new() })
+        let of_each = spec.measures.iter().map(|(name, measure)| {
+            let begun = begin(measure).map_err(|what| Error::Spec(format!("measures: {name}: {what}")));
+            Ok((measure, begun?))
+        });
+        let of_room =
+            |(_, measure): &(String, Measure)| matches!(measure, Measure::Area(of) if of.needs_room());
+        Ok(Accumulators {
+            places,
+            people,
+            of_each: of_each.collect::<Result<_>>()?,
+            // Nobody may be outside of what is walkable.
+            needs_room: spec.measures.iter().any(of_room) || places.walkable.is_some(),
+            frames: Vec::new(),
+            positions: Vec::new(),
+        })
     }
 
     /// Adds a communication point.
@@ -77,17 +94,18 @@ impl<'a> Accumulators<'a> {
     /// # Errors
     /// A variable cannot be read.
     pub fn add(&mut self, simulation: &mut Simulation, frame: Frame) -> Result<()> {
-        let mut kept = false;
-        for accumulator in &mut self.of_each {
+        let (mut kept, time) = (false, frame.time);
+        for (_, accumulator) in self.of_each.iter_mut().filter(|(measure, _)| measure.counts(time)) {
             match accumulator {
-                Accumulator::Output(of, reading) => of.add(frame.time, &reading.read(simulation, &frame)?),
-                Accumulator::Line(of) => of.add(&frame),
-                Accumulator::Squeeze(of) => of.add(&frame),
-                Accumulator::Area(of, seen) if of.span().has(frame.time) => {
-                    seen.push(self.places.area(&of.area).map_err(Error::Spec)?.measure(&frame, None));
+                Accumulator::Output(of, reading, agents) => {
+                    of.add(agents, time, &reading.read(simulation, &frame)?);
                 }
-                Accumulator::AreaOfRoom(of) => kept |= of.span().has(frame.time),
-                Accumulator::Area(..) => {}
+                Accumulator::Line(_, passages, _) => passages.add(&frame),
+                Accumulator::Area(of, ..) if of.needs_room() => kept = true,
+                Accumulator::Area(_, area, seen) => seen.push(area.measure(&frame, None)),
+                Accumulator::Squeeze(_, agents, exposure) => {
+                    exposure.add(time, agents.iter().map(|agent| squeeze(&frame, *agent)));
+                }
             }
         }
         if self.needs_room {
@@ -99,27 +117,25 @@ impl<'a> Accumulators<'a> {
         Ok(())
     }
 
-    /// Returns the measures of the point, within these walls.
+    /// Returns the measures of the point of this Trial.
     ///
     /// # Errors
     /// Somebody was outside of the given walkable area.
-    pub fn finish(self, walls: &[Wall]) -> Result<Vec<Option<f64>>, String> {
-        let Accumulators { places, of_each, needs_room, frames, positions } = self;
-        let room = needs_room.then(|| places.room(walls, &positions)).transpose()?;
+    pub fn finish(self, trial: &Trial) -> Result<Vec<Option<f64>>, String> {
+        let Accumulators { places, people, of_each, needs_room, frames, positions } = self;
+        let room = needs_room.then(|| places.room(&trial.geometry.walls, &positions)).transpose()?;
         let mut densities: HashMap<&str, Vec<Density>> = HashMap::new();
-        let values = of_each.into_iter().map(|accumulator| {
-            Ok(match accumulator {
-                Accumulator::Output(of, _) => of.value(),
-                Accumulator::Line(of) => of.value(),
-                Accumulator::Squeeze(of) => of.value(),
-                Accumulator::Area(of, seen) => of.value(&seen),
-                Accumulator::AreaOfRoom(of) => {
-                    let area = places.area(&of.area)?;
-                    let all = || frames.iter().map(|frame| area.measure(frame, room.as_ref())).collect();
-                    of.value(densities.entry(&of.area).or_insert_with(all))
-                }
-            })
+        let values = of_each.into_iter().map(|(measure, accumulator)| match accumulator {
+            Accumulator::Output(of, _, agents) => of.value(&agents),
+            Accumulator::Line(of, passages, width) => of.value(&passages, width, people),
+            Accumulator::Area(of, area, _) if of.needs_room() => {
+                let all = || frames.iter().map(|frame| area.measure(frame, room.as_ref())).collect();
+                let seen = &*densities.entry(&of.area).or_insert_with(all);
+                of.value(seen.iter().filter(|seen| measure.counts(seen.time)))
+            }
+            Accumulator::Area(of, _, seen) => of.value(seen.iter()),
+            Accumulator::Squeeze(of, _, exposure) => of.value(exposure),
         });
-        values.collect()
+        Ok(values.collect())
     }
 }

@@ -81,7 +81,7 @@ fn range(from: f64, to: f64, count: u32, spacing: Spacing) -> Result<Vec<f64>, S
     Ok((0..count).map(value).collect())
 }
 
-/// All of them from one to another.
+/// Returns all whole numbers from one to another.
 fn whole_numbers(from: f64, to: f64, spacing: Spacing) -> Result<Vec<String>, String> {
     check_finite(from, to)?;
     let is_whole = |value: f64| value.fract() == 0.0 && value.abs() < 2f64.powi(53);

@@ -1,7 +1,6 @@
 //! What can go wrong with a sweep.
 
 use std::io;
-use std::path::PathBuf;
 
 /// The result of what this crate does.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -41,27 +40,9 @@ pub enum Error {
     /// A point cannot be simulated.
     #[error(transparent)]
     Simulation(#[from] lemons_sim::SimError),
-    /// Another process writes the table.
-    #[error("{}: another process writes its results here", .0.display())]
-    Busy(PathBuf),
-    /// The file is not the table of a sweep.
-    #[error("{} is there, and is not the table of a sweep; give another file: -o", .0.display())]
-    NoSweep(PathBuf),
-    /// The table is that of another sweep.
-    #[error(
-        "{} is the table of another sweep: it differs in {}; give another file, or remove this one",
-        table.display(),
-        keys.join(", ")
-    )]
-    OtherSweep {
-        /// The file.
-        table: PathBuf,
-        /// What differs.
-        keys: Vec<String>,
-    },
-    /// The table is damaged, or of other points.
+    /// A file is not the table of this sweep, is damaged, or another process writes it.
     #[error("{0}")]
-    Damaged(String),
+    Table(String),
     /// A fault in this program.
     #[error("a worker thread panicked")]
     Worker,

@@ -30,7 +30,7 @@ pub use measure::across::Across;
 pub use measure::area::InArea;
 pub use measure::line::{OverLine, Width};
 pub use measure::output::{OfOutput, Take};
-pub use measure::squeeze::{Exposed, OfSqueeze};
+pub use measure::squeeze::{OfSqueeze, What};
 pub use models::{Model, Models, Plan};
 pub use output::Of;
 pub use places::Places;

@@ -5,13 +5,13 @@ pub(crate) mod area;
 pub(crate) mod line;
 mod number;
 pub(crate) mod output;
-mod span;
 pub(crate) mod squeeze;
 
 use crate::error::{Error, Result};
 use crate::places::Places;
 use crate::points::Points;
 use area::InArea;
+use lemons_results::measure::within;
 use line::OverLine;
 use output::OfOutput;
 use squeeze::OfSqueeze;
@@ -49,11 +49,36 @@ impl Measure {
         }
     }
 
+    /// Returns from when until when communication points count \[s\].
+    fn times(&self) -> [Option<f64>; 2] {
+        match self {
+            Measure::Output(_) => [None, None],
+            Measure::Line(of) => [of.from, of.until],
+            Measure::Area(of) => [of.from, of.until],
+            Measure::Squeeze(of) => [of.from, of.until],
+        }
+    }
+
+    /// Returns whether the communication point at a time \[s\] counts.
+    pub(crate) fn counts(&self, time: f64) -> bool {
+        let [from, until] = self.times();
+        within(time, from, until)
+    }
+
     /// Checks what can be known before a model is loaded.
     ///
     /// # Errors
     /// A sentence with the key.
     pub(crate) fn check(&self, places: &Places, points: &Points) -> Result<(), String> {
+        let times = self.times();
+        if times.iter().flatten().any(|time| !(*time >= 0.0 && time.is_finite())) {
+            return Err("from and until must be finite numbers of seconds, not below 0".into());
+        }
+        if let [Some(from), Some(until)] = times
+            && from >= until
+        {
+            return Err(format!("from = {from:?}, until = {until:?}: the beginning is not before the end"));
+        }
         match self {
             // How many values or agents there are is known later.
             Measure::Output(measure) => measure.check(1),

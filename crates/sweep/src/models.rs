@@ -15,8 +15,6 @@ const MOST_MODELS: usize = 10_000;
 pub enum Plan {
     /// By the Trial's `decision.toml`, if it has one.
     Own,
-    /// By the Trial's `decision.toml`, which must be there.
-    Needed,
     /// Nobody walks.
     None,
     /// By this file at each point.
@@ -33,26 +31,27 @@ pub struct Models {
     pub all: Vec<Model>,
     /// The place of each point's own; `None` if all have the first.
     of_points: Option<Vec<usize>>,
-    /// Of each parameter, whether it only chooses.
+    /// For each parameter, whether it only chooses.
     chooses: Vec<bool>,
 }
 
 impl Models {
-    /// Of these points.
+    /// Finds what these points simulate.
     ///
     /// # Errors
     /// There are too many.
     pub fn of(points: &Points, path: &Template, plan: &Plan) -> Result<Models> {
         let model = |point: usize| -> Model {
             let plan = match plan {
-                Plan::Own | Plan::Needed => PlanChoice::Own,
+                Plan::Own => PlanChoice::Own,
                 Plan::None => PlanChoice::None,
                 Plan::File(template) => PlanChoice::File(template.path(points, point)),
             };
             (path.path(points, point), plan)
         };
-        let parameters = 0..points.parameters.len();
-        let chooses: Vec<bool> = parameters.map(|parameter| only_chooses(path, plan, parameter)).collect();
+        let of_plan = |column| matches!(plan, Plan::File(template) if template.uses(column));
+        let columns = 0..points.parameters.len();
+        let chooses: Vec<bool> = columns.map(|column| path.uses(column) || of_plan(column)).collect();
         if !chooses.contains(&true) {
             return Ok(Models { all: vec![model(0)], of_points: None, chooses });
         }
@@ -76,13 +75,8 @@ impl Models {
         self.chooses[parameter]
     }
 
-    /// The place of a point's own.
+    /// Returns the place of a point's own.
     pub fn place(&self, point: usize) -> usize {
         self.of_points.as_ref().map_or(0, |all| all[point])
     }
-}
-
-/// Whether a parameter only chooses what is simulated.
-pub(crate) fn only_chooses(path: &Template, plan: &Plan, parameter: usize) -> bool {
-    path.uses(parameter) || matches!(plan, Plan::File(template) if template.uses(parameter))
 }

@@ -1,5 +1,6 @@
 //! Which outputs of a run are looked at.
 
+use lemons_core::trial::Trial;
 use lemons_results::Frame;
 use lemons_sim::settings::Selection;
 use lemons_sim::{SimError, Simulation};
@@ -41,12 +42,12 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
-    /// The number of values, of which each is one number over time.
+    /// Returns the number of values, of which each is one number over time.
     pub fn values(&self) -> usize {
         self.agents.len().max(1)
     }
 
-    /// The values at a communication point; `None` of agents who have left.
+    /// Returns the values at a communication point; `None` of agents who have left.
     pub fn read(&self, simulation: &mut Simulation, frame: &Frame) -> Result<Vec<Option<f64>>, SimError> {
         let numbers = simulation.read(&self.selection)?;
         let values = numbers.chunks_exact(self.width).map(|of| match of {
@@ -59,37 +60,46 @@ impl Reading {
 }
 
 impl Of {
-    /// The variables of a quantity of agents.
+    /// Returns the variables of a quantity of agents.
     fn variables(&self) -> Option<&'static [&'static str]> {
         QUANTITIES.iter().find(|(name, _)| *name == self.0).map(|(_, variables)| *variables)
     }
 
-    /// Checks that it can be the name of a variable.
+    /// Checks that it can be the name of a variable, of agents if there are Ids of some.
     ///
     /// # Errors
     /// A sentence with the value.
-    pub fn check(&self) -> Result<(), String> {
+    pub fn check(&self, agents: &[String]) -> Result<(), String> {
         let name = &self.0;
         // Quantities are the only names without a capital letter or a component.
-        if self.variables().is_some() || name.contains(|c: char| c == '.' || c.is_uppercase()) {
-            return Ok(());
+        if self.variables().is_none() && !name.contains(|c: char| c == '.' || c.is_uppercase()) {
+            return Err(format!(
+                "of = {name:?}: neither a quantity (lemons sweep --help) nor the name of a variable (lemons info)"
+            ));
         }
-        Err(format!(
-            "of = {name:?}: neither a quantity (lemons sweep --help) nor the name of a variable (lemons info)"
-        ))
+        if !self.is_of_agents() && !agents.is_empty() {
+            return Err("agents: it is one value, and not one of each agent".into());
+        }
+        Ok(())
     }
 
-    /// Whether there is a value for each agent.
+    /// Returns whether there is a value for each agent.
     pub fn is_of_agents(&self) -> bool {
         self.variables().is_some() || self.0.contains(EACH_AGENT)
     }
 
-    /// Finds the variables that it is read from, for agents at these places.
+    /// Finds the variables that it is read from, for agents of a Trial with these Ids, by default all of them.
     ///
     /// # Errors
     /// A sentence with the name that the simulation does not have.
-    pub(crate) fn reading(&self, simulation: &Simulation, agents: &[usize]) -> Result<Reading, String> {
+    pub(crate) fn reading(
+        &self,
+        simulation: &Simulation,
+        trial: &Trial,
+        agents: &[String],
+    ) -> Result<Reading, String> {
         let name = &self.0;
+        let agents = if self.is_of_agents() { agents_named(trial, agents)? } else { Vec::new() };
         let (names, width): (Vec<String>, usize) = match (self.variables(), name.split_once(EACH_AGENT)) {
             (Some(of), _) => {
                 let of_each = |i| of.iter().map(move |variable| format!("agent[{i}].{variable}"));
@@ -104,7 +114,27 @@ impl Of {
             let meant = meant.map(|meant| format!("; did you mean {meant:?}?")).unwrap_or_default();
             format!("of = {name:?}: there is no variable {single:?} with a number{meant}")
         })?;
-        let agents = if self.is_of_agents() { agents.to_vec() } else { Vec::new() };
         Ok(Reading { selection, width, agents })
     }
+}
+
+/// Returns the places of agents by their Ids; without Ids, all of them.
+///
+/// # Errors
+/// A sentence with an Id.
+pub(crate) fn agents_named(trial: &Trial, ids: &[String]) -> Result<Vec<usize>, String> {
+    let known = &trial.agents;
+    if ids.is_empty() {
+        return Ok((0..known.len()).collect());
+    }
+    let mut places = Vec::new();
+    for id in ids {
+        let place = known.iter().position(|agent| agent.id == *id);
+        let place = place.ok_or_else(|| format!("there is no agent {id:?}"))?;
+        if places.contains(&place) {
+            return Err(format!("agents: {id:?} is named twice"));
+        }
+        places.push(place);
+    }
+    Ok(places)
 }

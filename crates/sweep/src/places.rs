@@ -33,23 +33,8 @@ impl Places {
     /// # Errors
     /// A sentence with the key and what is wrong.
     pub(crate) fn read(lines: toml::Table, areas: toml::Table, walkable: Option<PathBuf>) -> Result<Places> {
-        let lines = lines.into_iter().map(|(name, value)| {
-            let line = Line::of_numbers(&numbers(value)).ok_or_else(|| {
-                Error::Spec(format!(
-                    "lines: {name}: must be two different points [m] within 1e6 m, as in [8, 2.5, 8, 3.5]"
-                ))
-            });
-            Ok((name, line?))
-        });
-        let areas = areas.into_iter().map(|(name, value)| {
-            let area = MeasuringArea::of_numbers(&numbers(value)).ok_or_else(|| {
-                Error::Spec(format!(
-                    "areas: {name}: must be the lower left and the upper right corner [m], as in [3, 1, 5, 4], or at \
-                     least three corners of a polygon that does not cross itself; all within 1e6 m"
-                ))
-            });
-            Ok((name, area?))
-        });
+        let lines = read("lines", lines, Line::of_numbers, LINE)?;
+        let areas = read("areas", areas, MeasuringArea::of_numbers, AREA)?;
         let walkable = walkable.map(|path| {
             let wkt = input::read_text(&path, LARGEST_WALKABLE);
             let place = || format!("walkable: {}", path.display());
@@ -59,14 +44,10 @@ impl Places {
                 .map_err(|what| Error::Spec(format!("{}: {what}", place())))?;
             Ok::<_, Error>(Walkable { path, wkt })
         });
-        Ok(Places {
-            lines: lines.collect::<Result<_>>()?,
-            areas: areas.collect::<Result<_>>()?,
-            walkable: walkable.transpose()?,
-        })
+        Ok(Places { lines, areas, walkable: walkable.transpose()? })
     }
 
-    /// A line by its name.
+    /// Returns a line by its name.
     ///
     /// # Errors
     /// A sentence: there is none.
@@ -74,7 +55,7 @@ impl Places {
         find("line", &self.lines, name).copied()
     }
 
-    /// An area by its name.
+    /// Returns an area by its name.
     ///
     /// # Errors
     /// A sentence: there is none.
@@ -82,7 +63,7 @@ impl Places {
         find("area", &self.areas, name)
     }
 
-    /// Where people could be who were at these positions \[m\].
+    /// Returns where people could be who were at these positions \[m\].
     ///
     /// # Errors
     /// A sentence: somebody was outside of the polygon of `walkable`.
@@ -99,7 +80,7 @@ impl Places {
     }
 }
 
-/// A line or an area by its name.
+/// Finds a line or an area by its name.
 fn find<'a, T>(what: &str, all: &'a [(String, T)], name: &str) -> Result<&'a T, String> {
     if let Some((_, found)) = all.iter().find(|(known, _)| known == name) {
         return Ok(found);
@@ -111,8 +92,23 @@ fn find<'a, T>(what: &str, all: &'a [(String, T)], name: &str) -> Result<&'a T, 
     })
 }
 
-/// None at all where they are no finite numbers.
-fn numbers(value: toml::Value) -> Vec<f64> {
-    let numbers: Vec<f64> = value.try_into().unwrap_or_default();
-    if numbers.iter().all(|number| number.is_finite()) { numbers } else { Vec::new() }
+const LINE: &str = "two different points [m] within 1e6 m, as in [8, 2.5, 8, 3.5]";
+const AREA: &str = "the lower left and the upper right corner [m], as in [3, 1, 5, 4], or at least three corners of a \
+                    polygon that does not cross itself; all within 1e6 m";
+
+/// Reads a table of lines or areas: lists of numbers.
+fn read<T>(
+    key: &str,
+    table: toml::Table,
+    made: impl Fn(&[f64]) -> Option<T>,
+    must: &str,
+) -> Result<Vec<(String, T)>> {
+    let read = |(name, value): (String, toml::Value)| {
+        let numbers: Vec<f64> = value.try_into().unwrap_or_default();
+        match made(&numbers) {
+            Some(made) => Ok((name, made)),
+            None => Err(Error::Spec(format!("{key}: {name}: must be {must}"))),
+        }
+    };
+    table.into_iter().map(read).collect()
 }

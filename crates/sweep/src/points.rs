@@ -129,7 +129,7 @@ impl Points {
     }
 }
 
-/// The cells of a column, its numbers as they are written everywhere else.
+/// Returns the cells of a column, its numbers as they are written everywhere else.
 fn normalized(cells: Vec<String>) -> Result<Vec<String>, String> {
     // "007" is a text, not the number 7.
     let is_padded = |cell: &String| cell.len() > 1 && cell.starts_with('0') && !cell.starts_with("0.");
@@ -191,10 +191,8 @@ mod tests {
         }
         for cell in ["nan", "-NaN", "inf", "+Infinity", "1e999"] {
             let error = read(&format!("Mass,Other\n70.5,1\n{cell},2\n")).unwrap_err();
-            assert!(
-                error.ends_with(&format!("points.csv: Mass: {cell}: must be a finite number (point 1)")),
-                "{error}"
-            );
+            let said = format!("points.csv: Mass: {cell}: must be a finite number (point 1)");
+            assert!(error.ends_with(&said), "{error}");
         }
         assert!(read("Mass\n").unwrap_err().ends_with("points.csv: there are no points"));
     }

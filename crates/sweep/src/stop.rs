@@ -24,19 +24,15 @@ impl Stop {
     /// # Errors
     /// A sentence that names what is missing.
     pub fn check(&self) -> Result<(), String> {
-        self.of.check()?;
+        self.of.check(&self.agents)?;
         match (self.at_least, self.at_most) {
-            (Some(limit), None) | (None, Some(limit)) if limit.is_finite() => {}
-            (Some(_), None) | (None, Some(_)) => return Err("its limit must be a finite number".into()),
-            _ => return Err("it needs one of at_least and at_most".into()),
+            (Some(limit), None) | (None, Some(limit)) if limit.is_finite() => Ok(()),
+            (Some(_), None) | (None, Some(_)) => Err("its limit must be a finite number".into()),
+            _ => Err("it needs one of at_least and at_most".into()),
         }
-        if !self.of.is_of_agents() && !self.agents.is_empty() {
-            return Err("agents: it is one value, and not one of each agent".into());
-        }
-        Ok(())
     }
 
-    /// Whether it holds for all these values. Those of agents who have left (`None`) do not count; for nobody it does not
+    /// Returns whether it holds for all these values. Those of agents who have left (`None`) do not count; for nobody it does not
     /// hold.
     pub(crate) fn holds(&self, values: &[Option<f64>]) -> bool {
         let beyond = |value: f64| {

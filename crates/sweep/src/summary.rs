@@ -69,7 +69,7 @@ struct Case {
     failed: usize,
     /// Of the runs, those without an end.
     stuck: usize,
-    /// Of each measure.
+    /// The values of each measure.
     values: Vec<Vec<f64>>,
 }
 
@@ -89,7 +89,7 @@ impl Case {
     }
 }
 
-/// Mean, both ends of its interval, quantiles; `None`: not known.
+/// Returns mean, both ends of its interval, quantiles; `None`: not known.
 fn numbers(mut values: Vec<f64>) -> Vec<Option<f64>> {
     values.sort_by(f64::total_cmp);
     let count = values.len() as f64;
@@ -103,7 +103,7 @@ fn numbers(mut values: Vec<f64>) -> Vec<Option<f64>> {
     [mean].into_iter().chain(ends).chain(quantiles).collect()
 }
 
-/// The t within which [`CONFIDENCE`] of Student's distribution lie, for so many degrees of freedom.
+/// Returns the t within which [`CONFIDENCE`] of Student's distribution lie, for so many degrees of freedom.
 fn student(freedom: usize) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while within(high, freedom) < CONFIDENCE {
@@ -116,7 +116,7 @@ fn student(freedom: usize) -> f64 {
     high
 }
 
-/// The share of Student's distribution within ±t (Abramowitz and Stegun, 26.7.3 and 26.7.4).
+/// Returns the share of Student's distribution within ±t (Abramowitz and Stegun, 26.7.3 and 26.7.4).
 fn within(t: f64, freedom: usize) -> f64 {
     let angle = (t / (freedom as f64).sqrt()).atan();
     let (sine, cosine) = angle.sin_cos();

@@ -136,52 +136,42 @@ fn simulate(
     // The channel closes when all workers have ended.
     drop(finished);
     let done = workers.place(|| "cannot start a thread".into()).and_then(|workers| {
-        match collect(&arrived, stop, write)? {
-            Ended::Stopped => Ok(()),
-            Ended::Finished => {
-                workers.into_iter().try_for_each(|worker| worker.join().map_err(|_| Error::Worker))
-            }
+        if collect(&arrived, stop, write)? {
+            workers.into_iter().try_for_each(|worker| worker.join().map_err(|_| Error::Worker))?;
         }
+        Ok(())
     });
     queue.over.store(true, Ordering::Relaxed);
     done
 }
 
-/// Why no more points are collected.
-enum Ended {
-    Finished,
-    Stopped,
-}
-
 /// How long it takes at most until a stop is noticed.
 const LATENCY: Duration = Duration::from_millis(50);
 
-/// Writes finished points as they arrive: at first each second, later each hundredth of the elapsed time.
+/// Writes finished points as they arrive: at first each second, later each hundredth of the elapsed time. Returns whether
+/// all have arrived, and the threads have ended.
 fn collect(
     arrived: &Receiver<Finished>,
     stop: &AtomicBool,
     mut write: impl FnMut(&[Finished]) -> Result<()>,
-) -> Result<Ended> {
+) -> Result<bool> {
     let (start, mut last) = (Instant::now(), Instant::now());
     let mut pending: Vec<Finished> = Vec::new();
     loop {
         let between = Duration::from_secs(1).max(start.elapsed() / 100);
         let message = arrived.recv_timeout(between.saturating_sub(last.elapsed()).min(LATENCY));
-        let ended = match message {
-            Err(RecvTimeoutError::Disconnected) => Some(Ended::Finished),
-            _ if stop.load(Ordering::Relaxed) => Some(Ended::Stopped),
-            _ => None,
-        };
+        let all = message == Err(RecvTimeoutError::Disconnected);
+        let ended = all || stop.load(Ordering::Relaxed);
         pending.extend(message);
-        if (ended.is_some() || last.elapsed() >= between) && !pending.is_empty() {
+        if (ended || last.elapsed() >= between) && !pending.is_empty() {
             pending.extend(arrived.try_iter());
             pending.sort_by_key(|row| row.point);
             write(&pending)?;
             pending.clear();
             last = Instant::now();
         }
-        if let Some(ended) = ended {
-            return Ok(ended);
+        if ended {
+            return Ok(all);
         }
     }
 }

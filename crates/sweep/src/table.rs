@@ -17,8 +17,13 @@ use std::path::{Path, PathBuf};
 const BEGIN: &str = "# lemons sweep ";
 /// \[byte\] of the first line.
 const LARGEST_IDENTITY: u64 = 64 << 20;
+/// The columns that are no parameters and no measures.
+pub const POINT: &str = "point";
+pub const STATUS: &str = "status";
+pub const ERROR: &str = "error";
 const OK: &str = "ok";
 const FAILED: &str = "failed";
+const OTHERS: &str = "its columns are others";
 
 /// A finished point.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,8 +51,8 @@ pub struct Table {
     measures: Option<Vec<String>>,
     /// Whether measures may be texts.
     texts: bool,
-    /// Both lines.
-    head: Vec<u8>,
+    /// The first line.
+    first: String,
     /// Locked; what is written is appended.
     file: File,
     /// The best row of each finished point.
@@ -74,48 +79,56 @@ impl Table {
         let file = File::options().create(true).read(true).append(true).open(path).place(at)?;
         match file.try_lock() {
             Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(Error::Busy(path.to_owned())),
+            Err(TryLockError::WouldBlock) => {
+                return Err(Error::Table(format!("{}: another process writes its results here", at())));
+            }
             Err(TryLockError::Error(error)) => return Err(error).place(at),
         }
         let mut table = Table {
             path: path.to_owned(),
             points: points.clone(),
-            measures: None,
+            measures: measures.map(<[String]>::to_vec),
             texts: measures.is_none(),
-            head: format!("{BEGIN}{}\n", serde_json::to_string(identity)?).into_bytes(),
+            first: format!("{BEGIN}{}\n", serde_json::to_string(identity)?),
             file,
             rows: vec![None; points.count],
             sorted: true,
             written: 0,
         };
-        let end = table.read(identity, measures)?;
+        let end = table.read(identity)?;
         table.file.set_len(end).place(at)?;
         if end == 0 && table.measures.is_some() {
-            table.file.write_all(&table.head).place(at)?;
+            table.file.write_all(&table.whole()?).place(at)?;
         }
         Ok(table)
     }
 
-    /// The line with the names of all columns.
-    fn names(&self, measures: &[String]) -> Result<Vec<u8>> {
-        let parameters = self.points.parameters.iter().map(|parameter| parameter.name.clone());
-        let names = ["point".to_owned()].into_iter().chain(parameters).chain(measures.iter().cloned());
-        line(names.chain(["status", "error"].map(str::to_owned)))
+    /// Returns the line with the names of all columns.
+    fn names(&self) -> Result<Vec<u8>> {
+        let parameters = self.points.parameters.iter().map(|parameter| &parameter.name);
+        let names = parameters.chain(self.measures.iter().flatten()).cloned();
+        line([POINT.to_owned()].into_iter().chain(names).chain([STATUS, ERROR].map(str::to_owned)))
     }
 
-    /// The measures that the lines of a table name; `None` if they are cut off.
+    /// Returns the whole file, its rows in order.
+    fn whole(&self) -> Result<Vec<u8>> {
+        let mut text = [self.first.as_bytes(), &self.names()?].concat();
+        for row in self.rows() {
+            text.extend(self.line_of(row)?);
+        }
+        Ok(text)
+    }
+
+    /// Returns the measures that the line of names has; `None` if it is cut off.
     fn measures_in(&self, lines: &[u8]) -> Result<Option<Vec<String>>> {
         let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(lines);
         let mut row = csv::StringRecord::new();
         let fixed = 1 + self.points.parameters.len();
         let found = reader.read_record(&mut row)? && row.len() >= fixed + 2;
-        if found && row.iter().rev().take(2).eq(["error", "status"]) {
+        if found && row.iter().rev().take(2).eq([ERROR, STATUS]) {
             return Ok(Some(row.iter().take(row.len() - 2).skip(fixed).map(str::to_owned).collect()));
         }
-        if lines.contains(&b'\n') {
-            return Err(Error::Damaged("its columns are others".into()));
-        }
-        Ok(None)
+        if lines.contains(&b'\n') { Err(Error::Table(OTHERS.into())) } else { Ok(None) }
     }
 
     /// Returns the names of the measures, where they are known.
@@ -129,69 +142,55 @@ impl Table {
     /// The file cannot be written.
     pub fn name_measures(&mut self, measures: Vec<String>) -> Result<()> {
         debug_assert!(self.rows().all(|row| row.outcome.is_err()));
-        let first = self.head.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
-        self.head.truncate(first);
-        self.head.extend(self.names(&measures)?);
         self.measures = Some(measures);
-        let mut text = self.head.clone();
-        for row in self.rows() {
-            text.extend(self.line_of(row)?);
-        }
+        let text = self.whole()?;
         let written = self.file.set_len(0).and_then(|()| self.file.write_all(&text));
         written.place(|| format!("cannot write {}", self.path.display()))
     }
 
     /// Reads the file. Returns how many of its bytes are whole lines.
-    fn read(&mut self, identity: &Map<String, Value>, measures: Option<&[String]>) -> Result<u64> {
-        let path = self.path.clone();
-        let at = || path.display().to_string();
+    fn read(&mut self, identity: &Map<String, Value>) -> Result<u64> {
+        let shown = self.path.display().to_string();
+        let at = || shown.clone();
         let mut file = BufReader::new(self.file.try_clone().place(at)?);
         let mut first = Vec::new();
         file.by_ref().take(LARGEST_IDENTITY).read_until(b'\n', &mut first).place(at)?;
-        let cut_off = self.head.starts_with(&first) && !first.ends_with(b"\n");
-        let text = first.strip_prefix(BEGIN.as_bytes()).filter(|_| first.ends_with(b"\n"));
-        let before = text.and_then(|text| serde_json::from_slice::<Map<String, Value>>(text).ok());
-        let before = match before {
-            Some(before) => before,
-            None if cut_off => identity.clone(),
-            None => return Err(Error::NoSweep(self.path.clone())),
-        };
-        let keys = identity.keys().chain(before.keys().filter(|key| !identity.contains_key(*key)));
-        let differ: Vec<String> =
-            keys.filter(|key| identity.get(*key) != before.get(*key)).cloned().collect();
-        if !differ.is_empty() {
-            return Err(Error::OtherSweep { table: self.path.clone(), keys: differ });
+        let cut_off = self.first.as_bytes().starts_with(&first) && !first.ends_with(b"\n");
+        if !cut_off {
+            let text = first.strip_prefix(BEGIN.as_bytes()).filter(|_| first.ends_with(b"\n"));
+            let before = text.and_then(|text| serde_json::from_slice::<Map<String, Value>>(text).ok());
+            let before = before.ok_or_else(|| {
+                let why = "is there, and is not the table of a sweep; give another file: -o";
+                Error::Table(format!("{shown} {why}"))
+            })?;
+            let keys = identity.keys().chain(before.keys().filter(|key| !identity.contains_key(*key)));
+            let differ = keys.filter(|key| identity.get(*key) != before.get(*key));
+            let differ = differ.map(String::as_str).collect::<Vec<_>>().join(", ");
+            if !differ.is_empty() {
+                return Err(Error::Table(format!(
+                    "{shown} is the table of another sweep: it differs in {differ}; give another file, or remove this one"
+                )));
+            }
         }
-        let mut rows = Vec::new();
-        file.read_to_end(&mut rows).place(at)?;
-        self.measures = match measures {
-            Some(measures) => Some(measures.to_vec()),
-            None => self.measures_in(&rows).place(at)?,
-        };
-        let Some(measures) = &self.measures else { return Ok(0) };
-        let names = self.names(measures)?;
-        self.head.extend(&names);
-        if cut_off {
+        let mut rest = Vec::new();
+        file.read_to_end(&mut rest).place(at)?;
+        if self.texts {
+            self.measures = self.measures_in(&rest).place(at)?;
+        }
+        let names = self.names()?;
+        if cut_off || self.measures.is_none() || rest.len() < names.len() && names.starts_with(&rest) {
             return Ok(0);
         }
-        let Some(rows) = rows.strip_prefix(&names[..]) else {
-            let cut_off = names.starts_with(&rows);
-            return if cut_off {
-                Ok(0)
-            } else {
-                Err(Error::Damaged("its columns are others".into())).place(at)
-            };
-        };
+        let rows = rest.strip_prefix(&names[..]).ok_or(Error::Table(OTHERS.into())).place(at)?;
         let lines = self.read_rows(rows);
-        let lines = lines.place(|| {
-            format!("{}: cannot be used; if you remove it, all points are simulated again", at())
-        })?;
-        Ok((self.head.len() + lines) as u64)
+        let advice = "cannot be used; if you remove it, all points are simulated again";
+        let lines = lines.place(|| format!("{shown}: {advice}"))?;
+        Ok((first.len() + names.len() + lines) as u64)
     }
 
     /// Reads the rows. Returns how many bytes of them are whole rows.
     fn read_rows(&mut self, rows: &[u8]) -> Result<usize> {
-        let width = 1 + self.points.parameters.len() + self.count() + 2;
+        let width = 1 + self.points.parameters.len() + self.measures.iter().flatten().count() + 2;
         let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(rows);
         let mut row = csv::StringRecord::new();
         let mut whole = 0;
@@ -201,7 +200,7 @@ impl Table {
             if end == rows.len() && (row.len() != width || !rows.ends_with(b"\n")) {
                 break;
             }
-            let wrong = |why| Error::Damaged(format!("row {}: {why}", self.written + 1));
+            let wrong = |why| Error::Table(format!("row {}: {why}", self.written + 1));
             let finished = self.finished(&row, width).map_err(wrong)?;
             self.keep(&finished);
             whole = end;
@@ -209,7 +208,7 @@ impl Table {
         Ok(whole)
     }
 
-    /// What a row says.
+    /// Returns what a row says.
     fn finished(&self, row: &csv::StringRecord, width: usize) -> Result<Finished, String> {
         if row.len() != width {
             return Err(format!("has {} columns, not {width}", row.len()));
@@ -239,11 +238,6 @@ impl Table {
             Err(_) if self.texts => Ok(Some(Measured::Text(cell.to_owned()))),
             Err(_) => Err(format!("{cell:?} is not a number")),
         }
-    }
-
-    /// The number of measures.
-    fn count(&self) -> usize {
-        self.measures.as_ref().map_or(0, Vec::len)
     }
 
     /// Notes what is in the file.
@@ -282,10 +276,7 @@ impl Table {
         if !self.sorted {
             let sorted = || {
                 let mut file = Staged::beside(&self.path)?;
-                file.write_all(&self.head)?;
-                for row in &rows {
-                    file.write_all(&self.line_of(row)?)?;
-                }
+                file.write_all(&self.whole()?)?;
                 file.sync()?;
                 Ok::<_, Error>(file)
             };
@@ -303,10 +294,10 @@ impl Table {
         self.rows.iter().flatten()
     }
 
-    /// A row as it is written. Numbers are read back as the same doubles; a missing value is an empty cell.
+    /// Returns a row as it is written. Numbers are read back as the same doubles; a missing value is an empty cell.
     fn line_of(&self, Finished { point, outcome }: &Finished) -> Result<Vec<u8>> {
         let parameters = self.points.parameters.iter().map(|parameter| parameter.at(*point).to_owned());
-        let none = vec![None; self.count()];
+        let none = vec![None; self.measures.iter().flatten().count()];
         let (measured, status, error) = match outcome {
             Ok(values) => (values, OK, String::new()),
             // In one line, so that it is seen whether a row is cut off.
@@ -426,12 +417,15 @@ mod tests {
         assert_eq!(rows, expected);
     }
 
+    /// Only one process writes at a time.
     #[test]
     fn a_failed_point_can_be_simulated_again() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("sweep.csv");
         whole(&path);
         let mut table = open(&path).unwrap();
+        let said = open(&path).err().unwrap().whole();
+        assert!(said.contains("another process writes"), "{said}");
         let again = Finished { point: 1, outcome: Ok(vec![Some(Measured::Number(1.0)), None]) };
         table.add(std::slice::from_ref(&again)).unwrap();
         assert_eq!(table.finish().unwrap()[1], again);
@@ -464,15 +458,5 @@ mod tests {
             assert!(said.contains(expected) && said.contains("sweep.csv"), "{said}");
             assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
         }
-    }
-
-    #[test]
-    fn only_one_process_writes() {
-        let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join("sweep.csv");
-        let table = open(&path).unwrap();
-        assert!(matches!(open(&path), Err(Error::Busy(_))));
-        drop(table);
-        open(&path).unwrap();
     }
 }

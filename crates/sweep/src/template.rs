@@ -46,7 +46,7 @@ impl Template {
         Template { directory: path.to_owned(), pieces: Vec::new() }
     }
 
-    /// The path at a point. Numbers are written as in the table of results.
+    /// Returns the path at a point. Numbers are written as in the table of results.
     pub fn path(&self, points: &Points, point: usize) -> PathBuf {
         let written = self.pieces.iter().map(|piece| match piece {
             Piece::Text(text) => text.clone(),
@@ -56,7 +56,7 @@ impl Template {
         if written.is_empty() { self.directory.clone() } else { self.directory.join(written) }
     }
 
-    /// Whether the parameter in a column stands in it.
+    /// Returns whether the parameter in a column stands in it.
     pub fn uses(&self, column: usize) -> bool {
         self.pieces.contains(&Piece::Value(column))
     }

@@ -201,7 +201,7 @@ class Crowd:
     @property
     def left(self) -> int:
         """How many people are not there: who have left, or were taken out."""
-        return int((~self._simulation.active()).sum())
+        return int((self._simulation.observe()[:, 13] == 0.0).sum())
 
     def step(self, step: float | None = None) -> None:
         """Simulates a communication step [s]; by default the Trial's TimeStep."""
@@ -212,38 +212,35 @@ class Crowd:
         self._simulation.step_to(time)
         self._hear()
 
-    def _reals(self) -> Floats:
-        return self._simulation.observe()[0]
-
     def poses(self) -> Floats:
         """Returns x, y [m] and theta [rad] of all agents, shape (N, 3)."""
-        return self._reals()[:, 0:3]
+        return self._simulation.observe()[:, 0:3]
 
     def velocities(self) -> Floats:
         """Returns vx, vy [m/s] and omega [rad/s] of all agents, shape (N, 3)."""
-        return self._reals()[:, 3:6]
+        return self._simulation.observe()[:, 3:6]
 
     def squeeze(self) -> Floats:
         """Returns the present squeeze of all agents, shape (N,): the sum of |F_n| over the contacts [N]. Collisions last
         milliseconds, so it depends on the instant; `mean_squeeze` and `peak_squeeze` do not."""
-        return self._reals()[:, 6]
+        return self._simulation.observe()[:, 6]
 
     def mean_squeeze(self) -> Floats:
         """Returns the mean squeeze over the last communication step [N], shape (N,): its impulse / the step."""
-        return self._reals()[:, 7]
+        return self._simulation.observe()[:, 7]
 
     def peak_squeeze(self) -> Floats:
         """Returns the largest squeeze within the last communication step [N], shape (N,)."""
-        return self._reals()[:, 8]
+        return self._simulation.observe()[:, 8]
 
     def peak_overlap(self) -> Floats:
         """Returns the deepest overlap of the contacts within the last communication step [m], shape (N,)."""
-        return self._reals()[:, 9]
+        return self._simulation.observe()[:, 9]
 
     def contacts(self) -> Ints:
         """Returns for all agents the number of contacts with people, of contacts with walls, and of people that touch: shape
         (N, 3)."""
-        return self._simulation.observe()[1]
+        return self._simulation.observe()[:, 10:13].astype(np.int32)
 
     def masses(self) -> Floats:
         """Returns the masses of all agents [kg], shape (N,)."""
@@ -320,10 +317,10 @@ class Crowd:
         why = None if met else recording.why_some_stay()
         if why is not None:
             warnings.warn(why, stacklevel=2)
-        times, reals, counts, active = recording.finish()
-        leaving = self.plan is not None or not bool(active.all())
+        times, numbers = recording.finish()
+        leaving = self.plan is not None or not bool(numbers[:, :, 13].all())
         ended = float(times[-1]) if met or recording.have_left else None
-        return Run(times, reals, counts, self.ids, active, leaving, ended, self.model)
+        return Run(times, numbers, self.ids, leaving, ended, self.model)
 
     def _pushes(self, drive: Drive, times: Floats) -> tuple[list[int], Floats]:
         """Returns the agents of tables, and their values at each step."""
@@ -340,7 +337,7 @@ class Presence:
         self._crowd = crowd
 
     def _values(self) -> NDArray[np.bool_]:
-        return self._crowd._simulation.active()
+        return self._crowd._simulation.observe()[:, 13].astype(bool)
 
     def __array__(self, dtype: npt.DTypeLike = None, copy: bool | None = None) -> NDArray[Any]:
         return np.asarray(self._values(), dtype=dtype)

@@ -26,13 +26,10 @@ class Run:
 
     #: Times [s], shape (K,).
     times: Floats
-    #: What `poses`, `velocities` and the squeezes show, shape (K, N, 10).
-    reals: Floats
-    counts: Ints
+    #: What poses, velocities, squeezes, contacts and `active` show, shape (K, N, 14).
+    numbers: Floats
     #: Ids of the agents in Agents.xml.
     ids: tuple[str, ...]
-    #: Whether people are there, shape (K, N). With Jacobi's algorithm it follows Decision one step later.
-    active: NDArray[np.bool_]
     #: Whether people may leave: then the table has a column `active`.
     leaving: bool
     #: Time [s] at which the condition was met that ends the run (`until="left"`, `stop`); None if there is none, or if it was
@@ -53,38 +50,43 @@ class Run:
     @property
     def poses(self) -> Floats:
         """x, y [m], theta [rad]: shape (K, N, 3)"""
-        return self.reals[:, :, 0:3]
+        return self.numbers[:, :, 0:3]
 
     @property
     def velocities(self) -> Floats:
         """vx, vy [m/s], omega [rad/s]: shape (K, N, 3)"""
-        return self.reals[:, :, 3:6]
+        return self.numbers[:, :, 3:6]
 
     @property
     def squeeze(self) -> Floats:
         """Sum of |F_n| over the contacts [N] at the communication points: shape (K, N). Collisions last milliseconds, so
         its maximum depends on the step; `mean_squeeze` and `peak_squeeze` include the time between the points."""
-        return self.reals[:, :, 6]
+        return self.numbers[:, :, 6]
 
     @property
     def mean_squeeze(self) -> Floats:
         """Mean of the squeeze over the step that ends at a communication point [N]: shape (K, N)"""
-        return self.reals[:, :, 7]
+        return self.numbers[:, :, 7]
 
     @property
     def peak_squeeze(self) -> Floats:
         """Largest squeeze within the step that ends at a communication point [N]: shape (K, N)"""
-        return self.reals[:, :, 8]
+        return self.numbers[:, :, 8]
 
     @property
     def peak_overlap(self) -> Floats:
         """Deepest overlap of the contacts within the step that ends at a communication point [m]: shape (K, N)"""
-        return self.reals[:, :, 9]
+        return self.numbers[:, :, 9]
 
     @property
     def contacts(self) -> Ints:
         """Number of contacts with people, of contacts with walls, and of people that touch: shape (K, N, 3)"""
-        return self.counts
+        return self.numbers[:, :, 10:13].astype(np.int32)
+
+    @property
+    def active(self) -> NDArray[np.bool_]:
+        """Whether people are there, shape (K, N). With Jacobi's algorithm it follows Decision one step later."""
+        return self.numbers[:, :, 13].astype(bool)
 
     def frame(self) -> pd.DataFrame:
         """Returns the table that `lemons run` writes: a row for each agent at each communication point."""
@@ -92,17 +94,15 @@ class Run:
         ids: list[int] | list[str] = list(self.ids)
         if all(each.isascii() and each.isdigit() and str(int(each)) == each for each in self.ids):
             ids = [int(each) for each in self.ids]
-        of_agents, of_walls, _ = self.counts.sum(axis=1, dtype=np.int64).T
-        # In the order of the table; a contact of two people counts for both.
-        columns = iter(_native.TABLE)
-        values = {next(columns): np.repeat(self.times, agents), next(columns): np.tile(np.array(ids), points)}
-        reals = {name: self.reals[:, :, k].ravel() for k, name in enumerate(_native.REALS)}
-        whole = [*np.moveaxis(self.counts, 2, 0).astype(np.int64), self.active.astype(np.int64)]
-        whole += [np.repeat(total, agents) for total in (of_agents // 2, of_walls)]
-        counts = iter(whole)
-        for name in columns:
-            values[name] = reals[name] if name in reals else next(counts).ravel()
-        return pd.DataFrame(values) if self.leaving else pd.DataFrame(values).drop(columns="active")
+        values = {"t": np.repeat(self.times, agents), "id": np.tile(np.array(ids), points)}
+        for place, name in enumerate(_native.NUMBERS):
+            own = self.numbers[:, :, place]
+            # A contact of two people counts for both.
+            if name in ("agent_contacts", "wall_contacts"):
+                total = own.sum(axis=1) / (2 if name == "agent_contacts" else 1)
+                values[f"total_{name}"] = np.repeat(total.astype(np.int64), agents)
+            values[name] = own.ravel() if place < 10 else own.ravel().astype(np.int64)
+        return pd.DataFrame({name: values[name] for name in _native.TABLE if self.leaving or name != "active"})
 
     def measure(
         self,

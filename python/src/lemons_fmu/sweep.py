@@ -92,15 +92,14 @@ def sweep(
         OSError: the drive's file cannot be read.
         SweepError: the table is that of another sweep or cannot be written, or the scheduler is gone.
     """
-    table = _points(points)
-    study = _Study(table, what, plan, algorithm, drive, until, step)
+    study = _Study(points, what, plan, algorithm, drive, until, step)
     work = cloudpickle.dumps((drive if callable(drive) else None, measure, stop))
     subject = study.subject(0) if study.count == 1 else None
-    job = Job(os.urandom(8).hex(), subject, tuple(table.names), tuple(study.native.set()), algorithm, work, until)
+    job = Job(os.urandom(8).hex(), subject, tuple(study.native.names), tuple(study.native.set()), algorithm, work, until)
     asked = {**study.identity, "measure": function_identity(measure), "until": until if until == "left" else float(until)}
     if stop is not None:
         asked["stop"] = function_identity(stop)
-    results = _Results(table, out, {"program": "lemons_fmu", **asked}, retry_failed)
+    results = _Results(study.native, out, {"program": "lemons_fmu", **asked}, retry_failed)
     report = progress if callable(progress) else ProgressLine() if progress else lambda _: None
     try:
         return _sweep(study, job, results, client, report)
@@ -108,7 +107,7 @@ def sweep(
         results.keep()
 
 
-def _points(points: Grid) -> _native.Points:
+def _columns(points: Grid) -> list[tuple[str, list[Any]]]:
     columns: list[tuple[str, list[Any]]]
     if isinstance(points, pd.DataFrame):
         columns = [(str(name), points[name].tolist()) for name in dict.fromkeys(points.columns)]
@@ -129,7 +128,7 @@ def _points(points: Grid) -> _native.Points:
     for name, _ in columns:
         if name in RESERVED:
             raise ValueError(f"{name!r} cannot be a parameter: the table already has a column with this name")
-    return _native.Points.of(columns, not isinstance(points, pd.DataFrame))
+    return columns
 
 
 class _Study:
@@ -138,7 +137,7 @@ class _Study:
 
     def __init__(
         self,
-        points: _native.Points,
+        points: Grid,
         what: Source,
         plan: Plan,
         algorithm: Algorithm,
@@ -149,22 +148,18 @@ class _Study:
         if isinstance(until, str) and until != "left":
             raise ValueError(f"until={until!r}: must be a time [s], or 'left'")
         path = None if plan is None or plan is False else os.fspath(plan)
-        self.native = _native.Study(points, os.fspath(what), path, plan is not False)
+        grid = not isinstance(points, pd.DataFrame)
+        self.native = _native.Study(_columns(points), grid, os.fspath(what), path, plan is not False)
         self._models, self._drive, self._step = self.native.models(), drive, step
+        self._algorithm, self._until = algorithm, None if isinstance(until, str) else float(until)
         self.count = len(self._models)
         self._identities: list[str] = []
         for place in range(self.count):
-            model, own, known_step = self.subject(place)
-            simulation = _native.Simulation(model, algorithm)
-            self.native.check(simulation)
-            if until == "left" and model.leave == 0:
-                raise _native.SimulationError("until='left': nobody can leave: people do not walk, or have no exits (give a time)")
-            _native.check_clock(None if isinstance(until, str) else float(until), known_step)
-            told = json.loads(self.native.identity(model, algorithm, known_step))
+            subject = self.subject(place)
+            told = self._told(subject)
             if drive is not None:
-                told["drive"] = identity(drive if callable(drive) else own)
+                told["drive"] = identity(drive if callable(drive) else subject.drive)
             self._identities.append(json.dumps(told, sort_keys=True))
-        self._algorithm = algorithm
         of_all = json.loads(self.native.identity_of_all(self._identities))
         #: What must be equal to continue a sweep.
         self.identity: dict[str, Any] = {**json.loads(self._identities[0]), **of_all} if self.count == 1 else of_all
@@ -182,6 +177,10 @@ class _Study:
         # Functions are sent with the job.
         return Subject(model, None if callable(drive) else drive, step)
 
+    def _told(self, subject: Subject) -> dict[str, Any]:
+        told: dict[str, Any] = json.loads(self.native.identity(subject.model, self._algorithm, self._until, subject.step))
+        return told
+
     def again(self, point: int) -> Subject | None:
         """Reads what a point simulates if there are several models.
 
@@ -192,7 +191,7 @@ class _Study:
             return None
         place = self.native.place(point)
         subject = self.subject(place)
-        told = json.loads(self.native.identity(subject.model, self._algorithm, subject.step))
+        told = self._told(subject)
         kept = json.loads(self._identities[place])
         if {**told, "drive": None} != {**kept, "drive": None}:
             raise SweepError(f"{self._models[place][0]} has changed since the sweep began; finished points are kept")
@@ -203,12 +202,12 @@ class _Results:
     """Finished points: in memory, and in a table if that is asked for."""
 
     def __init__(
-        self, points: _native.Points, out: str | os.PathLike[str] | None, asked: Mapping[str, Any], retry_failed: bool
+        self, study: _native.Study, out: str | os.PathLike[str] | None, asked: Mapping[str, Any], retry_failed: bool
     ) -> None:
-        self._points = points
+        self._study = study
         if out is not None:
             os.makedirs(os.path.dirname(os.path.abspath(out)), exist_ok=True)
-        self._table = None if out is None else _native.Table(os.fspath(out), json.dumps(asked), points)
+        self._table = None if out is None else _native.Table(os.fspath(out), json.dumps(asked), study)
         self._names = None if self._table is None else self._table.measures
         self._rows: dict[int, Result] = {}
         #: Results that are not in the table yet.
@@ -248,13 +247,13 @@ class _Results:
     def frame(self) -> pd.DataFrame:
         """Returns all finished points, and sorts the table if there are all of them."""
         self.keep()
-        if self._table is not None and len(self._rows) == self._points.count:
+        if self._table is not None and len(self._rows) == self._study.count:
             self._table.finish()
         rows = [self._rows[point] for point in sorted(self._rows)]
         points = [point for point, _, _ in rows]
         columns: dict[str, Any] = {POINT: points}
-        for place, name in enumerate(self._points.names):
-            columns[name] = self._points.column(place, points)
+        for place, name in enumerate(self._study.names):
+            columns[name] = [self._study.value(place, point) for point in points]
         for name in self._names or []:
             values = [math.nan if measures is None else measures[name] for _, measures, _ in rows]
             texts = any(isinstance(value, str) for value in values)
@@ -266,7 +265,7 @@ class _Results:
 def _sweep(
     study: _Study, job: Job, results: _Results, client: Client | str | None, report: Callable[[Progress], None]
 ) -> pd.DataFrame:
-    count = results._points.count
+    count = study.native.count
     left = [point for point in range(count) if point not in results.finished]
     before, start = count - len(left), time.monotonic()
     done, failed, threads = before, sum(results._rows[point][2] is not None for point in results.finished), None
@@ -281,7 +280,7 @@ def _sweep(
     # then meets another of its name.
     with dask.config.set({"distributed.deploy.lost-worker-timeout": DESERTED}), client_of(client) as cluster:
         cluster.register_plugin(JobOnWorker(job))
-        under_way = _Run(cluster, job, results._points, study, left)
+        under_way = _Run(cluster, job, study, left)
         try:
             for some in under_way.results():
                 some = results.add(some)
@@ -344,10 +343,9 @@ def local_cluster(workers: int | None = None, *, threads: int = 1, processes: bo
 class _Run:
     """Gives the points of a job to the workers and collects their results."""
 
-    def __init__(self, client: Client, job: Job, points: _native.Points, study: _Study, open_points: list[int]) -> None:
+    def __init__(self, client: Client, job: Job, study: _Study, open_points: list[int]) -> None:
         self.client = client
         self.job = job
-        self.points = points
         self.study = study
         # A task has points of one model.
         self.left = deque(sorted(open_points, key=study.native.place))
@@ -422,7 +420,8 @@ class _Run:
 
     def submit(self, some: list[int]) -> None:
         key = f"lemons-{self.job.key}-{next(self.tasks)}"
-        work = [(point, self.points.values(point)) for point in some]
+        native = self.study.native
+        work = [(point, [native.value(place, point) for place in range(len(native.names))]) for point in some]
         subject = self.study.again(some[0])
         future = self.client.submit(simulate_points, self.job.key, subject, work, key=key, pure=False)
         self.under_way[key] = future, some

@@ -1,7 +1,7 @@
 //! The picture of a measurement: everything over time.
 
 use super::Arguments;
-use super::pass::{OVER, Passed, QUANTILES};
+use super::pass::{OVER, QUANTILES, Seen};
 use lemons_picture::{Chart, ChartPanel, ChartStyle, Line, chart_svg};
 use lemons_results::measure::{Density, Passage, Way, windows};
 
@@ -27,19 +27,15 @@ fn panel(y: &str, lines: Vec<Line>, steps: bool) -> ChartPanel {
     ChartPanel { y: y.to_owned(), lines, steps }
 }
 
-/// As SVG. A panel without anything to show is left out.
-pub fn svg(arguments: &Arguments, passed: &Passed) -> String {
+/// Returns it as SVG. A panel without anything to show is left out.
+pub fn svg(arguments: &Arguments, seen: &Seen<'_>) -> String {
     let mut colours = Colours::default();
-    let (from, until) = passed.times;
+    let (from, until) = seen.times;
     // A direction in which nobody crosses is left out.
-    let named = arguments.lines.iter().enumerate();
-    let crossed: Vec<(String, Vec<Passage>)> = named
-        .zip(&passed.lines)
-        .flat_map(|((k, line), seen)| {
-            Way::ALL.map(|way| (format!("{}, to the {}", line.called(k), way.name()), seen.first(way)))
-        })
-        .filter(|(_, passages)| !passages.is_empty())
-        .collect();
+    let crossed = seen.lines.iter().flat_map(|line| {
+        Way::ALL.map(|way| (format!("{}, to the {}", line.name, way.name()), line.passages.first(way)))
+    });
+    let crossed: Vec<(String, Vec<Passage>)> = crossed.filter(|(_, passages)| !passages.is_empty()).collect();
     let counts = crossed.iter().map(|(name, passages)| {
         let mut points = vec![(from, 0.0)];
         points.extend(passages.iter().enumerate().map(|(n, passage)| (passage.time, (n + 1) as f64)));
@@ -54,10 +50,9 @@ pub fn svg(arguments: &Arguments, passed: &Passed) -> String {
     });
     let flows = flows.collect();
     let over = |value: fn(&Density) -> Option<f64>, colours: &mut Colours| -> Vec<Line> {
-        let named = arguments.areas.iter().enumerate().zip(&passed.areas);
-        let lines = named.map(|((k, area), seen)| {
-            let points = seen.iter().map(|seen| (seen.time, value(seen).unwrap_or(f64::NAN)));
-            colours.line(format!("area {}", area.called(k)), points.collect())
+        let lines = seen.areas.iter().map(|area| {
+            let points = area.over_time.iter().map(|seen| (seen.time, value(seen).unwrap_or(f64::NAN)));
+            colours.line(format!("area {}", area.name), points.collect())
         });
         lines.collect()
     };
@@ -69,7 +64,7 @@ pub fn svg(arguments: &Arguments, passed: &Passed) -> String {
             1.0 => "greatest".to_owned(),
             part => format!("{} %", 100.0 * part),
         };
-        let points = passed.spread.iter().map(|(time, at)| (*time, at[k])).collect();
+        let points = seen.spread.iter().map(|(time, at)| (*time, at[k])).collect();
         colours.line(name, points)
     });
     let squeezes = squeezes.collect();

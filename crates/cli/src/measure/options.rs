@@ -3,31 +3,27 @@
 use crate::error::Misused;
 use anyhow::{Result, bail};
 use lemons_results::measure::{Line, MeasuringArea};
+use std::collections::HashSet;
 
 /// What has a name of its own, or gets its number for one.
 #[derive(Clone)]
 pub struct Named<T> {
-    pub name: Option<String>,
+    pub name: String,
     pub what: T,
-}
-
-impl<T> Named<T> {
-    /// Of the k-th, from 0.
-    pub fn called(&self, k: usize) -> String {
-        self.name.clone().unwrap_or_else(|| (k + 1).to_string())
-    }
 }
 
 /// Columns that a name takes in a terminal.
 const LONGEST_NAME: usize = 20;
 
 fn named<T>(text: &str, read: impl Fn(&str) -> Result<T, String>) -> Result<Named<T>, String> {
-    let Some((name, rest)) = text.split_once('=') else { return Ok(Named { name: None, what: read(text)? }) };
+    let Some((name, rest)) = text.split_once('=') else {
+        return Ok(Named { name: String::new(), what: read(text)? });
+    };
     let name = name.trim();
     if name.is_empty() || name.chars().any(char::is_control) || name.chars().count() > LONGEST_NAME {
         return Err(format!("a name has 1 to {LONGEST_NAME} characters"));
     }
-    Ok(Named { name: Some(name.to_owned()), what: read(rest)? })
+    Ok(Named { name: name.to_owned(), what: read(rest)? })
 }
 
 fn numbers(text: &str) -> Option<Vec<f64>> {
@@ -60,13 +56,19 @@ pub fn level(text: &str) -> Result<f64, String> {
     }
 }
 
-/// That no two have the same name.
-pub fn names_differ<'a>(option: &str, names: impl Iterator<Item = &'a Option<String>>) -> Result<()> {
-    let mut all: Vec<String> =
-        names.enumerate().map(|(k, name)| name.clone().unwrap_or_else(|| (k + 1).to_string())).collect();
-    all.sort();
-    match all.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => bail!(Misused(format!("{option}: two have the name {:?}", pair[0]))),
-        None => Ok(()),
+/// Gives a number to what has no name.
+///
+/// # Errors
+/// Two have the same name.
+pub fn name_all<T>(option: &str, all: &mut [Named<T>]) -> Result<()> {
+    let mut names = HashSet::new();
+    for (n, Named { name, .. }) in (1..).zip(all) {
+        if name.is_empty() {
+            *name = i32::to_string(&n);
+        }
+        if !names.insert(&*name) {
+            bail!(Misused(format!("{option}: two have the name {name:?}")));
+        }
     }
+    Ok(())
 }

@@ -1,13 +1,8 @@
-//! All numbers of a measurement that do not depend on time: what is told, and what is written as JSON.
+//! All numbers of a measurement that do not depend on time: what is printed, and what is written as JSON.
 
-use super::options::Named;
-use super::pass::Passed;
-use super::{Arguments, shown};
-use anyhow::Result;
-use lemons_results::Record;
-use lemons_results::measure::{
-    Crossings, Density, Exposed, Left, Line, MeanMax, MeasuringArea, Passages, SPANS, Way, quantile,
-};
+use super::Arguments;
+use super::pass::{Seen, SeenArea, SeenLine};
+use lemons_results::measure::{Crossings, Density, Exposed, Left, MeanMax, SPANS, Way, quantile};
 use serde::Serialize;
 
 /// SI units; null: not known.
@@ -25,7 +20,7 @@ pub struct Summary {
     pub lines: Vec<OfLine>,
     pub areas: Vec<OfArea>,
     pub exposure: Option<OfSqueeze>,
-    pub exposure_left_out: Option<String>,
+    pub exposure_left_out: Option<&'static str>,
 }
 
 #[derive(Serialize)]
@@ -98,69 +93,50 @@ pub struct OfPeople {
 }
 
 impl Summary {
-    pub fn of(arguments: &Arguments, record: &Record, passed: &Passed) -> Result<Summary> {
-        let lines = arguments.lines.iter().zip(&passed.lines).enumerate();
-        let areas = arguments.areas.iter().zip(&passed.areas).enumerate();
-        let (exposure, why) = match &passed.exposed {
-            None => {
-                let why = "the results do not contain the mean squeeze over communication steps";
-                (None, Some(why.to_owned()))
-            }
-            Some(exposed) => {
-                let all = OfSqueeze::of(exposed, record.ids(), arguments, passed.longest_step);
-                let why =
-                    all.is_none().then(|| "there is only one frame, so no communication step".to_owned());
-                (all, why)
-            }
-        };
-        Ok(Summary {
-            source: shown(&arguments.source.path),
-            from: passed.times.0,
-            until: passed.times.1,
-            frames: passed.frames,
-            people: record.ids().len(),
-            left: passed.left,
-            lines: lines
-                .map(|(k, (line, seen))| OfLine::of(line, k, seen, arguments, record.ids().len()))
-                .collect(),
-            areas: areas.map(|(k, (area, seen))| OfArea::of(area, k, seen)).collect(),
-            exposure,
-            exposure_left_out: why,
-        })
-    }
-
-    /// Why there is no exposure.
-    pub fn left_out(&self) -> Option<&str> {
-        self.exposure_left_out.as_deref()
+    /// Sums up what was seen of people with these Ids.
+    pub fn of(arguments: &Arguments, ids: &[String], seen: &Seen<'_>) -> Summary {
+        let exposed = seen.exposed.as_deref();
+        Summary {
+            source: arguments.source.path.display().to_string(),
+            from: seen.times.0,
+            until: seen.times.1,
+            frames: seen.frames,
+            people: ids.len(),
+            left: seen.left,
+            lines: seen.lines.iter().map(|line| OfLine::of(line, ids.len())).collect(),
+            areas: seen.areas.iter().map(OfArea::of).collect(),
+            exposure: exposed
+                .ok()
+                .and_then(|exposed| OfSqueeze::of(exposed, ids, arguments, seen.longest_step)),
+            exposure_left_out: exposed.err().copied(),
+        }
     }
 }
 
 impl OfLine {
-    fn of(line: &Named<Line>, k: usize, seen: &Passages, arguments: &Arguments, people: usize) -> OfLine {
-        let width = arguments.width_of(&line.what);
-        let directions = Way::ALL.map(|way| Crossings::of(seen, way, width, people)).into();
-        let [from, to] = [line.what.from, line.what.to].map(|p| [p.x, p.y]);
-        OfLine { name: line.called(k), from, to, width, directions }
+    fn of(SeenLine { name, width, passages }: &SeenLine<'_>, people: usize) -> OfLine {
+        let directions = Way::ALL.map(|way| Crossings::of(passages, way, *width, people)).into();
+        let [from, to] = [passages.line().from, passages.line().to].map(|p| [p.x, p.y]);
+        OfLine { name: (*name).to_owned(), from, to, width: *width, directions }
     }
 }
 
 impl OfArea {
-    fn of(area: &Named<MeasuringArea>, k: usize, seen: &[Density]) -> OfArea {
-        let of = |value: fn(&Density) -> f64| {
-            MeanMax::of(seen.iter().map(value)).unwrap_or(MeanMax { mean: 0.0, max: 0.0 })
-        };
+    fn of(SeenArea { name, area, over_time }: &SeenArea<'_>) -> OfArea {
+        let of = |value: fn(&Density) -> f64| MeanMax::of(over_time.iter().map(value)).unwrap_or_default();
         OfArea {
-            name: area.called(k),
-            area: area.what.area(),
+            name: (*name).to_owned(),
+            area: area.area(),
             people: of(|seen| seen.people as f64),
             density: of(|seen| seen.density),
             voronoi_density: of(|seen| seen.voronoi_density.unwrap_or(f64::NAN)),
-            speed: MeanMax::of(seen.iter().filter_map(|seen| seen.speed)),
+            speed: MeanMax::of(over_time.iter().filter_map(|seen| seen.speed)),
         }
     }
 }
 
 impl OfSqueeze {
+    /// `None` without people.
     fn of(
         exposed: &[Exposed],
         ids: &[String],
@@ -176,15 +152,12 @@ impl OfSqueeze {
             let time = of(&|one| one.above[k]);
             OfLevel { above, people: time.as_ref().map(|_| people), time }
         };
-        let spans = SPANS.into_iter().enumerate();
-        (longest_step > 0.0).then_some(())?;
+        let span = |(k, over)| OfSpan { over, mean: of(&|one| one.largest_mean[k]) };
         Some(OfSqueeze {
             longest_step,
             above_over: *over,
             time_above: above.iter().enumerate().map(level).collect(),
-            largest_mean: spans
-                .map(|(k, over)| OfSpan { over, mean: of(&|one| one.largest_mean[k]) })
-                .collect(),
+            largest_mean: SPANS.into_iter().enumerate().map(span).collect(),
             peak: of(&|one| Some(one.peak))?,
             impulse: of(&|one| Some(one.impulse))?,
         })

@@ -219,7 +219,7 @@ mod tests {
         let run = run();
         let shown = Shown::of(Quantity::GreatestSqueeze, &run, Some(1.0)).unwrap();
         for end in 0..run.frames.len() {
-            let mut exposure = Exposure::new(2, &[]);
+            let mut exposure = Exposure::new(2, &[], None);
             for frame in &run.frames[..=end] {
                 exposure.add(frame.time, (0..2).map(|agent| squeeze(frame, agent)));
             }

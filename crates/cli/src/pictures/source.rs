@@ -266,7 +266,7 @@ fn tell_other(record: &Record, trial: &Trial) {
     let apart = |(agent, own): &(Motion, &AgentDynamics)| {
         (agent.pose.position - own.motion().pose.position).norm() > NEAR
     };
-    let others = record.first().into_iter().zip(&trial.dynamics).filter(apart).count();
+    let others = record.first().iter().copied().zip(&trial.dynamics).filter(apart).count();
     if others > 0 && record.times().next() == Some(0.0) {
         note!(
             "warning: {}: {others} of {} people do not begin where they stand in the Trial {:?}: is it the table of \

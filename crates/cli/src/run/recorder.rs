@@ -92,7 +92,7 @@ impl CrowdRecorder {
                 let lines = about.lines.iter().chain(&crowd.about).cloned().collect();
                 let content = Content { columns: crowd.columns.clone(), about: lines };
                 let table = results::begin(&place, &content, about.goes_on)?;
-                Rows::Table(Box::new(FrameWriter::new(table, ids.clone(), *groups)?), place.path)
+                Rows::Table(Box::new(FrameWriter::new(table, ids.clone(), *groups)), place.path)
             }
             Target::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),
         };

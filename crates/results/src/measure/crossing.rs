@@ -1,6 +1,6 @@
 //! Who crosses a line on the way from one place to another.
 
-use crate::measure::density::FARTHEST;
+use crate::shapes::FARTHEST;
 use lemons_core::plane::{Vec2, segments_touch, turn, vec2};
 use serde::Deserialize;
 
@@ -46,7 +46,7 @@ pub struct Crossing {
 }
 
 impl Line {
-    /// Of the numbers x1, y1, x2, y2 \[m\]; `None` if these are not two different points within 1e6 m of the origin.
+    /// Makes the line of the numbers x1, y1, x2, y2 \[m\]; `None` if these are not two different points within 1e6 m of the origin.
     pub fn of_numbers(numbers: &[f64]) -> Option<Line> {
         let near = numbers.iter().all(|number| number.abs() <= FARTHEST);
         match *numbers {
@@ -86,35 +86,29 @@ mod tests {
     /// Upwards, from (2, 0) to (2, 1): its right is where x is larger.
     const DOOR: Line = Line { from: vec2(2.0, 0.0), to: vec2(2.0, 1.0) };
 
-    fn over(before: (f64, f64), after: (f64, f64)) -> Option<(Way, f64)> {
-        let place = |(x, y)| vec2(x, y);
-        DOOR.crossing(place(before), place(after)).map(|Crossing { way, part }| (way, part))
-    }
-
     #[test]
     fn a_crossing_has_a_direction_and_a_moment() {
-        assert_eq!(over((1.0, 0.5), (5.0, 0.5)), Some((Way::Right, 0.25)));
-        assert_eq!(over((5.0, 0.5), (1.0, 0.5)), Some((Way::Left, 0.75)));
-        assert_eq!(over((1.0, 0.5), (1.5, 0.5)), None);
-        // Past its end, though from side to side.
-        assert_eq!(over((1.0, 1.5), (3.0, 1.5)), None);
-        assert_eq!(over((1.0, 0.0), (3.0, 2.1)), None);
-        // Across its end, straight.
-        assert_eq!(over((1.0, 1.0), (3.0, 1.0)), Some((Way::Right, 0.5)));
-    }
-
-    #[test]
-    fn who_is_nowhere_crosses_nothing() {
-        assert_eq!(over((1.0, 0.5), (f64::NAN, f64::NAN)), None);
-        assert_eq!(over((f64::NAN, f64::NAN), (1.0, 0.5)), None);
-    }
-
-    #[test]
-    fn who_stops_on_the_line_is_counted_once() {
-        assert_eq!(over((1.0, 0.5), (2.0, 0.5)), Some((Way::Right, 1.0)));
-        assert_eq!(over((2.0, 0.5), (3.0, 0.5)), None);
-        assert_eq!(over((2.0, 0.5), (2.0, 0.75)), None);
-        // And back: from where it is, on the right, to the left.
-        assert_eq!(over((2.0, 0.5), (1.0, 0.5)), Some((Way::Left, 0.0)));
+        let nan = f64::NAN;
+        for (before, after, expected) in [
+            ((1.0, 0.5), (5.0, 0.5), Some((Way::Right, 0.25))),
+            ((5.0, 0.5), (1.0, 0.5), Some((Way::Left, 0.75))),
+            ((1.0, 0.5), (1.5, 0.5), None),
+            // Past its end, though from side to side.
+            ((1.0, 1.5), (3.0, 1.5), None),
+            ((1.0, 0.0), (3.0, 2.1), None),
+            // Across its end, straight.
+            ((1.0, 1.0), (3.0, 1.0), Some((Way::Right, 0.5))),
+            // Who is nowhere crosses nothing.
+            ((1.0, 0.5), (nan, nan), None),
+            ((nan, nan), (1.0, 0.5), None),
+            // Who stops on the line is counted once; and back, from where it is, on the right, to the left.
+            ((1.0, 0.5), (2.0, 0.5), Some((Way::Right, 1.0))),
+            ((2.0, 0.5), (3.0, 0.5), None),
+            ((2.0, 0.5), (2.0, 0.75), None),
+            ((2.0, 0.5), (1.0, 0.5), Some((Way::Left, 0.0))),
+        ] {
+            let seen = DOOR.crossing(vec2(before.0, before.1), vec2(after.0, after.1));
+            assert_eq!(seen.map(|Crossing { way, part }| (way, part)), expected, "{before:?} to {after:?}");
+        }
     }
 }

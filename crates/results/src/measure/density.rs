@@ -3,14 +3,9 @@
 use crate::Frame;
 use crate::measure::present;
 use crate::measure::voronoi::{Room, area, intersection};
-use crate::shapes::{Shape, contour};
+use crate::shapes::{Shape, check, contour};
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use serde::Serialize;
-
-/// \[m\] From the origin. Further away, cells and their parts have rounding errors that are not seen.
-pub(crate) const FARTHEST: f64 = 1e6;
-/// More are a mistake.
-const MOST_CORNERS: usize = 10_000;
 
 /// An area in which a crowd is measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,28 +33,22 @@ pub struct Density {
 }
 
 impl MeasuringArea {
-    /// Inside a ring \[m\]; `None` if it crosses itself, has no area, more than 10 000 corners, or one further than 1e6 m from
+    /// Makes the area inside a ring \[m\]; `None` if it crosses itself, has no area, more than 10 000 corners, or one further than 1e6 m from
     /// the origin.
     pub fn inside(ring: Ring) -> Option<MeasuringArea> {
-        // Before anything else: simple takes time, and far corners have rounding errors.
-        let near =
-            ring.corners().iter().all(|corner| corner.x.abs() <= FARTHEST && corner.y.abs() <= FARTHEST);
-        let whole = near && ring.corners().len() <= MOST_CORNERS && ring.is_simple() && ring.area() > 0.0;
+        let whole = check(&ring).is_ok() && ring.area() > 0.0;
         whole.then(|| MeasuringArea { shape: vec![contour(&ring)], bounds: ring.bounds(), ring })
     }
 
-    /// Of numbers \[m\]: four are the lower left and the upper right corner of a rectangle, six or more the corners of a
+    /// Makes the area of numbers \[m\]: four are the lower left and the upper right corner of a rectangle, six or more the corners of a
     /// polygon. `None` if they are neither.
     pub fn of_numbers(numbers: &[f64]) -> Option<MeasuringArea> {
-        let ring = match *numbers {
-            [x0, y0, x1, y1] if x0 < x1 && y0 < y1 => {
-                Some(Ring::around(Bounds { low: vec2(x0, y0), high: vec2(x1, y1) }))
-            }
-            [_, _, _, _] => None,
-            _ if numbers.len().is_multiple_of(2) => {
-                Ring::through(numbers.chunks_exact(2).map(|point| vec2(point[0], point[1])).collect())
-            }
-            _ => None,
+        let corners: Vec<Vec2> = numbers.chunks_exact(2).map(|point| vec2(point[0], point[1])).collect();
+        let ring = match corners[..] {
+            _ if !numbers.len().is_multiple_of(2) => None,
+            [low, high] if low.x < high.x && low.y < high.y => Some(Ring::around(Bounds { low, high })),
+            [_, _] => None,
+            _ => Ring::through(corners),
         };
         ring.and_then(MeasuringArea::inside)
     }
@@ -78,9 +67,10 @@ impl MeasuringArea {
         let voronoi_density = room.map(|room| {
             let cells = room.cells(&people, self.bounds).into_iter().flatten();
             // A cell without area is that of somebody outside of the room, or squeezed into a corner of the polygon.
-            let parts = cells.filter(|cell| cell.area > 0.0).map(|cell| {
-                let common: f64 = intersection(&cell.shape, &self.shape).iter().map(area).sum();
-                common / cell.area
+            let cells = cells.map(|cell| (area(&cell), cell)).filter(|(area, _)| *area > 0.0);
+            let parts = cells.map(|(whole, cell)| {
+                let common: f64 = intersection(&cell, &self.shape).iter().map(area).sum();
+                common / whole
             });
             // A sum of nothing is -0.
             (0.0 + parts.sum::<f64>()) / self.area()

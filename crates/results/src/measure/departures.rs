@@ -31,7 +31,7 @@ pub struct Left {
 }
 
 impl Departures {
-    /// Of so many people.
+    /// Begins, for so many people.
     pub fn of(people: usize) -> Departures {
         Departures { times: vec![None; people], places: vec![None; people], known: false }
     }

@@ -14,7 +14,7 @@ pub const SPANS: [f64; 3] = [0.1, 1.0, 10.0];
 pub struct Exposed {
     /// \[s\] How long the person was there.
     pub time: f64,
-    /// \[s\] Time above each level: in communication steps with a greater mean squeeze, or, with [`Exposure::over`], at
+    /// \[s\] Time above each level: in communication steps with a greater mean squeeze, or, with `over`, at
     /// the end of spans with a greater one; `None` if the record is shorter than a span, or a step is longer.
     pub above: Vec<Option<f64>>,
     /// \[N\] Largest mean squeeze over each of [`SPANS`]; `None` if the record is shorter, or if a step is longer.
@@ -41,23 +41,18 @@ pub struct Exposure {
 }
 
 impl Exposure {
-    /// Begins, with levels of squeeze \[N\].
-    pub fn new(people: usize, levels: &[f64]) -> Exposure {
+    /// Begins, with levels of squeeze \[N\]; compared with them are means over spans of the length `over` \[s\], or, without,
+    /// those over communication steps.
+    pub fn new(people: usize, levels: &[f64], over: Option<f64>) -> Exposure {
         let above = vec![Some(0.0); levels.len()];
         Exposure {
             levels: levels.to_vec(),
-            over: None,
+            over,
             spanned: false,
             people: vec![Exposed { above, ..Exposed::default() }; people],
-            impulses: Impulses::kept_for(SPANS.into_iter().fold(0.0, f64::max)),
+            impulses: Impulses::kept_for(SPANS.into_iter().chain(over).fold(0.0, f64::max)),
             longest_step: 0.0,
         }
-    }
-
-    /// Compares means over spans of this length \[s\] with the levels.
-    pub fn over(self, span: f64) -> Exposure {
-        let longest = SPANS.into_iter().fold(span, f64::max);
-        Exposure { over: Some(span), impulses: Impulses::kept_for(longest), ..self }
     }
 
     /// Adds the next communication point \[s\], with mean and peak squeeze \[N\] of each person over the step that ends
@@ -79,21 +74,17 @@ impl Exposure {
             }
         }
         self.longest_step = self.longest_step.max(step);
+        // Of all spans that end in the newest step: the largest mean begins or ends at a communication point.
         for (k, span) in SPANS.into_iter().enumerate() {
-            self.find_largest(k, span, before, time);
+            for end in self.impulses.ends(span, before, time) {
+                for (person, mean) in self.people.iter_mut().zip(self.impulses.means(span, end)) {
+                    person.largest_mean[k] =
+                        Some(person.largest_mean[k].map_or(mean, |known| known.max(mean)));
+                }
+            }
         }
         if let Some(span) = self.over {
             self.add_above(span, before, time, &squeeze);
-        }
-    }
-
-    /// Of all spans of this length \[s\] that end in the newest step: the largest mean begins or ends at a communication
-    /// point.
-    fn find_largest(&mut self, k: usize, span: f64, before: f64, time: f64) {
-        for end in self.impulses.ends(span, before, time) {
-            for (person, mean) in self.people.iter_mut().zip(self.impulses.means(span, end)) {
-                person.largest_mean[k] = Some(person.largest_mean[k].map_or(mean, |known| known.max(mean)));
-            }
         }
     }
 
@@ -138,7 +129,7 @@ impl Exposure {
     }
 }
 
-/// Of a line from `a` to `b`.
+/// Returns the part of a line from `a` to `b` that is above a level.
 fn part_above((a, b): (f64, f64), level: f64) -> f64 {
     match (a > level, b > level) {
         (true, true) => 1.0,
@@ -151,12 +142,8 @@ fn part_above((a, b): (f64, f64), level: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Of one person whose squeeze has this integral \[N s\] from 0 to a time, in steps of this length \[s\].
-    fn exposed(impulse: impl Fn(f64) -> f64, step: f64, until: f64, levels: &[f64]) -> Exposed {
-        seen_by(Exposure::new(1, levels), impulse, step, until)
-    }
-
-    fn seen_by(mut exposure: Exposure, impulse: impl Fn(f64) -> f64, step: f64, until: f64) -> Exposed {
+    /// Returns the exposure of a person whose squeeze has this integral \[N s\] from 0 to a time, in steps of this length \[s\].
+    fn exposed(impulse: impl Fn(f64) -> f64, step: f64, until: f64, mut exposure: Exposure) -> Exposed {
         for k in 0..=(until / step).round() as u64 {
             let (from, time) = ((k as f64 - 1.0) * step, k as f64 * step);
             let mean = (impulse(time) - impulse(from)) / step;
@@ -174,17 +161,11 @@ mod tests {
     #[test]
     fn a_rectangular_pulse() {
         let pulse = |t: f64| 800.0 * (t.clamp(2.0, 2.5) - 2.0);
-        let one = exposed(pulse, 0.05, 12.0, &[500.0, 799.0, 801.0]);
-        near(one.above[0].unwrap(), 0.5);
-        near(one.above[1].unwrap(), 0.5);
-        assert_eq!(one.above[2], Some(0.0));
-        let [short, second, long] = one.largest_mean.map(Option::unwrap);
-        near(short, 800.0);
-        near(second, 400.0);
-        near(long, 40.0);
-        near(one.impulse, 400.0);
-        near(one.time, 12.0);
-        near(one.peak, 800.0);
+        let one = exposed(pulse, 0.05, 12.0, Exposure::new(1, &[500.0, 799.0, 801.0], None));
+        let seen = one.above.iter().chain(&one.largest_mean).map(|known| known.unwrap());
+        let seen = seen.chain([one.impulse, one.time, one.peak]);
+        seen.zip([0.5, 0.5, 0.0, 800.0, 400.0, 40.0, 400.0, 12.0, 800.0])
+            .for_each(|(seen, expected)| near(seen, expected));
     }
 
     /// The mean over a second of 800 N from 2 to 2.5 s rises for half a second, stays at 400 N, and falls.
@@ -192,7 +173,7 @@ mod tests {
     fn time_above_a_level_of_means_over_a_second() {
         let pulse = |t: f64| 800.0 * (t.clamp(2.0, 2.5) - 2.0);
         let above = |levels: &[f64], step: f64, until: f64, span: f64| {
-            seen_by(Exposure::new(1, levels).over(span), pulse, step, until).above
+            exposed(pulse, step, until, Exposure::new(1, levels, Some(span))).above
         };
         for step in [0.05, 0.01, 0.25] {
             let times = above(&[0.0, 100.0, 300.0, 401.0], step, 12.0, 1.0);
@@ -213,12 +194,12 @@ mod tests {
     fn spans_need_not_be_multiples_of_the_step() {
         // Two steps of 0.07 s with 700 N: 0.1 s fit into them, 1 s does not.
         let pulse = |t: f64| 700.0 * (t.clamp(0.7, 0.84) - 0.7);
-        let one = exposed(pulse, 0.07, 2.1, &[]);
+        let one = exposed(pulse, 0.07, 2.1, Exposure::new(1, &[], None));
         near(one.largest_mean[0].unwrap(), 700.0);
         near(one.largest_mean[1].unwrap(), 98.0);
         assert_eq!(one.largest_mean[2], None, "the record is shorter");
         // A step is longer than the span: its mean says nothing of 0.1 s.
-        assert_eq!(exposed(pulse, 0.21, 2.1, &[]).largest_mean[0], None);
+        assert_eq!(exposed(pulse, 0.21, 2.1, Exposure::new(1, &[], None)).largest_mean[0], None);
     }
 
     /// The definition, computed otherwise: the largest of all means over a fine grid of beginnings.
@@ -232,7 +213,7 @@ mod tests {
         let means: Vec<f64> = (0..60).map(|_| squeeze()).collect();
         // Steps of different lengths [ms].
         let lengths: Vec<usize> = (0..60).map(|k| [30, 70, 50][k % 3]).collect();
-        let mut exposure = Exposure::new(1, &[]);
+        let mut exposure = Exposure::new(1, &[], None);
         let (mut fine, mut time) = (Vec::new(), 0.0);
         exposure.add(0.0, [Some((1e9, 1e9))].into_iter());
         for (mean, length) in means.iter().zip(&lengths) {
@@ -250,7 +231,7 @@ mod tests {
 
     #[test]
     fn who_leaves_is_exposed_no_more() {
-        let mut exposure = Exposure::new(2, &[10.0]);
+        let mut exposure = Exposure::new(2, &[10.0], None);
         for k in 0..=20 {
             let there = Some((100.0, 120.0));
             exposure.add(f64::from(k) * 0.1, [there, there.filter(|_| k <= 5)].into_iter());

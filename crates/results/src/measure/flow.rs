@@ -14,7 +14,7 @@ pub struct Flow {
 }
 
 impl Flow {
-    /// Of passages in the order of time.
+    /// Makes the flow of passages in the order of time.
     pub fn of(passages: &[Passage]) -> Flow {
         let gaps: Vec<f64> = passages.windows(2).map(|pair| pair[1].time - pair[0].time).collect();
         let seconds =

@@ -46,7 +46,7 @@ impl Impulses {
         self.sums.back().map_or(&[], Vec::as_slice)
     }
 
-    /// Whether a span \[s\] that ends then \[s\] has begun at the first point or later.
+    /// Returns whether a span \[s\] that ends then \[s\] has begun at the first point or later.
     pub fn covers(&self, span: f64, end: f64) -> bool {
         self.times.front().is_some_and(|first| end - span >= first - ROUNDING)
     }

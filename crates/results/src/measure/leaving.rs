@@ -39,12 +39,12 @@ impl Leaving {
         Leaving { leave, who: Vec::new(), left: 0, since: f64::NEG_INFINITY, places: Vec::new(), over: None }
     }
 
-    /// Of everybody, who is to leave.
+    /// Says of everybody who is to leave.
     pub fn among(self, who: Vec<bool>) -> Leaving {
         Leaving { who, ..self }
     }
 
-    /// At a time \[s\], where everybody is \[m\]; `None` of those who have left.
+    /// Sees at a time \[s\] where everybody is \[m\]; `None` of those who have left.
     pub fn see(&mut self, time: f64, places: &[Option<Vec2>]) -> Option<Over> {
         self.left = places.iter().filter(|place| place.is_none()).count();
         let stays = |(was, is): (&Option<Vec2>, &Option<Vec2>)| match (was, is) {
@@ -64,17 +64,17 @@ impl Leaving {
         self.over
     }
 
-    /// Why it is over, if it is.
+    /// Returns why it is over, if it is.
     pub fn over(&self) -> Option<Over> {
         self.over
     }
 
-    /// How many are to leave, and how many have left.
+    /// Returns how many are to leave, and how many have left.
     pub fn counts(&self) -> (usize, usize) {
         (self.leave, self.left)
     }
 
-    /// Who has not left and was to leave, by their places among the people.
+    /// Returns those who have not left and were to leave, by their places among the people.
     pub fn stay(&self) -> impl Iterator<Item = usize> {
         let there = self.places.iter().enumerate().filter(|(_, place)| place.is_some());
         there.map(|(agent, _)| agent).filter(|agent| self.who.get(*agent).copied().unwrap_or(true))

@@ -89,10 +89,7 @@ impl Passages {
 
     /// Returns when people crossed in a direction for the last time \[s\]: only those who did not come back, ascending.
     pub fn stayed(&self, way: Way) -> Vec<f64> {
-        let [there, back] = match way {
-            Way::Right => [0, 1],
-            Way::Left => [1, 0],
-        };
+        let (there, back) = (way as usize, 1 - way as usize);
         let stayed = self.people.iter().filter(|person| person.of[there].times > person.of[back].times);
         let mut times: Vec<f64> = stayed.map(|person| person.of[there].last).collect();
         times.sort_by(f64::total_cmp);
@@ -107,7 +104,7 @@ mod tests {
 
     const DOOR: Line = Line { from: vec2(0.0, 0.0), to: vec2(0.0, 1.0) };
 
-    /// Of people with these x \[m\], frames 0.5 s apart. Not a number: the person is not there.
+    /// Counts people with these x \[m\], frames 0.5 s apart. Not a number: the person is not there.
     fn counted(frames: &[&[f64]]) -> Passages {
         let mut passages = Passages::over(DOOR, frames[0].len());
         for (k, places) in frames.iter().enumerate() {
@@ -136,17 +133,11 @@ mod tests {
         // Who came back has not left.
         let back = counted(&[&[-1.0], &[1.0], &[-1.0]]);
         assert!(back.stayed(Way::Right).is_empty() && back.stayed(Way::Left).is_empty());
-    }
-
-    #[test]
-    fn passages_are_in_the_order_of_time() {
+        // In the order of time.
         let seen = counted(&[&[-3.0, -1.0, 1.0, -2.0], &[1.0, 3.0, 2.0, -2.0]]);
         assert_eq!(times(&seen, Way::Right), [(0.125, 1), (0.375, 0)]);
         assert_eq!(seen.stayed(Way::Right), [0.125, 0.375]);
-    }
-
-    #[test]
-    fn who_was_not_there_between_two_frames_did_not_cross() {
+        // Who was not there between two frames did not cross.
         let seen = counted(&[&[-1.0, -1.0], &[f64::NAN, -0.5], &[1.0, f64::NAN]]);
         assert!(times(&seen, Way::Right).is_empty());
     }

@@ -38,7 +38,7 @@ pub struct Crossings {
 }
 
 impl Crossings {
-    /// Of what was seen of so many people; `width` \[m\] is that of the specific flow.
+    /// Sums up what was seen of so many people; `width` \[m\] is that of the specific flow.
     pub fn of(seen: &Passages, way: Way, width: f64, people: usize) -> Crossings {
         let (passages, stayed) = (seen.first(way), seen.stayed(way));
         let flow = Flow::of(&passages);
@@ -70,7 +70,7 @@ pub struct MeanMax {
 }
 
 impl MeanMax {
-    /// `None` without values.
+    /// Sums up values; `None` without any.
     pub fn of(values: impl Iterator<Item = f64>) -> Option<MeanMax> {
         let values: Vec<f64> = values.collect();
         let max = values.iter().copied().reduce(f64::max)?;

@@ -24,7 +24,7 @@ impl Room {
     ///
     /// A cell is what is nearer to its person than to all others. A wall may cut it into parts; the cell is the part that
     /// the person is in. People at the same place have the same cell.
-    pub(crate) fn cells(&self, people: &[Vec2], near: Bounds) -> Vec<Option<Cell>> {
+    pub(crate) fn cells(&self, people: &[Vec2], near: Bounds) -> Vec<Option<Shape>> {
         let mut order: Vec<usize> = (0..people.len()).collect();
         order.sort_by(|a, b| people[*a].x.total_cmp(&people[*b].x));
         let mut cells = vec![None; people.len()];
@@ -32,8 +32,7 @@ impl Room {
             let corners = self.nearest_to(people, &order, place);
             let meets = Bounds::of(corners.iter().copied()).filter(|bounds| bounds.meets(&near));
             if let Some(bounds) = meets {
-                let shape = self.cut(corners, bounds, people[agent]);
-                cells[agent] = Some(Cell { area: area(&shape), shape });
+                cells[agent] = Some(self.cut(corners, bounds, people[agent]));
             }
         }
         cells
@@ -87,14 +86,6 @@ impl Room {
     }
 }
 
-/// What belongs to somebody.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Cell {
-    pub shape: Shape,
-    /// \[m²\]
-    pub area: f64,
-}
-
 /// The part of a convex polygon that is not beyond a line through a point, across a direction.
 fn halved(corners: &[Vec2], through: Vec2, away: Vec2) -> Vec<Vec2> {
     let beyond = |p: Vec2| (p - through).dot(away);
@@ -137,7 +128,7 @@ mod tests {
     }
 
     fn areas(room: &Room, people: &[Vec2]) -> Vec<f64> {
-        room.cells(people, room.bounds).into_iter().map(|cell| cell.unwrap().area).collect()
+        room.cells(people, room.bounds).into_iter().map(|cell| area(&cell.unwrap())).collect()
     }
 
     #[test]
@@ -162,7 +153,7 @@ mod tests {
         assert!((alone[0] - 16.0).abs() < 1e-6);
         // At the same place nothing is between them.
         let cells = room.cells(&[vec2(1.0, 1.0), vec2(1.0, 1.0)], room.bounds);
-        assert!(cells.iter().flatten().all(|cell| (cell.area - 16.0).abs() < 1e-6) && cells.len() == 2);
+        assert!(cells.iter().flatten().all(|cell| (area(cell) - 16.0).abs() < 1e-6) && cells.len() == 2);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Tables in CSV: SI units, numbers that read back to the same doubles.
 
-use super::rows::{Frames, ReadColumns, Row, Stop, place};
+use super::rows::{Cells, Frames, Stop, place};
 use crate::cell::Cell;
 use crate::columns::{self, Column};
 use crate::record::Each;
@@ -30,20 +30,16 @@ fn head_of(column: &Column) -> String {
 pub(super) fn read(file: impl Read, each: &mut Each<'_>) -> Result<Vec<String>, Stop> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
     let header = reader.headers().map_err(broken)?.clone();
-    let wanted = ReadColumns::among(|name| header.iter().any(|head| name_and_unit(head).0 == name));
-    let places = wanted.heads().map(|head| place(header.iter().map(name_and_unit), head));
+    let exists = |name: &str| header.iter().any(|head| name_and_unit(head).0 == name);
+    let mut frames = Frames::new(exists, "line", each);
+    let places = frames.heads().into_iter().map(|head| place(header.iter().map(name_and_unit), head));
     let places = places.collect::<Result<Vec<usize>, _>>().map_err(|wrong| format!("line 1: {wrong}"))?;
-    let mut frames = Frames::new(&wanted, "line");
     let mut record = csv::StringRecord::new();
     while reader.read_record(&mut record).map_err(broken)? {
         let line = record.position().map_or(0, csv::Position::line);
-        if let Some(frame) = frames.add(line, &Line { record: &record, places: &places })? {
-            each(frame)?;
-        }
+        frames.add(line, &Line { record: &record, places: &places })?;
     }
-    let (last, ids) = frames.finish()?;
-    each(last)?;
-    Ok(ids)
+    frames.finish()
 }
 
 struct Line<'a> {
@@ -51,7 +47,7 @@ struct Line<'a> {
     places: &'a [usize],
 }
 
-impl Row for Line<'_> {
+impl Cells for Line<'_> {
     fn id(&self) -> Cow<'_, str> {
         self.record[self.places[1]].into()
     }
@@ -86,7 +82,7 @@ pub(super) struct Writer<W: Write> {
 }
 
 impl<W: Write> Writer<W> {
-    /// With the header only.
+    /// Begins a table, with the header only.
     pub fn create(file: W, columns: &[Column]) -> io::Result<Writer<W>> {
         let mut out = csv::Writer::from_writer(file);
         out.write_record(columns.iter().map(head_of))?;

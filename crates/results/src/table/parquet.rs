@@ -2,7 +2,7 @@
 //! JSON, `{"x": {"unit": "m"}}`.
 
 use super::format::Content;
-use super::rows::{self, Frames, ReadColumns, Stop, place};
+use super::rows::{Cells, Frames, Head, Stop, place};
 use crate::cell::{Cell, CellType};
 use crate::columns::{Column, ID};
 use crate::record::Each;
@@ -42,16 +42,16 @@ pub(super) fn read(file: File, each: &mut Each<'_>) -> Result<Vec<String>, Stop>
             (column.name(), own.and_then(|own| own["unit"].as_str()))
         })
     };
-    let wanted = ReadColumns::among(|name| columns.iter().any(|column| column.name() == name));
+    let exists = |name: &str| columns.iter().any(|column| column.name() == name);
+    let mut frames = Frames::new(exists, "row", each);
     let mut fields = Vec::new();
-    for head in wanted.heads() {
+    for head in frames.heads() {
         let column = &columns[place(heads(), head)?];
         check_type(column, head)?;
         fields.push(column.clone());
     }
     let schema = Type::group_type_builder(metadata.file_metadata().schema().name()).with_fields(fields);
     let mut rows = guarded(|| reader.get_row_iter(Some(schema.build()?)))?;
-    let mut frames = Frames::new(&wanted, "row");
     let mut count = 0;
     while let Some(row) = guarded(|| rows.next().transpose())? {
         count += 1;
@@ -59,13 +59,9 @@ pub(super) fn read(file: File, each: &mut Each<'_>) -> Result<Vec<String>, Stop>
         if let Some((name, _)) = row.0.iter().find(|(_, value)| *value == Field::Null) {
             return Err(format!("row {count}: column {name}: there is no value").into());
         }
-        if let Some(frame) = frames.add(count, &row)? {
-            each(frame)?;
-        }
+        frames.add(count, &row)?;
     }
-    let (last, ids) = frames.finish()?;
-    each(last)?;
-    Ok(ids)
+    frames.finish()
 }
 
 const INVALID: &str = "is not valid Parquet";
@@ -94,8 +90,8 @@ fn attributes_of_columns(metadata: &ParquetMetaData) -> Map<String, Value> {
     text.and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
 }
 
-/// Whether a column has values of a type that its name allows.
-fn check_type(column: &Type, (name, unit): rows::Head) -> Result<(), String> {
+/// Checks that a column has values of a type that its name allows.
+fn check_type(column: &Type, (name, unit): Head) -> Result<(), String> {
     let physical = column.is_primitive().then(|| column.get_physical_type());
     let logical = column.get_basic_info().logical_type_ref();
     let unmarked = logical.is_none();
@@ -114,7 +110,7 @@ fn check_type(column: &Type, (name, unit): rows::Head) -> Result<(), String> {
 
 struct Row(Vec<(String, Field)>);
 
-impl rows::Row for Row {
+impl Cells for Row {
     fn id(&self) -> Cow<'_, str> {
         match &self.0[1].1 {
             Field::Str(id) => id.into(),
@@ -159,7 +155,7 @@ enum Pending {
 }
 
 impl<W: Write + Send> Writer<W> {
-    /// Without rows.
+    /// Begins a table without rows.
     pub fn create(file: W, content: &Content) -> io::Result<Writer<W>> {
         let mut names = HashSet::new();
         if let Some(twice) = content.columns.iter().find(|column| !names.insert(&column.name)) {

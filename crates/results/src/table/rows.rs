@@ -1,50 +1,14 @@
 //! The rows of the table of a crowd, in whatever format.
 
-use crate::columns::{AgentRow, Groups, ID, MOTION, Quantity, TIME, TOTALS};
+use crate::columns::{FIRST_TOTAL, Groups, ID, MOTION, Quantity, Row, TIME, TOTALS};
 use crate::error::RecordError;
-use crate::run::{Frame, Totals};
+use crate::record::Each;
+use crate::run::Frame;
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// The columns that are read of a table.
-pub(super) struct ReadColumns {
-    groups: Groups,
-    quantities: Vec<&'static Quantity>,
-}
-
 /// Name and unit of a column.
 pub(super) type Head = (&'static str, Option<&'static str>);
-
-impl ReadColumns {
-    /// Of a table in which these names exist.
-    pub fn among(exists: impl Fn(&str) -> bool) -> ReadColumns {
-        let groups = Groups::among(exists);
-        ReadColumns { groups, quantities: groups.quantities().collect() }
-    }
-
-    /// The columns: time, Id, quantities.
-    pub fn heads(&self) -> impl Iterator<Item = Head> {
-        let quantities = self.quantities.iter().map(|quantity| (quantity.name, quantity.unit));
-        [(TIME, Some("s")), (ID, None)].into_iter().chain(quantities)
-    }
-
-    /// Reads the time \[s\] and the quantities of a row; `place` says where it is in the file.
-    fn read(&self, row: &impl Row, place: impl Fn() -> String) -> Result<(f64, AgentRow), String> {
-        let wrong = |k: usize, name: &str, must: &str| {
-            format!("{}: column {name}: {} is not {must}", place(), row.shown(k))
-        };
-        let time = row.number(0);
-        if !time.is_finite() {
-            return Err(wrong(0, TIME, "a finite number"));
-        }
-        let mut agent = AgentRow::default();
-        for (k, quantity) in (2..).zip(&self.quantities) {
-            let field = (quantity.field)(&mut agent);
-            field.set(row.number(k)).map_err(|must| wrong(k, quantity.name, must))?;
-        }
-        Ok((time, agent))
-    }
-}
 
 /// Finds a wanted column among the names and units of a table. A column without unit is in ours.
 ///
@@ -72,13 +36,13 @@ pub(super) fn place<'a>(
     }
 }
 
-/// A row of a table. Its cells have the places of their columns among those of [`ReadColumns::heads`].
-pub(super) trait Row {
-    /// The Id, in the second cell.
+/// A row of a table. Its cells have the places of their columns among those of [`Frames::heads`].
+pub(super) trait Cells {
+    /// Returns the Id, in the second cell.
     fn id(&self) -> Cow<'_, str>;
-    /// A number; NaN if the cell is none.
+    /// Returns a number; NaN if the cell is none.
     fn number(&self, k: usize) -> f64;
-    /// A cell, for messages.
+    /// Returns a cell, for messages.
     fn shown(&self, k: usize) -> String;
 }
 
@@ -103,92 +67,111 @@ impl From<RecordError> for Stop {
 }
 
 /// Makes frames of rows.
-pub(super) struct Frames<'a> {
-    wanted: &'a ReadColumns,
+pub(super) struct Frames<'a, 'b> {
+    each: &'a mut Each<'b>,
     /// What is counted in the file: lines or rows.
     what: &'static str,
+    groups: Groups,
+    /// What is read, with its places in a row.
+    quantities: Vec<(usize, &'static Quantity)>,
     ids: Vec<String>,
     places: HashMap<String, usize>,
-    /// Whether the newest frame is the first.
+    /// Time \[s\], place and first row of the newest frame.
+    newest: Option<(f64, String, Row)>,
+    /// Whether it is the first.
     first: bool,
-    /// Time \[s\] and place of the newest frame.
-    newest: Option<(f64, String)>,
-    /// Rows of the newest frame, in the order of the Ids.
-    agents: Vec<Option<AgentRow>>,
-    totals: Totals,
+    /// Its rows, in the order of the Ids.
+    rows: Vec<Option<Row>>,
 }
 
-impl<'a> Frames<'a> {
-    pub fn new(wanted: &'a ReadColumns, what: &'static str) -> Frames<'a> {
+impl<'a, 'b> Frames<'a, 'b> {
+    /// Begins to read a table in which these columns exist.
+    pub fn new(exists: impl Fn(&str) -> bool, what: &'static str, each: &'a mut Each<'b>) -> Frames<'a, 'b> {
+        let groups = Groups::among(exists);
         Frames {
-            wanted,
+            each,
             what,
+            groups,
+            quantities: groups.quantities().collect(),
             ids: Vec::new(),
             places: HashMap::new(),
-            first: true,
             newest: None,
-            agents: Vec::new(),
-            totals: Totals::default(),
+            first: true,
+            rows: Vec::new(),
         }
     }
 
-    /// Adds the `n`-th row; returns the previous frame if this row is the first of the next one.
-    pub fn add(&mut self, n: u64, row: &impl Row) -> Result<Option<Frame>, String> {
+    /// Returns the columns that are read: time, Id, quantities.
+    pub fn heads(&self) -> Vec<Head> {
+        let quantities = self.quantities.iter().map(|(_, quantity)| (quantity.name, quantity.unit));
+        [(TIME, Some("s")), (ID, None)].into_iter().chain(quantities).collect()
+    }
+
+    /// Adds the `n`-th row; if it is the first of the next frame, the frame before is complete.
+    pub fn add(&mut self, n: u64, cells: &impl Cells) -> Result<(), Stop> {
         let what = self.what;
-        let place = || format!("{what} {n}");
-        let (time, agent) = self.wanted.read(row, place)?;
-        let mut complete = None;
-        match self.newest.as_ref().map(|(time, _)| *time) {
-            Some(last) if time == last => {
-                if agent.totals != self.totals {
+        let at = |message: String| Stop::Wrong(format!("{what} {n}: {message}"));
+        let wrong =
+            |k: usize, name: &str, must: &str| at(format!("column {name}: {} is not {must}", cells.shown(k)));
+        let time = cells.number(0);
+        if !time.is_finite() {
+            return Err(wrong(0, TIME, "a finite number"));
+        }
+        let mut row = Row::default();
+        for (k, (place, quantity)) in (2..).zip(&self.quantities) {
+            row[*place] = cells.number(k);
+            quantity.check(row[*place], false).map_err(|must| wrong(k, quantity.name, must))?;
+        }
+        match &self.newest {
+            Some((last, _, first)) if time == *last => {
+                if first[FIRST_TOTAL..] != row[FIRST_TOTAL..] {
                     let names = TOTALS.map(|quantity| quantity.name).join(", ");
-                    return Err(format!("{}: columns {names}: differ from those of the row before", place()));
+                    return Err(at(format!("columns {names}: differ from those of the row before")));
                 }
             }
-            Some(last) if time < last => {
-                return Err(format!(
-                    "{}: column t: t = {time:?} s must not come after t = {last:?} s",
-                    place()
-                ));
+            Some((last, ..)) if time < *last => {
+                return Err(at(format!("column t: t = {time:?} s must not come after t = {last:?} s")));
             }
-            _ => {
-                complete = self.close()?;
-                self.first = complete.is_none();
-                self.newest = Some((time, place()));
-                self.totals = agent.totals;
+            last => {
+                self.first = last.is_none();
+                self.complete()?;
+                self.newest = Some((time, format!("{what} {n}"), row));
             }
         }
-        let id = row.id();
+        let id = cells.id();
         if id.is_empty() {
-            return Err(format!("{}: column id: is empty", place()));
+            return Err(at("column id: is empty".into()));
         }
         if self.first && !self.places.contains_key(&*id) {
-            self.places.insert(id.clone().into_owned(), self.ids.len());
-            self.ids.push(id.clone().into_owned());
-            self.agents.push(None);
+            self.places.insert(id.to_string(), self.ids.len());
+            self.ids.push(id.to_string());
+            self.rows.push(None);
         }
         let Some(&k) = self.places.get(&*id) else {
-            return Err(format!("{}: column id: agent {id:?} was not there at the first time", place()));
+            return Err(at(format!("column id: agent {id:?} was not there at the first time")));
         };
-        match self.agents[k].replace(agent) {
-            Some(_) => Err(format!("{}: column id: agent {id:?} stands twice at t = {time:?} s", place())),
-            None => Ok(complete),
+        match self.rows[k].replace(row) {
+            Some(_) => Err(at(format!("column id: agent {id:?} stands twice at t = {time:?} s"))),
+            None => Ok(()),
         }
     }
 
-    /// The newest frame, if there is one.
-    fn close(&mut self) -> Result<Option<Frame>, String> {
-        let Some((time, place)) = self.newest.take() else { return Ok(None) };
-        let rows = self.agents.iter_mut().zip(&self.ids).map(|(agent, id)| {
-            agent.take().ok_or_else(|| format!("{place}: at t = {time:?} s agent {id:?} is missing"))
+    /// Completes the newest frame, if there is one.
+    fn complete(&mut self) -> Result<(), Stop> {
+        let Some((time, place, _)) = self.newest.take() else { return Ok(()) };
+        let rows = self.rows.iter_mut().zip(&self.ids).map(|(row, id)| {
+            row.take().ok_or_else(|| format!("{place}: at t = {time:?} s agent {id:?} is missing"))
         });
         let rows = rows.collect::<Result<Vec<_>, _>>()?;
-        Ok(Some(Frame { place, ..Frame::of_rows(time, &rows, self.wanted.groups) }))
+        Ok((self.each)(Frame { place, ..Frame::of_rows(time, &rows, self.groups) })?)
     }
 
-    /// The last frame, and the Ids of all agents.
-    pub fn finish(mut self) -> Result<(Frame, Vec<String>), String> {
-        let last = self.close()?.ok_or("the run is empty: there is no row")?;
-        Ok((last, self.ids))
+    /// Completes the last frame, and returns the Ids of all agents.
+    pub fn finish(mut self) -> Result<Vec<String>, Stop> {
+        if self.newest.is_none() {
+            return Err(String::from("the run is empty: there is no row").into());
+        }
+        self.complete()?;
+        Ok(self.ids)
     }
 }

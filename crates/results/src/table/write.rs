@@ -4,7 +4,7 @@ use super::csv;
 use super::format::{Content, Format};
 #[cfg(feature = "parquet")]
 use super::parquet;
-use crate::cell::Cell;
+use crate::cell::{Cell, CellType};
 use crate::columns::Groups;
 use crate::error::RecordError;
 use crate::run::Frame;
@@ -20,7 +20,6 @@ pub struct TableWriter<W: Write + Send> {
     rows: Rows<W>,
     /// For messages.
     path: PathBuf,
-    names: Vec<String>,
 }
 
 enum Rows<W: Write + Send> {
@@ -48,8 +47,7 @@ impl<W: Write + Send> TableWriter<W> {
             Format::Parquet => Err(io::Error::other(super::NO_PARQUET)),
         };
         let rows = made.map_err(WriteError::at(path))?;
-        let names = content.columns.iter().map(|column| column.name.clone()).collect();
-        Ok(TableWriter { rows, path: path.to_owned(), names })
+        Ok(TableWriter { rows, path: path.to_owned() })
     }
 
     /// Writes a row: the time \[s\], and the cells of the other columns.
@@ -70,7 +68,7 @@ impl<W: Write + Send> TableWriter<W> {
         Ok(written.map_err(WriteError::at(&self.path))?)
     }
 
-    /// What messages call the file.
+    /// Returns what messages call the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -98,67 +96,36 @@ pub struct FrameWriter<W: Write + Send> {
 
 impl<W: Write + Send> FrameWriter<W> {
     /// Writes frames of the agents with these Ids into a table whose columns are [`Groups::columns`].
-    ///
-    /// # Errors
-    /// The table has other columns.
-    pub fn new(table: TableWriter<W>, ids: Vec<String>, groups: Groups) -> Result<Self, RecordError> {
-        let own: Vec<String> = groups.columns().into_iter().map(|column| column.name).collect();
-        if table.names != own {
-            let message = format!("its columns are {}, not {}", table.names.join(", "), own.join(", "));
-            return Err(RecordError::wrong(&table.path, message));
-        }
-        Ok(FrameWriter { table, ids, groups })
+    pub fn new(table: TableWriter<W>, ids: Vec<String>, groups: Groups) -> FrameWriter<W> {
+        FrameWriter { table, ids, groups }
     }
 
     /// Writes a row for each agent.
     ///
     /// # Errors
-    /// The frame has not one value for each agent in each column of the table, a count is larger than
-    /// 2³¹ − 1, or the file cannot be written.
+    /// A count is larger than 2³¹ − 1, or the file cannot be written.
     pub fn frame(&mut self, frame: &Frame) -> Result<(), RecordError> {
-        let wrong = |path: &Path, what: String| {
-            RecordError::wrong(path, format!("the frame at t = {:?} s {what}", frame.time))
-        };
-        self.check(frame).map_err(|what| wrong(&self.table.path, what))?;
         let mut cells = Vec::new();
         for (k, id) in self.ids.iter().enumerate() {
-            let mut row = frame.row(k);
+            let row = frame.row(k);
             cells.clear();
             cells.push(Cell::Text(id));
-            for quantity in self.groups.quantities() {
-                let cell = (quantity.field)(&mut row).cell();
-                cells.push(cell.map_err(|what| wrong(&self.table.path, what))?);
+            for (place, quantity) in self.groups.quantities() {
+                let value = row[place];
+                cells.push(match quantity.kind() {
+                    CellType::Real => Cell::Real(value),
+                    _ if value <= f64::from(i32::MAX) => Cell::Integer(value as i32),
+                    _ => {
+                        let time = frame.time;
+                        let what =
+                            format!("the frame at t = {time:?} s has {value} contacts, which is too many");
+                        return Err(RecordError::wrong(&self.table.path, what));
+                    }
+                });
             }
             self.table.row(frame.time, cells.iter().copied())?;
         }
         Ok(())
-    }
-
-    /// Whether the frame has what the columns are for.
-    fn check(&self, frame: &Frame) -> Result<(), String> {
-        let (agents, groups) = (self.ids.len(), self.groups);
-        if frame.agents.len() != agents {
-            return Err(format!("has {} agents, the table {agents}", frame.agents.len()));
-        }
-        let observed = frame.observed.as_deref().unwrap_or_default();
-        let of_step = observed.iter().all(|seen| seen.of_step.is_some());
-        let active = frame.active.as_ref().is_some_and(|active| active.len() == agents);
-        for (needed, has, lacks) in [
-            (groups.contacts, observed.len() == agents, "has not the contacts of all agents"),
-            (groups.of_step, of_step, "has no means and peaks of the step"),
-            (groups.active, active, "does not say who is there"),
-            (groups.totals, frame.totals.is_some(), "has no contacts of the whole crowd"),
-        ] {
-            if needed && !has {
-                return Err(lacks.into());
-            }
-        }
-        Ok(())
-    }
-
-    /// Ids of the agents.
-    pub fn ids(&self) -> &[String] {
-        &self.ids
     }
 
     /// Completes the table and returns its file.

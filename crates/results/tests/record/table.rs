@@ -80,15 +80,20 @@ fn mistakes_name_file_line_and_column() {
         let message = said(&format!("{HEADER}\n{rows}\n"));
         assert!(message.contains(expected), "{message}");
     }
-    assert!(said("t,id,x,y,vx,vy,omega\n").contains("line 1: there is no column \"theta\""));
-    assert!(said("t,id,x,y,vx,vy,theta,omega,x\n").contains("two columns \"x\""));
-    assert!(said("").contains("there is no column \"t\""));
-    let missing = Run::read_table(&directory.path().join("no.csv")).unwrap_err().to_string();
-    assert!(missing.contains("no.csv: cannot be read"), "{missing}");
-    fs::write(directory.path().join("run.csv"), [HEADER.as_bytes(), b"\n0,a,\xff,0,0,0,0,0,0\n"].concat())
-        .unwrap();
-    let message = Run::read_table(&directory.path().join("run.csv")).unwrap_err().to_string();
+    for (text, expected) in [
+        ("t,id,x,y,vx,vy,omega\n", "line 1: there is no column \"theta\""),
+        ("t,id,x,y,vx,vy,theta,omega,x\n", "two columns \"x\""),
+        ("", "there is no column \"t\""),
+    ] {
+        assert!(said(text).contains(expected), "{}", said(text));
+    }
+    let path = directory.path().join("run.csv");
+    fs::write(&path, [HEADER.as_bytes(), b"\n0,a,\xff,0,0,0,0,0,0\n"].concat()).unwrap();
+    let message = Run::read_table(&path).unwrap_err().to_string();
     assert!(message.contains("line 2: column 3: is not UTF-8"), "{message}");
+    fs::remove_file(&path).unwrap();
+    let missing = Run::read_table(&path).unwrap_err().to_string();
+    assert!(missing.contains("run.csv: cannot be read"), "{missing}");
 }
 
 #[test]
@@ -98,14 +103,17 @@ fn times_must_be_even() {
         let rows: String = times.iter().map(|t| format!("{t:?},0,0,0,0,0,0,0,0\n")).collect();
         Record::table(&table(&directory, &format!("{HEADER}\n{rows}"))).unwrap()
     };
-    let fifths: Vec<f64> = (0..8).map(|k| 10.0 + f64::from(k) * 0.2).collect();
-    assert_eq!(run(&fifths).frame_rate().unwrap(), 5.0);
-    assert_eq!(run(&fifths).every(2).frame_rate().unwrap(), 2.5);
-    let thirds: Vec<f64> = (0..8).map(|k| f64::from(k) / 3.0).collect();
-    assert_eq!(run(&thirds).frame_rate().unwrap(), 3.0);
-    let slow: Vec<f64> = (0..8).map(|k| 0.3 + f64::from(k) * 1.6).collect();
-    assert_eq!(run(&slow).frame_rate().unwrap(), 0.625);
+    let from = |first: f64, step: f64| (0..8).map(|k| first + f64::from(k) * step).collect::<Vec<f64>>();
     let uneven = [0.0, 0.1, 0.2, 0.25];
+    for (times, every, rate) in [
+        (&from(10.0, 0.2)[..], 1, 5.0),
+        (&from(10.0, 0.2), 2, 2.5),
+        (&from(0.0, 1.0 / 3.0), 1, 3.0),
+        (&from(0.3, 1.6), 1, 0.625),
+        (&uneven, 2, 5.0),
+    ] {
+        assert_eq!(run(times).every(every).frame_rate().unwrap(), rate);
+    }
     let nowhere = walkable_area(&[], std::iter::once(Vec2::ZERO));
     let path = directory.path().join("out");
     for said in [
@@ -115,7 +123,6 @@ fn times_must_be_even() {
         assert!(said.contains("run.csv: line 5: column t: t = 0.25 s comes 0.050000 s after"), "{said}");
         assert!(!path.exists());
     }
-    assert_eq!(run(&uneven).every(2).frame_rate().unwrap(), 5.0);
     for (times, expected) in [
         (&[1.0][..], "one frame only"),
         // PedPy was told "inf fps" and "0.0 fps".
@@ -153,9 +160,9 @@ fn formats_are_as_their_readers_want_them() {
     jupedsim(&run, &walkable_area(&[], positions.into_iter()), &at("t.sqlite")).unwrap();
     let database = rusqlite::Connection::open(at("t.sqlite")).unwrap();
     let one = |query: &str| database.query_row(query, [], |row| row.get::<_, String>(0)).unwrap();
-    assert_eq!(one("SELECT value FROM metadata WHERE key = 'version'"), "2");
-    assert_eq!(one("SELECT value FROM metadata WHERE key = 'fps'"), "10.0");
-    assert_eq!(one("SELECT value FROM metadata WHERE key = 'xmin'"), "-0.5");
+    for (key, value) in [("version", "2"), ("fps", "10.0"), ("xmin", "-0.5")] {
+        assert_eq!(one(&format!("SELECT value FROM metadata WHERE key = '{key}'")), value);
+    }
     assert!(one("SELECT value FROM metadata WHERE key = 'walkable_area'").contains("bounding box"));
     assert_eq!(one("SELECT count(*) || '' FROM trajectory_data"), "6");
     assert_eq!(one("SELECT count(*) || '' FROM frame_data, geometry WHERE geometry_hash = hash"), "3");

@@ -1,15 +1,10 @@
 //! Frames that are written to a table and read again are the same to the bit, in every format, in one table or several.
 
-use lemons_core::plane::{Motion, Pose, Twist, vec2};
-use lemons_results::columns::{Column, Groups};
-use lemons_results::{
-    Cell, CellType, Content, Format, Frame, FrameWriter, Observed, OfStep, Record, Run, TableWriter, Totals,
-};
+use lemons_results::columns::{ALL, Column, Groups};
+use lemons_results::{Cell, CellType, Content, Format, Frame, FrameWriter, Record, Run, TableWriter};
 use std::fs::File;
 use std::path::Path;
 use tempfile::TempDir;
-
-const ALL: Groups = Groups { contacts: true, of_step: true, active: true, totals: true };
 
 fn ids() -> Vec<String> {
     ["7", "a, \"quoted\"", "ß"].map(str::to_owned).to_vec()
@@ -26,44 +21,27 @@ fn number(seed: usize) -> f64 {
     }
 }
 
-fn frames(count: usize) -> Vec<Frame> {
-    let of_step = |seed: usize| OfStep {
-        mean_normal_force: number(seed).abs(),
-        peak_normal_force: number(seed + 1).abs(),
-        peak_overlap: number(seed + 2).abs(),
+fn frames(count: usize, groups: Groups) -> Vec<Frame> {
+    let row = |k: usize, i: usize| {
+        std::array::from_fn(|place| match place {
+            0..6 => number(10 * k + i + place),
+            6..9 => f64::from(i32::MAX) - (7 * k + i + place) as f64,
+            9..13 => number(7 * k + i + place).abs(),
+            13 => f64::from(k < 2 + i),
+            _ => k as f64,
+        })
     };
-    let observed = |seed: usize| Observed {
-        agent_contacts: seed as u32,
-        wall_contacts: i32::MAX as u32 - seed as u32,
-        contacting_agents: 2,
-        normal_force: number(seed).abs(),
-        of_step: Some(of_step(seed)),
-    };
-    let motion = |seed: usize| Motion {
-        pose: Pose { position: vec2(number(seed), number(seed + 1)), orientation: number(seed + 2) },
-        twist: Twist {
-            velocity: vec2(number(seed + 3), number(seed + 4)),
-            angular_velocity: number(seed + 5),
-        },
-    };
-    let frame = |k: usize| Frame {
-        time: k as f64 * 0.1,
-        agents: (0..3).map(|i| motion(10 * k + i)).collect(),
-        observed: Some((0..3).map(|i| observed(7 * k + i)).collect()),
-        active: Some((0..3).map(|i| k < 2 + i).collect()),
-        totals: Some(Totals { agent_contacts: k as u32, wall_contacts: 3 }),
-        ..Frame::default()
-    };
-    (0..count).map(frame).collect()
+    let rows = |k| [row(k, 0), row(k, 1), row(k, 2)];
+    (0..count).map(|k| Frame::of_rows(k as f64 * 0.1, &rows(k), groups)).collect()
 }
 
-fn content(groups: Groups) -> Content {
-    Content { columns: groups.columns(), about: vec![("component", "crowd".into())] }
+fn begin(path: &Path, format: Format, columns: Vec<Column>) -> TableWriter<File> {
+    let content = Content { columns, about: vec![("component", "crowd".into())] };
+    TableWriter::create(File::create(path).unwrap(), path, format, &content).unwrap()
 }
 
 fn write(path: &Path, format: Format, groups: Groups, frames: &[Frame]) {
-    let table = TableWriter::create(File::create(path).unwrap(), path, format, &content(groups)).unwrap();
-    let mut writer = FrameWriter::new(table, ids(), groups).unwrap();
+    let mut writer = FrameWriter::new(begin(path, format, groups.columns()), ids(), groups);
     frames.iter().for_each(|frame| writer.frame(frame).unwrap());
     writer.finish().unwrap();
 }
@@ -92,12 +70,12 @@ fn frames_come_back_to_the_bit() {
         // More rows than a group of Parquet has: some two million cells.
         let most = if format == Format::Parquet { 42_000 } else { 100 };
         for count in [most, 1, 40] {
-            let frames = frames(count);
+            let frames = frames(count, ALL);
             write(&path, format, ALL, &frames);
             same(&Run::read_table(&path).unwrap(), &frames);
         }
         let bytes = std::fs::read(&path).unwrap();
-        write(&path, format, ALL, &frames(40));
+        write(&path, format, ALL, &frames(40, ALL));
         assert!(std::fs::read(&path).unwrap() == bytes, "the same rows give the same bytes");
     }
 }
@@ -115,15 +93,8 @@ fn groups_that_are_not_written_are_not_read() {
             Groups { totals: true, ..Groups::default() },
         ] {
             let path = directory.path().join("run");
-            let mut frames = frames(3);
+            let frames = frames(3, groups);
             write(&path, format, groups, &frames);
-            for frame in &mut frames {
-                frame.totals = frame.totals.filter(|_| groups.totals);
-                frame.active = frame.active.take().filter(|_| groups.active);
-                frame.observed = frame.observed.take().filter(|_| groups.contacts);
-                let seen = frame.observed.iter_mut().flatten();
-                seen.for_each(|seen| seen.of_step = seen.of_step.filter(|_| groups.of_step));
-            }
             same(&Run::read_table(&path).unwrap(), &frames);
         }
     }
@@ -134,7 +105,7 @@ fn groups_that_are_not_written_are_not_read() {
 #[test]
 fn tables_of_parts_are_one_run() {
     let directory = TempDir::new().unwrap();
-    let frames = frames(50);
+    let frames = frames(50, ALL);
     let at = |name: &str| directory.path().join(name);
     let written = |name: &str, format, part: &[Frame]| {
         write(&at(name), format, ALL, part);
@@ -159,7 +130,7 @@ fn tables_of_parts_are_one_run() {
 fn cut_off_parquet_is_refused() {
     let directory = TempDir::new().unwrap();
     let path = directory.path().join("run.parquet");
-    write(&path, Format::Parquet, ALL, &frames(20));
+    write(&path, Format::Parquet, ALL, &frames(20, ALL));
     let bytes = std::fs::read(&path).unwrap();
     for length in [4, 12, bytes.len() / 2, bytes.len() - 1] {
         std::fs::write(&path, &bytes[..length]).unwrap();
@@ -168,75 +139,52 @@ fn cut_off_parquet_is_refused() {
     }
 }
 
-#[test]
-fn frames_must_have_what_the_table_has() {
-    let directory = TempDir::new().unwrap();
-    let path = directory.path().join("run.csv");
-    let table =
-        || TableWriter::create(File::create(&path).unwrap(), &path, Format::Csv, &content(ALL)).unwrap();
-    let other = FrameWriter::new(table(), ids(), Groups::default()).err().unwrap().to_string();
-    assert!(other.contains("run.csv: its columns are t, id, x,"), "{other}");
-    let mut writer = FrameWriter::new(table(), ids(), ALL).unwrap();
-    type Change = fn(&mut Frame);
-    let cases: [(Change, &str); 5] = [
-        (|frame| frame.agents.truncate(2), "at t = 0.0 s has 2 agents, the table 3"),
-        (|frame| frame.observed = None, "has not the contacts of all agents"),
-        (|frame| frame.observed.as_mut().unwrap()[1].of_step = None, "has no means and peaks"),
-        (|frame| frame.totals = None, "has no contacts of the whole crowd"),
-        (|frame| frame.totals.as_mut().unwrap().wall_contacts = 1 << 31, "has 2147483648 contacts"),
-    ];
-    for (change, expected) in cases {
-        let mut frame = frames(1).remove(0);
-        change(&mut frame);
-        let error = writer.frame(&frame).unwrap_err().to_string();
-        assert!(error.contains(expected), "{error}");
-    }
-}
-
 /// What is not a crowd has other columns.
 #[test]
 fn tables_of_other_columns() {
     let directory = TempDir::new().unwrap();
-    let column = |name: &str, kind: CellType| Column {
-        name: name.into(),
-        kind,
-        unit: None,
-        variable: name.into(),
-        description: String::new(),
-    };
-    let columns = vec![
-        Column::time(),
-        column("on", CellType::Boolean),
-        column("many", CellType::Integer),
-        column("what", CellType::Text),
-    ];
-    let content = Content { columns, about: Vec::new() };
     let path = directory.path().join("outputs.csv");
-    let mut table = TableWriter::create(File::create(&path).unwrap(), &path, Format::Csv, &content).unwrap();
+    let column = |(name, kind): (&str, CellType)| Column { name: name.into(), kind, ..Column::time() };
+    let others = [("on", CellType::Boolean), ("many", CellType::Integer), ("what", CellType::Text)];
+    let columns = || [Column::time()].into_iter().chain(others.map(column)).collect();
+    let mut table = begin(&path, Format::Csv, columns());
     table.row(0.5, [Cell::Boolean(true), Cell::Integer(-3), Cell::Text("a,b")]).unwrap();
     table.finish().unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     assert_eq!(text, "t,on,many,what\n0.5,true,-3,\"a,b\"\n");
-    let mut table = TableWriter::create(File::create(&path).unwrap(), &path, Format::Csv, &content).unwrap();
-    table.row(0.5, [Cell::Boolean(true), Cell::Integer(1), Cell::Text("")]).unwrap();
-    let error = table.row(0.5, [Cell::Boolean(true)]).unwrap_err().to_string();
-    assert!(error.starts_with(&format!("{}: cannot be written", path.display())), "{error}");
+    for (format, row) in [
+        (Format::Csv, vec![Cell::Boolean(true)]),
+        (Format::Parquet, vec![Cell::Boolean(true), Cell::Integer(1), Cell::Real(0.0)]),
+    ] {
+        let mut table = begin(&path, format, columns());
+        table.row(0.5, [Cell::Boolean(true), Cell::Integer(1), Cell::Text("")]).unwrap();
+        let error = table.row(0.5, row).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("{}: cannot be written", path.display())), "{error}");
+    }
+}
+
+#[test]
+fn more_contacts_than_a_table_holds_are_refused() {
+    let directory = TempDir::new().unwrap();
+    let path = directory.path().join("run.csv");
+    let mut writer = FrameWriter::new(begin(&path, Format::Csv, ALL.columns()), ids(), ALL);
+    let mut frame = frames(1, ALL).remove(0);
+    frame.totals.as_mut().unwrap().wall_contacts = 1 << 31;
+    let error = writer.frame(&frame).unwrap_err().to_string();
+    assert!(error.contains("run.csv: the frame at t = 0.0 s has 2147483648 contacts"), "{error}");
 }
 
 /// An FMU of somebody else counted in millimetres: the table in CSV was read as metres.
 #[test]
 fn a_table_in_another_unit_is_not_read_as_ours() {
     let directory = TempDir::new().unwrap();
-    for format in [Format::Csv, Format::Parquet] {
-        let mut content = content(ALL);
-        let x = content.columns.iter_mut().find(|column| column.name == "x").unwrap();
-        x.unit = Some("mm".to_owned());
-        let path = directory.path().join("table").with_extension(format.extension());
-        let file = lemons_core::files::Staged::beside(&path).unwrap();
-        let table = TableWriter::create(file, &path, format, &content).unwrap();
-        let mut writer = FrameWriter::new(table, ids(), ALL).unwrap();
-        frames(2).iter().for_each(|frame| writer.frame(frame).unwrap());
-        writer.finish().unwrap().persist().unwrap();
+    for format in Format::ALL {
+        let mut columns = ALL.columns();
+        columns.iter_mut().find(|column| column.name == "x").unwrap().unit = Some("mm".to_owned());
+        let path = directory.path().join("table");
+        let mut writer = FrameWriter::new(begin(&path, format, columns), ids(), ALL);
+        frames(2, ALL).iter().for_each(|frame| writer.frame(frame).unwrap());
+        writer.finish().unwrap();
         let message = Run::read_table(&path).unwrap_err().to_string();
         assert!(message.contains("column x: is in \"mm\", it must be in \"m\""), "{message}");
     }

@@ -25,7 +25,7 @@ impl Across {
     pub(crate) const NEEDED: &str =
         "it needs across = \"max\", \"min\", \"mean\", \"median\" or \"quantile_90\"";
 
-    /// Of values, of which some may be infinite, but none is NaN; `None` without any.
+    /// Makes one of values, of which some may be infinite, but none is NaN; `None` without any.
     pub(crate) fn of(self, values: impl Iterator<Item = f64>) -> Option<f64> {
         let mut values: Vec<f64> = values.collect();
         let mut part = |part: f64| {

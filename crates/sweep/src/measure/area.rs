@@ -1,7 +1,6 @@
 //! How dense a crowd is in an area, and how fast.
 
 use crate::measure::number::{check_number, number_of};
-use crate::measure::span::Span;
 use crate::places::Places;
 use lemons_results::measure::{Density, MeanMax};
 use serde::Deserialize;
@@ -23,31 +22,23 @@ pub struct InArea {
 }
 
 impl InArea {
-    /// Whether it needs the cells of people in the room, which is known at the end of a run.
+    /// Returns whether it needs the cells of people in the room, which is known at the end of a run.
     pub(crate) fn needs_room(&self) -> bool {
         self.number == "voronoi_density"
     }
 
-    pub(crate) fn span(&self) -> Span {
-        Span { from: self.from, until: self.until }
-    }
-
-    /// Checks that its area and its time are there.
+    /// Checks that its area and its numbers are there.
     ///
     /// # Errors
     /// A sentence with the key.
     pub(crate) fn check(&self, places: &Places) -> Result<(), String> {
-        self.span().check()?;
         check_number("number", &self.number, &Density::default())?;
         check_number("take", &self.take, &MeanMax::default())?;
         places.area(&self.area).map(drop)
     }
 
-    /// Of the area over time; `None` without a communication point in the time, or without people for a speed.
-    pub(crate) fn value(&self, seen: &[Density]) -> Option<f64> {
-        let span = self.span();
-        let number = |seen: &Density| number_of(&self.number, seen);
-        let seen = seen.iter().filter(|seen| span.has(seen.time));
-        number_of(&self.take, &MeanMax::of(seen.filter_map(number))?)
+    /// Returns the number of the area over time; `None` without a communication point, or without people for a speed.
+    pub(crate) fn value<'a>(&self, seen: impl Iterator<Item = &'a Density>) -> Option<f64> {
+        number_of(&self.take, &MeanMax::of(seen.filter_map(|seen| number_of(&self.number, seen)))?)
     }
 }

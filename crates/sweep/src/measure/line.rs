@@ -1,10 +1,8 @@
 //! Who crosses a line.
 
 use crate::measure::number::{check_number, number_of};
-use crate::measure::span::Span;
 use crate::places::Places;
 use crate::points::Points;
-use lemons_results::Frame;
 use lemons_results::measure::{Crossings, Line, Passages, Way};
 use serde::Deserialize;
 
@@ -37,16 +35,11 @@ pub enum Width {
 }
 
 impl OverLine {
-    fn span(&self) -> Span {
-        Span { from: self.from, until: self.until }
-    }
-
-    /// Checks that its line, its width and its time are there.
+    /// Checks that its line, its width and its number are there.
     ///
     /// # Errors
     /// A sentence with the key.
     pub(crate) fn check(&self, places: &Places, points: &Points) -> Result<(), String> {
-        self.span().check()?;
         check_number("number", &self.number, &Crossings::default())?;
         let line = places.line(&self.line)?;
         if self.width.is_some() && self.number != "specific_flow" {
@@ -55,7 +48,8 @@ impl OverLine {
         (0..points.count).try_for_each(|point| self.width_at(point, line, points).map(drop))
     }
 
-    fn width_at(&self, point: usize, line: Line, points: &Points) -> Result<f64, String> {
+    /// Returns the width at a point \[m\].
+    pub(crate) fn width_at(&self, point: usize, line: Line, points: &Points) -> Result<f64, String> {
         let width = match &self.width {
             None => line.length(),
             Some(Width::Metres(width)) => *width,
@@ -72,38 +66,9 @@ impl OverLine {
             .then_some(width)
             .ok_or_else(|| format!("width: {width:?} is not a positive number of metres"))
     }
-}
 
-/// A line during a run.
-pub(crate) struct LineAccumulator<'a> {
-    measure: &'a OverLine,
-    passages: Passages,
-    width: f64,
-    people: usize,
-}
-
-impl<'a> LineAccumulator<'a> {
-    /// At a point, of so many people.
-    pub fn new(
-        measure: &'a OverLine,
-        places: &Places,
-        points: &Points,
-        point: usize,
-        people: usize,
-    ) -> Result<LineAccumulator<'a>, String> {
-        let line = places.line(&measure.line)?;
-        let width = measure.width_at(point, line, points)?;
-        Ok(LineAccumulator { measure, passages: Passages::over(line, people), width, people })
-    }
-
-    pub fn add(&mut self, frame: &Frame) {
-        if self.measure.span().has(frame.time) {
-            self.passages.add(frame);
-        }
-    }
-
-    pub fn value(&self) -> Option<f64> {
-        let OverLine { direction, number, .. } = self.measure;
-        number_of(number, &Crossings::of(&self.passages, *direction, self.width, self.people))
+    /// Returns the number of what was seen of so many people.
+    pub(crate) fn value(&self, seen: &Passages, width: f64, people: usize) -> Option<f64> {
+        number_of(&self.number, &Crossings::of(seen, self.direction, width, people))
     }
 }

@@ -49,7 +49,7 @@ impl OfOutput {
     /// # Errors
     /// A sentence that names what is missing.
     pub fn check(&self, agents: usize) -> Result<(), String> {
-        self.of.check()?;
+        self.of.check(&self.agents)?;
         let (take, seeks) = match self.take {
             Take::FirstAbove => ("first_above", true),
             Take::FirstAtLeast => ("first_at_least", true),
@@ -63,9 +63,6 @@ impl OfOutput {
             }
             _ => {}
         }
-        if !self.of.is_of_agents() && !self.agents.is_empty() {
-            return Err("agents: it is one value, and not one of each agent".into());
-        }
         let single = matches!(self.take, Take::Max | Take::Min | Take::Mean);
         if agents > 1 && !single && self.across.is_none() {
             return Err(format!("has {agents} agents: {}", Across::NEEDED));
@@ -73,23 +70,58 @@ impl OfOutput {
         Ok(())
     }
 
-    fn across(&self) -> Across {
-        self.across.unwrap_or(match self.take {
+    /// Adds the values of all its agents at a time \[s\]; `None` for those who have left.
+    pub(crate) fn add(&self, agents: &mut Vec<Statistics>, time: f64, values: &[Option<f64>]) {
+        let level = self.level.unwrap_or(f64::INFINITY);
+        let or_equal = self.take == Take::FirstAtLeast;
+        let begins = agents.is_empty();
+        agents.resize_with(values.len(), Statistics::default);
+        for (agent, value) in agents.iter_mut().zip(values) {
+            let Some(value) = *value else { continue };
+            agent.last = value;
+            agent.least = agent.least.min(value);
+            agent.greatest = agent.greatest.max(value);
+            // A mean is that of the steps, not of the start.
+            if !begins {
+                agent.sum += value;
+                agent.steps += 1;
+            }
+            agent.first.get_or_insert(value);
+            if agent.reached.is_none() && (value > level || or_equal && value == level) {
+                agent.reached = Some(time);
+            }
+        }
+    }
+
+    /// Returns the result. It is `None` where an agent that counts never reached the level: the latest of several, and
+    /// their mean, have all of them; the earliest has those who did.
+    pub(crate) fn value(&self, agents: &[Statistics]) -> Option<f64> {
+        let of = |agent: &Statistics| match self.take {
+            Take::Max => Some(agent.greatest),
+            Take::Min => Some(agent.least),
+            Take::Mean => Some(agent.sum / f64::from(agent.steps)),
+            Take::Last => Some(agent.last),
+            Take::Change => Some(agent.last - agent.first?),
+            Take::Reach => Some((agent.greatest - agent.first?).max(agent.first? - agent.least)),
+            Take::FirstAbove | Take::FirstAtLeast => agent.reached,
+        };
+        // Who never was there says nothing, nor does who was there in no step.
+        let steps = if self.take == Take::Mean { 1 } else { 0 };
+        let known = agents.iter().filter(|agent| agent.first.is_some() && agent.steps >= steps);
+        // Who never reaches it does so later than anybody else.
+        let values = known.map(|agent| of(agent).unwrap_or(f64::INFINITY));
+        let across = self.across.unwrap_or(match self.take {
             Take::Max => Across::Max,
             Take::Min => Across::Min,
             _ => Across::Mean,
-        })
+        });
+        let seeks = matches!(self.take, Take::FirstAbove | Take::FirstAtLeast);
+        across.of(values).filter(|value| !(seeks && value.is_infinite()))
     }
 }
 
-/// A measure during its run.
-pub(crate) struct OutputAccumulator<'a> {
-    measure: &'a OfOutput,
-    agents: Vec<Statistics>,
-}
-
 /// The values of one agent so far, as long as it is there.
-struct Statistics {
+pub(crate) struct Statistics {
     /// `None` as long as it was not there.
     first: Option<f64>,
     last: f64,
@@ -108,137 +140,66 @@ impl Default for Statistics {
     }
 }
 
-impl<'a> OutputAccumulator<'a> {
-    pub fn new(measure: &'a OfOutput) -> OutputAccumulator<'a> {
-        OutputAccumulator { measure, agents: Vec::new() }
-    }
-
-    /// Adds the values of all its agents at a time \[s\]; `None` for those who have left.
-    pub fn add(&mut self, time: f64, values: &[Option<f64>]) {
-        let level = self.measure.level.unwrap_or(f64::INFINITY);
-        let or_equal = self.measure.take == Take::FirstAtLeast;
-        let reaches = |value: f64| value > level || (or_equal && value == level);
-        let begins = self.agents.is_empty();
-        for (k, value) in values.iter().enumerate() {
-            if begins {
-                self.agents.push(Statistics::default());
-            }
-            let (Some(agent), Some(value)) = (self.agents.get_mut(k), *value) else { continue };
-            agent.last = value;
-            agent.least = agent.least.min(value);
-            agent.greatest = agent.greatest.max(value);
-            // A mean is that of the steps, not of the start.
-            if !begins {
-                agent.sum += value;
-                agent.steps += 1;
-            }
-            agent.first.get_or_insert(value);
-            if agent.reached.is_none() && reaches(value) {
-                agent.reached = Some(time);
-            }
-        }
-    }
-
-    /// Returns the result. It is `None` where an agent that counts never reached the level: the latest of several, and
-    /// their mean, have all of them; the earliest has those who did.
-    pub fn value(&self) -> Option<f64> {
-        let of = |agent: &Statistics| match self.measure.take {
-            Take::Max => Some(agent.greatest),
-            Take::Min => Some(agent.least),
-            Take::Mean => Some(agent.sum / f64::from(agent.steps)),
-            Take::Last => Some(agent.last),
-            Take::Change => Some(agent.last - agent.first?),
-            Take::Reach => Some((agent.greatest - agent.first?).max(agent.first? - agent.least)),
-            Take::FirstAbove | Take::FirstAtLeast => agent.reached,
-        };
-        // Who never was there says nothing, nor does who was there in no step.
-        let steps = if self.measure.take == Take::Mean { 1 } else { 0 };
-        let known = self.agents.iter().filter(|agent| agent.first.is_some() && agent.steps >= steps);
-        // Who never reaches it does so later than anybody else.
-        let values = known.map(|agent| of(agent).unwrap_or(f64::INFINITY));
-        let result = self.measure.across().of(values);
-        let seeks = matches!(self.measure.take, Take::FirstAbove | Take::FirstAtLeast);
-        result.filter(|value| !(seeks && value.is_infinite()))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn value(text: &str) -> Option<f64> {
+    fn value(text: &str, steps: &[(f64, [Option<f64>; 2])]) -> Option<f64> {
         let measure: OfOutput = toml::from_str(text).unwrap();
-        measure.check(2).unwrap();
-        let mut accumulator = OutputAccumulator::new(&measure);
-        for (time, values) in [(0.0, [1.0, 4.0]), (0.5, [3.0, 0.0]), (1.0, [2.0, 2.0])] {
-            accumulator.add(time, &values.map(Some));
-        }
-        accumulator.value()
-    }
-
-    /// The second of two leaves after half a second.
-    #[test]
-    fn who_has_left_does_not_count() {
-        for (text, expected) in [
-            ("of = 'x'\ntake = 'mean'\nacross = 'min'", 0.0),
-            ("of = 'x'\ntake = 'mean'\nacross = 'max'", 2.5),
-            ("of = 'x'\ntake = 'last'\nacross = 'min'", 0.0),
-            ("of = 'x'\ntake = 'min'\nacross = 'max'", 1.0),
-        ] {
-            let measure: OfOutput = toml::from_str(text).unwrap();
-            let mut accumulator = OutputAccumulator::new(&measure);
-            for (time, values) in
-                [(0.0, [Some(1.0), Some(4.0)]), (0.5, [Some(3.0), Some(0.0)]), (1.0, [Some(2.0), None])]
-            {
-                accumulator.add(time, &values);
-            }
-            assert_eq!(accumulator.value(), Some(expected), "{text}");
-        }
-    }
-
-    /// It was 0, which is a number that nobody measured.
-    #[test]
-    fn a_mean_over_no_step_is_not_known() {
-        let measure: OfOutput = toml::from_str("of = 'x'\ntake = 'mean'").unwrap();
-        let mut accumulator = OutputAccumulator::new(&measure);
-        accumulator.add(0.0, &[Some(3.0), Some(5.0)]);
-        assert_eq!(accumulator.value(), None);
-        accumulator.add(0.5, &[Some(2.0), None]);
-        assert_eq!(accumulator.value(), Some(2.0));
+        let mut agents = Vec::new();
+        steps.iter().for_each(|(time, values)| measure.add(&mut agents, *time, values));
+        measure.value(&agents)
     }
 
     #[test]
     fn numbers_of_two_agents() {
-        for (text, expected) in [
-            ("of = 'x'\ntake = 'max'", Some(4.0)),
-            ("of = 'x'\ntake = 'min'", Some(0.0)),
-            ("of = 'x'\ntake = 'max'\nacross = 'min'", Some(3.0)),
-            ("of = 'x'\ntake = 'mean'", Some(1.75)),
-            ("of = 'x'\ntake = 'last'\nacross = 'mean'", Some(2.0)),
-            ("of = 'x'\ntake = 'change'\nacross = 'min'", Some(-2.0)),
-            ("of = 'x'\ntake = 'reach'\nacross = 'max'", Some(4.0)),
-            ("of = 'x'\ntake = 'first_above'\nlevel = 2.5\nacross = 'max'", Some(0.5)),
-            ("of = 'x'\ntake = 'first_above'\nlevel = 2.5\nacross = 'min'", Some(0.0)),
-            ("of = 'x'\ntake = 'first_above'\nlevel = 5\nacross = 'min'", None),
-            ("of = 'x'\ntake = 'first_above'\nlevel = 3\nacross = 'min'", Some(0.0)),
-            ("of = 'x'\ntake = 'first_at_least'\nlevel = 3\nacross = 'max'", Some(0.5)),
-            ("of = 'agent[*].Y'\ntake = 'first_at_least'\nlevel = 4\nacross = 'min'", Some(0.0)),
+        let both = [(0.0, [1.0, 4.0]), (0.5, [3.0, 0.0]), (1.0, [2.0, 2.0])];
+        let both = both.map(|(time, values)| (time, values.map(Some)));
+        // The second of them leaves after half a second.
+        let mut leaves = both;
+        leaves[2].1[1] = None;
+        // A mean over no step is not known.
+        let (start, step) = ([(0.0, [Some(3.0), Some(5.0)])], [both[0], (0.5, [Some(2.0), None])]);
+        for (text, expected, steps) in [
+            ("take = 'max'", Some(4.0), &both[..]),
+            ("take = 'min'", Some(0.0), &both),
+            ("take = 'max'\nacross = 'min'", Some(3.0), &both),
+            ("take = 'mean'", Some(1.75), &both),
+            ("take = 'last'\nacross = 'mean'", Some(2.0), &both),
+            ("take = 'change'\nacross = 'min'", Some(-2.0), &both),
+            ("take = 'reach'\nacross = 'max'", Some(4.0), &both),
+            ("take = 'first_above'\nlevel = 2.5\nacross = 'max'", Some(0.5), &both),
+            ("take = 'first_above'\nlevel = 2.5\nacross = 'min'", Some(0.0), &both),
+            ("take = 'first_above'\nlevel = 5\nacross = 'min'", None, &both),
+            ("take = 'first_above'\nlevel = 3\nacross = 'min'", Some(0.0), &both),
+            ("take = 'first_at_least'\nlevel = 3\nacross = 'max'", Some(0.5), &both),
+            ("take = 'first_at_least'\nlevel = 4\nacross = 'min'", Some(0.0), &both),
             // One of the two never gets there.
-            ("of = 'x'\ntake = 'first_above'\nlevel = 3\nacross = 'max'", None),
-            ("of = 'x'\ntake = 'first_above'\nlevel = 3\nacross = 'mean'", None),
+            ("take = 'first_above'\nlevel = 3\nacross = 'max'", None, &both),
+            ("take = 'first_above'\nlevel = 3\nacross = 'mean'", None, &both),
+            ("take = 'mean'\nacross = 'min'", Some(0.0), &leaves),
+            ("take = 'mean'\nacross = 'max'", Some(2.5), &leaves),
+            ("take = 'last'\nacross = 'min'", Some(0.0), &leaves),
+            ("take = 'min'\nacross = 'max'", Some(1.0), &leaves),
+            ("take = 'mean'", None, &start),
+            ("take = 'mean'", Some(2.0), &step),
         ] {
-            assert_eq!(value(text), expected, "{text}");
+            assert_eq!(value(&format!("of = 'x'\n{text}"), steps), expected, "{text}");
         }
     }
 
     #[test]
     fn what_is_missing_is_said() {
-        let said = |text: &str, agents| toml::from_str::<OfOutput>(text).unwrap().check(agents).unwrap_err();
-        assert!(said("of = 'x'\ntake = 'last'", 2).contains("across"));
-        assert!(said("of = 'x'\ntake = 'first_above'", 1).contains("level"));
-        assert!(said("of = 'x'\ntake = 'max'\nlevel = 1", 1).contains("level"));
-        assert!(said("of = 'x'\ntake = 'first_at_least'", 1).contains("\"first_at_least\" needs a level"));
-        assert!(said("of = 'mood'\ntake = 'max'", 1).contains("of = \"mood\": neither a quantity"));
-        assert!(said("of = 'decision.Arrived'\ntake = 'last'\nagents = ['0']", 1).contains("agents"));
+        for (text, agents, said) in [
+            ("of = 'x'\ntake = 'last'", 2, "across"),
+            ("of = 'x'\ntake = 'first_above'", 1, "\"first_above\" needs a level"),
+            ("of = 'x'\ntake = 'max'\nlevel = 1", 1, "level needs take"),
+            ("of = 'x'\ntake = 'first_at_least'", 1, "\"first_at_least\" needs a level"),
+            ("of = 'mood'\ntake = 'max'", 1, "of = \"mood\": neither a quantity"),
+            ("of = 'decision.Arrived'\ntake = 'last'\nagents = ['0']", 1, "agents"),
+        ] {
+            let error = toml::from_str::<OfOutput>(text).unwrap().check(agents).unwrap_err();
+            assert!(error.contains(said), "{text}: {error}");
+        }
     }
 }

@@ -1,9 +1,7 @@
 //! How long and how hard people are squeezed.
 
 use crate::measure::across::Across;
-use crate::measure::span::Span;
-use lemons_results::Frame;
-use lemons_results::measure::{Exposure, SPANS, squeeze};
+use lemons_results::measure::{Exposed, Exposure, SPANS};
 use serde::Deserialize;
 
 /// A measure of the squeeze of people over time, by its mean over each communication step.
@@ -11,11 +9,11 @@ use serde::Deserialize;
 #[serde(deny_unknown_fields)]
 pub struct OfSqueeze {
     /// What of it.
-    pub squeeze: Exposed,
-    /// \[s\] For [`Exposed::LargestMean`]: 0.1, 1 or 10. For [`Exposed::TimeAbove`]: of the means that are compared with
+    pub squeeze: What,
+    /// \[s\] For [`What::LargestMean`]: 0.1, 1 or 10. For [`What::TimeAbove`]: of the means that are compared with
     /// the level; else they are those of communication steps.
     pub over: Option<f64>,
-    /// \[N\] For [`Exposed::TimeAbove`].
+    /// \[N\] For [`What::TimeAbove`].
     pub level: Option<f64>,
     /// Ids of agents in Agents.xml; empty: all agents.
     #[serde(default)]
@@ -31,7 +29,7 @@ pub struct OfSqueeze {
 /// What somebody was exposed to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Exposed {
+pub enum What {
     /// \[s\] In which the mean squeeze over a time, or over a communication step, is above a level.
     TimeAbove,
     /// \[N\] The greatest mean squeeze over a time.
@@ -45,11 +43,7 @@ pub enum Exposed {
 }
 
 impl OfSqueeze {
-    fn span(&self) -> Span {
-        Span { from: self.from, until: self.until }
-    }
-
-    /// Which of [`SPANS`].
+    /// Returns which of [`SPANS`] it is over.
     fn place(&self) -> Option<usize> {
         SPANS.into_iter().position(|span| Some(span) == self.over)
     }
@@ -59,8 +53,7 @@ impl OfSqueeze {
     /// # Errors
     /// A sentence that names what is missing.
     pub(crate) fn check(&self, agents: usize) -> Result<(), String> {
-        self.span().check()?;
-        let (mean, above) = (self.squeeze == Exposed::LargestMean, self.squeeze == Exposed::TimeAbove);
+        let (mean, above) = (self.squeeze == What::LargestMean, self.squeeze == What::TimeAbove);
         match self.over {
             _ if mean && self.place().is_none() => {
                 return Err("squeeze = \"largest_mean\" needs over = 0.1, 1 or 10 (seconds)".into());
@@ -86,44 +79,27 @@ impl OfSqueeze {
         }
         Ok(())
     }
-}
 
-/// Squeezes during a run.
-pub(crate) struct SqueezeAccumulator<'a> {
-    measure: &'a OfSqueeze,
-    /// Places of the agents that count.
-    agents: &'a [usize],
-    exposure: Exposure,
-}
-
-impl<'a> SqueezeAccumulator<'a> {
-    pub fn new(measure: &'a OfSqueeze, agents: &'a [usize]) -> SqueezeAccumulator<'a> {
-        let levels: Vec<f64> = measure.level.into_iter().collect();
-        let exposure = Exposure::new(agents.len(), &levels);
-        let over = measure.over.filter(|_| measure.squeeze == Exposed::TimeAbove);
-        SqueezeAccumulator { measure, agents, exposure: over.into_iter().fold(exposure, Exposure::over) }
+    /// Begins to sum up the squeeze of so many agents.
+    pub(crate) fn begin(&self, agents: usize) -> Exposure {
+        let levels: Vec<f64> = self.level.into_iter().collect();
+        Exposure::new(agents, &levels, self.over.filter(|_| self.squeeze == What::TimeAbove))
     }
 
-    pub fn add(&mut self, frame: &Frame) {
-        if self.measure.span().has(frame.time) {
-            self.exposure.add(frame.time, self.agents.iter().map(|agent| squeeze(frame, *agent)));
-        }
-    }
-
-    /// `None` if it is not known of all of them: there is no step, or the time is too short for a mean over it.
-    pub fn value(self) -> Option<f64> {
-        let SqueezeAccumulator { measure, exposure, .. } = self;
-        if exposure.longest_step() <= 0.0 {
+    /// Returns the number of what was seen; `None` if it is not known of all of them: there is no step, or the time is too
+    /// short for a mean over it.
+    pub(crate) fn value(&self, seen: Exposure) -> Option<f64> {
+        if seen.longest_step() <= 0.0 {
             return None;
         }
-        let of = |one: &lemons_results::measure::Exposed| match measure.squeeze {
-            Exposed::TimeAbove => one.above.first().copied().flatten(),
-            Exposed::LargestMean => one.largest_mean[measure.place()?],
-            Exposed::Peak => Some(one.peak),
-            Exposed::Impulse => Some(one.impulse),
-            Exposed::Time => Some(one.time),
+        let of = |one: &Exposed| match self.squeeze {
+            What::TimeAbove => one.above.first().copied().flatten(),
+            What::LargestMean => one.largest_mean[self.place()?],
+            What::Peak => Some(one.peak),
+            What::Impulse => Some(one.impulse),
+            What::Time => Some(one.time),
         };
-        let values: Vec<f64> = exposure.finish().iter().map(of).collect::<Option<_>>()?;
-        measure.across.unwrap_or(Across::Max).of(values.into_iter())
+        let values: Vec<f64> = seen.finish().iter().map(of).collect::<Option<_>>()?;
+        self.across.unwrap_or(Across::Max).of(values.into_iter())
     }
 }

@@ -201,7 +201,7 @@ fn written(run: &Run, path: &Path, format: Format) -> bool {
     let content = Content { columns: groups.columns(), about: Vec::new() };
     let file = File::create(path).expect("a file");
     let table = TableWriter::create(file, path, format, &content).expect("a table");
-    let mut writer = FrameWriter::new(table, run.ids.clone(), groups).expect("its columns");
+    let mut writer = FrameWriter::new(table, run.ids.clone(), groups);
     for frame in &run.frames {
         if let Err(error) = writer.frame(frame) {
             assert!(error.to_string().contains("too many"), "{error}");

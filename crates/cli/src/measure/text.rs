@@ -1,0 +1,123 @@
+//! The numbers of a measurement as text, 80 columns wide.
+
+use super::summary::{OfArea, OfLine, OfPeople, OfSqueeze, Summary};
+use crate::print;
+use anyhow::Result;
+use lemons_results::measure::{Crossings, Left, MeanMax};
+use std::io::Write;
+
+pub fn print(summary: &Summary) -> Result<()> {
+    let mut out = print::out();
+    let Summary { from, until, frames, people, .. } = summary;
+    writeln!(out, "{:<18} {from:.3} to {until:.3} s, {frames} frames, {people} people", "measured")?;
+    if let Some(left) = &summary.left {
+        let last = left.last.map_or(String::new(), |last| format!(" (the last at {last:.3} s)"));
+        writeln!(out, "{:<18} {} of {people} people{last}", "left", left.people)?;
+    }
+    summary.lines.iter().try_for_each(|line| of_line(&mut out, line, summary.left))?;
+    summary.areas.iter().try_for_each(|area| of_area(&mut out, area))?;
+    summary.exposure.iter().try_for_each(|squeeze| of_squeeze(&mut out, squeeze))
+}
+
+/// Writes a row of numbers, dashes for those that are not known; then a unit in so many columns, and more.
+fn row(
+    out: &mut impl Write,
+    label: &str,
+    values: &[Option<f64>],
+    (unit, width): (&str, usize),
+    more: &str,
+) -> Result<()> {
+    let text = |value: &Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
+    let values: String = values.iter().map(|value| format!(" {:>10}", text(value))).collect();
+    let line = format!("  {label:<18}{values} {unit:<width$} {more}");
+    Ok(writeln!(out, "{}", line.trim_end())?)
+}
+
+/// Points the way on paper: the direction is seen along the line.
+fn arrow(line: &OfLine, way: &Crossings) -> char {
+    let [dx, dy] = [line.to[0] - line.from[0], line.to[1] - line.from[1]];
+    let sign = if way.direction == "right" { 1.0 } else { -1.0 };
+    let eighths = (sign * -dx).atan2(sign * dy) / std::f64::consts::FRAC_PI_4;
+    ['→', '↗', '↑', '↖', '←', '↙', '↓', '↘'][(eighths.round() as i64).rem_euclid(8) as usize]
+}
+
+fn of_line(out: &mut impl Write, line: &OfLine, left: Option<Left>) -> Result<()> {
+    let [[x1, y1], [x2, y2]] = [line.from, line.to];
+    writeln!(out, "\nline {}: ({x1}, {y1}) to ({x2}, {y2}) m", line.name)?;
+    let crossed: Vec<&Crossings> = line.directions.iter().filter(|way| way.people > 0).collect();
+    if crossed.is_empty() {
+        writeln!(out, "  nobody crossed it")?;
+        // Perhaps the line lies behind the exit.
+        if let Some([[x0, y0], [x1, y1]]) = left.and_then(|left| left.last_seen) {
+            let seen = format!("x from {x0:.2} to {x1:.2} m, y from {y0:.2} to {y1:.2} m");
+            writeln!(out, "  (who has left was seen last at {seen})")?;
+        }
+    }
+    for way in crossed {
+        let Crossings { direction, people, crossings, across, not_across, .. } = way;
+        let again = if crossings == people { String::new() } else { format!(", {crossings} times") };
+        let noun = if *people == 1 { "person" } else { "people" };
+        writeln!(out, "  to the {direction} {}: {people} {noun} crossed{again}", arrow(line, way))?;
+        let gaps = way.gap_10.zip(way.gap_90);
+        let gaps = gaps.map_or(String::new(), |(low, high)| format!("(10 %: {low:.3}, 90 %: {high:.3} s)"));
+        let stay = match not_across {
+            0 => String::new(),
+            n => format!("({across} across at the end, {n} not)"),
+        };
+        for (label, value, unit, more) in [
+            ("first", way.first, "s", String::new()),
+            ("last", way.last, "s", String::new()),
+            ("flow", way.flow, "1/s", String::new()),
+            ("specific flow", way.specific_flow, "1/(m s)", format!("({:.3} m wide)", line.width)),
+            ("time gap, median", way.gap_median, "s", gaps),
+            ("all across", way.evacuation_time, "s", stay),
+        ] {
+            row(out, label, &[value], (value.map_or("", |_| unit), 8), &more)?;
+        }
+    }
+    Ok(())
+}
+
+fn of_area(out: &mut impl Write, area: &OfArea) -> Result<()> {
+    writeln!(out, "\narea {}: {:.3} m²\n{:>31} {:>10}", area.name, area.area, "mean", "greatest")?;
+    for (label, value, unit) in [
+        ("people", Some(area.people), ""),
+        ("density, N/A", Some(area.density), "1/m²"),
+        ("density, Voronoi", Some(area.voronoi_density), "1/m²"),
+        ("speed", area.speed, "m/s"),
+    ] {
+        let values = [value.map(|MeanMax { mean, .. }| mean), value.map(|MeanMax { max, .. }| max)];
+        row(out, label, &values, (unit, 0), "")?;
+    }
+    Ok(())
+}
+
+/// Writes how a number is spread over people.
+fn of_people(out: &mut impl Write, label: &str, of: Option<&OfPeople>, unit: &str, more: &str) -> Result<()> {
+    let Some(OfPeople { median, quantile_90, max, max_id }) = of else {
+        return row(out, label, &[None; 3], ("", 0), "");
+    };
+    let who = if *max > 0.0 { format!("(agent {max_id}{more})") } else { String::new() };
+    row(out, label, &[*median, *quantile_90, *max].map(Some), (unit, 4), &who)
+}
+
+fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
+    writeln!(out, "\nsqueeze of each person\n{:>31} {:>10} {:>10}", "median", "90 %", "greatest")?;
+    for span in &squeeze.largest_mean {
+        of_people(out, &format!("mean over {} s", span.over), span.mean.as_ref(), "N", "")?;
+    }
+    of_people(out, "peak", Some(&squeeze.peak), "N", "")?;
+    of_people(out, "impulse", Some(&squeeze.impulse), "N s", "")?;
+    if !squeeze.time_above.is_empty() {
+        let means = match squeeze.above_over {
+            Some(over) => format!("means over {over} s"),
+            None => format!("means over a communication step (longest: {:.6} s)", squeeze.longest_step),
+        };
+        writeln!(out, "\ntime above a level, of {means}")?;
+    }
+    for level in &squeeze.time_above {
+        let people = level.people.map_or(String::new(), |people| format!("; {people} above"));
+        of_people(out, &format!("{} N", level.above), level.time.as_ref(), "s", &people)?;
+    }
+    Ok(())
+}
