@@ -9,13 +9,6 @@ use std::thread;
 
 const STEPS: usize = 14;
 
-fn start(version: Version, force: f64) -> Crowd {
-    let crowd = Crowd::new(version);
-    crowd.must(crowd.set_all(&[("TimeStepMechanical", 2e-5), ("agent[0].Fp.x", force)]));
-    crowd.initialize();
-    crowd
-}
-
 #[test]
 fn sixty_four_instances_in_eight_threads_with_eight_trials() {
     let resources = Resources::new();
