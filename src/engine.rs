@@ -25,7 +25,7 @@
 //!                     normal_damping: 0.0, tangential_damping: 0.0,     // [kg/s]
 //!                     friction: 0.0 };
 //! laws.set(0, 0, law);
-//! let scene = Scene::new(&[person(100.0), person(50.0)], &[], &laws)?;
+//! let scene = Scene::new(&[person(100.0), person(50.0)], &[], laws);
 //!
 //! let at = |x| Pose { position: vec2(x, 0.0), orientation: 0.0 };
 //! let moving = |vx| Twist { velocity: vec2(vx, 0.0), angular_velocity: 0.0 };

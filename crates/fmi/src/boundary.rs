@@ -162,7 +162,7 @@ impl<M: Model> Instance<M> {
 /// Runs a call on an instance, and tells its warnings. No panic and no error leaves it.
 ///
 /// # Safety
-/// `instance` is NULL or one that [`make`] returned and that lives; no other call on it runs.
+/// `instance` is NULL or one that `make` returned and that lives; no other call on it runs.
 pub unsafe fn call<M: Model>(
     instance: *mut c_void,
     name: &'static str,
