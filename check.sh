@@ -70,7 +70,7 @@ lab() {
     # Which takes the page in.
     stage cargo build --release "${formats[@]}" "${packages[@]}"
     stage python_environment
-    stage .venv/bin/python -m pytest tests/lab -q
+    stage .venv/bin/python -m pytest tests/lab -q -n 2 --dist loadfile
 }
 
 packages=(-p crowd-mechanics -p lemons-cli -p lemons-decision-fmu -p lemons-python)

@@ -10,13 +10,13 @@ use anyhow::{Error, Result};
 use cpu_time::{ProcessTime, ThreadTime};
 use crowd_mechanics::pack::{Format, Package};
 use crowd_mechanics::setup;
+use lemons_core::files::Scratch;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::DriveChoice;
 use lemons_master::{Fmu, Prepared, Selection, Settings, own_binary};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use tempfile::TempDir;
 
 /// \[m\] Spacing: one person per 2 m².
 const SPARSE: Vec2 = vec2(1.4, 1.4);
@@ -46,13 +46,13 @@ pub fn write_trial(agents: usize, spacing: Vec2, directory: &Path) -> Result<()>
 
 /// A Trial in a temporary directory, and its FMU there.
 struct Packed {
-    directory: TempDir,
+    directory: Scratch,
 }
 
 impl Packed {
     /// Writes the Trial of a crowd; [`Packed::pack`] makes the FMU.
     fn new(agents: usize, spacing: Vec2) -> Result<Packed> {
-        let packed = Packed { directory: TempDir::with_prefix("lemons-bench-")? };
+        let packed = Packed { directory: Scratch::new()? };
         write_trial(agents, spacing, &packed.trial())?;
         Ok(packed)
     }
@@ -158,7 +158,7 @@ fn loading(agents: usize, runs: usize) -> Result<[f64; 4]> {
 /// before a wall, the first pushed with 700 N, 5 s with mechanical steps of 2e-6 s through the FMU, in communication
 /// steps of 0.1 s.
 fn push(runs: usize) -> Result<[f64; 2]> {
-    let packed = Packed { directory: TempDir::with_prefix("lemons-bench-")? };
+    let packed = Packed { directory: Scratch::new()? };
     std::fs::create_dir_all(packed.trial())?;
     PUSH.extract(packed.trial())?;
     packed.pack(Format::default())?;

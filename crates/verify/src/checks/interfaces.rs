@@ -5,6 +5,7 @@ use crate::checks::{Result, ensure};
 use crowd_mechanics::c_api::CrowdMechanics;
 use crowd_mechanics::pack::Package;
 use crowd_mechanics::setup;
+use lemons_core::files::Scratch;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DynamicsElement, Trial, dynamics_xml};
 use lemons_master::{Fmu, own_binary};
@@ -18,7 +19,7 @@ type Motions = Vec<Vec<Motion>>;
 /// # Errors
 /// The FMU refuses a call.
 pub fn through_fmu(trial: &Trial, steps: u32) -> Result<Motions> {
-    let directory = tempfile::tempdir()?;
+    let directory = Scratch::new()?;
     let (place, path) = (directory.path().join("Trial"), directory.path().join("crowd.fmu"));
     trial.write(&place)?;
     Package { trials: vec![place], binaries: vec![own_binary()?], ..Package::default() }.write(&path)?;
@@ -46,7 +47,7 @@ pub fn through_fmu(trial: &Trial, steps: u32) -> Result<Motions> {
 /// # Errors
 /// A call returns 1, or files cannot be read back.
 pub fn through_files(trial: &Trial, steps: u32) -> Result<Motions> {
-    let directory = tempfile::tempdir()?;
+    let directory = Scratch::new()?;
     trial.write(directory.path())?;
     let parameters = directory.path().join("Parameters.xml").display().to_string();
     let names = [&*parameters, "Materials.xml", "Geometry.xml", "Agents.xml", "AgentDynamics.xml"];
