@@ -24,7 +24,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-/// What importers have set, but for the values of inputs at communication points. States hold it in this order.
+/// Values that importers have set, other than those of inputs at communication points. States hold them in this order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Settings {
     /// Elements of quantities: of the documents, and who is there at the start.

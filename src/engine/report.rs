@@ -84,7 +84,7 @@ pub struct ContactReport {
     pub agent_contacts: u32,
     /// Number of disk–face contacts.
     pub wall_contacts: u32,
-    /// Those of these contacts that have coinciding centres: no force acts between them.
+    /// Contacts whose centres coincide: no force acts between them.
     pub coincident: Vec<Pair>,
     /// \[m\] the deepest overlap; zero without contacts.
     pub largest_overlap: f64,

@@ -377,7 +377,7 @@ impl Crowd {
         (status, values[place.elements[0]])
     }
 
-    /// Of a variable, or of its element of an array.
+    /// Gets the derivative of a variable, or of its element of an array.
     pub fn try_derivative(&self, name: &str, order: i32) -> (Status, f64) {
         let place = self.model.place(name);
         let (status, values) = self.output_derivatives(&[place.reference], &[order], place.length);

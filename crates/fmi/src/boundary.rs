@@ -102,7 +102,7 @@ impl Log {
     }
 }
 
-/// What calls on an instance borrow.
+/// An instance as the C functions see it: importers hold a pointer to it.
 pub struct Component<M: Model> {
     pub(crate) slave: Slave<M>,
     pub(crate) log: Log,
@@ -196,7 +196,7 @@ pub(crate) struct Arguments {
     pub version: Version,
     pub log: Log,
     pub intermediate: Option<Intermediate>,
-    /// What the importer asks for that there is not.
+    /// A capability that the importer asks for and that does not exist here.
     pub unsupported: Option<&'static str>,
     pub instance_name: *const c_char,
     pub token: *const c_char,

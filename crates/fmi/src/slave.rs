@@ -14,9 +14,9 @@ use uuid::Uuid;
 /// Why a call was refused or failed, in words.
 #[derive(Debug)]
 pub struct Refusal {
-    /// What the importer gets.
+    /// Status that the importer gets.
     pub status: Status,
-    /// What it is told.
+    /// Message that is logged.
     pub message: String,
 }
 
@@ -432,7 +432,7 @@ impl<M: Model> Slave<M> {
     /// Sets texts.
     ///
     /// # Errors
-    /// Those of [`Slave::set`]; a text is not a value of its variable.
+    /// The same as of [`Slave::set`]; a text is not a value of its variable.
     pub fn set_strings(&mut self, references: &[u32], values: &[&str]) -> Answer<()> {
         self.check(Function::Set)?;
         self.check_count(references, Type::String, values.len())?;

@@ -1,7 +1,7 @@
 //! The bodies of the C functions that only FMI 2.0 has, or has with other arguments than FMI 3.0.
 //!
 //! # Safety
-//! That of [`calls`](crate::calls).
+//! As in [`calls`](crate::calls).
 
 #![allow(unsafe_code)] // the C boundary
 #![allow(clippy::missing_safety_doc)] // said once, above
@@ -77,7 +77,7 @@ impl<M: Model> Component<M> {
         self.slave.check(Function::CancelStep)
     }
 
-    /// Of integers and texts there is no status.
+    /// Refuses a status that is an integer or a text: there is none.
     pub unsafe fn get_no_status<T>(&mut self, value: *mut T) -> Answer<()> {
         unsafe { self.get_status(value, None) }
     }

@@ -1,7 +1,7 @@
 //! The bodies of the C functions that only FMI 3.0 has, or has with other arguments than FMI 2.0.
 //!
 //! # Safety
-//! That of [`calls`](crate::calls).
+//! As in [`calls`](crate::calls).
 
 #![allow(unsafe_code)] // the C boundary
 #![allow(clippy::missing_safety_doc)] // said once, above

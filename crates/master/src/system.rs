@@ -67,7 +67,7 @@ pub struct System {
 /// The connections of a system.
 #[derive(Default)]
 pub(crate) struct Wiring {
-    /// Those of single values, by type.
+    /// Connections of single values, by type.
     pub(crate) wires: Vec<Wire>,
     /// Number of the connections of the SSP.
     pub(crate) connections: usize,

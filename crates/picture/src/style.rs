@@ -95,7 +95,7 @@ pub(crate) struct Scale {
     pub title: String,
     pub low: f64,
     pub high: f64,
-    /// Whether values above the upper end occur; they have the colour of the end.
+    /// True if values above the upper end occur; they have the colour of the end.
     pub clipped: bool,
     /// Words instead of a colour bar, if all values are equal to zero or unknown.
     pub nothing: Option<String>,

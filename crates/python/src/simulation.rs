@@ -15,7 +15,7 @@ use pyo3::types::{PyBool, PyBytes, PyFloat, PyInt, PyString};
 #[pyclass(module = "lemons_fmu._native")]
 pub struct Simulation {
     pub(crate) simulation: lemons_sim::Simulation,
-    /// Whether each person has an exit.
+    /// True if each person has an exit.
     pub(crate) leaving: Vec<bool>,
 }
 

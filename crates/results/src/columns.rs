@@ -120,7 +120,7 @@ pub const ACTIVE: Quantity = Quantity {
     ..count("active", "Active", "1 if the agent is there, 0 if it has left and touches nothing")
 };
 
-/// Those of the whole crowd at the time; the same in each row of it.
+/// Quantities of the whole crowd at a time; the same in each row of this time.
 pub const TOTALS: [Quantity; 2] = [
     count("total_agent_contacts", "AgentContacts", "contacts between disks of the crowd, each pair once"),
     count("total_wall_contacts", "WallContacts", "contacts between disks of the crowd and faces of walls"),

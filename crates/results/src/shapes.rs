@@ -13,7 +13,7 @@ const MOST_CORNERS: usize = 10_000;
 /// Checks a ring that a user gives.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The ring is no simple polygon, or reaches too far; the text says how.
 pub(crate) fn check(ring: &Ring) -> Result<(), String> {
     // Before anything else: whether it is simple takes time.
     if ring.corners().iter().any(|p| !(p.x.abs() <= FARTHEST && p.y.abs() <= FARTHEST)) {

@@ -64,7 +64,7 @@ impl Job {
 /// Simulates points one after the other.
 pub struct Worker<'a> {
     job: &'a Job,
-    /// That of the last point with its place, unless the point failed.
+    /// The model of the last point with its place, unless the point failed.
     model: Option<(usize, LoadedModel)>,
 }
 

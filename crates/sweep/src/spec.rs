@@ -22,9 +22,9 @@ use std::path::{Path, PathBuf};
 /// Model, parameters and measures of a sweep. Relative paths are relative to the directory of the file.
 #[derive(Debug, Clone)]
 pub struct Spec {
-    /// What is simulated at each point.
+    /// The model that is simulated at each point.
     pub models: Models,
-    /// Whether each Trial must have a `decision.toml`.
+    /// True if each Trial must have a `decision.toml`.
     pub needs_plan: bool,
     /// When a point ends.
     pub until: End,

@@ -19,7 +19,7 @@ pub struct Seen<'a> {
     pub left: Option<Left>,
     pub lines: Vec<SeenLine<'a>>,
     pub areas: Vec<SeenArea<'a>>,
-    /// Of each person; or why it is not known.
+    /// Squeeze that each person was exposed to; or why it is not known.
     pub exposed: Result<Vec<Exposed>, &'static str>,
     /// \[s\] Between two frames.
     pub longest_step: f64,
@@ -27,7 +27,7 @@ pub struct Seen<'a> {
     pub spread: Vec<(f64, [f64; QUANTILES.len()])>,
 }
 
-/// Who crossed a line.
+/// A line and the passages across it.
 pub struct SeenLine<'a> {
     pub name: &'a str,
     /// \[m\] For the specific flow.

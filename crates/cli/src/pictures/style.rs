@@ -144,7 +144,7 @@ pub struct Scenes<'r> {
     style: Style,
     /// The quantity that colours show, unless they are of areas or a single one.
     shown: Option<Shown>,
-    /// Whether forces were shown that the run did not have: it had other parameters than the Trial.
+    /// True if forces were shown that the run did not have: it had other parameters than the Trial.
     pub other_parameters: bool,
 }
 

@@ -53,7 +53,7 @@ pub trait RunModel: Model<Error = Error> {
 pub struct Prepared {
     pub model: Box<dyn RunModel>,
     pub crowds: Vec<CrowdInfo>,
-    /// Those of the outputs of what is not a crowd.
+    /// Columns of the outputs of components that are no crowds.
     pub output_columns: Vec<Column>,
     /// Known plans of people who walk.
     pub plans: Vec<Plan>,

@@ -72,13 +72,13 @@ pub(super) struct Frames<'a, 'b> {
     /// What is counted in the file: lines or rows.
     what: &'static str,
     groups: Groups,
-    /// What is read, with its places in a row.
+    /// Quantities that are read, with their places in a row.
     quantities: Vec<(usize, &'static Quantity)>,
     ids: Vec<String>,
     places: HashMap<String, usize>,
     /// Time \[s\], place and first row of the newest frame.
     newest: Option<(f64, String, Row)>,
-    /// Whether it is the first.
+    /// True while the newest frame is the first.
     first: bool,
     /// Its rows, in the order of the Ids.
     rows: Vec<Option<Row>>,
