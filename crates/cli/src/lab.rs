@@ -17,6 +17,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
+use std::process::{Command, Stdio};
 
 include!(concat!(env!("OUT_DIR"), "/lab.rs"));
 
@@ -48,12 +49,24 @@ pub fn lab(arguments: &Arguments) -> Result<()> {
     writeln!(out, "the lab is at {url}, until Ctrl-C")?;
     out.flush()?;
     if !arguments.no_browser
-        && let Err(error) = open::that_detached(&url)
+        && let Err(error) = open_browser(&url)
     {
         note!("no browser could be opened: {error}");
     }
     let answered = |request: &Request| answer(request, address, &libraries);
     serve(&listener, || !interrupt.pressed(), answered).context("the lab takes no more connections")
+}
+
+/// Starts the browser that this machine opens addresses with, and does not wait for it.
+fn open_browser(url: &str) -> std::io::Result<()> {
+    let (program, arguments): (_, &[&str]) = match std::env::consts::OS {
+        "windows" => ("rundll32", &["url.dll,FileProtocolHandler"]),
+        "macos" => ("open", &[]),
+        _ => ("xdg-open", &[]),
+    };
+    let mut command = Command::new(program);
+    command.args(arguments).arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().map(drop)
 }
 
 /// The crowd's libraries, and their licences: platform -> path in the page's address, and file.

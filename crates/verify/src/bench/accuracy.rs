@@ -6,19 +6,19 @@
 
 use crate::bench::{crowd, sparse};
 use crate::checks::reference;
-use crate::checks::scenarios::{files_of, read};
+use crate::checks::scenarios::{Files, files_of, read};
 use crate::checks::scenes::Random;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use cpu_time::ThreadTime;
 use crowd_mechanics::engine::{World, Wrench};
 use crowd_mechanics::setup::Setup;
-use include_dir::{Dir, include_dir};
 use lemons_core::plane::{Pose, vec2};
 use lemons_core::trial::{Agent, DriveTable};
 use std::f64::consts::PI;
 
-pub(crate) static PUSH: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../resources/Trial_push");
-static DOOR: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../resources/Trial_door");
+pub(crate) const PUSH: &Files = files_of!("resources/Trial_push");
+const PUSH_DRIVE: &[u8] = include_bytes!("../../../../resources/Trial_push/drive.csv");
+const DOOR: &Files = files_of!("resources/Trial_door");
 
 /// \[s\] The step that counts as exact.
 const EXACT: f64 = 1e-7;
@@ -129,9 +129,8 @@ fn scene(name: &'static str, until: f64, start: World, drive: Drive) -> Scene {
 
 /// The default Trial with its own push.
 fn push() -> Result<Scene> {
-    let trial = read(files_of(&PUSH))?;
-    let table = PUSH.get_file("drive.csv").context("the push of the Trial")?;
-    let table = DriveTable::from_csv(table.contents())?;
+    let trial = read(PUSH)?;
+    let table = DriveTable::from_csv(PUSH_DRIVE)?;
     let start = Setup::of(&trial).world()?;
     let drive = move |_, time: f64, _: &World| {
         let of = |agent: &Agent| table.at(&agent.id, time).unwrap_or_default();
@@ -170,7 +169,7 @@ fn dense() -> Scene {
 
 /// The thirty people of the Trial who have come to the door.
 fn door() -> Result<Scene> {
-    let mut start = Setup::of(&read(files_of(&DOOR))?).world()?;
+    let mut start = Setup::of(&read(DOOR)?).world()?;
     let mut numbers = Random(4);
     let wished: Vec<f64> = start.scene().bodies.iter().map(|_| 1.4 + 0.3 * numbers.signed()).collect();
     let drive = move |_, _, world: &World| {

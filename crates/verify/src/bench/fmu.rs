@@ -4,7 +4,7 @@
 
 use crate::bench::accuracy::PUSH;
 use crate::bench::{median, people};
-use crate::checks::scenarios::{files_of, read};
+use crate::checks::scenarios::read;
 use crate::checks::scenes::{Random, populate};
 use anyhow::{Error, Result};
 use cpu_time::{ProcessTime, ThreadTime};
@@ -30,7 +30,7 @@ const DENSE: Vec2 = vec2(0.32, 0.521);
 pub fn write_trial(agents: usize, spacing: Vec2, directory: &Path) -> Result<()> {
     let mut numbers = Random(30);
     let (people, around) = people(agents, spacing, 0.5, &mut numbers);
-    let mut trial = read(files_of(&PUSH))?;
+    let mut trial = read(PUSH)?;
     "crowd".clone_into(&mut trial.name);
     (trial.parameters.time_step, trial.parameters.time_step_mechanical) = (0.1, 1e-5);
     trial.geometry.walls.truncate(1);
@@ -159,8 +159,7 @@ fn loading(agents: usize, runs: usize) -> Result<[f64; 4]> {
 /// steps of 0.1 s.
 fn push(runs: usize) -> Result<[f64; 2]> {
     let packed = Packed { directory: Scratch::new()? };
-    std::fs::create_dir_all(packed.trial())?;
-    PUSH.extract(packed.trial())?;
+    read(PUSH)?.write(&packed.trial())?;
     packed.pack(Format::default())?;
     let parameters = [("TimeStepMechanical", "2e-6"), ("agent[0].Fp.x", "700")];
     let settings = Settings {

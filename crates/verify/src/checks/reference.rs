@@ -48,7 +48,7 @@ impl Case {
     }
 
     fn trial(&self) -> Result<Trial> {
-        read(self.files.iter().map(|(name, text)| (name, text.as_bytes())))
+        read(&self.files.iter().map(|(name, text)| (name.as_str(), text.as_bytes())).collect::<Vec<_>>())
     }
 
     /// Returns the drive of a stage, which is constant.

@@ -7,13 +7,36 @@ use crate::checks::{Figure, Oscillator, Result, apart, largest};
 use anyhow::Context;
 use crowd_mechanics::engine::{PairLaw, Wrench};
 use crowd_mechanics::setup::{self, Setup};
-use include_dir::{Dir, DirEntry, include_dir};
 use lemons_core::files::source::Memory;
 use lemons_core::plane::{Motion, Vec2, vec2};
 use lemons_core::trial::{FileNames, Trial};
 use std::path::Path;
 
-static SCENARIOS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../tests/scenarios");
+/// Paths and contents of the files of a Trial that is part of this program.
+pub(crate) type Files = [(&'static str, &'static [u8])];
+
+/// The [`Files`] of the Trial in a directory of the repository.
+macro_rules! files_of {
+    ($trial:literal) => {
+        files_of!($trial: "Parameters.xml", "static/Agents.xml", "static/Geometry.xml", "static/Materials.xml",
+            "dynamic/AgentDynamics.xml")
+    };
+    ($trial:literal: $($file:literal),*) => {
+        &[$(($file, include_bytes!(concat!("../../../../", $trial, "/", $file)).as_slice())),*]
+    };
+}
+pub(crate) use files_of;
+
+const SCENARIOS: [(&str, &Files); 8] = [
+    ("push_agent_agent", files_of!("tests/scenarios/push_agent_agent")),
+    ("push_agent_wall", files_of!("tests/scenarios/push_agent_wall")),
+    ("slip_agent_agent", files_of!("tests/scenarios/slip_agent_agent")),
+    ("slip_agent_wall", files_of!("tests/scenarios/slip_agent_wall")),
+    ("translation", files_of!("tests/scenarios/translation")),
+    ("rotation", files_of!("tests/scenarios/rotation")),
+    ("rolling_agent_agent", files_of!("tests/scenarios/rolling_agent_agent")),
+    ("rolling_agent_wall", files_of!("tests/scenarios/rolling_agent_wall")),
+];
 
 pub(crate) const FIGURES: &[Figure] = &[
     || scenario("push_agent_agent", 20, push_agent_agent),
@@ -29,30 +52,15 @@ pub(crate) const FIGURES: &[Figure] = &[
 
 /// Reads the Trial of a scenario.
 pub(crate) fn open(name: &str) -> Result<Trial> {
-    let scenario = SCENARIOS.get_dir(name).context("there is no such scenario")?;
-    read(files_of(scenario))
-}
-
-/// Returns paths and contents of the files in a directory that is part of this program.
-pub(crate) fn files_of(directory: &'static Dir<'static>) -> Vec<(&'static Path, &'static [u8])> {
-    let inside = |entry: &'static DirEntry<'static>| match entry {
-        DirEntry::Dir(part) => files_of(part),
-        DirEntry::File(file) => vec![(file.path(), file.contents())],
-    };
-    directory.entries().iter().flat_map(inside).collect()
+    let scenario = SCENARIOS.iter().find(|scenario| scenario.0 == name);
+    read(scenario.context("there is no such scenario")?.1)
 }
 
 /// Reads a Trial from memory.
-pub(crate) fn read<P: AsRef<Path>, C: Into<Vec<u8>>>(
-    files: impl IntoIterator<Item = (P, C)>,
-) -> Result<Trial> {
+pub(crate) fn read(files: &[(&str, &[u8])]) -> Result<Trial> {
     let mut memory = Memory::default();
-    files.into_iter().for_each(|(path, content)| memory.put(path.as_ref(), content.into()));
-    let root = memory
-        .paths()
-        .find_map(|path| path.ends_with("Parameters.xml").then(|| path.parent())?)
-        .map(Path::to_owned);
-    Ok(setup::read_from(&memory, &root.unwrap_or_default(), &FileNames::default())?.0)
+    files.iter().for_each(|(path, content)| memory.put(Path::new(path), content.to_vec()));
+    Ok(setup::read_from(&memory, Path::new(""), &FileNames::default())?.0)
 }
 
 /// The largest of the differences that `difference` finds after `steps` TimeSteps, through both interfaces.
@@ -65,8 +73,8 @@ fn scenario(name: &str, steps: u32, difference: fn(&Trial, f64, &[Motion]) -> f6
 
 fn ways_apart() -> Result<f64> {
     let mut worst: f64 = 0.0;
-    for scenario in SCENARIOS.dirs() {
-        let trial = read(files_of(scenario))?;
+    for (_, files) in SCENARIOS {
+        let trial = read(files)?;
         let (fmu, files) = (through_fmu(&trial, 10)?, through_files(&trial, 10)?);
         worst = largest([worst, apart(&fmu.concat(), &files.concat())]);
     }
