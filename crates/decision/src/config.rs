@@ -15,7 +15,7 @@
 use crate::error::PlanError;
 use crate::person::Person;
 use crate::rule::Waypoint;
-use crate::walking_model::{CollisionFreeSpeed, SocialForce, WalkingModel};
+use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModel};
 use lemons_core::files::words;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -35,6 +35,8 @@ pub enum WalkingModelName {
     CollisionFreeSpeed,
     /// See [`SocialForce`].
     SocialForce,
+    /// See [`Rotational`].
+    Rotational,
 }
 
 /// A user's settings for the FMU.
@@ -51,6 +53,7 @@ pub struct DecisionConfig {
     pub(crate) collision_free_speed: Option<CollisionFreeSpeed>,
     #[serde(rename = "social-force")]
     pub(crate) social_force: Option<SocialForce>,
+    pub(crate) rotational: Option<Rotational>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub(crate) agents: BTreeMap<String, AgentConfig>,
 }
@@ -60,6 +63,8 @@ pub struct DecisionConfig {
 #[serde(deny_unknown_fields)]
 pub(crate) struct AgentConfig {
     pub desired_speed: Option<f64>,
+    pub time_gap: Option<f64>,
+    pub standstill_gap: Option<f64>,
     pub waypoints: Option<Vec<Waypoint>>,
     pub exit: Option<String>,
     pub goal: Option<String>,
@@ -141,15 +146,27 @@ impl DecisionConfig {
 
     /// Returns the model with its constants.
     pub(crate) fn walking_model(&self) -> Result<WalkingModel, PlanError> {
-        use WalkingModelName::{CollisionFreeSpeed, SocialForce, Straight};
-        let unused = |key| Err(PlanError::OtherModel { key });
-        match (self.model.unwrap_or_default(), self.collision_free_speed, self.social_force) {
-            (SocialForce | Straight, Some(_), _) => unused("collision-free-speed"),
-            (CollisionFreeSpeed | Straight, _, Some(_)) => unused("social-force"),
-            (Straight, ..) => Ok(WalkingModel::Straight),
-            (CollisionFreeSpeed, free, _) => Ok(WalkingModel::CollisionFreeSpeed(free.unwrap_or_default())),
-            (SocialForce, _, social) => Ok(WalkingModel::SocialForce(social.unwrap_or_default())),
+        let name = self.model.unwrap_or_default();
+        let sections = [
+            (
+                "collision-free-speed",
+                WalkingModelName::CollisionFreeSpeed,
+                self.collision_free_speed.is_some(),
+            ),
+            ("social-force", WalkingModelName::SocialForce, self.social_force.is_some()),
+            ("rotational", WalkingModelName::Rotational, self.rotational.is_some()),
+        ];
+        if let Some((key, ..)) = sections.into_iter().find(|(_, of, given)| *given && *of != name) {
+            return Err(PlanError::OtherModel { key });
         }
+        Ok(match name {
+            WalkingModelName::Straight => WalkingModel::Straight,
+            WalkingModelName::CollisionFreeSpeed => {
+                WalkingModel::CollisionFreeSpeed(self.collision_free_speed.unwrap_or_default())
+            }
+            WalkingModelName::SocialForce => WalkingModel::SocialForce(self.social_force.unwrap_or_default()),
+            WalkingModelName::Rotational => WalkingModel::Rotational(self.rotational.unwrap_or_default()),
+        })
     }
 }
 

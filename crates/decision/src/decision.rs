@@ -2,7 +2,7 @@
 
 use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
-use crate::stuck::{StuckAction, StuckState};
+use crate::stuck::{StuckAction, StuckState, normal};
 use crate::target::{Arrival, Destination, Ways};
 use crate::walking_model::{DesiredMotion, Walking};
 use lemons_core::files::input;
@@ -21,18 +21,27 @@ pub use quantities::Quantity;
 /// Name of the plan's file in the FMU's resources.
 pub const PLAN_FILE: &str = "decision.toml";
 
+/// \[s\] Time in which the direction of walking follows.
+const STEERING_TIME: f64 = 0.3;
+/// \[s\] Correlation time of the noise of speeds (Tordeux, Schadschneider, J. Phys. A 49 (2016) 185101: 1/(0.23 1/s)).
+const NOISE_TIME: f64 = 4.3;
+
 /// The saved state, without the location of the resources.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Saved {
     /// Fingerprint of the plan.
     fingerprint: u128,
     agents: Vec<Agent>,
+    /// See [`Decision`].
+    wanted: Option<Vec<DesiredMotion>>,
 }
 
 /// An agent during the simulation, and in a saved state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Agent {
     pose: Pose,
+    /// \[m/s\] x and y.
+    velocity: [f64; 2],
     walker: Walker,
     /// Index of the next way-point. It is updated by steps: a way-point that was reached stays reached.
     next: usize,
@@ -41,6 +50,11 @@ pub struct Agent {
     /// \[m\] Where the agent was at the last step.
     last: Option<[f64; 2]>,
     stuck: StuckState,
+    /// \[rad\] Angle from the way to the direction of walking.
+    steering: f64,
+    /// \[m/s\] Noise of the speed, and how many numbers were drawn for it.
+    noise: f64,
+    draws: u64,
 }
 
 impl Agent {
@@ -90,11 +104,15 @@ impl Decision {
     pub fn new(plan: Plan) -> Decision {
         let agents = plan.agents.iter().map(|agent| Agent {
             pose: agent.pose,
+            velocity: [0.0; 2],
             walker: agent.walker.clone(),
             next: 0,
             left: false,
             last: None,
             stuck: StuckState::default(),
+            steering: 0.0,
+            noise: 0.0,
+            draws: 0,
         });
         let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
@@ -106,10 +124,12 @@ impl Decision {
         Decision { agents, plan, fingerprint, most_waypoints, faces, ways: None, wanted: None }
     }
 
-    /// Everybody is seen at these poses, in their order; without FMI. Who walks decides at [`Decision::acts`], and
-    /// [`Decision::pass`] ends the step.
-    pub fn see(&mut self, poses: impl Iterator<Item = Pose>) {
-        self.agents.iter_mut().zip(poses).for_each(|(agent, pose)| agent.pose = pose);
+    /// Everybody is seen at these poses, with these velocities \[m/s\], in their order; without FMI. Who walks decides at
+    /// [`Decision::acts`], and [`Decision::pass`] ends the step.
+    pub fn see(&mut self, motions: impl Iterator<Item = (Pose, Vec2)>) {
+        for (agent, (pose, velocity)) in self.agents.iter_mut().zip(motions) {
+            (agent.pose, agent.velocity) = (pose, [velocity.x, velocity.y]);
+        }
         self.wanted = None;
     }
 
@@ -139,13 +159,22 @@ impl Decision {
             // Who is at a goal is not stuck there.
             let goes = self.goes(i).filter(|_| arrival.is_none());
             let sees = self.plan.walking_model.sees_others();
-            let queues = sees && self.wanted(i).queues;
+            let wanted = if sees { self.wanted(i) } else { DesiredMotion::default() };
+            let queues = wanted.queues;
+            let (seed, speed_noise) = (self.plan.seed, self.plan.walking_model.speed_noise());
             let agent = &mut self.agents[i];
             let (next, way, at) = (agent.next(), agent.at() - agent.from(), agent.at());
             // The paper's rule does not see it; and who queues is not stuck.
             if agent.next == agent.walker.waypoints.len() || sees {
                 let moved = agent.last.is_some();
                 agent.stuck.follow(step, way, goes.filter(|_| moved && !queues), self.plan.seed, i as u64);
+            }
+            agent.steering += (wanted.steering - agent.steering) * -libm::expm1(-step / STEERING_TIME);
+            if speed_noise > 0.0 {
+                let kept = libm::exp(-step / NOISE_TIME);
+                let drawn = normal(seed, i as u64, agent.draws);
+                agent.noise = kept * agent.noise + speed_noise * (1.0 - kept * kept).sqrt() * drawn;
+                agent.draws += 1;
             }
             (agent.next, agent.left, agent.last) = (next, leaves, Some([at.x, at.y]));
         }
@@ -251,6 +280,7 @@ impl Decision {
         let (direction, speed) = self.goes(i).unzip();
         Some(Walking {
             at: agent.at(),
+            velocity: vec2(agent.velocity[0], agent.velocity[1]),
             theta: agent.pose.theta,
             disks: &self.plan.agents[i].disks,
             direction,
@@ -261,6 +291,11 @@ impl Decision {
                 Destination::NearestExit => usize::MAX - 1,
                 Destination::Target(k) => k,
             },
+            relaxation: if agent.walker.floor_damping > 0.0 { 1.0 / agent.walker.floor_damping } else { 0.0 },
+            time_gap: agent.walker.time_gap,
+            standstill_gap: agent.walker.standstill_gap,
+            steering: agent.steering,
+            noise: agent.noise,
         })
     }
 
@@ -312,7 +347,7 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 3;
+    const STATE_VERSION: u32 = 4;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<Quantity>] = &quantities::QUANTITIES;
 
@@ -407,20 +442,24 @@ impl Model for Decision {
     }
 
     fn save(&self) -> Saved {
-        Saved { fingerprint: self.fingerprint, agents: self.agents.clone() }
+        Saved { fingerprint: self.fingerprint, agents: self.agents.clone(), wanted: self.wanted.clone() }
     }
 
     fn restore(&mut self, saved: &Saved) -> Answer<()> {
         const IMPOSSIBLE: &str = "it has other agents or way-points, or impossible values";
-        let Saved { fingerprint, agents: saved } = saved;
+        let Saved { fingerprint, agents: saved, wanted } = saved;
         if *fingerprint != self.fingerprint {
             return refuse("the state belongs to another model, with another plan");
         }
         let alike = |(a, b): (&Agent, &Agent)| {
             let count = b.walker.waypoints.len();
             let last = a.last.unwrap_or_default().iter().all(|number| number.is_finite());
-            a.walker.waypoints.len() == count && a.next <= count && last && a.stuck.is_sound()
+            let own = [a.steering, a.noise].iter().all(|number| number.is_finite());
+            a.walker.waypoints.len() == count && a.next <= count && last && own && a.stuck.is_sound()
         };
+        if wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len()) {
+            return damaged(IMPOSSIBLE);
+        }
         if saved.len() != self.agents.len() || !saved.iter().zip(&self.agents).all(alike) {
             return damaged(IMPOSSIBLE);
         }
@@ -433,7 +472,7 @@ impl Model for Decision {
                 }
             }
         }
-        (self.agents, self.wanted) = (restored.agents, None);
+        (self.agents, self.wanted) = (restored.agents, wanted.clone());
         Ok(())
     }
 }

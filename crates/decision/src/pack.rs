@@ -51,7 +51,7 @@ pub fn write_fmu(
         Version::V2 => include_str!("documentation.html"),
         Version::V3 => include_str!("documentation_3.html"),
     };
-    let names = ["Position", "Theta", "Fp", "Mp", "Active"];
+    let names = ["Position", "Theta", "Velocity", "Fp", "Mp", "Active"];
     let content = Content {
         version,
         description: &description(plan, format),

@@ -109,6 +109,8 @@ impl Plan {
                     floor_damping: person.floor_damping,
                     angular_damping: person.angular_damping,
                     desired_speed: own.desired_speed.or(config.desired_speed).unwrap_or(DEFAULT_SPEED),
+                    time_gap: own.time_gap.unwrap_or(walking_model.time_gap()),
+                    standstill_gap: own.standstill_gap.unwrap_or(walking_model.standstill_gap()),
                     waypoints,
                 },
             })

@@ -57,6 +57,10 @@ pub struct Walker {
     pub angular_damping: f64,
     /// \[m/s\] desired speed v₀.
     pub desired_speed: f64,
+    /// \[s\] Time gap T to who is ahead.
+    pub time_gap: f64,
+    /// \[m\] Gap to who is ahead when standing.
+    pub standstill_gap: f64,
     /// Way-points, in order.
     pub waypoints: Vec<Waypoint>,
 }
@@ -120,6 +124,8 @@ mod tests {
             floor_damping: 2.0,
             angular_damping: 4.0,
             desired_speed: 1.3,
+            time_gap: 1.0,
+            standstill_gap: 0.0,
             waypoints: waypoints.iter().map(|&(x, y, radius)| Waypoint { x, y, radius }).collect(),
         }
     }

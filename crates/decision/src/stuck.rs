@@ -75,6 +75,13 @@ fn share(seed: u64, person: u64, count: u64) -> f64 {
     (draw(seed, person, count) >> 11) as f64 / (1u64 << 53) as f64
 }
 
+/// Returns a random number with a standard normal distribution, from two draws (Box, Muller 1958).
+pub(crate) fn normal(seed: u64, person: u64, count: u64) -> f64 {
+    // Other numbers than those of manoeuvres.
+    let [a, b] = [2 * count, 2 * count + 1].map(|count| share(!seed, person, count));
+    (-2.0 * libm::log(1.0 - a)).sqrt() * libm::cos(2.0 * std::f64::consts::PI * b)
+}
+
 impl StuckState {
     /// Follows a person over a step \[s\] by a way \[m\]. `wanted` is the direction and the desired speed \[m/s\], if the
     /// person wants to walk.

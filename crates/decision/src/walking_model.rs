@@ -11,7 +11,11 @@
 //! the centres of mass. Somebody is in front of a person if the shadows of their outlines on a line across the way overlap
 //! by more than a third.
 
-use crate::error::{PlanError, moderate, positive};
+mod rotational;
+
+pub use rotational::Rotational;
+
+use crate::error::{PlanError, moderate, not_negative, positive};
 use lemons_core::plane::{Rotation, Vec2, nearest_on_segment, segments_cross, vec2};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -71,6 +75,8 @@ pub enum WalkingModel {
     CollisionFreeSpeed(CollisionFreeSpeed),
     /// See [`SocialForce`].
     SocialForce(SocialForce),
+    /// See [`Rotational`].
+    Rotational(Rotational),
 }
 
 /// Somebody who walks, and where to.
@@ -78,6 +84,8 @@ pub enum WalkingModel {
 pub struct Walking<'a> {
     /// \[m\] centre of mass.
     pub at: Vec2,
+    /// \[m/s\] velocity.
+    pub velocity: Vec2,
     /// \[rad\] orientation.
     pub theta: f64,
     /// Disks relative to the centre of mass when the gaze is along x: x, y, radius \[m\].
@@ -90,10 +98,20 @@ pub struct Walking<'a> {
     pub to_go: f64,
     /// People with the same destination have the same number.
     pub destination: usize,
+    /// \[s\] relaxation time of the velocity.
+    pub relaxation: f64,
+    /// \[s\] time gap to who is ahead.
+    pub time_gap: f64,
+    /// \[m\] gap to who is ahead when standing.
+    pub standstill_gap: f64,
+    /// \[rad\] angle from the way to the direction of walking.
+    pub steering: f64,
+    /// \[m/s\] noise of the speed.
+    pub noise: f64,
 }
 
 /// Motion that a person wants.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct DesiredMotion {
     /// \[m/s\] velocity.
     pub velocity: Vec2,
@@ -103,6 +121,8 @@ pub struct DesiredMotion {
     pub facing: Option<Vec2>,
     /// Whether the person queues: close behind somebody who is nearer to the end of the way.
     pub queues: bool,
+    /// \[rad\] Angle from the way to which the direction of walking relaxes.
+    pub steering: f64,
 }
 
 /// \[m\] Radius of a body whose outline is not known.
@@ -118,6 +138,25 @@ const CLOSE: f64 = 0.5;
 const TOUCHING: f64 = 0.0;
 
 impl WalkingModel {
+    /// \[s\] Returns the time gap of those who have none of their own.
+    pub(crate) fn time_gap(&self) -> f64 {
+        match self {
+            WalkingModel::CollisionFreeSpeed(of) => of.time_gap,
+            WalkingModel::Rotational(of) => of.time_gap,
+            WalkingModel::Straight | WalkingModel::SocialForce(_) => 1.0,
+        }
+    }
+
+    /// \[m\] Returns the gap at a standstill of those who have none of their own.
+    pub(crate) fn standstill_gap(&self) -> f64 {
+        if let WalkingModel::Rotational(of) = self { of.standstill_gap } else { 0.0 }
+    }
+
+    /// \[m/s\] Returns the standard deviation of the noise of speeds.
+    pub(crate) fn speed_noise(&self) -> f64 {
+        if let WalkingModel::Rotational(of) = self { of.speed_noise } else { 0.0 }
+    }
+
     /// Returns whether people see others and walls.
     pub fn sees_others(&self) -> bool {
         *self != WalkingModel::Straight
@@ -134,6 +173,11 @@ impl WalkingModel {
                 positive(place, "neighbour_range", of.neighbour_range)?;
                 moderate(place, "wall_strength", of.wall_strength)?;
                 positive(place, "wall_range", of.wall_range)
+            }
+            WalkingModel::Rotational(of) => {
+                positive("rotational", "time_gap", of.time_gap)?;
+                not_negative("rotational", "standstill_gap", of.standstill_gap)?;
+                moderate("rotational", "speed_noise", of.speed_noise)
             }
             WalkingModel::SocialForce(of) => {
                 moderate("social-force", "strength", of.strength)?;
@@ -153,16 +197,18 @@ impl WalkingModel {
             }
             WalkingModel::CollisionFreeSpeed(of) => {
                 let ranges = FAR * of.neighbour_range.max(of.wall_range);
-                ranges.max(fastest * of.time_gap).max(CLOSE)
+                let longest = people.iter().flatten().map(|walking| walking.time_gap).fold(0.0, f64::max);
+                ranges.max(fastest * longest).max(CLOSE)
             }
             WalkingModel::SocialForce(of) => CLOSE.max(FAR * of.range),
+            WalkingModel::Rotational(_) => return rotational::desired(people, faces),
         };
         let cells = Cells::new(people, faces, 2.0 * furthest + far);
         let one = |(i, walking): (usize, &Option<Walking<'_>>)| {
             let Some(walking) = walking else { return DesiredMotion::default() };
             let (others, walls) = cells.around(i, walking, people, faces);
             match self {
-                WalkingModel::Straight => straight(walking),
+                WalkingModel::Straight | WalkingModel::Rotational(_) => straight(walking),
                 WalkingModel::CollisionFreeSpeed(of) => of.desired(walking, &others, &walls),
                 WalkingModel::SocialForce(of) => of.desired(walking, &others, &walls),
             }
@@ -231,9 +277,14 @@ impl CollisionFreeSpeed {
         let direction = turned.unit(1e-9).unwrap_or(goal);
         let headway =
             in_front(walking, direction, others).map(|(near, _)| near.gap).fold(f64::INFINITY, f64::min);
-        let speed = (headway / self.time_gap).clamp(0.0, walking.speed);
+        let speed = (headway / walking.time_gap).clamp(0.0, walking.speed);
         let queues = queues(walking, goal, others);
-        DesiredMotion { velocity: direction * speed, force: Vec2::ZERO, facing: Some(direction), queues }
+        DesiredMotion {
+            velocity: direction * speed,
+            facing: Some(direction),
+            queues,
+            ..DesiredMotion::default()
+        }
     }
 }
 

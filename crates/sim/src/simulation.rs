@@ -4,7 +4,7 @@ use crate::settings::{DecisionNames, Names};
 use crowd_mechanics::engine::{Pose, World, Wrench, vec2};
 use crowd_mechanics::model::{CrowdModel, Saved as SavedCrowd};
 use crowd_mechanics::quantities::Quantity;
-use lemons_core::plane::Motion;
+use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::decision::{Act, Saved as SavedDecision};
 use lemons_decision::rule::Pose as SeenPose;
@@ -175,16 +175,17 @@ impl Simulation {
         self.adds = self.crowd.number(Quantity::PlayDrive, 0)? != 0.0;
         if let Some(decision) = &mut self.decision {
             decision.initialize(start)?;
-            let mut poses = Vec::with_capacity(self.ids.len());
+            let mut motions = Vec::with_capacity(self.ids.len());
             for i in 0..self.ids.len() {
                 let mut number = |quantity, element| self.crowd.number(quantity, element);
-                poses.push(SeenPose {
-                    x: number(Quantity::Position, 2 * i)?,
-                    y: number(Quantity::Position, 2 * i + 1)?,
-                    theta: number(Quantity::Theta, i)?,
-                });
+                let position =
+                    vec2(number(Quantity::Position, 2 * i)?, number(Quantity::Position, 2 * i + 1)?);
+                let velocity =
+                    vec2(number(Quantity::Velocity, 2 * i)?, number(Quantity::Velocity, 2 * i + 1)?);
+                let pose = SeenPose { x: position.x, y: position.y, theta: number(Quantity::Theta, i)? };
+                motions.push((pose, velocity));
             }
-            decision.see(poses.into_iter());
+            decision.see(motions.into_iter());
             self.acts = decision.acts()?;
             self.drive_crowd(Phase::Initialization);
         }
@@ -365,21 +366,21 @@ impl Simulation {
         }
     }
 
-    /// Those who walk see these poses, and decide over a step \[s\].
-    fn decide(&mut self, poses: &[Pose], step: f64) -> Result<(), SimError> {
+    /// Those who walk see these motions, and decide over a step \[s\].
+    fn decide(&mut self, motions: &[(SeenPose, Vec2)], step: f64) -> Result<(), SimError> {
         let Some(decision) = &mut self.decision else { return Ok(()) };
-        let seen = |pose: &Pose| SeenPose { x: pose.position.x, y: pose.position.y, theta: pose.orientation };
-        decision.see(poses.iter().map(seen));
+        decision.see(motions.iter().copied());
         decision.pass(step)?;
         self.acts = decision.acts()?;
         Ok(())
     }
 
-    fn poses(&self) -> Vec<Pose> {
-        match (self.world(), &self.decision) {
-            (Some(world), Some(_)) => world.state().poses.clone(),
-            _ => Vec::new(),
-        }
+    /// Returns what Decision sees; empty where nobody walks.
+    fn motions(&self) -> Vec<(SeenPose, Vec2)> {
+        let Some(world) = self.world().filter(|_| self.walks()) else { return Vec::new() };
+        let seen = |pose: &Pose| SeenPose { x: pose.position.x, y: pose.position.y, theta: pose.orientation };
+        let motions = world.state().poses.iter().zip(&world.state().twists);
+        motions.map(|(pose, twist)| (seen(pose), twist.velocity)).collect()
     }
 }
 
@@ -398,15 +399,15 @@ impl crate::run::Model for Simulation {
     type Error = SimError;
 
     fn step_to(&mut self, time: f64) -> Result<(), SimError> {
-        let (from, step, poses) = (self.time, time - self.time, self.poses());
+        let (from, step, motions) = (self.time, time - self.time, self.motions());
         match self.algorithm {
             Algorithm::Jacobi => {
                 self.drive_crowd(Phase::StepComplete);
                 self.crowd.advance(Part::whole(from, step))?;
-                self.decide(&poses, step)?;
+                self.decide(&motions, step)?;
             }
             Algorithm::GaussSeidel => {
-                self.decide(&poses, step)?;
+                self.decide(&motions, step)?;
                 self.drive_crowd(Phase::StepComplete);
                 self.crowd.advance(Part::whole(from, step))?;
             }

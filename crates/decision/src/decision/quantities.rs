@@ -16,6 +16,7 @@ pub enum Quantity {
     Arrived,
     Position,
     Theta,
+    Velocity,
     Fp,
     Mp,
     Active,
@@ -25,6 +26,8 @@ pub enum Quantity {
     FloorDamping,
     AngularDamping,
     DesiredSpeed,
+    TimeGap,
+    StandstillGap,
     Waypoint,
     WaypointRadius,
     WaypointCount,
@@ -43,7 +46,7 @@ const WAYPOINTS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1)];
 const WAYPOINT_VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1), Dimension::Fixed(2)];
 
 /// The table.
-pub static QUANTITIES: [Variable<Quantity>; 16] = {
+pub static QUANTITIES: [Variable<Quantity>; 19] = {
     use Domain::*;
     use Kind::*;
     use Quantity::*;
@@ -52,6 +55,7 @@ pub static QUANTITIES: [Variable<Quantity>; 16] = {
             .calculated("how many agents have reached their last way-point, exit or goal"),
         row(Position, "Position", VECTORS, Real(METRE)).input("x and y of the centre of mass"),
         row(Theta, "Theta", AGENTS, Real(RADIAN)).input("orientation: angle from the x axis to the gaze"),
+        row(Velocity, "Velocity", VECTORS, Real(METRE_PER_SECOND)).input("velocity along x and y"),
         row(Fp, "Fp", VECTORS, Real(NEWTON)).calculated("propulsion force along x and y"),
         row(Mp, "Mp", AGENTS, Real(NEWTON_METRE)).calculated("propulsion torque"),
         row(Active, "Active", AGENTS, Boolean).calculated("whether it is there: it has not left by an exit"),
@@ -66,6 +70,9 @@ pub static QUANTITIES: [Variable<Quantity>; 16] = {
             .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot"),
         row(DesiredSpeed, "DesiredSpeed", AGENTS, Real(METRE_PER_SECOND))
             .parameter(NonNegative, "desired speed v0"),
+        row(TimeGap, "TimeGap", AGENTS, Real(SECOND)).parameter(Positive, "time gap T to who is ahead"),
+        row(StandstillGap, "StandstillGap", AGENTS, Real(METRE))
+            .parameter(NonNegative, "gap to who is ahead when standing"),
         row(Waypoint, "Waypoint", WAYPOINT_VECTORS, Real(METRE))
             .parameter(Finite, "x and y of the way-points in order; 0 beyond WaypointCount"),
         row(WaypointRadius, "WaypointRadius", WAYPOINTS, Real(METRE)).parameter(
@@ -96,6 +103,7 @@ impl Quantity {
             Position | Waypoint | WaypointRadius => true,
             Mass | FloorDamping | DesiredSpeed => self == Fp,
             Theta | MomentOfInertia | AngularDamping => self == Mp,
+            Velocity | TimeGap | StandstillGap => matches!(self, Fp | Mp),
             _ => false,
         }
     }
@@ -121,17 +129,20 @@ impl Decision {
     pub(crate) fn field(&mut self, quantity: Quantity, element: usize) -> Option<&mut f64> {
         let each = self.elements_of_each(quantity);
         let (i, k) = (element / each, element % each);
-        let super::Agent { pose, walker, .. } = self.agents.get_mut(i)?;
+        let super::Agent { pose, velocity, walker, .. } = self.agents.get_mut(i)?;
         let x = k % 2 == 0;
         Some(match quantity {
             Quantity::Position if x => &mut pose.x,
             Quantity::Position => &mut pose.y,
             Quantity::Theta => &mut pose.theta,
+            Quantity::Velocity => &mut velocity[k],
             Quantity::Mass => &mut walker.mass,
             Quantity::MomentOfInertia => &mut walker.moment_of_inertia,
             Quantity::FloorDamping => &mut walker.floor_damping,
             Quantity::AngularDamping => &mut walker.angular_damping,
             Quantity::DesiredSpeed => &mut walker.desired_speed,
+            Quantity::TimeGap => &mut walker.time_gap,
+            Quantity::StandstillGap => &mut walker.standstill_gap,
             Quantity::Waypoint if x => &mut walker.waypoints.get_mut(k / 2)?.x,
             Quantity::Waypoint => &mut walker.waypoints.get_mut(k / 2)?.y,
             Quantity::WaypointRadius => &mut walker.waypoints.get_mut(k)?.radius,

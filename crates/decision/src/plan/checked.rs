@@ -63,6 +63,8 @@ impl Plan {
             not_negative(&place, "floor_damping", walker.floor_damping)?;
             not_negative(&place, "angular_damping", walker.angular_damping)?;
             moderate(&place, "desired_speed", walker.desired_speed)?;
+            positive(&place, "time_gap", walker.time_gap)?;
+            not_negative(&place, "standstill_gap", walker.standstill_gap)?;
             coordinate(&place, "x", pose.x)?;
             coordinate(&place, "y", pose.y)?;
             number(&place, "theta", pose.theta, |_| true, "finite")?;
