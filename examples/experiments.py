@@ -616,7 +616,100 @@ def exits(model, constants="", seeds=10, quick=False, **others):
     return rows + [compare("exits", "mean of J/b, ours to measured", part, 1.0, np.mean(of, axis=0), share=0.07) for part, of in bias.items()]
 
 
-ROWS = {"gate": gate, "exits": exits}
+def classes(points, width, least):
+    """Means of the second column in classes of the first one, of those with so many points: {lower end: mean}."""
+    of = np.floor(points[:, 0] / width) * width
+    return {float(low): float(points[of == low, 1].mean()) for low in np.unique(of) if (of == low).sum() >= least}
+
+
+def pooled(found, names, seed=None):
+    return np.concatenate([(found[name] if seed is None else found[name][seed])["points"] for name in names])
+
+
+def corridor(model, constants="", seeds=10, quick=False, **others):
+    """Corridors in one direction: speed against density, and the most that gets through."""
+    sets = {"tune": CORRIDORS[:1]} if quick else {part: [name for name in CORRIDORS if set_of(name) == part] for part in ("tune", "judge")}
+    names = [*sum(sets.values(), []), *([] if quick else ["uo-180-180-180"])]
+    measured, ours = collect(names, **setting(model, constants, seeds, quick=quick, **others))
+    rows = []
+    for part, own in sets.items():
+        real = classes(pooled(measured, own), 0.25, 6)
+        off, reached = [], []
+        for seed in range(len(ours[own[0]])):
+            model_s = classes(pooled(ours, own, seed), 0.25, 6)
+            both = real.keys() & model_s.keys()
+            reached.append(len(both) / len(real))
+            off.append(math.sqrt(mean([(model_s[low] - real[low]) ** 2 for low in both])) if both else math.inf)
+        rows.append(compare("corridor", "v(density), RMS [m/s]", part, 0.0, off, at_most=0.12))
+        rows.append(compare("corridor", f"part of the {len(real)} classes of density reached", part, 1.0, reached, share=0.5))
+    for name in names[-1:] * (not quick):
+        flows = [each["capacity"] for each in ours[name]]
+        rows.append(compare("corridor", f"capacity, {name} [1/(m s)]", set_of(name), measured[name]["capacity"], flows, amount=0.15))
+    return rows
+
+
+def counterflow(model, constants="", seeds=10, quick=False, **others):
+    """Two directions in a corridor: flow against density, and whether everybody gets through."""
+    every_one = [name for name in RUNS if name.startswith("bo")]
+    sets = {"tune": ["bot-360-075-075"]} if quick else {part: [name for name in every_one if set_of(name) == part] for part in ("tune", "judge")}
+    measured, ours = collect(sum(sets.values(), []), **setting(model, constants, seeds, quick=quick, **others))
+    rows = []
+    for part, own in sets.items():
+        runs = [classes(pooled(ours, own, seed), 0.5, 10) for seed in range(len(ours[own[0]]))]
+        for low, flow in classes(pooled(measured, own), 0.5, 10).items():
+            flows = [run[low] for run in runs if low in run] or [math.nan]
+            if low >= 0.5:
+                rows.append(compare("counterflow", f"J at {low:.1f} to {low + 0.5:.1f} /m² [1/(m s)]", part, flow, flows, share=0.2))
+        stuck = [each["stuck"] for name in own for each in ours[name]]
+        total = Row("counterflow", f"of {len(stuck)} runs stuck", part, 0.0, sum(stuck), math.nan, math.nan, "none", not sum(stuck))
+        rows.append(total)
+    return rows
+
+
+def single_file(model, constants="", seeds=10, quick=False, **others):
+    """Single file on a ring: speed at the measured headway, its spread, how many stand, and who overtakes."""
+    names = ["croma-20"] if quick else [name for name in RUNS if name.startswith(("croma", "ux"))]
+    measured, ours = collect(names, **setting(model, constants, seeds, quick=quick, **others))
+    rows = []
+    for name in names:
+        one = lambda what, key, **limit: compare("single file", f"{name}, headway {measured[name]['headway']:.2f} m: {what}", set_of(name), measured[name][key], [each[key] for each in ours[name]], **limit)  # noqa: B023, E731, E501
+        rows.append(one("speed [m/s]", "speed", amount=0.08))
+        # Those of the older experiment are means over 2 m of way.
+        if name.startswith("croma"):
+            rows.append(one("SD of speed [m/s]", "spread", factor=2))
+            rows.append(one("part that stands", "stopped", factor=2, least=0.02))
+        rows.append(one("people overtaken", "overtakings", at_most=0.0))
+    return rows
+
+
+#: Specific flow, density, speed, last: measured with PedPy by somebody else.
+CHECKED = {
+    GATE: (2.32, 7.2, 0.11, 65),
+    "uo-180-180-070": (2.31, 3.06, 0.30, 92),
+    "uo-180-180-095": (1.84, 2.49, 0.40, 90),
+    "uo-180-180-120": (1.91, 2.11, 0.62, 74),
+    "uo-180-180-180": (1.58, 1.66, 0.97, 82),
+    "uo-240-240-160": (1.95, 2.18, 0.60, 90),
+}
+
+
+def measured_side(data=None, processes=2):
+    """The measured side alone: a table for each kind of experiment."""
+    found = collect(RUNS, Walk("straight"), 0, directory(data), processes=processes)[0]
+    exits_ = pd.DataFrame(
+        [
+            {"run": name, **{key: value for key, number in zip(("specific", "density", "speed", "last"), numbers) for key, value in ((key, found[name][key]), (f"{key}, by others", number))}}
+            for name, numbers in CHECKED.items()
+        ]
+    )
+    gate_ = pd.DataFrame([{key: found[GATE][key] for key in ("flow", "nearest", "gap 95 %", "greatest gap")}])
+    speeds = pd.DataFrame({name: classes(found[name]["points"], 0.25, 6) for name in CORRIDORS}).sort_index()
+    flows = pd.DataFrame({name: classes(found[name]["points"], 0.5, 10) for name in RUNS if name.startswith("bo")}).sort_index()
+    files = pd.DataFrame({name: found[name] for name in RUNS if name.startswith(("croma", "ux"))}).T
+    return {"gate and exits": exits_, "gate": gate_, "v(density) [m/s]": speeds, "J(density) [1/(m s)]": flows, "single file": files}
+
+
+ROWS = {"gate": gate, "exits": exits, "corridor": corridor, "counterflow": counterflow, "single_file": single_file}
 
 
 def main():
@@ -634,6 +727,10 @@ def main():
     data = directory(arguments.data)
     if data is None:
         print("experiments: there are no trajectories (--data DIR, or LEMONS_WALK_DATA): nothing is compared")
+        return
+    if "measured" in arguments.row:
+        for title, table in measured_side(data).items():
+            print(f"{title}\n\n{table.round(3).to_string()}\n")
         return
     body = tuple(map(float, arguments.body.split("x"))) if arguments.body else None
     for model in arguments.model or ["collision-free-speed"]:
