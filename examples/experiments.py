@@ -26,7 +26,7 @@ first passages show; 070: one), and the floor before the corridor 1.5 m wider on
 at both ends, as many people as measured in each; each leaves to the side to which the measured one left. Single file: a
 circle 0.8 m wide whose length is N times the mean measured headway (1/density), people at equal distances, each up to a tenth of it off.
 Who would overlap is moved apart. Bodies are drawn from the survey (`--body` makes all of them alike), desired speeds from
-N(1.34, 0.26²) m/s, cut at two standard deviations.
+N(1.34, 0.26²) m/s, those of Seyfried et al. from N(1.24, 0.15²) m/s, cut at two standard deviations.
 
 Tune on the runs of TUNE only. Those of JUDGE were named before anything was tuned; they are for judging.
 """
@@ -46,7 +46,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-SPEED, SPREAD = 1.34, 0.26  # m/s, desired speeds (Weidmann 1993)
+FREE = (1.34, 0.26)  # m/s, desired speeds: mean and standard deviation (Weidmann 1993)
+FREE_UX = (1.24, 0.15)  # m/s, of the people of Seyfried et al. 2005
 MODELS = ["straight", "collision-free-speed", "social-force"]
 THEIRS = {"v2": "CollisionFreeSpeedModelV2", "v3": "CollisionFreeSpeedModelV3", "avm": "AnticipationVelocityModel"}
 GATE = "040_c_56_h-"
@@ -88,6 +89,7 @@ class Scene:
     measure: object = None  # function of scene and trajectories
     most: float = 200.0  # s
     ring: float = 0.0  # m, length of the way around
+    free: tuple = FREE  # m/s, mean and spread of desired speeds
 
 
 # ---- experiments ----
@@ -232,15 +234,17 @@ def ring_scene(name, data):
         measure=measure_ring,
         most=80.0,
         ring=length,
+        free=FREE if series == "croma" else FREE_UX,
     )
 
 
 # ---- runs ----
 
 
-def speeds_of(count, random):
+def speeds_of(scene, count, random):
+    mean, spread = scene.free
     drawn = random.standard_normal(20 * count + 100)
-    return SPEED + SPREAD * drawn[np.abs(drawn) <= 2][:count]
+    return mean + spread * drawn[np.abs(drawn) <= 2][:count]
 
 
 def apart(places, gazes, shapes, area):
@@ -274,7 +278,7 @@ def apart(places, gazes, shapes, area):
 def course(scene, angle, points=24):
     """Way-points of somebody on the ring."""
     radius = scene.ring / (2 * math.pi)
-    count = int(scene.most * (SPEED + 2 * SPREAD) / scene.ring * points) + points
+    count = int(scene.most * (scene.free[0] + 2 * scene.free[1]) / scene.ring * points) + points
     return [(radius * math.cos(angle + 2 * math.pi / points * k), radius * math.sin(angle + 2 * math.pi / points * k)) for k in range(1, count)]
 
 
@@ -303,7 +307,7 @@ def write_trial(trial, scene, walk, seed):
         areas = {name: [[a, b], [c, b], [c, d], [a, d]] for name, (a, b, c, d) in scene.exits.items()}
         lines += ["exits = [", *(f'  {{ name = "{name}", polygon = {area} }},' for name, area in areas.items()), "]"]
     lines.append(walk.constants)
-    for i, (place, speed) in enumerate(zip(places, speeds_of(len(places), random))):
+    for i, (place, speed) in enumerate(zip(places, speeds_of(scene, len(places), random))):
         lines += [f"[agents.{i}]", f"desired_speed = {speed:.4f}"]
         if exits:
             lines.append(f'exit = "{exits[i]}"')
@@ -365,7 +369,7 @@ def theirs(scene, walk, seed):
         journeys = {name: (simulation.add_journey(jupedsim.JourneyDescription([stage])), stage) for name, stage in stages.items()}
         chosen = [journeys[name] for name in exits]
     person, ids = getattr(jupedsim, f"{kind}AgentParameters"), {}
-    for i, (place, speed, (journey, stage)) in enumerate(zip(places, speeds_of(len(places), random), chosen)):
+    for i, (place, speed, (journey, stage)) in enumerate(zip(places, speeds_of(scene, len(places), random), chosen)):
         ids[simulation.add_agent(person(position=tuple(place), desired_speed=speed, journey_id=journey, stage_id=stage, **constants))] = i
     while True:
         agents = sorted((ids[agent.id], *agent.position) for agent in simulation.agents())

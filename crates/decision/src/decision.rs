@@ -55,6 +55,7 @@ pub struct Agent {
     /// \[m/s\] Noise of the speed, and how many numbers were drawn for it.
     noise: f64,
     draws: u64,
+    phase: f64,
 }
 
 impl Agent {
@@ -113,6 +114,7 @@ impl Decision {
             steering: 0.0,
             noise: 0.0,
             draws: 0,
+            phase: 0.0,
         });
         let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
@@ -170,6 +172,8 @@ impl Decision {
                 agent.stuck.follow(step, way, goes.filter(|_| moved && !queues), self.plan.seed, i as u64);
             }
             agent.steering += (wanted.steering - agent.steering) * -libm::expm1(-step / STEERING_TIME);
+            if agent.phase == 0.0 { agent.phase = 6.28 * crate::stuck::share(seed, i as u64, 777); }
+            agent.phase = (agent.phase + step * 6.2831 * (0.7 + 0.4 * crate::stuck::share(seed, i as u64, 778))) % 6.2831853;
             if speed_noise > 0.0 {
                 let kept = libm::exp(-step / NOISE_TIME);
                 let drawn = normal(seed, i as u64, agent.draws);
@@ -296,6 +300,9 @@ impl Decision {
             standstill_gap: agent.walker.standstill_gap,
             steering: agent.steering,
             noise: agent.noise,
+            breadth: self.plan.agents[i].breadth(),
+            phase: agent.phase,
+            stuck: agent.stuck.is_stuck(),
         })
     }
 
@@ -319,11 +326,7 @@ impl Decision {
                 StuckAction::Walk => {}
                 StuckAction::Step(velocity) => (wanted.velocity, wanted.force) = (velocity, Vec2::ZERO),
                 StuckAction::Insist(speed) => {
-                    wanted = DesiredMotion {
-                        velocity: direction * speed,
-                        facing: Some(direction),
-                        ..DesiredMotion::default()
-                    };
+                    (wanted.velocity, wanted.force) = (direction * speed, Vec2::ZERO);
                 }
             }
         }

@@ -38,6 +38,13 @@ pub struct Planned {
     pub walker: Walker,
 }
 
+impl Planned {
+    /// \[m\] Returns the breadth of the body across the gaze.
+    pub fn breadth(&self) -> f64 {
+        2.0 * self.disks.iter().map(|&[_, y, radius]| y.abs() + radius).fold(0.0, f64::max)
+    }
+}
+
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }

@@ -71,7 +71,7 @@ pub fn draw(seed: u64, person: u64, count: u64) -> u64 {
 }
 
 /// Returns a random number in \[0, 1).
-fn share(seed: u64, person: u64, count: u64) -> f64 {
+pub(crate) fn share(seed: u64, person: u64, count: u64) -> f64 {
     (draw(seed, person, count) >> 11) as f64 / (1u64 << 53) as f64
 }
 
@@ -114,6 +114,11 @@ impl StuckState {
             self.instead = Some((which, time));
             (self.times, self.in_vain) = (self.times.wrapping_add(1), self.in_vain.saturating_add(1));
         }
+    }
+
+    /// Returns whether the person does not get on.
+    pub fn is_stuck(&self) -> bool {
+        self.stuck > 0.0
     }
 
     /// Returns what the person does who wants to go in a direction at a speed \[m/s\].

@@ -108,6 +108,12 @@ pub struct Walking<'a> {
     pub steering: f64,
     /// \[m/s\] noise of the speed.
     pub noise: f64,
+    /// \[m\] breadth of the body across the gaze.
+    pub breadth: f64,
+    /// \[rad\] phase of swaying.
+    pub phase: f64,
+    /// Whether the person does not get on.
+    pub stuck: bool,
 }
 
 /// Motion that a person wants.
@@ -177,6 +183,7 @@ impl WalkingModel {
             WalkingModel::Rotational(of) => {
                 positive("rotational", "time_gap", of.time_gap)?;
                 not_negative("rotational", "standstill_gap", of.standstill_gap)?;
+                positive("rotational", "acceleration", of.acceleration)?;
                 moderate("rotational", "speed_noise", of.speed_noise)
             }
             WalkingModel::SocialForce(of) => {
@@ -201,7 +208,7 @@ impl WalkingModel {
                 ranges.max(fastest * longest).max(CLOSE)
             }
             WalkingModel::SocialForce(of) => CLOSE.max(FAR * of.range),
-            WalkingModel::Rotational(_) => return rotational::desired(people, faces),
+            WalkingModel::Rotational(of) => return rotational::desired(of, people, faces),
         };
         let cells = Cells::new(people, faces, 2.0 * furthest + far);
         let one = |(i, walking): (usize, &Option<Walking<'_>>)| {

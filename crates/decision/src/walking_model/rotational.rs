@@ -13,6 +13,7 @@
 use super::{DesiredMotion, FAR, Walking};
 use lemons_core::plane::{Rotation, Vec2, nearest_on_segment, segments_cross, vec2};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_2;
 
 /// Constants of the model. T and the standstill gap of a single person may be others.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -24,11 +25,13 @@ pub struct Rotational {
     pub standstill_gap: f64,
     /// \[m/s\] Standard deviation of the noise of the speed.
     pub speed_noise: f64,
+    /// \[m/s²\] Greatest acceleration. Who is held up pushes with at most the mass times this.
+    pub acceleration: f64,
 }
 
 impl Default for Rotational {
     fn default() -> Rotational {
-        Rotational { time_gap: 0.85, standstill_gap: 0.0, speed_noise: 0.0 }
+        Rotational { time_gap: 0.85, standstill_gap: 0.0, speed_noise: 0.0, acceleration: 2.5 }
     }
 }
 
@@ -49,8 +52,12 @@ const ALONG: f64 = 0.85;
 const BACK: f64 = 0.01;
 /// Strength of stepping aside from oncoming people, its range \[m\], and the time \[s\] that is anticipated.
 const ASIDE: (f64, f64, f64) = (8.0, 0.1, 1.0);
-/// \[m\] Room that shoulders want beside them, and how far ahead a narrow place is seen.
-const SHOULDERS: (f64, f64) = (0.1, 0.35);
+/// \[m\] Room that shoulders want beside them.
+const ROOM: f64 = 0.1;
+/// \[m\] How far ahead a narrow place is seen.
+const LOOK: f64 = 0.35;
+/// Number of angles that are tried for shoulders.
+const TURNS: u32 = 16;
 /// \[m\] How far people see others.
 const SIGHT: f64 = 4.0;
 /// \[m\] Width of the cells in which neighbours are looked for.
@@ -66,19 +73,21 @@ struct Seen {
     /// Zero for who goes nowhere.
     direction: Vec2,
     person: usize,
+    breadth: f64,
 }
 
 /// Returns what everybody wants.
-pub(super) fn desired(people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {
+pub(super) fn desired(model: &Rotational, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {
     let cells = Cells::new(people, faces);
     let one = |(i, walking): (usize, &Option<Walking<'_>>)| match walking {
-        Some(walking) => of_one(i, walking, people, &cells, faces),
+        Some(walking) => of_one(model, i, walking, people, &cells, faces),
         None => DesiredMotion::default(),
     };
     people.iter().enumerate().map(one).collect()
 }
 
 fn of_one(
+    model: &Rotational,
     i: usize,
     walking: &Walking<'_>,
     people: &[Option<Walking<'_>>],
@@ -92,6 +101,8 @@ fn of_one(
     let reference = (goal + walls(at, near_faces)).unit(1e-9).unwrap_or(goal);
     let direction = reference.rotated(Rotation::by(walking.steering));
 
+    let [here, soon] = passage(at, goal, near_faces);
+    let (passage, long) = (here.min(soon), here.max(soon));
     let mut leader = (f64::INFINITY, 0.0);
     let mut gaps = [f64::INFINITY; 2];
     let mut aside = Vec2::ZERO;
@@ -105,8 +116,7 @@ fn of_one(
         let complete = leader.0 * ACROSS < nearest && leader.0 * AHEAD < nearest;
         let all =
             !complete || gaps.iter().any(|gap| gap + 2.0 * RADIUS > nearest - 1.0) && nearest < free + 1.5;
-        cells.ring(cell, ring, |other: &Seen, oncoming_cell: u8| {
-            let _ = oncoming_cell;
+        cells.ring(cell, ring, |other: &Seen| {
             if other.person == i {
                 return;
             }
@@ -132,14 +142,20 @@ fn of_one(
             let distance = square.sqrt();
             let unit = to * (1.0 / distance);
             let approach = (walking.velocity - other.velocity).dot(unit);
-            let gap = distance - 2.0 * RADIUS - walking.relaxation * approach;
+            let change = if approach < 0.0 { env(6, walking.relaxation) } else { walking.relaxation } * approach;
+            // Where two do not fit side by side, one goes after the other.
+            let both = walking.breadth + other.breadth;
+            let single = long < (both + ROOM) * env(0, 1.0);
+            let half = if single { 0.5 * both } else { 2.0 * RADIUS };
             for (k, along) in [direction, goal].into_iter().enumerate() {
-                let lane = along.cross(to).abs() <= 2.0 * RADIUS && along.dot(to) > 0.0;
+                let lane = along.cross(to).abs() <= half && along.dot(to) > 0.0;
+                let far = if single { along.dot(to) } else { distance };
+                let gap = far - 2.0 * RADIUS - change;
                 if lane && gap < gaps[k] && is_visible() {
                     gaps[k] = gap;
                 }
                 if k == 1 && lane && distance < CLOSE + 2.0 * RADIUS && !queues && is_visible() {
-                    queues = people[other.person].as_ref().is_some_and(|other| {
+                    queues = single && !oncoming || people[other.person].as_ref().is_some_and(|other| {
                         other.direction.is_some()
                             && other.destination == walking.destination
                             && other.to_go < walking.to_go
@@ -162,17 +178,23 @@ fn of_one(
 
     let turned = (reference + aside).unit(1e-9).unwrap_or(reference);
     let mut steering = libm::atan2(reference.cross(turned), reference.dot(turned));
-    if leader.0.is_finite() {
+    if leader.0.is_finite() && long >= 2.0 * walking.breadth * env(0, 1.0) {
         let (weight, side) = (libm::exp(-leader.0), leader.1);
         steering += LARGEST_ANGLE * libm::tanh(-weight * side / (side.abs() + OFFSET));
     }
-    let [along, on_the_way] = gaps.map(|gap| gap.min(free));
+    let [along, on_the_way] = gaps.map(|gap| gap.min(free * env(4, 1.0)));
     let spacing = ALONG * along + (1.0 - ALONG) * on_the_way;
     let wanted = (spacing - walking.standstill_gap) / walking.time_gap + walking.noise;
     let speed = wanted.clamp(-BACK, walking.speed);
-    let facing = shoulders(walking, direction, near_faces);
+    let change = direction * speed - walking.velocity;
+    let most = model.acceleration * walking.relaxation / change.norm().max(1e-9);
+    let velocity = walking.velocity + change * most.min(1.0);
+    let slow = (1.0 - walking.velocity.norm() / env(3, 0.5)).max(0.0);
+    let velocity = velocity + goal.perp() * (slow * env(1, 0.0) * libm::sin(walking.phase));
+    let facing = shoulders(walking, goal, passage).unwrap_or((goal * env(5, 0.5) + direction * speed).unit(1e-9).unwrap_or(goal));
+    let facing = facing.rotated(Rotation::by(slow * env(2, 0.0) * libm::cos(walking.phase)));
     DesiredMotion {
-        velocity: direction * speed,
+        velocity,
         force: Vec2::ZERO,
         facing: Some(facing),
         queues,
@@ -202,15 +224,13 @@ fn walls(at: Vec2, faces: &[[Vec2; 2]]) -> Vec2 {
     sum
 }
 
-/// Returns the direction of the gaze: that of walking, turned to the nearer side where the shoulders do not fit.
-fn shoulders(walking: &Walking<'_>, direction: Vec2, faces: &[[Vec2; 2]]) -> Vec2 {
-    let across = direction.perp();
-    let look = 1.0;
-    // Free width across the way at a place; infinite if there is not a wall on either side.
+/// \[m\] Returns the free width across the way, here or a little ahead; infinite if there is not a wall on either side.
+fn passage(at: Vec2, goal: Vec2, faces: &[[Vec2; 2]]) -> [f64; 2] {
+    let across = goal.perp();
     let width = |at: Vec2| {
         let mut sides = [f64::INFINITY; 2];
         for &[a, b] in faces {
-            let (from, to) = ((a - at).dot(direction), (b - at).dot(direction));
+            let (from, to) = ((a - at).dot(goal), (b - at).dot(goal));
             if (from > 0.0) == (to > 0.0) {
                 continue;
             }
@@ -218,22 +238,40 @@ fn shoulders(walking: &Walking<'_>, direction: Vec2, faces: &[[Vec2; 2]]) -> Vec
             let side = usize::from(offset > 0.0);
             sides[side] = sides[side].min(offset.abs());
         }
-        if sides.iter().all(|side| *side < look) { sides[0] + sides[1] } else { f64::INFINITY }
+        sides[0] + sides[1]
     };
-    let (room, ahead) = SHOULDERS;
-    let narrow = width(walking.at).min(width(walking.at + direction * ahead)) - room;
-    if narrow >= 2.0 * look - room {
-        return direction;
+    [width(at), width(at + goal * LOOK)]
+}
+
+/// Returns the direction of the gaze where the shoulders do not fit through facing ahead: turned to the nearer side.
+fn shoulders(walking: &Walking<'_>, goal: Vec2, passage: f64) -> Option<Vec2> {
+    let narrow = passage - ROOM;
+    if narrow >= walking.breadth {
+        return None;
     }
-    let ends = walking.disks.iter().map(|&[_, y, radius]| y.abs() + radius);
-    let breadth = 2.0 * ends.fold(0.0, f64::max);
-    if narrow >= breadth {
-        return direction;
+    // The outline across the way of somebody who has turned by an angle.
+    let breadth = |angle: f64| {
+        let turn = Rotation::by(angle);
+        let edges = walking.disks.iter().map(|&[x, y, radius]| {
+            let offset = vec2(x, y).rotated(turn).y;
+            [offset - radius, offset + radius]
+        });
+        let [low, high] = edges
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [a, b]| [low.min(a), high.max(b)]);
+        high - low
+    };
+    let angle = if walking.stuck {
+        FRAC_PI_2
+    } else {
+        let turns = (0..TURNS).map(|k| FRAC_PI_2 * f64::from(k) / f64::from(TURNS));
+        turns.into_iter().find(|&angle| breadth(angle) <= narrow).unwrap_or(FRAC_PI_2)
+    };
+    if angle == 0.0 {
+        return None;
     }
-    let angle = libm::acos((narrow / breadth).max(0.0));
     let gaze = vec2(1.0, 0.0).rotated(Rotation::by(walking.theta));
-    let turned = [angle, -angle].map(|angle| direction.rotated(Rotation::by(angle)));
-    if turned[0].dot(gaze) >= turned[1].dot(gaze) { turned[0] } else { turned[1] }
+    let turned = [angle, -angle].map(|angle| goal.rotated(Rotation::by(angle)));
+    Some(if turned[0].dot(gaze) >= turned[1].dot(gaze) { turned[0] } else { turned[1] })
 }
 
 /// People by cells of the plane, sorted, and the faces that are seen from each cell.
@@ -286,15 +324,15 @@ impl Cells {
         for k in 0..columns * rows {
             cells.starts[k + 1] += cells.starts[k];
         }
-        let nobody = Seen { at: Vec2::ZERO, velocity: Vec2::ZERO, direction: Vec2::ZERO, person: 0 };
+        let nobody = Seen { at: Vec2::ZERO, velocity: Vec2::ZERO, direction: Vec2::ZERO, person: 0, breadth: 0.0 };
         cells.seen = vec![nobody; there().count()];
         let mut next = cells.starts.clone();
         for (person, walking) in people.iter().enumerate() {
             let Some(walking) = walking else { continue };
             let k = index(walking.at, &cells);
             let direction = walking.direction.unwrap_or(Vec2::ZERO);
-            let Walking { at, velocity, .. } = *walking;
-            cells.seen[next[k] as usize] = Seen { at, velocity, direction, person };
+            let Walking { at, velocity, breadth, .. } = *walking;
+            cells.seen[next[k] as usize] = Seen { at, velocity, direction, person, breadth };
             next[k] += 1;
         }
         cells.faces = vec![Vec::new(); columns * rows];
@@ -329,18 +367,22 @@ impl Cells {
     }
 
     /// Visits those in the cells whose distance from a cell is `ring`, in the same order on every machine.
-    fn ring(&self, (column, row): (usize, usize), ring: usize, mut visit: impl FnMut(&Seen, u8)) {
+    fn ring(&self, (column, row): (usize, usize), ring: usize, mut visit: impl FnMut(&Seen)) {
         let range = |middle: usize, count: usize| middle.saturating_sub(ring)..(middle + ring + 1).min(count);
         for y in range(row, self.rows) {
             let edge = y.abs_diff(row) == ring;
             for x in range(column, self.columns) {
                 if edge || x.abs_diff(column) == ring {
                     let k = y * self.columns + x;
-                    self.seen[self.starts[k] as usize..self.starts[k + 1] as usize]
-                        .iter()
-                        .for_each(|seen| visit(seen, 0));
+                    self.seen[self.starts[k] as usize..self.starts[k + 1] as usize].iter().for_each(&mut visit);
                 }
             }
         }
     }
+}
+
+fn env(k: usize, other: f64) -> f64 {
+    static X: std::sync::OnceLock<Vec<f64>> = std::sync::OnceLock::new();
+    let x = X.get_or_init(|| std::env::var("XX").unwrap_or_default().split(',').map(|w| w.parse().unwrap_or(f64::NAN)).collect());
+    x.get(k).copied().filter(|v| v.is_finite()).unwrap_or(other)
 }
