@@ -48,6 +48,7 @@ import pandas as pd
 
 FREE = (1.34, 0.26)  # m/s, desired speeds: mean and standard deviation (Weidmann 1993)
 FREE_UX = (1.24, 0.15)  # m/s, of the people of Seyfried et al. 2005
+FREE_HERMES = (1.55, 0.18)  # m/s, measured of the people of the corridors (Zhang et al. 2011)
 MODELS = ["straight", "collision-free-speed", "social-force"]
 THEIRS = {"v2": "CollisionFreeSpeedModelV2", "v3": "CollisionFreeSpeedModelV3", "avm": "AnticipationVelocityModel"}
 GATE = "040_c_56_h-"
@@ -172,6 +173,7 @@ def corridor_scene(name, data):
         recorded=traces,
         measure=functools.partial(measure_corridor, wide=wide, out=out),
         most=300.0,
+        free=FREE_HERMES,
     )
 
 
@@ -210,6 +212,7 @@ def counterflow_scene(name, data):
         start=start,
         recorded=traces,
         measure=functools.partial(measure_counterflow, wide=wide),
+        free=FREE_HERMES,
     )
 
 

@@ -2,7 +2,7 @@
 
 use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
-use crate::stuck::{StuckAction, StuckState, normal};
+use crate::stuck::{StuckAction, StuckState, normal, share};
 use crate::target::{Arrival, Destination, Ways};
 use crate::walking_model::{DesiredMotion, Walking};
 use lemons_core::files::input;
@@ -11,6 +11,7 @@ use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Dependency, Known, Role, Scalar, Size, Variable};
 use lemons_fmi::{Answer, Model, Part, Phase, Refusal, StepError, damaged, fingerprint, refuse};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 use std::fmt::Display;
 use std::sync::Arc;
 
@@ -25,6 +26,8 @@ pub const PLAN_FILE: &str = "decision.toml";
 const STEERING_TIME: f64 = 0.3;
 /// \[s\] Correlation time of the noise of speeds (Tordeux, Schadschneider, J. Phys. A 49 (2016) 185101: 1/(0.23 1/s)).
 const NOISE_TIME: f64 = 4.3;
+/// \[1/s\] Lowest frequency of swaying, and by how much it may be higher.
+const SWAYING: [f64; 2] = [0.7, 0.4];
 
 /// The saved state, without the location of the resources.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -55,6 +58,7 @@ pub struct Agent {
     /// \[m/s\] Noise of the speed, and how many numbers were drawn for it.
     noise: f64,
     draws: u64,
+    /// \[rad\] Phase of swaying from one foot to the other.
     phase: f64,
 }
 
@@ -103,7 +107,7 @@ pub struct Decision {
 impl Decision {
     /// Makes the model at the start of a plan.
     pub fn new(plan: Plan) -> Decision {
-        let agents = plan.agents.iter().map(|agent| Agent {
+        let agents = plan.agents.iter().enumerate().map(|(i, agent)| Agent {
             pose: agent.pose,
             velocity: [0.0; 2],
             walker: agent.walker.clone(),
@@ -114,7 +118,7 @@ impl Decision {
             steering: 0.0,
             noise: 0.0,
             draws: 0,
-            phase: 0.0,
+            phase: TAU * share(plan.seed, i as u64, u64::MAX - 1),
         });
         let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
@@ -172,8 +176,8 @@ impl Decision {
                 agent.stuck.follow(step, way, goes.filter(|_| moved && !queues), self.plan.seed, i as u64);
             }
             agent.steering += (wanted.steering - agent.steering) * -libm::expm1(-step / STEERING_TIME);
-            if agent.phase == 0.0 { agent.phase = 6.28 * crate::stuck::share(seed, i as u64, 777); }
-            agent.phase = (agent.phase + step * 6.2831 * (0.7 + 0.4 * crate::stuck::share(seed, i as u64, 778))) % 6.2831853;
+            let frequency = SWAYING[0] + SWAYING[1] * share(seed, i as u64, u64::MAX);
+            agent.phase = (agent.phase + TAU * frequency * step) % TAU;
             if speed_noise > 0.0 {
                 let kept = libm::exp(-step / NOISE_TIME);
                 let drawn = normal(seed, i as u64, agent.draws);
@@ -457,7 +461,7 @@ impl Model for Decision {
         let alike = |(a, b): (&Agent, &Agent)| {
             let count = b.walker.waypoints.len();
             let last = a.last.unwrap_or_default().iter().all(|number| number.is_finite());
-            let own = [a.steering, a.noise].iter().all(|number| number.is_finite());
+            let own = [a.steering, a.noise, a.phase].iter().all(|number| number.is_finite());
             a.walker.waypoints.len() == count && a.next <= count && last && own && a.stuck.is_sound()
         };
         if wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len()) {

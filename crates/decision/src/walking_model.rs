@@ -110,7 +110,7 @@ pub struct Walking<'a> {
     pub noise: f64,
     /// \[m\] breadth of the body across the gaze.
     pub breadth: f64,
-    /// \[rad\] phase of swaying.
+    /// \[rad\] phase of swaying from one foot to the other.
     pub phase: f64,
     /// Whether the person does not get on.
     pub stuck: bool,

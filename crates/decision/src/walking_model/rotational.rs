@@ -4,11 +4,17 @@
 //!   collision-free speed model. The angle relaxes.
 //! - Spacing: the speed is that at which the gap to those ahead lasts for the time gap T (Tordeux, Chraibi, Seyfried
 //!   2016). The gap is what it will be when the body has followed: its relaxation time times the rate of the gap is added.
+//!   Who walks away is followed earlier: there the rate counts for [`FOLLOWING`].
 //! - Oncoming people: both step aside from where the other will be (Xu et al., *Anticipation velocity model*,
-//!   Transp. Res. C 133 (2021) 103464).
-//! - Narrow places: who does not fit through facing ahead turns the shoulders.
+//!   Transp. Res. C 133 (2021) 103464). Who will pass at the side holds up nobody.
+//! - Narrow places: who does not fit through facing ahead turns the shoulders. Where two do not fit side by side for
+//!   a while, people walk in single file.
+//! - Swaying: who is slow shifts the weight from one foot to the other (Hoogendoorn, Daamen, Transp. Sci. 39 (2005) 147).
+//!   This loosens arches in front of doors.
+//! - Pushing: who is held up pushes with a limited force.
 //!
-//! People are seen as circles of one radius here; their bodies touch in the mechanics.
+//! People are seen as circles of one radius here; their bodies touch in the mechanics. The constants were chosen beside
+//! trajectories of experiments (`examples/experiments.py`, `docs/validation.md`).
 
 use super::{DesiredMotion, FAR, Walking};
 use lemons_core::plane::{Rotation, Vec2, nearest_on_segment, segments_cross, vec2};
@@ -31,20 +37,22 @@ pub struct Rotational {
 
 impl Default for Rotational {
     fn default() -> Rotational {
-        Rotational { time_gap: 0.85, standstill_gap: 0.0, speed_noise: 0.0, acceleration: 2.5 }
+        Rotational { time_gap: 0.85, standstill_gap: 0.09, speed_noise: 0.12, acceleration: 4.0 }
     }
 }
 
 /// \[m\] Radius of a person for the others.
 const RADIUS: f64 = 0.15;
+/// \[m\] Half the width of the lane in which those ahead hold somebody up.
+const LANE: f64 = 0.26;
+/// \[s\] Time by which a growing gap is anticipated.
+const FOLLOWING: f64 = 1.2;
 /// Repulsion of walls, and its range \[m\].
 const WALL: (f64, f64) = (5.0, 0.02);
 /// \[m\] Ranges along and across the way in which those ahead count for steering.
 const AHEAD: f64 = 2.0;
 const ACROSS: f64 = 0.8;
-/// \[rad\] Largest steering angle.
-const LARGEST_ANGLE: f64 = 1.57;
-/// \[m\] Offset to the side from which on the angle is nearly the largest.
+/// \[m\] Offset to the side from which on the steering angle is nearly the largest.
 const OFFSET: f64 = 0.05;
 /// Part of the spacing that is taken along the direction of walking; the rest is taken along the way.
 const ALONG: f64 = 0.85;
@@ -52,6 +60,10 @@ const ALONG: f64 = 0.85;
 const BACK: f64 = 0.01;
 /// Strength of stepping aside from oncoming people, its range \[m\], and the time \[s\] that is anticipated.
 const ASIDE: (f64, f64, f64) = (8.0, 0.1, 1.0);
+/// Greatest speed \[m/s\] and angle \[rad\] of swaying, and the speed \[m/s\] from which on nobody sways.
+const SWAY: (f64, f64, f64) = (0.5, 0.6, 0.5);
+/// \[m/s\] Slower people face the way, faster ones the direction in which they walk.
+const FACING: f64 = 0.5;
 /// \[m\] Room that shoulders want beside them.
 const ROOM: f64 = 0.1;
 /// \[m\] How far ahead a narrow place is seen.
@@ -61,7 +73,7 @@ const TURNS: u32 = 16;
 /// \[m\] How far people see others.
 const SIGHT: f64 = 4.0;
 /// \[m\] Width of the cells in which neighbours are looked for.
-const CELL: f64 = 0.8;
+const CELL: f64 = 0.5;
 /// \[m\] Who is nearer than this behind somebody may queue.
 const CLOSE: f64 = 0.5;
 
@@ -73,96 +85,112 @@ struct Seen {
     /// Zero for who goes nowhere.
     direction: Vec2,
     person: usize,
+    /// \[m\] Of the body, across the gaze.
     breadth: f64,
 }
 
 /// Returns what everybody wants.
-pub(super) fn desired(model: &Rotational, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {
+pub(super) fn desired(
+    model: &Rotational,
+    people: &[Option<Walking<'_>>],
+    faces: &[[Vec2; 2]],
+) -> Vec<DesiredMotion> {
     let cells = Cells::new(people, faces);
     let one = |(i, walking): (usize, &Option<Walking<'_>>)| match walking {
-        Some(walking) => of_one(model, i, walking, people, &cells, faces),
+        Some(walking) => of_one(model, walking, people, &cells),
         None => DesiredMotion::default(),
     };
-    people.iter().enumerate().map(one).collect()
+    people.iter().map(one).collect()
 }
 
 fn of_one(
     model: &Rotational,
-    i: usize,
     walking: &Walking<'_>,
     people: &[Option<Walking<'_>>],
     cells: &Cells,
-    faces: &[[Vec2; 2]],
 ) -> DesiredMotion {
     let Some(goal) = walking.direction else { return DesiredMotion::default() };
-    let (at, cell) = (walking.at, cells.cell(walking.at));
-    let near_faces = cells.faces[cell.1 * cells.columns + cell.0].iter().map(|&k| faces[k as usize]);
-    let near_faces: &[[Vec2; 2]] = &near_faces.collect::<Vec<_>>();
-    let reference = (goal + walls(at, near_faces)).unit(1e-9).unwrap_or(goal);
+    let Walking { at, velocity, .. } = *walking;
+    let cell = cells.cell(at);
+    let faces = &cells.faces[cell.1 * cells.columns + cell.0][..];
+    let reference = (goal + walls(at, faces)).unit(1e-9).unwrap_or(goal);
     let direction = reference.rotated(Rotation::by(walking.steering));
+    // The velocity by which people see who will pass at the side.
+    let expected = (direction * walking.speed + velocity) * 0.5;
+    let [here, soon] = widths(at, goal, faces);
+    let corridor = here.max(soon);
 
-    let [here, soon] = passage(at, goal, near_faces);
-    let (passage, long) = (here.min(soon), here.max(soon));
     let mut leader = (f64::INFINITY, 0.0);
-    let mut gaps = [f64::INFINITY; 2];
-    let mut aside = Vec2::ZERO;
-    let mut queues = false;
-    let hidden = |other: Vec2| near_faces.iter().any(|&[a, b]| segments_cross(at, other, a, b));
     // Beyond this gap nobody changes the speed.
     let free = walking.speed * walking.time_gap + walking.standstill_gap;
-    for ring in 0..=(SIGHT / CELL).ceil() as usize {
+    let mut gaps = [free; 2];
+    let mut aside = Vec2::ZERO;
+    let mut queues = false;
+    let hidden = |other: Vec2| faces.iter().any(|&[a, b]| segments_cross(at, other, a, b));
+    let fastest_approach = velocity.norm() + cells.fastest;
+    let opposing = cells.opposing(goal);
+    let oncoming_reach = 2.0 * RADIUS + FAR * ASIDE.1 + ASIDE.2 * fastest_approach;
+    // In a corridor, distances along the way count, which are shorter.
+    let reach = 2.0 * RADIUS + if corridor.is_finite() { walking.breadth } else { 0.0 };
+    let rings = (SIGHT / cells.width).ceil() as usize;
+    for ring in 0..=rings {
         // Nobody in this ring is nearer than this.
-        let nearest = (ring as f64 - 1.0).max(0.0) * CELL;
-        let complete = leader.0 * ACROSS < nearest && leader.0 * AHEAD < nearest;
-        let all =
-            !complete || gaps.iter().any(|gap| gap + 2.0 * RADIUS > nearest - 1.0) && nearest < free + 1.5;
+        let nearest = (ring as f64 - 1.0).max(0.0) * cells.width;
+        let leads = leader.0 * AHEAD >= nearest;
+        let holds_up = gaps[0].max(gaps[1]) + reach + walking.relaxation * fastest_approach >= nearest;
+        let comes = opposing && oncoming_reach >= nearest;
+        if !leads && !holds_up && !comes {
+            break;
+        }
         cells.ring(cell, ring, |other: &Seen| {
-            if other.person == i {
-                return;
-            }
             let to = other.at - at;
             let square = to.dot(to);
-            let ahead = reference.dot(to);
             if square > SIGHT * SIGHT || square == 0.0 {
                 return;
             }
             let oncoming = other.direction.dot(goal) < 0.0;
-            if !all && !oncoming {
+            let ahead = [direction.dot(to), goal.dot(to)];
+            let (along, side) = (reference.dot(to), reference.cross(to));
+            if along <= 0.0 && ahead[0] <= 0.0 && ahead[1] <= 0.0 {
                 return;
             }
-            let side = reference.cross(to);
             let mut visible = None;
             let mut is_visible = || *visible.get_or_insert_with(|| !hidden(other.at));
-            if ahead > 0.0 && !oncoming {
-                let far = ahead / AHEAD + side.abs() / ACROSS;
+            if along > 0.0 && !oncoming {
+                let far = along / AHEAD + side.abs() / ACROSS;
                 if far < leader.0 && is_visible() {
                     leader = (far, side);
                 }
             }
-            let distance = square.sqrt();
-            let unit = to * (1.0 / distance);
-            let approach = (walking.velocity - other.velocity).dot(unit);
-            let change = if approach < 0.0 { env(6, walking.relaxation) } else { walking.relaxation } * approach;
             // Where two do not fit side by side, one goes after the other.
             let both = walking.breadth + other.breadth;
-            let single = long < (both + ROOM) * env(0, 1.0);
-            let half = if single { 0.5 * both } else { 2.0 * RADIUS };
-            for (k, along) in [direction, goal].into_iter().enumerate() {
-                let lane = along.cross(to).abs() <= half && along.dot(to) > 0.0;
-                let far = if single { along.dot(to) } else { distance };
-                let gap = far - 2.0 * RADIUS - change;
-                if lane && gap < gaps[k] && is_visible() {
+            let single = corridor < both + ROOM;
+            let half = if single { 0.5 * both } else { LANE };
+            let distance = square.sqrt();
+            let approach = (velocity - other.velocity).dot(to) / distance;
+            let passes = || {
+                let relative = expected - other.velocity;
+                oncoming && !single && relative.cross(to).abs() > 2.0 * RADIUS * relative.norm()
+            };
+            for (k, way) in [direction, goal].into_iter().enumerate() {
+                if ahead[k] <= 0.0 || way.cross(to).abs() > half {
+                    continue;
+                }
+                let time = if approach < 0.0 { FOLLOWING } else { walking.relaxation };
+                let gap = if single { ahead[k] } else { distance } - 2.0 * RADIUS - time * approach;
+                if gap < gaps[k] && !passes() && is_visible() {
                     gaps[k] = gap;
                 }
-                if k == 1 && lane && distance < CLOSE + 2.0 * RADIUS && !queues && is_visible() {
-                    queues = single && !oncoming || people[other.person].as_ref().is_some_and(|other| {
+                if k == 1 && distance < CLOSE + 2.0 * RADIUS && !queues && !passes() && is_visible() {
+                    let nearer = |other: &Walking<'_>| {
                         other.direction.is_some()
                             && other.destination == walking.destination
                             && other.to_go < walking.to_go
-                    });
+                    };
+                    queues = single && !oncoming || people[other.person].as_ref().is_some_and(nearer);
                 }
             }
-            if oncoming && goal.dot(to) > 0.0 {
+            if oncoming && ahead[1] > 0.0 {
                 let (strength, range, time) = ASIDE;
                 let gap = (distance - 2.0 * RADIUS - time * approach).max(0.0);
                 if gap < FAR * range && is_visible() {
@@ -178,27 +206,25 @@ fn of_one(
 
     let turned = (reference + aside).unit(1e-9).unwrap_or(reference);
     let mut steering = libm::atan2(reference.cross(turned), reference.dot(turned));
-    if leader.0.is_finite() && long >= 2.0 * walking.breadth * env(0, 1.0) {
+    if leader.0.is_finite() && corridor >= 2.0 * walking.breadth {
         let (weight, side) = (libm::exp(-leader.0), leader.1);
-        steering += LARGEST_ANGLE * libm::tanh(-weight * side / (side.abs() + OFFSET));
+        steering -= FRAC_PI_2 * libm::tanh(weight * side / (side.abs() + OFFSET));
     }
-    let [along, on_the_way] = gaps.map(|gap| gap.min(free * env(4, 1.0)));
-    let spacing = ALONG * along + (1.0 - ALONG) * on_the_way;
+    let spacing = ALONG * gaps[0] + (1.0 - ALONG) * gaps[1];
     let wanted = (spacing - walking.standstill_gap) / walking.time_gap + walking.noise;
     let speed = wanted.clamp(-BACK, walking.speed);
-    let change = direction * speed - walking.velocity;
+    let change = direction * speed - velocity;
     let most = model.acceleration * walking.relaxation / change.norm().max(1e-9);
-    let velocity = walking.velocity + change * most.min(1.0);
-    let slow = (1.0 - walking.velocity.norm() / env(3, 0.5)).max(0.0);
-    let velocity = velocity + goal.perp() * (slow * env(1, 0.0) * libm::sin(walking.phase));
-    let facing = shoulders(walking, goal, passage).unwrap_or((goal * env(5, 0.5) + direction * speed).unit(1e-9).unwrap_or(goal));
-    let facing = facing.rotated(Rotation::by(slow * env(2, 0.0) * libm::cos(walking.phase)));
+    let (sway, turn, fast) = SWAY;
+    let slow = (1.0 - velocity.norm() / fast).max(0.0);
+    let facing = shoulders(walking, goal, here.min(soon))
+        .unwrap_or_else(|| (goal * FACING + direction * speed).unit(1e-9).unwrap_or(goal));
     DesiredMotion {
-        velocity,
+        velocity: velocity + change * most.min(1.0) + goal.perp() * (slow * sway * libm::sin(walking.phase)),
         force: Vec2::ZERO,
-        facing: Some(facing),
+        facing: Some(facing.rotated(Rotation::by(slow * turn * libm::cos(walking.phase)))),
         queues,
-        steering: steering.clamp(-LARGEST_ANGLE, LARGEST_ANGLE),
+        steering: steering.clamp(-FRAC_PI_2, FRAC_PI_2),
     }
 }
 
@@ -224,28 +250,27 @@ fn walls(at: Vec2, faces: &[[Vec2; 2]]) -> Vec2 {
     sum
 }
 
-/// \[m\] Returns the free width across the way, here or a little ahead; infinite if there is not a wall on either side.
-fn passage(at: Vec2, goal: Vec2, faces: &[[Vec2; 2]]) -> [f64; 2] {
+/// \[m\] Returns the free widths across the way, here and a little ahead; infinite if there is not a wall on either side.
+fn widths(at: Vec2, goal: Vec2, faces: &[[Vec2; 2]]) -> [f64; 2] {
     let across = goal.perp();
-    let width = |at: Vec2| {
-        let mut sides = [f64::INFINITY; 2];
-        for &[a, b] in faces {
+    let mut sides = [[f64::INFINITY; 2]; 2];
+    for &[a, b] in faces {
+        for (at, sides) in [at, at + goal * LOOK].into_iter().zip(&mut sides) {
             let (from, to) = ((a - at).dot(goal), (b - at).dot(goal));
-            if (from > 0.0) == (to > 0.0) {
-                continue;
+            if (from > 0.0) != (to > 0.0) {
+                let offset = (a + (b - a) * (from / (from - to)) - at).dot(across);
+                let side = &mut sides[usize::from(offset > 0.0)];
+                *side = side.min(offset.abs());
             }
-            let offset = (a + (b - a) * (from / (from - to)) - at).dot(across);
-            let side = usize::from(offset > 0.0);
-            sides[side] = sides[side].min(offset.abs());
         }
-        sides[0] + sides[1]
-    };
-    [width(at), width(at + goal * LOOK)]
+    }
+    sides.map(|[left, right]| left + right)
 }
 
-/// Returns the direction of the gaze where the shoulders do not fit through facing ahead: turned to the nearer side.
-fn shoulders(walking: &Walking<'_>, goal: Vec2, passage: f64) -> Option<Vec2> {
-    let narrow = passage - ROOM;
+/// Returns the direction of the gaze where the shoulders do not fit through facing ahead: turned to the nearer side. Who
+/// does not get on turns fully.
+fn shoulders(walking: &Walking<'_>, goal: Vec2, width: f64) -> Option<Vec2> {
+    let narrow = width - ROOM;
     if narrow >= walking.breadth {
         return None;
     }
@@ -256,19 +281,13 @@ fn shoulders(walking: &Walking<'_>, goal: Vec2, passage: f64) -> Option<Vec2> {
             let offset = vec2(x, y).rotated(turn).y;
             [offset - radius, offset + radius]
         });
-        let [low, high] = edges
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [a, b]| [low.min(a), high.max(b)]);
+        let [low, high] =
+            edges.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [a, b]| [low.min(a), high.max(b)]);
         high - low
     };
-    let angle = if walking.stuck {
-        FRAC_PI_2
-    } else {
-        let turns = (0..TURNS).map(|k| FRAC_PI_2 * f64::from(k) / f64::from(TURNS));
-        turns.into_iter().find(|&angle| breadth(angle) <= narrow).unwrap_or(FRAC_PI_2)
-    };
-    if angle == 0.0 {
-        return None;
-    }
+    let turns = (1..TURNS).map(|k| FRAC_PI_2 * f64::from(k) / f64::from(TURNS));
+    let fits = turns.into_iter().find(|&angle| !walking.stuck && breadth(angle) <= narrow);
+    let angle = fits.unwrap_or(FRAC_PI_2);
     let gaze = vec2(1.0, 0.0).rotated(Rotation::by(walking.theta));
     let turned = [angle, -angle].map(|angle| goal.rotated(Rotation::by(angle)));
     Some(if turned[0].dot(gaze) >= turned[1].dot(gaze) { turned[0] } else { turned[1] })
@@ -283,7 +302,11 @@ struct Cells {
     /// Where the people of each cell begin in `seen`; one more than cells.
     starts: Vec<u32>,
     seen: Vec<Seen>,
-    faces: Vec<Vec<u32>>,
+    faces: Vec<Vec<[Vec2; 2]>>,
+    /// \[m/s\] Greatest speed of anybody.
+    fastest: f64,
+    /// Eighths of the circle in which somebody goes, a bit each.
+    eighths: u8,
 }
 
 impl Cells {
@@ -302,16 +325,21 @@ impl Cells {
         let size = high - low;
         let most = 16.0 * people.len() as f64 + 1024.0;
         let width = CELL.max((size.x * size.y / most).sqrt()).max(size.x.max(size.y) / most);
-        let columns = (size.x / width) as usize + 1;
-        let rows = (size.y / width) as usize + 1;
+        let (columns, rows) = ((size.x / width) as usize + 1, (size.y / width) as usize + 1);
+        let nobody =
+            Seen { at: Vec2::ZERO, velocity: Vec2::ZERO, direction: Vec2::ZERO, person: 0, breadth: 0.0 };
         let mut cells = Cells {
             low,
             width,
             columns,
             rows,
             starts: vec![0; columns * rows + 1],
-            seen: Vec::new(),
-            faces: vec![],
+            seen: vec![nobody; there().count()],
+            faces: vec![Vec::new(); columns * rows],
+            fastest: there().map(|walking| walking.velocity.norm()).fold(0.0, f64::max),
+            eighths: there()
+                .filter_map(|walking| walking.direction)
+                .fold(0, |all, way| all | 1 << eighth(way)),
         };
         let index = |at: Vec2, cells: &Cells| {
             let (column, row) = cells.cell(at);
@@ -324,8 +352,6 @@ impl Cells {
         for k in 0..columns * rows {
             cells.starts[k + 1] += cells.starts[k];
         }
-        let nobody = Seen { at: Vec2::ZERO, velocity: Vec2::ZERO, direction: Vec2::ZERO, person: 0, breadth: 0.0 };
-        cells.seen = vec![nobody; there().count()];
         let mut next = cells.starts.clone();
         for (person, walking) in people.iter().enumerate() {
             let Some(walking) = walking else { continue };
@@ -335,25 +361,20 @@ impl Cells {
             cells.seen[next[k] as usize] = Seen { at, velocity, direction, person, breadth };
             next[k] += 1;
         }
-        cells.faces = vec![Vec::new(); columns * rows];
-        for (n, face) in faces.iter().enumerate() {
-            let reach = SIGHT;
-            let column = |x: f64| (x - low.x) / width;
-            let row = |y: f64| (y - low.y) / width;
-            let span = |a: f64, b: f64, count: usize| {
-                let (first, last) = (a.min(b) - reach / width, a.max(b) + reach / width);
-                (first.max(0.0) as usize).min(count)..((last + 1.0).max(0.0) as usize).min(count)
-            };
-            for y in span(row(face[0].y), row(face[1].y), rows) {
-                for x in span(column(face[0].x), column(face[1].x), columns) {
+        let reach = SIGHT / width;
+        let span = |a: f64, b: f64, count: usize| {
+            let (first, last) = (a.min(b) / width - reach, a.max(b) / width + reach);
+            (first.max(0.0) as usize).min(count)..((last + 1.0).max(0.0) as usize).min(count)
+        };
+        for &face in faces {
+            let [a, b] = face.map(|end| end - low);
+            for y in span(a.y, b.y, rows) {
+                for x in span(a.x, b.x, columns) {
                     let k = y * columns + x;
-                    if cells.starts[k] < cells.starts[k + 1] {
-                        let middle = low + vec2((x as f64 + 0.5) * width, (y as f64 + 0.5) * width);
-                        if (nearest_on_segment(face[0], face[1], middle) - middle).norm()
-                            < reach + 0.75 * width
-                        {
-                            cells.faces[k].push(n as u32);
-                        }
+                    let middle = vec2((x as f64 + 0.5) * width, (y as f64 + 0.5) * width);
+                    let far = || (nearest_on_segment(a, b, middle) - middle).norm();
+                    if cells.starts[k] < cells.starts[k + 1] && far() < SIGHT + 0.75 * width {
+                        cells.faces[k].push(face);
                     }
                 }
             }
@@ -366,23 +387,39 @@ impl Cells {
         (of(at.x - self.low.x, self.columns), of(at.y - self.low.y, self.rows))
     }
 
+    /// Returns whether anybody may go against a direction.
+    fn opposing(&self, direction: Vec2) -> bool {
+        let own = eighth(direction);
+        (2..=6).any(|turn| self.eighths & 1 << ((own + turn) % 8) != 0)
+    }
+
     /// Visits those in the cells whose distance from a cell is `ring`, in the same order on every machine.
     fn ring(&self, (column, row): (usize, usize), ring: usize, mut visit: impl FnMut(&Seen)) {
         let range = |middle: usize, count: usize| middle.saturating_sub(ring)..(middle + ring + 1).min(count);
+        let columns = range(column, self.columns);
+        let mut cells = |row: usize, columns: std::ops::Range<usize>| {
+            let first = row * self.columns;
+            let (from, to) = (self.starts[first + columns.start], self.starts[first + columns.end]);
+            self.seen[from as usize..to as usize].iter().for_each(&mut visit);
+        };
         for y in range(row, self.rows) {
-            let edge = y.abs_diff(row) == ring;
-            for x in range(column, self.columns) {
-                if edge || x.abs_diff(column) == ring {
-                    let k = y * self.columns + x;
-                    self.seen[self.starts[k] as usize..self.starts[k + 1] as usize].iter().for_each(&mut visit);
-                }
+            if y.abs_diff(row) == ring {
+                cells(y, columns.clone());
+                continue;
+            }
+            if column >= ring {
+                cells(y, column - ring..column - ring + 1);
+            }
+            if column + ring < self.columns {
+                cells(y, column + ring..column + ring + 1);
             }
         }
     }
 }
 
-fn env(k: usize, other: f64) -> f64 {
-    static X: std::sync::OnceLock<Vec<f64>> = std::sync::OnceLock::new();
-    let x = X.get_or_init(|| std::env::var("XX").unwrap_or_default().split(',').map(|w| w.parse().unwrap_or(f64::NAN)).collect());
-    x.get(k).copied().filter(|v| v.is_finite()).unwrap_or(other)
+/// Returns the eighth of the circle in which a direction lies, from 0 to 7.
+fn eighth(direction: Vec2) -> u32 {
+    let Vec2 { x, y } = direction;
+    let second = (x < 0.0) != (y < 0.0);
+    u32::from(y < 0.0) << 2 | u32::from(second) << 1 | u32::from((x.abs() < y.abs()) != second)
 }
