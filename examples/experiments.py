@@ -127,7 +127,7 @@ def gate_scene(name, data):
     return Scene(
         fps=25,
         area=Polygon([*side, *((-x, y) for x, y in reversed(side))]),
-        line=((-0.4, 0.0), (0.4, 0.0)),
+        line=((-0.6, 0.0), (0.6, 0.0)),
         exits={"out": (-2.7, -3.9, 2.7, -2.5)},
         start=lambda random: (first, np.full(len(first), -math.pi / 2), ["out"] * len(first)),
         recorded=traces,

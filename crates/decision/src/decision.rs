@@ -305,6 +305,7 @@ impl Decision {
             steering: agent.steering,
             noise: agent.noise,
             breadth: self.plan.agents[i].breadth(),
+            depth: self.plan.agents[i].depth(),
             phase: agent.phase,
             stuck: agent.stuck.is_stuck(),
         })

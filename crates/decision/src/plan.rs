@@ -43,6 +43,11 @@ impl Planned {
     pub fn breadth(&self) -> f64 {
         2.0 * self.disks.iter().map(|&[_, y, radius]| y.abs() + radius).fold(0.0, f64::max)
     }
+
+    /// \[m\] Returns the depth of the body along the gaze.
+    pub fn depth(&self) -> f64 {
+        2.0 * self.disks.iter().map(|&[x, _, radius]| x.abs() + radius).fold(0.0, f64::max)
+    }
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {

@@ -110,6 +110,8 @@ pub struct Walking<'a> {
     pub noise: f64,
     /// \[m\] breadth of the body across the gaze.
     pub breadth: f64,
+    /// \[m\] depth of the body along the gaze.
+    pub depth: f64,
     /// \[rad\] phase of swaying from one foot to the other.
     pub phase: f64,
     /// Whether the person does not get on.

@@ -66,6 +66,8 @@ const SWAY: (f64, f64, f64) = (0.5, 0.6, 0.5);
 const FACING: f64 = 0.5;
 /// \[m\] Room that shoulders want beside them.
 const ROOM: f64 = 0.1;
+/// \[m\] Room without which nobody goes into a narrow place.
+const TIGHT: f64 = 0.02;
 /// \[m\] How far ahead a narrow place is seen.
 const LOOK: f64 = 0.35;
 /// Number of angles that are tried for shoulders.
@@ -87,6 +89,7 @@ struct Seen {
     person: usize,
     /// \[m\] Of the body, across the gaze.
     breadth: f64,
+    depth: f64,
 }
 
 /// Returns what everybody wants.
@@ -96,7 +99,7 @@ pub(super) fn desired(
     faces: &[[Vec2; 2]],
 ) -> Vec<DesiredMotion> {
     let cells = Cells::new(people, faces);
-    let one = |(i, walking): (usize, &Option<Walking<'_>>)| match walking {
+    let one = |walking: &Option<Walking<'_>>| match walking {
         Some(walking) => of_one(model, walking, people, &cells),
         None => DesiredMotion::default(),
     };
@@ -118,7 +121,7 @@ fn of_one(
     // The velocity by which people see who will pass at the side.
     let expected = (direction * walking.speed + velocity) * 0.5;
     let [here, soon] = widths(at, goal, faces);
-    let corridor = here.max(soon);
+    let (corridor, narrowest) = (here.max(soon), here.min(soon));
 
     let mut leader = (f64::INFINITY, 0.0);
     // Beyond this gap nobody changes the speed.
@@ -165,7 +168,13 @@ fn of_one(
             // Where two do not fit side by side, one goes after the other.
             let both = walking.breadth + other.breadth;
             let single = corridor < both + ROOM;
-            let half = if single { 0.5 * both } else { LANE };
+            let gives_way = || {
+                narrowest < walking.depth + other.depth + ROOM
+                    && people[other.person].as_ref().is_some_and(|other| {
+                        other.destination == walking.destination && other.to_go < walking.to_go
+                    })
+            };
+            let half = if single || gives_way() { 0.5 * both } else { LANE };
             let distance = square.sqrt();
             let approach = (velocity - other.velocity).dot(to) / distance;
             let passes = || {
@@ -204,21 +213,22 @@ fn of_one(
         });
     }
 
-    let turned = (reference + aside).unit(1e-9).unwrap_or(reference);
-    let mut steering = libm::atan2(reference.cross(turned), reference.dot(turned));
+    let aside = (reference + aside).unit(1e-9).unwrap_or(reference);
+    let mut steering = libm::atan2(reference.cross(aside), reference.dot(aside));
     if leader.0.is_finite() && corridor >= 2.0 * walking.breadth {
         let (weight, side) = (libm::exp(-leader.0), leader.1);
         steering -= FRAC_PI_2 * libm::tanh(weight * side / (side.abs() + OFFSET));
     }
     let spacing = ALONG * gaps[0] + (1.0 - ALONG) * gaps[1];
     let wanted = (spacing - walking.standstill_gap) / walking.time_gap + walking.noise;
-    let speed = wanted.clamp(-BACK, walking.speed);
+    let (turned, fits) = shoulders(walking, goal, here.min(soon));
+    // Who has not turned yet does not go in.
+    let speed = if fits { wanted.clamp(-BACK, walking.speed) } else { -BACK };
     let change = direction * speed - velocity;
     let most = model.acceleration * walking.relaxation / change.norm().max(1e-9);
     let (sway, turn, fast) = SWAY;
     let slow = (1.0 - velocity.norm() / fast).max(0.0);
-    let facing = shoulders(walking, goal, here.min(soon))
-        .unwrap_or_else(|| (goal * FACING + direction * speed).unit(1e-9).unwrap_or(goal));
+    let facing = turned.unwrap_or_else(|| (goal * FACING + direction * speed).unit(1e-9).unwrap_or(goal));
     DesiredMotion {
         velocity: velocity + change * most.min(1.0) + goal.perp() * (slow * sway * libm::sin(walking.phase)),
         force: Vec2::ZERO,
@@ -267,16 +277,15 @@ fn widths(at: Vec2, goal: Vec2, faces: &[[Vec2; 2]]) -> [f64; 2] {
     sides.map(|[left, right]| left + right)
 }
 
-/// Returns the direction of the gaze where the shoulders do not fit through facing ahead: turned to the nearer side. Who
-/// does not get on turns fully.
-fn shoulders(walking: &Walking<'_>, goal: Vec2, width: f64) -> Option<Vec2> {
+/// Returns the direction of the gaze where the shoulders do not fit through facing ahead, turned to the nearer side, and
+/// whether the body fits as it is turned now. Who does not get on turns fully.
+fn shoulders(walking: &Walking<'_>, goal: Vec2, width: f64) -> (Option<Vec2>, bool) {
     let narrow = width - ROOM;
     if narrow >= walking.breadth {
-        return None;
+        return (None, true);
     }
-    // The outline across the way of somebody who has turned by an angle.
-    let breadth = |angle: f64| {
-        let turn = Rotation::by(angle);
+    // The outline across the way of somebody whose gaze is turned from it.
+    let breadth = |turn: Rotation| {
         let edges = walking.disks.iter().map(|&[x, y, radius]| {
             let offset = vec2(x, y).rotated(turn).y;
             [offset - radius, offset + radius]
@@ -286,11 +295,13 @@ fn shoulders(walking: &Walking<'_>, goal: Vec2, width: f64) -> Option<Vec2> {
         high - low
     };
     let turns = (1..TURNS).map(|k| FRAC_PI_2 * f64::from(k) / f64::from(TURNS));
-    let fits = turns.into_iter().find(|&angle| !walking.stuck && breadth(angle) <= narrow);
-    let angle = fits.unwrap_or(FRAC_PI_2);
+    let fitting = turns.into_iter().find(|&angle| !walking.stuck && breadth(Rotation::by(angle)) <= narrow);
+    let angle = fitting.unwrap_or(FRAC_PI_2);
     let gaze = vec2(1.0, 0.0).rotated(Rotation::by(walking.theta));
     let turned = [angle, -angle].map(|angle| goal.rotated(Rotation::by(angle)));
-    Some(if turned[0].dot(gaze) >= turned[1].dot(gaze) { turned[0] } else { turned[1] })
+    let now = Rotation::by(libm::atan2(goal.cross(gaze), goal.dot(gaze)));
+    let fits = breadth(now) <= width - TIGHT;
+    (Some(if turned[0].dot(gaze) >= turned[1].dot(gaze) { turned[0] } else { turned[1] }), fits)
 }
 
 /// People by cells of the plane, sorted, and the faces that are seen from each cell.
@@ -326,8 +337,14 @@ impl Cells {
         let most = 16.0 * people.len() as f64 + 1024.0;
         let width = CELL.max((size.x * size.y / most).sqrt()).max(size.x.max(size.y) / most);
         let (columns, rows) = ((size.x / width) as usize + 1, (size.y / width) as usize + 1);
-        let nobody =
-            Seen { at: Vec2::ZERO, velocity: Vec2::ZERO, direction: Vec2::ZERO, person: 0, breadth: 0.0 };
+        let nobody = Seen {
+            at: Vec2::ZERO,
+            velocity: Vec2::ZERO,
+            direction: Vec2::ZERO,
+            person: 0,
+            breadth: 0.0,
+            depth: 0.0,
+        };
         let mut cells = Cells {
             low,
             width,
@@ -357,8 +374,8 @@ impl Cells {
             let Some(walking) = walking else { continue };
             let k = index(walking.at, &cells);
             let direction = walking.direction.unwrap_or(Vec2::ZERO);
-            let Walking { at, velocity, breadth, .. } = *walking;
-            cells.seen[next[k] as usize] = Seen { at, velocity, direction, person, breadth };
+            let Walking { at, velocity, breadth, depth, .. } = *walking;
+            cells.seen[next[k] as usize] = Seen { at, velocity, direction, person, breadth, depth };
             next[k] += 1;
         }
         let reach = SIGHT / width;
