@@ -28,6 +28,10 @@ const NEAREST: f64 = 0.1;
 const DEAREST: f64 = 4.0;
 /// \[m\] Free space around everything.
 const MARGIN: f64 = 1.0;
+/// \[m\] Walls further away than this do not make a way narrow.
+const WIDE: f64 = 3.0;
+/// Sine of the smallest angle between the way and the direction to a wall beside it: about 49°.
+const BESIDE: f64 = 0.75;
 /// Parts of a step by which the grid is shifted: nodes do not lie on walls with round coordinates.
 const SHIFT: Vec2 = Vec2 { x: 0.382, y: 0.417 };
 
@@ -263,6 +267,41 @@ impl Grid {
             }
         }
         if shares > 0.0 { sum / shares } else { f64::INFINITY }
+    }
+
+    /// Computes the free width \[m\] of the narrowest place on the way down a field, from all nodes: there the nearest wall on
+    /// the left and the nearest one on the right are together least far away. Infinite where walls are more than 3 m away.
+    pub fn widths(&self, field: &[f64]) -> Field {
+        let downs: Vec<Option<Vec2>> = (0..field.len()).map(|node| self.down(field, node)).collect();
+        let mut sides = vec![[f64::INFINITY; 2]; field.len()];
+        for &[from, to] in &self.faces {
+            for node in self.nodes_in(Bounds::of([from, to]).expect("two points").grown(WIDE)) {
+                let Some(down) = downs[node] else { continue };
+                let way = nearest_on_segment(from, to, self.place(node)) - self.place(node);
+                let (far, across) = (way.norm(), down.cross(way));
+                // A wall ahead or behind is not beside the way.
+                if far <= WIDE && across.abs() >= BESIDE * far {
+                    let side = &mut sides[node][usize::from(across > 0.0)];
+                    *side = side.min(far);
+                }
+            }
+        }
+        let mut order: Vec<usize> = (0..field.len()).filter(|node| field[*node].is_finite()).collect();
+        order.sort_by(|a, b| field[*a].total_cmp(&field[*b]));
+        let mut widths = vec![f64::INFINITY; field.len()];
+        for node in order {
+            let lower = self.neighbours(node).into_iter().flatten().filter(|next| field[*next] < field[node]);
+            let next = lower.min_by(|a, b| field[*a].total_cmp(&field[*b]));
+            let rest = next.map_or(f64::INFINITY, |next| widths[next]);
+            widths[node] = rest.min(sides[node][0] + sides[node][1]);
+        }
+        widths
+    }
+
+    /// \[m\] Returns the width of the way from a place: the greatest of the nodes around it that are on the same side of all
+    /// walls; infinite where there is none.
+    pub fn width(&self, widths: &[f64], at: Vec2) -> f64 {
+        self.around(at).map(|(node, _)| widths[node]).reduce(f64::max).unwrap_or(f64::INFINITY)
     }
 
     /// Returns the direction in which the distance falls fastest, as a unit vector; `None` where no way leads from, and outside

@@ -125,6 +125,8 @@ pub struct Ways {
     to_each: Vec<Option<Field>>,
     /// Distances to the nearest exit, if somebody goes there.
     to_nearest: Option<Field>,
+    /// Free widths of the ways to each target, if they were measured.
+    widths: Vec<Field>,
 }
 
 /// Way that a destination asks of somebody.
@@ -161,7 +163,30 @@ impl Ways {
         let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
         let to_nearest = wanted.contains(&Destination::NearestExit).then(|| field(&exits));
         let stay = targets.iter().map(|target| target.stay).collect();
-        Ok(Ways { grid, shapes, stay, to_each, to_nearest })
+        Ok(Ways { grid, shapes, stay, to_each, to_nearest, widths: Vec::new() })
+    }
+
+    /// Measures how wide the ways to each target are.
+    ///
+    /// # Errors
+    /// The area is too large.
+    pub fn with_widths(mut self) -> Result<Ways, PlanError> {
+        let fields = self.to_each.iter().chain([&self.to_nearest]).flatten().count();
+        self.grid.check_fields(2 * fields)?;
+        let widths =
+            |field: &Option<Field>| field.as_ref().map_or(Field::new(), |field| self.grid.widths(field));
+        self.widths = self.to_each.iter().map(widths).collect();
+        Ok(self)
+    }
+
+    /// \[m\] Returns the free width of the narrowest place on the way to a target, and at most the length of its line;
+    /// infinite in the open, or if it was not measured.
+    pub fn width(&self, target: usize, at: Vec2) -> f64 {
+        let way = self.widths.get(target).map_or(f64::INFINITY, |widths| self.grid.width(widths, at));
+        match self.shapes[target] {
+            Shape::Line([a, b]) => way.min((b - a).norm()),
+            Shape::Area(..) => way,
+        }
     }
 
     /// Targets that no place is near enough to: they lie on walls. Only those to which somebody goes.

@@ -31,6 +31,11 @@ fn plan(walls: &[Vec<Vec2>], people: &[Person], config: &str) -> Result<Plan, Pl
     Plan::among(walls.iter().map(|wall| &wall[..]), people, &DecisionConfig::from_toml(config)?, STEP)
 }
 
+/// The models here do not look at velocities.
+fn still(pose: Pose) -> (Pose, Vec2) {
+    (pose, Vec2::ZERO)
+}
+
 /// Everybody goes where the force leads in the end: v = F / (m / t). Returns the places at each step, while they are
 /// there.
 fn walk(plan: Plan, steps: usize) -> Vec<Vec<Option<Vec2>>> {
@@ -38,7 +43,7 @@ fn walk(plan: Plan, steps: usize) -> Vec<Vec<Option<Vec2>>> {
     let mut decision = Decision::new(plan);
     let mut ways = Vec::new();
     for _ in 0..steps {
-        decision.see(poses.iter().copied());
+        decision.see(poses.iter().copied().map(still));
         let acts = decision.acts().unwrap();
         ways.push(
             poses.iter().zip(&acts).map(|(pose, act)| act.active.then(|| vec2(pose.x, pose.y))).collect(),
@@ -143,7 +148,7 @@ fn at_a_goal_people_stay_and_come_together_in_its_middle() {
     }
     let mut decision = Decision::new(plan(&[], &people, goal).unwrap());
     assert_eq!(decision.arrived().unwrap(), 0);
-    decision.see(last.iter().map(|at| Pose { x: at.unwrap().x, y: at.unwrap().y, theta: 0.0 }));
+    decision.see(last.iter().map(|at| still(Pose { x: at.unwrap().x, y: at.unwrap().y, theta: 0.0 })));
     assert_eq!(decision.arrived().unwrap(), 2);
     assert!(decision.acts().unwrap().iter().all(|act| act.active));
 }
@@ -158,7 +163,7 @@ fn who_has_left_stays_away_and_is_not_seen() {
     // Carried back into the room, and left there for a step.
     let back = Pose { x: 3.0, y: 2.0, theta: 0.0 };
     for _ in 0..2 {
-        decision.see([back, Pose { x: 2.6, y: 2.0, theta: 0.0 }].into_iter());
+        decision.see([back, Pose { x: 2.6, y: 2.0, theta: 0.0 }].map(still).into_iter());
         decision.pass(STEP).unwrap();
     }
     let acts = decision.acts().unwrap();
@@ -167,9 +172,9 @@ fn who_has_left_stays_away_and_is_not_seen() {
     assert!((speed - 1.34).abs() < 0.05, "nobody is in the way: {speed}");
     // From one step to the next over the line, and far beyond it.
     let mut decision = Decision::new(plan(&[room()], &people[1..], &config).unwrap());
-    decision.see(std::iter::once(Pose { x: 6.1, y: 2.0, theta: 0.0 }));
+    decision.see(std::iter::once(still(Pose { x: 6.1, y: 2.0, theta: 0.0 })));
     decision.pass(STEP).unwrap();
-    decision.see(std::iter::once(Pose { x: 7.5, y: 2.1, theta: 0.0 }));
+    decision.see(std::iter::once(still(Pose { x: 7.5, y: 2.1, theta: 0.0 })));
     assert!(!decision.acts().unwrap()[0].active);
 }
 
