@@ -4,6 +4,7 @@ use crate::error::PlanError;
 use crate::field::{Field, Grid};
 use lemons_core::plane::{Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 /// \[m\] Whoever is this near to the line of a goal is there.
@@ -89,6 +90,23 @@ impl Shape {
             Shape::Area(ring, _) => ring.contains(to),
         }
     }
+}
+
+/// Returns the exit that is nearest in a straight line. Lines beyond neighbouring doors may overlap: there, that whose
+/// middle is nearest.
+pub fn nearest_exit(targets: &[Target], at: Vec2) -> Option<usize> {
+    let far = |k: &usize| {
+        let points = targets[*k].points();
+        let middle = points.iter().fold(Vec2::ZERO, |sum, point| sum + *point) * (1.0 / points.len() as f64);
+        let away = match targets[*k].area() {
+            Some(ring) if ring.contains(at) => 0.0,
+            Some(ring) => ring.nearest(at).distance,
+            None => (nearest_on_segment(points[0], points[1], at) - at).norm(),
+        };
+        [away.max(NEAR), (middle - at).norm()]
+    };
+    let exits = (0..targets.len()).filter(|k| !targets[*k].stay);
+    exits.min_by(|a, b| far(a).partial_cmp(&far(b)).unwrap_or(Ordering::Equal))
 }
 
 fn lines_and_areas<'a>(shapes: impl Iterator<Item = &'a Shape>) -> (Vec<[Vec2; 2]>, Vec<Ring>) {
