@@ -96,9 +96,40 @@ impl Queues {
             return None;
         }
         let place = self.ahead(own, present.1);
-        self.0[own].remove(place);
+        // Also of numbers that are none.
+        if place < self.0[own].len() {
+            self.0[own].remove(place);
+        }
         let place = self.ahead(best.0, best.1);
         self.0[best.0].insert(place, best.1);
         Some(best.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The outside: the rule by hand. 32 people are ahead at a door of 1 m: 20 s; it is 13.4 m to the other one: 10 s.
+    #[test]
+    fn who_gains_enough_changes_and_the_next_one_sees_it() {
+        let ways = [(0, 5.0, 1.0), (1, 13.4, 2.0)];
+        let change = |ahead: usize, there: usize| {
+            let people = [(0, 1.0, ahead), (1, 2.0, there), (0, 5.0, 1)].into_iter();
+            let each = people.flat_map(|(target, distance, count)| vec![(target, distance); count]);
+            let mut queues = Queues::new(2, each);
+            let changed = queues.change(0, 1.34, &ways);
+            (changed, [queues.0[0].len(), queues.0[1].len()])
+        };
+        assert_eq!(change(32, 0), (Some(1), [32, 1]));
+        // Less than a fifth of 12.5 s; less than 2 s of 3.7 s.
+        assert_eq!(change(19, 0).0, None);
+        assert_eq!(change(6, 0).0, None);
+        // The queue at the other door: 16 s and 16.25 s.
+        assert_eq!((change(32, 51).0, change(32, 52).0), (Some(1), None));
+        // Nobody who stands, and everybody who has no way.
+        let mut queues = Queues::new(2, [(0, 5.0), (0, f64::INFINITY)].into_iter());
+        assert_eq!(queues.change(0, 0.0, &ways), None);
+        assert_eq!(queues.change(0, 1.34, &[(0, f64::INFINITY, 1.0), ways[1]]), Some(1));
     }
 }

@@ -424,6 +424,33 @@ mod tests {
         }
     }
 
+    /// The outside: the widths that were drawn.
+    #[test]
+    fn a_way_is_as_wide_as_its_narrowest_door() {
+        // A room with a door of 0.9 m, a corridor 2 m wide with a door of 1.4 m at its end, and what is behind it.
+        let lower = polyline(&[(6.0, 2.1), (6.0, 0.0), (0.0, 0.0), (0.0, 8.0), (6.0, 8.0), (6.0, 3.0)]);
+        let corridor = [
+            polyline(&[(6.0, 1.5), (12.0, 1.5), (12.0, 1.7)]),
+            polyline(&[(6.0, 3.5), (12.0, 3.5), (12.0, 3.1)]),
+        ];
+        let walls = [&[lower][..], &corridor].concat();
+        let grid = Grid::new(&walls, places(&[(20.0, -2.0), (20.0, 10.0)])).unwrap();
+        let area = polyline(&[(16.0, 0.0), (18.0, 0.0), (18.0, 6.0), (16.0, 6.0)]);
+        let field = grid.field(&[], &[Ring::through(area).unwrap()]);
+        let widths = grid.widths(&field);
+        let rooms: [(f64, &[(f64, f64)]); 3] = [
+            (0.9, &[(5.5, 2.5), (3.0, 4.0), (1.0, 7.5), (4.0, 1.0)]),
+            (1.4, &[(6.5, 2.6), (9.0, 2.0), (11.5, 3.0)]),
+            (f64::INFINITY, &[(15.0, 2.0), (17.0, 3.0)]),
+        ];
+        for (width, from) in rooms {
+            for at in places(from) {
+                let found = grid.width(&widths, at);
+                assert!(found == width || (found - width).abs() < 0.03, "{at:?}: {found} instead of {width}");
+            }
+        }
+    }
+
     #[test]
     fn an_area_beyond_all_measure_is_refused() {
         assert!(Grid::new(&[], places(&[(0.0, 0.0), (400.0, 400.0)])).is_ok());
