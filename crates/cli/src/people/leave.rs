@@ -12,7 +12,7 @@ const SPEED: f64 = 1.34;
 #[command(next_help_heading = "Leaving (with -o or --zip)")]
 pub struct LeaveArguments {
     /// Everybody leaves: write the Trial's decision.toml, in which people walk through the doors to a line
-    /// 1 m behind them, or to an --exit
+    /// 1 m behind them, or to an --exit; of several, to the quickest by distance and queue
     #[arg(long)]
     leave: bool,
     /// A line where people have left, from X1,Y1 to X2,Y2, in m. Can be given several times
