@@ -224,17 +224,22 @@ impl Decision {
             _ => None,
         };
         let mut queues = Queues::new(targets.len(), here.iter().filter_map(heads));
+        let from = |i: &usize| {
+            let agent = &self.agents[*i];
+            let last = agent.walker.waypoints[agent.next()..].last();
+            agent.choice.exit.map(|_| last.map_or(agent.at(), |waypoint| vec2(waypoint.x, waypoint.y)))
+        };
+        let from: Vec<Vec2> = here.iter().filter_map(from).collect();
+        let widths: Vec<(usize, f64)> =
+            exits.into_iter().map(|k| (k, ways.width(k, from.iter().copied()))).collect();
         for i in here {
             let Some(own) = self.agents[i].choice.exit else { continue };
             if !self.agents[i].choice.is_due(step) {
                 continue;
             }
-            let agent = &self.agents[i];
-            let last = agent.walker.waypoints[agent.next()..].last();
-            let from = last.map_or(agent.at(), |waypoint| vec2(waypoint.x, waypoint.y));
-            let way = |&k: &usize| (k, self.to_go(i, Destination::Target(k)), ways.width(k, from));
-            let all: Vec<(usize, f64, f64)> = exits.iter().map(way).collect();
-            let Some(exit) = queues.change(own, agent.walker.desired_speed, &all) else { continue };
+            let way = |&(k, width): &(usize, f64)| (k, self.to_go(i, Destination::Target(k)), width);
+            let all: Vec<(usize, f64, f64)> = widths.iter().map(way).collect();
+            let Some(exit) = queues.change(own, self.agents[i].walker.desired_speed, &all) else { continue };
             let before = self.goes(i);
             let choice = &mut self.agents[i].choice;
             (choice.exit, choice.turn) = (Some(exit), 0.0);
@@ -571,10 +576,12 @@ mod tests {
     fn states_with_impossible_numbers_or_of_another_plan_are_refused() {
         let mut decision = decision("waypoints = [{ x = 1, y = 2 }]");
         let good = decision.save();
-        let forgeries: [fn(&mut Agent); 3] = [
+        let forgeries: [fn(&mut Agent); 5] = [
             |agent| agent.pose.x = f64::NAN,
             |agent| agent.walker.mass = 0.0,
             |agent| agent.walker.waypoints[0].radius = -1.0,
+            |agent| agent.choice.exit = Some(0),
+            |agent| agent.choice.turn = f64::NAN,
         ];
         for forge in forgeries {
             let mut forged = good.clone();

@@ -2,13 +2,13 @@
 //!
 //! Somebody i expects to be through exit k after
 //!
-//! > T_ik = max(d_ik / v_i, N_ik / (J b_ik))
+//! > T_ik = max(d_ik / v_i, N_ik / (J b_k))
 //!
 //! with the distance on foot d, the desired speed v, and the number N of people who head for k and are nearer to it than
-//! i. They leave at the specific flow J through the narrowest place, b wide, between i and the exit. Both run at the same
-//! time: who arrives before the queue is gone waits for the rest of it. Quickest paths instead of shortest ones are those
-//! of Kretz, J. Stat. Mech. (2009) P03012; that people see queues and change to a quicker way, of Kemloh Wagoum, Seyfried,
-//! Holl, Adv. Complex Syst. 15 (2012) 1250029.
+//! i. They leave at the specific flow J through the width b of the exit ([`crate::target::Ways::width`]). Both run at the
+//! same time: who arrives before the queue is gone waits for the rest of it. Quickest paths instead of shortest ones are
+//! those of Kretz, J. Stat. Mech. (2009) P03012; that people see queues and change to a quicker way, of Kemloh Wagoum,
+//! Seyfried, Holl, Adv. Complex Syst. 15 (2012) 1250029.
 //!
 //! At first everybody has the nearest exit. Each reconsiders once a second, one after the other, and changes only if the
 //! gain is clear.
@@ -92,7 +92,8 @@ impl Queues {
         let best = ways.iter().min_by(|a, b| time(a).total_cmp(&time(b)))?;
         let (before, after) = (time(present), time(best));
         // Without a speed no time is finite, and nobody changes.
-        if !(before - after >= LEAST_GAIN.max(LEAST_SHARE * before)) {
+        let gains = before - after >= LEAST_GAIN.max(LEAST_SHARE * before);
+        if !gains {
             return None;
         }
         let place = self.ahead(own, present.1);

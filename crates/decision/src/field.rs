@@ -298,10 +298,12 @@ impl Grid {
         widths
     }
 
-    /// \[m\] Returns the width of the way from a place: the greatest of the nodes around it that are on the same side of all
-    /// walls; infinite where there is none.
-    pub fn width(&self, widths: &[f64], at: Vec2) -> f64 {
-        self.around(at).map(|(node, _)| widths[node]).reduce(f64::max).unwrap_or(f64::INFINITY)
+    /// \[m\] Returns the width of the way from the node that is nearest to a place; `None` where no wall makes it narrow.
+    pub fn width(&self, widths: &[f64], at: Vec2) -> Option<f64> {
+        let (column, row) = self.square(at + vec2(0.5 * self.step, 0.5 * self.step));
+        let inside = (0.0..self.columns as f64).contains(&column) && (0.0..self.rows as f64).contains(&row);
+        let node = if inside { row as usize * self.columns + column as usize } else { usize::MAX };
+        widths.get(node).copied().filter(|width| width.is_finite())
     }
 
     /// Returns the direction in which the distance falls fastest, as a unit vector; `None` where no way leads from, and outside
@@ -441,12 +443,13 @@ mod tests {
         let rooms: [(f64, &[(f64, f64)]); 3] = [
             (0.9, &[(5.5, 2.5), (3.0, 4.0), (1.0, 7.5), (4.0, 1.0)]),
             (1.4, &[(6.5, 2.6), (9.0, 2.0), (11.5, 3.0)]),
-            (f64::INFINITY, &[(15.0, 2.0), (17.0, 3.0)]),
+            (3.0, &[(15.0, 2.0), (17.0, 3.0), (-0.5, 2.0), (99.0, 2.0)]),
         ];
         for (width, from) in rooms {
             for at in places(from) {
-                let found = grid.width(&widths, at);
-                assert!(found == width || (found - width).abs() < 0.03, "{at:?}: {found} instead of {width}");
+                // Beside no wall there is none.
+                let found = grid.width(&widths, at).unwrap_or(3.0);
+                assert!((found - width).abs() < 0.03, "{at:?}: {found} instead of {width}");
             }
         }
     }

@@ -197,10 +197,14 @@ impl Ways {
         Ok(self)
     }
 
-    /// \[m\] Returns the free width of the narrowest place on the way to a target, and at most the length of its line;
-    /// infinite in the open, or if it was not measured.
-    pub fn width(&self, target: usize, at: Vec2) -> f64 {
-        let way = self.widths.get(target).map_or(f64::INFINITY, |widths| self.grid.width(widths, at));
+    /// \[m\] Returns the width of a target for people at these places: of the free widths of the narrowest places on their
+    /// ways, the one that a quarter exceed, and at most the length of its line. Who has no narrow place ahead is through.
+    /// Infinite if nobody has, or it was not measured.
+    pub fn width(&self, target: usize, places: impl Iterator<Item = Vec2>) -> f64 {
+        let widths = self.widths.get(target).map_or(&[][..], |widths| &widths[..]);
+        let mut all: Vec<f64> = places.filter_map(|at| self.grid.width(widths, at)).collect();
+        all.sort_by(f64::total_cmp);
+        let way = all.get(all.len() * 3 / 4).copied().unwrap_or(f64::INFINITY);
         match self.shapes[target] {
             Shape::Line([a, b]) => way.min((b - a).norm()),
             Shape::Area(..) => way,
