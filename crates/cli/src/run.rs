@@ -19,6 +19,8 @@ use anyhow::{Context, Error, Result, bail, ensure};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_core::trial::DriveChoice;
+use lemons_decision::Plan;
+use lemons_decision::target::nearest_exit;
 use lemons_decision::walking_model::WalkingModel;
 use lemons_master::{FileType, Saved, Settings, TrialInput};
 use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
@@ -387,6 +389,10 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         }
         _ => None,
     };
+    let queues = match (&done, &plans[..], &recorders[..]) {
+        (Ok(()), [plan], [crowd]) if !about.goes_on => uneven_queues(plan, crowd),
+        _ => None,
+    };
     // What was simulated before a failure is worth having.
     let (mut seen, mut recorded, mut poses, mut failed) = (Vec::new(), None, Vec::new(), Ok(()));
     for recorder in recorders {
@@ -402,7 +408,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         Err(error) => failed = and_then(failed, Err(error)),
     }
     let done = done.and_then(|()| model.terminate());
-    model.take_warnings().into_iter().chain(stuck).for_each(|warning| note!("{warning}"));
+    model.take_warnings().into_iter().chain(stuck).chain(queues).for_each(|warning| note!("{warning}"));
     if let Err(error) = done {
         return Err(stopped(error, time, failed));
     }
@@ -552,16 +558,40 @@ fn note_remaining(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64, unt
     );
 }
 
+/// Factor and difference \[s\] from which times until the last person has left by an exit are told.
+const UNEVEN: (f64, f64) = (1.5, 10.0);
+
+/// A note for the end of a run in which the last person left by one exit much later than by another, or nobody by that.
+fn uneven_queues(plan: &Plan, crowd: &CrowdRecorder) -> Option<String> {
+    // \[s\] With the names; 0 where nobody has left.
+    let exits = plan.targets.iter().enumerate().filter(|(_, target)| !target.stay);
+    let mut last: Vec<(usize, &str, f64)> = exits.map(|(k, exit)| (k, &exit.name[..], 0.0)).collect();
+    for (time, at) in crowd.departures() {
+        let exit = nearest_exit(&plan.targets, *at)?;
+        let entry = last.iter_mut().find(|entry| entry.0 == exit)?;
+        entry.2 = time.max(entry.2);
+    }
+    let order = |a: &&(usize, &str, f64), b: &&(usize, &str, f64)| a.2.total_cmp(&b.2);
+    let (least, most) = (last.iter().min_by(order)?, last.iter().max_by(order)?);
+    if most.2 <= UNEVEN.0 * least.2 || most.2 <= least.2 + UNEVEN.1 {
+        return None;
+    }
+    let before = match least {
+        (_, name, 0.0) => format!("nobody by {name:?}"),
+        (_, name, time) => format!("by {name:?} at {time:.1} s"),
+    };
+    Some(format!(
+        "note: exits are used unevenly: the last person left by {:?} at {:.1} s, {before} (exit_choice in decision.toml)",
+        most.1, most.2
+    ))
+}
+
 /// Part of the desired speed: who is slower and touched gets no further.
 const STUCK: f64 = 0.1;
 
 /// A warning for the end of a run with the model `straight` if more than half of the people who are there are pushed,
 /// want to walk and get no further.
-fn stuck_warning(
-    model: &mut dyn RunModel,
-    plan: &lemons_decision::Plan,
-    crowd: &CrowdRecorder,
-) -> Result<Option<String>> {
+fn stuck_warning(model: &mut dyn RunModel, plan: &Plan, crowd: &CrowdRecorder) -> Result<Option<String>> {
     let (frame, people) = (crowd.last(), plan.agents.len());
     if frame.agents.len() != people {
         return Ok(None);

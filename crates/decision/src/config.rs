@@ -13,6 +13,7 @@
 //! ```
 
 use crate::error::PlanError;
+use crate::exit_choice::ExitChoice;
 use crate::person::Person;
 use crate::rule::Waypoint;
 use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModel};
@@ -48,6 +49,7 @@ pub struct DecisionConfig {
     pub(crate) seed: Option<u64>,
     pub(crate) waypoints: Option<Vec<Waypoint>>,
     pub(crate) exits: Option<Vec<TargetConfig>>,
+    pub(crate) exit_choice: Option<ExitChoice>,
     pub(crate) goals: Option<Vec<TargetConfig>>,
     #[serde(rename = "collision-free-speed")]
     pub(crate) collision_free_speed: Option<CollisionFreeSpeed>,

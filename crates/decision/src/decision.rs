@@ -1,12 +1,13 @@
 //! The model of the FMU: poses are inputs, drives are outputs.
 
+use crate::exit_choice::{Choice, Queues};
 use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
 use crate::stuck::{StuckAction, StuckState, normal, share};
 use crate::target::{Arrival, Destination, Ways};
 use crate::walking_model::{DesiredMotion, Walking};
 use lemons_core::files::input;
-use lemons_core::plane::{Vec2, vec2};
+use lemons_core::plane::{Rotation, Vec2, vec2};
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Dependency, Known, Role, Scalar, Size, Variable};
 use lemons_fmi::{Answer, Model, Part, Phase, Refusal, StepError, damaged, fingerprint, refuse};
@@ -24,6 +25,8 @@ pub const PLAN_FILE: &str = "decision.toml";
 
 /// \[s\] Time in which the direction of walking follows.
 const STEERING_TIME: f64 = 0.3;
+/// \[rad\] A smaller angle is none.
+const LEAST_TURN: f64 = 1e-3;
 /// \[s\] Correlation time of the noise of speeds (Tordeux, Schadschneider, J. Phys. A 49 (2016) 185101: 1/(0.23 1/s)).
 const NOISE_TIME: f64 = 4.3;
 /// \[1/s\] Lowest frequency of swaying, and by how much it may be higher.
@@ -60,6 +63,7 @@ pub struct Agent {
     draws: u64,
     /// \[rad\] Phase of swaying from one foot to the other.
     phase: f64,
+    choice: Choice,
 }
 
 impl Agent {
@@ -119,6 +123,7 @@ impl Decision {
             noise: 0.0,
             draws: 0,
             phase: TAU * share(plan.seed, i as u64, u64::MAX - 1),
+            choice: Choice::new(plan.seed, i as u64),
         });
         let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
@@ -175,6 +180,8 @@ impl Decision {
                 let moved = agent.last.is_some();
                 agent.stuck.follow(step, way, goes.filter(|_| moved && !queues), self.plan.seed, i as u64);
             }
+            let turn = &mut agent.choice.turn;
+            *turn = if turn.abs() > LEAST_TURN { *turn * libm::exp(-step / STEERING_TIME) } else { 0.0 };
             agent.steering += (wanted.steering - agent.steering) * -libm::expm1(-step / STEERING_TIME);
             let frequency = SWAYING[0] + SWAYING[1] * share(seed, i as u64, u64::MAX);
             agent.phase = (agent.phase + TAU * frequency * step) % TAU;
@@ -186,6 +193,7 @@ impl Decision {
             }
             (agent.next, agent.left, agent.last) = (next, leaves, Some([at.x, at.y]));
         }
+        self.choose_exits(step);
         Ok(())
     }
 
@@ -200,6 +208,50 @@ impl Decision {
             _ => self.arrival(*i).is_some(),
         };
         Ok((0..self.agents.len()).filter(arrived).count())
+    }
+
+    /// Everybody whose turn it is chooses an exit, if people choose by the expected time.
+    fn choose_exits(&mut self, step: f64) {
+        let Some(Some(ways)) = self.ways.clone().filter(|_| self.plan.chooses_by_time()) else { return };
+        let targets = &self.plan.targets;
+        let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
+        let here: Vec<usize> = (0..self.agents.len()).filter(|i| !self.agents[*i].left).collect();
+        for &i in &here {
+            if self.destination(i) == Destination::NearestExit {
+                let far = |k: &usize| self.to_go(i, Destination::Target(*k));
+                let nearest = exits.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b)));
+                self.agents[i].choice.exit = nearest;
+            }
+        }
+        let heads = |i: &usize| match self.destination(*i) {
+            Destination::Target(k) => Some((k, self.to_go(*i, Destination::Target(k)))),
+            _ => None,
+        };
+        let mut queues = Queues::new(targets.len(), here.iter().filter_map(heads));
+        let from = |i: &usize| {
+            let agent = &self.agents[*i];
+            let last = agent.walker.waypoints[agent.next()..].last();
+            agent.choice.exit.map(|_| last.map_or(agent.at(), |waypoint| vec2(waypoint.x, waypoint.y)))
+        };
+        let from: Vec<Vec2> = here.iter().filter_map(from).collect();
+        let widths: Vec<(usize, f64)> =
+            exits.into_iter().map(|k| (k, ways.width(k, from.iter().copied()))).collect();
+        for i in here {
+            let Some(own) = self.agents[i].choice.exit else { continue };
+            if !self.agents[i].choice.is_due(step) {
+                continue;
+            }
+            let way = |&(k, width): &(usize, f64)| (k, self.to_go(i, Destination::Target(k)), width);
+            let all: Vec<(usize, f64, f64)> = widths.iter().map(way).collect();
+            let Some(exit) = queues.change(own, self.agents[i].walker.desired_speed, &all) else { continue };
+            let before = self.goes(i);
+            let choice = &mut self.agents[i].choice;
+            (choice.exit, choice.turn) = (Some(exit), 0.0);
+            // The direction of walking follows from the one before.
+            if let (Some((before, _)), Some((after, _))) = (before, self.goes(i)) {
+                self.agents[i].choice.turn = libm::atan2(after.cross(before), after.dot(before));
+            }
+        }
     }
 
     /// The same at its start.
@@ -232,9 +284,14 @@ impl Decision {
         self.ways().filter(|_| there)?.arrived(self.plan.agents[i].destination, agent.from(), agent.at())
     }
 
+    /// Destination of an agent: the exit that it has chosen, if it chooses one.
+    fn destination(&self, i: usize) -> Destination {
+        self.agents[i].choice.exit.map_or(self.plan.agents[i].destination, Destination::Target)
+    }
+
     /// Where an agent wants to go from its present pose: a unit vector, and the speed \[m/s\].
     fn goes(&self, i: usize) -> Option<(Vec2, f64)> {
-        let (agent, destination) = (&self.agents[i], self.plan.agents[i].destination);
+        let (agent, destination) = (&self.agents[i], self.destination(i));
         if let Some(waypoint) = agent.walker.waypoints.get(agent.next()) {
             let way = vec2(waypoint.x, waypoint.y) - agent.at();
             let norm = way.norm();
@@ -244,12 +301,15 @@ impl Decision {
             return None;
         }
         let leg = self.ways()?.leg(destination, agent.at());
-        Some((leg.direction?, leg.share * agent.walker.desired_speed))
+        let (direction, turn) = (leg.direction?, agent.choice.turn);
+        // Without a change of the exit, not even rounding.
+        let direction = if turn == 0.0 { direction } else { direction.rotated(Rotation::by(turn)) };
+        Some((direction, leg.share * agent.walker.desired_speed))
     }
 
-    /// \[m\] How far it is along the way-points and to the exit or goal.
-    fn to_go(&self, i: usize) -> f64 {
-        let (agent, destination) = (&self.agents[i], self.plan.agents[i].destination);
+    /// \[m\] How far it is along the way-points and to an exit or a goal.
+    fn to_go(&self, i: usize, destination: Destination) -> f64 {
+        let agent = &self.agents[i];
         let (mut at, mut sum) = (agent.at(), 0.0);
         for waypoint in &agent.walker.waypoints[agent.next()..] {
             let next = vec2(waypoint.x, waypoint.y);
@@ -293,8 +353,8 @@ impl Decision {
             disks: &self.plan.agents[i].disks,
             direction,
             speed: speed.unwrap_or(0.0),
-            to_go: self.to_go(i),
-            destination: match self.plan.agents[i].destination {
+            to_go: self.to_go(i, self.destination(i)),
+            destination: match self.destination(i) {
                 Destination::None => usize::MAX,
                 Destination::NearestExit => usize::MAX - 1,
                 Destination::Target(k) => k,
@@ -462,8 +522,12 @@ impl Model for Decision {
         let alike = |(a, b): (&Agent, &Agent)| {
             let count = b.walker.waypoints.len();
             let last = a.last.unwrap_or_default().iter().all(|number| number.is_finite());
-            let own = [a.steering, a.noise, a.phase].iter().all(|number| number.is_finite());
-            a.walker.waypoints.len() == count && a.next <= count && last && own && a.stuck.is_sound()
+            let own = [a.steering, a.noise, a.phase, a.choice.wait, a.choice.turn]
+                .iter()
+                .all(|number| number.is_finite());
+            let exit =
+                a.choice.exit.is_none_or(|k| self.plan.targets.get(k).is_some_and(|target| !target.stay));
+            exit && a.walker.waypoints.len() == count && a.next <= count && last && own && a.stuck.is_sound()
         };
         if wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len()) {
             return damaged(IMPOSSIBLE);
@@ -518,10 +582,12 @@ mod tests {
     fn states_with_impossible_numbers_or_of_another_plan_are_refused() {
         let mut decision = decision("waypoints = [{ x = 1, y = 2 }]");
         let good = decision.save();
-        let forgeries: [fn(&mut Agent); 3] = [
+        let forgeries: [fn(&mut Agent); 5] = [
             |agent| agent.pose.x = f64::NAN,
             |agent| agent.walker.mass = 0.0,
             |agent| agent.walker.waypoints[0].radius = -1.0,
+            |agent| agent.choice.exit = Some(0),
+            |agent| agent.choice.turn = f64::NAN,
         ];
         for forge in forgeries {
             let mut forged = good.clone();

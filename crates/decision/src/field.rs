@@ -28,6 +28,10 @@ const NEAREST: f64 = 0.1;
 const DEAREST: f64 = 4.0;
 /// \[m\] Free space around everything.
 const MARGIN: f64 = 1.0;
+/// \[m\] Walls further away than this do not make a way narrow.
+const WIDE: f64 = 3.0;
+/// Sine of the smallest angle between the way and the direction to a wall beside it: about 49°.
+const BESIDE: f64 = 0.75;
 /// Parts of a step by which the grid is shifted: nodes do not lie on walls with round coordinates.
 const SHIFT: Vec2 = Vec2 { x: 0.382, y: 0.417 };
 
@@ -265,6 +269,43 @@ impl Grid {
         if shares > 0.0 { sum / shares } else { f64::INFINITY }
     }
 
+    /// Computes the free width \[m\] of the narrowest place on the way down a field, from all nodes: there the nearest wall on
+    /// the left and the nearest one on the right are together least far away. Infinite where walls are more than 3 m away.
+    pub fn widths(&self, field: &[f64]) -> Field {
+        let downs: Vec<Option<Vec2>> = (0..field.len()).map(|node| self.down(field, node)).collect();
+        let mut sides = vec![[f64::INFINITY; 2]; field.len()];
+        for &[from, to] in &self.faces {
+            for node in self.nodes_in(Bounds::of([from, to]).expect("two points").grown(WIDE)) {
+                let Some(down) = downs[node] else { continue };
+                let way = nearest_on_segment(from, to, self.place(node)) - self.place(node);
+                let (far, across) = (way.norm(), down.cross(way));
+                // A wall ahead or behind is not beside the way.
+                if far <= WIDE && across.abs() >= BESIDE * far {
+                    let side = &mut sides[node][usize::from(across > 0.0)];
+                    *side = side.min(far);
+                }
+            }
+        }
+        let mut order: Vec<usize> = (0..field.len()).filter(|node| field[*node].is_finite()).collect();
+        order.sort_by(|a, b| field[*a].total_cmp(&field[*b]));
+        let mut widths = vec![f64::INFINITY; field.len()];
+        for node in order {
+            let lower = self.neighbours(node).into_iter().flatten().filter(|next| field[*next] < field[node]);
+            let next = lower.min_by(|a, b| field[*a].total_cmp(&field[*b]));
+            let rest = next.map_or(f64::INFINITY, |next| widths[next]);
+            widths[node] = rest.min(sides[node][0] + sides[node][1]);
+        }
+        widths
+    }
+
+    /// \[m\] Returns the width of the way from the node that is nearest to a place; `None` where no wall makes it narrow.
+    pub fn width(&self, widths: &[f64], at: Vec2) -> Option<f64> {
+        let (column, row) = self.square(at + vec2(0.5 * self.step, 0.5 * self.step));
+        let inside = (0.0..self.columns as f64).contains(&column) && (0.0..self.rows as f64).contains(&row);
+        let node = if inside { row as usize * self.columns + column as usize } else { usize::MAX };
+        widths.get(node).copied().filter(|width| width.is_finite())
+    }
+
     /// Returns the direction in which the distance falls fastest, as a unit vector; `None` where no way leads from, and outside
     /// of the grid.
     pub fn direction(&self, field: &[f64], at: Vec2) -> Option<Vec2> {
@@ -382,6 +423,34 @@ mod tests {
             let field = grid.field(&exit, &[]);
             let found = grid.distance(&field, vec2(3.0, 2.0));
             assert!((3.99..5.5).contains(&found), "{width}: {found}");
+        }
+    }
+
+    /// The outside: the widths that were drawn.
+    #[test]
+    fn a_way_is_as_wide_as_its_narrowest_door() {
+        // A room with a door of 0.9 m, a corridor 2 m wide with a door of 1.4 m at its end, and what is behind it.
+        let lower = polyline(&[(6.0, 2.1), (6.0, 0.0), (0.0, 0.0), (0.0, 8.0), (6.0, 8.0), (6.0, 3.0)]);
+        let corridor = [
+            polyline(&[(6.0, 1.5), (12.0, 1.5), (12.0, 1.7)]),
+            polyline(&[(6.0, 3.5), (12.0, 3.5), (12.0, 3.1)]),
+        ];
+        let walls = [&[lower][..], &corridor].concat();
+        let grid = Grid::new(&walls, places(&[(20.0, -2.0), (20.0, 10.0)])).unwrap();
+        let area = polyline(&[(16.0, 0.0), (18.0, 0.0), (18.0, 6.0), (16.0, 6.0)]);
+        let field = grid.field(&[], &[Ring::through(area).unwrap()]);
+        let widths = grid.widths(&field);
+        let rooms: [(f64, &[(f64, f64)]); 3] = [
+            (0.9, &[(5.5, 2.5), (3.0, 4.0), (1.0, 7.5), (4.0, 1.0)]),
+            (1.4, &[(6.5, 2.6), (9.0, 2.0), (11.5, 3.0)]),
+            (3.0, &[(15.0, 2.0), (17.0, 3.0), (-0.5, 2.0), (99.0, 2.0)]),
+        ];
+        for (width, from) in rooms {
+            for at in places(from) {
+                // Beside no wall there is none.
+                let found = grid.width(&widths, at).unwrap_or(3.0);
+                assert!((found - width).abs() < 0.03, "{at:?}: {found} instead of {width}");
+            }
         }
     }
 

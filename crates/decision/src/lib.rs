@@ -16,6 +16,7 @@
 //! - [`field`]: how far it is around walls
 //! - [`target`]: exits and goals
 //! - [`stuck`]: what people do who are stuck
+//! - [`exit_choice`]: exits chosen by the expected time
 //! - [`error`]: what is wrong with a plan
 //! - [`person`]: the people of a Trial
 //! - [`walking_model`]: how people walk among others
@@ -28,6 +29,7 @@
 pub mod config;
 pub mod decision;
 pub mod error;
+pub mod exit_choice;
 pub mod field;
 pub mod pack;
 pub mod person;

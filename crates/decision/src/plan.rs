@@ -8,6 +8,7 @@ mod normalized;
 
 use crate::config::{AgentConfig, DecisionConfig};
 use crate::error::PlanError;
+use crate::exit_choice::ExitChoice;
 use crate::person::Person;
 use crate::rule::{Pose, Walker, Waypoint};
 use crate::target::{Destination, Target, Ways};
@@ -69,6 +70,9 @@ pub struct Plan {
     /// Model of how people walk among others.
     #[serde(default, skip_serializing_if = "is_default")]
     pub walking_model: WalkingModel,
+    /// How people choose who take the nearest exit.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub exit_choice: ExitChoice,
     /// Exits and goals.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub targets: Vec<Target>,
@@ -131,8 +135,8 @@ impl Plan {
         // Who sees neither walls nor exits needs no copy of them.
         let seen = walking_model.sees_others() || !targets.is_empty();
         let walls = walls.filter(|_| seen).map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
-        let plan = Plan { time_step, seed: config.seed.unwrap_or(0), walls, walking_model, targets, agents }
-            .checked()?;
+        let (seed, exit_choice) = (config.seed.unwrap_or(0), config.exit_choice.unwrap_or_default());
+        let plan = Plan { time_step, seed, walls, walking_model, exit_choice, targets, agents }.checked()?;
         plan.check_ways()?;
         Ok(plan)
     }
@@ -151,6 +155,12 @@ impl Plan {
     /// The plan cannot be written.
     pub fn to_toml(&self) -> Result<String, PlanError> {
         toml::to_string(self).map_err(|error| PlanError::Toml(error.to_string()))
+    }
+
+    /// Returns whether somebody chooses an exit by the expected time.
+    pub(crate) fn chooses_by_time(&self) -> bool {
+        let chooses = |agent: &Planned| agent.destination == Destination::NearestExit;
+        self.exit_choice == ExitChoice::Time && self.agents.iter().any(chooses)
     }
 
     /// Returns whether they leave in the end, of everybody.
@@ -194,6 +204,12 @@ impl Plan {
             let further = agent.walker.waypoints.iter().map(|w| vec2(w.x, w.y));
             std::iter::once(own).chain(further).map(|at| (at, agent.destination))
         });
-        Ways::new(&self.polylines(), &self.targets, places).map(Some)
+        if !self.chooses_by_time() {
+            return Ways::new(&self.polylines(), &self.targets, places).map(Some);
+        }
+        let exits = self.targets.iter().enumerate().filter(|(_, target)| !target.stay);
+        let choices =
+            exits.map(|(k, exit)| (vec2(exit.corners[0][0], exit.corners[0][1]), Destination::Target(k)));
+        Ways::new(&self.polylines(), &self.targets, places.chain(choices))?.with_widths().map(Some)
     }
 }

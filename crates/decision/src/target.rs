@@ -4,6 +4,7 @@ use crate::error::PlanError;
 use crate::field::{Field, Grid};
 use lemons_core::plane::{Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 /// \[m\] Whoever is this near to the line of a goal is there.
@@ -91,6 +92,23 @@ impl Shape {
     }
 }
 
+/// Returns the exit that is nearest in a straight line. Lines beyond neighbouring doors may overlap: there, that whose
+/// middle is nearest.
+pub fn nearest_exit(targets: &[Target], at: Vec2) -> Option<usize> {
+    let far = |k: &usize| {
+        let points = targets[*k].points();
+        let middle = points.iter().fold(Vec2::ZERO, |sum, point| sum + *point) * (1.0 / points.len() as f64);
+        let away = match targets[*k].area() {
+            Some(ring) if ring.contains(at) => 0.0,
+            Some(ring) => ring.nearest(at).distance,
+            None => (nearest_on_segment(points[0], points[1], at) - at).norm(),
+        };
+        [away.max(NEAR), (middle - at).norm()]
+    };
+    let exits = (0..targets.len()).filter(|k| !targets[*k].stay);
+    exits.min_by(|a, b| far(a).partial_cmp(&far(b)).unwrap_or(Ordering::Equal))
+}
+
 fn lines_and_areas<'a>(shapes: impl Iterator<Item = &'a Shape>) -> (Vec<[Vec2; 2]>, Vec<Ring>) {
     let (mut lines, mut areas) = (Vec::new(), Vec::new());
     for shape in shapes {
@@ -125,6 +143,8 @@ pub struct Ways {
     to_each: Vec<Option<Field>>,
     /// Distances to the nearest exit, if somebody goes there.
     to_nearest: Option<Field>,
+    /// Free widths of the ways to each target, if they were measured.
+    widths: Vec<Field>,
 }
 
 /// Way that a destination asks of somebody.
@@ -161,7 +181,34 @@ impl Ways {
         let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
         let to_nearest = wanted.contains(&Destination::NearestExit).then(|| field(&exits));
         let stay = targets.iter().map(|target| target.stay).collect();
-        Ok(Ways { grid, shapes, stay, to_each, to_nearest })
+        Ok(Ways { grid, shapes, stay, to_each, to_nearest, widths: Vec::new() })
+    }
+
+    /// Measures how wide the ways to each target are.
+    ///
+    /// # Errors
+    /// The area is too large.
+    pub fn with_widths(mut self) -> Result<Ways, PlanError> {
+        let fields = self.to_each.iter().chain([&self.to_nearest]).flatten().count();
+        self.grid.check_fields(2 * fields)?;
+        let widths =
+            |field: &Option<Field>| field.as_ref().map_or(Field::new(), |field| self.grid.widths(field));
+        self.widths = self.to_each.iter().map(widths).collect();
+        Ok(self)
+    }
+
+    /// \[m\] Returns the width of a target for people at these places: of the free widths of the narrowest places on their
+    /// ways, the one that a quarter exceed, and at most the length of its line. Who has no narrow place ahead is through.
+    /// Infinite if nobody has, or it was not measured.
+    pub fn width(&self, target: usize, places: impl Iterator<Item = Vec2>) -> f64 {
+        let widths = self.widths.get(target).map_or(&[][..], |widths| &widths[..]);
+        let mut all: Vec<f64> = places.filter_map(|at| self.grid.width(widths, at)).collect();
+        all.sort_by(f64::total_cmp);
+        let way = all.get(all.len() * 3 / 4).copied().unwrap_or(f64::INFINITY);
+        match self.shapes[target] {
+            Shape::Line([a, b]) => way.min((b - a).norm()),
+            Shape::Area(..) => way,
+        }
     }
 
     /// Targets that no place is near enough to: they lie on walls. Only those to which somebody goes.

@@ -4,6 +4,7 @@ use lemons_core::plane::{Vec2, segments_cross, vec2};
 use lemons_decision::decision::Act;
 use lemons_decision::rule::Pose;
 use lemons_decision::{Decision, DecisionConfig, Person, Plan, PlanError};
+use lemons_fmi::Model;
 
 const STEP: f64 = 0.05;
 
@@ -31,6 +32,11 @@ fn plan(walls: &[Vec<Vec2>], people: &[Person], config: &str) -> Result<Plan, Pl
     Plan::among(walls.iter().map(|wall| &wall[..]), people, &DecisionConfig::from_toml(config)?, STEP)
 }
 
+/// The models here do not look at velocities.
+fn still(pose: Pose) -> (Pose, Vec2) {
+    (pose, Vec2::ZERO)
+}
+
 /// Everybody goes where the force leads in the end: v = F / (m / t). Returns the places at each step, while they are
 /// there.
 fn walk(plan: Plan, steps: usize) -> Vec<Vec<Option<Vec2>>> {
@@ -38,7 +44,7 @@ fn walk(plan: Plan, steps: usize) -> Vec<Vec<Option<Vec2>>> {
     let mut decision = Decision::new(plan);
     let mut ways = Vec::new();
     for _ in 0..steps {
-        decision.see(poses.iter().copied());
+        decision.see(poses.iter().copied().map(still));
         let acts = decision.acts().unwrap();
         ways.push(
             poses.iter().zip(&acts).map(|(pose, act)| act.active.then(|| vec2(pose.x, pose.y))).collect(),
@@ -127,6 +133,58 @@ fn people_take_the_nearest_exit_their_own_or_one_by_shares() {
     assert!((2..10).any(|seed| right(seed) != right(1)), "the seed chooses who");
 }
 
+/// Total turning \[rad\] of somebody who is jostled to and fro by 0.2 m, once in 2 s for 20 s, where two exits are equally far.
+fn turning(exit_choice: &str) -> f64 {
+    let exits = "exits = [{ line = [[0, 0], [0, 4]] }, { line = [[10, 0], [10, 4]] }]";
+    let config = format!("exit_choice = \"{exit_choice}\"\n{exits}");
+    let mut decision = Decision::new(plan(&[], &[person(0, 4.9, 2.0)], &config).unwrap());
+    let (mut theta, mut spin, mut total) = (0.0, 0.0, 0.0);
+    for step in 0..400 {
+        let x = 5.0 - 0.1 * (0.05 * f64::from(step) * std::f64::consts::PI).cos();
+        decision.see(std::iter::once(still(Pose { x, y: 2.0, theta })));
+        let torque = decision.acts().unwrap()[0].drive.torque;
+        decision.pass(STEP).unwrap();
+        // The moment of inertia and the angular damping of the person.
+        spin += STEP * (torque / 1.5 - 4.0 * spin);
+        theta += STEP * spin;
+        total += STEP * f64::abs(spin);
+    }
+    total
+}
+
+/// By the distance on foot, such a person would turn round and round.
+#[test]
+fn who_chooses_by_time_does_not_turn_to_and_fro_between_two_exits() {
+    let (distance, time) = (turning("distance"), turning("time"));
+    assert!(distance > 27.0 && time < 2.0 * std::f64::consts::PI, "{distance} rad and {time} rad");
+}
+
+/// The outside: with a queue of 20 at a door of 1 m, an exit 8 m further is quicker. The direction relaxes in 0.3 s.
+#[test]
+fn who_changes_to_another_exit_does_not_turn_at_once() {
+    let exits =
+        "exits = [{ line = [[0, 1.5], [0, 2.5]] }, { line = [[20, 0], [20, 4]] }]\nexit_choice = \"time\"";
+    let mut people: Vec<Person> = (0..40).map(|k| person(k, 1.0, 2.0)).collect();
+    people.push(person(40, 6.0, 2.0));
+    let mut decision = Decision::new(plan(&[], &people, exits).unwrap());
+    let mut directions = Vec::new();
+    // Before they are stuck.
+    for _ in 0..24 {
+        let [x, y] = decision.acts().unwrap()[40].drive.force;
+        directions.push(y.atan2(x).abs());
+        // A saved state goes on alike.
+        let saved = decision.save();
+        decision.pass(STEP).unwrap();
+        let after = decision.save();
+        decision.restore(&saved).unwrap();
+        decision.pass(STEP).unwrap();
+        assert_eq!(decision.save(), after);
+    }
+    assert!(directions[0] > 3.0 && directions[23] < 0.3, "{directions:?}");
+    let most = directions.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+    assert!(most < 0.5, "{most} rad in a step");
+}
+
 #[test]
 fn at_a_goal_people_stay_and_come_together_in_its_middle() {
     // At a line they come to rest.
@@ -143,7 +201,7 @@ fn at_a_goal_people_stay_and_come_together_in_its_middle() {
     }
     let mut decision = Decision::new(plan(&[], &people, goal).unwrap());
     assert_eq!(decision.arrived().unwrap(), 0);
-    decision.see(last.iter().map(|at| Pose { x: at.unwrap().x, y: at.unwrap().y, theta: 0.0 }));
+    decision.see(last.iter().map(|at| still(Pose { x: at.unwrap().x, y: at.unwrap().y, theta: 0.0 })));
     assert_eq!(decision.arrived().unwrap(), 2);
     assert!(decision.acts().unwrap().iter().all(|act| act.active));
 }
@@ -158,7 +216,7 @@ fn who_has_left_stays_away_and_is_not_seen() {
     // Carried back into the room, and left there for a step.
     let back = Pose { x: 3.0, y: 2.0, theta: 0.0 };
     for _ in 0..2 {
-        decision.see([back, Pose { x: 2.6, y: 2.0, theta: 0.0 }].into_iter());
+        decision.see([back, Pose { x: 2.6, y: 2.0, theta: 0.0 }].map(still).into_iter());
         decision.pass(STEP).unwrap();
     }
     let acts = decision.acts().unwrap();
@@ -167,9 +225,9 @@ fn who_has_left_stays_away_and_is_not_seen() {
     assert!((speed - 1.34).abs() < 0.05, "nobody is in the way: {speed}");
     // From one step to the next over the line, and far beyond it.
     let mut decision = Decision::new(plan(&[room()], &people[1..], &config).unwrap());
-    decision.see(std::iter::once(Pose { x: 6.1, y: 2.0, theta: 0.0 }));
+    decision.see(std::iter::once(still(Pose { x: 6.1, y: 2.0, theta: 0.0 })));
     decision.pass(STEP).unwrap();
-    decision.see(std::iter::once(Pose { x: 7.5, y: 2.1, theta: 0.0 }));
+    decision.see(std::iter::once(still(Pose { x: 7.5, y: 2.1, theta: 0.0 })));
     assert!(!decision.acts().unwrap()[0].active);
 }
 

@@ -12,7 +12,7 @@ const SPEED: f64 = 1.34;
 #[command(next_help_heading = "Leaving (with -o or --zip)")]
 pub struct LeaveArguments {
     /// Everybody leaves: write the Trial's decision.toml, in which people walk through the doors to a line
-    /// 1 m behind them, or to an --exit
+    /// 1 m behind them, or to an --exit; of several, to the quickest by distance and queue
     #[arg(long)]
     leave: bool,
     /// A line where people have left, from X1,Y1 to X2,Y2, in m. Can be given several times
@@ -59,11 +59,15 @@ impl LeaveArguments {
     }
 
     /// The text of `decision.toml`: people leave by doors, with these lines \[m\] behind them, and by the exits.
-    /// Without a speed \[m/s\] it is a usual one.
+    /// Without a speed \[m/s\] it is a usual one. Of several exits, people choose by the expected time.
     pub fn text(&self, doors: &[[Vec2; 2]], speed: Option<f64>) -> String {
         let model = self.model.as_deref().unwrap_or("collision-free-speed");
         let speed = speed.unwrap_or(SPEED);
-        let mut text = format!("model = {model:?}\ndesired_speed = {speed:?}          # [m/s]\nexits = [\n");
+        let mut text = format!("model = {model:?}\ndesired_speed = {speed:?}          # [m/s]\n");
+        if doors.len() + self.exits.len() > 1 {
+            text += "exit_choice = \"time\"           # by distance and queue\n";
+        }
+        text += "exits = [\n";
         for (kind, lines) in [("door", doors), ("exit", &self.exits)] {
             for (k, [a, b]) in lines.iter().enumerate() {
                 let line = format!("[[{:?}, {:?}], [{:?}, {:?}]]", a.x, a.y, b.x, b.y);

@@ -6,6 +6,7 @@ use super::model::CrowdInfo;
 use crate::results::{self, Content, Format, FrameWriter, Place, with_path};
 use anyhow::{Result, bail};
 use lemons_core::files::Staged;
+use lemons_core::plane::Vec2;
 use lemons_core::trial::Agent;
 use lemons_master::{CrowdRecord, Saved};
 use lemons_results::{Frame, KeptFrames, Recorder, Run};
@@ -38,6 +39,8 @@ pub struct CrowdRecorder {
     poses: Option<Poses>,
     /// The last communication point.
     last: Frame,
+    /// \[s\] and \[m\] When and where people have left since the run began or went on.
+    departures: Vec<(f64, Vec2)>,
 }
 
 /// The result of recording.
@@ -108,6 +111,7 @@ impl CrowdRecorder {
             exposure,
             peak_passed: false,
             last: Frame::default(),
+            departures: Vec::new(),
         })
     }
 
@@ -126,6 +130,10 @@ impl CrowdRecorder {
         self.peak_passed =
             kind == PointKind::Passed && (self.peak_passed || self.extremes.peak_squeeze.force > before);
         self.exposure.add(length, &frame);
+        if kind != PointKind::Start && self.crowd.groups.active {
+            let gone = (0..frame.agents.len()).filter(|k| self.last.is_there(*k) && !frame.is_there(*k));
+            self.departures.extend(gone.map(|k| (frame.time, frame.agents[k].pose.position)));
+        }
         self.last = frame.clone();
         if kind == PointKind::Passed {
             return Ok(());
@@ -143,6 +151,11 @@ impl CrowdRecorder {
     /// The frame of the last communication point.
     pub fn last(&self) -> &Frame {
         &self.last
+    }
+
+    /// \[s\] and \[m\] Returns when and where people have left since the run began or went on.
+    pub fn departures(&self) -> &[(f64, Vec2)] {
+        &self.departures
     }
 
     pub fn crowd(&self) -> &CrowdInfo {
