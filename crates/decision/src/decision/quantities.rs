@@ -103,7 +103,6 @@ impl Quantity {
             Position | Waypoint | WaypointRadius => true,
             Mass | FloorDamping | DesiredSpeed => self == Fp,
             Theta | MomentOfInertia | AngularDamping => self == Mp,
-            Velocity | TimeGap | StandstillGap => matches!(self, Fp | Mp),
             _ => false,
         }
     }
@@ -191,10 +190,15 @@ impl Decision {
         if output.row().role != Role::Calculated {
             return Vec::new();
         }
-        // Of others, the outline counts, too.
-        let outline = |on: Quantity| self.needs_all(output) && on == Quantity::Theta;
+        // Where people see each other, outlines and motions count, too.
+        let seen = |on: Quantity| {
+            use Quantity::*;
+            let counts =
+                matches!(on, Theta | Velocity | FloorDamping | DesiredSpeed | TimeGap | StandstillGap);
+            self.needs_all(output) && counts
+        };
         let needed = |row: &&Variable<Quantity>| {
-            known.includes(row.role) && (output.needs(row.quantity) || outline(row.quantity))
+            known.includes(row.role) && (output.needs(row.quantity) || seen(row.quantity))
         };
         let on: Vec<Quantity> = QUANTITIES.iter().filter(needed).map(|row| row.quantity).collect();
         let each = self.elements_of_each(output);

@@ -207,7 +207,7 @@ fn of_one(
                     let later = across.dot(to + other.velocity * time);
                     let away = if later > 0.0 { across * -1.0 } else { across };
                     let weight = 1.0 + 0.5 * (1.0 - goal.dot(other.direction));
-                    aside = aside + away * (strength * weight * libm::exp(-gap / range));
+                    aside += away * (strength * weight * libm::exp(-gap / range));
                 }
             }
         });
@@ -254,7 +254,7 @@ fn walls(at: Vec2, faces: &[[Vec2; 2]]) -> Vec2 {
             m != n && other.contains(&place) && (foot(other) != place || m < n)
         };
         if !faces.iter().enumerate().any(counted) {
-            sum = sum + (at - place) * (WALL.0 * libm::exp((RADIUS - distance) / WALL.1) / distance);
+            sum += (at - place) * (WALL.0 * libm::exp((RADIUS - distance) / WALL.1) / distance);
         }
     }
     sum
@@ -439,4 +439,107 @@ fn eighth(direction: Vec2) -> u32 {
     let Vec2 { x, y } = direction;
     let second = (x < 0.0) != (y < 0.0);
     u32::from(y < 0.0) << 2 | u32::from(second) << 1 | u32::from((x.abs() < y.abs()) != second)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stuck::draw;
+
+    fn person(at: Vec2, velocity: Vec2, direction: Vec2) -> Walking<'static> {
+        Walking {
+            at,
+            velocity,
+            theta: 0.0,
+            disks: &[],
+            direction: Some(direction),
+            speed: 1.34,
+            to_go: 10.0 - at.x,
+            destination: 0,
+            relaxation: 0.22,
+            time_gap: 0.85,
+            standstill_gap: 0.09,
+            steering: 0.0,
+            noise: 0.0,
+            phase: 0.0,
+            breadth: 0.48,
+            depth: 0.25,
+            stuck: false,
+        }
+    }
+
+    /// Returns the speeds along x of people in a row who all walk at one speed, each a headway behind the next.
+    fn row(headway: f64, speed: f64) -> f64 {
+        let velocity = vec2(speed, 0.0);
+        let people = [0.0, headway].map(|x| Some(person(vec2(x, 0.0), velocity, vec2(1.0, 0.0))));
+        desired(&Rotational::default(), &people, &[])[0].velocity.x
+    }
+
+    #[test]
+    fn the_speed_behind_somebody_is_the_gap_by_the_time_gap() {
+        for headway in [0.5, 0.7, 1.0, 1.3] {
+            let speed = (headway - 0.3 - 0.09) / 0.85;
+            assert!((row(headway, speed) - speed).abs() < 1e-12, "{headway}");
+        }
+        assert!((row(5.0, 1.34) - 1.34).abs() < 1e-12);
+        // Pushes are limited: 4 m/s² for 0.22 s.
+        assert!((row(5.0, 0.0) - 0.88).abs() < 1e-12);
+    }
+
+    #[test]
+    fn neither_the_grid_nor_the_order_of_people_nor_the_side_counts() {
+        let share = |count| (draw(5, 0, count) >> 11) as f64 / (1u64 << 53) as f64;
+        let mut count = 0;
+        let mut next = || {
+            count += 1;
+            share(count)
+        };
+        let crowd: Vec<Walking<'_>> = (0..300)
+            .map(|k| {
+                let at = vec2(12.0 * next(), 8.0 * next());
+                let way = vec2(if k % 3 == 0 { -1.0 } else { 1.0 }, next() - 0.5).unit(0.0).unwrap();
+                Walking { phase: 0.0, ..person(at, way * next(), way) }
+            })
+            .collect();
+        let walls = [[vec2(0.0, -0.2), vec2(12.0, -0.2)], [vec2(5.0, 3.0), vec2(6.0, 5.0)]];
+        let model = Rotational::default();
+        let of = |people: &[Walking<'_>], walls: &[[Vec2; 2]]| {
+            let people: Vec<_> = people.iter().copied().map(Some).collect();
+            desired(&model, &people, walls)
+        };
+        let near = |a: &DesiredMotion, b: &DesiredMotion, sign: f64| {
+            let facing = (a.facing.unwrap(), b.facing.unwrap());
+            (a.velocity.x - b.velocity.x).abs() < 1e-9
+                && (a.velocity.y - sign * b.velocity.y).abs() < 1e-9
+                && (facing.0.y - sign * facing.1.y).abs() < 1e-6
+                && (a.steering - sign * b.steering).abs() < 1e-9
+        };
+        let plain = of(&crowd, &walls);
+        let moved = |by: Vec2| {
+            let people: Vec<_> = crowd.iter().map(|one| Walking { at: one.at + by, ..*one }).collect();
+            of(&people, &walls.map(|wall| wall.map(|end| end + by)))
+        };
+        // Somebody far away makes the cells others.
+        let mut others = crowd.clone();
+        others.reverse();
+        others.push(person(vec2(-7.13, -9.31), Vec2::ZERO, vec2(1.0, 0.0)));
+        let other = of(&others, &walls);
+        let mirror = |at: Vec2| vec2(at.x, -at.y);
+        let mirrored: Vec<_> = crowd
+            .iter()
+            .map(|one| Walking {
+                at: mirror(one.at),
+                velocity: mirror(one.velocity),
+                direction: one.direction.map(mirror),
+                ..*one
+            })
+            .collect();
+        let mirrored = of(&mirrored, &walls.map(|wall| wall.map(mirror)));
+        let by = moved(vec2(0.37, -41.0));
+        for (k, one) in plain.iter().enumerate() {
+            assert!(near(one, &by[k], 1.0) && near(one, &other[crowd.len() - 1 - k], 1.0), "{k}");
+            // Whether the left or the right foot comes first is not mirrored.
+            assert!(crowd[k].velocity.norm() < SWAY.2 || near(one, &mirrored[k], -1.0), "{k}");
+        }
+    }
 }
