@@ -1,8 +1,8 @@
 """Walking models beside measured trajectories: gate, exits, corridors, two directions, single file.
 
     pip install ./python pedpy jupedsim
-    python examples/experiments.py --data DIR                        # all rows, ten seeds, the model of `lemons crowd`
-    python examples/experiments.py exits --model collision-free-speed --model jupedsim-v3 --seeds 3
+    python examples/experiments.py --data DIR                        # all rows, ten seeds, the model of `lemons crowd --leave`
+    python examples/experiments.py exits --model rotational --model jupedsim-v3 --peers 3
     python examples/experiments.py gate --constants '[collision-free-speed]
     time_gap = 0.5'
     python examples/experiments.py measured                          # the measured side alone
@@ -49,7 +49,8 @@ import pandas as pd
 FREE = (1.34, 0.26)  # m/s, desired speeds: mean and standard deviation (Weidmann 1993)
 FREE_UX = (1.24, 0.15)  # m/s, of the people of Seyfried et al. 2005
 FREE_HERMES = (1.55, 0.18)  # m/s, measured of the people of the corridors (Zhang et al. 2011)
-MODELS = ["straight", "collision-free-speed", "social-force"]
+OURS = ["rotational", "collision-free-speed", "social-force", "straight"]
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation.md"
 THEIRS = {"v2": "CollisionFreeSpeedModelV2", "v3": "CollisionFreeSpeedModelV3", "avm": "AnticipationVelocityModel"}
 GATE = "040_c_56_h-"
 TUNE = [
@@ -672,7 +673,7 @@ def counterflow(model, constants="", seeds=10, quick=False, **others):
             if low >= 0.5:
                 rows.append(compare("counterflow", f"J at {low:.1f} to {low + 0.5:.1f} /m² [1/(m s)]", part, flow, flows, share=0.2))
         stuck = [each["stuck"] for name in own for each in ours[name]]
-        total = Row("counterflow", f"of {len(stuck)} runs stuck", part, 0.0, sum(stuck), math.nan, math.nan, "none", not sum(stuck))
+        total = Row("counterflow", "part of the runs that get stuck", part, 0.0, mean(stuck), math.nan, math.nan, "none", not sum(stuck))
         rows.append(total)
     return rows
 
@@ -727,18 +728,103 @@ def measured_side(data=None, processes=2):
 ROWS = {"gate": gate, "exits": exits, "corridor": corridor, "counterflow": counterflow, "single_file": single_file}
 
 
+def beside(found):
+    """Rows of a table: of each number the measured one, the limit, and the medians of models; bold: outside of the limit."""
+    models = list(found)
+    say = lambda value: "–" if math.isnan(value) else "never" if math.isinf(value) else f"{value:.3g}"  # noqa: E731
+    table = []
+    for rows in zip(*found.values()):
+        first = rows[0]
+        cells = [say(row.ours) if row.passed else f"**{say(row.ours)}**" for row in rows]
+        if models[0] in OURS and not math.isnan(first.low):
+            cells[0] += f" ({say(first.low)} to {say(first.high)})"
+        table.append([first.row.replace("_", " "), first.what, first.set, say(first.measured), first.limit, *cells])
+    passed = [f"{sum(row.passed for row in rows)} of {len(rows)}" for rows in found.values()]
+    table.sort(key=lambda cells: not cells[5].startswith("**"))
+    return [*table, ["all", "within the limit", "", "", "", *passed]]
+
+
+def write_page(found):
+    """Puts the table and the pictures into docs/validation.md."""
+    head = ["row", "number", "set", "measured", "limit", *(name.replace("jupedsim-", "JuPedSim ") for name in found)]
+    lines = ["| " + " | ".join(cells) + " |" for cells in [head, ["---"] * len(head), *beside(found)]]
+    begin, end = "<!-- experiments -->", "<!-- /experiments -->"
+    before, _, rest = PAGE.read_text().partition(begin)
+    after = rest.partition(end)[2]
+    if not after:
+        raise SystemExit(f"{PAGE}: there is no {begin} … {end}")
+    PAGE.write_text(f"{before}{begin}\n\n" + "\n".join(lines) + f"\n\n{end}{after}")
+
+
+def pictures(models, data):
+    """Draws N(t) at the gate, flow against width, speed against density, and flow of two directions; then lanes."""
+    import matplotlib
+
+    matplotlib.use("svg")
+    matplotlib.rcParams |= {"svg.hashsalt": "lemons", "svg.fonttype": "none", "font.size": 9}
+    import matplotlib.pyplot as plt
+
+    colours = dict(zip(models, ["#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00"]))
+    of = lambda name, model: [found for task, found in KEPT.items() if task[0] == name and task[2] and task[2].model == model]  # noqa: E731
+    real = {task[0]: found for task, found in KEPT.items() if task[2] is None}
+    figure, ((gate_, doors), (one, two)) = plt.subplots(2, 2, figsize=(9, 7), layout="constrained")
+    corridors = [name for name in CORRIDORS if name in real]
+    both = [name for name in real if name.startswith("bo")]
+
+    def steps(found, **look):
+        gate_.step([0, *found["times"]], range(len(found["times"]) + 1), where="post", **look)
+
+    for model in models:
+        look = dict(color=colours[model])
+        for found in of(GATE, model)[:3]:
+            steps(found, linewidth=0.8, **look)
+        middle = [np.median([found["specific"] for found in of(name, model)]) for name in EXITS]
+        widths = [int(name.split("-")[3]) / 100 for name in EXITS]
+        order = np.argsort(widths)
+        doors.plot(np.array(widths)[order], np.array(middle)[order], "o-", markersize=4, label=model.replace("jupedsim-", "JuPedSim "), **look)
+        for panel, names, width, least in ((one, corridors, 0.25, 6), (two, both, 0.5, 10)):
+            points = [found["points"] for name in names for found in of(name, model)[:1]]
+            if points:
+                curve = classes(np.concatenate(points), width, least)
+                panel.plot([low + width / 2 for low in curve], list(curve.values()), "o-", markersize=3, linewidth=0.8, **look)
+    steps(real[GATE], color="black", linewidth=2)
+    widths = [int(name.split("-")[3]) / 100 for name in EXITS]
+    doors.plot(widths, [real[name]["specific"] for name in EXITS], "ks", label="measured")
+    for panel, names, width, least in ((one, corridors, 0.25, 6), (two, both, 0.5, 10)):
+        curve = classes(pooled(real, names), width, least)
+        panel.plot([low + width / 2 for low in curve], list(curve.values()), "ks", markersize=5)
+    gate_.set(title="Gate of 0.5 m, 75 people (three seeds)", xlabel="time [s]", ylabel="people through the gate", xlim=(0, 160))
+    doors.set(title="Exits of corridors", xlabel="width of the exit [m]", ylabel="flow [1/(m s)]", ylim=(0, None))
+    one.set(title="Corridors, one direction", xlabel="density [1/m²]", ylabel="speed [m/s]", ylim=(0, None))
+    two.set(title="Corridors, two directions", xlabel="density [1/m²]", ylabel="flow [1/(m s)]", ylim=(0, None))
+    doors.legend(fontsize=8)
+    figure.savefig(PAGE.parent / "validation_experiments.svg", metadata={"Date": None})
+    # Lanes: ways of ten seconds in the middle of a run.
+    name = "bot-360-090-090"
+    scene = scene_of(name, str(data))
+    figure, panels = plt.subplots(2, 1, figsize=(9, 6), layout="constrained")
+    for panel, (title, traces) in zip(panels, [("measured", scene.recorded), (models[0], simulated(scene, Walk(models[0]), 1, 60.0))]):
+        table = traces.data[(traces.data["y"].abs() < 4) & traces.data["frame"].between(30 * scene.fps, 40 * scene.fps)]
+        for _, way in table.groupby("id"):
+            up = way["y"].iloc[-1] > way["y"].iloc[0]
+            panel.plot(way["y"], way["x"], color="#D55E00" if up else "#0072B2", linewidth=0.8)
+        panel.set(title=f"{title}: ways from 30 to 40 s", xlim=(-4, 4), ylim=(0, 3.6), xlabel="along the corridor [m]", ylabel="across [m]", aspect="equal")
+    figure.savefig(PAGE.parent / "validation_lanes.svg", metadata={"Date": None})
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("row", nargs="*", help=f"of {', '.join(ROWS)}, or measured; default: all rows")
-    parser.add_argument("--model", action="append", help=f"one of {', '.join(MODELS)}, {', '.join(f'jupedsim-{name}' for name in THEIRS)}, or another of ours")
-    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--model", action="append", help=f"one of {', '.join(OURS)}, {', '.join(f'jupedsim-{name}' for name in THEIRS)}")
+    parser.add_argument("--seeds", type=int, default=10, help="of the first model; others: at most --peers")
+    parser.add_argument("--peers", type=int, default=10, help="most seeds of models after the first one")
     parser.add_argument("--constants", default="", metavar="TOML", help="put into decision.toml; of JuPedSim: parameters of its agents")
     parser.add_argument("--constants-of", nargs=2, action="append", default=[], metavar=("ROW", "TOML"), help="those of one row, instead of --constants")
     parser.add_argument("--body", metavar="BxD", help="all people have this breadth and depth [m], for example 0.38x0.22; default: drawn from the survey")
     parser.add_argument("--friction", type=float, help="between people; default: that of lemons crowd")
     parser.add_argument("--quick", action="store_true", help="one seed, 40 s, few experiments: to see that it works")
     parser.add_argument("--data", help="the directory with the trajectories")
-    parser.add_argument("--markdown", action="store_true", help="print tables as Markdown")
+    parser.add_argument("--write", action="store_true", help="put the table of all models, and pictures, into docs/validation.md")
     arguments = parser.parse_args()
     data = directory(arguments.data)
     if data is None:
@@ -749,21 +835,25 @@ def main():
             print(f"{title}\n\n{table.round(3).to_string()}\n")
         return
     body = tuple(map(float, arguments.body.split("x"))) if arguments.body else None
-    for model in arguments.model or ["collision-free-speed"]:
-        began, found = time.monotonic(), []
+    models = arguments.model or ["rotational"]
+    found = {}
+    for model in models:
+        began, rows = time.monotonic(), []
+        seeds = arguments.seeds if model == models[0] else min(arguments.seeds, arguments.peers)
         for name in arguments.row or ROWS:
             constants = dict(arguments.constants_of).get(name, arguments.constants)
-            found += ROWS[name](model, constants, arguments.seeds, body=body, friction=arguments.friction, data=data, quick=arguments.quick)
-        print(f"{model}: {sum(row.passed for row in found)} of {len(found)} pass ({time.monotonic() - began:.0f} s)\n")
-        show([row.cells() for row in found], HEAD, arguments.markdown)
+            rows += ROWS[name](model, constants, seeds, body=body, friction=arguments.friction, data=data, quick=arguments.quick)
+        found[model] = rows
+        print(f"{model}: {sum(row.passed for row in rows)} of {len(rows)} pass ({time.monotonic() - began:.0f} s)\n")
+        show([row.cells() for row in rows], HEAD)
+    if arguments.write:
+        write_page(found)
+        pictures(models, data)
 
 
-def show(rows, head, markdown):
-    if markdown:
-        print("\n".join("| " + " | ".join(cells) + " |" for cells in [head, ["---"] * len(head), *rows]))
-    else:
-        widths = [max(len(cells[k]) for cells in [head, *rows]) for k in range(len(head))]
-        print("\n".join("  ".join(cell.ljust(width) for cell, width in zip(cells, widths)).rstrip() for cells in [head, *rows]))
+def show(rows, head):
+    widths = [max(len(cells[k]) for cells in [head, *rows]) for k in range(len(head))]
+    print("\n".join("  ".join(cell.ljust(width) for cell, width in zip(cells, widths)).rstrip() for cells in [head, *rows]))
     print(flush=True)
 
 

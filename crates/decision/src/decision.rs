@@ -106,6 +106,15 @@ pub struct Decision {
     ways: Option<Option<Arc<Ways>>>,
     /// What all agents want by the model at their present poses, if people see each other and nothing has changed since.
     wanted: Option<Vec<DesiredMotion>>,
+    /// Arrivals and directions of all agents at their present poses, if they were computed.
+    aims: Option<Vec<Aim>>,
+}
+
+/// See [`Decision::arrival`] and [`Decision::goes`].
+#[derive(Debug, Clone, Copy)]
+struct Aim {
+    arrival: Option<Arrival>,
+    goes: Option<(Vec2, f64)>,
 }
 
 impl Decision {
@@ -132,7 +141,7 @@ impl Decision {
         let walls = plan.polylines();
         let faces = walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]])).collect();
         let faces = Arc::new(faces);
-        Decision { agents, plan, fingerprint, most_waypoints, faces, ways: None, wanted: None }
+        Decision { agents, plan, fingerprint, most_waypoints, faces, ways: None, wanted: None, aims: None }
     }
 
     /// Everybody is seen at these poses, with these velocities \[m/s\], in their order; without FMI. Who walks decides at
@@ -141,7 +150,7 @@ impl Decision {
         for (agent, (pose, velocity)) in self.agents.iter_mut().zip(motions) {
             (agent.pose, agent.velocity) = (pose, [velocity.x, velocity.y]);
         }
-        self.wanted = None;
+        (self.wanted, self.aims) = (None, None);
     }
 
     /// What everybody does at the present poses.
@@ -150,6 +159,7 @@ impl Decision {
     /// No ways to exits and goals can be found: the area is too large.
     pub fn acts(&mut self) -> Answer<Vec<Act>> {
         self.find_ways()?;
+        self.find_aims();
         let mut acts = Vec::with_capacity(self.agents.len());
         for i in 0..self.agents.len() {
             let active = self.arrival(i) != Some(Arrival::Leaves);
@@ -164,6 +174,7 @@ impl Decision {
     /// Those of [`Decision::acts`].
     pub fn pass(&mut self, step: f64) -> Answer<()> {
         self.find_ways()?;
+        self.find_aims();
         for i in 0..self.agents.len() {
             let arrival = self.arrival(i);
             let leaves = arrival == Some(Arrival::Leaves);
@@ -193,6 +204,7 @@ impl Decision {
             }
             (agent.next, agent.left, agent.last) = (next, leaves, Some([at.x, at.y]));
         }
+        self.aims = None;
         self.choose_exits(step);
         Ok(())
     }
@@ -269,6 +281,14 @@ impl Decision {
         Ok(())
     }
 
+    /// Computes the aims of all agents, unless that was done at these poses.
+    fn find_aims(&mut self) {
+        if self.aims.is_none() {
+            let aim = |i| Aim { arrival: self.arrival(i), goes: self.goes(i) };
+            self.aims = Some((0..self.agents.len()).map(aim).collect());
+        }
+    }
+
     /// Returns the ways that were found.
     fn ways(&self) -> Option<&Ways> {
         self.ways.as_ref()?.as_deref()
@@ -276,6 +296,9 @@ impl Decision {
 
     /// Returns what an agent does at its exit or goal, if it has arrived there at the present pose.
     fn arrival(&self, i: usize) -> Option<Arrival> {
+        if let Some(aims) = &self.aims {
+            return aims[i].arrival;
+        }
         let agent = &self.agents[i];
         if agent.left {
             return Some(Arrival::Leaves);
@@ -291,6 +314,9 @@ impl Decision {
 
     /// Where an agent wants to go from its present pose: a unit vector, and the speed \[m/s\].
     fn goes(&self, i: usize) -> Option<(Vec2, f64)> {
+        if let Some(aims) = &self.aims {
+            return aims[i].goes;
+        }
         let (agent, destination) = (&self.agents[i], self.destination(i));
         if let Some(waypoint) = agent.walker.waypoints.get(agent.next()) {
             let way = vec2(waypoint.x, waypoint.y) - agent.at();
@@ -376,6 +402,7 @@ impl Decision {
         if let Some(wanted) = &self.wanted {
             return wanted[i];
         }
+        self.find_aims();
         let people: Vec<Option<Walking<'_>>> = (0..self.agents.len()).map(|i| self.walking(i)).collect();
         let all = self.plan.walking_model.desired(&people, &self.faces);
         let own = all[i];
@@ -483,7 +510,7 @@ impl Model for Decision {
     fn set(&mut self, quantity: Quantity, element: usize, value: f64, _: Phase) {
         if let Some(field) = self.field(quantity, element) {
             *field = value;
-            self.wanted = None;
+            (self.wanted, self.aims) = (None, None);
         }
     }
 
@@ -544,7 +571,7 @@ impl Model for Decision {
                 }
             }
         }
-        (self.agents, self.wanted) = (restored.agents, wanted.clone());
+        (self.agents, self.wanted, self.aims) = (restored.agents, wanted.clone(), None);
         Ok(())
     }
 }

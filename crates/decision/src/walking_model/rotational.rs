@@ -213,8 +213,8 @@ fn of_one(
         });
     }
 
-    let aside = (reference + aside).unit(1e-9).unwrap_or(reference);
-    let mut steering = libm::atan2(reference.cross(aside), reference.dot(aside));
+    let aside = (reference + aside).unit(1e-9).filter(|_| aside != Vec2::ZERO);
+    let mut steering = aside.map_or(0.0, |aside| libm::atan2(reference.cross(aside), reference.dot(aside)));
     if leader.0.is_finite() && corridor >= 2.0 * walking.breadth {
         let (weight, side) = (libm::exp(-leader.0), leader.1);
         steering -= FRAC_PI_2 * libm::tanh(weight * side / (side.abs() + OFFSET));
