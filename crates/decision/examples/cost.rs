@@ -28,7 +28,8 @@ fn main() {
             .collect();
         let high = 0.5 * f64::from(rows) + 1.0;
         let middle = 0.5 * high;
-        let hall = [(26.0, middle + 1.0), (26.0, high), (0.0, high), (0.0, 0.0), (26.0, 0.0), (26.0, middle - 1.0)];
+        let hall =
+            [(26.0, middle + 1.0), (26.0, high), (0.0, high), (0.0, 0.0), (26.0, 0.0), (26.0, middle - 1.0)];
         let hall = hall.map(|(x, y)| vec2(x, y));
         for model in ["straight", "collision-free-speed", "social-force", "rotational"] {
             let exit = format!("[[26.5, {}], [26.5, {}]]", middle - 1.0, middle + 1.0);

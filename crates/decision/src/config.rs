@@ -15,7 +15,7 @@
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
 use crate::person::Person;
-use crate::rule::Waypoint;
+use crate::rule::{Motivation, Waypoint};
 use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModel};
 use lemons_core::files::words;
 use serde::de::Error as _;
@@ -51,6 +51,8 @@ pub struct DecisionConfig {
     pub(crate) exits: Option<Vec<TargetConfig>>,
     pub(crate) exit_choice: Option<ExitChoice>,
     pub(crate) goals: Option<Vec<TargetConfig>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) motivation: Vec<Motivation>,
     #[serde(rename = "collision-free-speed")]
     pub(crate) collision_free_speed: Option<CollisionFreeSpeed>,
     #[serde(rename = "social-force")]

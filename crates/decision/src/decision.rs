@@ -38,6 +38,8 @@ pub struct Saved {
     /// Fingerprint of the plan.
     fingerprint: u128,
     agents: Vec<Agent>,
+    /// \[s\] Time since the start.
+    time: f64,
     /// See [`Decision`].
     wanted: Option<Vec<DesiredMotion>>,
 }
@@ -98,6 +100,8 @@ pub struct Decision {
     /// Fingerprint of the plan.
     fingerprint: u128,
     agents: Vec<Agent>,
+    /// \[s\] Time since the start.
+    time: f64,
     /// Largest number of way-points of an agent, at least 1.
     most_waypoints: usize,
     /// Of the walls.
@@ -141,7 +145,17 @@ impl Decision {
         let walls = plan.polylines();
         let faces = walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]])).collect();
         let faces = Arc::new(faces);
-        Decision { agents, plan, fingerprint, most_waypoints, faces, ways: None, wanted: None, aims: None }
+        Decision {
+            agents,
+            time: 0.0,
+            plan,
+            fingerprint,
+            most_waypoints,
+            faces,
+            ways: None,
+            wanted: None,
+            aims: None,
+        }
     }
 
     /// Everybody is seen at these poses, with these velocities \[m/s\], in their order; without FMI. Who walks decides at
@@ -206,6 +220,13 @@ impl Decision {
         }
         self.aims = None;
         self.choose_exits(step);
+        let before = self.time;
+        self.time += step;
+        // A rounding error is not a step.
+        let due = |at: f64| before < at - 1e-9 && at - 1e-9 <= self.time;
+        for motivation in self.plan.motivation.iter().filter(|motivation| due(motivation.time)) {
+            self.agents.iter_mut().for_each(|agent| agent.walker.motivate(motivation));
+        }
         Ok(())
     }
 
@@ -537,12 +558,17 @@ impl Model for Decision {
     }
 
     fn save(&self) -> Saved {
-        Saved { fingerprint: self.fingerprint, agents: self.agents.clone(), wanted: self.wanted.clone() }
+        Saved {
+            fingerprint: self.fingerprint,
+            time: self.time,
+            agents: self.agents.clone(),
+            wanted: self.wanted.clone(),
+        }
     }
 
     fn restore(&mut self, saved: &Saved) -> Answer<()> {
         const IMPOSSIBLE: &str = "it has other agents or way-points, or impossible values";
-        let Saved { fingerprint, agents: saved, wanted } = saved;
+        let Saved { fingerprint, agents: saved, time, wanted } = saved;
         if *fingerprint != self.fingerprint {
             return refuse("the state belongs to another model, with another plan");
         }
@@ -556,7 +582,7 @@ impl Model for Decision {
                 a.choice.exit.is_none_or(|k| self.plan.targets.get(k).is_some_and(|target| !target.stay));
             exit && a.walker.waypoints.len() == count && a.next <= count && last && own && a.stuck.is_sound()
         };
-        if wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len()) {
+        if !time.is_finite() || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len()) {
             return damaged(IMPOSSIBLE);
         }
         if saved.len() != self.agents.len() || !saved.iter().zip(&self.agents).all(alike) {
@@ -571,7 +597,8 @@ impl Model for Decision {
                 }
             }
         }
-        (self.agents, self.wanted, self.aims) = (restored.agents, wanted.clone(), None);
+        (self.agents, self.time) = (restored.agents, *time);
+        (self.wanted, self.aims) = (wanted.clone(), None);
         Ok(())
     }
 }
@@ -603,6 +630,28 @@ mod tests {
         decision.set(Quantity::DesiredSpeed, 0, 1.7e308, Phase::StepComplete);
         let error = decision.number(Quantity::Fp, 0).unwrap_err().to_string();
         assert!(error.contains("agent[0]") && error.contains("Fp.x"), "{error}");
+    }
+
+    #[test]
+    fn motivation_changes_at_its_time_and_a_saved_run_goes_on_alike() {
+        let mut decision = decision(
+            "model = \"rotational\"\nwaypoints = [{ x = 1, y = 2 }]\n\
+             motivation = [{ time = 0.1, time_gap = 0.5 }, { time = 0.2, desired_speed = 2.0 }]",
+        );
+        let now = |decision: &Decision| {
+            let walker = &decision.agents[0].walker;
+            (walker.time_gap, walker.desired_speed)
+        };
+        let mut seen = Vec::new();
+        for _ in 0..5 {
+            seen.push(now(&decision));
+            decision.pass(0.05).unwrap();
+        }
+        assert_eq!(seen, [(0.85, 1.34), (0.85, 1.34), (0.5, 1.34), (0.5, 1.34), (0.5, 2.0)]);
+        let mut other = decision.anew();
+        other.restore(&decision.save()).unwrap();
+        assert_eq!(other.save(), decision.save());
+        assert_eq!(now(&decision.anew()), (0.85, 1.34));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::config::{AgentConfig, DecisionConfig};
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
 use crate::person::Person;
-use crate::rule::{Pose, Walker, Waypoint};
+use crate::rule::{Motivation, Pose, Walker, Waypoint};
 use crate::target::{Destination, Target, Ways};
 use crate::walking_model::WalkingModel;
 use destinations::{destinations, targets_of};
@@ -73,6 +73,9 @@ pub struct Plan {
     /// How people choose who take the nearest exit.
     #[serde(default, skip_serializing_if = "is_default")]
     pub exit_choice: ExitChoice,
+    /// Changes of everybody's motivation during the run.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub motivation: Vec<Motivation>,
     /// Exits and goals.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub targets: Vec<Target>,
@@ -136,7 +139,9 @@ impl Plan {
         let seen = walking_model.sees_others() || !targets.is_empty();
         let walls = walls.filter(|_| seen).map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
         let (seed, exit_choice) = (config.seed.unwrap_or(0), config.exit_choice.unwrap_or_default());
-        let plan = Plan { time_step, seed, walls, walking_model, exit_choice, targets, agents }.checked()?;
+        let motivation = config.motivation.clone();
+        let plan = Plan { time_step, seed, walls, walking_model, exit_choice, motivation, targets, agents };
+        let plan = plan.checked()?;
         plan.check_ways()?;
         Ok(plan)
     }

@@ -65,7 +65,31 @@ pub struct Walker {
     pub waypoints: Vec<Waypoint>,
 }
 
+/// Change of everybody's motivation during a run; what is not said stays as it is.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Motivation {
+    /// \[s\] Time from which on it holds.
+    pub time: f64,
+    /// \[m/s\] Desired speed v₀.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub desired_speed: Option<f64>,
+    /// \[s\] Time gap T to who is ahead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_gap: Option<f64>,
+    /// \[m\] Gap to who is ahead when standing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub standstill_gap: Option<f64>,
+}
+
 impl Walker {
+    /// Takes over a motivation.
+    pub(crate) fn motivate(&mut self, by: &Motivation) {
+        self.desired_speed = by.desired_speed.unwrap_or(self.desired_speed);
+        self.time_gap = by.time_gap.unwrap_or(self.time_gap);
+        self.standstill_gap = by.standstill_gap.unwrap_or(self.standstill_gap);
+    }
+
     /// Returns the index of the next way-point at a pose, if it was `next` before; the number of way-points after the
     /// last one.
     pub fn next(&self, mut next: usize, pose: Pose) -> usize {

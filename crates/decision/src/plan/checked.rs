@@ -39,6 +39,15 @@ impl Plan {
         for corner in self.walls.iter().flatten().flatten() {
             coordinate("a wall", "corner", *corner)?;
         }
+        for (k, motivation) in self.motivation.iter().enumerate() {
+            let place = format!("motivation {k}");
+            positive(&place, "time", motivation.time)?;
+            motivation.desired_speed.map_or(Ok(()), |value| moderate(&place, "desired_speed", value))?;
+            motivation.time_gap.map_or(Ok(()), |value| positive(&place, "time_gap", value))?;
+            motivation
+                .standstill_gap
+                .map_or(Ok(()), |value| not_negative(&place, "standstill_gap", value))?;
+        }
         check_targets(&self.targets)?;
         for agent in &self.agents {
             let (place, walker, pose) = (format!("agent {:?}", agent.id), &agent.walker, &agent.pose);
