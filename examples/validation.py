@@ -536,7 +536,7 @@ def bottleneck(work, quick=False):
     def draw(plt):
         figure, panel = plt.subplots(figsize=(5.8, 3.8), layout="constrained")
         panel.axhspan(1.2, 1.3, color="0.75", linewidth=0, label="Weidmann 1993, SFPE")
-        panel.axhspan(1.6, 1.9, color="0.9", linewidth=0, label="Kretz 2006, Seyfried 2009")
+        panel.axhspan(1.6, 2.4, color="0.9", linewidth=0, label="experiments: 1.6 to 2.4")
         for k, model in enumerate(MODELS):
             own = [flows[model, width] for width in widths]
             x = np.array(widths) + 0.012 * (k - 1)
