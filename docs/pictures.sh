@@ -35,7 +35,7 @@ if wanted guide; then
     mkdir -p "$to/guide"
     "$lemons" plot resources/Trial_push --at 0.15,0.4,0.55,0.75 --columns 2 --fill squeeze -o "$to/guide/push.png" --force
     "$lemons" crowd --geometry examples/hall.xml --door 10,1.5,1.2 --number 60 --leave -o "$scratch/hall" >/dev/null
-    "$lemons" plot "$scratch/hall" --at 0,6,12,24 --columns 2 --fill speed -o "$to/guide/hall.png" --force
+    "$lemons" plot "$scratch/hall" --at 0,5,10,20 --columns 2 --fill speed -o "$to/guide/hall.png" --force
     "$lemons" measure "$scratch/hall" --until left --line door=10,0.9,10,2.1 --window 2 --above 200 --over 1 --plot "$to/guide/flow.png" --force >/dev/null
 fi
 

@@ -24,7 +24,7 @@ from pathlib import Path
 import pandas as pd
 
 LEMONS = os.environ.get("LEMONS", "lemons")
-MODELS = ["straight", "collision-free-speed", "social-force"]
+MODELS = ["straight", "collision-free-speed", "social-force", "rotational"]
 TRIAL_DOOR = Path(__file__).resolve().parent.parent / "resources" / "Trial_door"
 #: The exit lies behind the door. [m]
 DECISION = """\

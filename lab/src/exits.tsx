@@ -6,20 +6,22 @@ import { begin, mode as now, type Mode, picked } from "./motionstate";
 import { MOST } from "./forms";
 import { remove, setWishes } from "./exittool";
 import { Check, Choice, LengthField, NumberField } from "./parts";
-import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, shaped } from "./places";
-import type { Model, Place, Point, Wishes } from "./protocol";
+import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, ROTATIONAL, shaped } from "./places";
+import type { Model, Place, Point, Rotational, Wishes } from "./protocol";
 import { film, selected } from "./session";
 
 const FAR = 1000;
 
 const NAMES: [Model, string][] = [
+    ["rotational", "Rotational"],
     ["collision-free-speed", "Collision-free speed"],
-    ["straight", "Straight on"],
     ["social-force", "Social force"],
+    ["straight", "Straight on"],
 ];
 
 const GOOD_FOR: Record<Model, string> = {
-    "collision-free-speed": "People turn aside from others and from walls, and keep a distance in time. Take this model for evacuation times.",
+    rotational: "People see where others will be, step aside and turn their shoulders. Take this model for evacuation, corridors, counterflow and single file.",
+    "collision-free-speed": "People turn aside from others and from walls, and keep a distance in time. Flows through doors are about half of what people reach.",
     straight: "The paper's rule: people go on, whoever is in the way, and push. It shows pressure, not evacuation times.",
     "social-force": "Others and walls repel. Flows through doors are several times too great: not for evacuation times.",
 };
@@ -37,8 +39,9 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
     const hint = HINTS[now.value];
     return (
         <>
-            <Choice label="How they walk among others" value={wishes.model} choices={NAMES} onChange={(model) => setWishes({ ...wishes, model })} />
+            <Choice label="How they walk among others" value={wishes.model} choices={NAMES} onChange={(model) => setWishes({ ...wishes, model, rotational: null })} />
             <p class="note">{GOOD_FOR[wishes.model]}</p>
+            {wishes.model === "rotational" && <Constants wishes={wishes} />}
             <div class="row">
                 <NumberField label="Desired speed" unit="m/s" value={wishes.desired_speed} min={0} max={20} step={0.1} onChange={(desired_speed) => setWishes({ ...wishes, desired_speed })} />
                 <NumberField label="Seed" value={wishes.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => setWishes({ ...wishes, seed })} />
@@ -64,10 +67,30 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
     );
 }
 
+/** Of the rotational model: name, unit, the least, the step. */
+const CONSTANTS: [keyof Rotational, string, string, number, number][] = [
+    ["time_gap", "Time gap", "s", 0.05, 0.05],
+    ["standstill_gap", "Gap of those who stand", "m", 0, 0.01],
+    ["speed_noise", "Noise of the speed", "m/s", 0, 0.01],
+    ["acceleration", "Greatest acceleration", "m/s²", 0.1, 0.1],
+];
+
+function Constants({ wishes }: { wishes: Wishes }) {
+    const now = wishes.rotational ?? ROTATIONAL;
+    return (
+        <details>
+            <summary>Constants of the model</summary>
+            {CONSTANTS.map(([key, label, unit, min, step]) => (
+                <NumberField key={key} label={label} unit={unit} value={now[key]} min={min} max={100} step={step} onChange={(value) => setWishes({ ...wishes, rotational: { ...now, [key]: value } })} />
+            ))}
+        </details>
+    );
+}
+
 function whoGoesWhere(wishes: Wishes) {
     const { exits, goals } = wishes;
     if (exits.length === 0) return goals.length > 1 ? "Everybody goes to the goal that is nearest on foot at the start." : "Everybody goes to the goal.";
-    const exit = hasShares(wishes) ? "Exits are taken by their shares; the seed chooses by whom." : "Everybody takes the exit that is nearest on foot.";
+    const exit = hasShares(wishes) ? "Exits are taken by their shares; the seed chooses by whom." : exits.length > 1 ? "Everybody takes the exit by which they expect to be out first, by distance and queue." : "Everybody takes the exit.";
     return goals.length > 0 ? `${exit} To a goal go those for whom you choose it here.` : exit;
 }
 

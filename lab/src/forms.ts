@@ -1,7 +1,7 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
 import { type Check, dictionary, flag, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
-import { type Base, type CrowdWanted, type Door, type Edit, type Four, MODELS, type Motion, type Normal, type People, type Place, type Point, type Push, type Room, type Waypoint, type Wishes } from "./protocol";
+import { type Base, type CrowdWanted, type Door, type Edit, type Four, MODELS, type Motion, type Normal, type People, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
 interface Kept {
@@ -74,8 +74,11 @@ const place = record<Place>({
     share: nullable(number),
 });
 const name = nullable(text(MOST.name));
+const rotational = nullable(record<Rotational>({ time_gap: number, standstill_gap: number, speed_noise: number, acceleration: number }));
 const wishes = record<Wishes>({
     model: one(...MODELS),
+    // Older links have none.
+    rotational: (given) => rotational(given ?? null),
     desired_speed: number,
     seed: number,
     exits: list(place, MOST.places),

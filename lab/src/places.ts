@@ -1,9 +1,12 @@
 // Exits and goals of a plan: added, changed, removed. They are numbered together, exits before goals.
 
-import type { Place, Point, Wishes } from "./protocol";
+import type { Place, Point, Rotational, Wishes } from "./protocol";
 
 /** The model that `lemons crowd --leave` writes, and its speed. */
-export const FIRST_WISHES: Wishes = { model: "collision-free-speed", desired_speed: 1.34, seed: 1, exits: [], goals: [], agents: {} };
+export const FIRST_WISHES: Wishes = { model: "rotational", rotational: null, desired_speed: 1.34, seed: 1, exits: [], goals: [], agents: {} };
+
+/** As crates/decision has them. */
+export const ROTATIONAL: Rotational = { time_gap: 0.85, standstill_gap: 0.09, speed_noise: 0.12, acceleration: 4 };
 
 export type Kind = "exit" | "goal";
 

@@ -73,7 +73,7 @@ export interface Waypoint {
 }
 
 /** How people walk among others. */
-export const MODELS = ["straight", "collision-free-speed", "social-force"] as const;
+export const MODELS = ["straight", "collision-free-speed", "social-force", "rotational"] as const;
 export type Model = (typeof MODELS)[number];
 
 /** A line or a polygon, one of the two, where people leave or stay. */
@@ -85,9 +85,23 @@ export interface Place {
     share: number | null;
 }
 
+/** Constants of the rotational model. */
+export interface Rotational {
+    /** In s. */
+    time_gap: number;
+    /** In m. */
+    standstill_gap: number;
+    /** In m/s. */
+    speed_noise: number;
+    /** In m/s². */
+    acceleration: number;
+}
+
 /** As decision.toml says it. */
 export interface Wishes {
     model: Model;
+    /** Only with this model; null for its defaults. */
+    rotational: Rotational | null;
     desired_speed: number;
     /** Chooses who takes which exit by shares, and what people do who are stuck. */
     seed: number;

@@ -69,9 +69,9 @@ def test_everybody_gets_out(lemons, tmp_path):
     command = [sys.executable, REPOSITORY / "examples/evacuations.py", "few", "--seeds", "2"]
     done = limited.run(command, LIMIT, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert done.returncode == 0, done.stderr
-    assert "everybody got out in 18 of 18 runs" in (done.stdout if isinstance(done.stdout, str) else done.stdout.decode())
+    assert "everybody got out in 24 of 24 runs" in (done.stdout if isinstance(done.stdout, str) else done.stdout.decode())
     table = pd.read_csv(tmp_path / "few/results.csv", comment="#")
-    assert len(table) == 18 and (table["ended"] < 120).all() and table["squeeze"].nunique() > 12
+    assert len(table) == 24 and (table["ended"] < 120).all() and table["squeeze"].nunique() > 12
 
 
 def test_several_crowds_all_leave(lemons, tmp_path):

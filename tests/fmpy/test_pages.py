@@ -83,7 +83,7 @@ FILES = {
         "lemons sweep rooms.toml",
         {"[0.8, 1.0, 1.2]": "[0.8, 1.2]", "to = 20": "to = 2"},
     ),
-    ("docs/walking.md", 'model = "collision-free-speed"     # or "straight" (the default), "social-force"'): (
+    ("docs/walking.md", 'model = "rotational"               # "straight" is the default'): (
         "two_doors/decision.toml",
         "lemons crowd --number 20 --box 8x6 --door 8,3,1 --door 0,3,1 -o two_doors",
         "lemons check two_doors && lemons run two_doors --until 0.1 -o two_doors.csv",

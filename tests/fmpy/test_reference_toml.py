@@ -111,12 +111,13 @@ class DecisionReader(Reader):
         "An exit or a goal": lambda file: file["exits"][0],
         "collision-free-speed": lambda file: file.setdefault("collision-free-speed", {}),
         "social-force": lambda file: file.setdefault("social-force", {}),
+        "rotational": lambda file: file.setdefault("rotational", {}),
         "[agents.ID]": lambda file: file["agents"]["0"],
     }
 
     def base(self, heading, key):
         file = copy.deepcopy(self.BASE)
-        for model in {heading, key} & {"collision-free-speed", "social-force"}:
+        for model in {heading, key} & {"collision-free-speed", "social-force", "rotational"}:
             file["model"] = model
         for exit in file["exits"] if key == "share" else []:
             exit["share"] = 1

@@ -96,7 +96,7 @@ def test_everybody_leaves_by_an_exit_that_is_drawn(page: Page, browser: Browser,
     shown = download(page, "Trajectories (CSV)", tmp_path)
     trial = download(page, "Trial (zip)", tmp_path)
     decision = tomllib.loads(held(trial)["decision.toml"])
-    assert decision["model"] == "collision-free-speed" and decision["desired_speed"] == 1.34
+    assert decision["model"] == "rotational" and "exit_choice" not in decision and decision["desired_speed"] == 1.34
     assert decision["exits"] == [{"name": "to the street", "line": [[5, 0], [5, 2.75]]}] and "goals" not in decision
     assert "no problem" in lemons("check", trial)
     table = tmp_path / "run.csv"

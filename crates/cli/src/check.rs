@@ -1,5 +1,7 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
+mod walking;
+
 use crate::error::{TrialHasErrors, full_message};
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
@@ -9,6 +11,7 @@ use lemons_decision::{DECISION_FILE, Plan};
 use lemons_master::{TrialInput, notes, plan_of};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
+use walking::Doubt;
 
 /// \[m\] For which `check` names a step.
 const USUAL_ACCURACY: f64 = 1e-4;
@@ -83,6 +86,12 @@ fn report(given: &TrialInput) -> Report {
     if let Ok(Some(plan)) = &plan {
         let doubts = [hurried(plan), unmoved(plan), unused(&trial)].into_iter().flatten();
         doubts.for_each(|doubt| report.warn(&plan_file, doubt));
+        for doubt in walking::doubts(plan) {
+            match doubt {
+                Doubt::Warning(text) => report.warn(&plan_file, text),
+                Doubt::Note(text) => report.note(&plan_file, text),
+            }
+        }
     }
     let parameters = &trial.parameters;
     let drive = given.drive(&trial);

@@ -615,7 +615,7 @@ fn stuck_warning(model: &mut dyn RunModel, plan: &Plan, crowd: &CrowdRecorder) -
         format!(
             "warning: at t = {:.3} s {stuck} of the {there} people who are there press on and get no further (median squeeze \
              {:.0} N): in the model \"straight\" people walk on, whoever is in the way (in decision.toml, model = \
-             \"collision-free-speed\" makes them keep distances)",
+             \"rotational\" makes them keep distances)",
             frame.time,
             squeezed[stuck / 2]
         )

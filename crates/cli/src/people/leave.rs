@@ -24,8 +24,12 @@ pub struct LeaveArguments {
         requires = "leave"
     )]
     exits: Vec<[Vec2; 2]>,
-    /// How people walk around others. straight: not at all. Default: collision-free-speed
-    #[arg(long, value_parser = ["straight", "collision-free-speed", "social-force"], requires = "leave")]
+    /// How people walk around others. straight: not at all. Default: rotational
+    #[arg(
+        long,
+        value_parser = ["rotational", "collision-free-speed", "social-force", "straight"],
+        requires = "leave"
+    )]
     model: Option<String>,
 }
 
@@ -61,7 +65,7 @@ impl LeaveArguments {
     /// The text of `decision.toml`: people leave by doors, with these lines \[m\] behind them, and by the exits.
     /// Without a speed \[m/s\] it is a usual one. Of several exits, people choose by the expected time.
     pub fn text(&self, doors: &[[Vec2; 2]], speed: Option<f64>) -> String {
-        let model = self.model.as_deref().unwrap_or("collision-free-speed");
+        let model = self.model.as_deref().unwrap_or("rotational");
         let speed = speed.unwrap_or(SPEED);
         let mut text = format!("model = {model:?}\ndesired_speed = {speed:?}          # [m/s]\n");
         if doors.len() + self.exits.len() > 1 {

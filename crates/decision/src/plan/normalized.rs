@@ -4,13 +4,15 @@ use super::checked::check_targets;
 use super::destinations::targets_of;
 use crate::config::DecisionConfig;
 use crate::error::PlanError;
+use crate::exit_choice::ExitChoice;
 use crate::person::Person;
 use crate::target::{Destination, Ways};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::Trial;
 
 /// Returns settings in which everybody goes somewhere: without those of people who are not there, and, where there are several
-/// goals and no exits, with the goal that is nearest on foot at the start for each who names none.
+/// goals and no exits, with the goal that is nearest on foot at the start for each who names none. Of several exits without shares, people choose by
+/// the expected time if nothing else is said.
 ///
 /// # Errors
 /// An exit or a goal is not one, or the area is too large.
@@ -19,6 +21,10 @@ pub fn normalized(trial: &Trial, config: &DecisionConfig) -> Result<DecisionConf
     let mut config = config.without_others(&people).unwrap_or_else(|| config.clone());
     for none in [&mut config.exits, &mut config.goals] {
         none.take_if(|places| places.is_empty());
+    }
+    let exits = config.exits.as_deref().unwrap_or_default();
+    if exits.len() > 1 && exits.iter().all(|exit| exit.share.is_none()) {
+        config.exit_choice.get_or_insert(ExitChoice::Time);
     }
     let targets = targets_of(&config)?;
     check_targets(&targets)?;

@@ -8,7 +8,7 @@ fn line(name: &str, [a, b, c, d]: [f64; 4]) -> Value {
 
 fn go(exits: &[Value], goals: &[Value]) -> Value {
     json!({"kind": "go", "wishes": {
-        "model": "collision-free-speed", "desired_speed": 1.34, "seed": 1,
+        "model": "rotational", "desired_speed": 1.34, "seed": 1,
         "exits": exits, "goals": goals, "agents": {},
     }})
 }
@@ -52,11 +52,26 @@ fn everybody_leaves_beyond_the_door() {
 
     let (zip, text) = trial(&mut lab, 2);
     let wishes: toml::Table = text.parse().unwrap();
-    assert_eq!(wishes["model"].as_str(), Some("collision-free-speed"));
+    assert_eq!(wishes["model"].as_str(), Some("rotational"));
     assert_eq!(wishes["exits"][0]["name"].as_str(), Some("door 1"), "{text}");
     assert!(!text.contains("goals") && !text.contains("agents"), "{text}");
     // Opened again, it says the same.
     assert_eq!(open(&mut lab, "leave.zip", &zip)["scene"]["targets"], shown["scene"]["targets"]);
+}
+
+#[test]
+fn of_several_exits_people_take_the_quickest_unless_they_have_shares() {
+    let mut lab = Lab::default();
+    let exits = [line("right", [3.0, 1.0, 3.0, 2.0]), line("left", [0.5, 1.0, 0.5, 2.0])];
+    let mut choice = |exits: &[Value], run| {
+        ok(&mut lab, show(crowd(5, room()), go(exits, &[])));
+        let wishes: toml::Table = trial(&mut lab, run).1.parse().unwrap();
+        wishes.get("exit_choice").map(|choice| choice.as_str().unwrap().to_owned())
+    };
+    assert_eq!(choice(&exits, 1).as_deref(), Some("time"));
+    assert_eq!(choice(&exits[..1], 2), None);
+    let shares = exits.map(|exit| with(exit, "share", json!(1.0)));
+    assert_eq!(choice(&shares, 3), None);
 }
 
 #[test]

@@ -1,0 +1,122 @@
+//! Models of walking that are used where they are known to fail.
+
+use lemons_core::plane::{Vec2, segments_cross, vec2};
+use lemons_decision::Plan;
+use lemons_decision::plan::Planned;
+use lemons_decision::target::Ways;
+use lemons_decision::walking_model::WalkingModel;
+
+/// \[m\] People whose ways are further apart than this do not meet.
+const BESIDE: f64 = 1.0;
+/// Cosine of the smallest angle between directions that are opposite.
+const OPPOSITE: f64 = -0.5;
+/// Part of the people who must meet others, in either direction.
+const MANY: f64 = 0.1;
+/// Of more people, only so many are looked at.
+const MOST: usize = 2000;
+
+/// A doubt about the model.
+pub enum Doubt {
+    /// Results are wrong by a factor.
+    Warning(String),
+    /// Results may be meant so.
+    Note(String),
+}
+
+/// Doubts a model where people leave, and where they walk against each other.
+pub fn doubts(plan: &Plan) -> Vec<Doubt> {
+    let leave = plan.leaving().contains(&true);
+    let mut doubts = Vec::new();
+    let advice = "(model = \"rotational\" is for doors, corridors and counterflow)";
+    doubts.extend(match plan.walking_model {
+        WalkingModel::CollisionFreeSpeed(_) if leave => Some(Doubt::Note(format!(
+            "in the model \"collision-free-speed\" flows through doors are about half of what people reach in \
+             experiments {advice}"
+        ))),
+        WalkingModel::SocialForce(_) if leave => Some(Doubt::Warning(format!(
+            "in the model \"social-force\" flows through doors are two to four times what people reach in experiments \
+             {advice}"
+        ))),
+        WalkingModel::Straight if leave => Some(Doubt::Warning(format!(
+            "in the model \"straight\" people do not see each other: in front of an exit they push without end {advice}"
+        ))),
+        _ => None,
+    });
+    let opposite = |what: &str| {
+        let [one, other] = meeting(plan)?;
+        Some(format!("people walk against each other, as agents {one:?} and {other:?}: {what} {advice}"))
+    };
+    doubts.extend(match plan.walking_model {
+        WalkingModel::CollisionFreeSpeed(_) => {
+            opposite("in the model \"collision-free-speed\" they nearly stand still").map(Doubt::Warning)
+        }
+        WalkingModel::SocialForce(_) => {
+            opposite("for this, the model \"social-force\" has not been compared with experiments")
+                .map(Doubt::Warning)
+        }
+        // A push may be meant.
+        WalkingModel::Straight => {
+            opposite("in the model \"straight\" they do not see each other, and push").map(Doubt::Note)
+        }
+        WalkingModel::Rotational(_) => None,
+    });
+    doubts
+}
+
+/// The first way of somebody.
+struct Way<'a> {
+    agent: &'a Planned,
+    at: Vec2,
+    direction: Vec2,
+    /// \[m\]
+    length: f64,
+}
+
+impl<'a> Way<'a> {
+    fn of(agent: &'a Planned, ways: Option<&Ways>) -> Option<Way<'a>> {
+        let at = vec2(agent.pose.x, agent.pose.y);
+        if let Some(first) = agent.walker.waypoints.first() {
+            let to = vec2(first.x, first.y) - at;
+            return Some(Way { agent, at, direction: to.unit(1e-9)?, length: to.norm() });
+        }
+        let (to, ways) = (agent.destination, ways?);
+        Some(Way { agent, at, direction: ways.leg(to, at).direction?, length: ways.distance(to, at) })
+    }
+
+    fn same_end(&self, other: &Way) -> bool {
+        let [one, two] = [self, other].map(|way| way.agent.walker.waypoints.first());
+        one == two && (one.is_some() || self.agent.destination == other.agent.destination)
+    }
+
+    /// Returns whether both walk towards each other, and far enough to meet.
+    fn meets(&self, other: &Way) -> bool {
+        let between = other.at - self.at;
+        let ahead = between.dot(self.direction);
+        let aside = (between - self.direction * ahead).norm();
+        self.direction.dot(other.direction) < OPPOSITE
+            && aside <= BESIDE
+            && (0.0..=self.length + other.length).contains(&ahead)
+            && !self.same_end(other)
+    }
+}
+
+/// Returns two who walk towards each other, if many do. Only the first parts of the ways are looked at.
+fn meeting<'a>(plan: &'a Plan) -> Option<[&'a str; 2]> {
+    let ways = plan.ways().ok()?;
+    let every = plan.agents.len().div_ceil(MOST);
+    let looked_at = plan.agents.iter().step_by(every);
+    let people: Vec<Way> = looked_at.filter_map(|agent| Way::of(agent, ways.as_ref())).collect();
+    let walls = plan.polylines();
+    let hidden = |a: Vec2, b: Vec2| {
+        walls.iter().any(|wall| wall.windows(2).any(|ends| segments_cross(a, b, ends[0], ends[1])))
+    };
+    let met = |one: &'_ Way<'a>| {
+        let other = people.iter().find(|other| one.meets(other) && !hidden(one.at, other.at))?;
+        Some((one.direction, [one, other].map(|way| way.agent.id.as_str())))
+    };
+    let met: Vec<(Vec2, [&str; 2])> = people.iter().filter_map(met).collect();
+    let &(along, first) = met.first()?;
+    let with = met.iter().filter(|(direction, _)| direction.dot(along) > 0.0).count();
+    let fewer = with.min(met.len() - with);
+    (fewer as f64 >= MANY * people.len() as f64).then_some(first)
+}
