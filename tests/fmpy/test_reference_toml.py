@@ -100,6 +100,7 @@ class DecisionReader(Reader):
             {"name": "door", "line": [[9.0, 1.5], [9.0, 4.5]]},
             {"name": "back", "polygon": [[-1, 0], [-1, 6], [-2, 6], [-2, 0]]},
         ],
+        "motivation": [{"time": 5.0}],
         "goals": [{"name": "stage", "polygon": [[3, 4], [5, 4], [4, 5]]}],
         "waypoints": [{"x": 2.0, "y": 2.0}],
         "agents": {"0": {}},
@@ -107,6 +108,7 @@ class DecisionReader(Reader):
     # By the heading: where its keys stand in a file.
     PLACES = {
         "For everybody": lambda file: file,
+        "A change of motivation": lambda file: file["motivation"][0],
         "A way-point": lambda file: file["waypoints"][0],
         "An exit or a goal": lambda file: file["exits"][0],
         "collision-free-speed": lambda file: file.setdefault("collision-free-speed", {}),
