@@ -68,10 +68,11 @@ fn people_choose_exits_so_that_all_queues_end_at_about_the_same_time() {
         (departures(&read_csv(&at.join("run.csv")), middle), noted)
     };
     let mut by_time = 0.0;
-    for (name, middle) in [("equal", 5.0), ("near", 6.0)] {
+    // The way to the wide door takes time, too.
+    for (name, middle, most) in [("equal", 5.0, 0.05), ("near", 6.0, 0.1)] {
         let ([narrow, wide], noted) = run(name, middle);
         let share = wide.len() as f64 / (narrow.len() + wide.len()) as f64;
-        assert!((share - 1.4 / 2.3).abs() < 0.05, "{name}: {share}");
+        assert!((share - 1.4 / 2.3).abs() < most, "{name}: {share}");
         let [a, b] = [narrow, wide].map(|times| times[times.len() - 1]);
         assert!((a - b).abs() < 0.15 * a.max(b) && !noted, "{name}: {a} s and {b} s");
         by_time = a.max(b);

@@ -70,12 +70,9 @@ pub static QUANTITIES: [Variable<Quantity>; 19] = {
             .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot"),
         row(DesiredSpeed, "DesiredSpeed", AGENTS, Real(METRE_PER_SECOND))
             .parameter(NonNegative, "desired speed v0"),
-        row(TimeGap, "TimeGap", AGENTS, Real(SECOND))
-            .parameter(Positive, "")
-            .input("time gap T to who is ahead"),
+        row(TimeGap, "TimeGap", AGENTS, Real(SECOND)).parameter(Positive, "time gap T to who is ahead"),
         row(StandstillGap, "StandstillGap", AGENTS, Real(METRE))
-            .parameter(NonNegative, "")
-            .input("gap to who is ahead when standing"),
+            .parameter(NonNegative, "gap to who is ahead when standing"),
         row(Waypoint, "Waypoint", WAYPOINT_VECTORS, Real(METRE))
             .parameter(Finite, "x and y of the way-points in order; 0 beyond WaypointCount"),
         row(WaypointRadius, "WaypointRadius", WAYPOINTS, Real(METRE)).parameter(
