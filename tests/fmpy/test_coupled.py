@@ -116,7 +116,7 @@ def test_example_as_an_ssp(lemons, tmp_path):
     script = REPOSITORY / "examples" / "coupled.sh"
     environment = {**os.environ, "LEMONS": str(lemons)}
     done = subprocess.run([script, tmp_path], check=True, capture_output=True, text=True, env=environment)
-    assert "Gauss-Seidel algorithm, 210 connections" in done.stdout
+    assert "Gauss-Seidel algorithm, 270 connections" in done.stdout
     seen = read_table((tmp_path / "trajectories.csv").read_text(), ids_of(TRIAL_DOOR))
     assert all(agent[0] > 5.2 for agent in seen[-1][1]), "all have left"
 

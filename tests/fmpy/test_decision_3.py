@@ -38,7 +38,7 @@ def test_one_line_connects_both(decide, pack):
     members = [{m.get("memberName"): m.get("variableName") for m in t.iter("TerminalMemberVariable")} for t in (crowd, decision)]
     variables = [{v.name: v for v in read_model_description(str(fmu)).modelVariables} for fmu in fmus]
     both = members[0].keys() & members[1].keys()
-    assert both == members[1].keys() == {"Position", "Theta", "Fp", "Mp", "Active"}
+    assert both == members[1].keys() == {"Position", "Theta", "Velocity", "Fp", "Mp", "Active"}
     for name in both:
         of_crowd, of_decision = (all_of[of[name]] for all_of, of in zip(variables, members))
         assert {of_crowd.causality, of_decision.causality} == {"input", "output"}

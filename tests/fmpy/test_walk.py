@@ -110,13 +110,13 @@ def test_a_run_ends_when_it_is_told_to(leaving):
         return crowd.left >= 10
 
     with Crowd(leaving) as crowd:
-        run = crowd.run(until=30.0, step=EXACT, stop=half)
+        run = crowd.run(until=30.0, step=EXACT / 2, stop=half)
         assert run.ended == run.times[-1] == crowd.time < 30.0
         assert (~run.active[-1]).sum() >= 10 > (~run.active[-2]).sum()
         # To the last frame, as without an end; more frames than there was room for at first.
-        whole = crowd.run(until="left", step=EXACT)
+        whole = crowd.run(until="left", step=EXACT / 2)
         crowd.reset()
-        at_once = crowd.run(until="left", step=EXACT)
+        at_once = crowd.run(until="left", step=EXACT / 2)
         assert at_once.ended == whole.ended == at_once.times[-1] and len(at_once.times) > 1024
         assert at_once.numbers.tobytes() == np.concatenate([run.numbers, whole.numbers[1:]]).tobytes()
         crowd.reset()

@@ -5,7 +5,7 @@ use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
 use crate::stuck::{StuckAction, StuckState, normal, share};
 use crate::target::{Arrival, Destination, Ways};
-use crate::walking_model::{DesiredMotion, Walking};
+use crate::walking_model::{DesiredMotion, Walking, WalkingModel};
 use lemons_core::files::input;
 use lemons_core::plane::{Rotation, Vec2, vec2};
 use lemons_fmi::location::Location;
@@ -440,6 +440,10 @@ impl Decision {
                 StuckAction::Step(velocity) => (wanted.velocity, wanted.force) = (velocity, Vec2::ZERO),
                 StuckAction::Insist(speed) => {
                     (wanted.velocity, wanted.force) = (direction * speed, Vec2::ZERO);
+                    // Where shoulders are turned, they stay so.
+                    if !matches!(self.plan.walking_model, WalkingModel::Rotational(_)) {
+                        wanted.facing = Some(direction);
+                    }
                 }
             }
         }
