@@ -32,7 +32,7 @@ pub enum Motion {
     /// They walk around walls, to exits and goals.
     Go {
         /// As decision.toml says it. Without exits, everybody goes to the nearest of several goals.
-        wishes: DecisionConfig,
+        wishes: Box<DecisionConfig>,
     },
 }
 
