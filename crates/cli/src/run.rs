@@ -558,7 +558,7 @@ fn note_remaining(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64, unt
     );
 }
 
-/// Factor and difference \[s\] from which times until the last person has left by an exit are told.
+/// Ratio and difference \[s\] of the times of the last departures by two exits: from these on, a note is printed.
 const UNEVEN: (f64, f64) = (1.5, 10.0);
 
 /// A note for the end of a run in which the last person left by one exit much later than by another, or nobody by that.

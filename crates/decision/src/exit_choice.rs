@@ -20,9 +20,9 @@ use serde::{Deserialize, Serialize};
 const FLOW: f64 = 1.6;
 /// \[s\] Time between two decisions of a person.
 const PERIOD: f64 = 1.0;
-/// \[s\] Smallest gain for which somebody changes,
+/// \[s\] Smallest gain for which somebody changes.
 const LEAST_GAIN: f64 = 2.0;
-/// and its smallest part of the expected time.
+/// Smallest part of the expected time that must be gained.
 const LEAST_SHARE: f64 = 0.2;
 
 /// Quantity by which people choose an exit who have none of their own.
@@ -50,7 +50,7 @@ pub struct Choice {
 impl Choice {
     /// Makes that of a person at the start. People reconsider at different times.
     pub fn new(seed: u64, person: u64) -> Choice {
-        Choice { exit: None, wait: PERIOD * share(seed, person, u64::MAX - 1), turn: 0.0 }
+        Choice { exit: None, wait: PERIOD * share(seed, person, u64::MAX - 2), turn: 0.0 }
     }
 
     /// Returns whether the person reconsiders at the end of a step \[s\].
