@@ -46,7 +46,7 @@ parser.add_argument("target", metavar="DIR", type=Path, help="directory for Tria
 parser.add_argument("--widths", type=float, nargs="+", default=[0.8, 1.0, 1.2, 1.4, 1.6], help="of the door, in m")
 parser.add_argument("--seeds", type=int, default=20, help="crowds of each width")
 parser.add_argument("--people", type=int, default=80)
-parser.add_argument("--model", default="collision-free-speed", help="how people walk")
+parser.add_argument("--model", default="rotational", help="how people walk")
 parser.add_argument("--threads", default="2", help="runs at a time")
 
 

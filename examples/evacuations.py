@@ -1,4 +1,4 @@
-"""Does everybody get out? Three rooms, three models of walking, 20 seeds each, by one `lemons sweep`.
+"""Does everybody get out? Three rooms, four models of walking, 20 seeds each, by one `lemons sweep`.
 
     python examples/evacuations.py evacuations
 
@@ -7,7 +7,9 @@ room, and when. People have a friction of 0.4 with each other, with which they c
 
 - door: the 30 people of `resources/Trial_door`, a door of 0.9 m;
 - pillar: 30 people in 6 m by 5 m, a pillar in front of a door of 1 m;
-- desks: 40 people in 8 m by 6 m, two rows of desks, two doors of 0.9 m.
+- desks: 40 people in 8 m by 6 m, two rows of desks, two doors of 0.9 m;
+- counterflow, only if it is named by --rooms: 60 people in 12 m by 4 m, a door of 1.2 m at each end. Each half leaves by the
+  door of the other half.
 
 If it is stopped, the same command goes on where it was. Needs the command `lemons` (or its path in the variable LEMONS)
 and pandas.
@@ -36,6 +38,7 @@ exits = [{{ name = "door", line = [[12, 1.5], [12, 3.5]] }}]
 ROOMS = {
     "pillar": (30, [(0, 0, 6, 5), (4.6, 2.2, 5.2, 2.8)], ["6,2.5,1"]),
     "desks": (40, [(0, 0, 8, 6), (1.5, 1.2, 6, 1.8), (1.5, 3, 6, 3.6)], ["8,1,0.9", "8,5,0.9"]),
+    "counterflow": (60, [(0, 0, 12, 4)], ["0,2,1.2", "12,2,1.2"]),
 }
 SWEEP = """\
 trial = "{{room}}_{{model}}_{{seed}}"
@@ -53,7 +56,7 @@ squeeze = {{ squeeze = "largest_mean", over = 1, across = "max" }}
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("target", metavar="DIR", type=Path, help="directory for Trials and results")
-parser.add_argument("--rooms", nargs="+", choices=["door", *ROOMS], default=["door", *ROOMS])
+parser.add_argument("--rooms", nargs="+", choices=["door", *ROOMS], default=["door", "pillar", "desks"])
 parser.add_argument("--models", nargs="+", choices=MODELS, default=MODELS)
 parser.add_argument("--seeds", type=int, default=20, choices=range(2, 10001), metavar="N", help="crowds of each room and model, at least 2")
 parser.add_argument("--threads", default="2", help="runs at a time")
@@ -97,6 +100,12 @@ def make(trial: Path, room: str, model: str, seed: int) -> None:
         crowd = [LEMONS, "crowd", "--number", str(people), "--geometry", walls, "--leave", "--model", model]
         crowd += [word for door in doors for word in ("--door", door)]
         subprocess.run([*crowd, "--seed", str(seed), "-o", half], check=True, capture_output=True)
+    if room == "counterflow":
+        middle = ROOMS[room][1][0][2] / 2
+        places = re.findall(r'<Agent Id="(\w+)">\s*<Kinematics Position="([^,]+),', (half / "dynamic" / "AgentDynamics.xml").read_text())
+        assert len(places) == people
+        with open(half / "decision.toml", "a") as plan:
+            plan.writelines(f'\n[agents.{person}]\nexit = "door {int(float(x) < middle)}"\n' for person, x in places)
     half.rename(trial)
 
 

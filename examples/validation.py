@@ -30,8 +30,8 @@ import pandas as pd
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "validation.md"
-MODELS = ["straight", "collision-free-speed", "social-force"]
-COLOURS = {"straight": "#D55E00", "collision-free-speed": "#0072B2", "social-force": "#009E73"}
+MODELS = ["rotational", "collision-free-speed", "social-force", "straight"]
+COLOURS = {"rotational": "#CC79A7", "straight": "#D55E00", "collision-free-speed": "#0072B2", "social-force": "#009E73"}
 SPEED, SPREAD = 1.34, 0.26  # m/s, desired speeds: mean and standard deviation (Weidmann 1993)
 STEP = 0.02  # s, communication step
 EVERY = 5  # of which every fifth is recorded
@@ -250,7 +250,7 @@ def rimea_6(work, quick=False):
     tables = [markdown(["model", "positions outside the walls", "deepest in a wall [mm]", "all have left [s]"], rows)]
 
     def draw(plt):
-        figure, panels = plt.subplots(1, 3, figsize=(9, 3.3), sharey=True, layout="constrained")
+        figure, panels = plt.subplots(1, len(paths), figsize=(3 * len(paths), 3.3), sharey=True, layout="constrained")
         for panel, (model, frames) in zip(panels, paths.items()):
             panel.plot(*zip(*walls[0]), color="black", linewidth=1.5)
             for _, own in frames.groupby("id"):
@@ -333,7 +333,7 @@ def rimea_12(work, quick=False):
     head = ["model", "have left", "density before the first [1/m²]", "speed there [m/s]", "flow [1/s]", "density before the second", "speed there", "flow"]
 
     def draw(plt):
-        figure, panels = plt.subplots(1, 3, figsize=(9, 2.8), sharey=True, layout="constrained")
+        figure, panels = plt.subplots(1, len(curves), figsize=(3 * len(curves), 2.8), sharey=True, layout="constrained")
         for panel, (model, density) in zip(panels, curves.items()):
             for name, style in (("first", "-"), ("second", "--")):
                 own = density[density["area"] == name]
@@ -398,7 +398,7 @@ def single_file(work, quick=False):
         for count in (16, 28) if quick else (12, 14, 16, 18, 20, 24, 28, 32, 36):
             trial = work / f"single_{model}_{count}"
             # Without walls, people who turn aside do not stay in single file.
-            narrow = model == "collision-free-speed" and count > 28
+            narrow = model == "rotational" or (model == "collision-free-speed" and count > 28)
             walls = [circle(radius + NARROW / 2), circle(radius - NARROW / 2)] if narrow else []
             # Any place is good: they are put elsewhere.
             make(trial, [circle(20)], count, None, 1)
@@ -539,7 +539,7 @@ def bottleneck(work, quick=False):
         panel.axhspan(1.6, 2.4, color="0.9", linewidth=0, label="experiments: 1.6 to 2.4")
         for k, model in enumerate(MODELS):
             own = [flows[model, width] for width in widths]
-            x = np.array(widths) + 0.012 * (k - 1)
+            x = np.array(widths) + 0.012 * (k - (len(MODELS) - 1) / 2)
             bars(panel, x, own, model, fmt="o")
         panel.set(xlabel="width / m", ylabel="specific flow / (m s)⁻¹", ylim=(0, None))
         panel.legend(frameon=False, fontsize="small")

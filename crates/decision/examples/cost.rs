@@ -1,6 +1,6 @@
 //! Cost of walking models beside the mechanics: `cargo run --release -p lemons-decision --example cost`.
 //!
-//! People stand at 4 per m² in a hall with a door, and walk towards it slowly. Printed: nanoseconds per person and
+//! People stand at 4 per m² in a hall with a door, and walk towards it slowly, or half of them away from it. Printed: nanoseconds per person and
 //! communication step, the least of several rounds.
 
 use lemons_core::plane::vec2;
@@ -31,9 +31,15 @@ fn main() {
         let hall =
             [(26.0, middle + 1.0), (26.0, high), (0.0, high), (0.0, 0.0), (26.0, 0.0), (26.0, middle - 1.0)];
         let hall = hall.map(|(x, y)| vec2(x, y));
-        for model in ["straight", "collision-free-speed", "social-force", "rotational"] {
-            let exit = format!("[[26.5, {}], [26.5, {}]]", middle - 1.0, middle + 1.0);
-            let config = format!("model = \"{model}\"\nexits = [{{ name = \"door\", line = {exit} }}]");
+        let models = ["straight", "collision-free-speed", "social-force", "rotational"];
+        let one = models.map(|model| (model, 1.0));
+        for (model, share) in one.into_iter().chain([("rotational", 0.5)]) {
+            let exit = |name: &str, x: f64, share: f64| {
+                let (low, high) = (middle - 1.0, middle + 1.0);
+                format!("{{ name = \"{name}\", line = [[{x}, {low}], [{x}, {high}]], share = {share} }}")
+            };
+            let exits = [exit("door", 26.5, share), exit("behind", 0.1, 1.0 - share)].join(", ");
+            let config = format!("model = \"{model}\"\nexits = [{exits}]");
             let config = DecisionConfig::from_toml(&config).unwrap();
             let plan = Plan::among(std::iter::once(&hall[..]), &people, &config, 0.02).unwrap();
             let mut decision = Decision::new(plan);
@@ -47,7 +53,11 @@ fn main() {
             };
             step(0.0);
             let least = (1..30).map(|k| step(0.002 * f64::from(k))).fold(f64::INFINITY, f64::min);
-            println!("{} people, {model}: {:.0} ns", people.len(), least / people.len() as f64 * 1e9);
+            println!(
+                "{} people, {model}, {share} to the door: {:.0} ns",
+                people.len(),
+                least / people.len() as f64 * 1e9
+            );
         }
     }
 }

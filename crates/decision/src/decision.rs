@@ -23,7 +23,7 @@ pub use quantities::Quantity;
 /// Name of the plan's file in the FMU's resources.
 pub const PLAN_FILE: &str = "decision.toml";
 
-/// \[s\] Time in which the direction of walking follows.
+/// \[s\] Relaxation time of the direction of walking, or only of the gaze.
 const STEERING_TIME: f64 = 0.3;
 /// \[rad\] A smaller angle is none.
 const LEAST_TURN: f64 = 1e-3;
@@ -58,7 +58,7 @@ pub struct Agent {
     /// \[m\] Where the agent was at the last step.
     last: Option<[f64; 2]>,
     stuck: StuckState,
-    /// \[rad\] Angle from the way to the direction of walking.
+    /// \[rad\] Angle from the way to the direction of walking, or only of the gaze.
     steering: f64,
     /// \[m/s\] Noise of the speed, and how many numbers were drawn for it.
     noise: f64,
@@ -189,6 +189,8 @@ impl Decision {
     pub fn pass(&mut self, step: f64) -> Answer<()> {
         self.find_ways()?;
         self.find_aims();
+        let (seed, speed_noise) = (self.plan.seed, self.plan.walking_model.speed_noise());
+        let (turned, kept) = (-libm::expm1(-step / STEERING_TIME), libm::exp(-step / NOISE_TIME));
         for i in 0..self.agents.len() {
             let arrival = self.arrival(i);
             let leaves = arrival == Some(Arrival::Leaves);
@@ -197,21 +199,19 @@ impl Decision {
             let sees = self.plan.walking_model.sees_others();
             let wanted = if sees { self.wanted(i) } else { DesiredMotion::default() };
             let queues = wanted.queues;
-            let (seed, speed_noise) = (self.plan.seed, self.plan.walking_model.speed_noise());
             let agent = &mut self.agents[i];
             let (next, way, at) = (agent.next(), agent.at() - agent.from(), agent.at());
             // The paper's rule does not see it; and who queues is not stuck.
             if agent.next == agent.walker.waypoints.len() || sees {
                 let moved = agent.last.is_some();
-                agent.stuck.follow(step, way, goes.filter(|_| moved && !queues), self.plan.seed, i as u64);
+                agent.stuck.follow(step, way, goes.filter(|_| moved && !queues), seed, i as u64);
             }
             let turn = &mut agent.choice.turn;
-            *turn = if turn.abs() > LEAST_TURN { *turn * libm::exp(-step / STEERING_TIME) } else { 0.0 };
-            agent.steering += (wanted.steering - agent.steering) * -libm::expm1(-step / STEERING_TIME);
+            *turn = if turn.abs() > LEAST_TURN { *turn * (1.0 - turned) } else { 0.0 };
+            agent.steering += (wanted.steering - agent.steering) * turned;
             let frequency = SWAYING[0] + SWAYING[1] * share(seed, i as u64, u64::MAX);
             agent.phase = (agent.phase + TAU * frequency * step) % TAU;
             if speed_noise > 0.0 {
-                let kept = libm::exp(-step / NOISE_TIME);
                 let drawn = normal(seed, i as u64, agent.draws);
                 agent.noise = kept * agent.noise + speed_noise * (1.0 - kept * kept).sqrt() * drawn;
                 agent.draws += 1;
@@ -406,6 +406,7 @@ impl Decision {
                 Destination::NearestExit => usize::MAX - 1,
                 Destination::Target(k) => k,
             },
+            waypoint: agent.walker.waypoints.get(agent.next()).map(|next| vec2(next.x, next.y)),
             relaxation: if agent.walker.floor_damping > 0.0 { 1.0 / agent.walker.floor_damping } else { 0.0 },
             time_gap: agent.walker.time_gap,
             standstill_gap: agent.walker.standstill_gap,
@@ -651,11 +652,11 @@ mod tests {
             seen.push(now(&decision));
             decision.pass(0.05).unwrap();
         }
-        assert_eq!(seen, [(0.85, 1.34), (0.85, 1.34), (0.5, 1.34), (0.5, 1.34), (0.5, 2.0)]);
+        assert_eq!(seen, [(0.9, 1.34), (0.9, 1.34), (0.5, 1.34), (0.5, 1.34), (0.5, 2.0)]);
         let mut other = decision.anew();
         other.restore(&decision.save()).unwrap();
         assert_eq!(other.save(), decision.save());
-        assert_eq!(now(&decision.anew()), (0.85, 1.34));
+        assert_eq!(now(&decision.anew()), (0.9, 1.34));
     }
 
     #[test]

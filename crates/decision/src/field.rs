@@ -42,9 +42,9 @@ pub struct Grid {
     step: f64,
     columns: usize,
     rows: usize,
-    /// No wall is between this node and the next one to the right.
+    /// There is a next node to the right, and no wall between.
     right: Vec<bool>,
-    /// No wall is between this node and the next one above.
+    /// There is a next node above, and no wall between.
     above: Vec<bool>,
     /// Price of each node: how many metres a metre counts; infinite where nobody can be.
     price: Vec<f64>,
@@ -80,8 +80,8 @@ impl Grid {
             step,
             columns,
             rows,
-            right: vec![true; nodes],
-            above: vec![true; nodes],
+            right: (1..=nodes).map(|next| next % columns > 0).collect(),
+            above: (0..nodes).map(|node| node + columns < nodes).collect(),
             price: vec![f64::INFINITY; nodes],
             faces,
             beside: HashMap::new(),
@@ -230,13 +230,12 @@ impl Grid {
 
     /// Returns the nodes to the left, right, below and above, where no wall is between.
     fn neighbours(&self, node: usize) -> [Option<usize>; 4] {
-        let (row, column) = (node / self.columns, node % self.columns);
-        let (columns, rows) = (self.columns, self.rows);
+        let columns = self.columns;
         [
-            (column > 0 && self.right[node.wrapping_sub(1)]).then(|| node - 1),
-            (column + 1 < columns && self.right[node]).then(|| node + 1),
-            (row > 0 && self.above[node.wrapping_sub(columns)]).then(|| node - columns),
-            (row + 1 < rows && self.above[node]).then(|| node + columns),
+            node.checked_sub(1).filter(|left| self.right[*left]),
+            self.right[node].then_some(node + 1),
+            node.checked_sub(columns).filter(|below| self.above[*below]),
+            self.above[node].then_some(node + columns),
         ]
     }
 

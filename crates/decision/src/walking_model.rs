@@ -98,13 +98,15 @@ pub struct Walking<'a> {
     pub to_go: f64,
     /// People with the same destination have the same number.
     pub destination: usize,
+    /// \[m\] next way-point, if there is one.
+    pub waypoint: Option<Vec2>,
     /// \[s\] relaxation time of the velocity.
     pub relaxation: f64,
     /// \[s\] time gap to who is ahead.
     pub time_gap: f64,
     /// \[m\] gap to who is ahead when standing.
     pub standstill_gap: f64,
-    /// \[rad\] angle from the way to the direction of walking.
+    /// \[rad\] angle from the way to the direction of walking, or only of the gaze.
     pub steering: f64,
     /// \[m/s\] noise of the speed.
     pub noise: f64,
@@ -129,7 +131,7 @@ pub struct DesiredMotion {
     pub facing: Option<Vec2>,
     /// Whether the person queues: close behind somebody who is nearer to the end of the way.
     pub queues: bool,
-    /// \[rad\] Angle from the way to which the direction of walking relaxes.
+    /// \[rad\] Angle from the way to which the direction of walking, or only of the gaze, relaxes.
     pub steering: f64,
 }
 
@@ -142,6 +144,8 @@ const FAR: f64 = 12.0;
 const LANE: f64 = 0.65;
 /// \[m\] Who is nearer than this behind somebody may queue.
 const CLOSE: f64 = 0.5;
+/// \[m/s\] Slower people face the way, faster ones the direction in which they walk.
+const FACING: f64 = 0.5;
 /// \[m\] Gaps are not longer than this in any exponential.
 const TOUCHING: f64 = 0.0;
 
@@ -226,6 +230,11 @@ impl WalkingModel {
     }
 }
 
+/// Returns the unit vector towards which somebody turns who wants this velocity on the way to a goal.
+fn facing(goal: Vec2, velocity: Vec2) -> Vec2 {
+    (goal * FACING + velocity).unit(1e-9).unwrap_or(goal)
+}
+
 fn straight(walking: &Walking<'_>) -> DesiredMotion {
     let velocity = walking.direction.map_or(Vec2::ZERO, |direction| direction * walking.speed);
     DesiredMotion { velocity, facing: walking.direction, ..DesiredMotion::default() }
@@ -288,10 +297,13 @@ impl CollisionFreeSpeed {
             in_front(walking, direction, others).map(|(near, _)| near.gap).fold(f64::INFINITY, f64::min);
         let speed = (headway / walking.time_gap).clamp(0.0, walking.speed);
         let queues = queues(walking, goal, others);
+        let facing = facing(goal, direction * speed);
         DesiredMotion {
             velocity: direction * speed,
-            facing: Some(direction),
+            // The direction may jump from one side to the other: nobody spins with it.
+            facing: Some(goal.rotated(Rotation::by(walking.steering))),
             queues,
+            steering: libm::atan2(goal.cross(facing), goal.dot(facing)),
             ..DesiredMotion::default()
         }
     }

@@ -5,9 +5,11 @@
 //! - Spacing: the speed is that at which the gap to those ahead lasts for the time gap T (Tordeux, Chraibi, Seyfried
 //!   2016). The gap is what it will be when the body has followed: its relaxation time times the rate of the gap is added.
 //!   Who walks away is followed earlier: there the rate counts for [`FOLLOWING`].
-//! - Oncoming people: both step aside from where the other will be (Xu et al., *Anticipation velocity model*,
-//!   Transp. Res. C 133 (2021) 103464). Who will pass at the side holds up nobody.
-//! - Narrow places: who does not fit through facing ahead turns the shoulders. Where two do not fit side by side for
+//! - Oncoming people with another destination: both step aside early, by what is missing of the clearance to where the
+//!   other will be. Nobody turns into the way of somebody oncoming to overtake. Who will pass at the side holds up nobody.
+//!   That people look ahead in time is an idea of Xu et al., *Anticipation velocity model*, Transp. Res. C 133 (2021)
+//!   103464.
+//! - Narrow places: who does not fit through facing ahead, or passes close to somebody oncoming, turns the shoulders. Where two do not fit side by side for
 //!   a while, people walk in single file.
 //! - Swaying: who is slow shifts the weight from one foot to the other (Hoogendoorn, Daamen, Transp. Sci. 39 (2005) 147).
 //!   This loosens arches in front of doors.
@@ -16,7 +18,7 @@
 //! People are seen as circles of one radius here; their bodies touch in the mechanics. The constants were chosen beside
 //! trajectories of experiments (`examples/experiments.py`, `docs/validation.md`).
 
-use super::{DesiredMotion, FAR, Walking};
+use super::{CLOSE, DesiredMotion, FAR, Walking};
 use lemons_core::plane::{Rotation, Vec2, nearest_on_segment, segments_cross, vec2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
@@ -37,16 +39,17 @@ pub struct Rotational {
 
 impl Default for Rotational {
     fn default() -> Rotational {
-        Rotational { time_gap: 0.85, standstill_gap: 0.09, speed_noise: 0.12, acceleration: 4.0 }
+        Rotational { time_gap: 0.9, standstill_gap: 0.09, speed_noise: 0.15, acceleration: 4.0 }
     }
 }
 
 /// \[m\] Radius of a person for the others.
 const RADIUS: f64 = 0.15;
 /// \[m\] Half the width of the lane in which those ahead hold somebody up.
-const LANE: f64 = 0.26;
-/// \[s\] Time by which a growing gap is anticipated.
-const FOLLOWING: f64 = 1.2;
+const LANE: f64 = 0.28;
+/// \[s\] Times by which a growing gap is anticipated: where there is room at the side, and in single file, where who is ahead
+/// can only go on.
+const FOLLOWING: [f64; 2] = [1.4, 2.0];
 /// Repulsion of walls, and its range \[m\].
 const WALL: (f64, f64) = (5.0, 0.02);
 /// \[m\] Ranges along and across the way in which those ahead count for steering.
@@ -58,12 +61,23 @@ const OFFSET: f64 = 0.05;
 const ALONG: f64 = 0.85;
 /// \[m/s\] Speed backwards of those who are too close.
 const BACK: f64 = 0.01;
-/// Strength of stepping aside from oncoming people, its range \[m\], and the time \[s\] that is anticipated.
-const ASIDE: (f64, f64, f64) = (8.0, 0.1, 1.0);
+/// \[m\] Lateral distance of centres with which oncoming people want to pass.
+const CLEARANCE: f64 = 0.6;
+/// \[m\] Free distance beyond the clearance without which nobody evades a leader to that side.
+const OVERTAKING: f64 = 0.3;
+/// \[m\] Lateral distance of centres from which on oncoming people pass without being slower.
+const PASSING: f64 = 0.2;
+/// \[m\] Distance of centres within which people turn the shoulders when they pass somebody oncoming, and by which angle
+/// \[rad\].
+const TURNING: (f64, f64) = (0.7, 1.3);
+/// \[s\] Times: how early people step aside, the shortest time that counts, and that by which others are extrapolated.
+const EARLY: (f64, f64, f64) = (4.0, 0.25, 1.0);
+/// Angle per sideways velocity \[rad s/m\], which is also the greatest angle \[rad\].
+const ASIDE: f64 = 0.8;
+/// \[m/s\] Smallest speed at which oncoming people are expected to come nearer.
+const CLOSING: f64 = 0.3;
 /// Greatest speed \[m/s\] and angle \[rad\] of swaying, and the speed \[m/s\] from which on nobody sways.
 const SWAY: (f64, f64, f64) = (0.5, 0.6, 0.5);
-/// \[m/s\] Slower people face the way, faster ones the direction in which they walk.
-const FACING: f64 = 0.5;
 /// \[m\] Room that shoulders want beside them.
 const ROOM: f64 = 0.1;
 /// \[m\] Room without which nobody goes into a narrow place.
@@ -76,8 +90,6 @@ const TURNS: u32 = 16;
 const SIGHT: f64 = 4.0;
 /// \[m\] Width of the cells in which neighbours are looked for.
 const CELL: f64 = 0.5;
-/// \[m\] Who is nearer than this behind somebody may queue.
-const CLOSE: f64 = 0.5;
 
 /// Somebody who is seen by others.
 #[derive(Clone, Copy)]
@@ -127,12 +139,15 @@ fn of_one(
     // Beyond this gap nobody changes the speed.
     let free = walking.speed * walking.time_gap + walking.standstill_gap;
     let mut gaps = [free; 2];
-    let mut aside = Vec2::ZERO;
+    // Sideways velocities that the clearance to those who come on the right and on the left demands, and whether
+    // they leave no room for overtaking.
+    let mut demanded = [0.0f64; 2];
+    let mut blocked = [false; 2];
+    let mut passes_close = false;
     let mut queues = false;
     let hidden = |other: Vec2| faces.iter().any(|&[a, b]| segments_cross(at, other, a, b));
     let fastest_approach = velocity.norm() + cells.fastest;
     let opposing = cells.opposing(goal);
-    let oncoming_reach = 2.0 * RADIUS + FAR * ASIDE.1 + ASIDE.2 * fastest_approach;
     // In a corridor, distances along the way count, which are shorter.
     let reach = 2.0 * RADIUS + if corridor.is_finite() { walking.breadth } else { 0.0 };
     let rings = (SIGHT / cells.width).ceil() as usize;
@@ -141,8 +156,7 @@ fn of_one(
         let nearest = (ring as f64 - 1.0).max(0.0) * cells.width;
         let leads = leader.0 * AHEAD >= nearest;
         let holds_up = gaps[0].max(gaps[1]) + reach + walking.relaxation * fastest_approach >= nearest;
-        let comes = opposing && oncoming_reach >= nearest;
-        if !leads && !holds_up && !comes {
+        if !leads && !holds_up && !opposing {
             break;
         }
         cells.ring(cell, ring, |other: &Seen| {
@@ -154,6 +168,10 @@ fn of_one(
             let oncoming = other.direction.dot(goal) < 0.0;
             let ahead = [direction.dot(to), goal.dot(to)];
             let (along, side) = (reference.dot(to), reference.cross(to));
+            // Who comes from the other side of a common door is not evaded.
+            let elsewhere = || people[other.person].as_ref().is_some_and(|other| parts(walking, other));
+            let close = square < TURNING.0 * TURNING.0 && ahead[1] > -2.0 * RADIUS;
+            passes_close |= oncoming && close && elsewhere() && !hidden(other.at);
             if along <= 0.0 && ahead[0] <= 0.0 && ahead[1] <= 0.0 {
                 return;
             }
@@ -175,17 +193,21 @@ fn of_one(
                     })
             };
             let half = if single || gives_way() { 0.5 * both } else { LANE };
+            let in_lane = [direction, goal].map(|way| way.dot(to) > 0.0 && way.cross(to).abs() <= half);
+            if !oncoming && in_lane == [false; 2] {
+                return;
+            }
             let distance = square.sqrt();
             let approach = (velocity - other.velocity).dot(to) / distance;
             let passes = || {
                 let relative = expected - other.velocity;
-                oncoming && !single && relative.cross(to).abs() > 2.0 * RADIUS * relative.norm()
+                oncoming && !single && relative.cross(to).abs() > PASSING * relative.norm()
             };
-            for (k, way) in [direction, goal].into_iter().enumerate() {
-                if ahead[k] <= 0.0 || way.cross(to).abs() > half {
+            for k in 0..2 {
+                if !in_lane[k] {
                     continue;
                 }
-                let time = if approach < 0.0 { FOLLOWING } else { walking.relaxation };
+                let time = if approach < 0.0 { FOLLOWING[usize::from(single)] } else { walking.relaxation };
                 let gap = if single { ahead[k] } else { distance } - 2.0 * RADIUS - time * approach;
                 if gap < gaps[k] && !passes() && is_visible() {
                     gaps[k] = gap;
@@ -199,28 +221,31 @@ fn of_one(
                     queues = single && !oncoming || people[other.person].as_ref().is_some_and(nearer);
                 }
             }
-            if oncoming && ahead[1] > 0.0 {
-                let (strength, range, time) = ASIDE;
-                let gap = (distance - 2.0 * RADIUS - time * approach).max(0.0);
-                if gap < FAR * range && is_visible() {
-                    let across = goal.perp();
-                    let later = across.dot(to + other.velocity * time);
-                    let away = if later > 0.0 { across * -1.0 } else { across };
-                    let weight = 1.0 + 0.5 * (1.0 - goal.dot(other.direction));
-                    aside += away * (strength * weight * libm::exp(-gap / range));
+            if oncoming && ahead[1] > 0.0 && elsewhere() && is_visible() {
+                let (early, least, extrapolated) = EARLY;
+                let closing = goal.dot(velocity - other.velocity).max(CLOSING);
+                let time = ((ahead[1] - 2.0 * RADIUS) / closing).max(least);
+                if time < early {
+                    let offset = goal.cross(to + other.velocity * time.min(extrapolated));
+                    let left = usize::from(offset > 0.0);
+                    let missing = CLEARANCE - offset.abs();
+                    demanded[left] = demanded[left].max(missing / time);
+                    blocked[left] |= missing > -OVERTAKING;
                 }
             }
         });
     }
 
-    let aside = (reference + aside).unit(1e-9).filter(|_| aside != Vec2::ZERO);
-    let mut steering = aside.map_or(0.0, |aside| libm::atan2(reference.cross(aside), reference.dot(aside)));
-    if leader.0.is_finite() && corridor >= 2.0 * walking.breadth {
+    let mut steering = (ASIDE * (demanded[0] - demanded[1])).clamp(-ASIDE, ASIDE);
+    let overtakes = !blocked[usize::from(leader.1 < 0.0)] && corridor >= 2.0 * walking.breadth;
+    if leader.0.is_finite() && overtakes {
         let (weight, side) = (libm::exp(-leader.0), leader.1);
         steering -= FRAC_PI_2 * libm::tanh(weight * side / (side.abs() + OFFSET));
     }
     let spacing = ALONG * gaps[0] + (1.0 - ALONG) * gaps[1];
-    let wanted = (spacing - walking.standstill_gap) / walking.time_gap + walking.noise;
+    // Who is alone keeps the desired speed.
+    let noise = if gaps == [free; 2] { 0.0 } else { walking.noise };
+    let wanted = (spacing - walking.standstill_gap) / walking.time_gap + noise;
     let (turned, fits) = shoulders(walking, goal, here.min(soon));
     // Who has not turned yet does not go in.
     let speed = if fits { wanted.clamp(-BACK, walking.speed) } else { -BACK };
@@ -228,7 +253,8 @@ fn of_one(
     let most = model.acceleration * walking.relaxation / change.norm().max(1e-9);
     let (sway, turn, fast) = SWAY;
     let slow = (1.0 - velocity.norm() / fast).max(0.0);
-    let facing = turned.unwrap_or_else(|| (goal * FACING + direction * speed).unit(1e-9).unwrap_or(goal));
+    let turned = turned.or_else(|| passes_close.then(|| sideways(goal, TURNING.1, walking.theta)));
+    let facing = turned.unwrap_or_else(|| super::facing(goal, direction * speed));
     DesiredMotion {
         velocity: velocity + change * most.min(1.0) + goal.perp() * (slow * sway * libm::sin(walking.phase)),
         force: Vec2::ZERO,
@@ -236,6 +262,11 @@ fn of_one(
         queues,
         steering: steering.clamp(-FRAC_PI_2, FRAC_PI_2),
     }
+}
+
+/// Returns whether two people go to different places next.
+fn parts(one: &Walking<'_>, other: &Walking<'_>) -> bool {
+    one.waypoint != other.waypoint || one.waypoint.is_none() && one.destination != other.destination
 }
 
 /// Returns the repulsion of walls, relative to the direction of the way.
@@ -298,10 +329,16 @@ fn shoulders(walking: &Walking<'_>, goal: Vec2, width: f64) -> (Option<Vec2>, bo
     let fitting = turns.into_iter().find(|&angle| !walking.stuck && breadth(Rotation::by(angle)) <= narrow);
     let angle = fitting.unwrap_or(FRAC_PI_2);
     let gaze = vec2(1.0, 0.0).rotated(Rotation::by(walking.theta));
-    let turned = [angle, -angle].map(|angle| goal.rotated(Rotation::by(angle)));
     let now = Rotation::by(libm::atan2(goal.cross(gaze), goal.dot(gaze)));
     let fits = breadth(now) <= width - TIGHT;
-    (Some(if turned[0].dot(gaze) >= turned[1].dot(gaze) { turned[0] } else { turned[1] }), fits)
+    (Some(sideways(goal, angle, walking.theta)), fits)
+}
+
+/// Returns a direction turned by an angle to the side that is nearer to a gaze at `theta`.
+fn sideways(way: Vec2, angle: f64, theta: f64) -> Vec2 {
+    let gaze = vec2(1.0, 0.0).rotated(Rotation::by(theta));
+    let [left, right] = [angle, -angle].map(|angle| way.rotated(Rotation::by(angle)));
+    if left.dot(gaze) >= right.dot(gaze) { left } else { right }
 }
 
 /// People by cells of the plane, sorted, and the faces that are seen from each cell.
@@ -316,7 +353,7 @@ struct Cells {
     faces: Vec<Vec<[Vec2; 2]>>,
     /// \[m/s\] Greatest speed of anybody.
     fastest: f64,
-    /// Eighths of the circle in which somebody goes, a bit each.
+    /// Eighths of the circle in which somebody goes, a bit each; none if all have one destination.
     eighths: u8,
 }
 
@@ -345,6 +382,9 @@ impl Cells {
             breadth: 0.0,
             depth: 0.0,
         };
+        let mut going = there().filter(|walking| walking.direction.is_some());
+        let first = going.next();
+        let several = first.is_some_and(|first| going.any(|other| parts(first, other)));
         let mut cells = Cells {
             low,
             width,
@@ -355,7 +395,7 @@ impl Cells {
             faces: vec![Vec::new(); columns * rows],
             fastest: there().map(|walking| walking.velocity.norm()).fold(0.0, f64::max),
             eighths: there()
-                .filter_map(|walking| walking.direction)
+                .filter_map(|walking| walking.direction.filter(|_| several))
                 .fold(0, |all, way| all | 1 << eighth(way)),
         };
         let index = |at: Vec2, cells: &Cells| {
@@ -404,7 +444,7 @@ impl Cells {
         (of(at.x - self.low.x, self.columns), of(at.y - self.low.y, self.rows))
     }
 
-    /// Returns whether anybody may go against a direction.
+    /// Returns whether anybody with another destination may go against a direction.
     fn opposing(&self, direction: Vec2) -> bool {
         let own = eighth(direction);
         (2..=6).any(|turn| self.eighths & 1 << ((own + turn) % 8) != 0)
@@ -456,8 +496,9 @@ mod tests {
             speed: 1.34,
             to_go: 10.0 - at.x,
             destination: 0,
+            waypoint: None,
             relaxation: 0.22,
-            time_gap: 0.85,
+            time_gap: 0.9,
             standstill_gap: 0.09,
             steering: 0.0,
             noise: 0.0,
@@ -478,12 +519,50 @@ mod tests {
     #[test]
     fn the_speed_behind_somebody_is_the_gap_by_the_time_gap() {
         for headway in [0.5, 0.7, 1.0, 1.3] {
-            let speed = (headway - 0.3 - 0.09) / 0.85;
+            let speed = (headway - 0.3 - 0.09) / 0.9;
             assert!((row(headway, speed) - speed).abs() < 1e-12, "{headway}");
         }
         assert!((row(5.0, 1.34) - 1.34).abs() < 1e-12);
         // Pushes are limited: 4 m/s² for 0.22 s.
         assert!((row(5.0, 0.0) - 0.88).abs() < 1e-12);
+    }
+
+    #[test]
+    fn two_who_meet_both_step_aside_by_what_is_missing_and_those_with_one_destination_do_not() {
+        let meet = |offset: f64, destination, waypoint| {
+            let (there, back) = (vec2(1.0, 0.0), vec2(-1.0, 0.0));
+            let one = person(Vec2::ZERO, there, there);
+            let other = Walking { destination, waypoint, ..person(vec2(3.3, offset), back, back) };
+            let both = desired(&Rotational::default(), &[Some(one), Some(other)], &[]);
+            [both[0].steering, both[1].steering]
+        };
+        // After 1.5 s they are 3 m nearer, two radii apart. What is missing of 0.6 m is divided by this time.
+        for (offset, missing) in [(0.0, 0.6), (0.1, 0.5), (0.3, 0.3), (0.6, 0.0), (0.7, 0.0)] {
+            let angle = ASIDE * missing / 1.5;
+            let [one, other] = meet(offset, 1, None);
+            assert_eq!(meet(offset, 0, Some(vec2(-5.0, 0.0))), [one, other]);
+            // Both turn to their right if the other one is on the left.
+            let sign = if offset > 0.0 { -1.0 } else { 1.0 };
+            assert!(
+                (one - sign * angle).abs() < 1e-12 && (other - one).abs() < 1e-12,
+                "{offset}: {one}, {other}"
+            );
+        }
+        assert_eq!(meet(0.1, 0, None), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn nobody_overtakes_into_the_way_of_somebody_oncoming() {
+        let (there, back) = (vec2(1.0, 0.0), vec2(-1.0, 0.0));
+        // Overtaking on the left is near; the third one passes beyond the clearance.
+        let steering = |y: f64| {
+            let slow = person(vec2(0.8, -0.1), there * 0.3, there);
+            let other = Walking { destination: 1, ..person(vec2(3.5, y), back, back) };
+            let people = [person(Vec2::ZERO, there, there), slow, other].map(Some);
+            desired(&Rotational::default(), &people, &[])[0].steering
+        };
+        assert_eq!(steering(0.8), 0.0);
+        assert!(steering(-0.8) > 0.1 && steering(1.0) > 0.1);
     }
 
     #[test]
@@ -498,7 +577,7 @@ mod tests {
             .map(|k| {
                 let at = vec2(12.0 * next(), 8.0 * next());
                 let way = vec2(if k % 3 == 0 { -1.0 } else { 1.0 }, next() - 0.5).unit(0.0).unwrap();
-                Walking { phase: 0.0, ..person(at, way * next(), way) }
+                Walking { destination: k % 3, ..person(at, way * next(), way) }
             })
             .collect();
         let walls = [[vec2(0.0, -0.2), vec2(12.0, -0.2)], [vec2(5.0, 3.0), vec2(6.0, 5.0)]];
