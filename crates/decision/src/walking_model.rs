@@ -11,14 +11,15 @@
 //! the centres of mass. Somebody is in front of a person if the shadows of their outlines on a line across the way overlap
 //! by more than a third.
 
+mod cells;
 mod rotational;
 
 pub use rotational::Rotational;
 
 use crate::error::{PlanError, moderate, not_negative, positive};
-use lemons_core::plane::{Rotation, Vec2, nearest_on_segment, segments_cross, vec2};
+use cells::{Cells, nearest_points, sees};
+use lemons_core::plane::{Rotation, Vec2, vec2};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 
 /// Constants of the collision-free speed model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -216,10 +217,11 @@ impl WalkingModel {
             WalkingModel::SocialForce(of) => CLOSE.max(FAR * of.range),
             WalkingModel::Rotational(of) => return rotational::desired(of, people, faces),
         };
-        let cells = Cells::new(people, faces, 2.0 * furthest + far);
+        let sight = 2.0 * furthest + far;
+        let cells = Cells::new(people, faces, (sight, sight), |i, _| i);
         let one = |(i, walking): (usize, &Option<Walking<'_>>)| {
             let Some(walking) = walking else { return DesiredMotion::default() };
-            let (others, walls) = cells.around(i, walking, people, faces);
+            let (others, walls) = around(i, walking, people, &cells, sight);
             match self {
                 WalkingModel::Straight | WalkingModel::Rotational(_) => straight(walking),
                 WalkingModel::CollisionFreeSpeed(of) => of.desired(walking, &others, &walls),
@@ -346,83 +348,32 @@ fn extent(walking: &Walking<'_>) -> f64 {
     ends.fold(USUAL_RADIUS, f64::max)
 }
 
-/// People and faces by squares of the plane, to find those that are near.
-struct Cells {
-    width: f64,
-    people: HashMap<(i64, i64), Vec<usize>>,
-    faces: HashMap<(i64, i64), Vec<usize>>,
-}
-
-impl Cells {
-    fn new(people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]], width: f64) -> Cells {
-        let mut cells = Cells { width, people: HashMap::new(), faces: HashMap::new() };
-        for (i, walking) in people.iter().enumerate() {
-            if let Some(walking) = walking {
-                cells.people.entry(cells.cell(walking.at)).or_default().push(i);
-            }
+/// Returns others and walls nearer than `reach` \[m\], in the same order on every machine.
+fn around<'a>(
+    i: usize,
+    walking: &Walking<'_>,
+    people: &'a [Option<Walking<'a>>],
+    cells: &Cells<usize>,
+    sight: f64,
+) -> (Vec<Near<'a>>, Vec<Near<'a>>) {
+    let cell = cells.cell(walking.at);
+    let faces = cells.faces(cell);
+    let mut others = Vec::new();
+    cells.block(cell, |&k| {
+        let Some(other) = people[k].as_ref().filter(|_| k != i) else { return };
+        let apart = walking.at - other.at;
+        let distance = apart.norm();
+        if distance < sight && distance > 0.0 && sees(walking.at, other.at, faces) {
+            let away = apart * (1.0 / distance);
+            let gap = distance - reach(walking, -away) - reach(other, away);
+            others.push(Near { away, distance, gap, other: Some(other) });
         }
-        // Only cells with somebody in or beside them are asked.
-        for &(column, row) in cells.people.keys() {
-            let middle = vec2((column as f64 + 0.5) * width, (row as f64 + 0.5) * width);
-            let near = faces
-                .iter()
-                .enumerate()
-                .filter(|(_, [a, b])| (nearest_on_segment(*a, *b, middle) - middle).norm() < 2.0 * width);
-            cells.faces.insert((column, row), near.map(|(k, _)| k).collect());
-        }
-        cells
-    }
-
-    fn cell(&self, at: Vec2) -> (i64, i64) {
-        (libm::floor(at.x / self.width) as i64, libm::floor(at.y / self.width) as i64)
-    }
-
-    /// Others and walls near a person, in the same order on every machine.
-    fn around<'a>(
-        &self,
-        i: usize,
-        walking: &Walking<'_>,
-        people: &'a [Option<Walking<'a>>],
-        faces: &[[Vec2; 2]],
-    ) -> (Vec<Near<'a>>, Vec<Near<'a>>) {
-        let (column, row) = self.cell(walking.at);
-        let own_faces = self.faces.get(&(column, row)).map_or(&[][..], |faces| &faces[..]);
-        // Nobody sees through walls.
-        let hidden = |from: Vec2, to: Vec2| {
-            own_faces.iter().any(|&k| segments_cross(from, to, faces[k][0], faces[k][1]))
-        };
-        let mut others = Vec::new();
-        for cell in
-            (-1..=1).flat_map(|up| (-1..=1).map(move |on| (column.wrapping_add(on), row.wrapping_add(up))))
-        {
-            for &k in self.people.get(&cell).into_iter().flatten() {
-                let Some(other) = people[k].as_ref().filter(|_| k != i) else { continue };
-                let apart = walking.at - other.at;
-                let distance = apart.norm();
-                if distance < self.width && distance > 0.0 && !hidden(walking.at, other.at) {
-                    let away = apart * (1.0 / distance);
-                    let gap = distance - reach(walking, -away) - reach(other, away);
-                    others.push(Near { away, distance, gap, other: Some(other) });
-                }
-            }
-        }
-        let feet = own_faces.iter().map(|&k| (k, nearest_on_segment(faces[k][0], faces[k][1], walking.at)));
-        let feet: Vec<(usize, Vec2)> =
-            feet.filter(|(_, foot)| (walking.at - *foot).norm() < self.width).collect();
-        let mut walls: Vec<Near<'a>> = Vec::new();
-        for (n, &(_, foot)) in feet.iter().enumerate() {
-            let apart = walking.at - foot;
-            let distance = apart.norm();
-            // A wall in many pieces is one wall: a corner counts if no piece that ends there comes nearer, and once.
-            let nearer = feet
-                .iter()
-                .enumerate()
-                .any(|(m, &(k, at))| m != n && faces[k].contains(&foot) && (at != foot || m < n));
-            if distance > 0.0 && !nearer && !hidden(walking.at, foot + apart * 1e-6) {
-                let away = apart * (1.0 / distance);
-                walls.push(Near { away, distance, gap: distance - reach(walking, -away), other: None });
-            }
-        }
-        (others, walls)
-    }
+    });
+    let walls = nearest_points(walking.at, faces, sight).filter_map(|(point, distance)| {
+        let apart = walking.at - point;
+        let away = apart * (1.0 / distance);
+        let gap = distance - reach(walking, -away);
+        sees(walking.at, point + apart * 1e-6, faces).then_some(Near { away, distance, gap, other: None })
+    });
+    (others, walls.collect())
 }

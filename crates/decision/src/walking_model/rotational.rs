@@ -18,8 +18,9 @@
 //! People are seen as circles of one radius here; their bodies touch in the mechanics. The constants were chosen beside
 //! trajectories of experiments (`examples/experiments.py`, `docs/validation.md`).
 
+use super::cells::{Cells, nearest_points, sees};
 use super::{CLOSE, DesiredMotion, FAR, Walking};
-use lemons_core::plane::{Rotation, Vec2, nearest_on_segment, segments_cross, vec2};
+use lemons_core::plane::{Rotation, Vec2, vec2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
@@ -110,24 +111,55 @@ pub(super) fn desired(
     people: &[Option<Walking<'_>>],
     faces: &[[Vec2; 2]],
 ) -> Vec<DesiredMotion> {
-    let cells = Cells::new(people, faces);
+    let there = || people.iter().flatten();
+    let mut going = there().filter(|walking| walking.direction.is_some());
+    let first = going.next();
+    let several = first.is_some_and(|first| going.any(|other| parts(first, other)));
+    let ways = there().filter_map(|walking| walking.direction.filter(|_| several));
+    let surroundings = Surroundings {
+        cells: Cells::new(people, faces, (CELL, SIGHT), |person, walking| {
+            let direction = walking.direction.unwrap_or(Vec2::ZERO);
+            let Walking { at, velocity, breadth, depth, .. } = *walking;
+            Seen { at, velocity, direction, person, breadth, depth }
+        }),
+        fastest: there().map(|walking| walking.velocity.norm()).fold(0.0, f64::max),
+        eighths: ways.fold(0, |all, way| all | 1 << eighth(way)),
+    };
     let one = |walking: &Option<Walking<'_>>| match walking {
-        Some(walking) => of_one(model, walking, people, &cells),
+        Some(walking) => of_one(model, walking, people, &surroundings),
         None => DesiredMotion::default(),
     };
     people.iter().map(one).collect()
+}
+
+/// What everybody sees.
+struct Surroundings {
+    cells: Cells<Seen>,
+    /// \[m/s\] Greatest speed of anybody.
+    fastest: f64,
+    /// Eighths of the circle in which somebody goes, a bit each; none if all have one destination.
+    eighths: u8,
+}
+
+impl Surroundings {
+    /// Returns whether anybody with another destination may go against a direction.
+    fn opposing(&self, direction: Vec2) -> bool {
+        let own = eighth(direction);
+        (2..=6).any(|turn| self.eighths & 1 << ((own + turn) % 8) != 0)
+    }
 }
 
 fn of_one(
     model: &Rotational,
     walking: &Walking<'_>,
     people: &[Option<Walking<'_>>],
-    cells: &Cells,
+    surroundings: &Surroundings,
 ) -> DesiredMotion {
     let Some(goal) = walking.direction else { return DesiredMotion::default() };
     let Walking { at, velocity, .. } = *walking;
+    let cells = &surroundings.cells;
     let cell = cells.cell(at);
-    let faces = &cells.faces[cell.1 * cells.columns + cell.0][..];
+    let faces = cells.faces(cell);
     let reference = (goal + walls(at, faces)).unit(1e-9).unwrap_or(goal);
     let direction = reference.rotated(Rotation::by(walking.steering));
     // The velocity by which people see who will pass at the side.
@@ -145,9 +177,8 @@ fn of_one(
     let mut blocked = [false; 2];
     let mut passes_close = false;
     let mut queues = false;
-    let hidden = |other: Vec2| faces.iter().any(|&[a, b]| segments_cross(at, other, a, b));
-    let fastest_approach = velocity.norm() + cells.fastest;
-    let opposing = cells.opposing(goal);
+    let fastest_approach = velocity.norm() + surroundings.fastest;
+    let opposing = surroundings.opposing(goal);
     // In a corridor, distances along the way count, which are shorter.
     let reach = 2.0 * RADIUS + if corridor.is_finite() { walking.breadth } else { 0.0 };
     let rings = (SIGHT / cells.width).ceil() as usize;
@@ -171,12 +202,12 @@ fn of_one(
             // Who comes from the other side of a common door is not evaded.
             let elsewhere = || people[other.person].as_ref().is_some_and(|other| parts(walking, other));
             let close = square < TURNING.0 * TURNING.0 && ahead[1] > -2.0 * RADIUS;
-            passes_close |= oncoming && close && elsewhere() && !hidden(other.at);
+            passes_close |= oncoming && close && elsewhere() && sees(at, other.at, faces);
             if along <= 0.0 && ahead[0] <= 0.0 && ahead[1] <= 0.0 {
                 return;
             }
             let mut visible = None;
-            let mut is_visible = || *visible.get_or_insert_with(|| !hidden(other.at));
+            let mut is_visible = || *visible.get_or_insert_with(|| sees(at, other.at, faces));
             if along > 0.0 && !oncoming {
                 let far = along / AHEAD + side.abs() / ACROSS;
                 if far < leader.0 && is_visible() {
@@ -271,24 +302,11 @@ fn parts(one: &Walking<'_>, other: &Walking<'_>) -> bool {
 
 /// Returns the repulsion of walls, relative to the direction of the way.
 fn walls(at: Vec2, faces: &[[Vec2; 2]]) -> Vec2 {
-    let reach = RADIUS + FAR * WALL.1;
-    let foot = |face: &[Vec2; 2]| nearest_on_segment(face[0], face[1], at);
-    let mut sum = Vec2::ZERO;
-    for (n, face) in faces.iter().enumerate() {
-        let place = foot(face);
-        let distance = (at - place).norm();
-        if distance >= reach || distance == 0.0 {
-            continue;
-        }
-        // A corner counts once, and only if no piece that ends there comes nearer.
-        let counted = |(m, other): (usize, &[Vec2; 2])| {
-            m != n && other.contains(&place) && (foot(other) != place || m < n)
-        };
-        if !faces.iter().enumerate().any(counted) {
-            sum += (at - place) * (WALL.0 * libm::exp((RADIUS - distance) / WALL.1) / distance);
-        }
-    }
-    sum
+    let near = nearest_points(at, faces, RADIUS + FAR * WALL.1);
+    let repulsion = near.map(|(point, distance)| {
+        (at - point) * (WALL.0 * libm::exp((RADIUS - distance) / WALL.1) / distance)
+    });
+    repulsion.fold(Vec2::ZERO, |sum, force| sum + force)
 }
 
 /// \[m\] Returns the free widths across the way, here and a little ahead; infinite if there is not a wall on either side.
@@ -339,139 +357,6 @@ fn sideways(way: Vec2, angle: f64, theta: f64) -> Vec2 {
     let gaze = vec2(1.0, 0.0).rotated(Rotation::by(theta));
     let [left, right] = [angle, -angle].map(|angle| way.rotated(Rotation::by(angle)));
     if left.dot(gaze) >= right.dot(gaze) { left } else { right }
-}
-
-/// People by cells of the plane, sorted, and the faces that are seen from each cell.
-struct Cells {
-    low: Vec2,
-    width: f64,
-    columns: usize,
-    rows: usize,
-    /// Where the people of each cell begin in `seen`; one more than cells.
-    starts: Vec<u32>,
-    seen: Vec<Seen>,
-    faces: Vec<Vec<[Vec2; 2]>>,
-    /// \[m/s\] Greatest speed of anybody.
-    fastest: f64,
-    /// Eighths of the circle in which somebody goes, a bit each; none if all have one destination.
-    eighths: u8,
-}
-
-impl Cells {
-    fn new(people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Cells {
-        let there = || people.iter().flatten();
-        let mut low = vec2(f64::INFINITY, f64::INFINITY);
-        let mut high = vec2(f64::NEG_INFINITY, f64::NEG_INFINITY);
-        for walking in there() {
-            low = vec2(low.x.min(walking.at.x), low.y.min(walking.at.y));
-            high = vec2(high.x.max(walking.at.x), high.y.max(walking.at.y));
-        }
-        if !low.x.is_finite() {
-            (low, high) = (Vec2::ZERO, Vec2::ZERO);
-        }
-        // At most some cells a person, however far apart people are.
-        let size = high - low;
-        let most = 16.0 * people.len() as f64 + 1024.0;
-        let width = CELL.max((size.x * size.y / most).sqrt()).max(size.x.max(size.y) / most);
-        let (columns, rows) = ((size.x / width) as usize + 1, (size.y / width) as usize + 1);
-        let nobody = Seen {
-            at: Vec2::ZERO,
-            velocity: Vec2::ZERO,
-            direction: Vec2::ZERO,
-            person: 0,
-            breadth: 0.0,
-            depth: 0.0,
-        };
-        let mut going = there().filter(|walking| walking.direction.is_some());
-        let first = going.next();
-        let several = first.is_some_and(|first| going.any(|other| parts(first, other)));
-        let mut cells = Cells {
-            low,
-            width,
-            columns,
-            rows,
-            starts: vec![0; columns * rows + 1],
-            seen: vec![nobody; there().count()],
-            faces: vec![Vec::new(); columns * rows],
-            fastest: there().map(|walking| walking.velocity.norm()).fold(0.0, f64::max),
-            eighths: there()
-                .filter_map(|walking| walking.direction.filter(|_| several))
-                .fold(0, |all, way| all | 1 << eighth(way)),
-        };
-        let index = |at: Vec2, cells: &Cells| {
-            let (column, row) = cells.cell(at);
-            row * columns + column
-        };
-        for walking in there() {
-            let k = index(walking.at, &cells);
-            cells.starts[k + 1] += 1;
-        }
-        for k in 0..columns * rows {
-            cells.starts[k + 1] += cells.starts[k];
-        }
-        let mut next = cells.starts.clone();
-        for (person, walking) in people.iter().enumerate() {
-            let Some(walking) = walking else { continue };
-            let k = index(walking.at, &cells);
-            let direction = walking.direction.unwrap_or(Vec2::ZERO);
-            let Walking { at, velocity, breadth, depth, .. } = *walking;
-            cells.seen[next[k] as usize] = Seen { at, velocity, direction, person, breadth, depth };
-            next[k] += 1;
-        }
-        let reach = SIGHT / width;
-        let span = |a: f64, b: f64, count: usize| {
-            let (first, last) = (a.min(b) / width - reach, a.max(b) / width + reach);
-            (first.max(0.0) as usize).min(count)..((last + 1.0).max(0.0) as usize).min(count)
-        };
-        for &face in faces {
-            let [a, b] = face.map(|end| end - low);
-            for y in span(a.y, b.y, rows) {
-                for x in span(a.x, b.x, columns) {
-                    let k = y * columns + x;
-                    let middle = vec2((x as f64 + 0.5) * width, (y as f64 + 0.5) * width);
-                    let far = || (nearest_on_segment(a, b, middle) - middle).norm();
-                    if cells.starts[k] < cells.starts[k + 1] && far() < SIGHT + 0.75 * width {
-                        cells.faces[k].push(face);
-                    }
-                }
-            }
-        }
-        cells
-    }
-
-    fn cell(&self, at: Vec2) -> (usize, usize) {
-        let of = |x: f64, count: usize| ((x / self.width) as usize).min(count - 1);
-        (of(at.x - self.low.x, self.columns), of(at.y - self.low.y, self.rows))
-    }
-
-    /// Returns whether anybody with another destination may go against a direction.
-    fn opposing(&self, direction: Vec2) -> bool {
-        let own = eighth(direction);
-        (2..=6).any(|turn| self.eighths & 1 << ((own + turn) % 8) != 0)
-    }
-
-    /// Visits those in the cells whose distance from a cell is `ring`, in the same order on every machine.
-    fn ring(&self, (column, row): (usize, usize), ring: usize, mut visit: impl FnMut(&Seen)) {
-        let range = |middle: usize, count: usize| middle.saturating_sub(ring)..(middle + ring + 1).min(count);
-        let columns = range(column, self.columns);
-        let mut cells = |row: usize, columns: std::ops::Range<usize>| {
-            let first = row * self.columns;
-            let (from, to) = (self.starts[first + columns.start], self.starts[first + columns.end]);
-            self.seen[from as usize..to as usize].iter().for_each(&mut visit);
-        };
-        for y in range(row, self.rows) {
-            if y.abs_diff(row) == ring {
-                cells(y, columns.clone());
-                continue;
-            }
-            if column >= ring {
-                cells(y, column - ring..column - ring + 1);
-            }
-            if column + ring < self.columns {
-                cells(y, column + ring..column + ring + 1);
-            }
-        }
-    }
 }
 
 /// Returns the eighth of the circle in which a direction lies, from 0 to 7.

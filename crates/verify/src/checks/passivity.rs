@@ -12,8 +12,8 @@ use std::f64::consts::{PI, TAU};
 pub(crate) const FIGURES: &[Figure] = &[
     || Ok((damped_pair(1.5e4)? - 0.8564).abs()),
     || Ok((damped_pair(1000.0)? - 0.7727).abs()),
-    || random_pairs(1.0),
-    || random_pairs(0.1),
+    || random_pairs(500, 1.0),
+    || random_pairs(100, 0.1),
     || corners(ELASTIC),
     || corners(CONCRETE),
     drawn_in_parts,
@@ -56,10 +56,10 @@ fn damped_pair(tangential_damping: f64) -> Result<f64> {
 
 /// Returns the largest energy gained, as a share of that before, of random pairs of pedestrians; at a share of the
 /// longest step without a warning.
-fn random_pairs(share_of_longest: f64) -> Result<f64> {
+fn random_pairs(count: u32, share_of_longest: f64) -> Result<f64> {
     let mut random = Random(16);
     let (mut worst, mut met) = (f64::NEG_INFINITY, 0);
-    while met < 500 {
+    while met < count {
         let powers = |random: &mut Random, low: f64, high: f64| low * (high / low).powf(random.share());
         let young_modulus = powers(&mut random, 1e5, 1e7);
         let damping = [(); 2].map(|()| {

@@ -1,0 +1,150 @@
+//! Who and which walls are near somebody.
+
+use super::Walking;
+use lemons_core::plane::{Bounds, Vec2, nearest_on_segment, segments_cross, vec2};
+use std::ops::Range;
+
+/// People by cells of the plane, sorted, and the faces that may be seen from each cell.
+pub(super) struct Cells<T> {
+    /// Column and row of the first cell, counted from the origin.
+    first: (f64, f64),
+    /// \[m\] Width of a cell.
+    pub width: f64,
+    columns: usize,
+    rows: usize,
+    /// Where the people of each cell begin in `seen`; one more than cells.
+    starts: Vec<u32>,
+    seen: Vec<T>,
+    faces: Vec<Vec<[Vec2; 2]>>,
+}
+
+impl<T: Copy> Cells<T> {
+    /// Makes cells of at least this width \[m\]. People see faces as far as `sight` \[m\]; `seen` is what others see of a
+    /// person with this index.
+    pub fn new(
+        people: &[Option<Walking<'_>>],
+        faces: &[[Vec2; 2]],
+        (width, sight): (f64, f64),
+        seen: impl Fn(usize, &Walking<'_>) -> T,
+    ) -> Cells<T> {
+        let there = || people.iter().enumerate().filter_map(|(i, walking)| Some((i, walking.as_ref()?)));
+        let all = Bounds::of(there().map(|(_, walking)| walking.at));
+        let Bounds { low, high } = all.unwrap_or(Bounds { low: Vec2::ZERO, high: Vec2::ZERO });
+        // At most some cells a person, however far apart people are.
+        let size = high - low;
+        let most = 16.0 * people.len() as f64 + 1024.0;
+        let width = width.max((size.x * size.y / most).sqrt()).max(size.x.max(size.y) / most);
+        let first = (libm::floor(low.x / width), libm::floor(low.y / width));
+        let count = |first: f64, high: f64| (libm::floor(high / width) - first) as usize + 1;
+        let (columns, rows) = (count(first.0, high.x), count(first.1, high.y));
+        let mut cells = Cells {
+            first,
+            width,
+            columns,
+            rows,
+            starts: vec![0; columns * rows + 1],
+            seen: Vec::new(),
+            faces: vec![Vec::new(); columns * rows],
+        };
+        let mut order: Vec<(usize, usize)> =
+            there().map(|(i, walking)| (cells.index(cells.cell(walking.at)), i)).collect();
+        order.sort_unstable();
+        for &(cell, i) in &order {
+            cells.starts[cell + 1] += 1;
+            cells.seen.extend(people[i].as_ref().map(|walking| seen(i, walking)));
+        }
+        for k in 0..columns * rows {
+            cells.starts[k + 1] += cells.starts[k];
+        }
+        let reach = sight / width;
+        let span = |a: f64, b: f64, first: f64, count: usize| {
+            let (low, high) = (a.min(b) / width - first - reach, a.max(b) / width - first + reach);
+            (low.max(0.0) as usize).min(count)..((high + 1.0).max(0.0) as usize).min(count)
+        };
+        for &[a, b] in faces {
+            for y in span(a.y, b.y, first.1, rows) {
+                for x in span(a.x, b.x, first.0, columns) {
+                    let k = y * columns + x;
+                    let middle = vec2(x as f64 + 0.5 + first.0, y as f64 + 0.5 + first.1) * width;
+                    let far = || (nearest_on_segment(a, b, middle) - middle).norm();
+                    if cells.starts[k] < cells.starts[k + 1] && far() < sight + 0.75 * width {
+                        cells.faces[k].push([a, b]);
+                    }
+                }
+            }
+        }
+        cells
+    }
+
+    /// Returns the column and the row of the cell in which somebody is.
+    pub fn cell(&self, at: Vec2) -> (usize, usize) {
+        let of = |x: f64, first: f64, count: usize| {
+            ((libm::floor(x / self.width) - first) as usize).min(count - 1)
+        };
+        (of(at.x, self.first.0, self.columns), of(at.y, self.first.1, self.rows))
+    }
+
+    fn index(&self, (column, row): (usize, usize)) -> usize {
+        row * self.columns + column
+    }
+
+    /// Returns the faces that may be seen from a cell in which somebody is.
+    pub fn faces(&self, cell: (usize, usize)) -> &[[Vec2; 2]] {
+        &self.faces[self.index(cell)]
+    }
+
+    /// Visits those in the cells of a row, in the same order on every machine.
+    fn visit(&self, row: usize, columns: Range<usize>, visit: &mut impl FnMut(&T)) {
+        let (from, to) = (self.index((columns.start, row)), self.index((columns.end, row)));
+        self.seen[self.starts[from] as usize..self.starts[to] as usize].iter().for_each(visit);
+    }
+
+    /// Visits those in a cell and the eight around it.
+    pub fn block(&self, (column, row): (usize, usize), mut visit: impl FnMut(&T)) {
+        for y in around(row, 1, self.rows) {
+            self.visit(y, around(column, 1, self.columns), &mut visit);
+        }
+    }
+
+    /// Visits those in the cells whose distance from a cell is `ring`.
+    pub fn ring(&self, (column, row): (usize, usize), ring: usize, mut visit: impl FnMut(&T)) {
+        let columns = around(column, ring, self.columns);
+        for y in around(row, ring, self.rows) {
+            if y.abs_diff(row) == ring {
+                self.visit(y, columns.clone(), &mut visit);
+                continue;
+            }
+            if column >= ring {
+                self.visit(y, column - ring..column - ring + 1, &mut visit);
+            }
+            if column + ring < self.columns {
+                self.visit(y, column + ring..column + ring + 1, &mut visit);
+            }
+        }
+    }
+}
+
+fn around(middle: usize, ring: usize, count: usize) -> Range<usize> {
+    middle.saturating_sub(ring)..(middle + ring + 1).min(count)
+}
+
+/// Returns whether no wall hides two people from each other.
+pub(super) fn sees(from: Vec2, to: Vec2, faces: &[[Vec2; 2]]) -> bool {
+    !faces.iter().any(|&[a, b]| segments_cross(from, to, a, b))
+}
+
+/// Returns the nearest points of walls with their distances \[m\], which are above 0 and below `reach`. A wall in many pieces
+/// is one wall: a corner counts if no piece that ends there comes nearer, and once.
+pub(super) fn nearest_points(at: Vec2, faces: &[[Vec2; 2]], reach: f64) -> impl Iterator<Item = (Vec2, f64)> {
+    let nearest = move |face: &[Vec2; 2]| nearest_on_segment(face[0], face[1], at);
+    let of_face = move |(n, face): (usize, &[Vec2; 2])| {
+        let point = nearest(face);
+        let distance = (at - point).norm();
+        let counted = |(m, other): (usize, &[Vec2; 2])| {
+            m != n && other.contains(&point) && (nearest(other) != point || m < n)
+        };
+        let near = distance > 0.0 && distance < reach;
+        (near && !faces.iter().enumerate().any(counted)).then_some((point, distance))
+    };
+    faces.iter().enumerate().filter_map(of_face)
+}
