@@ -188,8 +188,8 @@ def engine_direct():
         pytest.skip("cargo is absent")
     # Not --release: `cargo test` has built it so, and examples have other dependencies than the command,
     # which a release build here would make build anew each time. The bits do not depend on the profile.
-    command = ["cargo", "build", "--quiet", "--workspace", "--example", "engine_direct", "--target-dir", TARGET]
-    subprocess.run(command, check=True, cwd=REPOSITORY)
+    command = "cargo build --quiet --workspace --all-features --example engine_direct --target-dir".split()
+    subprocess.run([*command, TARGET], check=True, cwd=REPOSITORY)
 
     def engine_direct(trial, steps, *options):
         command = [TARGET / "debug" / "examples" / "engine_direct", trial, "--steps", str(steps), *options]
