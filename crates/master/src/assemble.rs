@@ -6,11 +6,12 @@ use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::instance::number;
 use crate::ssp::{
-    Affine, Allowance, Archive, Connector, Extent, Interface, Kind, Parameter, ParameterSet, Single,
-    SystemStructure, Type, Unit, Variable, conversion, located, place_of, written,
+    Affine, Allowance, Archive, Connection, Connector, Extent, Interface, Kind, Parameter, ParameterSet,
+    Single, SystemStructure, Type, UnitOf, Variable, conversion, located, place_of, written,
 };
 use crate::system::{Component, System, Wiring, component_of};
 use lemons_sim::Algorithm;
+use std::collections::HashMap;
 use std::fs::File;
 use std::ops::Range;
 use std::path::Path;
@@ -59,8 +60,9 @@ fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, Strin
         components.push(Component { name: described.name.clone(), fmu: Arc::new(fmu), instance });
     }
     let warnings = set_parameters(&structure, &components)?;
-    let wiring = connect(&components, &structure)?;
-    let system = System::new(components, algorithm, wiring)?;
+    let descriptions: Vec<_> = components.iter().map(|component| component.fmu.description.clone()).collect();
+    let wiring = connect(&descriptions, &structure)?;
+    let system = System::new(components, algorithm, wiring);
     Ok(Assembled { system, start: structure.start, stop: structure.stop, warnings })
 }
 
@@ -91,7 +93,7 @@ fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Res
 struct Meaning<'a> {
     variable: &'a Variable,
     element: Option<usize>,
-    unit: (Option<&'a str>, Option<&'a Unit>),
+    unit: UnitOf<'a>,
 }
 
 /// Finds the variable that a connector names, which must be of that kind, type, unit and size.
@@ -112,10 +114,9 @@ fn meaning<'a>(
     if element.is_none() || !connector.dimensions.is_empty() {
         check_sizes(connector, variable, interface).map_err(wrong)?;
     }
-    let own = variable.unit.as_deref();
-    let own = (own, own.and_then(|name| interface.unit(name)));
+    let own = interface.unit_of(variable);
     let Some(of) = connector.of else { return Ok(Meaning { variable, element, unit: own }) };
-    let classes = [of, variable.of].map(|of| of.class().name());
+    let classes = [of, variable.of].map(Type::class);
     if classes[0] != classes[1] {
         return Err(wrong(format!("<{}>, but the FMU says {}", classes[0], classes[1])));
     }
@@ -172,52 +173,51 @@ fn values(end: &Meaning, name: &str, indices: &[usize]) -> Result<Range<usize>, 
     Ok(place..place + 1)
 }
 
-fn connect(components: &[Component], structure: &SystemStructure) -> Result<Wiring> {
+fn connect<'a>(interfaces: &'a [Arc<Interface>], structure: &'a SystemStructure) -> Result<Wiring<'a>> {
     let mut wiring = Wiring { connections: structure.connections.len(), ..Wiring::default() };
-    let interface = |component: usize| &*components[component].fmu.description;
-    for connection in &structure.connections {
-        let line = connection.line;
-        let ((source, output), (_, input)) =
-            (structure.port(&connection.from), structure.port(&connection.to));
+    // The lines of the connections that feed inputs.
+    let mut lines = HashMap::new();
+    for Connection { from, to, transformation, suppress_unit_conversion, line } in &structure.connections {
+        let ((source, output), (_, input)) = (structure.port(from), structure.port(to));
         let wrong = |why: String| {
-            let text = format!("{} of {:?}: {why}", output.name, source.name);
-            Error::from(located(line, "Connection", "endConnector", &input.name, format!("from {text}")))
+            let why = format!("from {} of {:?}: {why}", output.name, source.name);
+            Error::from(located(*line, "Connection", "endConnector", &input.name, why))
         };
-        let (here, there) = (interface(connection.from.component), interface(connection.to.component));
-        let [start, end] = [meaning(output, here, structure)?, meaning(input, there, structure)?];
-        let sent = values(&start, &output.name, &connection.from.indices).map_err(wrong)?;
-        let taken = values(&end, &input.name, &connection.to.indices).map_err(wrong)?;
-        let (from, to) = (start.variable, end.variable);
-        let of = from.of.class();
-        if of != to.of.class() {
-            return Err(wrong(format!("{} does not become {}", of.name(), to.of.class().name())));
-        }
-        if sent.len() != taken.len() || (sent.len() > 1 && from.sizes() != to.sizes()) {
-            return Err(wrong(format!("{} does not become {}", elements(from, &sent), elements(to, &taken))));
-        }
-        if matches!(of, Type::Enumeration | Type::Binary | Type::Clock) {
-            return Err(wrong(format!("type {} is not served", of.name())));
+        let start = meaning(output, &interfaces[from.component], structure)?;
+        let end = meaning(input, &interfaces[to.component], structure)?;
+        let sent = values(&start, &output.name, &from.indices).map_err(wrong)?;
+        let taken = values(&end, &input.name, &to.indices).map_err(wrong)?;
+        let (here, there) = (start.variable, end.variable);
+        here.of.check_sent_to(there.of).map_err(wrong)?;
+        if sent.len() != taken.len() || (sent.len() > 1 && here.sizes() != there.sizes()) {
+            let what = [elements(here, &sent), elements(there, &taken)];
+            return Err(wrong(format!("{} does not become {}", what[0], what[1])));
         }
         let mut map = Affine::IDENTITY;
-        if !connection.suppress_unit_conversion {
+        if !suppress_unit_conversion {
             map = conversion(start.unit, end.unit).map_err(wrong)?;
         }
-        if let Some(transformation) = connection.transformation {
-            if of != Type::Real {
-                return Err(wrong(format!("no <LinearTransformation> for type {}", of.name())));
+        if let Some(transformation) = transformation {
+            if here.of.class() != Type::Real {
+                return Err(wrong(format!("no <LinearTransformation> for type {}", here.of.class())));
             }
-            map = map.then(transformation);
+            map = map.then(*transformation);
         }
         if output.name == input.name {
-            wiring.alike.insert((connection.from.component, connection.to.component));
+            wiring.alike.insert((from.component, to.component));
         }
-        wiring.wires.extend(sent.zip(taken).map(|(sent, taken)| Wire {
-            from: (connection.from.component, Single { variable: from, element: sent }.address()),
-            to: (connection.to.component, Single { variable: to, element: taken }.address()),
-            map,
-        }));
+        for (sent, taken) in sent.zip(taken) {
+            if let Some(first) = lines.insert((to.component, &there.name, taken), line) {
+                return Err(wrong(format!("line {first} feeds this input already")));
+            }
+            wiring.wires.push(Wire {
+                from: (from.component, Single { variable: here, element: sent }),
+                to: (to.component, Single { variable: there, element: taken }),
+                map,
+            });
+        }
     }
-    wiring.wires.sort_by_key(|wire| wire.from.1.of.class());
+    wiring.wires.sort_by_key(|wire| wire.from.1.variable.of.class());
     Ok(wiring)
 }
 
@@ -279,14 +279,13 @@ fn set_parameter(
             set.units.get(name).or_else(|| structure.units.get(name)).or_else(|| interface.unit(name))
         };
         let here = (unit.as_deref(), unit.as_ref().and_then(defined));
-        let own = variable.unit.as_deref();
-        let there = (own, own.and_then(|name| interface.unit(name)));
+        let there = interface.unit_of(variable);
         let value: f64 = number(text).place(|| format!("{name}={text}: not a number"))?;
         let value = conversion(here, there).map_err(Error::new)?.apply(value);
         return instance.set(&instance.select([name])?, &[value]);
     }
     if given != own && (given, own) != (Type::Integer, Type::Real) {
-        return Err(Error::new(format!("the FMU's variable is of type {}", own.name())));
+        return Err(Error::new(format!("the FMU's variable is of type {own}")));
     }
     instance.set_text(&[name], text)
 }

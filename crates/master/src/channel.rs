@@ -1,103 +1,83 @@
 //! The values on their way between components: numbers, or texts.
 
-use crate::calls::Value;
+use crate::calls::{Instance, Value};
 use crate::error::Result;
 use crate::selection::Selection;
-use crate::ssp::{Address, Affine};
-use crate::system::Component;
-use std::collections::HashMap;
+use crate::ssp::{Affine, Single, Type};
+use std::collections::BTreeMap;
 
-/// A connection of single values, by component and address.
+/// A connection of single values, each with the place of its component.
 #[derive(Clone, Copy)]
-pub(crate) struct Wire {
-    pub(crate) from: (usize, Address),
-    pub(crate) to: (usize, Address),
+pub(crate) struct Wire<'a> {
+    pub(crate) from: (usize, Single<'a>),
+    pub(crate) to: (usize, Single<'a>),
     /// Conversion of Reals.
     pub(crate) map: Affine,
 }
 
-/// The connected variables, by component.
-pub(crate) struct Channel<T> {
-    outputs: Vec<Outputs<T>>,
-    inputs: Vec<Inputs>,
+/// The connections from one component to another, or to itself.
+pub(crate) struct Channel {
+    pub(crate) from: usize,
+    pub(crate) to: usize,
+    numbers: Values<f64>,
+    texts: Values<String>,
 }
 
-/// The connected outputs of a component.
-#[derive(Clone, Default)]
-struct Outputs<T> {
-    addresses: Vec<Address>,
-    selection: Selection,
+/// Connected values of one kind.
+struct Values<T> {
+    outputs: Selection,
+    inputs: Selection,
+    maps: Vec<Affine>,
+    /// Of the outputs.
     newest: Vec<T>,
-    before: Vec<T>,
 }
 
-/// The connected inputs of a component.
-#[derive(Clone, Default)]
-struct Inputs {
-    addresses: Vec<Address>,
-    selection: Selection,
-    sources: Vec<Source>,
-}
-
-/// Which output feeds an input.
-#[derive(Clone, Copy)]
-struct Source {
-    component: usize,
-    place: usize,
-    map: Affine,
-}
-
-impl<T: Value> Channel<T> {
-    /// Connects components.
-    ///
-    /// # Errors
-    /// An FMU has no such values.
-    pub(crate) fn new<'a>(
-        wires: impl Iterator<Item = &'a Wire>,
-        components: &[Component],
-    ) -> Result<Channel<T>> {
-        let mut outputs = vec![Outputs::default(); components.len()];
-        let mut inputs = vec![Inputs::default(); components.len()];
-        // One output may feed several inputs and is read once.
-        let mut places = HashMap::new();
+impl Channel {
+    /// Makes the channels of all connections.
+    pub(crate) fn of(wires: &[Wire]) -> Vec<Channel> {
+        let mut all: BTreeMap<(usize, usize), [Vec<Wire>; 2]> = BTreeMap::new();
         for wire in wires {
-            let Outputs { addresses, newest, .. } = &mut outputs[wire.from.0];
-            let place = *places.entry(wire.from).or_insert_with(|| {
-                addresses.push(wire.from.1);
-                newest.push(T::default());
-                addresses.len() - 1
-            });
-            let inputs = &mut inputs[wire.to.0];
-            inputs.addresses.push(wire.to.1);
-            inputs.sources.push(Source { component: wire.from.0, place, map: wire.map });
+            let of_both = all.entry((wire.from.0, wire.to.0)).or_default();
+            of_both[usize::from(wire.from.1.variable.of == Type::String)].push(*wire);
         }
-        for ((component, outputs), inputs) in components.iter().zip(&mut outputs).zip(&mut inputs) {
-            outputs.selection = component.instance.select_at(&outputs.addresses)?;
-            inputs.selection = component.instance.select_at(&inputs.addresses)?;
-        }
-        Ok(Channel { outputs, inputs })
+        let channel = |((from, to), [numbers, texts]): ((usize, usize), [Vec<Wire>; 2])| Channel {
+            from,
+            to,
+            numbers: Values::new(&numbers),
+            texts: Values::new(&texts),
+        };
+        all.into_iter().map(channel).collect()
     }
 
-    /// Reads the outputs of a component; returns whether one is new.
-    pub(crate) fn read(&mut self, c: usize, component: &Component) -> Result<bool> {
-        let outputs = &mut self.outputs[c];
-        if outputs.addresses.is_empty() {
-            return Ok(false);
-        }
-        let first = outputs.before.is_empty();
-        outputs.before.clone_from(&outputs.newest);
-        component.instance.get(&outputs.selection, &mut outputs.newest)?;
-        Ok(first || outputs.before != outputs.newest)
+    /// Reads the outputs; returns whether one is new.
+    pub(crate) fn read(&mut self, from: &Instance) -> Result<bool> {
+        Ok(self.numbers.read(from)? | self.texts.read(from)?)
     }
 
-    /// Sets the inputs of a component.
-    pub(crate) fn send(&self, c: usize, component: &Component) -> Result<()> {
-        let Inputs { selection, sources, .. } = &self.inputs[c];
-        if selection.is_empty() {
-            return Ok(());
+    /// Sets the inputs.
+    pub(crate) fn send(&self, to: &Instance) -> Result<()> {
+        self.numbers.send(to)?;
+        self.texts.send(to)
+    }
+}
+
+impl<T: Value> Values<T> {
+    fn new(wires: &[Wire]) -> Values<T> {
+        Values {
+            outputs: Selection::new(wires.iter().map(|wire| wire.from.1)),
+            inputs: Selection::new(wires.iter().map(|wire| wire.to.1)),
+            maps: wires.iter().map(|wire| wire.map).collect(),
+            newest: Vec::new(),
         }
-        let value =
-            |source: &Source| self.outputs[source.component].newest[source.place].converted(source.map);
-        component.instance.set(selection, &sources.iter().map(value).collect::<Vec<T>>())
+    }
+
+    fn read(&mut self, from: &Instance) -> Result<bool> {
+        let before = std::mem::replace(&mut self.newest, from.values(&self.outputs)?);
+        Ok(before != self.newest)
+    }
+
+    fn send(&self, to: &Instance) -> Result<()> {
+        let sent = self.newest.iter().zip(&self.maps).map(|(value, map)| value.converted(*map));
+        to.set(&self.inputs, &sent.collect::<Vec<T>>())
     }
 }

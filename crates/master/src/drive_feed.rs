@@ -1,7 +1,7 @@
 //! A drive on its way into the inputs of an instance.
 
+use crate::calls::Instance;
 use crate::error::Result;
-use crate::instance::Instance;
 use crate::selection::Selection;
 use lemons_core::trial::{Agent, DriveTable};
 

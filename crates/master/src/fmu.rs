@@ -1,13 +1,13 @@
 //! An FMU: its files, its description, what its names stand for.
 
 use crate::bundled_library::host;
-use crate::calls::Calls;
+use crate::calls::Instance;
 use crate::drive_feed::driven;
 use crate::error::{Error, Place, Result, scratch};
 use crate::file_type::FileType;
-use crate::instance::{Instance, number};
-use crate::messages::{Messages, Names};
-use crate::ssp::{Allowance, Fmi, Interface, Kind, Type};
+use crate::instance::number;
+use crate::messages::Messages;
+use crate::ssp::{Allowance, Interface, Kind, Type};
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use crowd_mechanics::pack::host_directory;
@@ -16,6 +16,7 @@ use crowd_mechanics::resources::{Resources, ResourcesError};
 use lemons_core::files::{Scratch, input};
 use lemons_core::trial::Trial;
 use lemons_core::trial::{DriveChoice, DriveTable, own_drive};
+use lemons_fmi::Version;
 use lemons_fmi::location::Location;
 use lemons_sim::settings::{meant, named};
 use std::collections::BTreeMap;
@@ -58,8 +59,15 @@ impl Fmu {
         Fmu { shown: path.to_owned(), ..self }
     }
 
-    fn names(&self) -> Names {
-        Names { unpacked: self.directory.path().display().to_string(), shown: self.shown.clone() }
+    /// Where it is unpacked, and what the user knows it by.
+    fn names(&self) -> [String; 2] {
+        [self.directory.path().display().to_string(), self.shown.clone()]
+    }
+
+    /// Returns a text with the name that the user knows.
+    fn known(&self, text: &str) -> String {
+        let [unpacked, shown] = self.names();
+        text.replace(&unpacked, &shown)
     }
 
     /// Like [`Fmu::open`], for a file whose name does not matter in messages.
@@ -93,7 +101,7 @@ impl Fmu {
         let path = path.to_str().ok_or_else(|| Error::new(format!("{} is not UTF-8", path.display())))?;
         Resources::at(Location::Path(path)).map_err(|error| match error {
             ResourcesError::NoTrial { .. } => Error::new("holds no Trial: it is not an FMU of a crowd"),
-            error => Error::new(self.names().said(&error.to_string())),
+            error => Error::new(self.known(&error.to_string())),
         })
     }
 
@@ -104,7 +112,7 @@ impl Fmu {
     pub fn trial(&self, name: Option<&str>) -> Result<Trial> {
         let packed = self.resources()?;
         let read = packed.load(name.unwrap_or(packed.first()));
-        Ok(read.map_err(|error| Error::new(self.names().said(&error.to_string())))?.0)
+        Ok(read.map_err(|error| Error::new(self.known(&error.to_string())))?.0)
     }
 
     /// Reads the drive of a Trial of this FMU.
@@ -114,7 +122,7 @@ impl Fmu {
     pub fn drive(&self, trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
         DriveTable::of(trial, choice).map_err(|error| match trial {
             Some(trial) if *choice == DriveChoice::Own => {
-                let known = self.names().said(&own_drive(trial).to_string_lossy());
+                let known = self.known(&own_drive(trial).to_string_lossy());
                 Error::Drive(error.of_file(Path::new(&known)))
             }
             _ => Error::Drive(error),
@@ -158,8 +166,8 @@ impl Fmu {
         }
         let messages = Arc::new(Messages::with(self.names()));
         let resources = self.directory.path().join("resources");
-        let made = Calls::new(&self.description, &library, &resources, name, messages.clone());
-        let calls = made.map_err(|error| {
+        let made = Instance::new(self.description.clone(), &library, &resources, name, messages.clone());
+        let instance = made.map_err(|error| {
             let prefix = format!("{}/", self.directory.path().display());
             let why = format!("cannot instantiate the FMU: {}", error.whole().replace(&prefix, ""));
             let said = messages.errors();
@@ -169,7 +177,6 @@ impl Fmu {
                 format!("{}{hint}: {}", self.shown, if said.is_empty() { why } else { said.join("\n") });
             Error::new(what)
         })?;
-        let instance = Instance::new(calls, self.description.clone());
         let sizes = self.sizes.iter();
         let sizes =
             sizes.filter_map(|(name, size)| Some((self.description.variable(name)?.reference, *size)));
@@ -195,7 +202,7 @@ impl Fmu {
     /// The values that a name stands for: see [`named`]. In FMI 3.0, a quantity of materials also has its name of FMI
     /// 2.0, which contains their Ids.
     pub fn named(&self, name: &str) -> Vec<String> {
-        if self.description.fmi == Fmi::V3 && self.description.single(name).is_none() {
+        if self.description.fmi == Version::V3 && self.description.single(name).is_none() {
             let found = self.of_materials(name);
             if !found.is_empty() {
                 return found;
@@ -234,7 +241,7 @@ impl Fmu {
     /// # Errors
     /// A text is not a size, or the arrays become too large.
     pub fn configure<'a>(&mut self, parameters: impl Iterator<Item = (&'a str, &'a str)>) -> Result<()> {
-        if self.description.fmi != Fmi::V3 {
+        if self.description.fmi != Version::V3 {
             return Ok(());
         }
         for (name, text) in parameters {
@@ -270,7 +277,7 @@ impl Fmu {
     /// Which of the flags `canGetAndSetFMUstate`, `canSerializeFMUstate` (FMI 3.0: `…State`) the FMU lacks to save its
     /// state.
     pub fn cannot_save(&self) -> Option<&'static str> {
-        let v3 = self.description.fmi == Fmi::V3;
+        let v3 = self.description.fmi == Version::V3;
         let lacks = |lacks: bool, flags: [&'static str; 2]| lacks.then_some(flags[usize::from(v3)]);
         let Some(able) = &self.description.co_simulation else { return Some("co-simulation") };
         lacks(!able.can_get_and_set_state, ["canGetAndSetFMUstate", "canGetAndSetFMUState"])
@@ -297,7 +304,7 @@ fn library_of(identifier: &str, platform: &str) -> String {
 
 /// The directory of a platform in the FMU's version.
 fn platform_of(description: &Interface, platform: &'static str) -> &'static str {
-    if description.fmi == Fmi::V3 { host_directory().unwrap_or(platform) } else { platform }
+    if description.fmi == Version::V3 { host_directory().unwrap_or(platform) } else { platform }
 }
 
 #[cfg(test)]

@@ -26,13 +26,12 @@ mod unzip;
 
 pub use assemble::{Assembled, assemble};
 pub use bundled_library::{binaries_beside, binary_beside, look_in, own_binary};
-pub use calls::{LARGEST_STATE, Value};
+pub use calls::{Instance, LARGEST_STATE, Value};
 pub use decider::{PlanChoice, plan_in, plan_of};
 pub use drive_feed::DriveFeed;
 pub use error::{Error, Result, whole};
 pub use file_type::FileType;
 pub use fmu::Fmu;
-pub use instance::Instance;
 pub use prepared::Prepared;
 pub use saved::{ComponentRecord, CrowdRecord, Saved, writers};
 pub use selection::Selection;

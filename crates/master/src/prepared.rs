@@ -2,12 +2,12 @@
 //! its communication points are known; then it is stepped.
 
 use crate::assemble::{Assembled, assemble};
+use crate::calls::Instance;
 use crate::decider::PlanChoice;
 use crate::drive_feed::DriveFeed;
 use crate::error::{Error, Place, Result};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
-use crate::instance::Instance;
 use crate::notes;
 use crate::saved::Saved;
 use crate::settings::Settings;

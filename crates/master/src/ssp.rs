@@ -28,6 +28,6 @@ pub use document::{
     Component, Connection, Connector, Extent, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE,
     SystemStructure, Type, located,
 };
-pub use interface::{Address, CoSimulation, Dimension, Fmi, Interface, Single, Variable};
+pub use interface::{CoSimulation, Dimension, Interface, Single, Variable};
 pub(crate) use interface::{place_of, written};
-pub use unit::{Affine, Unit, conversion};
+pub use unit::{Affine, Unit, UnitOf, conversion};

@@ -1,7 +1,7 @@
 //! Several FMUs that step together: co-simulation with a fixed communication step.
 //!
-//! Each component keeps the newest values of its connected outputs here, read by one call for each type. In FMI 3.0 an
-//! array is read and set whole, and each of its elements has a connection of its own here. Then
+//! Here are the newest values of the connected outputs, of each pair of components, read by one call for each type. In FMI
+//! 3.0 an array is read and set whole, and each of its elements has a connection of its own here. Then
 //!
 //! - Jacobi: all inputs are set, all components step, all outputs are read;
 //! - Gauss-Seidel: the components step one after the other, in the order of the file. For each, the inputs are set, it
@@ -10,13 +10,13 @@
 //! Initial values: while all components are in initialization mode, outputs are read and inputs are set as many times as
 //! there are components, or until nothing changes. The longest chain without a loop then has its values.
 
+use crate::calls::Instance;
 use crate::channel::{Channel, Wire};
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
-use crate::instance::Instance;
 use crate::notes;
 use crate::saved::ComponentRecord;
-use crate::ssp::{Address, Single, Type};
+use crate::ssp::{Single, Type};
 use lemons_core::trial::Trial;
 use lemons_fmi::fingerprint;
 use lemons_sim::Algorithm;
@@ -55,24 +55,41 @@ pub struct System {
     pub components: Vec<Component>,
     /// In which order components exchange values and step.
     pub algorithm: Algorithm,
-    numbers: Channel<f64>,
-    texts: Channel<String>,
-    wiring: Wiring,
-    /// The inputs with a connection, by component.
-    fed: HashSet<(usize, Address)>,
+    channels: Vec<Channel>,
+    /// The inputs with a connection: component, and name of the value.
+    fed: HashSet<(usize, String)>,
+    /// Number of the connections of the SSP.
+    connections: usize,
+    /// Components of which the first feeds inputs of the second that have the names of its outputs.
+    alike: BTreeSet<(usize, usize)>,
+    /// The same if the same outputs feed the same inputs with the same conversions.
+    fingerprint: String,
     /// \[s\] The last communication point.
     pub time: f64,
 }
 
 /// The connections of a system.
 #[derive(Default)]
-pub(crate) struct Wiring {
+pub(crate) struct Wiring<'a> {
     /// Connections of single values, by type.
-    pub(crate) wires: Vec<Wire>,
-    /// Number of the connections of the SSP.
+    pub(crate) wires: Vec<Wire<'a>>,
     pub(crate) connections: usize,
-    /// Components of which the first feeds inputs of the second that have the names of its outputs.
     pub(crate) alike: BTreeSet<(usize, usize)>,
+}
+
+impl Wiring<'_> {
+    fn fingerprint(&self) -> String {
+        let line =
+            |Wire { from, to, map }: &Wire| format!("{}.{} -> {}.{} {map:?}", from.0, from.1, to.0, to.1);
+        let of_type = |of: Type| {
+            let wires = self.wires.iter().filter(|wire| wire.from.1.variable.of.class() == of);
+            let mut lines: Vec<String> = wires.map(line).collect();
+            lines.sort_unstable();
+            lines.join(" ")
+        };
+        let all = [Type::Real, Type::Integer, Type::Boolean, Type::String].map(of_type).join("\n");
+        format!("{:032x}", fingerprint(all.as_bytes()))
+    }
 }
 
 impl System {
@@ -82,20 +99,25 @@ impl System {
     /// The FMU cannot be instantiated.
     pub fn of_one(name: &str, fmu: Arc<Fmu>, algorithm: Algorithm) -> Result<System> {
         let instance = fmu.instantiate(name)?;
-        System::new(vec![Component { name: name.to_owned(), fmu, instance }], algorithm, Wiring::default())
+        let component = Component { name: name.to_owned(), fmu, instance };
+        Ok(System::new(vec![component], algorithm, Wiring::default()))
     }
 
     /// Connects components.
-    ///
-    /// # Errors
-    /// An FMU has no such values.
-    pub(crate) fn new(components: Vec<Component>, algorithm: Algorithm, wiring: Wiring) -> Result<System> {
-        let (texts, numbers): (Vec<&Wire>, Vec<&Wire>) =
-            wiring.wires.iter().partition(|wire| wire.from.1.of == Type::String);
-        let numbers = Channel::new(numbers.into_iter(), &components)?;
-        let texts = Channel::new(texts.into_iter(), &components)?;
-        let fed = wiring.wires.iter().map(|wire| wire.to).collect();
-        Ok(System { components, algorithm, numbers, texts, wiring, fed, time: 0.0 })
+    pub(crate) fn new(components: Vec<Component>, algorithm: Algorithm, wiring: Wiring) -> System {
+        let fed = wiring.wires.iter().map(|Wire { to: (place, to), .. }| {
+            (*place, components[*place].fmu.description.name_of(to.variable, to.element))
+        });
+        System {
+            fed: fed.collect(),
+            channels: Channel::of(&wiring.wires),
+            fingerprint: wiring.fingerprint(),
+            connections: wiring.connections,
+            alike: wiring.alike,
+            components,
+            algorithm,
+            time: 0.0,
+        }
     }
 
     /// Finds parameters of the same people that differ between connected components, one warning for each name.
@@ -105,7 +127,7 @@ impl System {
     pub(crate) fn differing(&self) -> Result<Vec<String>> {
         let mut warnings = Vec::new();
         // Each pair once, whichever feeds the other.
-        let pairs = self.wiring.alike.iter().filter(|(a, b)| a < b || !self.wiring.alike.contains(&(*b, *a)));
+        let pairs = self.alike.iter().filter(|(a, b)| a < b || !self.alike.contains(&(*b, *a)));
         for (a, b) in pairs.map(|(a, b)| (&self.components[*a], &self.components[*b])) {
             let same = |(name, single): &(String, Single)| {
                 let other = b.fmu.description.single(name);
@@ -135,13 +157,16 @@ impl System {
 
     /// Returns whether a connection feeds a variable of the component at this place.
     pub fn feeds(&self, place: usize, variable: &str) -> bool {
-        let single = self.components[place].fmu.description.single(variable);
-        single.is_some_and(|single| self.fed.contains(&(place, single.address())))
+        let description = &self.components[place].fmu.description;
+        let single = description.single(variable);
+        single.is_some_and(|single| {
+            self.fed.contains(&(place, description.name_of(single.variable, single.element)))
+        })
     }
 
     /// Returns the number of connections.
     pub fn connections(&self) -> usize {
-        self.wiring.connections
+        self.connections
     }
 
     /// Keeps crowds from playing the drives that are packed in them; before initialization. Crowds of earlier versions play
@@ -234,16 +259,7 @@ impl System {
     /// Returns the fingerprint of the connections: the same if the same outputs feed the same inputs with the same
     /// conversions.
     pub fn fingerprint(&self) -> String {
-        let line =
-            |Wire { from, to, map }: &Wire| format!("{}.{} -> {}.{} {map:?}", from.0, from.1, to.0, to.1);
-        let of_type = |of: Type| {
-            let wires = self.wiring.wires.iter().filter(|wire| wire.from.1.of.class() == of);
-            let mut lines: Vec<String> = wires.map(line).collect();
-            lines.sort_unstable();
-            lines.join(" ")
-        };
-        let all = [Type::Real, Type::Integer, Type::Boolean, Type::String].map(of_type).join("\n");
-        format!("{:032x}", fingerprint(all.as_bytes()))
+        self.fingerprint.clone()
     }
 
     /// Returns what a saved run says of the components.
@@ -297,14 +313,17 @@ impl System {
 
     /// Reads the connected outputs of a component; returns whether one is new.
     fn read(&mut self, c: usize) -> Result<bool> {
-        let component = &self.components[c];
-        Ok(self.numbers.read(c, component)? | self.texts.read(c, component)?)
+        let mut news = false;
+        for channel in self.channels.iter_mut().filter(|channel| channel.from == c) {
+            news |= channel.read(&self.components[c].instance)?;
+        }
+        Ok(news)
     }
 
     /// Sets the connected inputs of a component.
     fn send(&mut self, c: usize) -> Result<()> {
-        self.numbers.send(c, &self.components[c])?;
-        self.texts.send(c, &self.components[c])
+        let mut channels = self.channels.iter().filter(|channel| channel.to == c);
+        channels.try_for_each(|channel| channel.send(&self.components[c].instance))
     }
 }
 

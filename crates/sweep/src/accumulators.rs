@@ -1,11 +1,11 @@
 //! The measures of a point while it runs.
 
-use crate::error::{Error, Result};
-use crate::measure::Measure;
+use crate::error::{Place, Result};
 use crate::measure::area::InArea;
 use crate::measure::line::OverLine;
 use crate::measure::output::{OfOutput, Statistics};
 use crate::measure::squeeze::OfSqueeze;
+use crate::measure::{Kind, Measure};
 use crate::output::{Reading, agents_named};
 use crate::places::Places;
 use crate::spec::Spec;
@@ -52,19 +52,19 @@ impl<'a> Accumulators<'a> {
     ) -> Result<Accumulators<'a>> {
         let (places, people) = (&spec.places, trial.agents.len());
         let begin = |measure: &'a Measure| -> Result<Accumulator<'a>, String> {
-            Ok(match measure {
-                Measure::Output(of) => {
+            Ok(match &measure.kind {
+                Kind::Output(of) => {
                     let reading = of.of.reading(simulation, trial, &of.agents)?;
                     of.check(reading.values())?;
                     Accumulator::Output(of, reading, Vec::new())
                 }
-                Measure::Line(of) => {
+                Kind::Line(of) => {
                     let line = places.line(&of.line)?;
                     let width = of.width_at(point, line, &spec.points)?;
                     Accumulator::Line(of, Passages::over(line, people), width)
                 }
-                Measure::Area(of) => Accumulator::Area(of, places.area(&of.area)?, Vec::new()),
-                Measure::Squeeze(of) => {
+                Kind::Area(of) => Accumulator::Area(of, places.area(&of.area)?, Vec::new()),
+                Kind::Squeeze(of) => {
                     let agents = agents_named(trial, &of.agents)?;
                     of.check(agents.len())?;
                     let exposure = of.begin(agents.len());
@@ -72,12 +72,12 @@ impl<'a> Accumulators<'a> {
                 }
             })
         };
-        let of_each = spec.measures.iter().map(|(name, measure)| {
-            let begun = begin(measure).map_err(|what| Error::Spec(format!("measures: {name}: {what}")));
-            Ok((measure, begun?))
-        });
+        let of_each = spec
+            .measures
+            .iter()
+            .map(|(name, measure)| Ok((measure, begin(measure).place(|| format!("measures: {name}"))?)));
         let of_room =
-            |(_, measure): &(String, Measure)| matches!(measure, Measure::Area(of) if of.needs_room());
+            |(_, measure): &(String, Measure)| matches!(&measure.kind, Kind::Area(of) if of.needs_room());
         Ok(Accumulators {
             places,
             people,

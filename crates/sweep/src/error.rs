@@ -48,6 +48,12 @@ pub enum Error {
     Worker,
 }
 
+impl From<String> for Error {
+    fn from(what: String) -> Error {
+        Error::Spec(what)
+    }
+}
+
 impl Error {
     /// The whole message: see [`lemons_master::whole`].
     pub fn whole(&self) -> String {

@@ -25,12 +25,12 @@ mod template;
 
 pub use error::{Error, Result};
 pub use loaded::check_parameters;
-pub use measure::Measure;
 pub use measure::across::Across;
 pub use measure::area::InArea;
 pub use measure::line::{OverLine, Width};
 pub use measure::output::{OfOutput, Take};
 pub use measure::squeeze::{OfSqueeze, What};
+pub use measure::{Kind, Measure};
 pub use models::{Model, Models, Plan};
 pub use output::Of;
 pub use places::Places;

@@ -64,21 +64,20 @@ pub fn reading_of_stop<'a>(
     trial: &Trial,
     simulation: &Simulation,
 ) -> Result<Option<(&'a Stop, Reading)>> {
-    let reading = |stop: &'a Stop| {
-        let reading = stop.of.reading(simulation, trial, &stop.agents);
-        Ok((stop, reading.map_err(|what| Error::Spec(format!("stop: {what}")))?))
-    };
-    spec.stop.as_ref().map(reading).transpose()
+    let Some(stop) = &spec.stop else { return Ok(None) };
+    let reading = stop.of.reading(simulation, trial, &stop.agents).place(|| "stop".into())?;
+    Ok(Some((stop, reading)))
 }
 
 /// Returns how many people have an exit.
 fn who_leaves(documents: &Documents) -> Result<usize> {
-    let nobody =
-        "until = \"left\": nobody can leave: people do not walk, or have no exits (give a time in seconds)";
-    let plan = documents.plan.as_ref();
-    plan.map(|plan| plan.leaving().into_iter().filter(|leaves| *leaves).count())
-        .filter(|leave| *leave > 0)
-        .ok_or_else(|| Error::Spec(nobody.into()))
+    let leaving = documents.plan.iter().flat_map(|plan| plan.leaving());
+    match leaving.filter(|leaves| *leaves).count() {
+        0 => Err(Error::Spec(
+            "until = \"left\": nobody can leave: people do not walk, or have no exits (give a time in seconds)".into(),
+        )),
+        leave => Ok(leave),
+    }
 }
 
 /// Checks that parameters set something, each something else; but those that only choose what is simulated.

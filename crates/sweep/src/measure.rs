@@ -7,7 +7,7 @@ mod number;
 pub(crate) mod output;
 pub(crate) mod squeeze;
 
-use crate::error::{Error, Result};
+use crate::error::{Place, Result};
 use crate::places::Places;
 use crate::points::Points;
 use area::InArea;
@@ -16,16 +16,27 @@ use line::OverLine;
 use output::OfOutput;
 use squeeze::OfSqueeze;
 
-/// A measure. docs/measure.md defines those of lines, areas and squeeze.
+/// A measure, over the communication points that count. docs/measure.md defines those of lines, areas and squeeze.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Measure {
-    /// `of`: of the values of an output.
+pub struct Measure {
+    /// What is measured.
+    pub kind: Kind,
+    /// \[s\] From this time on.
+    pub from: Option<f64>,
+    /// \[s\] Up to this time.
+    pub until: Option<f64>,
+}
+
+/// What is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Kind {
+    /// `of`: the values of an output.
     Output(OfOutput),
-    /// `line`: of people who cross it.
+    /// `line`: people who cross it.
     Line(OverLine),
-    /// `area`: of people in it.
+    /// `area`: people in it.
     Area(InArea),
-    /// `squeeze`: what people were exposed to.
+    /// `squeeze`: what people are exposed to.
     Squeeze(OfSqueeze),
 }
 
@@ -37,32 +48,31 @@ impl Measure {
     ///
     /// # Errors
     /// A sentence with the key that is missing, unknown or of another type.
-    pub(crate) fn read(value: toml::Value) -> Result<Measure> {
+    pub(crate) fn read(mut value: toml::Value) -> Result<Measure> {
         let has = |kind: &&str| value.as_table().is_some_and(|table| table.contains_key(*kind));
         let kinds: Vec<&str> = KINDS.into_iter().filter(has).collect();
-        match kinds[..] {
-            ["of"] => Ok(Measure::Output(value.try_into()?)),
-            ["line"] => Ok(Measure::Line(value.try_into()?)),
-            ["area"] => Ok(Measure::Area(value.try_into()?)),
-            ["squeeze"] => Ok(Measure::Squeeze(value.try_into()?)),
-            _ => Err(Error::Spec(format!("must be a table with one of the keys {}", KINDS.join(", ")))),
-        }
-    }
-
-    /// Returns from when until when communication points count \[s\].
-    fn times(&self) -> [Option<f64>; 2] {
-        match self {
-            Measure::Output(_) => [None, None],
-            Measure::Line(of) => [of.from, of.until],
-            Measure::Area(of) => [of.from, of.until],
-            Measure::Squeeze(of) => [of.from, of.until],
-        }
+        // An output is measured at all times.
+        let mut time = |key: &str| -> Result<Option<f64>> {
+            let table = value.as_table_mut().filter(|_| kinds != ["of"]);
+            let time = table.and_then(|table| table.remove(key));
+            time.map(toml::Value::try_into).transpose().place(|| key.to_owned())
+        };
+        let (from, until) = (time("from")?, time("until")?);
+        let kind = match kinds[..] {
+            ["of"] => Kind::Output(value.try_into()?),
+            ["line"] => Kind::Line(value.try_into()?),
+            ["area"] => Kind::Area(value.try_into()?),
+            ["squeeze"] => Kind::Squeeze(value.try_into()?),
+            _ => {
+                return Err(format!("must be a table with one of the keys {}", KINDS.join(", ")).into());
+            }
+        };
+        Ok(Measure { kind, from, until })
     }
 
     /// Returns whether the communication point at a time \[s\] counts.
     pub(crate) fn counts(&self, time: f64) -> bool {
-        let [from, until] = self.times();
-        within(time, from, until)
+        within(time, self.from, self.until)
     }
 
     /// Checks what can be known before a model is loaded.
@@ -70,21 +80,21 @@ impl Measure {
     /// # Errors
     /// A sentence with the key.
     pub(crate) fn check(&self, places: &Places, points: &Points) -> Result<(), String> {
-        let times = self.times();
-        if times.iter().flatten().any(|time| !(*time >= 0.0 && time.is_finite())) {
+        let Measure { kind, from, until } = self;
+        if [from, until].into_iter().flatten().any(|time| !(*time >= 0.0 && time.is_finite())) {
             return Err("from and until must be finite numbers of seconds, not below 0".into());
         }
-        if let [Some(from), Some(until)] = times
+        if let (Some(from), Some(until)) = (from, until)
             && from >= until
         {
             return Err(format!("from = {from:?}, until = {until:?}: the beginning is not before the end"));
         }
-        match self {
+        match kind {
             // How many values or agents there are is known later.
-            Measure::Output(measure) => measure.check(1),
-            Measure::Line(measure) => measure.check(places, points),
-            Measure::Area(measure) => measure.check(places),
-            Measure::Squeeze(measure) => measure.check(1),
+            Kind::Output(of) => of.check(1),
+            Kind::Line(of) => of.check(places, points),
+            Kind::Area(of) => of.check(places),
+            Kind::Squeeze(of) => of.check(1),
         }
     }
 }

@@ -36,12 +36,10 @@ impl Places {
         let lines = read("lines", lines, Line::of_numbers, LINE)?;
         let areas = read("areas", areas, MeasuringArea::of_numbers, AREA)?;
         let walkable = walkable.map(|path| {
-            let wkt = input::read_text(&path, LARGEST_WALKABLE);
             let place = || format!("walkable: {}", path.display());
-            let wkt = wkt.place(place)?;
+            let wkt = input::read_text(&path, LARGEST_WALKABLE).place(place)?;
             // Whether it is a polygon at all; who is outside is known later.
-            given_area(&wkt, std::iter::empty())
-                .map_err(|what| Error::Spec(format!("{}: {what}", place())))?;
+            given_area(&wkt, std::iter::empty()).place(place)?;
             Ok::<_, Error>(Walkable { path, wkt })
         });
         Ok(Places { lines, areas, walkable: walkable.transpose()? })

@@ -33,7 +33,7 @@ impl Job {
             let path = model.0.display();
             // With several, a sentence about a parameter does not say of which one.
             let loaded = match LoadedModel::open(&spec, model) {
-                Err(error @ Error::Spec(_)) if models.all.len() > 1 => {
+                Err(error @ (Error::Spec(_) | Error::In { .. })) if models.all.len() > 1 => {
                     Err(error).place(|| path.to_string())?
                 }
                 loaded => loaded?,
@@ -59,34 +59,26 @@ impl Job {
         }
         Ok(model)
     }
-}
-
-/// Simulates points one after the other.
-pub struct Worker<'a> {
-    job: &'a Job,
-    /// The model of the last point with its place, unless the point failed.
-    model: Option<(usize, LoadedModel)>,
-}
-
-impl<'a> Worker<'a> {
-    pub fn new(job: &'a Job) -> Worker<'a> {
-        Worker { job, model: None }
-    }
 
     /// Simulates a point and returns its measures, and when it ended by itself \[s\] if it may; `None` if `stop` was set
-    /// meanwhile.
+    /// meanwhile. `last` is the model of the last point with its place, unless that point failed.
     ///
     /// # Errors
     /// The point cannot be simulated.
-    pub fn simulate(&mut self, point: usize, stop: &AtomicBool) -> Result<Option<Vec<Option<f64>>>> {
-        let (job, place) = (self.job, self.job.spec.models.place(point));
+    pub fn simulate(
+        &self,
+        last: &mut Option<(usize, LoadedModel)>,
+        point: usize,
+        stop: &AtomicBool,
+    ) -> Result<Option<Vec<Option<f64>>>> {
+        let place = self.spec.models.place(point);
         // Nothing of another model stays in memory beside this one.
-        let mut model = match self.model.take().filter(|(last, _)| *last == place) {
+        let mut model = match last.take().filter(|(last, _)| *last == place) {
             Some((_, model)) => model,
-            None => job.load(place)?,
+            None => self.load(place)?,
         };
-        let values = simulate(&job.spec, &mut model, point, stop)?;
-        self.model = Some((place, model));
+        let values = simulate(&self.spec, &mut model, point, stop)?;
+        *last = Some((place, model));
         Ok(values)
     }
 }
@@ -129,7 +121,7 @@ fn simulate(
     if stop.load(Ordering::Relaxed) {
         return Ok(None);
     }
-    let mut values = accumulators.finish(trial).map_err(Error::Spec)?;
+    let mut values = accumulators.finish(trial)?;
     values.extend(spec.may_end().then_some(ended));
     Ok(Some(values))
 }

@@ -157,12 +157,11 @@ impl Spec {
             (Some(axes), None) => {
                 let axes = axes.into_iter().map(|(name, value)| {
                     let place = || format!("parameters: {name}");
-                    let values =
-                        value.try_into::<Axis>().place(place)?.values().map_err(Error::Spec).place(place)?;
+                    let values = value.try_into::<Axis>().place(place)?.values().place(place)?;
                     Ok((name, values))
                 });
                 let axes = axes.collect::<Result<Vec<_>>>()?;
-                Points::grid(axes).map_err(|message| Error::Spec(format!("parameters: {message}")))?
+                Points::grid(axes).place(|| "parameters".into())?
             }
             (None, Some(table)) => {
                 inputs.push(directory.join(table));
@@ -194,18 +193,16 @@ impl Spec {
         let places = Places::read(document.lines, document.areas, walkable)?;
         inputs.extend(places.walkable.as_ref().map(|walkable| walkable.path.clone()));
         for (name, measure) in &measures {
-            let checked = measure.check(&places, &points);
-            checked.map_err(|what| Error::Spec(format!("measures: {name}: {what}")))?;
+            measure.check(&places, &points).place(|| format!("measures: {name}"))?;
         }
         if places.walkable.is_some() && places.areas.is_empty() {
             return Err(Error::Spec("walkable: is for [areas], and there are none".into()));
         }
         if let Some(stop) = &document.stop {
-            stop.check().map_err(|what| Error::Spec(format!("stop: {what}")))?;
+            stop.check().place(|| "stop".into())?;
         }
-        let template = |key: &str, text: &str| {
-            Template::read(text, directory, &points).map_err(|what| Error::Spec(format!("{key}: {what}")))
-        };
+        let template =
+            |key: &str, text: &str| Template::read(text, directory, &points).place(|| key.to_owned());
         let model = template(key, &model)?;
         let needs_plan = matches!(document.plan, Some(FileText::Switch(true)));
         let plan = match &document.plan {
@@ -225,7 +222,9 @@ impl Spec {
         let models = Models::of(&points, &model, &plan)?;
         for (path, plan) in &models.all {
             inputs.push(path.clone());
-            inputs.extend(if let PlanChoice::File(path) = plan { Some(path.clone()) } else { None });
+            if let PlanChoice::File(path) = plan {
+                inputs.push(path.clone());
+            }
         }
         Ok(Spec {
             models,

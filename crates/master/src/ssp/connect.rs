@@ -136,30 +136,16 @@ fn disagreement(
     (source, output): (&Participant, &Variable),
     (target, input): (&Participant, &Variable),
 ) -> Option<String> {
-    let (from, to) = (&source.name, &target.name);
-    if output.of.class() != input.of.class() {
-        let (a, b) = (output.of.class().name(), input.of.class().name());
-        return Some(format!("{name}: the output of {from} is of type {a}, the input of {to} of type {b}"));
-    }
-    if matches!(output.of, Type::Enumeration | Type::Binary | Type::Clock) {
-        return Some(format!("{name}: connections of type {} are not served", output.of.name()));
-    }
-    let (a, b) = (output.unit.as_deref(), input.unit.as_deref());
-    let defined = |participant: &Participant, unit: Option<&str>| {
-        unit.and_then(|unit| participant.interface.unit(unit)).cloned()
-    };
-    let (from_unit, to_unit) = (defined(source, a), defined(target, b));
-    match conversion((a, from_unit.as_ref()), (b, to_unit.as_ref())) {
-        Ok(Affine::IDENTITY) => None,
-        _ => {
-            let (a, b) = (a.unwrap_or_default(), b.unwrap_or_default());
-            Some(if a == b {
-                format!("{name}: {from} and {to} do not mean the same by its unit {a:?}")
-            } else {
-                format!("{name}: the output of {from} is in {a:?}, the input of {to} in {b:?}")
-            })
+    let units = [source.interface.unit_of(output), target.interface.unit_of(input)];
+    let why = match (output.of.check_sent_to(input.of), conversion(units[0], units[1])) {
+        (Ok(()), Ok(Affine::IDENTITY)) => return None,
+        (Err(why), _) => why,
+        (Ok(()), _) => {
+            let [a, b] = units.map(|(name, _)| name.unwrap_or_default());
+            format!("the output is in {a:?}, the input in {b:?}, as each FMU defines its unit")
         }
-    }
+    };
+    Some(format!("{name}, from {} to {}: {why}", source.name, target.name))
 }
 
 /// Outputs and inputs of a participant, a line each: the first few by name.

@@ -1,14 +1,17 @@
 //! The content of `SystemStructure.ssd`.
 
 use crate::ssp::unit::{Affine, Unit};
-use lemons_core::xml::{Problem, Severity};
+use lemons_core::xml::Problem;
+use serde::Deserialize;
+use serde::de::{self, value::StrDeserializer};
 use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
 
 /// The default structure of an archive.
 pub const STRUCTURE_FILE: &str = "SystemStructure.ssd";
 
-/// A system of components, checked: names are unique, connections lead from an output to an input, no input is
-/// fed twice.
+/// A system of components, checked: names are unique, connections lead from an output to an input.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SystemStructure {
     /// The name of the whole.
@@ -89,7 +92,7 @@ pub enum Kind {
 
 impl Kind {
     /// SSP's names, which are FMI's.
-    pub const NAMES: [(&str, Kind); 6] = [
+    const NAMES: [(&str, Kind); 6] = [
         ("input", Kind::Input),
         ("output", Kind::Output),
         ("parameter", Kind::Parameter),
@@ -98,6 +101,11 @@ impl Kind {
         ("inout", Kind::InOut),
     ];
 
+    /// Returns the kind with this name.
+    pub fn named(name: &str) -> Option<Kind> {
+        Kind::NAMES.iter().find(|(known, _)| *known == name).map(|(_, kind)| *kind)
+    }
+
     /// Returns the name in the file.
     pub fn name(self) -> &'static str {
         Kind::NAMES.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
@@ -105,7 +113,7 @@ impl Kind {
 }
 
 /// A type of variables: those of FMI 2.0 and of FMI 3.0, of which SSP takes both.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Deserialize)]
 #[allow(missing_docs)] // FMI's own names
 pub enum Type {
     #[default]
@@ -128,35 +136,17 @@ pub enum Type {
     Clock,
 }
 
-impl Type {
-    const NAMES: [(&str, Type); 17] = [
-        ("Real", Type::Real),
-        ("Integer", Type::Integer),
-        ("Boolean", Type::Boolean),
-        ("String", Type::String),
-        ("Enumeration", Type::Enumeration),
-        ("Float64", Type::Float64),
-        ("Float32", Type::Float32),
-        ("Int8", Type::Int8),
-        ("UInt8", Type::UInt8),
-        ("Int16", Type::Int16),
-        ("UInt16", Type::UInt16),
-        ("Int32", Type::Int32),
-        ("UInt32", Type::UInt32),
-        ("Int64", Type::Int64),
-        ("UInt64", Type::UInt64),
-        ("Binary", Type::Binary),
-        ("Clock", Type::Clock),
-    ];
-
-    /// Returns its name in FMI.
-    pub fn name(self) -> &'static str {
-        Type::NAMES[self as usize].0
+impl fmt::Display for Type {
+    /// Its name in FMI.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self, f)
     }
+}
 
+impl Type {
     /// Returns the type with this name.
     pub fn named(name: &str) -> Option<Type> {
-        Type::NAMES.iter().find(|(known, _)| *known == name).map(|(_, of)| *of)
+        Type::deserialize(StrDeserializer::<de::value::Error>::new(name)).ok()
     }
 
     /// Returns the type of FMI 2.0 with such values; a Binary and a Clock, which it has not, are what they are.
@@ -165,6 +155,19 @@ impl Type {
             Type::Float64 | Type::Float32 => Type::Real,
             of if (Type::Int8..=Type::UInt64).contains(&of) => Type::Integer,
             of => of,
+        }
+    }
+
+    /// Checks that values of this type can be sent to a variable of another one.
+    ///
+    /// # Errors
+    /// A sentence with both, or with the type that is not served.
+    pub(crate) fn check_sent_to(self, input: Type) -> Result<(), String> {
+        let (from, to) = (self.class(), input.class());
+        match from {
+            _ if from != to => Err(format!("{from} does not become {to}")),
+            Type::Enumeration | Type::Binary | Type::Clock => Err(format!("type {from} is not served")),
+            _ => Ok(()),
         }
     }
 }
@@ -244,12 +247,9 @@ pub fn located(
     message: impl Into<String>,
 ) -> Problem {
     Problem {
-        severity: Severity::Error,
-        file: STRUCTURE_FILE.into(),
-        line: Some(line),
         element: Some(element.into()),
         attribute: Some(attribute.into()),
         value: Some(value.into()),
-        message: message.into(),
+        ..Problem::of_file(Path::new(STRUCTURE_FILE), Some(line), message)
     }
 }

@@ -22,17 +22,14 @@ const NODES: u32 = 4_000_000;
 pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<SystemStructure> {
     let document = Document::parse(Path::new(STRUCTURE_FILE), bytes, NODES)?;
     let root = document.root("SystemStructureDescription")?;
-    if !["1.", "2."]
-        .iter()
-        .any(|begin| root.optional("version").is_some_and(|it| it.trim().starts_with(begin)))
-    {
-        root.text("version")?;
+    let version = root.text("version")?;
+    if !["1.", "2."].iter().any(|begin| version.trim().starts_with(begin)) {
         return Err(root.wrong("version", "only SSP 1.x and 2.x are served").into());
     }
     let system = root.child("System").ok_or_else(|| root.problem("has no <System>"))?;
     let mut structure = SystemStructure {
         name: root.optional("name").unwrap_or_default().to_owned(),
-        units: read_units(root)?,
+        units: read_units(root, "Units")?,
         parameters: read_bindings(system, load)?,
         ..SystemStructure::default()
     };
@@ -40,7 +37,7 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
         structure.start = experiment.number("startTime")?;
         structure.stop = experiment.number("stopTime")?;
     }
-    let mut names = Names::default();
+    let mut names = Names::new();
     for element in system.child("Elements").into_iter().flat_map(Element::elements) {
         if element.name() != "Component" {
             let message = "is not served: only components that are FMUs are";
@@ -48,69 +45,25 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
             return Err(named.unwrap_or_else(|| element.problem(message)).into());
         }
         let component = read_component(element, load)?;
-        names.add(&component, structure.components.len(), element)?;
+        let connectors = component.connectors.iter().enumerate();
+        let connectors = connectors.map(|(place, connector)| (connector.name.clone(), place)).collect();
+        if names.insert(component.name.clone(), (structure.components.len(), connectors)).is_some() {
+            return Err(element.wrong("name", "two components have this name").into());
+        }
         structure.components.push(component);
     }
     if structure.components.is_empty() {
         return Err(system.problem("has no <Component>").into());
     }
     let outside = read_connectors(system)?;
-    let outside = outside.iter().map(|connector| (connector.name.as_str(), connector.kind)).collect();
-    let mut fed = Fed::default();
     for element in system.child("Connections").into_iter().flat_map(|list| list.children("Connection")) {
-        let Some(connection) = read_connection(element, &structure, &names, &outside)? else { continue };
-        if let Some(first) = fed.add(&connection) {
-            let (component, connector) = structure.port(&connection.to);
-            return Err(element
-                .problem(format!(
-                    "feeds the input {:?} of {:?}, which line {first} feeds already",
-                    connector.name, component.name
-                ))
-                .into());
-        }
-        structure.connections.push(connection);
+        structure.connections.extend(read_connection(element, &structure, &names, &outside)?);
     }
     Ok(structure)
 }
 
-/// The lines that feed inputs.
-#[derive(Default)]
-struct Fed {
-    /// The first line that feeds a connector or a part of it.
-    connectors: HashMap<(usize, usize), u32>,
-    /// Whole connectors, and elements of arrays.
-    ports: HashMap<Port, u32>,
-}
-
-impl Fed {
-    /// Adds a connection; returns the line that feeds the same input already.
-    fn add(&mut self, Connection { to, line, .. }: &Connection) -> Option<u32> {
-        let whole = self.ports.get(&Port { indices: Vec::new(), ..*to }).copied();
-        let same = self.ports.insert(to.clone(), *line);
-        let connector = (to.component, to.connector);
-        let first = self.connectors.get(&connector).copied();
-        self.connectors.entry(connector).or_insert(*line);
-        same.or(whole).or(first.filter(|_| to.indices.is_empty()))
-    }
-}
-
-/// The places of components and connectors by name.
-#[derive(Default)]
-struct Names<'a> {
-    components: HashMap<&'a str, usize>,
-    connectors: Vec<HashMap<String, usize>>,
-}
-
-impl<'a> Names<'a> {
-    fn add(&mut self, component: &Component, place: usize, element: Element<'a>) -> Result<()> {
-        if self.components.insert(element.text("name")?, place).is_some() {
-            return Err(element.wrong("name", "two components have this name").into());
-        }
-        let connectors = component.connectors.iter().enumerate();
-        self.connectors.push(connectors.map(|(place, connector)| (connector.name.clone(), place)).collect());
-        Ok(())
-    }
-}
+/// The places of components and of their connectors, by their names.
+type Names = HashMap<String, (usize, HashMap<String, usize>)>;
 
 fn read_component(element: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Component> {
     if element.text("name")?.is_empty() {
@@ -144,10 +97,9 @@ fn read_connectors(owner: Element) -> Result<Vec<Connector>> {
         let typed = read_type(element)?;
         let of = typed.map(|(of, _)| of);
         let attribute = |name: &str| typed.and_then(|(_, typed)| typed.optional(name)).map(str::to_owned);
-        let kind = Kind::NAMES.iter().find(|(name, _)| *name == kind).map(|(_, kind)| *kind);
         Ok(Connector {
             name: name.to_owned(),
-            kind: kind.ok_or_else(|| element.wrong("kind", "is not a kind of connector"))?,
+            kind: Kind::named(kind).ok_or_else(|| element.wrong("kind", "is not a kind of connector"))?,
             of,
             unit: attribute("unit").filter(|_| of.is_some_and(|of| of.class() == Type::Real)),
             enumeration: attribute("name").filter(|_| of == Some(Type::Enumeration)),
@@ -187,27 +139,10 @@ fn read_connection(
     element: Element,
     structure: &SystemStructure,
     names: &Names,
-    outside: &HashMap<&str, Kind>,
+    outside: &[Connector],
 ) -> Result<Option<Connection>> {
-    let [start, end] = [read_end(element, "start", names)?, read_end(element, "end", names)?];
-    let (start, end) = match (start, end) {
-        (Some(start), Some(end)) => (start, end),
-        (one @ Some(_), None) | (one @ None, Some(_)) => {
-            let attribute = if one.is_none() { "startConnector" } else { "endConnector" };
-            let name = element.text(attribute)?;
-            let kind = outside.get(name);
-            let kind = kind.ok_or_else(|| element.wrong(attribute, "the system has no such connector"))?;
-            if *kind == Kind::Output {
-                return Ok(None);
-            }
-            return Err(element
-                .wrong(attribute, "connectors of the system are not served, except outputs")
-                .into());
-        }
-        (None, None) => {
-            return Err(element.problem("connects connectors of the system, which is not served").into());
-        }
-    };
+    let ends = [read_end(element, "start", names, outside)?, read_end(element, "end", names, outside)?];
+    let [Some(start), Some(end)] = ends else { return Ok(None) };
     // Start and end say nothing about the direction, the connectors' kinds do.
     let [one, other] = [&start, &end].map(|port| structure.port(port).1);
     let (from, to) = match (one.kind, other.kind) {
@@ -241,48 +176,49 @@ fn read_connection(
     }))
 }
 
-/// One end of a connection, `start` or `end`; `None` for a connector of the system itself.
-fn read_end(element: Element, end: &str, names: &Names) -> Result<Option<Port>> {
+/// One end of a connection, `start` or `end`; `None` for an output of the system itself.
+fn read_end(element: Element, end: &str, names: &Names, outside: &[Connector]) -> Result<Option<Port>> {
     let [owner, connector, indices] = ["Element", "Connector", "Indices"].map(|of| format!("{end}{of}"));
     let name = element.text(&connector)?;
-    let Some(owner_name) = element.optional(&owner) else { return Ok(None) };
-    let component = names.components.get(owner_name).copied();
-    let component = component.ok_or_else(|| element.wrong(&owner, "there is no such component"))?;
-    let place = names.connectors[component].get(name).copied();
+    let Some(owner_name) = element.optional(&owner) else {
+        let why = match outside.iter().find(|own| own.name == name).map(|own| own.kind) {
+            Some(Kind::Output) => return Ok(None),
+            Some(_) => "connectors of the system are not served, except outputs",
+            None => "the system has no such connector",
+        };
+        return Err(element.wrong(&connector, why).into());
+    };
+    let component = names.get(owner_name);
+    let (component, connectors) =
+        component.ok_or_else(|| element.wrong(&owner, "there is no such component"))?;
     let missing = || element.wrong(&connector, format!("component {owner_name:?} has no such connector"));
-    let place = place.ok_or_else(missing)?;
+    let place = connectors.get(name).ok_or_else(missing)?;
     // The indices of an element of an array connector, from 1; empty for all of it.
     let all = element.optional(&indices).unwrap_or_default().split_whitespace();
     let all = all.map(|text| text.parse().ok().filter(|index| *index > 0)).collect::<Option<Vec<usize>>>();
     let all = all.ok_or_else(|| element.wrong(&indices, "must be a list of whole numbers from 1 on"))?;
-    Ok(Some(Port { component, connector: place, indices: all }))
+    Ok(Some(Port { component: *component, connector: *place, indices: all }))
 }
 
-/// By name; of two with one name the first.
-fn read_units(owner: Element) -> Result<BTreeMap<String, Unit>> {
+/// Reads the units in an element of this name, which SSP took from FMI 2.0, by name: of two with one name the first, and
+/// none without a definition, as FMI allows it.
+pub(super) fn read_units(owner: Element, list: &str) -> Result<BTreeMap<String, Unit>> {
     let mut units = BTreeMap::new();
-    for element in owner.child("Units").into_iter().flat_map(|units| units.children("Unit")) {
-        if let Some(unit) = read_unit(element)? {
-            units.entry(unit.name.clone()).or_insert(unit);
+    for element in owner.child(list).into_iter().flat_map(|units| units.children("Unit")) {
+        let name = element.text("name")?.to_owned();
+        let Some(base) = element.child("BaseUnit") else { continue };
+        let mut exponents = [0; 8];
+        for (exponent, name) in exponents.iter_mut().zip(Unit::BASE) {
+            *exponent = base.parsed(name, "a whole number")?.unwrap_or(0);
         }
+        let factor = base.number("factor")?.unwrap_or(1.0);
+        if factor == 0.0 {
+            return Err(base.wrong("factor", "must not be zero").into());
+        }
+        let offset = base.number("offset")?.unwrap_or(0.0);
+        units.entry(name.clone()).or_insert(Unit { name, exponents, factor, offset });
     }
     Ok(units)
-}
-
-/// `Unit`, which SSP took from FMI 2.0; `None` for one that FMI allows without a definition.
-pub(crate) fn read_unit(element: Element) -> Result<Option<Unit>> {
-    let mut unit =
-        Unit { name: element.text("name")?.to_owned(), exponents: [0; 8], factor: 1.0, offset: 0.0 };
-    let Some(base) = element.child("BaseUnit") else { return Ok(None) };
-    for (exponent, name) in unit.exponents.iter_mut().zip(Unit::BASE) {
-        *exponent = base.parsed(name, "a whole number")?.unwrap_or(0);
-    }
-    unit.factor = base.number("factor")?.unwrap_or(1.0);
-    unit.offset = base.number("offset")?.unwrap_or(0.0);
-    if unit.factor == 0.0 {
-        return Err(base.wrong("factor", "must not be zero").into());
-    }
-    Ok(Some(unit))
 }
 
 /// The parameter values of a component or of the system, in the order in which they count.
@@ -339,7 +275,7 @@ fn read_parameters(set: Element, prefix: &str) -> Result<ParameterSet> {
     });
     Ok(ParameterSet {
         parameters: parameters.collect::<Result<_>>()?,
-        units: read_units(set)?,
+        units: read_units(set, "Units")?,
         file: set.file().display().to_string(),
     })
 }

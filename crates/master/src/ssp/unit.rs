@@ -59,15 +59,15 @@ impl Unit {
     }
 }
 
+/// A unit by name and by definition, as far as there is one.
+pub type UnitOf<'a> = (Option<&'a str>, Option<&'a Unit>);
+
 /// Returns the conversion from one unit to another, by name and by definition as far as there is one. A value without a unit passes
 /// unchanged, as between equal names.
 ///
 /// # Errors
 /// Why there is none.
-pub fn conversion(
-    from: (Option<&str>, Option<&Unit>),
-    to: (Option<&str>, Option<&Unit>),
-) -> Result<Affine, String> {
+pub fn conversion(from: UnitOf, to: UnitOf) -> Result<Affine, String> {
     let (Some(from_name), Some(to_name)) = (from.0, to.0) else { return Ok(Affine::IDENTITY) };
     let why = match (from.1, to.1) {
         (Some(from), Some(to)) => match from.to(to) {

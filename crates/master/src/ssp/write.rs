@@ -89,7 +89,7 @@ fn write_connector(out: &mut Out, connector: &Connector, arrays: bool) {
         let detail = [("unit", &connector.unit), ("name", &connector.enumeration)];
         let detail = detail.map(|(name, text)| Some((name, text.as_deref()?)));
         let of = if arrays { of } else { of.class() };
-        out.empty(&format!("ssc:{}", of.name()), &detail.into_iter().flatten().collect::<Vec<_>>());
+        out.empty(&format!("ssc:{of}"), &detail.into_iter().flatten().collect::<Vec<_>>());
         for dimension in &connector.dimensions {
             match dimension {
                 Extent::Size(size) => out.empty("ssc:Dimension", &[("size", &size.to_string())]),

@@ -10,7 +10,7 @@ use fmi_rs::fmi3::{FMU3, log::Logger as Logger3};
 use fmi_rs::model_description::fmi2::{Causality, ModelDescription, VariableType};
 use fmi_rs::model_description::fmi3::{Causality as Causality3, ModelDescription as ModelDescription3};
 use lemons_master::Fmu;
-use lemons_master::ssp::{Address, Kind, Type};
+use lemons_master::ssp::{Kind, Type};
 use std::ptr::null_mut;
 use std::sync::Arc;
 use tempfile::TempDir;
@@ -139,12 +139,10 @@ fn both_run_both_versions_to_the_same_bits() {
 
     // All Reals of FMI 2.0, by their references.
     let outputs = fmu_2.description.variables.iter();
-    let outputs: Vec<u32> = outputs
-        .filter(|variable| variable.kind == Some(Kind::Output) && variable.of == Type::Real)
-        .map(|variable| variable.reference)
-        .collect();
-    let at = |reference: &u32| Address { of: Type::Real, reference: *reference, element: None };
-    let own_outputs = own_2.select_at(&outputs.iter().map(at).collect::<Vec<_>>()).unwrap();
+    let outputs = outputs.filter(|variable| variable.kind == Some(Kind::Output) && variable.of == Type::Real);
+    let (names, outputs): (Vec<&str>, Vec<u32>) =
+        outputs.map(|variable| (variable.name.as_str(), variable.reference)).unzip();
+    let own_outputs = own_2.select(names).unwrap();
     // Arrays of FMI 3.0, and their elements by name.
     let size = |name: &str| {
         let variable = description.variable_by_name(name).unwrap();

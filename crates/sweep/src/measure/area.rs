@@ -15,10 +15,6 @@ pub struct InArea {
     pub number: String,
     /// A number of [`MeanMax`], over the communication points.
     pub take: String,
-    /// \[s\] From this time on.
-    pub from: Option<f64>,
-    /// \[s\] Up to this time.
-    pub until: Option<f64>,
 }
 
 impl InArea {

@@ -318,8 +318,10 @@ fn kept(points: &Points, measures: &[String], path: &Path) {
     let rows: Vec<Finished> =
         (0..points.count).map(|point| Finished { point, outcome: outcome(point) }).collect();
     let open = || {
-        let table = Table::open(path, &Default::default(), points, Some(measures));
-        table.unwrap_or_else(|error| panic!("{error:?}"))
+        let mut table =
+            Table::open(path, &Default::default(), points).unwrap_or_else(|error| panic!("{error:?}"));
+        table.name_measures(measures).unwrap_or_else(|error| panic!("{error:?}"));
+        table
     };
     let mut table = open();
     let (before, after) = rows.split_at(rows.len() / 2);
