@@ -114,13 +114,13 @@ fn plain(name: &str) -> String {
 ///
 /// # Errors
 /// A file cannot be read, or the archive not written; the file at `path` is as it was then.
-pub fn write_archive(path: &Path, structure: &SystemStructure, files: &[(String, &Path)]) -> Result<()> {
+pub fn write_archive(path: &Path, structure: &str, files: &[(String, &Path)]) -> Result<()> {
     let cannot = || format!("cannot write {}", path.display());
     let mut zip = ZipWriter::new(BufWriter::new(Staged::beside(path).place(cannot)?));
     let options =
         SimpleFileOptions::default().last_modified_time(DateTime::default()).unix_permissions(0o644);
     zip.start_file(STRUCTURE_FILE, options.compression_method(CompressionMethod::Deflated)).place(cannot)?;
-    zip.write_all(structure.to_xml().as_bytes()).place(cannot)?;
+    zip.write_all(structure.as_bytes()).place(cannot)?;
     for (name, file) in files {
         let bytes =
             input::read(file, input::LARGEST_BINARY).place(|| format!("cannot read {}", file.display()))?;

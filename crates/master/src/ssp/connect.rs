@@ -1,10 +1,11 @@
 //! Interfaces -> the structure that connects every output with the inputs of the same name.
 
 use crate::error::{Error, Result};
-use crate::ssp::document::{Component, Connection, Connector, Extent, Kind, Port, SystemStructure, Type};
-use crate::ssp::interface::{Dimension, Interface, Variable};
-use crate::ssp::unit::{Affine, Unit, conversion};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use crate::ssp::document::Kind;
+use crate::ssp::interface::{Interface, Variable};
+use crate::ssp::unit::{Affine, conversion};
+use crate::ssp::write::to_xml;
+use std::collections::HashMap;
 
 /// An FMU to connect.
 pub struct Participant<'a> {
@@ -18,10 +19,10 @@ pub struct Participant<'a> {
 
 /// The result of connecting.
 pub struct Connected {
-    /// The whole.
-    pub structure: SystemStructure,
-    /// The names of its connections: that of a value, or of an array.
-    pub names: Vec<String>,
+    /// `SystemStructure.ssd`
+    pub structure: String,
+    /// From which participant to which, by their places, and the name: that of a value, or of an array.
+    pub connections: Vec<(usize, usize, String)>,
     /// The names of the inputs of each component that nothing feeds.
     pub unconnected: Vec<Vec<String>>,
 }
@@ -31,24 +32,24 @@ const LISTED: usize = 5;
 
 /// A value of a participant.
 #[derive(Clone, Copy)]
-struct End<'a> {
-    participant: usize,
-    variable: &'a Variable,
-    element: usize,
+pub(super) struct End<'a> {
+    pub(super) participant: usize,
+    pub(super) variable: &'a Variable,
+    pub(super) element: usize,
 }
 
 impl<'a> End<'a> {
     /// Returns whose variable it is of, and the name of that.
-    fn place(&self) -> (usize, &'a str) {
+    pub(super) fn place(&self) -> (usize, &'a str) {
         (self.participant, &self.variable.name)
     }
 }
 
 /// Two ends to be connected: single values, or arrays as a whole.
-struct Pair<'a> {
-    from: End<'a>,
-    to: End<'a>,
-    whole: bool,
+pub(super) struct Pair<'a> {
+    pub(super) from: End<'a>,
+    pub(super) to: End<'a>,
+    pub(super) whole: bool,
     name: String,
 }
 
@@ -111,9 +112,9 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
         let why = "no output has the name of an input of another FMU: nothing to connect";
         return Err(Error::new(format!("{why}\n{}", sides.join("\n"))));
     }
-    let structure = assemble(name, participants, &pairs)?;
-    let names = pairs.into_iter().map(|pair| pair.name).collect();
-    Ok(Connected { structure, names, unconnected })
+    let structure = to_xml(name, participants, &pairs)?;
+    let connection = |pair: Pair| (pair.from.participant, pair.to.participant, pair.name);
+    Ok(Connected { structure, connections: pairs.into_iter().map(connection).collect(), unconnected })
 }
 
 /// Returns all pairs of an input as one of whole arrays, if each of its elements is fed by the same one of an array.
@@ -164,104 +165,4 @@ fn summary(participant: &Participant) -> String {
         format!("{}: {} {}s{shown}", participant.name, names.len(), kind.name())
     };
     format!("{}\n{}", line(Kind::Output), line(Kind::Input))
-}
-
-fn assemble(name: &str, participants: &[Participant], pairs: &[Pair]) -> Result<SystemStructure> {
-    let mut structure = SystemStructure { name: name.to_owned(), ..SystemStructure::default() };
-    let mut places: HashMap<(usize, &str), usize> = HashMap::new();
-    let ends = || pairs.iter().flat_map(|pair| [&pair.from, &pair.to]);
-    let mut used: HashSet<(usize, &str)> = ends().map(End::place).collect();
-    // SSP 1.0 has no arrays.
-    let arrays = ends().any(|end| end.variable.is_array());
-    for (place, participant) in participants.iter().enumerate() {
-        let variables = &participant.interface.variables;
-        // Only inputs that are fed: FMPy 0.3.32 connects every other one to a wrong output. Outputs are there to be looked
-        // at, where FMPy fails at Strings, and Enumerations need their items.
-        let shown = of_kind(participant, Kind::Output).filter(|variable| {
-            matches!(variable.of.class(), Type::Real | Type::Integer | Type::Boolean)
-                && (arrays || !variable.is_array())
-        });
-        used.extend(shown.map(|variable| (place, variable.name.as_str())));
-        // What says how large they are.
-        let own = variables.iter().filter(|variable| used.contains(&(place, variable.name.as_str())));
-        let dimensions = own.flat_map(|variable| &variable.dimensions);
-        let sizes =
-            dimensions.filter_map(|dimension| Some((place, variables[dimension.parameter?].name.as_str())));
-        used.extend(sizes.collect::<Vec<_>>());
-        let mut connectors = Vec::new();
-        for variable in variables {
-            let name = (place, variable.name.as_str());
-            if used.contains(&name) {
-                places.insert(name, connectors.len());
-                connectors.push(connector(participant, variable, &mut structure.units)?);
-            }
-        }
-        structure.components.push(Component {
-            name: participant.name.clone(),
-            source: participant.source.clone(),
-            connectors,
-            ..Component::default()
-        });
-    }
-    for Pair { from, to, whole, .. } in pairs {
-        let port = |end: &End| Port {
-            component: end.participant,
-            connector: places[&end.place()],
-            indices: if *whole { Vec::new() } else { end.variable.indices(end.element) },
-        };
-        structure.connections.push(Connection {
-            from: port(from),
-            to: port(to),
-            transformation: None,
-            suppress_unit_conversion: false,
-            line: 0,
-        });
-    }
-    let times =
-        |time: fn(&Interface) -> Option<f64>| participants.iter().filter_map(move |p| time(p.interface));
-    structure.stop = times(|interface| interface.stop).reduce(f64::max);
-    // pyssp_standard 0.9.1 reads both times or none.
-    structure.step = times(|interface| interface.step).filter(|step| *step > 0.0).reduce(f64::min);
-    structure.start = times(|interface| interface.start).reduce(f64::min).or(structure.stop.map(|_| 0.0));
-    Ok(structure)
-}
-
-/// The connector of a variable; its unit joins the units of the system.
-fn connector(
-    participant: &Participant,
-    variable: &Variable,
-    units: &mut BTreeMap<String, Unit>,
-) -> Result<Connector> {
-    let mut unit = variable.unit.clone();
-    if let Some(name) = &variable.unit {
-        match (participant.interface.unit(name), units.get(name)) {
-            (Some(unit), Some(known)) if !unit.is_same(known) => {
-                let (of, by) = (&variable.name, &participant.name);
-                let why = format!("{of}: {by} means another unit by {name:?} than another FMU");
-                return Err(Error::new(why));
-            }
-            (Some(_), Some(_)) => {}
-            (Some(unit), None) => {
-                units.insert(name.to_owned(), unit.clone());
-            }
-            // SSP wants a definition of every unit that it names.
-            (None, _) => unit = None,
-        }
-    }
-    let kind = variable.kind.unwrap_or(Kind::Output);
-    let interface = participant.interface;
-    let extent = |dimension: &Dimension| match dimension.parameter {
-        Some(place) => Extent::Parameter(interface.variables[place].name.clone()),
-        None => Extent::Size(dimension.size as u64),
-    };
-    let dimensions = variable.dimensions.iter().map(extent).collect();
-    Ok(Connector {
-        name: variable.name.clone(),
-        kind,
-        of: Some(variable.of),
-        unit,
-        enumeration: variable.enumeration.clone(),
-        dimensions,
-        line: 0,
-    })
 }

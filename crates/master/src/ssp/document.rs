@@ -14,8 +14,6 @@ pub const STRUCTURE_FILE: &str = "SystemStructure.ssd";
 /// A system of components, checked: names are unique, connections lead from an output to an input.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SystemStructure {
-    /// The name of the whole.
-    pub name: String,
     /// In the order of the file, which is that of Gauss-Seidel.
     pub components: Vec<Component>,
     /// From outputs to inputs.
@@ -26,9 +24,6 @@ pub struct SystemStructure {
     pub start: Option<f64>,
     /// \[s\] `DefaultExperiment`
     pub stop: Option<f64>,
-    /// \[s\] Communication step that the components propose. SSP 1.0 has no place for it: it is written in an annotation
-    /// for OMSimulator, and not read.
-    pub step: Option<f64>,
     /// Values for `component.variable`; they come after the components' own.
     pub parameters: Vec<ParameterSet>,
 }
@@ -44,7 +39,7 @@ pub struct Component {
     pub connectors: Vec<Connector>,
     /// Values for its variables; later ones count.
     pub parameters: Vec<ParameterSet>,
-    /// In the file; 0 if there is none.
+    /// In the file.
     pub line: u32,
 }
 
@@ -59,11 +54,9 @@ pub struct Connector {
     pub of: Option<Type>,
     /// A Real's, if it has one.
     pub unit: Option<String>,
-    /// The name of an Enumeration's type.
-    pub enumeration: Option<String>,
     /// SSP 2.0: those of an array, from the outermost.
     pub dimensions: Vec<Extent>,
-    /// In the file; 0 if there is none.
+    /// In the file.
     pub line: u32,
 }
 
@@ -194,7 +187,7 @@ pub struct Connection {
     pub transformation: Option<Affine>,
     /// `suppressUnitConversion`
     pub suppress_unit_conversion: bool,
-    /// In the file; 0 if there is none.
+    /// In the file.
     pub line: u32,
 }
 
@@ -225,12 +218,6 @@ pub struct Parameter {
 }
 
 impl SystemStructure {
-    /// Returns whether there are array connectors, which SSP 1.0 has not.
-    pub fn has_arrays(&self) -> bool {
-        let mut connectors = self.components.iter().flat_map(|component| &component.connectors);
-        connectors.any(|connector| !connector.dimensions.is_empty())
-    }
-
     /// Returns a connector and its component.
     pub fn port(&self, port: &Port) -> (&Component, &Connector) {
         let component = &self.components[port.component];

@@ -28,7 +28,6 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
     }
     let system = root.child("System").ok_or_else(|| root.problem("has no <System>"))?;
     let mut structure = SystemStructure {
-        name: root.optional("name").unwrap_or_default().to_owned(),
         units: read_units(root, "Units")?,
         parameters: read_bindings(system, load)?,
         ..SystemStructure::default()
@@ -102,7 +101,6 @@ fn read_connectors(owner: Element) -> Result<Vec<Connector>> {
             kind: Kind::named(kind).ok_or_else(|| element.wrong("kind", "is not a kind of connector"))?,
             of,
             unit: attribute("unit").filter(|_| of.is_some_and(|of| of.class() == Type::Real)),
-            enumeration: attribute("name").filter(|_| of == Some(Type::Enumeration)),
             dimensions: element.children("Dimension").map(read_dimension).collect::<Result<_>>()?,
             line: element.line(),
         })
