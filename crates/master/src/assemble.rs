@@ -1,7 +1,7 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
 use crate::channel::Wire;
-use crate::error::{Error, Place, Result, scratch};
+use crate::error::{Error, Place, Result, ensure, scratch};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::instance::number;
@@ -9,7 +9,7 @@ use crate::ssp::{
     Affine, Allowance, Archive, Connection, Connector, Extent, Interface, Kind, Parameter, ParameterSet,
     Single, SystemStructure, Type, UnitOf, Variable, conversion, located, place_of, written,
 };
-use crate::system::{Component, System, Wiring, component_of};
+use crate::system::{Component, System, component_of};
 use lemons_sim::Algorithm;
 use std::collections::HashMap;
 use std::fs::File;
@@ -61,8 +61,8 @@ fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, Strin
     }
     let warnings = set_parameters(&structure, &components)?;
     let descriptions: Vec<_> = components.iter().map(|component| component.fmu.description.clone()).collect();
-    let wiring = connect(&descriptions, &structure)?;
-    let system = System::new(components, algorithm, wiring);
+    let wires = connect(&descriptions, &structure)?;
+    let system = System::new(components, algorithm, &wires, structure.connections.len());
     Ok(Assembled { system, start: structure.start, stop: structure.stop, warnings })
 }
 
@@ -173,8 +173,8 @@ fn values(end: &Meaning, name: &str, indices: &[usize]) -> Result<Range<usize>, 
     Ok(place..place + 1)
 }
 
-fn connect<'a>(interfaces: &'a [Arc<Interface>], structure: &'a SystemStructure) -> Result<Wiring<'a>> {
-    let mut wiring = Wiring { connections: structure.connections.len(), ..Wiring::default() };
+fn connect<'a>(interfaces: &'a [Arc<Interface>], structure: &'a SystemStructure) -> Result<Vec<Wire<'a>>> {
+    let mut wires = Vec::new();
     // The lines of the connections that feed inputs.
     let mut lines = HashMap::new();
     for Connection { from, to, transformation, suppress_unit_conversion, line } in &structure.connections {
@@ -203,22 +203,19 @@ fn connect<'a>(interfaces: &'a [Arc<Interface>], structure: &'a SystemStructure)
             }
             map = map.then(*transformation);
         }
-        if output.name == input.name {
-            wiring.alike.insert((from.component, to.component));
-        }
         for (sent, taken) in sent.zip(taken) {
             if let Some(first) = lines.insert((to.component, &there.name, taken), line) {
                 return Err(wrong(format!("line {first} feeds this input already")));
             }
-            wiring.wires.push(Wire {
+            wires.push(Wire {
                 from: (from.component, Single { variable: here, element: sent }),
                 to: (to.component, Single { variable: there, element: taken }),
                 map,
             });
         }
     }
-    wiring.wires.sort_by_key(|wire| wire.from.1.variable.of.class());
-    Ok(wiring)
+    wires.sort_by_key(|wire| wire.from.1.variable.of.class());
+    Ok(wires)
 }
 
 /// Says how many values of a variable.
@@ -281,11 +278,10 @@ fn set_parameter(
         let here = (unit.as_deref(), unit.as_ref().and_then(defined));
         let there = interface.unit_of(variable);
         let value: f64 = number(text).place(|| format!("{name}={text}: not a number"))?;
-        let value = conversion(here, there).map_err(Error::new)?.apply(value);
+        let value = conversion(here, there)?.apply(value);
         return instance.set(&instance.select([name])?, &[value]);
     }
-    if given != own && (given, own) != (Type::Integer, Type::Real) {
-        return Err(Error::new(format!("the FMU's variable is of type {own}")));
-    }
+    let fits = given == own || (given, own) == (Type::Integer, Type::Real);
+    ensure(fits, || format!("the FMU's variable is of type {own}"))?;
     instance.set_text(&[name], text)
 }

@@ -12,7 +12,7 @@ mod values;
 
 pub use values::Value;
 
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, ensure};
 use crate::messages::{Messages, prefix};
 use crate::ssp::{Interface, Type};
 use lemons_fmi::{Status, Version};
@@ -321,9 +321,7 @@ impl Instance {
         let call = self.name("SerializedFMUStateSize");
         // SAFETY: FMI's type; a state of this instance.
         unsafe { self.call(&call, |run: fmi2SerializedFMUstateSize, own| run(own, pointer, &raw mut size)) }?;
-        if size > LARGEST_STATE {
-            return Err(Error::new(format!("{call} returned {size} bytes, more than {LARGEST_STATE}")));
-        }
+        ensure(size <= LARGEST_STATE, || format!("{call} returned {size} bytes, more than {LARGEST_STATE}"))?;
         let mut bytes = Vec::new();
         bytes.try_reserve_exact(size).place(|| format!("a state of {size} bytes"))?;
         bytes.resize(size, 0_u8);
@@ -378,7 +376,8 @@ impl State<'_> {
     }
 
     fn there(&self) -> Result<*mut c_void> {
-        if self.pointer.is_null() { Err(Error::new("the FMU gave no state")) } else { Ok(self.pointer) }
+        ensure(!self.pointer.is_null(), || "the FMU gave no state")?;
+        Ok(self.pointer)
     }
 }
 

@@ -19,6 +19,8 @@ pub(crate) struct Wire<'a> {
 pub(crate) struct Channel {
     pub(crate) from: usize,
     pub(crate) to: usize,
+    /// True if an input has the name of the output that feeds it.
+    pub(crate) alike: bool,
     numbers: Values<f64>,
     texts: Values<String>,
 }
@@ -35,16 +37,15 @@ struct Values<T> {
 impl Channel {
     /// Makes the channels of all connections.
     pub(crate) fn of(wires: &[Wire]) -> Vec<Channel> {
-        let mut all: BTreeMap<(usize, usize), [Vec<Wire>; 2]> = BTreeMap::new();
+        let mut all: BTreeMap<(usize, usize), Vec<Wire>> = BTreeMap::new();
         for wire in wires {
-            let of_both = all.entry((wire.from.0, wire.to.0)).or_default();
-            of_both[usize::from(wire.from.1.variable.of == Type::String)].push(*wire);
+            all.entry((wire.from.0, wire.to.0)).or_default().push(*wire);
         }
-        let channel = |((from, to), [numbers, texts]): ((usize, usize), [Vec<Wire>; 2])| Channel {
-            from,
-            to,
-            numbers: Values::new(&numbers),
-            texts: Values::new(&texts),
+        let channel = |((from, to), wires): ((usize, usize), Vec<Wire>)| {
+            let is_text = |wire: &Wire| wire.from.1.variable.of == Type::String;
+            let alike = wires.iter().any(|wire| wire.from.1.variable.name == wire.to.1.variable.name);
+            let (texts, numbers): (Vec<Wire>, Vec<Wire>) = wires.into_iter().partition(is_text);
+            Channel { from, to, alike, numbers: Values::new(&numbers), texts: Values::new(&texts) }
         };
         all.into_iter().map(channel).collect()
     }

@@ -29,7 +29,7 @@ pub use bundled_library::{binaries_beside, binary_beside, look_in, own_binary};
 pub use calls::{Instance, LARGEST_STATE, Value};
 pub use decider::{PlanChoice, plan_in, plan_of};
 pub use drive_feed::DriveFeed;
-pub use error::{Error, Result, whole};
+pub use error::{Error, Result, ensure, whole};
 pub use file_type::FileType;
 pub use fmu::Fmu;
 pub use prepared::Prepared;

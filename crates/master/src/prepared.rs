@@ -5,7 +5,7 @@ use crate::assemble::{Assembled, assemble};
 use crate::calls::Instance;
 use crate::decider::PlanChoice;
 use crate::drive_feed::DriveFeed;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, ensure};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::notes;
@@ -85,11 +85,10 @@ impl Prepared {
         };
         let inputs = [FileType::FMU, FileType::SSP, FileType::ARCHIVE];
         FileType::expect(&settings.input, &inputs, "an FMU or an SSP")?;
-        if matches!(settings.plan, PlanChoice::File(_)) {
-            let why =
-                format!("--plan: a file like {DECISION_FILE} is for a Trial, and not for an FMU or an SSP");
-            return Err(Error::Misused(why));
-        }
+        ensure(!matches!(settings.plan, PlanChoice::File(_)), || {
+            let why = "is for a Trial, and not for an FMU or an SSP";
+            Error::Misused(format!("--plan: a file like {DECISION_FILE} {why}"))
+        })?;
         let open = if coupled { open_ssp } else { open_fmu };
         let Assembled { mut system, start, stop, mut warnings } = open(settings, &parameters)?;
         for (name, value) in &parameters {
@@ -108,7 +107,7 @@ impl Prepared {
         let of_saved =
             || settings.resume.iter().map(|path| format!("saved run {}", path.display())).collect();
         if let Some(before) = &before {
-            before.check(&system.records(), system.algorithm, &system.fingerprint()).place(of_saved)?;
+            before.check(&system.records(), system.algorithm, &system.fingerprint).place(of_saved)?;
         }
         let start = before.as_ref().map_or(start.unwrap_or(0.0), |before| before.start);
         system.initialize(start, settings.tolerance)?;
@@ -161,13 +160,13 @@ fn open_fmu(settings: &Settings, parameters: &[(String, String)]) -> Result<Asse
 }
 
 fn open_ssp(settings: &Settings, parameters: &[(String, String)]) -> Result<Assembled> {
-    if matches!(settings.drive, DriveChoice::File(_)) {
-        let why = "--drive: a drive is for a Trial or an FMU: in an SSP inputs are fed by connections";
-        return Err(Error::new(why));
-    }
+    ensure(
+        !matches!(settings.drive, DriveChoice::File(_)),
+        || "--drive: a drive is for a Trial or an FMU: in an SSP inputs are fed by connections",
+    )?;
     if let Some(threads) = settings.threads {
         let why = "--threads: a number of threads is for a Trial or an FMU: in an SSP, set NAME.Threads";
-        return Err(Error::new(format!("{why}={threads}")));
+        return Err(format!("{why}={threads}").into());
     }
     let mut assembled = assemble(&settings.input, settings.algorithm, parameters)?;
     let system = &assembled.system;
@@ -220,7 +219,7 @@ fn check_saves(system: &System) -> Result<()> {
     for Component { name, fmu, .. } in &system.components {
         if let Some(flag) = fmu.cannot_save() {
             let why = format!("component {name:?} says {flag}=\"false\" (--state, --resume)");
-            return Err(Error::new(format!("the run cannot be saved: {why}")));
+            return Err(format!("the run cannot be saved: {why}").into());
         }
     }
     Ok(())

@@ -12,7 +12,7 @@
 
 use crate::calls::Instance;
 use crate::channel::{Channel, Wire};
-use crate::error::{Error, Place, Result};
+use crate::error::{Place, Result, ensure};
 use crate::fmu::Fmu;
 use crate::notes;
 use crate::saved::ComponentRecord;
@@ -59,37 +59,11 @@ pub struct System {
     /// The inputs with a connection: component, and name of the value.
     fed: HashSet<(usize, String)>,
     /// Number of the connections of the SSP.
-    connections: usize,
-    /// Components of which the first feeds inputs of the second that have the names of its outputs.
-    alike: BTreeSet<(usize, usize)>,
-    /// The same if the same outputs feed the same inputs with the same conversions.
-    fingerprint: String,
+    pub connections: usize,
+    /// The connections: the same if the same outputs feed the same inputs with the same conversions.
+    pub fingerprint: String,
     /// \[s\] The last communication point.
     pub time: f64,
-}
-
-/// The connections of a system.
-#[derive(Default)]
-pub(crate) struct Wiring<'a> {
-    /// Connections of single values, by type.
-    pub(crate) wires: Vec<Wire<'a>>,
-    pub(crate) connections: usize,
-    pub(crate) alike: BTreeSet<(usize, usize)>,
-}
-
-impl Wiring<'_> {
-    fn fingerprint(&self) -> String {
-        let line =
-            |Wire { from, to, map }: &Wire| format!("{}.{} -> {}.{} {map:?}", from.0, from.1, to.0, to.1);
-        let of_type = |of: Type| {
-            let wires = self.wires.iter().filter(|wire| wire.from.1.variable.of.class() == of);
-            let mut lines: Vec<String> = wires.map(line).collect();
-            lines.sort_unstable();
-            lines.join(" ")
-        };
-        let all = [Type::Real, Type::Integer, Type::Boolean, Type::String].map(of_type).join("\n");
-        format!("{:032x}", fingerprint(all.as_bytes()))
-    }
 }
 
 impl System {
@@ -100,24 +74,22 @@ impl System {
     pub fn of_one(name: &str, fmu: Arc<Fmu>, algorithm: Algorithm) -> Result<System> {
         let instance = fmu.instantiate(name)?;
         let component = Component { name: name.to_owned(), fmu, instance };
-        Ok(System::new(vec![component], algorithm, Wiring::default()))
+        Ok(System::new(vec![component], algorithm, &[], 0))
     }
 
-    /// Connects components.
-    pub(crate) fn new(components: Vec<Component>, algorithm: Algorithm, wiring: Wiring) -> System {
-        let fed = wiring.wires.iter().map(|Wire { to: (place, to), .. }| {
+    /// Connects components by connections of single values, which are so many connections of an SSP.
+    pub(crate) fn new(
+        components: Vec<Component>,
+        algorithm: Algorithm,
+        wires: &[Wire],
+        connections: usize,
+    ) -> System {
+        let fed = wires.iter().map(|Wire { to: (place, to), .. }| {
             (*place, components[*place].fmu.description.name_of(to.variable, to.element))
         });
-        System {
-            fed: fed.collect(),
-            channels: Channel::of(&wiring.wires),
-            fingerprint: wiring.fingerprint(),
-            connections: wiring.connections,
-            alike: wiring.alike,
-            components,
-            algorithm,
-            time: 0.0,
-        }
+        let fed = fed.collect();
+        let (channels, fingerprint) = (Channel::of(wires), fingerprint_of(wires));
+        System { components, algorithm, channels, fed, connections, fingerprint, time: 0.0 }
     }
 
     /// Finds parameters of the same people that differ between connected components, one warning for each name.
@@ -127,8 +99,12 @@ impl System {
     pub(crate) fn differing(&self) -> Result<Vec<String>> {
         let mut warnings = Vec::new();
         // Each pair once, whichever feeds the other.
-        let pairs = self.alike.iter().filter(|(a, b)| a < b || !self.alike.contains(&(*b, *a)));
-        for (a, b) in pairs.map(|(a, b)| (&self.components[*a], &self.components[*b])) {
+        let mut seen = BTreeSet::new();
+        for channel in self.channels.iter().filter(|channel| channel.alike) {
+            if !seen.insert((channel.from.min(channel.to), channel.from.max(channel.to))) {
+                continue;
+            }
+            let [a, b] = [channel.from, channel.to].map(|place| &self.components[place]);
             let same = |(name, single): &(String, Single)| {
                 let other = b.fmu.description.single(name);
                 let real = single.variable.of.class() == Type::Real && name.starts_with("agent[");
@@ -162,11 +138,6 @@ impl System {
         single.is_some_and(|single| {
             self.fed.contains(&(place, description.name_of(single.variable, single.element)))
         })
-    }
-
-    /// Returns the number of connections.
-    pub fn connections(&self) -> usize {
-        self.connections
     }
 
     /// Keeps crowds from playing the drives that are packed in them; before initialization. Crowds of earlier versions play
@@ -247,19 +218,11 @@ impl System {
     /// # Errors
     /// The states belong to other components, or a component refuses its state.
     pub fn restore(&mut self, time: f64, states: &[Vec<u8>]) -> Result<()> {
-        if states.len() != self.components.len() {
-            let (states, components) = (states.len(), self.components.len());
-            return Err(Error::new(format!("{states} states for {components} components")));
-        }
+        let (given, components) = (states.len(), self.components.len());
+        ensure(given == components, || format!("{given} states for {components} components"))?;
         self.each(|system, c| system.components[c].instance.restore(&states[c]))?;
         self.time = time;
         self.each(|system, c| system.read(c).map(drop))
-    }
-
-    /// Returns the fingerprint of the connections: the same if the same outputs feed the same inputs with the same
-    /// conversions.
-    pub fn fingerprint(&self) -> String {
-        self.fingerprint.clone()
     }
 
     /// Returns what a saved run says of the components.
@@ -325,6 +288,18 @@ impl System {
         let mut channels = self.channels.iter().filter(|channel| channel.to == c);
         channels.try_for_each(|channel| channel.send(&self.components[c].instance))
     }
+}
+
+fn fingerprint_of(wires: &[Wire]) -> String {
+    let line = |Wire { from, to, map }: &Wire| format!("{}.{} -> {}.{} {map:?}", from.0, from.1, to.0, to.1);
+    let of_type = |of: Type| {
+        let wires = wires.iter().filter(|wire| wire.from.1.variable.of.class() == of);
+        let mut lines: Vec<String> = wires.map(line).collect();
+        lines.sort_unstable();
+        lines.join(" ")
+    };
+    let all = [Type::Real, Type::Integer, Type::Boolean, Type::String].map(of_type).join("\n");
+    format!("{:032x}", fingerprint(all.as_bytes()))
 }
 
 /// Returns the component that a name `component.variable` leads to, and the variable's name: of several the longest.

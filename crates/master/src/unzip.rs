@@ -1,6 +1,6 @@
 //! An `.fmu`, or a zip of a Trial -> its files in a directory.
 
-use crate::error::{Error, Place, Result};
+use crate::error::{Place, Result, ensure};
 use crate::ssp::{Allowance, STRUCTURE_FILE, ZipFile, open_zip, sound};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use lemons_core::files::make_directories;
@@ -18,21 +18,16 @@ pub(crate) const DESCRIPTION_FILE: &str = "modelDescription.xml";
 /// allowance.
 pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) -> Result<()> {
     let zip = open_zip(path)?;
-    if zip.index_for_name(DESCRIPTION_FILE).is_none() {
-        if zip.index_for_name(STRUCTURE_FILE).is_some() {
-            return Err(Error::new("this is an SSP archive: lemons run FILE.ssp"));
-        }
-        return Err(Error::new(format!("it contains no {DESCRIPTION_FILE}, so it is not an FMU")));
-    }
+    let [is_fmu, is_ssp] = [DESCRIPTION_FILE, STRUCTURE_FILE].map(|file| zip.index_for_name(file).is_some());
+    ensure(is_fmu || !is_ssp, || "this is an SSP archive: lemons run FILE.ssp")?;
+    ensure(is_fmu, || format!("it contains no {DESCRIPTION_FILE}, so it is not an FMU"))?;
     allowance.entries(zip.len())?;
     let mut zip = sound(zip)?;
     extract(&mut zip, directory, allowance, |_| true)?;
     let size = directory.join(DESCRIPTION_FILE).metadata()?.len();
-    if size > LARGEST_DESCRIPTION {
-        let most = LARGEST_DESCRIPTION / 1_000_000;
-        return Err(Error::new(format!("{DESCRIPTION_FILE}: is refused: more than {most} MB")));
-    }
-    Ok(())
+    let most = LARGEST_DESCRIPTION / 1_000_000;
+    let large = || format!("{DESCRIPTION_FILE}: is refused: more than {most} MB");
+    Ok(ensure(size <= LARGEST_DESCRIPTION, large)?)
 }
 
 /// The file that makes a directory a Trial.
@@ -55,34 +50,24 @@ pub(crate) fn unzip_trial(path: &Path, directory: &Path) -> Result<Option<PathBu
 }
 
 fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) -> Result<Option<PathBuf>> {
-    // Opening a FIFO would block.
-    if !path.is_file() {
-        return Ok(None);
-    }
     let Ok(zip) = open_zip(path) else { return Ok(None) };
     if [DESCRIPTION_FILE, STRUCTURE_FILE].iter().any(|file| zip.index_for_name(file).is_some()) {
         return Ok(None);
     }
-    if zip.len() > TRIAL_ENTRIES {
-        return Err(Error::new(format!("{} files are in it: no zip of a Trial", zip.len())));
-    }
+    let many = || format!("{} files are in it: no zip of a Trial", zip.len());
+    ensure(zip.len() <= TRIAL_ENTRIES, many)?;
     let mut zip = sound(zip)?;
     let names = zip.file_names().map(|name| Ok(with_slashes(&name?)));
     let mut trials = names.collect::<Result<Vec<String>>>()?;
     trials.retain(|name| name.rsplit('/').next() == Some(PARAMETERS));
     trials.sort();
-    let parameters = match &trials[..] {
-        [] => {
-            let why = format!("it contains no {PARAMETERS}, so it is not a zip of a Trial");
-            return Err(Error::new(why));
-        }
-        [one] => one,
-        [first, second, ..] => {
-            return Err(Error::new(format!(
-                "several Trials are in it ({first:?}, {second:?}, …): unpack it and name one of them"
-            )));
-        }
-    };
+    if let [first, second, ..] = &trials[..] {
+        let why =
+            format!("several Trials are in it ({first:?}, {second:?}, …): unpack it and name one of them");
+        return Err(why.into());
+    }
+    let none = || format!("it contains no {PARAMETERS}, so it is not a zip of a Trial");
+    let parameters = trials.first().ok_or_else(none)?;
     // What an archiver adds beside the Trial is no part of it.
     let root = parameters.strip_suffix(PARAMETERS).unwrap_or_default().to_owned();
     // Without a directory of its own it has the archive's name.
@@ -107,9 +92,7 @@ fn extract(
     for place in 0..zip.len() {
         let entry = zip.by_index(place).place(|| format!("entry {place}"))?;
         let name = entry.name()?.into_owned();
-        if entry.is_symlink() {
-            return Err(Error::new(format!("the entry {name:?} is a link, which is not served")));
-        }
+        ensure(!entry.is_symlink(), || format!("the entry {name:?} is a link, which is not served"))?;
         let name = with_slashes(&name);
         if !wanted(&name) {
             continue;

@@ -1,9 +1,8 @@
 //! The measures of a point while it runs.
 
 use crate::error::{Place, Result};
-use crate::measure::area::InArea;
-use crate::measure::line::OverLine;
 use crate::measure::output::{OfOutput, Statistics};
+use crate::measure::places::{InArea, OverLine};
 use crate::measure::squeeze::OfSqueeze;
 use crate::measure::{Kind, Measure};
 use crate::output::{Reading, agents_named};

@@ -1,5 +1,6 @@
 //! The values of parameters, as they are written in `sweep.toml`.
 
+use lemons_master::ensure;
 use serde::Deserialize;
 
 /// The values of a parameter.
@@ -56,18 +57,12 @@ impl Axis {
     }
 }
 
-fn check_finite(from: f64, to: f64) -> Result<(), String> {
-    if from.is_finite() && to.is_finite() { Ok(()) } else { Err("from and to must be finite".into()) }
-}
-
 fn range(from: f64, to: f64, count: u32, spacing: Spacing) -> Result<Vec<f64>, String> {
-    check_finite(from, to)?;
-    if !(2..=MOST_VALUES).contains(&count) {
-        return Err(format!("count = {count}: must be from 2 to {MOST_VALUES}"));
-    }
-    if spacing == Spacing::Logarithmic && !(from > 0.0 && to > 0.0) {
-        return Err("spacing = \"logarithmic\": from and to must be positive".into());
-    }
+    ensure(from.is_finite() && to.is_finite(), || NOT_FINITE.to_owned())?;
+    let possible = (2..=MOST_VALUES).contains(&count);
+    ensure(possible, || format!("count = {count}: must be from 2 to {MOST_VALUES}"))?;
+    let positive = spacing == Spacing::Linear || from > 0.0 && to > 0.0;
+    ensure(positive, || "spacing = \"logarithmic\": from and to must be positive".to_owned())?;
     let part = |k: u32| f64::from(k) / f64::from(count - 1);
     let (difference, ratio) = (to - from, to / from);
     let value = |k: u32| match (k, spacing) {
@@ -81,17 +76,18 @@ fn range(from: f64, to: f64, count: u32, spacing: Spacing) -> Result<Vec<f64>, S
     Ok((0..count).map(value).collect())
 }
 
+const NOT_FINITE: &str = "from and to must be finite";
+
 /// Returns all whole numbers from one to another.
 fn whole_numbers(from: f64, to: f64, spacing: Spacing) -> Result<Vec<String>, String> {
-    check_finite(from, to)?;
+    ensure(from.is_finite() && to.is_finite(), || NOT_FINITE.to_owned())?;
     let is_whole = |value: f64| value.fract() == 0.0 && value.abs() < 2f64.powi(53);
-    if !(is_whole(from) && is_whole(to) && spacing == Spacing::Linear) {
-        return Err("count: is missing; without it, from and to must be whole numbers".into());
-    }
-    if !(from <= to && to - from < f64::from(MOST_VALUES)) {
-        return Err(format!(
+    let whole = is_whole(from) && is_whole(to) && spacing == Spacing::Linear;
+    ensure(whole, || "count: is missing; without it, from and to must be whole numbers".to_owned())?;
+    ensure(from <= to && to - from < f64::from(MOST_VALUES), || {
+        format!(
             "from = {from}, to = {to}: from must not be greater than to, and there are at most {MOST_VALUES} values"
-        ));
-    }
+        )
+    })?;
     Ok((from as i64..=to as i64).map(|value| value.to_string()).collect())
 }

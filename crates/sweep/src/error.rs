@@ -54,6 +54,12 @@ impl From<String> for Error {
     }
 }
 
+impl From<&str> for Error {
+    fn from(what: &str) -> Error {
+        Error::Spec(what.to_owned())
+    }
+}
+
 impl Error {
     /// The whole message: see [`lemons_master::whole`].
     pub fn whole(&self) -> String {

@@ -4,12 +4,11 @@ use crate::accumulators::Accumulators;
 use crate::error::{Error, Place, Result};
 use crate::identity::of_documents;
 use crate::models::{Model, Models};
-use crate::output::Reading;
+use crate::output::{Reading, Stop};
 use crate::points::Points;
 use crate::spec::{End, Spec};
-use crate::stop::Stop;
 use lemons_core::trial::Trial;
-use lemons_master::documents_of;
+use lemons_master::{documents_of, ensure};
 use lemons_sim::{Clock, Documents, Simulation};
 use serde_json::{Map, Value};
 use std::collections::HashSet;
@@ -95,12 +94,9 @@ pub fn check_parameters(points: &Points, models: &Models, simulation: &Simulatio
             let better = meant.map_or("see lemons info".into(), |meant| format!("did you mean {meant:?}?"));
             wrong(format!("there is no such variable; {better}"))
         })?;
-        if names.iter().any(|name| name == "crowd.Trial") {
-            // Drive, TimeStep and agents would be those of another Trial.
-            return Err(wrong(
-                "Trials are chosen by their paths: trial = \"{NAME}\", where NAME is a parameter".into(),
-            ));
-        }
+        // Drive, TimeStep and agents would be those of another Trial.
+        let why = "Trials are chosen by their paths: trial = \"{NAME}\", where NAME is a parameter";
+        ensure(!names.iter().any(|name| name == "crowd.Trial"), || wrong(why.into()))?;
         if let Some(input) = names.iter().find(|name| simulation.is_fed(name)) {
             return Err(wrong(format!("overwritten by the connection that feeds {input}")));
         }
@@ -113,9 +109,8 @@ pub fn check_parameters(points: &Points, models: &Models, simulation: &Simulatio
         let (crowd, decision): (Vec<_>, Vec<_>) =
             names.into_iter().partition(|name| name.starts_with("crowd."));
         for of_one in [crowd, decision] {
-            if !(of_one.is_empty() || all.insert(of_one)) {
-                return Err(wrong("another parameter sets the same".into()));
-            }
+            let new = of_one.is_empty() || all.insert(of_one);
+            ensure(new, || wrong("another parameter sets the same".into()))?;
         }
     }
     Ok(())

@@ -1,19 +1,19 @@
 //! Measures: the numbers of a run that become columns of the table.
 
 pub(crate) mod across;
-pub(crate) mod area;
-pub(crate) mod line;
-mod number;
 pub(crate) mod output;
+pub(crate) mod places;
 pub(crate) mod squeeze;
 
 use crate::error::{Place, Result};
 use crate::places::Places;
 use crate::points::Points;
-use area::InArea;
+use lemons_master::ensure;
 use lemons_results::measure::within;
-use line::OverLine;
 use output::OfOutput;
+use places::{InArea, OverLine};
+use serde::Serialize;
+use serde_json::Value;
 use squeeze::OfSqueeze;
 
 /// A measure, over the communication points that count. docs/measure.md defines those of lines, areas and squeeze.
@@ -81,13 +81,11 @@ impl Measure {
     /// A sentence with the key.
     pub(crate) fn check(&self, places: &Places, points: &Points) -> Result<(), String> {
         let Measure { kind, from, until } = self;
-        if [from, until].into_iter().flatten().any(|time| !(*time >= 0.0 && time.is_finite())) {
-            return Err("from and until must be finite numbers of seconds, not below 0".into());
-        }
-        if let (Some(from), Some(until)) = (from, until)
-            && from >= until
-        {
-            return Err(format!("from = {from:?}, until = {until:?}: the beginning is not before the end"));
+        let good = [from, until].into_iter().flatten().all(|time| *time >= 0.0 && time.is_finite());
+        ensure(good, || "from and until must be finite numbers of seconds, not below 0".to_owned())?;
+        if let (Some(from), Some(until)) = (from, until) {
+            let why = || format!("from = {from:?}, until = {until:?}: the beginning is not before the end");
+            ensure(from < until, why)?;
         }
         match kind {
             // How many values or agents there are is known later.
@@ -97,4 +95,28 @@ impl Measure {
             Kind::Squeeze(of) => of.check(1),
         }
     }
+}
+
+/// The fields of what `lemons measure` writes: numbers by their names.
+fn fields(seen: &impl Serialize) -> serde_json::Map<String, Value> {
+    match serde_json::to_value(seen) {
+        Ok(Value::Object(fields)) => fields,
+        _ => serde_json::Map::new(),
+    }
+}
+
+/// Returns a number; `None` if it is not known.
+pub(crate) fn number_of(name: &str, seen: &impl Serialize) -> Option<f64> {
+    fields(seen).get(name)?.as_f64()
+}
+
+/// Checks that a number has the name that a key gives.
+///
+/// # Errors
+/// A sentence with all names.
+pub(crate) fn check_number(key: &str, name: &str, any: &impl Serialize) -> Result<(), String> {
+    let numbers = fields(any).into_iter().filter(|(_, value)| value.is_number() || value.is_null());
+    let names: Vec<String> = numbers.map(|(name, _)| name).collect();
+    let known = names.iter().any(|known| known == name);
+    ensure(known, || format!("{key} = {name:?}: must be one of {}", names.join(", ")))
 }

@@ -1,6 +1,6 @@
 //! Lines and areas that a sweep measures at.
 
-use crate::error::{Error, Place, Result};
+use crate::error::{Place, Result};
 use lemons_core::files::input;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Wall;
@@ -35,12 +35,12 @@ impl Places {
     pub(crate) fn read(lines: toml::Table, areas: toml::Table, walkable: Option<PathBuf>) -> Result<Places> {
         let lines = read("lines", lines, Line::of_numbers, LINE)?;
         let areas = read("areas", areas, MeasuringArea::of_numbers, AREA)?;
-        let walkable = walkable.map(|path| {
+        let walkable = walkable.map(|path| -> Result<Walkable> {
             let place = || format!("walkable: {}", path.display());
             let wkt = input::read_text(&path, LARGEST_WALKABLE).place(place)?;
             // Whether it is a polygon at all; who is outside is known later.
             given_area(&wkt, std::iter::empty()).place(place)?;
-            Ok::<_, Error>(Walkable { path, wkt })
+            Ok(Walkable { path, wkt })
         });
         Ok(Places { lines, areas, walkable: walkable.transpose()? })
     }
@@ -103,10 +103,8 @@ fn read<T>(
 ) -> Result<Vec<(String, T)>> {
     let read = |(name, value): (String, toml::Value)| {
         let numbers: Vec<f64> = value.try_into().unwrap_or_default();
-        match made(&numbers) {
-            Some(made) => Ok((name, made)),
-            None => Err(Error::Spec(format!("{key}: {name}: must be {must}"))),
-        }
+        let made = made(&numbers).ok_or_else(|| format!("{key}: {name}: must be {must}"))?;
+        Ok((name, made))
     };
     table.into_iter().map(read).collect()
 }

@@ -1,7 +1,8 @@
 //! The points of a sweep: each has a value of every parameter.
 
-use crate::error::{Error, Place, Result};
+use crate::error::{Place, Result};
 use lemons_core::files::input;
+use lemons_master::ensure;
 use sha1_smol::Sha1;
 use std::path::Path;
 
@@ -68,9 +69,7 @@ impl Points {
     pub fn grid(axes: Vec<(String, Vec<String>)>) -> Result<Points, String> {
         let mut count = 1_usize;
         for (name, values) in &axes {
-            if values.is_empty() {
-                return Err(format!("{name}: no values"));
-            }
+            ensure(!values.is_empty(), || format!("{name}: no values"))?;
             count = count.checked_mul(values.len()).filter(|n| *n <= MOST_POINTS).ok_or_else(too_many)?;
         }
         let mut repeat = count;
@@ -87,28 +86,25 @@ impl Points {
     /// # Errors
     /// The file cannot be read, or has no points, too many, or a number that is not finite.
     pub(crate) fn read(path: &Path) -> Result<Points> {
-        let named = || path.display().to_string();
-        let file = input::open_bounded(path, LARGEST_TABLE).place(named)?;
+        Points::read_table(path).place(|| path.display().to_string())
+    }
+
+    fn read_table(path: &Path) -> Result<Points> {
+        let file = input::open_bounded(path, LARGEST_TABLE)?;
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
-        let header: Vec<String> = reader.headers().place(named)?.iter().map(str::to_owned).collect();
+        let header: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
         let mut columns: Vec<Vec<String>> = vec![Vec::new(); header.len()];
-        let mut count = 0;
-        for row in reader.records() {
-            let row = row.place(named)?;
-            count += 1;
-            columns.iter_mut().zip(&row).for_each(|(column, cell)| column.push(cell.to_owned()));
-            if count > MOST_POINTS {
-                return Err(Error::Spec(too_many())).place(named);
-            }
+        for (row, count) in reader.records().zip(1..) {
+            columns.iter_mut().zip(&row?).for_each(|(column, cell)| column.push(cell.to_owned()));
+            ensure(count <= MOST_POINTS, too_many)?;
         }
-        if count == 0 || header.is_empty() {
-            return Err(Error::Spec("there are no points".into())).place(named);
-        }
-        let columns = header.into_iter().zip(columns).map(|(name, cells)| match normalized(cells) {
-            Ok(values) => Ok((name, values)),
-            Err(what) => Err(Error::Spec(format!("{name}: {what}"))),
+        let empty = columns.first().is_none_or(Vec::is_empty);
+        ensure(!empty, || "there are no points")?;
+        let columns = header.into_iter().zip(columns).map(|(name, cells)| {
+            let values = normalized(cells).place(|| name.clone())?;
+            Ok((name, values))
         });
-        Ok(Points::of_rows(columns.collect::<Result<_>>().place(named)?))
+        Ok(Points::of_rows(columns.collect::<Result<_>>()?))
     }
 
     /// Returns one point for each row of columns of the same length.

@@ -1,17 +1,16 @@
 //! Reads `sweep.toml`.
 
 use crate::axes::Axis;
-use crate::error::{Error, Place, Result};
+use crate::error::{Place, Result};
 use crate::measure::Measure;
-use crate::models::{Models, Plan};
+use crate::models::{Models, Plan, Template};
+use crate::output::Stop;
 use crate::places::Places;
 use crate::points::{OUTPUT_DIRECTORY, Points};
-use crate::stop::Stop;
 use crate::table::{ERROR, POINT, STATUS};
-use crate::template::Template;
 use lemons_core::files::input;
 use lemons_core::trial::DriveChoice;
-use lemons_master::{FileType, PlanChoice};
+use lemons_master::{FileType, PlanChoice, ensure};
 use lemons_results::measure::LATEST;
 use lemons_sim::Algorithm;
 use serde::Deserialize;
@@ -142,52 +141,44 @@ impl Spec {
         let (key, model) = match (document.trial, document.fmu) {
             (Some(path), None) => ("trial", path),
             (None, Some(path)) => ("fmu", path),
-            _ => return Err(Error::Spec("give one of the keys trial and fmu".into())),
+            _ => return Err("give one of the keys trial and fmu".into()),
         };
-        if key == "fmu" && document.plan.is_some() {
-            return Err(Error::Spec("plan: is for a trial, and not for an fmu".into()));
-        }
+        let plan_of_fmu = key == "fmu" && document.plan.is_some();
+        ensure(!plan_of_fmu, || "plan: is for a trial, and not for an fmu")?;
         for (key, value) in [("until", Some(document.until.latest())), ("step", document.step)] {
-            if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
-                return Err(Error::Spec(format!("{key}: must be a positive number of seconds")));
-            }
+            let positive = value.is_none_or(|value| value > 0.0 && value.is_finite());
+            ensure(positive, || format!("{key}: must be a positive number of seconds"))?;
         }
         let mut inputs = Vec::new();
         let points = match (document.parameters, document.table) {
             (Some(axes), None) => {
-                let axes = axes.into_iter().map(|(name, value)| {
+                let mut all = Vec::new();
+                for (name, value) in axes {
                     let place = || format!("parameters: {name}");
                     let values = value.try_into::<Axis>().place(place)?.values().place(place)?;
-                    Ok((name, values))
-                });
-                let axes = axes.collect::<Result<Vec<_>>>()?;
-                Points::grid(axes).place(|| "parameters".into())?
+                    all.push((name, values));
+                }
+                Points::grid(all).place(|| "parameters".into())?
             }
             (None, Some(table)) => {
                 inputs.push(directory.join(table));
                 Points::read(&inputs[0])?
             }
-            _ => return Err(Error::Spec("give one of [parameters] and table".into())),
+            _ => return Err("give one of [parameters] and table".into()),
         };
         check_directories(&points)?;
-        let measures = document.measures.into_iter().map(|(name, value)| {
+        let mut measures = Vec::new();
+        for (name, value) in document.measures {
             let measure = Measure::read(value).place(|| format!("measures: {name}"))?;
-            Ok((name, measure))
-        });
-        let measures: Vec<(String, Measure)> = measures.collect::<Result<_>>()?;
-        if measures.is_empty() {
-            return Err(Error::Spec("measures: must not be empty".into()));
+            measures.push((name, measure));
         }
+        ensure(!measures.is_empty(), || "measures: must not be empty")?;
         let mut names = HashSet::from(RESERVED);
-        let given = points
-            .parameters
-            .iter()
-            .map(|parameter| &parameter.name)
-            .chain(measures.iter().map(|(name, _)| name));
-        for name in given {
-            if !names.insert(name) {
-                return Err(Error::Spec(format!("{name:?}: the table already has a column with this name")));
-            }
+        let given = points.parameters.iter().map(|parameter| &parameter.name);
+        for name in given.chain(measures.iter().map(|(name, _)| name)) {
+            ensure(names.insert(name), || {
+                format!("{name:?}: the table already has a column with this name")
+            })?;
         }
         let walkable = document.walkable.map(|path| directory.join(path));
         let places = Places::read(document.lines, document.areas, walkable)?;
@@ -195,9 +186,8 @@ impl Spec {
         for (name, measure) in &measures {
             measure.check(&places, &points).place(|| format!("measures: {name}"))?;
         }
-        if places.walkable.is_some() && places.areas.is_empty() {
-            return Err(Error::Spec("walkable: is for [areas], and there are none".into()));
-        }
+        let used = places.walkable.is_none() || !places.areas.is_empty();
+        ensure(used, || "walkable: is for [areas], and there are none")?;
         if let Some(stop) = &document.stop {
             stop.check().place(|| "stop".into())?;
         }
@@ -251,13 +241,15 @@ impl Spec {
 /// Checks that no two points have the same OutputDirectory, where they would overwrite each other's files.
 fn check_directories(points: &Points) -> Result<()> {
     let mut seen = HashSet::new();
-    match points.output_directories().find(|(_, directory)| !seen.insert(*directory)) {
-        Some((_, twice)) => Err(Error::Spec(format!(
-            "{OUTPUT_DIRECTORY} = {twice:?}: two points have it, and would overwrite each other's files; with \
-             a table of points, each can have its own"
-        ))),
-        None => Ok(()),
+    for (_, directory) in points.output_directories() {
+        ensure(seen.insert(directory), || {
+            format!(
+                "{OUTPUT_DIRECTORY} = {directory:?}: two points have it, and would overwrite each other's files; with \
+                 a table of points, each can have its own"
+            )
+        })?;
     }
+    Ok(())
 }
 
 #[cfg(test)]

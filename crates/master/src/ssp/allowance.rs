@@ -1,6 +1,6 @@
 //! How much may be unpacked.
 
-use crate::error::{Error, Place, Result};
+use crate::error::{Place, Result};
 use std::io::{self, Read, Write};
 
 /// How much archives may still unpack to: a small one can hold a lot of zeros, and the sizes that it declares
@@ -34,7 +34,7 @@ impl Allowance {
     /// There are more than are left.
     pub fn entries(&mut self, count: usize) -> Result<()> {
         let most = Allowance::ENTRIES;
-        let many = || Error::new(format!("it has too many entries: at most {most} are unpacked in all"));
+        let many = || format!("it has too many entries: at most {most} are unpacked in all");
         self.entries = self.entries.checked_sub(count).ok_or_else(many)?;
         Ok(())
     }
@@ -48,7 +48,7 @@ impl Allowance {
         let mut entry = entry.take(self.left.saturating_add(1));
         let copied = io::copy(&mut entry, to).place(|| name.to_owned())?;
         let most = self.limit as f64 / 1e6;
-        let large = || Error::new(format!("{name}: is refused: more than {most} MB to unpack in all"));
+        let large = || format!("{name}: is refused: more than {most} MB to unpack in all");
         self.left = self.left.checked_sub(copied).ok_or_else(large)?;
         Ok(())
     }

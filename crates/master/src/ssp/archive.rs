@@ -1,6 +1,6 @@
 //! The `.ssp`: a zip of `SystemStructure.ssd` and what it names.
 
-use crate::error::{Error, Place, Result};
+use crate::error::{Place, Result, ensure};
 use crate::ssp::allowance::Allowance;
 use crate::ssp::document::{STRUCTURE_FILE, SystemStructure};
 use crate::ssp::read::read;
@@ -61,15 +61,12 @@ impl Archive {
         let decoded = percent_decode_str(source).decode_utf8_lossy();
         // Some tools do not encode: there a percent sign is itself.
         let names = [decoded.as_ref(), source].map(|name| name.trim_start_matches("./").to_owned());
-        if names.iter().any(|name| leads_outside(name)) {
-            return Err(Error::new("leads outside of the archive"));
-        }
+        let outside = names.iter().any(|name| leads_outside(name));
+        ensure(!outside, || "leads outside of the archive")?;
         let name = names.iter().find(|name| self.zip.index_for_name(name).is_some());
-        let name = name.ok_or_else(|| Error::new(format!("there is no {} in the archive", names[0])))?;
+        let name = name.ok_or_else(|| format!("there is no {} in the archive", names[0]))?;
         let entry = self.zip.by_name(name)?;
-        if !entry.is_file() {
-            return Err(Error::new(format!("{name} is not a file")));
-        }
+        ensure(entry.is_file(), || format!("{name} is not a file"))?;
         allowance.copy(name, entry, to)
     }
 }
@@ -89,17 +86,13 @@ pub fn sound<R: Read + Seek>(zip: ZipArchive<R>) -> Result<ZipArchive<R>> {
     let mut seen = HashMap::new();
     for name in zip.file_names() {
         let name = name?.into_owned();
-        if leads_outside(&name) {
-            return Err(Error::new(format!("the entry {name:?} leads outside of the archive")));
-        }
+        ensure(!leads_outside(&name), || format!("the entry {name:?} leads outside of the archive"))?;
         if let Some(other) = seen.insert(plain(&name), name.clone()) {
-            return Err(Error::new(format!("the entries {other:?} and {name:?} have one name")));
+            return Err(format!("the entries {other:?} and {name:?} have one name").into());
         }
     }
     // The reader keeps the last entry of a name only.
-    if zip.has_duplicate_names() {
-        return Err(Error::new("two entries have the same name"));
-    }
+    ensure(!zip.has_duplicate_names(), || "two entries have the same name")?;
     Ok(zip)
 }
 

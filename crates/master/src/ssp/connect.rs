@@ -1,6 +1,6 @@
 //! Interfaces -> the structure that connects every output with the inputs of the same name.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, ensure};
 use crate::ssp::document::Kind;
 use crate::ssp::interface::{Interface, Variable};
 use crate::ssp::unit::{Affine, conversion};
@@ -99,19 +99,15 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
         }
         unconnected.push(free);
     }
-    if !problems.is_empty() {
-        let more = problems.len().saturating_sub(LISTED);
-        problems.truncate(LISTED);
-        if more > 0 {
-            problems.push(format!("… and {more} more like these"));
-        }
-        return Err(Error::new(problems.join("\n")));
+    if problems.len() > LISTED {
+        let more = problems.split_off(LISTED).len();
+        problems.push(format!("… and {more} more like these"));
     }
-    if pairs.is_empty() {
-        let sides: Vec<String> = participants.iter().map(summary).collect();
+    ensure(problems.is_empty(), || problems.join("\n"))?;
+    ensure(!pairs.is_empty(), || {
         let why = "no output has the name of an input of another FMU: nothing to connect";
-        return Err(Error::new(format!("{why}\n{}", sides.join("\n"))));
-    }
+        format!("{why}\n{}", participants.iter().map(summary).collect::<Vec<String>>().join("\n"))
+    })?;
     let structure = to_xml(name, participants, &pairs)?;
     let connection = |pair: Pair| (pair.from.participant, pair.to.participant, pair.name);
     Ok(Connected { structure, connections: pairs.into_iter().map(connection).collect(), unconnected })

@@ -1,6 +1,6 @@
 //! `SystemStructure.ssd` and the `.ssv` files that it names -> [`SystemStructure`].
 
-use crate::error::Result;
+use crate::error::{Result, ensure};
 use crate::ssp::document::{
     Component, Connection, Connector, Extent, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE,
     SystemStructure, Type,
@@ -23,9 +23,8 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
     let document = Document::parse(Path::new(STRUCTURE_FILE), bytes, NODES)?;
     let root = document.root("SystemStructureDescription")?;
     let version = root.text("version")?;
-    if !["1.", "2."].iter().any(|begin| version.trim().starts_with(begin)) {
-        return Err(root.wrong("version", "only SSP 1.x and 2.x are served").into());
-    }
+    let served = ["1.", "2."].iter().any(|begin| version.trim().starts_with(begin));
+    ensure(served, || root.wrong("version", "only SSP 1.x and 2.x are served"))?;
     let system = root.child("System").ok_or_else(|| root.problem("has no <System>"))?;
     let mut structure = SystemStructure {
         units: read_units(root, "Units")?,
@@ -46,14 +45,11 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
         let component = read_component(element, load)?;
         let connectors = component.connectors.iter().enumerate();
         let connectors = connectors.map(|(place, connector)| (connector.name.clone(), place)).collect();
-        if names.insert(component.name.clone(), (structure.components.len(), connectors)).is_some() {
-            return Err(element.wrong("name", "two components have this name").into());
-        }
+        let same = names.insert(component.name.clone(), (structure.components.len(), connectors));
+        ensure(same.is_none(), || element.wrong("name", "two components have this name"))?;
         structure.components.push(component);
     }
-    if structure.components.is_empty() {
-        return Err(system.problem("has no <Component>").into());
-    }
+    ensure(!structure.components.is_empty(), || system.problem("has no <Component>"))?;
     let outside = read_connectors(system)?;
     for element in system.child("Connections").into_iter().flat_map(|list| list.children("Connection")) {
         structure.connections.extend(read_connection(element, &structure, &names, &outside)?);
@@ -65,15 +61,11 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
 type Names = HashMap<String, (usize, HashMap<String, usize>)>;
 
 fn read_component(element: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Component> {
-    if element.text("name")?.is_empty() {
-        return Err(element.wrong("name", "must not be empty").into());
-    }
-    if element.optional("type").is_some_and(|of| of != FMU_TYPE) {
-        return Err(element.wrong("type", "is not served: only FMUs are").into());
-    }
-    if element.optional("implementation") == Some("ModelExchange") {
-        return Err(element.wrong("implementation", "is not served: only co-simulation is").into());
-    }
+    ensure(!element.text("name")?.is_empty(), || element.wrong("name", "must not be empty"))?;
+    let is_fmu = element.optional("type").is_none_or(|of| of == FMU_TYPE);
+    ensure(is_fmu, || element.wrong("type", "is not served: only FMUs are"))?;
+    let exchange = element.optional("implementation") == Some("ModelExchange");
+    ensure(!exchange, || element.wrong("implementation", "is not served: only co-simulation is"))?;
     Ok(Component {
         name: element.text("name")?.to_owned(),
         source: element.text("source")?.to_owned(),
@@ -89,9 +81,7 @@ fn read_connectors(owner: Element) -> Result<Vec<Connector>> {
     let list = owner.child("Connectors").into_iter().flat_map(|list| list.children("Connector"));
     list.map(|element| {
         let name = element.text("name")?;
-        if !names.insert(name) {
-            return Err(element.wrong("name", "two connectors have this name").into());
-        }
+        ensure(names.insert(name), || element.wrong("name", "two connectors have this name"))?;
         let kind = element.text("kind")?;
         let typed = read_type(element)?;
         let of = typed.map(|(of, _)| of);
@@ -210,9 +200,7 @@ pub(super) fn read_units(owner: Element, list: &str) -> Result<BTreeMap<String, 
             *exponent = base.parsed(name, "a whole number")?.unwrap_or(0);
         }
         let factor = base.number("factor")?.unwrap_or(1.0);
-        if factor == 0.0 {
-            return Err(base.wrong("factor", "must not be zero").into());
-        }
+        ensure(factor != 0.0, || base.wrong("factor", "must not be zero"))?;
         let offset = base.number("offset")?.unwrap_or(0.0);
         units.entry(name.clone()).or_insert(Unit { name, exponents, factor, offset });
     }
@@ -224,12 +212,10 @@ fn read_bindings(owner: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
     let bindings = owner.child("ParameterBindings").into_iter();
     let mut sets = Vec::new();
     for binding in bindings.flat_map(|bindings| bindings.children("ParameterBinding")) {
-        if binding.optional("type").is_some_and(|of| of != PARAMETER_TYPE) {
-            return Err(binding.wrong("type", "is not served: only parameter sets of SSP are").into());
-        }
-        if binding.optional("sourceBase").is_some_and(|base| base != "SSD") {
-            return Err(binding.wrong("sourceBase", "is not served: only files of the archive are").into());
-        }
+        let is_set = binding.optional("type").is_none_or(|of| of == PARAMETER_TYPE);
+        ensure(is_set, || binding.wrong("type", "is not served: only parameter sets of SSP are"))?;
+        let inside = binding.optional("sourceBase").is_none_or(|base| base == "SSD");
+        ensure(inside, || binding.wrong("sourceBase", "is not served: only files of the archive are"))?;
         if let Some(mapping) = binding.child("ParameterMapping") {
             return Err(mapping.problem("is not served").into());
         }

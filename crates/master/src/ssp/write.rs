@@ -1,6 +1,6 @@
 //! FMUs and connections between them -> `SystemStructure.ssd`.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, ensure};
 use crate::ssp::connect::{End, Pair, Participant};
 use crate::ssp::document::{Kind, Type};
 use crate::ssp::interface::{Interface, Variable};
@@ -95,12 +95,11 @@ fn units_of<'a>(
         for variable in connectors {
             let unit = variable.unit.as_ref().and_then(|name| participant.interface.unit(name));
             let Some(unit) = unit else { continue };
-            if !units.entry(&*unit.name).or_insert(unit).is_same(unit) {
+            let is_same = units.entry(&*unit.name).or_insert(unit).is_same(unit);
+            ensure(is_same, || {
                 let (of, by, name) = (&variable.name, &participant.name, &unit.name);
-                return Err(Error::new(format!(
-                    "{of}: {by} means another unit by {name:?} than another FMU"
-                )));
-            }
+                format!("{of}: {by} means another unit by {name:?} than another FMU")
+            })?;
         }
     }
     Ok(units)

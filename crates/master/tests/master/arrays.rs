@@ -183,7 +183,7 @@ fn arrays_are_coupled_by_ssp_2() {
     assert_eq!(real(1, "f64.in[3,1]"), 15.0, "10 (0.5 + 1)");
     assert_eq!(real(1, "f64.in[1,2]"), 10.0, "10 (0 + 1)");
     assert_eq!((real(0, "f32.in[3]"), real(0, "f32.in[2]")), (11.0, 0.0), "only that element");
-    assert_eq!(system.connections(), 2);
+    assert_eq!(system.connections, 2);
     let said = |from: &str, to: &str| {
         assert!(structure.contains(from), "{from}");
         assembled(&structure.replacen(from, to, 1)).map_or_else(|error| error.whole(), |_| "read".to_owned())

@@ -176,7 +176,7 @@ fn every_type_arrives_and_the_algorithms_count_as_they_should() {
     let path = write_ssp(at, &structure(&connectors, ["", ""], &connections, ""));
     for algorithm in [Algorithm::Jacobi, Algorithm::GaussSeidel] {
         let mut system = assemble(&path, algorithm, &[]).unwrap().system;
-        assert_eq!(system.connections(), 8);
+        assert_eq!(system.connections, 8);
         system.initialize(0.0, None).unwrap();
         for k in 1..=6 {
             system.step_to(0.1 * f64::from(k)).unwrap();
