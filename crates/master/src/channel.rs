@@ -2,7 +2,7 @@
 
 use crate::calls::{Instance, Value};
 use crate::error::Result;
-use crate::selection::Selection;
+use crate::instance::Selection;
 use crate::ssp::{Affine, Single, Type};
 use std::collections::BTreeMap;
 

@@ -3,16 +3,16 @@
 
 use crate::assemble::{Assembled, assemble};
 use crate::calls::Instance;
-use crate::decider::PlanChoice;
-use crate::drive_feed::DriveFeed;
 use crate::error::{Error, Place, Result, ensure};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
+use crate::instance::Selection;
 use crate::notes;
 use crate::saved::Saved;
 use crate::settings::Settings;
 use crate::system::{Component, PLAY_DRIVE, System, component_of};
-use lemons_core::trial::{DriveChoice, DriveTable, Trial};
+use crate::trial_input::PlanChoice;
+use lemons_core::trial::{Agent, DriveChoice, DriveTable, Trial};
 use lemons_decision::DECISION_FILE;
 use lemons_sim::{Clock, Model};
 use std::sync::Arc;
@@ -127,7 +127,8 @@ impl Prepared {
             (false, _) => crowd.fmu.drive(trial, &settings.drive)?,
         };
         let agents = trial.map_or(&[][..], |trial| &trial.agents);
-        let feed = DriveFeed::new(&crowd.instance, agents, drive, plays)?;
+        let fed = if plays { &[][..] } else { agents };
+        let feed = DriveFeed::new(&crowd.instance, fed, drive)?;
         let steps = system.components.iter().zip(&trials).filter_map(|(component, trial)| match trial {
             Some(trial) => Some(trial.parameters.time_step),
             None => component.fmu.description.step,
@@ -223,4 +224,44 @@ fn check_saves(system: &System) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Returns the agents that a drive names, with the names of their inputs.
+pub(crate) fn driven<'a>(
+    agents: &'a [Agent],
+    drive: &'a DriveTable,
+) -> impl Iterator<Item = (&'a Agent, [String; 3])> {
+    let driven = agents.iter().enumerate().filter(|(_, agent)| drive.rows(&agent.id).is_some());
+    driven.map(|(i, agent)| (agent, ["Fp.x", "Fp.y", "Mp"].map(|name| format!("agent[{i}].{name}"))))
+}
+
+/// A drive, into an instance of a crowd.
+pub struct DriveFeed {
+    /// The drive: who is pushed when.
+    pub drive: DriveTable,
+    /// The agents that the drive names.
+    ids: Vec<String>,
+    /// Fp.x, Fp.y and Mp of each of them.
+    inputs: Selection,
+}
+
+impl DriveFeed {
+    /// Makes the feed of the inputs of these agents of an instance.
+    fn new(instance: &Instance, agents: &[Agent], drive: DriveTable) -> Result<DriveFeed> {
+        let driven = driven(agents, &drive).map(|(agent, names)| (agent.id.clone(), names));
+        let (ids, names): (Vec<String>, Vec<[String; 3]>) = driven.unzip();
+        Ok(DriveFeed { inputs: instance.select(names.iter().flatten())?, ids, drive })
+    }
+
+    /// Sets the inputs of the instance to the values at a time \[s\]: forces \[N\] and torques \[N m\].
+    ///
+    /// # Errors
+    /// The FMU refuses the call.
+    fn apply(&self, instance: &Instance, time: f64) -> Result<()> {
+        if self.inputs.is_empty() {
+            return Ok(());
+        }
+        let values: Vec<f64> = self.ids.iter().filter_map(|id| self.drive.at(id, time)).flatten().collect();
+        instance.set(&self.inputs, &values)
+    }
 }

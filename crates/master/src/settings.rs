@@ -1,9 +1,9 @@
 //! Settings of a run.
 
-use crate::decider::PlanChoice;
 use crate::error::{Error, Place, Result, ensure};
 use crate::notes;
 use crate::saved::Saved;
+use crate::trial_input::PlanChoice;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::trial::{DriveChoice, DriveTable};
 use lemons_sim::{Algorithm, Clock};

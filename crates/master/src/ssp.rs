@@ -11,7 +11,6 @@
 //! connected whole or by element. Refused, with a message that names the element: nested systems, signal dictionaries,
 //! connections from the system's own inputs, parameter mappings, mapping transformations, values of arrays, clocks.
 
-mod allowance;
 mod archive;
 mod connect;
 mod document;
@@ -20,8 +19,7 @@ mod read;
 mod unit;
 mod write;
 
-pub use allowance::Allowance;
-pub use archive::{Archive, write_archive};
+pub use archive::{Allowance, Archive, write_archive};
 pub(crate) use archive::{ZipFile, open_zip, sound};
 pub use connect::{Connected, Participant, connect};
 pub use document::{
