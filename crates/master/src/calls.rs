@@ -190,7 +190,7 @@ impl Instance {
             return Ok(());
         }
         self.plain("EnterConfigurationMode")?;
-        self.set_all("fmi3SetUInt64", references, sizes)?;
+        self.set_all(Type::UInt64, references, sizes)?;
         self.plain("ExitConfigurationMode")
     }
 
@@ -247,29 +247,39 @@ impl Instance {
     }
 
     /// Reads all values of the variables: in FMI 2.0 one for each reference.
-    fn get_all<T>(&self, call: &str, references: &[u32], values: &mut [T]) -> Result<()> {
+    fn get_all<T>(&self, of: Type, references: &[u32], mut values: Vec<T>) -> Result<Vec<T>> {
         // SAFETY: a function that writes as many values as said.
-        unsafe { self.pass(call, references, values.as_mut_ptr(), values.len()) }
+        unsafe { self.pass("Get", of, references, values.as_mut_ptr(), values.len()) }?;
+        Ok(values)
     }
 
     /// Sets all values of the variables: in FMI 2.0 one for each reference.
-    fn set_all<T>(&self, call: &str, references: &[u32], values: &[T]) -> Result<()> {
+    fn set_all<T>(&self, of: Type, references: &[u32], values: &[T]) -> Result<()> {
         // SAFETY: a function that reads as many values as said, and writes none.
-        unsafe { self.pass(call, references, values.as_ptr().cast_mut(), values.len()) }
+        unsafe { self.pass("Set", of, references, values.as_ptr().cast_mut(), values.len()) }
     }
 
     /// # Safety
-    /// A function that reads or sets values of this type, and an array of as many as said.
-    unsafe fn pass<T>(&self, call: &str, references: &[u32], values: *mut T, length: usize) -> Result<()> {
+    /// An array of as many values as said, which have this type.
+    unsafe fn pass<T>(
+        &self,
+        verb: &str,
+        of: Type,
+        references: &[u32],
+        values: *mut T,
+        length: usize,
+    ) -> Result<()> {
         type V2<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut T) -> c_int;
         type V3<T> = unsafe extern "C" fn(*mut c_void, *const u32, usize, *mut T, usize) -> c_int;
-        let (count, references) = (references.len(), references.as_ptr());
+        let (call, count, references) = (self.accessor(verb, of), references.len(), references.as_ptr());
         assert!(self.version() == Version::V3 || count == length, "a value for each reference");
         // SAFETY: FMI's types; an instance of this library; both arrays are as long as said.
         unsafe {
             match self.version() {
-                Version::V2 => self.call(call, |run: V2<T>, own| run(own, references, count, values)),
-                Version::V3 => self.call(call, |run: V3<T>, own| run(own, references, count, values, length)),
+                Version::V2 => self.call(&call, |run: V2<T>, own| run(own, references, count, values)),
+                Version::V3 => {
+                    self.call(&call, |run: V3<T>, own| run(own, references, count, values, length))
+                }
             }
         }
         .map(drop)

@@ -23,16 +23,9 @@ mod table;
 
 pub use error::{Error, Result};
 pub use loaded::check_parameters;
-pub use measure::across::Across;
-pub use measure::output::{OfOutput, Take};
-pub use measure::places::{InArea, OverLine, Width};
-pub use measure::squeeze::{OfSqueeze, What};
-pub use measure::{Kind, Measure};
 pub use models::{Model, Models, Plan, Template};
-pub use output::{Of, Stop};
-pub use places::Places;
 pub use points::{Parameter, Points};
-pub use spec::{End, Spec};
+pub use spec::{End, Event, Spec};
 pub use summary::{check_over, summary};
 pub use sweep::{Options, Progress, Swept, sweep};
 pub use table::{Finished, Measured, Table};

@@ -6,7 +6,7 @@ use crate::identity::of_documents;
 use crate::models::{Model, Models};
 use crate::output::{Reading, Stop};
 use crate::points::Points;
-use crate::spec::{End, Spec};
+use crate::spec::{End, Event, Spec};
 use lemons_core::trial::Trial;
 use lemons_master::{documents_of, ensure};
 use lemons_sim::{Clock, Documents, Simulation};
@@ -43,7 +43,7 @@ impl LoadedModel {
         let step = spec.step.unwrap_or(documents.trial.parameters.time_step);
         let clock = Clock::new(0.0, step, spec.until.latest()).map_err(lemons_master::Error::from);
         let clock = clock.place(|| "until".into())?;
-        let leave = if spec.until == End::Left { Some(who_leaves(&documents)?) } else { None };
+        let leave = if spec.until == End::When(Event::Left) { Some(who_leaves(&documents)?) } else { None };
         let identity = of_documents(&documents, spec.algorithm, clock.step)?;
         let trial = documents.trial.clone();
         let simulation = Simulation::new(documents, spec.algorithm)?;

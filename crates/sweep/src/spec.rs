@@ -22,25 +22,25 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone)]
 pub struct Spec {
     /// The model that is simulated at each point.
-    pub models: Models,
+    pub(crate) models: Models,
     /// True if each Trial must have a `decision.toml`.
-    pub needs_plan: bool,
+    pub(crate) needs_plan: bool,
     /// When a point ends.
     pub until: End,
     /// What ends a point before.
-    pub stop: Option<Stop>,
+    pub(crate) stop: Option<Stop>,
     /// \[s\] Communication step; `None`: that of the Trial.
     pub step: Option<f64>,
     /// The forces that drive people.
-    pub drive: DriveChoice,
+    pub(crate) drive: DriveChoice,
     /// In which order crowd and Decision exchange values.
-    pub algorithm: Algorithm,
+    pub(crate) algorithm: Algorithm,
     /// The points that are simulated.
     pub points: Points,
     /// Names and measures, in the order of the file.
-    pub measures: Vec<(String, Measure)>,
+    pub(crate) measures: Vec<(String, Measure)>,
     /// Lines and areas of the measures.
-    pub places: Places,
+    pub(crate) places: Places,
     /// The files that are read.
     pub inputs: Vec<PathBuf>,
     /// What must be equal to go on, as far as the file itself says it.
@@ -53,23 +53,20 @@ const ELSEWHERE: [&str; 9] =
 
 /// When a point ends.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "toml::Value")]
+#[serde(untagged, expecting = "expected a number of seconds, or \"left\"")]
 pub enum End {
     /// \[s\] At this time.
     At(f64),
-    /// When everybody has left who has an exit, or nobody gets any further; at the latest after an hour.
-    Left,
+    /// When the crowd has done something; at the latest after an hour.
+    When(Event),
 }
 
-impl TryFrom<toml::Value> for End {
-    type Error = &'static str;
-
-    fn try_from(value: toml::Value) -> Result<End, &'static str> {
-        match value {
-            toml::Value::String(word) if word == "left" => Ok(End::Left),
-            value => value.try_into().map(End::At).map_err(|_| "expected a number of seconds, or \"left\""),
-        }
-    }
+/// What a crowd can do that ends a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Event {
+    /// Everybody has left who has an exit, or nobody gets any further.
+    Left,
 }
 
 impl End {
@@ -77,7 +74,7 @@ impl End {
     pub fn latest(self) -> f64 {
         match self {
             End::At(time) => time,
-            End::Left => LATEST,
+            End::When(Event::Left) => LATEST,
         }
     }
 }
@@ -232,9 +229,15 @@ impl Spec {
         })
     }
 
+    /// Returns the names of what is measured, in the order of the table's columns.
+    pub fn measured(&self) -> Vec<String> {
+        let ended = self.may_end().then(|| ENDED.to_owned());
+        self.measures.iter().map(|(name, _)| name.clone()).chain(ended).collect()
+    }
+
     /// Returns whether points may end by themselves, before their latest end. The table then has the column `ended`.
     pub fn may_end(&self) -> bool {
-        self.until == End::Left || self.stop.is_some()
+        self.until == End::When(Event::Left) || self.stop.is_some()
     }
 }
 

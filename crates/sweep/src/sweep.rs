@@ -3,7 +3,7 @@
 use crate::error::{Error, Place, Result};
 use crate::points::Points;
 use crate::simulate::Job;
-use crate::spec::{ENDED, Spec};
+use crate::spec::Spec;
 use crate::table::{Finished, Measured, Table};
 use std::io;
 use std::path::Path;
@@ -67,9 +67,7 @@ pub fn sweep(
 ) -> Result<Swept> {
     let (job, mut identity, warnings) = Job::open(spec)?;
     identity.insert("program".into(), by.into());
-    let Spec { points, measures, .. } = &job.spec;
-    let ended = job.spec.may_end().then(|| ENDED.to_owned());
-    let measures: Vec<String> = measures.iter().map(|(name, _)| name.clone()).chain(ended).collect();
+    let (points, measures) = (&job.spec.points, job.spec.measured());
     let mut table = Table::open(table, &identity, points)?;
     table.name_measures(&measures)?;
     let mut left = vec![true; points.count];
