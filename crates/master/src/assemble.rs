@@ -6,8 +6,8 @@ use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::instance::number;
 use crate::ssp::{
-    Affine, Allowance, Archive, Connection, Connector, Extent, Interface, Kind, Parameter, ParameterSet,
-    Single, SystemStructure, Type, UnitOf, Variable, conversion, located, place_of, written,
+    Affine, Allowance, Archive, Connection, Connector, Extent, Interface, Kind, Parameter, Port, Single,
+    SystemStructure, Type, UnitOf, Variable, conversion, place_of, written, wrong_at,
 };
 use crate::system::{Component, System, component_of};
 use lemons_sim::Algorithm;
@@ -45,16 +45,13 @@ fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, Strin
     let mut allowance = Allowance::new(Allowance::FMUS);
     let mut components = Vec::with_capacity(structure.components.len());
     for (place, described) in structure.components.iter().enumerate() {
-        let wrong = |error: Error| {
-            let (line, source, why) = (described.line, &described.source, error.whole());
-            Error::from(located(line, "Component", "source", source, why))
-        };
+        let wrong = |error: Error| wrong_at(&described.place, error.whole());
         let mut fmu = unpack(&mut archive, &described.source, &mut allowance).map_err(wrong)?;
         let parameters = texts(&structure, place, further);
         fmu.configure(parameters.into_iter()).map_err(wrong)?;
         let fmu = fmu.shown_as(&described.source);
-        for connector in &described.connectors {
-            meaning(connector, &fmu.description, &structure)?;
+        for (name, connector) in &described.connectors {
+            meaning(name, connector, &fmu.description, &structure)?;
         }
         let instance = fmu.instantiate(&described.name).map_err(wrong)?;
         components.push(Component { name: described.name.clone(), fmu: Arc::new(fmu), instance });
@@ -72,13 +69,15 @@ fn texts<'a>(
     place: usize,
     further: &'a [(String, String)],
 ) -> Vec<(&'a str, &'a str)> {
-    let own = &structure.components[place];
-    let inside = |name: &'a str| name.strip_prefix(own.name.as_str())?.strip_prefix('.');
-    let of = |sets: &'a [ParameterSet]| sets.iter().flat_map(|set| &set.parameters);
-    let own = of(&own.parameters).map(|parameter| (Some(parameter.name.as_str()), parameter.text.as_str()));
-    let outer = of(&structure.parameters).map(|parameter| (inside(&parameter.name), parameter.text.as_str()));
+    let own = &structure.components[place].name;
+    let inside = |name: &'a str| name.strip_prefix(own.as_str())?.strip_prefix('.');
+    let parameters =
+        structure.parameters.iter().map(|Parameter { component, name, text, .. }| match component {
+            Some(component) => (Some(name.as_str()).filter(|_| *component == place), text.as_str()),
+            None => (inside(name), text.as_str()),
+        });
     let further = further.iter().map(|(name, text)| (inside(name), text.as_str()));
-    own.chain(outer).chain(further).filter_map(|(name, text)| Some((name?, text))).collect()
+    parameters.chain(further).filter_map(|(name, text)| Some((name?, text))).collect()
 }
 
 fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
@@ -98,12 +97,12 @@ struct Meaning<'a> {
 
 /// Finds the variable that a connector names, which must be of that kind, type, unit and size.
 fn meaning<'a>(
+    name: &str,
     connector: &'a Connector,
     interface: &'a Interface,
     structure: &'a SystemStructure,
 ) -> Result<Meaning<'a>> {
-    let name = &connector.name;
-    let wrong = |why: String| Error::from(located(connector.line, "Connector", "name", name, why));
+    let wrong = |why: String| wrong_at(&connector.place, why);
     let whole = interface.variable(name).map(|variable| (variable, None));
     let found = whole.or_else(|| interface.single(name).map(|it| (it.variable, Some(it.element))));
     let (variable, element) = found.ok_or_else(|| wrong("the FMU has no such variable".into()))?;
@@ -177,16 +176,16 @@ fn connect<'a>(interfaces: &'a [Arc<Interface>], structure: &'a SystemStructure)
     let mut wires = Vec::new();
     // The lines of the connections that feed inputs.
     let mut lines = HashMap::new();
-    for Connection { from, to, transformation, suppress_unit_conversion, line } in &structure.connections {
-        let ((source, output), (_, input)) = (structure.port(from), structure.port(to));
-        let wrong = |why: String| {
-            let why = format!("from {} of {:?}: {why}", output.name, source.name);
-            Error::from(located(*line, "Connection", "endConnector", &input.name, why))
+    for Connection { from, to, transformation, suppress_unit_conversion, place } in &structure.connections {
+        let source = &structure.components[from.component].name;
+        let wrong = |why: String| wrong_at(place, format!("from {} of {source:?}: {why}", from.connector));
+        let mean = |port: &'a Port| {
+            let (_, connector) = structure.port(port);
+            meaning(&port.connector, connector, &interfaces[port.component], structure)
         };
-        let start = meaning(output, &interfaces[from.component], structure)?;
-        let end = meaning(input, &interfaces[to.component], structure)?;
-        let sent = values(&start, &output.name, &from.indices).map_err(wrong)?;
-        let taken = values(&end, &input.name, &to.indices).map_err(wrong)?;
+        let (start, end) = (mean(from)?, mean(to)?);
+        let sent = values(&start, &from.connector, &from.indices).map_err(wrong)?;
+        let taken = values(&end, &to.connector, &to.indices).map_err(wrong)?;
         let (here, there) = (start.variable, end.variable);
         here.of.check_sent_to(there.of).map_err(wrong)?;
         if sent.len() != taken.len() || (sent.len() > 1 && here.sizes() != there.sizes()) {
@@ -204,8 +203,8 @@ fn connect<'a>(interfaces: &'a [Arc<Interface>], structure: &'a SystemStructure)
             map = map.then(*transformation);
         }
         for (sent, taken) in sent.zip(taken) {
-            if let Some(first) = lines.insert((to.component, &there.name, taken), line) {
-                return Err(wrong(format!("line {first} feeds this input already")));
+            if let Some(Some(line)) = lines.insert((to.component, &there.name, taken), place.line) {
+                return Err(wrong(format!("line {line} feeds this input already")));
             }
             wires.push(Wire {
                 from: (from.component, Single { variable: here, element: sent }),
@@ -230,55 +229,35 @@ fn elements(variable: &Variable, values: &Range<usize>) -> String {
 /// Sets the parameter values, those of the components first; returns those for which no component has a variable.
 fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Result<Vec<String>> {
     let mut ignored = Vec::new();
-    let own = structure.components.iter().enumerate();
-    let own =
-        own.flat_map(|(place, component)| component.parameters.iter().map(move |set| (set, Some(place))));
-    for (set, owner) in own.chain(structure.parameters.iter().map(|set| (set, None))) {
-        for parameter in &set.parameters {
-            let wrong = |error: Error| {
-                let (file, line, why) = (&set.file, parameter.line, error.whole());
-                Error::new(format!("{file}:{line}: <Parameter> name={:?}: {why}", parameter.name))
-            };
-            let target = match owner {
-                Some(place) => Some((place, parameter.name.as_str())),
-                None => component_of(components, &parameter.name),
-            };
-            let found = target.filter(|(place, name)| components[*place].fmu.kind(name).is_some());
-            let Some((place, name)) = found else {
-                ignored.push(format!(
-                    "warning: {}:{}: <Parameter> name={:?}: there is no such variable, ignored",
-                    set.file, parameter.line, parameter.name
-                ));
-                continue;
-            };
-            if components[place].fmu.is_structural(name) {
-                continue;
-            }
-            set_parameter(&components[place], name, parameter, set, structure).map_err(wrong)?;
+    for parameter in &structure.parameters {
+        let target = match parameter.component {
+            Some(place) => Some((place, parameter.name.as_str())),
+            None => component_of(components, &parameter.name),
+        };
+        let found = target.filter(|(place, name)| components[*place].fmu.kind(name).is_some());
+        let Some((place, name)) = found else {
+            let why = wrong_at(&parameter.place, "there is no such variable, ignored");
+            ignored.push(format!("warning: {why}"));
+            continue;
+        };
+        if !components[place].fmu.is_structural(name) {
+            set_parameter(&components[place], name, parameter)
+                .map_err(|error| wrong_at(&parameter.place, error.whole()))?;
         }
     }
     Ok(ignored)
 }
 
-fn set_parameter(
-    component: &Component,
-    name: &str,
-    parameter: &Parameter,
-    set: &ParameterSet,
-    structure: &SystemStructure,
-) -> Result<()> {
+fn set_parameter(component: &Component, name: &str, parameter: &Parameter) -> Result<()> {
     let (instance, interface) = (&component.instance, &component.fmu.description);
     let variable = interface.known(name)?.variable;
-    let Parameter { of, unit, text, .. } = parameter;
+    let Parameter { of, unit, definition, text, .. } = parameter;
     let [given, own] = [*of, variable.of].map(Type::class);
     if (given, own) == (Type::Real, Type::Real) {
-        let defined = |name: &String| {
-            set.units.get(name).or_else(|| structure.units.get(name)).or_else(|| interface.unit(name))
-        };
-        let here = (unit.as_deref(), unit.as_ref().and_then(defined));
-        let there = interface.unit_of(variable);
+        let unit = unit.as_deref();
+        let definition = definition.as_ref().or_else(|| interface.unit(unit?));
         let value: f64 = number(text).place(|| format!("{name}={text}: not a number"))?;
-        let value = conversion(here, there)?.apply(value);
+        let value = conversion((unit, definition), interface.unit_of(variable))?.apply(value);
         return instance.set(&instance.select([name])?, &[value]);
     }
     let fits = given == own || (given, own) == (Type::Integer, Type::Real);

@@ -22,9 +22,9 @@ mod write;
 pub use archive::{Allowance, Archive, write_archive};
 pub(crate) use archive::{ZipFile, open_zip, sound};
 pub use connect::{Connected, Participant, connect};
+pub(crate) use document::wrong_at;
 pub use document::{
-    Component, Connection, Connector, Extent, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE,
-    SystemStructure, Type, located,
+    Component, Connection, Connector, Extent, Kind, Parameter, Port, STRUCTURE_FILE, SystemStructure, Type,
 };
 pub use interface::{CoSimulation, Dimension, Interface, Single, Variable};
 pub(crate) use interface::{place_of, written};

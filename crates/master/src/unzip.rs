@@ -121,38 +121,33 @@ mod tests {
 
     const OPTIONS: fn() -> SimpleFileOptions = SimpleFileOptions::default;
 
-    /// Returns what unpacking says of an archive as an FMU, and as the zip of a Trial: the content of a file, or the error.
-    fn said(fill: impl Fn(&mut ZipWriter<File>)) -> [String; 2] {
-        [false, true].map(|trial| {
-            let directory = TempDir::new().unwrap();
-            let path = directory.path().join("box.zip");
-            let mut zip = ZipWriter::new(File::create(&path).unwrap());
-            fill(&mut zip);
-            zip.finish().unwrap();
-            let inside = directory.path().join("inside");
-            std::fs::create_dir(&inside).unwrap();
-            let allowance = &mut Allowance::new(1_000_000);
-            let done = if trial {
-                unzip_trial_within(&path, &inside, allowance)
-            } else {
-                unzip(&path, &inside, allowance).map(|()| Some(inside))
-            };
-            assert_eq!(
-                std::fs::read_dir(directory.path()).unwrap().count(),
-                2,
-                "nothing beside the directory"
-            );
-            let text = |path: &Path| std::fs::read_to_string(path).unwrap_or_default();
-            match done {
-                Ok(None) => "no Trial".to_owned(),
-                Ok(Some(fmu)) if !trial => text(&fmu.join("resources/a")),
-                Ok(Some(trial)) => {
-                    let name = trial.file_name().unwrap().to_str().unwrap();
-                    format!("{name}: {}", text(&trial.join(PARAMETERS)))
-                }
-                Err(error) => error.whole(),
+    /// Returns what unpacking says of an archive as the zip of a Trial, or as an FMU: the content of a file, or the error.
+    fn said(trial: bool, fill: impl Fn(&mut ZipWriter<File>)) -> String {
+        let directory = TempDir::new().unwrap();
+        let path = directory.path().join("box.zip");
+        let mut zip = ZipWriter::new(File::create(&path).unwrap());
+        fill(&mut zip);
+        zip.finish().unwrap();
+        let inside = directory.path().join("inside");
+        std::fs::create_dir(&inside).unwrap();
+        let allowance = &mut Allowance::new(1_000_000);
+        let done = if trial {
+            unzip_trial_within(&path, &inside, allowance)
+        } else {
+            unzip(&path, &inside, allowance).map(|()| Some(inside))
+        };
+        let beside = std::fs::read_dir(directory.path()).unwrap().count();
+        assert_eq!(beside, 2, "nothing beside the directory");
+        let text = |path: &Path| std::fs::read_to_string(path).unwrap_or_default();
+        match done {
+            Ok(None) => "no Trial".to_owned(),
+            Ok(Some(fmu)) if !trial => text(&fmu.join("resources/a")),
+            Ok(Some(trial)) => {
+                let name = trial.file_name().unwrap().to_str().unwrap();
+                format!("{name}: {}", text(&trial.join(PARAMETERS)))
             }
-        })
+            Err(error) => error.whole(),
+        }
     }
 
     fn add(zip: &mut ZipWriter<File>, name: &str, content: &[u8]) {
@@ -161,17 +156,17 @@ mod tests {
     }
 
     /// The same of files that hold a text.
-    fn said_of(files: &[&str]) -> [String; 2] {
-        said(|zip| files.iter().for_each(|file| add(zip, file, b"text")))
+    fn said_of(trial: bool, files: &[&str]) -> String {
+        said(trial, |zip| files.iter().for_each(|file| add(zip, file, b"text")))
     }
 
     #[test]
     fn an_fmu_and_the_zip_of_a_trial_are_what_they_hold() {
-        let fmu = |files: &[&str]| said_of(files)[0].clone();
+        let fmu = |files: &[&str]| said_of(false, files);
         assert_eq!(fmu(&[DESCRIPTION_FILE, "resources/a"]), "text");
         assert_eq!(fmu(&["x"]), "it contains no modelDescription.xml, so it is not an FMU");
         assert_eq!(fmu(&[STRUCTURE_FILE]), "this is an SSP archive: lemons run FILE.ssp");
-        let trial = |files: &[&str]| said_of(files)[1].clone();
+        let trial = |files: &[&str]| said_of(true, files);
         assert_eq!(trial(&["T/Parameters.xml", "T/static/Agents.xml", "__MACOSX/T/._Agents.xml"]), "T: text");
         assert_eq!(trial(&["a/T/Parameters.xml"]), "T: text");
         // Older archivers of Windows write backslashes.
@@ -189,14 +184,12 @@ mod tests {
     /// Each of them beside what makes an archive an FMU, and a Trial.
     #[test]
     fn hostile_archives_are_refused() {
-        for mark in [DESCRIPTION_FILE, "T/Parameters.xml"] {
-            let place = usize::from(mark != DESCRIPTION_FILE);
+        for (trial, mark) in [(false, DESCRIPTION_FILE), (true, "T/Parameters.xml")] {
             let said = |fill: &dyn Fn(&mut ZipWriter<File>)| {
-                let said = said(|zip| {
+                said(trial, |zip| {
                     add(zip, mark, b"");
                     fill(zip);
-                });
-                said[place].clone()
+                })
             };
             for name in ["../a", "T/../../a", "/a", "C:/a", "T\\..\\..\\a"] {
                 let expected = format!("the entry {name:?} leads outside of the archive");
@@ -215,11 +208,10 @@ mod tests {
             }
         }
         let many = |count: usize, name: &str| {
-            let said = said(|zip| {
+            said(name != DESCRIPTION_FILE, |zip| {
                 add(zip, name, b"");
                 (0..count).for_each(|k| add(zip, &k.to_string(), b""));
-            });
-            said[usize::from(name != DESCRIPTION_FILE)].clone()
+            })
         };
         let expected = "it has too many entries: at most 20000 are unpacked in all";
         assert_eq!(many(Allowance::ENTRIES, DESCRIPTION_FILE), expected);

@@ -1,17 +1,18 @@
 //! The content of `SystemStructure.ssd`.
 
+use crate::error::Error;
 use crate::ssp::unit::{Affine, Unit};
 use lemons_core::xml::Problem;
 use serde::Deserialize;
 use serde::de::{self, value::StrDeserializer};
 use std::collections::BTreeMap;
 use std::fmt;
-use std::path::Path;
 
 /// The default structure of an archive.
 pub const STRUCTURE_FILE: &str = "SystemStructure.ssd";
 
-/// A system of components, checked: names are unique, connections lead from an output to an input.
+/// A system of components, checked: names are unique, connections lead from an output to an input. Places in files are
+/// problems without a message.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SystemStructure {
     /// In the order of the file, which is that of Gauss-Seidel.
@@ -24,30 +25,26 @@ pub struct SystemStructure {
     pub start: Option<f64>,
     /// \[s\] `DefaultExperiment`
     pub stop: Option<f64>,
-    /// Values for `component.variable`; they come after the components' own.
-    pub parameters: Vec<ParameterSet>,
+    /// Values for variables; later ones count.
+    pub parameters: Vec<Parameter>,
 }
 
 /// An FMU in the system.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Component {
     /// Name, unique in the system.
     pub name: String,
     /// Where the FMU is: an URI, relative to the structure.
     pub source: String,
-    /// At least those that are connected.
-    pub connectors: Vec<Connector>,
-    /// Values for its variables; later ones count.
-    pub parameters: Vec<ParameterSet>,
+    /// At least those that are connected, by the names of the variables.
+    pub connectors: BTreeMap<String, Connector>,
     /// In the file.
-    pub line: u32,
+    pub place: Problem,
 }
 
 /// A variable of a component, as others see it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Connector {
-    /// The variable's.
-    pub name: String,
     /// The variable's causality.
     pub kind: Kind,
     /// The variable's type, if the file says it.
@@ -57,7 +54,7 @@ pub struct Connector {
     /// SSP 2.0: those of an array, from the outermost.
     pub dimensions: Vec<Extent>,
     /// In the file.
-    pub line: u32,
+    pub place: Problem,
 }
 
 /// How many elements an array connector has in a dimension.
@@ -166,12 +163,12 @@ impl Type {
 }
 
 /// An end of a connection.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Port {
     /// Its place in [`SystemStructure::components`].
     pub component: usize,
-    /// Its place in [`Component::connectors`].
-    pub connector: usize,
+    /// Its name among [`Component::connectors`].
+    pub connector: String,
     /// SSP 2.0: the element of an array, by indices from 1; empty for all of it.
     pub indices: Vec<usize>,
 }
@@ -188,55 +185,37 @@ pub struct Connection {
     /// `suppressUnitConversion`
     pub suppress_unit_conversion: bool,
     /// In the file.
-    pub line: u32,
+    pub place: Problem,
 }
 
-/// `ParameterSet`, inline or from an `.ssv`.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct ParameterSet {
-    /// In the order of the file.
-    pub parameters: Vec<Parameter>,
-    /// Units that its Reals name, by name.
-    pub units: BTreeMap<String, Unit>,
-    /// The file that holds it.
-    pub file: String,
-}
-
-/// A value for a variable.
+/// A value for a variable, inline or from an `.ssv`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// The variable's, with the binding's prefix.
+    /// The place of the component that has the variable; `None`: it is in the name.
+    pub component: Option<usize>,
+    /// The variable's, with the binding's prefix: without a component, `component.variable`.
     pub name: String,
     /// Its type.
     pub of: Type,
     /// A Real's, if it has one.
     pub unit: Option<String>,
+    /// The definition of this unit, if the parameter set or the structure has one.
+    pub definition: Option<Unit>,
     /// The value that it is set to, checked: a value of this type.
     pub text: String,
     /// In the file.
-    pub line: u32,
+    pub place: Problem,
 }
 
 impl SystemStructure {
     /// Returns a connector and its component.
     pub fn port(&self, port: &Port) -> (&Component, &Connector) {
         let component = &self.components[port.component];
-        (component, &component.connectors[port.connector])
+        (component, &component.connectors[&port.connector])
     }
 }
 
-/// Makes an error at a place of the structure: `SystemStructure.ssd:12: <Connector> name="x": …`
-pub fn located(
-    line: u32,
-    element: &str,
-    attribute: &str,
-    value: &str,
-    message: impl Into<String>,
-) -> Problem {
-    Problem {
-        element: Some(element.into()),
-        attribute: Some(attribute.into()),
-        value: Some(value.into()),
-        ..Problem::of_file(Path::new(STRUCTURE_FILE), Some(line), message)
-    }
+/// Makes an error at a place in a file.
+pub(crate) fn wrong_at(place: &Problem, message: impl Into<String>) -> Error {
+    Problem { message: message.into(), ..place.clone() }.into()
 }

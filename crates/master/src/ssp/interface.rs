@@ -97,6 +97,11 @@ impl Variable {
         self.dimensions.iter().map(|dimension| dimension.size).product()
     }
 
+    /// Returns the number of its values, if it is one.
+    pub(super) fn checked_count(&self) -> Option<usize> {
+        self.dimensions.iter().map(|dimension| dimension.size).try_fold(1, usize::checked_mul)
+    }
+
     /// Returns the sizes of its dimensions.
     pub fn sizes(&self) -> Vec<usize> {
         self.dimensions.iter().map(|dimension| dimension.size).collect()

@@ -7,7 +7,7 @@
 //! a number of the whole crowd, this number is called `TotalName` in FMI 3.0, and `Name` here.
 
 use super::{Dimension, Interface, Single, Variable};
-use crate::error::{Error, Result};
+use crate::error::{Result, ensure};
 use crate::ssp::document::Kind;
 
 /// The structural parameter that is the number of people.
@@ -31,8 +31,8 @@ impl Interface {
     /// # Errors
     /// There is none.
     pub fn known(&self, name: &str) -> Result<Single<'_>> {
-        let missing = || Error::new(format!("the FMU has no variable {name:?}; see lemons info"));
-        self.single(name).ok_or_else(missing)
+        let missing = || format!("the FMU has no variable {name:?}; see lemons info");
+        Ok(self.single(name).ok_or_else(missing)?)
     }
 
     /// Returns all single values, with their names.
@@ -106,32 +106,24 @@ impl Interface {
     pub fn resize(&mut self, name: &str, size: u64) -> Result<(), String> {
         let place = self.places.get(name).copied();
         let place = place.filter(|place| self.variables[*place].kind == Some(Kind::StructuralParameter));
-        let place = place.ok_or_else(|| "the FMU has no structural parameter of this name".to_owned())?;
+        let place = place.ok_or("the FMU has no structural parameter of this name")?;
         let new = usize::try_from(size).unwrap_or(usize::MAX);
-        let size_of =
-            |dimension: &Dimension| if dimension.parameter == Some(place) { new } else { dimension.size };
-        let counts = self
-            .variables
-            .iter()
-            .map(|variable| variable.dimensions.iter().map(size_of).try_fold(1_usize, usize::checked_mul));
-        let most = super::variables::MOST_VALUES;
-        let all = counts.sum::<Option<usize>>();
-        if all.is_none_or(|all| all > most) {
-            return Err(format!("the variables would have more than {most} values in all"));
-        }
-        for variable in &mut self.variables {
-            let sized = |dimension: &&mut Dimension| dimension.parameter == Some(place);
-            let mut changed = false;
-            for dimension in variable.dimensions.iter_mut().filter(sized) {
-                changed |= dimension.size != new;
+        let mut variables = self.variables.clone();
+        for variable in &mut variables {
+            let before = variable.sizes();
+            for dimension in variable.dimensions.iter_mut().filter(|of| of.parameter == Some(place)) {
                 dimension.size = new;
             }
-            if changed && variable.start.len() > 1 {
-                // Those of other elements.
+            // Those of other elements.
+            if variable.sizes() != before && variable.start.len() > 1 {
                 variable.start.clear();
             }
         }
-        self.variables[place].start = vec![size.to_string()];
+        let (most, all) = (super::variables::MOST_VALUES, variables.iter().map(Variable::checked_count));
+        let few = all.sum::<Option<usize>>().is_some_and(|all| all <= most);
+        ensure(few, || format!("the variables would have more than {most} values in all"))?;
+        variables[place].start = vec![size.to_string()];
+        self.variables = variables;
         Ok(())
     }
 }

@@ -113,18 +113,16 @@ fn read_sizes(
     for (place, (element, typed)) in elements.iter().enumerate() {
         let dimensions = element.children("Dimension").filter(|_| v3);
         let dimensions = dimensions.map(|dimension| read_dimension(interface, references, dimension));
-        let dimensions = dimensions.collect::<Result<Vec<Dimension>>>()?;
-        let sizes = dimensions.iter().map(|of| of.size);
-        let count = sizes.clone().try_fold(1, usize::checked_mul);
-        all = count.and_then(|count| count.checked_add(all)).filter(|all| *all <= MOST_VALUES).ok_or_else(|| {
-            let sizes = sizes.map(|size| size.to_string()).collect::<Vec<_>>().join(" x ");
+        interface.variables[place].dimensions = dimensions.collect::<Result<_>>()?;
+        let variable = &interface.variables[place];
+        let count = variable.checked_count().and_then(|count| count.checked_add(all));
+        all = count.filter(|all| *all <= MOST_VALUES).ok_or_else(|| {
+            let sizes = variable.sizes().iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
             let why = format!(
                 "with this array of {sizes} elements the variables have more than {MOST_VALUES} values in all"
             );
             element.wrong("name", why)
         })?;
-        interface.variables[place].dimensions = dimensions;
-        let variable = &interface.variables[place];
         check_starts(variable, *typed)?;
         if v3 && !variable.is_array() && interface.parsed(&variable.name).is_some() {
             let why = format!("an element of an array is called {name:?}, too", name = variable.name);
