@@ -5,7 +5,7 @@ use crate::measure::output::{OfOutput, Statistics};
 use crate::measure::places::{InArea, OverLine};
 use crate::measure::squeeze::OfSqueeze;
 use crate::measure::{Kind, Measure};
-use crate::output::{Reading, agents_named};
+use crate::output::{Reading, Stop, agents_named};
 use crate::places::Places;
 use crate::spec::Spec;
 use lemons_core::plane::Vec2;
@@ -20,6 +20,8 @@ pub struct Accumulators<'a> {
     places: &'a Places,
     people: usize,
     of_each: Vec<(&'a Measure, Accumulator<'a>)>,
+    /// What ends the point before its time.
+    stop: Option<(&'a Stop, Reading)>,
     /// Whether a measure needs to know where people could be, which is known at the end.
     needs_room: bool,
     /// Frames in which areas are measured at the end.
@@ -75,12 +77,16 @@ impl<'a> Accumulators<'a> {
             .measures
             .iter()
             .map(|(name, measure)| Ok((measure, begin(measure).place(|| format!("measures: {name}"))?)));
+        let reading = |stop: &'a Stop| -> Result<(&'a Stop, Reading), String> {
+            Ok((stop, stop.of.reading(simulation, trial, &stop.agents)?))
+        };
         let of_room =
             |(_, measure): &(String, Measure)| matches!(&measure.kind, Kind::Area(of) if of.needs_room());
         Ok(Accumulators {
             places,
             people,
             of_each: of_each.collect::<Result<_>>()?,
+            stop: spec.stop.as_ref().map(reading).transpose().place(|| "stop".into())?,
             // Nobody may be outside of what is walkable.
             needs_room: spec.measures.iter().any(of_room) || places.walkable.is_some(),
             frames: Vec::new(),
@@ -88,11 +94,11 @@ impl<'a> Accumulators<'a> {
         })
     }
 
-    /// Adds a communication point.
+    /// Adds a communication point; returns whether it is to be the last one.
     ///
     /// # Errors
     /// A variable cannot be read.
-    pub fn add(&mut self, simulation: &mut Simulation, frame: Frame) -> Result<()> {
+    pub fn add(&mut self, simulation: &mut Simulation, frame: Frame) -> Result<bool> {
         let (mut kept, time) = (false, frame.time);
         for (_, accumulator) in self.of_each.iter_mut().filter(|(measure, _)| measure.counts(time)) {
             match accumulator {
@@ -110,10 +116,14 @@ impl<'a> Accumulators<'a> {
         if self.needs_room {
             self.positions.extend(frame.present().map(|(_, motion)| motion.pose.position));
         }
+        let holds = match &self.stop {
+            Some((stop, reading)) => stop.holds(&reading.read(simulation, &frame)?),
+            None => false,
+        };
         if kept {
             self.frames.push(Frame { observed: None, ..frame });
         }
-        Ok(())
+        Ok(holds)
     }
 
     /// Returns the measures of the point of this Trial.
@@ -121,7 +131,7 @@ impl<'a> Accumulators<'a> {
     /// # Errors
     /// Somebody was outside of the given walkable area.
     pub fn finish(self, trial: &Trial) -> Result<Vec<Option<f64>>, String> {
-        let Accumulators { places, people, of_each, needs_room, frames, positions } = self;
+        let Accumulators { places, people, of_each, needs_room, frames, positions, .. } = self;
         let room = needs_room.then(|| places.room(&trial.geometry.walls, &positions)).transpose()?;
         let mut densities: HashMap<&str, Vec<Density>> = HashMap::new();
         let values = of_each.into_iter().map(|(measure, accumulator)| match accumulator {

@@ -9,7 +9,6 @@ mod accumulators;
 mod axes;
 mod error;
 pub mod identity;
-mod loaded;
 mod measure;
 mod models;
 mod output;
@@ -22,9 +21,9 @@ mod sweep;
 mod table;
 
 pub use error::{Error, Result};
-pub use loaded::check_parameters;
 pub use models::{Model, Models, Plan, Template};
 pub use points::{Parameter, Points};
+pub use simulate::check_parameters;
 pub use spec::{End, Event, Spec};
 pub use summary::{check_over, summary};
 pub use sweep::{Options, Progress, Swept, sweep};

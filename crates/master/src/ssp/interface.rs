@@ -278,24 +278,6 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_fmu_of_version_2_is_named() {
-        for (attributes, why) in [
-            (
-                "fmiVersion=\"1.0\" modelName=\"m\"",
-                " fmiVersion=\"1.0\": must be 2.0 or 3.0: FMUs of other versions of FMI cannot be read",
-            ),
-            ("fmiVersion=\"3.0\" modelName=\"m\" guid=\"g\"", ": has no instantiationToken"),
-            ("modelName=\"m\" guid=\"g\"", ": has no fmiVersion"),
-            ("fmiVersion=\"2.0\" guid=\"g\"", ": has no modelName"),
-            ("fmiVersion=\"2.0\" modelName=\"m\"", ": has no guid"),
-        ] {
-            let text = format!("<fmiModelDescription {attributes}><ModelVariables/></fmiModelDescription>");
-            let said = Interface::read(text.as_bytes()).unwrap_err().to_string();
-            assert_eq!(said, format!("modelDescription.xml:1: <fmiModelDescription>{why}"));
-        }
-    }
-
-    #[test]
     fn a_declared_type_gives_the_unit() {
         let text = br#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><TypeDefinitions>
             <SimpleType name="Length"><Real unit="m"/></SimpleType>
@@ -305,8 +287,5 @@ mod tests {
         let interface = Interface::read(text).unwrap();
         let variable = interface.variable("f").unwrap();
         assert_eq!((variable.kind, variable.unit.as_deref(), variable.reference), (None, Some("N"), 7));
-        let broken = String::from_utf8_lossy(text).replace("\"7\"", "\"-7\"");
-        let said = Interface::read(broken.as_bytes()).unwrap_err().to_string();
-        assert!(said.contains("modelDescription.xml:4: <ScalarVariable> valueReference=\"-7\""), "{said}");
     }
 }
