@@ -1,6 +1,5 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
-use crate::channel::Wire;
 use crate::error::{Error, Place, Result, ensure, scratch};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
@@ -9,7 +8,7 @@ use crate::ssp::{
     Affine, Allowance, Archive, Connection, Connector, Extent, Interface, Kind, Parameter, Port, Single,
     SystemStructure, Type, UnitOf, Variable, conversion, place_of, written, wrong_at,
 };
-use crate::system::{Component, System, component_of};
+use crate::system::{Component, System, Wire, component_of};
 use lemons_sim::Algorithm;
 use std::collections::HashMap;
 use std::fs::File;

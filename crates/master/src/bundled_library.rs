@@ -106,15 +106,13 @@ mod tests {
         std::fs::create_dir(beside.join(host)).unwrap();
         std::fs::copy(&own.path, beside.join(host).join(&name)).unwrap();
         assert_eq!(found(&[]).unwrap(), [host]);
-        let other = if host == "win64" { "aarch64-linux" } else { "win64" };
+        let other = if host == "win64" { "linux64" } else { "win64" };
         assert!(found(&[other]).unwrap_err().contains("is not beside this program"));
-        if other == "win64" {
-            std::fs::create_dir(beside.join("win64")).unwrap();
-            let dll = beside.join("win64/crowd_mechanics.dll");
-            std::fs::write(&dll, "").unwrap();
-            assert_eq!(found(&[]).unwrap(), [host, "win64"]);
-            assert_eq!(found(&["win64"]).unwrap(), ["win64"]);
-        }
+        std::fs::create_dir(beside.join(other)).unwrap();
+        let file = library_file("crowd_mechanics", other).unwrap();
+        std::fs::write(beside.join(other).join(file), "").unwrap();
+        assert_eq!(found(&[]).unwrap(), [host, other]);
+        assert_eq!(found(&[other]).unwrap(), [other]);
         assert!(found(&["win65"]).unwrap_err().contains("crowd_mechanics is not beside this program"));
     }
 }

@@ -6,7 +6,6 @@
 mod assemble;
 mod bundled_library;
 mod calls;
-mod channel;
 mod error;
 mod file_type;
 mod fmu;

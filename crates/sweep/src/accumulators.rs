@@ -2,11 +2,10 @@
 
 use crate::error::{Place, Result};
 use crate::measure::output::{OfOutput, Statistics};
-use crate::measure::places::{InArea, OverLine};
+use crate::measure::places::{InArea, OverLine, Places};
 use crate::measure::squeeze::OfSqueeze;
 use crate::measure::{Kind, Measure};
 use crate::output::{Reading, Stop, agents_named};
-use crate::places::Places;
 use crate::spec::Spec;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;

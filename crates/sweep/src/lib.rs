@@ -6,13 +6,11 @@
 //! there.
 
 mod accumulators;
-mod axes;
 mod error;
 pub mod identity;
 mod measure;
 mod models;
 mod output;
-mod places;
 mod points;
 mod simulate;
 mod spec;

@@ -1,12 +1,11 @@
 //! Reads `sweep.toml`.
 
-use crate::axes::Axis;
 use crate::error::{Place, Result};
 use crate::measure::Measure;
+use crate::measure::places::Places;
 use crate::models::{Models, Plan, Template};
 use crate::output::Stop;
-use crate::places::Places;
-use crate::points::{OUTPUT_DIRECTORY, Points};
+use crate::points::{Axis, OUTPUT_DIRECTORY, Points};
 use crate::table::{ERROR, POINT, STATUS};
 use lemons_core::files::input;
 use lemons_core::trial::DriveChoice;

@@ -1,6 +1,6 @@
 //! Numbers computed from the values of an output at the communication points.
 
-use crate::measure::across::Across;
+use crate::measure::Across;
 use crate::output::Of;
 use lemons_master::ensure;
 use serde::Deserialize;

@@ -1,6 +1,6 @@
 //! How long and how hard people are squeezed.
 
-use crate::measure::across::Across;
+use crate::measure::Across;
 use lemons_master::ensure;
 use lemons_results::measure::{Exposed, Exposure, SPANS};
 use serde::Deserialize;
