@@ -132,26 +132,23 @@ fn meaning<'a>(
 /// Checks that the dimensions of a connector are those of the FMU.
 fn check_sizes(connector: &Connector, variable: &Variable, interface: &Interface) -> Result<(), String> {
     let (said, own) = (&connector.dimensions, &variable.dimensions);
-    if said.len() != own.len() {
-        let (said, own) = (said.len(), own.len());
-        return Err(format!("it has {said} <Dimension>, but the FMU has an array of {own}"));
-    }
+    ensure(said.len() == own.len(), || {
+        format!("it has {} <Dimension>, but the FMU has an array of {}", said.len(), own.len())
+    })?;
     for (said, own) in said.iter().zip(own) {
         let size = match said {
             Extent::Unsaid => continue,
             Extent::Size(size) => *size,
             Extent::Parameter(name) => {
-                let parameter =
-                    interface.variable(name).filter(|it| it.kind == Some(Kind::StructuralParameter));
+                let parameter = interface.variable(name);
+                let parameter = parameter.filter(|it| it.kind == Some(Kind::StructuralParameter));
                 let size = parameter.and_then(|parameter| parameter.start_of(0)?.parse().ok());
-                size.ok_or_else(|| {
-                    format!("sizeConnector={name:?}: the FMU has no such structural parameter")
-                })?
+                let none = || format!("sizeConnector={name:?}: the FMU has no such structural parameter");
+                size.ok_or_else(none)?
             }
         };
-        if size != own.size as u64 {
-            return Err(format!("its <Dimension> says {size}, but the FMU has {} there", own.size));
-        }
+        let other = || format!("its <Dimension> says {size}, but the FMU has {} there", own.size);
+        ensure(size == own.size as u64, other)?;
     }
     Ok(())
 }
@@ -163,9 +160,8 @@ fn values(end: &Meaning, name: &str, indices: &[usize]) -> Result<Range<usize>, 
         return Ok(end.element.map_or(0..end.variable.count(), |element| element..element + 1));
     }
     let (given, own) = (indices.len(), dimensions.len());
-    if given != own || end.element.is_some() {
-        return Err(format!("{name:?} has {own} dimensions, not {given}"));
-    }
+    let fits = given == own && end.element.is_none();
+    ensure(fits, || format!("{name:?} has {own} dimensions, not {given}"))?;
     let place = place_of(dimensions, indices)
         .ok_or_else(|| format!("{name:?} has no element {}: indices are from 1 on", written(indices)))?;
     Ok(place..place + 1)

@@ -2,7 +2,7 @@
 
 use crate::error::{Result, ensure};
 use crate::ssp::document::Kind;
-use crate::ssp::interface::{Interface, Variable};
+use crate::ssp::interface::{Interface, Single, Variable};
 use crate::ssp::unit::{Affine, conversion};
 use crate::ssp::write::to_xml;
 use std::collections::HashMap;
@@ -30,19 +30,12 @@ pub struct Connected {
 /// The most mistakes of one kind that a message lists.
 const LISTED: usize = 5;
 
-/// A value of a participant.
-#[derive(Clone, Copy)]
-pub(super) struct End<'a> {
-    pub(super) participant: usize,
-    pub(super) variable: &'a Variable,
-    pub(super) element: usize,
-}
+/// A value of the participant at a place.
+pub(super) type End<'a> = (usize, Single<'a>);
 
-impl<'a> End<'a> {
-    /// Returns whose variable it is of, and the name of that.
-    pub(super) fn place(&self) -> (usize, &'a str) {
-        (self.participant, &self.variable.name)
-    }
+/// Returns whose variable it is of, and the name of that.
+pub(super) fn owner<'a>((participant, single): &End<'a>) -> (usize, &'a str) {
+    (*participant, &single.variable.name)
 }
 
 /// Two ends to be connected: single values, or arrays as a whole.
@@ -60,37 +53,35 @@ pub(super) struct Pair<'a> {
 /// They do not, an input is fed by two outputs, a unit has two meanings, or nothing is connected.
 pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
     let mut outputs: HashMap<String, Vec<End>> = HashMap::new();
-    for (participant, own) in participants.iter().enumerate() {
-        for variable in of_kind(own, Kind::Output) {
-            for element in 0..variable.count() {
-                let end = End { participant, variable, element };
-                outputs.entry(own.interface.name_of(variable, element)).or_default().push(end);
-            }
+    for (place, participant) in participants.iter().enumerate() {
+        for (name, single) in values_of(participant, Kind::Output) {
+            outputs.entry(name).or_default().push((place, single));
         }
     }
     let mut problems = Vec::new();
     let mut pairs = Vec::new();
     let mut unconnected = Vec::new();
-    for (participant, own) in participants.iter().enumerate() {
+    for (place, own) in participants.iter().enumerate() {
         let mut free = Vec::new();
-        for variable in of_kind(own, Kind::Input) {
+        let inputs = own.interface.variables.iter().filter(|variable| variable.kind == Some(Kind::Input));
+        for variable in inputs {
             let mut of_input: Vec<Pair> = Vec::new();
             for element in 0..variable.count() {
                 let name = own.interface.name_of(variable, element);
-                let to = End { participant, variable, element };
                 match outputs.get(&name).map_or(&[][..], Vec::as_slice) {
                     [] => free.push(name),
                     [from] => {
                         // Elements of an array agree alike.
-                        if of_input.last().is_none_or(|last| last.from.place() != from.place()) {
-                            let source = (&participants[from.participant], from.variable);
+                        if of_input.last().is_none_or(|last| owner(&last.from) != owner(from)) {
+                            let source = (&participants[from.0], from.1.variable);
                             problems.extend(disagreement(&name, source, (own, variable)));
                         }
+                        let to = (place, Single { variable, element });
                         of_input.push(Pair { from: *from, to, whole: false, name });
                     }
                     [first, second, ..] => problems.push(format!(
                         "the input {name} of {} is fed by two outputs, of {} and of {}",
-                        own.name, participants[first.participant].name, participants[second.participant].name
+                        own.name, participants[first.0].name, participants[second.0].name
                     )),
                 }
             }
@@ -109,22 +100,27 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
         format!("{why}\n{}", participants.iter().map(summary).collect::<Vec<String>>().join("\n"))
     })?;
     let structure = to_xml(name, participants, &pairs)?;
-    let connection = |pair: Pair| (pair.from.participant, pair.to.participant, pair.name);
+    let connection = |pair: Pair| (pair.from.0, pair.to.0, pair.name);
     Ok(Connected { structure, connections: pairs.into_iter().map(connection).collect(), unconnected })
 }
 
 /// Returns all pairs of an input as one of whole arrays, if each of its elements is fed by the same one of an array.
 fn as_array<'a>(input: &Variable, pairs: &[Pair<'a>]) -> Option<Pair<'a>> {
-    let Pair { from, to, .. } =
-        *pairs.first().filter(|_| input.is_array() && pairs.len() == input.count())?;
+    let first = pairs.first().filter(|_| input.is_array() && pairs.len() == input.count())?;
+    let (from, to) = (first.from, first.to);
     let mut ends = pairs.iter().map(|pair| pair.from).enumerate();
-    let alike = ends.all(|(element, end)| end.element == element && end.place() == from.place());
-    let whole = from.variable.is_array() && from.variable.sizes() == input.sizes() && alike;
+    let alike = ends.all(|(element, end)| end.1.element == element && owner(&end) == owner(&from));
+    let output = from.1.variable;
+    let whole = output.is_array() && output.sizes() == input.sizes() && alike;
     whole.then(|| Pair { from, to, whole: true, name: input.name.clone() })
 }
 
-fn of_kind<'a>(participant: &Participant<'a>, kind: Kind) -> impl Iterator<Item = &'a Variable> {
-    participant.interface.variables.iter().filter(move |variable| variable.kind == Some(kind))
+/// Returns the values of a kind of variables, with their names.
+fn values_of<'a>(
+    participant: &Participant<'a>,
+    kind: Kind,
+) -> impl Iterator<Item = (String, Single<'a>)> + use<'a> {
+    participant.interface.singles().filter(move |(_, single)| single.variable.kind == Some(kind))
 }
 
 /// Returns why an output and an input of one name cannot be connected.
@@ -148,11 +144,7 @@ fn disagreement(
 /// Outputs and inputs of a participant, a line each: the first few by name.
 fn summary(participant: &Participant) -> String {
     let line = |kind: Kind| {
-        let interface = participant.interface;
-        let all = of_kind(participant, kind).flat_map(|variable| {
-            (0..variable.count()).map(move |element| interface.name_of(variable, element))
-        });
-        let names: Vec<String> = all.collect();
+        let names: Vec<String> = values_of(participant, kind).map(|(name, _)| name).collect();
         let shown = match names.len() {
             0 => String::new(),
             1 | 2 => format!(": {}", names.join(", ")),

@@ -1,7 +1,7 @@
 //! FMUs and connections between them -> `SystemStructure.ssd`.
 
 use crate::error::{Result, ensure};
-use crate::ssp::connect::{End, Pair, Participant};
+use crate::ssp::connect::{End, Pair, Participant, owner};
 use crate::ssp::document::{Kind, Type};
 use crate::ssp::interface::{Interface, Variable};
 use crate::ssp::unit::Unit;
@@ -15,8 +15,8 @@ use std::collections::{BTreeMap, HashSet};
 /// A unit has two meanings.
 pub(super) fn to_xml(name: &str, participants: &[Participant], pairs: &[Pair]) -> Result<String> {
     let ends = || pairs.iter().flat_map(|pair| [&pair.from, &pair.to]);
-    let arrays = ends().any(|end| end.variable.is_array());
-    let used: HashSet<(usize, &str)> = ends().map(End::place).collect();
+    let arrays = ends().any(|(_, single)| single.variable.is_array());
+    let used: HashSet<(usize, &str)> = ends().map(owner).collect();
     let connectors = participants.iter().enumerate();
     let connectors: Vec<Vec<&Variable>> =
         connectors.map(|(place, own)| connectors_of(place, own, &used, arrays)).collect();
@@ -166,18 +166,18 @@ fn write_connector(out: &mut Out, interface: &Interface, variable: &Variable, ar
 }
 
 fn write_connection(out: &mut Out, participants: &[Participant], Pair { from, to, whole, .. }: &Pair) {
-    let indices = |end: &End| {
-        let indices = if *whole { Vec::new() } else { end.variable.indices(end.element) };
+    let indices = |(_, single): &End| {
+        let indices = if *whole { Vec::new() } else { single.variable.indices(single.element) };
         indices.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
     };
-    let [start, end] = [from, to].map(|end| &participants[end.participant].name);
+    let [start, end] = [from, to].map(|end| &participants[end.0].name);
     let (of_start, of_end) = (indices(from), indices(to));
     let attributes = [
         ("startElement", start),
-        ("startConnector", &from.variable.name),
+        ("startConnector", &from.1.variable.name),
         ("startIndices", &of_start),
         ("endElement", end),
-        ("endConnector", &to.variable.name),
+        ("endConnector", &to.1.variable.name),
         ("endIndices", &of_end),
     ];
     let there = |(name, value): &(&str, &String)| !name.ends_with("Indices") || !value.is_empty();
