@@ -170,12 +170,10 @@ fn open_ssp(settings: &Settings, parameters: &[(String, String)]) -> Result<Asse
         return Err(format!("{why}={threads}").into());
     }
     let mut assembled = assemble(&settings.input, settings.algorithm, parameters)?;
-    let system = &assembled.system;
-    if settings.drive == DriveChoice::Own {
-        for (place, component) in system.components.iter().enumerate() {
-            if component.fmu.loses_drive(|input| system.feeds(place, input))? {
-                assembled.warnings.push(notes::drive_replaced(&component.name));
-            }
+    let (system, own) = (&assembled.system, settings.drive == DriveChoice::Own);
+    for (place, component) in system.components.iter().enumerate().filter(|_| own) {
+        if component.fmu.loses_drive(|input| system.feeds(place, input))? {
+            assembled.warnings.push(notes::drive_replaced(&component.name));
         }
     }
     Ok(assembled)
@@ -196,7 +194,7 @@ fn set(system: &System, name: &str, value: &str, coupled: bool) -> Result<Option
     let Component { fmu, instance, .. } = &system.components[place];
     let variables = fmu.named(variable);
     let unknown = variables.iter().any(|name| fmu.kind(name).is_none());
-    if let Some(meant) = fmu.meant(variable).filter(|_| unknown) {
+    if unknown && let Some(meant) = fmu.meant(variable) {
         let prefix = name.strip_suffix(variable).unwrap_or_default();
         return Err(notes::no_such_variable(name, value, &format!("{prefix}{meant}")));
     }

@@ -3,7 +3,7 @@
 use crate::calls::LARGEST_STATE;
 use crate::error::{Error, Place, Result, ensure};
 use crate::file_type::FileType;
-use crate::ssp::{Allowance, open_zip, sound};
+use crate::ssp::{Allowance, entry, open_zip, sound};
 use lemons_core::files::Staged;
 use lemons_core::trial::quoted;
 use lemons_sim::{Algorithm, ExposureSum, Extremes};
@@ -12,8 +12,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Display;
 use std::io::{BufWriter, Read, Write};
 use std::path::Path;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::{CompressionMethod, ZipWriter};
 
 const RUN: &str = "run.toml";
 /// \[byte\] of `run.toml`: thousands of components.
@@ -137,10 +136,7 @@ impl Saved {
             (component.state, component.bytes) = (format!("state-{place}"), state.len() as u64);
         }
         let mut zip = ZipWriter::new(BufWriter::new(file));
-        let options = SimpleFileOptions::default()
-            .last_modified_time(DateTime::default())
-            .unix_permissions(0o644)
-            .compression_method(CompressionMethod::Deflated);
+        let options = entry(CompressionMethod::Deflated);
         zip.start_file(RUN, options)?;
         zip.write_all(toml::to_string(&self).map_err(wrong)?.as_bytes())?;
         for (component, state) in self.component.iter().zip(states) {
@@ -172,14 +168,12 @@ impl Saved {
         let mut states = Vec::new();
         for component in &saved.component {
             let name = &component.state;
-            ensure(zip.index_for_name(name).is_some(), || {
-                format!("it contains no {name:?}, the state of component {:?}", component.name)
-            })?;
+            let (said, own) = (component.bytes, &component.name);
+            let missing = || format!("it contains no {name:?}, the state of component {own:?}");
+            ensure(zip.index_for_name(name).is_some(), missing)?;
             // No more is unpacked than is said, and no more than is said is allocated.
             let mut bytes = Vec::new();
-            let entry = zip.by_name(name)?.take(component.bytes.saturating_add(1));
-            left.copy(name, entry, &mut bytes)?;
-            let said = component.bytes;
+            left.copy(name, zip.by_name(name)?.take(said.saturating_add(1)), &mut bytes)?;
             let other = || format!("{name}: has not the {said} bytes that {RUN} says");
             ensure(bytes.len() as u64 == said, other)?;
             states.push(bytes);

@@ -20,7 +20,7 @@ mod unit;
 mod write;
 
 pub use archive::{Allowance, Archive, write_archive};
-pub(crate) use archive::{ZipFile, open_zip, sound};
+pub(crate) use archive::{ZipFile, entry, open_zip, sound};
 pub use connect::{Connected, Participant, connect};
 pub(crate) use document::wrong_at;
 pub use document::{

@@ -86,14 +86,8 @@ const LONGEST: usize = 4096;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Template {
     directory: PathBuf,
-    pieces: Vec<Piece>,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum Piece {
-    Text(String),
-    /// The value of the parameter in this column.
-    Value(usize),
+    /// Texts, each with the column of the parameter whose value follows it.
+    pieces: Vec<(String, Option<usize>)>,
 }
 
 impl Template {
@@ -109,10 +103,10 @@ impl Template {
             let Some((name, further)) = after.split_once('}') else { break };
             let column = points.parameters.iter().position(|known| known.name == name);
             let column = column.ok_or_else(|| format!("{text}: there is no parameter {name:?}"))?;
-            pieces.extend([Piece::Text(before.to_owned()), Piece::Value(column)]);
+            pieces.push((before.to_owned(), Some(column)));
             rest = further;
         }
-        pieces.push(Piece::Text(rest.to_owned()));
+        pieces.push((rest.to_owned(), None));
         Ok(Template { directory: directory.to_owned(), pieces })
     }
 
@@ -123,17 +117,15 @@ impl Template {
 
     /// Returns the path at a point. Numbers are written as in the table of results.
     pub fn path(&self, points: &Points, point: usize) -> PathBuf {
-        let written = self.pieces.iter().map(|piece| match piece {
-            Piece::Text(text) => text.clone(),
-            Piece::Value(column) => points.parameters[*column].at(point).to_owned(),
-        });
+        let value = |column: usize| points.parameters[column].at(point);
+        let written = self.pieces.iter().flat_map(|(text, column)| [text.as_str(), column.map_or("", value)]);
         let written = written.collect::<String>();
         if written.is_empty() { self.directory.clone() } else { self.directory.join(written) }
     }
 
     /// Returns whether the parameter in a column stands in it.
     pub fn uses(&self, column: usize) -> bool {
-        self.pieces.contains(&Piece::Value(column))
+        self.pieces.iter().any(|(_, used)| *used == Some(column))
     }
 }
 

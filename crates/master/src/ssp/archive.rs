@@ -151,6 +151,12 @@ fn plain(name: &str) -> String {
     parts.map(str::to_lowercase).collect::<Vec<_>>().join("/")
 }
 
+/// Returns the options of an entry that has the same bytes whenever it is written.
+pub(crate) fn entry(method: CompressionMethod) -> SimpleFileOptions {
+    let options = SimpleFileOptions::default().compression_method(method);
+    options.last_modified_time(DateTime::default()).unix_permissions(0o644)
+}
+
 /// Writes an archive of a structure and files, each under its name in the archive. The same content gives the
 /// same bytes.
 ///
@@ -159,16 +165,14 @@ fn plain(name: &str) -> String {
 pub fn write_archive(path: &Path, structure: &str, files: &[(String, &Path)]) -> Result<()> {
     let cannot = || format!("cannot write {}", path.display());
     let mut zip = ZipWriter::new(BufWriter::new(Staged::beside(path).place(cannot)?));
-    let options =
-        SimpleFileOptions::default().last_modified_time(DateTime::default()).unix_permissions(0o644);
-    zip.start_file(STRUCTURE_FILE, options.compression_method(CompressionMethod::Deflated)).place(cannot)?;
+    zip.start_file(STRUCTURE_FILE, entry(CompressionMethod::Deflated)).place(cannot)?;
     zip.write_all(structure.as_bytes()).place(cannot)?;
     for (name, file) in files {
         let bytes =
             input::read(file, input::LARGEST_BINARY).place(|| format!("cannot read {}", file.display()))?;
         // FMUs are compressed already.
         let large = u32::try_from(bytes.len()).is_err();
-        let options = options.compression_method(CompressionMethod::Stored).large_file(large);
+        let options = entry(CompressionMethod::Stored).large_file(large);
         zip.start_file(name.as_str(), options).place(cannot)?;
         zip.write_all(&bytes).place(cannot)?;
     }
