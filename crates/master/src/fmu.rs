@@ -181,11 +181,10 @@ impl Fmu {
         let Some(own) = &self.description.co_simulation else { return Vec::new() };
         let files = |directory: &Path| directory.read_dir().into_iter().flatten().flatten();
         let is_library = |file: &Path| file.file_stem() == Some(own.identifier.as_ref());
-        let platforms = files(&self.directory.path().join("binaries"));
-        let platforms =
-            platforms.filter(|platform| files(&platform.path()).any(|file| is_library(&file.path())));
-        let mut names: Vec<String> =
-            platforms.map(|platform| platform.file_name().to_string_lossy().into_owned()).collect();
+        let mut platforms: Vec<_> = files(&self.directory.path().join("binaries")).collect();
+        platforms.retain(|platform| files(&platform.path()).any(|file| is_library(&file.path())));
+        let names = platforms.iter().map(|platform| platform.file_name().to_string_lossy().into_owned());
+        let mut names: Vec<String> = names.collect();
         names.sort();
         names
     }

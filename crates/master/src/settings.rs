@@ -91,9 +91,7 @@ impl Settings {
                 || "the saved run had another drive: give the same drive file as before, or --no-drive as before",
             )?;
             ensure(step == *saved, || {
-                format!(
-                    "--step: a communication step of {step:?} s: the saved run has a communication step of {saved:?} s"
-                )
+                format!("--step: a communication step of {step:?} s: the saved run has one of {saved:?} s")
             })?;
             ensure(every == *saved_every, || {
                 format!("--every: one communication point in {every}: the saved run has one in {saved_every}")

@@ -248,18 +248,15 @@ impl System {
 
     /// Returns the warnings of the components since the last call.
     pub fn warnings(&self) -> Vec<String> {
-        let all = self.components.iter().flat_map(|component| {
-            let warnings = component.instance.warnings().into_iter();
-            warnings.map(|warning| {
-                let text = warning.strip_prefix("warning: ").unwrap_or(&warning);
-                if self.components.len() == 1 {
-                    format!("warning: {text}")
-                } else {
-                    format!("warning: {}: {text}", component.name)
-                }
-            })
-        });
-        all.collect()
+        let mut all = Vec::new();
+        for Component { name, instance, .. } in &self.components {
+            let who = if self.components.len() == 1 { String::new() } else { format!("{name}: ") };
+            let said = instance.warnings().into_iter();
+            all.extend(
+                said.map(|text| format!("warning: {who}{}", text.strip_prefix("warning: ").unwrap_or(&text))),
+            );
+        }
+        all
     }
 
     /// Does something with each component in turn; an error says which one it was, if there are several.

@@ -316,33 +316,3 @@ fn single_values_are_connected_with_elements_of_arrays() {
     assert_eq!(three.unconnected[0], ["agent[2].Position.x", "agent[2].Position.y"]);
     assert_eq!(three.connections.len(), 6, "each element by itself");
 }
-
-#[test]
-fn what_is_wrong_with_arrays_is_named() {
-    let decides = people(["input", "output"], 2, "");
-    let text = connected(&[decides, people(["output", "input"], 2, "")]).unwrap().structure;
-    let said = |from: &str, to: &str| {
-        assert!(text.contains(from), "{from}: {text}");
-        read(&text.replacen(from, to, 1)).map_or_else(|error| error, |_| "read".to_owned())
-    };
-    let line = r#"startConnector="Position" endElement"#;
-    let indices = |indices: &str| format!(r#"startConnector="Position" startIndices="{indices}" endElement"#);
-    for (from, to, expected) in [
-        (line, indices("1 0"), "startIndices=\"1 0\": must be a list of whole numbers from 1 on"),
-        (line, indices("1 -1"), "startIndices=\"1 -1\": must be a list"),
-        (
-            "size=\"2\"",
-            "size=\"two\"".into(),
-            "<Dimension> size=\"two\": must be a whole number that is not negative",
-        ),
-        (
-            "size=\"2\"",
-            "size=\"2\" sizeConnector=\"Agents\"".into(),
-            "<Dimension>: has both a size and a sizeConnector",
-        ),
-        ("<ssc:UInt64/>", "<ssc:Clock/>".into(), "<Clock>: is not served: clocks are not"),
-    ] {
-        let said = said(from, &to);
-        assert!(said.starts_with("SystemStructure.ssd:") && said.contains(expected), "{to}: {said}");
-    }
-}

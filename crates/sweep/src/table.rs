@@ -8,6 +8,7 @@
 use crate::error::{Error, Place, Result};
 use crate::points::Points;
 use lemons_core::files::Staged;
+use lemons_master::ensure;
 use serde_json::{Map, Value};
 use std::fs::{File, TryLockError};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -162,11 +163,10 @@ impl Table {
             let keys = identity.keys().chain(before.keys().filter(|key| !identity.contains_key(*key)));
             let differ = keys.filter(|key| identity.get(*key) != before.get(*key));
             let differ = differ.map(String::as_str).collect::<Vec<_>>().join(", ");
-            if !differ.is_empty() {
-                return Err(Error::Table(format!(
-                    "{shown} is the table of another sweep: it differs in {differ}; give another file, or remove this one"
-                )));
-            }
+            ensure(differ.is_empty(), || {
+                let other = format!("{shown} is the table of another sweep: it differs in {differ}");
+                Error::Table(format!("{other}; give another file, or remove this one"))
+            })?;
         }
         let mut rest = Vec::new();
         file.read_to_end(&mut rest).place(at)?;
@@ -204,17 +204,13 @@ impl Table {
 
     /// Returns what a row says.
     fn finished(&self, row: &csv::StringRecord, width: usize) -> Result<Finished, String> {
-        if row.len() != width {
-            return Err(format!("has {} columns, not {width}", row.len()));
-        }
+        ensure(row.len() == width, || format!("has {} columns, not {width}", row.len()))?;
         let point = row[0].parse().ok().filter(|point: &usize| *point < self.points.count);
         let point = point.ok_or_else(|| format!("there is no point {:?}", &row[0]))?;
         // Both the number and the values of a point must be those of this sweep.
         for (cell, parameter) in row.iter().skip(1).zip(&self.points.parameters) {
-            if cell != parameter.at(point) {
-                let name = &parameter.name;
-                return Err(format!("column {name}: {cell:?} is not the value of point {point}"));
-            }
+            let other = || format!("column {}: {cell:?} is not the value of point {point}", parameter.name);
+            ensure(cell == parameter.at(point), other)?;
         }
         let first = 1 + self.points.parameters.len();
         let outcome = match (&row[width - 2], &row[width - 1]) {
