@@ -193,7 +193,7 @@ mod tests {
             ("of = 'x'", "one of at_least and at_most"),
             ("of = 'x'\nat_least = 1\nat_most = 2", "one of at_least and at_most"),
             ("of = 'x'\nat_least = inf", "finite"),
-            ("of = 'mood'\nat_least = 1", "mood"),
+            ("of = 'mood'\nat_least = 1", "of = \"mood\": neither a quantity"),
             ("of = 'decision.Arrived'\nat_least = 1\nagents = ['3']", "agents"),
         ] {
             let error = stop(text).check().unwrap_err();
