@@ -49,27 +49,25 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
         .collect();
     write_archive(&arguments.output, &connected.structure, &files)?;
 
-    let structure = &connected.structure;
-    for (i, from) in structure.components.iter().enumerate() {
-        for (k, to) in structure.components.iter().enumerate() {
-            let named = structure.connections.iter().zip(&connected.names);
-            let between = named.filter(|(c, _)| (c.from.component, c.to.component) == (i, k));
-            let connectors: Vec<&str> = between.map(|(_, name)| name.as_str()).collect();
+    for (i, from) in names.iter().enumerate() {
+        for (k, to) in names.iter().enumerate() {
+            let between = connected.connections.iter().filter(|(from, to, _)| (*from, *to) == (i, k));
+            let connectors: Vec<&str> = between.map(|(.., name)| name.as_str()).collect();
             if !connectors.is_empty() {
-                say!("{}", fitted(&format!("{} -> {}", from.name, to.name), "connected", &connectors))?;
+                say!("{}", fitted(&format!("{from} -> {to}"), "connected", &connectors))?;
             }
         }
     }
-    for ((component, fmu), inputs) in structure.components.iter().zip(&fmus).zip(&connected.unconnected) {
+    for ((component, fmu), inputs) in names.iter().zip(&fmus).zip(&connected.unconnected) {
         let free: HashSet<&str> = inputs.iter().map(String::as_str).collect();
         if fmu.loses_drive(|input| !free.contains(input))? {
-            note!("{}", notes::drive_replaced(&component.name));
+            note!("{}", notes::drive_replaced(component));
         }
         // People are there unless somebody says otherwise.
         let there = |name: &&str| *name == "Active" || name.ends_with(".Active");
         let names: Vec<&str> = inputs.iter().map(String::as_str).filter(|name| !there(name)).collect();
         if !names.is_empty() {
-            let who = format!("warning: {}", component.name);
+            let who = format!("warning: {component}");
             note!("{}", fitted(&who, "inputs not connected", &names));
         }
     }

@@ -2,8 +2,9 @@
 
 use crate::print;
 use anyhow::Result;
+use lemons_fmi::Version;
 use lemons_master::Fmu;
-use lemons_master::ssp::{Fmi, Kind, Single, Type, Variable};
+use lemons_master::ssp::{Kind, Single, Type, Variable};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -27,8 +28,8 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     };
     writeln!(out, "{}  {}", description.model_name, description.version.as_deref().unwrap_or(""))?;
     match description.fmi {
-        Fmi::V2 => writeln!(out, "GUID      {}", description.guid)?,
-        Fmi::V3 => {
+        Version::V2 => writeln!(out, "GUID      {}", description.guid)?,
+        Version::V3 => {
             writeln!(out, "FMI 3.0   {} variables, token {}", description.variables.len(), description.guid)?
         }
     }
@@ -46,7 +47,7 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     writeln!(
         out,
         "{} {} inputs, {} outputs, {} parameters\n",
-        if description.fmi == Fmi::V2 { "variables" } else { "values   " },
+        if description.fmi == Version::V2 { "variables" } else { "values   " },
         count(Kind::Input),
         count(Kind::Output),
         count(Kind::Parameter)
@@ -73,7 +74,7 @@ fn row(name: String, single: Single) -> [String; 4] {
     let (variable, start) = (single.variable, single.variable.start_of(single.element));
     let unit = match variable.of.class() {
         Type::Real => variable.unit.clone().unwrap_or_default(),
-        class => class.name().to_owned(),
+        class => class.to_string(),
     };
     let causality = match variable.kind {
         Some(Kind::Input) => "input",

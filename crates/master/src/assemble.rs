@@ -1,16 +1,16 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
-use crate::channel::Wire;
-use crate::error::{Error, Place, Result, scratch};
+use crate::error::{Error, Place, Result, ensure, scratch};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::instance::number;
 use crate::ssp::{
-    Affine, Allowance, Archive, Connector, Extent, Interface, Kind, Parameter, ParameterSet, Single,
-    SystemStructure, Type, Unit, Variable, conversion, located, place_of, written,
+    Affine, Allowance, Archive, Connection, Connector, Extent, Interface, Kind, Parameter, Port, Single,
+    SystemStructure, Type, UnitOf, Variable, conversion, place_of, written, wrong_at,
 };
-use crate::system::{Component, System, Wiring, component_of};
+use crate::system::{Component, System, Wire, component_of};
 use lemons_sim::Algorithm;
+use std::collections::HashMap;
 use std::fs::File;
 use std::ops::Range;
 use std::path::Path;
@@ -44,23 +44,21 @@ fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, Strin
     let mut allowance = Allowance::new(Allowance::FMUS);
     let mut components = Vec::with_capacity(structure.components.len());
     for (place, described) in structure.components.iter().enumerate() {
-        let wrong = |error: Error| {
-            let (line, source, why) = (described.line, &described.source, error.whole());
-            Error::from(located(line, "Component", "source", source, why))
-        };
+        let wrong = |error: Error| wrong_at(&described.place, error.whole());
         let mut fmu = unpack(&mut archive, &described.source, &mut allowance).map_err(wrong)?;
         let parameters = texts(&structure, place, further);
         fmu.configure(parameters.into_iter()).map_err(wrong)?;
         let fmu = fmu.shown_as(&described.source);
-        for connector in &described.connectors {
-            meaning(connector, &fmu.description, &structure)?;
+        for (name, connector) in &described.connectors {
+            meaning(name, connector, &fmu.description, &structure)?;
         }
         let instance = fmu.instantiate(&described.name).map_err(wrong)?;
         components.push(Component { name: described.name.clone(), fmu: Arc::new(fmu), instance });
     }
     let warnings = set_parameters(&structure, &components)?;
-    let wiring = connect(&components, &structure)?;
-    let system = System::new(components, algorithm, wiring)?;
+    let descriptions: Vec<_> = components.iter().map(|component| component.fmu.description.clone()).collect();
+    let wires = connect(&descriptions, &structure)?;
+    let system = System::new(components, algorithm, &wires, structure.connections.len());
     Ok(Assembled { system, start: structure.start, stop: structure.stop, warnings })
 }
 
@@ -70,13 +68,15 @@ fn texts<'a>(
     place: usize,
     further: &'a [(String, String)],
 ) -> Vec<(&'a str, &'a str)> {
-    let own = &structure.components[place];
-    let inside = |name: &'a str| name.strip_prefix(own.name.as_str())?.strip_prefix('.');
-    let of = |sets: &'a [ParameterSet]| sets.iter().flat_map(|set| &set.parameters);
-    let own = of(&own.parameters).map(|parameter| (Some(parameter.name.as_str()), parameter.text.as_str()));
-    let outer = of(&structure.parameters).map(|parameter| (inside(&parameter.name), parameter.text.as_str()));
+    let own = &structure.components[place].name;
+    let inside = |name: &'a str| name.strip_prefix(own.as_str())?.strip_prefix('.');
+    let parameters =
+        structure.parameters.iter().map(|Parameter { component, name, text, .. }| match component {
+            Some(component) => (Some(name.as_str()).filter(|_| *component == place), text.as_str()),
+            None => (inside(name), text.as_str()),
+        });
     let further = further.iter().map(|(name, text)| (inside(name), text.as_str()));
-    own.chain(outer).chain(further).filter_map(|(name, text)| Some((name?, text))).collect()
+    parameters.chain(further).filter_map(|(name, text)| Some((name?, text))).collect()
 }
 
 fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
@@ -91,17 +91,17 @@ fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Res
 struct Meaning<'a> {
     variable: &'a Variable,
     element: Option<usize>,
-    unit: (Option<&'a str>, Option<&'a Unit>),
+    unit: UnitOf<'a>,
 }
 
 /// Finds the variable that a connector names, which must be of that kind, type, unit and size.
 fn meaning<'a>(
+    name: &str,
     connector: &'a Connector,
     interface: &'a Interface,
     structure: &'a SystemStructure,
 ) -> Result<Meaning<'a>> {
-    let name = &connector.name;
-    let wrong = |why: String| Error::from(located(connector.line, "Connector", "name", name, why));
+    let wrong = |why: String| wrong_at(&connector.place, why);
     let whole = interface.variable(name).map(|variable| (variable, None));
     let found = whole.or_else(|| interface.single(name).map(|it| (it.variable, Some(it.element))));
     let (variable, element) = found.ok_or_else(|| wrong("the FMU has no such variable".into()))?;
@@ -112,10 +112,9 @@ fn meaning<'a>(
     if element.is_none() || !connector.dimensions.is_empty() {
         check_sizes(connector, variable, interface).map_err(wrong)?;
     }
-    let own = variable.unit.as_deref();
-    let own = (own, own.and_then(|name| interface.unit(name)));
+    let own = interface.unit_of(variable);
     let Some(of) = connector.of else { return Ok(Meaning { variable, element, unit: own }) };
-    let classes = [of, variable.of].map(|of| of.class().name());
+    let classes = [of, variable.of].map(Type::class);
     if classes[0] != classes[1] {
         return Err(wrong(format!("<{}>, but the FMU says {}", classes[0], classes[1])));
     }
@@ -133,26 +132,23 @@ fn meaning<'a>(
 /// Checks that the dimensions of a connector are those of the FMU.
 fn check_sizes(connector: &Connector, variable: &Variable, interface: &Interface) -> Result<(), String> {
     let (said, own) = (&connector.dimensions, &variable.dimensions);
-    if said.len() != own.len() {
-        let (said, own) = (said.len(), own.len());
-        return Err(format!("it has {said} <Dimension>, but the FMU has an array of {own}"));
-    }
+    ensure(said.len() == own.len(), || {
+        format!("it has {} <Dimension>, but the FMU has an array of {}", said.len(), own.len())
+    })?;
     for (said, own) in said.iter().zip(own) {
         let size = match said {
             Extent::Unsaid => continue,
             Extent::Size(size) => *size,
             Extent::Parameter(name) => {
-                let parameter =
-                    interface.variable(name).filter(|it| it.kind == Some(Kind::StructuralParameter));
+                let parameter = interface.variable(name);
+                let parameter = parameter.filter(|it| it.kind == Some(Kind::StructuralParameter));
                 let size = parameter.and_then(|parameter| parameter.start_of(0)?.parse().ok());
-                size.ok_or_else(|| {
-                    format!("sizeConnector={name:?}: the FMU has no such structural parameter")
-                })?
+                let none = || format!("sizeConnector={name:?}: the FMU has no such structural parameter");
+                size.ok_or_else(none)?
             }
         };
-        if size != own.size as u64 {
-            return Err(format!("its <Dimension> says {size}, but the FMU has {} there", own.size));
-        }
+        let other = || format!("its <Dimension> says {size}, but the FMU has {} there", own.size);
+        ensure(size == own.size as u64, other)?;
     }
     Ok(())
 }
@@ -164,61 +160,56 @@ fn values(end: &Meaning, name: &str, indices: &[usize]) -> Result<Range<usize>, 
         return Ok(end.element.map_or(0..end.variable.count(), |element| element..element + 1));
     }
     let (given, own) = (indices.len(), dimensions.len());
-    if given != own || end.element.is_some() {
-        return Err(format!("{name:?} has {own} dimensions, not {given}"));
-    }
+    let fits = given == own && end.element.is_none();
+    ensure(fits, || format!("{name:?} has {own} dimensions, not {given}"))?;
     let place = place_of(dimensions, indices)
         .ok_or_else(|| format!("{name:?} has no element {}: indices are from 1 on", written(indices)))?;
     Ok(place..place + 1)
 }
 
-fn connect(components: &[Component], structure: &SystemStructure) -> Result<Wiring> {
-    let mut wiring = Wiring { connections: structure.connections.len(), ..Wiring::default() };
-    let interface = |component: usize| &*components[component].fmu.description;
-    for connection in &structure.connections {
-        let line = connection.line;
-        let ((source, output), (_, input)) =
-            (structure.port(&connection.from), structure.port(&connection.to));
-        let wrong = |why: String| {
-            let text = format!("{} of {:?}: {why}", output.name, source.name);
-            Error::from(located(line, "Connection", "endConnector", &input.name, format!("from {text}")))
+fn connect<'a>(interfaces: &'a [Arc<Interface>], structure: &'a SystemStructure) -> Result<Vec<Wire<'a>>> {
+    let mut wires = Vec::new();
+    // The lines of the connections that feed inputs.
+    let mut lines = HashMap::new();
+    for Connection { from, to, transformation, suppress_unit_conversion, place } in &structure.connections {
+        let source = &structure.components[from.component].name;
+        let wrong = |why: String| wrong_at(place, format!("from {} of {source:?}: {why}", from.connector));
+        let mean = |port: &'a Port| {
+            let (_, connector) = structure.port(port);
+            meaning(&port.connector, connector, &interfaces[port.component], structure)
         };
-        let (here, there) = (interface(connection.from.component), interface(connection.to.component));
-        let [start, end] = [meaning(output, here, structure)?, meaning(input, there, structure)?];
-        let sent = values(&start, &output.name, &connection.from.indices).map_err(wrong)?;
-        let taken = values(&end, &input.name, &connection.to.indices).map_err(wrong)?;
-        let (from, to) = (start.variable, end.variable);
-        let of = from.of.class();
-        if of != to.of.class() {
-            return Err(wrong(format!("{} does not become {}", of.name(), to.of.class().name())));
-        }
-        if sent.len() != taken.len() || (sent.len() > 1 && from.sizes() != to.sizes()) {
-            return Err(wrong(format!("{} does not become {}", elements(from, &sent), elements(to, &taken))));
-        }
-        if matches!(of, Type::Enumeration | Type::Binary | Type::Clock) {
-            return Err(wrong(format!("type {} is not served", of.name())));
+        let (start, end) = (mean(from)?, mean(to)?);
+        let sent = values(&start, &from.connector, &from.indices).map_err(wrong)?;
+        let taken = values(&end, &to.connector, &to.indices).map_err(wrong)?;
+        let (here, there) = (start.variable, end.variable);
+        here.of.check_sent_to(there.of).map_err(wrong)?;
+        if sent.len() != taken.len() || (sent.len() > 1 && here.sizes() != there.sizes()) {
+            let what = [elements(here, &sent), elements(there, &taken)];
+            return Err(wrong(format!("{} does not become {}", what[0], what[1])));
         }
         let mut map = Affine::IDENTITY;
-        if !connection.suppress_unit_conversion {
+        if !suppress_unit_conversion {
             map = conversion(start.unit, end.unit).map_err(wrong)?;
         }
-        if let Some(transformation) = connection.transformation {
-            if of != Type::Real {
-                return Err(wrong(format!("no <LinearTransformation> for type {}", of.name())));
+        if let Some(transformation) = transformation {
+            if here.of.class() != Type::Real {
+                return Err(wrong(format!("no <LinearTransformation> for type {}", here.of.class())));
             }
-            map = map.then(transformation);
+            map = map.then(*transformation);
         }
-        if output.name == input.name {
-            wiring.alike.insert((connection.from.component, connection.to.component));
+        for (sent, taken) in sent.zip(taken) {
+            if let Some(Some(line)) = lines.insert((to.component, &there.name, taken), place.line) {
+                return Err(wrong(format!("line {line} feeds this input already")));
+            }
+            wires.push(Wire {
+                from: (from.component, Single { variable: here, element: sent }),
+                to: (to.component, Single { variable: there, element: taken }),
+                map,
+            });
         }
-        wiring.wires.extend(sent.zip(taken).map(|(sent, taken)| Wire {
-            from: (connection.from.component, Single { variable: from, element: sent }.address()),
-            to: (connection.to.component, Single { variable: to, element: taken }.address()),
-            map,
-        }));
     }
-    wiring.wires.sort_by_key(|wire| wire.from.1.of.class());
-    Ok(wiring)
+    wires.sort_by_key(|wire| wire.from.1.variable.of.class());
+    Ok(wires)
 }
 
 /// Says how many values of a variable.
@@ -233,60 +224,38 @@ fn elements(variable: &Variable, values: &Range<usize>) -> String {
 /// Sets the parameter values, those of the components first; returns those for which no component has a variable.
 fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Result<Vec<String>> {
     let mut ignored = Vec::new();
-    let own = structure.components.iter().enumerate();
-    let own =
-        own.flat_map(|(place, component)| component.parameters.iter().map(move |set| (set, Some(place))));
-    for (set, owner) in own.chain(structure.parameters.iter().map(|set| (set, None))) {
-        for parameter in &set.parameters {
-            let wrong = |error: Error| {
-                let (file, line, why) = (&set.file, parameter.line, error.whole());
-                Error::new(format!("{file}:{line}: <Parameter> name={:?}: {why}", parameter.name))
-            };
-            let target = match owner {
-                Some(place) => Some((place, parameter.name.as_str())),
-                None => component_of(components, &parameter.name),
-            };
-            let found = target.filter(|(place, name)| components[*place].fmu.kind(name).is_some());
-            let Some((place, name)) = found else {
-                ignored.push(format!(
-                    "warning: {}:{}: <Parameter> name={:?}: there is no such variable, ignored",
-                    set.file, parameter.line, parameter.name
-                ));
-                continue;
-            };
-            if components[place].fmu.is_structural(name) {
-                continue;
-            }
-            set_parameter(&components[place], name, parameter, set, structure).map_err(wrong)?;
+    for parameter in &structure.parameters {
+        let target = match parameter.component {
+            Some(place) => Some((place, parameter.name.as_str())),
+            None => component_of(components, &parameter.name),
+        };
+        let found = target.filter(|(place, name)| components[*place].fmu.kind(name).is_some());
+        let Some((place, name)) = found else {
+            let why = wrong_at(&parameter.place, "there is no such variable, ignored");
+            ignored.push(format!("warning: {why}"));
+            continue;
+        };
+        if !components[place].fmu.is_structural(name) {
+            set_parameter(&components[place], name, parameter)
+                .map_err(|error| wrong_at(&parameter.place, error.whole()))?;
         }
     }
     Ok(ignored)
 }
 
-fn set_parameter(
-    component: &Component,
-    name: &str,
-    parameter: &Parameter,
-    set: &ParameterSet,
-    structure: &SystemStructure,
-) -> Result<()> {
+fn set_parameter(component: &Component, name: &str, parameter: &Parameter) -> Result<()> {
     let (instance, interface) = (&component.instance, &component.fmu.description);
     let variable = interface.known(name)?.variable;
-    let Parameter { of, unit, text, .. } = parameter;
+    let Parameter { of, unit, definition, text, .. } = parameter;
     let [given, own] = [*of, variable.of].map(Type::class);
     if (given, own) == (Type::Real, Type::Real) {
-        let defined = |name: &String| {
-            set.units.get(name).or_else(|| structure.units.get(name)).or_else(|| interface.unit(name))
-        };
-        let here = (unit.as_deref(), unit.as_ref().and_then(defined));
-        let own = variable.unit.as_deref();
-        let there = (own, own.and_then(|name| interface.unit(name)));
+        let unit = unit.as_deref();
+        let definition = definition.as_ref().or_else(|| interface.unit(unit?));
         let value: f64 = number(text).place(|| format!("{name}={text}: not a number"))?;
-        let value = conversion(here, there).map_err(Error::new)?.apply(value);
+        let value = conversion((unit, definition), interface.unit_of(variable))?.apply(value);
         return instance.set(&instance.select([name])?, &[value]);
     }
-    if given != own && (given, own) != (Type::Integer, Type::Real) {
-        return Err(Error::new(format!("the FMU's variable is of type {}", own.name())));
-    }
+    let fits = given == own || (given, own) == (Type::Integer, Type::Real);
+    ensure(fits, || format!("the FMU's variable is of type {own}"))?;
     instance.set_text(&[name], text)
 }

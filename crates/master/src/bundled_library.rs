@@ -19,8 +19,7 @@ pub fn own_binary() -> Result<Binary> {
 /// # Errors
 /// It is in no such place, or FMI has no name for this platform.
 pub fn binary_beside(library: &str) -> Result<Binary> {
-    let (beside, host) = (beside()?, host()?);
-    find(&beside, library, host).ok_or_else(|| Error::new(missing(&beside, library, host)))
+    Ok(binaries_beside(library, &[host()?.to_owned()])?.swap_remove(0))
 }
 
 /// The shared library for this machine, and those for other platforms that lie in directories with FMI's names (`win64`,
@@ -34,27 +33,24 @@ pub fn binaries_beside(library: &str, wanted: &[String]) -> Result<Vec<Binary>> 
 
 /// Returns FMI's name of the platform of this program.
 pub(crate) fn host() -> Result<&'static str> {
-    host_platform().ok_or_else(|| Error::new("FMI has no name for this platform"))
-}
-
-fn missing(beside: &Path, library: &str, platform: &str) -> String {
-    let name = library_file(library, platform).unwrap_or_else(|| library.to_owned());
-    format!("{name} is not beside this program ({})", beside.display())
+    Ok(host_platform().ok_or("FMI has no name for this platform: give --binary PLATFORM=FILE")?)
 }
 
 fn binaries_in(beside: &Path, library: &str, wanted: &[String]) -> Result<Vec<Binary>> {
-    let missing = |platform: &str| {
-        let why = missing(beside, library, platform);
-        Error::new(format!("{why}: give --binary {platform}=FILE"))
+    let one = |platform: &str| {
+        find(beside, library, platform).ok_or_else(|| {
+            let name = library_file(library, platform).unwrap_or_else(|| library.to_owned());
+            let beside = beside.display();
+            Error::new(format!("{name} is not beside this program ({beside}): give --binary {platform}=FILE"))
+        })
     };
-    let found = |platform: &str| find(beside, library, platform);
     if wanted.is_empty() {
-        let host = host().map_err(|error| Error::new(format!("{error}: give --binary PLATFORM=FILE")))?;
-        let own = found(host).ok_or_else(|| missing(host))?;
-        let others = platforms().filter(|platform| *platform != host).filter_map(found);
-        return Ok([own].into_iter().chain(others).collect());
+        let host = host()?;
+        let others = platforms().filter(|platform| *platform != host);
+        let others = others.filter_map(|platform| find(beside, library, platform));
+        return Ok([one(host)?].into_iter().chain(others).collect());
     }
-    wanted.iter().map(|platform| found(platform).ok_or_else(|| missing(platform))).collect()
+    wanted.iter().map(|platform| one(platform)).collect()
 }
 
 /// Where libraries are looked for instead of beside this program.
@@ -110,15 +106,13 @@ mod tests {
         std::fs::create_dir(beside.join(host)).unwrap();
         std::fs::copy(&own.path, beside.join(host).join(&name)).unwrap();
         assert_eq!(found(&[]).unwrap(), [host]);
-        let other = if host == "win64" { "aarch64-linux" } else { "win64" };
+        let other = if host == "win64" { "linux64" } else { "win64" };
         assert!(found(&[other]).unwrap_err().contains("is not beside this program"));
-        if other == "win64" {
-            std::fs::create_dir(beside.join("win64")).unwrap();
-            let dll = beside.join("win64/crowd_mechanics.dll");
-            std::fs::write(&dll, "").unwrap();
-            assert_eq!(found(&[]).unwrap(), [host, "win64"]);
-            assert_eq!(found(&["win64"]).unwrap(), ["win64"]);
-        }
+        std::fs::create_dir(beside.join(other)).unwrap();
+        let file = library_file("crowd_mechanics", other).unwrap();
+        std::fs::write(beside.join(other).join(file), "").unwrap();
+        assert_eq!(found(&[]).unwrap(), [host, other]);
+        assert_eq!(found(&[other]).unwrap(), [other]);
         assert!(found(&["win65"]).unwrap_err().contains("crowd_mechanics is not beside this program"));
     }
 }

@@ -77,6 +77,18 @@ impl Error {
     }
 }
 
+impl From<String> for Error {
+    fn from(what: String) -> Error {
+        Error::new(what)
+    }
+}
+
+impl From<&str> for Error {
+    fn from(what: &str) -> Error {
+        Error::new(what)
+    }
+}
+
 impl From<Problem> for Error {
     fn from(problem: Problem) -> Error {
         Error::Xml(problem.into())
@@ -93,6 +105,11 @@ pub fn whole(error: &dyn StdError) -> String {
         cause = error.source();
     }
     text
+}
+
+/// Returns an error unless something holds.
+pub fn ensure<E>(holds: bool, error: impl FnOnce() -> E) -> Result<(), E> {
+    if holds { Ok(()) } else { Err(error()) }
 }
 
 /// Makes a temporary directory.

@@ -1,21 +1,22 @@
 //! An FMU: its files, its description, what its names stand for.
 
 use crate::bundled_library::host;
-use crate::calls::Calls;
-use crate::drive_feed::driven;
-use crate::error::{Error, Place, Result, scratch};
+use crate::calls::Instance;
+use crate::error::{Error, Place, Result, ensure, scratch};
 use crate::file_type::FileType;
-use crate::instance::{Instance, number};
-use crate::messages::{Messages, Names};
-use crate::ssp::{Allowance, Fmi, Interface, Kind, Type};
+use crate::instance::number;
+use crate::messages::Messages;
+use crate::prepared::driven;
+use crate::ssp::{Allowance, Interface, Kind, Type};
+use crate::trial_input::renamed;
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use crowd_mechanics::pack::host_directory;
 use crowd_mechanics::quantities;
 use crowd_mechanics::resources::{Resources, ResourcesError};
 use lemons_core::files::{Scratch, input};
-use lemons_core::trial::Trial;
-use lemons_core::trial::{DriveChoice, DriveTable, own_drive};
+use lemons_core::trial::{DriveChoice, DriveTable, Problems, Trial};
+use lemons_fmi::Version;
 use lemons_fmi::location::Location;
 use lemons_sim::settings::{meant, named};
 use std::collections::BTreeMap;
@@ -58,8 +59,15 @@ impl Fmu {
         Fmu { shown: path.to_owned(), ..self }
     }
 
-    fn names(&self) -> Names {
-        Names { unpacked: self.directory.path().display().to_string(), shown: self.shown.clone() }
+    /// Where it is unpacked, and what the user knows it by.
+    fn names(&self) -> [String; 2] {
+        [self.directory.path().display().to_string(), self.shown.clone()]
+    }
+
+    /// Returns a text with the name that the user knows.
+    fn known(&self, text: &str) -> String {
+        let [unpacked, shown] = self.names();
+        text.replace(&unpacked, &shown)
     }
 
     /// Like [`Fmu::open`], for a file whose name does not matter in messages.
@@ -90,10 +98,10 @@ impl Fmu {
     /// There are none.
     pub fn resources(&self) -> Result<Resources> {
         let path = self.directory.path().join("resources");
-        let path = path.to_str().ok_or_else(|| Error::new(format!("{} is not UTF-8", path.display())))?;
+        let path = path.to_str().ok_or_else(|| format!("{} is not UTF-8", path.display()))?;
         Resources::at(Location::Path(path)).map_err(|error| match error {
             ResourcesError::NoTrial { .. } => Error::new("holds no Trial: it is not an FMU of a crowd"),
-            error => Error::new(self.names().said(&error.to_string())),
+            error => Error::new(self.known(&error.to_string())),
         })
     }
 
@@ -104,7 +112,7 @@ impl Fmu {
     pub fn trial(&self, name: Option<&str>) -> Result<Trial> {
         let packed = self.resources()?;
         let read = packed.load(name.unwrap_or(packed.first()));
-        Ok(read.map_err(|error| Error::new(self.names().said(&error.to_string())))?.0)
+        Ok(read.map_err(|error| Error::new(self.known(&error.to_string())))?.0)
     }
 
     /// Reads the drive of a Trial of this FMU.
@@ -112,13 +120,8 @@ impl Fmu {
     /// # Errors
     /// The drive file has errors; files have the names that the user knows.
     pub fn drive(&self, trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
-        DriveTable::of(trial, choice).map_err(|error| match trial {
-            Some(trial) if *choice == DriveChoice::Own => {
-                let known = self.names().said(&own_drive(trial).to_string_lossy());
-                Error::Drive(error.of_file(Path::new(&known)))
-            }
-            _ => Error::Drive(error),
-        })
+        let known = |problems: Problems| renamed(&problems, self.directory(), Path::new(&self.shown));
+        DriveTable::of(trial, choice).map_err(|problems| Error::Drive(known(problems)))
     }
 
     /// Returns whether a Trial of this FMU has a drive of its own for people whose Fp or Mp is fed by a connection, which
@@ -144,36 +147,31 @@ impl Fmu {
     /// The FMU cannot be instantiated; the error contains its messages.
     pub fn instantiate(&self, name: &str) -> Result<Instance> {
         let own = self.description.co_simulation.as_ref();
-        let own = own.ok_or_else(|| Error::new("the FMU is not for co-simulation".to_owned()))?;
-        let platform = host()?;
-        let name_of_library = library_of(&own.identifier, platform_of(&self.description, platform));
+        let own = own.ok_or("the FMU is not for co-simulation")?;
+        let name_of_library = library_of(&own.identifier, self.description.fmi)?;
         let library = self.directory.path().join(&name_of_library);
-        if !library.exists() {
+        ensure(library.exists(), || {
             let others = match &self.platforms()[..] {
                 [] => "no library for any platform".to_owned(),
                 others => format!("{} only", others.join(", ")),
             };
-            let missing = Error::new(format!("the FMU has no {name_of_library}: it has {others}"));
-            return Err(missing).place(|| self.shown.clone());
-        }
+            format!("{}: the FMU has no {name_of_library}: it has {others}", self.shown)
+        })?;
         let messages = Arc::new(Messages::with(self.names()));
         let resources = self.directory.path().join("resources");
-        let made = Calls::new(&self.description, &library, &resources, name, messages.clone());
-        let calls = made.map_err(|error| {
+        let made = Instance::new(self.description.clone(), &library, &resources, name, messages.clone());
+        let instance = made.map_err(|error| {
             let prefix = format!("{}/", self.directory.path().display());
-            let why = format!("cannot instantiate the FMU: {}", error.whole().replace(&prefix, ""));
-            let said = messages.errors();
-            let hint =
-                if resources.is_dir() { "" } else { ": has no directory resources, which it may need" };
-            let what =
-                format!("{}{hint}: {}", self.shown, if said.is_empty() { why } else { said.join("\n") });
-            Error::new(what)
+            let why = match &messages.errors()[..] {
+                [] => format!("cannot instantiate the FMU: {}", error.whole().replace(&prefix, "")),
+                said => said.join("\n"),
+            };
+            let lacks = ": has no directory resources, which it may need";
+            let hint = if resources.is_dir() { "" } else { lacks };
+            format!("{}{hint}: {why}", self.shown)
         })?;
-        let instance = Instance::new(calls, self.description.clone());
-        let sizes = self.sizes.iter();
-        let sizes =
-            sizes.filter_map(|(name, size)| Some((self.description.variable(name)?.reference, *size)));
-        let (references, sizes): (Vec<u32>, Vec<u64>) = sizes.unzip();
+        let size = |(name, size): (&String, &u64)| Some((self.description.variable(name)?.reference, *size));
+        let (references, sizes): (Vec<u32>, Vec<u64>) = self.sizes.iter().filter_map(size).unzip();
         instance.configure(&references, &sizes).place(|| self.shown.clone())?;
         Ok(instance)
     }
@@ -183,11 +181,10 @@ impl Fmu {
         let Some(own) = &self.description.co_simulation else { return Vec::new() };
         let files = |directory: &Path| directory.read_dir().into_iter().flatten().flatten();
         let is_library = |file: &Path| file.file_stem() == Some(own.identifier.as_ref());
-        let platforms = files(&self.directory.path().join("binaries"));
-        let platforms =
-            platforms.filter(|platform| files(&platform.path()).any(|file| is_library(&file.path())));
-        let mut names: Vec<String> =
-            platforms.map(|platform| platform.file_name().to_string_lossy().into_owned()).collect();
+        let mut platforms: Vec<_> = files(&self.directory.path().join("binaries")).collect();
+        platforms.retain(|platform| files(&platform.path()).any(|file| is_library(&file.path())));
+        let names = platforms.iter().map(|platform| platform.file_name().to_string_lossy().into_owned());
+        let mut names: Vec<String> = names.collect();
         names.sort();
         names
     }
@@ -195,13 +192,9 @@ impl Fmu {
     /// The values that a name stands for: see [`named`]. In FMI 3.0, a quantity of materials also has its name of FMI
     /// 2.0, which contains their Ids.
     pub fn named(&self, name: &str) -> Vec<String> {
-        if self.description.fmi == Fmi::V3 && self.description.single(name).is_none() {
-            let found = self.of_materials(name);
-            if !found.is_empty() {
-                return found;
-            }
-        }
-        named(name, |name| self.description.single(name).is_some())
+        let is_known = |name: &str| self.description.single(name).is_some();
+        let found = if is_known(name) { Vec::new() } else { self.of_materials(name) };
+        if found.is_empty() { named(name, is_known) } else { found }
     }
 
     /// The value that an unknown name most likely means.
@@ -234,7 +227,7 @@ impl Fmu {
     /// # Errors
     /// A text is not a size, or the arrays become too large.
     pub fn configure<'a>(&mut self, parameters: impl Iterator<Item = (&'a str, &'a str)>) -> Result<()> {
-        if self.description.fmi != Fmi::V3 {
+        if self.description.fmi != Version::V3 {
             return Ok(());
         }
         for (name, text) in parameters {
@@ -257,12 +250,9 @@ impl Fmu {
 
     /// Chooses a size, if the FMU has this structural parameter.
     fn resize(&mut self, name: &str, size: u64) -> Result<()> {
-        let Some(variable) = self.description.variable(name) else { return Ok(()) };
-        if variable.kind == Some(Kind::StructuralParameter) {
-            let own = variable.name.clone();
-            let resized = Arc::make_mut(&mut self.description).resize(name, size);
-            resized.map_err(|why| Error::new(format!("{name}={size}: {why}")))?;
-            self.sizes.insert(own, size);
+        if self.is_structural(name) {
+            Arc::make_mut(&mut self.description).resize(name, size).place(|| format!("{name}={size}"))?;
+            self.sizes.insert(name.to_owned(), size);
         }
         Ok(())
     }
@@ -270,7 +260,7 @@ impl Fmu {
     /// Which of the flags `canGetAndSetFMUstate`, `canSerializeFMUstate` (FMI 3.0: `…State`) the FMU lacks to save its
     /// state.
     pub fn cannot_save(&self) -> Option<&'static str> {
-        let v3 = self.description.fmi == Fmi::V3;
+        let v3 = self.description.fmi == Version::V3;
         let lacks = |lacks: bool, flags: [&'static str; 2]| lacks.then_some(flags[usize::from(v3)]);
         let Some(able) = &self.description.co_simulation else { return Some("co-simulation") };
         lacks(!able.can_get_and_set_state, ["canGetAndSetFMUstate", "canGetAndSetFMUState"])
@@ -290,46 +280,41 @@ impl Fmu {
     }
 }
 
-/// Where an FMU has the library for a platform.
-fn library_of(identifier: &str, platform: &str) -> String {
-    format!("binaries/{platform}/{identifier}{}", std::env::consts::DLL_SUFFIX)
-}
-
-/// The directory of a platform in the FMU's version.
-fn platform_of(description: &Interface, platform: &'static str) -> &'static str {
-    if description.fmi == Fmi::V3 { host_directory().unwrap_or(platform) } else { platform }
+/// Where an FMU has the library for this platform.
+fn library_of(identifier: &str, version: Version) -> Result<String> {
+    let host = host()?;
+    let platform = if version == Version::V3 { host_directory().unwrap_or(host) } else { host };
+    Ok(format!("binaries/{platform}/{identifier}{}", std::env::consts::DLL_SUFFIX))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Opens an FMU with an element that says its modelIdentifier, and empty files.
-    fn opened(element: &str, identifier: &str, files: &[&str]) -> Result<Fmu> {
-        let directory = tempfile::TempDir::new().unwrap();
-        let path = directory.path().join("x.fmu");
-        let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
-        for name in files.iter().chain(&[DESCRIPTION_FILE]) {
-            zip.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
-        }
-        let text = format!(
+    fn description(element: &str, identifier: &str) -> String {
+        format!(
             "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"x\" guid=\"x\">\
              <{element} modelIdentifier=\"{identifier}\"/><ModelVariables/></fmiModelDescription>"
-        );
-        std::io::Write::write_all(&mut zip, text.as_bytes()).unwrap();
-        zip.finish().unwrap();
-        Fmu::open(&path)
+        )
     }
 
     #[test]
     fn an_fmu_for_other_platforms_says_which() {
-        let own = library_of("x", host().unwrap());
+        let directory = tempfile::TempDir::new().unwrap();
+        let path = directory.path().join("x.fmu");
+        let own = library_of("x", Version::V2).unwrap();
         let others = ["binaries/win16/x.dll", "binaries/linux8/x.so", "binaries/darwin8/other.dylib"];
         for (files, has) in
             [(&others[..], "linux8, win16 only"), (&["sources/x.c"], "no library for any platform")]
         {
-            let fmu = opened("CoSimulation", "x", files).unwrap();
-            let said = fmu.instantiate("x").map_or_else(|error| error.whole(), |_| "made".into());
+            let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
+            for name in files.iter().chain(&[DESCRIPTION_FILE]) {
+                zip.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+            }
+            std::io::Write::write_all(&mut zip, description("CoSimulation", "x").as_bytes()).unwrap();
+            zip.finish().unwrap();
+            let made = Fmu::open(&path).unwrap().instantiate("x");
+            let said = made.map_or_else(|error| error.whole(), |_| "made".into());
             assert!(said.ends_with(&format!("x.fmu: the FMU has no {own}: it has {has}")), "{said}");
         }
     }
@@ -338,28 +323,34 @@ mod tests {
     #[test]
     fn a_model_identifier_is_a_name_in_c() {
         let long = "a".repeat(201);
-        let bad =
-            ["", "9a", "../a", "/tmp/a", "a\\b", ".", "C:a", "a b", "a-b", "\u{e4}", "a\u{202e}b", "a&#10;b"];
         for element in ["CoSimulation", "ModelExchange"] {
+            let said = |identifier: &str| {
+                let read = Interface::read(description(element, identifier).as_bytes());
+                read.map_or_else(|error| error.whole(), |_| "read".into())
+            };
             for good in ["a", "_", "A_b9", &long[..200]] {
-                assert!(opened(element, good, &[]).is_ok());
+                assert_eq!(said(good), "read");
             }
-            let place = format!("x.fmu: modelDescription.xml:1: <{element}>");
-            let said = |identifier| opened(element, identifier, &[]).map(drop).unwrap_err().whole();
-            for bad in bad {
-                let text = said(bad);
-                assert!(
-                    text.contains(&format!("{place} modelIdentifier=\""))
-                        && text.contains("must be a name in C"),
-                    "{text}"
-                );
+            for bad in [
+                "",
+                "9a",
+                "../a",
+                "/tmp/a",
+                "a\\b",
+                ".",
+                "C:a",
+                "a b",
+                "a-b",
+                "\u{e4}",
+                "a\u{202e}b",
+                "a&#10;b",
+            ] {
+                let place = format!("modelDescription.xml:1: <{element}> modelIdentifier=\"");
+                assert!(said(bad).starts_with(&place) && said(bad).contains("must be a name in C"), "{bad}");
             }
-            assert!(
-                said(&long)
-                    .contains(&format!("{place}: modelIdentifier has 201 bytes: must have at most 200"))
-            );
+            assert!(said(&long).ends_with(">: modelIdentifier has 201 bytes: must have at most 200"));
             // XML knows no NUL.
-            assert!(said("a&#0;b").contains("x.fmu: modelDescription.xml:1: "));
+            assert!(said("a&#0;b").starts_with("modelDescription.xml:1: "));
         }
     }
 }

@@ -1,72 +1,97 @@
-//! An instance of an FMU.
+//! The values of an instance, by their names. Single values are read or set together.
+//!
+//! An FMU 2.0 has a value for each type and reference. An FMU 3.0 has arrays, which are read and set whole, by one call for all of
+//! one type: which of their elements are meant is found out once, not at each communication point.
 
-use crate::calls::{Calls, Value};
+use crate::calls::{Instance, Value};
 use crate::error::{Cause, Error, Place, Result};
-use crate::selection::{Part, Selection};
-use crate::ssp::{Address, Interface, Type};
-use lemons_fmi::Status;
-use std::cell::{Cell, RefCell};
+use crate::ssp::{Single, Type};
+use std::collections::{HashMap, HashSet};
 use std::str::FromStr;
-use std::sync::Arc;
 
 /// Reads a number that a user wrote.
 pub(crate) fn number<T: FromStr<Err: Into<Cause>>>(text: &str) -> Result<T, Cause> {
     text.parse().map_err(Into::into)
 }
 
-/// Values that are set when an instance is in initialization.
-type Later = Box<dyn FnOnce(&Instance) -> Result<()>>;
+/// Single values of an instance that are read or set together, in an order.
+#[derive(Debug, Clone, Default)]
+pub struct Selection {
+    /// One for each type.
+    parts: Vec<Part>,
+    /// The part of each value, and its place among the values of the part's call.
+    places: Vec<(usize, usize)>,
+    /// True if the values are those of one call, in its order.
+    is_one_call: bool,
+}
 
-/// An instance of an FMU.
-pub struct Instance {
-    calls: Calls,
-    description: Arc<Interface>,
-    /// True once initialization has begun.
-    initialized: Cell<bool>,
-    /// Arrays: FMI 3.0 does not let their other elements be read before initialization.
-    later: RefCell<Vec<Later>>,
+/// The values that one call reads or sets.
+#[derive(Debug, Clone, Default)]
+struct Part {
+    of: Type,
+    references: Vec<u32>,
+    /// The number of values of the call.
+    length: usize,
+    /// True if each value of the call is a selected one.
+    whole: bool,
+    /// True if an array is among the variables.
+    arrays: bool,
+}
+
+impl Selection {
+    pub(crate) fn new<'a>(values: impl IntoIterator<Item = Single<'a>>) -> Selection {
+        let (mut parts, mut places) = (Vec::<Part>::new(), Vec::new());
+        // The part in which the values of a variable are, and where they begin.
+        let mut begins: HashMap<(Type, u32), (usize, usize)> = HashMap::new();
+        for Single { variable, element } in values {
+            let of = variable.of;
+            let (at, begin) = *begins.entry((of, variable.reference)).or_insert_with(|| {
+                let at = parts.iter().position(|part| part.of == of).unwrap_or_else(|| {
+                    parts.push(Part { of, ..Part::default() });
+                    parts.len() - 1
+                });
+                let part = &mut parts[at];
+                let begin = part.length;
+                part.references.push(variable.reference);
+                part.length += variable.count();
+                part.arrays |= variable.is_array();
+                (at, begin)
+            });
+            places.push((at, begin + element));
+        }
+        let selected: HashSet<&(usize, usize)> = places.iter().collect();
+        for (at, part) in parts.iter_mut().enumerate() {
+            part.whole = (0..part.length).all(|place| selected.contains(&(at, place)));
+        }
+        let in_order = places.iter().enumerate().all(|(k, place)| *place == (0, k));
+        let is_one_call = in_order && parts.first().is_some_and(|part| part.length == places.len());
+        Selection { parts, places, is_one_call }
+    }
+
+    /// Returns the number of values.
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Returns whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// Returns whether an array is among the variables.
+    fn has_arrays(&self) -> bool {
+        self.parts.iter().any(|part| part.arrays)
+    }
 }
 
 impl Instance {
-    /// Makes an instance of an FMU of this description.
-    pub(crate) fn new(calls: Calls, description: Arc<Interface>) -> Instance {
-        let (initialized, later) = (Cell::new(false), RefCell::default());
-        Instance { calls, description, initialized, later }
-    }
-
-    /// Sets the structural parameters that were chosen, in Configuration Mode (FMI 3.0).
-    pub(crate) fn configure(&self, references: &[u32], sizes: &[u64]) -> Result<()> {
-        if references.is_empty() {
-            return Ok(());
-        }
-        self.calls.plain(["", "fmi3EnterConfigurationMode"])?;
-        self.calls.set("fmi3SetUInt64", references, sizes)?;
-        self.calls.plain(["", "fmi3ExitConfigurationMode"]).map(drop)
-    }
-
     /// Selects values by their names.
     ///
     /// # Errors
     /// There is no such value.
     pub fn select<S: AsRef<str>>(&self, names: impl IntoIterator<Item = S>) -> Result<Selection> {
-        let addresses = names.into_iter().map(|name| self.address(name.as_ref()));
-        self.select_at(&addresses.collect::<Result<Vec<_>>>()?)
-    }
-
-    /// Selects values by their addresses.
-    ///
-    /// # Errors
-    /// There is no such value.
-    pub fn select_at(&self, addresses: &[Address]) -> Result<Selection> {
-        Selection::new(&self.description, addresses)
-    }
-
-    /// Returns where a value is.
-    ///
-    /// # Errors
-    /// There is no such value.
-    pub fn address(&self, name: &str) -> Result<Address> {
-        Ok(self.description.known(name)?.address())
+        let values = names.into_iter().map(|name| self.description.known(name.as_ref()));
+        Ok(Selection::new(values.collect::<Result<Vec<_>>>()?))
     }
 
     /// Sets values of one type from a text, all to the same.
@@ -87,10 +112,7 @@ impl Instance {
                 _ => return Err(Error::new(wrong("neither true nor false"))),
             },
             Type::String => return self.set(&selection, &vec![text.to_owned(); selection.len()]),
-            of => {
-                let of = of.name();
-                return Err(Error::new(format!("{first}: variables of type {of} cannot be set here")));
-            }
+            _ => return Err(Error::new(format!("{first}: variables of type {of} cannot be set here"))),
         };
         self.set(&selection, &vec![value; selection.len()])
     }
@@ -104,63 +126,47 @@ impl Instance {
         self.exit_initialization()
     }
 
-    /// `fmi2SetupExperiment` at a time \[s\] and `fmi2EnterInitializationMode`, or `fmi3EnterInitializationMode`; then
-    /// elements of arrays are set that were set before. The tolerance is this one, else that of the FMU's own
-    /// DefaultExperiment, if there is one.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn enter_initialization(&self, start: f64, tolerance: Option<f64>) -> Result<()> {
-        let tolerance = tolerance.or(self.description.tolerance);
-        self.calls.enter_initialization(start, tolerance)?;
-        self.initialized.set(true);
-        let later = std::mem::take(&mut *self.later.borrow_mut());
-        later.into_iter().try_for_each(|set| set(self))
-    }
-
-    /// `fmi2ExitInitializationMode`, `fmi3ExitInitializationMode`
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn exit_initialization(&self) -> Result<()> {
-        self.calls.plain(["fmi2ExitInitializationMode", "fmi3ExitInitializationMode"]).map(drop)
-    }
-
-    /// Sets values. Arrays wait for initialization, so that the last value counts and sizes are those of the Trial that
-    /// was chosen: an array can only be set whole, and cannot be read before.
+    /// Sets values: of arrays of which only some elements are selected, the others stay. Arrays wait for initialization, so
+    /// that the last value counts and sizes are those of the Trial that was chosen: an array can only be set whole, and
+    /// cannot be read before.
     ///
     /// # Errors
     /// The FMU refuses the call, or a value is none of a variable's type.
     pub fn set<T: Value>(&self, selection: &Selection, values: &[T]) -> Result<()> {
+        assert_eq!(selection.len(), values.len(), "a value for each that is selected");
         if selection.has_arrays() && !self.initialized.get() {
             let (selection, values) = (selection.clone(), values.to_vec());
             self.later.borrow_mut().push(Box::new(move |instance| instance.set(&selection, &values)));
             return Ok(());
         }
-        let set = |part: &Part, values: &[T]| T::set(&self.calls, part.of, &part.references, values);
-        selection.write(values, |part, values| self.get_part(part, values), set)
+        let set = |part: &Part, values: &[T]| T::set(self, part.of, &part.references, values);
+        if selection.is_one_call {
+            return set(&selection.parts[0], values);
+        }
+        let before = |part: &Part| {
+            if part.whole { Ok(vec![T::default(); part.length]) } else { self.get_part(part) }
+        };
+        let mut all = selection.parts.iter().map(before).collect::<Result<Vec<Vec<T>>>>()?;
+        for (value, &(part, place)) in values.iter().zip(&selection.places) {
+            all[part][place].clone_from(value);
+        }
+        selection.parts.iter().zip(&all).try_for_each(|(part, values)| set(part, values))
+    }
+
+    fn get_part<T: Value>(&self, part: &Part) -> Result<Vec<T>> {
+        T::get(self, part.of, &part.references, part.length)
     }
 
     /// Reads values: numbers (integers as an `i32` has them: what is larger is refused; Booleans are 0 or 1) or texts.
     ///
     /// # Errors
     /// The FMU refuses the call, or a value is too large.
-    pub fn get<T: Value>(&self, selection: &Selection, values: &mut [T]) -> Result<()> {
-        selection.read(values, |part, values| self.get_part(part, values))
-    }
-
-    fn get_part<T: Value>(&self, part: &Part, values: &mut [T]) -> Result<()> {
-        T::get(&self.calls, part.of, &part.references, values)
-    }
-
-    /// Reads values.
-    ///
-    /// # Errors
-    /// As [`Instance::get`].
     pub fn values<T: Value>(&self, selection: &Selection) -> Result<Vec<T>> {
-        let mut values = vec![T::default(); selection.len()];
-        self.get(selection, &mut values)?;
-        Ok(values)
+        if selection.is_one_call {
+            return self.get_part(&selection.parts[0]);
+        }
+        let all = selection.parts.iter().map(|part| self.get_part(part)).collect::<Result<Vec<Vec<T>>>>()?;
+        Ok(selection.places.iter().map(|&(part, place)| all[part][place].clone()).collect())
     }
 
     /// Reads a single value.
@@ -168,50 +174,7 @@ impl Instance {
     /// # Errors
     /// There is no such value, or the FMU refuses the call.
     pub fn value<T: Value>(&self, name: &str) -> Result<T> {
-        let mut value = [T::default()];
-        self.get(&self.select([name])?, &mut value)?;
-        let [value] = value;
-        Ok(value)
-    }
-
-    /// Makes a step from a time, both \[s\].
-    ///
-    /// # Errors
-    /// The FMU refuses the step or fails; in FMI 3.0 also if it wants an event, or the end of the simulation.
-    pub fn step(&self, time: f64, step: f64) -> Result<()> {
-        if self.calls.do_step(time, step)? == Status::Warning {
-            self.calls.messages.warned(time, self.description.fmi);
-        }
-        Ok(())
-    }
-
-    /// `fmi2Terminate`, `fmi3Terminate`
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn terminate(&self) -> Result<()> {
-        self.calls.plain(["fmi2Terminate", "fmi3Terminate"]).map(drop)
-    }
-
-    /// Returns the present state as bytes: `fmi2GetFMUstate`, `fmi2SerializeFMUstate`.
-    ///
-    /// # Errors
-    /// The FMU refuses a call, or the state is too large for the memory.
-    pub fn state(&self) -> Result<Vec<u8>> {
-        self.calls.save()
-    }
-
-    /// Goes to a state: `fmi2DeSerializeFMUstate`, `fmi2SetFMUstate`.
-    ///
-    /// # Errors
-    /// Bytes that are none of such an FMU, or its refusal.
-    pub fn restore(&self, bytes: &[u8]) -> Result<()> {
-        self.calls.restore(bytes)
-    }
-
-    /// Returns the warnings of the FMU since the last call: the first 1000, the number of further ones, and the time \[s\] of
-    /// the first step that returned the status Warning.
-    pub fn warnings(&self) -> Vec<String> {
-        self.calls.messages.warnings()
+        let mut value = self.values(&self.select([name])?)?;
+        Ok(value.swap_remove(0))
     }
 }

@@ -1,41 +1,39 @@
 //! Messages that an FMU logs.
 
 use crate::error::{Error, Result};
-use crate::ssp::Fmi;
-use lemons_fmi::Status;
+use lemons_fmi::{Status, Version};
 use std::sync::Mutex;
 
-/// Where an FMU is unpacked, and what the user knows it by.
-#[derive(Default)]
-pub(crate) struct Names {
-    pub unpacked: String,
-    pub shown: String,
+/// Returns what the names of the functions of a version begin with.
+pub(crate) fn prefix(version: Version) -> &'static str {
+    if version == Version::V2 { "fmi2" } else { "fmi3" }
 }
 
-impl Names {
-    pub fn said(&self, text: &str) -> String {
-        if self.unpacked.is_empty() { text.to_owned() } else { text.replace(&self.unpacked, &self.shown) }
-    }
+/// Returns the status with this number, if this version has it.
+pub(crate) fn status_of(version: Version, code: i32) -> Option<Status> {
+    use Status::{Discard, Error, Fatal, Ok, Pending, Warning};
+    let known = [Ok, Warning, Discard, Error, Fatal].into_iter();
+    known.chain((version == Version::V2).then_some(Pending)).find(|status| *status as i32 == code)
 }
 
 /// Messages of one kind that are kept; further ones are counted.
 const MOST_MESSAGES: usize = 1000;
 
-/// The first messages of a kind, and how many there were.
+/// The first messages of a kind, and how many further ones there were.
 #[derive(Default)]
-struct Heard {
-    first: Vec<String>,
-    more: u64,
-}
+struct Heard(Mutex<(Vec<String>, u64)>);
 
 impl Heard {
-    fn push(&mut self, message: String) {
-        if self.first.len() < MOST_MESSAGES { self.first.push(message) } else { self.more += 1 }
+    fn push(&self, message: String) {
+        if let Ok(mut heard) = self.0.lock() {
+            if heard.0.len() < MOST_MESSAGES { heard.0.push(message) } else { heard.1 += 1 }
+        }
     }
 
     /// All of them since the last call.
-    fn take(&mut self) -> Vec<String> {
-        let Heard { mut first, more } = std::mem::take(self);
+    fn take(&self) -> Vec<String> {
+        let (mut first, more) =
+            self.0.lock().map(|mut heard| std::mem::take(&mut *heard)).unwrap_or_default();
         if more > 0 {
             first.push(format!("and {more} more"));
         }
@@ -46,35 +44,35 @@ impl Heard {
 /// Messages of an FMU. Errors become the run's error; warnings are kept for the end.
 #[derive(Default)]
 pub(crate) struct Messages {
-    errors: Mutex<Heard>,
-    warnings: Mutex<Heard>,
+    errors: Heard,
+    warnings: Heard,
     /// Steps that returned the status Warning: where the first of them began \[s\], and their number.
-    warned: Mutex<Option<(f64, u64, Fmi)>>,
-    names: Names,
+    warned: Mutex<Option<(f64, u64, Version)>>,
+    /// Where the FMU is unpacked, and what the user knows it by.
+    names: [String; 2],
 }
 
 impl Messages {
-    /// None yet; `names` are for those that are told.
-    pub fn with(names: Names) -> Messages {
+    /// None yet. In those that are told, the second of these names stands for the first one.
+    pub fn with(names: [String; 2]) -> Messages {
         Messages { names, ..Messages::default() }
     }
 
     pub fn hear(&self, status: Option<Status>, message: &str) {
-        let list = match status {
-            Some(Status::Ok) => return,
-            Some(Status::Warning | Status::Discard) => &self.warnings,
-            _ => &self.errors,
-        };
-        if let Ok(mut list) = list.lock() {
-            list.push(message.to_owned());
+        let [unpacked, shown] = &self.names;
+        let message = if unpacked.is_empty() { message.to_owned() } else { message.replace(unpacked, shown) };
+        match status {
+            Some(Status::Ok) => {}
+            Some(Status::Warning | Status::Discard) => self.warnings.push(message),
+            _ => self.errors.push(message),
         }
     }
 
     /// Returns the status of a call, or as an error what the FMU has logged about its refusal.
-    pub fn done(&self, fmi: Fmi, call: &str, code: i32) -> Result<Status> {
+    pub fn done(&self, version: Version, call: &str, code: i32) -> Result<Status> {
         // What was logged as an error in a call that succeeded is not the reason of a later refusal.
         let said = self.errors();
-        Err(Error::new(match fmi.status(code) {
+        Err(Error::new(match status_of(version, code) {
             Some(status @ (Status::Ok | Status::Warning)) => return Ok(status),
             _ if !said.is_empty() => said.join("\n"),
             Some(status) => format!("{call} returned {status:?}"),
@@ -83,24 +81,22 @@ impl Messages {
     }
 
     /// Notes a step from a time \[s\] that returned the status Warning.
-    pub fn warned(&self, time: f64, fmi: Fmi) {
+    pub fn warned(&self, time: f64, version: Version) {
         if let Ok(mut warned) = self.warned.lock() {
-            let (first, steps, _) = warned.unwrap_or((time, 0, fmi));
-            *warned = Some((first, steps + 1, fmi));
+            warned.get_or_insert((time, 0, version)).1 += 1;
         }
     }
 
     /// The warnings since the last call.
     pub fn warnings(&self) -> Vec<String> {
-        let said = self.warnings.lock().map(|mut list| list.take()).unwrap_or_default();
-        let mut said: Vec<String> = said.iter().map(|message| self.names.said(message)).collect();
-        if let Some((time, steps, fmi)) = self.warned.lock().ok().and_then(|mut warned| warned.take()) {
+        let mut said = self.warnings.take();
+        if let Some((time, steps, version)) = self.warned.lock().ok().and_then(|mut warned| warned.take()) {
             let more = match steps - 1 {
                 0 => String::new(),
                 1 => ", and 1 later step".to_owned(),
                 more => format!(", and {more} later steps"),
             };
-            let status = format!("{}Warning{more}", fmi.prefix());
+            let status = format!("{}Warning{more}", prefix(version));
             said.push(format!("warning: the step from t = {time:?} s returned the status {status}"));
         }
         said
@@ -108,8 +104,7 @@ impl Messages {
 
     /// The errors since the last call.
     pub fn errors(&self) -> Vec<String> {
-        let said = self.errors.lock().map(|mut list| list.take()).unwrap_or_default();
-        said.iter().map(|message| self.names.said(message)).collect()
+        self.errors.take()
     }
 }
 
@@ -127,13 +122,9 @@ mod tests {
         assert_eq!(numbers(&messages.errors()), (1001, "999".into(), Some("and 1 more".into())));
         assert!(messages.warnings().is_empty() && messages.errors().is_empty());
         // A step that returns fmi2Warning in silence.
-        [0.5, 0.6, 0.7].into_iter().for_each(|time| messages.warned(time, Fmi::V2));
+        [0.5, 0.6, 0.7].into_iter().for_each(|time| messages.warned(time, Version::V2));
         let said = "warning: the step from t = 0.5 s returned the status fmi2Warning, and 2 later steps";
         assert_eq!(messages.warnings(), [said]);
-    }
-
-    fn unknown(code: i32) -> String {
-        format!("fmi3DoStep returned {code}, which is no status of FMI")
     }
 
     #[test]
@@ -141,14 +132,14 @@ mod tests {
         let messages = Messages::default();
         messages.hear(Some(Status::Error), "harmless");
         messages.hear(Some(Status::Warning), "to be looked at");
-        messages.done(Fmi::V2, "fmi2SetReal", Status::Ok as i32).unwrap();
+        messages.done(Version::V2, "fmi2SetReal", Status::Ok as i32).unwrap();
         messages.hear(Some(Status::Error), "the reason");
-        let said = |code| messages.done(Fmi::V3, "fmi3DoStep", code).unwrap_err().to_string();
+        let said = |code| messages.done(Version::V3, "fmi3DoStep", code).unwrap_err().to_string();
         assert_eq!(said(Status::Error as i32), "the reason");
         assert_eq!(messages.warnings(), ["to be looked at"]);
         assert_eq!(said(Status::Error as i32), "fmi3DoStep returned Error");
         // `Pending` is of FMI 2.0 only.
-        assert_eq!((said(5), said(-1)), (unknown(5), unknown(-1)));
-        assert_eq!(Fmi::V2.status(5), Some(Status::Pending));
+        assert_eq!(said(5), "fmi3DoStep returned 5, which is no status of FMI");
+        assert_eq!(status_of(Version::V2, 5), Some(Status::Pending));
     }
 }

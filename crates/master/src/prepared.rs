@@ -2,17 +2,17 @@
 //! its communication points are known; then it is stepped.
 
 use crate::assemble::{Assembled, assemble};
-use crate::decider::PlanChoice;
-use crate::drive_feed::DriveFeed;
-use crate::error::{Error, Place, Result};
+use crate::calls::Instance;
+use crate::error::{Error, Place, Result, ensure};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
-use crate::instance::Instance;
+use crate::instance::Selection;
 use crate::notes;
 use crate::saved::Saved;
 use crate::settings::Settings;
 use crate::system::{Component, PLAY_DRIVE, System, component_of};
-use lemons_core::trial::{DriveChoice, DriveTable, Trial};
+use crate::trial_input::PlanChoice;
+use lemons_core::trial::{Agent, DriveChoice, DriveTable, Trial};
 use lemons_decision::DECISION_FILE;
 use lemons_sim::{Clock, Model};
 use std::sync::Arc;
@@ -85,11 +85,10 @@ impl Prepared {
         };
         let inputs = [FileType::FMU, FileType::SSP, FileType::ARCHIVE];
         FileType::expect(&settings.input, &inputs, "an FMU or an SSP")?;
-        if matches!(settings.plan, PlanChoice::File(_)) {
-            let why =
-                format!("--plan: a file like {DECISION_FILE} is for a Trial, and not for an FMU or an SSP");
-            return Err(Error::Misused(why));
-        }
+        ensure(!matches!(settings.plan, PlanChoice::File(_)), || {
+            let why = "is for a Trial, and not for an FMU or an SSP";
+            Error::Misused(format!("--plan: a file like {DECISION_FILE} {why}"))
+        })?;
         let open = if coupled { open_ssp } else { open_fmu };
         let Assembled { mut system, start, stop, mut warnings } = open(settings, &parameters)?;
         for (name, value) in &parameters {
@@ -108,7 +107,7 @@ impl Prepared {
         let of_saved =
             || settings.resume.iter().map(|path| format!("saved run {}", path.display())).collect();
         if let Some(before) = &before {
-            before.check(&system.records(), system.algorithm, &system.fingerprint()).place(of_saved)?;
+            before.check(&system.records(), system.algorithm, &system.fingerprint).place(of_saved)?;
         }
         let start = before.as_ref().map_or(start.unwrap_or(0.0), |before| before.start);
         system.initialize(start, settings.tolerance)?;
@@ -128,7 +127,8 @@ impl Prepared {
             (false, _) => crowd.fmu.drive(trial, &settings.drive)?,
         };
         let agents = trial.map_or(&[][..], |trial| &trial.agents);
-        let feed = DriveFeed::new(&crowd.instance, agents, drive, plays)?;
+        let fed = if plays { &[][..] } else { agents };
+        let feed = DriveFeed::new(&crowd.instance, fed, drive)?;
         let steps = system.components.iter().zip(&trials).filter_map(|(component, trial)| match trial {
             Some(trial) => Some(trial.parameters.time_step),
             None => component.fmu.description.step,
@@ -161,21 +161,19 @@ fn open_fmu(settings: &Settings, parameters: &[(String, String)]) -> Result<Asse
 }
 
 fn open_ssp(settings: &Settings, parameters: &[(String, String)]) -> Result<Assembled> {
-    if matches!(settings.drive, DriveChoice::File(_)) {
-        let why = "--drive: a drive is for a Trial or an FMU: in an SSP inputs are fed by connections";
-        return Err(Error::new(why));
-    }
+    ensure(
+        !matches!(settings.drive, DriveChoice::File(_)),
+        || "--drive: a drive is for a Trial or an FMU: in an SSP inputs are fed by connections",
+    )?;
     if let Some(threads) = settings.threads {
         let why = "--threads: a number of threads is for a Trial or an FMU: in an SSP, set NAME.Threads";
-        return Err(Error::new(format!("{why}={threads}")));
+        return Err(format!("{why}={threads}").into());
     }
     let mut assembled = assemble(&settings.input, settings.algorithm, parameters)?;
-    let system = &assembled.system;
-    if settings.drive == DriveChoice::Own {
-        for (place, component) in system.components.iter().enumerate() {
-            if component.fmu.loses_drive(|input| system.feeds(place, input))? {
-                assembled.warnings.push(notes::drive_replaced(&component.name));
-            }
+    let (system, own) = (&assembled.system, settings.drive == DriveChoice::Own);
+    for (place, component) in system.components.iter().enumerate().filter(|_| own) {
+        if component.fmu.loses_drive(|input| system.feeds(place, input))? {
+            assembled.warnings.push(notes::drive_replaced(&component.name));
         }
     }
     Ok(assembled)
@@ -196,7 +194,7 @@ fn set(system: &System, name: &str, value: &str, coupled: bool) -> Result<Option
     let Component { fmu, instance, .. } = &system.components[place];
     let variables = fmu.named(variable);
     let unknown = variables.iter().any(|name| fmu.kind(name).is_none());
-    if let Some(meant) = fmu.meant(variable).filter(|_| unknown) {
+    if unknown && let Some(meant) = fmu.meant(variable) {
         let prefix = name.strip_suffix(variable).unwrap_or_default();
         return Err(notes::no_such_variable(name, value, &format!("{prefix}{meant}")));
     }
@@ -220,8 +218,48 @@ fn check_saves(system: &System) -> Result<()> {
     for Component { name, fmu, .. } in &system.components {
         if let Some(flag) = fmu.cannot_save() {
             let why = format!("component {name:?} says {flag}=\"false\" (--state, --resume)");
-            return Err(Error::new(format!("the run cannot be saved: {why}")));
+            return Err(format!("the run cannot be saved: {why}").into());
         }
     }
     Ok(())
+}
+
+/// Returns the agents that a drive names, with the names of their inputs.
+pub(crate) fn driven<'a>(
+    agents: &'a [Agent],
+    drive: &'a DriveTable,
+) -> impl Iterator<Item = (&'a Agent, [String; 3])> {
+    let driven = agents.iter().enumerate().filter(|(_, agent)| drive.rows(&agent.id).is_some());
+    driven.map(|(i, agent)| (agent, ["Fp.x", "Fp.y", "Mp"].map(|name| format!("agent[{i}].{name}"))))
+}
+
+/// A drive, into an instance of a crowd.
+pub struct DriveFeed {
+    /// The drive: who is pushed when.
+    pub drive: DriveTable,
+    /// The agents that the drive names.
+    ids: Vec<String>,
+    /// Fp.x, Fp.y and Mp of each of them.
+    inputs: Selection,
+}
+
+impl DriveFeed {
+    /// Makes the feed of the inputs of these agents of an instance.
+    fn new(instance: &Instance, agents: &[Agent], drive: DriveTable) -> Result<DriveFeed> {
+        let driven = driven(agents, &drive).map(|(agent, names)| (agent.id.clone(), names));
+        let (ids, names): (Vec<String>, Vec<[String; 3]>) = driven.unzip();
+        Ok(DriveFeed { inputs: instance.select(names.iter().flatten())?, ids, drive })
+    }
+
+    /// Sets the inputs of the instance to the values at a time \[s\]: forces \[N\] and torques \[N m\].
+    ///
+    /// # Errors
+    /// The FMU refuses the call.
+    fn apply(&self, instance: &Instance, time: f64) -> Result<()> {
+        if self.inputs.is_empty() {
+            return Ok(());
+        }
+        let values: Vec<f64> = self.ids.iter().filter_map(|id| self.drive.at(id, time)).flatten().collect();
+        instance.set(&self.inputs, &values)
+    }
 }

@@ -1,9 +1,9 @@
 //! A saved run: `run.toml` and the state of each component, in a zip.
 
 use crate::calls::LARGEST_STATE;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, ensure};
 use crate::file_type::FileType;
-use crate::ssp::{Allowance, open_zip, sound};
+use crate::ssp::{Allowance, entry, open_zip, sound};
 use lemons_core::files::Staged;
 use lemons_core::trial::quoted;
 use lemons_sim::{Algorithm, ExposureSum, Extremes};
@@ -12,8 +12,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Display;
 use std::io::{BufWriter, Read, Write};
 use std::path::Path;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::{CompressionMethod, ZipWriter};
 
 const RUN: &str = "run.toml";
 /// \[byte\] of `run.toml`: thousands of components.
@@ -123,12 +122,8 @@ impl Saved {
     /// Checks that the states of all components can be read again.
     fn check_states(states: &[Vec<u8>], most: usize) -> Result<()> {
         let size = states.iter().fold(0, |sum: usize, state| sum.saturating_add(state.len()));
-        if size > most {
-            return Err(Error::new(format!(
-                "the states of all components have {size} bytes together, more than {most}"
-            )));
-        }
-        Ok(())
+        let large = || format!("the states of all components have {size} bytes together, more than {most}");
+        Ok(ensure(size <= most, large)?)
     }
 
     /// Writes the archive with the states of the components; the same run gives the same bytes.
@@ -141,10 +136,7 @@ impl Saved {
             (component.state, component.bytes) = (format!("state-{place}"), state.len() as u64);
         }
         let mut zip = ZipWriter::new(BufWriter::new(file));
-        let options = SimpleFileOptions::default()
-            .last_modified_time(DateTime::default())
-            .unix_permissions(0o644)
-            .compression_method(CompressionMethod::Deflated);
+        let options = entry(CompressionMethod::Deflated);
         zip.start_file(RUN, options)?;
         zip.write_all(toml::to_string(&self).map_err(wrong)?.as_bytes())?;
         for (component, state) in self.component.iter().zip(states) {
@@ -176,20 +168,14 @@ impl Saved {
         let mut states = Vec::new();
         for component in &saved.component {
             let name = &component.state;
-            if zip.index_for_name(name).is_none() {
-                let component = &component.name;
-                return Err(Error::new(format!(
-                    "it contains no {name:?}, the state of component {component:?}"
-                )));
-            }
+            let (said, own) = (component.bytes, &component.name);
+            let missing = || format!("it contains no {name:?}, the state of component {own:?}");
+            ensure(zip.index_for_name(name).is_some(), missing)?;
             // No more is unpacked than is said, and no more than is said is allocated.
             let mut bytes = Vec::new();
-            let entry = zip.by_name(name)?.take(component.bytes.saturating_add(1));
-            left.copy(name, entry, &mut bytes)?;
-            if bytes.len() as u64 != component.bytes {
-                let said = component.bytes;
-                return Err(Error::new(format!("{name}: has not the {said} bytes that {RUN} says")));
-            }
+            left.copy(name, zip.by_name(name)?.take(said.saturating_add(1)), &mut bytes)?;
+            let other = || format!("{name}: has not the {said} bytes that {RUN} says");
+            ensure(bytes.len() as u64 == said, other)?;
             states.push(bytes);
         }
         Ok((saved, states))
@@ -203,22 +189,21 @@ impl Saved {
             #[serde(default)]
             lemons: String,
         }
-        let version: Version = toml::from_str(text).map_err(wrong)?;
-        if version.format != Saved::FORMAT {
-            let Version { format, lemons } = version;
+        let Version { format, lemons } = toml::from_str(text).map_err(wrong)?;
+        ensure(format == Saved::FORMAT, || {
             let by = if lemons.is_empty() { String::new() } else { format!(" (lemons {})", quoted(&lemons)) };
-            return Err(wrong(format!(
+            wrong(format!(
                 "format = {format}: this program knows format {} only; continue the run with the program that \
                  saved it{by}, or begin it again",
                 Saved::FORMAT
-            )));
-        }
+            ))
+        })?;
         let saved: Saved = toml::from_str(text).map_err(wrong)?;
-        saved.check_numbers().map_err(|(key, why)| wrong(format!("{key}: {why}")))?;
+        saved.check_numbers().place(|| RUN.to_owned())?;
         Ok(saved)
     }
 
-    fn check_numbers(&self) -> Result<(), (&'static str, String)> {
+    fn check_numbers(&self) -> Result<()> {
         let Saved { start, step, until, time, index, every, .. } = *self;
         let (point, next) = (start + index as f64 * step, start + (index as f64 + 1.0) * step);
         let within = format!("from {point:?} on and before {next:?}, at index {index}");
@@ -228,29 +213,22 @@ impl Saved {
             ("until", until, until.is_finite(), "finite"),
             ("time", time, time >= point && time < next, &within),
         ] {
-            if !is_right {
-                return Err((key, format!("{value:?}: must be {must}")));
-            }
+            ensure(is_right, || format!("{key}: {value:?}: must be {must}"))?;
         }
-        if every == 0 {
-            return Err(("every", "0: must be positive".into()));
-        }
-        if self.component.is_empty() {
-            return Err(("component", "there is none".into()));
-        }
+        ensure(every > 0, || "every: 0: must be positive")?;
+        ensure(!self.component.is_empty(), || "component: there is none")?;
         let mut of = HashMap::new();
         for ComponentRecord { name, state, .. } in &self.component {
-            if state == RUN {
-                return Err(("state", format!("{state:?}: component {name:?} has no entry of its own")));
-            }
+            ensure(state != RUN, || format!("state: {state:?}: component {name:?} has no entry of its own"))?;
             if let Some(other) = of.insert(state, name) {
-                return Err(("state", format!("{state:?}: is that of component {other:?} and of {name:?}")));
+                return Err(
+                    format!("state: {state:?}: is that of component {other:?} and of {name:?}").into()
+                );
             }
         }
         for CrowdRecord { component, extremes, since } in &self.crowd {
-            if !(extremes.are_possible() && since.is_possible()) {
-                return Err(("crowd", format!("{component:?}: has a number that is not possible")));
-            }
+            let possible = extremes.are_possible() && since.is_possible();
+            ensure(possible, || format!("crowd: {component:?}: has a number that is not possible"))?;
         }
         Ok(())
     }
@@ -264,26 +242,21 @@ impl Saved {
             all.iter().map(|component| component.name.as_str()).collect::<Vec<_>>().join(", ")
         };
         let (there, here) = (names(&self.component), names(components));
-        if there != here {
-            let why = format!("the saved run is of the components {there}; here are {here}");
-            return Err(Error::new(why));
+        ensure(there == here, || format!("the saved run is of the components {there}; here are {here}"))?;
+        for (ComponentRecord { name, model, guid, .. }, here) in self.component.iter().zip(components) {
+            ensure(*guid == here.guid, || {
+                format!(
+                    "component {name:?}: the saved run is of {model:?} with the GUID {guid}; here is {:?} with {}",
+                    here.model, here.guid
+                )
+            })?;
         }
-        if let Some((there, here)) = self.component.iter().zip(components).find(|(a, b)| a.guid != b.guid) {
-            let ComponentRecord { name, model, guid, .. } = there;
-            return Err(Error::new(format!(
-                "component {name:?}: the saved run is of {model:?} with the GUID {guid}; here is {:?} with {}",
-                here.model, here.guid
-            )));
-        }
-        if self.algorithm != algorithm.to_string() {
-            let there = &self.algorithm;
-            return Err(Error::new(format!("--algorithm: the saved run has {there}, not {algorithm}")));
-        }
-        if self.wiring != wiring {
-            let why = "the components are connected otherwise than in the saved run";
-            return Err(Error::new(why.to_owned()));
-        }
-        Ok(())
+        let there = &self.algorithm;
+        ensure(*there == algorithm.to_string(), || {
+            format!("--algorithm: the saved run has {there}, not {algorithm}")
+        })?;
+        let why = "the components are connected otherwise than in the saved run";
+        Ok(ensure(self.wiring == wiring, || why)?)
     }
 }
 

@@ -1,9 +1,9 @@
 //! Settings of a run.
 
-use crate::decider::PlanChoice;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, ensure};
 use crate::notes;
 use crate::saved::Saved;
+use crate::trial_input::PlanChoice;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::trial::{DriveChoice, DriveTable};
 use lemons_sim::{Algorithm, Clock};
@@ -79,30 +79,23 @@ impl Settings {
         let until = self.until.or(before.map(|before| before.until)).or(stop).unwrap_or(DEFAULT_STOP_TIME);
         let (is, first) =
             before.map_or(("it starts at", start), |before| ("the saved run is at", before.time));
-        if until <= first {
-            let why = format!("{is} {first:?} s and stops at {until:?} s (--until)");
-            return Err(Error::new(format!("nothing to simulate: {why}")));
-        }
+        ensure(until > first, || {
+            format!("nothing to simulate: {is} {first:?} s and stops at {until:?} s (--until)")
+        })?;
         let step = self.step.or(before.map(|before| before.step)).or(step);
-        let step =
-            step.ok_or_else(|| Error::new("no FMU has a DefaultExperiment with a stepSize: give --step"))?;
+        let step = step.ok_or("no FMU has a DefaultExperiment with a stepSize: give --step")?;
         let every = self.every.or(before.map(|before| before.every)).unwrap_or(1);
-        if let Some(before) = before {
-            let other = if drive.fingerprint() != before.drive {
-                "the saved run had another drive: give the same drive file as before, or --no-drive as before"
-                    .to_owned()
-            } else if step != before.step {
-                let saved = format!("the saved run has a communication step of {:?} s", before.step);
-                format!("--step: a communication step of {step:?} s: {saved}")
-            } else if every != before.every {
-                let saved = before.every;
-                format!("--every: one communication point in {every}: the saved run has one in {saved}")
-            } else {
-                String::new()
-            };
-            if !other.is_empty() {
-                return Err(Error::new(other));
-            }
+        if let Some(Saved { drive: known, step: saved, every: saved_every, .. }) = before {
+            ensure(
+                drive.fingerprint() == *known,
+                || "the saved run had another drive: give the same drive file as before, or --no-drive as before",
+            )?;
+            ensure(step == *saved, || {
+                format!("--step: a communication step of {step:?} s: the saved run has one of {saved:?} s")
+            })?;
+            ensure(every == *saved_every, || {
+                format!("--every: one communication point in {every}: the saved run has one in {saved_every}")
+            })?;
         }
         let clock = Clock::new(start, step, until).place(|| self.input.display().to_string())?;
         let missed = drive.missed(start, step);

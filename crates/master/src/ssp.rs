@@ -11,7 +11,6 @@
 //! connected whole or by element. Refused, with a message that names the element: nested systems, signal dictionaries,
 //! connections from the system's own inputs, parameter mappings, mapping transformations, values of arrays, clocks.
 
-mod allowance;
 mod archive;
 mod connect;
 mod document;
@@ -20,14 +19,13 @@ mod read;
 mod unit;
 mod write;
 
-pub use allowance::Allowance;
-pub use archive::{Archive, write_archive};
-pub(crate) use archive::{ZipFile, open_zip, sound};
+pub use archive::{Allowance, Archive, write_archive};
+pub(crate) use archive::{ZipFile, entry, open_zip, sound};
 pub use connect::{Connected, Participant, connect};
+pub(crate) use document::wrong_at;
 pub use document::{
-    Component, Connection, Connector, Extent, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE,
-    SystemStructure, Type, located,
+    Component, Connection, Connector, Extent, Kind, Parameter, Port, STRUCTURE_FILE, SystemStructure, Type,
 };
-pub use interface::{Address, CoSimulation, Dimension, Fmi, Interface, Single, Variable};
+pub use interface::{CoSimulation, Dimension, Interface, Single, Variable};
 pub(crate) use interface::{place_of, written};
-pub use unit::{Affine, Unit, conversion};
+pub use unit::{Affine, Unit, UnitOf, conversion};

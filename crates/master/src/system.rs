@@ -1,7 +1,7 @@
 //! Several FMUs that step together: co-simulation with a fixed communication step.
 //!
-//! Each component keeps the newest values of its connected outputs here, read by one call for each type. In FMI 3.0 an
-//! array is read and set whole, and each of its elements has a connection of its own here. Then
+//! Here are the newest values of the connected outputs, of each pair of components, read by one call for each type. In FMI
+//! 3.0 an array is read and set whole, and each of its elements has a connection of its own here. Then
 //!
 //! - Jacobi: all inputs are set, all components step, all outputs are read;
 //! - Gauss-Seidel: the components step one after the other, in the order of the file. For each, the inputs are set, it
@@ -10,13 +10,13 @@
 //! Initial values: while all components are in initialization mode, outputs are read and inputs are set as many times as
 //! there are components, or until nothing changes. The longest chain without a loop then has its values.
 
-use crate::channel::{Channel, Wire};
-use crate::error::{Error, Place, Result};
+use crate::calls::{Instance, Value};
+use crate::error::{Place, Result, ensure};
 use crate::fmu::Fmu;
-use crate::instance::Instance;
+use crate::instance::Selection;
 use crate::notes;
 use crate::saved::ComponentRecord;
-use crate::ssp::{Address, Single, Type};
+use crate::ssp::{Affine, Single, Type};
 use lemons_core::trial::Trial;
 use lemons_fmi::fingerprint;
 use lemons_sim::Algorithm;
@@ -55,24 +55,15 @@ pub struct System {
     pub components: Vec<Component>,
     /// In which order components exchange values and step.
     pub algorithm: Algorithm,
-    numbers: Channel<f64>,
-    texts: Channel<String>,
-    wiring: Wiring,
-    /// The inputs with a connection, by component.
-    fed: HashSet<(usize, Address)>,
+    channels: Vec<Channel>,
+    /// The inputs with a connection: component, and name of the value.
+    fed: HashSet<(usize, String)>,
+    /// Number of the connections of the SSP.
+    pub connections: usize,
+    /// The connections: the same if the same outputs feed the same inputs with the same conversions.
+    pub fingerprint: String,
     /// \[s\] The last communication point.
     pub time: f64,
-}
-
-/// The connections of a system.
-#[derive(Default)]
-pub(crate) struct Wiring {
-    /// Connections of single values, by type.
-    pub(crate) wires: Vec<Wire>,
-    /// Number of the connections of the SSP.
-    pub(crate) connections: usize,
-    /// Components of which the first feeds inputs of the second that have the names of its outputs.
-    pub(crate) alike: BTreeSet<(usize, usize)>,
 }
 
 impl System {
@@ -82,20 +73,23 @@ impl System {
     /// The FMU cannot be instantiated.
     pub fn of_one(name: &str, fmu: Arc<Fmu>, algorithm: Algorithm) -> Result<System> {
         let instance = fmu.instantiate(name)?;
-        System::new(vec![Component { name: name.to_owned(), fmu, instance }], algorithm, Wiring::default())
+        let component = Component { name: name.to_owned(), fmu, instance };
+        Ok(System::new(vec![component], algorithm, &[], 0))
     }
 
-    /// Connects components.
-    ///
-    /// # Errors
-    /// An FMU has no such values.
-    pub(crate) fn new(components: Vec<Component>, algorithm: Algorithm, wiring: Wiring) -> Result<System> {
-        let (texts, numbers): (Vec<&Wire>, Vec<&Wire>) =
-            wiring.wires.iter().partition(|wire| wire.from.1.of == Type::String);
-        let numbers = Channel::new(numbers.into_iter(), &components)?;
-        let texts = Channel::new(texts.into_iter(), &components)?;
-        let fed = wiring.wires.iter().map(|wire| wire.to).collect();
-        Ok(System { components, algorithm, numbers, texts, wiring, fed, time: 0.0 })
+    /// Connects components by connections of single values, which are so many connections of an SSP.
+    pub(crate) fn new(
+        components: Vec<Component>,
+        algorithm: Algorithm,
+        wires: &[Wire],
+        connections: usize,
+    ) -> System {
+        let fed = wires.iter().map(|Wire { to: (place, to), .. }| {
+            (*place, components[*place].fmu.description.name_of(to.variable, to.element))
+        });
+        let fed = fed.collect();
+        let (channels, fingerprint) = (Channel::of(wires), fingerprint_of(wires));
+        System { components, algorithm, channels, fed, connections, fingerprint, time: 0.0 }
     }
 
     /// Finds parameters of the same people that differ between connected components, one warning for each name.
@@ -105,8 +99,12 @@ impl System {
     pub(crate) fn differing(&self) -> Result<Vec<String>> {
         let mut warnings = Vec::new();
         // Each pair once, whichever feeds the other.
-        let pairs = self.wiring.alike.iter().filter(|(a, b)| a < b || !self.wiring.alike.contains(&(*b, *a)));
-        for (a, b) in pairs.map(|(a, b)| (&self.components[*a], &self.components[*b])) {
+        let mut seen = BTreeSet::new();
+        for channel in self.channels.iter().filter(|channel| channel.alike) {
+            if !seen.insert((channel.from.min(channel.to), channel.from.max(channel.to))) {
+                continue;
+            }
+            let [a, b] = [channel.from, channel.to].map(|place| &self.components[place]);
             let same = |(name, single): &(String, Single)| {
                 let other = b.fmu.description.single(name);
                 let real = single.variable.of.class() == Type::Real && name.starts_with("agent[");
@@ -135,13 +133,11 @@ impl System {
 
     /// Returns whether a connection feeds a variable of the component at this place.
     pub fn feeds(&self, place: usize, variable: &str) -> bool {
-        let single = self.components[place].fmu.description.single(variable);
-        single.is_some_and(|single| self.fed.contains(&(place, single.address())))
-    }
-
-    /// Returns the number of connections.
-    pub fn connections(&self) -> usize {
-        self.wiring.connections
+        let description = &self.components[place].fmu.description;
+        let single = description.single(variable);
+        single.is_some_and(|single| {
+            self.fed.contains(&(place, description.name_of(single.variable, single.element)))
+        })
     }
 
     /// Keeps crowds from playing the drives that are packed in them; before initialization. Crowds of earlier versions play
@@ -222,28 +218,11 @@ impl System {
     /// # Errors
     /// The states belong to other components, or a component refuses its state.
     pub fn restore(&mut self, time: f64, states: &[Vec<u8>]) -> Result<()> {
-        if states.len() != self.components.len() {
-            let (states, components) = (states.len(), self.components.len());
-            return Err(Error::new(format!("{states} states for {components} components")));
-        }
+        let (given, components) = (states.len(), self.components.len());
+        ensure(given == components, || format!("{given} states for {components} components"))?;
         self.each(|system, c| system.components[c].instance.restore(&states[c]))?;
         self.time = time;
         self.each(|system, c| system.read(c).map(drop))
-    }
-
-    /// Returns the fingerprint of the connections: the same if the same outputs feed the same inputs with the same
-    /// conversions.
-    pub fn fingerprint(&self) -> String {
-        let line =
-            |Wire { from, to, map }: &Wire| format!("{}.{} -> {}.{} {map:?}", from.0, from.1, to.0, to.1);
-        let of_type = |of: Type| {
-            let wires = self.wiring.wires.iter().filter(|wire| wire.from.1.of.class() == of);
-            let mut lines: Vec<String> = wires.map(line).collect();
-            lines.sort_unstable();
-            lines.join(" ")
-        };
-        let all = [Type::Real, Type::Integer, Type::Boolean, Type::String].map(of_type).join("\n");
-        format!("{:032x}", fingerprint(all.as_bytes()))
     }
 
     /// Returns what a saved run says of the components.
@@ -269,18 +248,15 @@ impl System {
 
     /// Returns the warnings of the components since the last call.
     pub fn warnings(&self) -> Vec<String> {
-        let all = self.components.iter().flat_map(|component| {
-            let warnings = component.instance.warnings().into_iter();
-            warnings.map(|warning| {
-                let text = warning.strip_prefix("warning: ").unwrap_or(&warning);
-                if self.components.len() == 1 {
-                    format!("warning: {text}")
-                } else {
-                    format!("warning: {}: {text}", component.name)
-                }
-            })
-        });
-        all.collect()
+        let mut all = Vec::new();
+        for Component { name, instance, .. } in &self.components {
+            let who = if self.components.len() == 1 { String::new() } else { format!("{name}: ") };
+            let said = instance.warnings().into_iter();
+            all.extend(
+                said.map(|text| format!("warning: {who}{}", text.strip_prefix("warning: ").unwrap_or(&text))),
+            );
+        }
+        all
     }
 
     /// Does something with each component in turn; an error says which one it was, if there are several.
@@ -297,15 +273,107 @@ impl System {
 
     /// Reads the connected outputs of a component; returns whether one is new.
     fn read(&mut self, c: usize) -> Result<bool> {
-        let component = &self.components[c];
-        Ok(self.numbers.read(c, component)? | self.texts.read(c, component)?)
+        let mut news = false;
+        for channel in self.channels.iter_mut().filter(|channel| channel.from == c) {
+            news |= channel.read(&self.components[c].instance)?;
+        }
+        Ok(news)
     }
 
     /// Sets the connected inputs of a component.
     fn send(&mut self, c: usize) -> Result<()> {
-        self.numbers.send(c, &self.components[c])?;
-        self.texts.send(c, &self.components[c])
+        let mut channels = self.channels.iter().filter(|channel| channel.to == c);
+        channels.try_for_each(|channel| channel.send(&self.components[c].instance))
     }
+}
+
+/// A connection of single values, each with the place of its component.
+#[derive(Clone, Copy)]
+pub(crate) struct Wire<'a> {
+    pub(crate) from: (usize, Single<'a>),
+    pub(crate) to: (usize, Single<'a>),
+    /// Conversion of Reals.
+    pub(crate) map: Affine,
+}
+
+/// The connections from one component to another, or to itself.
+struct Channel {
+    from: usize,
+    to: usize,
+    /// True if an input has the name of the output that feeds it.
+    alike: bool,
+    numbers: Values<f64>,
+    texts: Values<String>,
+}
+
+/// Connected values of one kind.
+struct Values<T> {
+    outputs: Selection,
+    inputs: Selection,
+    maps: Vec<Affine>,
+    /// Of the outputs.
+    newest: Vec<T>,
+}
+
+impl Channel {
+    /// Makes the channels of all connections.
+    fn of(wires: &[Wire]) -> Vec<Channel> {
+        let mut all: BTreeMap<(usize, usize), Vec<Wire>> = BTreeMap::new();
+        for wire in wires {
+            all.entry((wire.from.0, wire.to.0)).or_default().push(*wire);
+        }
+        let channel = |((from, to), wires): ((usize, usize), Vec<Wire>)| {
+            let is_text = |wire: &Wire| wire.from.1.variable.of == Type::String;
+            let alike = wires.iter().any(|wire| wire.from.1.variable.name == wire.to.1.variable.name);
+            let (texts, numbers): (Vec<Wire>, Vec<Wire>) = wires.into_iter().partition(is_text);
+            Channel { from, to, alike, numbers: Values::new(&numbers), texts: Values::new(&texts) }
+        };
+        all.into_iter().map(channel).collect()
+    }
+
+    /// Reads the outputs; returns whether one is new.
+    fn read(&mut self, from: &Instance) -> Result<bool> {
+        Ok(self.numbers.read(from)? | self.texts.read(from)?)
+    }
+
+    /// Sets the inputs.
+    fn send(&self, to: &Instance) -> Result<()> {
+        self.numbers.send(to)?;
+        self.texts.send(to)
+    }
+}
+
+impl<T: Value> Values<T> {
+    fn new(wires: &[Wire]) -> Values<T> {
+        Values {
+            outputs: Selection::new(wires.iter().map(|wire| wire.from.1)),
+            inputs: Selection::new(wires.iter().map(|wire| wire.to.1)),
+            maps: wires.iter().map(|wire| wire.map).collect(),
+            newest: Vec::new(),
+        }
+    }
+
+    fn read(&mut self, from: &Instance) -> Result<bool> {
+        let before = std::mem::replace(&mut self.newest, from.values(&self.outputs)?);
+        Ok(before != self.newest)
+    }
+
+    fn send(&self, to: &Instance) -> Result<()> {
+        let sent = self.newest.iter().zip(&self.maps).map(|(value, map)| value.converted(*map));
+        to.set(&self.inputs, &sent.collect::<Vec<T>>())
+    }
+}
+
+fn fingerprint_of(wires: &[Wire]) -> String {
+    let line = |Wire { from, to, map }: &Wire| format!("{}.{} -> {}.{} {map:?}", from.0, from.1, to.0, to.1);
+    let of_type = |of: Type| {
+        let wires = wires.iter().filter(|wire| wire.from.1.variable.of.class() == of);
+        let mut lines: Vec<String> = wires.map(line).collect();
+        lines.sort_unstable();
+        lines.join(" ")
+    };
+    let all = [Type::Real, Type::Integer, Type::Boolean, Type::String].map(of_type).join("\n");
+    format!("{:032x}", fingerprint(all.as_bytes()))
 }
 
 /// Returns the component that a name `component.variable` leads to, and the variable's name: of several the longest.

@@ -1,16 +1,16 @@
-//! A Trial as users give it: its directory, or a zip of that; and the FMU that it becomes.
+//! A Trial as users give it: its directory, or a zip of that, with the file by which its people move; and the FMU that it
+//! becomes.
 
-use crate::decider::{PlanChoice, plan_of};
-use crate::error::{Error, Place, Result, scratch};
+use crate::error::{Error, Place, Result, ensure, scratch};
 use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::unzip::unzip_trial;
 use crowd_mechanics::pack::{Binary, Draw, Format, PackError, Package};
 use crowd_mechanics::setup;
-use lemons_core::files::Scratch;
-use lemons_core::trial::{DriveChoice, DriveTable};
-use lemons_core::trial::{Problem, Problems, Severity, Trial};
-use lemons_decision::DECISION_FILE;
+use lemons_core::files::{Scratch, input};
+use lemons_core::trial::{DriveChoice, DriveTable, Problem, Problems, Trial};
+use lemons_decision::decision::PLAN_FILE;
+use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
 use lemons_sim::Documents;
 use std::path::{Component, Path, PathBuf};
 
@@ -75,24 +75,19 @@ impl TrialInput {
     /// All that is wrong with it, and the warnings; files have the names that the user knows.
     pub fn read(&self) -> Result<(Trial, Problems), Problems> {
         let (trial, warnings) = setup::read(&self.directory).map_err(|problems| self.renamed(&problems))?;
-        if self.unpacked.is_some() {
-            let parameters = &trial.parameters;
-            let outside = [parameters.static_path(), parameters.dynamic_path()].into_iter().find(|path| {
-                !path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+        let parameters = &trial.parameters;
+        let leaves = |path: &&Path| {
+            path.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir))
+        };
+        let outside = [parameters.static_path(), parameters.dynamic_path()].into_iter().find(leaves);
+        if let Some(outside) = outside.filter(|_| self.unpacked.is_some()) {
+            let why = format!("{outside:?} leads outside of the zip");
+            let mut problems = Problems::default();
+            problems.push(Problem {
+                element: Some("Directories".into()),
+                ..Problem::of_file(&self.path.join("Parameters.xml"), None, why)
             });
-            if let Some(outside) = outside {
-                let mut problems = Problems::default();
-                problems.push(Problem {
-                    severity: Severity::Error,
-                    file: self.path.join("Parameters.xml"),
-                    line: None,
-                    element: Some("Directories".into()),
-                    attribute: None,
-                    value: None,
-                    message: format!("{outside:?} leads outside of the zip"),
-                });
-                return Err(problems);
-            }
+            return Err(problems);
         }
         Ok((trial, self.renamed(&warnings)))
     }
@@ -141,16 +136,18 @@ impl TrialInput {
 
     /// Returns problems with the names of files within a zip instead of those where it was unpacked.
     fn renamed(&self, problems: &Problems) -> Problems {
-        let mut renamed = Problems::default();
-        for problem in problems.iter() {
-            let file = match problem.file.strip_prefix(&self.directory) {
-                Ok(inside) if self.unpacked.is_some() => self.path.join(inside),
-                _ => problem.file.clone(),
-            };
-            renamed.push(Problem { file, ..problem.clone() });
-        }
-        renamed
+        renamed(problems, &self.directory, &self.path)
     }
+}
+
+/// Returns problems of files in a directory with the names that they have where the user knows it.
+pub(crate) fn renamed(problems: &Problems, directory: &Path, known: &Path) -> Problems {
+    let mut renamed = Problems::default();
+    for problem in problems.iter() {
+        let inside = problem.file.strip_prefix(directory).map(|inside| known.join(inside));
+        renamed.push(Problem { file: inside.unwrap_or_else(|_| problem.file.clone()), ..problem.clone() });
+    }
+    renamed
 }
 
 /// Reads what a Trial, or the Trial that an FMU contains, is simulated with: as [`TrialInput::documents`]. The mechanics are those of
@@ -166,9 +163,8 @@ pub fn documents_of(
     if let Some(given) = TrialInput::find(path)? {
         return given.documents(drive, plan);
     }
-    if matches!(plan, PlanChoice::File(_)) {
-        return Err(Error::new(format!("a file like {DECISION_FILE} is for a Trial, and not for an FMU")));
-    }
+    let other = || format!("a file like {DECISION_FILE} is for a Trial, and not for an FMU");
+    ensure(!matches!(plan, PlanChoice::File(_)), other)?;
     let fmu = Fmu::open(path)?;
     let trial = fmu.trial(None)?;
     let drive = fmu.drive(Some(&trial), drive)?;
@@ -193,17 +189,42 @@ pub fn pack(
             .map_or_else(|problems| problems, |_| Problems::default())
     };
     let package = Package { trials: directories, binaries, picture, check: Some(check), format };
-    match package.write(output) {
-        Ok(warnings) => {
-            let known = |text: String| trials.iter().fold(text, |text, trial| trial.under_its_name(&text));
-            Ok(warnings.into_iter().map(known).collect())
-        }
-        Err(PackError::Broken { path, problems }) => {
-            Err(match trials.iter().find(|trial| trial.directory == path) {
-                Some(trial) => Error::Broken { path: trial.path.clone(), problems: trial.renamed(&problems) },
-                None => Error::Broken { path, problems },
-            })
-        }
-        Err(error) => Err(error.into()),
-    }
+    let packed = package.write(output).map_err(|error| match error {
+        PackError::Broken { path, problems } => match trials.iter().find(|trial| trial.directory == path) {
+            Some(trial) => Error::Broken { path: trial.path.clone(), problems: trial.renamed(&problems) },
+            None => Error::Broken { path, problems },
+        },
+        error => error.into(),
+    });
+    let known = |text: String| trials.iter().fold(text, |text, trial| trial.under_its_name(&text));
+    Ok(packed?.into_iter().map(known).collect())
+}
+
+/// Which file says where the people of a Trial walk.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
+pub enum PlanChoice {
+    /// The Trial's `decision.toml`, if it has one.
+    #[default]
+    Own,
+    /// None: nobody walks.
+    None,
+    /// This one, in the format of `decision.toml`.
+    File(PathBuf),
+}
+
+/// Reads what the people of a Trial do by the wishes in a file (`decision.toml`). The messages do not name the file.
+///
+/// # Errors
+/// It cannot be read, it is not such a file, or it names people who are not in the Trial.
+pub fn plan_of(trial: &Trial, path: &Path) -> Result<Plan> {
+    // What lies in the Trial is not a pipe on purpose.
+    let text = input::read_text(path, input::LARGEST_SETTINGS).place(|| "cannot be read".to_owned())?;
+    let wishes = DecisionConfig::from_toml(&text)?;
+    Ok(Plan::of(trial, &wishes)?)
+}
+
+/// The plan in a Decision FMU of ours; `None` of other FMUs.
+pub fn plan_in(fmu: &Fmu) -> Option<Plan> {
+    let path = fmu.directory().join("resources").join(PLAN_FILE);
+    Plan::from_toml(&input::read_text(&path, input::LARGEST_SETTINGS).ok()?).ok()
 }

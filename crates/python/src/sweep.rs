@@ -196,7 +196,7 @@ impl Table {
             let text = format!("{}: is not a file; give the name of a table (.csv)", path.display());
             return Err(SweepError::new_err(text));
         }
-        let table = lemons_sweep::Table::open(&path, &identity, &study.points, None).map_err(cannot)?;
+        let table = lemons_sweep::Table::open(&path, &identity, &study.points).map_err(cannot)?;
         Ok(Table(Some(table)))
     }
 
@@ -215,9 +215,7 @@ impl Table {
     /// Appends finished points, whose measures have the names and the order of the table's.
     fn add(&mut self, names: Vec<String>, rows: Vec<Row<'_>>) -> PyResult<()> {
         let Some(table) = &mut self.0 else { return Ok(()) };
-        if table.measures() != Some(&names) {
-            table.name_measures(names.clone()).map_err(cannot)?;
-        }
+        table.name_measures(&names).map_err(cannot)?;
         let finished = rows.into_iter().map(|(point, measures, error)| {
             let outcome = match (measures, error) {
                 (_, Some(error)) => Err(error),

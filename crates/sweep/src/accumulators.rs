@@ -1,13 +1,11 @@
 //! The measures of a point while it runs.
 
-use crate::error::{Error, Result};
-use crate::measure::Measure;
-use crate::measure::area::InArea;
-use crate::measure::line::OverLine;
+use crate::error::{Place, Result};
 use crate::measure::output::{OfOutput, Statistics};
+use crate::measure::places::{InArea, OverLine, Places};
 use crate::measure::squeeze::OfSqueeze;
-use crate::output::{Reading, agents_named};
-use crate::places::Places;
+use crate::measure::{Kind, Measure};
+use crate::output::{Reading, Stop, agents_named};
 use crate::spec::Spec;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
@@ -21,6 +19,8 @@ pub struct Accumulators<'a> {
     places: &'a Places,
     people: usize,
     of_each: Vec<(&'a Measure, Accumulator<'a>)>,
+    /// What ends the point before its time.
+    stop: Option<(&'a Stop, Reading)>,
     /// Whether a measure needs to know where people could be, which is known at the end.
     needs_room: bool,
     /// Frames in which areas are measured at the end.
@@ -52,19 +52,19 @@ impl<'a> Accumulators<'a> {
     ) -> Result<Accumulators<'a>> {
         let (places, people) = (&spec.places, trial.agents.len());
         let begin = |measure: &'a Measure| -> Result<Accumulator<'a>, String> {
-            Ok(match measure {
-                Measure::Output(of) => {
+            Ok(match &measure.kind {
+                Kind::Output(of) => {
                     let reading = of.of.reading(simulation, trial, &of.agents)?;
                     of.check(reading.values())?;
                     Accumulator::Output(of, reading, Vec::new())
                 }
-                Measure::Line(of) => {
+                Kind::Line(of) => {
                     let line = places.line(&of.line)?;
                     let width = of.width_at(point, line, &spec.points)?;
                     Accumulator::Line(of, Passages::over(line, people), width)
                 }
-                Measure::Area(of) => Accumulator::Area(of, places.area(&of.area)?, Vec::new()),
-                Measure::Squeeze(of) => {
+                Kind::Area(of) => Accumulator::Area(of, places.area(&of.area)?, Vec::new()),
+                Kind::Squeeze(of) => {
                     let agents = agents_named(trial, &of.agents)?;
                     of.check(agents.len())?;
                     let exposure = of.begin(agents.len());
@@ -72,16 +72,20 @@ impl<'a> Accumulators<'a> {
                 }
             })
         };
-        let of_each = spec.measures.iter().map(|(name, measure)| {
-            let begun = begin(measure).map_err(|what| Error::Spec(format!("measures: {name}: {what}")));
-            Ok((measure, begun?))
-        });
+        let of_each = spec
+            .measures
+            .iter()
+            .map(|(name, measure)| Ok((measure, begin(measure).place(|| format!("measures: {name}"))?)));
+        let reading = |stop: &'a Stop| -> Result<(&'a Stop, Reading), String> {
+            Ok((stop, stop.of.reading(simulation, trial, &stop.agents)?))
+        };
         let of_room =
-            |(_, measure): &(String, Measure)| matches!(measure, Measure::Area(of) if of.needs_room());
+            |(_, measure): &(String, Measure)| matches!(&measure.kind, Kind::Area(of) if of.needs_room());
         Ok(Accumulators {
             places,
             people,
             of_each: of_each.collect::<Result<_>>()?,
+            stop: spec.stop.as_ref().map(reading).transpose().place(|| "stop".into())?,
             // Nobody may be outside of what is walkable.
             needs_room: spec.measures.iter().any(of_room) || places.walkable.is_some(),
             frames: Vec::new(),
@@ -89,11 +93,11 @@ impl<'a> Accumulators<'a> {
         })
     }
 
-    /// Adds a communication point.
+    /// Adds a communication point; returns whether it is to be the last one.
     ///
     /// # Errors
     /// A variable cannot be read.
-    pub fn add(&mut self, simulation: &mut Simulation, frame: Frame) -> Result<()> {
+    pub fn add(&mut self, simulation: &mut Simulation, frame: Frame) -> Result<bool> {
         let (mut kept, time) = (false, frame.time);
         for (_, accumulator) in self.of_each.iter_mut().filter(|(measure, _)| measure.counts(time)) {
             match accumulator {
@@ -111,10 +115,14 @@ impl<'a> Accumulators<'a> {
         if self.needs_room {
             self.positions.extend(frame.present().map(|(_, motion)| motion.pose.position));
         }
+        let holds = match &self.stop {
+            Some((stop, reading)) => stop.holds(&reading.read(simulation, &frame)?),
+            None => false,
+        };
         if kept {
             self.frames.push(Frame { observed: None, ..frame });
         }
-        Ok(())
+        Ok(holds)
     }
 
     /// Returns the measures of the point of this Trial.
@@ -122,7 +130,7 @@ impl<'a> Accumulators<'a> {
     /// # Errors
     /// Somebody was outside of the given walkable area.
     pub fn finish(self, trial: &Trial) -> Result<Vec<Option<f64>>, String> {
-        let Accumulators { places, people, of_each, needs_room, frames, positions } = self;
+        let Accumulators { places, people, of_each, needs_room, frames, positions, .. } = self;
         let room = needs_room.then(|| places.room(&trial.geometry.walls, &positions)).transpose()?;
         let mut densities: HashMap<&str, Vec<Density>> = HashMap::new();
         let values = of_each.into_iter().map(|(measure, accumulator)| match accumulator {

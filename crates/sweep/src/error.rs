@@ -48,6 +48,18 @@ pub enum Error {
     Worker,
 }
 
+impl From<String> for Error {
+    fn from(what: String) -> Error {
+        Error::Spec(what)
+    }
+}
+
+impl From<&str> for Error {
+    fn from(what: &str) -> Error {
+        Error::Spec(what.to_owned())
+    }
+}
+
 impl Error {
     /// The whole message: see [`lemons_master::whole`].
     pub fn whole(&self) -> String {

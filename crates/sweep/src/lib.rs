@@ -6,38 +6,23 @@
 //! there.
 
 mod accumulators;
-mod axes;
 mod error;
 pub mod identity;
-mod loaded;
 mod measure;
 mod models;
 mod output;
-mod places;
 mod points;
 mod simulate;
 mod spec;
-mod stop;
 mod summary;
 mod sweep;
 mod table;
-mod template;
 
 pub use error::{Error, Result};
-pub use loaded::check_parameters;
-pub use measure::Measure;
-pub use measure::across::Across;
-pub use measure::area::InArea;
-pub use measure::line::{OverLine, Width};
-pub use measure::output::{OfOutput, Take};
-pub use measure::squeeze::{OfSqueeze, What};
-pub use models::{Model, Models, Plan};
-pub use output::Of;
-pub use places::Places;
+pub use models::{Model, Models, Plan, Template};
 pub use points::{Parameter, Points};
-pub use spec::{End, Spec};
-pub use stop::Stop;
+pub use simulate::check_parameters;
+pub use spec::{End, Event, Spec};
 pub use summary::{check_over, summary};
 pub use sweep::{Options, Progress, Swept, sweep};
 pub use table::{Finished, Measured, Table};
-pub use template::Template;

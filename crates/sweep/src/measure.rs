@@ -1,31 +1,40 @@
 //! Measures: the numbers of a run that become columns of the table.
 
-pub(crate) mod across;
-pub(crate) mod area;
-pub(crate) mod line;
-mod number;
 pub(crate) mod output;
+pub(crate) mod places;
 pub(crate) mod squeeze;
 
-use crate::error::{Error, Result};
-use crate::places::Places;
+use crate::error::{Place, Result};
 use crate::points::Points;
-use area::InArea;
-use lemons_results::measure::within;
-use line::OverLine;
+use lemons_master::ensure;
+use lemons_results::measure::{quantile, within};
 use output::OfOutput;
+use places::{InArea, OverLine, Places};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use squeeze::OfSqueeze;
 
-/// A measure. docs/measure.md defines those of lines, areas and squeeze.
+/// A measure, over the communication points that count. docs/measure.md defines those of lines, areas and squeeze.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Measure {
-    /// `of`: of the values of an output.
+pub struct Measure {
+    /// What is measured.
+    pub kind: Kind,
+    /// \[s\] From this time on.
+    pub from: Option<f64>,
+    /// \[s\] Up to this time.
+    pub until: Option<f64>,
+}
+
+/// What is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Kind {
+    /// `of`: the values of an output.
     Output(OfOutput),
-    /// `line`: of people who cross it.
+    /// `line`: people who cross it.
     Line(OverLine),
-    /// `area`: of people in it.
+    /// `area`: people in it.
     Area(InArea),
-    /// `squeeze`: what people were exposed to.
+    /// `squeeze`: what people are exposed to.
     Squeeze(OfSqueeze),
 }
 
@@ -37,32 +46,31 @@ impl Measure {
     ///
     /// # Errors
     /// A sentence with the key that is missing, unknown or of another type.
-    pub(crate) fn read(value: toml::Value) -> Result<Measure> {
+    pub(crate) fn read(mut value: toml::Value) -> Result<Measure> {
         let has = |kind: &&str| value.as_table().is_some_and(|table| table.contains_key(*kind));
         let kinds: Vec<&str> = KINDS.into_iter().filter(has).collect();
-        match kinds[..] {
-            ["of"] => Ok(Measure::Output(value.try_into()?)),
-            ["line"] => Ok(Measure::Line(value.try_into()?)),
-            ["area"] => Ok(Measure::Area(value.try_into()?)),
-            ["squeeze"] => Ok(Measure::Squeeze(value.try_into()?)),
-            _ => Err(Error::Spec(format!("must be a table with one of the keys {}", KINDS.join(", ")))),
-        }
-    }
-
-    /// Returns from when until when communication points count \[s\].
-    fn times(&self) -> [Option<f64>; 2] {
-        match self {
-            Measure::Output(_) => [None, None],
-            Measure::Line(of) => [of.from, of.until],
-            Measure::Area(of) => [of.from, of.until],
-            Measure::Squeeze(of) => [of.from, of.until],
-        }
+        // An output is measured at all times.
+        let mut time = |key: &str| -> Result<Option<f64>> {
+            let table = value.as_table_mut().filter(|_| kinds != ["of"]);
+            let time = table.and_then(|table| table.remove(key));
+            time.map(toml::Value::try_into).transpose().place(|| key.to_owned())
+        };
+        let (from, until) = (time("from")?, time("until")?);
+        let kind = match kinds[..] {
+            ["of"] => Kind::Output(value.try_into()?),
+            ["line"] => Kind::Line(value.try_into()?),
+            ["area"] => Kind::Area(value.try_into()?),
+            ["squeeze"] => Kind::Squeeze(value.try_into()?),
+            _ => {
+                return Err(format!("must be a table with one of the keys {}", KINDS.join(", ")).into());
+            }
+        };
+        Ok(Measure { kind, from, until })
     }
 
     /// Returns whether the communication point at a time \[s\] counts.
     pub(crate) fn counts(&self, time: f64) -> bool {
-        let [from, until] = self.times();
-        within(time, from, until)
+        within(time, self.from, self.until)
     }
 
     /// Checks what can be known before a model is loaded.
@@ -70,21 +78,110 @@ impl Measure {
     /// # Errors
     /// A sentence with the key.
     pub(crate) fn check(&self, places: &Places, points: &Points) -> Result<(), String> {
-        let times = self.times();
-        if times.iter().flatten().any(|time| !(*time >= 0.0 && time.is_finite())) {
-            return Err("from and until must be finite numbers of seconds, not below 0".into());
+        let Measure { kind, from, until } = self;
+        let good = [from, until].into_iter().flatten().all(|time| *time >= 0.0 && time.is_finite());
+        ensure(good, || "from and until must be finite numbers of seconds, not below 0".to_owned())?;
+        if let (Some(from), Some(until)) = (from, until) {
+            let why = || format!("from = {from:?}, until = {until:?}: the beginning is not before the end");
+            ensure(from < until, why)?;
         }
-        if let [Some(from), Some(until)] = times
-            && from >= until
-        {
-            return Err(format!("from = {from:?}, until = {until:?}: the beginning is not before the end"));
-        }
-        match self {
+        match kind {
             // How many values or agents there are is known later.
-            Measure::Output(measure) => measure.check(1),
-            Measure::Line(measure) => measure.check(places, points),
-            Measure::Area(measure) => measure.check(places),
-            Measure::Squeeze(measure) => measure.check(1),
+            Kind::Output(of) => of.check(1),
+            Kind::Line(of) => of.check(places, points),
+            Kind::Area(of) => of.check(places),
+            Kind::Squeeze(of) => of.check(1),
         }
+    }
+}
+
+/// The fields of what `lemons measure` writes: numbers by their names.
+fn fields(seen: &impl Serialize) -> serde_json::Map<String, Value> {
+    match serde_json::to_value(seen) {
+        Ok(Value::Object(fields)) => fields,
+        _ => serde_json::Map::new(),
+    }
+}
+
+/// Returns a number; `None` if it is not known.
+pub(crate) fn number_of(name: &str, seen: &impl Serialize) -> Option<f64> {
+    fields(seen).get(name)?.as_f64()
+}
+
+/// Checks that a number has the name that a key gives.
+///
+/// # Errors
+/// A sentence with all names.
+pub(crate) fn check_number(key: &str, name: &str, any: &impl Serialize) -> Result<(), String> {
+    let numbers = fields(any).into_iter().filter(|(_, value)| value.is_number() || value.is_null());
+    let names: Vec<String> = numbers.map(|(name, _)| name).collect();
+    let known = names.iter().any(|known| known == name);
+    ensure(known, || format!("{key} = {name:?}: must be one of {}", names.join(", ")))
+}
+
+/// How the numbers of several agents become one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Across {
+    /// The largest.
+    Max,
+    /// The smallest.
+    Min,
+    /// Their mean.
+    Mean,
+    /// Their median, linear between the two in the middle.
+    Median,
+    /// Their 90 % quantile, linear between two of them.
+    #[serde(rename = "quantile_90")]
+    Quantile90,
+}
+
+impl Across {
+    /// What is said where it is missing.
+    pub(crate) const NEEDED: &str =
+        "it needs across = \"max\", \"min\", \"mean\", \"median\" or \"quantile_90\"";
+
+    /// Makes one of values, of which some may be infinite, but none is NaN; `None` without any.
+    pub(crate) fn of(self, values: impl Iterator<Item = f64>) -> Option<f64> {
+        let mut values: Vec<f64> = values.collect();
+        let mut part = |part: f64| {
+            values.sort_by(f64::total_cmp);
+            // Between a finite and an infinite value is no number: the infinite one counts.
+            let above = (part * values.len().saturating_sub(1) as f64).ceil() as usize;
+            match values.get(above) {
+                Some(value) if value.is_infinite() => Some(*value),
+                _ => quantile(&values, part),
+            }
+        };
+        match self {
+            Across::Max => values.into_iter().reduce(f64::max),
+            Across::Min => values.into_iter().reduce(f64::min),
+            Across::Mean => {
+                let count = values.len() as f64;
+                values.into_iter().reduce(|a, b| a + b).map(|sum| sum / count)
+            }
+            Across::Median => part(0.5),
+            Across::Quantile90 => part(0.9),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As numpy says; who never gets there is later than anybody else.
+    #[test]
+    fn quantiles_are_linear_and_later_than_never_is_never() {
+        let of = |across: Across, values: &[f64]| across.of(values.iter().copied());
+        let values = [3.0, 1.0, 2.0, 13.0];
+        assert_eq!(of(Across::Median, &values), Some(2.5));
+        assert!((of(Across::Quantile90, &values).unwrap() - 10.0).abs() < 1e-12);
+        assert_eq!((of(Across::Mean, &values), of(Across::Min, &values)), (Some(4.75), Some(1.0)));
+        let never = f64::INFINITY;
+        assert_eq!(of(Across::Median, &[1.0, 2.0, never]), Some(2.0));
+        assert_eq!(of(Across::Median, &[1.0, never]), Some(never));
+        assert_eq!(of(Across::Quantile90, &[1.0, 2.0, never]), Some(never));
+        assert_eq!(of(Across::Median, &[]), None);
     }
 }

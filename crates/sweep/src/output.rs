@@ -1,6 +1,7 @@
-//! Which outputs of a run are looked at.
+//! Which outputs of a run are looked at, and when they end a point before its time.
 
 use lemons_core::trial::Trial;
+use lemons_master::ensure;
 use lemons_results::Frame;
 use lemons_sim::settings::Selection;
 use lemons_sim::{SimError, Simulation};
@@ -72,15 +73,14 @@ impl Of {
     pub fn check(&self, agents: &[String]) -> Result<(), String> {
         let name = &self.0;
         // Quantities are the only names without a capital letter or a component.
-        if self.variables().is_none() && !name.contains(|c: char| c == '.' || c.is_uppercase()) {
-            return Err(format!(
+        let known = self.variables().is_some() || name.contains(|c: char| c == '.' || c.is_uppercase());
+        ensure(known, || {
+            format!(
                 "of = {name:?}: neither a quantity (lemons sweep --help) nor the name of a variable (lemons info)"
-            ));
-        }
-        if !self.is_of_agents() && !agents.is_empty() {
-            return Err("agents: it is one value, and not one of each agent".into());
-        }
-        Ok(())
+            )
+        })?;
+        let fits = self.is_of_agents() || agents.is_empty();
+        ensure(fits, || "agents: it is one value, and not one of each agent".into())
     }
 
     /// Returns whether there is a value for each agent.
@@ -131,10 +131,73 @@ pub(crate) fn agents_named(trial: &Trial, ids: &[String]) -> Result<Vec<usize>, 
     for id in ids {
         let place = known.iter().position(|agent| agent.id == *id);
         let place = place.ok_or_else(|| format!("there is no agent {id:?}"))?;
-        if places.contains(&place) {
-            return Err(format!("agents: {id:?} is named twice"));
-        }
+        ensure(!places.contains(&place), || format!("agents: {id:?} is named twice"))?;
         places.push(place);
     }
     Ok(places)
+}
+
+/// A condition that ends a point at the first communication point where it holds.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stop {
+    /// The output.
+    pub of: Of,
+    /// The value is this or more.
+    pub at_least: Option<f64>,
+    /// The value is this or less.
+    pub at_most: Option<f64>,
+    /// Ids of agents in Agents.xml, for all of which it must hold; empty: all agents.
+    #[serde(default)]
+    pub agents: Vec<String>,
+}
+
+impl Stop {
+    /// Checks that it is complete.
+    ///
+    /// # Errors
+    /// A sentence that names what is missing.
+    pub fn check(&self) -> Result<(), String> {
+        self.of.check(&self.agents)?;
+        let ((Some(limit), None) | (None, Some(limit))) = (self.at_least, self.at_most) else {
+            return Err("it needs one of at_least and at_most".into());
+        };
+        ensure(limit.is_finite(), || "its limit must be a finite number".into())
+    }
+
+    /// Returns whether it holds for all these values. Those of agents who have left (`None`) do not count; for nobody it does not
+    /// hold.
+    pub(crate) fn holds(&self, values: &[Option<f64>]) -> bool {
+        let beyond = |value: f64| {
+            self.at_least.is_none_or(|least| value >= least) && self.at_most.is_none_or(|most| value <= most)
+        };
+        let mut there = values.iter().flatten().copied().peekable();
+        there.peek().is_some() && there.all(beyond)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_holds_for_all_or_not_at_all() {
+        let stop = |text: &str| toml::from_str::<Stop>(text).unwrap();
+        let least = stop("of = 'x'\nat_least = 2");
+        assert!(least.holds(&[2.0, 3.0].map(Some)) && !least.holds(&[2.0, 1.9].map(Some)));
+        assert!(!least.holds(&[2.0, f64::NAN].map(Some)));
+        assert!(least.holds(&[None, Some(2.0)]) && !least.holds(&[None, None]));
+        let most = stop("of = 'decision.Left'\nat_most = 0");
+        assert!(most.holds(&[0.0].map(Some)) && !most.holds(&[1.0].map(Some)));
+        for (text, said) in [
+            ("of = 'x'", "one of at_least and at_most"),
+            ("of = 'x'\nat_least = 1\nat_most = 2", "one of at_least and at_most"),
+            ("of = 'x'\nat_least = inf", "finite"),
+            ("of = 'mood'\nat_least = 1", "of = \"mood\": neither a quantity"),
+            ("of = 'decision.Arrived'\nat_least = 1\nagents = ['3']", "agents"),
+        ] {
+            let error = stop(text).check().unwrap_err();
+            assert!(error.contains(said), "{error}");
+        }
+    }
 }

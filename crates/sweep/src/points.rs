@@ -1,7 +1,9 @@
-//! The points of a sweep: each has a value of every parameter.
+//! The points of a sweep: each has a value of every parameter; and the values of parameters, as `sweep.toml` has them.
 
-use crate::error::{Error, Place, Result};
+use crate::error::{Place, Result};
 use lemons_core::files::input;
+use lemons_master::ensure;
+use serde::Deserialize;
 use sha1_smol::Sha1;
 use std::path::Path;
 
@@ -68,9 +70,7 @@ impl Points {
     pub fn grid(axes: Vec<(String, Vec<String>)>) -> Result<Points, String> {
         let mut count = 1_usize;
         for (name, values) in &axes {
-            if values.is_empty() {
-                return Err(format!("{name}: no values"));
-            }
+            ensure(!values.is_empty(), || format!("{name}: no values"))?;
             count = count.checked_mul(values.len()).filter(|n| *n <= MOST_POINTS).ok_or_else(too_many)?;
         }
         let mut repeat = count;
@@ -87,28 +87,25 @@ impl Points {
     /// # Errors
     /// The file cannot be read, or has no points, too many, or a number that is not finite.
     pub(crate) fn read(path: &Path) -> Result<Points> {
-        let named = || path.display().to_string();
-        let file = input::open_bounded(path, LARGEST_TABLE).place(named)?;
+        Points::read_table(path).place(|| path.display().to_string())
+    }
+
+    fn read_table(path: &Path) -> Result<Points> {
+        let file = input::open_bounded(path, LARGEST_TABLE)?;
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
-        let header: Vec<String> = reader.headers().place(named)?.iter().map(str::to_owned).collect();
+        let header: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
         let mut columns: Vec<Vec<String>> = vec![Vec::new(); header.len()];
-        let mut count = 0;
-        for row in reader.records() {
-            let row = row.place(named)?;
-            count += 1;
-            columns.iter_mut().zip(&row).for_each(|(column, cell)| column.push(cell.to_owned()));
-            if count > MOST_POINTS {
-                return Err(Error::Spec(too_many())).place(named);
-            }
+        for (row, count) in reader.records().zip(1..) {
+            columns.iter_mut().zip(&row?).for_each(|(column, cell)| column.push(cell.to_owned()));
+            ensure(count <= MOST_POINTS, too_many)?;
         }
-        if count == 0 || header.is_empty() {
-            return Err(Error::Spec("there are no points".into())).place(named);
-        }
-        let columns = header.into_iter().zip(columns).map(|(name, cells)| match normalized(cells) {
-            Ok(values) => Ok((name, values)),
-            Err(what) => Err(Error::Spec(format!("{name}: {what}"))),
+        let empty = columns.first().is_none_or(Vec::is_empty);
+        ensure(!empty, || "there are no points")?;
+        let columns = header.into_iter().zip(columns).map(|(name, cells)| {
+            let values = normalized(cells).place(|| name.clone())?;
+            Ok((name, values))
         });
-        Ok(Points::of_rows(columns.collect::<Result<_>>().place(named)?))
+        Ok(Points::of_rows(columns.collect::<Result<_>>()?))
     }
 
     /// Returns one point for each row of columns of the same length.
@@ -150,6 +147,95 @@ fn too_many() -> String {
     format!("there are more than {MOST_POINTS} points")
 }
 
+/// The values of a parameter.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a list of numbers or of texts, { from, to, count, spacing }, or { from, to } of whole numbers"
+)]
+pub(crate) enum Axis {
+    Integers(Vec<i64>),
+    Reals(Vec<f64>),
+    Texts(Vec<String>),
+    Range(Range),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Range {
+    from: f64,
+    to: f64,
+    count: Option<u32>,
+    #[serde(default)]
+    spacing: Spacing,
+}
+
+#[derive(Deserialize, Default, PartialEq, Clone, Copy)]
+#[serde(rename_all = "snake_case")]
+enum Spacing {
+    #[default]
+    Linear,
+    Logarithmic,
+}
+
+/// Largest number of values of a range.
+const MOST_VALUES: u32 = 1_000_000;
+
+impl Axis {
+    /// Returns the values as text.
+    ///
+    /// # Errors
+    /// A sentence: a number is not finite, or the range has no such values.
+    pub(crate) fn values(self) -> Result<Vec<String>, String> {
+        let reals = match self {
+            Axis::Integers(values) => return Ok(values.iter().map(i64::to_string).collect()),
+            Axis::Texts(values) => return Ok(values),
+            Axis::Range(Range { from, to, count: None, spacing }) => return whole_numbers(from, to, spacing),
+            Axis::Range(Range { from, to, count: Some(count), spacing }) => range(from, to, count, spacing)?,
+            Axis::Reals(values) => match values.iter().find(|value| !value.is_finite()) {
+                Some(value) => return Err(format!("{value}: must be a finite number")),
+                None => values,
+            },
+        };
+        Ok(reals.iter().map(|value| format!("{value:?}")).collect())
+    }
+}
+
+fn range(from: f64, to: f64, count: u32, spacing: Spacing) -> Result<Vec<f64>, String> {
+    ensure(from.is_finite() && to.is_finite(), || NOT_FINITE.to_owned())?;
+    let possible = (2..=MOST_VALUES).contains(&count);
+    ensure(possible, || format!("count = {count}: must be from 2 to {MOST_VALUES}"))?;
+    let positive = spacing == Spacing::Linear || from > 0.0 && to > 0.0;
+    ensure(positive, || "spacing = \"logarithmic\": from and to must be positive".to_owned())?;
+    let part = |k: u32| f64::from(k) / f64::from(count - 1);
+    let (difference, ratio) = (to - from, to / from);
+    let value = |k: u32| match (k, spacing) {
+        (0, _) => from,
+        (k, _) if k + 1 == count => to,
+        (k, Spacing::Linear) if difference.is_finite() => from + part(k) * difference,
+        (k, Spacing::Linear) => (1.0 - part(k)) * from + part(k) * to,
+        (k, Spacing::Logarithmic) if ratio.is_normal() => from * ratio.powf(part(k)),
+        (k, Spacing::Logarithmic) => from.powf(1.0 - part(k)) * to.powf(part(k)),
+    };
+    Ok((0..count).map(value).collect())
+}
+
+const NOT_FINITE: &str = "from and to must be finite";
+
+/// Returns all whole numbers from one to another.
+fn whole_numbers(from: f64, to: f64, spacing: Spacing) -> Result<Vec<String>, String> {
+    ensure(from.is_finite() && to.is_finite(), || NOT_FINITE.to_owned())?;
+    let is_whole = |value: f64| value.fract() == 0.0 && value.abs() < 2f64.powi(53);
+    let whole = is_whole(from) && is_whole(to) && spacing == Spacing::Linear;
+    ensure(whole, || "count: is missing; without it, from and to must be whole numbers".to_owned())?;
+    ensure(from <= to && to - from < f64::from(MOST_VALUES), || {
+        format!(
+            "from = {from}, to = {to}: from must not be greater than to, and there are at most {MOST_VALUES} values"
+        )
+    })?;
+    Ok((from as i64..=to as i64).map(|value| value.to_string()).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -166,7 +252,6 @@ mod tests {
             .map(|point| points.parameters.iter().map(|parameter| parameter.at(point)).collect())
             .collect();
         assert_eq!(all, ["1.0x", "1.0y", "1.0z", "2.0x", "2.0y", "2.0z"]);
-        assert!(Points::grid(vec![("a".into(), vec![])]).unwrap_err().contains("a: no values"));
         let long = || ("a".to_owned(), vec!["1".to_owned(); 5000]);
         assert!(Points::grid(vec![long(), long()]).unwrap_err().contains("more than"));
     }

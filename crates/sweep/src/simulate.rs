@@ -1,14 +1,18 @@
-//! Simulates one point.
+//! Loads models, the documents of Trials with what a sweep sets and reads of them, and simulates points.
 
 use crate::accumulators::Accumulators;
 use crate::error::{Error, Place, Result};
 use crate::identity;
-use crate::loaded::{LoadedModel, reading_of_stop};
-use crate::spec::Spec;
+use crate::models::{Model, Models};
+use crate::points::Points;
+use crate::spec::{End, Event, Spec};
+use lemons_core::trial::Trial;
+use lemons_master::{documents_of, ensure};
 use lemons_results::measure::{Leaving, Over};
-use lemons_sim::Simulation;
 use lemons_sim::stop::places;
+use lemons_sim::{Clock, Documents, Simulation};
 use serde_json::{Map, Value};
+use std::collections::HashSet;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -33,7 +37,7 @@ impl Job {
             let path = model.0.display();
             // With several, a sentence about a parameter does not say of which one.
             let loaded = match LoadedModel::open(&spec, model) {
-                Err(error @ Error::Spec(_)) if models.all.len() > 1 => {
+                Err(error @ (Error::Spec(_) | Error::In { .. })) if models.all.len() > 1 => {
                     Err(error).place(|| path.to_string())?
                 }
                 loaded => loaded?,
@@ -53,40 +57,31 @@ impl Job {
     /// Loads one of the models again.
     fn load(&self, place: usize) -> Result<LoadedModel> {
         let model = LoadedModel::open(&self.spec, &self.spec.models.all[place])?;
-        if identity::digest(&model.identity)? != self.digests[place] {
-            let path = self.spec.models.all[place].0.display();
-            return Err(Error::Spec(format!("{path}: it was changed while the sweep was running")));
-        }
+        let same = identity::digest(&model.identity)? == self.digests[place];
+        let path = self.spec.models.all[place].0.display();
+        ensure(same, || format!("{path}: it was changed while the sweep was running"))?;
         Ok(model)
-    }
-}
-
-/// Simulates points one after the other.
-pub struct Worker<'a> {
-    job: &'a Job,
-    /// The model of the last point with its place, unless the point failed.
-    model: Option<(usize, LoadedModel)>,
-}
-
-impl<'a> Worker<'a> {
-    pub fn new(job: &'a Job) -> Worker<'a> {
-        Worker { job, model: None }
     }
 
     /// Simulates a point and returns its measures, and when it ended by itself \[s\] if it may; `None` if `stop` was set
-    /// meanwhile.
+    /// meanwhile. `last` is the model of the last point with its place, unless that point failed.
     ///
     /// # Errors
     /// The point cannot be simulated.
-    pub fn simulate(&mut self, point: usize, stop: &AtomicBool) -> Result<Option<Vec<Option<f64>>>> {
-        let (job, place) = (self.job, self.job.spec.models.place(point));
+    pub fn simulate(
+        &self,
+        last: &mut Option<(usize, LoadedModel)>,
+        point: usize,
+        stop: &AtomicBool,
+    ) -> Result<Option<Vec<Option<f64>>>> {
+        let place = self.spec.models.place(point);
         // Nothing of another model stays in memory beside this one.
-        let mut model = match self.model.take().filter(|(last, _)| *last == place) {
+        let mut model = match last.take().filter(|(last, _)| *last == place) {
             Some((_, model)) => model,
-            None => job.load(place)?,
+            None => self.load(place)?,
         };
-        let values = simulate(&job.spec, &mut model, point, stop)?;
-        self.model = Some((place, model));
+        let values = simulate(&self.spec, &mut model, point, stop)?;
+        *last = Some((place, model));
         Ok(values)
     }
 }
@@ -105,7 +100,6 @@ fn simulate(
     }
     simulation.begin(0.0, None)?;
     let mut accumulators = Accumulators::begin(spec, trial, simulation, point)?;
-    let condition = reading_of_stop(spec, trial, simulation)?;
     let mut leaving = leave.map(Leaving::of);
     // [s] When the condition held, or all had left.
     let mut ended = None;
@@ -114,13 +108,10 @@ fn simulate(
             return Ok(ControlFlow::Break(()));
         }
         let frame = simulation.frame();
-        let holds = match &condition {
-            Some((condition, reading)) => condition.holds(&reading.read(simulation, &frame)?),
-            None => false,
-        };
-        let over = leaving.as_mut().and_then(|leaving| leaving.see(frame.time, &places(&frame)));
-        ended = (holds || over == Some(Over::Left)).then_some(frame.time);
-        accumulators.add(simulation, frame)?;
+        let (time, over) = (frame.time, leaving.as_mut());
+        let over = over.and_then(|leaving| leaving.see(time, &places(&frame)));
+        let holds = accumulators.add(simulation, frame)?;
+        ended = (holds || over == Some(Over::Left)).then_some(time);
         Ok(if holds || over.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     };
     if observe(simulation)?.is_continue() {
@@ -129,7 +120,95 @@ fn simulate(
     if stop.load(Ordering::Relaxed) {
         return Ok(None);
     }
-    let mut values = accumulators.finish(trial).map_err(Error::Spec)?;
+    let mut values = accumulators.finish(trial)?;
     values.extend(spec.may_end().then_some(ended));
     Ok(Some(values))
+}
+
+/// A Trial, ready for any number of points.
+pub struct LoadedModel {
+    trial: Trial,
+    simulation: Simulation,
+    clock: Clock,
+    /// A point ends when so many have left.
+    leave: Option<usize>,
+    /// What must be equal to continue a sweep.
+    identity: Map<String, Value>,
+    /// What is probably not meant.
+    warnings: Vec<String>,
+}
+
+impl LoadedModel {
+    /// Loads it, and checks that it has all variables that are set and read.
+    fn open(spec: &Spec, (path, plan): &Model) -> Result<LoadedModel> {
+        let (documents, problems, walks) = documents_of(path, &spec.drive, plan)?;
+        let mut warnings: Vec<String> = problems.iter().map(ToString::to_string).collect();
+        match walks {
+            None if spec.needs_plan => {
+                return Err(Error::Spec(format!("plan = true: {} has no decision.toml", path.display())));
+            }
+            Some(plan) if documents.drive.end().is_some() => {
+                warnings.push(lemons_master::notes::drive_of_walkers(&plan));
+            }
+            _ => {}
+        }
+        let step = spec.step.unwrap_or(documents.trial.parameters.time_step);
+        let clock = Clock::new(0.0, step, spec.until.latest()).map_err(lemons_master::Error::from);
+        let clock = clock.place(|| "until".into())?;
+        let leave = if spec.until == End::When(Event::Left) { Some(who_leaves(&documents)?) } else { None };
+        let identity = identity::of_documents(&documents, spec.algorithm, clock.step)?;
+        let trial = documents.trial.clone();
+        let simulation = Simulation::new(documents, spec.algorithm)?;
+        check_parameters(&spec.points, &spec.models, &simulation)?;
+        Accumulators::begin(spec, &trial, &simulation, 0)?;
+        Ok(LoadedModel { trial, simulation, clock, leave, identity, warnings })
+    }
+}
+
+/// Returns how many people have an exit.
+fn who_leaves(documents: &Documents) -> Result<usize> {
+    let leaving = documents.plan.iter().flat_map(|plan| plan.leaving());
+    let leave = leaving.filter(|leaves| *leaves).count();
+    ensure(
+        leave > 0,
+        || "until = \"left\": nobody can leave: people do not walk, or have no exits (give a time in seconds)",
+    )?;
+    Ok(leave)
+}
+
+/// Checks that parameters set something, each something else; but those that only choose what is simulated.
+///
+/// # Errors
+/// A sentence with the parameter.
+pub fn check_parameters(points: &Points, models: &Models, simulation: &Simulation) -> Result<()> {
+    let mut all: HashSet<Vec<String>> = HashSet::new();
+    for (place, parameter) in points.parameters.iter().enumerate() {
+        let wrong = |why: String| Error::Spec(format!("parameters: {}: {why}", parameter.name));
+        if models.only_chooses(place) {
+            continue;
+        }
+        let names = simulation.resolve(&parameter.name).map_err(|meant| {
+            let better = meant.map_or("see lemons info".into(), |meant| format!("did you mean {meant:?}?"));
+            wrong(format!("there is no such variable; {better}"))
+        })?;
+        // Drive, TimeStep and agents would be those of another Trial.
+        let why = "Trials are chosen by their paths: trial = \"{NAME}\", where NAME is a parameter";
+        ensure(!names.iter().any(|name| name == "crowd.Trial"), || wrong(why.into()))?;
+        if let Some(input) = names.iter().find(|name| simulation.is_fed(name)) {
+            return Err(wrong(format!("overwritten by the connection that feeds {input}")));
+        }
+        // A text that is a number is used as a number.
+        let endless = |text: &&String| text.parse().is_ok_and(|value: f64| !value.is_finite());
+        if let Some(text) = parameter.values().iter().find(endless) {
+            return Err(wrong(format!("{text}: must be a finite number")));
+        }
+        // Of some agents, a later parameter may replace an earlier one of all.
+        let (crowd, decision): (Vec<_>, Vec<_>) =
+            names.into_iter().partition(|name| name.starts_with("crowd."));
+        for of_one in [crowd, decision] {
+            let new = of_one.is_empty() || all.insert(of_one);
+            ensure(new, || wrong("another parameter sets the same".into()))?;
+        }
+    }
+    Ok(())
 }

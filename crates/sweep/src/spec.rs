@@ -1,17 +1,15 @@
 //! Reads `sweep.toml`.
 
-use crate::axes::Axis;
-use crate::error::{Error, Place, Result};
+use crate::error::{Place, Result};
 use crate::measure::Measure;
-use crate::models::{Models, Plan};
-use crate::places::Places;
-use crate::points::{OUTPUT_DIRECTORY, Points};
-use crate::stop::Stop;
+use crate::measure::places::Places;
+use crate::models::{Models, Plan, Template};
+use crate::output::Stop;
+use crate::points::{Axis, OUTPUT_DIRECTORY, Points};
 use crate::table::{ERROR, POINT, STATUS};
-use crate::template::Template;
 use lemons_core::files::input;
 use lemons_core::trial::DriveChoice;
-use lemons_master::{FileType, PlanChoice};
+use lemons_master::{FileType, PlanChoice, ensure};
 use lemons_results::measure::LATEST;
 use lemons_sim::Algorithm;
 use serde::Deserialize;
@@ -23,25 +21,25 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone)]
 pub struct Spec {
     /// The model that is simulated at each point.
-    pub models: Models,
+    pub(crate) models: Models,
     /// True if each Trial must have a `decision.toml`.
-    pub needs_plan: bool,
+    pub(crate) needs_plan: bool,
     /// When a point ends.
     pub until: End,
     /// What ends a point before.
-    pub stop: Option<Stop>,
+    pub(crate) stop: Option<Stop>,
     /// \[s\] Communication step; `None`: that of the Trial.
     pub step: Option<f64>,
     /// The forces that drive people.
-    pub drive: DriveChoice,
+    pub(crate) drive: DriveChoice,
     /// In which order crowd and Decision exchange values.
-    pub algorithm: Algorithm,
+    pub(crate) algorithm: Algorithm,
     /// The points that are simulated.
     pub points: Points,
     /// Names and measures, in the order of the file.
-    pub measures: Vec<(String, Measure)>,
+    pub(crate) measures: Vec<(String, Measure)>,
     /// Lines and areas of the measures.
-    pub places: Places,
+    pub(crate) places: Places,
     /// The files that are read.
     pub inputs: Vec<PathBuf>,
     /// What must be equal to go on, as far as the file itself says it.
@@ -54,23 +52,20 @@ const ELSEWHERE: [&str; 9] =
 
 /// When a point ends.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "toml::Value")]
+#[serde(untagged, expecting = "expected a number of seconds, or \"left\"")]
 pub enum End {
     /// \[s\] At this time.
     At(f64),
-    /// When everybody has left who has an exit, or nobody gets any further; at the latest after an hour.
-    Left,
+    /// When the crowd has done something; at the latest after an hour.
+    When(Event),
 }
 
-impl TryFrom<toml::Value> for End {
-    type Error = &'static str;
-
-    fn try_from(value: toml::Value) -> Result<End, &'static str> {
-        match value {
-            toml::Value::String(word) if word == "left" => Ok(End::Left),
-            value => value.try_into().map(End::At).map_err(|_| "expected a number of seconds, or \"left\""),
-        }
-    }
+/// What a crowd can do that ends a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Event {
+    /// Everybody has left who has an exit, or nobody gets any further.
+    Left,
 }
 
 impl End {
@@ -78,7 +73,7 @@ impl End {
     pub fn latest(self) -> f64 {
         match self {
             End::At(time) => time,
-            End::Left => LATEST,
+            End::When(Event::Left) => LATEST,
         }
     }
 }
@@ -142,70 +137,58 @@ impl Spec {
         let (key, model) = match (document.trial, document.fmu) {
             (Some(path), None) => ("trial", path),
             (None, Some(path)) => ("fmu", path),
-            _ => return Err(Error::Spec("give one of the keys trial and fmu".into())),
+            _ => return Err("give one of the keys trial and fmu".into()),
         };
-        if key == "fmu" && document.plan.is_some() {
-            return Err(Error::Spec("plan: is for a trial, and not for an fmu".into()));
-        }
+        let plan_of_fmu = key == "fmu" && document.plan.is_some();
+        ensure(!plan_of_fmu, || "plan: is for a trial, and not for an fmu")?;
         for (key, value) in [("until", Some(document.until.latest())), ("step", document.step)] {
-            if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
-                return Err(Error::Spec(format!("{key}: must be a positive number of seconds")));
-            }
+            let positive = value.is_none_or(|value| value > 0.0 && value.is_finite());
+            ensure(positive, || format!("{key}: must be a positive number of seconds"))?;
         }
         let mut inputs = Vec::new();
         let points = match (document.parameters, document.table) {
             (Some(axes), None) => {
-                let axes = axes.into_iter().map(|(name, value)| {
+                let mut all = Vec::new();
+                for (name, value) in axes {
                     let place = || format!("parameters: {name}");
-                    let values =
-                        value.try_into::<Axis>().place(place)?.values().map_err(Error::Spec).place(place)?;
-                    Ok((name, values))
-                });
-                let axes = axes.collect::<Result<Vec<_>>>()?;
-                Points::grid(axes).map_err(|message| Error::Spec(format!("parameters: {message}")))?
+                    let values = value.try_into::<Axis>().place(place)?.values().place(place)?;
+                    all.push((name, values));
+                }
+                Points::grid(all).place(|| "parameters".into())?
             }
             (None, Some(table)) => {
                 inputs.push(directory.join(table));
                 Points::read(&inputs[0])?
             }
-            _ => return Err(Error::Spec("give one of [parameters] and table".into())),
+            _ => return Err("give one of [parameters] and table".into()),
         };
         check_directories(&points)?;
-        let measures = document.measures.into_iter().map(|(name, value)| {
+        let mut measures = Vec::new();
+        for (name, value) in document.measures {
             let measure = Measure::read(value).place(|| format!("measures: {name}"))?;
-            Ok((name, measure))
-        });
-        let measures: Vec<(String, Measure)> = measures.collect::<Result<_>>()?;
-        if measures.is_empty() {
-            return Err(Error::Spec("measures: must not be empty".into()));
+            measures.push((name, measure));
         }
+        ensure(!measures.is_empty(), || "measures: must not be empty")?;
         let mut names = HashSet::from(RESERVED);
-        let given = points
-            .parameters
-            .iter()
-            .map(|parameter| &parameter.name)
-            .chain(measures.iter().map(|(name, _)| name));
-        for name in given {
-            if !names.insert(name) {
-                return Err(Error::Spec(format!("{name:?}: the table already has a column with this name")));
-            }
+        let given = points.parameters.iter().map(|parameter| &parameter.name);
+        for name in given.chain(measures.iter().map(|(name, _)| name)) {
+            ensure(names.insert(name), || {
+                format!("{name:?}: the table already has a column with this name")
+            })?;
         }
         let walkable = document.walkable.map(|path| directory.join(path));
         let places = Places::read(document.lines, document.areas, walkable)?;
         inputs.extend(places.walkable.as_ref().map(|walkable| walkable.path.clone()));
         for (name, measure) in &measures {
-            let checked = measure.check(&places, &points);
-            checked.map_err(|what| Error::Spec(format!("measures: {name}: {what}")))?;
+            measure.check(&places, &points).place(|| format!("measures: {name}"))?;
         }
-        if places.walkable.is_some() && places.areas.is_empty() {
-            return Err(Error::Spec("walkable: is for [areas], and there are none".into()));
-        }
+        let used = places.walkable.is_none() || !places.areas.is_empty();
+        ensure(used, || "walkable: is for [areas], and there are none")?;
         if let Some(stop) = &document.stop {
-            stop.check().map_err(|what| Error::Spec(format!("stop: {what}")))?;
+            stop.check().place(|| "stop".into())?;
         }
-        let template = |key: &str, text: &str| {
-            Template::read(text, directory, &points).map_err(|what| Error::Spec(format!("{key}: {what}")))
-        };
+        let template =
+            |key: &str, text: &str| Template::read(text, directory, &points).place(|| key.to_owned());
         let model = template(key, &model)?;
         let needs_plan = matches!(document.plan, Some(FileText::Switch(true)));
         let plan = match &document.plan {
@@ -225,7 +208,9 @@ impl Spec {
         let models = Models::of(&points, &model, &plan)?;
         for (path, plan) in &models.all {
             inputs.push(path.clone());
-            inputs.extend(if let PlanChoice::File(path) = plan { Some(path.clone()) } else { None });
+            if let PlanChoice::File(path) = plan {
+                inputs.push(path.clone());
+            }
         }
         Ok(Spec {
             models,
@@ -243,22 +228,30 @@ impl Spec {
         })
     }
 
+    /// Returns the names of what is measured, in the order of the table's columns.
+    pub fn measured(&self) -> Vec<String> {
+        let ended = self.may_end().then(|| ENDED.to_owned());
+        self.measures.iter().map(|(name, _)| name.clone()).chain(ended).collect()
+    }
+
     /// Returns whether points may end by themselves, before their latest end. The table then has the column `ended`.
     pub fn may_end(&self) -> bool {
-        self.until == End::Left || self.stop.is_some()
+        self.until == End::When(Event::Left) || self.stop.is_some()
     }
 }
 
 /// Checks that no two points have the same OutputDirectory, where they would overwrite each other's files.
 fn check_directories(points: &Points) -> Result<()> {
     let mut seen = HashSet::new();
-    match points.output_directories().find(|(_, directory)| !seen.insert(*directory)) {
-        Some((_, twice)) => Err(Error::Spec(format!(
-            "{OUTPUT_DIRECTORY} = {twice:?}: two points have it, and would overwrite each other's files; with \
-             a table of points, each can have its own"
-        ))),
-        None => Ok(()),
+    for (_, directory) in points.output_directories() {
+        ensure(seen.insert(directory), || {
+            format!(
+                "{OUTPUT_DIRECTORY} = {directory:?}: two points have it, and would overwrite each other's files; with \
+                 a table of points, each can have its own"
+            )
+        })?;
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -302,86 +295,58 @@ mod tests {
 
     #[test]
     fn mistakes_name_the_key() {
+        let measure = "of = \"x\", take = \"reach\", agents = [\"4\"]";
+        let flow = |width: &str| format!("{FLOW}, width = {width}");
+        let (zero, none, friction) = (flow("0"), flow("'Mass'"), flow("'contact.a.a.KineticFriction'"));
         // What replaces a part of the good text, and what is said.
-        for (part, cases) in [
+        for (part, to, expected) in [
+            ("trial = \"push\"", "", "trial and fmu"),
+            ("trial = \"push\"", "fmu = \"push.fmu\"\nplan = false", "plan: is for a trial"),
+            ("\"push\"", "\"push_{seed}\"", "trial: push_{seed}: there is no parameter \"seed\""),
+            ("drive = false", "plan = 5", "plan"),
+            ("drive = false", "algorithm = \"euler\"", "gauss-seidel"),
+            ("until = 2", "until = 2\nstop = { of = \"x\" }", "stop: it needs one of at_least and at_most"),
+            ("until = 2", "until = -2", "until: must be a positive"),
+            ("until = 2", "until = \"soon\"", "expected a number of seconds, or \"left\""),
+            ("until = 2", "until = 2\nwalkable = \"none.wkt\"", "walkable: in/none.wkt"),
+            ("until = 2", "untill = 2", "untill"),
+            ("count = 3, spacing", "spacing", "count: is missing"),
+            ("count = 3", "count = 1", "agent[*].Mass: count = 1"),
+            ("from = 50", "from = 0", "must be positive"),
+            ("from = 50", "from = -inf", "agent[*].Mass: from and to must be finite"),
+            ("[0, 0.5]", "[]", "KineticFriction: no values"),
+            ("[0, 0.5]", "true", "KineticFriction: expected a list"),
+            ("[0, 0.5]", "[0.5, nan]", "KineticFriction: NaN: must be a finite number"),
+            ("[0, 0.5]", "{ from = 1.5, to = 3 }", "count"),
+            ("[0, 0.5]", "{ from = 3, to = 1 }", "from = 3, to = 1"),
+            ("[measures]", "b = [1, 2, 1, 2]\n[measures]", "lines: b: must be two different points"),
+            ("[measures]", "b = [1, 2, 1, nan]\n[measures]", "lines: b: must be two different"),
+            ("[measures]", "[areas]\nf = [1, 2, 0, 3]\n[measures]", "areas: f: must be the lower left"),
+            ("[measures]", "[areas]\nf = [0, 0, 1, 1, 1, 0, 0, 1]\n[measures]", "areas: f: must be the"),
+            ("reach = {", "status = {", "\"status\": the table already has a column"),
+            ("of = \"x\"", "of = \"mood\"", "measures: reach"),
+            (measure, "line = 'a', of = 'x'", "one of the keys of, line, area, squeeze"),
             (
-                "trial = \"push\"",
-                &[
-                    ("", "trial and fmu"),
-                    ("fmu = \"push.fmu\"\nplan = false", "plan: is for a trial"),
-                    ("trial = \"push_{seed}\"", "trial: push_{seed}: there is no parameter \"seed\""),
-                ][..],
+                measure,
+                "line = 'b', direction = 'left', number = 'flow'",
+                "line = \"b\": there is none in [lines]",
             ),
-            ("drive = false", &[("plan = 5", "plan"), ("algorithm = \"euler\"", "gauss-seidel")]),
+            (measure, "line = 'a', direction = 'up', number = 'flow'", "unknown variant `up`"),
+            (measure, &zero, "width: 0.0 is not a positive number"),
+            (measure, &none, "width = \"Mass\": there is no such parameter"),
+            (measure, &friction, "width: 0.0 is not a positive"),
+            (measure, "area = 'b', number = 'people', take = 'max'", "area = \"b\": the file has no [areas]"),
             (
-                "until = 2",
-                &[
-                    ("until = 2\nstop = { of = \"x\" }", "stop: it needs one of at_least and at_most"),
-                    ("until = -2", "until: must be a positive"),
-                    ("until = \"soon\"", "expected a number of seconds, or \"left\""),
-                    ("until = 2\nwalkable = \"none.wkt\"", "walkable: in/none.wkt"),
-                    ("untill = 2", "untill"),
-                ],
+                measure,
+                "squeeze = 'peak', from = 2, until = 1",
+                "until = 1.0: the beginning is not before the",
             ),
-            ("count = 3, spacing", &[("spacing", "count: is missing")]),
-            ("count = 3", &[("count = 1", "agent[*].Mass: count = 1")]),
-            (
-                "from = 50",
-                &[
-                    ("from = 0", "must be positive"),
-                    ("from = -inf", "agent[*].Mass: from and to must be finite"),
-                ],
-            ),
-            (
-                "[0, 0.5]",
-                &[
-                    ("[]", "KineticFriction: no values"),
-                    ("true", "KineticFriction: expected a list"),
-                    ("[0.5, nan]", "KineticFriction: NaN: must be a finite number"),
-                    ("{ from = 1.5, to = 3 }", "count"),
-                    ("{ from = 3, to = 1 }", "from = 3, to = 1"),
-                ],
-            ),
-            (
-                "[measures]",
-                &[
-                    ("b = [1, 2, 1, 2]\n[measures]", "lines: b: must be two different points"),
-                    ("b = [1, 2, 1, nan]\n[measures]", "lines: b: must be two different"),
-                    ("[areas]\nf = [1, 2, 0, 3]\n[measures]", "areas: f: must be the lower left"),
-                    ("[areas]\nf = [0, 0, 1, 1, 1, 0, 0, 1]\n[measures]", "areas: f: must be the lower left"),
-                ],
-            ),
-            ("reach = {", &[("status = {", "\"status\": the table already has a column")]),
-            ("of = \"x\"", &[("of = \"mood\"", "measures: reach")]),
-            (
-                "of = \"x\", take = \"reach\", agents = [\"4\"]",
-                &[
-                    ("line = 'a', of = 'x'", "one of the keys of, line, area, squeeze"),
-                    (
-                        "line = 'b', direction = 'left', number = 'flow'",
-                        "line = \"b\": there is none in [lines]",
-                    ),
-                    ("line = 'a', direction = 'up', number = 'flow'", "unknown variant `up`"),
-                    (&format!("{FLOW}, width = 0"), "width: 0.0 is not a positive number"),
-                    (&format!("{FLOW}, width = 'Mass'"), "width = \"Mass\": there is no such parameter"),
-                    (
-                        &format!("{FLOW}, width = 'contact.a.a.KineticFriction'"),
-                        "width: 0.0 is not a positive",
-                    ),
-                    ("area = 'b', number = 'people', take = 'max'", "area = \"b\": the file has no [areas]"),
-                    (
-                        "squeeze = 'peak', from = 2, until = 1",
-                        "until = 1.0: the beginning is not before the end",
-                    ),
-                    ("squeeze = 'time_above'", "squeeze = \"time_above\" needs a level"),
-                ],
-            ),
+            (measure, "squeeze = 'peak', from = '2'", "measures: reach: from: "),
+            (measure, "squeeze = 'time_above'", "squeeze = \"time_above\" needs a level"),
         ] {
             assert!(GOOD.contains(part));
-            for (to, expected) in cases {
-                let said = read(&GOOD.replace(part, to)).unwrap_err();
-                assert!(said.contains(expected), "{to}: {said}");
-            }
+            let said = read(&GOOD.replace(part, to)).unwrap_err();
+            assert!(said.contains(expected), "{to}: {said}");
         }
     }
 

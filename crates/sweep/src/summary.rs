@@ -1,9 +1,10 @@
 //! What the runs of each case have in common: means over seeds with their intervals, quantiles, and runs that got stuck.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::points::Points;
 use crate::spec::ENDED;
 use crate::table::{Finished, Measured};
+use lemons_master::ensure;
 use lemons_results::measure::quantile;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
@@ -19,10 +20,7 @@ const QUANTILES: [(f64, &str); 3] = [(0.1, "quantile_10"), (0.5, "median"), (0.9
 /// One is not.
 pub fn check_over(points: &Points, over: &[String]) -> Result<()> {
     let known = |name: &String| points.parameters.iter().any(|own| own.name == *name);
-    match over.iter().find(|name| !known(name)) {
-        Some(name) => Err(Error::Spec(format!("there is no parameter {name:?}"))),
-        None => Ok(()),
-    }
+    over.iter().try_for_each(|name| Ok(ensure(known(name), || format!("there is no parameter {name:?}"))?))
 }
 
 /// Returns a table in CSV with a row for each case: the runs that differ only in the parameters `over`, such as a seed. Of
@@ -33,16 +31,12 @@ pub fn check_over(points: &Points, over: &[String]) -> Result<()> {
 pub fn summary(points: &Points, measures: &[String], rows: &[Finished], over: &[String]) -> Result<String> {
     let fixed: Vec<_> = points.parameters.iter().filter(|own| !over.contains(&own.name)).collect();
     let may_end = measures.last().is_some_and(|name| name == ENDED);
-    let mut cases: BTreeMap<Vec<String>, (usize, Case)> = BTreeMap::new();
+    let mut cases: BTreeMap<Vec<&str>, Vec<&Finished>> = BTreeMap::new();
     for row in rows {
-        let key = fixed.iter().map(|own| own.at(row.point).to_owned()).collect();
-        let (_, case) = cases.entry(key).or_insert_with(|| {
-            (row.point, Case { values: vec![Vec::new(); measures.len()], ..Case::default() })
-        });
-        case.add(row, may_end);
+        cases.entry(fixed.iter().map(|own| own.at(row.point)).collect()).or_default().push(row);
     }
     let mut ordered: Vec<_> = cases.into_iter().collect();
-    ordered.sort_by_key(|(_, (first, _))| *first);
+    ordered.sort_by_key(|(_, rows)| rows[0].point);
     let mut out = csv::Writer::from_writer(Vec::new());
     let names = fixed.iter().map(|own| own.name.clone()).chain(["runs", "failed"].map(str::to_owned));
     let stuck = may_end.then(|| "stuck".to_owned());
@@ -51,42 +45,25 @@ pub fn summary(points: &Points, measures: &[String], rows: &[Finished], over: &[
         ["mean", "low", "high"].into_iter().chain(more).map(move |what| format!("{name}_{what}"))
     });
     out.write_record(names.chain(stuck).chain(of_measures))?;
-    for (key, (_, case)) in ordered {
-        let counts = [Some(case.runs), Some(case.failed), may_end.then_some(case.stuck)];
+    for (key, rows) in ordered {
+        let runs: Vec<_> = rows.iter().filter_map(|row| row.outcome.as_ref().ok()).collect();
+        // Of the runs, those without an end.
+        let stuck = runs.iter().filter(|values| values.last() == Some(&None)).count();
+        let counts = [Some(runs.len()), Some(rows.len() - runs.len()), may_end.then_some(stuck)];
         let counts = counts.into_iter().flatten().map(|count| count.to_string());
-        let numbers = case.values.into_iter().flat_map(numbers);
+        let values = |place: usize| {
+            let values = runs.iter().filter_map(move |values| match values.get(place)? {
+                Some(Measured::Number(number)) => Some(*number),
+                _ => None,
+            });
+            numbers(values.collect())
+        };
+        let numbers = (0..measures.len()).flat_map(values);
         let numbers = numbers.map(|number| number.map_or(String::new(), |number| format!("{number:?}")));
-        out.write_record(key.into_iter().chain(counts).chain(numbers))?;
+        out.write_record(key.into_iter().map(str::to_owned).chain(counts).chain(numbers))?;
     }
     let bytes = out.into_inner().map_err(csv::IntoInnerError::into_error)?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-/// Runs that differ only in their seeds.
-#[derive(Default)]
-struct Case {
-    runs: usize,
-    failed: usize,
-    /// Of the runs, those without an end.
-    stuck: usize,
-    /// The values of each measure.
-    values: Vec<Vec<f64>>,
-}
-
-impl Case {
-    fn add(&mut self, row: &Finished, may_end: bool) {
-        let Ok(values) = &row.outcome else {
-            self.failed += 1;
-            return;
-        };
-        self.runs += 1;
-        self.stuck += usize::from(may_end && values.last() == Some(&None));
-        for (all, value) in self.values.iter_mut().zip(values) {
-            if let Some(Measured::Number(number)) = value {
-                all.push(*number);
-            }
-        }
-    }
 }
 
 /// Returns mean, both ends of its interval, quantiles; `None`: not known.

@@ -2,8 +2,8 @@
 
 use crate::error::{Error, Place, Result};
 use crate::points::Points;
-use crate::simulate::{Job, Worker};
-use crate::spec::{ENDED, Spec};
+use crate::simulate::Job;
+use crate::spec::Spec;
 use crate::table::{Finished, Measured, Table};
 use std::io;
 use std::path::Path;
@@ -67,10 +67,9 @@ pub fn sweep(
 ) -> Result<Swept> {
     let (job, mut identity, warnings) = Job::open(spec)?;
     identity.insert("program".into(), by.into());
-    let Spec { points, measures, .. } = &job.spec;
-    let ended = job.spec.may_end().then(|| ENDED.to_owned());
-    let measures: Vec<String> = measures.iter().map(|(name, _)| name.clone()).chain(ended).collect();
-    let mut table = Table::open(table, &identity, points, Some(&measures))?;
+    let (points, measures) = (&job.spec.points, job.spec.measured());
+    let mut table = Table::open(table, &identity, points)?;
+    table.name_measures(&measures)?;
     let mut left = vec![true; points.count];
     table.rows().filter(|row| row.outcome.is_ok() || !retry).for_each(|row| left[row.point] = false);
     let left: Vec<usize> = (0..left.len()).filter(|&point| left[point]).collect();
@@ -106,12 +105,13 @@ struct Queue {
 
 impl Queue {
     fn work(&self, finished: &Sender<Finished>) {
-        let mut worker = Worker::new(&self.job);
+        let mut last = None;
         while let Some(&point) = self.points.get(self.next.fetch_add(1, Ordering::Relaxed)) {
-            let outcome = worker.simulate(point, &self.over).map_err(|error| error.whole()).transpose();
-            let Some(outcome) = outcome else { return };
-            let number = |value: Option<f64>| value.map(Measured::Number);
-            let outcome = outcome.map(|values| values.into_iter().map(number).collect());
+            let outcome = match self.job.simulate(&mut last, point, &self.over) {
+                Ok(None) => return,
+                Ok(Some(values)) => Ok(values.into_iter().map(|value| value.map(Measured::Number)).collect()),
+                Err(error) => Err(error.whole()),
+            };
             if finished.send(Finished { point, outcome }).is_err() || self.over.load(Ordering::Relaxed) {
                 return;
             }

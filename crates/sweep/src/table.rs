@@ -8,6 +8,7 @@
 use crate::error::{Error, Place, Result};
 use crate::points::Points;
 use lemons_core::files::Staged;
+use lemons_master::ensure;
 use serde_json::{Map, Value};
 use std::fs::{File, TryLockError};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -47,10 +48,8 @@ pub enum Measured {
 pub struct Table {
     path: PathBuf,
     points: Points,
-    /// Names of the measures; `None` where the first results name them.
+    /// Names of the measures; `None` until the first results name them.
     measures: Option<Vec<String>>,
-    /// Whether measures may be texts.
-    texts: bool,
     /// The first line.
     first: String,
     /// Locked; what is written is appended.
@@ -64,17 +63,11 @@ pub struct Table {
 }
 
 impl Table {
-    /// Creates the table, or opens that of an unfinished sweep. Without names of measures, these are those of the table,
-    /// or of the first results ([`Table::name_measures`]), and may be texts.
+    /// Creates the table, or opens that of an unfinished sweep.
     ///
     /// # Errors
     /// The file is no such table, or that of another sweep, another process writes it, or it cannot be written.
-    pub fn open(
-        path: &Path,
-        identity: &Map<String, Value>,
-        points: &Points,
-        measures: Option<&[String]>,
-    ) -> Result<Table> {
+    pub fn open(path: &Path, identity: &Map<String, Value>, points: &Points) -> Result<Table> {
         let at = || path.display().to_string();
         let file = File::options().create(true).read(true).append(true).open(path).place(at)?;
         match file.try_lock() {
@@ -87,8 +80,7 @@ impl Table {
         let mut table = Table {
             path: path.to_owned(),
             points: points.clone(),
-            measures: measures.map(<[String]>::to_vec),
-            texts: measures.is_none(),
+            measures: None,
             first: format!("{BEGIN}{}\n", serde_json::to_string(identity)?),
             file,
             rows: vec![None; points.count],
@@ -136,13 +128,18 @@ impl Table {
         self.measures.as_deref()
     }
 
-    /// Names the measures, as long as no point has any.
+    /// Names the measures, as long as no point has any; these names stay.
     ///
     /// # Errors
-    /// The file cannot be written.
-    pub fn name_measures(&mut self, measures: Vec<String>) -> Result<()> {
-        debug_assert!(self.rows().all(|row| row.outcome.is_err()));
-        self.measures = Some(measures);
+    /// Points have others, or the file cannot be written.
+    pub fn name_measures(&mut self, measures: &[String]) -> Result<()> {
+        if self.measures() == Some(measures) {
+            return Ok(());
+        }
+        if self.rows().any(|row| row.outcome.is_ok()) {
+            return Err(Error::Table(OTHERS.into())).place(|| self.path.display().to_string());
+        }
+        self.measures = Some(measures.to_vec());
         let text = self.whole()?;
         let written = self.file.set_len(0).and_then(|()| self.file.write_all(&text));
         written.place(|| format!("cannot write {}", self.path.display()))
@@ -166,17 +163,14 @@ impl Table {
             let keys = identity.keys().chain(before.keys().filter(|key| !identity.contains_key(*key)));
             let differ = keys.filter(|key| identity.get(*key) != before.get(*key));
             let differ = differ.map(String::as_str).collect::<Vec<_>>().join(", ");
-            if !differ.is_empty() {
-                return Err(Error::Table(format!(
-                    "{shown} is the table of another sweep: it differs in {differ}; give another file, or remove this one"
-                )));
-            }
+            ensure(differ.is_empty(), || {
+                let other = format!("{shown} is the table of another sweep: it differs in {differ}");
+                Error::Table(format!("{other}; give another file, or remove this one"))
+            })?;
         }
         let mut rest = Vec::new();
         file.read_to_end(&mut rest).place(at)?;
-        if self.texts {
-            self.measures = self.measures_in(&rest).place(at)?;
-        }
+        self.measures = self.measures_in(&rest).place(at)?;
         let names = self.names()?;
         if cut_off || self.measures.is_none() || rest.len() < names.len() && names.starts_with(&rest) {
             return Ok(0);
@@ -210,34 +204,21 @@ impl Table {
 
     /// Returns what a row says.
     fn finished(&self, row: &csv::StringRecord, width: usize) -> Result<Finished, String> {
-        if row.len() != width {
-            return Err(format!("has {} columns, not {width}", row.len()));
-        }
+        ensure(row.len() == width, || format!("has {} columns, not {width}", row.len()))?;
         let point = row[0].parse().ok().filter(|point: &usize| *point < self.points.count);
         let point = point.ok_or_else(|| format!("there is no point {:?}", &row[0]))?;
         // Both the number and the values of a point must be those of this sweep.
         for (cell, parameter) in row.iter().skip(1).zip(&self.points.parameters) {
-            if cell != parameter.at(point) {
-                let name = &parameter.name;
-                return Err(format!("column {name}: {cell:?} is not the value of point {point}"));
-            }
+            let other = || format!("column {}: {cell:?} is not the value of point {point}", parameter.name);
+            ensure(cell == parameter.at(point), other)?;
         }
         let first = 1 + self.points.parameters.len();
         let outcome = match (&row[width - 2], &row[width - 1]) {
-            (OK, "") => Ok((first..width - 2).map(|k| self.measured(&row[k])).collect::<Result<_, _>>()?),
+            (OK, "") => Ok((first..width - 2).map(|k| measured(&row[k])).collect()),
             (FAILED, message) => Err(message.to_owned()),
             (status, _) => return Err(format!("status {status:?}")),
         };
         Ok(Finished { point, outcome })
-    }
-
-    fn measured(&self, cell: &str) -> Result<Option<Measured>, String> {
-        match cell.parse() {
-            _ if cell.is_empty() => Ok(None),
-            Ok(number) => Ok(Some(Measured::Number(number))),
-            Err(_) if self.texts => Ok(Some(Measured::Text(cell.to_owned()))),
-            Err(_) => Err(format!("{cell:?} is not a number")),
-        }
     }
 
     /// Notes what is in the file.
@@ -272,21 +253,18 @@ impl Table {
     /// # Errors
     /// The file cannot be written.
     pub fn finish(self) -> Result<Vec<Finished>> {
-        let rows: Vec<Finished> = self.rows().cloned().collect();
-        if !self.sorted {
-            let sorted = || {
-                let mut file = Staged::beside(&self.path)?;
-                file.write_all(&self.whole()?)?;
-                file.sync()?;
-                Ok::<_, Error>(file)
-            };
-            let file = sorted().place(|| format!("cannot write {}", self.path.display()))?;
-            let path = self.path;
+        let text = if self.sorted { None } else { Some(self.whole()?) };
+        let Table { path, file, rows, .. } = self;
+        if let Some(text) = text {
+            let cannot = || format!("cannot write {}", path.display());
+            let mut sorted = Staged::beside(&path).place(cannot)?;
+            sorted.write_all(&text).place(cannot)?;
+            sorted.sync().place(cannot)?;
             // Windows replaces no open file.
-            drop(self.file);
-            file.persist().place(|| format!("cannot write {}", path.display()))?;
+            drop(file);
+            sorted.persist().place(cannot)?;
         }
-        Ok(rows)
+        Ok(rows.into_iter().flatten().collect())
     }
 
     /// Returns the finished points, each once and in order: of several rows of a point a successful one, else the first.
@@ -312,6 +290,12 @@ impl Table {
         let row = std::iter::once(point.to_string()).chain(parameters).chain(measured);
         line(row.chain([status.to_owned(), error]))
     }
+}
+
+/// Returns what a cell says that was measured.
+fn measured(cell: &str) -> Option<Measured> {
+    let text = |_| Measured::Text(cell.to_owned());
+    (!cell.is_empty()).then(|| cell.parse().map_or_else(text, Measured::Number))
 }
 
 fn line(cells: impl Iterator<Item = String>) -> Result<Vec<u8>> {
@@ -345,7 +329,9 @@ mod tests {
     }
 
     fn open(path: &Path) -> Result<Table> {
-        Table::open(path, &identity(2.0), &points(), Some(&["x".to_owned(), "y".to_owned()]))
+        let mut table = Table::open(path, &identity(2.0), &points())?;
+        table.name_measures(&["x", "y"].map(str::to_owned))?;
+        Ok(table)
     }
 
     /// A table that was written in one go, in order.
@@ -361,30 +347,24 @@ mod tests {
     fn measures_that_are_named_later_are_those_of_the_table() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("sweep.csv");
-        let open = || Table::open(&path, &identity(2.0), &points(), None).unwrap();
+        let open = || Table::open(&path, &identity(2.0), &points()).unwrap();
         let fallen = |point| Finished { point, outcome: Err("it fell".into()) };
         let far = Some(Measured::Text("far, \"so\"".into()));
         let far = Finished { point: 2, outcome: Ok(vec![far, Some(Measured::Number(0.5))]) };
         let mut table = open();
-        table.name_measures(Vec::new()).unwrap();
+        table.name_measures(&[]).unwrap();
         table.add(&[fallen(0)]).unwrap();
         drop(table);
         let mut table = open();
         assert_eq!(table.measures(), Some(&[][..]));
-        table.name_measures(vec!["how, far".to_owned(), "x".to_owned()]).unwrap();
+        table.name_measures(&["how, far", "x"].map(str::to_owned)).unwrap();
         table.add(&[far.clone(), fallen(1)]).unwrap();
         drop(table);
-        let whole = std::fs::read(&path).unwrap();
-        for length in 0..=whole.len() {
-            std::fs::write(&path, &whole[..length]).unwrap();
-            let table = open();
-            assert!(table.rows().all(|row| [&fallen(0), &fallen(1), &far].contains(&row)), "{length}");
-            let least = if length == whole.len() { 3 } else { 0 };
-            assert!((least..=3).contains(&table.rows().count()), "{length}");
-        }
-        let text = String::from_utf8(whole).unwrap();
+        assert!(open().rows().eq([&fallen(0), &fallen(1), &far]));
+        assert!(open().name_measures(&[]).is_err());
+        let text = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, text.replace("status,error", "state")).unwrap();
-        assert!(Table::open(&path, &identity(2.0), &points(), None).is_err());
+        assert!(Table::open(&path, &identity(2.0), &points()).is_err());
     }
 
     /// Wherever a sweep is killed, and in whatever order its points were finished.
@@ -450,7 +430,7 @@ mod tests {
             (other("\n3,80.0", "\n4,80.0"), "row 4: there is no point \"4\""),
             (other("60.0", "61.0"), "row 1: column mass: \"61.0\" is not the value of point 0"),
             (other("inf,ok", "inf,maybe"), "row 3: status \"maybe\""),
-            (other("inf,ok", "high,ok"), "row 3: \"high\" is not a number"),
+            (other(",x,", ",z,"), "its columns are others"),
             (other("\n0,60.0,", "\n0,"), "row 1: has 6 columns, not 7"),
         ] {
             std::fs::write(&path, &text).unwrap();

@@ -66,7 +66,7 @@ pub fn prepare(settings: &Settings) -> Result<Prepared> {
             mechanical_steps.push((name, component.instance.value(STEP)?));
         }
     }
-    let (count, connections, algorithm) = (system.components.len(), system.connections(), system.algorithm);
+    let (count, connections, algorithm) = (system.components.len(), system.connections, system.algorithm);
     let parts =
         format!("components         {count:>10}     ({algorithm} algorithm, {connections} connections)");
     Ok(Prepared {
@@ -79,7 +79,7 @@ pub fn prepare(settings: &Settings) -> Result<Prepared> {
         clock: run.clock,
         drive_end: run.feed.drive.end(),
         record: Saved {
-            wiring: system.fingerprint(),
+            wiring: system.fingerprint.clone(),
             ..record_of(
                 (&run.clock, run.every),
                 run.before.as_ref(),

@@ -1,9 +1,8 @@
 //! Functions that FMUs call to tell something.
 
-use crate::messages::Messages;
-use crate::ssp::Fmi;
-use lemons_fmi::Status;
+use crate::messages::{Messages, status_of};
 use lemons_fmi::v2::CallbackFunctions;
+use lemons_fmi::{Status, Version};
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::ptr::null;
 use std::rc::Rc;
@@ -65,7 +64,7 @@ unsafe extern "C" fn hear(listener: *const Listener, status: c_int, text: *const
     // SAFETY: as said above; only `lemons_logger` calls this.
     let (listener, text) = unsafe { (&*listener, CStr::from_ptr(text)) };
     // A number sign in a message is doubled (FMI 2.0.5, section 2.1.5).
-    listener.messages.hear(Fmi::V2.status(status), &text.to_string_lossy().replace("##", "#"));
+    listener.messages.hear(status_of(Version::V2, status), &text.to_string_lossy().replace("##", "#"));
 }
 
 /// `fmi3LogMessageCallback`: a message is a text, without arguments.
@@ -83,10 +82,8 @@ pub(super) unsafe extern "C" fn log_3(
     }
     // SAFETY: as said above, and not NULL.
     let (listener, text) = unsafe { (&*environment.cast::<Listener>(), CStr::from_ptr(message)) };
-    let text = text.to_bytes();
-    listener
-        .messages
-        .hear(Fmi::V3.status(status), &String::from_utf8_lossy(&text[..text.len().min(LONGEST)]));
+    let text = &text.to_bytes()[..text.count_bytes().min(LONGEST)];
+    listener.messages.hear(status_of(Version::V3, status), &String::from_utf8_lossy(text));
 }
 
 /// \[byte\] Of a message; the rest is cut off.

@@ -1,15 +1,13 @@
-//! The `.ssp`: a zip of `SystemStructure.ssd` and what it names.
+//! The `.ssp`: a zip of `SystemStructure.ssd` and what it names; how much may be unpacked.
 
-use crate::error::{Error, Place, Result};
-use crate::ssp::allowance::Allowance;
+use crate::error::{Place, Result, ensure};
 use crate::ssp::document::{STRUCTURE_FILE, SystemStructure};
 use crate::ssp::read::read;
-use lemons_core::files::Staged;
-use lemons_core::files::input;
+use lemons_core::files::{Staged, input};
 use percent_encoding::percent_decode_str;
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Read, Seek, Write};
+use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
@@ -20,6 +18,57 @@ pub(crate) type ZipFile = ZipArchive<BufReader<File>>;
 /// Opens a zip; [`sound`] looks at its entries.
 pub(crate) fn open_zip(path: &Path) -> Result<ZipFile> {
     Ok(ZipArchive::new(BufReader::new(input::open(path)?))?)
+}
+
+/// How much archives may still unpack to: a small one can hold a lot of zeros, and the sizes that it declares
+/// need not be true.
+#[derive(Debug)]
+pub struct Allowance {
+    left: u64,
+    limit: u64,
+    entries: usize,
+}
+
+impl Allowance {
+    /// \[byte\] Of the structure and the parameter files of an archive, which are held in memory: twice
+    /// what two FMUs of 10 000 agents take.
+    pub const STRUCTURE: u64 = 64_000_000;
+    /// \[byte\] Of all FMUs of a run, which are unpacked on disk.
+    pub const FMUS: u64 = 4_000_000_000;
+
+    /// Number of the entries of all archives: each becomes a file or a directory. An FMU that contains Python has some
+    /// thousands.
+    pub const ENTRIES: usize = 20_000;
+
+    /// So many bytes, and [`Allowance::ENTRIES`].
+    pub fn new(limit: u64) -> Allowance {
+        Allowance { left: limit, limit, entries: Allowance::ENTRIES }
+    }
+
+    /// Takes the entries of an archive.
+    ///
+    /// # Errors
+    /// There are more than are left.
+    pub fn entries(&mut self, count: usize) -> Result<()> {
+        let most = Allowance::ENTRIES;
+        let many = || format!("it has too many entries: at most {most} are unpacked in all");
+        self.entries = self.entries.checked_sub(count).ok_or_else(many)?;
+        Ok(())
+    }
+
+    /// Copies an entry until nothing is left of the allowance.
+    ///
+    /// # Errors
+    /// The entry is broken, its copy cannot be written, or it is too large.
+    pub fn copy(&mut self, name: &str, entry: impl Read, to: &mut impl Write) -> Result<()> {
+        // One byte more tells too large from just fitting.
+        let mut entry = entry.take(self.left.saturating_add(1));
+        let copied = io::copy(&mut entry, to).place(|| name.to_owned())?;
+        let most = self.limit as f64 / 1e6;
+        let large = || format!("{name}: is refused: more than {most} MB to unpack in all");
+        self.left = self.left.checked_sub(copied).ok_or_else(large)?;
+        Ok(())
+    }
 }
 
 /// An archive that is being read.
@@ -61,15 +110,12 @@ impl Archive {
         let decoded = percent_decode_str(source).decode_utf8_lossy();
         // Some tools do not encode: there a percent sign is itself.
         let names = [decoded.as_ref(), source].map(|name| name.trim_start_matches("./").to_owned());
-        if names.iter().any(|name| leads_outside(name)) {
-            return Err(Error::new("leads outside of the archive"));
-        }
+        let outside = names.iter().any(|name| leads_outside(name));
+        ensure(!outside, || "leads outside of the archive")?;
         let name = names.iter().find(|name| self.zip.index_for_name(name).is_some());
-        let name = name.ok_or_else(|| Error::new(format!("there is no {} in the archive", names[0])))?;
+        let name = name.ok_or_else(|| format!("there is no {} in the archive", names[0]))?;
         let entry = self.zip.by_name(name)?;
-        if !entry.is_file() {
-            return Err(Error::new(format!("{name} is not a file")));
-        }
+        ensure(entry.is_file(), || format!("{name} is not a file"))?;
         allowance.copy(name, entry, to)
     }
 }
@@ -89,17 +135,13 @@ pub fn sound<R: Read + Seek>(zip: ZipArchive<R>) -> Result<ZipArchive<R>> {
     let mut seen = HashMap::new();
     for name in zip.file_names() {
         let name = name?.into_owned();
-        if leads_outside(&name) {
-            return Err(Error::new(format!("the entry {name:?} leads outside of the archive")));
-        }
+        ensure(!leads_outside(&name), || format!("the entry {name:?} leads outside of the archive"))?;
         if let Some(other) = seen.insert(plain(&name), name.clone()) {
-            return Err(Error::new(format!("the entries {other:?} and {name:?} have one name")));
+            return Err(format!("the entries {other:?} and {name:?} have one name").into());
         }
     }
     // The reader keeps the last entry of a name only.
-    if zip.has_duplicate_names() {
-        return Err(Error::new("two entries have the same name"));
-    }
+    ensure(!zip.has_duplicate_names(), || "two entries have the same name")?;
     Ok(zip)
 }
 
@@ -109,24 +151,28 @@ fn plain(name: &str) -> String {
     parts.map(str::to_lowercase).collect::<Vec<_>>().join("/")
 }
 
+/// Returns the options of an entry that has the same bytes whenever it is written.
+pub(crate) fn entry(method: CompressionMethod) -> SimpleFileOptions {
+    let options = SimpleFileOptions::default().compression_method(method);
+    options.last_modified_time(DateTime::default()).unix_permissions(0o644)
+}
+
 /// Writes an archive of a structure and files, each under its name in the archive. The same content gives the
 /// same bytes.
 ///
 /// # Errors
 /// A file cannot be read, or the archive not written; the file at `path` is as it was then.
-pub fn write_archive(path: &Path, structure: &SystemStructure, files: &[(String, &Path)]) -> Result<()> {
+pub fn write_archive(path: &Path, structure: &str, files: &[(String, &Path)]) -> Result<()> {
     let cannot = || format!("cannot write {}", path.display());
     let mut zip = ZipWriter::new(BufWriter::new(Staged::beside(path).place(cannot)?));
-    let options =
-        SimpleFileOptions::default().last_modified_time(DateTime::default()).unix_permissions(0o644);
-    zip.start_file(STRUCTURE_FILE, options.compression_method(CompressionMethod::Deflated)).place(cannot)?;
-    zip.write_all(structure.to_xml().as_bytes()).place(cannot)?;
+    zip.start_file(STRUCTURE_FILE, entry(CompressionMethod::Deflated)).place(cannot)?;
+    zip.write_all(structure.as_bytes()).place(cannot)?;
     for (name, file) in files {
         let bytes =
             input::read(file, input::LARGEST_BINARY).place(|| format!("cannot read {}", file.display()))?;
         // FMUs are compressed already.
         let large = u32::try_from(bytes.len()).is_err();
-        let options = options.compression_method(CompressionMethod::Stored).large_file(large);
+        let options = entry(CompressionMethod::Stored).large_file(large);
         zip.start_file(name.as_str(), options).place(cannot)?;
         zip.write_all(&bytes).place(cannot)?;
     }
@@ -143,7 +189,6 @@ mod tests {
         let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
         for name in names {
             zip.start_file(*name, SimpleFileOptions::default()).unwrap();
-            zip.write_all(b"text").unwrap();
         }
         let bytes = change(zip.finish().unwrap().into_inner());
         let done = sound(ZipArchive::new(Cursor::new(bytes)).unwrap());
@@ -153,21 +198,14 @@ mod tests {
     /// The last of two entries with one name was taken, without a word.
     #[test]
     fn two_entries_of_one_name_are_refused_by_name() {
-        let twice = |name: &'static str| {
-            let other = name.replace('m', "n");
-            said(&["x", name, &other, "y"], |bytes| {
-                // The writer refuses to write it: it is made of another name.
-                let (from, to) = (other.as_bytes(), name.as_bytes());
-                let mut bytes = bytes;
-                while let Some(at) = bytes.windows(from.len()).position(|text| text == from) {
-                    bytes[at..at + to.len()].copy_from_slice(to);
-                }
-                bytes
-            })
-        };
-        for name in ["modelDescription.xml", "SystemStructure.ssd-m", "T/Parameters.xml"] {
-            assert_eq!(twice(name), "two entries have the same name");
-        }
+        // The writer refuses to write it: it is made of another name.
+        let twice = said(&["x", "model.xml", "nodel.xml", "y"], |mut bytes| {
+            while let Some(at) = bytes.windows(5).position(|text| text == b"nodel") {
+                bytes[at] = b'm';
+            }
+            bytes
+        });
+        assert_eq!(twice, "two entries have the same name");
         for (one, other) in [
             ("modelDescription.xml", "ModelDescription.XML"),
             ("modelDescription.xml", "./modelDescription.xml"),

@@ -1,18 +1,20 @@
 //! The content of `SystemStructure.ssd`.
 
+use crate::error::Error;
 use crate::ssp::unit::{Affine, Unit};
-use lemons_core::xml::{Problem, Severity};
+use lemons_core::xml::Problem;
+use serde::Deserialize;
+use serde::de::{self, value::StrDeserializer};
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// The default structure of an archive.
 pub const STRUCTURE_FILE: &str = "SystemStructure.ssd";
 
-/// A system of components, checked: names are unique, connections lead from an output to an input, no input is
-/// fed twice.
+/// A system of components, checked: names are unique, connections lead from an output to an input. Places in files are
+/// problems without a message.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SystemStructure {
-    /// The name of the whole.
-    pub name: String,
     /// In the order of the file, which is that of Gauss-Seidel.
     pub components: Vec<Component>,
     /// From outputs to inputs.
@@ -23,45 +25,36 @@ pub struct SystemStructure {
     pub start: Option<f64>,
     /// \[s\] `DefaultExperiment`
     pub stop: Option<f64>,
-    /// \[s\] Communication step that the components propose. SSP 1.0 has no place for it: it is written in an annotation
-    /// for OMSimulator, and not read.
-    pub step: Option<f64>,
-    /// Values for `component.variable`; they come after the components' own.
-    pub parameters: Vec<ParameterSet>,
+    /// Values for variables; later ones count.
+    pub parameters: Vec<Parameter>,
 }
 
 /// An FMU in the system.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Component {
     /// Name, unique in the system.
     pub name: String,
     /// Where the FMU is: an URI, relative to the structure.
     pub source: String,
-    /// At least those that are connected.
-    pub connectors: Vec<Connector>,
-    /// Values for its variables; later ones count.
-    pub parameters: Vec<ParameterSet>,
-    /// In the file; 0 if there is none.
-    pub line: u32,
+    /// At least those that are connected, by the names of the variables.
+    pub connectors: BTreeMap<String, Connector>,
+    /// In the file.
+    pub place: Problem,
 }
 
 /// A variable of a component, as others see it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Connector {
-    /// The variable's.
-    pub name: String,
     /// The variable's causality.
     pub kind: Kind,
     /// The variable's type, if the file says it.
     pub of: Option<Type>,
     /// A Real's, if it has one.
     pub unit: Option<String>,
-    /// The name of an Enumeration's type.
-    pub enumeration: Option<String>,
     /// SSP 2.0: those of an array, from the outermost.
     pub dimensions: Vec<Extent>,
-    /// In the file; 0 if there is none.
-    pub line: u32,
+    /// In the file.
+    pub place: Problem,
 }
 
 /// How many elements an array connector has in a dimension.
@@ -89,7 +82,7 @@ pub enum Kind {
 
 impl Kind {
     /// SSP's names, which are FMI's.
-    pub const NAMES: [(&str, Kind); 6] = [
+    const NAMES: [(&str, Kind); 6] = [
         ("input", Kind::Input),
         ("output", Kind::Output),
         ("parameter", Kind::Parameter),
@@ -98,6 +91,11 @@ impl Kind {
         ("inout", Kind::InOut),
     ];
 
+    /// Returns the kind with this name.
+    pub fn named(name: &str) -> Option<Kind> {
+        Kind::NAMES.iter().find(|(known, _)| *known == name).map(|(_, kind)| *kind)
+    }
+
     /// Returns the name in the file.
     pub fn name(self) -> &'static str {
         Kind::NAMES.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
@@ -105,7 +103,7 @@ impl Kind {
 }
 
 /// A type of variables: those of FMI 2.0 and of FMI 3.0, of which SSP takes both.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Deserialize)]
 #[allow(missing_docs)] // FMI's own names
 pub enum Type {
     #[default]
@@ -128,35 +126,17 @@ pub enum Type {
     Clock,
 }
 
-impl Type {
-    const NAMES: [(&str, Type); 17] = [
-        ("Real", Type::Real),
-        ("Integer", Type::Integer),
-        ("Boolean", Type::Boolean),
-        ("String", Type::String),
-        ("Enumeration", Type::Enumeration),
-        ("Float64", Type::Float64),
-        ("Float32", Type::Float32),
-        ("Int8", Type::Int8),
-        ("UInt8", Type::UInt8),
-        ("Int16", Type::Int16),
-        ("UInt16", Type::UInt16),
-        ("Int32", Type::Int32),
-        ("UInt32", Type::UInt32),
-        ("Int64", Type::Int64),
-        ("UInt64", Type::UInt64),
-        ("Binary", Type::Binary),
-        ("Clock", Type::Clock),
-    ];
-
-    /// Returns its name in FMI.
-    pub fn name(self) -> &'static str {
-        Type::NAMES[self as usize].0
+impl fmt::Display for Type {
+    /// Its name in FMI.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self, f)
     }
+}
 
+impl Type {
     /// Returns the type with this name.
     pub fn named(name: &str) -> Option<Type> {
-        Type::NAMES.iter().find(|(known, _)| *known == name).map(|(_, of)| *of)
+        Type::deserialize(StrDeserializer::<de::value::Error>::new(name)).ok()
     }
 
     /// Returns the type of FMI 2.0 with such values; a Binary and a Clock, which it has not, are what they are.
@@ -167,15 +147,28 @@ impl Type {
             of => of,
         }
     }
+
+    /// Checks that values of this type can be sent to a variable of another one.
+    ///
+    /// # Errors
+    /// A sentence with both, or with the type that is not served.
+    pub(crate) fn check_sent_to(self, input: Type) -> Result<(), String> {
+        let (from, to) = (self.class(), input.class());
+        match from {
+            _ if from != to => Err(format!("{from} does not become {to}")),
+            Type::Enumeration | Type::Binary | Type::Clock => Err(format!("type {from} is not served")),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// An end of a connection.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Port {
     /// Its place in [`SystemStructure::components`].
     pub component: usize,
-    /// Its place in [`Component::connectors`].
-    pub connector: usize,
+    /// Its name among [`Component::connectors`].
+    pub connector: String,
     /// SSP 2.0: the element of an array, by indices from 1; empty for all of it.
     pub indices: Vec<usize>,
 }
@@ -191,65 +184,38 @@ pub struct Connection {
     pub transformation: Option<Affine>,
     /// `suppressUnitConversion`
     pub suppress_unit_conversion: bool,
-    /// In the file; 0 if there is none.
-    pub line: u32,
+    /// In the file.
+    pub place: Problem,
 }
 
-/// `ParameterSet`, inline or from an `.ssv`.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct ParameterSet {
-    /// In the order of the file.
-    pub parameters: Vec<Parameter>,
-    /// Units that its Reals name, by name.
-    pub units: BTreeMap<String, Unit>,
-    /// The file that holds it.
-    pub file: String,
-}
-
-/// A value for a variable.
+/// A value for a variable, inline or from an `.ssv`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// The variable's, with the binding's prefix.
+    /// The place of the component that has the variable; `None`: it is in the name.
+    pub component: Option<usize>,
+    /// The variable's, with the binding's prefix: without a component, `component.variable`.
     pub name: String,
     /// Its type.
     pub of: Type,
     /// A Real's, if it has one.
     pub unit: Option<String>,
+    /// The definition of this unit, if the parameter set or the structure has one.
+    pub definition: Option<Unit>,
     /// The value that it is set to, checked: a value of this type.
     pub text: String,
     /// In the file.
-    pub line: u32,
+    pub place: Problem,
 }
 
 impl SystemStructure {
-    /// Returns whether there are array connectors, which SSP 1.0 has not.
-    pub fn has_arrays(&self) -> bool {
-        let mut connectors = self.components.iter().flat_map(|component| &component.connectors);
-        connectors.any(|connector| !connector.dimensions.is_empty())
-    }
-
     /// Returns a connector and its component.
     pub fn port(&self, port: &Port) -> (&Component, &Connector) {
         let component = &self.components[port.component];
-        (component, &component.connectors[port.connector])
+        (component, &component.connectors[&port.connector])
     }
 }
 
-/// Makes an error at a place of the structure: `SystemStructure.ssd:12: <Connector> name="x": …`
-pub fn located(
-    line: u32,
-    element: &str,
-    attribute: &str,
-    value: &str,
-    message: impl Into<String>,
-) -> Problem {
-    Problem {
-        severity: Severity::Error,
-        file: STRUCTURE_FILE.into(),
-        line: Some(line),
-        element: Some(element.into()),
-        attribute: Some(attribute.into()),
-        value: Some(value.into()),
-        message: message.into(),
-    }
+/// Makes an error at a place in a file.
+pub(crate) fn wrong_at(place: &Problem, message: impl Into<String>) -> Error {
+    Problem { message: message.into(), ..place.clone() }.into()
 }

@@ -1,13 +1,12 @@
 //! `SystemStructure.ssd` and the `.ssv` files that it names -> [`SystemStructure`].
 
-use crate::error::Result;
+use crate::error::{Result, ensure};
 use crate::ssp::document::{
-    Component, Connection, Connector, Extent, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE,
-    SystemStructure, Type,
+    Component, Connection, Connector, Extent, Kind, Parameter, Port, STRUCTURE_FILE, SystemStructure, Type,
 };
 use crate::ssp::unit::{Affine, Unit};
 use lemons_core::xml::{Document, Element};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 const FMU_TYPE: &str = "application/x-fmu-sharedlibrary";
@@ -15,147 +14,77 @@ const PARAMETER_TYPE: &str = "application/x-ssp-parameter-set";
 /// The most elements and texts of a file.
 const NODES: u32 = 4_000_000;
 
+/// Returns the content of the files that a structure names.
+type Load<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>>;
+
 /// Reads a structure; `load` returns the content of the files that it names.
 ///
 /// # Errors
 /// It is broken, or it holds what is not served.
-pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<SystemStructure> {
+pub(crate) fn read(bytes: &[u8], load: Load) -> Result<SystemStructure> {
     let document = Document::parse(Path::new(STRUCTURE_FILE), bytes, NODES)?;
     let root = document.root("SystemStructureDescription")?;
-    if !["1.", "2."]
-        .iter()
-        .any(|begin| root.optional("version").is_some_and(|it| it.trim().starts_with(begin)))
-    {
-        root.text("version")?;
-        return Err(root.wrong("version", "only SSP 1.x and 2.x are served").into());
-    }
+    let version = root.text("version")?;
+    let served = ["1.", "2."].iter().any(|begin| version.trim().starts_with(begin));
+    ensure(served, || root.wrong("version", "only SSP 1.x and 2.x are served"))?;
     let system = root.child("System").ok_or_else(|| root.problem("has no <System>"))?;
-    let mut structure = SystemStructure {
-        name: root.optional("name").unwrap_or_default().to_owned(),
-        units: read_units(root)?,
-        parameters: read_bindings(system, load)?,
-        ..SystemStructure::default()
-    };
+    let mut structure = SystemStructure { units: read_units(root, "Units")?, ..SystemStructure::default() };
     if let Some(experiment) = root.child("DefaultExperiment") {
         structure.start = experiment.number("startTime")?;
         structure.stop = experiment.number("stopTime")?;
     }
-    let mut names = Names::default();
     for element in system.child("Elements").into_iter().flat_map(Element::elements) {
         if element.name() != "Component" {
             let message = "is not served: only components that are FMUs are";
             let named = element.has("name").then(|| element.wrong("name", message));
             return Err(named.unwrap_or_else(|| element.problem(message)).into());
         }
-        let component = read_component(element, load)?;
-        names.add(&component, structure.components.len(), element)?;
+        let component = read_component(element)?;
+        let known = structure.components.iter().any(|other| other.name == component.name);
+        ensure(!known, || element.wrong("name", "two components have this name"))?;
+        read_bindings(element, Some(structure.components.len()), &mut structure, load)?;
         structure.components.push(component);
     }
-    if structure.components.is_empty() {
-        return Err(system.problem("has no <Component>").into());
-    }
+    ensure(!structure.components.is_empty(), || system.problem("has no <Component>"))?;
+    read_bindings(system, None, &mut structure, load)?;
     let outside = read_connectors(system)?;
-    let outside = outside.iter().map(|connector| (connector.name.as_str(), connector.kind)).collect();
-    let mut fed = Fed::default();
     for element in system.child("Connections").into_iter().flat_map(|list| list.children("Connection")) {
-        let Some(connection) = read_connection(element, &structure, &names, &outside)? else { continue };
-        if let Some(first) = fed.add(&connection) {
-            let (component, connector) = structure.port(&connection.to);
-            return Err(element
-                .problem(format!(
-                    "feeds the input {:?} of {:?}, which line {first} feeds already",
-                    connector.name, component.name
-                ))
-                .into());
-        }
-        structure.connections.push(connection);
+        structure.connections.extend(read_connection(element, &structure, &outside)?);
     }
     Ok(structure)
 }
 
-/// The lines that feed inputs.
-#[derive(Default)]
-struct Fed {
-    /// The first line that feeds a connector or a part of it.
-    connectors: HashMap<(usize, usize), u32>,
-    /// Whole connectors, and elements of arrays.
-    ports: HashMap<Port, u32>,
+/// Reads a component, but for its parameters.
+fn read_component(element: Element) -> Result<Component> {
+    let (name, source) = (element.text("name")?.to_owned(), element.text("source")?.to_owned());
+    ensure(!name.is_empty(), || element.wrong("name", "must not be empty"))?;
+    let is_fmu = element.optional("type").is_none_or(|of| of == FMU_TYPE);
+    ensure(is_fmu, || element.wrong("type", "is not served: only FMUs are"))?;
+    let exchange = element.optional("implementation") == Some("ModelExchange");
+    ensure(!exchange, || element.wrong("implementation", "is not served: only co-simulation is"))?;
+    let (connectors, place) = (read_connectors(element)?, element.wrong("source", ""));
+    Ok(Component { name, source, connectors, place })
 }
 
-impl Fed {
-    /// Adds a connection; returns the line that feeds the same input already.
-    fn add(&mut self, Connection { to, line, .. }: &Connection) -> Option<u32> {
-        let whole = self.ports.get(&Port { indices: Vec::new(), ..*to }).copied();
-        let same = self.ports.insert(to.clone(), *line);
-        let connector = (to.component, to.connector);
-        let first = self.connectors.get(&connector).copied();
-        self.connectors.entry(connector).or_insert(*line);
-        same.or(whole).or(first.filter(|_| to.indices.is_empty()))
-    }
-}
-
-/// The places of components and connectors by name.
-#[derive(Default)]
-struct Names<'a> {
-    components: HashMap<&'a str, usize>,
-    connectors: Vec<HashMap<String, usize>>,
-}
-
-impl<'a> Names<'a> {
-    fn add(&mut self, component: &Component, place: usize, element: Element<'a>) -> Result<()> {
-        if self.components.insert(element.text("name")?, place).is_some() {
-            return Err(element.wrong("name", "two components have this name").into());
-        }
-        let connectors = component.connectors.iter().enumerate();
-        self.connectors.push(connectors.map(|(place, connector)| (connector.name.clone(), place)).collect());
-        Ok(())
-    }
-}
-
-fn read_component(element: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Component> {
-    if element.text("name")?.is_empty() {
-        return Err(element.wrong("name", "must not be empty").into());
-    }
-    if element.optional("type").is_some_and(|of| of != FMU_TYPE) {
-        return Err(element.wrong("type", "is not served: only FMUs are").into());
-    }
-    if element.optional("implementation") == Some("ModelExchange") {
-        return Err(element.wrong("implementation", "is not served: only co-simulation is").into());
-    }
-    Ok(Component {
-        name: element.text("name")?.to_owned(),
-        source: element.text("source")?.to_owned(),
-        connectors: read_connectors(element)?,
-        parameters: read_bindings(element, load)?,
-        line: element.line(),
-    })
-}
-
-/// The connectors of a component or of the system.
-fn read_connectors(owner: Element) -> Result<Vec<Connector>> {
-    let mut names = HashSet::new();
-    let list = owner.child("Connectors").into_iter().flat_map(|list| list.children("Connector"));
-    list.map(|element| {
-        let name = element.text("name")?;
-        if !names.insert(name) {
-            return Err(element.wrong("name", "two connectors have this name").into());
-        }
-        let kind = element.text("kind")?;
+/// The connectors of a component or of the system, by name.
+fn read_connectors(owner: Element) -> Result<BTreeMap<String, Connector>> {
+    let mut connectors = BTreeMap::new();
+    for element in owner.child("Connectors").into_iter().flat_map(|list| list.children("Connector")) {
+        let kind = Kind::named(element.text("kind")?);
         let typed = read_type(element)?;
         let of = typed.map(|(of, _)| of);
         let attribute = |name: &str| typed.and_then(|(_, typed)| typed.optional(name)).map(str::to_owned);
-        let kind = Kind::NAMES.iter().find(|(name, _)| *name == kind).map(|(_, kind)| *kind);
-        Ok(Connector {
-            name: name.to_owned(),
+        let connector = Connector {
             kind: kind.ok_or_else(|| element.wrong("kind", "is not a kind of connector"))?,
             of,
             unit: attribute("unit").filter(|_| of.is_some_and(|of| of.class() == Type::Real)),
-            enumeration: attribute("name").filter(|_| of == Some(Type::Enumeration)),
             dimensions: element.children("Dimension").map(read_dimension).collect::<Result<_>>()?,
-            line: element.line(),
-        })
-    })
-    .collect()
+            place: element.wrong("name", ""),
+        };
+        let same = connectors.insert(element.text("name")?.to_owned(), connector);
+        ensure(same.is_none(), || element.wrong("name", "two connectors have this name"))?;
+    }
+    Ok(connectors)
 }
 
 /// The type of a connector's values, and the element that says it.
@@ -186,35 +115,17 @@ fn read_dimension(element: Element) -> Result<Extent> {
 fn read_connection(
     element: Element,
     structure: &SystemStructure,
-    names: &Names,
-    outside: &HashMap<&str, Kind>,
+    outside: &BTreeMap<String, Connector>,
 ) -> Result<Option<Connection>> {
-    let [start, end] = [read_end(element, "start", names)?, read_end(element, "end", names)?];
-    let (start, end) = match (start, end) {
-        (Some(start), Some(end)) => (start, end),
-        (one @ Some(_), None) | (one @ None, Some(_)) => {
-            let attribute = if one.is_none() { "startConnector" } else { "endConnector" };
-            let name = element.text(attribute)?;
-            let kind = outside.get(name);
-            let kind = kind.ok_or_else(|| element.wrong(attribute, "the system has no such connector"))?;
-            if *kind == Kind::Output {
-                return Ok(None);
-            }
-            return Err(element
-                .wrong(attribute, "connectors of the system are not served, except outputs")
-                .into());
-        }
-        (None, None) => {
-            return Err(element.problem("connects connectors of the system, which is not served").into());
-        }
-    };
+    let read = |end| read_end(element, end, structure, outside);
+    let (Some(start), Some(end)) = (read("start")?, read("end")?) else { return Ok(None) };
     // Start and end say nothing about the direction, the connectors' kinds do.
-    let [one, other] = [&start, &end].map(|port| structure.port(port).1);
-    let (from, to) = match (one.kind, other.kind) {
+    let [one, other] = [&start, &end].map(|port| structure.port(port).1.kind);
+    let (from, to) = match (one, other) {
         (Kind::Output, Kind::Input) => (start, end),
         (Kind::Input, Kind::Output) => (end, start),
         (a, b) => {
-            let ends = format!("{} {:?} with {} {:?}", a.name(), one.name, b.name(), other.name);
+            let ends = format!("{} {:?} with {} {:?}", a.name(), start.connector, b.name(), end.connector);
             let why = format!("connects {ends}: only an output and an input are served");
             return Err(element.problem(why).into());
         }
@@ -237,65 +148,70 @@ fn read_connection(
         to,
         transformation,
         suppress_unit_conversion: element.boolean("suppressUnitConversion")?.unwrap_or(false),
-        line: element.line(),
+        place: element.wrong("endConnector", ""),
     }))
 }
 
-/// One end of a connection, `start` or `end`; `None` for a connector of the system itself.
-fn read_end(element: Element, end: &str, names: &Names) -> Result<Option<Port>> {
+/// One end of a connection, `start` or `end`; `None` for an output of the system itself.
+fn read_end(
+    element: Element,
+    end: &str,
+    structure: &SystemStructure,
+    outside: &BTreeMap<String, Connector>,
+) -> Result<Option<Port>> {
     let [owner, connector, indices] = ["Element", "Connector", "Indices"].map(|of| format!("{end}{of}"));
     let name = element.text(&connector)?;
-    let Some(owner_name) = element.optional(&owner) else { return Ok(None) };
-    let component = names.components.get(owner_name).copied();
+    let Some(owner_name) = element.optional(&owner) else {
+        let why = match outside.get(name).map(|own| own.kind) {
+            Some(Kind::Output) => return Ok(None),
+            Some(_) => "connectors of the system are not served, except outputs",
+            None => "the system has no such connector",
+        };
+        return Err(element.wrong(&connector, why).into());
+    };
+    let component = structure.components.iter().position(|component| component.name == owner_name);
     let component = component.ok_or_else(|| element.wrong(&owner, "there is no such component"))?;
-    let place = names.connectors[component].get(name).copied();
-    let missing = || element.wrong(&connector, format!("component {owner_name:?} has no such connector"));
-    let place = place.ok_or_else(missing)?;
+    let known = structure.components[component].connectors.contains_key(name);
+    ensure(known, || element.wrong(&connector, format!("component {owner_name:?} has no such connector")))?;
     // The indices of an element of an array connector, from 1; empty for all of it.
     let all = element.optional(&indices).unwrap_or_default().split_whitespace();
     let all = all.map(|text| text.parse().ok().filter(|index| *index > 0)).collect::<Option<Vec<usize>>>();
     let all = all.ok_or_else(|| element.wrong(&indices, "must be a list of whole numbers from 1 on"))?;
-    Ok(Some(Port { component, connector: place, indices: all }))
+    Ok(Some(Port { component, connector: name.to_owned(), indices: all }))
 }
 
-/// By name; of two with one name the first.
-fn read_units(owner: Element) -> Result<BTreeMap<String, Unit>> {
+/// Reads the units in an element of this name, which SSP took from FMI 2.0, by name: of two with one name the first, and
+/// none without a definition, as FMI allows it.
+pub(super) fn read_units(owner: Element, list: &str) -> Result<BTreeMap<String, Unit>> {
     let mut units = BTreeMap::new();
-    for element in owner.child("Units").into_iter().flat_map(|units| units.children("Unit")) {
-        if let Some(unit) = read_unit(element)? {
-            units.entry(unit.name.clone()).or_insert(unit);
+    for element in owner.child(list).into_iter().flat_map(|units| units.children("Unit")) {
+        let name = element.text("name")?.to_owned();
+        let Some(base) = element.child("BaseUnit") else { continue };
+        let mut exponents = [0; 8];
+        for (exponent, name) in exponents.iter_mut().zip(Unit::BASE) {
+            *exponent = base.parsed(name, "a whole number")?.unwrap_or(0);
         }
+        let factor = base.number("factor")?.unwrap_or(1.0);
+        ensure(factor != 0.0, || base.wrong("factor", "must not be zero"))?;
+        let offset = base.number("offset")?.unwrap_or(0.0);
+        units.entry(name.clone()).or_insert(Unit { name, exponents, factor, offset });
     }
     Ok(units)
 }
 
-/// `Unit`, which SSP took from FMI 2.0; `None` for one that FMI allows without a definition.
-pub(crate) fn read_unit(element: Element) -> Result<Option<Unit>> {
-    let mut unit =
-        Unit { name: element.text("name")?.to_owned(), exponents: [0; 8], factor: 1.0, offset: 0.0 };
-    let Some(base) = element.child("BaseUnit") else { return Ok(None) };
-    for (exponent, name) in unit.exponents.iter_mut().zip(Unit::BASE) {
-        *exponent = base.parsed(name, "a whole number")?.unwrap_or(0);
-    }
-    unit.factor = base.number("factor")?.unwrap_or(1.0);
-    unit.offset = base.number("offset")?.unwrap_or(0.0);
-    if unit.factor == 0.0 {
-        return Err(base.wrong("factor", "must not be zero").into());
-    }
-    Ok(Some(unit))
-}
-
-/// The parameter values of a component or of the system, in the order in which they count.
-fn read_bindings(owner: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Vec<ParameterSet>> {
+/// Adds the parameter values of a component or of the system, in the order in which they count.
+fn read_bindings(
+    owner: Element,
+    component: Option<usize>,
+    structure: &mut SystemStructure,
+    load: Load,
+) -> Result<()> {
     let bindings = owner.child("ParameterBindings").into_iter();
-    let mut sets = Vec::new();
     for binding in bindings.flat_map(|bindings| bindings.children("ParameterBinding")) {
-        if binding.optional("type").is_some_and(|of| of != PARAMETER_TYPE) {
-            return Err(binding.wrong("type", "is not served: only parameter sets of SSP are").into());
-        }
-        if binding.optional("sourceBase").is_some_and(|base| base != "SSD") {
-            return Err(binding.wrong("sourceBase", "is not served: only files of the archive are").into());
-        }
+        let is_set = binding.optional("type").is_none_or(|of| of == PARAMETER_TYPE);
+        ensure(is_set, || binding.wrong("type", "is not served: only parameter sets of SSP are"))?;
+        let inside = binding.optional("sourceBase").is_none_or(|base| base == "SSD");
+        ensure(inside, || binding.wrong("sourceBase", "is not served: only files of the archive are"))?;
         if let Some(mapping) = binding.child("ParameterMapping") {
             return Err(mapping.problem("is not served").into());
         }
@@ -303,20 +219,25 @@ fn read_bindings(owner: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
         if let Some(source) = binding.optional("source") {
             let bytes = load(source).map_err(|error| binding.wrong("source", error.whole()))?;
             let document = Document::parse(Path::new(source), &bytes, NODES)?;
-            sets.push(read_parameters(document.root("ParameterSet")?, prefix)?);
+            read_parameters(document.root("ParameterSet")?, component, prefix, structure)?;
         } else {
             let values = binding.child("ParameterValues");
             let set = values.and_then(|values| values.child("ParameterSet"));
             let set = set.ok_or_else(|| binding.problem("has neither a source nor a <ParameterSet>"))?;
-            sets.push(read_parameters(set, prefix)?);
+            read_parameters(set, component, prefix, structure)?;
         }
     }
-    Ok(sets)
+    Ok(())
 }
 
-fn read_parameters(set: Element, prefix: &str) -> Result<ParameterSet> {
-    let list = set.child("Parameters").into_iter().flat_map(|list| list.children("Parameter"));
-    let parameters = list.map(|element| {
+fn read_parameters(
+    set: Element,
+    component: Option<usize>,
+    prefix: &str,
+    structure: &mut SystemStructure,
+) -> Result<()> {
+    let units = read_units(set, "Units")?;
+    for element in set.child("Parameters").into_iter().flat_map(|list| list.children("Parameter")) {
         let typed = element.elements().find(|child| child.name() != "Annotations");
         let typed = typed.ok_or_else(|| element.problem("has no value"))?;
         if let Some(dimension) = element.child("Dimension") {
@@ -333,13 +254,17 @@ fn read_parameters(set: Element, prefix: &str) -> Result<ParameterSet> {
             Type::Boolean => typed.boolean("value").map(drop)?,
             _ => {}
         }
-        let unit = typed.optional("unit").filter(|_| of.class() == Type::Real).map(str::to_owned);
-        let name = format!("{prefix}{}", element.text("name")?);
-        Ok(Parameter { name, of, unit, text, line: element.line() })
-    });
-    Ok(ParameterSet {
-        parameters: parameters.collect::<Result<_>>()?,
-        units: read_units(set)?,
-        file: set.file().display().to_string(),
-    })
+        let unit = typed.optional("unit").filter(|_| of.class() == Type::Real);
+        let definition = unit.and_then(|unit| units.get(unit).or(structure.units.get(unit)));
+        structure.parameters.push(Parameter {
+            component,
+            name: format!("{prefix}{}", element.text("name")?),
+            of,
+            unit: unit.map(str::to_owned),
+            definition: definition.cloned(),
+            text,
+            place: element.wrong("name", ""),
+        });
+    }
+    Ok(())
 }

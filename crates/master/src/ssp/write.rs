@@ -1,46 +1,108 @@
-//! [`SystemStructure`] -> `SystemStructure.ssd`.
+//! FMUs and connections between them -> `SystemStructure.ssd`.
 
-use crate::ssp::document::{Component, Connector, Extent, SystemStructure};
+use crate::error::{Result, ensure};
+use crate::ssp::connect::{End, Pair, Participant, owner};
+use crate::ssp::document::{Kind, Type};
+use crate::ssp::interface::{Interface, Variable};
 use crate::ssp::unit::Unit;
 use lemons_core::xml::{Layout, Out, number};
+use std::collections::{BTreeMap, HashSet};
 
-impl SystemStructure {
-    /// As XML of SSP 1.0, or of SSP 2.0 if there are arrays, without parameters and conversions; the same structure
-    /// gives the same text.
-    pub fn to_xml(&self) -> String {
-        let arrays = self.has_arrays();
-        let root = [
-            ("xmlns:ssc", "http://ssp-standard.org/SSP1/SystemStructureCommon"),
-            ("xmlns:ssd", "http://ssp-standard.org/SSP1/SystemStructureDescription"),
-            ("version", if arrays { "2.0" } else { "1.0" }),
-            ("name", self.name.as_str()),
-            ("generationTool", concat!("LEMONS-FMU ", env!("CARGO_PKG_VERSION"))),
-        ];
-        Out::document(Layout::STANDARD, "ssd:SystemStructureDescription", &root, |out| {
-            out.element("ssd:System", &[("name", &self.name)], |out| {
-                out.element("ssd:Elements", &[], |out| {
-                    self.components.iter().for_each(|component| write_component(out, component, arrays));
-                });
-                if !self.connections.is_empty() {
-                    out.element("ssd:Connections", &[], |out| write_connections(out, self));
-                }
-                if let Some(step) = self.step {
-                    write_annotation(out, step);
+/// Returns XML of SSP 1.0, or of SSP 2.0 if there are arrays, without parameters and conversions; the same FMUs give the
+/// same text.
+///
+/// # Errors
+/// A unit has two meanings.
+pub(super) fn to_xml(name: &str, participants: &[Participant], pairs: &[Pair]) -> Result<String> {
+    let ends = || pairs.iter().flat_map(|pair| [&pair.from, &pair.to]);
+    let arrays = ends().any(|(_, single)| single.variable.is_array());
+    let used: HashSet<(usize, &str)> = ends().map(owner).collect();
+    let connectors = participants.iter().enumerate();
+    let connectors: Vec<Vec<&Variable>> =
+        connectors.map(|(place, own)| connectors_of(place, own, &used, arrays)).collect();
+    let units = units_of(participants, &connectors)?;
+    let times = |time: fn(&Interface) -> Option<f64>| {
+        participants.iter().filter_map(move |participant| time(participant.interface))
+    };
+    let stop = times(|interface| interface.stop).reduce(f64::max);
+    let step = times(|interface| interface.step).filter(|step| *step > 0.0).reduce(f64::min);
+    // pyssp_standard 0.9.1 reads both times or none.
+    let start = times(|interface| interface.start).reduce(f64::min).or(stop.map(|_| 0.0));
+    let root = [
+        ("xmlns:ssc", "http://ssp-standard.org/SSP1/SystemStructureCommon"),
+        ("xmlns:ssd", "http://ssp-standard.org/SSP1/SystemStructureDescription"),
+        ("version", if arrays { "2.0" } else { "1.0" }),
+        ("name", name),
+        ("generationTool", concat!("LEMONS-FMU ", env!("CARGO_PKG_VERSION"))),
+    ];
+    Ok(Out::document(Layout::STANDARD, "ssd:SystemStructureDescription", &root, |out| {
+        out.element("ssd:System", &[("name", name)], |out| {
+            out.element("ssd:Elements", &[], |out| {
+                for (participant, connectors) in participants.iter().zip(&connectors) {
+                    write_component(out, participant, connectors, arrays);
                 }
             });
-            if !self.units.is_empty() {
-                out.element("ssd:Units", &[], |out| {
-                    self.units.values().for_each(|unit| write_unit(out, unit));
-                });
+            out.element("ssd:Connections", &[], |out| {
+                pairs.iter().for_each(|pair| write_connection(out, participants, pair));
+            });
+            if let Some(step) = step {
+                write_annotation(out, step);
             }
-            let times = [("startTime", self.start), ("stopTime", self.stop)];
-            let times = times.map(|(name, time)| time.map(|time| (name, number(time))));
-            let times: Vec<_> = times.iter().flatten().map(|(name, time)| (*name, time.as_str())).collect();
-            if !times.is_empty() {
-                out.empty("ssd:DefaultExperiment", &times);
-            }
-        })
+        });
+        if !units.is_empty() {
+            out.element("ssd:Units", &[], |out| units.values().for_each(|unit| write_unit(out, unit)));
+        }
+        let times = [("startTime", start), ("stopTime", stop)];
+        let times = times.map(|(name, time)| time.map(|time| (name, number(time))));
+        let times: Vec<_> = times.iter().flatten().map(|(name, time)| (*name, time.as_str())).collect();
+        if !times.is_empty() {
+            out.empty("ssd:DefaultExperiment", &times);
+        }
+    }))
+}
+
+/// Returns the variables that others see. Only inputs that are fed: FMPy 0.3.32 connects every other one to a wrong output.
+/// Outputs are there to be looked at, where FMPy fails at Strings, and Enumerations need their items. And what says how
+/// large they are.
+fn connectors_of<'a>(
+    place: usize,
+    participant: &Participant<'a>,
+    used: &HashSet<(usize, &str)>,
+    arrays: bool,
+) -> Vec<&'a Variable> {
+    let variables = &participant.interface.variables;
+    let is_number = |variable: &Variable| {
+        matches!(variable.of.class(), Type::Real | Type::Integer | Type::Boolean)
+            && (arrays || !variable.is_array())
+    };
+    let is_shown = |variable: &&Variable| {
+        used.contains(&(place, &*variable.name)) || variable.kind == Some(Kind::Output) && is_number(variable)
+    };
+    let dimensions = variables.iter().filter(is_shown).flat_map(|variable| &variable.dimensions);
+    let sizes: HashSet<usize> = dimensions.filter_map(|dimension| dimension.parameter).collect();
+    let all = variables.iter().enumerate();
+    let all = all.filter(|(place, variable)| is_shown(variable) || sizes.contains(place));
+    all.map(|(_, variable)| variable).collect()
+}
+
+/// Returns the units of connectors that are defined, by name: SSP wants a definition of every unit that it names.
+fn units_of<'a>(
+    participants: &[Participant<'a>],
+    connectors: &[Vec<&Variable>],
+) -> Result<BTreeMap<&'a str, &'a Unit>> {
+    let mut units = BTreeMap::new();
+    for (participant, connectors) in participants.iter().zip(connectors) {
+        for variable in connectors {
+            let unit = variable.unit.as_ref().and_then(|name| participant.interface.unit(name));
+            let Some(unit) = unit else { continue };
+            let is_same = units.entry(&*unit.name).or_insert(unit).is_same(unit);
+            ensure(is_same, || {
+                let (of, by, name) = (&variable.name, &participant.name, &unit.name);
+                format!("{of}: {by} means another unit by {name:?} than another FMU")
+            })?;
+        }
     }
+    Ok(units)
 }
 
 /// OMSimulator reads the kind of a system from here, and refuses a structure without it. `oms-ma` is its algorithm with
@@ -65,59 +127,62 @@ fn write_annotation(out: &mut Out, step: f64) {
     });
 }
 
-fn write_component(out: &mut Out, component: &Component, arrays: bool) {
+fn write_component(out: &mut Out, participant: &Participant, connectors: &[&Variable], arrays: bool) {
     let attributes = [
-        ("name", component.name.as_str()),
+        ("name", participant.name.as_str()),
         ("type", "application/x-fmu-sharedlibrary"),
-        ("source", &component.source),
+        ("source", &participant.source),
         ("implementation", "CoSimulation"),
     ];
-    if component.connectors.is_empty() {
+    if connectors.is_empty() {
         return out.empty("ssd:Component", &attributes);
     }
     out.element("ssd:Component", &attributes, |out| {
         out.element("ssd:Connectors", &[], |out| {
-            component.connectors.iter().for_each(|connector| write_connector(out, connector, arrays));
+            for variable in connectors {
+                write_connector(out, participant.interface, variable, arrays);
+            }
         });
     });
 }
 
-fn write_connector(out: &mut Out, connector: &Connector, arrays: bool) {
-    let attributes = [("name", connector.name.as_str()), ("kind", connector.kind.name())];
-    let Some(of) = connector.of else { return out.empty("ssd:Connector", &attributes) };
-    out.element("ssd:Connector", &attributes, |out| {
-        let detail = [("unit", &connector.unit), ("name", &connector.enumeration)];
-        let detail = detail.map(|(name, text)| Some((name, text.as_deref()?)));
-        let of = if arrays { of } else { of.class() };
-        out.empty(&format!("ssc:{}", of.name()), &detail.into_iter().flatten().collect::<Vec<_>>());
-        for dimension in &connector.dimensions {
-            match dimension {
-                Extent::Size(size) => out.empty("ssc:Dimension", &[("size", &size.to_string())]),
-                Extent::Parameter(name) => out.empty("ssc:Dimension", &[("sizeConnector", name)]),
-                Extent::Unsaid => out.empty("ssc:Dimension", &[]),
+fn write_connector(out: &mut Out, interface: &Interface, variable: &Variable, arrays: bool) {
+    let kind = variable.kind.map_or("output", Kind::name);
+    out.element("ssd:Connector", &[("name", &variable.name), ("kind", kind)], |out| {
+        let unit = variable.unit.as_deref().filter(|unit| interface.unit(unit).is_some());
+        let detail = [("unit", unit), ("name", variable.enumeration.as_deref())];
+        let detail = detail.into_iter().filter_map(|(name, text)| Some((name, text?)));
+        let of = if arrays { variable.of } else { variable.of.class() };
+        out.empty(&format!("ssc:{of}"), &detail.collect::<Vec<_>>());
+        for dimension in &variable.dimensions {
+            match dimension.parameter {
+                Some(place) => {
+                    out.empty("ssc:Dimension", &[("sizeConnector", &interface.variables[place].name)]);
+                }
+                None => out.empty("ssc:Dimension", &[("size", &dimension.size.to_string())]),
             }
         }
     });
 }
 
-fn write_connections(out: &mut Out, structure: &SystemStructure) {
-    for connection in &structure.connections {
-        let ((start, output), (end, input)) =
-            (structure.port(&connection.from), structure.port(&connection.to));
-        let written = |indices: &[usize]| indices.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
-        let (from, to) = (written(&connection.from.indices), written(&connection.to.indices));
-        let attributes = [
-            ("startElement", start.name.as_str()),
-            ("startConnector", &output.name),
-            ("startIndices", &from),
-            ("endElement", &end.name),
-            ("endConnector", &input.name),
-            ("endIndices", &to),
-        ];
-        let there = |(name, value): &(&str, &str)| !name.ends_with("Indices") || !value.is_empty();
-        let attributes: Vec<(&str, &str)> = attributes.into_iter().filter(there).collect();
-        out.empty("ssd:Connection", &attributes);
-    }
+fn write_connection(out: &mut Out, participants: &[Participant], Pair { from, to, whole, .. }: &Pair) {
+    let indices = |(_, single): &End| {
+        let indices = if *whole { Vec::new() } else { single.variable.indices(single.element) };
+        indices.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
+    };
+    let [start, end] = [from, to].map(|end| &participants[end.0].name);
+    let (of_start, of_end) = (indices(from), indices(to));
+    let attributes = [
+        ("startElement", start),
+        ("startConnector", &from.1.variable.name),
+        ("startIndices", &of_start),
+        ("endElement", end),
+        ("endConnector", &to.1.variable.name),
+        ("endIndices", &of_end),
+    ];
+    let there = |(name, value): &(&str, &String)| !name.ends_with("Indices") || !value.is_empty();
+    let attributes = attributes.into_iter().filter(there).map(|(name, value)| (name, value.as_str()));
+    out.empty("ssd:Connection", &attributes.collect::<Vec<_>>());
 }
 
 fn write_unit(out: &mut Out, unit: &Unit) {

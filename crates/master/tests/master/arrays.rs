@@ -47,8 +47,7 @@ fn values_of_each_type_are_set_and_read_in_any_order() {
     );
     // Of two types at once, in an order of their own, one twice.
     let names = ["f32.out[1]", "f64.out[2,2]", "f32.in[2]", "f64.out[1,2]", "f32.out[1]"];
-    let mut values = [0.0; 5];
-    instance.get(&select(&instance, &names), &mut values).unwrap();
+    let values = instance.values::<f64>(&select(&instance, &names)).unwrap();
     let single = f64::from(0.1_f32 + 1.0);
     assert_eq!(values, [single, 4.0, 0.0, 5.5, single]);
     let numbers = |names: &[&str]| instance.values::<f64>(&select(&instance, names));
@@ -184,11 +183,13 @@ fn arrays_are_coupled_by_ssp_2() {
     assert_eq!(real(1, "f64.in[3,1]"), 15.0, "10 (0.5 + 1)");
     assert_eq!(real(1, "f64.in[1,2]"), 10.0, "10 (0 + 1)");
     assert_eq!((real(0, "f32.in[3]"), real(0, "f32.in[2]")), (11.0, 0.0), "only that element");
-    assert_eq!(system.connections(), 2);
+    assert_eq!(system.connections, 2);
     let said = |from: &str, to: &str| {
         assert!(structure.contains(from), "{from}");
         assembled(&structure.replacen(from, to, 1)).map_or_else(|error| error.whole(), |_| "read".to_owned())
     };
+    let again =
+        r#"<d:Connection startElement="a" startConnector="f64.out" endElement="b" endConnector="f64.in""#;
     for (from, to, expected) in [
         (r#"endIndices="3""#, r#"endIndices="4""#, r#""f32.in" has no element [4]: indices are from 1 on"#),
         (r#"endIndices="3""#, r#"endIndices="3 1""#, r#""f32.in" has 1 dimensions, not 2"#),
@@ -206,6 +207,13 @@ fn arrays_are_coupled_by_ssp_2() {
             r#"sizeConnector="m": the FMU has no such structural parameter"#,
         ),
         ("<c:Float32/>", "<c:Int8/>", "<Integer>, but the FMU says Real"),
+        // An input that is fed twice: as a whole, and by an element.
+        ("</d:Connections>", &format!("{again}/></d:Connections>"), "line 18 feeds this input already"),
+        (
+            "</d:Connections>",
+            &format!(r#"{again} startIndices="1 1" endIndices="2 2"/></d:Connections>"#),
+            "line 18 feeds this input already",
+        ),
         (
             r#"<v:UInt64 value="3"/>"#,
             r#"<v:UInt64 value="99999999"/>"#,

@@ -28,6 +28,15 @@ fn structure(connectors: &str, bindings: [&str; 2], connections: &str, rest: &st
     )
 }
 
+/// Parameters of a component, and their units.
+fn binding(parameters: &str, units: &str) -> String {
+    format!(
+        r#"<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>
+             <ssv:ParameterSet version="1.0" name="p"><ssv:Parameters>{parameters}</ssv:Parameters>{units}
+             </ssv:ParameterSet></ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>"#
+    )
+}
+
 fn write_ssp(directory: &Path, structure: &str) -> std::path::PathBuf {
     let fmu = std::fs::read(directory.join("it.fmu")).unwrap();
     let path = directory.join("two.ssp");
@@ -119,13 +128,8 @@ fn two_crowds_exchange_forces_as_in_a_loop_written_out() {
            <ssd:Connector name="{INPUT}" kind="input"><ssc:Real/></ssd:Connector>"#
     );
     let binding = |velocity: &str| {
-        format!(
-            r#"<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>
-                 <ssv:ParameterSet version="1.0" name="start"><ssv:Parameters>
-                 <ssv:Parameter name="agent[0].Velocity.x"><ssv:Real value="{velocity}"/></ssv:Parameter>
-                 </ssv:Parameters></ssv:ParameterSet></ssd:ParameterValues></ssd:ParameterBinding>
-               </ssd:ParameterBindings>"#
-        )
+        let value = format!(r#"<ssv:Real value="{velocity}"/>"#);
+        binding(&format!(r#"<ssv:Parameter name="agent[0].Velocity.x">{value}</ssv:Parameter>"#), "")
     };
     // The second connection is written from its input to its output, which SSP allows.
     let connections = format!(
@@ -153,30 +157,24 @@ fn every_type_arrives_and_the_algorithms_count_as_they_should() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     write_controller(&at.join("it.fmu"), DESCRIPTION, true);
-    let types = ["Real", "Integer", "Boolean", "String"];
-    let connectors: String = types
-        .iter()
-        .flat_map(|of| [(of, "in", "input"), (of, "out", "output")])
-        .map(|(of, end, kind)| {
-            let name = of.to_lowercase();
-            format!(r#"<ssd:Connector name="{name}.{end}" kind="{kind}"><ssc:{of}/></ssd:Connector>"#)
-        })
-        .collect();
-    let connections: String = types
-        .iter()
-        .flat_map(|of| [(of, "a", "b"), (of, "b", "a")])
-        .map(|(of, from, to)| {
-            let name = of.to_lowercase();
-            format!(
-                r#"<ssd:Connection startElement="{from}" startConnector="{name}.out"
-                     endElement="{to}" endConnector="{name}.in"/>"#
-            )
-        })
-        .collect();
+    let (mut connectors, mut connections) = (String::new(), String::new());
+    for of in ["Real", "Integer", "Boolean", "String"] {
+        let name = of.to_lowercase();
+        for (end, kind) in [("in", "input"), ("out", "output")] {
+            let of = format!("<ssc:{of}/>");
+            connectors +=
+                &format!(r#"<ssd:Connector name="{name}.{end}" kind="{kind}">{of}</ssd:Connector>"#);
+        }
+        for (from, to) in [("a", "b"), ("b", "a")] {
+            let start = format!(r#"startElement="{from}" startConnector="{name}.out""#);
+            let end = format!(r#"endElement="{to}" endConnector="{name}.in""#);
+            connections += &format!("<ssd:Connection {start} {end}/>");
+        }
+    }
     let path = write_ssp(at, &structure(&connectors, ["", ""], &connections, ""));
     for algorithm in [Algorithm::Jacobi, Algorithm::GaussSeidel] {
         let mut system = assemble(&path, algorithm, &[]).unwrap().system;
-        assert_eq!(system.connections(), 8);
+        assert_eq!(system.connections, 8);
         system.initialize(0.0, None).unwrap();
         for k in 1..=6 {
             system.step_to(0.1 * f64::from(k)).unwrap();
@@ -218,12 +216,11 @@ fn units_are_converted_on_the_way_and_parameters_on_theirs() {
     write_controller(&at.join("it.fmu"), &description, true);
     let connectors = r#"<ssd:Connector name="real.in" kind="input"><ssc:Real/></ssd:Connector>
         <ssd:Connector name="real.out" kind="output"/>"#;
-    let binding = r#"<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>
-        <ssv:ParameterSet version="1.0" name="p"><ssv:Parameters>
-        <ssv:Parameter name="Delay"><ssv:Real value="2" unit="min"/></ssv:Parameter>
-        <ssv:Parameter name="Nobody"><ssv:Real value="2"/></ssv:Parameter></ssv:Parameters>
-        <ssv:Units><ssc:Unit name="min"><ssc:BaseUnit s="1" factor="60"/></ssc:Unit></ssv:Units>
-        </ssv:ParameterSet></ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>"#;
+    let binding = binding(
+        r#"<ssv:Parameter name="Delay"><ssv:Real value="2" unit="min"/></ssv:Parameter>
+           <ssv:Parameter name="Nobody"><ssv:Real value="2"/></ssv:Parameter>"#,
+        r#"<ssv:Units><ssc:Unit name="min"><ssc:BaseUnit s="1" factor="60"/></ssc:Unit></ssv:Units>"#,
+    );
     let connection = |attributes: &str, inside: &str| {
         format!(
             r#"<ssd:Connection startElement="a" startConnector="real.out" endElement="b" endConnector="real.in"
@@ -238,7 +235,7 @@ fn units_are_converted_on_the_way_and_parameters_on_theirs() {
         ("", transformed, 2e5 + 1.0),
         (r#"suppressUnitConversion="true""#, transformed, 3.0),
     ] {
-        let path = write_ssp(at, &structure(connectors, [binding, ""], &connection(attributes, inside), ""));
+        let path = write_ssp(at, &structure(connectors, [&binding, ""], &connection(attributes, inside), ""));
         let assembled = assemble(&path, Algorithm::GaussSeidel, &[]).unwrap();
         assert_eq!(assembled.warnings.len(), 1);
         assert!(assembled.warnings[0].contains("\"Nobody\""), "{:?}", assembled.warnings);
@@ -274,66 +271,44 @@ fn what_does_not_fit_the_fmu_is_refused() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     write_controller(&at.join("it.fmu"), DESCRIPTION, true);
-    let connector = |name: &str, kind: &str, of: &str| {
-        format!(r#"<ssd:Connector name="{name}" kind="{kind}">{of}</ssd:Connector>"#)
-    };
-    let connection = |from: &str, to: &str, inside: &str| {
-        format!(
-            r#"<ssd:Connection startElement="a" startConnector="{from}" endElement="b" endConnector="{to}">
-                 {inside}</ssd:Connection>"#
-        )
-    };
-    let good = [connector("integer.out", "output", ""), connector("integer.in", "input", "<ssc:Integer/>")];
+    // Each connector is there by its name, kind and type.
+    let connectors = r#"<ssd:Connector name="integer.out" kind="output"><ssc:Integer/></ssd:Connector>
+        <ssd:Connector name="integer.in" kind="input"/><ssd:Connector name="real.in" kind="input"/>
+        <ssd:Connector name="agent[0].Theta" kind="input"/><ssd:Connector name="agent[0].Fp.x" kind="output"/>"#;
+    let binding = binding(r#"<ssv:Parameter name="Delay"><ssv:Real value="2"/></ssv:Parameter>"#, "");
+    let connection = r#"<ssd:Connection startElement="a" startConnector="integer.out" endElement="b"
+        endConnector="integer.in"></ssd:Connection>"#;
     let units = r#"<ssd:Units><ssc:Unit name="km"><ssc:BaseUnit m="1" factor="1e3"/></ssc:Unit></ssd:Units>"#;
-    let said = |connectors: &str, bindings: &str, connections: &str| {
-        let path = write_ssp(at, &structure(connectors, [bindings, ""], connections, units));
-        match assemble(&path, Algorithm::Jacobi, &[]) {
-            Ok(_) => panic!("accepted: {connectors} {connections}"),
-            Err(error) => error.whole(),
-        }
+    let good = structure(connectors, [&binding, ""], connection, units);
+    let said = |from: &str, to: &str| {
+        assert!(good.contains(from), "{from}");
+        let made = assemble(&write_ssp(at, &good.replace(from, to)), Algorithm::Jacobi, &[]);
+        made.map_or_else(|error| error.whole(), |_| "accepted".to_owned())
     };
-    let whole = good.concat();
-    let table = [
-        (connector("integer.aus", "output", ""), String::new(), r#"name="integer.aus": the FMU has no such"#),
-        (connector("integer.out", "input", ""), String::new(), r#"kind="input", but the FMU says output"#),
+    assert_eq!(said("", ""), "accepted");
+    for (from, to, words) in [
+        ("name=\"real.in\"", "name=\"real.ein\"", r#"name="real.ein": the FMU has no such"#),
+        ("real.in\" kind=\"input\"", "real.in\" kind=\"output\"", r#"kind="output", but the FMU says input"#),
+        ("<ssc:Integer/>", "<ssc:Real/>", "<Real>, but the FMU says Integer"),
         (
-            connector("integer.out", "output", "<ssc:Real/>"),
-            String::new(),
-            "<Real>, but the FMU says Integer",
-        ),
-        (
-            connector("agent[0].Theta", "input", r#"<ssc:Real unit="km"/>"#),
-            String::new(),
+            "Theta\" kind=\"input\"/>",
+            "Theta\" kind=\"input\"><ssc:Real unit=\"km\"/></ssd:Connector>",
             r#"unit="km", but the FMU says "rad""#,
         ),
+        ("endConnector=\"integer.in\"", "endConnector=\"real.in\"", "Integer does not become Real"),
         (
-            good[0].clone() + &connector("real.in", "input", ""),
-            connection("integer.out", "real.in", ""),
-            "Integer does not become Real",
-        ),
-        (
-            connector("agent[0].Fp.x", "output", "") + &connector("agent[0].Theta", "input", ""),
-            connection("agent[0].Fp.x", "agent[0].Theta", ""),
+            "startConnector=\"integer.out\" endElement=\"b\"\n        endConnector=\"integer.in\"",
+            "startConnector=\"agent[0].Fp.x\" endElement=\"b\" endConnector=\"agent[0].Theta\"",
             "\"N\" cannot be converted to \"rad\"",
         ),
         (
-            whole.clone(),
-            connection("integer.out", "integer.in", "<ssc:LinearTransformation factor=\"2\"/>"),
+            "></ssd:Connection>",
+            "><ssc:LinearTransformation factor=\"2\"/></ssd:Connection>",
             "no <LinearTransformation> for type Integer",
         ),
-    ];
-    for (connectors, connections, words) in table {
-        let said = said(&connectors, "", &connections);
+        ("<ssv:Real", "<ssv:String", "<Parameter> name=\"Delay\": the FMU's variable is of type Real"),
+    ] {
+        let said = said(from, to);
         assert!(said.contains(words) && said.contains("SystemStructure.ssd:"), "{said}");
     }
-    let binding = r#"<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>
-        <ssv:ParameterSet version="1.0" name="p"><ssv:Parameters>
-        <ssv:Parameter name="Delay"><ssv:String value="2"/></ssv:Parameter></ssv:Parameters>
-        </ssv:ParameterSet></ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>"#;
-    let text = said(&whole, binding, "");
-    assert!(text.contains("<Parameter> name=\"Delay\": the FMU's variable is of type Real"), "{text}");
-    // The same without the mistakes is accepted.
-    let path =
-        write_ssp(at, &structure(&whole, ["", ""], &connection("integer.out", "integer.in", ""), units));
-    assert!(assemble(&path, Algorithm::Jacobi, &[]).is_ok());
 }

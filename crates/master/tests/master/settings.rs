@@ -90,7 +90,7 @@ fn save(run: &mut Prepared, index: u64, path: &Path) {
         time: run.system.time,
         every: run.every,
         algorithm: run.system.algorithm.to_string(),
-        wiring: run.system.fingerprint(),
+        wiring: run.system.fingerprint.clone(),
         drive: run.feed.drive.fingerprint(),
         component: run.system.records(),
         crowd: Vec::new(),

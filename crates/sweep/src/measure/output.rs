@@ -1,7 +1,8 @@
 //! Numbers computed from the values of an output at the communication points.
 
-use crate::measure::across::Across;
+use crate::measure::Across;
 use crate::output::Of;
+use lemons_master::ensure;
 use serde::Deserialize;
 
 /// How the values of an output over time become one number.
@@ -50,24 +51,21 @@ impl OfOutput {
     /// A sentence that names what is missing.
     pub fn check(&self, agents: usize) -> Result<(), String> {
         self.of.check(&self.agents)?;
-        let (take, seeks) = match self.take {
-            Take::FirstAbove => ("first_above", true),
-            Take::FirstAtLeast => ("first_at_least", true),
-            _ => ("", false),
+        let take = match self.take {
+            Take::FirstAbove => Some("first_above"),
+            Take::FirstAtLeast => Some("first_at_least"),
+            _ => None,
         };
-        match self.level {
-            None if seeks => return Err(format!("take = {take:?} needs a level")),
-            Some(level) if seeks && !level.is_finite() => return Err("level is not finite".into()),
-            Some(_) if !seeks => {
+        match (take, self.level) {
+            (Some(take), None) => return Err(format!("take = {take:?} needs a level")),
+            (None, Some(_)) => {
                 return Err("level needs take = \"first_above\" or \"first_at_least\"".into());
             }
-            _ => {}
+            (_, level) => ensure(level.is_none_or(f64::is_finite), || "level is not finite")?,
         }
-        let single = matches!(self.take, Take::Max | Take::Min | Take::Mean);
-        if agents > 1 && !single && self.across.is_none() {
-            return Err(format!("has {agents} agents: {}", Across::NEEDED));
-        }
-        Ok(())
+        let single = agents <= 1 || matches!(self.take, Take::Max | Take::Min | Take::Mean);
+        let needed = || format!("has {agents} agents: {}", Across::NEEDED);
+        ensure(single || self.across.is_some(), needed)
     }
 
     /// Adds the values of all its agents at a time \[s\]; `None` for those who have left.
@@ -195,8 +193,6 @@ mod tests {
             ("of = 'x'\ntake = 'first_above'", 1, "\"first_above\" needs a level"),
             ("of = 'x'\ntake = 'max'\nlevel = 1", 1, "level needs take"),
             ("of = 'x'\ntake = 'first_at_least'", 1, "\"first_at_least\" needs a level"),
-            ("of = 'mood'\ntake = 'max'", 1, "of = \"mood\": neither a quantity"),
-            ("of = 'decision.Arrived'\ntake = 'last'\nagents = ['0']", 1, "agents"),
         ] {
             let error = toml::from_str::<OfOutput>(text).unwrap().check(agents).unwrap_err();
             assert!(error.contains(said), "{text}: {error}");

@@ -1,6 +1,7 @@
 //! How long and how hard people are squeezed.
 
-use crate::measure::across::Across;
+use crate::measure::Across;
+use lemons_master::ensure;
 use lemons_results::measure::{Exposed, Exposure, SPANS};
 use serde::Deserialize;
 
@@ -20,10 +21,6 @@ pub struct OfSqueeze {
     pub agents: Vec<String>,
     /// The function over several agents.
     pub across: Option<Across>,
-    /// \[s\] From this time on.
-    pub from: Option<f64>,
-    /// \[s\] Up to this time.
-    pub until: Option<f64>,
 }
 
 /// What somebody was exposed to.
@@ -54,30 +51,27 @@ impl OfSqueeze {
     /// A sentence that names what is missing.
     pub(crate) fn check(&self, agents: usize) -> Result<(), String> {
         let (mean, above) = (self.squeeze == What::LargestMean, self.squeeze == What::TimeAbove);
-        match self.over {
-            _ if mean && self.place().is_none() => {
-                return Err("squeeze = \"largest_mean\" needs over = 0.1, 1 or 10 (seconds)".into());
-            }
-            Some(over) if above && !(over > 0.0 && over.is_finite()) => {
-                return Err("over must be a positive number of seconds".into());
-            }
-            Some(_) if !mean && !above => {
-                return Err("over is for squeeze = \"largest_mean\" and \"time_above\"".into());
-            }
-            _ => {}
+        let Self { over, level, .. } = self;
+        for (holds, why) in [
+            (
+                !mean || self.place().is_some(),
+                "squeeze = \"largest_mean\" needs over = 0.1, 1 or 10 (seconds)",
+            ),
+            (mean || above || over.is_none(), "over is for squeeze = \"largest_mean\" and \"time_above\""),
+            (
+                over.is_none_or(|over| over > 0.0 && over.is_finite()),
+                "over must be a positive number of seconds",
+            ),
+            (!above || level.is_some(), "squeeze = \"time_above\" needs a level (newtons)"),
+            (above || level.is_none(), "level is for squeeze = \"time_above\""),
+            (
+                level.is_none_or(|level| level >= 0.0 && level.is_finite()),
+                "level must be a finite number of newtons, not below 0",
+            ),
+        ] {
+            ensure(holds, || why)?;
         }
-        match self.level {
-            None if above => return Err("squeeze = \"time_above\" needs a level (newtons)".into()),
-            Some(_) if !above => return Err("level is for squeeze = \"time_above\"".into()),
-            Some(level) if !(level >= 0.0 && level.is_finite()) => {
-                return Err("level must be a finite number of newtons, not below 0".into());
-            }
-            _ => {}
-        }
-        if agents > 1 && self.across.is_none() {
-            return Err(format!("has {agents} agents: {}", Across::NEEDED));
-        }
-        Ok(())
+        ensure(agents <= 1 || self.across.is_some(), || format!("has {agents} agents: {}", Across::NEEDED))
     }
 
     /// Begins to sum up the squeeze of so many agents.

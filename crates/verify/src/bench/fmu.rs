@@ -119,7 +119,6 @@ fn overhead(agents: usize, runs: usize, format: Format) -> Result<[f64; 2]> {
         select(&["Position.x", "Position.y", "Theta", "Velocity.x", "Velocity.y", "Omega", "NormalForce"])?;
     let integers = select(&["AgentContacts", "WallContacts", "ContactingAgents"])?;
     let given: Vec<f64> = (0..inputs.len()).map(|k| k as f64).collect();
-    let (mut numbers, mut counts) = (vec![0.0; reals.len()], vec![0.0; integers.len()]);
     let time = |call: &mut dyn FnMut() -> Result<()>| -> Result<f64> {
         let start = ThreadTime::now();
         (0..CALLS).try_for_each(|_| call())?;
@@ -129,8 +128,10 @@ fn overhead(agents: usize, runs: usize, format: Format) -> Result<[f64; 2]> {
     for _ in 0..runs {
         times[0].push(time(&mut || Ok(instance.set(&inputs, &given)?))?);
         times[1].push(time(&mut || {
-            instance.get(&reals, &mut numbers)?;
-            Ok(instance.get(&integers, &mut counts)?)
+            for all in [&reals, &integers] {
+                instance.values::<f64>(all)?;
+            }
+            Ok(())
         })?);
     }
     Ok(times.map(|mut times| median(&mut times)))

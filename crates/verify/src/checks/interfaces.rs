@@ -31,11 +31,10 @@ pub fn through_fmu(trial: &Trial, steps: u32) -> Result<Motions> {
         (0..trial.agents.len()).flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")));
     let variables = instance.select(names)?;
     let step = trial.parameters.time_step;
-    let mut values = vec![0.0; variables.len()];
     (0..steps)
         .map(|k| {
             instance.step(f64::from(k) * step, step)?;
-            instance.get(&variables, &mut values)?;
+            let values: Vec<f64> = instance.values(&variables)?;
             Ok(values.as_chunks().0.iter().map(motion).collect())
         })
         .collect()

@@ -124,8 +124,6 @@ pub fn ssp_archive(data: &[u8]) {
     let structure = Archive::open(&path).and_then(|mut archive| archive.structure());
     match structure {
         Ok(structure) => {
-            let text = structure.to_xml();
-            roxmltree::Document::parse(&text).unwrap_or_else(|error| panic!("{error} in {text}"));
             for connection in &structure.connections {
                 for port in [&connection.from, &connection.to] {
                     structure.port(port);

@@ -227,7 +227,7 @@ pub fn sweep_toml(data: &[u8]) {
         std::fs::write(&path, OF_A_TABLE).expect("a file");
         std::fs::write(&table, content).expect("a file");
     }
-    let Spec { until, step, points, measures, .. } = match Spec::read(&path) {
+    let spec = match Spec::read(&path) {
         Ok(spec) => spec,
         Err(error) => {
             let error = error.whole();
@@ -237,13 +237,13 @@ pub fn sweep_toml(data: &[u8]) {
             return assert!(way % 2 == 0 || of_table, "{error}");
         }
     };
+    let (measures, Spec { until, step, points, .. }) = (spec.measured(), spec);
     assert!(
         until.latest() > 0.0
             && until.latest().is_finite()
             && step.is_none_or(|step| step > 0.0 && step.is_finite())
     );
     assert!(points.count > 0);
-    let measures: Vec<String> = measures.into_iter().map(|(name, _)| name).collect();
     let mut names: Vec<&String> =
         points.parameters.iter().map(|parameter| &parameter.name).chain(&measures).collect();
     let all = names.len();
@@ -318,8 +318,10 @@ fn kept(points: &Points, measures: &[String], path: &Path) {
     let rows: Vec<Finished> =
         (0..points.count).map(|point| Finished { point, outcome: outcome(point) }).collect();
     let open = || {
-        let table = Table::open(path, &Default::default(), points, Some(measures));
-        table.unwrap_or_else(|error| panic!("{error:?}"))
+        let mut table =
+            Table::open(path, &Default::default(), points).unwrap_or_else(|error| panic!("{error:?}"));
+        table.name_measures(measures).unwrap_or_else(|error| panic!("{error:?}"));
+        table
     };
     let mut table = open();
     let (before, after) = rows.split_at(rows.len() / 2);

@@ -7,7 +7,7 @@
 //! a number of the whole crowd, this number is called `TotalName` in FMI 3.0, and `Name` here.
 
 use super::{Dimension, Interface, Single, Variable};
-use crate::error::{Error, Result};
+use crate::error::{Result, ensure};
 use crate::ssp::document::Kind;
 
 /// The structural parameter that is the number of people.
@@ -31,8 +31,8 @@ impl Interface {
     /// # Errors
     /// There is none.
     pub fn known(&self, name: &str) -> Result<Single<'_>> {
-        let missing = || Error::new(format!("the FMU has no variable {name:?}; see lemons info"));
-        self.single(name).ok_or_else(missing)
+        let missing = || format!("the FMU has no variable {name:?}; see lemons info");
+        Ok(self.single(name).ok_or_else(missing)?)
     }
 
     /// Returns all single values, with their names.
@@ -45,9 +45,16 @@ impl Interface {
 
     /// Returns the name of a value of one of the variables.
     pub fn name_of(&self, variable: &Variable, element: usize) -> String {
-        let name = &variable.name;
+        self.name_with(&variable.name, variable, element)
+    }
+
+    /// Returns the name of a value of a variable that has this name, or this alias.
+    fn name_with(&self, name: &str, variable: &Variable, element: usize) -> String {
         if !variable.is_array() {
-            return self.total(variable).unwrap_or(name).to_owned();
+            let of_agents = name
+                .strip_prefix(TOTAL)
+                .filter(|of| self.variable(of).is_some_and(|array| self.is_of_agents(array)));
+            return of_agents.unwrap_or(name).to_owned();
         }
         let indices = variable.indices(element);
         if !self.is_of_agents(variable) {
@@ -56,7 +63,9 @@ impl Interface {
         let agent = indices[0] - 1;
         match (&indices[1..], &variable.dimensions[1..]) {
             ([], _) => format!("agent[{agent}].{name}"),
-            ([axis], [second]) if is_pair(second) => format!("agent[{agent}].{name}.{}", AXES[axis - 1]),
+            ([axis], [second]) if second.size == AXES.len() && second.parameter.is_none() => {
+                format!("agent[{agent}].{name}.{}", AXES[axis - 1])
+            }
             (inner, _) => format!("agent[{agent}].{name}{}", written(inner)),
         }
     }
@@ -67,51 +76,27 @@ impl Interface {
         first.is_some_and(|place| self.variables[place].name == AGENTS)
     }
 
-    /// Returns the name in FMI 2.0 of a number of the whole crowd.
-    fn total<'a>(&self, variable: &'a Variable) -> Option<&'a str> {
-        let of = variable.name.strip_prefix(TOTAL)?;
-        self.variable(of).filter(|array| self.is_of_agents(array)).map(|_| of)
-    }
-
-    /// Returns the value that a name means which is not that of a single variable.
+    /// Returns the value that a name means which is not that of a single variable: the one that has this name.
     pub(super) fn parsed(&self, name: &str) -> Option<Single<'_>> {
-        if let Some(rest) = name.strip_prefix("agent[") {
-            let (agent, rest) = rest.split_once("].")?;
-            let (array, inner) = self.of_agent(rest)?;
-            let agent = plain(agent).filter(|agent| *agent < array.dimensions[0].size)?;
-            let each: usize = array.dimensions[1..].iter().map(|dimension| dimension.size).product();
-            return Some(Single { variable: array, element: agent * each + inner });
-        }
-        if let Some((array, indices)) = name.strip_suffix(']').and_then(|name| name.rsplit_once('[')) {
-            let array = self.variable(array).filter(|array| array.is_array() && !self.is_of_agents(array))?;
-            let element = place(indices, &array.dimensions)?;
-            return Some(Single { variable: array, element });
-        }
-        let array = self.variable(name).filter(|array| self.is_of_agents(array))?;
-        let total = self.variable(&format!("{TOTAL}{name}")).filter(|total| !total.is_array())?;
-        debug_assert!(array.is_array());
-        Some(Single { variable: total, element: 0 })
-    }
-
-    /// Returns the array that a name within `agent[i]` means, and which of the elements of one agent.
-    fn of_agent(&self, name: &str) -> Option<(&Variable, usize)> {
-        let array = |name: &str| self.variable(name).filter(|array| self.is_of_agents(array));
-        if let Some((name, axis)) = name.rsplit_once('.')
-            && let Some(array) = array(name)
-            && let [_, second] = &array.dimensions[..]
-            && is_pair(second)
-        {
-            return Some((array, AXES.iter().position(|known| *known == axis)?));
-        }
-        if let Some((name, indices)) = name.strip_suffix(']').and_then(|name| name.rsplit_once('[')) {
-            let array = array(name).filter(|array| match &array.dimensions[1..] {
-                [] => false,
-                [second] => !is_pair(second),
-                _ => true,
-            })?;
-            return Some((array, place(indices, &array.dimensions[1..])?));
-        }
-        array(name).filter(|array| array.dimensions.len() == 1).map(|array| (array, 0))
+        let (agent, inner) = match name.strip_prefix("agent[").and_then(|rest| rest.split_once("].")) {
+            Some((agent, inner)) => (Some(agent), inner),
+            None => (None, name),
+        };
+        let axis = inner.rsplit_once('.').and_then(|(array, axis)| {
+            Some((array, AXES.iter().zip(["1", "2"]).find(|(known, _)| **known == axis)?.1))
+        });
+        let bracket = inner.strip_suffix(']').and_then(|inner| inner.rsplit_once('['));
+        let total = format!("{TOTAL}{name}");
+        let candidates = [axis, bracket, agent.map(|_| (inner, "")), Some((&total, ""))];
+        candidates.into_iter().flatten().find_map(|(known, inner)| {
+            let inner = inner.split(',').filter(|index| !index.is_empty());
+            let inner = inner.map(|index| index.parse().ok()).collect::<Option<Vec<usize>>>()?;
+            let agent = agent.map(|agent| agent.parse::<usize>().ok()?.checked_add(1));
+            let indices = agent.into_iter().flatten().chain(inner).collect::<Vec<_>>();
+            let variable = self.variable(known)?;
+            let element = place_of(&variable.dimensions, &indices)?;
+            (self.name_with(known, variable, element) == name).then_some(Single { variable, element })
+        })
     }
 
     /// Chooses the value of a structural parameter: other arrays than those of the description come about.
@@ -121,50 +106,32 @@ impl Interface {
     pub fn resize(&mut self, name: &str, size: u64) -> Result<(), String> {
         let place = self.places.get(name).copied();
         let place = place.filter(|place| self.variables[*place].kind == Some(Kind::StructuralParameter));
-        let place = place.ok_or_else(|| "the FMU has no structural parameter of this name".to_owned())?;
+        let place = place.ok_or("the FMU has no structural parameter of this name")?;
         let new = usize::try_from(size).unwrap_or(usize::MAX);
-        let size_of =
-            |dimension: &Dimension| if dimension.parameter == Some(place) { new } else { dimension.size };
-        let counts = self
-            .variables
-            .iter()
-            .map(|variable| variable.dimensions.iter().map(size_of).try_fold(1_usize, usize::checked_mul));
-        let most = super::variables::MOST_VALUES;
-        let all = counts.sum::<Option<usize>>();
-        if all.is_none_or(|all| all > most) {
-            return Err(format!("the variables would have more than {most} values in all"));
-        }
-        for variable in &mut self.variables {
-            let sized = |dimension: &&mut Dimension| dimension.parameter == Some(place);
-            let mut changed = false;
-            for dimension in variable.dimensions.iter_mut().filter(sized) {
-                changed |= dimension.size != new;
+        let mut variables = self.variables.clone();
+        for variable in &mut variables {
+            let before = variable.sizes();
+            for dimension in variable.dimensions.iter_mut().filter(|of| of.parameter == Some(place)) {
                 dimension.size = new;
             }
-            if changed && variable.start.len() > 1 {
-                // Those of other elements.
+            // Those of other elements.
+            if variable.sizes() != before && variable.start.len() > 1 {
                 variable.start.clear();
             }
         }
-        self.variables[place].start = vec![size.to_string()];
+        let (most, all) = (super::variables::MOST_VALUES, variables.iter().map(Variable::checked_count));
+        let few = all.sum::<Option<usize>>().is_some_and(|all| all <= most);
+        ensure(few, || format!("the variables would have more than {most} values in all"))?;
+        variables[place].start = vec![size.to_string()];
+        self.variables = variables;
         Ok(())
     }
-}
-
-fn is_pair(dimension: &Dimension) -> bool {
-    dimension.size == AXES.len() && dimension.parameter.is_none()
 }
 
 /// Returns indices from 1 as they are written.
 pub(crate) fn written(indices: &[usize]) -> String {
     let indices: Vec<String> = indices.iter().map(usize::to_string).collect();
     format!("[{}]", indices.join(","))
-}
-
-/// A number as it is written in a name: with digits only, none too many.
-fn plain(text: &str) -> Option<usize> {
-    let plain = text.bytes().all(|byte| byte.is_ascii_digit()) && (text == "0" || !text.starts_with('0'));
-    if plain { text.parse().ok() } else { None }
 }
 
 /// Returns the place of the element with indices from 1, in row-major order, if there is such an element.
@@ -175,9 +142,4 @@ pub(crate) fn place_of(dimensions: &[Dimension], indices: &[usize]) -> Option<us
     };
     let all = indices.len() == dimensions.len();
     indices.iter().zip(dimensions).try_fold(0, next).filter(|_| all)
-}
-
-/// Returns the place of an element by its indices as they are written.
-fn place(indices: &str, dimensions: &[Dimension]) -> Option<usize> {
-    place_of(dimensions, &indices.split(',').map(plain).collect::<Option<Vec<_>>>()?)
 }

@@ -1,9 +1,10 @@
 //! The variables of a description: single values in FMI 2.0, also arrays in FMI 3.0.
 
-use super::{Dimension, Fmi, Interface, Variable};
+use super::{Dimension, Interface, Variable};
 use crate::error::Result;
 use crate::ssp::document::{Kind, Type};
 use lemons_core::xml::Element;
+use lemons_fmi::Version;
 use std::collections::HashMap;
 
 /// The most values of all variables together: more than a description of FMI 2.0 can have.
@@ -27,25 +28,24 @@ fn declared_units<'a>(root: Element<'a>) -> Result<Units<'a>> {
     Ok(declared)
 }
 
+/// The places of variables of FMI 3.0 by their value references.
+type References = HashMap<u32, usize>;
+
 /// Adds the variables to the interface.
 pub fn read_variables(interface: &mut Interface, root: Element) -> Result<()> {
     let declared = declared_units(root)?;
+    let v3 = interface.fmi == Version::V3;
     let list = root.child("ModelVariables").into_iter().flat_map(Element::elements);
-    let v3 = interface.fmi == Fmi::V3;
-    let is_variable = |element: &Element| match interface.fmi {
-        Fmi::V2 => element.name() == "ScalarVariable",
-        Fmi::V3 => element.name() != "Annotations",
-    };
-    let elements: Vec<Element> = list.filter(is_variable).collect();
-    let mut all_typed = Vec::with_capacity(elements.len());
-    for &element in &elements {
+    let is_variable = |name: &str| if v3 { name != "Annotations" } else { name == "ScalarVariable" };
+    let (mut elements, mut references) = (Vec::new(), References::new());
+    for element in list.filter(|element| is_variable(element.name())) {
         // In FMI 2.0 an element within says the type.
         let found = if v3 { typed(element, v3) } else { element.elements().find_map(|own| typed(own, v3)) };
         let missing = if v3 { "is not a type of FMI 3.0" } else { "has no type" };
         let (typed, of) = found.ok_or_else(|| element.problem(missing))?;
         let variable = read_variable(element, typed, of, &declared)?;
         let (place, reference) = (interface.variables.len(), variable.reference);
-        if v3 && let Some(other) = interface.references.insert(reference, place) {
+        if v3 && let Some(other) = references.insert(reference, place) {
             let (one, other) = (&interface.variables[other].name, &variable.name);
             let why = format!("the variables {one:?} and {other:?} have this value reference");
             return Err(element.wrong("valueReference", why).into());
@@ -55,9 +55,9 @@ pub fn read_variables(interface: &mut Interface, root: Element) -> Result<()> {
         for alias in element.children("Alias") {
             interface.add_name(alias.text("name")?, place, reference, alias)?;
         }
-        all_typed.push(typed);
+        elements.push((element, typed));
     }
-    read_sizes(interface, &elements, &all_typed)
+    read_sizes(interface, &elements, &references)
 }
 
 /// Returns an element that says a type, with the type; `None` if this version of FMI has no such type.
@@ -73,7 +73,7 @@ fn typed(element: Element, v3: bool) -> Option<(Element, Type)> {
 fn read_variable(element: Element, typed: Element, of: Type, declared: &Units) -> Result<Variable> {
     let reference = element.parsed("valueReference", "a number from 0 to 4294967295")?;
     let causality = element.optional("causality").unwrap_or("local");
-    let kind = Kind::NAMES.iter().find(|(name, _)| *name == causality).map(|(_, kind)| *kind);
+    let kind = Kind::named(causality);
     let declared_type = typed.optional("declaredType");
     let of_type = || declared.get(declared_type?).copied();
     let unit = typed.optional("unit").or_else(of_type).filter(|unit| !unit.is_empty());
@@ -101,25 +101,30 @@ fn read_variable(element: Element, typed: Element, of: Type, declared: &Units) -
     })
 }
 
-/// Reads the dimensions of the variables, and checks names and start values by them.
-fn read_sizes(interface: &mut Interface, elements: &[Element], all_typed: &[Element]) -> Result<()> {
-    // A dimension may name a structural parameter that comes later.
+/// Reads the dimensions of the variables, and checks names and start values by them. A dimension may name a structural
+/// parameter that comes later.
+fn read_sizes(
+    interface: &mut Interface,
+    elements: &[(Element, Element)],
+    references: &References,
+) -> Result<()> {
+    let v3 = interface.fmi == Version::V3;
     let mut all = 0;
-    for (place, (element, typed)) in elements.iter().zip(all_typed).enumerate() {
-        let dimensions = read_dimensions(interface, *element)?;
-        let sizes = dimensions.iter().map(|of| of.size);
-        let count = sizes.clone().try_fold(1, usize::checked_mul);
-        all = count.and_then(|count| count.checked_add(all)).filter(|all| *all <= MOST_VALUES).ok_or_else(|| {
-            let sizes = sizes.map(|size| size.to_string()).collect::<Vec<_>>().join(" x ");
+    for (place, (element, typed)) in elements.iter().enumerate() {
+        let dimensions = element.children("Dimension").filter(|_| v3);
+        let dimensions = dimensions.map(|dimension| read_dimension(interface, references, dimension));
+        interface.variables[place].dimensions = dimensions.collect::<Result<_>>()?;
+        let variable = &interface.variables[place];
+        let count = variable.checked_count().and_then(|count| count.checked_add(all));
+        all = count.filter(|all| *all <= MOST_VALUES).ok_or_else(|| {
+            let sizes = variable.sizes().iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
             let why = format!(
                 "with this array of {sizes} elements the variables have more than {MOST_VALUES} values in all"
             );
             element.wrong("name", why)
         })?;
-        interface.variables[place].dimensions = dimensions;
-        let variable = &interface.variables[place];
         check_starts(variable, *typed)?;
-        if !variable.is_array() && interface.parsed(&variable.name).is_some() {
+        if v3 && !variable.is_array() && interface.parsed(&variable.name).is_some() {
             let why = format!("an element of an array is called {name:?}, too", name = variable.name);
             return Err(element.wrong("name", why).into());
         }
@@ -127,39 +132,31 @@ fn read_sizes(interface: &mut Interface, elements: &[Element], all_typed: &[Elem
     Ok(())
 }
 
-fn read_dimensions(interface: &Interface, element: Element) -> Result<Vec<Dimension>> {
-    let dimension = |dimension: Element| {
-        let size: Option<u64> = dimension.parsed("start", "a whole number that is not negative")?;
-        let parameter: Option<u32> = dimension.parsed("valueReference", "a number from 0 to 4294967295")?;
-        let (size, parameter) = match (size, parameter) {
-            (Some(size), None) => (size, None),
-            (None, Some(reference)) => {
-                let place = interface.references.get(&reference).copied();
-                let place = place.filter(|place| {
-                    let Variable { kind, of, .. } = interface.variables[*place];
-                    kind == Some(Kind::StructuralParameter) && of == Type::UInt64
-                });
-                let why = "no structural parameter of type UInt64 has this value reference";
-                let place = place.ok_or_else(|| dimension.wrong("valueReference", why))?;
-                let Variable { name, start, .. } = &interface.variables[place];
-                let size = start.first().and_then(|start| start.parse().ok()).ok_or_else(|| {
-                    let why = format!("the structural parameter {name:?} has no start value that is a size");
-                    dimension.wrong("valueReference", why)
-                })?;
-                (size, Some(place))
-            }
-            (Some(_), Some(_)) => {
-                return Err(dimension.problem("has both a start and a valueReference").into());
-            }
-            (None, None) => {
-                return Err(dimension.problem("has neither a start nor a valueReference").into());
-            }
-        };
-        let size = usize::try_from(size).unwrap_or(usize::MAX);
-        Ok(Dimension { size, parameter })
+fn read_dimension(interface: &Interface, references: &References, dimension: Element) -> Result<Dimension> {
+    let size: Option<u64> = dimension.parsed("start", "a whole number that is not negative")?;
+    let parameter: Option<u32> = dimension.parsed("valueReference", "a number from 0 to 4294967295")?;
+    let (size, parameter) = match (size, parameter) {
+        (Some(size), None) => (size, None),
+        (None, Some(reference)) => {
+            let is_size = |variable: &Variable| {
+                variable.kind == Some(Kind::StructuralParameter) && variable.of == Type::UInt64
+            };
+            let place = references.get(&reference).filter(|place| is_size(&interface.variables[**place]));
+            let why = "no structural parameter of type UInt64 has this value reference";
+            let place = *place.ok_or_else(|| dimension.wrong("valueReference", why))?;
+            let Variable { name, start, .. } = &interface.variables[place];
+            let size = start.first().and_then(|start| start.parse().ok()).ok_or_else(|| {
+                let why = format!("the structural parameter {name:?} has no start value that is a size");
+                dimension.wrong("valueReference", why)
+            })?;
+            (size, Some(place))
+        }
+        (size, _) => {
+            let what = if size.is_some() { "both a start and" } else { "neither a start nor" };
+            return Err(dimension.problem(format!("has {what} a valueReference")).into());
+        }
     };
-    let arrays = interface.fmi == Fmi::V3;
-    element.children("Dimension").filter(|_| arrays).map(dimension).collect()
+    Ok(Dimension { size: usize::try_from(size).unwrap_or(usize::MAX), parameter })
 }
 
 /// Checks that start values are numbers where they must be, and as many as elements.
@@ -256,7 +253,7 @@ mod tests {
     #[test]
     fn elements_of_people_have_the_names_of_fmi_2() {
         let text = r#"<fmiModelDescription fmiVersion="3.0" modelName="c" instantiationToken="t"><ModelVariables>
-            <UInt64 name="Agents" valueReference="1" causality="structuralParameter" start="3"/>
+            <UInt64 name="Agents" valueReference="1" causality="structuralParameter" start="2"/>
             <Float64 name="Position" valueReference="2" causality="output"><Dimension valueReference="1"/><Dimension start="2"/></Float64>
             <Float64 name="Theta" valueReference="3" causality="output"><Dimension valueReference="1"/></Float64>
             <Int32 name="AgentContacts" valueReference="4" causality="output"><Dimension valueReference="1"/></Int32>
@@ -266,36 +263,25 @@ mod tests {
             </ModelVariables></fmiModelDescription>"#;
         let interface = read(text);
         let names: Vec<String> = interface.singles().map(|(name, _)| name).collect();
-        let agents =
-            |element: &str| (0..3).map(|i| format!("agent[{i}].{element}")).collect::<Vec<_>>().join(" ");
-        let each = |name: &str, parts: [&str; 3]| {
-            let parts = parts.iter().filter(|part| !part.is_empty());
-            let parts: Vec<String> = parts.map(|part| format!("agent[#].{name}{part}")).collect();
-            (0..3).map(|i| parts.join(" ").replace('#', &i.to_string())).collect::<Vec<_>>().join(" ")
-        };
-        let expected = [
-            "Agents".to_owned(),
-            each("Position", [".x", ".y", ""]),
-            agents("Theta"),
-            agents("AgentContacts"),
-            "AgentContacts TotalOther".to_owned(),
-            each("Inertia", ["[1]", "[2]", "[3]"]),
-        ];
-        assert_eq!(names.join(" "), expected.join(" "));
+        let expected = "Agents agent[0].Position.x agent[0].Position.y agent[1].Position.x agent[1].Position.y \
+                        agent[0].Theta agent[1].Theta agent[0].AgentContacts agent[1].AgentContacts AgentContacts \
+                        TotalOther agent[0].Inertia[1] agent[0].Inertia[2] agent[0].Inertia[3] agent[1].Inertia[1] \
+                        agent[1].Inertia[2] agent[1].Inertia[3]";
+        assert_eq!(names.join(" "), expected);
         for (name, single) in interface.singles() {
             assert_eq!(interface.single(&name), Some(single), "{name}");
         }
-        let of = |name: &str| interface.single(name).map(|single| single.address().to_string());
+        let of = |name: &str| interface.single(name).map(|single| single.to_string());
         assert_eq!(of("agent[1].Position.y").as_deref(), Some("2[3]"));
         assert_eq!(of("AgentContacts"), of("TotalAgentContacts"));
-        let others = "agent[3].Theta agent[0].Position agent[0].Position.z agent[0].Theta.x agent[00].Theta Theta[1] \
+        let others = "agent[2].Theta agent[0].Position agent[0].Position.z agent[0].Theta.x agent[00].Theta Theta[1] \
                       Position[1,1] agent[0].Position[1] agent[0].Inertia[4] agent[0].Agents";
         for none in others.split(' ') {
             assert_eq!(interface.single(none), None, "{none}");
         }
-        let twice = text.replace("TotalOther", "agent[2].Theta");
+        let twice = text.replace("TotalOther", "agent[1].Theta");
         assert!(
-            said(&twice).contains("name=\"agent[2].Theta\": an element of an array is called"),
+            said(&twice).contains("name=\"agent[1].Theta\": an element of an array is called"),
             "{}",
             said(&twice)
         );
