@@ -6,10 +6,12 @@
 //! - [`settings`]: parameters by the names of their FMUs' variables
 //! - [`Clock`], [`run`]: communication points, and the one loop over them
 //! - [`exposure`]: greatest squeeze and overlap, and what passes between two rows of a table
+//! - [`Replay`]: the contacts of a Trial's agents in the frames of a run
 //! - [`stop`]: when a run ends before its time
 
 mod clock;
 pub mod exposure;
+mod replay;
 mod run;
 pub mod settings;
 mod simulation;
@@ -17,6 +19,7 @@ pub mod stop;
 
 pub use clock::{Clock, ClockError};
 pub use exposure::{ExposureSum, Extremes, Greatest};
+pub use replay::Replay;
 pub use run::{Model, Point, run};
 pub use simulation::{Algorithm, Documents, SimError, Simulation};
 pub use stop::StopCondition;

@@ -1,19 +1,21 @@
 //! Where a crowd stands: the region, the placer, its progress.
 
-use super::named;
 use super::regions::{Amount, Ground, RegionArgument, door, grounds, numbers, region};
-use crate::error::{Misused, TrialHasErrors};
+use super::{named, read};
+use crate::error::Misused;
 use crate::interrupt::{Interrupt, Interrupted};
+use crate::numbers::within;
+use crate::print;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressStyle;
 use lemons_core::files::source::Disk;
 use lemons_core::plane::{Bounds, Pose, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use lemons_people::placing::{
     Ended, FreeSpace, Method, Orientation, Packing, Progress, Region, Settings, Stage,
 };
-use lemons_people::{Agent, Door, PeopleError, Shape, closed_walls, cut_doors, nearest_wall, walls};
+use lemons_people::{Agent, Door, PeopleError, Shape, closed_walls, cut_doors, walls};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -52,7 +54,7 @@ pub struct PlacingArguments {
     #[arg(long, value_enum)]
     orientation: Option<OrientationArgument>,
     /// Direction people face, in degrees counter-clockwise from the x axis. Default: 0
-    #[arg(long, value_name = "DEGREES", value_parser = degrees, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEGREES", value_parser = within(-360.0, 360.0, " (degrees)"))]
     direction: Option<f64>,
     /// Write the crowd even if some people overlap
     #[arg(long)]
@@ -74,10 +76,6 @@ fn sides(text: &str) -> Result<Vec2, String> {
         (Some(along), Some(across)) => Ok(vec2(along, across)),
         _ => Err(format!("{}, each from 0.1 to 10000", wanted())),
     }
-}
-
-fn degrees(text: &str) -> Result<f64, String> {
-    super::within(text, -360.0, 360.0, " (degrees)")
 }
 
 /// Where people may stand, and its walls.
@@ -117,20 +115,32 @@ const MISSING: &str =
 
 impl PlacingArguments {
     pub fn place(&self) -> Result<Place> {
-        let (geometry, name) = self.surroundings()?;
+        let (geometry, name, whole) = match (self.sides, &self.geometry) {
+            (Some(sides), _) => {
+                let region = Region::rectangle(Vec2::ZERO, sides).context("--box")?;
+                let name = format!("a box of {} m x {} m", sides.x, sides.y);
+                (walls(region.rings(), "concrete"), name, Ok(region))
+            }
+            (None, Some(path)) => {
+                let geometry = read(Geometry::read_from(&Disk, path))?;
+                let region = Region::from_walls(&geometry);
+                (geometry, path.display().to_string(), region)
+            }
+            (None, None) => (walls(&[], ""), "the open".to_owned(), Ok(Region::plane())),
+        };
         let grounds = if self.regions.is_empty() {
-            let region = match (self.sides, &self.geometry) {
-                (Some(sides), _) => Region::rectangle(Vec2::ZERO, sides).context("--box")?,
-                (None, Some(_)) => Region::from_walls(&geometry)
-                    .map_err(|error| self.with_a_way_out(&error, &geometry))
-                    .with_context(|| format!("--geometry {name}"))?,
-                (None, None) => Region::plane(),
-            };
+            let region = whole.map_err(|error| match error {
+                PeopleError::OpenWall { .. } => anyhow!("{error}; {}", self.advice(&geometry)),
+                error => error.into(),
+            });
+            let region = region.with_context(|| format!("--geometry {name}"))?;
             // All walls are closed; the others are within the outline.
-            let is_outline = |wall: &&Wall| Bounds::of(wall.corners.iter().copied()) == region.bounds();
-            let (rooms, obstacles) = geometry.walls.iter().partition::<Vec<_>, _>(is_outline);
-            let [rooms, obstacles] =
-                [rooms, obstacles].map(|walls| walls.iter().map(|wall| wall.id.clone()).collect());
+            let is_outline = |wall: &Wall| Bounds::of(wall.corners.iter().copied()) == region.bounds();
+            let ids = |outline: bool| {
+                let walls = geometry.walls.iter().filter(|wall| is_outline(wall) == outline);
+                walls.map(|wall| wall.id.clone()).collect()
+            };
+            let (rooms, obstacles) = (ids(true), ids(false));
             let free = FreeSpace { region, rooms, obstacles, walls: Vec::new() };
             vec![Ground { free, name: name.clone(), amount: Amount::AsAll }]
         } else {
@@ -157,56 +167,23 @@ impl PlacingArguments {
             }
             // A corner lies between the ends of the gap.
             if door.course(&closed).len() > 2 {
-                let Door { at, width } = door;
                 note!(
-                    "note: --door {},{},{width}: door {number} goes round a corner of its wall, because the corner is nearer \
-                     than half the width",
-                    at.x,
-                    at.y
+                    "note: --door: door {number} goes round a corner of its wall, because the corner is nearer than half \
+                     the width"
                 );
             }
         }
         Ok(Place { grounds, geometry, closed, name })
     }
 
-    /// The walls, and how the user names them.
-    fn surroundings(&self) -> Result<(Geometry, String)> {
-        if let Some(sides) = self.sides {
-            let region = Region::rectangle(Vec2::ZERO, sides).context("--box")?;
-            let geometry = walls(region.rings(), "concrete");
-            return Ok((geometry, format!("a box of {} m x {} m", sides.x, sides.y)));
-        }
-        if let Some(path) = &self.geometry {
-            let (geometry, warnings) = match Geometry::read_from(&Disk, path) {
-                Ok(read) => read,
-                Err(problems) => {
-                    note!("{problems}");
-                    return Err(TrialHasErrors.into());
-                }
-            };
-            for warning in warnings.iter() {
-                note!("{warning}");
-            }
-            return Ok((geometry, path.display().to_string()));
-        }
-        Ok((walls(&[], ""), "the open".into()))
-    }
-
-    /// Adds to the error of an open wall what to do.
-    fn with_a_way_out(&self, error: &PeopleError, geometry: &Geometry) -> anyhow::Error {
-        let corners = geometry.walls.iter().flat_map(|wall| wall.corners.iter().copied());
-        match (error, Bounds::of(corners)) {
-            (PeopleError::OpenWall { .. }, _) if !self.doors.is_empty() => {
-                anyhow!("{error}; --door needs closed walls: close it, and {OPENINGS}")
-            }
-            (PeopleError::OpenWall { .. }, Some(Bounds { low, high })) => anyhow!(
-                "{error}; --region says where people stand among walls with openings, for example --region {},{},{},{}",
-                low.x,
-                low.y,
-                high.x,
-                high.y
+    /// What to do about a wall that is open.
+    fn advice(&self, geometry: &Geometry) -> String {
+        match Bounds::of(geometry.walls.iter().flat_map(|wall| wall.corners.iter().copied())) {
+            Some(Bounds { low, high }) if self.doors.is_empty() => format!(
+                "--region says where people stand among walls with openings, for example --region {},{},{},{}",
+                low.x, low.y, high.x, high.y
             ),
-            _ => anyhow!("{error}"),
+            _ => format!("--door needs closed walls: close it, and {OPENINGS}"),
         }
     }
 
@@ -258,12 +235,12 @@ impl PlacingArguments {
 
     fn orientation(&self) -> Orientation {
         let angle = self.direction().to_radians();
-        match self.orientation {
-            Some(OrientationArgument::Free) => Orientation::Free,
-            Some(OrientationArgument::Fixed) => Orientation::Fixed(angle),
-            Some(OrientationArgument::Towards) => Orientation::Towards(angle),
-            None if self.direction.is_some() => Orientation::Towards(angle),
-            None => Orientation::Free,
+        let turned =
+            if self.direction.is_some() { OrientationArgument::Towards } else { OrientationArgument::Free };
+        match self.orientation.unwrap_or(turned) {
+            OrientationArgument::Free => Orientation::Free,
+            OrientationArgument::Fixed => Orientation::Fixed(angle),
+            OrientationArgument::Towards => Orientation::Towards(angle),
         }
     }
 
@@ -278,13 +255,12 @@ impl PlacingArguments {
         seed: u64,
         interrupt: &Interrupt,
     ) -> Result<(Packing, Vec<f64>)> {
-        let (mut packings, mut first) = (Vec::new(), 0);
+        let (mut packings, mut rest) = (Vec::new(), shapes);
         for (k, (ground, number)) in place.grounds.iter().zip(numbers).enumerate() {
-            let own = &shapes[first..first + number];
-            first += number;
+            let (own, others) = rest.split_at(*number);
+            rest = others;
             // Equal grounds are filled in different ways.
-            let seed = seed.wrapping_add(k as u64);
-            packings.push(self.run_one(own, ground, density, seed, interrupt)?);
+            packings.push(self.run_one(own, ground, density, seed.wrapping_add(k as u64), interrupt)?);
         }
         let densities = packings.iter().map(|packing| packing.density).collect();
         let mut packings = packings.into_iter();
@@ -306,14 +282,16 @@ impl PlacingArguments {
         interrupt: &Interrupt,
     ) -> Result<Packing> {
         let Ground { free: FreeSpace { region, .. }, name, .. } = ground;
-        let bar = Bar::new()?;
+        // On a terminal, once a placing takes a moment.
+        let bar = print::bar(0).with_style(ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}")?);
+        bar.enable_steady_tick(Duration::from_millis(100));
         let mut watch = |progress: &Progress| {
-            bar.show(progress);
+            bar.set_message(described_progress(progress));
             if interrupt.pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let settings = Settings { orientation: self.orientation(), seed, density, limit: None };
         let packing = self.packing.place(shapes, region, &settings, &mut watch);
-        bar.0.finish_and_clear();
+        bar.finish_and_clear();
         let count = shapes.len();
         let option = self.option();
         let packing = packing.with_context(|| format!("{count} people in {name}, {option}"))?;
@@ -346,17 +324,12 @@ impl PlacingArguments {
 
     /// In words, for the summary.
     pub fn manner(&self) -> String {
-        let packing = match self.packing {
-            Method::Dense => "dense",
-            Method::Paper => "the paper's",
-            Method::Grid => "rows",
-        };
         let way = match self.orientation() {
             Orientation::Free => "facing any way".to_owned(),
             Orientation::Fixed(_) => format!("facing {}°", self.direction()),
             Orientation::Towards(_) => format!("turned from {}°", self.direction()),
         };
-        format!("{packing}, {way}")
+        format!("{}, {way}", self.packing.name())
     }
 }
 
@@ -367,46 +340,22 @@ fn refuse_obstacle(door: &Door, geometry: &Geometry, grounds: &[Ground]) -> Resu
             && !grounds.iter().any(|ground| ground.free.rooms.contains(&wall.id))
     };
     let Some(wall) = door.wall(geometry).filter(|wall| is_obstacle(wall)) else { return Ok(()) };
-    let others = geometry.walls.iter().filter(|wall| !is_obstacle(wall)).cloned().collect();
-    let others = Geometry { walls: others, ..geometry.clone() };
     let Door { at: Vec2 { x, y }, width } = door;
-    let advice = match (door.wall(&others), nearest_wall(&closed_walls(&others), door.at)) {
-        (Some(Wall { id, .. }), Some((_, foot))) => {
-            let [x, y] = [foot.place.x, foot.place.y].map(|x| (1e3 * x).round() / 1e3 + 0.0);
-            format!("in wall {id} it is --door {x},{y},{width}")
-        }
-        _ => format!("no other wall is closed: {CLOSE}{OPENINGS}"),
-    };
     bail!(
         "--door {x},{y},{width}: the nearest closed wall is {}, an obstacle: nobody stands inside it. A door is in a \
-         wall of the room where people stand; {advice}",
+         closed wall of the room where people stand: name a place nearer to that; where none is closed, {CLOSE}{OPENINGS}",
         wall.id
     );
 }
 
-/// On a terminal, once a placing takes a moment.
-struct Bar(ProgressBar);
-
-impl Bar {
-    fn new() -> Result<Bar> {
-        let style = ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}")?;
-        let bar = crate::print::bar(0).with_style(style);
-        bar.enable_steady_tick(Duration::from_millis(100));
-        Ok(Bar(bar))
-    }
-
-    fn show(&self, progress: &Progress) {
-        let stage = match progress.stage {
-            Stage::Growing => "growing",
-            Stage::Spreading => "spreading",
-            Stage::Shaking => "shaking",
-            Stage::Pressing => "pressing",
-            Stage::Thinning => "too many: thinning",
-        };
-        let (density, overlap) = (progress.density, 1e3 * progress.overlap);
-        let iteration = progress.iteration;
-        self.0.set_message(format!(
-            "{stage}: {density:.2} /m², overlap {overlap:.2} mm, iteration {iteration} (Ctrl-C gives up)"
-        ));
-    }
+fn described_progress(Progress { stage, iteration, density, overlap, .. }: &Progress) -> String {
+    let stage = match stage {
+        Stage::Growing => "growing",
+        Stage::Spreading => "spreading",
+        Stage::Shaking => "shaking",
+        Stage::Pressing => "pressing",
+        Stage::Thinning => "too many: thinning",
+    };
+    let overlap = 1e3 * overlap;
+    format!("{stage}: {density:.2} /m², overlap {overlap:.2} mm, iteration {iteration} (Ctrl-C gives up)")
 }

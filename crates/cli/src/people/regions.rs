@@ -1,7 +1,7 @@
 //! `--region` and `--door`: on which ground people stand, and how many on each.
 
-use super::{numbers as parsed, within};
 use crate::error::Misused;
+use crate::numbers::{array, within};
 use anyhow::{Context, Result, bail};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{FARTHEST, Geometry};
@@ -49,14 +49,14 @@ pub fn region(text: &str) -> Result<RegionArgument, String> {
             Amount::Number(number.ok_or("number: must be a whole number from 1 to 1000000")?)
         }
         Some((key, value)) if key.trim() == "density" => Amount::Density(
-            within(value, 1e-6, 100.0, " (per m²)").map_err(|must| format!("density: {must}"))?,
+            within(1e-6, 100.0, " (per m²)")(value).map_err(|must| format!("density: {must}"))?,
         ),
         _ => return Err(format!("{:?}: after ; stands number=N or density=D", amount.trim())),
     };
     let places: Vec<&str> = corners.split_whitespace().collect();
-    let place = |text: &&str| parsed(text).map(|[x, y]| vec2(x, y));
+    let place = |text: &&str| array(text).map(|[x, y]| vec2(x, y));
     let polygon = || (places.len() >= 3).then(|| places.iter().map(place).collect()).flatten();
-    let corners = match parsed(corners) {
+    let corners = match array(corners) {
         Some([a, b, c, d]) => vec![vec2(a, b), vec2(c, b), vec2(c, d), vec2(a, d)],
         _ => polygon().ok_or(
             "must be two opposite corners in m, as in 0,0,8,6, or the corners of a polygon, as in \
@@ -68,7 +68,7 @@ pub fn region(text: &str) -> Result<RegionArgument, String> {
 
 /// Reads x, y and width.
 pub fn door(text: &str) -> Result<Door, String> {
-    match parsed(text) {
+    match array(text) {
         Some([x, y, width])
             if [x, y].iter().all(|x| x.abs() <= FARTHEST) && (0.1..=1e3).contains(&width) =>
         {

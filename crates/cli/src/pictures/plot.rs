@@ -1,12 +1,13 @@
 //! `lemons plot`: scenes, time series, a map of density.
 
 use super::quantity::{Quantity, Shown};
-use super::source::{End, KeptFrames, Source};
-use super::style::{Scenes, StyleArguments, number, seconds};
+use super::source::{KeptFrames, Source};
+use super::style::{Scenes, StyleArguments};
 use super::trial_run::{CrowdState, TrialRun, nothing_between};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
+use crate::numbers::{seconds, within as number_within};
 use crate::output::Output;
 use crate::run::{Until, until};
 use anyhow::{Result, bail};
@@ -45,8 +46,9 @@ pub struct Arguments {
     /// not spread through walls
     #[arg(long)]
     density: bool,
+    // Narrower ones need more cells than a picture has pixels.
     /// Standard deviation of the Gaussian of each person in the density map, in metres
-    #[arg(long, value_name = "METRES", requires = "density", default_value_t = DENSITY_KERNEL, value_parser = kernel)]
+    #[arg(long, value_name = "METRES", requires = "density", default_value_t = DENSITY_KERNEL, value_parser = number_within(0.02, 100.0, " (m)"))]
     kernel: f64,
     /// Start of time series and density map, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
@@ -60,11 +62,6 @@ pub struct Arguments {
     _force: Force,
     #[command(flatten)]
     style: StyleArguments,
-}
-
-/// \[m\] Narrower ones need more cells than a picture has pixels.
-fn kernel(text: &str) -> Result<f64, String> {
-    number(text, |value| (0.02..=100.0).contains(&value), "a number of metres from 0.02 to 100")
 }
 
 pub fn plot(arguments: &Arguments) -> Result<()> {
@@ -147,7 +144,7 @@ fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, at, style, .. } = arguments;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
     let wanted = if style.needs_all() { KeptFrames::All } else { KeptFrames::Around(at.clone()) };
-    let run = source.trial_run(latest.map(End::NotBefore), wanted, interrupt)?;
+    let run = source.trial_run(latest.map(Until::Point), wanted, interrupt)?;
     at.iter().try_for_each(|time| run.check(*time))?;
     // Poses between two frames would stand beside forces of one of them.
     let asked = if at.is_empty() { vec![run.run.times().1] } else { at.clone() };

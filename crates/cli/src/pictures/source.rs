@@ -1,14 +1,15 @@
 //! What `lemons plot` and `lemons movie` show, and `lemons measure` measures: a Trial, an FMU, or the record of a run.
 
-use super::style::positive;
 use super::trial_run::TrialRun;
 use crate::decide::Walk;
 use crate::embedded::InMemory;
 use crate::error::Misused;
 use crate::export::{expect_table, recorded, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::run::{Ends, Job, RowTarget, Until, drive_of, name_and_value_of_all, not_set, simulate};
+use crate::numbers::positive;
+use crate::run::{Job, RowTarget, Until, drive_of, name_and_value_of_all, not_set, simulate};
 use anyhow::{Context, Result, bail};
+use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_master::Settings;
@@ -55,44 +56,17 @@ pub struct Source {
 /// Communication steps of a run that is made to be shown: its table is a temporary file.
 const MOST_STEPS: u64 = 1_000_000;
 
-/// When a run that is made now ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum End {
-    /// \[s\]
-    At(f64),
-    /// \[s\] At the first communication point that is not before: the last step is as long as the others.
-    NotBefore(f64),
-    /// When all have come to rest, and at [`LATEST`].
-    Still,
-    /// When nobody is there any more, and at [`lemons_results::measure::LATEST`].
-    Left,
-}
-
-/// \[s\] Crowds that push for ever never come to rest.
-pub const LATEST: f64 = 120.0;
-
 /// A run in memory, or in its file.
 enum Found {
     Made(Run),
     Recorded(Record),
 }
 
-impl End {
-    /// \[s\]
-    fn latest(self) -> f64 {
-        match self {
-            End::At(time) | End::NotBefore(time) => time,
-            End::Still => LATEST,
-            End::Left => lemons_results::measure::LATEST,
-        }
-    }
-}
-
 impl Source {
     /// Opens it: a Trial or an FMU is run until then; without an end it is shown as it begins. A table may come without a Trial.
     pub fn open(
         &self,
-        until: Option<End>,
+        until: Option<Until>,
         wanted: KeptFrames,
         interrupt: &Interrupt,
     ) -> Result<(Option<Trial>, Run)> {
@@ -105,7 +79,7 @@ impl Source {
     }
 
     /// Opens it as [`Source::open`] with all frames; those of earlier results stay in their file.
-    pub fn record_of(&self, until: Option<End>, interrupt: &Interrupt) -> Result<(Option<Trial>, Record)> {
+    pub fn record_of(&self, until: Option<Until>, interrupt: &Interrupt) -> Result<(Option<Trial>, Record)> {
         let (trial, found) = self.find(until, KeptFrames::All, interrupt)?;
         let record = match found {
             Found::Made(run) => run.into(),
@@ -116,7 +90,7 @@ impl Source {
 
     fn find(
         &self,
-        until: Option<End>,
+        until: Option<Until>,
         wanted: KeptFrames,
         interrupt: &Interrupt,
     ) -> Result<(Option<Trial>, Found)> {
@@ -165,7 +139,7 @@ impl Source {
                 let clock = clock.and_then(|clock| clock.check_at_most(MOST_STEPS).map(|()| clock));
                 let clock = clock.with_context(|| self.path.display().to_string())?;
                 let until = match until {
-                    End::NotBefore(_) => End::At(clock.point(clock.steps)),
+                    Until::Point(_) => Until::Time(clock.point(clock.steps)),
                     until => until,
                 };
                 Found::Made(self.record(until, wanted, interrupt)?)
@@ -188,23 +162,21 @@ impl Source {
     ///
     /// # Errors
     /// Earlier results are to end when everybody has left.
-    pub fn end(&self, until: Option<Until>) -> Result<Option<End>> {
-        match until {
-            Some(Until::Left) if !self.runs() => Err(Misused(
-                "--until left is for a Trial that is run now; earlier results have an end".into(),
-            )
-            .into()),
-            _ if !self.runs() => Ok(None),
-            Some(Until::Left) => Ok(Some(End::Left)),
-            Some(Until::Time(time)) => Ok(Some(End::At(time))),
-            None => Ok(Some(End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME))),
+    pub fn end(&self, until: Option<Until>) -> Result<Option<Until>> {
+        if self.runs() {
+            return Ok(Some(until.unwrap_or(Until::Time(DEFAULT_STOP_TIME))));
         }
+        if until == Some(Until::Left) {
+            let why = "--until left is for a Trial that is run now; earlier results have an end";
+            return Err(Misused(why.into()).into());
+        }
+        Ok(None)
     }
 
     /// Opens it as [`Source::open`], with shapes and walls.
     pub fn trial_run(
         &self,
-        until: Option<End>,
+        until: Option<Until>,
         wanted: KeptFrames,
         interrupt: &Interrupt,
     ) -> Result<TrialRun> {
@@ -228,7 +200,7 @@ impl Source {
     }
 
     /// Runs it as `lemons run` does, in memory.
-    fn record(&self, until: End, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Run> {
+    fn record(&self, until: Until, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Run> {
         let settings = Settings {
             parameters: name_and_value_of_all(&self.settings)?,
             step: self.step,
@@ -238,12 +210,8 @@ impl Source {
             ..Settings::of(&self.path)
         };
         let rows = RowTarget::Memory(wanted);
-        let ends = match until {
-            End::At(_) | End::NotBefore(_) => Ends::AtTime,
-            End::Still => Ends::Still,
-            End::Left => Ends::Left,
-        };
-        let job = Job { settings, rows, outputs: None, state: None, ends, keeps_poses: false };
+        let until = Some(until);
+        let job = Job { settings, rows, outputs: None, state: None, until, keeps_poses: false };
         let mut ended = simulate(job, interrupt)?;
         ended.complete()?;
         if ended.stopped.is_some() {

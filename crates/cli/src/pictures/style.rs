@@ -3,14 +3,16 @@
 use super::measured::{Measured, Origin};
 use super::quantity::{Quantity, Shown, longest_gap};
 use super::spread::Spread;
-use super::trial_run::{CrowdState, Replay, TrialRun};
+use super::trial_run::{CrowdState, TrialRun, forces};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
+use crate::numbers::{array, number, positive};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_picture::{Bounds, Colour, Fill, Force, Scene, Style, Theme, Trail, Values, ids_without_room};
 use lemons_results::Run;
+use lemons_sim::Replay;
 use std::path::PathBuf;
 
 /// \[m\] A trail's points are not nearer than this to each other.
@@ -41,7 +43,7 @@ pub struct StyleArguments {
     #[arg(long, value_name = "NEWTONS", requires = "forces", value_parser = positive)]
     widest: Option<f64>,
     /// Draw the path of everybody; --trails=2: the path of the last two seconds
-    #[arg(long, value_name = "SECONDS", num_args = 0..=1, require_equals = true, default_missing_value = "inf", value_parser = trail)]
+    #[arg(long, value_name = "SECONDS", num_args = 0..=1, require_equals = true, default_missing_value = "inf", value_parser = number(|value| value > 0.0, "a positive number of seconds"))]
     trails: Option<f64>,
     /// Draw measured trajectories, dashed: a CSV file with columns t,id,x,y; id is the Id in Agents.xml
     #[arg(long, value_name = "FILE.csv")]
@@ -93,42 +95,18 @@ fn colour(text: &str) -> Option<Colour> {
     Some(Colour(part(0)?, part(2)?, part(4)?))
 }
 
-fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
-    let numbers: Vec<f64> = text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
-    let numbers: [f64; N] = numbers.try_into().ok()?;
-    numbers.iter().all(|number| number.is_finite()).then_some(numbers)
-}
-
 fn range(text: &str) -> Result<(f64, f64), String> {
-    match numbers(text) {
+    match array(text) {
         Some([low, high]) if low < high => Ok((low, high)),
         _ => Err("must be two numbers, the lower first, as in 0,500".into()),
     }
 }
 
 fn view(text: &str) -> Result<Bounds, String> {
-    match numbers(text) {
+    match array(text) {
         Some([x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Bounds { low: vec2(x0, y0), high: vec2(x1, y1) }),
         _ => Err("must be the lower left and the upper right corner, as in -1,0,4,2.5".into()),
     }
-}
-
-/// Reads a number that fits, or says what it must be.
-pub fn number(text: &str, fits: impl Fn(f64) -> bool, must: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|value| fits(*value)).ok_or_else(|| format!("must be {must}"))
-}
-
-pub fn positive(text: &str) -> Result<f64, String> {
-    number(text, |value| value > 0.0 && value.is_finite(), "a positive number")
-}
-
-/// Reads a time.
-pub fn seconds(text: &str) -> Result<f64, String> {
-    number(text, f64::is_finite, "a number of seconds")
-}
-
-fn trail(text: &str) -> Result<f64, String> {
-    number(text, |value| value > 0.0, "a positive number of seconds")
 }
 
 /// The scenes of one run: all in one view, their colours and widths on one scale.
@@ -137,7 +115,7 @@ pub struct Scenes<'r> {
     run: &'r TrialRun,
     measured: Option<Measured>,
     /// If forces are shown.
-    replay: Option<Replay>,
+    replay: Option<Replay<'r>>,
     /// A scene without poses, trails and forces.
     scene: Scene<'r>,
     /// A style without values and time.
@@ -303,7 +281,7 @@ impl<'r> Scenes<'r> {
 
     fn forces(&mut self, state: &CrowdState) -> Vec<Force> {
         let Some(replay) = &mut self.replay else { return Vec::new() };
-        let (forces, agree) = replay.forces(state);
+        let (forces, agree) = forces(replay, state);
         self.other_parameters |= !agree;
         forces
     }

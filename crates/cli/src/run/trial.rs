@@ -176,8 +176,9 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
 /// Why a parameter was not set, in the words of the command.
 pub fn not_set(error: SimError) -> Error {
     match error {
-        SimError::Unknown { name, text, meant: Some(meant) } => {
-            notes::no_such_variable(&name, &text, &meant).into()
+        SimError::Unknown { given, meant: Some(meant) } => {
+            let (name, text) = given.split_once('=').unwrap_or((&given, ""));
+            notes::no_such_variable(name, text, &meant).into()
         }
         SimError::Unknown { meant: None, .. } => anyhow!("--set {error}; see lemons info"),
         SimError::Value { .. } => anyhow!("--set {error}"),
