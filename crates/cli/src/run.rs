@@ -356,8 +356,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     };
     let mut done = run.see(&mut *model, if before.is_none() { PointKind::Start } else { PointKind::Resumed });
     if done.is_ok() && !interrupt.pressed() {
-        let stepped = lemons_sim::run(&mut *model, &clock, index, |model, point| run.step(model, point));
-        done = stepped.map(drop);
+        done = run.steps(&mut *model, clock.points(index));
     }
     run.bar.finish_and_clear();
     let (wall, time) = (started.elapsed(), model.time());
@@ -475,6 +474,17 @@ impl Recording<'_> {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Makes steps to these points, until it is over.
+    fn steps(&mut self, model: &mut dyn RunModel, points: impl Iterator<Item = Point>) -> Result<()> {
+        for point in points {
+            model.step_to(point.time)?;
+            if self.step(model, point)?.is_break() {
+                break;
+            }
+        }
+        Ok(())
     }
 
     /// After a step.

@@ -8,7 +8,7 @@ use crowd_mechanics::engine::{PairForce, World};
 use lemons_core::plane::Pose;
 use lemons_people::Body3d;
 use lemons_results::Frame;
-use lemons_sim::{Algorithm, Documents, Model, Replay, Simulation};
+use lemons_sim::{Algorithm, Documents, Replay, Simulation};
 use serde_json::json;
 use std::cell::OnceCell;
 

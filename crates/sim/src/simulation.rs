@@ -191,6 +191,26 @@ impl Simulation {
         self.crowd.model.set(Quantity::Active, agent, present.into(), Phase::StepComplete);
     }
 
+    /// Steps to a communication point \[s\].
+    ///
+    /// # Errors
+    /// The crowd or Decision refuses the step, or fails.
+    pub fn step_to(&mut self, time: f64) -> Result<(), SimError> {
+        let (from, step) = (self.time, time - self.time);
+        let walking = self.world().filter(|_| self.walks());
+        let motions: Vec<_> = walking.into_iter().flat_map(motions).map(|motion| seen(&motion)).collect();
+        if self.algorithm == Algorithm::GaussSeidel {
+            self.decide(&motions, step)?;
+        }
+        self.drive_crowd(Phase::StepComplete);
+        self.crowd.model.advance(Part::whole(from, step))?;
+        if self.algorithm == Algorithm::Jacobi {
+            self.decide(&motions, step)?;
+        }
+        self.time = time;
+        Ok(())
+    }
+
     /// Returns the last communication point \[s\].
     pub fn time(&self) -> f64 {
         self.time
@@ -350,24 +370,4 @@ fn motions(world: &World) -> impl Iterator<Item = Motion> {
 fn seen(Motion { pose, twist }: &Motion) -> (SeenPose, Vec2) {
     let Vec2 { x, y } = pose.position;
     (SeenPose { x, y, theta: pose.orientation }, twist.velocity)
-}
-
-impl crate::run::Model for Simulation {
-    type Error = SimError;
-
-    fn step_to(&mut self, time: f64) -> Result<(), SimError> {
-        let (from, step) = (self.time, time - self.time);
-        let walking = self.world().filter(|_| self.walks());
-        let motions: Vec<_> = walking.into_iter().flat_map(motions).map(|motion| seen(&motion)).collect();
-        if self.algorithm == Algorithm::GaussSeidel {
-            self.decide(&motions, step)?;
-        }
-        self.drive_crowd(Phase::StepComplete);
-        self.crowd.model.advance(Part::whole(from, step))?;
-        if self.algorithm == Algorithm::Jacobi {
-            self.decide(&motions, step)?;
-        }
-        self.time = time;
-        Ok(())
-    }
 }

@@ -28,7 +28,7 @@ fn csv(names: &[impl AsRef<[u8]>], rows: impl IntoIterator<Item = impl Serialize
 }
 
 /// Each line in each direction, with its first passages.
-fn directions<'a>(seen: &'a Seen<'_>) -> impl Iterator<Item = (&'a SeenLine<'a>, Way, Vec<Passage>)> {
+pub fn directions<'a>(seen: &'a Seen<'_>) -> impl Iterator<Item = (&'a SeenLine<'a>, Way, Vec<Passage>)> {
     seen.lines.iter().flat_map(|line| Way::ALL.map(|way| (line, way, line.passages.first(way))))
 }
 

@@ -1,6 +1,6 @@
 //! `lemons crowd`: people drawn, placed and written.
 
-use super::bodies::Bodies;
+use super::bodies;
 use super::leave::LeaveArguments;
 use super::outputs::{Outputs, of_crowd, say};
 use super::placing::PlacingArguments;
@@ -152,18 +152,23 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let population = arguments.source.population()?;
     if population.has_bicycles() {
         arguments.refuse_bicycles()?;
-        arguments.placing.default_to_fixed();
-        if !arguments.placing.along_an_axis() {
+        if !arguments.placing.fixed_along_an_axis() {
             let message = "--pedestrians below 1: bicycles stand along the axes in the light XML: \
                            --orientation fixed with --direction 0, 90, 180 or 270";
             return Err(Misused(message.into()).into());
         }
     }
     let Arguments { placing, trial, leaving, others, seed, .. } = &arguments;
-    leaving.check(placing.doors(), trial.output.is_some() || trial.zip.is_some())?;
+    leaving.check(placing.doors.len(), trial.output.is_some() || trial.zip.is_some())?;
     let place = placing.place()?;
     let numbers = placing.numbers(&place, arguments.number, arguments.density)?;
-    let settings = trial.settings(placing.direction(), leaving.wanted());
+    // People who leave are driven by nothing else.
+    let speed = trial.speed.filter(|_| !leaving.leave).unwrap_or(0.0);
+    let settings = TrialSettings {
+        time_step: trial.time_step,
+        people: trial.material.clone(),
+        desired_velocity: heading(placing.direction()) * speed,
+    };
     if let Some(directory) = &trial.output {
         may_write(directory, trial.force).context("-o")?;
     }
@@ -175,7 +180,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         makeable.as_ref().map_err(|error| anyhow!("cannot make a Trial of {}: {error}", place.name))?;
     }
     // Of a Trial that is refused nothing more is told.
-    let beside = if leaving.wanted() { &[DECISION_FILE][..] } else { &[] };
+    let beside = if leaving.leave { &[DECISION_FILE][..] } else { &[] };
     for said in trial.output.iter().flat_map(|directory| files::staying(directory, beside)) {
         note!("{said}");
     }
@@ -202,7 +207,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     writeln!(out, "\nseed               {seed:>10}")?;
     let of = if place.is_plane() { "convex hull of all" } else { &place.name };
     writeln!(out, "{}", line("ground", ground, &format!("m²   ({of})")))?;
-    if !placing.is_whole() {
+    if !placing.regions.is_empty() {
         for (k, (ground, density)) in place.grounds.iter().zip(&densities).enumerate() {
             let people = format!("m²   {} people, {density:.3} /m²", numbers[k]);
             writeln!(out, "{}", line(&format!("  region {k}"), ground.free.region.area(), &people))?;
@@ -223,10 +228,8 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         let text = light_xml(&crowd)?;
         output.fill(|file| file.write_all(text.as_bytes()))?;
     }
-    let bodies = Bodies { crowd: &crowd, interrupt: &interrupt };
     let at = (!others.sections.is_empty()).then(|| altitudes(&others.sections, &agents));
-    outputs.write_bodies(&bodies, at.as_deref(), [covered, ground], &mut out)?;
-    interrupt.check()?;
+    bodies::write(&crowd, at.as_deref(), [covered, ground], &mut outputs, &interrupt, &mut out)?;
     let mut done = Ok(());
     if makeable.is_ok() {
         let made = crowd_trial(&arguments.name(), &crowd, place.geometry.clone(), &settings)?;
@@ -237,7 +240,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
             writeln!(out, "mechanical step    {step:>10} {note}")?;
             let ways = placing.ways_out(&place, &crowd);
-            let wishes = leaving.wanted().then(|| leaving.text(&ways, trial.speed));
+            let wishes = leaving.leave.then(|| leaving.text(&ways, trial.speed));
             if let Some(text) = &wishes {
                 // A run would refuse it.
                 let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
@@ -262,16 +265,6 @@ impl TrialArguments {
     /// Returns whether any form of the Trial is wanted.
     fn wanted(&self) -> bool {
         self.output.is_some() || self.zip.is_some() || self.fmu.is_some()
-    }
-
-    /// Makes the settings; people who leave are driven by nothing else.
-    fn settings(&self, direction: f64, leave: bool) -> TrialSettings {
-        let speed = if leave { 0.0 } else { self.speed.unwrap_or(0.0) };
-        TrialSettings {
-            time_step: self.time_step,
-            people: self.material.clone(),
-            desired_velocity: heading(direction) * speed,
-        }
     }
 
     /// Checks the Trial as everybody would, and writes it where it was asked for, with files `beside` its own: everywhere,
@@ -374,7 +367,7 @@ impl Arguments {
         }
         if let Some(directory) = &trial.output {
             files::claim_directory(directory)?;
-            let wishes = self.leaving.wanted().then_some(&DECISION_FILE);
+            let wishes = self.leaving.leave.then_some(&DECISION_FILE);
             TRIAL_FILES.iter().chain(wishes).try_for_each(|file| files::claim(&directory.join(file)))?;
         }
         Outputs::open(&[

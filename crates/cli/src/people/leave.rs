@@ -15,7 +15,7 @@ pub struct LeaveArguments {
     /// Everybody leaves: write the Trial's decision.toml, in which people walk through the doors to a line
     /// 1 m behind them, or to an --exit; of several, to the quickest by distance and queue
     #[arg(long)]
-    leave: bool,
+    pub leave: bool,
     /// A line where people have left, from X1,Y1 to X2,Y2, in m. Can be given several times
     #[arg(
         long = "exit",
@@ -42,10 +42,6 @@ fn exit(text: &str) -> Result<[Vec2; 2], String> {
 }
 
 impl LeaveArguments {
-    pub fn wanted(&self) -> bool {
-        self.leave
-    }
-
     /// Checks that there is a way out, and a place for the file.
     ///
     /// # Errors

@@ -1,6 +1,5 @@
 //! Files that `lemons crowd` writes beside the Trial, and `lemons person`: tables, meshes, pictures.
 
-use super::bodies::Bodies;
 use crate::error::and_then;
 use crate::output::Output;
 use crate::pictures::plot::Format;
@@ -8,7 +7,7 @@ use anyhow::Result;
 use lemons_core::files::Staged;
 use lemons_core::plane::Pose;
 use lemons_core::trial::Trial;
-use lemons_people::{Agent, write_geojson, write_obj, write_stl, write_wkt};
+use lemons_people::Agent;
 use lemons_picture::{Bicycle as Drawn, Colour, Fill, Scene, Style, svg};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -44,27 +43,6 @@ impl Outputs {
         F: FnOnce(&mut BufWriter<Staged>) -> io::Result<()>,
     {
         self.of(option).map_or(Ok(()), |output| output.fill(write))
-    }
-
-    /// Writes sections at altitudes \[m\], and meshes. `covered` and `ground` \[m²\] are for the table of sections.
-    pub fn write_bodies(
-        &mut self,
-        bodies: &Bodies,
-        altitudes: Option<&[f64]>,
-        [covered, ground]: [f64; 2],
-        out: &mut Vec<u8>,
-    ) -> Result<()> {
-        if let Some(altitudes) = altitudes {
-            let sections = bodies.sections(altitudes);
-            bodies.interrupt.check()?;
-            bodies.table(out, &sections, covered, ground)?;
-            self.fill("--sections-geojson", |file| write_geojson(&sections, file))?;
-            self.fill("--sections-wkt", |file| write_wkt(&sections, file))?;
-        }
-        self.fill("--obj", |file| write_obj(bodies.parts(), file))?;
-        // STL begins with the number of triangles, so all are made first.
-        self.fill("--stl", |file| write_stl(&bodies.parts().collect::<Vec<_>>(), file))?;
-        bodies.interrupt.check()
     }
 
     pub fn is_empty(&self) -> bool {

@@ -38,12 +38,12 @@ pub struct PlacingArguments {
     /// corners of a polygon, as in "0,0 8,0 8,6". Can be given several times, each with its own number or
     /// density, as in "0,0,4,6; number=40" and "4,0,8,6; density=3"; see below
     #[arg(long = "region", value_name = "REGION", value_parser = region, allow_hyphen_values = true)]
-    regions: Vec<RegionArgument>,
+    pub regions: Vec<RegionArgument>,
     /// Cut a door into the nearest closed wall: a gap of this width, in m, whose middle is the wall's
     /// nearest point. People are placed before. A door in an obstacle is refused: nobody stands inside it.
     /// Can be given several times
     #[arg(long = "door", value_name = "X,Y,WIDTH", value_parser = door, allow_hyphen_values = true)]
-    doors: Vec<Door>,
+    pub doors: Vec<Door>,
     /// Packing algorithm. dense: our own, without overlap; paper: that of the paper's appendix D; grid:
     /// rows
     #[arg(long, value_parser = named(&Method::ALL, Method::name), default_value = "dense")]
@@ -193,19 +193,10 @@ impl PlacingArguments {
         self.doors.iter().filter_map(|door| door.exit(&place.closed, people.clone())).collect()
     }
 
-    /// Returns whether people stand on all the ground there is.
-    pub fn is_whole(&self) -> bool {
-        self.regions.is_empty()
-    }
-
-    pub fn doors(&self) -> usize {
-        self.doors.len()
-    }
-
     /// How many stand on each ground, from --number and --density.
     pub fn numbers(&self, place: &Place, number: Option<u32>, density: Option<f64>) -> Result<Vec<usize>> {
         let misused = match (number, density) {
-            (None, None) if self.is_whole() => MISSING.into(),
+            (None, None) if self.regions.is_empty() => MISSING.into(),
             _ if !place.is_plane() => return numbers(&place.grounds, number, density),
             (Some(_), Some(density)) if self.packing != Method::Dense => {
                 format!("--density {density} in the open is for --packing dense, not {}", self.option())
@@ -223,14 +214,10 @@ impl PlacingArguments {
         self.direction.unwrap_or(0.0)
     }
 
-    /// In a mixed crowd all face one way unless it is said otherwise.
-    pub fn default_to_fixed(&mut self) {
-        self.orientation.get_or_insert(OrientationArgument::Fixed);
-    }
-
-    /// Returns whether all face one way of the axes.
-    pub fn along_an_axis(&self) -> bool {
-        self.orientation == Some(OrientationArgument::Fixed) && self.direction() % 90.0 == 0.0
+    /// Lets all face one way, as a mixed crowd does unless it is said otherwise; returns whether they do, along an axis.
+    pub fn fixed_along_an_axis(&mut self) -> bool {
+        let orientation = *self.orientation.get_or_insert(OrientationArgument::Fixed);
+        orientation == OrientationArgument::Fixed && self.direction() % 90.0 == 0.0
     }
 
     fn orientation(&self) -> Orientation {

@@ -1,6 +1,6 @@
 //! One physics: a simulation in memory, FMUs of FMI 2.0 and 3.0 and the lab give the same bits.
 
-use crate::{advance, ask, numbers, ok, opened, zipped};
+use crate::{advance, ask, numbers, ok, opened};
 use crowd_mechanics::pack::Format;
 use lemons_core::plane::Motion;
 use lemons_core::trial::DriveChoice;
@@ -8,14 +8,13 @@ use lemons_decision::{DecisionConfig, Plan, pack};
 use lemons_lab::Lab;
 use lemons_lab::frame::COLUMNS;
 use lemons_master::ssp::{Participant, write_archive};
-use lemons_master::{
-    Error, PlanChoice, Prepared, Settings, TrialInput, binary_beside, documents_of, own_binary,
-};
+use lemons_master::{PlanChoice, Prepared, Settings, TrialInput, binary_beside, documents_of, own_binary};
+use lemons_people::zip_trial;
 use lemons_results::Frame;
-use lemons_sim::{Algorithm, Clock, Documents, SimError, Simulation};
+use lemons_sim::{Algorithm, Clock, Documents, Simulation};
 use lemons_verify::testing::{repository, trial_push};
 use std::fs::File;
-use std::ops::ControlFlow;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -36,11 +35,10 @@ fn of_simulation(documents: &Documents, algorithm: Algorithm, clock: &Clock) -> 
     simulation.begin(0.0, None).unwrap();
     let of = |frame: Frame| bits(&frame.agents, |agent| frame.is_there(agent));
     let mut all = vec![of(simulation.frame())];
-    let ended = lemons_sim::run::<_, SimError>(&mut simulation, clock, 0, |simulation, _| {
+    for point in clock.points(0) {
+        simulation.step_to(point.time).unwrap();
         all.push(of(simulation.frame()));
-        Ok(ControlFlow::Continue(()))
-    });
-    assert!(ended.unwrap().is_continue());
+    }
     all
 }
 
@@ -58,25 +56,27 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
         Settings { until: Some(clock.until), step: Some(clock.step), algorithm, ..Settings::of(input) };
     let mut run = Prepared::of(&settings).unwrap();
     let agents = scene.documents.trial.agents.len();
-    let see = |run: &Prepared| -> Result<Vec<[u64; 6]>, Error> {
+    let see = |run: &Prepared| -> Vec<[u64; 6]> {
         let crowd = run.system.components.iter().find(|component| component.name == "crowd").unwrap();
-        let quantities = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"];
-        let of = |i: usize| quantities.map(|quantity| format!("agent[{i}].{quantity}"));
-        let selection = crowd.instance.select((0..agents).flat_map(of))?;
-        let active = crowd.instance.select((0..agents).map(|i| format!("agent[{i}].Active")))?;
-        let values: Vec<f64> = crowd.instance.values(&selection)?;
-        let there: Vec<f64> = crowd.instance.values(&active)?;
-        let mut rows: Vec<[f64; 6]> = values.as_chunks().0.to_vec();
-        let left = rows.iter_mut().zip(&there).filter(|(_, there)| **there == 0.0);
-        left.for_each(|(row, _)| row[..2].fill(f64::NAN));
-        Ok(rows.into_iter().map(|row| row.map(f64::to_bits)).collect())
+        let values = |names: &[&str]| -> Vec<f64> {
+            let of = |i: usize| names.iter().map(move |name| format!("agent[{i}].{name}"));
+            let selection = crowd.instance.select((0..agents).flat_map(of)).unwrap();
+            crowd.instance.values(&selection).unwrap()
+        };
+        let mut numbers = values(&["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"]);
+        let (rows, _) = numbers.as_chunks_mut();
+        for (row, there) in rows.iter_mut().zip(values(&["Active"])) {
+            if there == 0.0 {
+                row[..2].fill(f64::NAN);
+            }
+        }
+        rows.iter().map(|row: &[f64; 6]| row.map(f64::to_bits)).collect()
     };
-    let mut all = vec![see(&run).unwrap()];
-    let ended = lemons_sim::run::<_, Error>(&mut run, clock, 0, |run, _| {
-        all.push(see(run)?);
-        Ok(ControlFlow::Continue(()))
-    });
-    assert!(ended.unwrap().is_continue());
+    let mut all = vec![see(&run)];
+    for point in clock.points(0) {
+        run.step_to(point.time).unwrap();
+        all.push(see(&run));
+    }
     all
 }
 
@@ -106,14 +106,11 @@ fn coupled(directory: &Path, plan: &Plan, format: Format, crowd: PathBuf) -> Pat
 }
 
 fn of_lab(scene: &Scene, clock: &Clock) -> Bits {
-    let statics = ["Agents", "Geometry", "Materials"].map(|name| format!("static/{name}.xml"));
-    let dynamics = ["AgentDynamics", "AgentInteractions"].map(|name| format!("dynamic/{name}.xml"));
-    let files = ["Parameters.xml", "decision.toml", "drive.csv"].map(String::from).into_iter();
-    let found = files
-        .chain(statics)
-        .chain(dynamics)
-        .filter_map(|file| Some((format!("scene/{file}"), std::fs::read(scene.directory.join(file)).ok()?)));
-    let zip = zipped(&found.collect::<Vec<_>>());
+    let others = ["decision.toml", "drive.csv"]
+        .map(|name| (name, std::fs::read_to_string(scene.directory.join(name)).unwrap_or_default()));
+    let others: Vec<(&str, &str)> =
+        others.iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| (*name, &**text)).collect();
+    let zip = zip_trial(&scene.documents.trial, &others, Cursor::new(Vec::new())).unwrap().into_inner();
     let mut lab = Lab::default();
     let (_, first) = ask(&mut lab, &opened("scene.zip", &zip), &zip);
     let (_, frames) = ok(&mut lab, advance(1, clock.steps));
