@@ -1,6 +1,6 @@
 //! Where a crowd stands: the region, the placer, its progress.
 
-use super::regions::{Amount, Ground, RegionArgument, door, grounds, numbers, region};
+use super::regions::{Ground, RegionArgument, door, grounds, numbers, region};
 use super::{named, read};
 use crate::error::Misused;
 use crate::interrupt::{Interrupt, Interrupted};
@@ -101,12 +101,10 @@ impl Place {
     }
 }
 
-/// After "close the wall": what to do with --door where walls have openings.
-const OPENINGS: &str = "give its opening as a --door, too; or leave out --door: --region takes walls with openings, \
-                        and with --leave, --exit says where people leave";
-/// The same where no wall is closed.
-const CLOSE: &str = "close one (repeat its first corner at the end), and ";
-
+/// What to do about doors where walls have openings.
+const DOORS: &str = "a door is in a closed wall of the room where people stand (--box, --geometry): close the wall, and \
+                     give its opening as a --door, too; or leave out --door: --region takes walls with openings, and \
+                     with --leave, --exit says where people leave";
 /// \[m\] About how broad people are across the shoulders.
 const NARROW: f64 = 0.5;
 
@@ -142,34 +140,32 @@ impl PlacingArguments {
             };
             let (rooms, obstacles) = (ids(true), ids(false));
             let free = FreeSpace { region, rooms, obstacles, walls: Vec::new() };
-            vec![Ground { free, name: name.clone(), amount: Amount::AsAll }]
+            vec![Ground { free, name: name.clone(), amount: (None, None) }]
         } else {
             grounds(&self.regions, &geometry, &name)?
         };
         let closed = closed_walls(&geometry);
         if !self.doors.is_empty() && closed.is_empty() {
-            let advice = if geometry.walls.is_empty() {
-                "--box or --geometry has some".to_owned()
-            } else {
-                format!("{CLOSE}{OPENINGS}")
-            };
-            return Err(Misused(format!("--door: there is no closed wall in {name}; {advice}")).into());
+            bail!(Misused(format!("--door: there is no closed wall in {name}: {DOORS}")));
         }
         let uncut = geometry.clone();
         let geometry = cut_doors(geometry, &self.doors).context("--door")?;
-        self.doors.iter().try_for_each(|door| refuse_obstacle(door, &uncut, &grounds))?;
+        let free = || grounds.iter().map(|ground| &ground.free);
         for (number, door) in self.doors.iter().enumerate() {
+            // People would walk into a pillar.
+            if let Some(Wall { id, .. }) = door.wall(&uncut)
+                && free().any(|free| free.obstacles.contains(id))
+                && !free().any(|free| free.rooms.contains(id))
+            {
+                let Door { at: Vec2 { x, y }, width } = door;
+                bail!(
+                    "--door {x},{y},{width}: the nearest closed wall is {id}, an obstacle: nobody stands inside it; {DOORS}"
+                );
+            }
             if door.width < NARROW {
                 note!(
                     "note: --door: door {number} is {} m wide: people are about {NARROW} m broad, and may get stuck",
                     door.width
-                );
-            }
-            // A corner lies between the ends of the gap.
-            if door.course(&closed).len() > 2 {
-                note!(
-                    "note: --door: door {number} goes round a corner of its wall, because the corner is nearer than half \
-                     the width"
                 );
             }
         }
@@ -183,7 +179,7 @@ impl PlacingArguments {
                 "--region says where people stand among walls with openings, for example --region {},{},{},{}",
                 low.x, low.y, high.x, high.y
             ),
-            _ => format!("--door needs closed walls: close it, and {OPENINGS}"),
+            _ => DOORS.to_owned(),
         }
     }
 
@@ -246,8 +242,45 @@ impl PlacingArguments {
         for (k, (ground, number)) in place.grounds.iter().zip(numbers).enumerate() {
             let (own, others) = rest.split_at(*number);
             rest = others;
+            let Ground { free: FreeSpace { region, .. }, name, .. } = ground;
             // Equal grounds are filled in different ways.
-            packings.push(self.run_one(own, ground, density, seed.wrapping_add(k as u64), interrupt)?);
+            // On a terminal, once a placing takes a moment.
+            let bar =
+                print::bar(0).with_style(ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}")?);
+            bar.enable_steady_tick(Duration::from_millis(100));
+            let mut watch = |progress: &Progress| {
+                bar.set_message(described_progress(progress));
+                if interrupt.pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let seed = seed.wrapping_add(k as u64);
+            let settings = Settings { orientation: self.orientation(), seed, density, limit: None };
+            let packing = self.packing.place(own, region, &settings, &mut watch);
+            bar.finish_and_clear();
+            let count = own.len();
+            let option = self.option();
+            let packing = packing.with_context(|| format!("{count} people in {name}, {option}"))?;
+            if packing.ended == Ended::Cancelled {
+                return Err(Interrupted::given_up().into());
+            }
+            if packing.complete || self.allow_overlap {
+                packings.push(packing);
+                continue;
+            }
+            let wanted = density;
+            let Packing { density, clear_density: clear, largest_overlap, .. } = packing;
+            let overlap = 1e3 * largest_overlap;
+            let other = if self.packing == Method::Paper { "; --packing dense reaches more" } else { "" };
+            if region.is_plane() {
+                let wanted = wanted.map_or(String::new(), |density| format!(" at --density {density}"));
+                bail!(
+                    "{count} in the open{wanted}, {option}: reached {density:.2} /m², largest overlap {overlap:.2} mm{other}"
+                );
+            }
+            bail!(
+                "{count} people in {name}, {option}: that is {density:.2} /m², of which {clear:.2} /m² ({:.0}) were placed without overlap, \
+             the others overlap by up to {overlap:.2} mm (--allow-overlap writes it so){other}",
+                clear * region.area()
+            );
         }
         let densities = packings.iter().map(|packing| packing.density).collect();
         let mut packings = packings.into_iter();
@@ -258,51 +291,6 @@ impl PlacingArguments {
             all.largest_overlap = all.largest_overlap.max(packing.largest_overlap);
         }
         Ok((all, densities))
-    }
-
-    fn run_one(
-        &self,
-        shapes: &[Shape],
-        ground: &Ground,
-        density: Option<f64>,
-        seed: u64,
-        interrupt: &Interrupt,
-    ) -> Result<Packing> {
-        let Ground { free: FreeSpace { region, .. }, name, .. } = ground;
-        // On a terminal, once a placing takes a moment.
-        let bar = print::bar(0).with_style(ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}")?);
-        bar.enable_steady_tick(Duration::from_millis(100));
-        let mut watch = |progress: &Progress| {
-            bar.set_message(described_progress(progress));
-            if interrupt.pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
-        let settings = Settings { orientation: self.orientation(), seed, density, limit: None };
-        let packing = self.packing.place(shapes, region, &settings, &mut watch);
-        bar.finish_and_clear();
-        let count = shapes.len();
-        let option = self.option();
-        let packing = packing.with_context(|| format!("{count} people in {name}, {option}"))?;
-        if packing.ended == Ended::Cancelled {
-            return Err(Interrupted::given_up().into());
-        }
-        if packing.complete || self.allow_overlap {
-            return Ok(packing);
-        }
-        let wanted = density;
-        let Packing { density, clear_density: clear, largest_overlap, .. } = packing;
-        let overlap = 1e3 * largest_overlap;
-        let other = if self.packing == Method::Paper { "; --packing dense reaches more" } else { "" };
-        if region.is_plane() {
-            let wanted = wanted.map_or(String::new(), |density| format!(" at --density {density}"));
-            bail!(
-                "{count} in the open{wanted}, {option}: reached {density:.2} /m², largest overlap {overlap:.2} mm{other}"
-            );
-        }
-        bail!(
-            "{count} people in {name}, {option}: that is {density:.2} /m², of which {clear:.2} /m² ({:.0}) were placed without overlap, \
-             the others overlap by up to {overlap:.2} mm (--allow-overlap writes it so){other}",
-            clear * region.area()
-        );
     }
 
     fn option(&self) -> String {
@@ -318,21 +306,6 @@ impl PlacingArguments {
         };
         format!("{}, {way}", self.packing.name())
     }
-}
-
-/// A door leads out of the room: people would walk into a pillar.
-fn refuse_obstacle(door: &Door, geometry: &Geometry, grounds: &[Ground]) -> Result<()> {
-    let is_obstacle = |wall: &Wall| {
-        grounds.iter().any(|ground| ground.free.obstacles.contains(&wall.id))
-            && !grounds.iter().any(|ground| ground.free.rooms.contains(&wall.id))
-    };
-    let Some(wall) = door.wall(geometry).filter(|wall| is_obstacle(wall)) else { return Ok(()) };
-    let Door { at: Vec2 { x, y }, width } = door;
-    bail!(
-        "--door {x},{y},{width}: the nearest closed wall is {}, an obstacle: nobody stands inside it. A door is in a \
-         closed wall of the room where people stand: name a place nearer to that; where none is closed, {CLOSE}{OPENINGS}",
-        wall.id
-    );
 }
 
 fn described_progress(Progress { stage, iteration, density, overlap, .. }: &Progress) -> String {

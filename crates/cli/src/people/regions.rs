@@ -13,15 +13,8 @@ const MOST: f64 = 1e6;
 
 pub const REGION_HELP: &str = include_str!("../help/regions.txt");
 
-/// How many people stand on a ground.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Amount {
-    /// As many as --number and --density say.
-    AsAll,
-    Number(usize),
-    /// \[1/m²\]
-    Density(f64),
-}
+/// Number of people, or their density \[1/m²\]; neither: as --number and --density say.
+pub type Amount = (Option<u32>, Option<f64>);
 
 /// A value of `--region`.
 #[derive(Debug, Clone)]
@@ -43,14 +36,15 @@ pub struct Ground {
 pub fn region(text: &str) -> Result<RegionArgument, String> {
     let (corners, amount) = text.split_once(';').unwrap_or((text, ""));
     let amount = match amount.trim().split_once('=') {
-        None if amount.trim().is_empty() => Amount::AsAll,
+        None if amount.trim().is_empty() => (None, None),
         Some((key, value)) if key.trim() == "number" => {
             let number = value.trim().parse().ok().filter(|number| (1..=1_000_000).contains(number));
-            Amount::Number(number.ok_or("number: must be a whole number from 1 to 1000000")?)
+            (Some(number.ok_or("number: must be a whole number from 1 to 1000000")?), None)
         }
-        Some((key, value)) if key.trim() == "density" => Amount::Density(
-            within(1e-6, 100.0, " (per m²)")(value).map_err(|must| format!("density: {must}"))?,
-        ),
+        Some((key, value)) if key.trim() == "density" => {
+            let density = within(1e-6, 100.0, " (per m²)")(value);
+            (None, Some(density.map_err(|must| format!("density: {must}"))?))
+        }
         _ => return Err(format!("{:?}: after ; stands number=N or density=D", amount.trim())),
     };
     let places: Vec<&str> = corners.split_whitespace().collect();
@@ -112,7 +106,8 @@ pub fn described(FreeSpace { rooms, obstacles, walls, .. }: &FreeSpace) -> Strin
 
 /// The number of people on each ground, from what each says and from --number and --density for the others.
 pub fn numbers(grounds: &[Ground], number: Option<u32>, density: Option<f64>) -> Result<Vec<usize>> {
-    let open: f64 = grounds.iter().filter(|g| g.amount == Amount::AsAll).map(|g| g.free.region.area()).sum();
+    let open = grounds.iter().filter(|ground| ground.amount == (None, None));
+    let open: f64 = open.map(|ground| ground.free.region.area()).sum();
     if open == 0.0
         && let Some(option) = number.map(|_| "--number").or(density.map(|_| "--density"))
     {
@@ -123,22 +118,21 @@ pub fn numbers(grounds: &[Ground], number: Option<u32>, density: Option<f64>) ->
         .iter()
         .map(|Ground { free, name, amount }| {
             let area = free.region.area();
-            let of_density = |density: f64| (density * area).round();
             let wanted = match (amount, number, density) {
-                (Amount::Number(number), ..) => *number as f64,
-                (Amount::Density(density), ..) => of_density(*density),
-                (Amount::AsAll, Some(_), Some(_)) => bail!(Misused(format!(
+                ((Some(number), _), ..) => f64::from(*number),
+                ((None, Some(density)), ..) => (density * area).round(),
+                (_, Some(_), Some(_)) => bail!(Misused(format!(
                     "--number and --density: one of them follows from the other in {name}"
                 ))),
-                (Amount::AsAll, None, Some(density)) => of_density(density),
-                (Amount::AsAll, Some(number), None) => {
+                (_, None, Some(density)) => (density * area).round(),
+                (_, Some(number), None) => {
                     // Shares of the whole that add up to it.
                     let upto = |area: f64| (f64::from(number) * area / open).round();
                     let from = before;
                     before += area;
                     upto(before) - upto(from)
                 }
-                (Amount::AsAll, None, None) => bail!(Misused(format!(
+                (_, None, None) => bail!(Misused(format!(
                     "the number of people is missing in {name}: give ; number=N or ; density=D after its corners, \
                      or --number or --density"
                 ))),

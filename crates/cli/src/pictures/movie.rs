@@ -103,7 +103,6 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
         );
     }
     let times: Vec<f64> = (0..frames as u64).map(|k| first + k as f64 * speed_up / frame_rate).collect();
-    style.tell_sampled(&run.run, speed_up / frame_rate);
     let mut scenes = Scenes::new(style, &run, &times, &interrupt)?;
     let of_path = || path.display().to_string();
     let mut shown = |time: &f64| {

@@ -91,7 +91,8 @@ impl Shown {
         let quantity = quantity.known_of(run);
         let over = over.filter(|_| quantity.is_mean());
         if let Some(over) = over {
-            let longest = longest_gap(run);
+            let gaps = run.frames.windows(2).map(|pair| pair[1].time - pair[0].time);
+            let longest = gaps.fold(0.0, f64::max);
             if longest > over * (1.0 + 1e-9) {
                 bail!(Misused(format!(
                     "--over {over:?}: shorter than the time between two frames, {longest:.6} s"
@@ -156,11 +157,6 @@ impl Shown {
         };
         known.unwrap_or(f64::NAN)
     }
-}
-
-/// \[s\] The longest time between two frames.
-pub fn longest_gap(run: &Run) -> f64 {
-    run.frames.windows(2).map(|pair| pair[1].time - pair[0].time).fold(0.0, f64::max)
 }
 
 /// \[N\] Of each frame the mean squeeze of everybody over a time \[s\], or over the step that ends there; or the greatest

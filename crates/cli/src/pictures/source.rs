@@ -94,27 +94,22 @@ impl Source {
         wanted: KeptFrames,
         interrupt: &Interrupt,
     ) -> Result<(Option<Trial>, Found)> {
-        let runs = self.runs();
+        let (runs, path) = (self.runs(), self.path.display());
         if !runs && (self.drive.is_some() || self.no_drive || self.walk.given() || self.step.is_some()) {
-            let path = self.path.display();
-            return Err(Misused(format!(
+            bail!(Misused(format!(
                 "{path} contains the results of an earlier run: --drive, --no-drive, --plan, --no-plan and --step are only for a Trial or an FMU, which is simulated first"
-            ))
-            .into());
+            )));
         }
-        if self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp")) {
+        if self.ends_in("ssp") {
             bail!(
-                "{}: an SSP cannot be drawn: run it with lemons run, and give the trajectories.csv of this run",
-                self.path.display()
+                "{path}: an SSP cannot be drawn: run it with lemons run, and give the trajectories.csv of this run"
             );
         }
         if !self.more.is_empty() && (runs || self.path.is_dir()) {
-            let path = self.path.display();
-            return Err(Misused(format!("{path}: is no table: only tables of one run can be several")).into());
+            bail!(Misused(format!("{path}: is no table: only tables of one run can be several")));
         }
         if !runs && self.memory.is_none() {
-            expect_table(&self.path)?;
-            self.more.iter().try_for_each(|path| expect_table(path))?;
+            [&self.path].into_iter().chain(&self.more).try_for_each(|path| expect_table(path))?;
         }
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
         let mut trial = match &self.memory {
@@ -137,7 +132,7 @@ impl Source {
                 let step = self.step.unwrap_or(trial.parameters.time_step);
                 let clock = Clock::new(0.0, step, until.latest());
                 let clock = clock.and_then(|clock| clock.check_at_most(MOST_STEPS).map(|()| clock));
-                let clock = clock.with_context(|| self.path.display().to_string())?;
+                let clock = clock.with_context(|| path.to_string())?;
                 let until = match until {
                     Until::Point(_) => Until::Time(clock.point(clock.steps)),
                     until => until,
@@ -146,8 +141,7 @@ impl Source {
             }
             (true, None, Some(trial)) => Found::Made(still(&self.path, trial)),
             (_, _, None) if self.path.is_dir() => bail!(
-                "{}: is not a Trial (it has no Parameters.xml); for an OutputDirectory, give the Trial or FMU of the run with --trial",
-                self.path.display()
+                "{path}: is not a Trial (it has no Parameters.xml); for an OutputDirectory, give the Trial or FMU of the run with --trial"
             ),
             (_, _, trial) => {
                 let record = recorded(&self.path, &self.more, self.memory.as_deref(), trial.as_ref())?;
@@ -167,8 +161,7 @@ impl Source {
             return Ok(Some(until.unwrap_or(Until::Time(DEFAULT_STOP_TIME))));
         }
         if until == Some(Until::Left) {
-            let why = "--until left is for a Trial that is run now; earlier results have an end";
-            return Err(Misused(why.into()).into());
+            bail!(Misused("--until left is for a Trial that is run now; earlier results have an end".into()));
         }
         Ok(None)
     }
@@ -192,11 +185,12 @@ impl Source {
 
     /// Returns whether it is something to run.
     pub fn runs(&self) -> bool {
-        if self.memory.is_some() {
-            return false;
-        }
-        let ends = |with: &str| self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case(with));
-        ends("fmu") || ends("zip") || self.path.join("Parameters.xml").is_file()
+        let is_trial = || self.path.join("Parameters.xml").is_file();
+        self.memory.is_none() && (self.ends_in("fmu") || self.ends_in("zip") || is_trial())
+    }
+
+    fn ends_in(&self, extension: &str) -> bool {
+        self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case(extension))
     }
 
     /// Runs it as `lemons run` does, in memory.
@@ -217,13 +211,11 @@ impl Source {
         if ended.stopped.is_some() {
             return Err(Interrupted::given_up().into());
         }
-        let none = || {
-            format!(
-                "{}: it is not a crowd: it has no variables such as agent[0].Position.x, so there is nothing to show",
-                self.path.display()
-            )
-        };
-        Ok(Run { source: self.path.clone(), ..ended.recorded.with_context(none)? })
+        let path = self.path.display();
+        let none = format!(
+            "{path}: it is not a crowd: it has no variables such as agent[0].Position.x, so there is nothing to show"
+        );
+        Ok(Run { source: self.path.clone(), ..ended.recorded.context(none)? })
     }
 }
 
