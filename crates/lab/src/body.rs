@@ -62,7 +62,7 @@ pub fn sections(run: &Run, altitude: f64) -> Result<Reply, Refused> {
     let cut = slices.iter().filter(|polygons| !polygons.is_empty()).count();
     Ok(Reply::of(json!({
         "altitude": altitude, "bodies": slices.iter().map(|polygons| outlines(polygons)).collect::<Vec<_>>(),
-        "cut": cut, "area": area, "estimated": run.driven().people.is_none(), "without": without(bodies),
+        "cut": cut, "area": area, "estimated": run.driven.people.is_none(), "without": without(bodies),
     })))
 }
 
@@ -78,7 +78,7 @@ pub fn surfaces(run: &Run) -> Result<Reply, Refused> {
         agents.push(counts);
         bytes.extend(surface);
     }
-    let estimated = run.driven().people.is_none();
+    let estimated = run.driven.people.is_none();
     let value = json!({ "agents": agents, "estimated": estimated, "without": without(bodies) });
     Ok(Reply { value, bytes })
 }

@@ -75,7 +75,7 @@ pub enum MeshFormat {
 /// # Errors
 /// It cannot be made of this run, the bytes are not what is said, or `watch` stopped it.
 pub fn file(wanted: &FileRequest, run: &Run, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
-    let of = run.driven();
+    let of = &run.driven;
     let Driven { trial, drive, wishes, people, .. } = of;
     let named = |end: &str, bytes: Vec<u8>| {
         Ok(Reply { value: json!({ "name": format!("{}{end}", trial.name) }), bytes })
@@ -149,7 +149,7 @@ fn mesh(run: &Run, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
     })?;
     let (frame, bodies, mut parts) = (frame(bytes, people)?, run.bodies()?, Vec::new());
     for (place, at) in frame.present() {
-        let agent = &run.driven().trial.agents[place];
+        let agent = &run.driven.trial.agents[place];
         let none = || Refused(format!("agent {}: no body fits its disks", agent.id));
         let body = bodies[place].as_ref().ok_or_else(none)?;
         // Names in these files have letters, digits and underscores.
@@ -161,7 +161,7 @@ fn mesh(run: &Run, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
 
 /// A picture of a frame, and a number for each agent.
 fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused> {
-    let (trial, people) = (&run.driven().trial, run.people());
+    let (trial, people) = (&run.driven.trial, run.people());
     let short = || Refused("the picture needs a frame, and a number for each agent".into());
     let (shown, values) = bytes.split_at_checked(bytes.len().saturating_sub(8 * people)).ok_or_else(short)?;
     let frame = frame(shown, people)?;

@@ -140,7 +140,7 @@ impl Lab {
             Request::Room(wanted) => room::drawn(wanted),
             Request::Geometry { name } => room::upload(name, bytes),
             Request::Overlaps { run, agent, x, y, theta } => {
-                frame::overlaps(&self.present(*run)?.driven().trial, *agent, [*x, *y, *theta])
+                frame::overlaps(&self.present(*run)?.driven.trial, *agent, [*x, *y, *theta])
             }
             Request::Advance { run, steps } => self.present(*run)?.advance(*steps),
             Request::Forces { run } => self.present(*run)?.forces(bytes),
@@ -174,7 +174,7 @@ impl Lab {
         let mut value = scene::of(&run);
         self.runs += 1;
         value["run"] = self.runs.into();
-        value["beyond_doors"] = json!(base.beyond_doors(&run.driven().trial));
+        value["beyond_doors"] = json!(base.beyond_doors(&run.driven.trial));
         let bytes = run.frame();
         self.open = Some(run);
         Ok(Reply { value: json!({ "scene": value, "notes": notes, "made": basis.made }), bytes })

@@ -60,12 +60,12 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
     }
     match motion {
         Motion::Own {} => forget_deleted(&mut driven)?,
-        Motion::None {} | Motion::Go { .. } => {}
+        Motion::None {} => {}
         Motion::Push { pushes } => driven.drive = drive(&driven.trial, pushes)?,
         Motion::Walk { speed, ways } => driven.wishes = wishes(&driven.trial, *speed, ways)?,
-    }
-    if let Motion::Go { wishes } = motion {
-        driven.wishes = plan::normalized(&driven.trial, wishes).and_then(|all| all.to_toml())?;
+        Motion::Go { wishes } => {
+            driven.wishes = plan::normalized(&driven.trial, wishes).and_then(|all| all.to_toml())?;
+        }
     }
     let Driven { trial, drive, wishes, .. } = &driven;
     let table = match drive.as_str() {

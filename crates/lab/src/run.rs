@@ -21,7 +21,8 @@ pub const MOST_WORK: f64 = 5e8;
 
 /// A Trial and its simulation.
 pub struct Run {
-    driven: Driven,
+    /// What runs.
+    pub driven: Driven,
     simulation: Simulation,
     /// Communication steps so far.
     steps: u64,
@@ -43,11 +44,6 @@ impl Run {
         let mut simulation = Simulation::new(documents, Algorithm::Jacobi)?;
         simulation.begin(0.0, None)?;
         Ok(Run { driven, simulation, steps: 0, overlap: 0.0, bodies: OnceCell::new() })
-    }
-
-    /// Returns what runs.
-    pub fn driven(&self) -> &Driven {
-        &self.driven
     }
 
     /// Everybody's body in three dimensions.

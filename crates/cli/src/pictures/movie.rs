@@ -1,6 +1,5 @@
 //! `lemons movie`: the scene over time.
 
-use super::plot::OTHER_PARAMETERS;
 use super::source::{KeptFrames, Source};
 use super::style::{Scenes, StyleArguments};
 use super::trial_run::TrialRun;
@@ -105,10 +104,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let times: Vec<f64> = (0..frames as u64).map(|k| first + k as f64 * speed_up / frame_rate).collect();
     let mut scenes = Scenes::new(style, &run, &times, &interrupt)?;
     let of_path = || path.display().to_string();
-    let mut shown = |time: &f64| {
-        let state = run.at(*time);
-        (scenes.scene(&state), scenes.style(&state))
-    };
+    let mut shown = |time: &f64| scenes.at(*time);
     let draw = |(scene, style): &(Scene, Style)| {
         let frame = pixels(&svg(scene, style), arguments.style.width);
         // Frames for ffmpeg need even sides.
@@ -132,9 +128,6 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     film.end().with_context(of_path)?;
     file.persist()?;
     progress.finish_and_clear();
-    if scenes.other_parameters {
-        note!("{OTHER_PARAMETERS}");
-    }
     if let Some(still) = run.still_from().filter(|still| still + REST <= last) {
         let time = told(still);
         match still > first {

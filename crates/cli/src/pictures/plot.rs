@@ -3,7 +3,7 @@
 use super::quantity::{Quantity, Shown};
 use super::source::{KeptFrames, Source};
 use super::style::{Scenes, StyleArguments};
-use super::trial_run::{CrowdState, TrialRun, nothing_between};
+use super::trial_run::{TrialRun, nothing_between};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
@@ -150,21 +150,12 @@ fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let asked = if at.is_empty() { vec![run.run.times().1] } else { at.clone() };
     let times: Vec<f64> = asked.iter().map(|time| run.run.frames[run.nearest(*time)].time).collect();
     let mut all = Scenes::new(style, &run, &times, interrupt)?;
-    let states: Vec<CrowdState> = times.iter().map(|time| run.at(*time)).collect();
-    let scenes: Vec<Scene> = states.iter().map(|state| all.scene(state)).collect();
-    let styles: Vec<Style> = states.iter().map(|state| all.style(state)).collect();
-    if all.other_parameters {
-        note!("{OTHER_PARAMETERS}");
-    }
-    let panels: Vec<(&Scene, &Style)> = scenes.iter().zip(&styles).collect();
-    let size = scenes[0].view.unwrap_or_else(|| scenes[0].extent()).size();
+    let drawn: Vec<(Scene, Style)> = times.iter().map(|time| all.at(*time)).collect();
+    let panels: Vec<(&Scene, &Style)> = drawn.iter().map(|(scene, style)| (scene, style)).collect();
+    let size = drawn[0].0.view.unwrap_or_else(|| drawn[0].0.extent()).size();
     let columns = arguments.columns.map_or_else(|| columns(panels.len(), size.x / size.y), |n| n as usize);
     Ok(sheet(&panels, columns))
 }
-
-/// Warning beside forces.
-pub const OTHER_PARAMETERS: &str = "warning: with the Trial's parameters the contacts would not have the squeeze that \
-    the run recorded: the forces shown are not the run's (give what was set: --set)";
 
 /// Returns the number of columns with which a sheet is about as wide as a page is.
 fn columns(panels: usize, aspect: f64) -> usize {
@@ -186,8 +177,7 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let times: Vec<f64> = frames.iter().map(|frame| frame.time).collect();
     let Some(&last) = times.last() else { bail!(nothing_between(&run.run, from, until)) };
     let mut scenes = Scenes::new(style, &run, &times, interrupt)?;
-    let state = run.at(last);
-    let mut scene = scenes.scene(&state);
+    let (mut scene, style_then) = scenes.at(last);
     let one = times.len() == 1;
     if !one {
         // Bodies, forces and trails are of one time.
@@ -201,7 +191,7 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     note!("density: {}", map.described());
     scene.density = Some(map);
     let time = one.then_some(last);
-    Ok(svg(&scene, &Style { time, range: style.range, ..scenes.style(&state) }))
+    Ok(svg(&scene, &Style { time, range: style.range, ..style_then }))
 }
 
 /// Draws one panel for each quantity, one line for each agent; measured positions beside simulated ones.

@@ -3,20 +3,23 @@
 use super::measured::{Measured, Origin};
 use super::quantity::{Quantity, Shown};
 use super::spread::Spread;
-use super::trial_run::{CrowdState, TrialRun, forces};
+use super::trial_run::{CrowdState, TrialRun};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use crate::numbers::{array, number, positive};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
+use crowd_mechanics::engine::PairForce;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_picture::{Bounds, Colour, Fill, Force, Scene, Style, Theme, Trail, Values, ids_without_room};
-use lemons_results::Run;
+use lemons_results::{Observed, Run};
 use lemons_sim::Replay;
 use std::path::PathBuf;
 
 /// \[m\] A trail's points are not nearer than this to each other.
 const TRAIL_STEP: f64 = 0.005;
+/// \[1\], \[N\] Recorded and computed squeezes agree to this.
+const AGREEMENT: (f64, f64) = (1e-3, 1.0);
 /// The colour bar ends at this quantile of the values that are not zero.
 const CLIP: f64 = 0.98;
 
@@ -69,19 +72,18 @@ pub struct StyleArguments {
 }
 
 /// Meaning of the colour of a body.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone)]
 pub enum Filling {
-    Area,
     Of(Quantity),
-    Single(Colour),
+    Other(Fill),
 }
 
 fn filling(text: &str) -> Result<Filling, String> {
     if text == "area" {
-        return Ok(Filling::Area);
+        return Ok(Filling::Other(Fill::BodyArea));
     }
     if let Some(colour) = colour(text) {
-        return Ok(Filling::Single(colour));
+        return Ok(Filling::Other(Fill::Single(colour)));
     }
     match Quantity::from_str(text, false) {
         Ok(quantity) if !matches!(quantity, Quantity::X | Quantity::Y) => Ok(Filling::Of(quantity)),
@@ -122,8 +124,8 @@ pub struct Scenes<'r> {
     style: Style,
     /// The quantity that colours show, unless they are of areas or a single one.
     shown: Option<Shown>,
-    /// True if forces were shown that the run did not have: it had other parameters than the Trial.
-    pub other_parameters: bool,
+    /// True if it was told that the run had other parameters than the Trial.
+    told: bool,
 }
 
 /// Returns how many decimals it takes to tell the times, from 2 to 4.
@@ -147,12 +149,17 @@ impl StyleArguments {
 
     /// Returns whether scenes depend on all that was before.
     pub fn needs_all(&self) -> bool {
-        self.shows_trails() || self.over.is_some() || self.fill == Filling::Of(Quantity::GreatestSqueeze)
+        self.shows_trails() || self.over.is_some() || self.quantity() == Some(Quantity::GreatestSqueeze)
+    }
+
+    /// Returns the quantity that colours show, if they do.
+    fn quantity(&self) -> Option<Quantity> {
+        if let Filling::Of(quantity) = self.fill { Some(quantity) } else { None }
     }
 
     /// Checks that means over a time are shown where they are asked for: as colours, or in `series`.
     pub fn check(&self, series: &[Quantity]) -> Result<()> {
-        let colours = if let Filling::Of(quantity) = self.fill { Some(quantity) } else { None };
+        let colours = self.quantity();
         if self.over.is_some() && !series.iter().chain(&colours).any(|quantity| quantity.is_mean()) {
             bail!(Misused(
                 "--over is for squeeze and greatest-squeeze (--fill, --series), and neither is shown".into()
@@ -176,10 +183,7 @@ impl<'r> Scenes<'r> {
         times: &[f64],
         interrupt: &Interrupt,
     ) -> Result<Scenes<'r>> {
-        let shown = match arguments.fill {
-            Filling::Of(quantity) => Some(Shown::of(quantity, &run.run, arguments.over)?),
-            _ => None,
-        };
+        let shown = arguments.quantity().map(|of| Shown::of(of, &run.run, arguments.over)).transpose()?;
         let mut scenes = Scenes {
             arguments,
             run,
@@ -188,7 +192,7 @@ impl<'r> Scenes<'r> {
             scene: Scene::at_start(&run.trial),
             style: Style::default(),
             shown,
-            other_parameters: false,
+            told: false,
         };
         // One time after the other: states of a long movie would not go into memory together.
         let (mut spread, mut widest, mut extent) = (Spread::default(), arguments.widest, None::<Bounds>);
@@ -220,14 +224,14 @@ impl<'r> Scenes<'r> {
         let clipped = spread.quantile(CLIP);
         scenes.style = Style {
             width: f64::from(arguments.width),
-            fill: match (&scenes.shown, arguments.fill) {
-                (Some(shown), _) => {
+            fill: match (&arguments.fill, &scenes.shown) {
+                (Filling::Other(fill), _) => fill.clone(),
+                (Filling::Of(_), None) => Fill::BodyArea,
+                (Filling::Of(_), Some(shown)) => {
                     let quantile = clipped.and_then(|(_, beyond)| beyond.then_some(CLIP));
                     let values = Values::of(Vec::new(), &shown.label(), shown.unit());
                     Fill::Values(Values { quantile, beyond, map: shown.map(), ..values })
                 }
-                (None, Filling::Single(colour)) => Fill::Single(colour),
-                (None, _) => Fill::BodyArea,
             },
             range: arguments.range.or(clipped.map(|(high, _)| (0.0, high))),
             theme: arguments.theme(),
@@ -244,30 +248,39 @@ impl<'r> Scenes<'r> {
         Ok(scenes)
     }
 
-    /// Returns the scene of a crowd at one time.
-    pub fn scene(&mut self, state: &CrowdState) -> Scene<'r> {
-        let length = self.arguments.trails.unwrap_or(f64::INFINITY);
-        let trails = if self.arguments.shows_trails() { self.trails(state, length) } else { Vec::new() };
-        let (poses, forces) = (state.poses(), self.forces(state));
+    /// Returns the scene at a time \[s\], and its style.
+    pub fn at(&mut self, time: f64) -> (Scene<'r>, Style) {
+        let (run, length) = (self.run, self.arguments.trails.unwrap_or(f64::INFINITY));
+        let state = &run.at(time);
         let mut scene = self.scene.clone();
-        (scene.poses, scene.trails, scene.forces) = (poses, trails, forces);
-        scene
-    }
-
-    /// Returns its style.
-    pub fn style(&self, state: &CrowdState) -> Style {
+        (scene.poses, scene.forces) = (state.poses(), self.forces(state));
+        scene.trails = if self.arguments.shows_trails() { self.trails(state, length) } else { Vec::new() };
         let mut style = Style { time: Some(state.time), ..self.style.clone() };
         if let (Some(shown), Fill::Values(values)) = (&self.shown, &mut style.fill) {
             values.values = shown.of_all(state);
         }
-        style
+        (scene, style)
     }
 
+    /// Returns the normal forces at the nearest frame: for each two that touch, their contacts together, from body to body;
+    /// for each wall, from the body to where it touches.
     fn forces(&mut self, state: &CrowdState) -> Vec<Force> {
         let Some(replay) = &mut self.replay else { return Vec::new() };
-        let (forces, agree) = forces(replay, state);
-        self.other_parameters |= !agree;
-        forces
+        // No run of this Trial has too many in one place.
+        let put = replay.put(state.frame).is_ok();
+        let recorded = state.frame.observed.iter().flatten();
+        if !self.told && !(put && replay.observed().iter().zip(recorded).all(agree)) {
+            self.told = true;
+            note!(
+                "warning: with the Trial's parameters the contacts would not have the squeeze that the run recorded: the \
+                 forces shown are not the run's (give what was set: --set)"
+            );
+        }
+        if !put {
+            return Vec::new();
+        }
+        let force = |PairForce { from, to, normal_force }| Force { from, to, normal_force };
+        replay.forces(&state.poses()).into_iter().map(force).collect()
     }
 
     /// Simulated ones, then measured ones, of so many seconds until then.
@@ -290,6 +303,13 @@ impl<'r> Scenes<'r> {
         });
         simulated.chain(measured).filter(|trail| trail.points.len() > 1).collect()
     }
+}
+
+/// Returns whether computed and recorded squeeze agree, or the run had other parameters.
+fn agree((computed, recorded): (&Observed, &Observed)) -> bool {
+    let [computed, recorded] = [computed, recorded].map(|seen| seen.normal_force);
+    let (relative, absolute) = AGREEMENT;
+    (computed - recorded).abs() <= absolute + relative * recorded.max(computed)
 }
 
 /// Returns points without those nearer than this to the one before.

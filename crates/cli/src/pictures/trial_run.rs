@@ -1,11 +1,9 @@
 //! A run of a Trial at any time: between its frames everything is linear.
 
 use anyhow::bail;
-use crowd_mechanics::engine::PairForce;
 use crowd_mechanics::setup::WorldError;
 use lemons_core::plane::{Motion, Pose, vec2};
 use lemons_core::trial::Trial;
-use lemons_picture::Force;
 use lemons_results::{Frame, Run};
 use lemons_sim::Replay;
 use lemons_sim::stop::moves;
@@ -30,9 +28,6 @@ impl CrowdState<'_> {
         self.agents.iter().enumerate().map(pose).collect()
     }
 }
-
-/// \[1\], \[N\] Recorded and computed squeezes agree to this, or the run had other parameters.
-const AGREEMENT: (f64, f64) = (1e-3, 1.0);
 
 /// \[s\] Times are sums of steps: rounding does not leave a frame out.
 const ROUNDING: f64 = 1e-9;
@@ -85,24 +80,6 @@ impl TrialRun {
         let before = after.saturating_sub(1);
         if time - frames[before].time < frames[after].time - time { before } else { after }
     }
-}
-
-/// Returns the normal forces at the nearest frame, and whether they are those that the run recorded: a run with other
-/// parameters had others.
-pub fn forces(replay: &mut Replay, state: &CrowdState) -> (Vec<Force>, bool) {
-    if replay.put(state.frame).is_err() {
-        // No run of this Trial has so many in one place.
-        return (Vec::new(), false);
-    }
-    let force = |PairForce { from, to, normal_force }| Force { from, to, normal_force };
-    let forces = replay.forces(&state.poses()).into_iter().map(force).collect();
-    let (relative, absolute) = AGREEMENT;
-    let recorded = state.frame.observed.iter().flatten().map(|seen| seen.normal_force);
-    let agree =
-        replay.observed().iter().map(|seen| seen.normal_force).zip(recorded).all(|(computed, recorded)| {
-            (computed - recorded).abs() <= absolute + relative * recorded.max(computed)
-        });
-    (forces, agree)
 }
 
 /// Returns everybody at a time \[s\] of a run; at its ends for times beyond them.

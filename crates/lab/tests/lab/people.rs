@@ -17,11 +17,8 @@ fn a_person_has_the_breadth_and_depth_that_are_asked_for_and_a_rank() {
     // Men are 1.756 m tall on average; the mass is the median.
     let rank = |k: usize| is["measures"][k]["rank"].as_f64().unwrap();
     assert!((rank(2) - 0.74).abs() < 0.02 && (rank(3) - 0.5).abs() < 0.01, "{is}");
-    let said = refused(
-        &mut lab,
-        json!({"ask": "person", "sex": "male", "breadth": 50, "depth": null, "stature": null, "mass": null}),
-        &[],
-    );
+    let broad = json!({"ask": "person", "sex": "male", "breadth": 50});
+    let said = refused(&mut lab, broad, &[]);
     assert!(said.contains("50") && said.contains("breadth"), "{said}");
 }
 
@@ -70,10 +67,7 @@ fn everybody_has_sections_and_bodies_also_where_only_disks_are_known() {
     assert_eq!(ok(&mut lab, json!({"ask": "sections", "run": 1, "altitude": 2.9})).0["cut"], 0);
     let (counts, bytes) = ok(&mut lab, json!({"ask": "bodies", "run": 1}));
     let counts: Vec<[usize; 2]> = read(&counts["agents"]);
-    assert_eq!(
-        bytes.len(),
-        counts.iter().map(|[vertices, triangles]| 12 * (vertices + triangles)).sum::<usize>()
-    );
+    assert_eq!(bytes.len(), 12 * counts.as_flattened().iter().sum::<usize>());
     // An opened Trial: bodies are as broad as the disks.
     let (shown, _) = ok(&mut lab, push());
     assert!(shown["scene"]["people"].is_null());
