@@ -158,17 +158,12 @@ impl Arguments {
             bail!(Misused("--above: must be rising numbers of newtons, as in 1000,2000".into()));
         }
         self.source.end(self.until)?;
-        if let (Some(from), Some(until)) = (self.from, self.end())
+        if let (Some(from), Some(until)) = (self.from, self.until.and_then(Until::time))
             && from >= until
         {
             bail!(Misused(format!("--from {from} --until {until}: the beginning is not before the end")));
         }
         Ok(())
-    }
-
-    /// Returns `--until` \[s\], if it is a time.
-    fn end(&self) -> Option<f64> {
-        self.until.and_then(Until::time)
     }
 
     /// Returns where people can be.

@@ -190,10 +190,10 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
     let writer = TableWriter::create(file, path, lemons_results::Format::Csv, &content)?;
     let ids = of.trial.agents.iter().map(|agent| agent.id.clone()).collect();
     let mut writer = FrameWriter::new(writer, ids, groups);
-    writer.frame(&run.observed())?;
+    writer.frame(&run.simulation.frame())?;
     for step in 1..=steps {
         run.step()?;
-        writer.frame(&run.observed())?;
+        writer.frame(&run.simulation.frame())?;
         let (iteration, limit) = (u64::from(step), u64::from(steps));
         // Without a stage of its own: the page knows it by the overlap.
         let progress = Progress { stage: Stage::Growing, iteration, limit, overlap: f64::NAN, density: 0.0 };

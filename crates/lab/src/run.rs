@@ -23,7 +23,8 @@ pub const MOST_WORK: f64 = 5e8;
 pub struct Run {
     /// What runs.
     pub driven: Driven,
-    simulation: Simulation,
+    /// Its simulation.
+    pub simulation: Simulation,
     /// Communication steps so far.
     steps: u64,
     /// \[m\] Deepest overlap so far.
@@ -125,7 +126,7 @@ impl Run {
 
     /// Returns the present frame as pages keep it.
     pub fn frame(&self) -> Vec<u8> {
-        frame::bytes(&self.observed())
+        frame::bytes(&self.simulation.frame())
     }
 
     /// Returns who presses whom in a frame: x, y \[m\] of one, x, y of the other or of the wall, and their force \[N\].
@@ -147,10 +148,5 @@ impl Run {
         replay.put(frame)?;
         let poses: Vec<Pose> = frame.agents.iter().map(|motion| motion.pose).collect();
         Ok(replay.forces(&poses))
-    }
-
-    /// Returns what the rows of the table of `lemons run` say.
-    pub fn observed(&self) -> Frame {
-        self.simulation.frame()
     }
 }

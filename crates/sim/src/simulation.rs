@@ -221,11 +221,6 @@ impl Simulation {
         self.crowd.model.trial()
     }
 
-    /// Returns the order in which crowd and Decision step.
-    pub fn algorithm(&self) -> Algorithm {
-        self.algorithm
-    }
-
     /// Returns whether people walk.
     pub fn walks(&self) -> bool {
         self.decision.is_some()
@@ -239,11 +234,6 @@ impl Simulation {
     /// Returns the engine's world; `None` before the beginning.
     pub fn world(&self) -> Option<&World> {
         self.crowd.model.world()
-    }
-
-    /// Returns what those who walk do next; empty where nobody does.
-    pub fn acts(&self) -> &[Act] {
-        &self.acts
     }
 
     /// Returns how many of those who walk have arrived: at their last way-point, at a goal, or have left.

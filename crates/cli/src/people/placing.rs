@@ -69,13 +69,10 @@ enum OrientationArgument {
 }
 
 fn sides(text: &str) -> Result<Vec2, String> {
-    let wanted = || "must be two lengths in m with an x between them, as in 4.56x4.56".to_owned();
-    let (along, across) = text.split_once(['x', 'X', '×']).ok_or_else(wanted)?;
-    let side = |text: &str| text.trim().parse::<f64>().ok().filter(|side| (0.1..=1e4).contains(side));
-    match (side(along), side(across)) {
-        (Some(along), Some(across)) => Ok(vec2(along, across)),
-        _ => Err(format!("{}, each from 0.1 to 10000", wanted())),
-    }
+    let side = |text: &str| within(0.1, 1e4, "")(text).ok();
+    let sides = text.split_once(['x', 'X', '×']).and_then(|(along, across)| side(along).zip(side(across)));
+    let must = "must be two lengths in m with an x between them, as in 4.56x4.56, each from 0.1 to 10000";
+    sides.map(|(along, across)| vec2(along, across)).ok_or_else(|| must.into())
 }
 
 /// Where people may stand, and its walls.

@@ -90,18 +90,13 @@ pub fn grounds(regions: &[RegionArgument], geometry: &Geometry, place: &str) -> 
 
 /// Describes what walls make of a ground, for the summary.
 pub fn described(FreeSpace { rooms, obstacles, walls, .. }: &FreeSpace) -> String {
-    let few = |what: &str, ids: &[String]| match ids {
-        [] => None,
-        [one] => Some(format!("{what} {one}")),
-        [first, second] => Some(format!("{what}s {first}, {second}")),
-        many => Some(format!("{} {what}s", many.len())),
+    let named = |(what, ids): (&str, &Vec<String>)| {
+        let s = if ids.len() == 1 { "" } else { "s" };
+        let ids = if ids.len() > 2 { ids.len().to_string() } else { ids.join(", ") };
+        format!("{what}{s} {ids}")
     };
-    let all = [
-        few("wall", rooms).map(|text| format!("inside {text}")),
-        few("obstacle", obstacles),
-        few("open wall", walls),
-    ];
-    all.into_iter().flatten().collect::<Vec<_>>().join(", ")
+    let all = [("inside wall", rooms), ("obstacle", obstacles), ("open wall", walls)].into_iter();
+    all.filter(|(_, ids)| !ids.is_empty()).map(named).collect::<Vec<_>>().join(", ")
 }
 
 /// The number of people on each ground, from what each says and from --number and --density for the others.
