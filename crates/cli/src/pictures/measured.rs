@@ -77,16 +77,10 @@ impl Measured {
                 continue;
             }
             let (first, (begin, end)) = (rows[0].0, run.times());
-            if first != start {
+            if first != start || start < begin || start > end {
                 bail!(
-                    "measured trajectories: agent {id:?} is seen from t = {first:?} s on, others from {start:?} s: its \
-                     displacement from the start is not known (--measured-from plane)"
-                );
-            }
-            if start < begin || start > end {
-                bail!(
-                    "measured trajectories: they start at t = {start:?} s, the run goes from {begin:?} to {end:?} s: \
-                     where people were is not known (--measured-from plane)"
+                    "measured trajectories: agent {id:?} is seen from t = {first:?} s on, the file begins at {start:?} s, the \
+                     run goes from {begin:?} to {end:?} s: its displacement from the start is not known (--measured-from plane)"
                 );
             }
             let shift = agents[place].pose.position - rows[0].1;

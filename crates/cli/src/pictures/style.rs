@@ -2,7 +2,6 @@
 
 use super::measured::{Measured, Origin};
 use super::quantity::{Quantity, Shown};
-use super::spread::Spread;
 use super::trial_run::{CrowdState, TrialRun};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
@@ -195,7 +194,7 @@ impl<'r> Scenes<'r> {
             told: false,
         };
         // One time after the other: states of a long movie would not go into memory together.
-        let (mut spread, mut widest, mut extent) = (Spread::default(), arguments.widest, None::<Bounds>);
+        let (mut spread, mut widest, mut extent) = (Vec::new(), arguments.widest, None::<Bounds>);
         let mut extend =
             |own: Bounds| extent = Bounds::of(extent.into_iter().chain([own]).flat_map(|b| [b.low, b.high]));
         let mut beyond = false;
@@ -205,7 +204,7 @@ impl<'r> Scenes<'r> {
             for value in scenes.shown.iter().flat_map(|shown| shown.of_all(&state)) {
                 match arguments.range {
                     Some((_, high)) => beyond |= value > high,
-                    None => spread.add(value),
+                    None => spread.push(value),
                 }
             }
             if arguments.widest.is_none() {
@@ -221,7 +220,7 @@ impl<'r> Scenes<'r> {
         }
         scenes.scene.view = arguments.view.or(extent);
         // A spike of a millisecond would leave all others at the low end. Without any but zeros the picture says so.
-        let clipped = spread.quantile(CLIP);
+        let clipped = clipped(spread);
         scenes.style = Style {
             width: f64::from(arguments.width),
             fill: match (&arguments.fill, &scenes.shown) {
@@ -305,6 +304,20 @@ impl<'r> Scenes<'r> {
     }
 }
 
+/// Returns the quantile [`CLIP`] of the positive values by nearest rank, and whether any is beyond it. Values that agree to
+/// a thousandth count together, as the largest of them.
+fn clipped(mut values: Vec<f64>) -> Option<(f64, bool)> {
+    /// Bits of a number that are left out: ten bits of its mantissa remain.
+    const FINE: u32 = 42;
+    values.retain(|value| *value > 0.0 && value.is_finite());
+    values.sort_by(f64::total_cmp);
+    // The rounding of 0.98 · 50 is not a rank.
+    let rank = (CLIP * values.len() as f64 - 1e-6).ceil().max(1.0) as usize;
+    let bin = values.get(rank - 1)?.to_bits() >> FINE;
+    let upto = values.partition_point(|value| value.to_bits() >> FINE <= bin);
+    Some((values[upto - 1], upto < values.len()))
+}
+
 /// Returns whether computed and recorded squeeze agree, or the run had other parameters.
 fn agree((computed, recorded): (&Observed, &Observed)) -> bool {
     let [computed, recorded] = [computed, recorded].map(|seen| seen.normal_force);
@@ -321,4 +334,16 @@ fn thinned(points: impl Iterator<Item = Vec2>) -> Vec<Vec2> {
         }
     }
     kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quantile_is_that_of_the_nearest_rank() {
+        assert_eq!(clipped(vec![0.0, -3.0, f64::NAN, f64::INFINITY]), None);
+        assert_eq!(clipped((0..=50).rev().map(f64::from).collect()), Some((49.0, true)));
+        assert_eq!(clipped(vec![2.0, 2.0 + 1e-9]), Some((2.0 + 1e-9, false)));
+    }
 }
