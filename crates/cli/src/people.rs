@@ -37,9 +37,6 @@ fn measure(of: Measure) -> impl Fn(&str) -> Result<f64, String> + Clone + Send +
 
 /// From cm, cm, m, kg.
 fn person(sex: Sex, [breadth, depth, stature, mass]: [f64; 4]) -> Result<Person, String> {
-    if depth > breadth {
-        return Err(format!("depth = {depth} cm must not exceed breadth = {breadth} cm"));
-    }
     let person = Person::from_measures(sex, [breadth / 100.0, depth / 100.0, stature, mass]);
     person.check().map_err(|error| error.to_string()).map(|()| person)
 }

@@ -105,9 +105,6 @@ const DOORS: &str = "a door is in a closed wall of the room where people stand (
 /// \[m\] About how broad people are across the shoulders.
 const NARROW: f64 = 0.5;
 
-const MISSING: &str =
-    "the number of people is missing: give --number N, or --density D with --box or --geometry";
-
 impl PlacingArguments {
     pub fn place(&self) -> Result<Place> {
         let (geometry, name, whole) = match (self.sides, &self.geometry) {
@@ -189,16 +186,14 @@ impl PlacingArguments {
     /// How many stand on each ground, from --number and --density.
     pub fn numbers(&self, place: &Place, number: Option<u32>, density: Option<f64>) -> Result<Vec<usize>> {
         let misused = match (number, density) {
-            (None, None) if self.regions.is_empty() => MISSING.into(),
-            _ if !place.is_plane() => return numbers(&place.grounds, number, density),
-            (Some(_), Some(density)) if self.packing != Method::Dense => {
+            (Some(_), Some(density)) if place.is_plane() && self.packing != Method::Dense => {
                 format!("--density {density} in the open is for --packing dense, not {}", self.option())
             }
-            (Some(number), _) => return Ok(vec![number as usize]),
-            (None, density) => {
-                let density = density.unwrap_or_default();
+            (None, Some(density)) if place.is_plane() => {
                 format!("--density {density} in the open needs --number, or --box or --geometry")
             }
+            (Some(number), _) if place.is_plane() => return Ok(vec![number as usize]),
+            _ => return numbers(&place.grounds, number, density),
         };
         Err(Misused(misused).into())
     }

@@ -128,8 +128,8 @@ pub fn numbers(grounds: &[Ground], number: Option<u32>, density: Option<f64>) ->
                     upto(before) - upto(from)
                 }
                 (_, None, None) => bail!(Misused(format!(
-                    "the number of people is missing in {name}: give ; number=N or ; density=D after its corners, \
-                     or --number or --density"
+                    "the number of people is missing in {name}: give --number or --density, or ; number=N or \
+                     ; density=D after the corners of a --region"
                 ))),
             };
             if !(1.0..=MOST).contains(&wanted) {

@@ -98,7 +98,7 @@ impl Measured {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_core::plane::{Motion, Pose, Twist};
+    use lemons_core::plane::{Motion, Pose};
     use lemons_results::Frame;
 
     fn read(text: &str) -> Result<Measured> {
@@ -110,8 +110,8 @@ mod tests {
     #[test]
     fn displacements_begin_where_agents_start() {
         let rows = "t [s],id,x [m],y [m]\n0,a,0.5,0\n0,b,0,0\n0.1,a,0.75,-1\n";
-        let pose = |x: f64, y: f64| Pose { position: vec2(x, y), orientation: 0.0 };
-        let at = |x: f64, y: f64| Motion { pose: pose(x, y), twist: Twist::default() };
+        let pose = |x: f64, y: f64| Pose { position: vec2(x, y), ..Pose::default() };
+        let at = |x: f64, y: f64| Motion { pose: pose(x, y), ..Motion::default() };
         let run = |ids: &[&str], time: f64| Run {
             source: "run.csv".into(),
             ids: ids.iter().map(|id| (*id).to_owned()).collect(),

@@ -15,7 +15,6 @@ use indicatif::ProgressStyle;
 use lemons_core::files::{Scratch, Staged, input};
 use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
 use lemons_results::Frame;
-use lemons_sim::stop::REST;
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -128,15 +127,6 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     film.end().with_context(of_path)?;
     file.persist()?;
     progress.finish_and_clear();
-    if let Some(still) = run.still_from().filter(|still| still + REST <= last) {
-        let time = told(still);
-        match still > first {
-            // It was asked for, as --until still does it.
-            true if arguments.until == Some(Until::Still) => {}
-            true => note!("nobody moves after t = {time:?} s: to end the movie there, use --until still"),
-            false => note!("nobody moves in this movie"),
-        }
-    }
     say!("{}: {frames} frames, {:.2} s", path.display(), frames / frame_rate)?;
     Ok(())
 }

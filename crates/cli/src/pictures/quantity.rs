@@ -184,24 +184,20 @@ fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_results::Observed;
+    use lemons_results::columns::{ALL, Row};
     use lemons_results::measure::Exposure;
     use std::path::PathBuf;
 
     /// Two people for three seconds, in steps of 0.1 s. The second one leaves after two.
     fn run() -> Run {
+        let row = |mean: f64, there: bool| {
+            let mut row = Row::default();
+            (row[10], row[11], row[13]) = (mean, mean, there.into());
+            row
+        };
         let frame = |k: u32| {
-            let of_step =
-                |mean: f64| OfStep { mean_normal_force: mean, peak_normal_force: mean, peak_overlap: 0.0 };
             let means = [f64::from(k * 37 % 11) * 30.0, f64::from(k * 13 % 7) * 50.0];
-            let observed = means.map(|mean| Observed { of_step: Some(of_step(mean)), ..Observed::default() });
-            Frame {
-                time: 0.1 * f64::from(k),
-                agents: vec![Motion::default(); 2],
-                observed: Some(observed.to_vec()),
-                active: Some(vec![true, k < 20]),
-                ..Frame::default()
-            }
+            Frame::of_rows(0.1 * f64::from(k), &[row(means[0], true), row(means[1], k < 20)], ALL)
         };
         Run {
             source: PathBuf::new(),

@@ -268,7 +268,8 @@ impl<'r> Scenes<'r> {
         // No run of this Trial has too many in one place.
         let put = replay.put(state.frame).is_ok();
         let recorded = state.frame.observed.iter().flatten();
-        if !self.told && !(put && replay.observed().iter().zip(recorded).all(agree)) {
+        let agrees = put && replay.observed().iter().zip(recorded).all(agree);
+        if !(agrees || self.told) {
             self.told = true;
             note!(
                 "warning: with the Trial's parameters the contacts would not have the squeeze that the run recorded: the \
