@@ -14,7 +14,7 @@ use crate::interrupt::Interrupt;
 use crate::numbers::within;
 use crate::pack::{Fmi, FmuArguments, write_fmu};
 use crate::print;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
@@ -153,9 +153,11 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     if population.has_bicycles() {
         arguments.refuse_bicycles()?;
         if !arguments.placing.fixed_along_an_axis() {
-            let message = "--pedestrians below 1: bicycles stand along the axes in the light XML: \
-                           --orientation fixed with --direction 0, 90, 180 or 270";
-            return Err(Misused(message.into()).into());
+            bail!(Misused(
+                "--pedestrians below 1: bicycles stand along the axes in the light XML: --orientation fixed with \
+                 --direction 0, 90, 180 or 270"
+                    .into()
+            ));
         }
     }
     let Arguments { placing, trial, leaving, others, seed, .. } = &arguments;
@@ -341,11 +343,10 @@ impl Arguments {
         let TrialArguments { output, zip, fmu, .. } = &self.trial;
         let asked = [("-o", output), ("--zip", zip), ("--fmu", fmu)];
         if let Some((option, _)) = asked.iter().find(|(_, path)| path.is_some()) {
-            let message = format!(
+            bail!(Misused(format!(
                 "{option}: the mechanics takes pedestrians only, and a part of this crowd rides bicycles \
                  (pedestrians below 1): --light-xml FILE.xml writes a mixed crowd"
-            );
-            return Err(Misused(message).into());
+            )));
         }
         Ok(())
     }

@@ -10,14 +10,14 @@ use crate::interrupt::Interrupt;
 use crate::numbers::{seconds, within as number_within};
 use crate::output::Output;
 use crate::run::{Until, until};
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use lemons_core::plane::Vec2;
 use lemons_picture::{
     Chart, ChartPanel, ChartStyle, DENSITY_KERNEL, DensityMap, Line, Scene, Style, chart_svg, pdf, png,
     sheet, svg, titled,
 };
+use lemons_results::Frame;
 use lemons_results::measure::within;
-use lemons_results::{Frame, Run};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -212,7 +212,12 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
             run.source.display()
         );
     }
-    let places = places(&run, &arguments.agents)?;
+    let place = |id: &String| {
+        let place = run.ids.iter().position(|known| known == id);
+        place.with_context(|| format!("{}: there is no agent {id:?}", run.source.display()))
+    };
+    let agents = if arguments.agents.is_empty() { &run.ids } else { &arguments.agents };
+    let places = agents.iter().map(place).collect::<Result<Vec<usize>>>()?;
     let (from, until) = arguments.times();
     let within = |time: f64| within(time, from, until);
     if !run.frames.iter().any(|frame| within(frame.time)) {
@@ -256,15 +261,4 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let chart = Chart { x: "time (s)".to_owned(), panels: panels.collect(), noun: "agent".to_owned() };
     let (width, theme) = (f64::from(style.width), style.theme());
     Ok(chart_svg(&chart, &ChartStyle { width, theme, ..ChartStyle::default() }))
-}
-
-fn places(run: &Run, agents: &[String]) -> Result<Vec<usize>> {
-    if agents.is_empty() {
-        return Ok((0..run.ids.len()).collect());
-    }
-    let place = |id: &String| match run.ids.iter().position(|known| known == id) {
-        Some(place) => Ok(place),
-        None => bail!("{}: there is no agent {id:?}", run.source.display()),
-    };
-    agents.iter().map(place).collect()
 }
