@@ -6,7 +6,7 @@ use lemons_core::files::words;
 use lemons_decision::decision;
 use lemons_fmi::variables::{Kind, Role, Scalar};
 use lemons_fmi::{Answer, Model, Phase};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Prefix of the variables of the crowd.
 pub const CROWD: &str = "crowd";
@@ -31,21 +31,19 @@ pub fn named(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
 pub fn meant(unknown: &str, all: impl Iterator<Item = String>) -> Option<String> {
     // Every other part is an index.
     let parts = |name: &str| name.split(['[', ']']).map(str::to_owned).collect::<Vec<_>>();
-    let kind = |parts: &[String]| parts.iter().step_by(2).map(String::as_str).collect::<Vec<_>>().join("[]");
-    let own = parts(unknown);
-    let all: BTreeMap<String, Vec<String>> = all.map(|name| (name.clone(), parts(&name))).collect();
-    let kinds: BTreeMap<String, &String> =
-        all.iter().rev().map(|(name, parts)| (kind(parts), name)).collect();
-    let (found, first) = kinds.get_key_value(words::meant(&kind(&own), kinds.keys().map(String::as_str))?)?;
-    if *found == kind(&own) {
+    let kind = |name: &str| parts(name).into_iter().step_by(2).collect::<Vec<_>>().join("[]");
+    let (own, all) = (kind(unknown), all.collect::<BTreeSet<String>>());
+    let kinds: BTreeMap<String, &String> = all.iter().rev().map(|name| (kind(name), name)).collect();
+    let (found, first) = kinds.get_key_value(words::meant(&own, kinds.keys().map(String::as_str))?)?;
+    if *found == own {
         return None;
     }
-    let mut indices = own.iter().skip(1).step_by(2);
+    let mut indices = parts(unknown).into_iter().skip(1).step_by(2);
     let with_own = found.split("[]").map(str::to_owned).reduce(|name, rest| {
-        let index = indices.next().map_or("", String::as_str);
+        let index = indices.next().unwrap_or_default();
         format!("{name}[{index}]{rest}")
     })?;
-    let exists = named(&with_own, |name| all.contains_key(name)).iter().all(|name| all.contains_key(name));
+    let exists = named(&with_own, |name| all.contains(name)).iter().all(|name| all.contains(name));
     Some(if exists { with_own } else { (*first).clone() })
 }
 

@@ -34,8 +34,21 @@ pub fn write(
             }
         }
         interrupt.check()?;
-        let people = crowd.iter().filter(|(agent, _)| agent.pedestrian().is_some()).count();
-        table([people, crowd.len()], &sections, [covered, ground], out)?;
+        // The paper's comparison: what the shapes of all cover, and what planes cut of the bodies of people.
+        let (all, people) =
+            (crowd.len(), crowd.iter().filter(|(agent, _)| agent.pedestrian().is_some()).count());
+        let share = |area: f64| 100.0 * area / ground;
+        writeln!(out, "\naltitude      people cut     covered   of the ground")?;
+        for section in &sections {
+            let (altitude, cut, area) = (section.altitude, section.cut(), section.covered());
+            let share = share(area);
+            writeln!(out, "{altitude:>6.3} m   {cut:>6} of {people:<6} {area:>7.3} m² {share:>9.1} %")?;
+        }
+        writeln!(out, "2D shapes  {all:>6}           {covered:>7.3} m² {:>9.1} %", share(covered))?;
+        if people < all {
+            writeln!(out, "(the {} bicycles have no three-dimensional bodies)", all - people)?;
+        }
+        writeln!(out)?;
         outputs.fill("--sections-geojson", |file| write_geojson(&sections, file))?;
         outputs.fill("--sections-wkt", |file| write_wkt(&sections, file))?;
     }
@@ -44,25 +57,4 @@ pub fn write(
     // STL begins with the number of triangles, so all are made first.
     outputs.fill("--stl", |file| write_stl(&parts().collect::<Vec<_>>(), file))?;
     interrupt.check()
-}
-
-/// The paper's comparison: what the shapes of all cover, and what planes cut of the bodies of people.
-fn table(
-    [people, all]: [usize; 2],
-    sections: &[CrowdSection],
-    [shapes, ground]: [f64; 2],
-    out: &mut Vec<u8>,
-) -> Result<()> {
-    let share = |area: f64| 100.0 * area / ground;
-    writeln!(out, "\naltitude      people cut     covered   of the ground")?;
-    for section in sections {
-        let (altitude, cut, covered) = (section.altitude, section.cut(), section.covered());
-        let share = share(covered);
-        writeln!(out, "{altitude:>6.3} m   {cut:>6} of {people:<6} {covered:>7.3} m² {share:>9.1} %")?;
-    }
-    writeln!(out, "2D shapes  {all:>6}           {shapes:>7.3} m² {:>9.1} %", share(shapes))?;
-    if people < all {
-        writeln!(out, "(the {} bicycles have no three-dimensional bodies)", all - people)?;
-    }
-    Ok(writeln!(out)?)
 }
