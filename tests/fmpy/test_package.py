@@ -267,7 +267,7 @@ def test_refusals_name_the_variable_and_the_value():
             crowd.set_drive(np.zeros((3, 5)))
         with pytest.raises(SimulationError, match="step"):
             crowd.step(-0.05)
-        with pytest.raises(SimulationError, match='there is no variable "agent.9..Mass"'):
+        with pytest.raises(SimulationError, match="agent.9..Mass: there is no such variable"):
             crowd["agent[9].Mass"]
         crowd.step()
         assert crowd.time == STEP

@@ -25,6 +25,7 @@ mod info;
 mod interrupt;
 mod lab;
 mod measure;
+mod numbers;
 mod output;
 
 mod pack;

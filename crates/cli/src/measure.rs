@@ -11,16 +11,17 @@ use crate::error::{Misused, and_then};
 use crate::export::area;
 use crate::files::{self, Force};
 use crate::interrupt::Interrupt;
+use crate::numbers::{number, positive, seconds};
 use crate::output::Output;
 use crate::pictures::plot::Format;
 use crate::pictures::source::Source;
-use crate::pictures::style::{positive, seconds};
 use crate::run::{Until, until};
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use lemons_core::trial::Trial;
 use lemons_results::Record;
 use lemons_results::measure::{Line, MeasuringArea, Room};
-use options::{Named, level, line, measuring_area, name_all};
+use options::{Named, line, measuring_area, name_all};
+use std::fs::create_dir_all;
 use std::io::Write;
 use std::path::PathBuf;
 use summary::Summary;
@@ -48,7 +49,10 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.wkt", requires = "areas")]
     walkable: Option<PathBuf>,
     /// For each person, the time with a mean squeeze above these, in newtons
-    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = level)]
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = number(
+        |level| level >= 0.0 && level.is_finite(),
+        "numbers of newtons, not below 0, as in 1000,2000"
+    ))]
     above: Vec<f64>,
     /// Compare means over so many seconds with --above. Default: the mean over each communication step, in
     /// which single collisions count
@@ -101,9 +105,11 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
     let Arguments { source, output, .. } = arguments;
     let format = arguments.plot.as_deref().map(Format::of).transpose()?;
     let interrupt = Interrupt::watch();
-    let mut summary_file = arguments.summary.as_deref().map(Output::open).transpose()?;
-    let mut picture = arguments.plot.as_deref().map(Output::open).transpose()?;
-    let paths: Vec<PathBuf> = output.iter().flat_map(|directory| tables::paths(directory)).collect();
+    let picture = arguments.plot.as_ref().zip(format);
+    arguments.summary.iter().chain(&arguments.plot).try_for_each(|path| files::claim_and_try(path))?;
+    let in_directory = |name: String| output.iter().map(move |directory| directory.join(&name));
+    let of_tables = tables::NAMES.into_iter().map(|name| format!("{name}.csv"));
+    let paths: Vec<PathBuf> = of_tables.chain(["summary.json".into()]).flat_map(in_directory).collect();
     paths.iter().try_for_each(|path| files::claim(path))?;
 
     let (trial, record) = source.record_of(source.end(arguments.until)?, &interrupt)?;
@@ -122,20 +128,24 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
     }
     let summary = Summary::of(arguments, record.ids(), &seen);
     let json = serde_json::to_string_pretty(&summary)? + "\n";
-    if let Some(file) = &mut summary_file {
-        file.fill(|out| out.write_all(json.as_bytes()))?;
-    }
-    if let (Some(file), Some(format)) = (&mut picture, format) {
-        let bytes = format.bytes(chart::svg(arguments, &seen), chart::WIDTH)?;
-        file.fill(|out| out.write_all(&bytes))?;
-    }
     let tables = tables::of(arguments, record.ids(), &seen)?;
-    let written = match output {
-        Some(directory) => tables::written(&tables, directory, &json)?,
-        None => Vec::new(),
-    };
-    let placed = [summary_file, picture].into_iter().flatten().chain(written).map(Output::persist);
-    placed.fold(Ok(()), and_then)?;
+    if let Some(directory) = output {
+        create_dir_all(directory).with_context(|| format!("cannot write {}", directory.display()))?;
+    }
+    let text = |path, text: &String| (path, text.clone().into_bytes());
+    let texts = tables.iter().map(|(_, table)| table).chain([&json]);
+    let mut results: Vec<_> = paths.iter().zip(texts).map(|(path, own)| text(path, own)).collect();
+    results.extend(arguments.summary.iter().map(|path| text(path, &json)));
+    if let Some((path, format)) = picture {
+        results.push((path, format.bytes(chart::svg(arguments, &seen), chart::WIDTH)?));
+    }
+    let written = results.iter().map(|(path, content)| {
+        let mut file = Output::claimed(path)?;
+        file.fill(|out| out.write_all(content))?;
+        Ok(file)
+    });
+    let written: Vec<Output> = written.collect::<Result<_>>()?;
+    written.into_iter().map(Output::persist).fold(Ok(()), and_then)?;
     Ok(Measured { summary, json, tables })
 }
 
@@ -148,17 +158,12 @@ impl Arguments {
             bail!(Misused("--above: must be rising numbers of newtons, as in 1000,2000".into()));
         }
         self.source.end(self.until)?;
-        if let (Some(from), Some(until)) = (self.from, self.end())
+        if let (Some(from), Some(until)) = (self.from, self.until.and_then(Until::time))
             && from >= until
         {
             bail!(Misused(format!("--from {from} --until {until}: the beginning is not before the end")));
         }
         Ok(())
-    }
-
-    /// Returns `--until` \[s\], if it is a time.
-    fn end(&self) -> Option<f64> {
-        self.until.and_then(Until::time)
     }
 
     /// Returns where people can be.

@@ -5,6 +5,5 @@ pub mod movie;
 pub mod plot;
 mod quantity;
 pub mod source;
-mod spread;
 pub mod style;
 pub mod trial_run;

@@ -108,22 +108,34 @@ pub struct Arguments {
     _force: Force,
 }
 
-/// `--until`
+/// When a run ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Until {
     /// \[s\]
     Time(f64),
-    /// When nobody is there any more.
+    /// \[s\] At the first communication point that is not before, as pictures need it: the last step is a whole one.
+    Point(f64),
+    /// When all have come to rest, as movies need it, and at [`LATEST_REST`].
+    Still,
+    /// When nobody is there any more, and at [`LATEST`].
     Left,
 }
+
+/// \[s\] Crowds that push for ever never come to rest.
+const LATEST_REST: f64 = 120.0;
 
 impl Until {
     /// \[s\]
     pub fn time(self) -> Option<f64> {
         match self {
-            Until::Time(time) => Some(time),
-            Until::Left => None,
+            Until::Time(time) | Until::Point(time) => Some(time),
+            Until::Still | Until::Left => None,
         }
+    }
+
+    /// \[s\] Returns when it ends at the latest.
+    pub fn latest(self) -> f64 {
+        self.time().unwrap_or(if self == Until::Still { LATEST_REST } else { LATEST })
     }
 }
 
@@ -132,18 +144,6 @@ pub fn until(text: &str) -> Result<Until, String> {
         "left" => Ok(Until::Left),
         text => positive(text).map(Until::Time).map_err(|error| format!("{error}, or the word left")),
     }
-}
-
-/// When a run ends, besides at its time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Ends {
-    /// Not before.
-    #[default]
-    AtTime,
-    /// When all have come to rest.
-    Still,
-    /// When nobody is there any more.
-    Left,
 }
 
 /// A run, and what becomes of it.
@@ -155,8 +155,8 @@ pub struct Job {
     pub outputs: Option<Place>,
     /// Where it is saved.
     pub state: Option<PathBuf>,
-    /// When it ends.
-    pub ends: Ends,
+    /// When it ends, unless at the time of the settings.
+    pub until: Option<Until>,
     /// True if the poses of all communication points are kept.
     pub keeps_poses: bool,
 }
@@ -168,10 +168,7 @@ impl Arguments {
             parameters: name_and_value_of_all(&self.settings)?,
             threads: self.threads,
             step: self.step,
-            until: self.until.map(|until| match until {
-                Until::Time(time) => time,
-                Until::Left => LATEST,
-            }),
+            until: self.until.map(Until::latest),
             every: self.every.map(u64::from),
             drive: drive_of(self.drive.as_deref(), self.no_drive),
             plan: self.walk.choice(),
@@ -180,8 +177,8 @@ impl Arguments {
             saves: self.state.is_some(),
             ..Settings::of(&self.input)
         };
-        let ends = if self.until == Some(Until::Left) { Ends::Left } else { Ends::AtTime };
-        Ok(Job { settings, rows, outputs, state: self.state.clone(), ends, keeps_poses: false })
+        let (state, until) = (self.state.clone(), self.until);
+        Ok(Job { settings, rows, outputs, state, until, keeps_poses: false })
     }
 }
 
@@ -298,7 +295,7 @@ impl About {
 
 /// Runs and records; warnings go to standard error. Ctrl-C ends the run after the step under way.
 pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
-    let Job { settings, rows, outputs, state, ends, keeps_poses } = job;
+    let Job { settings, rows, outputs, state, until, keeps_poses } = job;
     let Prepared {
         mut model,
         crowds,
@@ -335,10 +332,10 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         let to = if several { rows.named(name)? } else { rows.clone() };
         recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), keeps_poses)?);
     }
-    let stop = match ends {
-        Ends::AtTime => None,
-        Ends::Still => Some(StopCondition::Still(Still::after(drive_end))),
-        Ends::Left => {
+    let stop = match until {
+        None | Some(Until::Time(_) | Until::Point(_)) => None,
+        Some(Until::Still) => Some(StopCondition::Still(Still::after(drive_end))),
+        Some(Until::Left) => {
             let plans: Vec<Vec<bool>> = plans.iter().map(|plan| plan.leaving()).collect();
             Some(StopCondition::Left(until_left(&plans, &recorders)?))
         }
@@ -359,8 +356,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     };
     let mut done = run.see(&mut *model, if before.is_none() { PointKind::Start } else { PointKind::Resumed });
     if done.is_ok() && !interrupt.pressed() {
-        let stepped = lemons_sim::run(&mut *model, &clock, index, |model, point| run.step(model, point));
-        done = stepped.map(drop);
+        done = run.steps(&mut *model, clock.points(index));
     }
     run.bar.finish_and_clear();
     let (wall, time) = (started.elapsed(), model.time());
@@ -478,6 +474,17 @@ impl Recording<'_> {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Makes steps to these points, until it is over.
+    fn steps(&mut self, model: &mut dyn RunModel, points: impl Iterator<Item = Point>) -> Result<()> {
+        for point in points {
+            model.step_to(point.time)?;
+            if self.step(model, point)?.is_break() {
+                break;
+            }
+        }
+        Ok(())
     }
 
     /// After a step.

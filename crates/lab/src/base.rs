@@ -11,21 +11,14 @@ use serde_json::Value;
 /// Where a Trial comes from.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
+#[allow(missing_docs)] // as said
 pub enum Base {
-    /// It comes with the lab.
-    Example {
-        /// One of [`upload::EXAMPLES`].
-        name: String,
-    },
+    /// It comes with the lab: one of [`upload::EXAMPLES`].
+    Example { name: String },
     /// It is made.
     Crowd(Box<crowd::CrowdRequest>),
-    /// It is the user's.
-    Upload {
-        /// The name of the zip or the folder.
-        name: String,
-        /// Path and length of each file: one zip, or those of a folder.
-        files: Vec<(String, usize)>,
-    },
+    /// It is the user's: the name of the zip or the folder, path and length of each file (one zip, or those of a folder).
+    Upload { name: String, files: Vec<(String, usize)> },
 }
 
 /// A Trial, what is known of its people, and what drives them.

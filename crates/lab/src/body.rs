@@ -1,6 +1,7 @@
 //! Bodies in three dimensions, and their sections.
 
 use crate::base::Driven;
+use crate::run::Run;
 use crate::{Refused, Reply, require, within};
 use lemons_people::{Body3d, Person, Polygon, packed};
 use serde_json::json;
@@ -51,8 +52,9 @@ fn without(bodies: &[Option<Body3d>]) -> usize {
 /// Returns everybody's outlines at an altitude \[m\], in the body's frame.
 ///
 /// # Errors
-/// The altitude is out of range.
-pub fn sections(bodies: &[Option<Body3d>], altitude: f64, estimated: bool) -> Result<Reply, Refused> {
+/// The altitude is out of range, or there are too many people.
+pub fn sections(run: &Run, altitude: f64) -> Result<Reply, Refused> {
+    let bodies = run.bodies()?;
     within("altitude [m]", altitude, [0.0, 3.0])?;
     let slice = |body: &Option<Body3d>| body.as_ref().map_or(Vec::new(), |body| body.slice_at(altitude));
     let slices: Vec<Vec<Polygon>> = bodies.iter().map(slice).collect();
@@ -60,17 +62,23 @@ pub fn sections(bodies: &[Option<Body3d>], altitude: f64, estimated: bool) -> Re
     let cut = slices.iter().filter(|polygons| !polygons.is_empty()).count();
     Ok(Reply::of(json!({
         "altitude": altitude, "bodies": slices.iter().map(|polygons| outlines(polygons)).collect::<Vec<_>>(),
-        "cut": cut, "area": area, "estimated": estimated, "without": without(bodies),
+        "cut": cut, "area": area, "estimated": run.driven.people.is_none(), "without": without(bodies),
     })))
 }
 
 /// Returns everybody's surface, in the body's frame; less fine, because there are many.
-pub fn surfaces(bodies: &[Option<Body3d>], estimated: bool) -> Reply {
+///
+/// # Errors
+/// There are too many people.
+pub fn surfaces(run: &Run) -> Result<Reply, Refused> {
+    let bodies = run.bodies()?;
     let (mut agents, mut bytes) = (Vec::new(), Vec::new());
     for body in bodies {
         let (counts, surface) = packed(&body.as_ref().map_or(Vec::new(), Body3d::coarse_mesh));
         agents.push(counts);
         bytes.extend(surface);
     }
-    Reply { value: json!({ "agents": agents, "estimated": estimated, "without": without(bodies) }), bytes }
+    let estimated = run.driven.people.is_none();
+    let value = json!({ "agents": agents, "estimated": estimated, "without": without(bodies) });
+    Ok(Reply { value, bytes })
 }

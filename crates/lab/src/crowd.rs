@@ -47,24 +47,14 @@ pub struct CrowdRequest {
 /// Whom people are drawn from.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
+#[allow(missing_docs)] // as said
 pub enum People {
     /// The statistics of the survey ANSUR II.
     Survey,
     /// One's own statistics, with the rank correlations of that survey.
-    Statistics(Box<Statistics>),
-    /// The people of tables as that survey has them. The bytes are their contents.
-    Table {
-        /// Sex, name and length of each.
-        files: Vec<(Sex, String, usize)>,
-    },
-}
-
-/// Statistics of both sexes.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[allow(missing_docs)]
-pub struct Statistics {
-    pub male: Four,
-    pub female: Four,
+    Statistics { male: Box<Four>, female: Box<Four> },
+    /// The people of tables as that survey has them: sex, name and length of each. The bytes are their contents.
+    Table { files: Vec<(Sex, String, usize)> },
 }
 
 /// The distribution of each measure: mean, standard deviation, smallest, largest value \[m, kg\].
@@ -89,7 +79,9 @@ impl CrowdRequest {
     fn population(&self, bytes: &[u8]) -> Result<Population, Refused> {
         let source = match &self.people {
             People::Survey => Source::ansur()?,
-            People::Statistics(own) => Source::custom(&[own.male.of(Sex::Male), own.female.of(Sex::Female)])?,
+            People::Statistics { male, female } => {
+                Source::custom(&[male.of(Sex::Male), female.of(Sex::Female)])?
+            }
             People::Table { files } => {
                 let mut survey = Survey::default();
                 let named: Vec<_> = files.iter().map(|(_, name, length)| (name.clone(), *length)).collect();

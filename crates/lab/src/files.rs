@@ -1,7 +1,7 @@
 //! Files to keep: a Trial as a zip, as an FMU; tables, pictures, bodies.
 
 use crate::base::{Driven, split};
-use crate::frame::frame;
+use crate::frame::{frame, numbers};
 use crate::run::Run;
 use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::PairForce;
@@ -27,30 +27,21 @@ const LARGEST_TABLE: u64 = 500_000_000;
 /// A file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "file", rename_all = "kebab-case", deny_unknown_fields)]
+#[allow(missing_docs)] // as said
 pub enum FileRequest {
     /// The Trial's directory in a zip.
     Trial {},
-    /// An FMU. The bytes are its binaries, one after the other.
-    Fmu {
-        /// 2 or 3.
-        version: u8,
-        /// FMI's name of each binary's platform, and its length. One called [`THIRD_PARTY`] is their licences.
-        binaries: Vec<(String, usize)>,
-    },
+    /// An FMU of FMI 2 or 3. The bytes are its binaries, one after the other: of each, FMI's name of its platform and its
+    /// length. One called [`THIRD_PARTY`] is their licences.
+    Fmu { version: u8, binaries: Vec<(String, usize)> },
     /// A picture of a frame. The bytes are the frame, and a number for each agent: what its colour shows.
     Svg(PictureStyle),
     /// Everybody's measures, as CSV.
     Population {},
     /// Everybody's body in a frame (the bytes).
-    Mesh {
-        /// Its format.
-        format: MeshFormat,
-    },
-    /// The table of `lemons run`, computed again.
-    Trajectories {
-        /// How many communication steps.
-        steps: u32,
-    },
+    Mesh { format: MeshFormat },
+    /// The table of `lemons run`, computed again for so many communication steps.
+    Trajectories { steps: u32 },
 }
 
 /// How a picture is drawn.
@@ -84,7 +75,7 @@ pub enum MeshFormat {
 /// # Errors
 /// It cannot be made of this run, the bytes are not what is said, or `watch` stopped it.
 pub fn file(wanted: &FileRequest, run: &Run, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
-    let of = run.driven();
+    let of = &run.driven;
     let Driven { trial, drive, wishes, people, .. } = of;
     let named = |end: &str, bytes: Vec<u8>| {
         Ok(Reply { value: json!({ "name": format!("{}{end}", trial.name) }), bytes })
@@ -156,12 +147,11 @@ fn mesh(run: &Run, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
             "bodies of {people} people are too large for a page: at most {MOST_BODIES}; `lemons crowd` writes more"
         )
     })?;
-    let poses = frame(bytes, people)?;
-    let mut parts = Vec::new();
-    let all = run.bodies()?.iter().zip(poses).zip(&run.driven().trial.agents);
-    for ((body, at), agent) in all.filter(|((_, at), _)| at.pose.position.is_finite()) {
-        let body =
-            body.as_ref().ok_or_else(|| Refused(format!("agent {}: no body fits its disks", agent.id)))?;
+    let (frame, bodies, mut parts) = (frame(bytes, people)?, run.bodies()?, Vec::new());
+    for (place, at) in frame.present() {
+        let agent = &run.driven.trial.agents[place];
+        let none = || Refused(format!("agent {}: no body fits its disks", agent.id));
+        let body = bodies[place].as_ref().ok_or_else(none)?;
         // Names in these files have letters, digits and underscores.
         let id: String = agent.id.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
         parts.extend(body.surfaces(&id, &at.pose));
@@ -171,19 +161,17 @@ fn mesh(run: &Run, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
 
 /// A picture of a frame, and a number for each agent.
 fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused> {
-    let (trial, people) = (&run.driven().trial, run.people());
+    let (trial, people) = (&run.driven.trial, run.people());
     let short = || Refused("the picture needs a frame, and a number for each agent".into());
     let (shown, values) = bytes.split_at_checked(bytes.len().saturating_sub(8 * people)).ok_or_else(short)?;
-    let poses = frame(shown, people)?.into_iter().map(|motion| motion.pose).collect();
-    let (values, _) = values.as_chunks::<8>();
-    let values = values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
-    let mut scene = Scene::new(trial, poses);
+    let frame = frame(shown, people)?;
+    let mut scene = Scene::new(trial, frame.agents.iter().map(|motion| motion.pose).collect());
     if wanted.forces {
         let force = |of: PairForce| Force { from: of.from, to: of.to, normal_force: of.normal_force };
-        scene.forces = run.pair_forces(shown)?.into_iter().map(force).collect();
+        scene.forces = run.pair_forces(&frame)?.into_iter().map(force).collect();
     }
     let range = Some((0.0, wanted.most)).filter(|_| wanted.most > 0.0);
-    let fill = Fill::Values(Values::of(values, &wanted.label, &wanted.unit));
+    let fill = Fill::Values(Values::of(numbers(values), &wanted.label, &wanted.unit));
     let style = Style { width: 800.0, fill, range, time: Some(wanted.time), ..Style::default() };
     Ok(lemons_picture::svg(&scene, &style))
 }
@@ -202,10 +190,10 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
     let writer = TableWriter::create(file, path, lemons_results::Format::Csv, &content)?;
     let ids = of.trial.agents.iter().map(|agent| agent.id.clone()).collect();
     let mut writer = FrameWriter::new(writer, ids, groups);
-    writer.frame(&run.observed())?;
+    writer.frame(&run.simulation.frame())?;
     for step in 1..=steps {
         run.step()?;
-        writer.frame(&run.observed())?;
+        writer.frame(&run.simulation.frame())?;
         let (iteration, limit) = (u64::from(step), u64::from(steps));
         // Without a stage of its own: the page knows it by the overlap.
         let progress = Progress { stage: Stage::Growing, iteration, limit, overlap: f64::NAN, density: 0.0 };

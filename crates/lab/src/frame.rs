@@ -6,6 +6,7 @@ use crowd_mechanics::setup::Setup;
 use lemons_core::plane::{Motion, Pose, Twist, Vec2, vec2};
 use lemons_core::trial::{Interactions, Trial};
 use lemons_people::placing::TOLERANCE;
+use lemons_results::Frame;
 use lemons_results::measure::{Line, Way};
 use serde_json::json;
 use std::collections::BTreeSet;
@@ -15,22 +16,38 @@ use std::collections::BTreeSet;
 /// number.
 pub const COLUMNS: usize = 8;
 
-/// Reads a frame of so many people.
+/// Returns a frame as bytes: [`COLUMNS`] doubles for each agent, little-endian.
+pub fn bytes(frame: &Frame) -> Vec<u8> {
+    let numbers = (0..frame.agents.len()).flat_map(|agent| {
+        let [x, y, vx, vy, theta, omega, with_people, with_walls, _, _, mean, ..] = frame.row(agent);
+        let [x, y] = if frame.is_there(agent) { [x, y] } else { [f64::NAN; 2] };
+        [x, y, theta, vx, vy, omega, mean, with_people + with_walls]
+    });
+    numbers.flat_map(f64::to_le_bytes).collect()
+}
+
+/// Reads a frame of so many people: where they are, how they move, and who is there.
 ///
 /// # Errors
 /// The bytes are of another length.
-pub fn frame(bytes: &[u8], people: usize) -> Result<Vec<Motion>, Refused> {
+pub fn frame(bytes: &[u8], people: usize) -> Result<Frame, Refused> {
     require(bytes.len() == 8 * COLUMNS * people, || {
         format!("a frame of {people} people has not {} bytes", bytes.len())
     })?;
-    let (numbers, _) = bytes.as_chunks::<8>();
-    let numbers: Vec<f64> = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+    let numbers = numbers(bytes);
     let (rows, _) = numbers.as_chunks::<COLUMNS>();
     let motion = |&[x, y, orientation, vx, vy, angular_velocity, ..]: &[f64; COLUMNS]| Motion {
         pose: Pose { position: vec2(x, y), orientation },
         twist: Twist { velocity: vec2(vx, vy), angular_velocity },
     };
-    Ok(rows.iter().map(motion).collect())
+    let agents: Vec<Motion> = rows.iter().map(motion).collect();
+    let active = agents.iter().map(|motion| motion.pose.position.is_finite()).collect();
+    Ok(Frame { agents, active: Some(active), ..Frame::default() })
+}
+
+/// Reads doubles, little-endian.
+pub fn numbers(bytes: &[u8]) -> Vec<f64> {
+    bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect()
 }
 
 /// Returns who overlaps now, by more than [`TOLERANCE`]: their places, whether walls are among them, and the deepest overlap
@@ -84,7 +101,7 @@ pub fn flow(people: usize, line: [[f64; 2]; 2], bytes: &[u8]) -> Result<Reply, R
     let frames = bytes.chunks_exact(size).map(|bytes| frame(bytes, people)).collect::<Result<Vec<_>, _>>()?;
     let mut crossings = Vec::new();
     for (k, pair) in frames.windows(2).enumerate() {
-        for (agent, (before, after)) in pair[0].iter().zip(&pair[1]).enumerate() {
+        for (agent, (before, after)) in pair[0].agents.iter().zip(&pair[1].agents).enumerate() {
             if let Some(crossing) = line.crossing(before.pose.position, after.pose.position) {
                 crossings.push((k + 1, agent, if crossing.way == Way::Right { 1 } else { -1 }));
             }

@@ -34,9 +34,11 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// A request of a page.
+/// A request of a page. `run` is the number of the run that is meant: a page may still ask about one that another has
+/// replaced. Places are in m, angles in rad.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "ask", rename_all = "kebab-case", deny_unknown_fields)]
+#[allow(missing_docs)] // as said
 pub enum Request {
     /// A person's shape.
     Person(person::PersonRequest),
@@ -48,62 +50,22 @@ pub enum Request {
     Show(Box<Shown>),
     /// A room that is drawn.
     Room(room::RoomRequest),
-    /// The room in a Geometry.xml (the bytes).
-    Geometry {
-        /// The file's name, for messages.
-        name: String,
-    },
-    /// Whom an agent would overlap elsewhere.
-    Overlaps {
-        /// The run's number.
-        run: u32,
-        /// Its place in the Trial.
-        agent: usize,
-        /// \[m\]
-        x: f64,
-        /// \[m\]
-        y: f64,
-        /// \[rad\]
-        theta: f64,
-    },
-    /// Further communication steps of a run.
-    Advance {
-        /// The run's number. A page may still ask for steps of a run that another one has replaced.
-        run: u32,
-        /// How many, at most [`run::MOST_STEPS`].
-        steps: u32,
-    },
+    /// The room in a Geometry.xml (the bytes) of this name.
+    Geometry { name: String },
+    /// Whom an agent, by its place in the Trial, would overlap elsewhere.
+    Overlaps { run: u32, agent: usize, x: f64, y: f64, theta: f64 },
+    /// Further communication steps, at most [`run::MOST_STEPS`].
+    Advance { run: u32, steps: u32 },
     /// Forces between people in a frame (the bytes).
-    Forces {
-        /// The run's number.
-        run: u32,
-    },
+    Forces { run: u32 },
     /// Crossings of a line between successive frames (the bytes).
-    Flow {
-        /// The run's number.
-        run: u32,
-        /// \[m\] Its ends.
-        line: [[f64; 2]; 2],
-    },
-    /// Everybody's section with a plane.
-    Sections {
-        /// The run's number.
-        run: u32,
-        /// \[m\]
-        altitude: f64,
-    },
+    Flow { run: u32, line: [[f64; 2]; 2] },
+    /// Everybody's section with a plane at this altitude.
+    Sections { run: u32, altitude: f64 },
     /// Everybody's surface.
-    Bodies {
-        /// The run's number.
-        run: u32,
-    },
+    Bodies { run: u32 },
     /// A file of a run's Trial.
-    Take {
-        /// The run's number.
-        run: u32,
-        /// Which file.
-        wanted: files::FileRequest,
-    },
+    Take { run: u32, wanted: files::FileRequest },
 }
 
 /// A scene that is to be run.
@@ -155,7 +117,7 @@ fn within(what: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Refused>
 }
 
 /// The lab of one page.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Lab {
     /// The Trial that was shown last, before edits, with a digest of its files: it need not be made again.
     basis: Option<(Base, u64, Basis)>,
@@ -178,19 +140,13 @@ impl Lab {
             Request::Room(wanted) => room::drawn(wanted),
             Request::Geometry { name } => room::upload(name, bytes),
             Request::Overlaps { run, agent, x, y, theta } => {
-                frame::overlaps(&self.present(*run)?.driven().trial, *agent, [*x, *y, *theta])
+                frame::overlaps(&self.present(*run)?.driven.trial, *agent, [*x, *y, *theta])
             }
             Request::Advance { run, steps } => self.present(*run)?.advance(*steps),
             Request::Forces { run } => self.present(*run)?.forces(bytes),
             Request::Flow { run, line } => frame::flow(self.present(*run)?.people(), *line, bytes),
-            Request::Sections { run, altitude } => {
-                let run = self.present(*run)?;
-                body::sections(run.bodies()?, *altitude, run.driven().people.is_none())
-            }
-            Request::Bodies { run } => {
-                let run = self.present(*run)?;
-                Ok(body::surfaces(run.bodies()?, run.driven().people.is_none()))
-            }
+            Request::Sections { run, altitude } => body::sections(self.present(*run)?, *altitude),
+            Request::Bodies { run } => body::surfaces(self.present(*run)?),
             Request::Take { run, wanted } => files::file(wanted, self.present(*run)?, bytes, watch),
         }
     }
@@ -207,21 +163,18 @@ impl Lab {
         let mut digest = DefaultHasher::new();
         bytes.hash(&mut digest);
         let digest = digest.finish();
-        let known =
-            self.basis.as_ref().is_some_and(|(base, files, _)| (base, *files) == (&shown.base, digest));
-        if !known {
-            self.basis = Some((shown.base.clone(), digest, shown.base.basis(bytes, watch)?));
-        }
-        let Some((base, _, basis)) = &self.basis else {
-            return Err(Refused("there is nothing to show".into()));
+        let (base, basis) = match self.basis.take() {
+            Some((base, files, basis)) if (&base, files) == (&shown.base, digest) => (base, basis),
+            _ => (shown.base.clone(), shown.base.basis(bytes, watch)?),
         };
+        let (base, _, basis) = &*self.basis.insert((base, digest, basis));
         let driven = motion::driven(edit::edited(basis.driven.clone(), &shown.edits)?, &shown.motion)?;
         let notes: Vec<String> = basis.notes.iter().cloned().chain(motion::missed(&driven)).collect();
         let run = run::Run::begin(driven)?;
         let mut value = scene::of(&run);
         self.runs += 1;
         value["run"] = self.runs.into();
-        value["beyond_doors"] = json!(base.beyond_doors(&run.driven().trial));
+        value["beyond_doors"] = json!(base.beyond_doors(&run.driven.trial));
         let bytes = run.frame();
         self.open = Some(run);
         Ok(Reply { value: json!({ "scene": value, "notes": notes, "made": basis.made }), bytes })

@@ -12,28 +12,19 @@ use serde::Deserialize;
 /// The drive of people.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+#[allow(missing_docs)] // as said
 pub enum Motion {
     /// The Trial's own files do.
     Own {},
     /// Nothing does.
     None {},
     /// Pulses do, besides what the Trial's AgentDynamics.xml says.
-    Push {
-        /// Where and when.
-        pushes: Vec<Push>,
-    },
-    /// They walk (the paper's eq. 4).
-    Walk {
-        /// \[m/s\] The speed that everybody would like.
-        speed: f64,
-        /// Way-points, in order. Everybody takes the way whose first point is nearest.
-        ways: Vec<Vec<Waypoint>>,
-    },
-    /// They walk around walls, to exits and goals.
-    Go {
-        /// As decision.toml says it. Without exits, everybody goes to the nearest of several goals.
-        wishes: Box<DecisionConfig>,
-    },
+    Push { pushes: Vec<Push> },
+    /// They walk (the paper's eq. 4) at a speed \[m/s\], everybody on the way whose first point is nearest.
+    Walk { speed: f64, ways: Vec<Vec<Waypoint>> },
+    /// They walk around walls, to the exits and goals of a decision.toml. Without exits, everybody goes to the nearest of
+    /// several goals.
+    Go { wishes: Box<DecisionConfig> },
 }
 
 /// A pulse on all whose centres lie in a circle at the start.
@@ -69,12 +60,12 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
     }
     match motion {
         Motion::Own {} => forget_deleted(&mut driven)?,
-        Motion::None {} | Motion::Go { .. } => {}
+        Motion::None {} => {}
         Motion::Push { pushes } => driven.drive = drive(&driven.trial, pushes)?,
         Motion::Walk { speed, ways } => driven.wishes = wishes(&driven.trial, *speed, ways)?,
-    }
-    if let Motion::Go { wishes } = motion {
-        driven.wishes = plan::normalized(&driven.trial, wishes).and_then(|all| all.to_toml())?;
+        Motion::Go { wishes } => {
+            driven.wishes = plan::normalized(&driven.trial, wishes).and_then(|all| all.to_toml())?;
+        }
     }
     let Driven { trial, drive, wishes, .. } = &driven;
     let table = match drive.as_str() {

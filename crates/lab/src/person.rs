@@ -1,7 +1,7 @@
 //! A person: four measures -> five disks, and where the person stands in the survey.
 
 use crate::body::section_of;
-use crate::{Refused, Reply, require};
+use crate::{Refused, Reply, within};
 use lemons_people::{BICYCLE_MEASURES, Bicycle, Measure, Person, Sex, Shape, ansur};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -25,24 +25,17 @@ pub struct PersonRequest {
 }
 
 impl PersonRequest {
-    fn measures(&self) -> [f64; 4] {
-        let survey = ansur(self.sex);
-        let given = [self.breadth, self.depth, self.stature, self.mass];
-        std::array::from_fn(|k| given[k].unwrap_or_else(|| survey.measures[k].quantile(0.5)))
-    }
-
     /// The person with these measures.
     ///
     /// # Errors
     /// A measure is not a person's.
     pub fn person(&self) -> Result<Person, Refused> {
-        let measures = self.measures();
-        for (measure, value) in Measure::ALL.iter().zip(measures) {
-            let [low, high] = measure.possible();
-            let (name, unit) = (measure.name(), measure.unit());
-            require((low..=high).contains(&value), || {
-                format!("{name} = {value} {unit}: a person has {low} to {high} {unit}")
-            })?;
+        let given = [self.breadth, self.depth, self.stature, self.mass];
+        let mut measures = [0.0; 4];
+        for (k, measure) in Measure::ALL.into_iter().enumerate() {
+            let value = given[k].unwrap_or_else(|| ansur(self.sex).measures[k].quantile(0.5));
+            let name = format!("{} [{}]", measure.name(), measure.unit());
+            measures[k] = within(&name, value, measure.possible())?;
         }
         Ok(Person::from_measures(self.sex, measures))
     }
@@ -53,8 +46,8 @@ impl PersonRequest {
 /// # Errors
 /// A measure is not a person's, or the chest is deeper than the shoulders are broad.
 pub fn person(wanted: &PersonRequest) -> Result<Reply, Refused> {
-    let (sex, measures, person) = (wanted.sex, wanted.measures(), wanted.person()?);
-    let survey = ansur(sex);
+    let (sex, person, survey) = (wanted.sex, wanted.person()?, ansur(wanted.sex));
+    let measures = person.measures();
     let shape = Shape::of(&person)?;
     let about = |(k, measure): (usize, &Measure)| {
         let of = &survey.measures[k];

@@ -2,13 +2,13 @@
 
 use crate::base::Driven;
 use crate::body;
-use crate::frame::{COLUMNS, frame};
+use crate::frame::{self, COLUMNS};
 use crate::{Refused, Reply, require};
-use crowd_mechanics::engine::{BodyId, PairForce, State, Vec2, World, vec2};
-use crowd_mechanics::setup::Setup;
+use crowd_mechanics::engine::{PairForce, World};
+use lemons_core::plane::Pose;
 use lemons_people::Body3d;
 use lemons_results::Frame;
-use lemons_sim::{Algorithm, Documents, Model, Simulation};
+use lemons_sim::{Algorithm, Documents, Replay, Simulation};
 use serde_json::json;
 use std::cell::OnceCell;
 
@@ -18,11 +18,13 @@ pub const MOST_STEPS: u32 = 1000;
 pub const MOST_BYTES: u64 = 100_000_000;
 /// Most mechanical steps of a person in a communication step, for all people together: about a quarter of a minute.
 pub const MOST_WORK: f64 = 5e8;
+
 /// A Trial and its simulation.
-#[derive(Debug)]
 pub struct Run {
-    driven: Driven,
-    simulation: Simulation,
+    /// What runs.
+    pub driven: Driven,
+    /// Its simulation.
+    pub simulation: Simulation,
     /// Communication steps so far.
     steps: u64,
     /// \[m\] Deepest overlap so far.
@@ -43,11 +45,6 @@ impl Run {
         let mut simulation = Simulation::new(documents, Algorithm::Jacobi)?;
         simulation.begin(0.0, None)?;
         Ok(Run { driven, simulation, steps: 0, overlap: 0.0, bodies: OnceCell::new() })
-    }
-
-    /// Returns what runs.
-    pub fn driven(&self) -> &Driven {
-        &self.driven
     }
 
     /// Everybody's body in three dimensions.
@@ -127,37 +124,17 @@ impl Run {
         steps as f64 * self.driven.trial.parameters.time_step
     }
 
-    /// [`COLUMNS`] doubles for each agent, little-endian. The place of who has left is not a number.
+    /// Returns the present frame as pages keep it.
     pub fn frame(&self) -> Vec<u8> {
-        let frame = self.observed();
-        let mut bytes = Vec::with_capacity(8 * COLUMNS * frame.agents.len());
-        let observed = frame.observed.iter().flatten();
-        for ((k, motion), observed) in frame.agents.iter().enumerate().zip(observed) {
-            let (pose, twist) = (motion.pose, motion.twist);
-            let touched = observed.agent_contacts + observed.wall_contacts;
-            let place = if frame.is_there(k) { pose.position } else { vec2(f64::NAN, f64::NAN) };
-            let numbers: [f64; COLUMNS] = [
-                place.x,
-                place.y,
-                pose.orientation,
-                twist.velocity.x,
-                twist.velocity.y,
-                twist.angular_velocity,
-                observed.of_step.map_or(0.0, |step| step.mean_normal_force),
-                f64::from(touched),
-            ];
-            bytes.extend(numbers.into_iter().flat_map(f64::to_le_bytes));
-        }
-        bytes
+        frame::bytes(&self.simulation.frame())
     }
 
     /// Returns who presses whom in a frame: x, y \[m\] of one, x, y of the other or of the wall, and their force \[N\].
-    /// The tangential springs of the frame are not known; they do not change normal forces.
     ///
     /// # Errors
     /// It is not a frame of these people.
     pub fn forces(&self, bytes: &[u8]) -> Result<Reply, Refused> {
-        let forces = self.pair_forces(bytes)?.into_iter();
+        let forces = self.pair_forces(&frame::frame(bytes, self.people())?)?.into_iter();
         let numbers = forces.flat_map(|of| [of.from.x, of.from.y, of.to.x, of.to.y, of.normal_force]);
         Ok(Reply { value: json!({}), bytes: numbers.flat_map(f64::to_le_bytes).collect() })
     }
@@ -165,22 +142,11 @@ impl Run {
     /// The same for pictures.
     ///
     /// # Errors
-    /// It is not a frame of these people.
-    pub fn pair_forces(&self, bytes: &[u8]) -> Result<Vec<PairForce>, Refused> {
-        let (mut poses, twists): (Vec<_>, Vec<_>) =
-            frame(bytes, self.people())?.into_iter().map(|motion| (motion.pose, motion.twist)).unzip();
-        let mut shadow = Setup::of(&self.driven.trial).world()?;
-        for (b, pose) in poses.iter_mut().enumerate().filter(|(_, pose)| !pose.position.is_finite()) {
-            shadow.set_present(BodyId::from(b), false);
-            pose.position = Vec2::ZERO;
-        }
-        let crowded = shadow.restore(State::new(poses.clone(), twists));
-        crowded.map_err(|crowded| Setup::of(&self.driven.trial).too_crowded(crowded))?;
-        Ok(shadow.pair_forces(&poses))
-    }
-
-    /// Returns what the rows of the table of `lemons run` say.
-    pub fn observed(&self) -> Frame {
-        self.simulation.frame()
+    /// Too many people are at one place.
+    pub fn pair_forces(&self, frame: &Frame) -> Result<Vec<PairForce>, Refused> {
+        let mut replay = Replay::new(&self.driven.trial)?;
+        replay.put(frame)?;
+        let poses: Vec<Pose> = frame.agents.iter().map(|motion| motion.pose).collect();
+        Ok(replay.forces(&poses))
     }
 }

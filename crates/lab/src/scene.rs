@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 /// measures where they are known; who overlaps; who is pushed; ways, exits and goals of those who walk, and how many
 /// leave; the steps. Of a run at its start; [`crate::Lab`] adds its number, and lines beyond doors.
 pub fn of(run: &Run) -> Value {
-    let driven = run.driven();
+    let driven = &run.driven;
     let trial = &driven.trial;
     let agent = |agent: &Agent| {
         // A Trial may show its disks at another orientation than 0.

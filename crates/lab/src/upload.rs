@@ -51,31 +51,41 @@ pub fn example(name: &str) -> Result<Basis, Refused> {
     read(&files, Path::new(name), Vec::new())
 }
 
-/// The content of an upload.
+/// The files of an upload that the lab reads, and the paths of the others.
 #[derive(Default)]
-struct Found {
+struct Content {
     files: Memory,
-    /// Not read.
     others: Vec<PathBuf>,
 }
 
-impl Found {
-    /// Returns whether the lab reads a file of this name.
-    fn wants(&mut self, path: &Path) -> bool {
-        let is_xml = path.extension().is_some_and(|extension| extension == "xml");
-        let wanted =
-            is_xml || path.file_name().is_some_and(|name| name == DRIVE_FILE || name == DECISION_FILE);
-        if !wanted {
+impl Content {
+    /// Takes a file, if the lab reads such.
+    fn take(&mut self, path: &Path, read: impl FnOnce() -> Result<Vec<u8>, String>) -> Result<(), String> {
+        let xml = path.extension().is_some_and(|extension| extension == "xml");
+        if xml || path.ends_with(DRIVE_FILE) || path.ends_with(DECISION_FILE) {
+            self.files.put(path, read()?);
+        } else {
             self.others.push(path.to_owned());
         }
-        wanted
+        Ok(())
     }
 
-    /// The directories of files with this name.
-    fn places(&self, name: &str) -> Vec<PathBuf> {
-        let named = self.files.paths().filter(|path| path.file_name().is_some_and(|file| file == name));
-        named.map(|path| path.parent().unwrap_or(Path::new("")).to_owned()).collect()
+    /// Returns the directory of the file with this name, if there is one.
+    ///
+    /// # Errors
+    /// There are several.
+    fn place(&self, name: &str) -> Result<Option<PathBuf>, String> {
+        let named = self.files.paths().filter(|path| path.ends_with(name));
+        match named.filter_map(Path::parent).collect::<Vec<_>>()[..] {
+            [] => Ok(None),
+            [place] => Ok(Some(place.to_owned())),
+            ref several => Err(format!("there are several Trials in it: {}", listed(several))),
+        }
     }
+}
+
+fn listed(paths: &[impl AsRef<Path>]) -> String {
+    paths.iter().map(|path| path.as_ref().display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
 /// Reads the only Trial in a zip, or in the files of a folder. Without a Parameters.xml, as the published platform gives
@@ -86,70 +96,66 @@ impl Found {
 /// value.
 pub fn open(name: &str, files: &[(&str, &[u8])], largest: u64) -> Result<Basis, Refused> {
     let wrong = |why: String| Refused(format!("{name}: {why}"));
-    let size: usize = files.iter().map(|(_, content)| content.len()).sum();
-    require(size <= LARGEST_UPLOAD, || {
-        format!("{name}: it has more than {} MB", LARGEST_UPLOAD / 1_000_000)
-    })?;
-    require(files.len() <= MOST_FILES, || format!("{name}: it has more than {MOST_FILES} files"))?;
-    let mut found = Found::default();
-    if let [(path, content)] = files
-        && !path.ends_with(".xml")
-    {
-        unzip(content, largest, &mut found).map_err(wrong)?;
-    } else {
-        for (path, content) in files {
-            let path = Path::new(path);
-            let inside = path.components().all(|part| matches!(part, Component::Normal(_)));
-            require(inside, || format!("{name}: the name {path:?} leads out of it"))?;
-            if found.wants(path) {
-                found.files.put(path, content.to_vec());
-            }
-        }
-    }
-    let mut notes = Vec::new();
-    let filled_in = found.places("Parameters.xml").is_empty();
-    let place = match found.places("Parameters.xml").as_slice() {
-        [] => with_parameters(&mut found, &mut notes).map_err(wrong)?,
-        [place] => place.clone(),
-        several => {
-            let names: Vec<String> = several.iter().map(|place| place.display().to_string()).collect();
-            return Err(wrong(format!("there are several Trials in it: {}", names.join(", "))));
-        }
+    let mut content = content(files, largest).map_err(wrong)?;
+    let (mut notes, parameters) = (Vec::new(), content.place("Parameters.xml").map_err(wrong)?);
+    // Without a directory of its own, it is called as its zip.
+    let nameless = parameters.as_ref().is_none_or(|place| place.as_os_str().is_empty());
+    let place = match parameters {
+        Some(place) => place,
+        None => with_parameters(&mut content, &mut notes).map_err(wrong)?,
     };
-    let others = found.others.iter().filter(|path| path.starts_with(&place));
-    let others: Vec<String> = others.map(|path| path.display().to_string()).collect();
+    let others: Vec<_> = content.others.iter().filter(|path| path.starts_with(&place)).collect();
     if !others.is_empty() {
-        notes.push(format!("not used here, and not taken along: {}", others.join(", ")));
+        notes.push(format!("not used here, and not taken along: {}", listed(&others)));
     }
-    let mut read = read(&found.files, &place, notes)?;
-    if filled_in || !place.components().any(|part| matches!(part, Component::Normal(_))) {
-        // Without a directory of its own, it is called as its zip.
+    let mut read = read(&content.files, &place, notes)?;
+    if nameless {
         let stem = Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
         read.driven.trial.name = stem.unwrap_or_else(|| "Trial".into());
     }
     Ok(read)
 }
 
-fn unzip(bytes: &[u8], largest: u64, found: &mut Found) -> Result<(), String> {
-    let mut archive =
-        ZipArchive::new(Cursor::new(bytes)).map_err(|error| format!("it is no zip: {error}"))?;
-    if archive.len() > MOST_FILES {
-        return Err(format!("it has more than {MOST_FILES} files"));
+/// Returns the files in a zip, or those of a folder.
+fn content(files: &[(&str, &[u8])], largest: u64) -> Result<Content, String> {
+    if files.iter().map(|(_, file)| file.len()).sum::<usize>() > LARGEST_UPLOAD {
+        return Err(format!("it has more than {} MB", LARGEST_UPLOAD / 1_000_000));
     }
-    let mut left = largest;
+    match files {
+        [(path, zip)] if !path.ends_with(".xml") => return unzip(zip, largest),
+        _ => few(files.len())?,
+    }
+    let mut content = Content::default();
+    for (path, file) in files {
+        if !Path::new(path).components().all(|part| matches!(part, Component::Normal(_))) {
+            return Err(format!("the name {path:?} leads out of it"));
+        }
+        content.take(Path::new(path), || Ok(file.to_vec()))?;
+    }
+    Ok(content)
+}
+
+fn few(files: usize) -> Result<(), String> {
+    if files > MOST_FILES { Err(format!("it has more than {MOST_FILES} files")) } else { Ok(()) }
+}
+
+fn unzip(zip: &[u8], largest: u64) -> Result<Content, String> {
+    let mut archive = ZipArchive::new(Cursor::new(zip)).map_err(|error| format!("it is no zip: {error}"))?;
+    few(archive.len())?;
+    let (mut content, mut left) = (Content::default(), largest);
     for k in 0..archive.len() {
         let file = archive.by_index(k).map_err(|error| error.to_string())?;
         let path = file.enclosed_name().ok_or("a name in it leads out of it")?;
-        if !file.is_file() || !found.wants(&path) {
-            continue;
+        if file.is_file() {
+            content.take(&path, || {
+                let mut bytes = Vec::new();
+                let read = Bounded::new(file, left.min(input::LARGEST_TRIAL_FILE)).read_to_end(&mut bytes);
+                left -= read.map_err(|error| format!("{}: {error}", path.display()))? as u64;
+                Ok(bytes)
+            })?;
         }
-        let mut content = Vec::new();
-        let read = Bounded::new(file, left.min(input::LARGEST_TRIAL_FILE)).read_to_end(&mut content);
-        read.map_err(|error| format!("{}: {error}", path.display()))?;
-        left -= content.len() as u64;
-        found.files.put(&path, content);
     }
-    Ok(())
+    Ok(content)
 }
 
 /// \[s\] The communication step of a Trial that says none.
@@ -158,19 +164,17 @@ const TIME_STEP: f64 = 0.01;
 const SHORT_STEP: f64 = 1e-4;
 
 /// Adds the Parameters.xml of a Trial that has none, and returns its directory.
-fn with_parameters(found: &mut Found, notes: &mut Vec<String>) -> Result<PathBuf, String> {
-    let only = |name: &str| match found.places(name).as_slice() {
-        [place] => Ok(place.clone()),
-        [] => Err(format!("it has no Parameters.xml and no {name}, so there is no Trial in it")),
-        _ => Err(format!("it has no Parameters.xml, and more than one {name}")),
+fn with_parameters(content: &mut Content, notes: &mut Vec<String>) -> Result<PathBuf, String> {
+    let only = |name: &str| {
+        let none = || format!("it has no Parameters.xml and no {name}, so there is no Trial in it");
+        content.place(name)?.ok_or_else(none)
     };
     let (fixed, moving) = (only("Agents.xml")?, only("AgentDynamics.xml")?);
     let common =
         fixed.ancestors().find(|above| moving.starts_with(above)).unwrap_or(Path::new("")).to_owned();
     let within = |path: &Path| {
-        let parts = path.strip_prefix(&common).into_iter().flat_map(Path::components);
-        let names: Vec<String> = parts.map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
-        format!("./{}", names.join("/"))
+        let path = path.strip_prefix(&common).unwrap_or(path);
+        Path::new(".").join(path).display().to_string()
     };
     let parameters = Parameters {
         static_directory: within(&fixed),
@@ -178,7 +182,7 @@ fn with_parameters(found: &mut Found, notes: &mut Vec<String>) -> Result<PathBuf
         time_step: TIME_STEP,
         time_step_mechanical: SHORT_STEP,
     };
-    found.files.put(&common.join("Parameters.xml"), parameters.xml().into_bytes());
+    content.files.put(&common.join("Parameters.xml"), parameters.xml().into_bytes());
     notes.push(format!(
         "it has no Parameters.xml: the communication step is {TIME_STEP} s, the mechanical step {SHORT_STEP} s"
     ));

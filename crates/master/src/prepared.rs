@@ -14,18 +14,16 @@ use crate::system::{Component, PLAY_DRIVE, System, component_of};
 use crate::trial_input::PlanChoice;
 use lemons_core::trial::{Agent, DriveChoice, DriveTable, Trial};
 use lemons_decision::DECISION_FILE;
-use lemons_sim::{Clock, Model};
+use lemons_sim::Clock;
 use std::sync::Arc;
 
 /// Name of the component of a run of one FMU.
 const CROWD: &str = "crowd";
 
-/// A run that is ready: initialized, and at its first communication point, or at that of the saved run. It is a
-/// [`Model`] that [`lemons_sim::run()`] steps.
+/// A run that is ready: initialized, and at its first communication point, or at that of the saved run.
 ///
 /// ```no_run
 /// use lemons_master::{Error, Prepared, Settings};
-/// use std::ops::ControlFlow;
 ///
 /// let parameters = vec![("agent[*].Mass".to_owned(), "80".to_owned())];
 /// let settings = Settings { parameters, until: Some(2.0), ..Settings::of("push.fmu") };
@@ -33,12 +31,11 @@ const CROWD: &str = "crowd";
 /// for warning in &run.warnings {
 ///     println!("{warning}");
 /// }
-/// let clock = run.clock;
-/// let _ = lemons_sim::run::<_, Error>(&mut run, &clock, 0, |run, point| {
+/// for point in run.clock.points(0) {
+///     run.step_to(point.time)?;
 ///     let crowd = &run.system.components[0].instance;
 ///     println!("{} s: {} m", point.time, crowd.value::<f64>("agent[0].Position.x")?);
-///     Ok(ControlFlow::Continue(()))
-/// })?;
+/// }
 /// # Ok::<(), Error>(())
 /// ```
 pub struct Prepared {
@@ -60,17 +57,17 @@ pub struct Prepared {
     pub warnings: Vec<String>,
 }
 
-impl Model for Prepared {
-    type Error = Error;
-
-    fn step_to(&mut self, time: f64) -> Result<()> {
+impl Prepared {
+    /// Steps to a communication point \[s\].
+    ///
+    /// # Errors
+    /// A component refuses the step, or fails.
+    pub fn step_to(&mut self, time: f64) -> Result<()> {
         // A system of several components has no drive.
         self.feed.apply(&self.system.components[0].instance, self.system.time)?;
         self.system.step_to(time)
     }
-}
 
-impl Prepared {
     /// Prepares a run.
     ///
     /// # Errors

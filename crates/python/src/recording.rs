@@ -7,7 +7,7 @@ use lemons_results::Frame;
 use lemons_results::columns::{ALL, Groups, Row};
 use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_sim::stop::places;
-use lemons_sim::{Clock, Model as _, SimError};
+use lemons_sim::{Clock, SimError};
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;

@@ -18,6 +18,17 @@ pub struct Clock {
     pub steps: u64,
 }
 
+/// A communication point that a run comes to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// How many steps lead there from the first point of the clock.
+    pub steps: u64,
+    /// \[s\]
+    pub time: f64,
+    /// Whether it is a point of every longer run: the last step may be a shorter one.
+    pub regular: bool,
+}
+
 impl Clock {
     /// Greatest number of communication steps of a run: more take weeks, and their results fill any disk.
     pub const MOST_STEPS: u64 = 1_000_000_000;
@@ -84,6 +95,14 @@ impl Clock {
     /// The k-th communication point.
     pub fn point(&self, k: u64) -> f64 {
         self.start + k as f64 * self.step
+    }
+
+    /// The communication points of a run after its `first`-th one, to which steps lead.
+    pub fn points(self, first: u64) -> impl Iterator<Item = Point> {
+        (first..self.steps).map(move |k| {
+            let time = self.end(k);
+            Point { steps: k + 1, time, regular: time == self.point(k + 1) }
+        })
     }
 
     /// The end of the step that begins at the k-th point.

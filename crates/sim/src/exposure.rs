@@ -53,11 +53,6 @@ impl Extremes {
 }
 
 impl Greatest {
-    /// Returns whether it is of one of so many agents.
-    pub fn is_among(&self, agents: usize) -> bool {
-        self.agent < agents
-    }
-
     fn see(&mut self, force: f64, agent: usize, time: f64) {
         if force > self.force {
             *self = Greatest { force, agent, time };

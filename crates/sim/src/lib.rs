@@ -4,19 +4,20 @@
 //!
 //! - [`Simulation`]: the Trial's crowd, and who decides where its people walk, coupled as their FMUs are
 //! - [`settings`]: parameters by the names of their FMUs' variables
-//! - [`Clock`], [`run`]: communication points, and the one loop over them
+//! - [`Clock`]: the communication points to which a run steps
 //! - [`exposure`]: greatest squeeze and overlap, and what passes between two rows of a table
+//! - [`Replay`]: the contacts of a Trial's agents in the frames of a run
 //! - [`stop`]: when a run ends before its time
 
 mod clock;
 pub mod exposure;
-mod run;
+mod replay;
 pub mod settings;
 mod simulation;
 pub mod stop;
 
-pub use clock::{Clock, ClockError};
+pub use clock::{Clock, ClockError, Point};
 pub use exposure::{ExposureSum, Extremes, Greatest};
-pub use run::{Model, Point, run};
+pub use replay::Replay;
 pub use simulation::{Algorithm, Documents, SimError, Simulation};
 pub use stop::StopCondition;

@@ -6,8 +6,7 @@ use lemons_core::files::words;
 use lemons_decision::decision;
 use lemons_fmi::variables::{Kind, Role, Scalar};
 use lemons_fmi::{Answer, Model, Phase};
-use std::collections::BTreeMap;
-use std::fmt::Debug;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Prefix of the variables of the crowd.
 pub const CROWD: &str = "crowd";
@@ -32,68 +31,81 @@ pub fn named(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
 pub fn meant(unknown: &str, all: impl Iterator<Item = String>) -> Option<String> {
     // Every other part is an index.
     let parts = |name: &str| name.split(['[', ']']).map(str::to_owned).collect::<Vec<_>>();
-    let kind = |parts: &[String]| parts.iter().step_by(2).map(String::as_str).collect::<Vec<_>>().join("[]");
-    let own = parts(unknown);
-    let all: BTreeMap<String, Vec<String>> = all.map(|name| (name.clone(), parts(&name))).collect();
-    let kinds: BTreeMap<String, &String> =
-        all.iter().rev().map(|(name, parts)| (kind(parts), name)).collect();
-    let (found, first) = kinds.get_key_value(words::meant(&kind(&own), kinds.keys().map(String::as_str))?)?;
-    if *found == kind(&own) {
+    let kind = |name: &str| parts(name).into_iter().step_by(2).collect::<Vec<_>>().join("[]");
+    let (own, all) = (kind(unknown), all.collect::<BTreeSet<String>>());
+    let kinds: BTreeMap<String, &String> = all.iter().rev().map(|name| (kind(name), name)).collect();
+    let (found, first) = kinds.get_key_value(words::meant(&own, kinds.keys().map(String::as_str))?)?;
+    if *found == own {
         return None;
     }
-    let mut indices = own.iter().skip(1).step_by(2);
+    let mut indices = parts(unknown).into_iter().skip(1).step_by(2);
     let with_own = found.split("[]").map(str::to_owned).reduce(|name, rest| {
-        let index = indices.next().map_or("", String::as_str);
+        let index = indices.next().unwrap_or_default();
         format!("{name}[{index}]{rest}")
     })?;
-    let exists = named(&with_own, |name| all.contains_key(name)).iter().all(|name| all.contains_key(name));
+    let exists = named(&with_own, |name| all.contains(name)).iter().all(|name| all.contains(name));
     Some(if exists { with_own } else { (*first).clone() })
 }
 
-/// Variables of a model by name.
-pub(crate) struct Names<Q: 'static>(BTreeMap<String, Scalar<Q>>);
+/// A model, and its variables by name.
+pub(crate) struct Named<M: Model> {
+    pub model: M,
+    variables: BTreeMap<String, Scalar<M::Quantity>>,
+}
 
-impl<Q: Copy + Debug> Names<Q> {
-    pub(crate) fn of(scalars: Vec<Scalar<Q>>) -> Names<Q> {
-        Names(scalars.into_iter().map(|scalar| (scalar.name.clone(), scalar)).collect())
+impl<M: Model> Named<M> {
+    pub fn of(model: M) -> Named<M> {
+        let scalars = model.scalars().into_iter();
+        Named { variables: scalars.map(|scalar| (scalar.name.clone(), scalar)).collect(), model }
     }
 
     /// Returns the variables that a name stands for; `None` if one of them is unknown.
-    fn find(&self, name: &str) -> Option<Vec<Scalar<Q>>> {
-        named(name, |name| self.0.contains_key(name)).iter().map(|name| self.0.get(name).cloned()).collect()
+    fn find(&self, name: &str) -> Option<Vec<Scalar<M::Quantity>>> {
+        let all = named(name, |name| self.variables.contains_key(name));
+        all.iter().map(|name| self.variables.get(name).cloned()).collect()
     }
 
     fn meant(&self, name: &str) -> Option<String> {
-        meant(name, self.0.keys().cloned())
+        meant(name, self.variables.keys().cloned())
     }
-}
 
-/// Sets variables of a model, which is not initialized, to the value that a text means.
-fn set<M: Model>(model: &mut M, scalars: &[Scalar<M::Quantity>], text: &str) -> Result<(), SimError> {
-    let Some(first) = scalars.first() else { return Ok(()) };
-    let wrong =
-        |why: &str| SimError::Value { name: first.name.clone(), text: text.to_owned(), why: why.into() };
-    if !matches!(first.variable.role, Role::Input | Role::Parameter | Role::Exact) {
-        return Err(wrong("it is computed, and cannot be set"));
-    }
-    let number = match first.variable.kind {
-        Kind::String => {
-            let values: Vec<_> = scalars.iter().map(|scalar| (scalar.variable.quantity, text)).collect();
-            return Ok(model.set_texts(&values)?);
+    /// Sets variables to the value that a text means, before initialization.
+    fn set(&mut self, scalars: &[Scalar<M::Quantity>], text: &str) -> Result<(), SimError> {
+        let Some(first) = scalars.first() else { return Ok(()) };
+        let wrong =
+            |why: &str| SimError::Value { name: first.name.clone(), text: text.to_owned(), why: why.into() };
+        if !matches!(first.variable.role, Role::Input | Role::Parameter | Role::Exact) {
+            return Err(wrong("it is computed, and cannot be set"));
         }
-        Kind::Real(_) => text.trim().parse().map_err(|_| wrong("not a number"))?,
-        Kind::Integer => f64::from(text.trim().parse::<i32>().map_err(|_| wrong("not a number"))?),
-        Kind::Boolean => match text {
-            "true" | "1" => 1.0,
-            "false" | "0" => 0.0,
-            _ => return Err(wrong("neither true nor false")),
-        },
-    };
-    first.variable.domain.check(number).map_err(|must| wrong(&format!("must be {must}")))?;
-    for Scalar { variable, element, .. } in scalars {
-        model.set(variable.quantity, *element, number, Phase::Instantiated);
+        let number = match first.variable.kind {
+            Kind::String => {
+                let values: Vec<_> = scalars.iter().map(|scalar| (scalar.variable.quantity, text)).collect();
+                return Ok(self.model.set_texts(&values)?);
+            }
+            Kind::Real(_) => text.trim().parse().map_err(|_| wrong("not a number"))?,
+            Kind::Integer => f64::from(text.trim().parse::<i32>().map_err(|_| wrong("not a number"))?),
+            Kind::Boolean => match text {
+                "true" | "1" => 1.0,
+                "false" | "0" => 0.0,
+                _ => return Err(wrong("neither true nor false")),
+            },
+        };
+        first.variable.domain.check(number).map_err(|must| wrong(&format!("must be {must}")))?;
+        for Scalar { variable, element, .. } in scalars {
+            self.model.set(variable.quantity, *element, number, Phase::Instantiated);
+        }
+        Ok(())
     }
-    Ok(())
+
+    fn value(&mut self, scalar: &Scalar<M::Quantity>) -> Answer<Value> {
+        let (quantity, element) = (scalar.variable.quantity, scalar.element);
+        Ok(match scalar.variable.kind {
+            Kind::Real(_) => Value::Real(self.model.number(quantity, element)?),
+            Kind::Integer => Value::Integer(self.model.number(quantity, element)? as i32),
+            Kind::Boolean => Value::Boolean(self.model.number(quantity, element)? != 0.0),
+            Kind::String => Value::Text(self.model.text(quantity, element).to_owned()),
+        })
+    }
 }
 
 /// The meaning of a name: variables of the crowd, of Decision, or parameters of people that both have.
@@ -118,15 +130,15 @@ impl Simulation {
     /// There is no such variable: the name that is probably meant, if any.
     fn meaning(&self, name: &str) -> Result<Meaning, Option<String>> {
         let of_crowd = within(CROWD, name);
-        let of_decision = self.decision_names.as_ref().zip(within(DECISION, name));
+        let of_decision = self.decision.as_ref().zip(within(DECISION, name));
         let variable = of_crowd.or(of_decision.map(|(_, variable)| variable)).unwrap_or(name);
-        let crowd = self.crowd_names.find(variable);
-        let decision = self.decision_names.as_ref().and_then(|names| names.find(variable));
+        let crowd = self.crowd.find(variable);
+        let decision = self.decision.as_ref().and_then(|decision| decision.find(variable));
         let prefixed = |meant: Option<String>| Some(name.strip_suffix(variable)?.to_owned() + &meant?);
         match (of_decision, crowd, decision) {
             (Some(_), _, Some(decision)) => Ok(Meaning { crowd: Vec::new(), decision }),
             (Some(_), Some(_), None) => Err(Some(format!("{CROWD}.{variable}"))),
-            (Some((names, _)), None, None) => Err(prefixed(names.meant(variable))),
+            (Some((model, _)), None, None) => Err(prefixed(model.meant(variable))),
             (None, Some(crowd), decision) => {
                 // What only Decision has needs its prefix: the crowd may get such a variable later.
                 let both = of_crowd.is_none() && name.starts_with("agent[");
@@ -135,7 +147,7 @@ impl Simulation {
                 Ok(Meaning { crowd, decision: if both { decision } else { Vec::new() } })
             }
             (None, None, Some(_)) => Err(Some(format!("{DECISION}.{variable}"))),
-            (None, None, None) => Err(prefixed(self.crowd_names.meant(variable))),
+            (None, None, None) => Err(prefixed(self.crowd.meant(variable))),
         }
     }
 
@@ -146,18 +158,18 @@ impl Simulation {
     /// # Errors
     /// There is no such variable, it is computed, or the text is no value of it.
     pub fn set(&mut self, name: &str, text: &str) -> Result<Option<String>, SimError> {
-        let unknown = |meant| SimError::Unknown { name: name.to_owned(), text: text.to_owned(), meant };
+        let unknown = |meant| SimError::Unknown { given: format!("{name}={text}"), meant };
         let meaning = self.meaning(name).map_err(unknown)?;
-        set(&mut self.crowd, &meaning.crowd, text)?;
+        self.crowd.set(&meaning.crowd, text)?;
         for Scalar { variable, element, .. } in &meaning.crowd {
             match variable.quantity {
-                Quantity::Fp => self.crowd.keep_drive_from(element / 2),
-                Quantity::Mp => self.crowd.keep_drive_from(*element),
+                Quantity::Fp => self.crowd.model.keep_drive_from(element / 2),
+                Quantity::Mp => self.crowd.model.keep_drive_from(*element),
                 _ => {}
             }
         }
         let Some(decision) = &mut self.decision else { return Ok(None) };
-        set(decision, &meaning.decision, text)?;
+        decision.set(&meaning.decision, text)?;
         Ok(meaning.input().map(str::to_owned))
     }
 
@@ -177,17 +189,15 @@ impl Simulation {
     /// # Errors
     /// Decision cannot tell them.
     pub fn differing(&mut self) -> Result<Vec<(String, [f64; 2], usize)>, SimError> {
-        let (Some(decision), Some(names)) = (&mut self.decision, &self.decision_names) else {
-            return Ok(Vec::new());
-        };
+        let Some(decision) = &mut self.decision else { return Ok(Vec::new()) };
         let mut found: BTreeMap<&str, (String, [f64; 2], usize)> = BTreeMap::new();
-        for (name, of_decision) in &names.0 {
+        for (name, of_decision) in &decision.variables {
             let (variable, element) = (of_decision.variable, of_decision.element);
             let parameter = variable.role == Role::Parameter && matches!(variable.kind, Kind::Real(_));
-            let Some(of_crowd) = self.crowd_names.0.get(name).filter(|_| parameter) else { continue };
+            let Some(of_crowd) = self.crowd.variables.get(name).filter(|_| parameter) else { continue };
             let values = [
-                decision.number(variable.quantity, element)?,
-                self.crowd.number(of_crowd.variable.quantity, of_crowd.element)?,
+                decision.model.number(variable.quantity, element)?,
+                self.crowd.model.number(of_crowd.variable.quantity, of_crowd.element)?,
             ];
             if values[0] != values[1] {
                 let quantity = name.split_once("].").map_or("", |(_, quantity)| quantity);
@@ -199,15 +209,15 @@ impl Simulation {
 
     /// Returns the outputs of Decision; none where nobody walks.
     pub fn decision_outputs(&self) -> Vec<Scalar<decision::Quantity>> {
-        let scalars = self.decision.as_ref().map(Model::scalars).unwrap_or_default();
+        let scalars = self.decision.as_ref().map(|decision| decision.model.scalars()).unwrap_or_default();
         scalars.into_iter().filter(|scalar| scalar.variable.role == Role::Calculated).collect()
     }
 
     /// Returns the names of all variables; those of Decision with their prefix.
     pub fn variables(&self) -> Vec<String> {
-        let decision = self.decision_names.iter().flat_map(|names| names.0.keys());
+        let decision = self.decision.iter().flat_map(|decision| decision.variables.keys());
         let decision = decision.map(|name| format!("{DECISION}.{name}"));
-        self.crowd_names.0.keys().cloned().chain(decision).collect()
+        self.crowd.variables.keys().cloned().chain(decision).collect()
     }
 
     /// Returns the value of a variable; of `agent[*].…` that of the first agent.
@@ -215,11 +225,11 @@ impl Simulation {
     /// # Errors
     /// There is no such variable, or Decision cannot compute it.
     pub fn value(&mut self, name: &str) -> Result<Value, SimError> {
-        let unknown = |meant| SimError::NoVariable { name: name.to_owned(), meant };
+        let unknown = |meant| SimError::Unknown { given: name.to_owned(), meant };
         let Meaning { crowd, decision } = self.meaning(name).map_err(unknown)?;
         match (crowd.first(), decision.first(), &mut self.decision) {
-            (Some(found), ..) => Ok(value(&mut self.crowd, found)?),
-            (None, Some(found), Some(decision)) => Ok(value(decision, found)?),
+            (Some(found), ..) => Ok(self.crowd.value(found)?),
+            (None, Some(found), Some(decision)) => Ok(decision.value(found)?),
             _ => Err(unknown(None)),
         }
     }
@@ -237,11 +247,9 @@ impl Simulation {
         let mut all = Vec::new();
         for name in names {
             let Meaning { crowd, decision } = self.meaning(name).map_err(|meant| (name.clone(), meant))?;
-            let texts = |kind: Kind| kind == Kind::String;
             let decision = if crowd.is_empty() { decision } else { Vec::new() };
-            if crowd.iter().any(|of| texts(of.variable.kind))
-                || decision.iter().any(|of| texts(of.variable.kind))
-            {
+            let kinds = crowd.iter().map(|of| of.variable.kind);
+            if kinds.chain(decision.iter().map(|of| of.variable.kind)).any(|kind| kind == Kind::String) {
                 return Err((name.clone(), None));
             }
             all.extend(crowd.iter().map(|of| Selected::Crowd(of.variable.quantity, of.element)));
@@ -255,17 +263,12 @@ impl Simulation {
     /// # Errors
     /// Decision cannot compute them.
     pub fn read(&mut self, selection: &Selection) -> Result<Vec<f64>, SimError> {
-        let mut values = Vec::with_capacity(selection.0.len());
-        for selected in &selection.0 {
-            values.push(match (selected, &mut self.decision) {
-                (Selected::Crowd(quantity, element), _) => self.crowd.number(*quantity, *element)?,
-                (Selected::Decision(quantity, element), Some(decision)) => {
-                    decision.number(*quantity, *element)?
-                }
-                (Selected::Decision(..), None) => 0.0,
-            });
-        }
-        Ok(values)
+        let number = |selected: &Selected| match (*selected, &mut self.decision) {
+            (Selected::Crowd(quantity, element), _) => self.crowd.model.number(quantity, element),
+            (Selected::Decision(quantity, element), Some(own)) => own.model.number(quantity, element),
+            (Selected::Decision(..), None) => Ok(0.0),
+        };
+        Ok(selection.0.iter().map(number).collect::<Answer<_>>()?)
     }
 }
 
@@ -277,16 +280,6 @@ pub enum Value {
     Integer(i32),
     Boolean(bool),
     Text(String),
-}
-
-fn value<M: Model>(model: &mut M, scalar: &Scalar<M::Quantity>) -> Answer<Value> {
-    let (quantity, element) = (scalar.variable.quantity, scalar.element);
-    Ok(match scalar.variable.kind {
-        Kind::Real(_) => Value::Real(model.number(quantity, element)?),
-        Kind::Integer => Value::Integer(model.number(quantity, element)? as i32),
-        Kind::Boolean => Value::Boolean(model.number(quantity, element)? != 0.0),
-        Kind::String => Value::Text(model.text(quantity, element).to_owned()),
-    })
 }
 
 /// Variables that are read together.
@@ -304,6 +297,3 @@ enum Selected {
 fn within<'a>(prefix: &str, name: &'a str) -> Option<&'a str> {
     name.strip_prefix(prefix)?.strip_prefix('.')
 }
-
-/// Names of the variables of Decision.
-pub(crate) type DecisionNames = Names<decision::Quantity>;

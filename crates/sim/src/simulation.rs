@@ -1,7 +1,8 @@
 //! A Trial's crowd, and who decides where its people walk.
 
-use crate::settings::{DecisionNames, Names};
-use crowd_mechanics::engine::{Pose, World, Wrench, vec2};
+use crate::replay::observed;
+use crate::settings::Named;
+use crowd_mechanics::engine::{World, Wrench, vec2};
 use crowd_mechanics::model::{CrowdModel, Saved as SavedCrowd};
 use crowd_mechanics::quantities::Quantity;
 use lemons_core::plane::{Motion, Vec2};
@@ -10,7 +11,7 @@ use lemons_decision::decision::{Act, Saved as SavedDecision};
 use lemons_decision::rule::Pose as SeenPose;
 use lemons_decision::{Decision, Plan};
 use lemons_fmi::{Model, Part, Phase, Refusal, StepError, fingerprint};
-use lemons_results::{Frame, Observed, OfStep, Totals};
+use lemons_results::{Frame, OfStep, Totals};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -64,25 +65,12 @@ pub enum SimError {
     },
     /// There is no such variable.
     #[error(
-        "{name}={text}: there is no such variable{}",
+        "{given}: there is no such variable{}",
         meant.as_ref().map(|meant| format!("; did you mean {meant:?}?")).unwrap_or_default()
     )]
     Unknown {
-        /// What was given.
-        name: String,
-        /// Its value.
-        text: String,
-        /// The name that is probably meant.
-        meant: Option<String>,
-    },
-    /// There is no variable to read.
-    #[error(
-        "there is no variable {name:?}{}",
-        meant.as_ref().map(|meant| format!("; did you mean {meant:?}?")).unwrap_or_default()
-    )]
-    NoVariable {
-        /// What was given.
-        name: String,
+        /// Its name, or `NAME=VALUE` where it was to be set.
+        given: String,
         /// The name that is probably meant.
         meant: Option<String>,
     },
@@ -106,10 +94,8 @@ impl From<StepError> for SimError {
 
 /// One simulation of a Trial.
 pub struct Simulation {
-    pub(crate) crowd: CrowdModel,
-    pub(crate) crowd_names: Names<Quantity>,
-    pub(crate) decision: Option<Decision>,
-    pub(crate) decision_names: Option<DecisionNames>,
+    pub(crate) crowd: Named<CrowdModel>,
+    pub(crate) decision: Option<Named<Decision>>,
     algorithm: Algorithm,
     ids: Vec<String>,
     /// Added to the forces of those who walk; empty where nobody does, and the crowd is driven by it.
@@ -145,22 +131,15 @@ impl Simulation {
             None => (drive, DriveTable::default()),
             Some(_) => (DriveTable::default(), drive),
         };
-        let crowd = CrowdModel::of_trial(trial, played);
-        let decision = plan.map(Decision::new);
-        let decision_names = decision.as_ref().map(|decision| Names::of(decision.scalars()));
-        let crowd_names = Names::of(crowd.scalars());
-        let acts = Vec::new();
         Ok(Simulation {
-            crowd,
-            crowd_names,
-            decision,
-            decision_names,
+            crowd: Named::of(CrowdModel::of_trial(trial, played)),
+            decision: plan.map(|plan| Named::of(Decision::new(plan))),
             algorithm,
             ids,
             added,
             adds: true,
             pushes: BTreeMap::new(),
-            acts,
+            acts: Vec::new(),
             time: 0.0,
         })
     }
@@ -171,25 +150,16 @@ impl Simulation {
     /// The values that were set do not fit together, or no ways to exits and goals can be found.
     pub fn begin(&mut self, start: f64, tolerance: Option<f64>) -> Result<(), SimError> {
         self.time = start;
-        self.crowd.set_tolerance(tolerance);
-        self.adds = self.crowd.number(Quantity::PlayDrive, 0)? != 0.0;
-        if let Some(decision) = &mut self.decision {
+        let crowd = &mut self.crowd.model;
+        crowd.set_tolerance(tolerance);
+        self.adds = crowd.number(Quantity::PlayDrive, 0)? != 0.0;
+        if let Some(Named { model: decision, .. }) = &mut self.decision {
             decision.initialize(start)?;
-            let mut motions = Vec::with_capacity(self.ids.len());
-            for i in 0..self.ids.len() {
-                let mut number = |quantity, element| self.crowd.number(quantity, element);
-                let position =
-                    vec2(number(Quantity::Position, 2 * i)?, number(Quantity::Position, 2 * i + 1)?);
-                let velocity =
-                    vec2(number(Quantity::Velocity, 2 * i)?, number(Quantity::Velocity, 2 * i + 1)?);
-                let pose = SeenPose { x: position.x, y: position.y, theta: number(Quantity::Theta, i)? };
-                motions.push((pose, velocity));
-            }
-            decision.see(motions.into_iter());
+            decision.see(crowd.trial().dynamics.iter().map(|own| seen(&own.motion())));
             self.acts = decision.acts()?;
             self.drive_crowd(Phase::Initialization);
         }
-        Ok(self.crowd.initialize(start)?)
+        Ok(self.crowd.model.initialize(start)?)
     }
 
     /// Goes back to before [`Simulation::begin`], without what was set.
@@ -197,9 +167,9 @@ impl Simulation {
     /// # Errors
     /// None of documents that were read and checked.
     pub fn reset(&mut self) -> Result<(), SimError> {
-        self.crowd.reset()?;
+        self.crowd.model.reset()?;
         if let Some(decision) = &mut self.decision {
-            decision.reset()?;
+            decision.model.reset()?;
         }
         (self.acts, self.time) = (Vec::new(), 0.0);
         self.pushes.clear();
@@ -218,7 +188,27 @@ impl Simulation {
 
     /// Takes an agent out, or lets it come back where it was. Of people who walk, Decision says it in each step.
     pub fn set_present(&mut self, agent: usize, present: bool) {
-        self.crowd.set(Quantity::Active, agent, present.into(), Phase::StepComplete);
+        self.crowd.model.set(Quantity::Active, agent, present.into(), Phase::StepComplete);
+    }
+
+    /// Steps to a communication point \[s\].
+    ///
+    /// # Errors
+    /// The crowd or Decision refuses the step, or fails.
+    pub fn step_to(&mut self, time: f64) -> Result<(), SimError> {
+        let (from, step) = (self.time, time - self.time);
+        let walking = self.world().filter(|_| self.walks());
+        let motions: Vec<_> = walking.into_iter().flat_map(motions).map(|motion| seen(&motion)).collect();
+        if self.algorithm == Algorithm::GaussSeidel {
+            self.decide(&motions, step)?;
+        }
+        self.drive_crowd(Phase::StepComplete);
+        self.crowd.model.advance(Part::whole(from, step))?;
+        if self.algorithm == Algorithm::Jacobi {
+            self.decide(&motions, step)?;
+        }
+        self.time = time;
+        Ok(())
     }
 
     /// Returns the last communication point \[s\].
@@ -228,12 +218,7 @@ impl Simulation {
 
     /// Returns the Trial, with what was set.
     pub fn trial(&self) -> &Trial {
-        self.crowd.trial()
-    }
-
-    /// Returns the order in which crowd and Decision step.
-    pub fn algorithm(&self) -> Algorithm {
-        self.algorithm
+        self.crowd.model.trial()
     }
 
     /// Returns whether people walk.
@@ -248,12 +233,7 @@ impl Simulation {
 
     /// Returns the engine's world; `None` before the beginning.
     pub fn world(&self) -> Option<&World> {
-        self.crowd.world()
-    }
-
-    /// Returns what those who walk do next; empty where nobody does.
-    pub fn acts(&self) -> &[Act] {
-        &self.acts
+        self.crowd.model.world()
     }
 
     /// Returns how many of those who walk have arrived: at their last way-point, at a goal, or have left.
@@ -261,40 +241,36 @@ impl Simulation {
     /// # Errors
     /// No ways to exits and goals can be found.
     pub fn arrived(&mut self) -> Result<usize, SimError> {
-        Ok(self.decision.as_mut().map_or(Ok(0), Decision::arrived)?)
+        Ok(self.decision.as_mut().map_or(Ok(0), |decision| decision.model.arrived())?)
     }
 
     /// Returns the value of a parameter of the crowd that is a text.
     pub fn text(&self, quantity: Quantity) -> &str {
-        self.crowd.text(quantity, 0)
+        self.crowd.model.text(quantity, 0)
     }
 
     /// Returns the warnings since the last call.
     pub fn take_warnings(&mut self) -> Vec<String> {
-        self.crowd.take_warnings()
+        self.crowd.model.take_warnings()
     }
 
     /// Returns the crowd at the present communication point; empty before the beginning.
     pub fn frame(&self) -> Frame {
         let Some(world) = self.world() else { return Frame::default() };
-        let (state, report) = (world.state(), world.contacts());
-        let motions = state.poses.iter().zip(&state.twists);
-        let observed = report.bodies.iter().zip(world.exposures()).map(|(body, exposure)| Observed {
-            agent_contacts: body.agent_contacts,
-            wall_contacts: body.wall_contacts,
-            contacting_agents: body.touching_bodies,
-            normal_force: body.squeeze,
-            of_step: Some(OfStep {
+        let report = world.contacts();
+        let mut observed = observed(report);
+        for (seen, exposure) in observed.iter_mut().zip(world.exposures()) {
+            seen.of_step = Some(OfStep {
                 mean_normal_force: exposure.mean_force,
                 peak_normal_force: exposure.peak_force,
                 peak_overlap: exposure.peak_overlap,
-            }),
-        });
+            });
+        }
         let may_leave = self.walks() || world.present().contains(&false);
         Frame {
             time: self.time,
-            agents: motions.map(|(pose, twist)| Motion { pose: *pose, twist: *twist }).collect(),
-            observed: Some(observed.collect()),
+            agents: motions(world).collect(),
+            observed: Some(observed),
             totals: Some(Totals {
                 agent_contacts: report.agent_contacts,
                 wall_contacts: report.wall_contacts,
@@ -307,8 +283,8 @@ impl Simulation {
 
     /// Returns the state at the present communication point, as bytes.
     pub fn save(&self) -> Vec<u8> {
-        let decision = self.decision.as_ref().map(Model::save);
-        let saved = Saved { time: self.time, crowd: self.crowd.save(), decision, adds: self.adds };
+        let decision = self.decision.as_ref().map(|decision| decision.model.save());
+        let saved = Saved { time: self.time, crowd: self.crowd.model.save(), decision, adds: self.adds };
         let content = postcard::to_stdvec(&saved).expect("a state is plain numbers and text");
         [&fingerprint(&content).to_le_bytes()[..], &content].concat()
     }
@@ -326,11 +302,11 @@ impl Simulation {
         if !saved.time.is_finite() || saved.decision.is_some() != self.decision.is_some() {
             return Err(SimError::State);
         }
-        if let (Some(decision), Some(saved)) = (&mut self.decision, &saved.decision) {
+        if let (Some(Named { model: decision, .. }), Some(saved)) = (&mut self.decision, &saved.decision) {
             decision.restore(saved)?;
             self.acts = decision.acts()?;
         }
-        self.crowd.restore(&saved.crowd)?;
+        self.crowd.model.restore(&saved.crowd)?;
         (self.time, self.adds) = (saved.time, saved.adds);
         self.pushes.clear();
         Ok(())
@@ -340,19 +316,17 @@ impl Simulation {
     fn drive_crowd(&mut self, phase: Phase) {
         for i in 0..self.acts.len() {
             let act = self.acts[i];
-            let [x, y] = act.drive.force;
-            let mut drive = Wrench { force: vec2(x, y), torque: act.drive.torque };
-            if phase == Phase::StepComplete
-                && self.adds
-                && let Some([x, y, torque]) = self.added.at(&self.ids[i], self.time)
-            {
-                drive = Wrench { force: drive.force + vec2(x, y), torque: drive.torque + torque };
-            }
-            if let (Phase::StepComplete, Some(push)) = (phase, self.pushes.get(&i)) {
-                drive = Wrench { force: drive.force + push.force, torque: drive.torque + push.torque };
+            let mut drive = Wrench { force: act.drive.force.into(), torque: act.drive.torque };
+            if phase == Phase::StepComplete {
+                let added = self.added.at(&self.ids[i], self.time).filter(|_| self.adds);
+                let added = added.map(|[x, y, torque]| Wrench { force: vec2(x, y), torque });
+                for more in added.iter().chain(self.pushes.get(&i)) {
+                    drive.force += more.force;
+                    drive.torque += more.torque;
+                }
             }
             self.set_drive(i, drive, phase);
-            self.crowd.set(Quantity::Active, i, act.active.into(), phase);
+            self.crowd.model.set(Quantity::Active, i, act.active.into(), phase);
         }
     }
 
@@ -362,57 +336,28 @@ impl Simulation {
             (Quantity::Fp, 2 * agent + 1, force.y),
             (Quantity::Mp, agent, torque),
         ] {
-            self.crowd.set(quantity, element, value, phase);
+            self.crowd.model.set(quantity, element, value, phase);
         }
     }
 
     /// Those who walk see these motions, and decide over a step \[s\].
     fn decide(&mut self, motions: &[(SeenPose, Vec2)], step: f64) -> Result<(), SimError> {
-        let Some(decision) = &mut self.decision else { return Ok(()) };
+        let Some(Named { model: decision, .. }) = &mut self.decision else { return Ok(()) };
         decision.see(motions.iter().copied());
         decision.pass(step)?;
         self.acts = decision.acts()?;
         Ok(())
     }
-
-    /// Returns what Decision sees; empty where nobody walks.
-    fn motions(&self) -> Vec<(SeenPose, Vec2)> {
-        let Some(world) = self.world().filter(|_| self.walks()) else { return Vec::new() };
-        let seen = |pose: &Pose| SeenPose { x: pose.position.x, y: pose.position.y, theta: pose.orientation };
-        let motions = world.state().poses.iter().zip(&world.state().twists);
-        motions.map(|(pose, twist)| (seen(pose), twist.velocity)).collect()
-    }
 }
 
-impl fmt::Debug for Simulation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (agents, walks) = (self.ids.len(), self.walks());
-        f.debug_struct("Simulation")
-            .field("agents", &agents)
-            .field("walks", &walks)
-            .field("time", &self.time)
-            .finish()
-    }
+/// Returns where everybody is and how they move.
+fn motions(world: &World) -> impl Iterator<Item = Motion> {
+    let state = world.state();
+    state.poses.iter().zip(&state.twists).map(|(pose, twist)| Motion { pose: *pose, twist: *twist })
 }
 
-impl crate::run::Model for Simulation {
-    type Error = SimError;
-
-    fn step_to(&mut self, time: f64) -> Result<(), SimError> {
-        let (from, step, motions) = (self.time, time - self.time, self.motions());
-        match self.algorithm {
-            Algorithm::Jacobi => {
-                self.drive_crowd(Phase::StepComplete);
-                self.crowd.advance(Part::whole(from, step))?;
-                self.decide(&motions, step)?;
-            }
-            Algorithm::GaussSeidel => {
-                self.decide(&motions, step)?;
-                self.drive_crowd(Phase::StepComplete);
-                self.crowd.advance(Part::whole(from, step))?;
-            }
-        }
-        self.time = time;
-        Ok(())
-    }
+/// Returns what Decision sees of somebody.
+fn seen(Motion { pose, twist }: &Motion) -> (SeenPose, Vec2) {
+    let Vec2 { x, y } = pose.position;
+    (SeenPose { x, y, theta: pose.orientation }, twist.velocity)
 }

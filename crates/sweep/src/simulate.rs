@@ -13,7 +13,6 @@ use lemons_sim::stop::places;
 use lemons_sim::{Clock, Documents, Simulation};
 use serde_json::{Map, Value};
 use std::collections::HashSet;
-use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Data shared by all points.
@@ -103,19 +102,22 @@ fn simulate(
     let mut leaving = leave.map(Leaving::of);
     // [s] When the condition held, or all had left.
     let mut ended = None;
-    let mut observe = |simulation: &mut Simulation| -> Result<ControlFlow<()>> {
+    let mut observe = |simulation: &mut Simulation| -> Result<bool> {
         if stop.load(Ordering::Relaxed) {
-            return Ok(ControlFlow::Break(()));
+            return Ok(false);
         }
         let frame = simulation.frame();
         let (time, over) = (frame.time, leaving.as_mut());
         let over = over.and_then(|leaving| leaving.see(time, &places(&frame)));
         let holds = accumulators.add(simulation, frame)?;
         ended = (holds || over == Some(Over::Left)).then_some(time);
-        Ok(if holds || over.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        Ok(!holds && over.is_none())
     };
-    if observe(simulation)?.is_continue() {
-        let _ = lemons_sim::run::<_, Error>(simulation, clock, 0, |simulation, _| observe(simulation))?;
+    let mut points = clock.points(0);
+    while observe(simulation)?
+        && let Some(point) = points.next()
+    {
+        simulation.step_to(point.time)?;
     }
     if stop.load(Ordering::Relaxed) {
         return Ok(None);

@@ -1,6 +1,7 @@
 //! Lines, areas and levels, as they are given.
 
 use crate::error::Misused;
+use crate::numbers::list;
 use anyhow::{Result, bail};
 use lemons_results::measure::{Line, MeasuringArea};
 use std::collections::HashSet;
@@ -26,34 +27,22 @@ fn named<T>(text: &str, read: impl Fn(&str) -> Result<T, String>) -> Result<Name
     Ok(Named { name: name.to_owned(), what: read(rest)? })
 }
 
-fn numbers(text: &str) -> Option<Vec<f64>> {
-    let number = |part: &str| part.trim().parse().ok().filter(|number: &f64| number.is_finite());
-    text.split(',').map(number).collect()
-}
-
 pub fn line(text: &str) -> Result<Named<Line>, String> {
     named(text, |text| {
-        let line = numbers(text).and_then(|numbers| Line::of_numbers(&numbers));
+        let line = list(text).and_then(|numbers| Line::of_numbers(&numbers));
         line.ok_or_else(|| "must be two different points, as in door=5,2,5,3".into())
     })
 }
 
 pub fn measuring_area(text: &str) -> Result<Named<MeasuringArea>, String> {
     named(text, |text| {
-        let area = numbers(text).and_then(|numbers| MeasuringArea::of_numbers(&numbers));
+        let area = list(text).and_then(|numbers| MeasuringArea::of_numbers(&numbers));
         area.ok_or_else(|| {
             "must be the lower left and the upper right corner, as in front=3,1,5,4, or at least three corners of a \
              polygon that does not cross itself"
                 .into()
         })
     })
-}
-
-pub fn level(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(level) if level >= 0.0 && level.is_finite() => Ok(level),
-        _ => Err("must be numbers of newtons, not below 0, as in 1000,2000".into()),
-    }
 }
 
 /// Gives a number to what has no name.

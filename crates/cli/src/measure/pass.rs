@@ -3,6 +3,7 @@
 use super::Arguments;
 use super::options::Named;
 use crate::interrupt::Interrupt;
+use crate::run::Until;
 use anyhow::{Result, bail};
 use lemons_results::measure::{
     Density, Departures, Exposed, Exposure, Left, Line, MeasuringArea, MovingMeans, Passages, Room, quantile,
@@ -77,6 +78,7 @@ pub fn pass<'a>(
         longest_step: 0.0,
         spread: Vec::new(),
     };
+    let until = arguments.until.and_then(Until::time);
     let (mut stopped, mut squeezes) = (Ok(()), true);
     let mut exposure = Exposure::new(people, &arguments.above, arguments.over);
     let mut moving = MovingMeans::over(OVER);
@@ -85,7 +87,7 @@ pub fn pass<'a>(
         if stopped.is_ok() {
             stopped = interrupt.check();
         }
-        if stopped.is_err() || !within(frame.time, arguments.from, arguments.end()) {
+        if stopped.is_err() || !within(frame.time, arguments.from, until) {
             return Ok(());
         }
         seen.times = (if seen.frames == 0 { frame.time } else { seen.times.0 }, frame.time);

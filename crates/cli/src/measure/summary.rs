@@ -96,6 +96,11 @@ impl Summary {
     /// Sums up what was seen of people with these Ids.
     pub fn of(arguments: &Arguments, ids: &[String], seen: &Seen<'_>) -> Summary {
         let exposed = seen.exposed.as_deref();
+        let line = |SeenLine { name, width, passages }: &SeenLine<'_>| {
+            let directions = Way::ALL.map(|way| Crossings::of(passages, way, *width, ids.len())).into();
+            let [from, to] = [passages.line().from, passages.line().to].map(Into::into);
+            OfLine { name: (*name).to_owned(), from, to, width: *width, directions }
+        };
         Summary {
             source: arguments.source.path.display().to_string(),
             from: seen.times.0,
@@ -103,35 +108,23 @@ impl Summary {
             frames: seen.frames,
             people: ids.len(),
             left: seen.left,
-            lines: seen.lines.iter().map(|line| OfLine::of(line, ids.len())).collect(),
-            areas: seen.areas.iter().map(OfArea::of).collect(),
-            exposure: exposed
-                .ok()
-                .and_then(|exposed| OfSqueeze::of(exposed, ids, arguments, seen.longest_step)),
+            lines: seen.lines.iter().map(line).collect(),
+            areas: seen.areas.iter().map(area).collect(),
+            exposure: exposed.ok().and_then(|all| OfSqueeze::of(all, ids, arguments, seen.longest_step)),
             exposure_left_out: exposed.err().copied(),
         }
     }
 }
 
-impl OfLine {
-    fn of(SeenLine { name, width, passages }: &SeenLine<'_>, people: usize) -> OfLine {
-        let directions = Way::ALL.map(|way| Crossings::of(passages, way, *width, people)).into();
-        let [from, to] = [passages.line().from, passages.line().to].map(|p| [p.x, p.y]);
-        OfLine { name: (*name).to_owned(), from, to, width: *width, directions }
-    }
-}
-
-impl OfArea {
-    fn of(SeenArea { name, area, over_time }: &SeenArea<'_>) -> OfArea {
-        let of = |value: fn(&Density) -> f64| MeanMax::of(over_time.iter().map(value)).unwrap_or_default();
-        OfArea {
-            name: (*name).to_owned(),
-            area: area.area(),
-            people: of(|seen| seen.people as f64),
-            density: of(|seen| seen.density),
-            voronoi_density: of(|seen| seen.voronoi_density.unwrap_or(f64::NAN)),
-            speed: MeanMax::of(over_time.iter().filter_map(|seen| seen.speed)),
-        }
+fn area(SeenArea { name, area, over_time }: &SeenArea<'_>) -> OfArea {
+    let of = |value: fn(&Density) -> f64| MeanMax::of(over_time.iter().map(value)).unwrap_or_default();
+    OfArea {
+        name: (*name).to_owned(),
+        area: area.area(),
+        people: of(|seen| seen.people as f64),
+        density: of(|seen| seen.density),
+        voronoi_density: of(|seen| seen.voronoi_density.unwrap_or(f64::NAN)),
+        speed: MeanMax::of(over_time.iter().filter_map(|seen| seen.speed)),
     }
 }
 

@@ -1,24 +1,26 @@
 //! `lemons crowd`: people drawn, placed and written.
 
-use super::bodies::Bodies;
+use super::bodies;
 use super::leave::LeaveArguments;
 use super::outputs::{Outputs, of_crowd, say};
 use super::placing::PlacingArguments;
 use super::regions::{REGION_HELP, described};
 use super::source::{CUSTOM_HELP, SourceArguments};
-use super::{line, within};
+use super::{line, read};
 use crate::binary::CROWD;
-use crate::error::{Misused, TrialHasErrors, and_then};
+use crate::error::{Misused, and_then};
 use crate::files;
 use crate::interrupt::Interrupt;
+use crate::numbers::within;
 use crate::pack::{Fmi, FmuArguments, write_fmu};
 use crate::print;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
+use lemons_core::files::source::Memory;
 use lemons_core::plane::Pose;
-use lemons_core::trial::Trial;
+use lemons_core::trial::{FileNames, Trial};
 use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
 use lemons_master::TrialInput;
 use lemons_people::{
@@ -33,11 +35,11 @@ use std::time::Instant;
 #[command(after_help = format!("{REGION_HELP}\n\n{CUSTOM_HELP}"))]
 pub struct Arguments {
     /// Number of people
-    #[arg(short, long, alias = "people", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
+    #[arg(short, long, alias = "people", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     number: Option<u32>,
     /// People per m² of the region. In the open, with --number: the least density within the convex
     /// hull of the crowd (default there: as dense as possible)
-    #[arg(short, long, value_name = "PER_M2", value_parser = density, allow_negative_numbers = true)]
+    #[arg(short, long, value_name = "PER_M2", value_parser = within(1e-6, 100.0, " (per m²)"))]
     density: Option<f64>,
     /// Seed of the random numbers. The same seed gives the same crowd on every machine
     #[arg(short, long, value_name = "N", default_value_t = 1)]
@@ -81,11 +83,11 @@ struct TrialArguments {
     material: String,
     /// Everybody pushes along --direction, with the force that keeps a lone person at this speed, in
     /// m/s. Default: 0. With --leave: everybody's desired speed. Default: 1.34
-    #[arg(long, value_name = "SPEED", value_parser = speed, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SPEED", value_parser = within(0.0, 20.0, " (m/s)"))]
     speed: Option<f64>,
     /// Communication step (TimeStep), in s. The mechanical step is chosen from the stiffest contact and
     /// divides it
-    #[arg(long, value_name = "SECONDS", default_value = "0.01", value_parser = time_step, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", default_value = "0.01", value_parser = within(1e-6, 1.0, " (s)"))]
     time_step: f64,
 }
 
@@ -101,13 +103,7 @@ struct OtherArguments {
     /// Compute sections of everybody's three-dimensional body at these altitudes, in m, for example
     /// 1.2,0.9,0.5. The word torso stands for three: the altitude of the torso, where breadth and depth are
     /// measured, of the shortest, the mean and the tallest person, as in the paper
-    #[arg(
-        long,
-        value_name = "ALTITUDES",
-        value_delimiter = ',',
-        value_parser = altitude,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "ALTITUDES", value_delimiter = ',', value_parser = altitude)]
     sections: Vec<Altitude>,
     /// Write these sections as GeoJSON, in m
     #[arg(long, value_name = "FILE.geojson", requires = "sections")]
@@ -132,79 +128,61 @@ struct OtherArguments {
     png: Option<PathBuf>,
 }
 
-fn density(text: &str) -> Result<f64, String> {
-    within(text, 1e-6, 100.0, " (per m²)")
-}
-
-fn speed(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 20.0, " (m/s)")
-}
-
-fn time_step(text: &str) -> Result<f64, String> {
-    within(text, 1e-6, 1.0, " (s)")
-}
-
-/// A value of `--sections`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Altitude {
-    /// \[m\]
-    At(f64),
-    /// Altitudes of the torsos: the lowest, the mean, the highest.
-    Torsos,
-}
+/// A value of `--sections`: an altitude \[m\], or the word torso.
+type Altitude = Option<f64>;
 
 fn altitude(text: &str) -> Result<Altitude, String> {
     match text {
-        "torso" => Ok(Altitude::Torsos),
-        _ => within(text, 0.0, 3.0, " (m), or torso").map(Altitude::At),
+        "torso" => Ok(None),
+        _ => within(0.0, 3.0, " (m), or torso")(text).map(Some),
     }
 }
 
-/// \[m\]
+/// \[m\] For the word torso those of the lowest, the mean and the highest one; none where nobody has a torso.
 fn altitudes(wanted: &[Altitude], agents: &[Agent]) -> Vec<f64> {
     let statures: Vec<f64> = agents.iter().filter_map(|agent| Some(agent.pedestrian()?.stature)).collect();
     let mean = statures.iter().sum::<f64>() / statures.len() as f64;
     let (low, high) = statures.iter().fold((mean, mean), |(low, high), &s| (low.min(s), high.max(s)));
-    let mut all = Vec::new();
-    for altitude in wanted {
-        match altitude {
-            Altitude::At(altitude) => all.push(*altitude),
-            // Nobody has a torso.
-            Altitude::Torsos if statures.is_empty() => {}
-            Altitude::Torsos => all.extend([low, mean, high].map(|stature| TORSO_ALTITUDE * stature)),
-        }
-    }
-    all
+    let torsos = [low, mean, high].map(|stature| TORSO_ALTITUDE * stature);
+    let torsos = if statures.is_empty() { &[][..] } else { &torsos };
+    wanted.iter().flat_map(|at| at.as_ref().map_or(torsos, std::slice::from_ref)).copied().collect()
 }
 
 pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let population = arguments.source.population()?;
     if population.has_bicycles() {
         arguments.refuse_bicycles()?;
-        arguments.placing.default_to_fixed();
-        if !arguments.placing.along_an_axis() {
-            let message = "--pedestrians below 1: bicycles stand along the axes in the light XML: \
-                           --orientation fixed with --direction 0, 90, 180 or 270";
-            return Err(Misused(message.into()).into());
+        if !arguments.placing.fixed_along_an_axis() {
+            bail!(Misused(
+                "--pedestrians below 1: bicycles stand along the axes in the light XML: --orientation fixed with \
+                 --direction 0, 90, 180 or 270"
+                    .into()
+            ));
         }
     }
     let Arguments { placing, trial, leaving, others, seed, .. } = &arguments;
-    leaving.check(placing.doors(), trial.output.is_some() || trial.zip.is_some())?;
+    leaving.check(placing.doors.len(), trial.output.is_some() || trial.zip.is_some())?;
     let place = placing.place()?;
     let numbers = placing.numbers(&place, arguments.number, arguments.density)?;
-    let settings = trial.settings(placing.direction(), leaving.wanted());
-    // Known before a long packing.
-    let makeable = settings.check(&place.geometry);
-    if trial.wanted() || others.has_pictures() {
-        makeable.as_ref().map_err(|error| anyhow!("cannot make a Trial of {}: {error}", place.name))?;
-    }
+    // People who leave are driven by nothing else.
+    let speed = trial.speed.filter(|_| !leaving.leave).unwrap_or(0.0);
+    let settings = TrialSettings {
+        time_step: trial.time_step,
+        people: trial.material.clone(),
+        desired_velocity: heading(placing.direction()) * speed,
+    };
     if let Some(directory) = &trial.output {
         may_write(directory, trial.force).context("-o")?;
     }
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
     let mut outputs = arguments.outputs()?;
+    // Known before a long packing.
+    let makeable = settings.check(&place.geometry);
+    if trial.wanted() || outputs.have_any(&["--svg", "--pdf", "--png"]) {
+        makeable.as_ref().map_err(|error| anyhow!("cannot make a Trial of {}: {error}", place.name))?;
+    }
     // Of a Trial that is refused nothing more is told.
-    let beside = if leaving.wanted() { &[DECISION_FILE][..] } else { &[] };
+    let beside = if leaving.leave { &[DECISION_FILE][..] } else { &[] };
     for said in trial.output.iter().flat_map(|directory| files::staying(directory, beside)) {
         note!("{said}");
     }
@@ -231,7 +209,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     writeln!(out, "\nseed               {seed:>10}")?;
     let of = if place.is_plane() { "convex hull of all" } else { &place.name };
     writeln!(out, "{}", line("ground", ground, &format!("m²   ({of})")))?;
-    if !placing.is_whole() {
+    if !placing.regions.is_empty() {
         for (k, (ground, density)) in place.grounds.iter().zip(&densities).enumerate() {
             let people = format!("m²   {} people, {density:.3} /m²", numbers[k]);
             writeln!(out, "{}", line(&format!("  region {k}"), ground.free.region.area(), &people))?;
@@ -252,14 +230,11 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         let text = light_xml(&crowd)?;
         output.fill(|file| file.write_all(text.as_bytes()))?;
     }
-    let bodies = Bodies { crowd: &crowd, interrupt: &interrupt };
     let at = (!others.sections.is_empty()).then(|| altitudes(&others.sections, &agents));
-    outputs.write_bodies(&bodies, at.as_deref(), [covered, ground], &mut out)?;
-    interrupt.check()?;
+    bodies::write(&crowd, at.as_deref(), [covered, ground], &mut outputs, &interrupt, &mut out)?;
     let mut done = Ok(());
     if makeable.is_ok() {
-        let name = if population.has_bicycles() { "crowd".into() } else { arguments.name() };
-        let made = crowd_trial(&name, &crowd, place.geometry.clone(), &settings)?;
+        let made = crowd_trial(&arguments.name(), &crowd, place.geometry.clone(), &settings)?;
         let (scene, style) = of_crowd(&made, &crowd);
         outputs.draw(&scene, &style)?;
         if !population.has_bicycles() {
@@ -267,7 +242,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
             writeln!(out, "mechanical step    {step:>10} {note}")?;
             let ways = placing.ways_out(&place, &crowd);
-            let wishes = leaving.wanted().then(|| leaving.text(&ways, trial.speed));
+            let wishes = leaving.leave.then(|| leaving.text(&ways, trial.speed));
             if let Some(text) = &wishes {
                 // A run would refuse it.
                 let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
@@ -294,16 +269,6 @@ impl TrialArguments {
         self.output.is_some() || self.zip.is_some() || self.fmu.is_some()
     }
 
-    /// Makes the settings; people who leave are driven by nothing else.
-    fn settings(&self, direction: f64, leave: bool) -> TrialSettings {
-        let speed = if leave { 0.0 } else { self.speed.unwrap_or(0.0) };
-        TrialSettings {
-            time_step: self.time_step,
-            people: self.material.clone(),
-            desired_velocity: heading(direction) * speed,
-        }
-    }
-
     /// Checks the Trial as everybody would, and writes it where it was asked for, with files `beside` its own: everywhere,
     /// also when one place cannot be taken, which is the error within.
     ///
@@ -320,19 +285,11 @@ impl TrialArguments {
         if !self.wanted() {
             return Ok(Ok(()));
         }
-        let scratch = Scratch::new().context("cannot make a temporary directory")?;
-        let directory = scratch.path().join(&trial.name);
-        write_trial(trial, &[], &directory, false)?;
-        match setup::read(&directory) {
-            Ok((_, warnings)) => warnings.iter().for_each(|warning| {
-                // The file's name without the place where it lies for the moment.
-                note!("{}", warning.to_string().replace(&format!("{}/", directory.display()), ""));
-            }),
-            Err(problems) => {
-                note!("{problems}");
-                return Err(TrialHasErrors.into());
-            }
+        let mut files = Memory::default();
+        for (path, text) in trial.texts(Path::new("")) {
+            files.put(&path, text.into_bytes());
         }
+        read(setup::read_from(&files, Path::new(""), &FileNames::default()))?;
         // From here on files appear.
         let mut done = Ok(());
         let mut wrote = |what: &str, path: &Path, written: Result<()>| {
@@ -341,13 +298,12 @@ impl TrialArguments {
         };
         interrupt.check()?;
         if let (Some(file), Some(binaries)) = (&self.fmu, binaries) {
+            let scratch = Scratch::new().context("cannot make a temporary directory")?;
+            let directory = scratch.path().join(&trial.name);
+            write_trial(trial, &[], &directory, false)?;
+            let (trials, format) = ([TrialInput::open(&directory)?], self.fmi.format(self.packing.naming()));
             // Its warnings are those printed already.
-            let written = write_fmu(
-                &[TrialInput::open(&directory)?],
-                binaries,
-                self.fmi.format(self.packing.naming()),
-                file,
-            );
+            let written = write_fmu(&trials, binaries, format, file);
             wrote("FMU", file, written.map(drop));
             for (name, _) in beside {
                 note!(
@@ -380,10 +336,6 @@ impl OtherArguments {
         }
         Ok(())
     }
-
-    fn has_pictures(&self) -> bool {
-        [&self.svg, &self.pdf, &self.png].iter().any(|file| file.is_some())
-    }
 }
 
 impl Arguments {
@@ -391,11 +343,10 @@ impl Arguments {
         let TrialArguments { output, zip, fmu, .. } = &self.trial;
         let asked = [("-o", output), ("--zip", zip), ("--fmu", fmu)];
         if let Some((option, _)) = asked.iter().find(|(_, path)| path.is_some()) {
-            let message = format!(
+            bail!(Misused(format!(
                 "{option}: the mechanics takes pedestrians only, and a part of this crowd rides bicycles \
                  (pedestrians below 1): --light-xml FILE.xml writes a mixed crowd"
-            );
-            return Err(Misused(message).into());
+            )));
         }
         Ok(())
     }
@@ -417,7 +368,7 @@ impl Arguments {
         }
         if let Some(directory) = &trial.output {
             files::claim_directory(directory)?;
-            let wishes = self.leaving.wanted().then_some(&DECISION_FILE);
+            let wishes = self.leaving.leave.then_some(&DECISION_FILE);
             TRIAL_FILES.iter().chain(wishes).try_for_each(|file| files::claim(&directory.join(file)))?;
         }
         Outputs::open(&[

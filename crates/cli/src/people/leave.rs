@@ -1,6 +1,7 @@
 //! `--leave`: the `decision.toml` in which everybody leaves.
 
 use crate::error::Misused;
+use crate::numbers::array;
 use anyhow::Result;
 use lemons_core::plane::{Vec2, vec2};
 use std::fmt::Write;
@@ -14,7 +15,7 @@ pub struct LeaveArguments {
     /// Everybody leaves: write the Trial's decision.toml, in which people walk through the doors to a line
     /// 1 m behind them, or to an --exit; of several, to the quickest by distance and queue
     #[arg(long)]
-    leave: bool,
+    pub leave: bool,
     /// A line where people have left, from X1,Y1 to X2,Y2, in m. Can be given several times
     #[arg(
         long = "exit",
@@ -34,30 +35,24 @@ pub struct LeaveArguments {
 }
 
 fn exit(text: &str) -> Result<[Vec2; 2], String> {
-    match super::numbers(text) {
+    match array(text) {
         Some([a, b, c, d]) if (a, b) != (c, d) => Ok([vec2(a, b), vec2(c, d)]),
         _ => Err("must be two different points in m, as in 9,1.5,9,4.5".into()),
     }
 }
 
 impl LeaveArguments {
-    pub fn wanted(&self) -> bool {
-        self.leave
-    }
-
     /// Checks that there is a way out, and a place for the file.
     ///
     /// # Errors
     /// One of them is missing.
     pub fn check(&self, doors: usize, written: bool) -> Result<()> {
-        let missing = if !self.leave {
-            return Ok(());
-        } else if doors + self.exits.len() == 0 {
-            "--leave: there is no way out: give --door X,Y,WIDTH, or --exit X1,Y1,X2,Y2"
-        } else if !written {
-            "--leave writes decision.toml into a Trial: give -o TRIAL or --zip FILE.zip"
-        } else {
-            return Ok(());
+        let missing = match (self.leave, doors + self.exits.len()) {
+            (true, 0) => "--leave: there is no way out: give --door X,Y,WIDTH, or --exit X1,Y1,X2,Y2",
+            (true, _) if !written => {
+                "--leave writes decision.toml into a Trial: give -o TRIAL or --zip FILE.zip"
+            }
+            _ => return Ok(()),
         };
         Err(Misused(missing.into()).into())
     }

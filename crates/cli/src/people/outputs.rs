@@ -1,14 +1,14 @@
 //! Files that `lemons crowd` writes beside the Trial, and `lemons person`: tables, meshes, pictures.
 
-use super::bodies::Bodies;
 use crate::error::and_then;
 use crate::output::Output;
+use crate::pictures::plot::Format;
 use anyhow::Result;
 use lemons_core::files::Staged;
 use lemons_core::plane::Pose;
 use lemons_core::trial::Trial;
-use lemons_people::{Agent, write_geojson, write_obj, write_stl, write_wkt};
-use lemons_picture::{Bicycle as Drawn, Colour, Fill, Scene, Style, pdf, png, svg};
+use lemons_people::Agent;
+use lemons_picture::{Bicycle as Drawn, Colour, Fill, Scene, Style, svg};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -45,49 +45,22 @@ impl Outputs {
         self.of(option).map_or(Ok(()), |output| output.fill(write))
     }
 
-    /// Writes sections at altitudes \[m\], and meshes. `covered` and `ground` \[m²\] are for the table of sections.
-    pub fn write_bodies(
-        &mut self,
-        bodies: &Bodies,
-        altitudes: Option<&[f64]>,
-        [covered, ground]: [f64; 2],
-        out: &mut Vec<u8>,
-    ) -> Result<()> {
-        if let Some(altitudes) = altitudes {
-            let sections = bodies.sections(altitudes);
-            bodies.interrupt.check()?;
-            bodies.table(out, &sections, covered, ground)?;
-            self.fill("--sections-geojson", |file| write_geojson(&sections, file))?;
-            self.fill("--sections-wkt", |file| write_wkt(&sections, file))?;
-        }
-        self.fill("--obj", |file| write_obj(bodies.parts(), file))?;
-        // STL begins with the number of triangles, so all are made first.
-        self.fill("--stl", |file| write_stl(&bodies.parts().collect::<Vec<_>>(), file))?;
-        bodies.interrupt.check()
-    }
-
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    pub fn has_pictures(&self) -> bool {
-        self.0.iter().any(|file| ["--svg", "--pdf", "--png"].contains(&file.option))
+    /// Returns whether the file of one of these options is wanted.
+    pub fn have_any(&self, options: &[&str]) -> bool {
+        self.0.iter().any(|file| options.contains(&file.option))
     }
 
     /// Draws the pictures that are wanted.
     pub fn draw(&mut self, scene: &Scene, style: &Style) -> Result<()> {
-        if !self.has_pictures() {
-            return Ok(());
-        }
-        let text = svg(scene, style);
-        self.fill("--svg", |file| file.write_all(text.as_bytes()))?;
-        if let Some(output) = self.of("--pdf") {
-            let picture = pdf(&text)?;
-            output.fill(|file| file.write_all(&picture))?;
-        }
-        if let Some(output) = self.of("--png") {
-            let picture = png(&text, PICTURE_WIDTH)?;
-            output.fill(|file| file.write_all(&picture))?;
+        for (option, format) in [("--svg", Format::Svg), ("--pdf", Format::Pdf), ("--png", Format::Png)] {
+            if let Some(output) = self.of(option) {
+                let picture = format.bytes(svg(scene, style), PICTURE_WIDTH)?;
+                output.fill(|file| file.write_all(&picture))?;
+            }
         }
         Ok(())
     }

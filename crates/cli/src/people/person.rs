@@ -4,6 +4,7 @@ use super::outputs::Outputs;
 use super::{line, measure, named};
 use crate::error::Misused;
 use crate::files::Force;
+use crate::numbers::within;
 use crate::print;
 use anyhow::Result;
 use lemons_core::plane::Pose;
@@ -20,16 +21,16 @@ use std::path::PathBuf;
 #[command(override_usage = "lemons person --breadth CM --depth CM --stature M --mass KG [OPTIONS]")]
 pub struct Arguments {
     /// Shoulder breadth (bideltoid), in cm
-    #[arg(long, value_name = "CM", value_parser = measure(Measure::Breadth), allow_negative_numbers = true)]
+    #[arg(long, value_name = "CM", value_parser = measure(Measure::Breadth))]
     breadth: f64,
     /// Chest depth, in cm
-    #[arg(long, value_name = "CM", value_parser = measure(Measure::Depth), allow_negative_numbers = true)]
+    #[arg(long, value_name = "CM", value_parser = measure(Measure::Depth))]
     depth: f64,
     /// Stature: body height without shoes, in m
-    #[arg(long, value_name = "M", value_parser = measure(Measure::Stature), allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = measure(Measure::Stature))]
     stature: f64,
     /// Mass, in kg
-    #[arg(long, value_name = "KG", value_parser = measure(Measure::Mass), allow_negative_numbers = true)]
+    #[arg(long, value_name = "KG", value_parser = measure(Measure::Mass))]
     mass: f64,
     /// Sex of the three-dimensional body
     #[arg(long, value_parser = named(&Sex::ALL, Sex::name), default_value = "male")]
@@ -47,7 +48,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.wkt")]
     wkt: Option<PathBuf>,
     /// Height of a slice, in cm
-    #[arg(long, value_name = "CM", default_value = "2", value_parser = slice_height, allow_negative_numbers = true)]
+    #[arg(long, value_name = "CM", default_value = "2", value_parser = within(0.1, 100.0, " (cm)"))]
     slice_height: f64,
     /// Draw the shape from above as SVG
     #[arg(long, value_name = "FILE.svg")]
@@ -59,15 +60,10 @@ pub struct Arguments {
     _force: Force,
 }
 
-fn slice_height(text: &str) -> Result<f64, String> {
-    super::within(text, 0.1, 100.0, " (cm)")
-}
-
 pub fn person(arguments: &Arguments) -> Result<()> {
     let Arguments { breadth, depth, stature, mass, .. } = *arguments;
     let person = super::person(arguments.sex, [breadth, depth, stature, mass])
         .map_err(|fault| Misused(format!("--depth {depth} --breadth {breadth}: {fault}")))?;
-    let Arguments { obj, stl, geojson, wkt, svg: picture, pdf: print, .. } = arguments;
     let shape = Shape::of(&person)?;
     let moments = shape.moments();
     // Printed when all is written: who closes the pipe early has the files nevertheless.
@@ -84,22 +80,18 @@ pub fn person(arguments: &Arguments) -> Result<()> {
     let [ahead, left] =
         [moments.centroid.x, moments.centroid.y].map(|length| (1e5 * length).round().abs() / 1e3);
     writeln!(out, "centroid           {ahead:>10.3} cm ahead, {left:.3} cm left")?;
-    writeln!(
-        out,
-        "{}",
-        line("moment of inertia", shape.inertia(person.mass), "kg m²   (about the centroid)")
-    )?;
+    let inertia = shape.inertia(person.mass);
+    writeln!(out, "{}", line("moment of inertia", inertia, "kg m²   (about the centroid)"))?;
 
-    let options: [(&str, &str, &Option<PathBuf>); 6] = [
-        ("--obj", "", obj),
-        ("--stl", "", stl),
-        ("--geojson", "", geojson),
-        ("--wkt", "", wkt),
-        ("--svg", "", picture),
-        ("--pdf", "", print),
-    ];
-    let mut outputs = Outputs::open(&options)?;
-    if [obj, stl, geojson, wkt].into_iter().any(Option::is_some) {
+    let mut outputs = Outputs::open(&[
+        ("--obj", "", &arguments.obj),
+        ("--stl", "", &arguments.stl),
+        ("--geojson", "", &arguments.geojson),
+        ("--wkt", "", &arguments.wkt),
+        ("--svg", "", &arguments.svg),
+        ("--pdf", "", &arguments.pdf),
+    ])?;
+    if outputs.have_any(&["--obj", "--stl", "--geojson", "--wkt"]) {
         let body = Body3d::of(&person)?;
         writeln!(out, "{}", line("volume of the body", 1e3 * body.volume(), "l"))?;
         let mesh = body.mesh();
@@ -111,12 +103,10 @@ pub fn person(arguments: &Arguments) -> Result<()> {
         outputs.fill("--geojson", |file| write_geojson(&sections, file))?;
         outputs.fill("--wkt", |file| write_wkt(&sections, file))?;
     }
-    if outputs.has_pictures() {
-        let open = Geometry { dimensions: None, walls: Vec::new() };
-        let alone = [(Agent::Pedestrian(person), Pose::default())];
-        let trial = crowd_trial("person", &alone, open, &TrialSettings::default())?;
-        outputs.draw(&Scene::at_start(&trial), &Style::default())?;
-    }
+    let open = Geometry { dimensions: None, walls: Vec::new() };
+    let alone = [(Agent::Pedestrian(person), Pose::default())];
+    let trial = crowd_trial("person", &alone, open, &TrialSettings::default())?;
+    outputs.draw(&Scene::at_start(&trial), &Style::default())?;
     let done = outputs.persist(|| Ok(()), &mut out);
     let printed = print::out().write_all(&out);
     done.and(Ok(printed?))

@@ -1,7 +1,7 @@
 //! `--region` and `--door`: on which ground people stand, and how many on each.
 
-use super::{numbers as parsed, within};
 use crate::error::Misused;
+use crate::numbers::{array, within};
 use anyhow::{Context, Result, bail};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{FARTHEST, Geometry};
@@ -13,15 +13,8 @@ const MOST: f64 = 1e6;
 
 pub const REGION_HELP: &str = include_str!("../help/regions.txt");
 
-/// How many people stand on a ground.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Amount {
-    /// As many as --number and --density say.
-    AsAll,
-    Number(usize),
-    /// \[1/m²\]
-    Density(f64),
-}
+/// Number of people, or their density \[1/m²\]; neither: as --number and --density say.
+pub type Amount = (Option<u32>, Option<f64>);
 
 /// A value of `--region`.
 #[derive(Debug, Clone)]
@@ -43,20 +36,21 @@ pub struct Ground {
 pub fn region(text: &str) -> Result<RegionArgument, String> {
     let (corners, amount) = text.split_once(';').unwrap_or((text, ""));
     let amount = match amount.trim().split_once('=') {
-        None if amount.trim().is_empty() => Amount::AsAll,
+        None if amount.trim().is_empty() => (None, None),
         Some((key, value)) if key.trim() == "number" => {
             let number = value.trim().parse().ok().filter(|number| (1..=1_000_000).contains(number));
-            Amount::Number(number.ok_or("number: must be a whole number from 1 to 1000000")?)
+            (Some(number.ok_or("number: must be a whole number from 1 to 1000000")?), None)
         }
-        Some((key, value)) if key.trim() == "density" => Amount::Density(
-            within(value, 1e-6, 100.0, " (per m²)").map_err(|must| format!("density: {must}"))?,
-        ),
+        Some((key, value)) if key.trim() == "density" => {
+            let density = within(1e-6, 100.0, " (per m²)")(value);
+            (None, Some(density.map_err(|must| format!("density: {must}"))?))
+        }
         _ => return Err(format!("{:?}: after ; stands number=N or density=D", amount.trim())),
     };
     let places: Vec<&str> = corners.split_whitespace().collect();
-    let place = |text: &&str| parsed(text).map(|[x, y]| vec2(x, y));
+    let place = |text: &&str| array(text).map(|[x, y]| vec2(x, y));
     let polygon = || (places.len() >= 3).then(|| places.iter().map(place).collect()).flatten();
-    let corners = match parsed(corners) {
+    let corners = match array(corners) {
         Some([a, b, c, d]) => vec![vec2(a, b), vec2(c, b), vec2(c, d), vec2(a, d)],
         _ => polygon().ok_or(
             "must be two opposite corners in m, as in 0,0,8,6, or the corners of a polygon, as in \
@@ -68,7 +62,7 @@ pub fn region(text: &str) -> Result<RegionArgument, String> {
 
 /// Reads x, y and width.
 pub fn door(text: &str) -> Result<Door, String> {
-    match parsed(text) {
+    match array(text) {
         Some([x, y, width])
             if [x, y].iter().all(|x| x.abs() <= FARTHEST) && (0.1..=1e3).contains(&width) =>
         {
@@ -96,23 +90,19 @@ pub fn grounds(regions: &[RegionArgument], geometry: &Geometry, place: &str) -> 
 
 /// Describes what walls make of a ground, for the summary.
 pub fn described(FreeSpace { rooms, obstacles, walls, .. }: &FreeSpace) -> String {
-    let few = |what: &str, ids: &[String]| match ids {
-        [] => None,
-        [one] => Some(format!("{what} {one}")),
-        [first, second] => Some(format!("{what}s {first}, {second}")),
-        many => Some(format!("{} {what}s", many.len())),
+    let named = |(what, ids): (&str, &Vec<String>)| {
+        let s = if ids.len() == 1 { "" } else { "s" };
+        let ids = if ids.len() > 2 { ids.len().to_string() } else { ids.join(", ") };
+        format!("{what}{s} {ids}")
     };
-    let all = [
-        few("wall", rooms).map(|text| format!("inside {text}")),
-        few("obstacle", obstacles),
-        few("open wall", walls),
-    ];
-    all.into_iter().flatten().collect::<Vec<_>>().join(", ")
+    let all = [("inside wall", rooms), ("obstacle", obstacles), ("open wall", walls)].into_iter();
+    all.filter(|(_, ids)| !ids.is_empty()).map(named).collect::<Vec<_>>().join(", ")
 }
 
 /// The number of people on each ground, from what each says and from --number and --density for the others.
 pub fn numbers(grounds: &[Ground], number: Option<u32>, density: Option<f64>) -> Result<Vec<usize>> {
-    let open: f64 = grounds.iter().filter(|g| g.amount == Amount::AsAll).map(|g| g.free.region.area()).sum();
+    let open = grounds.iter().filter(|ground| ground.amount == (None, None));
+    let open: f64 = open.map(|ground| ground.free.region.area()).sum();
     if open == 0.0
         && let Some(option) = number.map(|_| "--number").or(density.map(|_| "--density"))
     {
@@ -123,24 +113,23 @@ pub fn numbers(grounds: &[Ground], number: Option<u32>, density: Option<f64>) ->
         .iter()
         .map(|Ground { free, name, amount }| {
             let area = free.region.area();
-            let of_density = |density: f64| (density * area).round();
             let wanted = match (amount, number, density) {
-                (Amount::Number(number), ..) => *number as f64,
-                (Amount::Density(density), ..) => of_density(*density),
-                (Amount::AsAll, Some(_), Some(_)) => bail!(Misused(format!(
+                ((Some(number), _), ..) => f64::from(*number),
+                ((None, Some(density)), ..) => (density * area).round(),
+                (_, Some(_), Some(_)) => bail!(Misused(format!(
                     "--number and --density: one of them follows from the other in {name}"
                 ))),
-                (Amount::AsAll, None, Some(density)) => of_density(density),
-                (Amount::AsAll, Some(number), None) => {
+                (_, None, Some(density)) => (density * area).round(),
+                (_, Some(number), None) => {
                     // Shares of the whole that add up to it.
                     let upto = |area: f64| (f64::from(number) * area / open).round();
                     let from = before;
                     before += area;
                     upto(before) - upto(from)
                 }
-                (Amount::AsAll, None, None) => bail!(Misused(format!(
-                    "the number of people is missing in {name}: give ; number=N or ; density=D after its corners, \
-                     or --number or --density"
+                (_, None, None) => bail!(Misused(format!(
+                    "the number of people is missing in {name}: give --number or --density, or ; number=N or \
+                     ; density=D after the corners of a --region"
                 ))),
             };
             if !(1.0..=MOST).contains(&wanted) {

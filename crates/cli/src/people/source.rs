@@ -1,6 +1,7 @@
 //! Whom a crowd is drawn from.
 
 use super::{measure, person};
+use crate::numbers::within;
 use anyhow::{Context, Result};
 use lemons_core::files::input;
 use lemons_people::{Custom, Measure, PAPER_BICYCLES, Person, Population, Proportions, Sex, Source, Survey};
@@ -10,11 +11,11 @@ use std::path::PathBuf;
 #[command(next_help_heading = "People (default: drawn from the statistics of the survey ANSUR II, 2012)")]
 pub struct SourceArguments {
     /// Probability that a pedestrian is a man, 0 to 1. Default: 0.5
-    #[arg(long, value_name = "PART", value_parser = part, allow_negative_numbers = true, conflicts_with = "fixed")]
+    #[arg(long, value_name = "PART", value_parser = within(0.0, 1.0, ""), conflicts_with = "fixed")]
     men: Option<f64>,
     /// Probability that a member of the crowd is a pedestrian, 0 to 1; the others ride bicycles.
     /// Default: 1
-    #[arg(long, value_name = "PART", value_parser = part, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PART", value_parser = within(0.0, 1.0, ""))]
     pedestrians: Option<f64>,
     /// Your own statistics, see below
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["ansur_male", "ansur_female", "fixed"])]
@@ -32,10 +33,6 @@ pub struct SourceArguments {
 }
 
 pub const CUSTOM_HELP: &str = include_str!("../help/custom.txt");
-
-fn part(text: &str) -> Result<f64, String> {
-    super::within(text, 0.0, 1.0, "")
-}
 
 fn fixed(text: &str) -> Result<Person, String> {
     let cells: Vec<&str> = text.split(',').map(str::trim).collect();
@@ -56,15 +53,14 @@ impl SourceArguments {
     pub fn population(&self) -> Result<Population> {
         let mut proportions = Proportions::default();
         let mut bicycles = PAPER_BICYCLES;
-        let mut file = None;
+        let named =
+            || self.custom.iter().map(|path| format!("--custom {}", path.display())).collect::<String>();
         let source = if let Some(path) = &self.custom {
-            let named = || format!("--custom {}", path.display());
             let text = input::read_text(path, input::LARGEST_SETTINGS).with_context(named)?;
             let custom = Custom::from_toml(&text).with_context(named)?;
             proportions.men = custom.men.unwrap_or(proportions.men);
             proportions.pedestrians = custom.pedestrians.unwrap_or(proportions.pedestrians);
             bicycles = custom.bicycles;
-            file = Some(named());
             Source::custom(&custom.people).with_context(named)?
         } else if self.ansur_male.is_some() || self.ansur_female.is_some() {
             // Of one table alone come its people alone.
@@ -81,10 +77,6 @@ impl SourceArguments {
         };
         proportions.men = self.men.unwrap_or(proportions.men);
         proportions.pedestrians = self.pedestrians.unwrap_or(proportions.pedestrians);
-        let made = Population::new(source, proportions, bicycles);
-        match file {
-            Some(file) => made.context(file),
-            None => Ok(made?),
-        }
+        Population::new(source, proportions, bicycles).with_context(named)
     }
 }

@@ -77,16 +77,10 @@ impl Measured {
                 continue;
             }
             let (first, (begin, end)) = (rows[0].0, run.times());
-            if first != start {
+            if first != start || start < begin || start > end {
                 bail!(
-                    "measured trajectories: agent {id:?} is seen from t = {first:?} s on, others from {start:?} s: its \
-                     displacement from the start is not known (--measured-from plane)"
-                );
-            }
-            if start < begin || start > end {
-                bail!(
-                    "measured trajectories: they start at t = {start:?} s, the run goes from {begin:?} to {end:?} s: \
-                     where people were is not known (--measured-from plane)"
+                    "measured trajectories: agent {id:?} is seen from t = {first:?} s on, the file begins at {start:?} s, the \
+                     run goes from {begin:?} to {end:?} s: its displacement from the start is not known (--measured-from plane)"
                 );
             }
             let shift = agents[place].pose.position - rows[0].1;
@@ -104,7 +98,7 @@ impl Measured {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_core::plane::{Motion, Pose, Twist};
+    use lemons_core::plane::{Motion, Pose};
     use lemons_results::Frame;
 
     fn read(text: &str) -> Result<Measured> {
@@ -116,8 +110,8 @@ mod tests {
     #[test]
     fn displacements_begin_where_agents_start() {
         let rows = "t [s],id,x [m],y [m]\n0,a,0.5,0\n0,b,0,0\n0.1,a,0.75,-1\n";
-        let pose = |x: f64, y: f64| Pose { position: vec2(x, y), orientation: 0.0 };
-        let at = |x: f64, y: f64| Motion { pose: pose(x, y), twist: Twist::default() };
+        let pose = |x: f64, y: f64| Pose { position: vec2(x, y), ..Pose::default() };
+        let at = |x: f64, y: f64| Motion { pose: pose(x, y), ..Motion::default() };
         let run = |ids: &[&str], time: f64| Run {
             source: "run.csv".into(),
             ids: ids.iter().map(|id| (*id).to_owned()).collect(),

@@ -1,19 +1,20 @@
 //! `lemons movie`: the scene over time.
 
-use super::plot::OTHER_PARAMETERS;
-use super::source::{End, KeptFrames, Source};
-use super::style::{Scenes, StyleArguments, number, positive, seconds};
+use super::source::{KeptFrames, Source};
+use super::style::{Scenes, StyleArguments};
 use super::trial_run::TrialRun;
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
+use crate::numbers::{positive, seconds, within};
 use crate::output::Output;
+use crate::run::Until;
 use anyhow::{Context, Result, bail};
+use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use indicatif::ProgressStyle;
 use lemons_core::files::{Scratch, Staged, input};
 use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
 use lemons_results::Frame;
-use lemons_sim::stop::REST;
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -36,7 +37,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.mp4, .png or .gif")]
     output: Option<PathBuf>,
     /// Frames per second of the movie
-    #[arg(long, value_name = "FPS", default_value_t = 25.0, value_parser = rate)]
+    #[arg(long, value_name = "FPS", default_value_t = 25.0, value_parser = within(0.1, 240.0, ""))]
     frame_rate: f64,
     /// Seconds of the run per second of the movie: 0.1 is slow motion
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = positive)]
@@ -48,23 +49,19 @@ pub struct Arguments {
     /// 0.05 rad/s any more; the simulation of a Trial or FMU then ends after 1 s of standstill, at the
     /// latest after 120 s. The word left: the movie ends when everybody has left; a Trial in which people
     /// walk is run so long, as by lemons run. Default: the end of earlier results; 5 for a Trial or FMU
-    #[arg(long, value_name = "SECONDS, still or left", value_parser = end)]
-    until: Option<End>,
+    #[arg(long, value_name = "SECONDS, still or left", value_parser = until)]
+    until: Option<Until>,
     #[command(flatten)]
     _force: Force,
     #[command(flatten)]
     style: StyleArguments,
 }
 
-fn rate(text: &str) -> Result<f64, String> {
-    number(text, |value| (0.1..=240.0).contains(&value), "a number from 0.1 to 240")
-}
-
-fn end(text: &str) -> Result<End, String> {
+fn until(text: &str) -> Result<Until, String> {
     match text {
-        "still" => Ok(End::Still),
-        "left" => Ok(End::Left),
-        _ => positive(text).map(End::At).map_err(|must| format!("{must} of seconds, or still or left")),
+        "still" => Ok(Until::Still),
+        "left" => Ok(Until::Left),
+        _ => positive(text).map(Until::Time).map_err(|must| format!("{must} of seconds, or still or left")),
     }
 }
 
@@ -77,7 +74,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
             "--frame-rate {frame_rate}: a GIF shows at most {MOST_OF_GIF} frames per second"
         )));
     }
-    if let (Some(from), Some(End::At(until))) = (arguments.from, arguments.until)
+    if let (Some(from), Some(until)) = (arguments.from, arguments.until.and_then(Until::time))
         && from >= until
     {
         bail!(Misused(format!("--from {from:?} is not before --until {until:?}")));
@@ -86,13 +83,13 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     // Before there is anything that would be left.
     let interrupt = Interrupt::watch();
     let mut file = Output::open(&path)?;
-    let until = arguments.until.unwrap_or(End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME));
+    let until = arguments.until.unwrap_or(Until::Time(DEFAULT_STOP_TIME));
     let run = source.trial_run(source.runs().then_some(until), KeptFrames::All, &interrupt)?;
     let first = arguments.from.unwrap_or(run.run.times().0);
     let last = match arguments.until {
-        Some(End::At(time) | End::NotBefore(time)) => time,
-        Some(End::Still) => rest(&run, first)?,
-        Some(End::Left) => left(&run, first)?,
+        Some(Until::Time(time) | Until::Point(time)) => time,
+        Some(Until::Still) => rest(&run, first)?,
+        Some(Until::Left) => left(&run, first)?,
         None => run.run.times().1,
     };
     [first, last].into_iter().try_for_each(|time| run.check(time))?;
@@ -104,13 +101,9 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
         );
     }
     let times: Vec<f64> = (0..frames as u64).map(|k| first + k as f64 * speed_up / frame_rate).collect();
-    style.tell_sampled(&run.run, speed_up / frame_rate);
     let mut scenes = Scenes::new(style, &run, &times, &interrupt)?;
     let of_path = || path.display().to_string();
-    let mut shown = |time: &f64| {
-        let state = run.at(*time);
-        (scenes.scene(&state), scenes.style(&state))
-    };
+    let mut shown = |time: &f64| scenes.at(*time);
     let draw = |(scene, style): &(Scene, Style)| {
         let frame = pixels(&svg(scene, style), arguments.style.width);
         // Frames for ffmpeg need even sides.
@@ -134,20 +127,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     film.end().with_context(of_path)?;
     file.persist()?;
     progress.finish_and_clear();
-    if scenes.other_parameters {
-        note!("{OTHER_PARAMETERS}");
-    }
-    if let Some(still) = run.still_from().filter(|still| still + REST <= last) {
-        let time = told(still);
-        match still > first {
-            // It was asked for, as --until still does it.
-            true if arguments.until == Some(End::Still) => {}
-            true => note!("nobody moves after t = {time:?} s: to end the movie there, use --until still"),
-            false => note!("nobody moves in this movie"),
-        }
-    }
-    let seconds = frames / frame_rate;
-    say!("{}: {frames} frames, {seconds:.2} s", path.display())?;
+    say!("{}: {frames} frames, {:.2} s", path.display(), frames / frame_rate)?;
     Ok(())
 }
 
@@ -219,19 +199,48 @@ fn ffmpeg_is_there() -> bool {
 }
 
 /// A movie being written; all its frames have one size.
-struct Film<'a> {
-    size: (u32, u32),
-    writer: Writer<'a>,
+enum Film<'a> {
+    Animated(Animation<&'a mut BufWriter<Staged>>),
+    Ffmpeg(Ffmpeg, &'a mut BufWriter<Staged>),
 }
 
-enum Writer<'a> {
-    Ffmpeg(Ffmpeg, BufWriter<ChildStdin>, &'a mut BufWriter<Staged>),
-    Animated(Animation<&'a mut BufWriter<Staged>>),
+impl<'a> Film<'a> {
+    fn begin(
+        file: &'a mut BufWriter<Staged>,
+        format: Option<AnimationFormat>,
+        frame_rate: f64,
+        frames: usize,
+        first: &Pixels,
+    ) -> Result<Film<'a>> {
+        let Some(format) = format else { return Ok(Film::Ffmpeg(Ffmpeg::start(frame_rate, first)?, file)) };
+        Ok(Film::Animated(Animation::begin(file, format, frame_rate, u32::try_from(frames)?, first)?))
+    }
+
+    fn add(&mut self, frame: &Pixels) -> Result<()> {
+        match self {
+            Film::Animated(animation) => Ok(animation.add(frame)?),
+            Film::Ffmpeg(ffmpeg, _) => ffmpeg.add(frame),
+        }
+    }
+
+    fn end(self) -> Result<()> {
+        match self {
+            Film::Animated(animation) => Ok(animation.finish()?),
+            Film::Ffmpeg(mut ffmpeg, file) => {
+                ffmpeg.wait()?;
+                let made = input::open(&ffmpeg.scratch.path().join(MADE)).context("what ffmpeg made");
+                std::io::copy(&mut made?, file)?;
+                Ok(())
+            }
+        }
+    }
 }
 
 /// The running program; ended with the movie, whatever becomes of that.
 struct Ffmpeg {
     program: Child,
+    /// Takes frames, until their end.
+    frames: Option<BufWriter<ChildStdin>>,
     /// Where it writes, and what it says.
     scratch: Scratch,
 }
@@ -244,64 +253,13 @@ impl Drop for Ffmpeg {
     }
 }
 
-impl<'a> Film<'a> {
-    fn begin(
-        file: &'a mut BufWriter<Staged>,
-        format: Option<AnimationFormat>,
-        frame_rate: f64,
-        frames: usize,
-        first: &Pixels,
-    ) -> Result<Film<'a>> {
-        let size = (first.width, first.height);
-        let writer = match format {
-            None => {
-                let (ffmpeg, to) = Ffmpeg::start(frame_rate, size)?;
-                Writer::Ffmpeg(ffmpeg, to, file)
-            }
-            Some(format) => {
-                Writer::Animated(Animation::begin(file, format, frame_rate, u32::try_from(frames)?, first)?)
-            }
-        };
-        Ok(Film { size, writer })
-    }
-
-    fn add(&mut self, frame: &Pixels) -> Result<()> {
-        let (size, (width, height)) = ((frame.width, frame.height), self.size);
-        if size != self.size {
-            bail!("a frame has {} × {} pixels, those before {width} × {height}", size.0, size.1);
-        }
-        match &mut self.writer {
-            Writer::Animated(animation) => Ok(animation.add(frame)?),
-            Writer::Ffmpeg(ffmpeg, to, _) => to.write_all(&frame.rgba).or_else(|error| {
-                // It has said why.
-                ffmpeg.wait()?;
-                Err(error).context("ffmpeg")
-            }),
-        }
-    }
-
-    fn end(self) -> Result<()> {
-        match self.writer {
-            Writer::Animated(animation) => Ok(animation.finish()?),
-            Writer::Ffmpeg(mut ffmpeg, to, file) => {
-                // A broken pipe is told by ffmpeg itself.
-                let _ = to.into_inner();
-                ffmpeg.wait()?;
-                let made = input::open(&ffmpeg.scratch.path().join(MADE)).context("what ffmpeg made");
-                std::io::copy(&mut made?, file)?;
-                Ok(())
-            }
-        }
-    }
-}
-
 /// Files in its scratch directory.
 const MADE: &str = "movie.mp4";
 const SAID: &str = "said";
 
 impl Ffmpeg {
-    /// Starts the program, with where it takes frames of a size \[px\].
-    fn start(frame_rate: f64, (width, height): (u32, u32)) -> Result<(Ffmpeg, BufWriter<ChildStdin>)> {
+    /// Starts the program for frames of the size of the first.
+    fn start(frame_rate: f64, Pixels { width, height, .. }: &Pixels) -> Result<Ffmpeg> {
         // It goes back in the file to put the index first, so it cannot write to a pipe.
         let scratch = Scratch::new().context("cannot make a temporary directory")?;
         let said = File::create(scratch.path().join(SAID)).context("cannot make a temporary file")?;
@@ -320,15 +278,25 @@ impl Ffmpeg {
             .stderr(said)
             .spawn()
             .context("cannot start ffmpeg")?;
-        let to = BufWriter::new(program.stdin.take().context("ffmpeg takes no frames")?);
-        Ok((Ffmpeg { program, scratch }, to))
+        let frames = program.stdin.take().map(BufWriter::new);
+        Ok(Ffmpeg { program, frames, scratch })
     }
 
-    /// Waits for its end.
+    fn add(&mut self, frame: &Pixels) -> Result<()> {
+        match self.frames.as_mut().map_or(Ok(()), |frames| frames.write_all(&frame.rgba)) {
+            Ok(()) => Ok(()),
+            // It has said why.
+            Err(error) => self.wait().and(Err(error).context("ffmpeg")),
+        }
+    }
+
+    /// Ends its input, and waits for its end.
     ///
     /// # Errors
     /// It failed, and why.
     fn wait(&mut self) -> Result<()> {
+        // A broken pipe is told by ffmpeg itself.
+        let _ = self.frames.take().map(BufWriter::into_inner);
         let status = self.program.wait().context("ffmpeg")?;
         if !status.success() {
             let said = self.scratch.path().join(SAID);

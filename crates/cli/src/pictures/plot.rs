@@ -1,22 +1,23 @@
 //! `lemons plot`: scenes, time series, a map of density.
 
 use super::quantity::{Quantity, Shown};
-use super::source::{End, KeptFrames, Source};
-use super::style::{Scenes, StyleArguments, number, seconds};
-use super::trial_run::{CrowdState, TrialRun, nothing_between};
+use super::source::{KeptFrames, Source};
+use super::style::{Scenes, StyleArguments};
+use super::trial_run::{TrialRun, nothing_between};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
+use crate::numbers::{seconds, within as number_within};
 use crate::output::Output;
 use crate::run::{Until, until};
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use lemons_core::plane::Vec2;
 use lemons_picture::{
     Chart, ChartPanel, ChartStyle, DENSITY_KERNEL, DensityMap, Line, Scene, Style, chart_svg, pdf, png,
     sheet, svg, titled,
 };
+use lemons_results::Frame;
 use lemons_results::measure::within;
-use lemons_results::{Frame, Run};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -45,8 +46,9 @@ pub struct Arguments {
     /// not spread through walls
     #[arg(long)]
     density: bool,
+    // Narrower ones need more cells than a picture has pixels.
     /// Standard deviation of the Gaussian of each person in the density map, in metres
-    #[arg(long, value_name = "METRES", requires = "density", default_value_t = DENSITY_KERNEL, value_parser = kernel)]
+    #[arg(long, value_name = "METRES", requires = "density", default_value_t = DENSITY_KERNEL, value_parser = number_within(0.02, 100.0, " (m)"))]
     kernel: f64,
     /// Start of time series and density map, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
@@ -60,11 +62,6 @@ pub struct Arguments {
     _force: Force,
     #[command(flatten)]
     style: StyleArguments,
-}
-
-/// \[m\] Narrower ones need more cells than a picture has pixels.
-fn kernel(text: &str) -> Result<f64, String> {
-    number(text, |value| (0.02..=100.0).contains(&value), "a number of metres from 0.02 to 100")
 }
 
 pub fn plot(arguments: &Arguments) -> Result<()> {
@@ -147,27 +144,18 @@ fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, at, style, .. } = arguments;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
     let wanted = if style.needs_all() { KeptFrames::All } else { KeptFrames::Around(at.clone()) };
-    let run = source.trial_run(latest.map(End::NotBefore), wanted, interrupt)?;
+    let run = source.trial_run(latest.map(Until::Point), wanted, interrupt)?;
     at.iter().try_for_each(|time| run.check(*time))?;
     // Poses between two frames would stand beside forces of one of them.
     let asked = if at.is_empty() { vec![run.run.times().1] } else { at.clone() };
     let times: Vec<f64> = asked.iter().map(|time| run.run.frames[run.nearest(*time)].time).collect();
     let mut all = Scenes::new(style, &run, &times, interrupt)?;
-    let states: Vec<CrowdState> = times.iter().map(|time| run.at(*time)).collect();
-    let scenes: Vec<Scene> = states.iter().map(|state| all.scene(state)).collect();
-    let styles: Vec<Style> = states.iter().map(|state| all.style(state)).collect();
-    if all.other_parameters {
-        note!("{OTHER_PARAMETERS}");
-    }
-    let panels: Vec<(&Scene, &Style)> = scenes.iter().zip(&styles).collect();
-    let size = scenes[0].view.unwrap_or_else(|| scenes[0].extent()).size();
+    let drawn: Vec<(Scene, Style)> = times.iter().map(|time| all.at(*time)).collect();
+    let panels: Vec<(&Scene, &Style)> = drawn.iter().map(|(scene, style)| (scene, style)).collect();
+    let size = drawn[0].0.view.unwrap_or_else(|| drawn[0].0.extent()).size();
     let columns = arguments.columns.map_or_else(|| columns(panels.len(), size.x / size.y), |n| n as usize);
     Ok(sheet(&panels, columns))
 }
-
-/// Warning beside forces.
-pub const OTHER_PARAMETERS: &str = "warning: with the Trial's parameters the contacts would not have the squeeze that \
-    the run recorded: the forces shown are not the run's (give what was set: --set)";
 
 /// Returns the number of columns with which a sheet is about as wide as a page is.
 fn columns(panels: usize, aspect: f64) -> usize {
@@ -189,8 +177,7 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let times: Vec<f64> = frames.iter().map(|frame| frame.time).collect();
     let Some(&last) = times.last() else { bail!(nothing_between(&run.run, from, until)) };
     let mut scenes = Scenes::new(style, &run, &times, interrupt)?;
-    let state = run.at(last);
-    let mut scene = scenes.scene(&state);
+    let (mut scene, style_then) = scenes.at(last);
     let one = times.len() == 1;
     if !one {
         // Bodies, forces and trails are of one time.
@@ -204,7 +191,7 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     note!("density: {}", map.described());
     scene.density = Some(map);
     let time = one.then_some(last);
-    Ok(svg(&scene, &Style { time, range: style.range, ..scenes.style(&state) }))
+    Ok(svg(&scene, &Style { time, range: style.range, ..style_then }))
 }
 
 /// Draws one panel for each quantity, one line for each agent; measured positions beside simulated ones.
@@ -225,7 +212,12 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
             run.source.display()
         );
     }
-    let places = places(&run, &arguments.agents)?;
+    let place = |id: &String| {
+        let place = run.ids.iter().position(|known| known == id);
+        place.with_context(|| format!("{}: there is no agent {id:?}", run.source.display()))
+    };
+    let agents = if arguments.agents.is_empty() { &run.ids } else { &arguments.agents };
+    let places = agents.iter().map(place).collect::<Result<Vec<usize>>>()?;
     let (from, until) = arguments.times();
     let within = |time: f64| within(time, from, until);
     if !run.frames.iter().any(|frame| within(frame.time)) {
@@ -269,15 +261,4 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let chart = Chart { x: "time (s)".to_owned(), panels: panels.collect(), noun: "agent".to_owned() };
     let (width, theme) = (f64::from(style.width), style.theme());
     Ok(chart_svg(&chart, &ChartStyle { width, theme, ..ChartStyle::default() }))
-}
-
-fn places(run: &Run, agents: &[String]) -> Result<Vec<usize>> {
-    if agents.is_empty() {
-        return Ok((0..run.ids.len()).collect());
-    }
-    let place = |id: &String| match run.ids.iter().position(|known| known == id) {
-        Some(place) => Ok(place),
-        None => bail!("{}: there is no agent {id:?}", run.source.display()),
-    };
-    agents.iter().map(place).collect()
 }

@@ -91,7 +91,8 @@ impl Shown {
         let quantity = quantity.known_of(run);
         let over = over.filter(|_| quantity.is_mean());
         if let Some(over) = over {
-            let longest = longest_gap(run);
+            let gaps = run.frames.windows(2).map(|pair| pair[1].time - pair[0].time);
+            let longest = gaps.fold(0.0, f64::max);
             if longest > over * (1.0 + 1e-9) {
                 bail!(Misused(format!(
                     "--over {over:?}: shorter than the time between two frames, {longest:.6} s"
@@ -158,11 +159,6 @@ impl Shown {
     }
 }
 
-/// \[s\] The longest time between two frames.
-pub fn longest_gap(run: &Run) -> f64 {
-    run.frames.windows(2).map(|pair| pair[1].time - pair[0].time).fold(0.0, f64::max)
-}
-
 /// \[N\] Of each frame the mean squeeze of everybody over a time \[s\], or over the step that ends there; or the greatest
 /// until then. NaN where it is not known yet.
 fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
@@ -188,24 +184,20 @@ fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_results::Observed;
+    use lemons_results::columns::{ALL, Row};
     use lemons_results::measure::Exposure;
     use std::path::PathBuf;
 
     /// Two people for three seconds, in steps of 0.1 s. The second one leaves after two.
     fn run() -> Run {
+        let row = |mean: f64, there: bool| {
+            let mut row = Row::default();
+            (row[10], row[11], row[13]) = (mean, mean, there.into());
+            row
+        };
         let frame = |k: u32| {
-            let of_step =
-                |mean: f64| OfStep { mean_normal_force: mean, peak_normal_force: mean, peak_overlap: 0.0 };
             let means = [f64::from(k * 37 % 11) * 30.0, f64::from(k * 13 % 7) * 50.0];
-            let observed = means.map(|mean| Observed { of_step: Some(of_step(mean)), ..Observed::default() });
-            Frame {
-                time: 0.1 * f64::from(k),
-                agents: vec![Motion::default(); 2],
-                observed: Some(observed.to_vec()),
-                active: Some(vec![true, k < 20]),
-                ..Frame::default()
-            }
+            Frame::of_rows(0.1 * f64::from(k), &[row(means[0], true), row(means[1], k < 20)], ALL)
         };
         Run {
             source: PathBuf::new(),

@@ -1,14 +1,15 @@
 //! What `lemons plot` and `lemons movie` show, and `lemons measure` measures: a Trial, an FMU, or the record of a run.
 
-use super::style::positive;
 use super::trial_run::TrialRun;
 use crate::decide::Walk;
 use crate::embedded::InMemory;
 use crate::error::Misused;
 use crate::export::{expect_table, recorded, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::run::{Ends, Job, RowTarget, Until, drive_of, name_and_value_of_all, not_set, simulate};
+use crate::numbers::positive;
+use crate::run::{Job, RowTarget, Until, drive_of, name_and_value_of_all, not_set, simulate};
 use anyhow::{Context, Result, bail};
+use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_master::Settings;
@@ -55,44 +56,17 @@ pub struct Source {
 /// Communication steps of a run that is made to be shown: its table is a temporary file.
 const MOST_STEPS: u64 = 1_000_000;
 
-/// When a run that is made now ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum End {
-    /// \[s\]
-    At(f64),
-    /// \[s\] At the first communication point that is not before: the last step is as long as the others.
-    NotBefore(f64),
-    /// When all have come to rest, and at [`LATEST`].
-    Still,
-    /// When nobody is there any more, and at [`lemons_results::measure::LATEST`].
-    Left,
-}
-
-/// \[s\] Crowds that push for ever never come to rest.
-pub const LATEST: f64 = 120.0;
-
 /// A run in memory, or in its file.
 enum Found {
     Made(Run),
     Recorded(Record),
 }
 
-impl End {
-    /// \[s\]
-    fn latest(self) -> f64 {
-        match self {
-            End::At(time) | End::NotBefore(time) => time,
-            End::Still => LATEST,
-            End::Left => lemons_results::measure::LATEST,
-        }
-    }
-}
-
 impl Source {
     /// Opens it: a Trial or an FMU is run until then; without an end it is shown as it begins. A table may come without a Trial.
     pub fn open(
         &self,
-        until: Option<End>,
+        until: Option<Until>,
         wanted: KeptFrames,
         interrupt: &Interrupt,
     ) -> Result<(Option<Trial>, Run)> {
@@ -105,7 +79,7 @@ impl Source {
     }
 
     /// Opens it as [`Source::open`] with all frames; those of earlier results stay in their file.
-    pub fn record_of(&self, until: Option<End>, interrupt: &Interrupt) -> Result<(Option<Trial>, Record)> {
+    pub fn record_of(&self, until: Option<Until>, interrupt: &Interrupt) -> Result<(Option<Trial>, Record)> {
         let (trial, found) = self.find(until, KeptFrames::All, interrupt)?;
         let record = match found {
             Found::Made(run) => run.into(),
@@ -116,31 +90,26 @@ impl Source {
 
     fn find(
         &self,
-        until: Option<End>,
+        until: Option<Until>,
         wanted: KeptFrames,
         interrupt: &Interrupt,
     ) -> Result<(Option<Trial>, Found)> {
-        let runs = self.runs();
+        let (runs, path) = (self.runs(), self.path.display());
         if !runs && (self.drive.is_some() || self.no_drive || self.walk.given() || self.step.is_some()) {
-            let path = self.path.display();
-            return Err(Misused(format!(
+            bail!(Misused(format!(
                 "{path} contains the results of an earlier run: --drive, --no-drive, --plan, --no-plan and --step are only for a Trial or an FMU, which is simulated first"
-            ))
-            .into());
+            )));
         }
-        if self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp")) {
+        if self.ends_in("ssp") {
             bail!(
-                "{}: an SSP cannot be drawn: run it with lemons run, and give the trajectories.csv of this run",
-                self.path.display()
+                "{path}: an SSP cannot be drawn: run it with lemons run, and give the trajectories.csv of this run"
             );
         }
         if !self.more.is_empty() && (runs || self.path.is_dir()) {
-            let path = self.path.display();
-            return Err(Misused(format!("{path}: is no table: only tables of one run can be several")).into());
+            bail!(Misused(format!("{path}: is no table: only tables of one run can be several")));
         }
         if !runs && self.memory.is_none() {
-            expect_table(&self.path)?;
-            self.more.iter().try_for_each(|path| expect_table(path))?;
+            [&self.path].into_iter().chain(&self.more).try_for_each(|path| expect_table(path))?;
         }
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
         let mut trial = match &self.memory {
@@ -163,17 +132,16 @@ impl Source {
                 let step = self.step.unwrap_or(trial.parameters.time_step);
                 let clock = Clock::new(0.0, step, until.latest());
                 let clock = clock.and_then(|clock| clock.check_at_most(MOST_STEPS).map(|()| clock));
-                let clock = clock.with_context(|| self.path.display().to_string())?;
+                let clock = clock.with_context(|| path.to_string())?;
                 let until = match until {
-                    End::NotBefore(_) => End::At(clock.point(clock.steps)),
+                    Until::Point(_) => Until::Time(clock.point(clock.steps)),
                     until => until,
                 };
                 Found::Made(self.record(until, wanted, interrupt)?)
             }
             (true, None, Some(trial)) => Found::Made(still(&self.path, trial)),
             (_, _, None) if self.path.is_dir() => bail!(
-                "{}: is not a Trial (it has no Parameters.xml); for an OutputDirectory, give the Trial or FMU of the run with --trial",
-                self.path.display()
+                "{path}: is not a Trial (it has no Parameters.xml); for an OutputDirectory, give the Trial or FMU of the run with --trial"
             ),
             (_, _, trial) => {
                 let record = recorded(&self.path, &self.more, self.memory.as_deref(), trial.as_ref())?;
@@ -188,23 +156,20 @@ impl Source {
     ///
     /// # Errors
     /// Earlier results are to end when everybody has left.
-    pub fn end(&self, until: Option<Until>) -> Result<Option<End>> {
-        match until {
-            Some(Until::Left) if !self.runs() => Err(Misused(
-                "--until left is for a Trial that is run now; earlier results have an end".into(),
-            )
-            .into()),
-            _ if !self.runs() => Ok(None),
-            Some(Until::Left) => Ok(Some(End::Left)),
-            Some(Until::Time(time)) => Ok(Some(End::At(time))),
-            None => Ok(Some(End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME))),
+    pub fn end(&self, until: Option<Until>) -> Result<Option<Until>> {
+        if self.runs() {
+            return Ok(Some(until.unwrap_or(Until::Time(DEFAULT_STOP_TIME))));
         }
+        if until == Some(Until::Left) {
+            bail!(Misused("--until left is for a Trial that is run now; earlier results have an end".into()));
+        }
+        Ok(None)
     }
 
     /// Opens it as [`Source::open`], with shapes and walls.
     pub fn trial_run(
         &self,
-        until: Option<End>,
+        until: Option<Until>,
         wanted: KeptFrames,
         interrupt: &Interrupt,
     ) -> Result<TrialRun> {
@@ -220,15 +185,16 @@ impl Source {
 
     /// Returns whether it is something to run.
     pub fn runs(&self) -> bool {
-        if self.memory.is_some() {
-            return false;
-        }
-        let ends = |with: &str| self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case(with));
-        ends("fmu") || ends("zip") || self.path.join("Parameters.xml").is_file()
+        let is_trial = || self.path.join("Parameters.xml").is_file();
+        self.memory.is_none() && (self.ends_in("fmu") || self.ends_in("zip") || is_trial())
+    }
+
+    fn ends_in(&self, extension: &str) -> bool {
+        self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case(extension))
     }
 
     /// Runs it as `lemons run` does, in memory.
-    fn record(&self, until: End, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Run> {
+    fn record(&self, until: Until, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Run> {
         let settings = Settings {
             parameters: name_and_value_of_all(&self.settings)?,
             step: self.step,
@@ -238,24 +204,18 @@ impl Source {
             ..Settings::of(&self.path)
         };
         let rows = RowTarget::Memory(wanted);
-        let ends = match until {
-            End::At(_) | End::NotBefore(_) => Ends::AtTime,
-            End::Still => Ends::Still,
-            End::Left => Ends::Left,
-        };
-        let job = Job { settings, rows, outputs: None, state: None, ends, keeps_poses: false };
+        let until = Some(until);
+        let job = Job { settings, rows, outputs: None, state: None, until, keeps_poses: false };
         let mut ended = simulate(job, interrupt)?;
         ended.complete()?;
         if ended.stopped.is_some() {
             return Err(Interrupted::given_up().into());
         }
-        let none = || {
-            format!(
-                "{}: it is not a crowd: it has no variables such as agent[0].Position.x, so there is nothing to show",
-                self.path.display()
-            )
-        };
-        Ok(Run { source: self.path.clone(), ..ended.recorded.with_context(none)? })
+        let path = self.path.display();
+        let none = format!(
+            "{path}: it is not a crowd: it has no variables such as agent[0].Position.x, so there is nothing to show"
+        );
+        Ok(Run { source: self.path.clone(), ..ended.recorded.context(none)? })
     }
 }
 

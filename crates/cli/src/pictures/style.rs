@@ -1,20 +1,24 @@
 //! The style of scenes: options that `lemons plot` and `lemons movie` share, and the scenes of a run in it.
 
 use super::measured::{Measured, Origin};
-use super::quantity::{Quantity, Shown, longest_gap};
-use super::spread::Spread;
-use super::trial_run::{CrowdState, Replay, TrialRun};
+use super::quantity::{Quantity, Shown};
+use super::trial_run::{CrowdState, TrialRun};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
+use crate::numbers::{array, number, positive};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
+use crowd_mechanics::engine::PairForce;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_picture::{Bounds, Colour, Fill, Force, Scene, Style, Theme, Trail, Values, ids_without_room};
-use lemons_results::Run;
+use lemons_results::{Observed, Run};
+use lemons_sim::Replay;
 use std::path::PathBuf;
 
 /// \[m\] A trail's points are not nearer than this to each other.
 const TRAIL_STEP: f64 = 0.005;
+/// \[1\], \[N\] Recorded and computed squeezes agree to this.
+const AGREEMENT: (f64, f64) = (1e-3, 1.0);
 /// The colour bar ends at this quantile of the values that are not zero.
 const CLIP: f64 = 0.98;
 
@@ -41,7 +45,7 @@ pub struct StyleArguments {
     #[arg(long, value_name = "NEWTONS", requires = "forces", value_parser = positive)]
     widest: Option<f64>,
     /// Draw the path of everybody; --trails=2: the path of the last two seconds
-    #[arg(long, value_name = "SECONDS", num_args = 0..=1, require_equals = true, default_missing_value = "inf", value_parser = trail)]
+    #[arg(long, value_name = "SECONDS", num_args = 0..=1, require_equals = true, default_missing_value = "inf", value_parser = number(|value| value > 0.0, "a positive number of seconds"))]
     trails: Option<f64>,
     /// Draw measured trajectories, dashed: a CSV file with columns t,id,x,y; id is the Id in Agents.xml
     #[arg(long, value_name = "FILE.csv")]
@@ -67,19 +71,18 @@ pub struct StyleArguments {
 }
 
 /// Meaning of the colour of a body.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone)]
 pub enum Filling {
-    Area,
     Of(Quantity),
-    Single(Colour),
+    Other(Fill),
 }
 
 fn filling(text: &str) -> Result<Filling, String> {
     if text == "area" {
-        return Ok(Filling::Area);
+        return Ok(Filling::Other(Fill::BodyArea));
     }
     if let Some(colour) = colour(text) {
-        return Ok(Filling::Single(colour));
+        return Ok(Filling::Other(Fill::Single(colour)));
     }
     match Quantity::from_str(text, false) {
         Ok(quantity) if !matches!(quantity, Quantity::X | Quantity::Y) => Ok(Filling::Of(quantity)),
@@ -93,42 +96,18 @@ fn colour(text: &str) -> Option<Colour> {
     Some(Colour(part(0)?, part(2)?, part(4)?))
 }
 
-fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
-    let numbers: Vec<f64> = text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
-    let numbers: [f64; N] = numbers.try_into().ok()?;
-    numbers.iter().all(|number| number.is_finite()).then_some(numbers)
-}
-
 fn range(text: &str) -> Result<(f64, f64), String> {
-    match numbers(text) {
+    match array(text) {
         Some([low, high]) if low < high => Ok((low, high)),
         _ => Err("must be two numbers, the lower first, as in 0,500".into()),
     }
 }
 
 fn view(text: &str) -> Result<Bounds, String> {
-    match numbers(text) {
+    match array(text) {
         Some([x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Bounds { low: vec2(x0, y0), high: vec2(x1, y1) }),
         _ => Err("must be the lower left and the upper right corner, as in -1,0,4,2.5".into()),
     }
-}
-
-/// Reads a number that fits, or says what it must be.
-pub fn number(text: &str, fits: impl Fn(f64) -> bool, must: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|value| fits(*value)).ok_or_else(|| format!("must be {must}"))
-}
-
-pub fn positive(text: &str) -> Result<f64, String> {
-    number(text, |value| value > 0.0 && value.is_finite(), "a positive number")
-}
-
-/// Reads a time.
-pub fn seconds(text: &str) -> Result<f64, String> {
-    number(text, f64::is_finite, "a number of seconds")
-}
-
-fn trail(text: &str) -> Result<f64, String> {
-    number(text, |value| value > 0.0, "a positive number of seconds")
 }
 
 /// The scenes of one run: all in one view, their colours and widths on one scale.
@@ -137,15 +116,15 @@ pub struct Scenes<'r> {
     run: &'r TrialRun,
     measured: Option<Measured>,
     /// If forces are shown.
-    replay: Option<Replay>,
+    replay: Option<Replay<'r>>,
     /// A scene without poses, trails and forces.
     scene: Scene<'r>,
     /// A style without values and time.
     style: Style,
     /// The quantity that colours show, unless they are of areas or a single one.
     shown: Option<Shown>,
-    /// True if forces were shown that the run did not have: it had other parameters than the Trial.
-    pub other_parameters: bool,
+    /// True if it was told that the run had other parameters than the Trial.
+    told: bool,
 }
 
 /// Returns how many decimals it takes to tell the times, from 2 to 4.
@@ -169,28 +148,17 @@ impl StyleArguments {
 
     /// Returns whether scenes depend on all that was before.
     pub fn needs_all(&self) -> bool {
-        self.shows_trails() || self.over.is_some() || self.fill == Filling::Of(Quantity::GreatestSqueeze)
+        self.shows_trails() || self.over.is_some() || self.quantity() == Some(Quantity::GreatestSqueeze)
     }
 
-    /// Says so if colours are of single steps, and those between two pictures of a movie \[s\] are not shown.
-    pub fn tell_sampled(&self, run: &Run, between: f64) {
-        let of_step = match self.fill {
-            Filling::Of(Quantity::Squeeze) => self.over.is_none(),
-            Filling::Of(quantity) => quantity == Quantity::PeakSqueeze,
-            _ => false,
-        };
-        let longest = longest_gap(run);
-        if of_step && longest > 0.0 && between > 1.5 * longest {
-            note!(
-                "note: each picture shows one step of {longest:.6} s, and the next picture is {between:.6} s later: what \
-                 is between is not shown (--fill squeeze --over 1: means over the last second)"
-            );
-        }
+    /// Returns the quantity that colours show, if they do.
+    fn quantity(&self) -> Option<Quantity> {
+        if let Filling::Of(quantity) = self.fill { Some(quantity) } else { None }
     }
 
     /// Checks that means over a time are shown where they are asked for: as colours, or in `series`.
     pub fn check(&self, series: &[Quantity]) -> Result<()> {
-        let colours = if let Filling::Of(quantity) = self.fill { Some(quantity) } else { None };
+        let colours = self.quantity();
         if self.over.is_some() && !series.iter().chain(&colours).any(|quantity| quantity.is_mean()) {
             bail!(Misused(
                 "--over is for squeeze and greatest-squeeze (--fill, --series), and neither is shown".into()
@@ -214,10 +182,7 @@ impl<'r> Scenes<'r> {
         times: &[f64],
         interrupt: &Interrupt,
     ) -> Result<Scenes<'r>> {
-        let shown = match arguments.fill {
-            Filling::Of(quantity) => Some(Shown::of(quantity, &run.run, arguments.over)?),
-            _ => None,
-        };
+        let shown = arguments.quantity().map(|of| Shown::of(of, &run.run, arguments.over)).transpose()?;
         let mut scenes = Scenes {
             arguments,
             run,
@@ -226,10 +191,10 @@ impl<'r> Scenes<'r> {
             scene: Scene::at_start(&run.trial),
             style: Style::default(),
             shown,
-            other_parameters: false,
+            told: false,
         };
         // One time after the other: states of a long movie would not go into memory together.
-        let (mut spread, mut widest, mut extent) = (Spread::default(), arguments.widest, None::<Bounds>);
+        let (mut spread, mut widest, mut extent) = (Vec::new(), arguments.widest, None::<Bounds>);
         let mut extend =
             |own: Bounds| extent = Bounds::of(extent.into_iter().chain([own]).flat_map(|b| [b.low, b.high]));
         let mut beyond = false;
@@ -239,7 +204,7 @@ impl<'r> Scenes<'r> {
             for value in scenes.shown.iter().flat_map(|shown| shown.of_all(&state)) {
                 match arguments.range {
                     Some((_, high)) => beyond |= value > high,
-                    None => spread.add(value),
+                    None => spread.push(value),
                 }
             }
             if arguments.widest.is_none() {
@@ -255,17 +220,17 @@ impl<'r> Scenes<'r> {
         }
         scenes.scene.view = arguments.view.or(extent);
         // A spike of a millisecond would leave all others at the low end. Without any but zeros the picture says so.
-        let clipped = spread.quantile(CLIP);
+        let clipped = clipped(spread);
         scenes.style = Style {
             width: f64::from(arguments.width),
-            fill: match (&scenes.shown, arguments.fill) {
-                (Some(shown), _) => {
+            fill: match (&arguments.fill, &scenes.shown) {
+                (Filling::Other(fill), _) => fill.clone(),
+                (Filling::Of(_), None) => Fill::BodyArea,
+                (Filling::Of(_), Some(shown)) => {
                     let quantile = clipped.and_then(|(_, beyond)| beyond.then_some(CLIP));
                     let values = Values::of(Vec::new(), &shown.label(), shown.unit());
                     Fill::Values(Values { quantile, beyond, map: shown.map(), ..values })
                 }
-                (None, Filling::Single(colour)) => Fill::Single(colour),
-                (None, _) => Fill::BodyArea,
             },
             range: arguments.range.or(clipped.map(|(high, _)| (0.0, high))),
             theme: arguments.theme(),
@@ -282,30 +247,40 @@ impl<'r> Scenes<'r> {
         Ok(scenes)
     }
 
-    /// Returns the scene of a crowd at one time.
-    pub fn scene(&mut self, state: &CrowdState) -> Scene<'r> {
-        let length = self.arguments.trails.unwrap_or(f64::INFINITY);
-        let trails = if self.arguments.shows_trails() { self.trails(state, length) } else { Vec::new() };
-        let (poses, forces) = (state.poses(), self.forces(state));
+    /// Returns the scene at a time \[s\], and its style.
+    pub fn at(&mut self, time: f64) -> (Scene<'r>, Style) {
+        let (run, length) = (self.run, self.arguments.trails.unwrap_or(f64::INFINITY));
+        let state = &run.at(time);
         let mut scene = self.scene.clone();
-        (scene.poses, scene.trails, scene.forces) = (poses, trails, forces);
-        scene
-    }
-
-    /// Returns its style.
-    pub fn style(&self, state: &CrowdState) -> Style {
+        (scene.poses, scene.forces) = (state.poses(), self.forces(state));
+        scene.trails = if self.arguments.shows_trails() { self.trails(state, length) } else { Vec::new() };
         let mut style = Style { time: Some(state.time), ..self.style.clone() };
         if let (Some(shown), Fill::Values(values)) = (&self.shown, &mut style.fill) {
             values.values = shown.of_all(state);
         }
-        style
+        (scene, style)
     }
 
+    /// Returns the normal forces at the nearest frame: for each two that touch, their contacts together, from body to body;
+    /// for each wall, from the body to where it touches.
     fn forces(&mut self, state: &CrowdState) -> Vec<Force> {
         let Some(replay) = &mut self.replay else { return Vec::new() };
-        let (forces, agree) = replay.forces(state);
-        self.other_parameters |= !agree;
-        forces
+        // No run of this Trial has too many in one place.
+        let put = replay.put(state.frame).is_ok();
+        let recorded = state.frame.observed.iter().flatten();
+        let agrees = put && replay.observed().iter().zip(recorded).all(agree);
+        if !(agrees || self.told) {
+            self.told = true;
+            note!(
+                "warning: with the Trial's parameters the contacts would not have the squeeze that the run recorded: the \
+                 forces shown are not the run's (give what was set: --set)"
+            );
+        }
+        if !put {
+            return Vec::new();
+        }
+        let force = |PairForce { from, to, normal_force }| Force { from, to, normal_force };
+        replay.forces(&state.poses()).into_iter().map(force).collect()
     }
 
     /// Simulated ones, then measured ones, of so many seconds until then.
@@ -330,6 +305,27 @@ impl<'r> Scenes<'r> {
     }
 }
 
+/// Returns the quantile [`CLIP`] of the positive values by nearest rank, and whether any is beyond it. Values that agree to
+/// a thousandth count together, as the largest of them.
+fn clipped(mut values: Vec<f64>) -> Option<(f64, bool)> {
+    /// Bits of a number that are left out: ten bits of its mantissa remain.
+    const FINE: u32 = 42;
+    values.retain(|value| *value > 0.0 && value.is_finite());
+    values.sort_by(f64::total_cmp);
+    // The rounding of 0.98 · 50 is not a rank.
+    let rank = (CLIP * values.len() as f64 - 1e-6).ceil().max(1.0) as usize;
+    let bin = values.get(rank - 1)?.to_bits() >> FINE;
+    let upto = values.partition_point(|value| value.to_bits() >> FINE <= bin);
+    Some((values[upto - 1], upto < values.len()))
+}
+
+/// Returns whether computed and recorded squeeze agree, or the run had other parameters.
+fn agree((computed, recorded): (&Observed, &Observed)) -> bool {
+    let [computed, recorded] = [computed, recorded].map(|seen| seen.normal_force);
+    let (relative, absolute) = AGREEMENT;
+    (computed - recorded).abs() <= absolute + relative * recorded.max(computed)
+}
+
 /// Returns points without those nearer than this to the one before.
 fn thinned(points: impl Iterator<Item = Vec2>) -> Vec<Vec2> {
     let mut kept: Vec<Vec2> = Vec::new();
@@ -339,4 +335,16 @@ fn thinned(points: impl Iterator<Item = Vec2>) -> Vec<Vec2> {
         }
     }
     kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quantile_is_that_of_the_nearest_rank() {
+        assert_eq!(clipped(vec![0.0, -3.0, f64::NAN, f64::INFINITY]), None);
+        assert_eq!(clipped((0..=50).rev().map(f64::from).collect()), Some((49.0, true)));
+        assert_eq!(clipped(vec![2.0, 2.0 + 1e-9]), Some((2.0 + 1e-9, false)));
+    }
 }

@@ -1,12 +1,11 @@
 //! A run of a Trial at any time: between its frames everything is linear.
 
 use anyhow::bail;
-use crowd_mechanics::engine::{BodyId, Crowded, PairForce, State, World};
-use crowd_mechanics::setup::{Setup, WorldError};
+use crowd_mechanics::setup::WorldError;
 use lemons_core::plane::{Motion, Pose, vec2};
 use lemons_core::trial::Trial;
-use lemons_picture::Force;
-use lemons_results::{Frame, Observed, Run};
+use lemons_results::{Frame, Run};
+use lemons_sim::Replay;
 use lemons_sim::stop::moves;
 
 /// The crowd at one time.
@@ -30,9 +29,6 @@ impl CrowdState<'_> {
     }
 }
 
-/// \[1\], \[N\] Recorded and computed squeezes agree to this, or the run had other parameters.
-const AGREEMENT: (f64, f64) = (1e-3, 1.0);
-
 /// \[s\] Times are sums of steps: rounding does not leave a frame out.
 const ROUNDING: f64 = 1e-9;
 
@@ -42,24 +38,13 @@ pub struct TrialRun {
     pub run: Run,
 }
 
-/// The Trial's bodies, put where a run had them.
-pub struct Replay(World);
-
 impl TrialRun {
     /// A run of the Trial's agents, in their order.
     pub fn new(trial: Trial, mut run: Run) -> Result<TrialRun, WorldError> {
         let mut replay = Replay::new(&trial)?;
         for frame in run.frames.iter_mut().filter(|frame| frame.observed.is_none()) {
-            replay.put(frame).map_err(|crowded| Setup::of(&trial).too_crowded(crowded))?;
-            let bodies = replay.0.contacts().bodies.iter();
-            let seen = bodies.map(|body| Observed {
-                agent_contacts: body.agent_contacts,
-                wall_contacts: body.wall_contacts,
-                contacting_agents: body.touching_bodies,
-                normal_force: body.squeeze,
-                of_step: None,
-            });
-            frame.observed = Some(seen.collect());
+            replay.put(frame)?;
+            frame.observed = Some(replay.observed());
         }
         Ok(TrialRun { trial, run })
     }
@@ -94,40 +79,6 @@ impl TrialRun {
         let after = frames.partition_point(|frame| frame.time <= time).min(frames.len() - 1);
         let before = after.saturating_sub(1);
         if time - frames[before].time < frames[after].time - time { before } else { after }
-    }
-}
-
-impl Replay {
-    pub fn new(trial: &Trial) -> Result<Replay, WorldError> {
-        Ok(Replay(Setup::of(trial).world()?))
-    }
-
-    fn put(&mut self, frame: &Frame) -> Result<(), Crowded> {
-        for place in 0..frame.agents.len() {
-            self.0.set_present(BodyId::from(place), frame.is_there(place));
-        }
-        let (poses, twists) = frame.agents.iter().map(|agent| (agent.pose, agent.twist)).unzip();
-        self.0.restore(State::new(poses, twists))
-    }
-
-    /// Returns the normal forces at the nearest frame: for each two that touch, their contacts together, from body to
-    /// body; for each wall, from the body to where it touches.
-    ///
-    /// Also whether they are those that the run recorded; a run with other parameters had others.
-    pub fn forces(&mut self, state: &CrowdState) -> (Vec<Force>, bool) {
-        if self.put(state.frame).is_err() {
-            // No run of this Trial has so many in one place.
-            return (Vec::new(), false);
-        }
-        let force = |PairForce { from, to, normal_force }| Force { from, to, normal_force };
-        let forces = self.0.pair_forces(&state.poses()).into_iter().map(force).collect();
-        let (relative, absolute) = AGREEMENT;
-        let recorded = state.frame.observed.iter().flatten();
-        let agree = self.0.contacts().bodies.iter().zip(recorded).all(|(computed, recorded)| {
-            (computed.squeeze - recorded.normal_force).abs()
-                <= absolute + relative * recorded.normal_force.max(computed.squeeze)
-        });
-        (forces, agree)
     }
 }
 

@@ -71,7 +71,7 @@ pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> 
     parameters.retain(|(name, _)| !named(name, "OutputDirectory"));
     let settings = Settings { parameters, tolerance: Some(accuracy), saves: false, ..job.settings.clone() };
     let rows = Target::Memory(KeptFrames::Around(Vec::new()));
-    let first = Job { settings, rows, outputs: None, state: None, keeps_poses: true, ends: job.ends };
+    let first = Job { settings, rows, outputs: None, state: None, keeps_poses: true, until: job.until };
     let coarse = simulate(first, interrupt)?;
     if let Some(time) = coarse.stopped {
         return Err(interrupted(format!(

@@ -3,13 +3,12 @@
 use super::model::{CrowdInfo, Prepared, RunModel, record_of};
 use super::outputs::OutputValues;
 use crate::results::{CellType, Column};
-use anyhow::{Error, Result, anyhow};
+use anyhow::{Result, anyhow};
 use lemons_core::trial::Trial;
 use lemons_master::ssp::{Interface, Kind as Causality, Type};
 use lemons_master::{Component, Saved, Selection, Settings, System, plan_in};
 use lemons_results::Frame;
 use lemons_results::columns::{self, Groups};
-use lemons_sim::Model;
 
 struct FmuRun {
     run: lemons_master::Prepared,
@@ -93,15 +92,11 @@ pub fn prepare(settings: &Settings) -> Result<Prepared> {
     })
 }
 
-impl Model for FmuRun {
-    type Error = Error;
-
+impl RunModel for FmuRun {
     fn step_to(&mut self, time: f64) -> Result<()> {
         Ok(self.run.step_to(time)?)
     }
-}
 
-impl RunModel for FmuRun {
     fn time(&self) -> f64 {
         self.run.system.time
     }

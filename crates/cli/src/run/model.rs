@@ -2,13 +2,13 @@
 
 use super::outputs::OutputValues;
 use crate::version::BUILD;
-use anyhow::{Error, Result};
+use anyhow::Result;
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::Plan;
 use lemons_master::{ComponentRecord, Saved, writers};
 use lemons_results::Frame;
 use lemons_results::columns::{Column, Groups};
-use lemons_sim::{Algorithm, Clock, Model};
+use lemons_sim::{Algorithm, Clock};
 
 /// A crowd whose frames a run records.
 pub struct CrowdInfo {
@@ -24,7 +24,10 @@ pub struct CrowdInfo {
 }
 
 /// A model that a run steps.
-pub trait RunModel: Model<Error = Error> {
+pub trait RunModel {
+    /// Steps to a communication point \[s\].
+    fn step_to(&mut self, time: f64) -> Result<()>;
+
     /// \[s\] The last communication point.
     fn time(&self) -> f64;
 

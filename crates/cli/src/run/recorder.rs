@@ -85,8 +85,7 @@ impl CrowdRecorder {
             }
             None => Default::default(),
         };
-        let among =
-            [extremes.mean_squeeze, extremes.peak_squeeze].iter().all(|most| most.is_among(ids.len()));
+        let among = [extremes.mean_squeeze, extremes.peak_squeeze].iter().all(|most| most.agent < ids.len());
         if !among || !(exposure.is_empty() || exposure.agents() == ids.len()) {
             bail!("the saved run is damaged: it contains other agents than component {component:?} has");
         }

@@ -13,7 +13,7 @@ use lemons_master::{ComponentRecord, Settings, TrialInput, notes};
 use lemons_results::Frame;
 use lemons_results::columns::Groups;
 use lemons_sim::settings::{CROWD, DECISION, Selection};
-use lemons_sim::{Model, SimError, Simulation};
+use lemons_sim::{SimError, Simulation};
 
 /// Name of the component in a saved run of people who walk.
 const WALKERS: &str = "crowd and decision";
@@ -47,15 +47,11 @@ fn select(simulation: &Simulation, names: &[String]) -> Result<Selection> {
     simulation.select(names).map_err(|(name, _)| anyhow!("there is no {name}"))
 }
 
-impl Model for TrialRun {
-    type Error = Error;
-
+impl RunModel for TrialRun {
     fn step_to(&mut self, time: f64) -> Result<()> {
         Ok(self.simulation.step_to(time)?)
     }
-}
 
-impl RunModel for TrialRun {
     fn time(&self) -> f64 {
         self.simulation.time()
     }
@@ -176,8 +172,9 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
 /// Why a parameter was not set, in the words of the command.
 pub fn not_set(error: SimError) -> Error {
     match error {
-        SimError::Unknown { name, text, meant: Some(meant) } => {
-            notes::no_such_variable(&name, &text, &meant).into()
+        SimError::Unknown { given, meant: Some(meant) } => {
+            let (name, text) = given.split_once('=').unwrap_or((&given, ""));
+            notes::no_such_variable(name, text, &meant).into()
         }
         SimError::Unknown { meant: None, .. } => anyhow!("--set {error}; see lemons info"),
         SimError::Value { .. } => anyhow!("--set {error}"),

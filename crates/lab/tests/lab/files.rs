@@ -1,6 +1,7 @@
 //! Uploads and files to keep.
 
 use crate::*;
+use std::collections::BTreeSet;
 
 /// The files of the example "push" under a directory, one of them changed.
 fn push_with(directory: &str, changed: &str, change: impl Fn(&str) -> String) -> Vec<u8> {
@@ -19,11 +20,9 @@ fn a_trial_that_is_taken_is_opened_again_with_its_drive() {
     let (name, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
     assert_eq!(name["name"], "push.zip");
     let archive = ZipArchive::new(Cursor::new(&zip)).unwrap();
-    let mut names: Vec<String> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
-    names.sort();
-    let files = ["Parameters.xml", "drive.csv", "dynamic/AgentDynamics.xml", "static/Agents.xml"];
-    let files = files.into_iter().chain(["static/Geometry.xml", "static/Materials.xml"]);
-    assert_eq!(names, files.map(|name| format!("push/{name}")).collect::<Vec<_>>());
+    let names: BTreeSet<String> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
+    let files = upload::EXAMPLES[0].1.iter().map(|(name, _)| format!("push/{name}"));
+    assert_eq!(names, files.collect());
     let (value, bytes) = ask(&mut lab, &opened("push.zip", &zip), &zip);
     let mut known = scene["scene"].clone();
     known["run"] = 2.into();
@@ -112,7 +111,6 @@ fn disks_may_be_given_at_any_orientation() {
     let mut lab = Lab::default();
     let (known, _) = ok(&mut lab, push());
     let (_, moved) = ok(&mut lab, advance(1, 9));
-    let (sections, _) = ok(&mut lab, json!({"ask": "sections", "run": 1, "altitude": 1.4}));
     // A quarter turn of all disks: the same people.
     let turned = push_with("P/", "static/Agents.xml", |text| {
         let parts = text.split("Position=\"").enumerate().map(|(k, part)| {
@@ -134,13 +132,11 @@ fn disks_may_be_given_at_any_orientation() {
     let (_, again) = ok(&mut lab, advance(2, 9));
     assert!(close(&numbers(&again), &numbers(&moved)));
     let (cut, _) = ok(&mut lab, json!({"ask": "sections", "run": 2, "altitude": 1.4}));
-    let outlines = |of: &Value| read::<Vec<Vec<Vec<[f64; 2]>>>>(&of["bodies"]);
-    let flat = |of: &Value| outlines(of).into_iter().flatten().flatten().flatten().collect::<Vec<f64>>();
-    assert!(close(&flat(&cut), &flat(&sections)));
+    let outlines: Vec<Vec<Vec<[f64; 2]>>> = read(&cut["bodies"]);
     // Bodies are as broad as their disks: the first person's reach along y is that of the section.
     let reach = |numbers: Vec<f64>| numbers.into_iter().fold(0.0, f64::max);
     let broad: Vec<[f64; 3]> = read(&known["scene"]["agents"][0]["disks"]);
-    let body: Vec<f64> = outlines(&sections)[0].iter().flatten().map(|point| point[1]).collect();
+    let body: Vec<f64> = outlines[0].iter().flatten().map(|point| point[1]).collect();
     assert!((reach(broad.iter().map(|disk| disk[1] + disk[2]).collect()) - reach(body)).abs() < 0.02);
 }
 
@@ -149,11 +145,9 @@ fn pictures_bodies_and_measures_are_files() {
     let mut lab = Lab::default();
     let (_, frame) = ok(&mut lab, own(crowd(2, square(3.0, 3.0))));
     let values: Vec<u8> = [5.0_f64, 10.0].iter().flat_map(|value| value.to_le_bytes()).collect();
-    let look = take(
-        1,
-        json!({
-        "file": "svg", "most": 10.0, "label": "squeeze", "unit": "N", "time": 0.5, "forces": true}),
-    );
+    let look =
+        json!({"file": "svg", "most": 10.0, "label": "squeeze", "unit": "N", "time": 0.5, "forces": true});
+    let look = take(1, look);
     let (name, svg) = ask(&mut lab, &look, &[frame.clone(), values].concat());
     let text = String::from_utf8(svg).unwrap();
     assert_eq!(name["ok"]["name"], "crowd_2_seed_3.svg");

@@ -17,17 +17,25 @@ use std::ops::ControlFlow;
 use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};
 
+/// A request as it lies in memory.
+fn bytes_of(request: &Value, bytes: &[u8]) -> Vec<u8> {
+    let text = request.to_string();
+    [&(text.len() as u32).to_le_bytes(), text.as_bytes(), bytes].concat()
+}
+
 /// The answer's JSON and bytes.
 fn ask(lab: &mut Lab, request: &Value, bytes: &[u8]) -> (Value, Vec<u8>) {
-    let text = request.to_string();
-    let request = [&(text.len() as u32).to_le_bytes(), text.as_bytes(), bytes].concat();
-    let answer = answer(lab, &request, &mut |_| ControlFlow::Continue(()));
+    let answer = answer(lab, &bytes_of(request, bytes), &mut |_| ControlFlow::Continue(()));
     let length = u32::from_le_bytes(answer[..4].try_into().unwrap()) as usize;
     (serde_json::from_slice(&answer[4..4 + length]).unwrap(), answer[4 + length..].to_vec())
 }
 
 fn ok(lab: &mut Lab, request: Value) -> (Value, Vec<u8>) {
-    let (mut value, bytes) = ask(lab, &request, &[]);
+    ok_of(lab, request, &[])
+}
+
+fn ok_of(lab: &mut Lab, request: Value, bytes: &[u8]) -> (Value, Vec<u8>) {
+    let (mut value, bytes) = ask(lab, &request, bytes);
     assert!(value.get("ok").is_some(), "{request}: {value}");
     (value["ok"].take(), bytes)
 }
@@ -62,9 +70,7 @@ fn file_in(zip: &[u8], end: &str) -> String {
 
 /// The scene of a zip that is opened.
 fn open(lab: &mut Lab, name: &str, zip: &[u8]) -> Value {
-    let (mut value, _) = ask(lab, &opened(name, zip), zip);
-    assert!(value.get("ok").is_some(), "{value}");
-    value["ok"].take()
+    ok_of(lab, opened(name, zip), zip).0
 }
 
 fn read<T: DeserializeOwned>(value: &Value) -> T {

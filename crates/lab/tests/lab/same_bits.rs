@@ -1,46 +1,43 @@
 //! One physics: a simulation in memory, FMUs of FMI 2.0 and 3.0 and the lab give the same bits.
 
-use crate::{advance, ask, numbers, ok, opened, zipped};
+use crate::{advance, ask, ok, opened};
 use crowd_mechanics::pack::Format;
-use lemons_core::plane::Motion;
 use lemons_core::trial::DriveChoice;
 use lemons_decision::{DecisionConfig, Plan, pack};
 use lemons_lab::Lab;
-use lemons_lab::frame::COLUMNS;
+use lemons_lab::frame::{COLUMNS, frame};
 use lemons_master::ssp::{Participant, write_archive};
-use lemons_master::{
-    Error, PlanChoice, Prepared, Settings, TrialInput, binary_beside, documents_of, own_binary,
-};
+use lemons_master::{PlanChoice, Prepared, Settings, TrialInput, binary_beside, documents_of, own_binary};
+use lemons_people::zip_trial;
 use lemons_results::Frame;
-use lemons_sim::{Algorithm, Clock, Documents, SimError, Simulation};
+use lemons_results::columns::Groups;
+use lemons_sim::{Algorithm, Clock, Documents, Simulation};
 use lemons_verify::testing::{repository, trial_push};
 use std::fs::File;
-use std::ops::ControlFlow;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 /// Numbers of everybody at each communication point; the pose of who has left does not count.
 type Bits = Vec<Vec<[u64; 6]>>;
 
-fn bits(motions: &[Motion], there: impl Fn(usize) -> bool) -> Vec<[u64; 6]> {
-    let of = |(agent, motion): (usize, &Motion)| {
-        let (pose, twist) = (motion.pose, motion.twist);
-        let [x, y] = if there(agent) { [pose.position.x, pose.position.y] } else { [f64::NAN; 2] };
-        [x, y, twist.velocity.x, twist.velocity.y, pose.orientation, twist.angular_velocity].map(f64::to_bits)
+fn bits(frame: &Frame) -> Vec<[u64; 6]> {
+    let of = |agent: usize| {
+        let [x, y, vx, vy, theta, omega, ..] = frame.row(agent);
+        let [x, y] = if frame.is_there(agent) { [x, y] } else { [f64::NAN; 2] };
+        [x, y, vx, vy, theta, omega].map(f64::to_bits)
     };
-    motions.iter().enumerate().map(of).collect()
+    (0..frame.agents.len()).map(of).collect()
 }
 
 fn of_simulation(documents: &Documents, algorithm: Algorithm, clock: &Clock) -> Bits {
     let mut simulation = Simulation::new(documents.clone(), algorithm).unwrap();
     simulation.begin(0.0, None).unwrap();
-    let of = |frame: Frame| bits(&frame.agents, |agent| frame.is_there(agent));
-    let mut all = vec![of(simulation.frame())];
-    let ended = lemons_sim::run::<_, SimError>(&mut simulation, clock, 0, |simulation, _| {
-        all.push(of(simulation.frame()));
-        Ok(ControlFlow::Continue(()))
-    });
-    assert!(ended.unwrap().is_continue());
+    let mut all = vec![bits(&simulation.frame())];
+    for point in clock.points(0) {
+        simulation.step_to(point.time).unwrap();
+        all.push(bits(&simulation.frame()));
+    }
     all
 }
 
@@ -58,25 +55,18 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
         Settings { until: Some(clock.until), step: Some(clock.step), algorithm, ..Settings::of(input) };
     let mut run = Prepared::of(&settings).unwrap();
     let agents = scene.documents.trial.agents.len();
-    let see = |run: &Prepared| -> Result<Vec<[u64; 6]>, Error> {
+    let groups = Groups { active: true, ..Groups::default() };
+    let see = |run: &Prepared| -> Vec<[u64; 6]> {
         let crowd = run.system.components.iter().find(|component| component.name == "crowd").unwrap();
-        let quantities = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"];
-        let of = |i: usize| quantities.map(|quantity| format!("agent[{i}].{quantity}"));
-        let selection = crowd.instance.select((0..agents).flat_map(of))?;
-        let active = crowd.instance.select((0..agents).map(|i| format!("agent[{i}].Active")))?;
-        let values: Vec<f64> = crowd.instance.values(&selection)?;
-        let there: Vec<f64> = crowd.instance.values(&active)?;
-        let mut rows: Vec<[f64; 6]> = values.as_chunks().0.to_vec();
-        let left = rows.iter_mut().zip(&there).filter(|(_, there)| **there == 0.0);
-        left.for_each(|(row, _)| row[..2].fill(f64::NAN));
-        Ok(rows.into_iter().map(|row| row.map(f64::to_bits)).collect())
+        let names = groups.variables(agents).into_iter().map(|(name, _)| name);
+        let values: Vec<f64> = crowd.instance.values(&crowd.instance.select(names).unwrap()).unwrap();
+        bits(&Frame::of_values(0.0, agents, groups, &values).unwrap())
     };
-    let mut all = vec![see(&run).unwrap()];
-    let ended = lemons_sim::run::<_, Error>(&mut run, clock, 0, |run, _| {
-        all.push(see(run)?);
-        Ok(ControlFlow::Continue(()))
-    });
-    assert!(ended.unwrap().is_continue());
+    let mut all = vec![see(&run)];
+    for point in clock.points(0) {
+        run.step_to(point.time).unwrap();
+        all.push(see(&run));
+    }
     all
 }
 
@@ -85,44 +75,33 @@ fn coupled(directory: &Path, plan: &Plan, format: Format, crowd: PathBuf) -> Pat
     let binary = binary_beside("lemons_decision_fmu").unwrap();
     pack::write_fmu(plan, format, &[binary], File::create(&decision).unwrap()).unwrap();
     let files = [("decision", decision), ("crowd", crowd)];
-    let interfaces = files.each_ref().map(|(_, path)| lemons_master::Fmu::open(path).unwrap().description);
-    let participants: Vec<Participant> = files
-        .iter()
-        .zip(&interfaces)
-        .map(|((name, _), interface)| Participant {
-            name: name.to_string(),
-            source: format!("resources/{name}.fmu"),
-            interface,
-        })
-        .collect();
+    let files = files.map(|(name, path)| (name, format!("resources/{name}.fmu"), path));
+    let interfaces = files.each_ref().map(|(.., path)| lemons_master::Fmu::open(path).unwrap().description);
+    let participants = files.iter().zip(&interfaces).map(|((name, source, _), interface)| Participant {
+        name: (*name).to_owned(),
+        source: source.clone(),
+        interface,
+    });
+    let participants: Vec<_> = participants.collect();
     let connected = lemons_master::ssp::connect("coupled", &participants).unwrap();
-    let of = |(name, path): &(&str, PathBuf)| (format!("resources/{name}.fmu"), path.clone());
-    let files: Vec<(String, PathBuf)> = files.iter().map(of).collect();
-    let files: Vec<(String, &Path)> =
-        files.iter().map(|(name, path)| (name.clone(), path.as_path())).collect();
+    let files: Vec<_> = files.iter().map(|(_, source, path)| (source.clone(), path.as_path())).collect();
     let path = directory.join("coupled.ssp");
     write_archive(&path, &connected.structure, &files).unwrap();
     path
 }
 
 fn of_lab(scene: &Scene, clock: &Clock) -> Bits {
-    let statics = ["Agents", "Geometry", "Materials"].map(|name| format!("static/{name}.xml"));
-    let dynamics = ["AgentDynamics", "AgentInteractions"].map(|name| format!("dynamic/{name}.xml"));
-    let files = ["Parameters.xml", "decision.toml", "drive.csv"].map(String::from).into_iter();
-    let found = files
-        .chain(statics)
-        .chain(dynamics)
-        .filter_map(|file| Some((format!("scene/{file}"), std::fs::read(scene.directory.join(file)).ok()?)));
-    let zip = zipped(&found.collect::<Vec<_>>());
+    let others = ["decision.toml", "drive.csv"]
+        .map(|name| (name, std::fs::read_to_string(scene.directory.join(name)).unwrap_or_default()));
+    let others: Vec<(&str, &str)> =
+        others.iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| (*name, &**text)).collect();
+    let zip = zip_trial(&scene.documents.trial, &others, Cursor::new(Vec::new())).unwrap().into_inner();
     let mut lab = Lab::default();
     let (_, first) = ask(&mut lab, &opened("scene.zip", &zip), &zip);
     let (_, frames) = ok(&mut lab, advance(1, clock.steps));
-    let all = numbers(&[first, frames].concat());
-    let frame = |frame: &[f64]| {
-        let of = |row: &[f64]| [row[0], row[1], row[3], row[4], row[2], row[5]].map(f64::to_bits);
-        frame.chunks(COLUMNS).map(of).collect()
-    };
-    all.chunks(COLUMNS * scene.documents.trial.agents.len()).map(frame).collect()
+    let people = scene.documents.trial.agents.len();
+    let of = |bytes: &[u8]| bits(&frame(bytes, people).unwrap());
+    [first, frames].concat().chunks(8 * COLUMNS * people).map(of).collect()
 }
 
 struct Scene {

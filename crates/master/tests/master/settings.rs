@@ -5,7 +5,6 @@ use crowd_mechanics::pack::Format;
 use lemons_core::files::Staged;
 use lemons_core::trial::DriveChoice;
 use lemons_master::{Error, Fmu, Instance, Prepared, Saved, Settings};
-use std::ops::ControlFlow;
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -23,13 +22,12 @@ fn row(instance: &Instance, time: f64) -> Result<Row, Error> {
 /// Runs at most so many steps and notes the poses after each.
 fn poses(settings: &Settings, most: usize) -> (Prepared, Vec<Row>) {
     let mut run = Prepared::of(settings).unwrap();
-    let (clock, begun) = (run.clock, run.before.as_ref().map_or(0, |before| before.index));
+    let begun = run.before.as_ref().map_or(0, |before| before.index);
     let mut rows = Vec::new();
-    let _ = lemons_sim::run::<_, Error>(&mut run, &clock, begun, |run, point| {
-        rows.push(row(&run.system.components[0].instance, point.time)?);
-        Ok(if rows.len() < most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
-    })
-    .unwrap();
+    for point in run.clock.points(begun).take(most) {
+        run.step_to(point.time).unwrap();
+        rows.push(row(&run.system.components[0].instance, point.time).unwrap());
+    }
     (run, rows)
 }
 

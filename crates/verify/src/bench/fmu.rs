@@ -6,7 +6,7 @@ use crate::bench::accuracy::PUSH;
 use crate::bench::{median, people};
 use crate::checks::scenarios::read;
 use crate::checks::scenes::{Random, populate};
-use anyhow::{Error, Result};
+use anyhow::Result;
 use cpu_time::{ProcessTime, ThreadTime};
 use crowd_mechanics::pack::{Format, Package};
 use crowd_mechanics::setup;
@@ -14,7 +14,6 @@ use lemons_core::files::Scratch;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::DriveChoice;
 use lemons_master::{Fmu, Prepared, Selection, Settings, own_binary};
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -174,8 +173,7 @@ fn push(runs: usize) -> Result<[f64; 2]> {
     for _ in 0..runs {
         let mut prepared = Prepared::of(&settings)?;
         let (wall, processor) = (Instant::now(), ProcessTime::now());
-        let clock = prepared.clock;
-        let _ = lemons_sim::run::<_, Error>(&mut prepared, &clock, 0, |_, _| Ok(ControlFlow::Continue(())))?;
+        prepared.clock.points(0).try_for_each(|point| prepared.step_to(point.time))?;
         let run = [wall.elapsed().as_secs_f64(), processor.elapsed().as_secs_f64()];
         if run[0] < best[0] {
             best = run;
