@@ -5,7 +5,7 @@ use lemons_results::Frame;
 use lemons_results::measure::Leaving;
 
 /// \[s\] Nobody moves for so long.
-const REST: f64 = 1.0;
+pub const REST: f64 = 1.0;
 /// \[s\] The same where nobody has moved yet: the crowd may be waiting for something.
 const WAIT: f64 = 5.0;
 /// \[m/s\] Somebody who is not faster stands,

@@ -162,6 +162,13 @@ impl PlacingArguments {
                     door.width
                 );
             }
+            // A corner lies between the ends of the gap.
+            if door.course(&closed).len() > 2 {
+                note!(
+                    "note: --door: door {number} goes round a corner of its wall, because the corner is nearer than half \
+                     the width"
+                );
+            }
         }
         Ok(Place { grounds, geometry, closed, name })
     }

@@ -15,6 +15,7 @@ use indicatif::ProgressStyle;
 use lemons_core::files::{Scratch, Staged, input};
 use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
 use lemons_results::Frame;
+use lemons_sim::stop::REST;
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -101,6 +102,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
         );
     }
     let times: Vec<f64> = (0..frames as u64).map(|k| first + k as f64 * speed_up / frame_rate).collect();
+    style.note_sampled(&run.run, speed_up / frame_rate);
     let mut scenes = Scenes::new(style, &run, &times, &interrupt)?;
     let of_path = || path.display().to_string();
     let mut shown = |time: &f64| scenes.at(*time);
@@ -127,6 +129,12 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     film.end().with_context(of_path)?;
     file.persist()?;
     progress.finish_and_clear();
+    if let Some(still) = run.still_from().filter(|still| still + REST <= last) {
+        match told(still) {
+            _ if still <= first => note!("nobody moves in this movie"),
+            still => note!("nobody moves after t = {still:?} s: to end the movie there, use --until still"),
+        }
+    }
     say!("{}: {frames} frames, {:.2} s", path.display(), frames / frame_rate)?;
     Ok(())
 }

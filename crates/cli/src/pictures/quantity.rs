@@ -91,8 +91,7 @@ impl Shown {
         let quantity = quantity.known_of(run);
         let over = over.filter(|_| quantity.is_mean());
         if let Some(over) = over {
-            let gaps = run.frames.windows(2).map(|pair| pair[1].time - pair[0].time);
-            let longest = gaps.fold(0.0, f64::max);
+            let longest = longest_gap(run);
             if longest > over * (1.0 + 1e-9) {
                 bail!(Misused(format!(
                     "--over {over:?}: shorter than the time between two frames, {longest:.6} s"
@@ -179,6 +178,11 @@ fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
         if greatest { most.clone() } else { means }
     };
     run.frames.iter().enumerate().map(of_frame).collect()
+}
+
+/// \[s\] Returns the longest time between two frames.
+pub fn longest_gap(run: &Run) -> f64 {
+    run.frames.windows(2).map(|pair| pair[1].time - pair[0].time).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

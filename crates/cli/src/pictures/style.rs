@@ -1,7 +1,7 @@
 //! The style of scenes: options that `lemons plot` and `lemons movie` share, and the scenes of a run in it.
 
 use super::measured::{Measured, Origin};
-use super::quantity::{Quantity, Shown};
+use super::quantity::{Quantity, Shown, longest_gap};
 use super::trial_run::{CrowdState, TrialRun};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
@@ -149,6 +149,21 @@ impl StyleArguments {
     /// Returns whether scenes depend on all that was before.
     pub fn needs_all(&self) -> bool {
         self.shows_trails() || self.over.is_some() || self.quantity() == Some(Quantity::GreatestSqueeze)
+    }
+
+    /// Says so if colours are of single steps, and those between two pictures of a movie \[s\] are not shown.
+    pub fn note_sampled(&self, run: &Run, between: f64) {
+        let of_step = match self.quantity() {
+            Some(Quantity::Squeeze) => self.over.is_none(),
+            quantity => quantity == Some(Quantity::PeakSqueeze),
+        };
+        let longest = longest_gap(run);
+        if of_step && longest > 0.0 && between > 1.5 * longest {
+            note!(
+                "note: each picture shows one step of {longest:.6} s, and the next picture is {between:.6} s later: what \
+                 is between is not shown (--fill squeeze --over 1: means over the last second)"
+            );
+        }
     }
 
     /// Returns the quantity that colours show, if they do.
