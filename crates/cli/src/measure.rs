@@ -15,7 +15,7 @@ use crate::output::Output;
 use crate::pictures::plot::Format;
 use crate::pictures::source::Source;
 use crate::pictures::style::{positive, seconds};
-use crate::run::{Until, until};
+use crate::run::{End, until};
 use anyhow::{Result, bail};
 use lemons_core::trial::Trial;
 use lemons_results::Record;
@@ -60,7 +60,7 @@ pub struct Arguments {
     /// Measure until this time, in seconds. With the word left, a Trial in which people walk is run until
     /// everybody has left, as by lemons run. Default: the end of earlier results; 5 for a Trial or FMU
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
-    until: Option<Until>,
+    until: Option<End>,
     /// Write flow.csv, gaps.csv, density.csv, people.csv and summary.json into this directory
     #[arg(short, long, value_name = "DIRECTORY")]
     output: Option<PathBuf>,
@@ -158,7 +158,7 @@ impl Arguments {
 
     /// Returns `--until` \[s\], if it is a time.
     fn end(&self) -> Option<f64> {
-        self.until.and_then(Until::time)
+        self.until.and_then(End::time)
     }
 
     /// Returns where people can be.

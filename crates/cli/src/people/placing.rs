@@ -6,7 +6,7 @@ use crate::error::{Misused, TrialHasErrors};
 use crate::interrupt::{Interrupt, Interrupted};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use lemons_core::files::source::Disk;
 use lemons_core::plane::{Bounds, Pose, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
@@ -389,8 +389,7 @@ struct Bar(ProgressBar);
 
 impl Bar {
     fn new() -> Result<Bar> {
-        let style = ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}")?;
-        let bar = crate::print::bar(0).with_style(style);
+        let bar = crate::print::bar(0, "{spinner} {elapsed:>4}  {msg}")?;
         bar.enable_steady_tick(Duration::from_millis(100));
         Ok(Bar(bar))
     }

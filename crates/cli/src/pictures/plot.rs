@@ -1,14 +1,14 @@
 //! `lemons plot`: scenes, time series, a map of density.
 
 use super::quantity::{Quantity, Shown};
-use super::source::{End, KeptFrames, Source};
+use super::source::{KeptFrames, Source};
 use super::style::{Scenes, StyleArguments, number, seconds};
 use super::trial_run::{CrowdState, TrialRun, nothing_between};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
-use crate::run::{Until, until};
+use crate::run::{End, until};
 use anyhow::{Result, bail};
 use lemons_core::plane::Vec2;
 use lemons_picture::{
@@ -55,7 +55,7 @@ pub struct Arguments {
     /// run until everybody has left, as by lemons run. Default: the end of earlier results; 5 for a
     /// Trial or FMU
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
-    until: Option<Until>,
+    until: Option<End>,
     #[command(flatten)]
     _force: Force,
     #[command(flatten)]
@@ -98,7 +98,7 @@ impl Arguments {
 
     /// \[s\] `--from` and `--until`, if they are given as times.
     fn times(&self) -> (Option<f64>, Option<f64>) {
-        (self.from, self.until.and_then(Until::time))
+        (self.from, self.until.and_then(End::time))
     }
 
     /// Returns the picture, in the format of its file.
