@@ -28,7 +28,7 @@ def the_command(lemons, monkeypatch):
 def test_a_run_in_which_nobody_gets_out_warns(lemons, tmp_path):
     trial = tmp_path / "shut"
     subprocess.run([lemons, "crowd", *SHUT, "-o", trial], check=True, capture_output=True)
-    with lemons_fmu.Crowd(trial) as crowd, pytest.warns(UserWarning, match="2 of 2 people have not left: in the last 300 s .*; the run ends at t = 300 s"):
+    with lemons_fmu.Crowd(trial) as crowd, pytest.warns(UserWarning, match="2 of 2 people have not left: in the last 300 s .*; the run ends at t = 300.000 s"):
         run = crowd.run(until="left", step=0.1)
     assert run.ended is None and run.active.all()
     assert run.times[-1] == pytest.approx(300.0, abs=1e-9)

@@ -6,12 +6,11 @@ use crate::error::{TrialHasErrors, full_message};
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
 use lemons_core::plane::Vec2;
-use lemons_core::trial::{Agent, DRIVE_FILE, Problems, Trial};
+use lemons_core::trial::{AgentDynamics, DRIVE_FILE, Parameters, Problems, Trial};
+use lemons_decision::plan::Planned;
 use lemons_decision::{DECISION_FILE, Plan};
 use lemons_master::{TrialInput, notes, plan_of};
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
-use walking::Doubt;
 
 /// \[m\] For which `check` names a step.
 const USUAL_ACCURACY: f64 = 1e-4;
@@ -26,160 +25,137 @@ pub struct Arguments {
 pub fn check(arguments: &Arguments) -> Result<()> {
     let mut sound = true;
     for path in &arguments.trials {
-        let Report { lines, errors, summary } = match TrialInput::open(path) {
+        let (lines, summary) = match TrialInput::open(path) {
             Ok(given) => report(&given),
-            Err(error) => {
-                say!("{}", full_message(&error.into()))?;
-                sound = false;
-                continue;
-            }
+            Err(error) => (vec![full_message(&error.into())], None),
         };
         lines.iter().try_for_each(|line| say!("{line}"))?;
-        sound &= errors == 0;
-        match errors {
-            0 => say!("{}: {summary}", path.display())?,
-            errors => say!("{}: {}", path.display(), counted(errors, "error"))?,
+        match summary {
+            Some(summary) => say!("{}: {summary}", path.display())?,
+            None => sound = false,
         }
     }
     if sound { Ok(()) } else { Err(TrialHasErrors.into()) }
 }
 
-/// Findings about a Trial.
-#[derive(Default)]
-struct Report {
-    lines: Vec<String>,
-    errors: usize,
-    /// Summary of a Trial without errors.
-    summary: String,
-}
-
-impl Report {
-    fn add_problems(&mut self, problems: &Problems) {
-        self.lines.extend(problems.iter().map(ToString::to_string));
-        self.errors += problems.errors().count();
-    }
-
-    fn warn(&mut self, file: &Path, text: impl Display) {
-        self.lines.push(format!("warning: {}: {text}", file.display()));
-    }
-
-    fn note(&mut self, file: &Path, text: impl Display) {
-        self.lines.push(format!("{NOTE}{}: {text}", file.display()));
-    }
-}
-
-/// Beginning of a line that is no warning.
-const NOTE: &str = "note: ";
-
-fn report(given: &TrialInput) -> Report {
-    let mut report = Report::default();
+/// Returns what is found in a Trial, and the summary of one without errors.
+fn report(given: &TrialInput) -> (Vec<String>, Option<String>) {
+    let errors_of = |problems: &Problems| problems.errors().count();
+    let texts_of = |problems: &Problems| problems.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let number_of = |errors: usize| format!("{}: {}", given.path().display(), counted(errors, "error"));
     let (trial, problems) = match given.read() {
-        Ok((trial, warnings)) => (Some(trial), warnings),
-        Err(problems) => (None, problems),
+        Ok(read) => read,
+        Err(problems) => {
+            let mut lines = texts_of(&problems);
+            lines.push(number_of(errors_of(&problems)));
+            return (lines, None);
+        }
     };
-    report.add_problems(&problems);
-    let Some(trial) = trial else { return report };
+    let mut lines = texts_of(&problems);
     let [plan_file, drive_file] = [DECISION_FILE, DRIVE_FILE].map(|name| given.path().join(name));
+    let found = |kind: &str, file: &Path, text: &str| format!("{kind}: {}: {text}", file.display());
     let wishes = given.wishes();
     let plan_of = |wishes: &Path| plan_of(&trial, wishes).with_context(|| wishes.display().to_string());
     let plan = wishes.as_deref().map(plan_of).transpose();
     if let Ok(Some(plan)) = &plan {
-        let doubts = [hurried(plan), unmoved(plan), unused(&trial)].into_iter().flatten();
-        doubts.for_each(|doubt| report.warn(&plan_file, doubt));
-        for doubt in walking::doubts(plan) {
-            match doubt {
-                Doubt::Warning(text) => report.warn(&plan_file, text),
-                Doubt::Note(text) => report.note(&plan_file, text),
-            }
-        }
+        lines.extend(doubts_of_plan(plan, &trial).iter().map(|doubt| found(WARNING, &plan_file, doubt)));
+        lines.extend(walking::doubts(plan).iter().map(|(kind, doubt)| found(kind, &plan_file, doubt)));
     }
-    let parameters = &trial.parameters;
+    let Parameters { time_step, time_step_mechanical, .. } = trial.parameters;
     let drive = given.drive(&trial);
     let doubts = drive.iter().flat_map(doubts_of_drive);
-    doubts.for_each(|doubt| report.warn(&drive_file, doubt));
+    lines.extend(doubts.map(|doubt| found(WARNING, &drive_file, &doubt)));
     if wishes.is_some() && given.directory().join(DRIVE_FILE).exists() {
-        let added = notes::drive_of_walkers(&plan_file);
-        report.lines.push(format!("note: {added} (--no-drive: only these)"));
+        lines.push(format!("{NOTE}: {} (--no-drive: only these)", notes::drive_of_walkers(&plan_file)));
     }
     if let Ok(drive) = &drive {
-        match (drive.missed(0.0, parameters.time_step), drive.between(0.0, parameters.time_step)) {
-            (Some(missed), _) => report.warn(&drive_file, notes::missed(&missed, "TimeStep")),
-            (None, (between @ 1.., of)) => report.note(
-                &drive_file,
-                format!(
+        match (drive.missed(0.0, time_step), drive.between(0.0, time_step)) {
+            (Some(missed), _) => lines.push(found(WARNING, &drive_file, &notes::missed(&missed, "TimeStep"))),
+            (None, (between @ 1.., of)) => {
+                let text = format!(
                     "{between} of {of} rows are between communication points: the drive is interpolated at each \
                      point and held until the next, so results depend on TimeStep"
-                ),
-            ),
+                );
+                lines.push(found(NOTE, &drive_file, &text));
+            }
             _ => {}
         }
     }
+    let mut errors = 0;
     if let Err(error) = plan {
         // A zip is unpacked elsewhere.
-        report.lines.push(given.under_its_name(&format!("{error:#}")));
-        report.errors += 1;
+        lines.push(given.under_its_name(&format!("{error:#}")));
+        errors += 1;
     }
     if let Err(problems) = drive {
-        report.add_problems(&problems);
+        lines.extend(texts_of(&problems));
+        errors += errors_of(&problems);
     }
-    let warnings = report.lines.iter().filter(|line| !line.starts_with(NOTE)).count();
-    if report.errors == 0
-        && let Some(about) = about_step(&trial)
-    {
-        report.note(&given.path().join("Parameters.xml"), about);
+    if errors > 0 {
+        lines.push(number_of(errors));
+        return (lines, None);
     }
-    report.summary = format!(
-        "{}, {}, TimeStep {:?} s, TimeStepMechanical {:?} s: {}",
+    let warnings = lines.iter().filter(|line| !line.starts_with("note: ")).count();
+    let about = about_step(&trial);
+    lines.extend(about.map(|about| found(NOTE, &given.path().join("Parameters.xml"), &about)));
+    let summary = format!(
+        "{}, {}, TimeStep {time_step:?} s, TimeStepMechanical {time_step_mechanical:?} s: {}",
         counted(trial.agents.len(), "agent"),
         counted(trial.geometry.walls.len(), "wall"),
-        parameters.time_step,
-        parameters.time_step_mechanical,
         if warnings == 0 { "no problem".to_owned() } else { counted(warnings, "warning") }
     );
-    report
+    (lines, Some(summary))
 }
+
+/// Beginnings of lines: of what is probably not meant, and of what may be meant.
+const WARNING: &str = "warning";
+const NOTE: &str = "note";
 
 /// \[m/s\] Nobody walks so fast; numbers of km/h are mostly above it.
 const FASTEST: f64 = 3.0;
 
-/// Doubts those who want to be faster than people are.
-fn hurried(plan: &Plan) -> Option<String> {
-    let mut fast = plan.agents.iter().filter(|agent| agent.walker.desired_speed > FASTEST);
-    let first = fast.next()?;
-    let (speed, id) = (first.walker.desired_speed, &first.id);
-    let others = match fast.count() {
-        0 => String::new(),
-        n => format!(", and {n} others more than {FASTEST:?} m/s"),
-    };
-    Some(format!(
-        "agent {id:?} wants {speed:?} m/s{others}: people walk at 0.5 to 2 m/s, and run at 3 to 5 m/s"
-    ))
-}
-
-/// Doubts forces and torques that are replaced by those with which people walk.
-fn unused(trial: &Trial) -> Option<String> {
-    let pushed = trial.agents.iter().zip(&trial.dynamics);
-    let mut pushed = pushed.filter(|(_, dynamics)| dynamics.fp != Vec2::ZERO || dynamics.mp != 0.0);
-    let (Agent { id, .. }, _) = pushed.next()?;
-    let others = match pushed.count() {
-        0 => String::new(),
-        n => format!(" and {n} more"),
-    };
-    Some(format!(
-        "Fp and Mp in AgentDynamics.xml of agent {id:?}{others} are not used, because people walk; forces of a \
-         {DRIVE_FILE} would be added"
-    ))
-}
-
-/// Doubts those who cannot walk: the force with which people walk is proportional to FloorDamping.
-fn unmoved(plan: &Plan) -> Option<String> {
-    let mut unmoved = plan.agents.iter().filter(|agent| agent.walker.floor_damping == 0.0);
-    let first = &unmoved.next()?.id;
-    let (count, all) = (1 + unmoved.count(), plan.agents.len());
-    Some(format!(
-        "{count} of {all} agents cannot walk (first {first:?}): FloorDamping=\"0\" in Agents.xml, and the force with \
-         which they walk is Mass · FloorDamping · speed"
-    ))
+/// Doubts those who want to be faster than people are, those who cannot walk, and forces that are not used.
+fn doubts_of_plan(plan: &Plan, trial: &Trial) -> Vec<String> {
+    let mut doubts = Vec::new();
+    let speed = |agent: &Planned| agent.walker.desired_speed;
+    let fast: Vec<&Planned> = plan.agents.iter().filter(|agent| speed(agent) > FASTEST).collect();
+    if let [first, others @ ..] = &fast[..] {
+        let others = match others.len() {
+            0 => String::new(),
+            n => format!(", and {n} others more than {FASTEST:?} m/s"),
+        };
+        doubts.push(format!(
+            "agent {:?} wants {:?} m/s{others}: people walk at 0.5 to 2 m/s, and run at 3 to 5 m/s",
+            first.id,
+            speed(first)
+        ));
+    }
+    // The force with which people walk is proportional to FloorDamping.
+    let unmoved: Vec<&Planned> =
+        plan.agents.iter().filter(|agent| agent.walker.floor_damping == 0.0).collect();
+    if let [first, ..] = &unmoved[..] {
+        doubts.push(format!(
+            "{} of {} agents cannot walk (first {:?}): FloorDamping=\"0\" in Agents.xml, and the force with which they walk \
+             is Mass · FloorDamping · speed",
+            unmoved.len(),
+            plan.agents.len(),
+            first.id
+        ));
+    }
+    let is_pushed = |dynamics: &AgentDynamics| dynamics.fp != Vec2::ZERO || dynamics.mp != 0.0;
+    let pushed = trial.agents.iter().zip(&trial.dynamics).filter(|(_, dynamics)| is_pushed(dynamics));
+    let pushed: Vec<&str> = pushed.map(|(agent, _)| agent.id.as_str()).collect();
+    if let [first, others @ ..] = &pushed[..] {
+        let others = match others.len() {
+            0 => String::new(),
+            n => format!(" and {n} more"),
+        };
+        doubts.push(format!(
+            "Fp and Mp in AgentDynamics.xml of agent {first:?}{others} are not used, because people walk; forces of a \
+             {DRIVE_FILE} would be added"
+        ));
+    }
+    doubts
 }
 
 /// Says up to which mechanical step a Trial is stable, and how accurate its own and another one are. `None` if nothing can

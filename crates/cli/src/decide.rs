@@ -1,7 +1,6 @@
 //! `lemons decide`: a Trial and its people's wishes -> a Decision FMU.
 
 use crate::binary::DECISION;
-use crate::error::report_problems;
 use crate::files::{self, Force};
 use crate::pack::{Fmi, FmuArguments, say_size};
 use anyhow::{Context, Result, anyhow};
@@ -41,7 +40,7 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     let mut file = files::stage(&arguments.output)?;
     let given = TrialInput::open(&arguments.trial)?;
     let choice = arguments.plan.clone().map_or(PlanChoice::Own, PlanChoice::File);
-    let read = given.documents(&DriveChoice::None, &choice).map_err(report_problems)?;
+    let read = given.documents(&DriveChoice::None, &choice)?;
     let (Documents { plan, .. }, warnings, _) = read;
     warnings.iter().for_each(|warning| note!("{warning}"));
     let plan = plan.ok_or_else(|| {
@@ -60,31 +59,4 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     .with_context(|| arguments.output.display().to_string())?;
     file.persist().with_context(unwritten)?;
     say_size(&arguments.output)
-}
-
-/// Where people walk in a run.
-#[derive(clap::Args)]
-pub struct Walk {
-    /// Where people walk, instead of the Trial's decision.toml: see lemons decide --help. The run is that of
-    /// the Trial's FMU coupled with that of lemons decide
-    #[arg(long, value_name = "FILE.toml", conflicts_with = "no_plan")]
-    plan: Option<PathBuf>,
-    /// Ignore the Trial's decision.toml
-    #[arg(long)]
-    no_plan: bool,
-}
-
-impl Walk {
-    /// Returns whether one of its options was given.
-    pub fn given(&self) -> bool {
-        self.plan.is_some() || self.no_plan
-    }
-
-    pub fn choice(&self) -> PlanChoice {
-        match &self.plan {
-            Some(path) => PlanChoice::File(path.clone()),
-            None if self.no_plan => PlanChoice::None,
-            None => PlanChoice::Own,
-        }
-    }
 }

@@ -1,6 +1,5 @@
 //! `lemons describe`: the model description that a Trial's FMU would have, or its Decision FMU.
 
-use crate::error::report_problems;
 use crate::pack::Fmi;
 use crate::print;
 use anyhow::Result;
@@ -27,7 +26,7 @@ pub struct Arguments {
 pub fn describe(arguments: &Arguments) -> Result<()> {
     let choice = arguments.plan.clone().map_or(PlanChoice::None, PlanChoice::File);
     let given = TrialInput::open(&arguments.trial)?;
-    let (documents, ..) = given.documents(&DriveChoice::None, &choice).map_err(report_problems)?;
+    let (documents, ..) = given.documents(&DriveChoice::None, &choice)?;
     let format = arguments.fmi.format(Naming::Structured);
     let text = match &documents.plan {
         Some(plan) => description(plan, format),

@@ -1,27 +1,16 @@
-//! Failures that have an exit code of their own, and how failures are told.
+//! Failures that have an exit code of their own, and the text of a failure.
 
 use anyhow::Result;
+/// Options that make no sense together, which clap cannot see.
+pub use lemons_master::Error::Misused;
 
 /// A Trial has errors; they have been printed.
 #[derive(Debug, thiserror::Error)]
 #[error("the Trial has errors")]
 pub struct TrialHasErrors;
 
-/// The options make no sense together; what clap cannot see.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct Misused(pub String);
-
-/// Prints the errors of a Trial; any other error is returned as it is.
-pub fn report_problems(error: lemons_master::Error) -> anyhow::Error {
-    let lemons_master::Error::Broken { path, problems } = error else { return error.into() };
-    note!("{problems}");
-    note!("lemons: {} has errors", path.display());
-    TrialHasErrors.into()
-}
-
-/// Returns what becomes of several files, each of which is put into its place whatever became of the others: the first error
-/// counts, further ones are told.
+/// Combines the results of writing two files, each of which is written whatever became of the other: the first error
+/// is returned, the second one is printed.
 pub fn and_then(done: Result<()>, next: Result<()>) -> Result<()> {
     match (done, next) {
         (Err(first), Err(second)) => {
@@ -32,17 +21,13 @@ pub fn and_then(done: Result<()>, next: Result<()>) -> Result<()> {
     }
 }
 
-/// An error with its causes; many of them say their cause themselves, which is not said again.
+/// Returns an error with its causes. Many of them contain the text of their cause, which is not repeated.
 pub fn full_message(error: &anyhow::Error) -> String {
-    let mut text = String::new();
-    for cause in error.chain().map(ToString::to_string).filter(|cause| !cause.is_empty()) {
-        if text.ends_with(&cause) {
-            continue;
+    error.chain().map(ToString::to_string).fold(String::new(), |text, cause| {
+        match (text.as_str(), cause.as_str()) {
+            (text, cause) if text.ends_with(cause) => text.to_owned(),
+            ("", cause) => cause.to_owned(),
+            (text, cause) => format!("{text}: {cause}"),
         }
-        if !text.is_empty() {
-            text += ": ";
-        }
-        text += &cause;
-    }
-    text
+    })
 }

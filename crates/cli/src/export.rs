@@ -9,8 +9,8 @@ use clap::ValueEnum;
 use crowd_mechanics::setup;
 use lemons_core::files::input;
 use lemons_core::trial::Trial;
-use lemons_decision::{DECISION_FILE, DecisionConfig, Person};
-use lemons_master::{FileType, Fmu, TrialInput, plan_of};
+use lemons_decision::{DECISION_FILE, DecisionConfig, Person, Plan};
+use lemons_master::{FileType, Fmu, TrialInput};
 use lemons_results::{
     Area, Record, chaos, chaos_files, given_area, jupedsim, pedpy, series, series_files, trial_at_end,
     walkable_area,
@@ -67,23 +67,12 @@ enum Format {
 }
 
 pub fn export(arguments: &Arguments) -> Result<()> {
-    let Arguments { source, to, out, every, .. } = arguments;
+    let Arguments { source, to, out, every, memory, .. } = arguments;
     arguments.check()?;
-    let trial = match &arguments.memory {
-        Some(memory) if arguments.trial.is_none() => Some(memory.trial.clone()),
-        _ => trial_of(source, arguments.trial.as_deref())?,
-    };
+    let trial = trial_of(source, arguments.trial.as_deref(), memory.as_deref())?;
     if *to == Format::Jupedsim && trial.is_none() && arguments.area.is_none() {
         bail!(
             "{}: its walls are not known: give the Trial or FMU of the run with --trial, or the walkable area with --area",
-            source.display()
-        );
-    }
-    let leaves = *to == Format::Trial && arguments.lets_leave(trial.as_ref())?;
-    if leaves && source.is_dir() {
-        bail!(
-            "{}: an OutputDirectory does not say who has left ({DECISION_FILE} lets people leave): export from the table of \
-             the run",
             source.display()
         );
     }
@@ -97,19 +86,17 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             .as_ref()
             .with_context(|| format!("{}: give the Trial or FMU of the run with --trial", source.display()))
     };
-    if source.is_dir() && arguments.memory.is_none() {
+    if source.is_dir() && memory.is_none() {
         need()?;
     }
-    let run = recorded(source, &arguments.more, arguments.memory.as_deref(), trial.as_ref())?;
-    let run = run.every(*every as usize);
+    let run = recorded(source, &arguments.more, memory.as_deref(), trial.as_ref())?.every(*every as usize);
     let (first, end) = (run.times().next().unwrap_or_default(), run.times().last().unwrap_or_default());
-    let mut said = Vec::new();
-    let mut agents = run.ids().len();
+    let mut notes = Vec::new();
     match to {
         Format::Jupedsim => {
             let area = area(&run, ("--area", arguments.area.as_deref()), trial.as_ref())?;
             jupedsim(&run, &area, out)?;
-            said.extend(area.said);
+            notes = area.said;
         }
         Format::Pedpy => pedpy(&run, files::open(out)?, out)?,
         Format::Chaos => {
@@ -119,123 +106,112 @@ pub fn export(arguments: &Arguments) -> Result<()> {
         Format::Series => {
             claim_all(series_files(&run).iter().map(|name| out.join(name)))?;
             series(&run, need()?, out)?;
+            notes.extend((!run.contacts()).then(|| {
+                "a table contains no contacts, so no AgentInteractions files are written. To have them, let the FMU \
+                 write the files: lemons run TRIAL --set OutputDirectory=DIRECTORY"
+                    .into()
+            }));
         }
         Format::Trial => {
-            let before = need()?;
-            let trial = trial_at_end(&run, before)?;
-            agents = trial.agents.len();
-            if agents == 0 {
-                bail!(
-                    "{}: nobody is there at its end, t = {end:?} s: no Trial can go on from it",
-                    source.display()
-                );
-            }
-            let given = arguments.trial.as_deref().unwrap_or(&before.directory);
-            let wishes = wishes_at_end(given, &trial, &mut said)?;
-            let plan = out.join(DECISION_FILE);
-            let own = wishes.is_some().then(|| plan.clone());
-            claim_all(trial.files_written(out).into_iter().chain(own))?;
-            trial.write(out)?;
-            if let Some(text) = &wishes {
-                let mut file = Output::claimed(&plan)?;
-                file.fill(|file| file.write_all(text.as_bytes()))?;
-                file.persist()?;
-            }
-            said.extend(files::staying(out, if wishes.is_some() { &[DECISION_FILE] } else { &[] }));
+            let agents = arguments.write_trial_at_end(&run, need()?, end)?;
+            return Ok(say!("{}: {agents} agents as at t = {end:?} s", out.display())?);
         }
     }
-    said.extend(not_exported(*to, &run, leaves));
-    for line in said {
-        note!("{line}");
+    if matches!(to, Format::Jupedsim | Format::Pedpy) && run.numeric_ids().is_none() {
+        notes
+            .push("Ids are not whole numbers: agents are numbered from 0, in the order of the source".into());
     }
-    let out = out.display();
-    match to {
-        Format::Trial => say!("{out}: {agents} agents as at t = {end:?} s")?,
-        _ => say!("{out}: {agents} agents, {} frames from {first:?} to {end:?} s", run.frames())?,
-    }
-    Ok(())
+    notes.iter().for_each(|line| note!("{line}"));
+    let (out, agents, frames) = (out.display(), run.ids().len(), run.frames());
+    Ok(say!("{out}: {agents} agents, {frames} frames from {first:?} to {end:?} s")?)
 }
 
 impl Arguments {
     /// Checks that the options belong together.
     fn check(&self) -> Result<()> {
-        if self.to == Format::Trial && self.every != 1 {
-            bail!("--every is not for --to trial, which takes the last frame");
+        let to = self.to;
+        let mistakes = [
+            (
+                to == Format::Trial && self.every != 1,
+                "--every is not for --to trial, which takes the last frame",
+            ),
+            (
+                to != Format::Jupedsim && self.area.is_some(),
+                "--area is for --to jupedsim: the other formats have no walkable area",
+            ),
+            (
+                to != Format::Pedpy && files::is_standard_output(&self.out),
+                "OUT -: only the format pedpy can go to standard output; for a file of this name, write ./-",
+            ),
+            (
+                !self.more.is_empty() && self.source.is_dir(),
+                "--more is for tables, not for an OutputDirectory",
+            ),
+        ];
+        if let Some((_, mistake)) = mistakes.iter().find(|(is_made, _)| *is_made) {
+            bail!(Misused((*mistake).into()));
         }
-        if self.memory.is_none() {
-            expect_table(&self.source)?;
-        }
-        self.more.iter().try_for_each(|path| expect_table(path))?;
-        if !self.more.is_empty() && self.source.is_dir() {
-            bail!(Misused("--more is for tables, not for an OutputDirectory".into()));
-        }
-        if self.to != Format::Jupedsim && self.area.is_some() {
-            bail!("--area is for --to jupedsim: the other formats have no walkable area");
-        }
-        if self.to != Format::Pedpy && files::is_standard_output(&self.out) {
-            bail!(Misused(
-                "OUT -: only the format pedpy can go to standard output; for a file of this name, write ./-"
-                    .into()
-            ));
-        }
-        Ok(())
+        let tables = self.memory.is_none().then_some(&self.source).into_iter().chain(&self.more);
+        tables.into_iter().try_for_each(|path| expect_table(path))
     }
 
-    /// Returns whether the Trial has a `decision.toml` with which people leave.
-    fn lets_leave(&self, trial: Option<&Trial>) -> Result<bool> {
-        let Some(trial) = trial else { return Ok(false) };
-        let given = self.trial.as_deref().unwrap_or(&trial.directory);
-        let Some(path) = TrialInput::find(given)?.and_then(|given| given.wishes()) else { return Ok(false) };
-        let plan = plan_of(trial, &path).with_context(|| given.join(DECISION_FILE).display().to_string())?;
-        Ok(plan.leaving().contains(&true))
-    }
-}
-
-/// Returns the `decision.toml` of a Trial for those who are there at the end of its run, if it has one.
-fn wishes_at_end(given: &Path, end: &Trial, said: &mut Vec<String>) -> Result<Option<String>> {
-    let Some(path) = TrialInput::find(given)?.and_then(|given| given.wishes()) else { return Ok(None) };
-    let shown = || given.join(DECISION_FILE).display().to_string();
-    let text = input::read_text(&path, input::LARGEST_SETTINGS).with_context(shown)?;
-    let wishes = DecisionConfig::from_toml(&text).with_context(shown)?;
-    said.push(
-        "decision.toml is taken along; people begin again with their first way-point, and by shares (share) it is chosen \
-         again who takes which exit"
-            .into(),
-    );
-    Ok(Some(match wishes.without_others(&Person::all_of(end)) {
-        Some(fewer) => fewer.to_toml()?,
-        None => text,
-    }))
-}
-
-/// Returns what the format or the record does not have.
-fn not_exported(to: Format, run: &Record, leaves: bool) -> Vec<String> {
-    let mut said: Vec<String> = Vec::new();
-    match to {
-        Format::Jupedsim | Format::Pedpy if run.numeric_ids().is_none() => said
-            .push("Ids are not whole numbers: agents are numbered from 0, in the order of the source".into()),
-        Format::Series if !run.contacts() => said.push(
-            "a table contains no contacts, so no AgentInteractions files are written. To have them, let the FMU write \
-             the files: lemons run TRIAL --set OutputDirectory=DIRECTORY"
-                .into(),
-        ),
-        Format::Trial => {
-            let no_contacts = "a table contains no contacts, so all contact springs start unstretched";
+    /// Writes the Trial that continues from the end of a run of `before`, with the `decision.toml` of those who are there.
+    /// Returns the number of its agents.
+    fn write_trial_at_end(&self, run: &Record, before: &Trial, end: f64) -> Result<usize> {
+        let (source, out) = (self.source.display(), &self.out);
+        let given = self.trial.as_deref().unwrap_or(&before.directory);
+        let named = || given.join(DECISION_FILE).display().to_string();
+        let input = TrialInput::find(given)?;
+        let mut wishes = None;
+        if let Some(path) = input.as_ref().and_then(TrialInput::wishes) {
+            let text = input::read_text(&path, input::LARGEST_SETTINGS).with_context(named)?;
+            wishes = Some((DecisionConfig::from_toml(&text).with_context(named)?, text));
+        }
+        let plan = wishes.as_ref().map(|(config, _)| Plan::of(before, config).with_context(named));
+        let leaves = plan.transpose()?.is_some_and(|plan| plan.leaving().contains(&true));
+        if leaves && self.source.is_dir() {
+            bail!(
+                "{source}: an OutputDirectory does not say who has left ({DECISION_FILE} lets people leave): export from \
+                 the table of the run"
+            );
+        }
+        let trial = trial_at_end(run, before)?;
+        if trial.agents.is_empty() {
+            bail!("{source}: nobody is there at its end, t = {end:?} s: no Trial can go on from it");
+        }
+        let fewer = |(config, text): (DecisionConfig, String)| {
+            config.without_others(&Person::all_of(&trial)).map_or(Ok(text), |fewer| fewer.to_toml())
+        };
+        let wishes = wishes.map(fewer).transpose()?;
+        let plan = wishes.is_some().then(|| out.join(DECISION_FILE));
+        claim_all(trial.files_written(out).into_iter().chain(plan.clone()))?;
+        trial.write(out)?;
+        if let (Some(text), Some(plan)) = (&wishes, &plan) {
+            let mut file = Output::claimed(plan)?;
+            file.fill(|file| file.write_all(text.as_bytes()))?;
+            file.persist()?;
+            note!(
+                "decision.toml is taken along; people begin again with their first way-point, and by shares (share) it is \
+                 chosen again who takes which exit"
+            );
+        }
+        for line in files::staying(out, if plan.is_some() { &[DECISION_FILE] } else { &[] }) {
+            note!("{line}");
+        }
+        if !run.contacts() {
             // An OutputDirectory does not say who has left.
             let kept = if leaves {
                 ""
             } else {
                 ". To keep them, export from an OutputDirectory (lemons run TRIAL --set OutputDirectory=DIRECTORY)"
             };
-            said.extend((!run.contacts()).then(|| format!("{no_contacts}{kept}")));
-            said.push(
-                "Fp and Mp are those of the Trial, because runs do not record them; its drive.csv is not copied"
-                    .into(),
-            );
+            note!("a table contains no contacts, so all contact springs start unstretched{kept}");
         }
-        _ => {}
+        note!(
+            "Fp and Mp are those of the Trial, because runs do not record them; its drive.csv is not copied"
+        );
+        Ok(trial.agents.len())
     }
-    said
 }
 
 /// Checks that a file can be the table of a run; what is in it is read later.
@@ -291,8 +267,12 @@ fn claim_all(mut paths: impl Iterator<Item = PathBuf>) -> Result<()> {
     paths.try_for_each(|path| files::claim(&path))
 }
 
-/// Reads the Trial or FMU that was given with the record of a run, else the Trial directory that a series lies in.
-pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
+/// Reads the Trial or FMU that was given with the record of a run, else the Trial of a run in memory, or the Trial
+/// directory that a series lies in.
+pub fn trial_of(source: &Path, given: Option<&Path>, memory: Option<&InMemory>) -> Result<Option<Trial>> {
+    if let (None, Some(memory)) = (given, memory) {
+        return Ok(Some(memory.trial.clone()));
+    }
     let Some(path) = given else {
         let own = source.canonicalize().ok().filter(|source| source.is_dir());
         let mut around = own.iter().flat_map(|own| own.ancestors().take(2));

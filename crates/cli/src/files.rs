@@ -178,14 +178,13 @@ pub fn stage(path: &Path) -> Result<Staged> {
     open(path)
 }
 
-/// Does the same as [`stage`], where nothing is there yet.
+/// Does the same as [`stage`]; for a run that `goes_on`, nothing may be there.
 ///
 /// # Errors
 /// As [`stage`], or a file is there, and `--force` is not given.
-pub fn stage_new(path: &Path) -> Result<Staged> {
-    let there =
-        !is_standard_output(path) && path.metadata().is_ok_and(|there| there.is_file() && there.len() > 0);
-    if there && !with(|files| files.force) {
+pub fn stage_new(path: &Path, goes_on: bool) -> Result<Staged> {
+    let there = || path.metadata().is_ok_and(|there| there.is_file() && there.len() > 0);
+    if goes_on && !is_standard_output(path) && there() && !with(|files| files.force) {
         bail!(
             "{}: it is there, and may hold what the saved run has written: give the rows that follow a file of their \
              own (-o FILE); --force replaces it",

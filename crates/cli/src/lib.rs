@@ -13,7 +13,6 @@ mod bench;
 mod binary;
 mod check;
 mod connect;
-
 mod decide;
 mod describe;
 pub mod embedded;
@@ -27,12 +26,9 @@ mod lab;
 mod measure;
 mod numbers;
 mod output;
-
 mod pack;
 mod people;
 mod pictures;
-
-mod results;
 mod run;
 mod sweep;
 mod verify;
@@ -40,7 +36,7 @@ mod version;
 
 use anyhow::Result;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use error::{Misused, TrialHasErrors, full_message};
+use error::{TrialHasErrors, full_message};
 use interrupt::{EXIT_CODE, Interrupted};
 use lemons_core::files::give_up;
 use std::ffi::OsString;
@@ -118,22 +114,20 @@ pub fn main() -> ExitCode {
     }
     // What could not be removed while files were open.
     give_up();
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) if error.is::<TrialHasErrors>() => ExitCode::from(3),
-        Err(error) if print::is_closed_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) => {
-            note!("lemons: {}", full_message(&error));
-            let misused = matches!(error.downcast_ref(), Some(lemons_master::Error::Misused(_)));
-            if misused || error.is::<Misused>() {
-                return ExitCode::from(2);
-            }
-            if error.is::<Interrupted>() {
-                return ExitCode::from(EXIT_CODE);
-            }
-            ExitCode::FAILURE
-        }
+    let Err(error) = done else { return ExitCode::SUCCESS };
+    if print::is_closed_pipe(&error) {
+        return ExitCode::SUCCESS;
     }
+    if !error.is::<TrialHasErrors>() {
+        note!("lemons: {}", full_message(&error));
+    }
+    ExitCode::from(match error.downcast_ref() {
+        Some(lemons_master::Error::Misused(_)) => 2,
+        Some(lemons_master::Error::Broken { .. }) => 3,
+        _ if error.is::<TrialHasErrors>() => 3,
+        _ if error.is::<Interrupted>() => EXIT_CODE,
+        _ => 1,
+    })
 }
 
 fn command() -> Result<()> {

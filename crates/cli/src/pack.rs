@@ -1,7 +1,6 @@
 //! `lemons pack`: Trials -> FMU.
 
 use crate::binary::{CROWD, Library};
-use crate::error::report_problems;
 use crate::files::{self, Force};
 use crate::version::BUILD;
 use anyhow::{Result, bail};
@@ -125,7 +124,7 @@ pub fn write_fmu(
     format: Format,
     output: &Path,
 ) -> Result<Vec<String>> {
-    lemons_master::pack(trials, binaries, format, Some(picture), output).map_err(report_problems)
+    Ok(lemons_master::pack(trials, binaries, format, Some(picture), output)?)
 }
 
 /// `model.png`; a Trial that cannot be drawn has none.

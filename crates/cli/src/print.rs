@@ -1,6 +1,7 @@
 //! What the command says: the one place that prints. A closed pipe or a full disk is an error, never a panic.
 
-use indicatif::ProgressBar;
+use anyhow::Result;
+use indicatif::{ProgressBar, ProgressStyle};
 use lemons_core::files::reader_left;
 use std::cell::RefCell;
 use std::fmt;
@@ -59,9 +60,20 @@ fn is_caught() -> bool {
     CAUGHT.with_borrow(Option::is_some)
 }
 
-/// A progress bar, which a terminal shows.
-pub fn bar(length: u64) -> ProgressBar {
-    if is_caught() { ProgressBar::hidden() } else { ProgressBar::new(length) }
+/// Makes a progress bar of this template, which only a terminal shows.
+pub fn bar(length: u64, template: &str) -> Result<ProgressBar> {
+    let bar = if is_caught() { ProgressBar::hidden() } else { ProgressBar::new(length) };
+    Ok(bar.with_style(ProgressStyle::with_template(template)?))
+}
+
+/// Returns whether it is time for a line that says how far a long command is, where no progress bar is shown: half a
+/// minute after the `last` one, as in Python.
+pub fn is_due(last: &mut Instant, now: Instant) -> bool {
+    let due = now.duration_since(*last) >= Duration::from_secs(30);
+    if due {
+        *last = now;
+    }
+    due
 }
 
 /// Standard output, whose errors say that they are its own.
@@ -123,28 +135,6 @@ pub fn aside(text: fmt::Arguments) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// Notes of how far a long command is, for who sees no progress bar: a line every half minute, as in Python.
-pub struct ProgressNotes {
-    last: Instant,
-}
-
-impl ProgressNotes {
-    const BETWEEN: Duration = Duration::from_secs(30);
-
-    pub fn from(begin: Instant) -> ProgressNotes {
-        ProgressNotes { last: begin }
-    }
-
-    /// Returns whether it is time for a line.
-    pub fn is_due(&mut self, now: Instant) -> bool {
-        let due = now.duration_since(self.last) >= ProgressNotes::BETWEEN;
-        if due {
-            self.last = now;
-        }
-        due
-    }
-}
-
 /// Returns whether somebody closed the pipe (`lemons info … | head`): they have what they wanted.
 pub fn is_closed_pipe(error: &anyhow::Error) -> bool {
     if reader_left() {
@@ -163,9 +153,9 @@ mod tests {
     #[test]
     fn a_line_is_due_every_half_minute() {
         let begin = Instant::now();
-        let mut notes = ProgressNotes::from(begin);
+        let mut last = begin;
         let seconds = [1, 29, 30, 31, 59, 61, 62, 200, 229, 230];
-        let due = seconds.map(|second| notes.is_due(begin + Duration::from_secs(second)));
+        let due = seconds.map(|second| is_due(&mut last, begin + Duration::from_secs(second)));
         assert_eq!(due, [false, false, true, false, false, true, false, true, false, true]);
     }
 }

@@ -8,32 +8,31 @@ mod recorder;
 mod trial;
 
 use crate::connect::plain_names;
-use crate::decide::Walk;
 use crate::error::{Misused, and_then, full_message};
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::print::{ProgressNotes, is_closed_pipe};
-use crate::results::{Format, FormatName, Place};
+use crate::numbers::positive;
+use crate::print::{self, is_closed_pipe};
 use accuracy::{Poses, run_for};
 use anyhow::{Context, Error, Result, bail, ensure};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use lemons_core::trial::DriveChoice;
 use lemons_decision::Plan;
 use lemons_decision::target::nearest_exit;
 use lemons_decision::walking_model::WalkingModel;
-use lemons_master::{FileType, Saved, Settings, TrialInput};
-use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
-use lemons_results::{Frame, Run};
+use lemons_master::{FileType, PlanChoice, Saved, Settings, TrialInput};
+use lemons_results::measure::{LATEST, Leaving};
+use lemons_results::{Format, Run};
 use lemons_sim::stop::{Still, StopCondition};
 use lemons_sim::{Algorithm, Point};
-use model::{Prepared, RunModel};
-use outputs::OutputTable;
-pub use recorder::Target as RowTarget;
-use recorder::{CrowdRecorder, PointKind, Recorded, Target};
+use model::{CrowdInfo, Prepared, RunModel};
+use outputs::{OutputTable, Place};
+pub use recorder::Target;
+use recorder::{CrowdRecorder, PointKind, Recorded};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 pub use trial::not_set;
 
 #[derive(clap::Args)]
@@ -46,35 +45,20 @@ pub struct Arguments {
     /// Default: the stop time of the SSP, else 5
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
     until: Option<Until>,
-    /// Communication step, in seconds. Default: the Trial's TimeStep; for several FMUs, the smallest
-    /// of their default step sizes
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    step: Option<f64>,
     /// How coupled FMUs exchange values. jacobi: all FMUs use the values of the last communication
     /// point. gauss-seidel: the FMUs step one after the other, in the order of the SSP, and each uses the
     /// newest values
     #[arg(long, default_value = ALGORITHMS[0], value_parser = PossibleValuesParser::new(ALGORITHMS).map(algorithm))]
     algorithm: Algorithm,
-    /// Propulsion over time: a CSV file with columns t,agent,Fp.x,Fp.y,Mp. At each communication point,
-    /// values are interpolated linearly between rows; they are held until the next point, so results
-    /// depend on the communication step. Before the first and after the last row they are zero. Agents that are not
-    /// in the file keep the values of AgentDynamics.xml. Default: the Trial's drive.csv if there is one, which
-    /// its FMU plays by itself (in an SSP, too, but not for people whose Fp or Mp is connected). Where people walk by decision.toml, it is added to the forces
-    /// with which they walk
-    #[arg(long, value_name = "FILE.csv", conflicts_with = "no_drive")]
-    drive: Option<PathBuf>,
-    /// Ignore the Trial's drive.csv
-    #[arg(long)]
-    no_drive: bool,
     #[command(flatten)]
-    walk: Walk,
+    inputs: Inputs,
     /// Set a parameter or a start value, for example --set TimeStepMechanical=1e-5; for all agents:
     /// --set 'agent[*].Mass=80'; in an SSP, with the name of the component: --set crowd.Threads=2; for
     /// people who walk by decision.toml, --set 'decision.agent[3].DesiredSpeed=0.5'
     // The help shows it as it is.
     #[allow(rustdoc::broken_intra_doc_links)]
-    #[arg(long = "set", value_name = "NAME=VALUE")]
-    settings: Vec<String>,
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = name_and_value)]
+    settings: Vec<(String, String)>,
     /// Number of threads of the crowd. They pay off from a few thousand agents on. Results do not depend
     /// on the number. In an SSP, use --set NAME.Threads=N
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(i32).range(1..))]
@@ -91,8 +75,10 @@ pub struct Arguments {
     /// File for the outputs of what is not a crowd: of other FMUs, or where people want to go
     #[arg(long, value_name = "FILE")]
     outputs: Option<PathBuf>,
-    #[arg(long, value_name = "FORMAT", hide_possible_values = true, help = FORMAT_HELP)]
-    format: Option<FormatName>,
+    /// Format of the tables: csv; or parquet, for long runs: smaller, with units in the metadata. Default: by the
+    /// extension of -o, else csv
+    #[arg(long, value_name = "FORMAT", hide_possible_values = true, value_parser = PossibleValuesParser::new(FORMATS).map(format))]
+    format: Option<Format>,
     /// Write only every N-th communication point, beginning with the first. Default: 1. Mean and peak
     /// squeeze in a row are of all steps since the row before
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -125,7 +111,7 @@ pub enum Until {
 const LATEST_REST: f64 = 120.0;
 
 impl Until {
-    /// \[s\]
+    /// Returns the time \[s\] at which the run ends, if it is known.
     pub fn time(self) -> Option<f64> {
         match self {
             Until::Time(time) | Until::Point(time) => Some(time),
@@ -133,7 +119,7 @@ impl Until {
         }
     }
 
-    /// \[s\] Returns when it ends at the latest.
+    /// Returns the time \[s\] at which the run ends at the latest.
     pub fn latest(self) -> f64 {
         self.time().unwrap_or(if self == Until::Still { LATEST_REST } else { LATEST })
     }
@@ -142,12 +128,62 @@ impl Until {
 pub fn until(text: &str) -> Result<Until, String> {
     match text {
         "left" => Ok(Until::Left),
-        text => positive(text).map(Until::Time).map_err(|error| format!("{error}, or the word left")),
+        text => seconds(text).map(Until::Time).map_err(|must| format!("{must}, or the word left")),
+    }
+}
+
+/// What drives a run that is made now: by whom people are pushed, where they walk.
+#[derive(clap::Args)]
+pub struct Inputs {
+    /// Communication step, in seconds. Default: the Trial's TimeStep; for several FMUs, the smallest
+    /// of their default step sizes
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub step: Option<f64>,
+    /// Propulsion over time: a CSV file with columns t,agent,Fp.x,Fp.y,Mp. At each communication point,
+    /// values are interpolated linearly between rows; they are held until the next point, so results
+    /// depend on the communication step. Before the first and after the last row they are zero. Agents that are not
+    /// in the file keep the values of AgentDynamics.xml. Default: the Trial's drive.csv if there is one, which
+    /// its FMU plays by itself (in an SSP, too, but not for people whose Fp or Mp is connected). Where people walk by decision.toml, it is added to the forces
+    /// with which they walk
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "no_drive")]
+    drive: Option<PathBuf>,
+    /// Ignore the Trial's drive.csv
+    #[arg(long)]
+    no_drive: bool,
+    /// Where people walk, instead of the Trial's decision.toml: see lemons decide --help. The run is that of
+    /// the Trial's FMU coupled with that of lemons decide
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "no_plan")]
+    plan: Option<PathBuf>,
+    /// Ignore the Trial's decision.toml
+    #[arg(long)]
+    no_plan: bool,
+}
+
+impl Inputs {
+    /// Returns whether one of its options was given.
+    pub fn given(&self) -> bool {
+        self.step.is_some() || self.drive.is_some() || self.no_drive || self.plan.is_some() || self.no_plan
+    }
+
+    /// Returns the settings of a run with these inputs.
+    pub fn settings(&self, input: &Path) -> Settings {
+        let drive = match &self.drive {
+            Some(path) => DriveChoice::File(path.clone()),
+            None if self.no_drive => DriveChoice::None,
+            None => DriveChoice::Own,
+        };
+        let plan = match &self.plan {
+            Some(path) => PlanChoice::File(path.clone()),
+            None if self.no_plan => PlanChoice::None,
+            None => PlanChoice::Own,
+        };
+        Settings { step: self.step, drive, plan, ..Settings::of(input) }
     }
 }
 
 /// A run, and what becomes of it.
 pub struct Job {
+    /// With a tolerance, the poses of all communication points are kept.
     pub settings: Settings,
     /// Where rows of crowds go.
     pub rows: Target,
@@ -155,53 +191,32 @@ pub struct Job {
     pub outputs: Option<Place>,
     /// Where it is saved.
     pub state: Option<PathBuf>,
-    /// When it ends, unless at the time of the settings.
+    /// When it ends, if not at the time of the settings.
     pub until: Option<Until>,
-    /// True if the poses of all communication points are kept.
-    pub keeps_poses: bool,
 }
 
 impl Arguments {
     fn job(&self) -> Result<Job> {
         let (rows, outputs) = places_of(self)?;
         let settings = Settings {
-            parameters: name_and_value_of_all(&self.settings)?,
             threads: self.threads,
-            step: self.step,
             until: self.until.map(Until::latest),
             every: self.every.map(u64::from),
-            drive: drive_of(self.drive.as_deref(), self.no_drive),
-            plan: self.walk.choice(),
             algorithm: self.algorithm,
             resume: self.resume.clone(),
             saves: self.state.is_some(),
-            ..Settings::of(&self.input)
+            parameters: self.settings.clone(),
+            ..self.inputs.settings(&self.input)
         };
-        let (state, until) = (self.state.clone(), self.until);
-        Ok(Job { settings, rows, outputs, state, until, keeps_poses: false })
+        Ok(Job { settings, rows: Target::Table(rows), outputs, state: self.state.clone(), until: self.until })
     }
 }
 
-/// `--drive` and `--no-drive`
-pub fn drive_of(file: Option<&Path>, none: bool) -> DriveChoice {
-    match file {
-        Some(path) => DriveChoice::File(path.to_owned()),
-        None if none => DriveChoice::None,
-        None => DriveChoice::Own,
-    }
+/// Name and value of `--set`.
+pub fn name_and_value(text: &str) -> Result<(String, String), &'static str> {
+    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
+    Ok((name.to_owned(), value.to_owned()))
 }
-
-/// Names and values of `--set`.
-pub fn name_and_value_of_all(settings: &[String]) -> Result<Vec<(String, String)>> {
-    let both = settings.iter().map(|setting| {
-        let both = setting.split_once('=').map(|(name, value)| (name.to_owned(), value.to_owned()));
-        both.ok_or_else(|| Misused(format!("--set {setting}: expected NAME=VALUE")).into())
-    });
-    both.collect()
-}
-
-const FORMAT_HELP: &str = "Format of the tables: csv; or parquet, for long runs: smaller, with units in the metadata. \
-                           Default: by the extension of -o, else csv";
 
 const ALGORITHMS: [&str; 2] = ["jacobi", "gauss-seidel"];
 
@@ -209,60 +224,52 @@ fn algorithm(name: String) -> Algorithm {
     if name == ALGORITHMS[0] { Algorithm::Jacobi } else { Algorithm::GaussSeidel }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("must be a positive number of seconds".into()),
-    }
+const FORMATS: [&str; 2] = ["csv", "parquet"];
+
+fn format(name: String) -> Format {
+    if name == FORMATS[0] { Format::Csv } else { Format::Parquet }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    positive(text).map_err(|must| format!("{must} of seconds"))
 }
 
 fn length(text: &str) -> Result<f64, String> {
-    positive(text).map_err(|_| "must be a positive number of metres, for example 1e-4".into())
+    positive(text).map_err(|must| format!("{must} of metres, for example 1e-4"))
 }
 
 /// The result of a run.
 pub struct Ended {
-    /// If poses are kept: those of each crowd, and the mechanical steps \[s\].
+    /// Of a run with a tolerance: the poses of each crowd, and the mechanical steps \[s\].
     poses: Vec<Poses>,
     mechanical_steps: Vec<(String, f64)>,
     /// \[s\] the communication step
     step: f64,
-    /// Lines of the summary: how two runs differ.
-    compared: Vec<String>,
-    /// \[s\] simulated now.
-    simulated: f64,
-    wall: Duration,
+    /// Lines of the summary.
+    summary: Vec<String>,
     /// \[s\] where Ctrl-C stopped it; not where it ended since all had come to rest.
     pub stopped: Option<f64>,
-    /// Lines of the summary: what is coupled, what was seen, what was saved.
-    coupling: Vec<String>,
-    seen: Vec<String>,
-    saved: Option<String>,
     /// The frames of a run that is shown, unless the FMU has no agents.
     pub recorded: Option<Run>,
-    /// Why a file is not in its place.
-    failed: Option<Error>,
+    /// Whether all files are in their places.
+    pub complete: Result<()>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let (job, interrupt) = (arguments.job()?, Interrupt::watch());
-    let mut ended = match arguments.accuracy {
+    let ended = match arguments.accuracy {
         Some(accuracy) => run_for(accuracy, job, &interrupt)?,
         None => simulate(job, &interrupt)?,
     };
-    let printed = ended.print();
+    let printed = ended.summary.iter().try_for_each(|line| say!("{line}"));
     // What was computed is told nevertheless.
-    ended.complete()?;
-    let Some(time) = ended.stopped else { return printed };
+    ended.complete?;
+    let Some(time) = ended.stopped else { return Ok(printed?) };
     let go_on = match &arguments.state {
         Some(path) => format!("go on with --resume {}", path.display()),
         None => "it is not saved (--state)".into(),
     };
-    Err(interrupted(format!("stopped at t = {time:?} s; {go_on}")))
-}
-
-fn interrupted(why: String) -> Error {
-    Interrupted(why).into()
+    Err(Interrupted(format!("stopped at t = {time:?} s; {go_on}")).into())
 }
 
 /// Prepares a run of a Trial, an FMU or an SSP.
@@ -276,7 +283,7 @@ fn prepare(settings: &Settings) -> Result<Prepared> {
 }
 
 /// The texts that tables have of a run.
-struct About {
+pub struct About {
     lines: Vec<(&'static str, String)>,
     /// True if a saved run goes on: then no table is replaced, which may be one of the run before.
     goes_on: bool,
@@ -295,13 +302,14 @@ impl About {
 
 /// Runs and records; warnings go to standard error. Ctrl-C ends the run after the step under way.
 pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
-    let Job { settings, rows, outputs, state, until, keeps_poses } = job;
+    let Job { settings, rows, outputs, state, until } = job;
+    let compared = settings.tolerance.is_some();
     let Prepared {
         mut model,
         crowds,
         output_columns,
         plans,
-        mut coupling,
+        coupling: mut summary,
         mechanical_steps,
         output_directories,
         clock,
@@ -310,8 +318,8 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         before,
     } = prepare(&settings)?;
     model.take_warnings().iter().for_each(|warning| note!("{warning}"));
-    coupling.push(format!("communication step {:>10} s", clock.step));
-    if keeps_poses && mechanical_steps.is_empty() {
+    summary.push(format!("communication step {:>10} s", clock.step));
+    if compared && mechanical_steps.is_empty() {
         bail!(
             "--accuracy: nothing here has a parameter TimeStepMechanical, so no mechanical step can be chosen"
         );
@@ -330,39 +338,29 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let several = crowds.len() > 1;
     for (crowd, name) in crowds.into_iter().zip(&names) {
         let to = if several { rows.named(name)? } else { rows.clone() };
-        recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), keeps_poses)?);
+        recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), compared)?);
     }
     let stop = match until {
-        None | Some(Until::Time(_) | Until::Point(_)) => None,
         Some(Until::Still) => Some(StopCondition::Still(Still::after(drive_end))),
-        Some(Until::Left) => {
-            let plans: Vec<Vec<bool>> = plans.iter().map(|plan| plan.leaving()).collect();
-            Some(StopCondition::Left(until_left(&plans, &recorders)?))
-        }
+        Some(Until::Left) => Some(StopCondition::Left(until_left(&plans, &recorders)?)),
+        _ => None,
     };
     let file = state.map(|path| Ok::<_, Error>((files::stage(&path)?, path))).transpose()?;
     let first = model.time();
     let bar = progress_bar(stop.as_ref(), clock.steps.saturating_sub(index))?;
     let started = Instant::now();
-    let mut run = Recording {
-        recorders,
-        outputs,
-        stop,
-        every,
-        index,
-        bar,
-        notes: ProgressNotes::from(started),
-        interrupt,
-    };
+    let mut run = Recording { recorders, outputs, stop, every, index, bar, noted: started, interrupt };
     let mut done = run.see(&mut *model, if before.is_none() { PointKind::Start } else { PointKind::Resumed });
     if done.is_ok() && !interrupt.pressed() {
         done = run.steps(&mut *model, clock.points(index));
     }
     run.bar.finish_and_clear();
-    let (wall, time) = (started.elapsed(), model.time());
+    let (wall, time) = (started.elapsed().as_secs_f64(), model.time());
     let Recording { recorders, outputs, stop, index, .. } = run;
-    if let Some(StopCondition::Left(leaving)) = &stop {
-        note_remaining(leaving, &recorders, time, clock.until);
+    if let Some(StopCondition::Left(leaving)) = &stop
+        && (leaving.over().is_some() || time >= clock.until)
+    {
+        note_remaining(leaving, &recorders, time);
     }
     let saved = match (&done, file) {
         (Ok(()), Some((file, path))) => {
@@ -379,51 +377,44 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         }
         _ => Ok(None),
     };
-    let stuck = match (&done, &plans[..], &recorders[..]) {
-        (Ok(()), [plan], [crowd]) if plan.walking_model == WalkingModel::Straight => {
-            stuck_warning(&mut *model, plan, crowd)?
-        }
-        _ => None,
-    };
-    let queues = match (&done, &plans[..], &recorders[..]) {
-        (Ok(()), [plan], [crowd]) if !about.goes_on => uneven_queues(plan, crowd),
-        _ => None,
-    };
+    let mut warnings = Vec::new();
+    if let (Ok(()), [plan], [crowd]) = (&done, &plans[..], &recorders[..]) {
+        warnings.extend(stuck_warning(&mut *model, plan, crowd)?);
+        warnings.extend(uneven_queues(plan, crowd).filter(|_| !about.goes_on));
+    }
+    let over = time >= clock.until || stop.is_some_and(|stop| stop.is_over(time));
+    if !over {
+        summary.push(format!("stopped by Ctrl-C  {time:>10.3} s"));
+    }
+    let simulated = time - first;
+    summary.push(format!("simulated time     {simulated:>10.3} s"));
+    summary.push(format!("wall time          {wall:>10.3} s"));
+    summary.push(format!("real-time factor   {:>10.2}", simulated / wall));
     // What was simulated before a failure is worth having.
-    let (mut seen, mut recorded, mut poses, mut failed) = (Vec::new(), None, Vec::new(), Ok(()));
+    let (mut recorded, mut poses, mut complete) = (None, Vec::new(), Ok(()));
     for recorder in recorders {
-        seen.extend(several.then(|| format!("crowd              {}", recorder.crowd().component)));
+        summary.extend(several.then(|| format!("crowd              {}", recorder.crowd().component)));
         let (Recorded { lines, run, poses: own }, placed) = recorder.finish();
-        seen.extend(lines);
+        summary.extend(lines);
         poses.extend(own);
         recorded = recorded.or(run);
-        failed = and_then(failed, placed);
+        complete = and_then(complete, placed);
     }
     match outputs.map(OutputTable::finish).transpose() {
-        Ok(line) => seen.extend(line),
-        Err(error) => failed = and_then(failed, Err(error)),
+        Ok(line) => summary.extend(line),
+        Err(error) => complete = and_then(complete, Err(error)),
     }
     let done = done.and_then(|()| model.terminate());
-    model.take_warnings().into_iter().chain(stuck).chain(queues).for_each(|warning| note!("{warning}"));
+    model.take_warnings().iter().chain(&warnings).for_each(|warning| note!("{warning}"));
     if let Err(error) = done {
-        return Err(stopped(error, time, failed));
+        return Err(stopped(error, time, complete));
     }
-    let (saved, kept) = saved.map_or_else(|error| (None, Err(error)), |saved| (saved, Ok(())));
-    let over = time >= clock.until || stop.is_some_and(|stop| stop.is_over(time));
-    Ok(Ended {
-        poses,
-        mechanical_steps,
-        step: clock.step,
-        compared: Vec::new(),
-        simulated: time - first,
-        wall,
-        stopped: (!over).then_some(time),
-        coupling,
-        seen,
-        saved,
-        recorded,
-        failed: and_then(failed, kept).err(),
-    })
+    match saved {
+        Ok(line) => summary.extend(line),
+        Err(error) => complete = and_then(complete, Err(error)),
+    }
+    let stopped = (!over).then_some(time);
+    Ok(Ended { poses, mechanical_steps, step: clock.step, summary, stopped, recorded, complete })
 }
 
 /// A crowd writes XML files of its own into its OutputDirectory: those of an earlier run must not be among them.
@@ -443,7 +434,8 @@ struct Recording<'a> {
     /// The last communication point of the clock that was reached.
     index: u64,
     bar: ProgressBar,
-    notes: ProgressNotes,
+    /// When it was last said how far it is.
+    noted: Instant,
     interrupt: &'a Interrupt,
 }
 
@@ -456,13 +448,7 @@ impl Recording<'_> {
         match &mut self.stop {
             // Whether anybody rests is known after a step.
             Some(StopCondition::Still(_)) if matches!(kind, PointKind::Start | PointKind::Resumed) => {}
-            Some(stop @ StopCondition::Still(_)) => stop.see(model.time(), &frames),
-            Some(stop @ StopCondition::Left(_)) => {
-                let leave =
-                    frames.iter().zip(&self.recorders).filter(|(_, crowd)| crowd.crowd().groups.active);
-                let leave: Vec<Frame> = leave.map(|(frame, _)| frame.clone()).collect();
-                stop.see(model.time(), &leave);
-            }
+            Some(stop) => stop.see(model.time(), &frames),
             None => {}
         }
         for (recorder, frame) in self.recorders.iter_mut().zip(frames) {
@@ -495,7 +481,7 @@ impl Recording<'_> {
         let written = point.steps.is_multiple_of(self.every);
         self.see(model, if written { PointKind::Written } else { PointKind::Passed })?;
         self.bar.set_message(format!("t = {:.2} s", point.time));
-        if self.bar.is_hidden() && self.notes.is_due(Instant::now()) {
+        if self.bar.is_hidden() && print::is_due(&mut self.noted, Instant::now()) {
             note!("t = {:.2} s", point.time);
         }
         match self.stop.as_ref().and_then(StopCondition::left) {
@@ -513,56 +499,42 @@ fn progress_bar(stop: Option<&StopCondition>, steps: u64) -> Result<ProgressBar>
         Some((leave, _)) => (leave as u64, "{bar:40} {msg}  {pos} of {len} have left"),
         None => (steps, "{bar:40} {percent:>3}%  {msg}  {eta} left"),
     };
-    Ok(crate::print::bar(length).with_style(ProgressStyle::with_template(template)?))
+    print::bar(length, template)
 }
 
 /// The end of a run in which people leave: when nobody is there any more who has an exit.
-fn until_left(plans: &[Vec<bool>], recorders: &[CrowdRecorder]) -> Result<Leaving> {
-    let nobody =
-        "--until left: nobody can leave: people do not walk, or have no exits (give a time in seconds)";
-    let leaving = || recorders.iter().filter(|crowd| crowd.crowd().groups.active);
-    ensure!(leaving().next().is_some(), nobody);
-    // Only our own plans say who has an exit; of others, all might leave.
-    let people: usize = leaving().map(|crowd| crowd.crowd().ids.len()).sum();
-    let counted: usize = plans.iter().map(Vec::len).sum();
-    let leave = plans.iter().flatten().filter(|leaves| **leaves).count() + people.saturating_sub(counted);
-    ensure!(leave > 0, nobody);
-    if leave < people {
-        note!(
-            "note: {} of {people} people have no exit: the run ends when the others have left",
-            people - leave
-        );
+fn until_left(plans: &[Plan], recorders: &[CrowdRecorder]) -> Result<Leaving> {
+    let mut plans = plans.iter().map(Plan::leaving);
+    let who = recorders.iter().flat_map(|recorder| {
+        let CrowdInfo { ids, groups, .. } = recorder.crowd();
+        // Only our own plans say who has an exit; of others, all might leave.
+        let known = if groups.active { plans.next() } else { None };
+        known.filter(|who| who.len() == ids.len()).unwrap_or_else(|| vec![groups.active; ids.len()])
+    });
+    let who: Vec<bool> = who.collect();
+    let stay = who.iter().filter(|leaves| !**leaves).count();
+    ensure!(
+        stay < who.len(),
+        "--until left: nobody can leave: people do not walk, or have no exits (give a time in seconds)"
+    );
+    if stay > 0 {
+        note!("note: {stay} of {} people have no exit: the run ends when the others have left", who.len());
     }
-    Ok(match plans {
-        [only] if only.len() == people => Leaving::of(leave).among(only.clone()),
-        _ => Leaving::of(leave),
-    })
+    Ok(Leaving::of(who.len() - stay).among(who))
 }
 
 /// Ids of people who are told.
 const MOST_IDS: usize = 5;
 
 /// Says who has not left, and why the run ends nevertheless.
-fn note_remaining(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64, until: f64) {
-    let why = match leaving.over() {
-        Some(Over::Standstill) => {
-            format!("in the last {STANDSTILL} s nobody has left or got further than {REACH} m")
-        }
-        None if time >= until => "this is the latest end".to_owned(),
-        // Stopped, or failed.
-        _ => return,
-    };
-    let (leave, left) = leaving.counts();
+fn note_remaining(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64) {
+    let Some(why) = leaving.why_some_stay(time) else { return };
     let ids: Vec<&str> = recorders.iter().flat_map(|crowd| &crowd.crowd().ids).map(String::as_str).collect();
     let mut stay: Vec<&str> = leaving.stay().take(MOST_IDS).map(|agent| ids[agent]).collect();
     if leaving.stay().nth(MOST_IDS).is_some() {
         stay.push("…");
     }
-    note!(
-        "warning: {} of {leave} people have not left: {why}; the run ends at t = {time:.3} s (still there: {})",
-        leave - left,
-        stay.join(", ")
-    );
+    note!("warning: {why} (still there: {})", stay.join(", "));
 }
 
 /// Ratio and difference \[s\] of the times of the last departures by two exits: from these on, a note is printed.
@@ -600,7 +572,7 @@ const STUCK: f64 = 0.1;
 /// want to walk and get no further.
 fn stuck_warning(model: &mut dyn RunModel, plan: &Plan, crowd: &CrowdRecorder) -> Result<Option<String>> {
     let (frame, people) = (crowd.last(), plan.agents.len());
-    if frame.agents.len() != people {
+    if frame.agents.len() != people || plan.walking_model != WalkingModel::Straight {
         return Ok(None);
     }
     let names: Vec<String> =
@@ -644,51 +616,26 @@ fn stopped(error: Error, time: f64, placed: Result<()>) -> Error {
     })
 }
 
-impl Ended {
-    /// Checks that all files are in their places.
-    pub fn complete(&mut self) -> Result<()> {
-        self.failed.take().map_or(Ok(()), Err)
-    }
-
-    fn print(&self) -> Result<()> {
-        let seconds = self.wall.as_secs_f64();
-        self.coupling.iter().try_for_each(|line| say!("{line}"))?;
-        if let Some(time) = self.stopped {
-            say!("stopped by Ctrl-C  {time:>10.3} s")?;
-        }
-        say!("simulated time     {:>10.3} s", self.simulated)?;
-        say!("wall time          {seconds:>10.3} s")?;
-        say!("real-time factor   {:>10.2}", self.simulated / seconds)?;
-        self.compared.iter().try_for_each(|line| say!("{line}"))?;
-        Ok(self.seen.iter().chain(&self.saved).try_for_each(|line| say!("{line}"))?)
-    }
-}
-
-/// Where the trajectories and the outputs go, and as what.
-fn places_of(arguments: &Arguments) -> Result<(Target, Option<Place>)> {
+/// Returns where the trajectories and the outputs go, and as what.
+fn places_of(arguments: &Arguments) -> Result<(Place, Option<Place>)> {
     let Arguments { output, outputs, format, .. } = arguments;
-    let format = format.map(Format::from);
     let common = format.or(output.as_deref().and_then(Format::of)).unwrap_or(Format::Csv);
-    let extension = common.extension();
-    let place = |given: &Option<PathBuf>, default: PathBuf| {
-        let Some(path) = given else { return Ok(Place { path: default, format: common }) };
-        match (Format::of(path), format) {
-            (Some(own), Some(wanted)) if own != wanted => bail!(Misused(format!(
-                "{}: ends in .{}, but --format is {}",
-                path.display(),
-                own.extension(),
-                wanted.extension()
-            ))),
-            (None, None) if path.extension().is_some() => bail!(Misused(format!(
-                "{}: tables are .csv or .parquet: give such a name, or --format for one that ends otherwise",
-                path.display()
-            ))),
-            (own, _) => Ok(Place { path: path.clone(), format: own.unwrap_or(common) }),
-        }
+    let place = |path: &Path| match (Format::of(path), *format) {
+        (Some(own), Some(wanted)) if own != wanted => bail!(Misused(format!(
+            "{}: ends in .{}, but --format is {}",
+            path.display(),
+            own.extension(),
+            wanted.extension()
+        ))),
+        (None, None) if path.extension().is_some() => bail!(Misused(format!(
+            "{}: tables are .csv or .parquet: give such a name, or --format for one that ends otherwise",
+            path.display()
+        ))),
+        (own, _) => Ok(Place { path: path.to_owned(), format: own.unwrap_or(common) }),
     };
-    let trajectories = place(output, format!("trajectories.{extension}").into())?;
-    let outputs = outputs.as_ref().map(|path| place(&Some(path.clone()), PathBuf::new())).transpose()?;
-    Ok((Target::Table(trajectories), outputs))
+    let default = PathBuf::from(format!("trajectories.{}", common.extension()));
+    let trajectories = place(output.as_deref().unwrap_or(&default))?;
+    Ok((trajectories, outputs.as_deref().map(place).transpose()?))
 }
 
 impl Target {

@@ -1,13 +1,12 @@
 //! `lemons sweep`: many runs with other parameters.
 
-use crate::error::{Misused, report_problems};
+use crate::error::Misused;
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::output::Output;
-use crate::print::ProgressNotes;
+use crate::print;
 use crate::version::BUILD;
 use anyhow::{Context, Result, bail};
-use indicatif::ProgressStyle;
 use lemons_sweep::{Finished, Options, Progress, Spec, Swept, check_over, summary, sweep as run};
 use std::cell::Cell;
 use std::io::Write;
@@ -63,11 +62,9 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let all_processors = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = arguments.threads.map_or_else(all_processors, usize::from);
     let interrupt = Interrupt::watch();
-    let style =
-        ProgressStyle::with_template("{bar:40} {percent:>3}%  {pos} of {len} points  {msg}{eta} left")?;
-    let bar = crate::print::bar(spec.points.count as u64).with_style(style);
-    let newest = Cell::new(None);
-    let mut notes = ProgressNotes::from(Instant::now());
+    let template = "{bar:40} {percent:>3}%  {pos} of {len} points  {msg}{eta} left";
+    let bar = print::bar(spec.points.count as u64, template)?;
+    let (newest, mut noted) = (Cell::new(None), Instant::now());
     let tell = |at: Progress| {
         newest.set(Some(at));
         if at.failed > 0 {
@@ -79,7 +76,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
             bar.reset_eta();
         }
         bar.set_position(at.done as u64);
-        if bar.is_hidden() && notes.is_due(Instant::now()) {
+        if bar.is_hidden() && print::is_due(&mut noted, Instant::now()) {
             note!("{} of {} points, {} failed", at.done, at.total, at.failed);
         }
     };
@@ -92,7 +89,8 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let Swept { points, measures, rows, progress: at, warnings } = match (done, newest.get()) {
         (Ok(done), _) => done,
         (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(numbers(at))),
-        (Err(lemons_sweep::Error::Master(error)), None) => return Err(report_problems(error)),
+        // With the exit code of a Trial that has errors.
+        (Err(lemons_sweep::Error::Master(error)), None) => return Err(error.into()),
         (Err(error @ (lemons_sweep::Error::Spec(_) | lemons_sweep::Error::In { .. })), None) => {
             return Err(anyhow::Error::new(error).context(arguments.spec.display().to_string()));
         }

@@ -25,7 +25,6 @@ const STACK: usize = 8 << 20;
 pub struct Task {
     stop: Arc<AtomicBool>,
     done: Mutex<Receiver<Result<Done, String>>>,
-    result: Option<Result<Done, String>>,
 }
 
 /// A command's output, its notes; its picture; its summary and tables.
@@ -45,32 +44,27 @@ impl Task {
             let _ = send.send(call(&words, run, flag));
         };
         Builder::new().name("lemons".into()).stack_size(STACK).spawn(work)?;
-        Ok(Task { stop, done: Mutex::new(done), result: None })
+        Ok(Task { stop, done: Mutex::new(done) })
     }
 
-    /// Waits for its end, at most so long \[s\]; whether it is over.
-    fn wait(&mut self, py: Python<'_>, seconds: f64) -> bool {
-        let done = &self.done;
+    /// Waits for its end, at most so long \[s\], and returns what came of it; None if it is not over.
+    fn wait<'py>(&self, py: Python<'py>, seconds: f64) -> PyResult<Option<Made<'py>>> {
         let wait = Duration::from_secs_f64(seconds);
-        let got = py.detach(|| done.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(wait));
-        match got {
-            Ok(result) => self.result = Some(result),
-            Err(RecvTimeoutError::Disconnected) => {}
-            Err(RecvTimeoutError::Timeout) => return false,
-        }
-        true
+        let got = py.detach(|| self.done.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(wait));
+        let done = match got {
+            Ok(done) => done.map_err(CommandError::new_err)?,
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("a fault in this program"));
+            }
+            Err(RecvTimeoutError::Timeout) => return Ok(None),
+        };
+        let Done { said, notes, picture, summary, tables } = done;
+        Ok(Some((said, notes, PyBytes::new(py, &picture), summary, tables)))
     }
 
     /// Asks it to end, without what it has begun.
     fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
-    }
-
-    /// Returns what came of it.
-    fn result<'py>(&mut self, py: Python<'py>) -> PyResult<Made<'py>> {
-        let result = self.result.take().ok_or_else(|| PyRuntimeError::new_err("a fault in this program"))?;
-        let Done { said, notes, picture, summary, tables } = result.map_err(CommandError::new_err)?;
-        Ok((said, notes, PyBytes::new(py, &picture), summary, tables))
     }
 }
 

@@ -5,7 +5,7 @@ use crate::simulation::{Simulation, refused};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_results::Frame;
 use lemons_results::columns::{ALL, Groups, Row};
-use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
+use lemons_results::measure::{LATEST, Leaving, Over};
 use lemons_sim::stop::places;
 use lemons_sim::{Clock, SimError};
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3};
@@ -137,15 +137,7 @@ impl Recording {
 
     /// Why a run ends from which people were to leave who stay.
     fn why_some_stay(&self) -> Option<String> {
-        let leaving = self.leaving.as_ref().filter(|_| !self.have_left())?;
-        let (leave, left) = leaving.counts();
-        let why = match self.over() {
-            Some(_) => format!("in the last {STANDSTILL} s nobody has left or got further than {REACH} m"),
-            None => "this is the latest end".to_owned(),
-        };
-        let time = self.times.last().copied().unwrap_or_default();
-        let stay = leave.saturating_sub(left);
-        Some(format!("{stay} of {leave} people have not left: {why}; the run ends at t = {time} s"))
+        self.leaving.as_ref()?.why_some_stay(*self.times.last()?)
     }
 
     /// Makes at most so many steps, for about so long \[s\].

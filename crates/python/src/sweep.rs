@@ -28,37 +28,23 @@ fn wrong(error: impl std::fmt::Display) -> PyErr {
 #[pyclass(frozen, module = "lemons_fmu._native")]
 pub struct Study {
     points: lemons_sweep::Points,
-    /// Of each parameter.
-    kinds: Vec<Kind>,
+    /// The values of each parameter, as Python has them.
+    columns: Vec<Vec<Py<PyAny>>>,
     models: Models,
 }
 
-/// What the values of a parameter are.
-#[derive(Clone, Copy)]
-enum Kind {
-    Integer,
-    Real,
-    Text,
-}
-
-/// The values of a parameter: all whole numbers, all numbers, or all texts.
-fn values(name: &str, values: &[Bound<'_, PyAny>]) -> PyResult<(Kind, Vec<String>)> {
-    if values.iter().all(|value| value.is_instance_of::<PyString>()) {
-        return Ok((Kind::Text, values.iter().map(|value| value.extract()).collect::<PyResult<_>>()?));
+/// Returns the values of a parameter as texts: all whole numbers, all numbers, or all texts.
+fn texts_of(name: &str, values: &[Bound<'_, PyAny>]) -> PyResult<Vec<String>> {
+    let is_bool = |value: &Bound<'_, PyAny>| value.is_instance_of::<PyBool>();
+    let is_whole = |value: &Bound<'_, PyAny>| value.is_instance_of::<PyInt>() && !is_bool(value);
+    if values.iter().all(is_whole) || values.iter().all(|value| value.is_instance_of::<PyString>()) {
+        return values.iter().map(|value| Ok(value.str()?.to_string())).collect();
     }
-    let is_other =
-        |value: &Bound<'_, PyAny>| value.is_instance_of::<PyBool>() || value.is_instance_of::<PyString>();
-    let other = || wrong(format!("parameter {name}: values must be all numbers or all texts"));
-    if values.iter().any(is_other) {
-        return Err(other());
-    }
-    if values.iter().all(|value| value.is_instance_of::<PyInt>()) {
-        let text = |value: &Bound<'_, PyAny>| value.extract().map(|value: i64| value.to_string());
-        let large = |_| wrong(format!("parameter {name}: an integer is too large"));
-        return Ok((Kind::Integer, values.iter().map(text).collect::<PyResult<_>>().map_err(large)?));
-    }
-    let text = |value: &Bound<'_, PyAny>| value.extract().map(|value: f64| format!("{value:?}"));
-    Ok((Kind::Real, values.iter().map(text).collect::<PyResult<_>>().map_err(|_| other())?))
+    let text = |value: &Bound<'_, PyAny>| match value.extract::<f64>() {
+        Ok(number) if !is_bool(value) => Ok(format!("{number:?}")),
+        _ => Err(wrong(format!("parameter {name}: values must be all numbers or all texts"))),
+    };
+    values.iter().map(text).collect()
 }
 
 /// Reads a path with the names of parameters in braces. What is there as it is written has none.
@@ -83,12 +69,8 @@ impl Study {
         plan: Option<&str>,
         walk: bool,
     ) -> PyResult<Study> {
-        let (mut kinds, mut all) = (Vec::new(), Vec::new());
-        for (name, column) in columns {
-            let (kind, column) = values(&name, &column)?;
-            kinds.push(kind);
-            all.push((name, column));
-        }
+        let texts = columns.iter().map(|(name, values)| Ok((name.clone(), texts_of(name, values)?)));
+        let all = texts.collect::<PyResult<_>>()?;
         let points = if grid {
             lemons_sweep::Points::grid(all).map_err(wrong)?
         } else {
@@ -103,7 +85,9 @@ impl Study {
             None => Plan::None,
         };
         let models = Models::of(&points, &template(what, &points)?, &plan);
-        Ok(Study { models: models.map_err(|error| wrong(error.whole()))?, points, kinds })
+        let columns = columns.into_iter().map(|(_, values)| values.into_iter().map(Bound::unbind).collect());
+        let models = models.map_err(|error| wrong(error.whole()))?;
+        Ok(Study { points, columns: columns.collect(), models })
     }
 
     /// The number of points.
@@ -119,13 +103,8 @@ impl Study {
     }
 
     /// The value of a parameter at a point.
-    fn value<'py>(&self, py: Python<'py>, column: usize, point: usize) -> PyResult<Bound<'py, PyAny>> {
-        let text = self.points.parameters[column].at(point);
-        Ok(match self.kinds[column] {
-            Kind::Integer => text.parse::<i64>().map_err(wrong)?.into_pyobject(py)?.into_any(),
-            Kind::Real => text.parse::<f64>().map_err(wrong)?.into_pyobject(py)?.into_any(),
-            Kind::Text => text.into_pyobject(py)?.into_any(),
-        })
+    fn value(&self, py: Python<'_>, column: usize, point: usize) -> Py<PyAny> {
+        self.columns[column][self.points.parameters[column].place(point)].clone_ref(py)
     }
 
     /// Each model's path, the path of its plan, and whether people walk.

@@ -4,7 +4,7 @@ pub(crate) mod output;
 pub(crate) mod places;
 pub(crate) mod squeeze;
 
-use crate::error::{Place, Result};
+use crate::error::Result;
 use crate::points::Points;
 use lemons_master::ensure;
 use lemons_results::measure::{quantile, within};
@@ -46,17 +46,9 @@ impl Measure {
     ///
     /// # Errors
     /// A sentence with the key that is missing, unknown or of another type.
-    pub(crate) fn read(mut value: toml::Value) -> Result<Measure> {
+    pub(crate) fn read(value: toml::Value) -> Result<Measure> {
         let has = |kind: &&str| value.as_table().is_some_and(|table| table.contains_key(*kind));
-        let kinds: Vec<&str> = KINDS.into_iter().filter(has).collect();
-        // An output is measured at all times.
-        let mut time = |key: &str| -> Result<Option<f64>> {
-            let table = value.as_table_mut().filter(|_| kinds != ["of"]);
-            let time = table.and_then(|table| table.remove(key));
-            time.map(toml::Value::try_into).transpose().place(|| key.to_owned())
-        };
-        let (from, until) = (time("from")?, time("until")?);
-        let kind = match kinds[..] {
+        let kind = match KINDS.into_iter().filter(has).collect::<Vec<_>>()[..] {
             ["of"] => Kind::Output(value.try_into()?),
             ["line"] => Kind::Line(value.try_into()?),
             ["area"] => Kind::Area(value.try_into()?),
@@ -64,6 +56,13 @@ impl Measure {
             _ => {
                 return Err(format!("must be a table with one of the keys {}", KINDS.join(", ")).into());
             }
+        };
+        let (from, until) = match &kind {
+            // An output is measured at all times.
+            Kind::Output(_) => (None, None),
+            Kind::Line(of) => (of.from, of.until),
+            Kind::Area(of) => (of.from, of.until),
+            Kind::Squeeze(of) => (of.from, of.until),
         };
         Ok(Measure { kind, from, until })
     }

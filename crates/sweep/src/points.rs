@@ -38,7 +38,12 @@ const LARGEST_TABLE: u64 = 200_000_000;
 impl Parameter {
     /// Returns the value at a point.
     pub fn at(&self, point: usize) -> &str {
-        &self.values[point / self.repeat % self.values.len()]
+        &self.values[self.place(point)]
+    }
+
+    /// Returns the place of the value at a point among all values.
+    pub fn place(&self, point: usize) -> usize {
+        point / self.repeat % self.values.len()
     }
 
     /// Returns all values that points have.

@@ -341,7 +341,7 @@ mod tests {
                 "squeeze = 'peak', from = 2, until = 1",
                 "until = 1.0: the beginning is not before the",
             ),
-            (measure, "squeeze = 'peak', from = '2'", "measures: reach: from: "),
+            (measure, "squeeze = 'peak', from = '2'", "in `from`"),
             (measure, "squeeze = 'time_above'", "squeeze = \"time_above\" needs a level"),
         ] {
             assert!(GOOD.contains(part));

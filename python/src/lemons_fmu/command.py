@@ -78,14 +78,15 @@ def call(words: Sequence[str | os.PathLike[str]], run: Run | None = None) -> Mad
         _native.look_in(os.path.dirname(os.path.abspath(program())))
     task = _native.Task([os.fspath(word) for word in words], run)
     try:
-        while not task.wait(0.1):
+        while (result := task.wait(0.1)) is None:
             pass
     except BaseException:
         # Ctrl-C: it removes what it has begun.
         task.stop()
-        task.wait(600.0)
+        with suppress(CommandError):
+            task.wait(600.0)
         raise
-    made = Made(*task.result())
+    made = Made(*result)
     for note in made.notes:
         warnings.warn(note, stacklevel=3)
     return made

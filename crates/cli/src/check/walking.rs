@@ -1,5 +1,6 @@
 //! Models of walking that are used where they are known to fail.
 
+use super::{NOTE, WARNING};
 use lemons_core::plane::{Vec2, segments_cross, vec2};
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
@@ -15,52 +16,46 @@ const MANY: f64 = 0.1;
 /// Of more people, only so many are looked at.
 const MOST: usize = 2000;
 
-/// A doubt about the model.
-pub enum Doubt {
-    /// Results are wrong by a factor.
-    Warning(String),
-    /// Results may be meant so.
-    Note(String),
-}
-
-/// Doubts a model where people leave, and where they walk against each other.
-pub fn doubts(plan: &Plan) -> Vec<Doubt> {
-    let leave = plan.leaving().contains(&true);
-    let mut doubts = Vec::new();
-    let advice = "(model = \"rotational\" is for doors, corridors and counterflow)";
-    doubts.extend(match plan.walking_model {
-        WalkingModel::CollisionFreeSpeed(_) if leave => Some(Doubt::Note(format!(
-            "in the model \"collision-free-speed\" flows through doors are about half of what people reach in \
-             experiments {advice}"
-        ))),
-        WalkingModel::SocialForce(_) if leave => Some(Doubt::Warning(format!(
-            "in the model \"social-force\" flows through doors are two to four times what people reach in experiments \
-             {advice}"
-        ))),
-        WalkingModel::Straight if leave => Some(Doubt::Warning(format!(
-            "in the model \"straight\" people do not see each other: in front of an exit they push without end {advice}"
-        ))),
-        _ => None,
-    });
-    let opposite = |what: &str| {
-        let [one, other] = meeting(plan)?;
-        Some(format!("people walk against each other, as agents {one:?} and {other:?}: {what} {advice}"))
+/// Doubts a model where people leave, and where they walk against each other: a warning where results are wrong by a
+/// factor, a note where they may be meant so.
+pub fn doubts(plan: &Plan) -> Vec<(&'static str, String)> {
+    let (leaving, opposite) = match plan.walking_model {
+        WalkingModel::CollisionFreeSpeed(_) => (
+            (
+                NOTE,
+                "in the model \"collision-free-speed\" flows through doors are about half of what people reach in \
+                 experiments",
+            ),
+            (WARNING, "in the model \"collision-free-speed\" they nearly stand still"),
+        ),
+        WalkingModel::SocialForce(_) => (
+            (
+                WARNING,
+                "in the model \"social-force\" flows through doors are two to four times what people reach in \
+                 experiments",
+            ),
+            (WARNING, "for this, the model \"social-force\" has not been compared with experiments"),
+        ),
+        WalkingModel::Straight => (
+            (
+                WARNING,
+                "in the model \"straight\" people do not see each other: in front of an exit they push without end",
+            ),
+            // A push may be meant.
+            (NOTE, "in the model \"straight\" they do not see each other, and push"),
+        ),
+        WalkingModel::Rotational(_) => return Vec::new(),
     };
-    doubts.extend(match plan.walking_model {
-        WalkingModel::CollisionFreeSpeed(_) => {
-            opposite("in the model \"collision-free-speed\" they nearly stand still").map(Doubt::Warning)
-        }
-        WalkingModel::SocialForce(_) => {
-            opposite("for this, the model \"social-force\" has not been compared with experiments")
-                .map(Doubt::Warning)
-        }
-        // A push may be meant.
-        WalkingModel::Straight => {
-            opposite("in the model \"straight\" they do not see each other, and push").map(Doubt::Note)
-        }
-        WalkingModel::Rotational(_) => None,
+    let leave = plan.leaving().contains(&true).then(|| (leaving.0, leaving.1.to_owned()));
+    let meet = meeting(plan).map(|[one, other]| {
+        let who = format!("people walk against each other, as agents {one:?} and {other:?}");
+        (opposite.0, format!("{who}: {}", opposite.1))
     });
-    doubts
+    let doubts = leave.into_iter().chain(meet);
+    let advised = |(kind, text)| {
+        (kind, format!("{text} (model = \"rotational\" is for doors, corridors and counterflow)"))
+    };
+    doubts.map(advised).collect()
 }
 
 /// The first way of somebody.

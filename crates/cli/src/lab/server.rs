@@ -1,17 +1,21 @@
-//! A server for a browser of this machine: one thread, and bounds for all that a connection can take.
+//! A server for a browser of this machine: a thread for each connection, and bounds for all that it can take.
 
 use std::borrow::Cow;
+use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Result, Write};
-use std::net::{TcpListener, TcpStream};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::thread::{Builder, sleep};
+use std::time::Duration;
 
 /// Connections at a time. The oldest makes room for a new one.
 const MOST_CONNECTIONS: usize = 64;
 /// \[byte\] Of a request; what follows its head is not read.
 const LARGEST_HEAD: usize = 16_384;
-/// Longest time for a request to come, and for the next part of an answer to be taken.
+/// Longest time for the next part of a request to come, and for the next part of an answer to be taken.
 const PATIENCE: Duration = Duration::from_secs(10);
+/// Kinds of errors after which there may be a connection later.
+const NOTHING: [ErrorKind; 3] = [ErrorKind::WouldBlock, ErrorKind::Interrupted, ErrorKind::ConnectionAborted];
 
 /// A request.
 pub struct Request<'a> {
@@ -29,100 +33,69 @@ pub struct Answer {
     pub content: Cow<'static, [u8]>,
 }
 
-/// A connection, from its first byte to the last one of its answer.
-struct Connection {
-    stream: TcpStream,
-    /// When something came or was taken last.
-    since: Instant,
-    request: Vec<u8>,
-    /// Head and content; empty as long as the request is not complete.
-    answer: [Cow<'static, [u8]>; 2],
-    sent: usize,
-}
-
-/// Answers, each connection once, as long as it goes on. No connection waits for another one.
+/// Answers each connection once, as long as it `goes_on`. No connection waits for another one.
 ///
 /// # Errors
 /// No connection can be taken.
 pub fn serve(
     listener: &TcpListener,
     goes_on: impl Fn() -> bool,
-    answer: impl Fn(&Request) -> Answer,
+    answer: impl Fn(&Request) -> Answer + Sync,
 ) -> Result<()> {
     listener.set_nonblocking(true)?;
-    let mut all: Vec<Connection> = Vec::new();
-    while goes_on() {
-        match listener.accept() {
-            Ok((stream, _)) if stream.set_nonblocking(true).is_ok() => {
-                if all.len() == MOST_CONNECTIONS {
-                    all.remove(0);
-                }
-                all.push(Connection::new(stream));
+    let answer = &answer;
+    // The newest connections, some of which have ended.
+    let mut newest: VecDeque<Arc<TcpStream>> = VecDeque::new();
+    let close = |connection: Option<Arc<TcpStream>>| connection.map(|it| it.shutdown(Shutdown::Both));
+    std::thread::scope(|scope| {
+        let mut result = Ok(());
+        while result.is_ok() && goes_on() {
+            let begun = listener.accept().and_then(|(stream, _)| {
+                let stream = Arc::new(stream);
+                newest.push_back(stream.clone());
+                Builder::new().spawn_scoped(scope, move || serve_one(&stream, answer))
+            });
+            match begun {
+                Ok(_) if newest.len() <= MOST_CONNECTIONS => {}
+                Err(error) if NOTHING.contains(&error.kind()) => sleep(Duration::from_millis(10)),
+                Err(error) if newest.is_empty() => result = Err(error),
+                // Also where too many files are open, or no thread can be had.
+                _ => drop(close(newest.pop_front())),
             }
-            // Who asked is gone.
-            Ok(_) => {}
-            Err(error) if is_nothing(error.kind()) || error.kind() == ErrorKind::ConnectionAborted => {}
-            Err(error) if all.is_empty() => return Err(error),
-            // Perhaps too many files are open.
-            Err(_) => drop(all.remove(0)),
         }
-        all.retain_mut(|connection| connection.goes_on(&answer).unwrap_or(false));
-        sleep(Duration::from_millis(if all.is_empty() { 20 } else { 2 }));
-    }
-    Ok(())
+        newest.into_iter().for_each(|connection| drop(close(Some(connection))));
+        result
+    })
 }
 
-fn is_nothing(kind: ErrorKind) -> bool {
-    matches!(kind, ErrorKind::WouldBlock | ErrorKind::Interrupted)
-}
-
-impl Connection {
-    fn new(stream: TcpStream) -> Connection {
-        let answer = [Cow::default(), Cow::default()];
-        Connection { stream, since: Instant::now(), request: Vec::new(), answer, sent: 0 }
-    }
-
-    /// Reads what has come, and sends what is taken. Returns whether there is more to do.
-    fn goes_on(&mut self, answer: impl Fn(&Request) -> Answer) -> Result<bool> {
-        let moved = if self.answer[0].is_empty() { self.receive(answer) } else { self.send() };
-        match moved {
-            Ok(0) => Ok(false),
-            Ok(_) => Ok(true),
-            Err(error) if is_nothing(error.kind()) => Ok(self.since.elapsed() < PATIENCE),
-            Err(error) => Err(error),
+/// Reads a request, and sends the answer.
+fn serve_one(mut stream: &TcpStream, answer: &impl Fn(&Request) -> Answer) -> Result<()> {
+    stream.set_nonblocking(false)?;
+    stream.set_read_timeout(Some(PATIENCE))?;
+    stream.set_write_timeout(Some(PATIENCE))?;
+    let (mut request, mut part) = (Vec::new(), [0; 4096]);
+    let end = loop {
+        match stream.read(&mut part)? {
+            0 => return Ok(()),
+            length => request.extend_from_slice(&part[..length]),
         }
-    }
-
-    /// Reads a part of the request; when it is complete, it is answered.
-    fn receive(&mut self, answer: impl Fn(&Request) -> Answer) -> Result<usize> {
-        let mut part = [0; 4096];
-        let length = self.stream.read(&mut part)?;
-        self.request.extend_from_slice(&part[..length]);
-        if let Some(end) = self.request.windows(4).position(|end| end == b"\r\n\r\n") {
-            let text = String::from_utf8_lossy(&self.request[..end]);
-            let request = request_of(&text);
-            let Answer { status, head, content } = answer(&request);
-            let head = format!(
-                "HTTP/1.1 {status}\r\nContent-Length: {}\r\nConnection: close\r\n{head}\r\n",
-                content.len()
-            );
-            let content = if request.method == "HEAD" { Cow::default() } else { content };
-            (self.answer, self.since) = ([Cow::Owned(head.into_bytes()), content], Instant::now());
-        } else if self.request.len() > LARGEST_HEAD {
-            return Ok(0);
+        if let Some(end) = request.windows(4).position(|end| end == b"\r\n\r\n") {
+            break end;
         }
-        Ok(length)
+        if request.len() > LARGEST_HEAD {
+            return stream.shutdown(Shutdown::Both);
+        }
+    };
+    let text = String::from_utf8_lossy(&request[..end]);
+    let request = request_of(&text);
+    let Answer { status, head, content } = answer(&request);
+    let length = content.len();
+    let head = format!("HTTP/1.1 {status}\r\nContent-Length: {length}\r\nConnection: close\r\n{head}\r\n");
+    stream.write_all(head.as_bytes())?;
+    if request.method != "HEAD" {
+        stream.write_all(&content)?;
     }
-
-    /// Sends the next part of the answer; nothing is left after the last one.
-    fn send(&mut self) -> Result<usize> {
-        let [head, content] = &self.answer;
-        let rest = head.get(self.sent..).filter(|rest| !rest.is_empty());
-        let rest = rest.unwrap_or_else(|| &content[self.sent - head.len()..]);
-        let length = self.stream.write(rest)?;
-        (self.sent, self.since) = (self.sent + length, Instant::now());
-        Ok(length)
-    }
+    stream.shutdown(Shutdown::Both)
 }
 
 /// Returns the request of a head; empty texts where it says nothing.
@@ -152,7 +125,7 @@ mod tests {
         answer
     }
 
-    /// A thread was made for each connection; where none could be had, nobody was answered any more.
+    /// Without bounds there would be no thread for a connection at some time.
     #[test]
     fn connections_that_ask_nothing_or_too_much_keep_nobody_else_waiting() {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();

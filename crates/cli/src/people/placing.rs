@@ -8,7 +8,6 @@ use crate::numbers::within;
 use crate::print;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
-use indicatif::ProgressStyle;
 use lemons_core::files::source::Disk;
 use lemons_core::plane::{Bounds, Pose, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
@@ -244,8 +243,7 @@ impl PlacingArguments {
             let Ground { free: FreeSpace { region, .. }, name, .. } = ground;
             // Equal grounds are filled in different ways.
             // On a terminal, once a placing takes a moment.
-            let bar =
-                print::bar(0).with_style(ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}")?);
+            let bar = print::bar(0, "{spinner} {elapsed:>4}  {msg}")?;
             bar.enable_steady_tick(Duration::from_millis(100));
             let mut watch = |progress: &Progress| {
                 bar.set_message(described_progress(progress));

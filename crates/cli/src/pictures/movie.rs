@@ -11,7 +11,6 @@ use crate::output::Output;
 use crate::run::Until;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
-use indicatif::ProgressStyle;
 use lemons_core::files::{Scratch, Staged, input};
 use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
 use lemons_results::Frame;
@@ -115,8 +114,8 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let first_frame = draw(&shown(&first))?;
     let film = Film::begin(file.writer(), format, *frame_rate, times.len(), &first_frame);
     let mut film = film.with_context(of_path)?;
-    let bar = ProgressStyle::with_template("{bar:40} {percent:>3}%  frame {pos} of {len}  {eta} left")?;
-    let progress = crate::print::bar(times.len() as u64).with_style(bar);
+    let template = "{bar:40} {percent:>3}%  frame {pos} of {len}  {eta} left";
+    let progress = crate::print::bar(times.len() as u64, template)?;
     for batch in times.chunks(BATCH) {
         let shown: Vec<(Scene, Style)> = batch.iter().map(&mut shown).collect();
         let drawn: Vec<_> = shown.par_iter().map(draw).collect();

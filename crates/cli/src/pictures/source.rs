@@ -1,13 +1,11 @@
 //! What `lemons plot` and `lemons movie` show, and `lemons measure` measures: a Trial, an FMU, or the record of a run.
 
 use super::trial_run::TrialRun;
-use crate::decide::Walk;
 use crate::embedded::InMemory;
 use crate::error::Misused;
 use crate::export::{expect_table, recorded, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::numbers::positive;
-use crate::run::{Job, RowTarget, Until, drive_of, name_and_value_of_all, not_set, simulate};
+use crate::run::{Inputs, Job, Target, Until, name_and_value, not_set, simulate};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::plane::Motion;
@@ -32,22 +30,12 @@ pub struct Source {
     /// OutputDirectory: the Trial that contains it
     #[arg(long, value_name = "TRIAL or FILE.fmu")]
     trial: Option<PathBuf>,
-    /// Propulsion over time, for a Trial or FMU that is simulated first. Default: the Trial's drive.csv
-    #[arg(long, value_name = "FILE.csv", conflicts_with = "no_drive")]
-    drive: Option<PathBuf>,
-    /// Ignore the Trial's drive.csv
-    #[arg(long)]
-    no_drive: bool,
     #[command(flatten)]
-    walk: Walk,
+    inputs: Inputs,
     /// Set a parameter of the simulation; for earlier results: the value they were simulated with, which
     /// is needed for forces
-    #[arg(long = "set", value_name = "NAME=VALUE")]
-    settings: Vec<String>,
-    /// Communication step in seconds, for a Trial or FMU that is simulated first. Default: the Trial's
-    /// TimeStep
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    step: Option<f64>,
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = name_and_value)]
+    settings: Vec<(String, String)>,
     /// The run itself; the path is what messages call it.
     #[arg(skip)]
     pub memory: Option<Arc<InMemory>>,
@@ -95,7 +83,7 @@ impl Source {
         interrupt: &Interrupt,
     ) -> Result<(Option<Trial>, Found)> {
         let (runs, path) = (self.runs(), self.path.display());
-        if !runs && (self.drive.is_some() || self.no_drive || self.walk.given() || self.step.is_some()) {
+        if !runs && self.inputs.given() {
             bail!(Misused(format!(
                 "{path} contains the results of an earlier run: --drive, --no-drive, --plan, --no-plan and --step are only for a Trial or an FMU, which is simulated first"
             )));
@@ -112,14 +100,11 @@ impl Source {
             [&self.path].into_iter().chain(&self.more).try_for_each(|path| expect_table(path))?;
         }
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
-        let mut trial = match &self.memory {
-            Some(memory) if given.is_none() => Some(memory.trial.clone()),
-            _ => trial_of(&self.path, given)?,
-        };
+        let mut trial = trial_of(&self.path, given, self.memory.as_deref())?;
         if let Some(trial) = &mut trial {
             let documents = Documents { trial: trial.clone(), drive: DriveTable::default(), plan: None };
             let mut edited = Simulation::new(documents, Algorithm::default())?;
-            for (name, value) in &name_and_value_of_all(&self.settings)? {
+            for (name, value) in &self.settings {
                 // What a run needs of people who walk, it takes itself.
                 if !(runs && until.is_some() && name.starts_with("decision.")) {
                     edited.set(name, value).map_err(not_set)?;
@@ -129,7 +114,7 @@ impl Source {
         }
         let found = match (runs, until, &trial) {
             (true, Some(until), Some(trial)) => {
-                let step = self.step.unwrap_or(trial.parameters.time_step);
+                let step = self.inputs.step.unwrap_or(trial.parameters.time_step);
                 let clock = Clock::new(0.0, step, until.latest());
                 let clock = clock.and_then(|clock| clock.check_at_most(MOST_STEPS).map(|()| clock));
                 let clock = clock.with_context(|| path.to_string())?;
@@ -196,18 +181,14 @@ impl Source {
     /// Runs it as `lemons run` does, in memory.
     fn record(&self, until: Until, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Run> {
         let settings = Settings {
-            parameters: name_and_value_of_all(&self.settings)?,
-            step: self.step,
             until: Some(until.latest()),
-            drive: drive_of(self.drive.as_deref(), self.no_drive),
-            plan: self.walk.choice(),
-            ..Settings::of(&self.path)
+            parameters: self.settings.clone(),
+            ..self.inputs.settings(&self.path)
         };
-        let rows = RowTarget::Memory(wanted);
-        let until = Some(until);
-        let job = Job { settings, rows, outputs: None, state: None, until, keeps_poses: false };
-        let mut ended = simulate(job, interrupt)?;
-        ended.complete()?;
+        let rows = Target::Memory(wanted);
+        let job = Job { settings, rows, outputs: None, state: None, until: Some(until) };
+        let ended = simulate(job, interrupt)?;
+        ended.complete?;
         if ended.stopped.is_some() {
             return Err(Interrupted::given_up().into());
         }

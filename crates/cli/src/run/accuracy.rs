@@ -1,8 +1,8 @@
 //! `lemons run --accuracy`: two runs, with a mechanical step for the accuracy and with half of it.
 
-use super::{Ended, Job, Target, interrupted, simulate};
+use super::{Ended, Job, Target, simulate};
 use crate::error::Misused;
-use crate::interrupt::Interrupt;
+use crate::interrupt::{Interrupt, Interrupted};
 use anyhow::{Result, bail};
 use lemons_core::plane::Pose;
 use lemons_master::Settings;
@@ -71,19 +71,18 @@ pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> 
     parameters.retain(|(name, _)| !named(name, "OutputDirectory"));
     let settings = Settings { parameters, tolerance: Some(accuracy), saves: false, ..job.settings.clone() };
     let rows = Target::Memory(KeptFrames::Around(Vec::new()));
-    let first = Job { settings, rows, outputs: None, state: None, keeps_poses: true, until: job.until };
+    let first = Job { settings, rows, outputs: None, state: None, until: job.until };
     let coarse = simulate(first, interrupt)?;
     if let Some(time) = coarse.stopped {
-        return Err(interrupted(format!(
-            "stopped at t = {time:?} s of the first of two runs; nothing is written"
-        )));
+        let stopped = format!("stopped at t = {time:?} s of the first of two runs; nothing is written");
+        return Err(Interrupted(stopped).into());
     }
     let Ended { poses, mechanical_steps: chosen, step, .. } = coarse;
     let mut settings = Settings { tolerance: Some(accuracy), ..job.settings.clone() };
     let halves: Chosen = chosen.iter().map(|(name, longest)| (name.clone(), half(step, *longest))).collect();
     settings.parameters.extend(halves.iter().map(|(name, half)| (name.clone(), format!("{half:?}"))));
-    let mut fine = simulate(Job { settings, keeps_poses: true, ..job }, interrupt)?;
-    fine.compared = report(accuracy, &chosen, &halves, &fine.poses, &poses);
+    let mut fine = simulate(Job { settings, ..job }, interrupt)?;
+    fine.summary.extend(report(accuracy, &chosen, &halves, &fine.poses, &poses));
     Ok(fine)
 }
 

@@ -2,13 +2,12 @@
 
 use super::model::{CrowdInfo, Prepared, RunModel, record_of};
 use super::outputs::OutputValues;
-use crate::results::{CellType, Column};
 use anyhow::{Result, anyhow};
 use lemons_core::trial::Trial;
 use lemons_master::ssp::{Interface, Kind as Causality, Type};
 use lemons_master::{Component, Saved, Selection, Settings, System, plan_in};
-use lemons_results::Frame;
-use lemons_results::columns::{self, Groups};
+use lemons_results::columns::{self, Column, Groups};
+use lemons_results::{CellType, Frame};
 
 struct FmuRun {
     run: lemons_master::Prepared,

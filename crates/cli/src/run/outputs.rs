@@ -1,9 +1,33 @@
 //! The outputs of what is not a crowd: one table, with a column for each output.
 
 use super::About;
-use crate::results::{self, Cell, CellType, Column, Content, Place, TableWriter, with_path};
+use crate::files;
 use anyhow::Result;
-use lemons_core::files::Staged;
+use lemons_core::files::{Staged, WriteError};
+use lemons_results::columns::Column;
+use lemons_results::{Cell, CellType, Content, Format, RecordError, TableWriter};
+use std::path::{Path, PathBuf};
+
+/// Where a table goes.
+#[derive(Clone)]
+pub struct Place {
+    pub path: PathBuf,
+    pub format: Format,
+}
+
+impl Place {
+    /// Begins a table, which appears under its name only when it is complete. That of a run which goes on replaces
+    /// none: it may be that of the run before.
+    pub fn begin(&self, content: &Content, about: &About) -> Result<TableWriter<Staged>> {
+        let file = files::stage_new(&self.path, about.goes_on)?;
+        Ok(TableWriter::create(file, &self.path, self.format, content)?)
+    }
+}
+
+/// Puts a complete table in its place.
+pub fn persist(complete: Result<Staged, RecordError>, path: &Path) -> Result<()> {
+    Ok(complete?.persist().map_err(WriteError::at(path))?)
+}
 
 /// Outputs that are warned of by name.
 const MOST_WARNINGS: usize = 20;
@@ -27,7 +51,7 @@ impl OutputTable {
         let kinds = columns.iter().map(|column| column.kind).collect();
         let names = columns.iter().map(|column| Some(column.name.clone())).collect();
         let columns = std::iter::once(Column::time()).chain(columns).collect();
-        let table = results::begin(to, &Content { columns, about: about.lines.clone() }, about.goes_on)?;
+        let table = to.begin(&Content { columns, about: about.lines.clone() }, about)?;
         Ok(OutputTable { table, kinds, names, odd: Vec::new() })
     }
 
@@ -52,7 +76,7 @@ impl OutputTable {
                 ));
             }
         }
-        self.table.row(time, row).map_err(with_path)
+        Ok(self.table.row(time, row)?)
     }
 
     /// Puts the table in its place; returns the line of the summary.
@@ -62,7 +86,7 @@ impl OutputTable {
             note!("warning: and {} more outputs", self.odd.len() - MOST_WARNINGS);
         }
         let (path, columns) = (self.table.path().to_owned(), self.names.len() + 1);
-        results::place(self.table.finish(), &path)?;
+        persist(self.table.finish(), &path)?;
         Ok(format!("outputs            {}   ({columns} columns)", path.display()))
     }
 }

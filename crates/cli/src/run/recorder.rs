@@ -3,13 +3,13 @@
 use super::About;
 use super::accuracy::Poses;
 use super::model::CrowdInfo;
-use crate::results::{self, Content, Format, FrameWriter, Place, with_path};
+use super::outputs::{Place, persist};
 use anyhow::{Result, bail};
 use lemons_core::files::Staged;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Agent;
 use lemons_master::{CrowdRecord, Saved};
-use lemons_results::{Frame, KeptFrames, Recorder, Run};
+use lemons_results::{Content, Format, Frame, FrameWriter, KeptFrames, Recorder, Run};
 use lemons_sim::{ExposureSum, Extremes, Greatest};
 use std::path::{Path, PathBuf};
 
@@ -93,7 +93,7 @@ impl CrowdRecorder {
             Target::Table(place) => {
                 let lines = about.lines.iter().chain(&crowd.about).cloned().collect();
                 let content = Content { columns: crowd.columns.clone(), about: lines };
-                let table = results::begin(&place, &content, about.goes_on)?;
+                let table = place.begin(&content, about)?;
                 Rows::Table(Box::new(FrameWriter::new(table, ids.clone(), *groups)), place.path)
             }
             Target::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),
@@ -139,12 +139,10 @@ impl CrowdRecorder {
         }
         self.exposure.finish(&mut frame);
         match &mut self.rows {
-            Rows::Table(writer, _) => writer.frame(&frame).map_err(with_path),
-            Rows::Memory(recorder) => {
-                recorder.add(frame);
-                Ok(())
-            }
+            Rows::Table(writer, _) => writer.frame(&frame)?,
+            Rows::Memory(recorder) => recorder.add(frame),
         }
+        Ok(())
     }
 
     /// The frame of the last communication point.
@@ -200,7 +198,7 @@ impl CrowdRecorder {
         let (mut run, mut done) = (None, Ok(()));
         match self.rows {
             Rows::Table(writer, path) => {
-                done = results::place(writer.finish(), &path);
+                done = persist(writer.finish(), &path);
                 lines.extend(
                     done.is_ok().then(|| format!("trajectories       {}{}", path.display(), large(&path))),
                 );

@@ -2,16 +2,14 @@
 
 use super::model::{CrowdInfo, Prepared, RunModel, record_of};
 use super::outputs::OutputValues;
-use crate::error::report_problems;
-use crate::results::{CellType, Column};
 use anyhow::{Context, Error, Result, anyhow, bail};
 use crowd_mechanics::model_description::MODEL_NAME;
 use crowd_mechanics::quantities::{Quantity, guid};
 use lemons_decision::DECISION_FILE;
 use lemons_fmi::variables::{Kind as VariableKind, Scalar};
 use lemons_master::{ComponentRecord, Settings, TrialInput, notes};
-use lemons_results::Frame;
-use lemons_results::columns::Groups;
+use lemons_results::columns::{Column, Groups};
+use lemons_results::{CellType, Frame};
 use lemons_sim::settings::{CROWD, DECISION, Selection};
 use lemons_sim::{SimError, Simulation};
 
@@ -81,7 +79,7 @@ impl RunModel for TrialRun {
 pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
     let saved = settings.saved()?;
     let read = given.documents(&settings.drive, &settings.plan);
-    let (documents, problems, plan) = read.map_err(report_problems)?;
+    let (documents, problems, plan) = read?;
     problems.iter().for_each(|problem| note!("{problem}"));
     let (drive, walking) = (documents.drive.clone(), documents.plan.clone());
     let (trial, drive_end) = (documents.trial.clone(), drive.end());

@@ -6,9 +6,9 @@ use lemons_core::plane::Vec2;
 /// \[s\] Who has not left until then does not leave.
 pub const LATEST: f64 = 3600.0;
 /// \[s\] If nobody leaves in this time, and nobody gets further than [`REACH`], nobody leaves any more.
-pub const STANDSTILL: f64 = 300.0;
+const STANDSTILL: f64 = 300.0;
 /// \[m\] Who is stuck steps back and to the side, again and again.
-pub const REACH: f64 = 5.0;
+const REACH: f64 = 5.0;
 
 /// Why such a run is over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,6 +72,20 @@ impl Leaving {
     /// Returns how many are to leave, and how many have left.
     pub fn counts(&self) -> (usize, usize) {
         (self.leave, self.left)
+    }
+
+    /// Returns in words how many have not left in a run that ends at a time \[s\], and why it ends; `None` if all have
+    /// left.
+    pub fn why_some_stay(&self, time: f64) -> Option<String> {
+        let why = match self.over {
+            Some(Over::Left) => return None,
+            Some(Over::Standstill) => {
+                format!("in the last {STANDSTILL} s nobody has left or got further than {REACH} m")
+            }
+            None => "this is the latest end".to_owned(),
+        };
+        let (leave, stay) = (self.leave, self.leave.saturating_sub(self.left));
+        Some(format!("{stay} of {leave} people have not left: {why}; the run ends at t = {time:.3} s"))
     }
 
     /// Returns those who have not left and were to leave, by their places among the people.

@@ -24,6 +24,10 @@ pub struct OverLine {
     pub number: String,
     /// For the specific flow; `None`: the length of the line.
     pub width: Option<Width>,
+    /// \[s\] From this time on.
+    pub from: Option<f64>,
+    /// \[s\] Up to this time.
+    pub until: Option<f64>,
 }
 
 /// \[m\] A width, or the parameter that has it.
@@ -82,6 +86,10 @@ pub struct InArea {
     pub number: String,
     /// A number of [`MeanMax`], over the communication points.
     pub take: String,
+    /// \[s\] From this time on.
+    pub from: Option<f64>,
+    /// \[s\] Up to this time.
+    pub until: Option<f64>,
 }
 
 impl InArea {

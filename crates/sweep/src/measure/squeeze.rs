@@ -21,6 +21,10 @@ pub struct OfSqueeze {
     pub agents: Vec<String>,
     /// The function over several agents.
     pub across: Option<Across>,
+    /// \[s\] From this time on.
+    pub from: Option<f64>,
+    /// \[s\] Up to this time.
+    pub until: Option<f64>,
 }
 
 /// What somebody was exposed to.
