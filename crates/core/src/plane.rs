@@ -18,5 +18,6 @@ pub use polygon::Polygon;
 pub use pose::{Motion, Pose, Twist, shown_orientation};
 pub use ring::{Foot, Ring};
 pub use segment::{nearest_on_segment, ray_crosses, segments_cross, segments_touch, turn};
+pub use simple::sides_that_meet;
 pub use union::{Arc, Disk, Moments, boundary, union};
 pub use vec2::{Rotation, SMALL_TURN, Vec2, vec2};

@@ -61,10 +61,10 @@ fn points(of: &[Vec2]) -> Vec<[f64; 2]> {
     of.iter().map(|point| [point.x, point.y]).collect()
 }
 
-fn check<'a>(corners: impl IntoIterator<Item = &'a [f64; 2]>) -> Result<(), Refused> {
-    corners.into_iter().try_for_each(|[x, y]| {
-        within("x of a corner [m]", *x, REACH)?;
-        within("y of a corner [m]", *y, REACH).map(|_| ())
+fn check<'a>(corners: impl IntoIterator<Item = &'a Vec2>) -> Result<(), Refused> {
+    corners.into_iter().try_for_each(|corner| {
+        within("x of a corner [m]", corner.x, REACH)?;
+        within("y of a corner [m]", corner.y, REACH).map(|_| ())
     })
 }
 
@@ -85,8 +85,8 @@ pub fn built(room: &Room) -> Result<(Region, Geometry), Refused> {
 /// # Errors
 /// Its sides cross, or it goes beyond the room.
 pub fn part(whole: &Region, corners: &[[f64; 2]]) -> Result<Region, Refused> {
-    check(corners)?;
     let corners: Vec<Vec2> = corners.iter().copied().map(Vec2::from).collect();
+    check(&corners)?;
     whole.part(&corners).map_err(|error| Refused(format!("{REGION}: {error}")))
 }
 

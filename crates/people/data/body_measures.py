@@ -13,7 +13,7 @@ import math
 import sys
 
 GIVEN = ["bideltoidbreadth", "chestdepth", "stature", "weightkg"]
-# In the order of the enumeration in src/body3d/measures.rs, which says what each is.
+# src/body3d/measures.rs says what each is.
 USED = [
     "acromialheight",
     "axillaheight",

@@ -85,14 +85,8 @@ const LIMITS: [(f64, f64); 4] = [(0.25, 0.8), (0.1, 0.5), (1.0, 2.5), (20.0, 250
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body3d {
     person: Person,
-    tubes: Vec<Tube>,
-}
-
-/// The rings of a part, from low to high. Two rings at the same altitude are a flat step.
-#[derive(Debug, Clone, PartialEq)]
-struct Tube {
-    part: Part,
-    rings: Vec<Ring>,
+    /// Of each part, in the order of [`Part::ALL`], from low to high. Two rings at the same altitude are a flat step.
+    rings: [Vec<Ring>; 5],
 }
 
 /// The skins with the wanted volume \[m³\], or the nearest that [`GIRTH_FACTORS`] allow.
@@ -129,9 +123,7 @@ impl Body3d {
         skins.lean_arm();
         let Skins { trunk, arm, leg } = skins;
         let (right_arm, right_leg) = (other_side(&arm), other_side(&leg));
-        let rings = [trunk, arm, right_arm, leg, right_leg];
-        let tubes = Part::ALL.into_iter().zip(rings).map(|(part, rings)| Tube { part, rings }).collect();
-        Ok(Body3d { person: *person, tubes }.about_torso())
+        Ok(Body3d { person: *person, rings: [trunk, arm, right_arm, leg, right_leg] }.about_torso())
     }
 
     /// Checks that a person can have a body.
@@ -156,10 +148,14 @@ impl Body3d {
         let area: f64 = torso.iter().map(Polygon::area).sum();
         let moment = torso.iter().fold(Vec2::ZERO, |sum, polygon| sum + polygon.centroid() * polygon.area());
         let ahead = Vec2 { x: moment.x / area, y: 0.0 };
-        for ring in self.tubes.iter_mut().flat_map(|tube| &mut tube.rings) {
+        for ring in self.rings.iter_mut().flatten() {
             ring.points = ring.points.map(|point| point - ahead);
         }
         self
+    }
+
+    fn parts(&self) -> impl Iterator<Item = (Part, &Vec<Ring>)> {
+        Part::ALL.into_iter().zip(&self.rings)
     }
 
     /// Returns the altitude \[m\] at which bideltoid breadth and chest depth are measured: [`TORSO_ALTITUDE`] ×

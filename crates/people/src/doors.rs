@@ -21,24 +21,9 @@ const GRAINS: f64 = 1e9;
 #[serde(deny_unknown_fields)]
 pub struct Door {
     /// \[m\] The wall's point that is nearest to this one is the middle of the gap.
-    #[serde(with = "pair")]
     pub at: Vec2,
     /// \[m\] Width, along the wall.
     pub width: f64,
-}
-
-/// A point as a pair of numbers.
-mod pair {
-    use lemons_core::plane::{Vec2, vec2};
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub fn serialize<S: Serializer>(point: &Vec2, serializer: S) -> Result<S::Ok, S::Error> {
-        [point.x, point.y].serialize(serializer)
-    }
-
-    pub fn deserialize<'d, D: Deserializer<'d>>(deserializer: D) -> Result<Vec2, D::Error> {
-        <[f64; 2]>::deserialize(deserializer).map(|[x, y]| vec2(x, y))
-    }
 }
 
 /// A gap along a ring: from and to \[m\] from its first corner, going round.

@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Room {
-    /// \[m\] Corners (x, y), the first one not repeated.
-    pub outline: Vec<[f64; 2]>,
+    /// \[m\] Corners, the first one not repeated.
+    pub outline: Vec<Vec2>,
     /// \[m\] The corners of each.
-    pub obstacles: Vec<Vec<[f64; 2]>>,
+    pub obstacles: Vec<Vec<Vec2>>,
     /// Gaps in the walls.
     pub doors: Vec<Door>,
 }
@@ -22,12 +22,12 @@ pub struct Room {
 /// A change of a room. Ring 0 is its outline, obstacles follow; side 0 begins at corner 0.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
-#[allow(missing_docs)] // places are x, y in m
+#[allow(missing_docs)] // places in m
 pub enum Edit {
     /// A corner goes elsewhere.
-    Move { ring: usize, corner: usize, to: [f64; 2] },
+    Move { ring: usize, corner: usize, to: Vec2 },
     /// A side gets a corner.
-    Insert { ring: usize, side: usize, at: [f64; 2] },
+    Insert { ring: usize, side: usize, at: Vec2 },
     /// A corner goes away.
     Remove { ring: usize, corner: usize },
     /// An obstacle goes away, with its doors.
@@ -42,9 +42,8 @@ impl Room {
     /// # Errors
     /// One has no corners.
     pub fn rings(&self) -> Result<Vec<Ring>> {
-        let ring = |corners: &Vec<[f64; 2]>| {
-            let closed = vectors(corners).into_iter().chain(vectors(corners).first().copied());
-            Ring::through(closed.collect())
+        let ring = |corners: &Vec<Vec2>| {
+            Ring::through(corners.iter().chain(corners.first()).copied().collect())
                 .ok_or_else(|| PeopleError::new("the outline or an obstacle has no corners"))
         };
         std::iter::once(&self.outline).chain(&self.obstacles).map(ring).collect()
@@ -71,9 +70,9 @@ impl Room {
             }
             Edit::Stretch { width, height } => {
                 let Bounds { low, high } = before[0].bounds();
-                for [x, y] in &mut self.outline {
-                    *x = stretched(*x, [low.x, high.x], width);
-                    *y = stretched(*y, [low.y, high.y], height);
+                for corner in &mut self.outline {
+                    corner.x = stretched(corner.x, [low.x, high.x], width);
+                    corner.y = stretched(corner.y, [low.y, high.y], height);
                 }
             }
         }
@@ -89,7 +88,7 @@ impl Room {
     }
 
     /// The corners of a ring that has this one.
-    fn corners(&mut self, ring: usize, corner: usize) -> Result<&mut Vec<[f64; 2]>> {
+    fn corners(&mut self, ring: usize, corner: usize) -> Result<&mut Vec<Vec2>> {
         let mut rings = std::iter::once(&mut self.outline).chain(&mut self.obstacles);
         let found = rings.nth(ring).filter(|corners| corner < corners.len());
         found.ok_or_else(|| PeopleError::new(format!("there is no corner {corner} of ring {ring}")))
@@ -100,7 +99,7 @@ impl Room {
     pub fn exits(&self, people: impl Iterator<Item = Vec2> + Clone) -> Vec<[[f64; 2]; 2]> {
         let rings = self.rings().unwrap_or_default();
         let lines = self.doors.iter().filter_map(|door| door.exit(&rings, people.clone()));
-        lines.map(|line| line.map(|end| [end.x, end.y])).collect()
+        lines.map(|line| line.map(Into::into)).collect()
     }
 
     /// Returns its inside, and its walls with doors, of a material.
@@ -108,8 +107,7 @@ impl Room {
     /// # Errors
     /// Walls cross, an obstacle is not inside, or a door is not at a wall.
     pub fn built(&self, material: &str) -> Result<(Region, Geometry)> {
-        let holes: Vec<Vec<Vec2>> = self.obstacles.iter().map(|hole| vectors(hole)).collect();
-        let inside = Region::polygon(&vectors(&self.outline), &holes)
+        let inside = Region::polygon(&self.outline, &self.obstacles)
             .map_err(|error| PeopleError::new(format!("the room: {error} (the holes are obstacles)")))?;
         let mut geometry = cut_doors(walls(inside.rings(), material), &self.doors)?;
         for (id, wall) in geometry.walls.iter_mut().enumerate() {
@@ -124,20 +122,20 @@ fn stretched(at: f64, [low, high]: [f64; 2], length: f64) -> f64 {
     if high > low { low + (at - low) / (high - low) * length } else { low }
 }
 
-fn vectors(corners: &[[f64; 2]]) -> Vec<Vec2> {
-    corners.iter().map(|[x, y]| vec2(*x, *y)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn corners<const N: usize>(of: [[f64; 2]; N]) -> Vec<Vec2> {
+        of.map(Vec2::from).to_vec()
+    }
 
     /// 4 m by 3 m, with an obstacle, and a door in the wall on the right, on the left and in the obstacle.
     fn room() -> Room {
         let gap = |x, y| Door { at: vec2(x, y), width: 0.5 };
         Room {
-            outline: vec![[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]],
-            obstacles: vec![vec![[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]],
+            outline: corners([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]]),
+            obstacles: vec![corners([[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]])],
             doors: vec![gap(4.0, 0.75), gap(0.0, 1.5), gap(1.5, 1.0)],
         }
     }
@@ -150,20 +148,20 @@ mod tests {
 
     #[test]
     fn doors_stay_on_walls_whose_corners_move() {
-        let after = changed(Edit::Move { ring: 0, corner: 2, to: [6.0, 4.0] });
-        assert_eq!(after.outline, [[0.0, 0.0], [4.0, 0.0], [6.0, 4.0], [0.0, 3.0]]);
+        let after = changed(Edit::Move { ring: 0, corner: 2, to: vec2(6.0, 4.0) });
+        assert_eq!(after.outline[2], vec2(6.0, 4.0));
         // A quarter of the way from (4, 0) to (6, 4).
         assert_eq!(after.doors[0], Door { at: vec2(4.5, 1.0), width: 0.5 });
         assert_eq!(after.doors[1..], room().doors[1..]);
-        let after = changed(Edit::Move { ring: 1, corner: 0, to: [1.0, 0.5] });
+        let after = changed(Edit::Move { ring: 1, corner: 0, to: vec2(1.0, 0.5) });
         assert_eq!(after.doors[2].at, vec2(1.5, 0.75));
         // Millimetres: a third of the way.
         let mut third = room();
         third.doors[0].at = vec2(4.0, 1.0);
-        third.change(Edit::Move { ring: 0, corner: 2, to: [4.0, 3.1] }).unwrap();
+        third.change(Edit::Move { ring: 0, corner: 2, to: vec2(4.0, 3.1) }).unwrap();
         assert_eq!(third.doors[0].at, vec2(4.0, 1.033));
         // Back and forth, also over its neighbour.
-        for to in [[4.0, 0.0], [9.0, 9.0]] {
+        for to in corners([[4.0, 0.0], [9.0, 9.0]]) {
             let mut room = room();
             room.change(Edit::Move { ring: 0, corner: 2, to }).unwrap();
             assert!(room.doors[0].at.is_finite());
@@ -174,22 +172,22 @@ mod tests {
     fn the_outline_is_stretched_with_its_doors() {
         let mut far = room();
         for corner in &mut far.outline {
-            *corner = [corner[0] - 1.0, corner[1] + 10.0];
+            *corner += vec2(-1.0, 10.0);
         }
         far.doors = vec![Door { at: vec2(3.0, 10.75), width: 0.5 }];
         far.change(Edit::Stretch { width: 5.5, height: 6.0 }).unwrap();
-        assert_eq!(far.outline, [[-1.0, 10.0], [4.5, 10.0], [4.5, 16.0], [-1.0, 16.0]]);
+        assert_eq!(far.outline, corners([[-1.0, 10.0], [4.5, 10.0], [4.5, 16.0], [-1.0, 16.0]]));
         assert_eq!(far.doors[0].at, vec2(4.5, 11.5));
         let mut flat = room();
-        flat.outline = vec![[1.0, 0.0], [1.0, 3.0], [1.0, 1.0]];
+        flat.outline = corners([[1.0, 0.0], [1.0, 3.0], [1.0, 1.0]]);
         flat.change(Edit::Stretch { width: 5.0, height: 6.0 }).unwrap();
-        assert_eq!(flat.outline, [[1.0, 0.0], [1.0, 6.0], [1.0, 2.0]]);
+        assert_eq!(flat.outline, corners([[1.0, 0.0], [1.0, 6.0], [1.0, 2.0]]));
     }
 
     #[test]
     fn corners_and_obstacles_come_and_go() {
-        let after = changed(Edit::Insert { ring: 0, side: 3, at: [-1.0, 2.0] });
-        assert_eq!(after.outline[3..], [[0.0, 3.0], [-1.0, 2.0]]);
+        let after = changed(Edit::Insert { ring: 0, side: 3, at: vec2(-1.0, 2.0) });
+        assert_eq!(after.outline[3..], corners([[0.0, 3.0], [-1.0, 2.0]]));
         assert_eq!(after.doors, room().doors);
         let after = changed(Edit::Remove { ring: 0, corner: 0 });
         assert_eq!(after.outline, room().outline[1..]);
@@ -219,7 +217,7 @@ mod tests {
 
     #[test]
     fn corners_on_each_other_keep_their_numbers() {
-        let after = changed(Edit::Move { ring: 0, corner: 3, to: [0.0, 0.0] });
+        let after = changed(Edit::Move { ring: 0, corner: 3, to: vec2(0.0, 0.0) });
         assert_eq!(after.rings().unwrap()[0].sides().count(), 4);
     }
 }

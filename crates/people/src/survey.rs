@@ -4,51 +4,28 @@
 //! column `weightkg` in tenths of a kg. Bideltoid breadth, chest depth, measured stature and measured mass are read.
 
 use crate::error::{PeopleError, Result, require};
-use crate::person::{Person, Sex};
+use crate::person::{Measure, Person, Sex};
 use csv::{ByteRecord, ReaderBuilder};
 use lemons_core::files::input;
-use lemons_core::trial::Problem;
+use lemons_core::trial::{Problem, Problems};
+use lemons_core::xml::decimal;
 use std::borrow::Cow;
 use std::fmt::Display;
 use std::path::Path;
 
-/// A column: the number of its units in an SI unit and, in its own unit, the range of human values, children included.
-/// The range detects files in other units.
-struct Column {
-    name: &'static str,
-    per_unit: f64,
-    least: f64,
-    most: f64,
-}
-
-/// The columns, in the order of [`Measure::ALL`].
-const COLUMNS: [Column; 4] = [
-    Column { name: "bideltoidbreadth", per_unit: 1000.0, least: 150.0, most: 900.0 },
-    Column { name: "chestdepth", per_unit: 1000.0, least: 80.0, most: 800.0 },
-    Column { name: "stature", per_unit: 1000.0, least: 500.0, most: 2800.0 },
-    Column { name: "weightkg", per_unit: 10.0, least: 30.0, most: 5000.0 },
-];
+/// The columns, in the order of [`Measure::ALL`], each with the number of its units in an SI unit.
+const COLUMNS: [(&str, f64); 4] =
+    [("bideltoidbreadth", 1000.0), ("chestdepth", 1000.0), ("stature", 1000.0), ("weightkg", 10.0)];
 
 /// The people of a survey.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Survey {
-    men: Vec<Person>,
-    women: Vec<Person>,
+    /// In the order of [`Sex::ALL`].
+    people: [Vec<Person>; 2],
 }
 
 fn of_file(file: &Path, fault: impl Display) -> PeopleError {
     PeopleError::new(format!("{}: {fault}", file.display()))
-}
-
-/// The first 20 cells that are not measures of a person, each on a line such as
-/// `male.csv:12: chestdepth = "x": must be a decimal number`.
-fn first(cells: &[Problem]) -> String {
-    const SHOWN: usize = 20;
-    let mut lines: Vec<String> = cells.iter().take(SHOWN).map(Problem::to_string).collect();
-    if let Some(more @ 1..) = cells.len().checked_sub(SHOWN) {
-        lines.push(format!("and {more} more"));
-    }
-    lines.join("\n")
 }
 
 /// Decodes UTF-8, or else Latin-1 as in the public files: its bytes are Unicode's first 256 characters.
@@ -57,12 +34,6 @@ fn text(bytes: &[u8]) -> Cow<'_, str> {
         Ok(text) => Cow::Borrowed(text),
         Err(_) => Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()),
     }
-}
-
-/// A finite decimal number. Rust's own parser also accepts "inf" and "nan".
-fn decimal(text: &str) -> Option<f64> {
-    let plain = text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
-    text.parse().ok().filter(|value: &f64| plain && value.is_finite())
 }
 
 impl Survey {
@@ -101,18 +72,18 @@ impl Survey {
             }
         };
         let mut places = [0; 4];
-        for (found, column) in places.iter_mut().zip(&COLUMNS) {
-            let missing = || of_file(file, format_args!("has no column {:?}", column.name));
-            *found = place(column.name)?.ok_or_else(missing)?;
+        for (found, (column, _)) in places.iter_mut().zip(COLUMNS) {
+            let missing = || of_file(file, format_args!("has no column {column:?}"));
+            *found = place(column)?.ok_or_else(missing)?;
         }
         let gender = place("gender")?;
-        let (mut people, mut bad) = (Vec::new(), Vec::new());
+        let (mut people, mut bad) = (Vec::new(), Problems::default());
         let mut record = ByteRecord::new();
         while reader.read_byte_record(&mut record).map_err(csv_error)? {
             let line = record.position().map_or(0, csv::Position::line);
             let mut refuse = |fault: String| {
                 let line = u32::try_from(line).unwrap_or(u32::MAX);
-                bad.push(Problem::of_file(file, Some(line), fault));
+                bad.push_counted(Problem::of_file(file, Some(line), fault));
             };
             // A cell may contain anything: show it on one line, and cut it to a readable length.
             let cell = |column: &str, value: &str, fault: &str| {
@@ -129,40 +100,35 @@ impl Survey {
                 }
             }
             let mut measures = [f64::NAN; 4];
-            for ((measure, place), column) in measures.iter_mut().zip(places).zip(&COLUMNS) {
-                let value = text(&record[place]);
+            for (k, (column, per_unit)) in COLUMNS.into_iter().enumerate() {
+                let value = text(&record[places[k]]);
+                // A number that is not human is in another unit.
+                let [least, most] = Measure::ALL[k].possible().map(|limit| limit * per_unit);
                 match decimal(&value) {
-                    None => refuse(cell(column.name, &value, "must be a decimal number")),
-                    Some(number) if !(column.least..=column.most).contains(&number) => {
-                        let fault = format!("must be within {}…{}", column.least, column.most);
-                        refuse(cell(column.name, &value, &fault));
+                    None => refuse(cell(column, &value, "must be a decimal number")),
+                    Some(number) if !(least..=most).contains(&number) => {
+                        refuse(cell(column, &value, &format!("must be within {least}…{most}")));
                     }
-                    Some(number) => *measure = number / column.per_unit,
+                    Some(number) => measures[k] = number / per_unit,
                 }
             }
             let person = Person::from_measures(sex, measures);
             if person.depth > person.breadth {
-                let depth = &COLUMNS[1];
-                let fault = format!("must not exceed {}, {}", COLUMNS[0].name, person.breadth * 1000.0);
-                refuse(cell(depth.name, &text(&record[places[1]]), &fault));
+                let [(breadth, per_unit), (depth, _), ..] = COLUMNS;
+                let fault = format!("must not exceed {breadth}, {}", person.breadth * per_unit);
+                refuse(cell(depth, &text(&record[places[1]]), &fault));
             }
             people.push(person);
         }
-        require(bad.is_empty(), || first(&bad))?;
+        require(bad.is_empty(), || bad.to_string())?;
         require(!people.is_empty(), || of_file(file, "has no people").to_string())?;
-        match sex {
-            Sex::Male => self.men.append(&mut people),
-            Sex::Female => self.women.append(&mut people),
-        }
+        self.people[sex as usize].append(&mut people);
         Ok(())
     }
 
     /// Returns all people of one sex, in the order of the files.
     pub fn people(&self, sex: Sex) -> &[Person] {
-        match sex {
-            Sex::Male => &self.men,
-            Sex::Female => &self.women,
-        }
+        &self.people[sex as usize]
     }
 }
 
@@ -207,20 +173,20 @@ mod tests {
             nan,1e9,-5,0x10,male\n";
         let message = read(content).unwrap_err().to_string();
         let expected = "male.csv:2: chestdepth = \"\": must be a decimal number\n\
-            male.csv:3: stature = \"177.6\": must be within 500…2800\n\
+            male.csv:3: stature = \"177.6\": must be within 300…3000\n\
             male.csv:3: weightkg = \"xé\": must be a decimal number\n\
             male.csv:4: gender = \"Female\": must be \"male\" in this file\n\
             male.csv:4: chestdepth = \"237\": must not exceed bideltoidbreadth, 200\n\
             male.csv:5: has 2 cells, but the header has 5\n\
             male.csv:6: bideltoidbreadth = \"nan\": must be a decimal number\n\
-            male.csv:6: chestdepth = \"1e9\": must be within 80…800\n\
-            male.csv:6: stature = \"-5\": must be within 500…2800\n\
+            male.csv:6: chestdepth = \"1e9\": must be within 50…2000\n\
+            male.csv:6: stature = \"-5\": must be within 300…3000\n\
             male.csv:6: weightkg = \"0x10\": must be a decimal number";
         assert_eq!(message, expected);
         let mut many = b"bideltoidbreadth,chestdepth,stature,weightkg\n".to_vec();
         many.extend(b"x,237,1776,815\n".repeat(1000));
         let message = read(&many).unwrap_err().to_string();
-        assert!(message.lines().count() == 21 && message.ends_with("and 980 more"), "{message}");
+        assert!(message.lines().count() == 21 && message.ends_with("and 980 more errors"), "{message}");
         let long =
             format!("bideltoidbreadth,chestdepth,stature,weightkg\n{},237,1776,815\n", "é\u{7}".repeat(5000));
         assert!(read(long.as_bytes()).unwrap_err().to_string().len() < 300);

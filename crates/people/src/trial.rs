@@ -7,14 +7,13 @@
 use crate::error::{Result, require};
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
-use lemons_core::files::{Change, Scratch, Staged, WriteError, change_all, target_of};
+use lemons_core::files::{Staged, WriteError};
 use lemons_core::plane::{Disk, Pose, Ring, Rotation, Vec2, vec2};
 use lemons_core::trial::{
-    Agent, AgentDynamics, Contact, Geometry, INTERACTIONS, Interactions, Material, Materials, Parameters,
-    Trial, Wall,
+    Agent, AgentDynamics, Contact, Geometry, Interactions, Material, Materials, Parameters, Trial, Wall,
 };
 use std::io::{self, Seek, Write};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -198,31 +197,13 @@ pub fn may_write(directory: &Path, force: bool) -> Result<()> {
     })
 }
 
-/// Writes a Trial directory completely or not at all. In an existing directory the files of the Trial are replaced, all
-/// or none, and an outdated AgentInteractions.xml is removed; other files stay. `others` are the names and texts of
-/// further files.
+/// Writes a Trial directory as [`Trial::write_with`] does, with names and texts of other files.
 ///
 /// # Errors
 /// The existing files may not be or cannot be overwritten; they are then unchanged.
 pub fn write_trial(trial: &Trial, others: &[(&str, &str)], directory: &Path, force: bool) -> Result<()> {
     may_write(directory, force)?;
-    let write_in = |directory: &Path, stale: Option<PathBuf>| {
-        let mut texts = trial.texts(directory);
-        texts.extend(others.iter().map(|(name, text)| (directory.join(name), (*text).to_owned())));
-        for parent in texts.iter().filter_map(|(path, _)| path.parent()) {
-            lemons_core::files::make_directories(parent).map_err(WriteError::at(parent))?;
-        }
-        let stale = stale.filter(|stale| texts.iter().all(|(path, _)| path != stale));
-        let writes = texts.into_iter().map(|(path, text)| Change::Write(path, text));
-        change_all(&writes.chain(stale.map(Change::Remove)).collect::<Vec<_>>())
-    };
-    if directory.exists() {
-        return Ok(write_in(directory, Some(directory.join("dynamic").join(INTERACTIONS)))?);
-    }
-    let place = target_of(directory).map_err(WriteError::at(directory))?;
-    let stage = Scratch::beside(&place).map_err(WriteError::at(directory))?;
-    write_in(stage.path(), None)?;
-    Ok(stage.persist(&place).map_err(WriteError::at(directory))?)
+    Ok(trial.write_with(others, directory)?)
 }
 
 /// The files of a Trial that [`crowd_trial`] makes, and the one that [`write_trial`] removes.
@@ -257,15 +238,10 @@ pub fn zip_trial<W: Write + Seek>(trial: &Trial, others: &[(&str, &str)], output
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644);
-    let texts = trial.texts(Path::new(""));
-    let texts = texts.iter().map(|(path, text)| (path.as_path(), &**text));
-    for (path, text) in texts.chain(others.iter().map(|(name, text)| (Path::new(*name), *text))) {
-        // Names in a zip file have forward slashes on every platform, and no "./".
-        let parts = path.components().filter_map(|part| match part {
-            Component::Normal(name) => Some(name.to_string_lossy()),
-            _ => None,
-        });
-        archive.start_file(format!("{}/{}", trial.name, parts.collect::<Vec<_>>().join("/")), options)?;
+    let directory = Path::new(&trial.name);
+    let others = others.iter().map(|(name, text)| (directory.join(name), (*text).to_owned()));
+    for (path, text) in trial.texts(directory).into_iter().chain(others) {
+        archive.start_file_from_path(path, options)?;
         archive.write_all(text.as_bytes())?;
     }
     Ok(archive.finish()?)
@@ -276,6 +252,7 @@ mod tests {
     use super::*;
     use crate::person::{Person, Sex};
     use lemons_core::plane::Bounds;
+    use lemons_core::trial::INTERACTIONS;
     use tempfile::TempDir;
 
     fn two(settings: &TrialSettings) -> Result<Trial> {

@@ -78,7 +78,7 @@ pub fn open_bounded(path: &Path, largest: u64) -> io::Result<Bounded<File>> {
 pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
     let mut file = open_bounded(path, largest)?;
     let mut bytes = Vec::new();
-    let size = file.inner.metadata()?.len();
+    let size = file.inner.get_ref().metadata()?.len();
     bytes.try_reserve_exact(usize::try_from(size).unwrap_or(usize::MAX))?;
     file.read_to_end(&mut bytes)?;
     Ok(bytes)
@@ -101,34 +101,22 @@ pub(crate) fn too_large(largest: u64) -> io::Error {
 /// Reads up to a limit. If there are more bytes after that, it returns an error, not the end of the file.
 #[derive(Debug)]
 pub struct Bounded<R> {
-    inner: R,
-    left: u64,
+    inner: io::Take<R>,
     largest: u64,
 }
 
 impl<R: Read> Bounded<R> {
     /// Limits reading from `inner` to `largest` bytes.
     pub fn new(inner: R, largest: u64) -> Bounded<R> {
-        Bounded { inner, left: largest, largest }
+        Bounded { inner: inner.take(largest.saturating_add(1)), largest }
     }
 }
 
 impl<R: Read> Read for Bounded<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if buffer.is_empty() {
-            return Ok(0);
-        }
-        if self.left == 0 {
-            // Reading one more byte distinguishes a file that is too large from one that just fits.
-            return match self.inner.read(&mut [0])? {
-                0 => Ok(0),
-                _ => Err(too_large(self.largest)),
-            };
-        }
-        let room = buffer.len().min(usize::try_from(self.left).unwrap_or(usize::MAX));
-        let read = self.inner.read(&mut buffer[..room])?;
-        self.left -= read as u64;
-        Ok(read)
+        let read = self.inner.read(buffer)?;
+        // One byte more than may be read distinguishes a file that is too large from one that just fits.
+        if self.inner.limit() == 0 { Err(too_large(self.largest)) } else { Ok(read) }
     }
 }
 

@@ -70,14 +70,6 @@ impl Scratch {
         Ok(Scratch::within(&std::env::temp_dir(), |path| builder.create(path))?.0)
     }
 
-    /// Creates a new, empty directory beside a place.
-    ///
-    /// # Errors
-    /// The directory cannot be created.
-    pub fn beside(place: &Path) -> io::Result<Scratch> {
-        Ok(Scratch::within(directory_of(place), |path| std::fs::create_dir(path))?.0)
-    }
-
     /// Creates a file or directory with a free name. `make` must fail if the name exists.
     pub(crate) fn within<T>(
         directory: &Path,
@@ -104,11 +96,11 @@ impl Scratch {
         &self.0
     }
 
-    /// Moves it to a place, where it replaces a file or an empty directory.
+    /// Moves it to a place, where it replaces a file.
     ///
     /// # Errors
     /// It cannot be moved there.
-    pub fn persist(mut self, place: &Path) -> io::Result<()> {
+    pub(crate) fn persist(mut self, place: &Path) -> io::Result<()> {
         let mut all = begun();
         std::fs::rename(&self.0, place)?;
         forget(&mut all, &self.0);

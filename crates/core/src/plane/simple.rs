@@ -10,25 +10,41 @@ impl Ring {
     ///
     /// The time grows as n log n while few sides overlap along one of the axes; at worst, as in a spiral, as n².
     pub fn is_simple(&self) -> bool {
-        let sides: Vec<Side> = self.sides().collect();
-        let n = sides.len();
-        let follows = |i: usize, j: usize| (i + 1) % n == j;
-        // Who follows shares a corner, and more only if it goes back along the other.
-        let back = |i: usize| {
-            let ((from, over), (_, to)) = (sides[i], sides[(i + 1) % n]);
-            turn(from, over, to) == 0.0 && (from - over).dot(to - over) > 0.0
-        };
-        let meet = |i: usize, j: usize| {
-            let ((a, b), (c, d)) = (sides[i], sides[j]);
-            !follows(i, j) && !follows(j, i) && segments_touch(a, b, c, d)
-        };
-        let finite = self.closed().iter().all(|corner| corner.x.is_finite() && corner.y.is_finite());
-        finite && n >= 3 && !(0..n).any(back) && !any_beside(&sides, meet)
+        let finite = self.closed().iter().all(|corner| corner.is_finite());
+        finite && self.corners().len() >= 3 && sides_that_meet(std::slice::from_ref(self)).is_none()
     }
 }
 
-/// Returns whether `meet` holds for two sides that overlap along x, or along y if fewer overlap there. No others can touch.
-fn any_beside(sides: &[Side], mut meet: impl FnMut(usize, usize) -> bool) -> bool {
+/// Returns two sides, each by its ring and its number, that meet elsewhere than at the corner where one follows the
+/// other; `None` if there are none. Corners are finite, and rings have three sides or more.
+pub fn sides_that_meet(rings: &[Ring]) -> Option<[(usize, usize); 2]> {
+    let of_ring =
+        |(ring, of): (usize, &Ring)| of.sides().enumerate().map(move |(k, side)| ((ring, k), side)).collect();
+    let (places, sides): (Vec<(usize, usize)>, Vec<Side>) =
+        rings.iter().enumerate().flat_map::<Vec<_>, _>(of_ring).unzip();
+    let follows = |i: usize, j: usize| {
+        let ((ring, side), next) = (places[i], places[j]);
+        next == (ring, (side + 1) % rings[ring].corners().len())
+    };
+    // Who follows shares a corner, and more only if it goes back along the other.
+    let back = |i: usize, j: usize| {
+        let ((from, over), (_, to)) = (sides[i], sides[j]);
+        turn(from, over, to) == 0.0 && (from - over).dot(to - over) > 0.0
+    };
+    let meet = |i: usize, j: usize| {
+        let ((a, b), (c, d)) = (sides[i], sides[j]);
+        match (follows(i, j), follows(j, i)) {
+            (true, _) => back(i, j),
+            (_, true) => back(j, i),
+            _ => segments_touch(a, b, c, d),
+        }
+    };
+    first_beside(&sides, meet).map(|pair| pair.map(|side| places[side]))
+}
+
+/// Returns the first two sides for which `meet` holds, of those that overlap along x, or along y if fewer overlap there.
+/// No others can touch.
+fn first_beside(sides: &[Side], mut meet: impl FnMut(usize, usize) -> bool) -> Option<[usize; 2]> {
     let along: [fn(Vec2) -> f64; 2] = [|p| p.x, |p| p.y];
     let [by_x, by_y] = along.map(|of| {
         let ends = |(k, (a, b)): (usize, &Side)| (of(*a).min(of(*b)), of(*a).max(of(*b)), k);
@@ -41,9 +57,9 @@ fn any_beside(sides: &[Side], mut meet: impl FnMut(usize, usize) -> bool) -> boo
         ranges.iter().map(|(low, high, _)| high - low).sum::<f64>() / (high - ranges[0].0)
     };
     let ranges = if crowded(&by_x) <= crowded(&by_y) { by_x } else { by_y };
-    ranges.iter().enumerate().any(|(place, &(_, high, i))| {
+    ranges.iter().enumerate().find_map(|(place, &(_, high, i))| {
         let mut next = ranges[place + 1..].iter().take_while(|(low, ..)| *low <= high);
-        next.any(|&(_, _, j)| meet(i, j))
+        next.find(|&&(_, _, j)| meet(i, j)).map(|&(_, _, j)| [i, j])
     })
 }
 
@@ -108,10 +124,10 @@ mod tests {
             let ring = ring(corners);
             let mut pairs = 0;
             let sides: Vec<Side> = ring.sides().collect();
-            assert!(!any_beside(&sides, |_, _| {
+            first_beside(&sides, |_, _| {
                 pairs += 1;
                 false
-            }));
+            });
             assert!(ring.is_simple() && pairs < 4 * sides.len(), "{pairs} pairs of {} sides", sides.len());
         }
     }

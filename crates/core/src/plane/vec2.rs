@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
 /// A vector or point of the plane, in SI units. Only `+`, `−` and the product with a number are operators; the other
-/// operations are methods.
+/// operations are methods. Files have it as a pair of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(from = "[f64; 2]", into = "[f64; 2]")]
 pub struct Vec2 {
     /// First component.
     pub x: f64,

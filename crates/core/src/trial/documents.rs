@@ -234,14 +234,7 @@ impl Trial {
     /// [`Trial::write`] writes them. Neither its name nor where it was read from counts.
     pub fn fingerprint(&self) -> u128 {
         let mut content = Vec::new();
-        for text in [
-            self.parameters.xml(),
-            materials::xml(&self.materials),
-            geometry::xml(&self.geometry),
-            agents::xml(&self.agents),
-            dynamics_xml(&self.agents, &self.dynamics, DynamicsElement::Written),
-            interactions_xml(&self.agents, &self.geometry, &self.interactions),
-        ] {
+        for text in self.all_texts(&self.parameters) {
             // With its length: where one text ends and the next begins counts.
             content.extend((text.len() as u64).to_le_bytes());
             content.extend(text.into_bytes());
@@ -256,33 +249,46 @@ impl Trial {
 
     /// Returns its files as [`Trial::write`] writes them into a directory: their paths and texts.
     pub fn texts(&self, directory: &Path) -> Vec<(PathBuf, String)> {
-        let mut texts = vec![
-            self.parameters_of_copy().xml(),
+        let texts = self.all_texts(&self.parameters_of_copy()).into_iter();
+        let count = if self.interactions == Interactions::default() { 5 } else { 6 };
+        self.files_written(directory).into_iter().zip(texts).take(count).collect()
+    }
+
+    /// The texts of all files, in the order of [`SCHEMAS`].
+    fn all_texts(&self, parameters: &Parameters) -> [String; 6] {
+        [
+            parameters.xml(),
             materials::xml(&self.materials),
             geometry::xml(&self.geometry),
             agents::xml(&self.agents),
             dynamics_xml(&self.agents, &self.dynamics, DynamicsElement::Written),
-        ];
-        if self.interactions != Interactions::default() {
-            texts.push(interactions_xml(&self.agents, &self.geometry, &self.interactions));
-        }
-        self.files_written(directory).into_iter().zip(texts).collect()
+            interactions_xml(&self.agents, &self.geometry, &self.interactions),
+        ]
     }
 
-    /// Writes a complete Trial directory, all files or none.
+    /// Writes a complete Trial directory, all files or none, and removes outdated contacts. Other files in it stay.
     ///
     /// Static and Dynamic directories that lie outside the Trial directory become `./static/` and `./dynamic/`
     /// in it: a copy neither overwrites the original's files nor depends on them.
     ///
     /// # Errors
-    /// A file cannot be written.
+    /// A file cannot be written; existing ones are then unchanged.
     pub fn write(&self, directory: &Path) -> Result<(), WriteError> {
-        let texts = self.texts(directory);
+        self.write_with(&[], directory)
+    }
+
+    /// Writes it as [`Trial::write`] does, with names and texts of other files.
+    ///
+    /// # Errors
+    /// As [`Trial::write`].
+    pub fn write_with(&self, others: &[(&str, &str)], directory: &Path) -> Result<(), WriteError> {
+        let mut texts = self.texts(directory);
+        // Stale contacts would start the next run with springs that are no more.
+        let stale = self.files_written(directory).split_off(texts.len());
+        texts.extend(others.iter().map(|(name, text)| (directory.join(name), (*text).to_owned())));
         for parent in texts.iter().filter_map(|(path, _)| path.parent()) {
             make_directories(parent).map_err(WriteError::at(parent))?;
         }
-        // Stale contacts would start the next run with springs that are no more.
-        let stale = self.files_written(directory).split_off(texts.len());
         let changes = texts.into_iter().map(|(path, text)| Change::Write(path, text));
         change_all(&changes.chain(stale.into_iter().map(Change::Remove)).collect::<Vec<_>>())
     }

@@ -3,7 +3,7 @@
 use crate::files::input;
 use crate::trial::documents::Trial;
 use crate::trial::problem::Problems;
-use crate::xml::{Problem, quoted};
+use crate::xml::{Problem, decimal, quoted};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -15,33 +15,9 @@ pub const DRIVE_FILE: &str = "drive.csv";
 /// Fp.x \[N\], Fp.y \[N\], Mp \[N.m\].
 pub type Push = [f64; 3];
 
-/// The number of problems that are kept.
-const MOST_PROBLEMS: usize = 20;
-
-/// Problems as they are found: each names line, column and value.
-#[derive(Default)]
-struct Found {
-    problems: Problems,
-    count: usize,
-}
-
-impl Found {
-    fn push(&mut self, line: Option<u64>, message: impl ToString) {
-        self.count += 1;
-        if self.count <= MOST_PROBLEMS {
-            let line = line.and_then(|line| u32::try_from(line).ok());
-            self.problems.push(Problem::of_file(Path::new(""), line, message.to_string()));
-        }
-    }
-
-    /// Returns the value if nothing was found.
-    fn or<T>(mut self, value: T) -> Result<T> {
-        if let Some(more @ 1..) = self.count.checked_sub(MOST_PROBLEMS) {
-            let message = format!("and {more} more errors");
-            self.problems.push(Problem::of_file(Path::new(""), None, message));
-        }
-        if self.problems.is_empty() { Ok(value) } else { Err(self.problems) }
-    }
+/// An error of the file, perhaps of a line of it.
+fn error(line: Option<u64>, message: impl Into<String>) -> Problem {
+    Problem::of_file(Path::new(""), line.and_then(|line| u32::try_from(line).ok()), message)
 }
 
 type Result<T> = std::result::Result<T, Problems>;
@@ -90,11 +66,7 @@ impl DriveTable {
                 let drive = DriveTable::from_csv(file)?;
                 drive.check_agents(trial).map(|()| drive)
             }
-            Err(error) => {
-                let mut found = Found::default();
-                found.push(None, error);
-                found.or(DriveTable::default())
-            }
+            Err(unreadable) => Err(error(None, unreadable.to_string()).into()),
         };
         read().map_err(|problems| problems.of_file(&path))
     }
@@ -115,9 +87,9 @@ impl DriveTable {
         let known: HashSet<&str> = known.collect();
         let mut unknown: Vec<_> = self.lines.iter().filter(|(id, _)| !known.contains(id.as_str())).collect();
         unknown.sort_by_key(|(_, line)| **line);
-        let mut found = Found::default();
+        let mut found = Problems::default();
         for (id, line) in unknown {
-            found.push(Some(*line), format!("there is no agent {} in Agents.xml", quoted(id)));
+            found.push_counted(error(Some(*line), format!("there is no agent {} in Agents.xml", quoted(id))));
         }
         found.or(())
     }
@@ -129,14 +101,8 @@ impl DriveTable {
     pub fn from_csv(content: impl Read) -> Result<DriveTable> {
         let mut reader =
             csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
-        let mut found = Found::default();
-        let header = match reader.headers() {
-            Ok(header) => header.clone(),
-            Err(error) => {
-                found.push(None, said(error));
-                return found.or(DriveTable::default());
-            }
-        };
+        let header = reader.headers().map_err(|wrong| error(None, said(wrong)))?.clone();
+        let mut found = Problems::default();
         let mut column = |name: &'static str| {
             let named = |column: &str| column.trim_start_matches('\u{feff}') == name;
             let mut places = header.iter().enumerate().filter(|(_, column)| named(column));
@@ -145,24 +111,24 @@ impl DriveTable {
                 (None, _) => "is no column",
                 (Some(_), Some(_)) => "are two columns",
             };
-            found.push(None, format!("there {wrong} {name:?} (expected t,agent,Fp.x,Fp.y,Mp)"));
+            let message = format!("there {wrong} {name:?} (expected t,agent,Fp.x,Fp.y,Mp)");
+            found.push(error(None, message));
             0
         };
         let (time, agent) = (column("t"), column("agent"));
         let push = [column("Fp.x"), column("Fp.y"), column("Mp")];
-        if found.count > 0 {
-            return found.or(DriveTable::default());
-        }
-        let mut drive = DriveTable::default();
+        found.or(())?;
+        let (mut drive, mut found) = (DriveTable::default(), Problems::default());
         let mut record = csv::StringRecord::new();
         loop {
             match reader.read_record(&mut record) {
                 Ok(true) => {}
                 Ok(false) => break,
-                Err(error) => {
+                Err(wrong) => {
                     // After an error of the disk nothing more can be read.
-                    let (begin, is_last) = (error.position().map(csv::Position::line), error.is_io_error());
-                    found.push(begin.map(|begin| line_of(begin, reader.position().line(), 0)), said(error));
+                    let (begin, is_last) = (wrong.position().map(csv::Position::line), wrong.is_io_error());
+                    let line = begin.map(|begin| line_of(begin, reader.position().line(), 0));
+                    found.push_counted(error(line, said(wrong)));
                     if is_last {
                         break;
                     }
@@ -174,11 +140,10 @@ impl DriveTable {
             let line = line_of(begin, reader.position().line(), within);
             let mut number = |place: usize| {
                 let text = &record[place];
-                let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
-                value.unwrap_or_else(|| {
+                decimal(text).unwrap_or_else(|| {
                     let (column, text) = (quoted(&header[place]), quoted(text));
                     let column = column.trim_matches('"');
-                    found.push(Some(line), format!("{column}={text}: not a finite number"));
+                    found.push_counted(error(Some(line), format!("{column}={text}: not a finite number")));
                     f64::NAN
                 })
             };
@@ -187,8 +152,8 @@ impl DriveTable {
             drive.lines.entry(id.to_owned()).or_insert(line);
             let rows = drive.agents.entry(id.to_owned()).or_default();
             if let Some(last) = rows.last().filter(|last| last.0 >= row.0) {
-                let (time, last) = (row.0, last.0);
-                found.push(Some(line), format!("t={time} does not come after t={last} of the same agent"));
+                let message = format!("t={} does not come after t={} of the same agent", row.0, last.0);
+                found.push_counted(error(Some(line), message));
             }
             rows.push(row);
         }

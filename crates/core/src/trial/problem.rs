@@ -6,23 +6,34 @@ use std::path::Path;
 
 /// All errors and warnings, in the order in which the files are read.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Problems(Vec<Problem>);
+pub struct Problems {
+    all: Vec<Problem>,
+    /// Number of errors that were not kept.
+    more: usize,
+}
 
 impl Problems {
     /// Adds one.
     pub fn push(&mut self, problem: Problem) {
-        self.0.push(problem);
+        self.all.push(problem);
+    }
+
+    /// Adds an error of a table, which may have any number of them: after the first 20 they are only counted.
+    pub fn push_counted(&mut self, problem: Problem) {
+        if self.all.len() < 20 { self.all.push(problem) } else { self.more += 1 }
     }
 
     /// Adds others after them.
     pub(crate) fn append(&mut self, others: Problems) {
-        self.0.extend(others.0);
+        self.all.extend(others.all);
+        self.more += others.more;
     }
 
     /// Returns the same problems, of the file with this path.
     #[must_use]
     pub fn of_file(&self, path: &Path) -> Problems {
-        Problems(self.iter().map(|problem| Problem { file: path.to_owned(), ..problem.clone() }).collect())
+        let of_file = |problem: &Problem| Problem { file: path.to_owned(), ..problem.clone() };
+        Problems { all: self.iter().map(of_file).collect(), more: self.more }
     }
 
     /// Returns the value, or `None` after the problem is added.
@@ -30,9 +41,17 @@ impl Problems {
         read.map_err(|problem| self.push(*problem)).ok()
     }
 
+    /// Returns the value if there is none.
+    ///
+    /// # Errors
+    /// All of them.
+    pub fn or<T>(self, value: T) -> Result<T, Problems> {
+        if self.is_empty() { Ok(value) } else { Err(self) }
+    }
+
     /// Returns all of them.
     pub fn iter(&self) -> impl Iterator<Item = &Problem> {
-        self.0.iter()
+        self.all.iter()
     }
 
     /// Returns the errors only.
@@ -52,7 +71,13 @@ impl Problems {
 
     /// Returns whether there is neither error nor warning.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.all.is_empty()
+    }
+}
+
+impl From<Problem> for Problems {
+    fn from(problem: Problem) -> Problems {
+        Problems { all: vec![problem], more: 0 }
     }
 }
 
@@ -65,7 +90,7 @@ impl fmt::Display for Problems {
             }
             write!(f, "{problem}")?;
         }
-        Ok(())
+        if self.more > 0 { write!(f, "\nand {} more errors", self.more) } else { Ok(()) }
     }
 }
 

@@ -55,9 +55,6 @@ pub(crate) fn checked<T>(read: impl FnOnce(&mut Problems) -> Option<T>) -> Resul
     }
 }
 
-/// Letters of a name that somebody else has given; the rest is not told.
-const LONGEST_NAME: usize = 80;
-
 /// \[m\] Places further from the origin along x or y are refused: up to there a micrometre is exact, and no square of a
 /// distance overflows.
 pub const FARTHEST: f64 = 1e9;
@@ -75,23 +72,16 @@ pub(crate) struct Element<'a> {
     schema: &'static Schema,
 }
 
-/// A kind of thing that nobody reads.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Unread {
-    Attribute,
-    Element,
-    Text,
-}
-
-/// A thing that nobody reads in elements of one kind, where it was first seen, and how often.
+/// What nobody reads in elements of one kind, as it was first seen, and how often.
 struct Seen<'a> {
-    what: Unread,
     schema: &'static Schema,
     /// Name of the attribute or element; empty for a text.
     name: &'a str,
-    value: Option<&'a str>,
-    line: u32,
+    is_attribute: bool,
     count: usize,
+    warning: Problem,
+    /// What the message says after the number of times.
+    end: String,
 }
 
 /// So many names that are not read say enough.
@@ -141,7 +131,11 @@ impl<'a> Element<'a> {
         unread.truncate(REPORTED);
         let told = self.notes.told.borrow();
         unread.retain(|seen| !told.contains(&(seen.schema.name, seen.name.to_owned())));
-        unread.iter().for_each(|seen| self.report(seen.warning(self.node.file())));
+        for Seen { count, mut warning, end, .. } in unread {
+            let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
+            warning.message += &(times + &end);
+            self.report(warning);
+        }
         if more {
             let message = format!("more than {REPORTED} names of attributes and elements are not read");
             let warning = Problem::of_file(self.node.file(), None, message);
@@ -154,29 +148,63 @@ impl<'a> Element<'a> {
         if self.is_foreign() {
             return;
         }
-        let schema = self.schema;
-        let attributes = self.unread_attributes().map(|attribute| {
-            (Unread::Attribute, attribute.name(), Some(attribute.value()), attribute.range().start)
-        });
-        let elements = self.unread_elements().map(|node| (Unread::Element, node.name(), None, node.offset()));
-        let texts = self.node.texts().map(|(text, offset)| (Unread::Text, "", Some(text.trim()), offset));
-        let texts = texts.filter(|(_, _, text, _)| *text != Some(""));
-        for (what, name, value, offset) in attributes.chain(elements).chain(texts) {
-            let is_same =
-                |seen: &Seen<'_>| std::ptr::eq(seen.schema, schema) && (seen.what, seen.name) == (what, name);
-            match unread.iter().position(is_same) {
-                Some(place) => unread[place].count += 1,
-                None if unread.len() > REPORTED => {}
-                None => {
-                    let line = self.node.document().line(offset);
-                    unread.push(Seen { what, schema, name, value, line, count: 1 });
-                }
-            }
+        let Schema { name: own, attributes, children } = self.schema;
+        for attribute in self.unread_attributes() {
+            let name = attribute.name();
+            self.see(unread, true, name, attribute.range().start, |warning| {
+                warning.attribute = Some(short(name));
+                warning.value = Some(attribute.value().to_owned());
+                warning.message = "is not read".to_owned();
+                let word = words::meant(name, attributes.iter().map(|attribute| attribute.name));
+                word.map_or(String::new(), |word| format!("; is {word} meant?"))
+            });
+        }
+        for node in self.unread_elements() {
+            let name = node.name();
+            self.see(unread, false, name, node.offset(), |warning| {
+                warning.element = Some(short(name));
+                warning.message = format!("is not read in <{own}>");
+                let word = words::meant(name, children.iter().map(|child| child.name));
+                word.map_or(String::new(), |word| format!("; is <{word}> meant?"))
+            });
+        }
+        for (text, offset) in self.node.texts().filter(|(text, _)| !text.trim().is_empty()) {
+            self.see(unread, false, "", offset, |warning| {
+                warning.message = "the text in it is not read".to_owned();
+                format!(": {}", quoted(text.trim()))
+            });
         }
         for node in self.node.elements() {
-            if let Some(schema) = schema.child(node.name()) {
+            if let Some(schema) = self.schema.child(node.name()) {
                 Element { node, schema, ..self }.find_unread(unread);
             }
+        }
+    }
+
+    /// Counts a thing that is not read. When it is new, `told` completes the warning and returns what ends its message.
+    fn see(
+        self,
+        unread: &mut Vec<Seen<'a>>,
+        is_attribute: bool,
+        name: &'a str,
+        offset: usize,
+        told: impl FnOnce(&mut Problem) -> String,
+    ) {
+        let schema = self.schema;
+        let is_same = |seen: &&mut Seen<'_>| {
+            std::ptr::eq(seen.schema, schema) && (seen.is_attribute, seen.name) == (is_attribute, name)
+        };
+        if let Some(seen) = unread.iter_mut().find(is_same) {
+            seen.count += 1;
+        } else if unread.len() <= REPORTED {
+            let line = self.node.document().line(offset);
+            let mut warning = Problem {
+                severity: Severity::Warning,
+                element: Some(schema.name.to_owned()),
+                ..Problem::of_file(self.node.file(), Some(line), "")
+            };
+            let end = told(&mut warning);
+            unread.push(Seen { schema, name, is_attribute, count: 1, warning, end });
         }
     }
 
@@ -319,35 +347,10 @@ impl<'a> Element<'a> {
     }
 }
 
-impl Seen<'_> {
-    fn warning(&self, path: &Path) -> Problem {
-        let Seen { what, schema, name, value, line, count } = *self;
-        let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
-        let short = |name: &str| name.chars().take(LONGEST_NAME).collect::<String>();
-        let (element, attribute, message) = match what {
-            Unread::Attribute => {
-                let meant = words::meant(name, schema.attributes.iter().map(|attribute| attribute.name));
-                let meant = meant.map_or(String::new(), |word| format!("; is {word} meant?"));
-                (schema.name, Some(short(name)), format!("is not read{times}{meant}"))
-            }
-            Unread::Element => {
-                let meant = words::meant(name, schema.children.iter().map(|child| child.name));
-                let meant = meant.map_or(String::new(), |word| format!("; is <{word}> meant?"));
-                (name, None, format!("is not read in <{}>{times}{meant}", schema.name))
-            }
-            Unread::Text => {
-                let text = quoted(value.unwrap_or_default());
-                (schema.name, None, format!("the text in it is not read{times}: {text}"))
-            }
-        };
-        Problem {
-            severity: Severity::Warning,
-            element: Some(short(element)),
-            value: value.filter(|_| attribute.is_some()).map(str::to_owned),
-            attribute,
-            ..Problem::of_file(path, Some(line), message)
-        }
-    }
+/// A name that somebody else has given; the rest of its letters is not told.
+fn short(name: &str) -> String {
+    const LONGEST: usize = 80;
+    name.chars().take(LONGEST).collect()
 }
 
 /// Places of elements of one kind by their Ids.

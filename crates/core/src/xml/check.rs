@@ -2,6 +2,8 @@
 //! scope: many of them take quadratic time. Here they are counted in one pass before parsing.
 
 use crate::xml::problem::{Problem, Result};
+use quick_xml::events::Event;
+use quick_xml::reader::Reader;
 use std::path::Path;
 
 /// Largest number of attributes of one element. Elements that we read have about ten.
@@ -12,85 +14,56 @@ pub const MOST_NAMESPACES: usize = 256;
 /// Refuses a text that would take a parser more than linear time.
 ///
 /// # Errors
-/// The first element with too many attributes or namespace declarations in scope; a document type.
+/// The first element with too many attributes or namespace declarations in scope; a document type; a text that cannot be
+/// cut into tags.
 pub(crate) fn check(file: &Path, text: &str) -> Result<()> {
-    let mut depth = 0_usize;
-    // Depth and number of declarations of the enclosing elements that have any.
-    let mut declared: Vec<(usize, usize)> = Vec::new();
-    let mut at = 0;
-    while let Some(begin) = text[at..].find('<').map(|found| at + found) {
-        let rest = &text[begin..];
-        let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
-        if let Some((open, close)) = skipped.iter().find(|(open, _)| rest.starts_with(open)) {
-            let Some(end) = rest[open.len()..].find(close) else { break };
-            at = begin + open.len() + end + close.len();
-            continue;
-        }
-        let refused = |element: String, what: String| {
-            let line = 1 + text[..begin].bytes().filter(|&byte| byte == b'\n').count();
-            let problem = Problem::of_file(file, u32::try_from(line).ok(), what);
-            Err(Problem { element: Some(element), ..problem }.into())
-        };
-        if rest.starts_with("<!") {
-            // A document type may define entities that contain elements.
-            return refused("!DOCTYPE".into(), "document types are not allowed".into());
-        }
-        let tag = tag(text, begin);
-        at = tag.end;
-        if rest.starts_with("</") {
-            declared.pop_if(|(at, _)| *at == depth);
-            depth = depth.saturating_sub(1);
-            continue;
-        }
-        let namespaces = tag.namespaces + declared.iter().map(|(_, count)| count).sum::<usize>();
-        let too_many = if tag.attributes > MOST_ATTRIBUTES {
-            format!("has {} attributes; at most {MOST_ATTRIBUTES} are allowed", tag.attributes)
-        } else if namespaces > MOST_NAMESPACES {
-            format!("{namespaces} namespaces are in scope; at most {MOST_NAMESPACES} are allowed")
-        } else {
-            if !tag.empty {
-                depth += 1;
-                declared.extend((tag.namespaces > 0).then_some((depth, tag.namespaces)));
+    let at = |position: u64, message: String| {
+        let before = text.bytes().take(usize::try_from(position).unwrap_or(usize::MAX));
+        let line = 1 + before.filter(|&byte| byte == b'\n').count();
+        Problem::of_file(file, u32::try_from(line).ok(), message)
+    };
+    let mut reader = Reader::from_str(text);
+    // The parser says it better.
+    reader.config_mut().check_end_names = false;
+    reader.config_mut().allow_unmatched_ends = true;
+    // Number of declarations in scope in each open element.
+    let mut in_scope: Vec<usize> = Vec::new();
+    loop {
+        let begin = reader.buffer_position();
+        let event = reader.read_event();
+        let event =
+            event.map_err(|error| at(reader.error_position(), format!("is not well-formed XML: {error}")))?;
+        let (tag, message) = match &event {
+            Event::Eof => return Ok(()),
+            Event::End(_) => {
+                in_scope.pop();
+                continue;
             }
-            continue;
-        };
-        let name = rest[1..].split(|c: char| c.is_ascii_whitespace() || "/>=\"'".contains(c)).next();
-        return refused(name.unwrap_or_default().chars().take(80).collect(), too_many);
-    }
-    Ok(())
-}
-
-struct Tag {
-    /// Position after the tag.
-    end: usize,
-    attributes: usize,
-    /// Number of attributes that declare a namespace.
-    namespaces: usize,
-    empty: bool,
-}
-
-/// Reads the tag whose `<` is at `begin`. Each attribute has one `=` outside of quotes. A tag that does not end is
-/// counted to the end of the text, because a parser reads that far.
-fn tag(text: &str, begin: usize) -> Tag {
-    let bytes = text.as_bytes();
-    let mut tag = Tag { end: bytes.len(), attributes: 0, namespaces: 0, empty: false };
-    let mut quote = None;
-    for (place, &byte) in bytes.iter().enumerate().skip(begin + 1) {
-        match (quote, byte) {
-            (Some(end), _) if byte == end => quote = None,
-            (Some(_), _) => {}
-            (None, b'"' | b'\'') => quote = Some(byte),
-            (None, b'=') => {
-                let before = text[begin..place].trim_end();
-                let name = before.rsplit(|c: char| c.is_ascii_whitespace() || "=\"'".contains(c)).next();
-                tag.attributes += 1;
-                tag.namespaces += usize::from(name.is_some_and(|name| name.starts_with("xmlns")));
+            Event::Start(tag) | Event::Empty(tag) => {
+                let (mut attributes, mut namespaces) = (0, in_scope.last().copied().unwrap_or(0));
+                // The parser stops at one that is malformed.
+                for attribute in tag.attributes().with_checks(false).flatten() {
+                    attributes += 1;
+                    namespaces += usize::from(attribute.key.as_ref().starts_with("xmlns"));
+                }
+                if matches!(event, Event::Start(_)) {
+                    in_scope.push(namespaces);
+                }
+                let message = if attributes > MOST_ATTRIBUTES {
+                    format!("has {attributes} attributes; at most {MOST_ATTRIBUTES} are allowed")
+                } else if namespaces > MOST_NAMESPACES {
+                    format!("{namespaces} namespaces are in scope; at most {MOST_NAMESPACES} are allowed")
+                } else {
+                    continue;
+                };
+                (tag.name().as_ref().chars().take(80).collect(), message)
             }
-            (None, b'>') => return Tag { end: place + 1, empty: bytes[place - 1] == b'/', ..tag },
-            _ => {}
-        }
+            // It may define entities that contain elements.
+            Event::DocType(_) => ("!DOCTYPE".to_owned(), "document types are not allowed".to_owned()),
+            _ => continue,
+        };
+        return Err(Problem { element: Some(tag), ..at(begin, message) }.into());
     }
-    tag
 }
 
 #[cfg(test)]
@@ -112,11 +85,12 @@ mod tests {
         let hidden = format!("<R x='<' y=\"'\"><!-- {many}> --><![CDATA[{many}>]]><?p {many}?>{many}</R>");
         let without = hidden.replace(&format!("?>{many}"), "?>");
         assert_eq!(said(&without), "");
-        for text in [&hidden, &many, &format!("{many}/>"), &format!("\n\n{many}>")] {
+        for text in [&hidden, &format!("{many}/>"), &format!("\n\n{many}>")] {
             let line = 1 + text.bytes().filter(|&byte| byte == b'\n').count();
             let expected = format!("line {line}: <A>: has 300000 attributes; at most 256 are allowed");
             assert_eq!(said(text), expected);
         }
+        assert!(said(&many).starts_with("line 1: is not well-formed XML: "));
         assert_eq!(said(&format!("{}/>", element(MOST_ATTRIBUTES, ""))), "");
         assert_ne!(said(&format!("{}/>", element(MOST_ATTRIBUTES + 1, ""))), "");
         let entity = format!("<?xml version='1.0'?>\n<!DOCTYPE A [<!ENTITY e '{many}/>'>]><A>&e;</A>");

@@ -40,7 +40,7 @@ pub fn write_stl(parts: &[MeshPart], to: &mut impl Write) -> io::Result<()> {
     to.write_all(&count.to_le_bytes())?;
     for part in parts {
         for &triangle in &part.triangles {
-            let [a, b, c] = part.corners(triangle);
+            let [a, b, c] = triangle.map(|index| part.vertices[index as usize]);
             for corner in [normal(a, b, c), finite(a)?, finite(b)?, finite(c)?] {
                 to.write_all(&corner.map(|value| (value as f32).to_le_bytes()).concat())?;
             }
@@ -80,14 +80,13 @@ pub fn write_geojson(sections: &[CrowdSection], to: &mut impl Write) -> io::Resu
         let z = section.altitude;
         for (body, polygons) in section.bodies.iter().enumerate() {
             for polygon in polygons {
+                let part = polygon.part.name();
+                let points = points(polygon, z, |[x, y, z]| format!("[{x:.6},{y:.6},{z:.6}]"))?.join(",");
                 write!(
                     to,
-                    "{comma}{{\"type\":\"Feature\",\"properties\":{{\"altitude\":{z:.6},\"body\":{body},\"part\":\"{}\"}},\
-                     \"geometry\":{{\"type\":\"Polygon\",\"coordinates\":[[",
-                    polygon.part.name()
+                    "{comma}{{\"type\":\"Feature\",\"properties\":{{\"altitude\":{z:.6},\"body\":{body},\"part\":\"{part}\"}},\
+                     \"geometry\":{{\"type\":\"Polygon\",\"coordinates\":[[{points}]]}}}}"
                 )?;
-                write_points(polygon, z, ["", "[", ",", "]"], to)?;
-                write!(to, "]]}}}}")?;
                 comma = ",\n";
             }
         }
@@ -101,32 +100,17 @@ pub fn write_geojson(sections: &[CrowdSection], to: &mut impl Write) -> io::Resu
 /// The writer fails, or a point is not finite.
 pub fn write_wkt(sections: &[CrowdSection], to: &mut impl Write) -> io::Result<()> {
     for section in sections.iter().filter(|section| section.cut() > 0) {
-        let z = section.altitude;
-        write!(to, "MULTIPOLYGON Z (")?;
-        for (k, polygon) in section.bodies.iter().flatten().enumerate() {
-            write!(to, "{}((", if k == 0 { "" } else { ", " })?;
-            write_points(polygon, z, [" ", "", " ", ""], to)?;
-            write!(to, "))")?;
-        }
-        writeln!(to, ")")?;
+        let rings = section.bodies.iter().flatten().map(|polygon| {
+            let ring = points(polygon, section.altitude, |[x, y, z]| format!("{x:.6} {y:.6} {z:.6}"))?;
+            Ok(format!("(({}))", ring.join(", ")))
+        });
+        writeln!(to, "MULTIPOLYGON Z ({})", rings.collect::<io::Result<Vec<String>>>()?.join(", "))?;
     }
     Ok(())
 }
 
-/// Writes the points with commas between them, the first again at the end. What comes after a comma, before a point, between
-/// its coordinates and after it differs between formats.
-fn write_points(
-    polygon: &Polygon,
-    z: f64,
-    [space, open, between, close]: [&str; 4],
-    to: &mut impl Write,
-) -> io::Result<()> {
-    for (k, point) in polygon.points.iter().chain(polygon.points.first()).enumerate() {
-        if k > 0 {
-            write!(to, ",{space}")?;
-        }
-        let [x, y, z] = finite([point.x, point.y, z])?;
-        write!(to, "{open}{x:.6}{between}{y:.6}{between}{z:.6}{close}")?;
-    }
-    Ok(())
+/// The points at an altitude \[m\] as texts, the first again at the end.
+fn points(polygon: &Polygon, z: f64, shown: fn([f64; 3]) -> String) -> io::Result<Vec<String>> {
+    let round = polygon.points.iter().chain(polygon.points.first());
+    round.map(|point| finite([point.x, point.y, z]).map(shown)).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::outline::POINTS;
 use super::skin::Ring;
-use super::{Body3d, Tube};
+use super::{Body3d, Part};
 use lemons_core::plane::{Pose, Rotation, Vec2};
 
 /// A closed surface of one part of a body.
@@ -84,11 +84,6 @@ impl MeshPart {
             self.triangles.push(if is_top { [centre, a, b] } else { [centre, b, a] });
         }
     }
-
-    /// Returns the corners of a triangle \[m\].
-    pub fn corners(&self, triangle: [u32; 3]) -> [[f64; 3]; 3] {
-        triangle.map(|index| self.vertices[index as usize])
-    }
 }
 
 /// Returns numbers of vertices and triangles; and as bytes, little-endian, the coordinates \[m\] in single precision, then
@@ -108,7 +103,7 @@ impl Body3d {
     /// Returns its surface in the body's frame: one closed part each for the trunk with head, the arms and the legs. They do
     /// not overlap. Neighbouring parts may share a plane.
     pub fn mesh(&self) -> Vec<MeshPart> {
-        self.surface(1, 1)
+        self.surface(1)
     }
 
     /// Returns the same of an agent at a pose, in world coordinates; the parts' names begin with the agent's Id.
@@ -127,19 +122,19 @@ impl Body3d {
     /// Returns the same with about a sixteenth of the triangles, to be looked at: its corners are on the surface, and its
     /// volume is up to 5 % smaller.
     pub fn coarse_mesh(&self) -> Vec<MeshPart> {
-        self.surface(4, 4)
+        self.surface(4)
     }
 
-    /// The surface through every `rings`-th ring, the first and the last ones and flat steps, and every `points`-th point.
-    fn surface(&self, rings: usize, points: usize) -> Vec<MeshPart> {
-        let part = |tube: &Tube| {
-            let last = tube.rings.len().saturating_sub(1);
-            let flat = |k: usize| k < last && tube.rings[k].z == tube.rings[k + 1].z;
+    /// The surface through every `stride`-th ring, the first and the last ones and flat steps, and every `stride`-th point.
+    fn surface(&self, stride: usize) -> Vec<MeshPart> {
+        let surface = |(part, rings): (Part, &Vec<Ring>)| {
+            let last = rings.len().saturating_sub(1);
+            let flat = |k: usize| k < last && rings[k].z == rings[k + 1].z;
             let kept =
-                |k: &usize| k.is_multiple_of(rings) || *k == last || flat(*k) || (*k > 0 && flat(k - 1));
-            let chosen: Vec<&Ring> = (0..=last).filter(kept).map(|k| &tube.rings[k]).collect();
-            MeshPart::through(tube.part.name(), &chosen, points)
+                |k: &usize| k.is_multiple_of(stride) || *k == last || flat(*k) || (*k > 0 && flat(k - 1));
+            let chosen: Vec<&Ring> = (0..=last).filter(kept).map(|k| &rings[k]).collect();
+            MeshPart::through(part.name(), &chosen, stride)
         };
-        self.tubes.iter().map(part).collect()
+        self.parts().map(surface).collect()
     }
 }

@@ -75,16 +75,16 @@ impl Body3d {
     /// Returns the outlines of the parts at an altitude \[m\], in the body's frame; linear between two rings. It is
     /// empty below the soles and above the head.
     pub fn slice_at(&self, z: f64) -> Vec<Polygon> {
-        let slices = self.tubes.iter().filter_map(|tube| {
-            let points = outline(&tube.rings, z, tube.part == Part::Trunk)?;
-            Some(Polygon { part: tube.part, points: points.to_vec() })
-        });
-        slices.collect()
+        let slice = |(part, rings): (Part, &Vec<Ring>)| {
+            let points = outline(rings, z, part == Part::Trunk)?.to_vec();
+            Some(Polygon { part, points })
+        };
+        self.parts().filter_map(slice).collect()
     }
 
     /// Returns the volume \[m³\]: the exact integral of the area over the altitude.
     pub fn volume(&self) -> f64 {
-        self.tubes.iter().map(|tube| volume(&tube.rings)).sum()
+        self.rings.iter().map(|rings| volume(rings)).sum()
     }
 
     /// Returns evenly spaced altitudes \[m\] from the soles to the top, at most `spacing` apart. They are the middles of

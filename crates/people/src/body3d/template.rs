@@ -5,8 +5,8 @@
 //! the side), the ratio of depth to breadth of limbs, the outlines between landmarks of neck, face, hand and foot, and
 //! how much thinner a hanging arm is than a flexed one.
 
-use super::landmarks::{Heights, Measures};
-use super::measures::Measure;
+use super::landmarks::Heights;
+use super::measures::Measures;
 use super::outline::{Oval, POINTS, Points, depth_of_girth, directions, mirrored};
 use super::skin::{Ring, skin};
 use super::slices::outline;
@@ -47,6 +47,10 @@ fn door(z: f64, stature: f64) -> f64 {
     logistic((160.0 - z) / 2.0) * logistic((z - 59.0) / 8.0)
 }
 
+fn mix(low: f64, high: f64, share: f64) -> f64 {
+    low + share * (high - low)
+}
+
 /// Ovals whose exponents do not depend on the girth factor, found once per person.
 pub(super) struct Template {
     heights: Heights,
@@ -60,18 +64,17 @@ pub(super) struct Template {
 
 impl Template {
     pub(super) fn of(person: &Person) -> Template {
-        use Measure as M;
         let measures = Measures::of(person);
-        let m = |measure| measures.get(measure);
+        let m = |name| measures.get(name);
         let fullness =
             |breadth, depth, girth| Oval::new(0.0, Vec2::ZERO, breadth, depth).with_girth(girth).fullness;
         Template {
             heights: Heights::of(&measures),
             fullness: [
-                fullness(m(M::ChestBreadth), person.depth, m(M::ChestGirth)).min(2.6),
-                fullness(m(M::WaistBreadth), m(M::WaistDepth), m(M::WaistGirth)),
-                fullness(m(M::HipBreadth), m(M::ButtockDepth), m(M::ButtockGirth)),
-                fullness(m(M::HeadBreadth), m(M::HeadLength), m(M::HeadGirth)),
+                fullness(m("chestbreadth"), person.depth, m("chestcircumference")).min(2.6),
+                fullness(m("waistbreadth"), m("waistdepth"), m("waistcircumference")),
+                fullness(m("hipbreadth"), m("buttockdepth"), m("buttockcircumference")),
+                fullness(m("headbreadth"), m("headlength"), m("headcircumference")),
             ],
             around: directions(0.0),
             broad: directions(0.35),
@@ -97,16 +100,15 @@ impl Template {
     /// \[m\] Half breadth of the chest at the armpit. The arm beside it must stay within the shoulders.
     fn chest_side(&self, factor: f64) -> f64 {
         let m = &self.measures;
-        let arm = 0.85 * RELAXED * m.get(Measure::BicepsGirth) / std::f64::consts::PI;
+        let arm = 0.85 * RELAXED * m.get("bicepscircumferenceflexed") / std::f64::consts::PI;
         let room = 0.5 * m.person.breadth - arm - GAP;
-        (0.5 * m.get(Measure::ChestBreadth) * factor).min(room.max(0.25 * m.person.breadth))
+        (0.5 * m.get("chestbreadth") * factor).min(room.max(0.25 * m.person.breadth))
     }
 
     /// From the crotch to the top of the head.
     fn trunk(&self, factor: f64, upper_arm: &Oval) -> Vec<Ring> {
-        use Measure as M;
         let (h, person) = (&self.heights, &self.measures.person);
-        let m = |measure| self.measures.get(measure);
+        let m = |name| self.measures.get(name);
         let [chest_full, waist_full, hip_full, head_full] = self.fullness;
         let (rib_breadth, rib_depth, bust) = match person.sex {
             Sex::Male => (0.97, 0.98, 0.97),
@@ -114,14 +116,12 @@ impl Template {
         };
         let at = |x: f64| vec2(x * person.stature / 1.75, 0.0);
         let grown = |oval: Oval| self.grow(oval, factor);
-        let hips =
-            grown(Oval::new(h.buttock, at(-0.012), m(M::HipBreadth), m(M::ButtockDepth)).full(hip_full));
-        let waist =
-            grown(Oval::new(h.waist, at(0.004), m(M::WaistBreadth), m(M::WaistDepth)).full(waist_full));
-        let rib = Oval::new(h.rib, at(0.002), rib_breadth * m(M::WaistBreadth), rib_depth * m(M::WaistDepth));
+        let hips = grown(Oval::new(h.buttock, at(-0.012), m("hipbreadth"), m("buttockdepth")).full(hip_full));
+        let waist = grown(Oval::new(h.waist, at(0.004), m("waistbreadth"), m("waistdepth")).full(waist_full));
+        let rib = Oval::new(h.rib, at(0.002), rib_breadth * m("waistbreadth"), rib_depth * m("waistdepth"));
         let rib = grown(rib.full(waist_full));
         let mut chest =
-            grown(Oval::new(h.chest, at(-0.004), m(M::ChestBreadth), person.depth).full(chest_full));
+            grown(Oval::new(h.chest, at(-0.004), m("chestbreadth"), person.depth).full(chest_full));
         chest.breadth = self.chest_side(factor);
         let mut under = Oval { z: 0.5 * (h.rib + h.chest), centre: at(-0.006), ..chest };
         under.breadth = 0.5 * (rib.breadth + chest.breadth);
@@ -140,25 +140,27 @@ impl Template {
         ]);
 
         let shoulders = Oval::new(h.torso, at(-0.02), person.breadth, person.depth).full(SHOULDER_FULLNESS);
-        let biacromial = m(M::BiacromialBreadth).min(0.88 * person.breadth);
+        let biacromial = m("biacromialbreadth").min(0.88 * person.breadth);
         // The shoulders become round between the torso's altitude and their tips.
+        let tips = (m("acromialheight") + 0.012).clamp(h.neck(0.27), h.neck(0.36));
         let round = |up: f64, broad: f64, deep: f64| {
-            let z = h.torso + up * (h.shoulder - h.torso);
+            let z = h.torso + up * (tips - h.torso);
             Oval::new(z, at(-0.02 - 0.007 * up), broad * person.breadth, deep * person.depth).full(2.1)
         };
-        let top = Oval::new(h.shoulder, at(-0.027), 0.97 * biacromial, 0.7 * person.depth);
-        let neck_girth = m(M::NeckGirth);
+        let top = Oval::new(tips, at(-0.027), 0.97 * biacromial, 0.7 * person.depth);
+        let neck_girth = m("neckcircumference");
         let nape = (0.46 * biacromial).max(1.25 * neck_girth / std::f64::consts::PI);
         let trapezius =
-            Oval::new(h.trapezius, at(-0.027), nape, 0.5 * (m(M::NeckBaseGirth) + neck_girth) * 0.34);
-        let neck = Oval::of_girth(h.neck, at(-0.017), 1.02 * neck_girth, 1.05);
-        let throat = Oval::of_girth(h.throat, at(-0.006), neck_girth, 1.08);
-        let (breadth, length) = (m(M::HeadBreadth), m(M::HeadLength));
+            Oval::new(h.neck(0.58), at(-0.027), nape, 0.5 * (m("neckcircumferencebase") + neck_girth) * 0.34);
+        let neck = Oval::of_girth(h.neck(0.78), at(-0.017), 1.02 * neck_girth, 1.05);
+        let throat = Oval::of_girth(h.neck(0.9), at(-0.006), neck_girth, 1.08);
+        let (breadth, length) = (m("headbreadth"), m("headlength"));
         let face = person.stature - h.chin;
         let head = |up: f64, ahead: f64, broad: f64, long: f64| {
             Oval::new(h.chin + up * face, at(ahead), broad * breadth, long * length).full(head_full)
         };
-        let mut upper = vec![self.armpit_with_arms(&armpit, upper_arm), ring(shoulders)];
+        // The armpit's outline: the chest with an arm on either side.
+        let mut upper = vec![self.with_lobes(&armpit, upper_arm, 5), ring(shoulders)];
         upper.extend(
             [round(0.35, 0.985, 0.95), round(0.7, 0.93, 0.86), top, trapezius, neck, throat].map(ring),
         );
@@ -184,11 +186,6 @@ impl Template {
         }
         rings.extend(skin(&upper));
         rings
-    }
-
-    /// The armpit's outline: the chest with an arm on either side.
-    fn armpit_with_arms(&self, chest: &Oval, arm: &Oval) -> Ring {
-        self.with_lobes(chest, arm, 5)
     }
 
     /// The trunk's lowest outline: two thighs and a small gap between them.
@@ -217,10 +214,9 @@ impl Template {
 
     /// The left thigh at the crotch: half as broad as the hips, as deep as its girth requires.
     fn thigh(&self, factor: f64) -> Oval {
-        use Measure as M;
-        let m = |measure| self.measures.get(measure);
-        let breadth = 0.5 * m(M::HipBreadth) - GAP;
-        let depth = depth_of_girth(breadth, m(M::ThighGirth), 0.9, 1.35).min(0.98 * m(M::ButtockDepth));
+        let m = |name| self.measures.get(name);
+        let breadth = 0.5 * m("hipbreadth") - GAP;
+        let depth = depth_of_girth(breadth, m("thighcircumference"), 0.9, 1.35).min(0.98 * m("buttockdepth"));
         let oval = Oval::new(self.heights.crotch, vec2(-0.01, 0.0), breadth, depth);
         self.aside(self.grow(oval, factor), 0.0)
     }
@@ -232,34 +228,33 @@ impl Template {
 
     /// The left leg from the sole to the crotch.
     fn leg(&self, factor: f64) -> Vec<Ring> {
-        use Measure as M;
         let h = &self.heights;
-        let m = |measure| self.measures.get(measure);
+        let m = |name| self.measures.get(name);
         let thigh = self.thigh(factor);
         let size = self.measures.person.stature / 1.75;
         // The legs are vertical below the hips, whose breadth the girth factor does not change.
-        let line = 0.25 * m(M::HipBreadth);
-        let mix = |low: f64, high: f64, share: f64| low + share * (high - low);
+        let line = 0.25 * m("hipbreadth");
         let limb = |z: f64, ahead: f64, girth: f64, deeper: f64| {
             let oval = Oval::of_girth(z, vec2(ahead * size, 0.0), girth, deeper);
             self.aside(self.grow(oval, factor), line)
         };
-        let (thigh_girth, lower, calf) = (m(M::ThighGirth), m(M::LowerThighGirth), m(M::CalfGirth));
+        let (thigh_girth, lower, calf) =
+            (m("thighcircumference"), m("lowerthighcircumference"), m("calfcircumference"));
         let ankle_z = h.malleolus + 0.035 * size;
         let calf_z = mix(ankle_z, h.tibial, 0.65);
         let above_knee = h.knee + (0.06 * size).min(0.3 * (h.crotch - h.knee));
         let span = h.crotch - above_knee;
         // At most half as broad as the hips above: a thick thigh is deep instead.
         let upper = |share: f64, ahead: f64, girth: f64, deeper: f64| {
-            let most = (0.5 * m(M::HipBreadth) - GAP) * (0.9 + 0.1 * share);
+            let most = (0.5 * m("hipbreadth") - GAP) * (0.9 + 0.1 * share);
             let around = Oval::of_girth(above_knee + share * span, vec2(ahead * size, 0.0), girth, deeper);
             let breadth = most.min(2.0 * around.breadth);
             let depth = depth_of_girth(breadth, girth, deeper, 1.4);
             self.aside(self.grow(Oval { breadth: 0.5 * breadth, depth: 0.5 * depth, ..around }, factor), line)
         };
         let limbs = [
-            limb(ankle_z, -0.028, m(M::AnkleGirth), 1.3),
-            limb(mix(ankle_z, calf_z, 0.5), -0.024, mix(m(M::AnkleGirth), calf, 0.55), 1.12),
+            limb(ankle_z, -0.028, m("anklecircumference"), 1.3),
+            limb(mix(ankle_z, calf_z, 0.5), -0.024, mix(m("anklecircumference"), calf, 0.55), 1.12),
             limb(calf_z, -0.018, calf, 1.08),
             limb(mix(calf_z, h.tibial, 0.75), -0.008, 0.92 * calf, 1.05),
             limb(h.knee, 0.0, mix(lower, calf, 0.5) * 0.97, 1.1),
@@ -270,7 +265,7 @@ impl Template {
         ];
         // The foot: fractions of the ankle bone's height, and of the foot's length and breadth; heel position before
         // its hindmost point.
-        let (length, breadth) = (m(M::FootLength), m(M::FootBreadth));
+        let (length, breadth) = (m("footlength"), m("footbreadthhorizontal"));
         let heel = -0.078 * size;
         let foot = |up: f64, long: f64, broad: f64, ahead: f64| {
             let x = heel + ahead * length + 0.5 * long * length;
@@ -297,13 +292,12 @@ impl Template {
 
     /// The left arm from the armpit down, vertical below its start, at a distance from the chest.
     fn arm_ovals(&self, factor: f64) -> Vec<Oval> {
-        use Measure as M;
         let h = &self.heights;
-        let m = |measure| self.measures.get(measure);
+        let m = |name| self.measures.get(name);
         let size = self.measures.person.stature / 1.75;
         let grow = |share: f64| 1.0 + (factor - 1.0) * share;
-        let biceps = RELAXED * m(M::BicepsGirth) * grow(1.0);
-        let forearm = RELAXED * m(M::ForearmGirth) * grow(0.7);
+        let biceps = RELAXED * m("bicepscircumferenceflexed") * grow(1.0);
+        let forearm = RELAXED * m("forearmcircumferenceflexed") * grow(0.7);
         // Between the chest and the widest of the shoulders.
         let round = biceps / std::f64::consts::PI;
         let inner = self.chest_side(factor) + GAP;
@@ -311,19 +305,21 @@ impl Template {
         let depth = depth_of_girth(breadth, biceps, 0.8, 1.6);
         let y = inner + 0.5 * breadth;
         let at = |x: f64| vec2(x * size, y);
-        let mix = |low: f64, high: f64, share: f64| low + share * (high - low);
-        let hand = h.wrist - h.fingertip;
-        let palm = m(M::HandBreadth);
+        let elbow = (m("acromialheight") - m("acromionradialelength")).min(h.axilla - 8.0 * h.step);
+        let wrist = m("wristheight").min(elbow - 10.0 * h.step);
+        let fingertip = (wrist - m("handlength")).max(0.05 * self.measures.person.stature);
+        let hand = wrist - fingertip;
+        let palm = m("handbreadth");
         let fingers = |down: f64, x: f64, deep: f64, thick: f64| {
-            Oval::new(h.wrist - down * hand, at(x), thick * palm, deep * palm).full(2.3)
+            Oval::new(wrist - down * hand, at(x), thick * palm, deep * palm).full(2.3)
         };
         vec![
             Oval::new(h.axilla, at(-0.016), breadth, depth),
-            Oval::of_girth(mix(h.axilla, h.elbow, 0.4), at(-0.02), 0.98 * biceps, 1.1),
-            Oval::of_girth(h.elbow, at(-0.026), 0.97 * forearm, 1.08),
-            Oval::of_girth(mix(h.elbow, h.wrist, 0.2), at(-0.02), forearm, 1.08),
-            Oval::of_girth(mix(h.elbow, h.wrist, 0.65), at(-0.004), 0.8 * forearm, 1.15),
-            Oval::of_girth(h.wrist, at(0.01), m(M::WristGirth) * grow(0.3), 1.35),
+            Oval::of_girth(mix(h.axilla, elbow, 0.4), at(-0.02), 0.98 * biceps, 1.1),
+            Oval::of_girth(elbow, at(-0.026), 0.97 * forearm, 1.08),
+            Oval::of_girth(mix(elbow, wrist, 0.2), at(-0.02), forearm, 1.08),
+            Oval::of_girth(mix(elbow, wrist, 0.65), at(-0.004), 0.8 * forearm, 1.15),
+            Oval::of_girth(wrist, at(0.01), m("wristcircumference") * grow(0.3), 1.35),
             fingers(0.25, 0.018, 1.05, 0.40),
             fingers(0.45, 0.022, 1.0, 0.36),
             fingers(0.7, 0.022, 0.85, 0.27),

@@ -102,15 +102,9 @@ pub fn dense(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut
     Ok(packing)
 }
 
-/// How a slide ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Slide {
-    /// Nothing overlaps.
-    Clear,
-    /// The forces balance, but overlaps remain.
-    AtRest,
-    /// The whole algorithm ends.
-    Over(Ended),
+/// Returns whether the whole algorithm ends, not only a slide.
+fn is_over(ended: Ended) -> bool {
+    matches!(ended, Ended::Exhausted | Ended::Cancelled)
 }
 
 struct Packer<'w, 'c> {
@@ -130,10 +124,10 @@ impl Packer<'_, '_> {
         self.strew(&mut disks);
         self.take_off_walls(&mut disks, region);
         let mut slide = self.grow(&mut disks);
-        if slide == Slide::AtRest {
+        if slide == Ended::Stuck {
             slide = self.shake(&mut disks);
         }
-        (disks.bodies, ended(slide))
+        (disks.bodies, slide)
     }
 
     /// Compresses the crowd until the wanted density is reached. Returns the densest placing without overlap.
@@ -143,7 +137,7 @@ impl Packer<'_, '_> {
         let mut radius =
             (covered / (LOOSE_COVER * PI)).sqrt().max((shapes.len() as f64 / (wanted * PI)).sqrt());
         let mut disks = SoftDisks::new(shapes, Boundary::Circle(radius), self.orientation, PAD);
-        let mut slide = Slide::AtRest;
+        let mut slide = Ended::Stuck;
         for _ in 0..LOOSER {
             disks.boundary = Boundary::Circle(radius.max(widest + PAD));
             self.strew(&mut disks);
@@ -152,22 +146,22 @@ impl Packer<'_, '_> {
             let dense = shapes.len() as f64 / hull_area(&disks.circles()) / wanted;
             match slide {
                 // The hull of a single shape is the shape itself, however large the circle is.
-                Slide::Clear if dense > 1.0 && shapes.len() > 1 => radius *= dense.sqrt() * 1.01,
-                Slide::Clear | Slide::Over(_) => break,
+                Ended::Done if dense > 1.0 && shapes.len() > 1 => radius *= dense.sqrt() * 1.01,
                 // Long shapes need more room than their area.
-                Slide::AtRest => radius *= 1.3,
+                Ended::Stuck => radius *= 1.3,
+                _ => break,
             }
         }
         let mut best: Option<Vec<Body>> = None;
         // The circle shrinks in smaller and smaller steps.
         let mut press = 0.04;
         loop {
-            if slide == Slide::AtRest && (best.is_none() || press < 0.003) {
+            if slide == Ended::Stuck && (best.is_none() || press < 0.003) {
                 slide = self.shake(&mut disks);
             }
             let Boundary::Circle(radius) = disks.boundary else { break };
             match slide {
-                Slide::Clear => {
+                Ended::Done => {
                     let density = shapes.len() as f64 / hull_area(&disks.circles());
                     self.density = density;
                     best = Some(disks.bodies.clone());
@@ -180,7 +174,7 @@ impl Packer<'_, '_> {
                     disks.draw_in(1.0 - press);
                 }
                 // Go back, and then shrink by less.
-                Slide::AtRest if press >= 0.003 && best.is_some() => {
+                Ended::Stuck if press >= 0.003 && best.is_some() => {
                     disks.bodies = best.clone().unwrap_or_default();
                     let before = radius / (1.0 - press);
                     press *= 0.5;
@@ -188,12 +182,12 @@ impl Packer<'_, '_> {
                     disks.draw_in(1.0 - press);
                 }
                 // Even shaking did not help: stop here.
-                Slide::AtRest => {
+                Ended::Stuck => {
                     let found = best.is_some();
                     let ended = if found && least.is_none() { Ended::Done } else { Ended::Stuck };
                     return (best.unwrap_or(disks.bodies), ended);
                 }
-                Slide::Over(ended) => return (best.unwrap_or(disks.bodies), ended),
+                ended => return (best.unwrap_or(disks.bodies), ended),
             }
             self.stage = Stage::Pressing;
             slide = self.slide(&mut disks, SLIDE_STEPS);
@@ -231,7 +225,7 @@ impl Packer<'_, '_> {
         }
     }
 
-    fn grow(&mut self, disks: &mut SoftDisks) -> Slide {
+    fn grow(&mut self, disks: &mut SoftDisks) -> Ended {
         self.stage = Stage::Growing;
         for size in SIZES {
             disks.scale = size;
@@ -240,26 +234,27 @@ impl Packer<'_, '_> {
                 self.stage = Stage::Spreading;
             }
             let slide = self.slide(disks, steps);
-            if size == 1.0 || matches!(slide, Slide::Over(_)) {
+            if size == 1.0 || is_over(slide) {
                 return slide;
             }
         }
-        Slide::AtRest
+        Ended::Stuck
     }
 
-    fn slide(&mut self, disks: &mut SoftDisks, steps: u64) -> Slide {
+    /// Moves downhill for some steps: `Done` if nothing overlaps in the end, `Stuck` if overlaps remain.
+    fn slide(&mut self, disks: &mut SoftDisks, steps: u64) -> Ended {
         let mut fire = Fire::new(disks);
         for step in 0..=steps {
             let overlap = fire.pressure().overlap;
             // A tenth of the pad is left for what remains after a slide.
             if overlap <= 0.9 * PAD {
-                return Slide::Clear;
+                return Ended::Done;
             }
             if step == steps || fire.imbalance() < AT_REST {
                 break;
             }
             if self.iteration >= self.limit {
-                return Slide::Over(Ended::Exhausted);
+                return Ended::Exhausted;
             }
             if self.iteration.is_multiple_of(REPORT) {
                 let progress = Progress {
@@ -270,35 +265,35 @@ impl Packer<'_, '_> {
                     density: self.density * disks.scale * disks.scale,
                 };
                 if (self.watch)(&progress).is_break() {
-                    return Slide::Over(Ended::Cancelled);
+                    return Ended::Cancelled;
                 }
             }
             fire.step(disks);
             self.iteration += 1;
         }
         // At rest with almost no overlap left.
-        if fire.pressure().overlap <= PAD + 0.9 * TOLERANCE { Slide::Clear } else { Slide::AtRest }
+        if fire.pressure().overlap <= PAD + 0.9 * TOLERANCE { Ended::Done } else { Ended::Stuck }
     }
 
     /// Moves shapes that overlap until nothing overlaps or no attempt helps. Leaves the best state.
-    fn shake(&mut self, disks: &mut SoftDisks) -> Slide {
+    fn shake(&mut self, disks: &mut SoftDisks) -> Ended {
         self.stage = Stage::Shaking;
         let mut best = (disks.press().energy, disks.bodies.clone());
         let size = disks.bodies.iter().map(|b| b.reach * b.reach).sum::<f64>();
         if 2.0 * best.0 > HOPELESS * HOPELESS * size && !a_few(disks) {
-            return Slide::AtRest;
+            return Ended::Stuck;
         }
         let (mut vain, mut round) = (0, 0);
         while vain < PATIENCE {
             let swell = self.disturb(disks, round);
             round += 1;
             disks.scale = swell;
-            let mut slide = if swell > 1.0 { self.slide(disks, GROWING_STEPS) } else { Slide::AtRest };
+            let mut slide = if swell > 1.0 { self.slide(disks, GROWING_STEPS) } else { Ended::Stuck };
             disks.scale = 1.0;
-            if !matches!(slide, Slide::Over(_)) {
+            if !is_over(slide) {
                 slide = self.slide(disks, SLIDE_STEPS);
             }
-            if slide == Slide::Clear {
+            if slide == Ended::Done {
                 return slide;
             }
             let energy = disks.press().energy;
@@ -307,11 +302,11 @@ impl Packer<'_, '_> {
                 best = (energy, disks.bodies.clone());
             }
             disks.bodies.clone_from(&best.1);
-            if let Slide::Over(_) = slide {
+            if is_over(slide) {
                 return slide;
             }
         }
-        Slide::AtRest
+        Ended::Stuck
     }
 
     /// Moves some of the stuck shapes. Returns the size to which all shapes then grow for a while.
@@ -372,10 +367,10 @@ impl Packer<'_, '_> {
             }
             self.density = left.len() as f64 / region.area();
             match self.slide(&mut disks, TAKING_STEPS) {
-                Slide::Clear => return Ok(self.density),
-                Slide::Over(Ended::Cancelled) => return Err(Ended::Cancelled),
-                Slide::Over(_) => break,
-                Slide::AtRest => {}
+                Ended::Done => return Ok(self.density),
+                Ended::Cancelled => return Err(Ended::Cancelled),
+                Ended::Exhausted => break,
+                Ended::Stuck => {}
             }
             let loads = disks.loads();
             let mut worst: Vec<usize> = (0..loads.len()).collect();
@@ -416,12 +411,4 @@ fn a_few(disks: &mut SoftDisks) -> bool {
     let Boundary::Region(region) = disks.boundary else { return false };
     let stuck = |loads: Vec<(f64, f64)>| loads.iter().filter(|load| load.1 > PAD).count() as f64;
     region.is_left() && stuck(disks.loads()) <= (A_FEW * disks.bodies.len() as f64).max(2.0)
-}
-
-fn ended(slide: Slide) -> Ended {
-    match slide {
-        Slide::Clear => Ended::Done,
-        Slide::AtRest => Ended::Stuck,
-        Slide::Over(ended) => ended,
-    }
 }

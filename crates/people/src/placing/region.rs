@@ -2,7 +2,9 @@
 
 use crate::error::{PeopleError, Result, require};
 use crate::random::Random;
-use lemons_core::plane::{Bounds, Ring, Vec2, ray_crosses, segments_cross, segments_touch, vec2};
+use lemons_core::plane::{
+    Bounds, Ring, Vec2, nearest_on_segment, ray_crosses, segments_cross, sides_that_meet, vec2,
+};
 use lemons_core::trial::Geometry;
 
 /// \[m\] Corners further from the origin are refused: up to there a millimetre is exact.
@@ -97,9 +99,9 @@ impl Region {
     pub fn from_walls(geometry: &Geometry) -> Result<Region> {
         let mut named = Vec::new();
         for wall in &geometry.walls {
-            let ends = wall.corners.first().zip(wall.corners.last());
-            let (first, last) = ends.ok_or_else(|| too_few(&format!("wall {}", wall.id), 0))?;
-            if first != last {
+            if let [first, .., last] = wall.corners[..]
+                && first != last
+            {
                 let (first, last) = ((first.x, first.y), (last.x, last.y));
                 return Err(PeopleError::OpenWall { id: wall.id.clone(), first, last });
             }
@@ -157,7 +159,8 @@ impl Region {
 
     /// Rings with the inside to their left, and its area \[m²\].
     fn of_sides(rings: Vec<Ring>, area: f64) -> Region {
-        let edges: Vec<Edge> = rings.iter().flat_map(edges).collect();
+        let sides = rings.iter().flat_map(Ring::sides);
+        let edges: Vec<Edge> = sides.map(|(start, end)| Edge::new(start, end, false)).collect();
         let (of_rings, slabs) = (edges.len(), slabs(&edges));
         Region { rings, edges, of_rings, is_left: false, area, slabs }
     }
@@ -281,10 +284,6 @@ fn slabs(edges: &[Edge]) -> Vec<Slab> {
     slabs
 }
 
-fn edges(ring: &Ring) -> impl Iterator<Item = Edge> + '_ {
-    ring.sides().map(|(start, end)| Edge::new(start, end, false))
-}
-
 fn too_few(name: &str, corners: usize) -> PeopleError {
     PeopleError::new(format!("{name}: has {corners} different corners; at least 3 are needed"))
 }
@@ -314,38 +313,11 @@ fn checked_ring(name: &str, corners: &[Vec2]) -> Result<Ring> {
 }
 
 fn refuse_crossings(named: &[(String, &[Vec2])], rings: &[Ring]) -> Result<()> {
-    // Edges with their ring and index, sorted by their left ends: the search stops at edges that begin right of an
-    // edge.
-    let mut placed: Vec<(usize, usize, Edge)> = Vec::new();
-    for (n, ring) in rings.iter().enumerate() {
-        placed.extend(edges(ring).enumerate().map(|(k, edge)| (n, k, edge)));
-    }
-    let left = |e: &Edge| e.start.x.min(e.end.x);
-    placed.sort_by(|a, b| left(&a.2).total_cmp(&left(&b.2)));
-    for (n, &(ring_a, a, first)) in placed.iter().enumerate() {
-        let right = first.start.x.max(first.end.x);
-        for &(ring_b, b, second) in placed[n + 1..].iter().take_while(|(_, _, e)| left(e) <= right) {
-            let count = rings[ring_a].corners().len();
-            let meet = if ring_a == ring_b && (a + 1) % count == b {
-                folds_back(&first, &second)
-            } else if ring_a == ring_b && (b + 1) % count == a {
-                folds_back(&second, &first)
-            } else {
-                segments_touch(first.start, first.end, second.start, second.end)
-            };
-            require(!meet, || {
-                let name = |ring: usize, k: usize| format!("edge {k} of {}", named[ring].0);
-                let Vec2 { x, y } = first.nearest(second.nearest((first.start + first.end) * 0.5));
-                let (first, second) = (name(ring_a, a), name(ring_b, b));
-                format!("{first} and {second} cross or touch near ({x}, {y}) m")
-            })?;
-        }
-    }
-    Ok(())
-}
-
-/// Returns whether an edge goes back along the one before.
-fn folds_back(before: &Edge, after: &Edge) -> bool {
-    let (u, v) = (before.end - before.start, after.end - after.start);
-    u.cross(v) == 0.0 && u.dot(v) < 0.0
+    let Some([first, second]) = sides_that_meet(rings) else { return Ok(()) };
+    let name = |(ring, side): (usize, usize)| format!("edge {side} of {}", named[ring].0);
+    let ends = |(ring, side): (usize, usize)| (rings[ring].closed()[side], rings[ring].closed()[side + 1]);
+    let ((a, b), (c, d)) = (ends(first), ends(second));
+    let Vec2 { x, y } = nearest_on_segment(a, b, nearest_on_segment(c, d, (a + b) * 0.5));
+    let (first, second) = (name(first), name(second));
+    Err(PeopleError::new(format!("{first} and {second} cross or touch near ({x}, {y}) m")))
 }
