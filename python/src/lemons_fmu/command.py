@@ -80,6 +80,8 @@ def call(words: Sequence[str | os.PathLike[str]], run: Run | None = None) -> Mad
     try:
         while (result := task.wait(0.1)) is None:
             pass
+    except CommandError:
+        raise
     except BaseException:
         # Ctrl-C: it removes what it has begun.
         task.stop()
