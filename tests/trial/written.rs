@@ -40,6 +40,14 @@ fn writing_leaves_nothing_behind() {
         assert_eq!(mode(&directory.path().join(FILES[0])), mode(&plain));
     }
 
+    // A further file that cannot be written: nothing of a new directory is left, beside it neither.
+    let place = directory.path().join("new/Trial");
+    trial.write_with(&[("static", "a file in the place of a directory")], &place).unwrap_err();
+    assert_eq!(fs::read_dir(directory.path().join("new")).unwrap().count(), 0);
+    trial.write_with(&[("drive.csv", "t")], &place).unwrap();
+    assert_eq!(fs::read_to_string(place.join("drive.csv")).unwrap(), "t");
+    assert_eq!(fs::read_dir(directory.path().join("new")).unwrap().count(), 1);
+
     fs::write(directory.path().join("file"), "").unwrap();
     let blocked = trial.write(&directory.path().join("file")).unwrap_err().to_string();
     assert!(blocked.contains("file: cannot be written: "), "{blocked}");

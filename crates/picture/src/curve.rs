@@ -166,8 +166,12 @@ pub(crate) fn shared(curves: &[&[(f64, f64)]], near: f64) -> (Vec<Vec<Piece>>, V
     let comparable: Vec<bool> = curves.iter().map(|curve| same_x(curve)).collect();
     let known = |p: (f64, f64)| p.0.is_finite() && p.1.is_finite();
     let equal = |a: usize, b: usize, at: usize| {
-        let (p, q) = (curves[a][at], curves[b][at]);
-        a == b || comparable[a] && comparable[b] && known(p) && known(q) && (p.1 - q.1).abs() <= near
+        // Others may be shorter.
+        a == b
+            || comparable[a] && comparable[b] && {
+                let (p, q) = (curves[a][at], curves[b][at]);
+                known(p) && known(q) && (p.1 - q.1).abs() <= near
+            }
     };
     // The first curve that is equal from one point to the next; `None` after the end of a curve.
     let leader = |k: usize, from: usize| {

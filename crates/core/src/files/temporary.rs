@@ -70,6 +70,14 @@ impl Scratch {
         Ok(Scratch::within(&std::env::temp_dir(), |path| builder.create(path))?.0)
     }
 
+    /// Creates a new, empty directory beside a place.
+    ///
+    /// # Errors
+    /// The directory cannot be created.
+    pub fn beside(place: &Path) -> io::Result<Scratch> {
+        Ok(Scratch::within(directory_of(place), |path| std::fs::create_dir(path))?.0)
+    }
+
     /// Creates a file or directory with a free name. `make` must fail if the name exists.
     pub(crate) fn within<T>(
         directory: &Path,
@@ -96,7 +104,7 @@ impl Scratch {
         &self.0
     }
 
-    /// Moves it to a place, where it replaces a file.
+    /// Moves it to a place, where it replaces a file or an empty directory.
     ///
     /// # Errors
     /// It cannot be moved there.

@@ -1,4 +1,4 @@
-//! Files that are written beside their place, then moved there: readers see the old content or the new
+//! Files and directories that are written beside their place, then moved there: readers see the old content or the new
 //! one, never a part.
 
 use crate::files::input;
@@ -272,5 +272,19 @@ mod tests {
         let error = write("back", "x").unwrap_err().to_string();
         assert!(error.starts_with(&format!("{}: cannot be written: ", at("back").display())), "{error}");
         assert!(at("back").symlink_metadata().unwrap().is_symlink());
+    }
+
+    #[test]
+    fn a_directory_appears_whole_and_replaces_nothing() {
+        let directory = TempDir::new().unwrap();
+        let place = directory.path().join("Trial");
+        for (existing, works) in [(false, true), (true, false)] {
+            let staged = Scratch::beside(&place).unwrap();
+            std::fs::write(staged.path().join("a"), existing.to_string()).unwrap();
+            assert_eq!(place.exists(), existing);
+            assert_eq!(staged.persist(&place).is_ok(), works);
+            assert_eq!(std::fs::read_to_string(place.join("a")).unwrap(), "false");
+        }
+        assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1);
     }
 }

@@ -1,7 +1,7 @@
 //! The directory: its files, read and checked together, and written.
 
 use crate::files::source::{Disk, Source};
-use crate::files::{Change, WriteError, change_all, make_directories};
+use crate::files::{Change, Scratch, WriteError, change_all, make_directories, target_of};
 use crate::trial::agents::{self, Agent};
 use crate::trial::dynamics::{self, AgentDynamics, DynamicsElement, dynamics_xml};
 use crate::trial::geometry::{self, Geometry};
@@ -269,7 +269,7 @@ impl Trial {
     /// Writes a complete Trial directory, all files or none, and removes outdated contacts. Other files in it stay.
     ///
     /// Static and Dynamic directories that lie outside the Trial directory become `./static/` and `./dynamic/`
-    /// in it: a copy neither overwrites the original's files nor depends on them.
+    /// in it: a copy neither overwrites the original's files nor depends on them. A new directory appears whole.
     ///
     /// # Errors
     /// A file cannot be written; existing ones are then unchanged.
@@ -282,6 +282,19 @@ impl Trial {
     /// # Errors
     /// As [`Trial::write`].
     pub fn write_with(&self, others: &[(&str, &str)], directory: &Path) -> Result<(), WriteError> {
+        if directory.exists() {
+            return self.write_in(others, directory);
+        }
+        let at = || WriteError::at(directory);
+        directory.parent().map_or(Ok(()), make_directories).map_err(at())?;
+        let place = target_of(directory).map_err(at())?;
+        let stage = Scratch::beside(&place).map_err(at())?;
+        self.write_in(others, stage.path())?;
+        stage.persist(&place).map_err(at())
+    }
+
+    /// Replaces the files in a directory, all or none.
+    fn write_in(&self, others: &[(&str, &str)], directory: &Path) -> Result<(), WriteError> {
         let mut texts = self.texts(directory);
         // Stale contacts would start the next run with springs that are no more.
         let stale = self.files_written(directory).split_off(texts.len());

@@ -167,6 +167,17 @@ fn equal_curves_have_one_name_and_show_all_their_colours() {
 }
 
 #[test]
+fn curves_of_different_lengths_are_drawn_whole() {
+    let ramp = |last: i32| (0..=last).map(|t| (f64::from(t), f64::from(t))).collect();
+    let text = drawn(&one_panel(vec![line(0, false, ramp(3)), line(1, false, ramp(10))], false));
+    let document = Document::parse(&text).unwrap();
+    let ends: Vec<f64> =
+        paths(&document, "simulated").into_iter().map(|path| corners(path).last().unwrap().0).collect();
+    assert_eq!(ends.len(), 2);
+    assert!(ends[0] < 0.5 * ends[1], "{ends:?}");
+}
+
+#[test]
 fn what_is_measured_is_seen_on_an_equal_simulated_curve() {
     let ramp: Vec<_> = (0..=10).map(|t| (f64::from(t), f64::from(t))).collect();
     let lines = vec![line(0, true, ramp.clone()), line(0, false, ramp.clone()), line(1, false, ramp)];
