@@ -63,7 +63,7 @@ def test_a_packed_trial_has_the_platforms_that_are_asked_for(tmp_path):
     file = pack(TRIAL_PUSH, tmp_path / "push.fmu", fmi=3, platforms=["linux64"])
     names = zipfile.ZipFile(file).namelist()
     assert [name for name in names if name.startswith("binaries/")] == ["binaries/x86_64-linux/CrowdMechanics.so"]
-    with pytest.raises(CommandError, match="--platform amiga: no such platform; there are linux64, "):
+    with pytest.raises(CommandError, match="invalid value 'amiga' for '--platform"):
         pack(TRIAL_PUSH, tmp_path / "other.fmu", platforms=["amiga"])
     assert len(simulate(file, until=0.1)) == 15
 

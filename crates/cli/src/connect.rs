@@ -2,6 +2,7 @@
 
 use crate::files::{self, Force};
 use crate::pack::say_size;
+use crate::print::few;
 use anyhow::{Result, bail};
 use lemons_master::ssp::{Participant, write_archive};
 use lemons_master::{Fmu, notes};
@@ -21,32 +22,26 @@ pub struct Arguments {
 }
 
 pub fn connect(arguments: &Arguments) -> Result<()> {
-    check_output(arguments)?;
-    let mut fmus = Vec::new();
-    for path in &arguments.fmus {
-        let fmu = Fmu::open(path)?;
-        if fmu.description.co_simulation.is_none() {
-            bail!("{}: the FMU is not for co-simulation", path.display());
-        }
-        fmus.push(fmu);
+    let output = &arguments.output;
+    if !output.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp")) {
+        bail!("{}: the name of an SSP ends in .ssp", output.display());
     }
+    files::claim_and_try(output)?;
+    let fmus = arguments.fmus.iter().map(|path| Fmu::open(path)).collect::<Result<Vec<_>, _>>()?;
     let stems: Vec<String> = arguments.fmus.iter().map(|path| stem(path)).collect();
     let names = plain_names(stems.iter().map(String::as_str));
-    let participants: Vec<Participant> = names
-        .iter()
-        .zip(&fmus)
-        .map(|(name, fmu)| Participant {
-            name: name.clone(),
-            source: format!("resources/{name}.fmu"),
-            interface: &fmu.description,
-        })
-        .collect();
+    let mut participants = Vec::new();
+    for ((path, name), fmu) in arguments.fmus.iter().zip(&names).zip(&fmus) {
+        let interface = &fmu.description;
+        if interface.co_simulation.is_none() {
+            bail!("{}: the FMU is not for co-simulation", path.display());
+        }
+        let source = format!("resources/{name}.fmu");
+        participants.push(Participant { name: name.clone(), source, interface });
+    }
     let connected = lemons_master::ssp::connect(&stem(&arguments.output), &participants)?;
-    let files: Vec<(String, &Path)> = participants
-        .iter()
-        .zip(&arguments.fmus)
-        .map(|(participant, path)| (participant.source.clone(), path.as_path()))
-        .collect();
+    let sources = participants.iter().map(|participant| participant.source.clone());
+    let files: Vec<(String, &Path)> = sources.zip(arguments.fmus.iter().map(PathBuf::as_path)).collect();
     write_archive(&arguments.output, &connected.structure, &files)?;
 
     for (i, from) in names.iter().enumerate() {
@@ -54,7 +49,7 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
             let between = connected.connections.iter().filter(|(from, to, _)| (*from, *to) == (i, k));
             let connectors: Vec<&str> = between.map(|(.., name)| name.as_str()).collect();
             if !connectors.is_empty() {
-                say!("{}", fitted(&format!("{from} -> {to}"), "connected", &connectors))?;
+                say!("{from} -> {to}: {} connected: {}", connectors.len(), few(&connectors, NAMED))?;
             }
         }
     }
@@ -67,34 +62,14 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
         let there = |name: &&str| *name == "Active" || name.ends_with(".Active");
         let names: Vec<&str> = inputs.iter().map(String::as_str).filter(|name| !there(name)).collect();
         if !names.is_empty() {
-            let who = format!("warning: {component}");
-            note!("{}", fitted(&who, "inputs not connected", &names));
+            note!("warning: {component}: {} inputs not connected: {}", names.len(), few(&names, NAMED));
         }
     }
     say_size(&arguments.output)
 }
 
-/// Checks that the output can be an SSP, and nothing is lost to it.
-fn check_output(Arguments { output, .. }: &Arguments) -> Result<()> {
-    if !output.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp")) {
-        bail!("{}: the name of an SSP ends in .ssp", output.display());
-    }
-    files::claim_and_try(output)
-}
-
-/// Who, how many, what, and by name those that fit on a line.
-fn fitted(who: &str, what: &str, names: &[&str]) -> String {
-    const WIDTH: usize = 80;
-    let mut line = format!("{who}: {} {what}: {}", names.len(), names[0]);
-    for (k, name) in names.iter().enumerate().skip(1) {
-        let after = if k + 1 < names.len() { ", …".chars().count() } else { 0 };
-        if line.chars().count() + 2 + name.chars().count() + after > WIDTH {
-            return line + ", …";
-        }
-        line = format!("{line}, {name}");
-    }
-    line
-}
+/// Names of variables that are printed.
+const NAMED: usize = 3;
 
 fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()

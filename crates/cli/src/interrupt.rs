@@ -4,6 +4,7 @@
 mod ignored;
 
 use crate::files;
+use crate::print::few;
 use anyhow::{Context, Result};
 use lemons_core::files::give_up;
 use std::cell::RefCell;
@@ -19,20 +20,12 @@ impl Interrupted {
     /// Says that what was begun is given up; what is complete stays.
     pub fn given_up() -> Interrupted {
         let complete: Vec<String> = files::complete().iter().map(|path| path.display().to_string()).collect();
-        Interrupted(match &complete[..] {
-            [] => "interrupted: nothing was written".into(),
-            [one] => format!("interrupted: {one} is complete, nothing else was written"),
-            [first, .., last] if complete.len() > MOST_NAMED => format!(
-                "interrupted: {} files are complete, from {first} to {last}, nothing else was written",
-                complete.len()
-            ),
-            all => format!("interrupted: {} are complete, nothing else was written", all.join(", ")),
+        Interrupted(match complete.len() {
+            0 => "interrupted: nothing was written".into(),
+            count => format!("interrupted: {count} of the files are complete ({})", few(&complete, 8)),
         })
     }
 }
-
-/// Complete files that are told by name.
-const MOST_NAMED: usize = 8;
 
 /// Exit code as shells count it: 128 and the number of the signal.
 pub const EXIT_CODE: u8 = 130;

@@ -3,7 +3,8 @@
 use crate::binary::{CROWD, Library};
 use crate::files::{self, Force};
 use crate::version::BUILD;
-use anyhow::{Result, bail};
+use anyhow::Result;
+use clap::builder::PossibleValuesParser;
 use crowd_mechanics::pack::{Binary, Format, Naming, platforms};
 use lemons_core::trial::Trial;
 use lemons_decision::DECISION_FILE;
@@ -54,7 +55,7 @@ pub struct FmuArguments {
     binaries: Vec<Binary>,
     /// Of the libraries that were installed with this program, only that of this platform: linux64, win64,
     /// aarch64-linux, darwin64. Can be given several times
-    #[arg(long = "platform", value_name = "PLATFORM", conflicts_with = "binaries")]
+    #[arg(long = "platform", value_name = "PLATFORM", conflicts_with = "binaries", hide_possible_values = true, value_parser = PossibleValuesParser::new(platforms()))]
     platforms: Vec<String>,
     /// Declare the variable names as flat instead of structured (FMI 2.0); some tools are slow to check
     /// structured names
@@ -70,17 +71,7 @@ impl FmuArguments {
     /// Those that were given, checked, else the libraries built with this program.
     pub fn binaries(&self, library: &Library) -> Result<Vec<Binary>> {
         if self.binaries.is_empty() {
-            let mut wanted: Vec<String> = Vec::new();
-            for platform in &self.platforms {
-                if !platforms().any(|known| known == platform) {
-                    let known: Vec<&str> = platforms().collect();
-                    bail!("--platform {platform}: no such platform; there are {}", known.join(", "));
-                }
-                if !wanted.contains(platform) {
-                    wanted.push(platform.clone());
-                }
-            }
-            let binaries = binaries_beside(library.name, &wanted)?;
+            let binaries = binaries_beside(library.name, &self.platforms)?;
             binaries.iter().for_each(|binary| files::reads(&binary.path, library.name));
             return Ok(binaries);
         }

@@ -60,6 +60,13 @@ fn is_caught() -> bool {
     CAUGHT.with_borrow(Option::is_some)
 }
 
+/// Returns the first names, at most so many, and `…` for the others.
+pub fn few(names: &[impl AsRef<str>], most: usize) -> String {
+    let more = (names.len() > most).then_some("…");
+    let first = names.iter().take(most).map(AsRef::as_ref);
+    first.chain(more).collect::<Vec<_>>().join(", ")
+}
+
 /// Makes a progress bar of this template, which only a terminal shows.
 pub fn bar(length: u64, template: &str) -> Result<ProgressBar> {
     let bar = if is_caught() { ProgressBar::hidden() } else { ProgressBar::new(length) };

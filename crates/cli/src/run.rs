@@ -13,15 +13,17 @@ use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::numbers::positive;
 use crate::print::{self, is_closed_pipe};
+use crate::version::BUILD;
 use accuracy::{Poses, run_for};
 use anyhow::{Context, Error, Result, bail, ensure};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::ProgressBar;
+use lemons_core::plane::Vec2;
 use lemons_core::trial::DriveChoice;
 use lemons_decision::Plan;
 use lemons_decision::target::nearest_exit;
 use lemons_decision::walking_model::WalkingModel;
-use lemons_master::{FileType, PlanChoice, Saved, Settings, TrialInput};
+use lemons_master::{FileType, PlanChoice, Saved, Settings, TrialInput, writers};
 use lemons_results::measure::{LATEST, Leaving};
 use lemons_results::{Format, Run};
 use lemons_sim::stop::{Still, StopCondition};
@@ -282,22 +284,11 @@ fn prepare(settings: &Settings) -> Result<Prepared> {
     }
 }
 
-/// The texts that tables have of a run.
+/// What tables say of a run.
 pub struct About {
     lines: Vec<(&'static str, String)>,
     /// True if a saved run goes on: then no table is replaced, which may be one of the run before.
     goes_on: bool,
-}
-
-impl About {
-    fn of(record: &Saved, goes_on: bool) -> About {
-        let lines = vec![
-            ("lemons_version", record.lemons.clone()),
-            ("communication_step", format!("{:?}", record.step)),
-            ("every", record.every.to_string()),
-        ];
-        About { lines, goes_on }
-    }
 }
 
 /// Runs and records; warnings go to standard error. Ctrl-C ends the run after the step under way.
@@ -313,8 +304,10 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         mechanical_steps,
         output_directories,
         clock,
-        drive_end,
-        record,
+        every,
+        drive,
+        components,
+        wiring,
         before,
     } = prepare(&settings)?;
     model.take_warnings().iter().for_each(|warning| note!("{warning}"));
@@ -328,8 +321,14 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         let named = output_directories.iter().filter(|name| !name.is_empty());
         named.map(Path::new).try_for_each(claim_series)?;
     }
-    let Saved { index, every, .. } = record;
-    let about = About::of(&record, before.is_some());
+    let (first, index) = before.as_ref().map_or((clock.start, 0), |before| (before.time, before.index));
+    let lemons = writers(before.as_ref().map_or("", |before| &before.lemons), &BUILD.whole());
+    let lines = vec![
+        ("lemons_version", lemons.clone()),
+        ("communication_step", format!("{:?}", clock.step)),
+        ("every", every.to_string()),
+    ];
+    let about = About { lines, goes_on: before.is_some() };
     let outputs = outputs.filter(|_| !output_columns.is_empty());
     let outputs = outputs.map(|place| OutputTable::create(output_columns, &place, &about)).transpose()?;
     let mut recorders = Vec::with_capacity(crowds.len());
@@ -341,12 +340,11 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), compared)?);
     }
     let stop = match until {
-        Some(Until::Still) => Some(StopCondition::Still(Still::after(drive_end))),
+        Some(Until::Still) => Some(StopCondition::Still(Still::after(drive.end()))),
         Some(Until::Left) => Some(StopCondition::Left(until_left(&plans, &recorders)?)),
         _ => None,
     };
     let file = state.map(|path| Ok::<_, Error>((files::stage(&path)?, path))).transpose()?;
-    let first = model.time();
     let bar = progress_bar(stop.as_ref(), clock.steps.saturating_sub(index))?;
     let started = Instant::now();
     let mut run = Recording { recorders, outputs, stop, every, index, bar, noted: started, interrupt };
@@ -366,7 +364,21 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         (Ok(()), Some((file, path))) => {
             let states = model.states()?;
             let crowd = recorders.iter().map(CrowdRecorder::record).collect();
-            let saved = Saved { index, time, crowd, ..record };
+            let saved = Saved {
+                format: Saved::FORMAT,
+                lemons,
+                start: clock.start,
+                step: clock.step,
+                until: clock.until,
+                index,
+                time,
+                every,
+                algorithm: settings.algorithm.to_string(),
+                wiring,
+                drive: drive.fingerprint(),
+                component: components,
+                crowd,
+            };
             let shown = path.display();
             let written = saved.write(&states, file).with_context(|| format!("cannot write {shown}"));
             written.map(|()| Some(format!("saved run          {shown}   (at t = {time:.3} s)")))
@@ -379,7 +391,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     };
     let mut warnings = Vec::new();
     if let (Ok(()), [plan], [crowd]) = (&done, &plans[..], &recorders[..]) {
-        warnings.extend(stuck_warning(&mut *model, plan, crowd)?);
+        warnings.extend(stuck_warning(&*model, plan, crowd));
         warnings.extend(uneven_queues(plan, crowd).filter(|_| !about.goes_on));
     }
     let over = time >= clock.until || stop.is_some_and(|stop| stop.is_over(time));
@@ -523,18 +535,12 @@ fn until_left(plans: &[Plan], recorders: &[CrowdRecorder]) -> Result<Leaving> {
     Ok(Leaving::of(who.len() - stay).among(who))
 }
 
-/// Ids of people who are told.
-const MOST_IDS: usize = 5;
-
 /// Says who has not left, and why the run ends nevertheless.
 fn note_remaining(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64) {
     let Some(why) = leaving.why_some_stay(time) else { return };
-    let ids: Vec<&str> = recorders.iter().flat_map(|crowd| &crowd.crowd().ids).map(String::as_str).collect();
-    let mut stay: Vec<&str> = leaving.stay().take(MOST_IDS).map(|agent| ids[agent]).collect();
-    if leaving.stay().nth(MOST_IDS).is_some() {
-        stay.push("…");
-    }
-    note!("warning: {why} (still there: {})", stay.join(", "));
+    let ids: Vec<&String> = recorders.iter().flat_map(|crowd| &crowd.crowd().ids).collect();
+    let stay: Vec<&String> = leaving.stay().map(|agent| ids[agent]).collect();
+    note!("warning: {why} (still there: {})", print::few(&stay, 5));
 }
 
 /// Ratio and difference \[s\] of the times of the last departures by two exits: from these on, a note is printed.
@@ -570,35 +576,30 @@ const STUCK: f64 = 0.1;
 
 /// A warning for the end of a run with the model `straight` if more than half of the people who are there are pushed,
 /// want to walk and get no further.
-fn stuck_warning(model: &mut dyn RunModel, plan: &Plan, crowd: &CrowdRecorder) -> Result<Option<String>> {
-    let (frame, people) = (crowd.last(), plan.agents.len());
-    if frame.agents.len() != people || plan.walking_model != WalkingModel::Straight {
-        return Ok(None);
+fn stuck_warning(model: &dyn RunModel, plan: &Plan, crowd: &CrowdRecorder) -> Option<String> {
+    let frame = crowd.last();
+    let (forces, observed) = (model.drive()?, frame.observed.as_ref()?);
+    if plan.walking_model != WalkingModel::Straight {
+        return None;
     }
-    let names: Vec<String> =
-        (0..people).flat_map(|i| ["x", "y"].map(|axis| format!("agent[{i}].Fp.{axis}"))).collect();
-    let forces = model.values(0, &names)?;
-    let squeeze = |i: usize| {
-        let step = frame.observed.as_ref().and_then(|observed| observed[i].of_step);
-        step.map_or(0.0, |step| step.mean_normal_force)
-    };
-    let stuck = |i: &usize| {
-        let desired = plan.agents[*i].walker.desired_speed;
-        let driven = forces[2 * i].hypot(forces[2 * i + 1]) > 0.0;
-        driven && squeeze(*i) > 0.0 && frame.agents[*i].twist.velocity.norm() < STUCK * desired
-    };
-    let mut squeezed: Vec<f64> = (0..people).filter(stuck).map(squeeze).collect();
-    squeezed.sort_by(f64::total_cmp);
-    let (stuck, there) = (squeezed.len(), frame.present().count());
-    Ok((2 * stuck > there && stuck > 1).then(|| {
+    let people = plan.agents.iter().zip(forces).zip(observed).zip(&frame.agents);
+    let squeezes = people.filter_map(|(((agent, force), observed), motion)| {
+        let squeeze = observed.of_step?.mean_normal_force;
+        let slow = motion.twist.velocity.norm() < STUCK * agent.walker.desired_speed;
+        (slow && force != Vec2::ZERO && squeeze > 0.0).then_some(squeeze)
+    });
+    let mut squeezes: Vec<f64> = squeezes.collect();
+    squeezes.sort_by(f64::total_cmp);
+    let (stuck, there) = (squeezes.len(), frame.present().count());
+    (2 * stuck > there && stuck > 1).then(|| {
         format!(
             "warning: at t = {:.3} s {stuck} of the {there} people who are there press on and get no further (median squeeze \
              {:.0} N): in the model \"straight\" people walk on, whoever is in the way (in decision.toml, model = \
              \"rotational\" makes them keep distances)",
             frame.time,
-            squeezed[stuck / 2]
+            squeezes[stuck / 2]
         )
-    }))
+    })
 }
 
 /// The error of a run that stopped at a time \[s\], after what became of its files was told.

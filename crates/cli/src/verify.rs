@@ -25,10 +25,8 @@ pub fn verify(arguments: &Arguments) -> Result<()> {
         writeln!(out, "| what | against | largest difference | limit |\n|---|---|---|---|")?;
     }
     for check in checks.iter().filter(wanted) {
-        let (figure, trouble) = match (check.measure)() {
-            Ok(figure) => (figure, None),
-            Err(error) => (f64::NAN, Some(error)),
-        };
+        let measured = (check.measure)();
+        let figure = *measured.as_ref().unwrap_or(&f64::NAN);
         let passes = check.passes(figure);
         *(if passes { &mut passed } else { &mut failed }) += 1;
         let verdict = if passes { "ok" } else { "FAIL" };
@@ -44,8 +42,8 @@ pub fn verify(arguments: &Arguments) -> Result<()> {
                 if check.limit == 0.0 { "exact".into() } else { format!("within {:>5.0e}", check.limit) };
             writeln!(out, "    {against:46} {figure:>9.1e}  {limit:<12}  {verdict}")?;
         }
-        if let Some(error) = trouble {
-            writeln!(out, "    {}", full_message(&error))?;
+        if let Err(error) = &measured {
+            writeln!(out, "    {}", full_message(error))?;
         }
         out.flush()?;
     }

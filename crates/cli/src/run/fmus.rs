@@ -1,11 +1,11 @@
 //! A run of an FMU, or of FMUs that an SSP couples: frames of its crowds, from the outputs of their FMUs.
 
-use super::model::{CrowdInfo, Prepared, RunModel, record_of};
+use super::model::{CrowdInfo, Prepared, RunModel};
 use super::outputs::OutputValues;
 use anyhow::{Result, anyhow};
 use lemons_core::trial::Trial;
-use lemons_master::ssp::{Interface, Kind as Causality, Type};
-use lemons_master::{Component, Saved, Selection, Settings, System, plan_in};
+use lemons_master::ssp::{Interface, Kind as Causality, Type, Variable};
+use lemons_master::{Component, Selection, Settings, System, plan_in};
 use lemons_results::columns::{self, Column, Groups};
 use lemons_results::{CellType, Frame};
 
@@ -75,17 +75,10 @@ pub fn prepare(settings: &Settings) -> Result<Prepared> {
         mechanical_steps,
         output_directories,
         clock: run.clock,
-        drive_end: run.feed.drive.end(),
-        record: Saved {
-            wiring: system.fingerprint.clone(),
-            ..record_of(
-                (&run.clock, run.every),
-                run.before.as_ref(),
-                algorithm,
-                &run.feed.drive,
-                system.records(),
-            )
-        },
+        every: run.every,
+        drive: run.feed.drive.clone(),
+        components: system.records(),
+        wiring: system.fingerprint.clone(),
         before: run.before.take(),
         model: Box::new(FmuRun { run, crowds: readers, outputs }),
     })
@@ -102,11 +95,6 @@ impl RunModel for FmuRun {
 
     fn frame(&self, crowd: usize) -> Result<Frame> {
         self.crowds[crowd].frame(&self.run.system)
-    }
-
-    fn values(&mut self, crowd: usize, names: &[String]) -> Result<Vec<f64>> {
-        let instance = &self.run.system.components[self.crowds[crowd].place].instance;
-        Ok(instance.values(&instance.select(names)?)?)
     }
 
     fn outputs(&mut self) -> Result<OutputValues> {
@@ -138,18 +126,14 @@ impl Reader {
         let component = &system.components[place];
         let trial = trial.filter(|trial| trial.agents.len() == agents);
         let description = &component.fmu.description;
-        let has_all = |group: &[columns::Quantity]| {
-            group.iter().all(|quantity| is_output(description, quantity.variable, quantity))
+        let has = |name: &str| match columns::named(name) {
+            Some(of) if columns::TOTALS.iter().any(|total| total.name == name) => {
+                is_output(description, of.variable, of)
+            }
+            Some(of) => (0..agents).all(|i| is_output(description, &of_agent(i, of), of)),
+            None => false,
         };
-        let has_steps = |i: usize| {
-            columns::OF_STEP.iter().all(|quantity| is_output(description, &of_agent(i, quantity), quantity))
-        };
-        let groups = Groups {
-            contacts: true,
-            of_step: (0..agents).all(has_steps),
-            active: may_leave(system, place, agents)?,
-            totals: has_all(&columns::TOTALS),
-        };
+        let groups = Groups { active: may_leave(system, place, agents)?, ..Groups::among(has) };
         let mut about: Vec<_> = trial.iter().map(|trial| ("trial", trial.name.clone())).collect();
         about.push(("component", component.name.clone()));
         about.extend([("model_name", description.model_name.clone()), ("guid", description.guid.clone())]);
@@ -185,14 +169,21 @@ fn of_agent(i: usize, quantity: &columns::Quantity) -> String {
 
 /// Returns whether an FMU has this output, with the type of the quantity.
 fn is_output(description: &Interface, name: &str, quantity: &columns::Quantity) -> bool {
-    let found = description.single(name).map(|single| single.variable);
-    found.is_some_and(|variable| {
-        let is_type = match quantity.kind() {
-            CellType::Real => variable.of.class() == Type::Real,
-            _ => variable.of.class() == Type::Integer,
-        };
-        is_type && variable.kind == Some(Causality::Output)
+    description.single(name).is_some_and(|single| {
+        let variable = single.variable;
+        cell_type(variable) == Some(quantity.kind()) && variable.kind == Some(Causality::Output)
     })
+}
+
+/// Returns the type of a variable's values in a table, which has no place for binary values and clocks.
+fn cell_type(variable: &Variable) -> Option<CellType> {
+    match variable.of.class() {
+        Type::Real => Some(CellType::Real),
+        Type::Boolean => Some(CellType::Boolean),
+        Type::String => Some(CellType::Text),
+        Type::Binary | Type::Clock => None,
+        _ => Some(CellType::Integer),
+    }
 }
 
 /// How many agents' outputs an FMU has under the names of our mechanics, from 0 on.
@@ -237,17 +228,9 @@ fn output_columns_of(component: &Component) -> Vec<Column> {
     let outputs = singles.filter(|(_, single)| single.variable.kind == Some(Causality::Output));
     let columns = outputs.filter_map(|(name, single)| {
         let variable = single.variable;
-        let kind = match variable.of.class() {
-            Type::Real => CellType::Real,
-            Type::Boolean => CellType::Boolean,
-            Type::String => CellType::Text,
-            // A table has no place for them.
-            Type::Binary | Type::Clock => return None,
-            _ => CellType::Integer,
-        };
         Some(Column {
             name: format!("{}.{name}", component.name),
-            kind,
+            kind: cell_type(variable)?,
             unit: variable.unit.clone(),
             variable: name,
             description: variable.description.clone().unwrap_or_default(),

@@ -1,14 +1,14 @@
 //! The model that a run steps: a Trial in memory, or FMUs.
 
 use super::outputs::OutputValues;
-use crate::version::BUILD;
 use anyhow::Result;
+use lemons_core::plane::Vec2;
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::Plan;
-use lemons_master::{ComponentRecord, Saved, writers};
+use lemons_master::{ComponentRecord, Saved};
 use lemons_results::Frame;
 use lemons_results::columns::{Column, Groups};
-use lemons_sim::{Algorithm, Clock};
+use lemons_sim::Clock;
 
 /// A crowd whose frames a run records.
 pub struct CrowdInfo {
@@ -34,8 +34,10 @@ pub trait RunModel {
     /// A crowd at the last communication point.
     fn frame(&self, crowd: usize) -> Result<Frame>;
 
-    /// Values of variables of a crowd.
-    fn values(&mut self, crowd: usize, names: &[String]) -> Result<Vec<f64>>;
+    /// \[N\] The forces that drive the people of a crowd, if they are known.
+    fn drive(&self) -> Option<Vec<Vec2>> {
+        None
+    }
 
     /// The outputs of what is not a crowd.
     fn outputs(&mut self) -> Result<OutputValues>;
@@ -67,34 +69,12 @@ pub struct Prepared {
     /// Directories into which crowds write XML files, if not empty.
     pub output_directories: Vec<String>,
     pub clock: Clock,
-    /// \[s\] When the drive ends, if there is one.
-    pub drive_end: Option<f64>,
-    /// The record of a saved run, but for the crowds.
-    pub record: Saved,
+    /// One communication point in so many is written, beginning with the first.
+    pub every: u64,
+    pub drive: DriveTable,
+    /// What a saved run says of the FMUs and of their connections.
+    pub components: Vec<ComponentRecord>,
+    pub wiring: String,
+    /// The saved run that goes on.
     pub before: Option<Saved>,
-}
-
-/// Makes the record of a saved run at the first communication point, or where another one goes on.
-pub fn record_of(
-    (clock, every): (&Clock, u64),
-    before: Option<&Saved>,
-    algorithm: Algorithm,
-    drive: &DriveTable,
-    component: Vec<ComponentRecord>,
-) -> Saved {
-    Saved {
-        format: Saved::FORMAT,
-        lemons: writers(before.map_or("", |before| &before.lemons), &BUILD.whole()),
-        start: clock.start,
-        step: clock.step,
-        until: clock.until,
-        index: before.map_or(0, |before| before.index),
-        time: before.map_or(clock.start, |before| before.time),
-        every,
-        algorithm: algorithm.to_string(),
-        wiring: String::new(),
-        drive: drive.fingerprint(),
-        component,
-        crowd: Vec::new(),
-    }
 }

@@ -1,10 +1,12 @@
 //! A run of a Trial in memory.
 
-use super::model::{CrowdInfo, Prepared, RunModel, record_of};
+use super::model::{CrowdInfo, Prepared, RunModel};
 use super::outputs::OutputValues;
 use anyhow::{Context, Error, Result, anyhow, bail};
+use crowd_mechanics::engine::Wrench;
 use crowd_mechanics::model_description::MODEL_NAME;
 use crowd_mechanics::quantities::{Quantity, guid};
+use lemons_core::plane::{Twist, Vec2};
 use lemons_decision::DECISION_FILE;
 use lemons_fmi::variables::{Kind as VariableKind, Scalar};
 use lemons_master::{ComponentRecord, Settings, TrialInput, notes};
@@ -41,10 +43,6 @@ fn columns_of(simulation: &Simulation) -> Vec<Column> {
     simulation.decision_outputs().iter().map(column).collect()
 }
 
-fn select(simulation: &Simulation, names: &[String]) -> Result<Selection> {
-    simulation.select(names).map_err(|(name, _)| anyhow!("there is no {name}"))
-}
-
 impl RunModel for TrialRun {
     fn step_to(&mut self, time: f64) -> Result<()> {
         Ok(self.simulation.step_to(time)?)
@@ -58,8 +56,8 @@ impl RunModel for TrialRun {
         Ok(self.simulation.frame())
     }
 
-    fn values(&mut self, _: usize, names: &[String]) -> Result<Vec<f64>> {
-        Ok(self.simulation.read(&select(&self.simulation, names)?)?)
+    fn drive(&self) -> Option<Vec<Vec2>> {
+        Some(self.simulation.world()?.drive.iter().map(|drive| drive.force).collect())
     }
 
     fn outputs(&mut self) -> Result<OutputValues> {
@@ -78,11 +76,10 @@ impl RunModel for TrialRun {
 /// Prepares a run of a Trial. Warnings are printed.
 pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
     let saved = settings.saved()?;
-    let read = given.documents(&settings.drive, &settings.plan);
-    let (documents, problems, plan) = read?;
+    let (documents, problems, plan) = given.documents(&settings.drive, &settings.plan)?;
     problems.iter().for_each(|problem| note!("{problem}"));
     let (drive, walking) = (documents.drive.clone(), documents.plan.clone());
-    let (trial, drive_end) = (documents.trial.clone(), drive.end());
+    let trial = documents.trial.clone();
     let mut simulation = Simulation::new(documents, settings.algorithm)?;
     for (name, value) in &settings.parameters {
         if let Some(input) = simulation.set(name, value).map_err(not_set)? {
@@ -99,7 +96,7 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
     simulation.begin(0.0, settings.tolerance)?;
     let name = if walking.is_some() { WALKERS } else { CROWD };
     let guid = guid(&trial).braced().to_string();
-    let component = vec![ComponentRecord::new(name, MODEL_NAME, &guid)];
+    let components = vec![ComponentRecord::new(name, MODEL_NAME, &guid)];
     let of_saved = || format!("saved run {}", settings.resume.as_deref().unwrap_or(given.path()).display());
     if let Some(before) = &before {
         match (&plan, before.component[0].name.as_str()) {
@@ -114,7 +111,7 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
             ),
             _ => {}
         }
-        before.check(&component, settings.algorithm, "").with_context(of_saved)?;
+        before.check(&components, settings.algorithm, "").with_context(of_saved)?;
     }
     let step = Some(trial.parameters.time_step);
     let (clock, every, warnings) = settings.points(before.as_ref(), 0.0, [None, step], &drive)?;
@@ -123,17 +120,17 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
     }
     warnings.iter().for_each(|warning| note!("{warning}"));
     match plan {
-        Some(plan) if drive_end.is_some() => {
+        Some(plan) if drive.end().is_some() => {
             note!("note: {} (--no-drive: only these)", notes::drive_of_walkers(&plan));
         }
-        None if before.is_none() && drive_end.is_none() && is_still(&simulation) => {
+        None if before.is_none() && drive.end().is_none() && is_still(&simulation) => {
             note!("{}", notes::still());
         }
         _ => {}
     }
     let output_columns = columns_of(&simulation);
     let names: Vec<String> = output_columns.iter().map(|column| column.name.clone()).collect();
-    let outputs = select(&simulation, &names)?;
+    let outputs = simulation.select(&names).map_err(|(name, _)| anyhow!("there is no {name}"))?;
     let frame = simulation.frame();
     let groups = Groups { contacts: true, of_step: true, active: frame.active.is_some(), totals: true };
     let crowd = CrowdInfo {
@@ -159,9 +156,11 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
         plans: walking.into_iter().collect(),
         mechanical_steps: vec![(step_name.into(), mechanical)],
         output_directories: vec![simulation.text(Quantity::OutputDirectory).to_owned()],
-        record: record_of((&clock, every), before.as_ref(), settings.algorithm, &drive, component),
         clock,
-        drive_end,
+        every,
+        drive,
+        components,
+        wiring: String::new(),
         before,
         model: Box::new(TrialRun { simulation, outputs }),
     })
@@ -183,9 +182,7 @@ pub fn not_set(error: SimError) -> Error {
 /// Returns whether nobody has a speed or a force at the start.
 fn is_still(simulation: &Simulation) -> bool {
     simulation.world().is_some_and(|world| {
-        let still = |(twist, drive): (&lemons_core::plane::Twist, &crowd_mechanics::engine::Wrench)| {
-            *twist == lemons_core::plane::Twist::default() && *drive == Default::default()
-        };
-        world.state().twists.iter().zip(&world.drive).all(still)
+        world.state().twists.iter().all(|twist| *twist == Twist::default())
+            && world.drive.iter().all(|drive| *drive == Wrench::default())
     })
 }
