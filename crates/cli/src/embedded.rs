@@ -1,9 +1,8 @@
 //! Commands that another program calls: their arguments are the same words, runs may be in memory, and nothing is printed.
 
 use crate::error::full_message;
-use crate::{Arguments, Command, definition, files, interrupt, print};
-use anyhow::{Context, Result};
-use clap::FromArgMatches;
+use crate::{Command, interrupt, print, read};
+use anyhow::Result;
 use lemons_core::trial::Trial;
 use lemons_results::Run;
 use std::ffi::OsString;
@@ -54,23 +53,17 @@ pub fn call(words: &[OsString], run: Option<Arc<InMemory>>, stop: Arc<AtomicBool
 }
 
 fn dispatch(words: &[OsString], run: Option<Arc<InMemory>>) -> Result<Done> {
-    let mut all = definition();
-    let program = OsString::from("lemons");
-    let matches = all.try_get_matches_from_mut(std::iter::once(&program).chain(words));
+    let _one = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+    let words = [OsString::from("lemons")].into_iter().chain(words.iter().cloned());
     // As one sentence, without the usage.
-    let matches = matches.map_err(|error| {
+    let command = read(words).map_err(|error| {
         let text = error.render().to_string();
         let first = text.split("\n\nUsage:").next().unwrap_or_default();
         let first = first.split("\n\nFor more information").next().unwrap_or_default();
         anyhow::Error::msg(first.trim_start_matches("error: ").trim_end().to_owned())
     })?;
-    let arguments = Arguments::from_arg_matches(&matches)?;
-    let _one = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
-    let (name, matches) = matches.subcommand().context("there is no command")?;
-    files::forget();
-    files::begin(all.find_subcommand(name).context("there is no such command")?, matches)?;
     let mut done = Done::default();
-    match arguments.command {
+    match command? {
         Command::Plot(mut arguments) => {
             arguments.source.memory = run;
             done.picture = crate::pictures::plot::drawn(&arguments)?;

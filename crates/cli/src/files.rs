@@ -93,11 +93,6 @@ fn with<T>(work: impl FnOnce(&mut Files) -> T) -> T {
     work(FILES.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_default())
 }
 
-/// Forgets the files of the command before, in a program that calls several.
-pub fn forget() {
-    with(|files| *files = Files::default());
-}
-
 /// Returns whether a path is `-`.
 pub fn is_standard_output(path: &Path) -> bool {
     path.as_os_str() == "-"
@@ -110,7 +105,7 @@ pub fn is_standard_output(path: &Path) -> bool {
 pub fn begin(command: &Command, matches: &ArgMatches) -> Result<()> {
     let name = command.get_name();
     let force = matches.try_get_one::<bool>("force").ok().flatten().is_some_and(|force| *force);
-    with(|files| (files.command, files.force) = (name.to_owned(), force));
+    with(|files| *files = Files { command: name.to_owned(), force, ..Files::default() });
     let paths = |id: &str| -> Vec<PathBuf> {
         matches.try_get_many::<PathBuf>(id).ok().flatten().into_iter().flatten().cloned().collect()
     };

@@ -131,20 +131,24 @@ pub fn main() -> ExitCode {
 }
 
 fn command() -> Result<()> {
-    let words: Vec<OsString> = std::env::args_os().collect();
-    let mut all = definition();
-    let matches = match all.try_get_matches_from_mut(&words) {
-        Ok(matches) => matches,
+    match read(std::env::args_os()) {
+        Ok(command) => execute(command?),
         // Where it was asked for, help goes where everything goes.
         Err(asked) if std::io::stdout().is_terminal() || asked.use_stderr() => asked.exit(),
-        Err(asked) => return Ok(write!(print::out(), "{}", asked.render())?),
-    };
-    if let Some((name, matches)) = matches.subcommand()
-        && let Some(command) = all.find_subcommand(name)
-    {
-        files::begin(command, matches)?;
+        Err(asked) => Ok(write!(print::out(), "{}", asked.render())?),
     }
-    execute(Arguments::from_arg_matches(&matches)?.command)
+}
+
+/// Reads a command line, and begins with the files that it names.
+///
+/// # Errors
+/// Help was asked for, or a word is wrong; within: an output is an input.
+fn read(words: impl IntoIterator<Item = OsString>) -> Result<Result<Command>, clap::Error> {
+    let mut all = definition();
+    let matches = all.try_get_matches_from_mut(words)?;
+    let command = Arguments::from_arg_matches(&matches)?.command;
+    let named = matches.subcommand().and_then(|(name, own)| Some((all.find_subcommand(name)?, own)));
+    Ok(named.map_or(Ok(()), |(command, own)| files::begin(command, own)).map(|()| command))
 }
 
 fn execute(command: Command) -> Result<()> {

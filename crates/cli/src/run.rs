@@ -405,7 +405,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     // What was simulated before a failure is worth having.
     let (mut recorded, mut poses, mut complete) = (None, Vec::new(), Ok(()));
     for recorder in recorders {
-        summary.extend(several.then(|| format!("crowd              {}", recorder.crowd().component)));
+        summary.extend(several.then(|| format!("crowd              {}", recorder.crowd.component)));
         let (Recorded { lines, run, poses: own }, placed) = recorder.finish();
         summary.extend(lines);
         poses.extend(own);
@@ -518,7 +518,7 @@ fn progress_bar(stop: Option<&StopCondition>, steps: u64) -> Result<ProgressBar>
 fn until_left(plans: &[Plan], recorders: &[CrowdRecorder]) -> Result<Leaving> {
     let mut plans = plans.iter().map(Plan::leaving);
     let who = recorders.iter().flat_map(|recorder| {
-        let CrowdInfo { ids, groups, .. } = recorder.crowd();
+        let CrowdInfo { ids, groups, .. } = &recorder.crowd;
         // Only our own plans say who has an exit; of others, all might leave.
         let known = if groups.active { plans.next() } else { None };
         known.filter(|who| who.len() == ids.len()).unwrap_or_else(|| vec![groups.active; ids.len()])
@@ -538,7 +538,7 @@ fn until_left(plans: &[Plan], recorders: &[CrowdRecorder]) -> Result<Leaving> {
 /// Says who has not left, and why the run ends nevertheless.
 fn note_remaining(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64) {
     let Some(why) = leaving.why_some_stay(time) else { return };
-    let ids: Vec<&String> = recorders.iter().flat_map(|crowd| &crowd.crowd().ids).collect();
+    let ids: Vec<&String> = recorders.iter().flat_map(|crowd| &crowd.crowd.ids).collect();
     let stay: Vec<&String> = leaving.stay().map(|agent| ids[agent]).collect();
     note!("warning: {why} (still there: {})", print::few(&stay, 5));
 }
@@ -551,7 +551,7 @@ fn uneven_queues(plan: &Plan, crowd: &CrowdRecorder) -> Option<String> {
     // \[s\] With the names; 0 where nobody has left.
     let exits = plan.targets.iter().enumerate().filter(|(_, target)| !target.stay);
     let mut last: Vec<(usize, &str, f64)> = exits.map(|(k, exit)| (k, &exit.name[..], 0.0)).collect();
-    for (time, at) in crowd.departures() {
+    for (time, at) in &crowd.departures {
         let exit = nearest_exit(&plan.targets, *at)?;
         let entry = last.iter_mut().find(|entry| entry.0 == exit)?;
         entry.2 = time.max(entry.2);
@@ -577,7 +577,7 @@ const STUCK: f64 = 0.1;
 /// A warning for the end of a run with the model `straight` if more than half of the people who are there are pushed,
 /// want to walk and get no further.
 fn stuck_warning(model: &dyn RunModel, plan: &Plan, crowd: &CrowdRecorder) -> Option<String> {
-    let frame = crowd.last();
+    let frame = &crowd.last;
     let (forces, observed) = (model.drive()?, frame.observed.as_ref()?);
     if plan.walking_model != WalkingModel::Straight {
         return None;

@@ -134,9 +134,6 @@ impl Reader {
             None => false,
         };
         let groups = Groups { active: may_leave(system, place, agents)?, ..Groups::among(has) };
-        let mut about: Vec<_> = trial.iter().map(|trial| ("trial", trial.name.clone())).collect();
-        about.push(("component", component.name.clone()));
-        about.extend([("model_name", description.model_name.clone()), ("guid", description.guid.clone())]);
         let ids = match &trial {
             Some(trial) => trial.agents.iter().map(|agent| agent.id.clone()).collect(),
             None => (0..agents).map(|i| i.to_string()).collect(),
@@ -147,7 +144,8 @@ impl Reader {
             trial,
             groups,
             columns: columns_of(description, groups),
-            about,
+            model_name: description.model_name.clone(),
+            guid: description.guid.clone(),
         };
         let variables = groups.variables(agents);
         let values = component.instance.select(variables.iter().map(|(name, _)| name))?;

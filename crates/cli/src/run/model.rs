@@ -19,8 +19,9 @@ pub struct CrowdInfo {
     pub trial: Option<Trial>,
     pub groups: Groups,
     pub columns: Vec<Column>,
-    /// The texts that a table has of it.
-    pub about: Vec<(&'static str, String)>,
+    /// Of its FMU.
+    pub model_name: String,
+    pub guid: String,
 }
 
 /// A model that a run steps.

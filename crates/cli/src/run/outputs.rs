@@ -2,6 +2,7 @@
 
 use super::About;
 use crate::files;
+use crate::print::few;
 use anyhow::Result;
 use lemons_core::files::{Staged, WriteError};
 use lemons_results::columns::Column;
@@ -29,9 +30,6 @@ pub fn persist(complete: Result<Staged, RecordError>, path: &Path) -> Result<()>
     Ok(complete?.persist().map_err(WriteError::at(path))?)
 }
 
-/// Outputs that are warned of by name.
-const MOST_WARNINGS: usize = 20;
-
 /// The outputs at a communication point, in the order of their columns: all numbers, and all texts.
 pub type OutputValues = (Vec<f64>, Vec<String>);
 
@@ -41,7 +39,7 @@ pub struct OutputTable {
     kinds: Vec<CellType>,
     /// Names of the columns after the time; `None` once a value was seen that is no finite number.
     names: Vec<Option<String>>,
-    /// Warnings of what was seen then.
+    /// What was seen then.
     odd: Vec<String>,
 }
 
@@ -71,9 +69,7 @@ impl OutputTable {
                 && !value.is_finite()
                 && let Some(name) = name.take()
             {
-                self.odd.push(format!(
-                    "warning: output {name} is {value:?} for the first time at t = {time:?} s"
-                ));
+                self.odd.push(format!("{name} is {value:?} at t = {time:?} s"));
             }
         }
         Ok(self.table.row(time, row)?)
@@ -81,9 +77,8 @@ impl OutputTable {
 
     /// Puts the table in its place; returns the line of the summary.
     pub fn finish(self) -> Result<String> {
-        self.odd.iter().take(MOST_WARNINGS).for_each(|warning| note!("{warning}"));
-        if self.odd.len() > MOST_WARNINGS {
-            note!("warning: and {} more outputs", self.odd.len() - MOST_WARNINGS);
+        if !self.odd.is_empty() {
+            note!("warning: outputs that are no finite numbers: {}", few(&self.odd, 20));
         }
         let (path, columns) = (self.table.path().to_owned(), self.names.len() + 1);
         persist(self.table.finish(), &path)?;

@@ -9,7 +9,7 @@ use lemons_core::files::Staged;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Agent;
 use lemons_master::{CrowdRecord, Saved};
-use lemons_results::{Content, Format, Frame, FrameWriter, KeptFrames, Recorder, Run};
+use lemons_results::{Content, Frame, FrameWriter, KeptFrames, Recorder, Run};
 use lemons_sim::{ExposureSum, Extremes, Greatest};
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,7 @@ enum Rows {
 
 /// The record of a crowd.
 pub struct CrowdRecorder {
-    crowd: CrowdInfo,
+    pub crowd: CrowdInfo,
     rows: Rows,
     extremes: Extremes,
     /// Exposure in the steps since the last rows.
@@ -38,9 +38,9 @@ pub struct CrowdRecorder {
     /// If they are kept.
     poses: Option<Poses>,
     /// The last communication point.
-    last: Frame,
+    pub last: Frame,
     /// \[s\] and \[m\] When and where people have left since the run began or went on.
-    departures: Vec<(f64, Vec2)>,
+    pub departures: Vec<(f64, Vec2)>,
 }
 
 /// The result of recording.
@@ -91,7 +91,13 @@ impl CrowdRecorder {
         }
         let rows = match to {
             Target::Table(place) => {
-                let lines = about.lines.iter().chain(&crowd.about).cloned().collect();
+                let own = [
+                    ("component", component.clone()),
+                    ("model_name", crowd.model_name.clone()),
+                    ("guid", crowd.guid.clone()),
+                ];
+                let trial = crowd.trial.iter().map(|trial| ("trial", trial.name.clone()));
+                let lines = about.lines.iter().cloned().chain(trial).chain(own).collect();
                 let content = Content { columns: crowd.columns.clone(), about: lines };
                 let table = place.begin(&content, about)?;
                 Rows::Table(Box::new(FrameWriter::new(table, ids.clone(), *groups)), place.path)
@@ -145,20 +151,6 @@ impl CrowdRecorder {
         Ok(())
     }
 
-    /// The frame of the last communication point.
-    pub fn last(&self) -> &Frame {
-        &self.last
-    }
-
-    /// \[s\] and \[m\] Returns when and where people have left since the run began or went on.
-    pub fn departures(&self) -> &[(f64, Vec2)] {
-        &self.departures
-    }
-
-    pub fn crowd(&self) -> &CrowdInfo {
-        &self.crowd
-    }
-
     /// Returns what a saved run keeps of it.
     pub fn record(&self) -> CrowdRecord {
         let (component, since) = (self.crowd.component.clone(), self.exposure.clone());
@@ -187,10 +179,8 @@ impl CrowdRecorder {
             lines.push(squeeze("greatest step mean", mean_squeeze, "step to"));
             lines.push(squeeze("greatest peak", peak_squeeze, "step to"));
             if self.peak_passed && matches!(self.rows, Rows::Table(..)) {
-                lines.push(format!(
-                    "{:<33}(not in the table, whose last rows are before this step: --every)",
-                    ""
-                ));
+                let remark = "(not in the table, whose last rows are before this step: --every)";
+                lines.push(format!("{:33}{remark}", ""));
             }
         } else {
             lines.push(squeeze("greatest squeeze", mean_squeeze, "communication point"));
@@ -199,9 +189,7 @@ impl CrowdRecorder {
         match self.rows {
             Rows::Table(writer, path) => {
                 done = persist(writer.finish(), &path);
-                lines.extend(
-                    done.is_ok().then(|| format!("trajectories       {}{}", path.display(), large(&path))),
-                );
+                lines.extend(done.is_ok().then(|| format!("trajectories       {}", path.display())));
             }
             Rows::Memory(recorder) => match recorder.finish(Path::new(""), ids) {
                 Ok(made) => run = Some(made),
@@ -209,18 +197,5 @@ impl CrowdRecorder {
             },
         }
         (Recorded { lines, run, poses: self.poses }, done)
-    }
-}
-
-/// \[byte\] Larger text is worth a remark.
-const LARGE: u64 = 5_000_000;
-
-/// A remark on a large table of text.
-fn large(path: &Path) -> String {
-    match path.metadata() {
-        Ok(file) if file.len() > LARGE && Format::of(path) == Some(Format::Csv) => {
-            format!("   ({} MB; smaller with --format parquet, or --every)", file.len() / 1_000_000)
-        }
-        _ => String::new(),
     }
 }

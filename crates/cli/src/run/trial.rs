@@ -138,12 +138,8 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
         ids: simulation.ids().to_vec(),
         groups,
         columns: groups.columns(),
-        about: vec![
-            ("trial", trial.name.clone()),
-            ("component", CROWD.into()),
-            ("model_name", MODEL_NAME.into()),
-            ("guid", guid.clone()),
-        ],
+        model_name: MODEL_NAME.into(),
+        guid,
         trial: Some(simulation.trial().clone()),
     };
     let step_name = if walking.is_some() { "crowd.TimeStepMechanical" } else { "TimeStepMechanical" };
