@@ -17,7 +17,7 @@ use lemons_core::trial::Problems;
 use lemons_people::{Measure, Person, Sex};
 
 /// A parser of the names of some values.
-fn named<T: Copy + Send + Sync>(
+pub fn named<T: Copy + Send + Sync>(
     all: &'static [T],
     name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {

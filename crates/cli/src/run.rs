@@ -12,6 +12,7 @@ use crate::error::{Misused, and_then, full_message};
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::numbers::positive;
+use crate::people::named;
 use crate::print::{self, is_closed_pipe};
 use crate::version::BUILD;
 use accuracy::{Poses, run_for};
@@ -50,7 +51,7 @@ pub struct Arguments {
     /// How coupled FMUs exchange values. jacobi: all FMUs use the values of the last communication
     /// point. gauss-seidel: the FMUs step one after the other, in the order of the SSP, and each uses the
     /// newest values
-    #[arg(long, default_value = ALGORITHMS[0], value_parser = PossibleValuesParser::new(ALGORITHMS).map(algorithm))]
+    #[arg(long, default_value = "jacobi", value_parser = PossibleValuesParser::new(["jacobi", "gauss-seidel"]).try_map(algorithm))]
     algorithm: Algorithm,
     #[command(flatten)]
     inputs: Inputs,
@@ -79,7 +80,7 @@ pub struct Arguments {
     outputs: Option<PathBuf>,
     /// Format of the tables: csv; or parquet, for long runs: smaller, with units in the metadata. Default: by the
     /// extension of -o, else csv
-    #[arg(long, value_name = "FORMAT", hide_possible_values = true, value_parser = PossibleValuesParser::new(FORMATS).map(format))]
+    #[arg(long, value_name = "FORMAT", hide_possible_values = true, value_parser = named(&[Format::Csv, Format::Parquet], Format::extension))]
     format: Option<Format>,
     /// Write only every N-th communication point, beginning with the first. Default: 1. Mean and peak
     /// squeeze in a row are of all steps since the row before
@@ -220,16 +221,8 @@ pub fn name_and_value(text: &str) -> Result<(String, String), &'static str> {
     Ok((name.to_owned(), value.to_owned()))
 }
 
-const ALGORITHMS: [&str; 2] = ["jacobi", "gauss-seidel"];
-
-fn algorithm(name: String) -> Algorithm {
-    if name == ALGORITHMS[0] { Algorithm::Jacobi } else { Algorithm::GaussSeidel }
-}
-
-const FORMATS: [&str; 2] = ["csv", "parquet"];
-
-fn format(name: String) -> Format {
-    if name == FORMATS[0] { Format::Csv } else { Format::Parquet }
+fn algorithm(name: String) -> serde_json::Result<Algorithm> {
+    serde_json::from_value(name.into())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -604,17 +597,15 @@ fn stuck_warning(model: &dyn RunModel, plan: &Plan, crowd: &CrowdRecorder) -> Op
 
 /// The error of a run that stopped at a time \[s\], after what became of its files was told.
 fn stopped(error: Error, time: f64, placed: Result<()>) -> Error {
-    let stopped = format!("stopped at t = {time:?} s");
-    let quiet = is_closed_pipe(&error);
-    error.context(match placed {
-        Ok(()) => format!("{stopped}; the results until then are written"),
+    let written = match placed {
+        Ok(()) => "; the results until then are written",
+        Err(_) if is_closed_pipe(&error) => "",
         Err(why) => {
-            if !quiet {
-                note!("lemons: {}", full_message(&why));
-            }
-            stopped
+            note!("lemons: {}", full_message(&why));
+            ""
         }
-    })
+    };
+    error.context(format!("stopped at t = {time:?} s{written}"))
 }
 
 /// Returns where the trajectories and the outputs go, and as what.

@@ -88,7 +88,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     bar.finish_and_clear();
     let Swept { points, measures, rows, progress: at, warnings } = match (done, newest.get()) {
         (Ok(done), _) => done,
-        (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(numbers(at))),
+        (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(kept(at))),
         // With the exit code of a Trial that has errors.
         (Err(lemons_sweep::Error::Master(error)), None) => return Err(error.into()),
         (Err(error @ (lemons_sweep::Error::Spec(_) | lemons_sweep::Error::In { .. })), None) => {
@@ -102,9 +102,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     }
     let told = print_points(&rows, at, wall, threads, may_end);
     if at.done < at.total {
-        let go_on =
-            format!("{} of {} points are finished and kept; go on with the same command", at.done, at.total);
-        return Err(Interrupted(go_on).into());
+        return Err(Interrupted(format!("{}; go on with the same command", kept(at))).into());
     }
     if at.failed == at.total {
         let again = "the table says why in the column error; --retry-failed simulates them again";
@@ -120,14 +118,9 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     Ok(say!("table              {}", output.display())?)
 }
 
-/// What became of all points, in a line.
-fn numbers(at: Progress) -> String {
-    let Progress { done, failed, total, before } = at;
-    format!(
-        "{total} points: {} succeeded, {failed} failed, {} not simulated; {before} were there before",
-        done - failed,
-        total - done
-    )
+/// How far a sweep is, in a line.
+fn kept(at: Progress) -> String {
+    format!("{} of {} points are finished and kept", at.done, at.total)
 }
 
 fn print_points(rows: &[Finished], at: Progress, wall: f64, threads: usize, may_end: bool) -> Result<()> {

@@ -42,17 +42,12 @@ impl Build {
         }
     }
 
-    /// A line for each thing.
+    /// Returns a line for each thing.
     fn long(&self) -> String {
-        let mut text = self.to_string();
         let changed = if self.changed { ", and changes since" } else { "" };
-        if !self.commit.is_empty() {
-            text += &format!("\ncommit {}{changed}", self.commit);
-        }
-        if !self.date.is_empty() {
-            text += &format!("\nof     {}", self.date);
-        }
-        text
+        let lines = [("commit", self.commit, changed), ("of    ", self.date, "")];
+        let known = lines.iter().filter(|(_, value, _)| !value.is_empty());
+        known.fold(self.to_string(), |text, (what, value, more)| format!("{text}\n{what} {value}{more}"))
     }
 }
 

@@ -26,14 +26,8 @@ pub fn refused(error: impl std::fmt::Display) -> PyErr {
 
 /// Returns the algorithm of this name.
 pub fn algorithm_of(name: &str) -> PyResult<Algorithm> {
-    match name {
-        "jacobi" => Ok(Algorithm::Jacobi),
-        "gauss-seidel" => Ok(Algorithm::GaussSeidel),
-        other => {
-            let text = format!("the algorithm is {other:?}; it must be one of \"jacobi\", \"gauss-seidel\"");
-            Err(PyValueError::new_err(text))
-        }
-    }
+    let algorithm = serde_json::from_value(name.into());
+    algorithm.map_err(|error| PyValueError::new_err(format!("the algorithm: {error}")))
 }
 
 /// Returns a value as the text that sets it.

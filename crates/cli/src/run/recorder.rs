@@ -9,7 +9,7 @@ use lemons_core::files::Staged;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Agent;
 use lemons_master::{CrowdRecord, Saved};
-use lemons_results::{Content, Frame, FrameWriter, KeptFrames, Recorder, Run};
+use lemons_results::{Content, Format, Frame, FrameWriter, KeptFrames, Recorder, Run};
 use lemons_sim::{ExposureSum, Extremes, Greatest};
 use std::path::{Path, PathBuf};
 
@@ -189,7 +189,9 @@ impl CrowdRecorder {
         match self.rows {
             Rows::Table(writer, path) => {
                 done = persist(writer.finish(), &path);
-                lines.extend(done.is_ok().then(|| format!("trajectories       {}", path.display())));
+                lines.extend(
+                    done.is_ok().then(|| format!("trajectories       {}{}", path.display(), large(&path))),
+                );
             }
             Rows::Memory(recorder) => match recorder.finish(Path::new(""), ids) {
                 Ok(made) => run = Some(made),
@@ -197,5 +199,18 @@ impl CrowdRecorder {
             },
         }
         (Recorded { lines, run, poses: self.poses }, done)
+    }
+}
+
+/// \[byte\] Larger text is worth a remark.
+const LARGE: u64 = 5_000_000;
+
+/// A remark on a large table of text.
+fn large(path: &Path) -> String {
+    match path.metadata() {
+        Ok(file) if file.len() > LARGE && Format::of(path) == Some(Format::Csv) => {
+            format!("   ({} MB; smaller with --format parquet, or --every)", file.len() / 1_000_000)
+        }
+        _ => String::new(),
     }
 }
