@@ -6,10 +6,11 @@ use crate::files::{self, Force};
 use crate::output::Output;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
+use crowd_mechanics::setup;
 use lemons_core::files::input;
-use lemons_core::trial::{DriveChoice, Trial};
+use lemons_core::trial::Trial;
 use lemons_decision::{DECISION_FILE, DecisionConfig, Person, Plan};
-use lemons_master::{FileType, PlanChoice, TrialInput, documents_of};
+use lemons_master::{FileType, Fmu, TrialInput};
 use lemons_results::{
     Area, Record, chaos, chaos_files, given_area, jupedsim, pedpy, series, series_files, trial_at_end,
     walkable_area,
@@ -269,20 +270,23 @@ fn claim_all(mut paths: impl Iterator<Item = PathBuf>) -> Result<()> {
 /// Reads the Trial or FMU that was given with the record of a run, else the Trial of a run in memory, or the Trial
 /// directory that a series lies in.
 pub fn trial_of(source: &Path, given: Option<&Path>, memory: Option<&InMemory>) -> Result<Option<Trial>> {
-    let read = |path: &Path| -> Result<_> {
-        Ok(Some(documents_of(path, &DriveChoice::None, &PlanChoice::None)?.0.trial))
-    };
-    match (given, memory, source.canonicalize()) {
-        (Some(path), ..) => read(path),
-        (None, Some(memory), _) => Ok(Some(memory.trial.clone())),
-        (None, None, Ok(own)) if own.is_dir() => {
-            let mut around = own.ancestors().take(2);
-            let Some(path) = around.find(|path| path.join("Parameters.xml").is_file()) else {
-                return Ok(None);
-            };
-            files::reads(path, &source.display().to_string());
-            read(path)
-        }
-        _ => Ok(None),
+    if let (None, Some(memory)) = (given, memory) {
+        return Ok(Some(memory.trial.clone()));
     }
+    let Some(path) = given else {
+        let own = source.canonicalize().ok().filter(|source| source.is_dir());
+        let mut around = own.iter().flat_map(|own| own.ancestors().take(2));
+        let Some(path) = around.find(|path| path.join("Parameters.xml").is_file()) else { return Ok(None) };
+        files::reads(path, &source.display().to_string());
+        return Ok(Some(setup::read(path)?.0));
+    };
+    if let Some(given) = TrialInput::find(path)? {
+        return Ok(Some(given.read()?.0));
+    }
+    let fmu = Fmu::open(path)?;
+    let resources = fmu.resources().with_context(|| path.display().to_string())?;
+    if resources.names().len() > 1 {
+        note!("warning: {} holds several Trials: {:?} is taken", path.display(), resources.first());
+    }
+    Ok(Some(fmu.trial(None)?))
 }
