@@ -7,7 +7,7 @@ use crate::colour::{Colour, Palette, Theme};
 use crate::curve::{Piece, Range, apart, extremes, listed, shared, thinned};
 use crate::glyphs::{self, Anchor, Place};
 use crate::page::{
-    CAP_HEIGHT, CASING, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, dashes, page_width, shrunk,
+    CAP_HEIGHT, CASING, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, dashes, page_width, path, shrunk,
 };
 use crate::text::{PX, escaped, pair, text_of};
 use std::collections::{BTreeMap, BTreeSet};
@@ -245,8 +245,8 @@ impl PanelLayout {
         };
         let mut names: Vec<(f64, &(String, Colour))> = self.strokes.iter().filter_map(named).collect();
         names.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let places = names.iter().map(|n| n.0).collect();
-        let places = apart(places, 1.5 * cap, above + 0.5 * cap, bottom - 0.5 * cap);
+        let places: Vec<f64> = names.iter().map(|n| n.0).collect();
+        let places = apart(&places, 1.5 * cap, above + 0.5 * cap, bottom - 0.5 * cap);
         for ((_, (name, colour)), y) in names.iter().zip(places) {
             let place = page.place(right + gap, y + 0.5 * cap, Anchor::Start);
             fitting(page, "name", name, place, (room - gap).max(page.unit), *colour);
@@ -296,8 +296,8 @@ fn called(noun: &str, names: &[&str]) -> String {
 fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Stroke> {
     // A group is named beside its first solid line, if it has one.
     let is_named = |line: &Line| {
-        let own = || lines.iter().filter(|l| l.group == line.group);
-        own().find(|l| !l.dashed).or(own().next()).is_some_and(|l| std::ptr::eq(*l, line))
+        let first = lines.iter().filter(|l| l.group == line.group).min_by_key(|l| l.dashed);
+        first.is_some_and(|first| std::ptr::eq(*first, line))
     };
     let stroke = |line: &&Line| {
         let colour = palette.series(line.group);
@@ -318,16 +318,15 @@ fn crowd(steps: bool, noun: &str, lines: &[&Line], x: Range, unit: f64, palette:
         let known = line.points.iter().filter(|p| drawable(p));
         known.fold(f64::NEG_INFINITY, |high, p| high.max(p.1))
     };
-    let strong = |class, points, place, name: String| Stroke {
-        class,
-        name: Some((name.clone(), palette.series(place))),
-        ..Stroke::new(points, palette.series(place), STROKE * unit, name)
+    let strong = |class, place, line: Line| {
+        let stroke = Stroke::of(&line, "", palette.series(place), STROKE * unit);
+        Stroke { class, name: Some((line.name, stroke.colour)), dashed: false, ..stroke }
     };
     // The first of several with the same maximum.
     let highest = solid.iter().copied().reduce(|a, b| if top(b) > top(a) { b } else { a });
     if let Some(line) = highest {
         let name = format!("{} (max)", called(noun, &[&line.name]));
-        strokes.push(strong("highest", line.points.clone(), 1, name));
+        strokes.push(strong("highest", 1, Line { name, ..(**line).clone() }));
     }
     let median = (0..=SAMPLES).map(|k| {
         let at = x.low + (x.high - x.low) * k as f64 / SAMPLES as f64;
@@ -341,7 +340,8 @@ fn crowd(steps: bool, noun: &str, lines: &[&Line], x: Range, unit: f64, palette:
         };
         (at, value)
     });
-    strokes.push(strong("median", median.collect(), 0, "median".to_owned()));
+    let median = Line { name: "median".to_owned(), points: median.collect(), ..Line::default() };
+    strokes.push(strong("median", 0, median));
     strokes
 }
 
@@ -358,22 +358,18 @@ fn value_at(points: &[(f64, f64)], x: f64, steps: bool) -> Option<f64> {
 }
 
 impl Stroke {
-    /// A solid line without a name.
-    fn new(points: Vec<(f64, f64)>, colour: Colour, width: f64, title: String) -> Stroke {
-        let (class, pieces) = ("simulated", Vec::new());
-        let (aside, opacity, dashed, name) = (0.0, 1.0, false, None);
-        Stroke { class, points, pieces, colour, width, aside, opacity, dashed, name, title }
-    }
-
+    /// Makes a stroke without a name.
     fn of(line: &Line, noun: &str, colour: Colour, width: f64) -> Stroke {
-        let class = if line.dashed { "measured" } else { "simulated" };
-        let stroke = Stroke::new(line.points.clone(), colour, width, called(noun, &[&line.name]));
-        Stroke { class, dashed: line.dashed, ..stroke }
+        let (points, dashed) = (line.points.clone(), line.dashed);
+        let class = if dashed { "measured" } else { "simulated" };
+        let (pieces, aside, opacity, name) = (Vec::new(), 0.0, 1.0, None);
+        let title = called(noun, &[&line.name]);
+        Stroke { class, points, pieces, colour, width, aside, opacity, dashed, name, title }
     }
 
     fn draw(&self, page: &mut Page, steps: bool, across: impl Fn(f64) -> f64, up: impl Fn(f64) -> f64) {
         let unit = page.unit;
-        let path = |d: &mut String, points: &[(f64, f64)]| {
+        let curve = |d: &mut String, points: &[(f64, f64)]| {
             for piece in points.split(|p| !drawable(p)) {
                 let mut on_page: Vec<(f64, f64)> = Vec::with_capacity(piece.len());
                 for p in piece {
@@ -397,10 +393,10 @@ impl Stroke {
         // Pieces with the same dashes become one path.
         let mut paths: BTreeMap<(usize, usize), String> = BTreeMap::new();
         if self.pieces.is_empty() {
-            path(paths.entry((0, 1)).or_default(), &self.points);
+            curve(paths.entry((0, 1)).or_default(), &self.points);
         }
         for piece in &self.pieces {
-            path(paths.entry(piece.turn).or_default(), &piece.points);
+            curve(paths.entry(piece.turn).or_default(), &piece.points);
         }
         let Stroke { class, colour, .. } = self;
         let (title, paper) = (escaped(&self.title), page.palette.paper);
@@ -411,9 +407,7 @@ impl Stroke {
         for ((turn, of), d) in paths.iter().filter(|(_, d)| !d.is_empty()) {
             let more = if self.dashed {
                 if !pale {
-                    page.out += &format!(
-                        "<path class=\"casing\" stroke=\"{paper}\" stroke-width=\"{cased}\"{casing} d=\"{d}\"/>\n"
-                    );
+                    path(&mut page.out, "casing", paper, &cased, &casing, d);
                 }
                 dash.clone()
             } else if *of > 1 {

@@ -101,35 +101,31 @@ type Point = (f64, f64);
 fn spline(d: &mut String, p: &[Point], closed: bool, put: impl Fn(&mut String, Point)) {
     let middle = |a: Point, b: Point| (0.5 * (a.0 + b.0), 0.5 * (a.1 + b.1));
     let [first, inner @ .., last] = p else { return };
-    // Split into halves, the next control point is the mirror image of the last one; 'T' omits it.
-    let curve = |d: &mut String, corners: &mut dyn Iterator<Item = (Point, Point)>| {
-        for (k, (corner, end)) in corners.enumerate() {
-            if k == 0 {
-                d.push('Q');
-                put(d, corner);
-                d.push(' ');
-            } else {
-                d.push('T');
-            }
-            put(d, end);
-        }
-    };
     d.push('M');
-    if closed {
-        put(d, middle(*last, *first));
-        let around = p.iter().zip(p.iter().cycle().skip(1));
-        curve(d, &mut around.map(|(a, b)| (*a, middle(*a, *b))));
-        d.push('Z');
-        return;
-    }
-    put(d, *first);
-    if let Some(second) = inner.first() {
+    put(d, if closed { middle(*last, *first) } else { *first });
+    if let Some(second) = inner.first().filter(|_| !closed) {
         d.push('L');
         put(d, middle(*first, *second));
     }
-    curve(d, &mut p[1..].windows(2).map(|pair| (pair[0], middle(pair[0], pair[1]))));
-    d.push('L');
-    put(d, *last);
+    let corners = if closed { p } else { inner };
+    for (k, corner) in corners.iter().enumerate() {
+        // Split into halves, the next control point is the mirror image of the last one; 'T' omits it.
+        if k == 0 {
+            d.push('Q');
+            put(d, *corner);
+            d.push(' ');
+        } else {
+            d.push('T');
+        }
+        let next = corners.get(k + 1).unwrap_or(if closed { first } else { last });
+        put(d, middle(*corner, *next));
+    }
+    if closed {
+        d.push('Z');
+    } else {
+        d.push('L');
+        put(d, *last);
+    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use crate::colour::{Colour, Palette, Theme};
 use crate::glyphs::{self, Anchor, PEN, Place};
 use crate::style::Scale;
-use crate::text::{PX, escaped, round_below, short, text_of};
+use crate::text::{PX, escaped, in_units, round_below, short, text_of};
 
 /// \[px\] Page width at which lines and letters have their nominal sizes in px.
 pub(crate) const NOMINAL_WIDTH: f64 = 400.0;
@@ -39,6 +39,15 @@ pub(crate) fn dashes(px: f64) -> [String; 2] {
         format!(" stroke-linecap=\"butt\" stroke-dasharray=\"{dash} {gap}\" stroke-dashoffset=\"{begun}\"")
     };
     [pattern(DASH.0 + 2.0 * CASING, DASH.1 - 2.0 * CASING, CASING), pattern(DASH.0, DASH.1, 0.0)]
+}
+
+/// Writes a path, if there is any; `more` is its further attributes, each after a space.
+pub(crate) fn path(out: &mut String, class: &str, colour: Colour, width: &str, more: &str, d: &str) {
+    if !d.is_empty() {
+        *out += &format!(
+            "<path class=\"{class}\" stroke=\"{colour}\" stroke-width=\"{width}\"{more} d=\"{d}\"/>\n"
+        );
+    }
 }
 
 /// A page that is being drawn, in px.
@@ -102,15 +111,7 @@ impl Page {
     /// Draws a bar of a round length at the lower left; `scale` is in px/m.
     pub fn scale_bar(&mut self, scale: f64, room: f64) {
         let metres = round_below(room / scale);
-        let label = if metres >= 1000.0 {
-            format!("{} km", metres / 1000.0)
-        } else if metres >= 1.0 {
-            format!("{metres} m")
-        } else if metres >= 0.01 {
-            format!("{} cm", (metres * 100.0).round())
-        } else {
-            format!("{} mm", (metres * 1e4).round() / 10.0)
-        };
+        let label = in_units(metres, &[(1000.0, "km"), (1.0, "m"), (0.01, "cm"), (0.001, "mm")]);
         let cap = CAP_HEIGHT * self.unit;
         let (y, x0) = (self.height - MARGIN * self.unit - 0.5 * cap, MARGIN * self.unit);
         let (x1, tick) = (x0 + metres * scale, 0.42 * cap);

@@ -56,21 +56,17 @@ pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
         state.non_stroking_alpha(*fill).stroking_alpha(*stroke);
     }
     states.finish();
-    // The functions of a shading follow it.
-    let mut free = FIRST_FREE;
+    // The function of a shading follows it.
+    let objects = || (FIRST_FREE..).step_by(2).map(Ref::new).zip(&shadings);
     let mut places = resources.shadings();
-    let mut objects = Vec::new();
-    for (place, shading) in shadings.iter().enumerate() {
-        let object = Ref::new(free);
-        free += 1 + shading.stops.len() as i32;
+    for (place, (object, _)) in objects().enumerate() {
         places.pair(Name(name('S', place).as_bytes()), object);
-        objects.push((object, shading));
     }
     places.finish();
     resources.finish();
     page.finish();
-    objects.into_iter().for_each(|(object, shading)| shading.write(&mut pdf, object));
     pdf.stream(CONTENT, &compress_to_vec_zlib(&content.finish(), COMPRESSION)).filter(Filter::FlateDecode);
+    objects().for_each(|(object, shading)| shading.write(&mut pdf, object));
     // No date, so that the same picture gives the same bytes.
     pdf.document_info(INFO).producer(TextStr("LEMONS"));
     Ok(pdf.finish())
@@ -87,8 +83,8 @@ struct Drawing {
 struct Shading {
     /// x and y of both ends.
     line: [f32; 4],
-    /// Positions from 0 to 1 along the line and colours, at least two.
-    stops: Vec<(f32, [f32; 3])>,
+    /// Colours at equal distances from one end to the other.
+    colours: Vec<Color>,
 }
 
 /// Returns the name of an object of the page: O for opacities, S for shadings.
@@ -97,33 +93,17 @@ fn name(kind: char, place: usize) -> String {
 }
 
 impl Shading {
-    fn of(gradient: &LinearGradient) -> Shading {
-        let colour = |stop: &Stop| (stop.offset().get(), parts(stop.color()));
-        let mut stops: Vec<_> = gradient.stops().iter().map(colour).collect();
-        if let (Some(first), Some(last)) = (stops.first().copied(), stops.last().copied()) {
-            stops.insert(0, (0.0, first.1));
-            stops.push((1.0, last.1));
-        }
-        stops.dedup();
-        Shading { line: [gradient.x1(), gradient.y1(), gradient.x2(), gradient.y2()], stops }
-    }
-
-    /// Writes the shading and, as the next objects, its functions.
+    /// Writes the shading and, as the next object, its function.
     fn write(&self, pdf: &mut Pdf, object: Ref) {
-        let after = |k: usize| Ref::new(object.get() + 1 + k as i32);
+        let function = Ref::new(object.get() + 1);
         let mut shading = pdf.function_shading(object);
         shading.shading_type(FunctionShadingType::Axial).color_space().device_rgb();
-        shading.coords(self.line).function(after(0)).extend([true, true]);
+        shading.coords(self.line).function(function).extend([true, true]);
         shading.finish();
-        let pieces = self.stops.len() - 1;
-        let mut all = pdf.stitching_function(after(0));
-        all.domain([0.0, 1.0]).functions((0..pieces).map(|k| after(1 + k)));
-        all.bounds(self.stops[1..pieces].iter().map(|stop| stop.0));
-        all.encode((0..pieces).flat_map(|_| [0.0, 1.0]));
-        all.finish();
-        for (k, ends) in self.stops.windows(2).enumerate() {
-            pdf.exponential_function(after(1 + k)).domain([0.0, 1.0]).c0(ends[0].1).c1(ends[1].1).n(1.0);
-        }
+        let samples: Vec<u8> = self.colours.iter().flat_map(|c| [c.red, c.green, c.blue]).collect();
+        let mut colours = pdf.sampled_function(function, &samples);
+        colours.domain([0.0, 1.0]).range([0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
+        colours.size([self.colours.len() as i32]).bits_per_sample(8);
     }
 }
 
@@ -195,17 +175,15 @@ impl Drawing {
         self.content.set_parameters(Name(name('O', place).as_bytes()));
         let even_odd = fill.is_some_and(|fill| fill.rule() == FillRule::EvenOdd);
         // Painting both at once would make them one object: a transparent stroke would not show the fill.
-        let both = fill.is_some() && path.stroke().is_some() && opacity.1 == 1.0;
         if fill.is_some() {
             self.outline(path.data());
-            match (both, even_odd) {
-                (false, false) => self.content.fill_nonzero(),
-                (false, true) => self.content.fill_even_odd(),
-                (true, false) => self.content.fill_nonzero_and_stroke(),
-                (true, true) => self.content.fill_even_odd_and_stroke(),
+            if even_odd {
+                self.content.fill_even_odd()
+            } else {
+                self.content.fill_nonzero()
             };
         }
-        if path.stroke().is_some() && !both {
+        if path.stroke().is_some() {
             self.outline(path.data());
             self.content.stroke();
         }
@@ -214,12 +192,18 @@ impl Drawing {
 
     /// Fills an outline with a gradient.
     fn shade(&mut self, outline: &Outline, gradient: &LinearGradient) -> Result<(), PictureError> {
-        let opaque = gradient.stops().iter().all(|stop| stop.opacity().get() == 1.0);
-        if !opaque || gradient.spread_method() != SpreadMethod::Pad || gradient.stops().len() < 2 {
-            return Err(PictureError::Pdf("gradients that are transparent or repeated"));
+        let stops = gradient.stops();
+        let plain = |(k, stop): (usize, &Stop)| {
+            let place = k as f32 / (stops.len() - 1) as f32;
+            stop.opacity().get() == 1.0 && (stop.offset().get() - place).abs() < 1e-3
+        };
+        let even = stops.len() > 1 && stops.iter().enumerate().all(plain);
+        if !even || gradient.spread_method() != SpreadMethod::Pad {
+            return Err(PictureError::Pdf("gradients that are transparent, uneven or repeated"));
         }
         let name = name('S', self.shadings.len());
-        self.shadings.push(Shading::of(gradient));
+        let line = [gradient.x1(), gradient.y1(), gradient.x2(), gradient.y2()];
+        self.shadings.push(Shading { line, colours: stops.iter().map(Stop::color).collect() });
         self.content.save_state();
         self.outline(outline);
         self.content.clip_nonzero().end_path().transform(matrix(gradient.transform()));
@@ -274,14 +258,12 @@ impl Drawing {
 
 fn rgb(paint: &Paint) -> Result<[f32; 3], PictureError> {
     match paint {
-        Paint::Color(colour) => Ok(parts(*colour)),
+        // Three decimals distinguish all 256 values, and are short.
+        Paint::Color(Color { red, green, blue }) => {
+            Ok([*red, *green, *blue].map(|part| (f32::from(part) / 0.255).round() / 1000.0))
+        }
         _ => Err(PictureError::Pdf("gradients and patterns")),
     }
-}
-
-fn parts(colour: Color) -> [f32; 3] {
-    // Three decimals distinguish all 256 values, and are short.
-    [colour.red, colour.green, colour.blue].map(|part| (f32::from(part) / 0.255).round() / 1000.0)
 }
 
 fn matrix(t: Transform) -> [f32; 6] {

@@ -100,7 +100,7 @@ fn a_pdf_shows_what_the_png_shows() {
     let page = std::fs::read(directory.join("page.ppm")).unwrap();
     std::fs::remove_dir_all(&directory).unwrap();
     let width = Style::default().width as u32;
-    let Pixels { width, height, rgba } = pixels(&svg, width).unwrap();
+    let Pixels { width, height, rgba } = pixels(&svg, width, 1).unwrap();
     let header = format!("P6\n{width} {height}\n255\n");
     assert!(page.starts_with(header.as_bytes()), "{width} x {height}");
     let expected = rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]);

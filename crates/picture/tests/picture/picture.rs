@@ -61,7 +61,7 @@ fn size_and_colours() {
     let t = trial(vec![(pedestrian("0"), vec2(1.0, 1.0), 0.0)], vec![box_of(-2.0, 2.0)]);
     let style = Style { width: 428.0, fill: Fill::Single(red), ..plain() };
     let text = svg(&Scene::at_start(&t), &style);
-    let light = pixels(&text, 428).unwrap();
+    let light = pixels(&text, 428, 1).unwrap();
     // The PNG has the same colours.
     let file = png(&text, 428).unwrap();
     let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
@@ -73,9 +73,9 @@ fn size_and_colours() {
     assert_eq!(on_page(&light, vec2(1.0, 1.0)), red);
     assert_eq!(on_page(&light, vec2(1.0, -1.0)), Colour(255, 255, 255));
     assert_eq!(on_page(&light, vec2(-2.0, 0.0)), Colour(0x2a, 0x30, 0x3a));
-    let dark = pixels(&svg(&Scene::at_start(&t), &Style { theme: Theme::Dark, ..style }), 428).unwrap();
+    let dark = pixels(&svg(&Scene::at_start(&t), &Style { theme: Theme::Dark, ..style }), 428, 1).unwrap();
     assert_eq!(on_page(&dark, vec2(1.0, -1.0)), night);
-    let wide = pixels(&svg(&Scene::at_start(&t), &plain()), 1000).unwrap();
+    let wide = pixels(&svg(&Scene::at_start(&t), &plain()), 1000, 1).unwrap();
     assert_eq!((wide.width, wide.height), (1000, 1050));
     assert!(png("<svg", 10).is_err() && png(&svg(&Scene::at_start(&t), &plain()), 0).is_err());
     assert!(png(&svg(&Scene::at_start(&t), &plain()), 60_000).is_err());
@@ -95,7 +95,7 @@ fn theta_turns_the_shoulders() {
         for (theta, left) in [(0.0, vec2(0.0, 1.0)), (FRAC_PI_2, vec2(-1.0, 0.0)), (PI, vec2(0.0, -1.0))] {
             let t = trial(vec![(lopsided.clone(), Vec2::ZERO, theta)], vec![box_of(-2.0, 2.0)]);
             let text = svg(&Scene::at_start(&t), &Style { width: 428.0, ..plain() });
-            let picture = pixels(&text, 428).unwrap();
+            let picture = pixels(&text, 428, 1).unwrap();
             let seen = |p: Vec2| on_page(&picture, p) == Colour::BODY;
             assert!(seen(left) && seen(-left));
             assert!(!seen(left * 1.35) && seen(-left * 1.35), "own {own}, theta {theta}");
