@@ -85,8 +85,8 @@ pub fn flow(people: usize, line: [[f64; 2]; 2], bytes: &[u8]) -> Result<Reply, R
     let mut crossings = Vec::new();
     for (k, pair) in frames.windows(2).enumerate() {
         for (agent, (before, after)) in pair[0].iter().zip(&pair[1]).enumerate() {
-            if let Some(crossing) = line.crossing(before.pose.position, after.pose.position) {
-                crossings.push((k + 1, agent, if crossing.way == Way::Right { 1 } else { -1 }));
+            if let Some((way, _)) = line.crossing(before.pose.position, after.pose.position) {
+                crossings.push((k + 1, agent, if way == Way::Right { 1 } else { -1 }));
             }
         }
     }

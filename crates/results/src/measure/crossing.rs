@@ -36,15 +36,6 @@ impl Way {
     }
 }
 
-/// Somebody crosses a line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Crossing {
-    /// In which direction.
-    pub way: Way,
-    /// Which part of the straight way between both places lies before the line, 0 to 1.
-    pub part: f64,
-}
-
 impl Line {
     /// Makes the line of the numbers x1, y1, x2, y2 \[m\]; `None` if these are not two different points within 1e6 m of the origin.
     pub fn of_numbers(numbers: &[f64]) -> Option<Line> {
@@ -62,11 +53,12 @@ impl Line {
         (self.to - self.from).norm()
     }
 
-    /// Returns how somebody crosses the line who goes straight from one place to another \[m\]; `None` who does not, or
-    /// goes past one of its ends, or is at no finite place.
+    /// Returns in which direction somebody crosses the line who goes straight from one place to another \[m\], and which
+    /// part of that way lies before the line, 0 to 1; `None` who does not, or goes past one of its ends, or is at no finite
+    /// place.
     ///
     /// Who stands on the line is on its right. So whoever stops on it and goes on, or back, is not counted twice.
-    pub fn crossing(&self, before: Vec2, after: Vec2) -> Option<Crossing> {
+    pub fn crossing(&self, before: Vec2, after: Vec2) -> Option<(Way, f64)> {
         let [from, to] = [before, after].map(|place| turn(self.from, self.to, place));
         if !(from - to).is_finite() {
             return None;
@@ -75,8 +67,7 @@ impl Line {
         if left(from) == left(to) || !segments_touch(before, after, self.from, self.to) {
             return None;
         }
-        let way = if left(from) { Way::Right } else { Way::Left };
-        Some(Crossing { way, part: from / (from - to) })
+        Some((if left(from) { Way::Right } else { Way::Left }, from / (from - to)))
     }
 }
 
@@ -108,7 +99,7 @@ mod tests {
             ((2.0, 0.5), (1.0, 0.5), Some((Way::Left, 0.0))),
         ] {
             let seen = DOOR.crossing(vec2(before.0, before.1), vec2(after.0, after.1));
-            assert_eq!(seen.map(|Crossing { way, part }| (way, part)), expected, "{before:?} to {after:?}");
+            assert_eq!(seen, expected, "{before:?} to {after:?}");
         }
     }
 }

@@ -1,12 +1,14 @@
 //! Tables in CSV: SI units, numbers that read back to the same doubles.
 
-use super::rows::{Cells, Frames, Stop, place};
+use super::rows::{Cells, Frames, place};
 use crate::cell::Cell;
 use crate::columns::{self, Column};
+use crate::error::RecordError;
 use crate::record::Each;
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{self, Read, Write};
+use std::path::Path;
 
 /// The name and the unit in the head of a column: `x`, or `x [m]`.
 fn name_and_unit(head: &str) -> (&str, Option<&str>) {
@@ -27,13 +29,15 @@ fn head_of(column: &Column) -> String {
 }
 
 /// Reads all frames and returns the Ids of the agents.
-pub(super) fn read(file: impl Read, each: &mut Each<'_>) -> Result<Vec<String>, Stop> {
+pub(super) fn read(path: &Path, file: impl Read, each: &mut Each<'_>) -> Result<Vec<String>, RecordError> {
+    let broken = |error| RecordError::wrong(path, described(error));
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
     let header = reader.headers().map_err(broken)?.clone();
     let exists = |name: &str| header.iter().any(|head| name_and_unit(head).0 == name);
-    let mut frames = Frames::new(exists, "line", each);
+    let mut frames = Frames::new(path, exists, "line", each);
     let places = frames.heads().into_iter().map(|head| place(header.iter().map(name_and_unit), head));
-    let places = places.collect::<Result<Vec<usize>, _>>().map_err(|wrong| format!("line 1: {wrong}"))?;
+    let places = places.collect::<Result<Vec<usize>, _>>();
+    let places = places.map_err(|wrong| RecordError::wrong(path, format!("line 1: {wrong}")))?;
     let mut record = csv::StringRecord::new();
     while reader.read_record(&mut record).map_err(broken)? {
         let line = record.position().map_or(0, csv::Position::line);
@@ -61,7 +65,7 @@ impl Cells for Line<'_> {
     }
 }
 
-fn broken(error: csv::Error) -> String {
+fn described(error: csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
             let line = pos.as_ref().map_or(0, csv::Position::line);

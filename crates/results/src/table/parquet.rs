@@ -2,9 +2,10 @@
 //! JSON, `{"x": {"unit": "m"}}`.
 
 use super::format::Content;
-use super::rows::{Cells, Frames, Head, Stop, place};
+use super::rows::{Cells, Frames, Head, place};
 use crate::cell::{Cell, CellType};
 use crate::columns::{Column, ID};
+use crate::error::RecordError;
 use crate::record::Each;
 use parquet::basic::{
     Compression, ConvertedType, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel,
@@ -24,15 +25,18 @@ use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Key in the metadata of a file for attributes of columns.
 const COLUMNS: &str = "columns";
 /// Number of values that are kept in memory until they are written as a row group, about 16 MB.
 const GROUP: usize = 1 << 21;
+
 /// Reads all frames and returns the Ids of the agents.
-pub(super) fn read(file: File, each: &mut Each<'_>) -> Result<Vec<String>, Stop> {
-    let reader = guarded(|| SerializedFileReader::new(file))?;
+pub(super) fn read(path: &Path, file: File, each: &mut Each<'_>) -> Result<Vec<String>, RecordError> {
+    let wrong = |message: String| RecordError::wrong(path, message);
+    let reader = guarded(|| SerializedFileReader::new(file)).map_err(wrong)?;
     let metadata = reader.metadata();
     let attributes = attributes_of_columns(metadata);
     let columns = metadata.file_metadata().schema().get_fields();
@@ -43,21 +47,21 @@ pub(super) fn read(file: File, each: &mut Each<'_>) -> Result<Vec<String>, Stop>
         })
     };
     let exists = |name: &str| columns.iter().any(|column| column.name() == name);
-    let mut frames = Frames::new(exists, "row", each);
+    let mut frames = Frames::new(path, exists, "row", each);
     let mut fields = Vec::new();
     for head in frames.heads() {
-        let column = &columns[place(heads(), head)?];
-        check_type(column, head)?;
+        let column = &columns[place(heads(), head).map_err(wrong)?];
+        check_type(column, head).map_err(wrong)?;
         fields.push(column.clone());
     }
     let schema = Type::group_type_builder(metadata.file_metadata().schema().name()).with_fields(fields);
-    let mut rows = guarded(|| reader.get_row_iter(Some(schema.build()?)))?;
+    let mut rows = guarded(|| reader.get_row_iter(Some(schema.build()?))).map_err(wrong)?;
     let mut count = 0;
-    while let Some(row) = guarded(|| rows.next().transpose())? {
+    while let Some(row) = guarded(|| rows.next().transpose()).map_err(wrong)? {
         count += 1;
         let row = Row(row.into_columns());
         if let Some((name, _)) = row.0.iter().find(|(_, value)| *value == Field::Null) {
-            return Err(format!("row {count}: column {name}: there is no value").into());
+            return Err(wrong(format!("row {count}: column {name}: there is no value")));
         }
         frames.add(count, &row)?;
     }

@@ -103,27 +103,15 @@ impl<W: Write + Send> FrameWriter<W> {
     /// Writes a row for each agent.
     ///
     /// # Errors
-    /// A count is larger than 2³¹ − 1, or the file cannot be written.
+    /// The file cannot be written.
     pub fn frame(&mut self, frame: &Frame) -> Result<(), RecordError> {
-        let mut cells = Vec::new();
         for (k, id) in self.ids.iter().enumerate() {
             let row = frame.row(k);
-            cells.clear();
-            cells.push(Cell::Text(id));
-            for (place, quantity) in self.groups.quantities() {
-                let value = row[place];
-                cells.push(match quantity.kind() {
-                    CellType::Real => Cell::Real(value),
-                    _ if value <= f64::from(i32::MAX) => Cell::Integer(value as i32),
-                    _ => {
-                        let time = frame.time;
-                        let what =
-                            format!("the frame at t = {time:?} s has {value} contacts, which is too many");
-                        return Err(RecordError::wrong(&self.table.path, what));
-                    }
-                });
-            }
-            self.table.row(frame.time, cells.iter().copied())?;
+            let cells = self.groups.quantities().map(|(place, quantity)| match quantity.kind() {
+                CellType::Real => Cell::Real(row[place]),
+                _ => Cell::Integer(row[place] as i32),
+            });
+            self.table.row(frame.time, std::iter::once(Cell::Text(id)).chain(cells))?;
         }
         Ok(())
     }

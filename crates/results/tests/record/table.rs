@@ -42,6 +42,7 @@ fn groups_of_columns_are_read_where_all_are_there() {
     assert_eq!(run.frames[0].observed.as_ref().unwrap()[0].of_step, Some(step));
     for (more, row, expected) in [
         ("", "3,-1,2,0.0", "wall_contacts: \"-1\" is not a valid number of contacts"),
+        ("", "3,2147483648,2,0.0", "wall_contacts: \"2147483648\" is not a valid number of contacts"),
         ("", "3,1.5,2,0.0", "wall_contacts: \"1.5\" is not a valid number of contacts"),
         ("", "3,1,2,-1.0", "normal_force: \"-1.0\" is not a finite number from 0 on"),
         (of_step, "3,1,2,0.0,80.5,inf,0.002", "peak_normal_force: \"inf\" is not a finite number from 0 on"),

@@ -163,17 +163,6 @@ fn tables_of_other_columns() {
     }
 }
 
-#[test]
-fn more_contacts_than_a_table_holds_are_refused() {
-    let directory = TempDir::new().unwrap();
-    let path = directory.path().join("run.csv");
-    let mut writer = FrameWriter::new(begin(&path, Format::Csv, ALL.columns()), ids(), ALL);
-    let mut frame = frames(1, ALL).remove(0);
-    frame.totals.as_mut().unwrap().wall_contacts = 1 << 31;
-    let error = writer.frame(&frame).unwrap_err().to_string();
-    assert!(error.contains("run.csv: the frame at t = 0.0 s has 2147483648 contacts"), "{error}");
-}
-
 /// An FMU of somebody else counted in millimetres: the table in CSV was read as metres.
 #[test]
 fn a_table_in_another_unit_is_not_read_as_ours() {
