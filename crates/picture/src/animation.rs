@@ -104,7 +104,7 @@ impl<W: Write> Animation<W> {
     pub fn finish(self) -> Result<(), PictureError> {
         match self.encoder {
             Encoder::Apng(writer) => Ok(writer.finish()?),
-            Encoder::Gif(encoder) => Ok(encoder.into_inner()?.flush()?),
+            Encoder::Gif(encoder) => Ok(encoder.into_inner()?.flush().map_err(gif::EncodingError::Io)?),
         }
     }
 }

@@ -31,8 +31,6 @@ const TICK_GAP: f64 = 5.0;
 const GRID: (f64, f64) = (62.0, 24.0);
 /// \[px\] Largest error of a drawn curve.
 const TOLERANCE: f64 = 0.12;
-/// Number of x at which the median of a crowd is computed.
-const SAMPLES: usize = 300;
 
 /// A chart: panels above each other that share the x axis.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -109,7 +107,7 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     let aspect = style.aspect.filter(|a| a.is_finite() && *a > 0.0).map(|a| a.clamp(0.02, 10.0));
     let tall = aspect.unwrap_or(if chart.panels.len() > 1 { 0.25 } else { 0.5 }) * width;
     let panels: Vec<PanelLayout> =
-        chart.panels.iter().map(|p| PanelLayout::new(p, &chart.noun, x, tall, unit, &palette)).collect();
+        chart.panels.iter().map(|p| PanelLayout::new(p, &chart.noun, tall, unit, &palette)).collect();
     let numbers = panels.iter().flat_map(|p| &p.ticks).map(|(_, text)| glyphs::width(text, cap));
     let left = margin + numbers.fold(0.0, f64::max) + TICK_GAP * unit;
     let names = panels.iter().flat_map(|p| &p.strokes).filter_map(|s| s.name.as_ref());
@@ -203,7 +201,7 @@ struct PanelLayout {
 }
 
 impl PanelLayout {
-    fn new(panel: &ChartPanel, noun: &str, x: Range, tall: f64, unit: f64, palette: &Palette) -> PanelLayout {
+    fn new(panel: &ChartPanel, noun: &str, tall: f64, unit: f64, palette: &Palette) -> PanelLayout {
         let lines: Vec<&Line> = panel.lines.iter().filter(|l| l.points.iter().any(drawable)).collect();
         let values = lines.iter().flat_map(|l| &l.points).filter(|p| drawable(p)).map(|p| p.1);
         let y = Range::around(values, true).airy();
@@ -213,7 +211,7 @@ impl PanelLayout {
         let mut strokes = if few {
             named(&lines, noun, unit, palette)
         } else {
-            crowd(panel.steps, noun, &lines, x, unit, palette)
+            crowd(panel.steps, noun, &lines, unit, palette)
         };
         if panel.steps {
             step_aside(&mut strokes, &lines, &groups, tall / (y.high - y.low), unit);
@@ -308,7 +306,7 @@ fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Strok
 }
 
 /// Many lines: all of them pale, their median, and the one with the highest value.
-fn crowd(steps: bool, noun: &str, lines: &[&Line], x: Range, unit: f64, palette: &Palette) -> Vec<Stroke> {
+fn crowd(steps: bool, noun: &str, lines: &[&Line], unit: f64, palette: &Palette) -> Vec<Stroke> {
     let opacity = (14.0 / lines.len() as f64).clamp(0.1, 0.5);
     let pale = |line: &&Line| Stroke { opacity, ..Stroke::of(line, noun, palette.ink, THIN * unit) };
     let mut strokes: Vec<Stroke> = lines.iter().map(pale).collect();
@@ -328,33 +326,17 @@ fn crowd(steps: bool, noun: &str, lines: &[&Line], x: Range, unit: f64, palette:
         let name = format!("{} (max)", called(noun, &[&line.name]));
         strokes.push(strong("highest", 1, Line { name, ..(**line).clone() }));
     }
-    let median = (0..=SAMPLES).map(|k| {
-        let at = x.low + (x.high - x.low) * k as f64 / SAMPLES as f64;
-        let mut values: Vec<f64> = solid.iter().filter_map(|l| value_at(&l.points, at, steps)).collect();
-        values.sort_by(f64::total_cmp);
-        let middle = values.len() / 2;
-        let value = match values.len() {
-            0 => f64::NAN,
-            n if n % 2 == 1 || steps => values[middle],
-            _ => 0.5 * values[middle - 1] + 0.5 * values[middle],
-        };
-        (at, value)
+    let mut all: Vec<(f64, f64)> =
+        solid.iter().flat_map(|line| &line.points).copied().filter(drawable).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let median = all.chunk_by(|a, b| a.0 == b.0).map(|same| {
+        let (x, upper) = same[same.len() / 2];
+        let lower = if steps { upper } else { same[(same.len() - 1) / 2].1 };
+        (x, 0.5 * lower + 0.5 * upper)
     });
     let median = Line { name: "median".to_owned(), points: median.collect(), ..Line::default() };
     strokes.push(strong("median", 0, median));
     strokes
-}
-
-/// Returns y of a curve at x, if it is known there.
-fn value_at(points: &[(f64, f64)], x: f64, steps: bool) -> Option<f64> {
-    let next = points.partition_point(|p| p.0 <= x || p.0.is_nan());
-    let (after, before) = (points.get(next), points[..next].last().filter(|p| drawable(p))?);
-    if before.0 == x || steps {
-        return (before.0 == x || after.is_some()).then_some(before.1);
-    }
-    let after = after.filter(|p| drawable(p))?;
-    let part = (x - before.0) / (after.0 - before.0);
-    Some(before.1 * (1.0 - part) + after.1 * part)
 }
 
 impl Stroke {

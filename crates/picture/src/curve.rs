@@ -70,10 +70,11 @@ pub(crate) fn extremes(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
             kept.extend_from_slice(chunk);
             continue;
         }
-        let by = |best: fn(f64, f64) -> bool| {
-            (0..chunk.len()).reduce(|a, b| if best(chunk[b].1, chunk[a].1) { b } else { a }).unwrap_or(0)
-        };
-        let wanted = BTreeSet::from([0, by(|a, b| a < b), by(|a, b| a > b), chunk.len() - 1]);
+        let [low, high] = [1.0, -1.0].map(|sign| {
+            let y = |k: &usize| sign * chunk[*k].1;
+            (0..chunk.len()).min_by(|a, b| y(a).total_cmp(&y(b))).unwrap_or(0)
+        });
+        let wanted = BTreeSet::from([0, low, high, chunk.len() - 1]);
         kept.extend(wanted.into_iter().map(|k| chunk[k]));
     }
     kept

@@ -22,30 +22,12 @@ pub enum PictureError {
     /// The SVG has a feature that pictures of this crate do not have.
     #[error("PDF: the SVG contains {0}, which is not supported")]
     Pdf(&'static str),
-    /// The encoder of PNG or GIF failed.
-    #[error("{0}: {1}")]
-    Encoder(&'static str, String),
-    /// The file cannot be written.
+    /// The PNG cannot be made, or its file cannot be written.
     #[error(transparent)]
-    Io(#[from] std::io::Error),
-}
-
-impl From<png::EncodingError> for PictureError {
-    fn from(error: png::EncodingError) -> PictureError {
-        match error {
-            png::EncodingError::IoError(error) => error.into(),
-            error => PictureError::Encoder("PNG", error.to_string()),
-        }
-    }
-}
-
-impl From<gif::EncodingError> for PictureError {
-    fn from(error: gif::EncodingError) -> PictureError {
-        match error {
-            gif::EncodingError::Io(error) => error.into(),
-            error => PictureError::Encoder("GIF", error.to_string()),
-        }
-    }
+    Png(#[from] png::EncodingError),
+    /// The GIF cannot be made, or its file cannot be written.
+    #[error(transparent)]
+    Gif(#[from] gif::EncodingError),
 }
 
 /// A picture as pixels.

@@ -1,9 +1,10 @@
 //! A recorded run that is read frame by frame, as often as needed.
 
 use crate::error::RecordError;
-use crate::run::{Frame, Run, numeric, order_of, sorted};
+use crate::run::{Frame, Run, order_of, sorted};
 use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::Trial;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -101,7 +102,10 @@ impl Record {
 
     /// Returns the agents' Ids as numbers; `None` unless all are different whole numbers from 0 on.
     pub fn numeric_ids(&self) -> Option<Vec<i64>> {
-        numeric(&self.ids)
+        let number = |id: &String| id.parse().ok().filter(|id| *id >= 0);
+        let numbers: Vec<i64> = self.ids.iter().map(number).collect::<Option<_>>()?;
+        let different: BTreeSet<_> = numbers.iter().collect();
+        (different.len() == numbers.len()).then_some(numbers)
     }
 
     /// Returns the numbers of the agents: their Ids, or else their places, from 0.
@@ -134,28 +138,16 @@ impl Record {
         if same && kept == self.times.len() { Ok(()) } else { Err(changed()) }
     }
 
-    /// Reads the frames with the wanted numbers into memory.
-    ///
-    /// # Errors
-    /// As [`Record::each`].
-    pub fn read(&self, wanted: impl Fn(usize) -> bool) -> Result<Run, RecordError> {
-        let mut frames = Vec::new();
-        self.each(|k, frame| {
-            frames.extend(wanted(k).then_some(frame));
-            Ok(())
-        })?;
-        Ok(Run { source: self.source.clone(), ids: self.ids.clone(), frames })
-    }
-
     /// An error of a frame.
     pub(crate) fn wrong_at(&self, place: usize, message: impl FnOnce(&str) -> String) -> RecordError {
-        match self.read(|k| k == place) {
-            Ok(run) => {
-                let place = run.frames.first().map_or("", |frame| frame.place.as_str());
-                RecordError::wrong(&self.source, message(place))
+        let mut found = String::new();
+        let read = self.each(|k, frame| {
+            if k == place {
+                found = frame.place;
             }
-            Err(error) => error,
-        }
+            Ok(())
+        });
+        read.err().unwrap_or_else(|| RecordError::wrong(&self.source, message(&found)))
     }
 
     /// \[1/s\] Number of frames per second.

@@ -187,11 +187,3 @@ pub(crate) fn order_of(ids: &[String], trial: &Trial, source: &Path) -> Result<V
     });
     order.collect()
 }
-
-/// The Ids as numbers; `None` unless all are different whole numbers from 0 on.
-pub(crate) fn numeric(ids: &[String]) -> Option<Vec<i64>> {
-    let numbers: Vec<i64> =
-        ids.iter().map(|id| id.parse().ok().filter(|id| *id >= 0)).collect::<Option<_>>()?;
-    let different: BTreeSet<_> = numbers.iter().collect();
-    (different.len() == numbers.len()).then_some(numbers)
-}

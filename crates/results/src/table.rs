@@ -12,6 +12,7 @@ pub use write::{FrameWriter, TableWriter};
 
 use crate::error::RecordError;
 use crate::record::Record;
+use crate::recorder::KeptFrames;
 use crate::run::{Frame, Run};
 use lemons_core::files::input;
 use std::fs::File;
@@ -31,7 +32,7 @@ impl Run {
     /// # Errors
     /// As [`Record::table`].
     pub fn read_table(path: &Path) -> Result<Run, RecordError> {
-        Record::table(path)?.read(|_| true)
+        Record::table(path)?.read_wanted(KeptFrames::All)
     }
 }
 

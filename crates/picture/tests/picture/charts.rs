@@ -171,22 +171,20 @@ fn what_is_measured_is_seen_on_an_equal_simulated_curve() {
     let ramp: Vec<_> = (0..=10).map(|t| (f64::from(t), f64::from(t))).collect();
     let lines = vec![line(0, true, ramp.clone()), line(0, false, ramp.clone()), line(1, false, ramp)];
     let text = drawn(&one_panel(lines, false));
-    let at = |what: &str| text.rfind(what).unwrap_or_else(|| panic!("no {what}"));
-    let group = text.find("class=\"lines\"").unwrap();
-    let measured = group + text[group..].find("class=\"measured\"").unwrap();
-    assert!(
-        at("class=\"casing\"") < measured
-            && at("<path class=\"simulated\" stroke=\"#d5") < at("class=\"casing\"")
+    let document = Document::parse(&text).unwrap();
+    let lines = common::class(&document, "lines")[0].children().filter(|n| n.has_tag_name("path"));
+    let lines: Vec<_> = lines.collect();
+    assert_eq!(
+        lines.iter().map(|n| n.attribute("class").unwrap()).collect::<Vec<_>>(),
+        ["simulated", "simulated", "casing", "measured"]
     );
     // Beside the dashes there is paper, and the solid line between.
-    let casing = &text[at("class=\"casing\"")..];
-    assert!(casing.starts_with("class=\"casing\" stroke=\"#ffffff\""));
-    let dashes = |text: &str| -> (f64, f64) {
-        let dashes = text.split("stroke-dasharray=\"").nth(1).unwrap().split('"').next().unwrap();
-        let (dash, gap) = dashes.split_once(' ').unwrap();
+    assert_eq!(lines[2].attribute("stroke"), Some("#ffffff"));
+    let dashes = |n: &Node| -> (f64, f64) {
+        let (dash, gap) = n.attribute("stroke-dasharray").unwrap().split_once(' ').unwrap();
         (dash.parse().unwrap(), gap.parse().unwrap())
     };
-    let (around, own) = (dashes(casing), dashes(&text[measured..]));
+    let (around, own) = (dashes(&lines[2]), dashes(&lines[3]));
     assert!(around.0 > own.0 + 1.0 && around.1 > 1.0 && (around.0 + around.1 - own.0 - own.1).abs() < 0.02);
 }
 

@@ -66,13 +66,12 @@ impl Cells for Line<'_> {
 }
 
 fn described(error: csv::Error) -> String {
+    let line = error.position().map_or(0, csv::Position::line);
     match error.kind() {
-        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
-            let line = pos.as_ref().map_or(0, csv::Position::line);
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
             format!("line {line}: has {len} columns, the header {expected_len}")
         }
-        csv::ErrorKind::Utf8 { pos, err } => {
-            let line = pos.as_ref().map_or(0, csv::Position::line);
+        csv::ErrorKind::Utf8 { err, .. } => {
             format!("line {line}: column {}: is not UTF-8 text", err.field() + 1)
         }
         _ => error.to_string(),

@@ -11,7 +11,7 @@ use parquet::basic::{
     Compression, ConvertedType, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel,
 };
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int32Type};
-use parquet::errors::{ParquetError, Result as Parquet};
+use parquet::errors::Result as Parquet;
 use parquet::file::metadata::{KeyValue, ParquetMetaData};
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::reader::FileReader;
@@ -68,23 +68,11 @@ pub(super) fn read(path: &Path, file: File, each: &mut Each<'_>) -> Result<Vec<S
     frames.finish()
 }
 
-const INVALID: &str = "is not valid Parquet";
-
 /// Catches panics: the `parquet` crate panics on some damaged files.
 fn guarded<T>(what: impl FnOnce() -> Parquet<T>) -> Result<T, String> {
-    /// The message of a build without a method of compression.
-    const UNBUILT: &str = "Disabled feature at compile time:";
-    let unknown = |what: String| format!("is Parquet with a feature that is not supported: {what}");
-    match catch_unwind(AssertUnwindSafe(what)) {
-        Ok(done) => done.map_err(|error| match error {
-            ParquetError::NYI(what) => unknown(what),
-            ParquetError::General(what) if what.starts_with(UNBUILT) => {
-                unknown(what.replacen(UNBUILT, "compression", 1))
-            }
-            error => format!("{INVALID}: {error}"),
-        }),
-        Err(_) => Err(format!("{INVALID}: it is inconsistent")),
-    }
+    let done = catch_unwind(AssertUnwindSafe(what)).map_err(|_| "it is inconsistent".to_owned());
+    let read = done.and_then(|done| done.map_err(|error| error.to_string()));
+    read.map_err(|error| format!("cannot be read as Parquet: {error}"))
 }
 
 /// Attributes of columns; empty if another program uses our key for something else.

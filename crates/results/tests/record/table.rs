@@ -3,7 +3,7 @@
 use crowd_mechanics::setup;
 use lemons_core::files::Staged;
 use lemons_core::plane::Vec2;
-use lemons_results::{Observed, OfStep, Record, Run, chaos, jupedsim, pedpy, walkable_area};
+use lemons_results::{KeptFrames, Observed, OfStep, Record, Run, chaos, jupedsim, pedpy, walkable_area};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -191,7 +191,7 @@ fn agents_are_those_of_the_trial() {
     let said = Record::from(good(&directory)).of_trial(&trial).err().unwrap().to_string();
     assert!(said.contains("has no agent \"2b\""), "{said}");
     trial.agents.truncate(2);
-    let run = Record::from(good(&directory)).of_trial(&trial).unwrap().read(|_| true).unwrap();
+    let run = Record::from(good(&directory)).of_trial(&trial).unwrap().read_wanted(KeptFrames::All).unwrap();
     assert_eq!((run.ids[0].as_str(), run.frames[0].agents[0].pose.position.x), ("3", 1.0));
     assert_eq!(Record::from(run.clone()).numeric_ids(), Some(vec![3, 7]));
     let named = Record::from(Run { ids: vec!["3".into(), "b".into()], ..run });
