@@ -5,7 +5,7 @@
 
 use crate::colour::{Colour, Palette, Theme};
 use crate::curve::{Piece, Range, apart, extremes, listed, shared, thinned};
-use crate::glyphs::{self, Anchor, Place};
+use crate::glyphs::{self, END, MIDDLE, Place, START};
 use crate::page::{
     CAP_HEIGHT, CASING, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, dashes, page_width, path, shrunk,
 };
@@ -139,10 +139,10 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
         let d = format!("M{left_px} {base}H{right_px}");
         page.line("axis", palette.ink.mixed(palette.paper, 0.35), &hair, "", &d);
         for (v, text) in &layout.ticks {
-            let place = page.place(left - TICK_GAP * unit, up(*v) + 0.5 * cap, Anchor::End);
+            let place = page.place(left - TICK_GAP * unit, up(*v) + 0.5 * cap, END);
             page.text("tick", text, place);
         }
-        let place = page.place(margin, above - 6.0 * unit, Anchor::Start);
+        let place = page.place(margin, above - 6.0 * unit, START);
         fitting(&mut page, "label", &panel.y, place, width - 2.0 * margin, palette.ink);
         page.out += "<g class=\"lines\" fill=\"none\" stroke-linejoin=\"round\">\n";
         for stroke in &layout.strokes {
@@ -154,9 +154,9 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     }
     let bottom = height - margin - below;
     for (v, text) in &x_ticks {
-        page.text("tick", text, page.place(across(*v), bottom + TICK_GAP * unit + cap, Anchor::Middle));
+        page.text("tick", text, page.place(across(*v), bottom + TICK_GAP * unit + cap, MIDDLE));
     }
-    let place = page.place(0.5 * (left + right), height - margin, Anchor::Middle);
+    let place = page.place(0.5 * (left + right), height - margin, MIDDLE);
     fitting(&mut page, "label", &chart.x, place, width - 2.0 * margin, palette.ink);
     header.draw(&mut page);
     page.end()
@@ -246,7 +246,7 @@ impl PanelLayout {
         let places: Vec<f64> = names.iter().map(|n| n.0).collect();
         let places = apart(&places, 1.5 * cap, above + 0.5 * cap, bottom - 0.5 * cap);
         for ((_, (name, colour)), y) in names.iter().zip(places) {
-            let place = page.place(right + gap, y + 0.5 * cap, Anchor::Start);
+            let place = page.place(right + gap, y + 0.5 * cap, START);
             fitting(page, "name", name, place, (room - gap).max(page.unit), *colour);
         }
     }

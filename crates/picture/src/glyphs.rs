@@ -15,13 +15,10 @@ const SPACE: f64 = 4.0;
 /// Width of the pen / cap height.
 pub(crate) const PEN: f64 = 0.125;
 
-/// The point of the text that is given.
-#[derive(Clone, Copy)]
-pub(crate) enum Anchor {
-    Start,
-    Middle,
-    End,
-}
+/// The point of the text that is given: its start, its middle or its end, as a fraction of its length.
+pub(crate) const START: f64 = 0.0;
+pub(crate) const MIDDLE: f64 = 0.5;
+pub(crate) const END: f64 = 1.0;
 
 /// Position and size of text.
 #[derive(Clone, Copy)]
@@ -30,7 +27,7 @@ pub(crate) struct Place {
     /// y of the base line.
     pub y: f64,
     pub cap_height: f64,
-    pub anchor: Anchor,
+    pub anchor: f64,
     /// Direction of y in which letters stand: 1 in the plane, −1 on a page.
     pub up: f64,
     pub decimals: usize,
@@ -77,13 +74,7 @@ pub(crate) fn width(text: &str, cap_height: f64) -> f64 {
 pub(crate) fn strokes(d: &mut String, text: &str, place: Place) {
     let unit = place.cap_height / CAP;
     let up = unit * place.up;
-    let length = width(text, place.cap_height);
-    let mut x = place.x
-        - match place.anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => 0.5 * length,
-            Anchor::End => length,
-        };
+    let mut x = place.x - place.anchor * width(text, place.cap_height);
     for c in text.chars() {
         if c != ' ' {
             for stroke in glyph(c).split(',') {

@@ -1,7 +1,7 @@
 //! A page, and what is on it beside scenes and curves: texts, legend, scale bar, colour bar.
 
 use crate::colour::{Colour, Palette, Theme};
-use crate::glyphs::{self, Anchor, PEN, Place};
+use crate::glyphs::{self, END, MIDDLE, PEN, Place, START};
 use crate::style::Scale;
 use crate::text::{PX, escaped, in_units, round_below, short, text_of};
 
@@ -87,7 +87,7 @@ impl Page {
     }
 
     /// Returns a place for text of the one size beside scenes.
-    pub fn place(&self, x: f64, y: f64, anchor: Anchor) -> Place {
+    pub fn place(&self, x: f64, y: f64, anchor: f64) -> Place {
         Place { x, y, cap_height: CAP_HEIGHT * self.unit, anchor, up: -1.0, decimals: PX }
     }
 
@@ -118,7 +118,7 @@ impl Page {
         let [ax, bx, up, mid, down] = [x0, x1, y - tick, y, y + tick].map(|v| text_of(v, PX));
         let d = format!("M{ax} {up}V{down}M{ax} {mid}H{bx}M{bx} {up}V{down}");
         self.line("scale-bar", self.palette.ink, &text_of(1.2 * self.unit, PX), "", &d);
-        self.text("scale", &label, self.place(x1 + 0.9 * cap, y + 0.5 * cap, Anchor::Start));
+        self.text("scale", &label, self.place(x1 + 0.9 * cap, y + 0.5 * cap, START));
     }
 
     /// Draws the colour map with its ends and its meaning at the lower right, or words if there is no colour bar.
@@ -130,7 +130,7 @@ impl Page {
             // Long ones are above the scale bar, and not across it.
             let long = glyphs::width(words, cap) > 0.55 * self.width;
             let y = if long { y - 1.9 * cap } else { y };
-            return self.text("label", words, self.place(right, y, Anchor::End));
+            return self.text("label", words, self.place(right, y, END));
         }
         let (bar, space) = (120.0 * self.unit, 0.8 * cap);
         let number = if low == high { short(*high) } else { scale.high_label() };
@@ -149,14 +149,14 @@ impl Page {
              <rect x=\"{x}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" rx=\"{r}\" fill=\"{fill}\"/>\n"
         );
         if low != high {
-            self.text("low", &short(*low), self.place(x0 - space, y, Anchor::End));
+            self.text("low", &short(*low), self.place(x0 - space, y, END));
         }
-        self.text("high", &number, self.place(x1 + space, y, Anchor::Start));
+        self.text("high", &number, self.place(x1 + space, y, START));
         // A title longer than the bar is centred on it while there is room, then it shrinks.
         let length = glyphs::width(title, cap);
         let shrink = shrunk(length, self.width - 2.0 * MARGIN * self.unit);
         let x = (0.5 * (x0 + x1)).min(right - 0.5 * length * shrink);
-        let place = self.place(x, y - 1.9 * cap, Anchor::Middle);
+        let place = self.place(x, y - 1.9 * cap, MIDDLE);
         self.text("label", title, Place { cap_height: cap * shrink, ..place });
         self.out += "</g>\n";
     }
@@ -209,7 +209,7 @@ impl Entry {
         let more = if self.dashed { &dashes } else { round };
         page.line(self.class, self.colour, &text_of(self.width, 3), more, &d);
         let x = x + (SAMPLE + SAMPLE_GAP) * unit;
-        page.text("entry", &self.label, page.place(x, base, Anchor::Start));
+        page.text("entry", &self.label, page.place(x, base, START));
         x + glyphs::width(&self.label, cap)
     }
 }
@@ -230,26 +230,22 @@ impl Header {
         let gap = ENTRY_GAP * unit;
         let whole: f64 = legend.iter().map(|e| length(e) + gap).sum::<f64>() - gap;
         let beside = if time.is_empty() { 0.0 } else { glyphs::width(time, CAP_HEIGHT * unit) + gap };
-        let mut rows = Vec::new();
-        if whole + beside <= room {
-            rows.push((left + room - whole.max(0.0), legend));
-        } else {
-            rows.push((left, Vec::new()));
-            let mut used = if time.is_empty() { 0.0 } else { f64::INFINITY };
-            for entry in legend {
-                let more = length(&entry);
-                if used > 0.0 && used + more > room {
-                    rows.push((left, Vec::new()));
+        if time.is_empty() && legend.is_empty() {
+            return Header { rows: Vec::new(), height: 0.0 };
+        }
+        let fits = whole + beside <= room;
+        let mut rows = vec![(if fits { left + room - whole.max(0.0) } else { left }, Vec::new())];
+        let mut used = if fits || time.is_empty() { 0.0 } else { f64::INFINITY };
+        for entry in legend {
+            let more = length(&entry);
+            match rows.last_mut() {
+                Some((_, row)) if fits || used == 0.0 || used + more <= room => row.push(entry),
+                _ => {
+                    rows.push((left, vec![entry]));
                     used = 0.0;
                 }
-                used += more + gap;
-                if let Some((_, row)) = rows.last_mut() {
-                    row.push(entry);
-                }
             }
-        }
-        if time.is_empty() && rows.iter().all(|(_, row)| row.is_empty()) {
-            return Header { rows: Vec::new(), height: 0.0 };
+            used += more + gap;
         }
         let height = (CAP_HEIGHT + (rows.len() - 1) as f64 * ROW + BAND_GAP) * unit;
         Header { rows, height }

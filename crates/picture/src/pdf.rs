@@ -2,19 +2,19 @@
 
 use crate::raster::PictureError;
 use miniz_oxide::deflate::compress_to_vec_zlib;
-use pdf_writer::types::{FunctionShadingType, LineCapStyle, LineJoinStyle};
+use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::writers::ExtGraphicsState;
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 use resvg::usvg::tiny_skia_path::{Path as Outline, PathSegment, Point};
 use resvg::usvg::{
     BlendMode, ClipPath, Color, Fill, FillRule, Group, LineCap, LineJoin, LinearGradient, Node, Options,
-    Paint, Path, SpreadMethod, Stop, Stroke, Transform, Tree,
+    Paint, Path, SpreadMethod, Stroke, Transform, Tree,
 };
 
 /// \[pt/px\] An inch is 72 points or 96 px.
 const POINTS: f32 = 0.75;
-/// \[pt\] Pages with longer sides need a unit larger than a point.
-const LONGEST_SIDE: f32 = 14_400.0;
+/// Number of strips of a gradient.
+const STRIPS: usize = 128;
 /// Level of zlib.
 const COMPRESSION: u8 = 6;
 
@@ -23,7 +23,6 @@ const PAGES: Ref = Ref::new(2);
 const PAGE: Ref = Ref::new(3);
 const CONTENT: Ref = Ref::new(4);
 const INFO: Ref = Ref::new(5);
-const FIRST_FREE: i32 = 6;
 
 /// Converts an SVG to a PDF of one page of the same size; 96 px are an inch. Curves remain curves.
 ///
@@ -33,40 +32,27 @@ const FIRST_FREE: i32 = 6;
 pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
     let tree = Tree::from_str(svg, &Options::default())?;
     let (width, height) = (POINTS * tree.size().width(), POINTS * tree.size().height());
-    let unit = (width.max(height) / LONGEST_SIDE).ceil().max(1.0);
-    let mut drawing = Drawing { content: Content::new(), opacities: Vec::new(), shadings: Vec::new() };
-    let scale = POINTS / unit;
-    drawing.content.transform([scale, 0.0, 0.0, -scale, 0.0, height / unit]);
+    let mut drawing = Drawing { content: Content::new(), opacities: Vec::new() };
+    drawing.content.transform([POINTS, 0.0, 0.0, -POINTS, 0.0, height]);
     drawing.group(tree.root())?;
-    let Drawing { content, opacities, shadings } = drawing;
+    let Drawing { content, opacities } = drawing;
 
     let mut pdf = Pdf::new();
     pdf.catalog(CATALOG).pages(PAGES);
     pdf.pages(PAGES).kids([PAGE]).count(1);
     let mut page = pdf.page(PAGE);
-    page.parent(PAGES).media_box(Rect::new(0.0, 0.0, width / unit, height / unit)).contents(CONTENT);
-    if unit > 1.0 {
-        page.user_unit(unit);
-    }
+    page.parent(PAGES).media_box(Rect::new(0.0, 0.0, width, height)).contents(CONTENT);
     page.group().transparency().isolated(true).knockout(false).color_space().device_rgb();
     let mut resources = page.resources();
     let mut states = resources.ext_g_states();
     for (place, (fill, stroke)) in opacities.iter().enumerate() {
-        let mut state = states.insert(Name(name('O', place).as_bytes())).start::<ExtGraphicsState>();
+        let mut state = states.insert(Name(name(place).as_bytes())).start::<ExtGraphicsState>();
         state.non_stroking_alpha(*fill).stroking_alpha(*stroke);
     }
     states.finish();
-    // The function of a shading follows it.
-    let objects = || (FIRST_FREE..).step_by(2).map(Ref::new).zip(&shadings);
-    let mut places = resources.shadings();
-    for (place, (object, _)) in objects().enumerate() {
-        places.pair(Name(name('S', place).as_bytes()), object);
-    }
-    places.finish();
     resources.finish();
     page.finish();
     pdf.stream(CONTENT, &compress_to_vec_zlib(&content.finish(), COMPRESSION)).filter(Filter::FlateDecode);
-    objects().for_each(|(object, shading)| shading.write(&mut pdf, object));
     // No date, so that the same picture gives the same bytes.
     pdf.document_info(INFO).producer(TextStr("LEMONS"));
     Ok(pdf.finish())
@@ -76,35 +62,11 @@ struct Drawing {
     content: Content,
     /// Opacities of fill and stroke, each pair once.
     opacities: Vec<(f32, f32)>,
-    shadings: Vec<Shading>,
 }
 
-/// A linear gradient.
-struct Shading {
-    /// x and y of both ends.
-    line: [f32; 4],
-    /// Colours at equal distances from one end to the other.
-    colours: Vec<Color>,
-}
-
-/// Returns the name of an object of the page: O for opacities, S for shadings.
-fn name(kind: char, place: usize) -> String {
-    format!("{kind}{place}")
-}
-
-impl Shading {
-    /// Writes the shading and, as the next object, its function.
-    fn write(&self, pdf: &mut Pdf, object: Ref) {
-        let function = Ref::new(object.get() + 1);
-        let mut shading = pdf.function_shading(object);
-        shading.shading_type(FunctionShadingType::Axial).color_space().device_rgb();
-        shading.coords(self.line).function(function).extend([true, true]);
-        shading.finish();
-        let samples: Vec<u8> = self.colours.iter().flat_map(|c| [c.red, c.green, c.blue]).collect();
-        let mut colours = pdf.sampled_function(function, &samples);
-        colours.domain([0.0, 1.0]).range([0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
-        colours.size([self.colours.len() as i32]).bits_per_sample(8);
-    }
+/// Returns the name of opacities in the resources of the page.
+fn name(place: usize) -> String {
+    format!("O{place}")
 }
 
 impl Drawing {
@@ -172,7 +134,7 @@ impl Drawing {
             self.opacities.push(opacity);
             self.opacities.len() - 1
         });
-        self.content.set_parameters(Name(name('O', place).as_bytes()));
+        self.content.set_parameters(Name(name(place).as_bytes()));
         let even_odd = fill.is_some_and(|fill| fill.rule() == FillRule::EvenOdd);
         // Painting both at once would make them one object: a transparent stroke would not show the fill.
         if fill.is_some() {
@@ -190,24 +152,33 @@ impl Drawing {
         Ok(())
     }
 
-    /// Fills an outline with a gradient.
+    /// Fills an outline with a gradient from left to right: strips of one colour, each up to the end, so that there are
+    /// no gaps between them.
     fn shade(&mut self, outline: &Outline, gradient: &LinearGradient) -> Result<(), PictureError> {
-        let stops = gradient.stops();
-        let plain = |(k, stop): (usize, &Stop)| {
-            let place = k as f32 / (stops.len() - 1) as f32;
-            stop.opacity().get() == 1.0 && (stop.offset().get() - place).abs() < 1e-3
-        };
-        let even = stops.len() > 1 && stops.iter().enumerate().all(plain);
-        if !even || gradient.spread_method() != SpreadMethod::Pad {
-            return Err(PictureError::Pdf("gradients that are transparent, uneven or repeated"));
+        let (stops, y) = (gradient.stops(), gradient.y1());
+        let opaque = stops.iter().all(|stop| stop.opacity().get() == 1.0);
+        if !opaque || gradient.spread_method() != SpreadMethod::Pad || stops.len() < 2 || y != gradient.y2() {
+            return Err(PictureError::Pdf(
+                "gradients that are transparent, repeated or not from left to right",
+            ));
         }
-        let name = name('S', self.shadings.len());
-        let line = [gradient.x1(), gradient.y1(), gradient.x2(), gradient.y2()];
-        self.shadings.push(Shading { line, colours: stops.iter().map(Stop::color).collect() });
         self.content.save_state();
         self.outline(outline);
         self.content.clip_nonzero().end_path().transform(matrix(gradient.transform()));
-        self.content.shading(Name(name.as_bytes())).restore_state();
+        let length = gradient.x2() - gradient.x1();
+        for k in 0..STRIPS {
+            let [begin, middle] = [0.0, 0.5].map(|part| (k as f32 + part) / STRIPS as f32);
+            let above = stops.iter().position(|stop| stop.offset().get() >= middle);
+            let above = above.unwrap_or(stops.len() - 1).max(1);
+            let (a, b) = (&stops[above - 1], &stops[above]);
+            let part = (middle - a.offset().get()) / (b.offset().get() - a.offset().get());
+            let [from, to] = [a, b].map(|stop| parts(stop.color()));
+            let mixed = |channel: usize| from[channel] + part.clamp(0.0, 1.0) * (to[channel] - from[channel]);
+            self.content.set_fill_rgb(mixed(0), mixed(1), mixed(2));
+            self.content.rect(gradient.x1() + begin * length, y - 1.0, (1.0 - begin) * length, 2.0);
+            self.content.fill_nonzero();
+        }
+        self.content.restore_state();
         Ok(())
     }
 
@@ -258,12 +229,14 @@ impl Drawing {
 
 fn rgb(paint: &Paint) -> Result<[f32; 3], PictureError> {
     match paint {
-        // Three decimals distinguish all 256 values, and are short.
-        Paint::Color(Color { red, green, blue }) => {
-            Ok([*red, *green, *blue].map(|part| (f32::from(part) / 0.255).round() / 1000.0))
-        }
+        Paint::Color(colour) => Ok(parts(*colour)),
         _ => Err(PictureError::Pdf("gradients and patterns")),
     }
+}
+
+fn parts(colour: Color) -> [f32; 3] {
+    // Three decimals distinguish all 256 values, and are short.
+    [colour.red, colour.green, colour.blue].map(|part| (f32::from(part) / 0.255).round() / 1000.0)
 }
 
 fn matrix(t: Transform) -> [f32; 6] {

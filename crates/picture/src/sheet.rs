@@ -3,7 +3,7 @@
 use crate::bicycle::Bicycle;
 use crate::body::near;
 use crate::colour::{Colour, Palette};
-use crate::glyphs::{self, Anchor};
+use crate::glyphs::{self, START};
 use crate::page::{
     BAND_GAP, CAP_HEIGHT, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, footer_height, page_width,
 };
@@ -138,7 +138,7 @@ pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
             // Above the left edge of the scene, or at the start of the cell if the scene is narrower than the heading.
             let length = glyphs::width(&headings[k], CAP_HEIGHT * unit);
             let x = if length <= drawn.x { frame.left } else { left };
-            page.text("time", &headings[k], page.place(x, above + CAP_HEIGHT * unit, Anchor::Start));
+            page.text("time", &headings[k], page.place(x, above + CAP_HEIGHT * unit, START));
         }
         world(&mut page, (scene, style), &frame, colouring.clone(), force_scale, cut);
         if !alone {
@@ -146,7 +146,7 @@ pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
         }
     }
     if !time.is_empty() {
-        page.text("time", time, page.place(left_of_time, margin + CAP_HEIGHT * unit, Anchor::Start));
+        page.text("time", time, page.place(left_of_time, margin + CAP_HEIGHT * unit, START));
     }
     header.draw(&mut page);
     page.scale_bar(scale, if alone { 0.27 * cell } else { (100.0 * unit).min(cell) });

@@ -90,38 +90,14 @@ mod tests {
 
     #[test]
     fn numbers() {
-        for (value, text) in [
-            (0.0, "0"),
-            (-0.00001, "0"),
-            (0.5, ".5"),
-            (-0.25, "-.25"),
-            (100.0, "100"),
-            (1.23456, "1.2346"),
-            (-3.0, "-3"),
-        ] {
-            assert_eq!(number(value, 4), text);
-        }
+        let values = [0.0, -0.00001, 0.5, -0.25, 100.0, 1.23456, -3.0];
+        assert_eq!(values.map(|v| number(v, 4)), ["0", "0", ".5", "-.25", "100", "1.2346", "-3"]);
         assert_eq!(text_of(10.0, 0), "10");
-        for (value, text) in [
-            (0.0, "0"),
-            (1.5, "1.5"),
-            (1234.5, "1234"),
-            (0.01234, "0.0123"),
-            (1.2e7, "1.2e7"),
-            (-3e-9, "-3e-9"),
-            (9.999, "10"),
-        ] {
-            assert_eq!(short(value), text);
-        }
-    }
-
-    #[test]
-    fn round_lengths() {
-        assert_eq!(round_below(0.49), 0.2);
-        assert_eq!(round_below(73.0), 50.0);
-        assert_eq!(round_below(1.0), 1.0);
-        assert_eq!(round_above(0.21), 0.5);
-        assert_eq!(round_above(0.2), 0.2);
-        assert_eq!(round_above(7.0), 10.0);
+        let values = [0.0, 1.5, 1234.5, 0.01234, 1.2e7, -3e-9, 9.999];
+        assert_eq!(values.map(short), ["0", "1.5", "1234", "0.0123", "1.2e7", "-3e-9", "10"]);
+        assert_eq!([0.49, 73.0, 1.0].map(round_below), [0.2, 50.0, 1.0]);
+        assert_eq!([0.21, 0.2, 7.0].map(round_above), [0.5, 0.2, 10.0]);
+        let units = &[(1.0, "m"), (0.01, "cm")];
+        assert_eq!([2.0, 0.5, 0.001].map(|v| in_units(v, units)), ["2 m", "50 cm", "0.1 cm"]);
     }
 }

@@ -4,7 +4,7 @@ use crate::bicycle::Bicycle;
 use crate::body::{Body, begin_at, near, point, polyline};
 use crate::colour::{Colour, Palette};
 use crate::density::density;
-use crate::glyphs::{self, Anchor, PEN, Place};
+use crate::glyphs::{self, PEN, Place, START};
 use crate::page::{CASING, MARGIN, Page, dashes, path};
 use crate::scene::{Force, Scene, Trail};
 use crate::sheet::Frame;
@@ -216,7 +216,7 @@ impl<'a> World<'a> {
                 let turn = Rotation::by(pose.orientation);
                 let middle = pose.position + (body.middle - vec2(0.18 * body.front, 0.0)).rotated(turn);
                 let (x, y) = (-(0.5 * glyphs::width(id, grid)).round(), -0.5 * grid);
-                let (anchor, up, decimals) = (Anchor::Start, 1.0, 1);
+                let (anchor, up, decimals) = (START, 1.0, 1);
                 let mut d = String::new();
                 glyphs::strokes(&mut d, id, Place { x, y, cap_height: grid, anchor, up, decimals });
                 let fill = world.colouring.of(agent);

@@ -36,39 +36,31 @@ pub fn jupedsim(record: &Record, area: &Area, path: &Path) -> Result<(), RecordE
 
 /// Fills a database; messages call it `path`.
 fn fill(file: &Path, record: &Record, area: &Area, rate: f64, path: &Path) -> Result<(), RecordError> {
-    let cannot = |error: rusqlite::Error| WriteError::at(path)(io::Error::other(error));
-    let begin = || -> rusqlite::Result<Connection> {
-        // The file is there. One that was taken away as the program ends is not made anew.
-        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let database = Connection::open_with_flags(file, flags)?;
-        // No journal beside it: a file that is not complete is removed.
-        database.pragma_update(None, "journal_mode", "OFF")?;
-        database.execute_batch(TABLES)?;
-        Ok(database)
-    };
-    let mut database = begin().map_err(cannot)?;
+    let cannot = |error: rusqlite::Error| RecordError::from(WriteError::at(path)(io::Error::other(error)));
+    // The file is there. One that was taken away as the program ends is not made anew.
+    let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let mut database = Connection::open_with_flags(file, flags).map_err(cannot)?;
+    // No journal beside it: a file that is not complete is removed.
+    database.pragma_update(None, "journal_mode", "OFF").map_err(cannot)?;
+    database.execute_batch(TABLES).map_err(cannot)?;
     let transaction = database.transaction().map_err(cannot)?;
     let hash = head(&transaction, area, rate).map_err(cannot)?;
-    {
-        let prepared = |text| transaction.prepare(text).map_err(cannot);
-        let mut rows = prepared("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)")?;
-        let mut frames = prepared("INSERT INTO frame_data VALUES (?, ?)")?;
-        let numbers = record.numbers();
-        let mut insert = |at: usize, frame: &Frame| -> rusqlite::Result<()> {
-            let at = at as i64;
-            frames.execute([at, hash])?;
-            // Who has left has no more rows there.
-            for (place, agent) in frame.present() {
-                let (number, Pose { position, orientation }) = (numbers[place], agent.pose);
-                let (sin, cos) = (libm::sin(orientation), libm::cos(orientation));
-                rows.execute(params![at, number, position.x, position.y, cos, sin])?;
-            }
-            Ok(())
-        };
-        record.each(|at, frame| Ok(insert(at, &frame).map_err(cannot)?))?;
-    }
+    let numbers = record.numbers();
+    record.each(|at, frame| insert(&transaction, [at as i64, hash], &frame, &numbers).map_err(cannot))?;
     transaction.commit().map_err(cannot)?;
-    Ok(database.close().map_err(|(_, error)| cannot(error))?)
+    database.close().map_err(|(_, error)| cannot(error))
+}
+
+/// Writes a frame: its number with the hash of its geometry, and the rows of those who are there.
+fn insert(database: &Connection, head: [i64; 2], frame: &Frame, numbers: &[i64]) -> rusqlite::Result<()> {
+    database.prepare_cached("INSERT INTO frame_data VALUES (?, ?)")?.execute(head)?;
+    let mut rows = database.prepare_cached("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)")?;
+    for (place, agent) in frame.present() {
+        let (number, Pose { position, orientation }) = (numbers[place], agent.pose);
+        let (sin, cos) = (libm::sin(orientation), libm::cos(orientation));
+        rows.execute(params![head[0], number, position.x, position.y, cos, sin])?;
+    }
+    Ok(())
 }
 
 /// Writes what stands before the rows; returns the hash of the geometry.

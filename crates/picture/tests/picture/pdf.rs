@@ -58,7 +58,7 @@ fn a_page_of_curves_without_fonts() {
     assert_eq!(page, [0.0, 0.0, 0.75 * attribute("width"), 0.75 * attribute("height")]);
     let operators = content(&made);
     let count = |operator: &str| operators.lines().filter(|line| line.ends_with(operator)).count();
-    assert_eq!(count(" sh"), 1, "the colour bar");
+    assert_eq!(count(" re"), 128, "the colour bar");
     assert!(count(" c") > 50, "{} curves", count(" c"));
     assert!(count("] 0 d") >= 2, "dashes");
     assert_eq!(operators.matches("q\n").count(), operators.matches("Q").count());

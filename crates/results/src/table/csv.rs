@@ -1,6 +1,7 @@
 //! Tables in CSV: SI units, numbers that read back to the same doubles.
 
 use super::rows::{Cells, Frames, place};
+use super::write::Rows;
 use crate::cell::Cell;
 use crate::columns::{self, Column};
 use crate::error::RecordError;
@@ -91,8 +92,10 @@ impl<W: Write> Writer<W> {
         out.write_record(columns.iter().map(head_of))?;
         Ok(Writer { out, text: String::new() })
     }
+}
 
-    pub fn row<'a>(&mut self, cells: impl Iterator<Item = Cell<'a>>) -> io::Result<()> {
+impl<W: Write + Send> Rows<W> for Writer<W> {
+    fn row(&mut self, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()> {
         for cell in cells {
             let text = &mut self.text;
             text.clear();
@@ -109,7 +112,7 @@ impl<W: Write> Writer<W> {
         Ok(self.out.write_record(None::<&[u8]>)?)
     }
 
-    pub fn finish(self) -> io::Result<W> {
+    fn finish(self: Box<Self>) -> io::Result<W> {
         self.out.into_inner().map_err(csv::IntoInnerError::into_error)
     }
 }

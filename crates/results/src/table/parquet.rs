@@ -3,6 +3,7 @@
 
 use super::format::Content;
 use super::rows::{Cells, Frames, Head, place};
+use super::write::Rows;
 use crate::cell::{Cell, CellType};
 use crate::columns::{Column, ID};
 use crate::error::RecordError;
@@ -163,7 +164,24 @@ impl<W: Write + Send> Writer<W> {
         Ok(Writer { out, columns, group, rows: 0 })
     }
 
-    pub fn row<'a>(&mut self, mut cells: impl Iterator<Item = Cell<'a>>) -> io::Result<()> {
+    fn flush(&mut self) -> io::Result<()> {
+        if self.rows == 0 {
+            return Ok(());
+        }
+        let mut group = self.out.next_row_group()?;
+        for (_, values) in &mut self.columns {
+            let Some(mut column) = group.next_column()? else { break };
+            values.write(&mut column)?;
+            column.close()?;
+        }
+        group.close()?;
+        self.rows = 0;
+        Ok(())
+    }
+}
+
+impl<W: Write + Send> Rows<W> for Writer<W> {
+    fn row(&mut self, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()> {
         for (name, values) in &mut self.columns {
             let cell = cells.next();
             match (values, cell) {
@@ -181,22 +199,7 @@ impl<W: Write + Send> Writer<W> {
         if self.rows == self.group { self.flush() } else { Ok(()) }
     }
 
-    fn flush(&mut self) -> io::Result<()> {
-        if self.rows == 0 {
-            return Ok(());
-        }
-        let mut group = self.out.next_row_group()?;
-        for (_, values) in &mut self.columns {
-            let Some(mut column) = group.next_column()? else { break };
-            values.write(&mut column)?;
-            column.close()?;
-        }
-        group.close()?;
-        self.rows = 0;
-        Ok(())
-    }
-
-    pub fn finish(mut self) -> io::Result<W> {
+    fn finish(mut self: Box<Self>) -> io::Result<W> {
         self.flush()?;
         Ok(self.out.into_inner()?)
     }
