@@ -1,7 +1,7 @@
 //! Writes frames as animated PNG or GIF.
 //!
-//! For each frame only the rectangle that changed is written, and unchanged pixels in it are transparent. Only two
-//! frames are kept in memory.
+//! In each frame the pixels that have not changed are transparent: long runs of them take little space. Only two frames
+//! are kept in memory.
 
 use crate::raster::{PictureError, Pixels};
 use std::collections::HashMap;
@@ -26,7 +26,8 @@ pub struct Animation<W: Write> {
     encoder: Encoder<W>,
     frames_per_second: f64,
     written: u32,
-    last: Option<Pixels>,
+    /// Red, green, blue, alpha of the pixels of the last frame.
+    last: Vec<u8>,
 }
 
 enum Encoder<W: Write> {
@@ -50,7 +51,7 @@ impl<W: Write> Animation<W> {
             AnimationFormat::Apng => Encoder::Apng(apng(to, first, frames)?),
             AnimationFormat::Gif => gif(to, first)?,
         };
-        Ok(Animation { encoder, frames_per_second, written: 0, last: None })
+        Ok(Animation { encoder, frames_per_second, written: 0, last: Vec::new() })
     }
 
     /// Adds the next frame, which is as large as the first.
@@ -58,18 +59,13 @@ impl<W: Write> Animation<W> {
     /// # Errors
     /// The file cannot be written, or this is a frame too many.
     pub fn add(&mut self, frame: &Pixels) -> Result<(), PictureError> {
-        let Pixels { width, height, .. } = *frame;
-        let area = self.last.as_ref().map_or(Area { x: 0, y: 0, width, height }, |last| changed(last, frame));
-        let pixels = area.pixels(frame, self.last.as_ref());
+        let ((pixels, _), last) = (frame.rgba.as_chunks::<4>(), self.last.as_chunks::<4>().0);
+        let shown = |(k, pixel)| if last.get(k) == Some(pixel) { [0; 4] } else { *pixel };
+        let pixels: Vec<[u8; 4]> = pixels.iter().enumerate().map(shown).collect();
         match &mut self.encoder {
             Encoder::Apng(writer) => {
                 let over = (TICKS / self.frames_per_second.max(1.0)).floor();
                 writer.set_frame_delay(over as u16, (over * self.frames_per_second).round() as u16)?;
-                if self.written > 0 {
-                    writer.reset_frame_position()?;
-                    writer.set_frame_dimension(area.width, area.height)?;
-                    writer.set_frame_position(area.x, area.y)?;
-                }
                 writer.write_image_data(&pixels.concat())?;
             }
             Encoder::Gif(encoder) => {
@@ -81,10 +77,8 @@ impl<W: Write> Animation<W> {
                     delay,
                     dispose: gif::DisposalMethod::Keep,
                     transparent: Some(TRANSPARENT),
-                    top: area.y as u16,
-                    left: area.x as u16,
-                    width: area.width as u16,
-                    height: area.height as u16,
+                    width: frame.width as u16,
+                    height: frame.height as u16,
                     buffer: indices(&pixels, &palette).into(),
                     palette: Some(palette.concat()),
                     ..gif::Frame::default()
@@ -92,7 +86,7 @@ impl<W: Write> Animation<W> {
                 encoder.write_frame(&frame)?;
             }
         }
-        self.last = Some(frame.clone());
+        self.last.clone_from(&frame.rgba);
         self.written += 1;
         Ok(())
     }
@@ -129,50 +123,6 @@ fn gif<W: Write>(to: W, first: &Pixels) -> Result<Encoder<W>, PictureError> {
     let mut encoder = gif::Encoder::new(to, width, height, &[])?;
     encoder.set_repeat(gif::Repeat::Infinite)?;
     Ok(Encoder::Gif(Box::new(encoder)))
-}
-
-/// A rectangle \[px\].
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Area {
-    x: u32,
-    y: u32,
-    width: u32,
-    height: u32,
-}
-
-impl Area {
-    /// Returns its pixels; those equal to the last frame are transparent.
-    fn pixels(&self, frame: &Pixels, last: Option<&Pixels>) -> Vec<[u8; 4]> {
-        let rows = self.y as usize..(self.y + self.height) as usize;
-        let columns = self.x as usize..(self.x + self.width) as usize;
-        let colour_at = |pixels: &Pixels, x, y| {
-            let k = 4 * (y * pixels.width as usize + x);
-            [pixels.rgba[k], pixels.rgba[k + 1], pixels.rgba[k + 2], 255]
-        };
-        let pixel = |x, y| {
-            let colour = colour_at(frame, x, y);
-            if last.is_some_and(|last| colour_at(last, x, y) == colour) { [0; 4] } else { colour }
-        };
-        rows.flat_map(|y| columns.clone().map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect()
-    }
-}
-
-/// Returns the smallest rectangle around all changes; one pixel if nothing changed.
-fn changed(last: &Pixels, frame: &Pixels) -> Area {
-    let row = 4 * frame.width as usize;
-    let rows = last.rgba.chunks_exact(row).zip(frame.rgba.chunks_exact(row)).enumerate();
-    let (mut left, mut right, mut top, mut bottom) = (usize::MAX, 0, usize::MAX, 0);
-    for (y, (a, b)) in rows.filter(|(_, (a, b))| a != b) {
-        (top, bottom) = (top.min(y), y);
-        let mut pairs = a.chunks_exact(4).zip(b.chunks_exact(4));
-        left = left.min(pairs.clone().position(|(a, b)| a != b).unwrap_or(left));
-        right = right.max(pairs.rposition(|(a, b)| a != b).unwrap_or(right));
-    }
-    if top > bottom {
-        return Area { x: 0, y: 0, width: 1, height: 1 };
-    }
-    let [x, y, width, height] = [left, top, right - left + 1, bottom - top + 1].map(|v| v as u32);
-    Area { x, y, width, height }
 }
 
 /// Returns the 256 colours of a palette: the most frequent ones that differ enough from all before, until the palette is

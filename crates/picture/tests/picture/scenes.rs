@@ -136,13 +136,7 @@ fn the_integral_of_density_is_the_number_of_people() {
         let people: f64 = map.values().iter().sum::<f64>() * map.cell().x * map.cell().y;
         assert!((people - 4.0 / 3.0).abs() < 1e-6, "{kernel}: {people}");
     }
-    // A person alone: the Gaussian's own peak, and half a person where the map ends at them.
-    let mut map = DensityMap::new(Bounds { low: vec2(-3.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
-    map.add([Vec2::ZERO]);
-    let peak = map.values().into_iter().fold(0.0, f64::max);
-    let expected = 1.0 / (std::f64::consts::TAU * 0.25);
-    // A corner of four cells stands at the peak itself.
-    assert!((peak / expected - 1.0).abs() < 0.03, "{peak}");
+    // Half a person where the map ends at them.
     let mut map = DensityMap::new(Bounds { low: vec2(0.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
     map.add([Vec2::ZERO]);
     let people: f64 = map.values().iter().sum::<f64>() * map.cell().x * map.cell().y;
