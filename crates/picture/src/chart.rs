@@ -326,17 +326,33 @@ fn crowd(steps: bool, noun: &str, lines: &[&Line], unit: f64, palette: &Palette)
         let name = format!("{} (max)", called(noun, &[&line.name]));
         strokes.push(strong("highest", 1, Line { name, ..(**line).clone() }));
     }
-    let mut all: Vec<(f64, f64)> =
-        solid.iter().flat_map(|line| &line.points).copied().filter(drawable).collect();
-    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let median = all.chunk_by(|a, b| a.0 == b.0).map(|same| {
-        let (x, upper) = same[same.len() / 2];
-        let lower = if steps { upper } else { same[(same.len() - 1) / 2].1 };
-        (x, 0.5 * lower + 0.5 * upper)
+    // Curves may have different x.
+    let mut places: Vec<f64> = solid.iter().flat_map(|line| &line.points).map(|p| p.0).collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    let median = places.into_iter().map(|x| {
+        let mut values: Vec<f64> = solid.iter().filter_map(|l| value_at(&l.points, x, steps)).collect();
+        values.sort_by(f64::total_cmp);
+        let middle = |half: usize| values.get(half).map_or(f64::NAN, |value| 0.5 * value);
+        let upper = values.len() / 2;
+        let lower = if steps { upper } else { values.len().saturating_sub(1) / 2 };
+        (x, middle(lower) + middle(upper))
     });
     let median = Line { name: "median".to_owned(), points: median.collect(), ..Line::default() };
     strokes.push(strong("median", 0, median));
     strokes
+}
+
+/// Returns y of a curve at x, if it is known there.
+fn value_at(points: &[(f64, f64)], x: f64, steps: bool) -> Option<f64> {
+    let next = points.partition_point(|p| p.0 <= x || p.0.is_nan());
+    let (after, before) = (points.get(next), points[..next].last().filter(|p| drawable(p))?);
+    if before.0 == x || steps {
+        return (before.0 == x || after.is_some()).then_some(before.1);
+    }
+    let after = after.filter(|p| drawable(p))?;
+    let part = (x - before.0) / (after.0 - before.0);
+    Some(before.1 * (1.0 - part) + after.1 * part)
 }
 
 impl Stroke {

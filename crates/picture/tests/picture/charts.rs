@@ -110,6 +110,14 @@ fn a_crowd_has_a_median_and_a_highest() {
         c[0].1 - c[c.len() - 1].1
     };
     assert!((height("median") / height("highest") - 0.5).abs() < 0.01);
+    // The same lines at x of their own.
+    let own = |k: usize| {
+        let x = [0.0, 1.0 + 0.1 * k as f64, 20.0];
+        line(k, false, x.map(|x| (x, k as f64 * x)).to_vec())
+    };
+    let text = drawn(&one_panel((0..101).map(own).collect(), false));
+    let points = corners(paths(&Document::parse(&text).unwrap(), "median")[0]);
+    assert_eq!(points.len(), 2, "{points:?}");
     let opacity: f64 = paths(&document, "simulated")[0].attribute("stroke-opacity").unwrap().parse().unwrap();
     assert!(opacity < 0.3);
     // Eight still have names.
