@@ -131,3 +131,31 @@ impl Palette {
         colours.get(place % 7).map_or(self.ink, |colour| Colour::hex(*colour))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lightness L* of CIELAB, from 0 to 100.
+    fn lightness(colour: Colour) -> f64 {
+        let linear = |part: u8| {
+            let part = f64::from(part) / 255.0;
+            if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) }
+        };
+        let y = 0.2126 * linear(colour.0) + 0.7152 * linear(colour.1) + 0.0722 * linear(colour.2);
+        if y > 0.008856 { 116.0 * y.cbrt() - 16.0 } else { 903.3 * y }
+    }
+
+    #[test]
+    fn maps_have_even_steps_of_lightness_and_begin_as_the_paper() {
+        use {ColourMap::*, Theme::*};
+        for (map, theme) in [(Viridis, Light), (FromPaper, Light), (FromPaper, Dark)] {
+            let lights = Ramp::new(map, theme).0.map(lightness);
+            let mean = (lights[SHADES - 1] - lights[0]) / (SHADES - 1) as f64;
+            let even = lights.windows(2).all(|two| ((two[1] - two[0]) / mean - 1.0).abs() < 0.3);
+            assert!(even && mean.abs() > 4.5, "{map:?} {theme:?}: {lights:?}");
+            let paper = lightness(Palette::of(theme).paper);
+            assert!(map == Viridis || (lights[0] - paper).abs() < 4.0, "{theme:?}: {} on {paper}", lights[0]);
+        }
+    }
+}

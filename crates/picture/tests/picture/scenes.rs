@@ -136,9 +136,11 @@ fn the_integral_of_density_is_the_number_of_people() {
         let people: f64 = map.values().iter().sum::<f64>() * map.cell().x * map.cell().y;
         assert!((people - 4.0 / 3.0).abs() < 1e-6, "{kernel}: {people}");
     }
-    // Half a person where the map ends at them.
+    // Half a person where the map ends at them, and there the peak of the Gaussian.
     let mut map = DensityMap::new(Bounds { low: vec2(0.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
     map.add([Vec2::ZERO]);
+    let peak = map.values().into_iter().fold(0.0, f64::max);
+    assert!((peak * std::f64::consts::TAU * 0.25 - 1.0).abs() < 0.03, "{peak}");
     let people: f64 = map.values().iter().sum::<f64>() * map.cell().x * map.cell().y;
     assert!((people - 0.5).abs() < 1e-6, "{people}");
 }
