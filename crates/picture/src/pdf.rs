@@ -13,6 +13,8 @@ use resvg::usvg::{
 
 /// \[pt/px\] An inch is 72 points or 96 px.
 const POINTS: f32 = 0.75;
+/// \[pt\] Pages with longer sides need a unit larger than a point.
+const LONGEST_SIDE: f32 = 14_400.0;
 /// Number of strips of a gradient.
 const STRIPS: usize = 128;
 /// Level of zlib.
@@ -33,7 +35,9 @@ pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
     let tree = Tree::from_str(svg, &Options::default())?;
     let (width, height) = (POINTS * tree.size().width(), POINTS * tree.size().height());
     let mut drawing = Drawing { content: Content::new(), opacities: Vec::new() };
-    drawing.content.transform([POINTS, 0.0, 0.0, -POINTS, 0.0, height]);
+    let unit = (width.max(height) / LONGEST_SIDE).ceil().max(1.0);
+    let [scale, width, height] = [POINTS, width, height].map(|length| length / unit);
+    drawing.content.transform([scale, 0.0, 0.0, -scale, 0.0, height]);
     drawing.group(tree.root())?;
     let Drawing { content, opacities } = drawing;
 
@@ -42,6 +46,9 @@ pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
     pdf.pages(PAGES).kids([PAGE]).count(1);
     let mut page = pdf.page(PAGE);
     page.parent(PAGES).media_box(Rect::new(0.0, 0.0, width, height)).contents(CONTENT);
+    if unit > 1.0 {
+        page.user_unit(unit);
+    }
     page.group().transparency().isolated(true).knockout(false).color_space().device_rgb();
     let mut resources = page.resources();
     let mut states = resources.ext_g_states();
@@ -136,7 +143,7 @@ impl Drawing {
         });
         self.content.set_parameters(Name(name(place).as_bytes()));
         let even_odd = fill.is_some_and(|fill| fill.rule() == FillRule::EvenOdd);
-        // Painting both at once would make them one object: a transparent stroke would not show the fill.
+        // One after the other: painted at once they would be one object, and a transparent stroke would not show the fill.
         if fill.is_some() {
             self.outline(path.data());
             if even_odd {

@@ -75,7 +75,10 @@ fn what_no_picture_here_has_is_refused() {
     let radial = "<radialGradient id=\"r\"><stop offset=\"0\"/><stop offset=\"1\" stop-color=\"red\"/></radialGradient>";
     assert!(said(&format!("{radial}<path fill=\"url(#r)\" d=\"M0 0H5V5Z\"/>")).contains("gradients"));
     assert!(pdf("<svg").is_err());
-    assert!(pdf(&svg("")).is_ok());
+    assert!(!text(&pdf(&svg("")).unwrap()).contains("/UserUnit"));
+    // Readers refuse sides of more than 14400 units.
+    let long = text(&pdf(&svg("").replace("width=\"9\"", "width=\"32000\"")).unwrap());
+    assert!(long.contains("/MediaBox [0 0 12000 3.375]") && long.contains("/UserUnit 2"), "{long}");
 }
 
 /// With a program that draws PDF, where there is one.
