@@ -1,21 +1,16 @@
 //! Writes frames as animated PNG or GIF.
 //!
-//! For each frame only the rectangle that changed is written, and unchanged pixels in it are transparent. Only two
-//! frames are kept in memory.
+//! In each frame the pixels that have not changed are transparent: long runs of them take little space. Only two frames
+//! are kept in memory.
 
-use crate::colour::Ramp;
 use crate::raster::{PictureError, Pixels};
 use std::collections::HashMap;
 use std::io::Write;
 
-/// Number of shades of the colour map in every palette.
-const RAMP: usize = 64;
-/// Index of the transparent colour in the palette of a GIF.
+/// Index of the transparent colour in the palettes of a GIF.
 const TRANSPARENT: u8 = 255;
-/// Smallest visible squared distance of two neighbouring colours, summed over red, green and blue.
-const SEEN: u32 = 3 * 10 * 10;
-/// A frame with more pixels than this in a thousand whose colour is visibly wrong gets its own palette.
-const TOLERATED: usize = 2;
+/// \[s\] The delay of a frame of an animated PNG is a fraction; over this number most frame rates are exact.
+const TICKS: f64 = 60_000.0;
 
 /// The file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,12 +26,13 @@ pub struct Animation<W: Write> {
     encoder: Encoder<W>,
     frames_per_second: f64,
     written: u32,
-    last: Option<Pixels>,
+    /// Red, green, blue, alpha of the pixels of the last frame.
+    last: Vec<u8>,
 }
 
 enum Encoder<W: Write> {
     Apng(png::Writer<W>),
-    Gif(Box<gif::Encoder<W>>, Palette),
+    Gif(Box<gif::Encoder<W>>),
 }
 
 impl<W: Write> Animation<W> {
@@ -55,7 +51,7 @@ impl<W: Write> Animation<W> {
             AnimationFormat::Apng => Encoder::Apng(apng(to, first, frames)?),
             AnimationFormat::Gif => gif(to, first)?,
         };
-        Ok(Animation { encoder, frames_per_second, written: 0, last: None })
+        Ok(Animation { encoder, frames_per_second, written: 0, last: Vec::new() })
     }
 
     /// Adds the next frame, which is as large as the first.
@@ -63,46 +59,34 @@ impl<W: Write> Animation<W> {
     /// # Errors
     /// The file cannot be written, or this is a frame too many.
     pub fn add(&mut self, frame: &Pixels) -> Result<(), PictureError> {
-        let Pixels { width, height, .. } = *frame;
-        let area = self.last.as_ref().map_or(Area { x: 0, y: 0, width, height }, |last| changed(last, frame));
-        let pixels = area.pixels(frame, self.last.as_ref());
+        let ((pixels, _), last) = (frame.rgba.as_chunks::<4>(), self.last.as_chunks::<4>().0);
+        let shown = |(k, pixel)| if last.get(k) == Some(pixel) { [0; 4] } else { *pixel };
+        let pixels: Vec<[u8; 4]> = pixels.iter().enumerate().map(shown).collect();
         match &mut self.encoder {
             Encoder::Apng(writer) => {
-                let (over, under) = fraction(self.frames_per_second);
-                writer.set_frame_delay(over, under)?;
-                if self.written > 0 {
-                    writer.reset_frame_position()?;
-                    writer.set_frame_dimension(area.width, area.height)?;
-                    writer.set_frame_position(area.x, area.y)?;
-                }
+                let over = (TICKS / self.frames_per_second.max(1.0)).floor();
+                writer.set_frame_delay(over as u16, (over * self.frames_per_second).round() as u16)?;
                 writer.write_image_data(&pixels.concat())?;
             }
-            Encoder::Gif(encoder, palette) => {
+            Encoder::Gif(encoder) => {
                 // Round the end of each frame to hundredths of a second: rounding errors do not add up.
                 let end = |k: u32| (f64::from(k) * 100.0 / self.frames_per_second).round() as u64;
                 let delay = (end(self.written + 1) - end(self.written)).min(u64::from(u16::MAX)) as u16;
-                let (buffer, colours) = if palette.serves(&pixels) {
-                    (palette.indices(&pixels), None)
-                } else {
-                    let mut own = Palette::of(&pixels);
-                    (own.indices(&pixels), Some(own.bytes()))
-                };
+                let palette = palette(&pixels);
                 let frame = gif::Frame {
                     delay,
                     dispose: gif::DisposalMethod::Keep,
                     transparent: Some(TRANSPARENT),
-                    top: area.y as u16,
-                    left: area.x as u16,
-                    width: area.width as u16,
-                    height: area.height as u16,
-                    palette: colours,
-                    buffer: buffer.into(),
+                    width: frame.width as u16,
+                    height: frame.height as u16,
+                    buffer: indices(&pixels, &palette).into(),
+                    palette: Some(palette.concat()),
                     ..gif::Frame::default()
                 };
                 encoder.write_frame(&frame)?;
             }
         }
-        self.last = Some(frame.clone());
+        self.last.clone_from(&frame.rgba);
         self.written += 1;
         Ok(())
     }
@@ -114,7 +98,7 @@ impl<W: Write> Animation<W> {
     pub fn finish(self) -> Result<(), PictureError> {
         match self.encoder {
             Encoder::Apng(writer) => Ok(writer.finish()?),
-            Encoder::Gif(encoder, _) => Ok(encoder.into_inner()?.flush()?),
+            Encoder::Gif(encoder) => Ok(encoder.into_inner()?.flush().map_err(gif::EncodingError::Io)?),
         }
     }
 }
@@ -136,157 +120,47 @@ fn gif<W: Write>(to: W, first: &Pixels) -> Result<Encoder<W>, PictureError> {
     let (Ok(width), Ok(height)) = (width, height) else {
         return Err(PictureError::Size { width: first.width, height: first.height.into() });
     };
-    let whole = Area { x: 0, y: 0, width: first.width, height: first.height };
-    let palette = Palette::of(&whole.pixels(first, None));
-    let mut encoder = gif::Encoder::new(to, width, height, &palette.bytes())?;
+    let mut encoder = gif::Encoder::new(to, width, height, &[])?;
     encoder.set_repeat(gif::Repeat::Infinite)?;
-    Ok(Encoder::Gif(Box::new(encoder), palette))
+    Ok(Encoder::Gif(Box::new(encoder)))
 }
 
-/// \[s\] Duration of a frame as animated PNG stores it: exact for integer rates.
-fn fraction(frames_per_second: f64) -> (u16, u16) {
-    if frames_per_second.fract() == 0.0 {
-        return (1, frames_per_second as u16);
+/// Returns the 256 colours of a palette: the most frequent ones that differ enough from all before, until the palette is
+/// full. Flat areas and lines keep their colours; their smooth edges share the others.
+fn palette(pixels: &[[u8; 4]]) -> Vec<[u8; 3]> {
+    let mut counts: HashMap<[u8; 3], usize> = HashMap::new();
+    for [r, g, b, _] in pixels.iter().filter(|p| p[3] > 0) {
+        *counts.entry([*r, *g, *b]).or_default() += 1;
     }
-    let under = (65_535.0 * frames_per_second).min(10_000.0);
-    let mut best = (1, 1, f64::INFINITY);
-    for under in 1..=(under.ceil() as u16) {
-        let over = (f64::from(under) / frames_per_second).round();
-        let off = (over / f64::from(under) * frames_per_second - 1.0).abs();
-        if (1.0..=65_535.0).contains(&over) && off < best.2 - 1e-12 {
-            best = (over as u16, under, off);
+    let mut common: Vec<_> = counts.into_iter().collect();
+    common.sort_unstable_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+    // Colours of more than a thousandth of the pixels are exact.
+    let large = common.iter().take(48).filter(|(_, n)| *n > pixels.len() / 1000);
+    let mut colours: Vec<[u8; 3]> = large.map(|(colour, _)| *colour).collect();
+    for apart in [40, 20, 10, 5, 1] {
+        for (colour, _) in &common {
+            if colours.len() < usize::from(TRANSPARENT)
+                && colours.iter().all(|known| distance(*known, *colour) >= apart * apart)
+            {
+                colours.push(*colour);
+            }
         }
     }
-    (best.0, best.1)
+    colours.resize(256, [0; 3]);
+    colours
 }
 
-/// A rectangle \[px\].
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Area {
-    x: u32,
-    y: u32,
-    width: u32,
-    height: u32,
-}
-
-impl Area {
-    /// Returns its pixels; those equal to the last frame are transparent.
-    fn pixels(&self, frame: &Pixels, last: Option<&Pixels>) -> Vec<[u8; 4]> {
-        let rows = self.y as usize..(self.y + self.height) as usize;
-        let columns = self.x as usize..(self.x + self.width) as usize;
-        let colour_at = |pixels: &Pixels, x, y| {
-            let k = 4 * (y * pixels.width as usize + x);
-            [pixels.rgba[k], pixels.rgba[k + 1], pixels.rgba[k + 2], 255]
+/// Returns the places of the nearest colours in a palette.
+fn indices(pixels: &[[u8; 4]], palette: &[[u8; 3]]) -> Vec<u8> {
+    let mut known: HashMap<[u8; 3], u8> = HashMap::new();
+    let mut index = |&[r, g, b, a]: &[u8; 4]| {
+        let nearest = || {
+            let all = palette.iter().zip(0..TRANSPARENT);
+            all.min_by_key(|(colour, _)| distance(**colour, [r, g, b])).map_or(0, |(_, place)| place)
         };
-        let pixel = |x, y| {
-            let colour = colour_at(frame, x, y);
-            if last.is_some_and(|last| colour_at(last, x, y) == colour) { [0; 4] } else { colour }
-        };
-        rows.flat_map(|y| columns.clone().map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect()
-    }
-}
-
-/// Returns the smallest rectangle around all changes; one pixel if nothing changed.
-fn changed(last: &Pixels, frame: &Pixels) -> Area {
-    let row = 4 * frame.width as usize;
-    let rows = last.rgba.chunks_exact(row).zip(frame.rgba.chunks_exact(row)).enumerate();
-    let (mut left, mut right, mut top, mut bottom) = (usize::MAX, 0, usize::MAX, 0);
-    for (y, (a, b)) in rows.filter(|(_, (a, b))| a != b) {
-        (top, bottom) = (top.min(y), y);
-        let mut pairs = a.chunks_exact(4).zip(b.chunks_exact(4));
-        left = left.min(pairs.clone().position(|(a, b)| a != b).unwrap_or(left));
-        right = right.max(pairs.rposition(|(a, b)| a != b).unwrap_or(right));
-    }
-    if top > bottom {
-        return Area { x: 0, y: 0, width: 1, height: 1 };
-    }
-    let [x, y, width, height] = [left, top, right - left + 1, bottom - top + 1].map(|v| v as u32);
-    Area { x, y, width, height }
-}
-
-/// Up to 255 colours, and a cache of the nearest one for colours that occurred.
-struct Palette {
-    colours: Vec<[u8; 3]>,
-    nearest: HashMap<[u8; 3], (u8, u32)>,
-}
-
-impl Palette {
-    /// The colour map in use, then the most frequent colours that differ enough from all before, until the palette is
-    /// full. Flat areas and lines keep their colours; their smooth edges share the others.
-    fn of(pixels: &[[u8; 4]]) -> Palette {
-        let mut counts: HashMap<[u8; 3], usize> = HashMap::new();
-        for [r, g, b, _] in pixels.iter().filter(|p| p[3] > 0) {
-            *counts.entry([*r, *g, *b]).or_default() += 1;
-        }
-        let mut common: Vec<_> = counts.into_iter().collect();
-        common.sort_unstable_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
-        let mut colours: Vec<[u8; 3]> = Vec::with_capacity(usize::from(TRANSPARENT));
-        // Colours of more than a thousandth of the pixels are exact.
-        let large = pixels.len() / 1000;
-        colours.extend(common.iter().take(48).filter(|(_, n)| *n > large).map(|(c, _)| *c));
-        for (map, theme) in Ramp::ALL {
-            let ramp = Ramp::new(map, theme);
-            let shades = (0..RAMP).map(|k| ramp.at(k as f64 / (RAMP - 1) as f64)).map(|c| [c.0, c.1, c.2]);
-            // A colour bar contains nearly all of them.
-            let seen =
-                |shade: &[u8; 3]| common.iter().any(|(colour, _)| distance(*colour, *shade) <= 3 * 3 * 3);
-            if 2 * shades.clone().filter(seen).count() < RAMP {
-                continue;
-            }
-            for shade in shades {
-                if !colours.contains(&shade) {
-                    colours.push(shade);
-                }
-            }
-            // The light and the dark variant have the same colours.
-            break;
-        }
-        for apart in [40, 28, 20, 14, 10, 7, 5, 3, 1] {
-            for (colour, _) in &common {
-                if colours.len() == usize::from(TRANSPARENT) {
-                    break;
-                }
-                if colours.iter().all(|c| distance(*c, *colour) >= apart * apart) {
-                    colours.push(*colour);
-                }
-            }
-        }
-        Palette { colours, nearest: HashMap::new() }
-    }
-
-    /// Red, green, blue of 256 colours.
-    fn bytes(&self) -> Vec<u8> {
-        let mut bytes = self.colours.concat();
-        bytes.resize(3 * 256, 0);
-        bytes
-    }
-
-    fn nearest(&mut self, colour: [u8; 3]) -> (u8, u32) {
-        let colours = &self.colours;
-        *self.nearest.entry(colour).or_insert_with(|| {
-            let all = colours.iter().zip(0u8..).map(|(c, k)| (distance(*c, colour), k));
-            all.min().map_or((0, u32::MAX), |(distance, k)| (k, distance))
-        })
-    }
-
-    /// Returns whether the palette represents these pixels well enough.
-    fn serves(&mut self, pixels: &[[u8; 4]]) -> bool {
-        let off =
-            pixels.iter().filter(|p| p[3] > 0).filter(|[r, g, b, _]| self.nearest([*r, *g, *b]).1 > SEEN);
-        let (off, all) = (off.count(), pixels.iter().filter(|p| p[3] > 0).count());
-        // A long film may have any number of colours.
-        if self.nearest.len() > 200_000 {
-            self.nearest.clear();
-        }
-        1000 * off <= TOLERATED * all
-    }
-
-    fn indices(&mut self, pixels: &[[u8; 4]]) -> Vec<u8> {
-        pixels
-            .iter()
-            .map(|[r, g, b, a]| if *a == 0 { TRANSPARENT } else { self.nearest([*r, *g, *b]).0 })
-            .collect()
-    }
+        if a == 0 { TRANSPARENT } else { *known.entry([r, g, b]).or_insert_with(nearest) }
+    };
+    pixels.iter().map(&mut index).collect()
 }
 
 fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {

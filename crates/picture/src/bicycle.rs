@@ -56,7 +56,7 @@ impl Bicycle {
     }
 
     /// Draws it in the plane.
-    fn draw(&self, out: &mut String, palette: &Palette) {
+    pub(crate) fn draw(&self, out: &mut String, palette: &Palette) {
         let ((along, across), (length, breadth)) = (self.wheels, self.rider);
         begin_at(out, &self.pose);
         let _ = write!(out, "><title>{}</title>", escaped(&self.id));
@@ -91,18 +91,4 @@ impl Bicycle {
         part(&dark, behind + vec2(0.04 * length, 0.0), vec2(head, head), head);
         *out += "</g>\n";
     }
-}
-
-/// Draws bicycles with outlines of this width \[m\], like bodies.
-pub(crate) fn bicycles(out: &mut String, drawn: &[&Bicycle], palette: &Palette, stroke: f64) {
-    if drawn.is_empty() {
-        return;
-    }
-    let (fill, outline, stroke) = (Bicycle::FILL, palette.outline, text_of(stroke, 6));
-    let _ = writeln!(
-        out,
-        "<g class=\"bicycles\" fill=\"{fill}\" stroke=\"{outline}\" stroke-width=\"{stroke}\">"
-    );
-    drawn.iter().for_each(|bicycle| bicycle.draw(out, palette));
-    *out += "</g>\n";
 }

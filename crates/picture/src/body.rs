@@ -134,9 +134,7 @@ pub(crate) fn point(d: &mut String, p: Vec2) {
 pub(crate) fn begin_at(out: &mut String, pose: &Pose) {
     *out += "<g transform=\"translate(";
     point(out, pose.position);
-    *out += ")rotate(";
-    number(out, pose.orientation.rem_euclid(TAU).to_degrees(), 2);
-    *out += ")\"";
+    *out += &format!(")rotate({})\"", number(pose.orientation.rem_euclid(TAU).to_degrees(), 2));
 }
 
 #[cfg(test)]

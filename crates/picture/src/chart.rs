@@ -5,9 +5,9 @@
 
 use crate::colour::{Colour, Palette, Theme};
 use crate::curve::{Piece, Range, apart, extremes, listed, shared, thinned};
-use crate::glyphs::{self, Anchor, Place};
+use crate::glyphs::{self, END, MIDDLE, Place, START};
 use crate::page::{
-    CAP_HEIGHT, CASING, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, dashes, page_width, shrunk,
+    CAP_HEIGHT, CASING, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, dashes, page_width, path, shrunk,
 };
 use crate::text::{PX, escaped, pair, text_of};
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,8 +31,6 @@ const TICK_GAP: f64 = 5.0;
 const GRID: (f64, f64) = (62.0, 24.0);
 /// \[px\] Largest error of a drawn curve.
 const TOLERANCE: f64 = 0.12;
-/// Number of x at which the median of a crowd is computed.
-const SAMPLES: usize = 300;
 
 /// A chart: panels above each other that share the x axis.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -109,7 +107,7 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     let aspect = style.aspect.filter(|a| a.is_finite() && *a > 0.0).map(|a| a.clamp(0.02, 10.0));
     let tall = aspect.unwrap_or(if chart.panels.len() > 1 { 0.25 } else { 0.5 }) * width;
     let panels: Vec<PanelLayout> =
-        chart.panels.iter().map(|p| PanelLayout::new(p, &chart.noun, x, tall, unit, &palette)).collect();
+        chart.panels.iter().map(|p| PanelLayout::new(p, &chart.noun, tall, unit, &palette)).collect();
     let numbers = panels.iter().flat_map(|p| &p.ticks).map(|(_, text)| glyphs::width(text, cap));
     let left = margin + numbers.fold(0.0, f64::max) + TICK_GAP * unit;
     let names = panels.iter().flat_map(|p| &p.strokes).filter_map(|s| s.name.as_ref());
@@ -141,10 +139,10 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
         let d = format!("M{left_px} {base}H{right_px}");
         page.line("axis", palette.ink.mixed(palette.paper, 0.35), &hair, "", &d);
         for (v, text) in &layout.ticks {
-            let place = page.place(left - TICK_GAP * unit, up(*v) + 0.5 * cap, Anchor::End);
+            let place = page.place(left - TICK_GAP * unit, up(*v) + 0.5 * cap, END);
             page.text("tick", text, place);
         }
-        let place = page.place(margin, above - 6.0 * unit, Anchor::Start);
+        let place = page.place(margin, above - 6.0 * unit, START);
         fitting(&mut page, "label", &panel.y, place, width - 2.0 * margin, palette.ink);
         page.out += "<g class=\"lines\" fill=\"none\" stroke-linejoin=\"round\">\n";
         for stroke in &layout.strokes {
@@ -156,9 +154,9 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     }
     let bottom = height - margin - below;
     for (v, text) in &x_ticks {
-        page.text("tick", text, page.place(across(*v), bottom + TICK_GAP * unit + cap, Anchor::Middle));
+        page.text("tick", text, page.place(across(*v), bottom + TICK_GAP * unit + cap, MIDDLE));
     }
-    let place = page.place(0.5 * (left + right), height - margin, Anchor::Middle);
+    let place = page.place(0.5 * (left + right), height - margin, MIDDLE);
     fitting(&mut page, "label", &chart.x, place, width - 2.0 * margin, palette.ink);
     header.draw(&mut page);
     page.end()
@@ -203,7 +201,7 @@ struct PanelLayout {
 }
 
 impl PanelLayout {
-    fn new(panel: &ChartPanel, noun: &str, x: Range, tall: f64, unit: f64, palette: &Palette) -> PanelLayout {
+    fn new(panel: &ChartPanel, noun: &str, tall: f64, unit: f64, palette: &Palette) -> PanelLayout {
         let lines: Vec<&Line> = panel.lines.iter().filter(|l| l.points.iter().any(drawable)).collect();
         let values = lines.iter().flat_map(|l| &l.points).filter(|p| drawable(p)).map(|p| p.1);
         let y = Range::around(values, true).airy();
@@ -213,7 +211,7 @@ impl PanelLayout {
         let mut strokes = if few {
             named(&lines, noun, unit, palette)
         } else {
-            crowd(panel.steps, noun, &lines, x, unit, palette)
+            crowd(panel.steps, noun, &lines, unit, palette)
         };
         if panel.steps {
             step_aside(&mut strokes, &lines, &groups, tall / (y.high - y.low), unit);
@@ -245,10 +243,10 @@ impl PanelLayout {
         };
         let mut names: Vec<(f64, &(String, Colour))> = self.strokes.iter().filter_map(named).collect();
         names.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let places = names.iter().map(|n| n.0).collect();
-        let places = apart(places, 1.5 * cap, above + 0.5 * cap, bottom - 0.5 * cap);
+        let places: Vec<f64> = names.iter().map(|n| n.0).collect();
+        let places = apart(&places, 1.5 * cap, above + 0.5 * cap, bottom - 0.5 * cap);
         for ((_, (name, colour)), y) in names.iter().zip(places) {
-            let place = page.place(right + gap, y + 0.5 * cap, Anchor::Start);
+            let place = page.place(right + gap, y + 0.5 * cap, START);
             fitting(page, "name", name, place, (room - gap).max(page.unit), *colour);
         }
     }
@@ -296,8 +294,8 @@ fn called(noun: &str, names: &[&str]) -> String {
 fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Stroke> {
     // A group is named beside its first solid line, if it has one.
     let is_named = |line: &Line| {
-        let own = || lines.iter().filter(|l| l.group == line.group);
-        own().find(|l| !l.dashed).or(own().next()).is_some_and(|l| std::ptr::eq(*l, line))
+        let first = lines.iter().filter(|l| l.group == line.group).min_by_key(|l| l.dashed);
+        first.is_some_and(|first| std::ptr::eq(*first, line))
     };
     let stroke = |line: &&Line| {
         let colour = palette.series(line.group);
@@ -308,7 +306,7 @@ fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Strok
 }
 
 /// Many lines: all of them pale, their median, and the one with the highest value.
-fn crowd(steps: bool, noun: &str, lines: &[&Line], x: Range, unit: f64, palette: &Palette) -> Vec<Stroke> {
+fn crowd(steps: bool, noun: &str, lines: &[&Line], unit: f64, palette: &Palette) -> Vec<Stroke> {
     let opacity = (14.0 / lines.len() as f64).clamp(0.1, 0.5);
     let pale = |line: &&Line| Stroke { opacity, ..Stroke::of(line, noun, palette.ink, THIN * unit) };
     let mut strokes: Vec<Stroke> = lines.iter().map(pale).collect();
@@ -318,30 +316,30 @@ fn crowd(steps: bool, noun: &str, lines: &[&Line], x: Range, unit: f64, palette:
         let known = line.points.iter().filter(|p| drawable(p));
         known.fold(f64::NEG_INFINITY, |high, p| high.max(p.1))
     };
-    let strong = |class, points, place, name: String| Stroke {
-        class,
-        name: Some((name.clone(), palette.series(place))),
-        ..Stroke::new(points, palette.series(place), STROKE * unit, name)
+    let strong = |class, place, line: Line| {
+        let stroke = Stroke::of(&line, "", palette.series(place), STROKE * unit);
+        Stroke { class, name: Some((line.name, stroke.colour)), dashed: false, ..stroke }
     };
     // The first of several with the same maximum.
     let highest = solid.iter().copied().reduce(|a, b| if top(b) > top(a) { b } else { a });
     if let Some(line) = highest {
         let name = format!("{} (max)", called(noun, &[&line.name]));
-        strokes.push(strong("highest", line.points.clone(), 1, name));
+        strokes.push(strong("highest", 1, Line { name, ..(**line).clone() }));
     }
-    let median = (0..=SAMPLES).map(|k| {
-        let at = x.low + (x.high - x.low) * k as f64 / SAMPLES as f64;
-        let mut values: Vec<f64> = solid.iter().filter_map(|l| value_at(&l.points, at, steps)).collect();
+    // Curves may have different x.
+    let mut places: Vec<f64> = solid.iter().flat_map(|line| &line.points).map(|p| p.0).collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    let median = places.into_iter().map(|x| {
+        let mut values: Vec<f64> = solid.iter().filter_map(|l| value_at(&l.points, x, steps)).collect();
         values.sort_by(f64::total_cmp);
-        let middle = values.len() / 2;
-        let value = match values.len() {
-            0 => f64::NAN,
-            n if n % 2 == 1 || steps => values[middle],
-            _ => 0.5 * values[middle - 1] + 0.5 * values[middle],
-        };
-        (at, value)
+        let middle = |half: usize| values.get(half).map_or(f64::NAN, |value| 0.5 * value);
+        let upper = values.len() / 2;
+        let lower = if steps { upper } else { values.len().saturating_sub(1) / 2 };
+        (x, middle(lower) + middle(upper))
     });
-    strokes.push(strong("median", median.collect(), 0, "median".to_owned()));
+    let median = Line { name: "median".to_owned(), points: median.collect(), ..Line::default() };
+    strokes.push(strong("median", 0, median));
     strokes
 }
 
@@ -358,22 +356,18 @@ fn value_at(points: &[(f64, f64)], x: f64, steps: bool) -> Option<f64> {
 }
 
 impl Stroke {
-    /// A solid line without a name.
-    fn new(points: Vec<(f64, f64)>, colour: Colour, width: f64, title: String) -> Stroke {
-        let (class, pieces) = ("simulated", Vec::new());
-        let (aside, opacity, dashed, name) = (0.0, 1.0, false, None);
-        Stroke { class, points, pieces, colour, width, aside, opacity, dashed, name, title }
-    }
-
+    /// Makes a stroke without a name.
     fn of(line: &Line, noun: &str, colour: Colour, width: f64) -> Stroke {
-        let class = if line.dashed { "measured" } else { "simulated" };
-        let stroke = Stroke::new(line.points.clone(), colour, width, called(noun, &[&line.name]));
-        Stroke { class, dashed: line.dashed, ..stroke }
+        let (points, dashed) = (line.points.clone(), line.dashed);
+        let class = if dashed { "measured" } else { "simulated" };
+        let (pieces, aside, opacity, name) = (Vec::new(), 0.0, 1.0, None);
+        let title = called(noun, &[&line.name]);
+        Stroke { class, points, pieces, colour, width, aside, opacity, dashed, name, title }
     }
 
     fn draw(&self, page: &mut Page, steps: bool, across: impl Fn(f64) -> f64, up: impl Fn(f64) -> f64) {
         let unit = page.unit;
-        let path = |d: &mut String, points: &[(f64, f64)]| {
+        let curve = |d: &mut String, points: &[(f64, f64)]| {
             for piece in points.split(|p| !drawable(p)) {
                 let mut on_page: Vec<(f64, f64)> = Vec::with_capacity(piece.len());
                 for p in piece {
@@ -397,10 +391,10 @@ impl Stroke {
         // Pieces with the same dashes become one path.
         let mut paths: BTreeMap<(usize, usize), String> = BTreeMap::new();
         if self.pieces.is_empty() {
-            path(paths.entry((0, 1)).or_default(), &self.points);
+            curve(paths.entry((0, 1)).or_default(), &self.points);
         }
         for piece in &self.pieces {
-            path(paths.entry(piece.turn).or_default(), &piece.points);
+            curve(paths.entry(piece.turn).or_default(), &piece.points);
         }
         let Stroke { class, colour, .. } = self;
         let (title, paper) = (escaped(&self.title), page.palette.paper);
@@ -411,9 +405,7 @@ impl Stroke {
         for ((turn, of), d) in paths.iter().filter(|(_, d)| !d.is_empty()) {
             let more = if self.dashed {
                 if !pale {
-                    page.out += &format!(
-                        "<path class=\"casing\" stroke=\"{paper}\" stroke-width=\"{cased}\"{casing} d=\"{d}\"/>\n"
-                    );
+                    path(&mut page.out, "casing", paper, &cased, &casing, d);
                 }
                 dash.clone()
             } else if *of > 1 {

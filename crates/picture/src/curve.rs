@@ -70,10 +70,11 @@ pub(crate) fn extremes(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
             kept.extend_from_slice(chunk);
             continue;
         }
-        let by = |best: fn(f64, f64) -> bool| {
-            (0..chunk.len()).reduce(|a, b| if best(chunk[b].1, chunk[a].1) { b } else { a }).unwrap_or(0)
-        };
-        let wanted = BTreeSet::from([0, by(|a, b| a < b), by(|a, b| a > b), chunk.len() - 1]);
+        let [low, high] = [1.0, -1.0].map(|sign| {
+            let y = |k: &usize| sign * chunk[*k].1;
+            (0..chunk.len()).min_by(|a, b| y(a).total_cmp(&y(b))).unwrap_or(0)
+        });
+        let wanted = BTreeSet::from([0, low, high, chunk.len() - 1]);
         kept.extend(wanted.into_iter().map(|k| chunk[k]));
     }
     kept
@@ -105,46 +106,24 @@ pub(crate) fn thinned(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> 
     points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| *p).collect()
 }
 
-/// Moves sorted places until they are at least `step` apart, as little as possible, and keeps them within the limits if
-/// there is room.
-pub(crate) fn apart(mut y: Vec<f64>, step: f64, low: f64, high: f64) -> Vec<f64> {
-    let n = y.len();
-    if n == 0 {
-        return y;
-    }
-    let step = if n > 1 { step.min((high - low).max(0.0) / (n - 1) as f64) } else { step };
-    // Merge neighbours that are too near into a block about their mean, until none are.
+/// Moves ascending places until they are at least `step` apart, as little as possible, and keeps them within the limits
+/// if there is room.
+pub(crate) fn apart(places: &[f64], step: f64, low: f64, high: f64) -> Vec<f64> {
+    let gaps = places.len().saturating_sub(1) as f64;
+    let step = step.min((high - low).max(0.0) / gaps);
+    // Without the steps they need only ascend: neighbours that do not are replaced by their mean (isotonic regression).
     let mut blocks: Vec<(f64, usize)> = Vec::new();
-    for v in y.drain(..) {
-        let mut block = (v, 1);
-        while let Some(&(middle, count)) = blocks.last() {
-            let reach = 0.5 * step * (count + block.1) as f64;
-            if block.0 - middle >= reach {
-                break;
-            }
-            let all = (count + block.1) as f64;
-            block = ((middle * count as f64 + block.0 * block.1 as f64) / all, count + block.1);
-            blocks.pop();
+    for (k, place) in places.iter().enumerate() {
+        let mut block = (place - step * k as f64, 1);
+        while let Some((mean, count)) = blocks.pop_if(|last| last.0 > block.0) {
+            let all = count + block.1;
+            block = ((mean * count as f64 + block.0 * block.1 as f64) / all as f64, all);
         }
-        let half = 0.5 * step * (block.1 - 1) as f64;
-        block.0 = block.0.min(high - half).max(low + half);
         blocks.push(block);
     }
-    let mut placed: Vec<f64> = blocks
-        .iter()
-        .flat_map(|(middle, count)| {
-            (0..*count).map(move |k| middle + step * (k as f64 - 0.5 * (*count as f64 - 1.0)))
-        })
-        .collect();
-    // A block at a limit may meet its neighbour.
-    for k in (0..n.saturating_sub(1)).rev() {
-        placed[k] = placed[k].min(placed[k + 1] - step);
-    }
-    placed[0] = placed[0].max(low);
-    for k in 1..n {
-        placed[k] = placed[k].max(placed[k - 1] + step);
-    }
-    placed
+    let means = blocks.into_iter().flat_map(|(mean, count)| std::iter::repeat_n(mean, count));
+    let within = means.map(|mean| mean.min(high - step * gaps).max(low));
+    within.enumerate().map(|(k, place)| place + step * k as f64).collect()
 }
 
 /// A piece of a curve.
@@ -159,60 +138,44 @@ pub(crate) struct Piece {
 /// everywhere. Only curves with the same x as the first can be equal. Equal pieces use the points of one curve, so that
 /// the dashes of one exactly fill the gaps of the other.
 pub(crate) fn shared(curves: &[&[(f64, f64)]], near: f64) -> (Vec<Vec<Piece>>, Vec<Vec<usize>>) {
-    let Some(first) = curves.first() else { return (Vec::new(), Vec::new()) };
-    let same_x = |curve: &[(f64, f64)]| {
-        curve.len() == first.len() && curve.iter().zip(*first).all(|(a, b)| a.0.to_bits() == b.0.to_bits())
-    };
-    let comparable: Vec<bool> = curves.iter().map(|curve| same_x(curve)).collect();
-    let known = |p: (f64, f64)| p.0.is_finite() && p.1.is_finite();
+    let x = |curve: &[(f64, f64)]| curve.iter().map(|p| p.0.to_bits()).collect::<Vec<u64>>();
+    let comparable: Vec<bool> = curves.iter().map(|curve| x(curve) == x(curves[0])).collect();
+    let close = |p: f64, q: f64| (p - q).abs() <= near || !p.is_finite() && !q.is_finite();
     let equal = |a: usize, b: usize, at: usize| {
-        // Others may be shorter.
-        a == b
-            || comparable[a] && comparable[b] && {
-                let (p, q) = (curves[a][at], curves[b][at]);
-                known(p) && known(q) && (p.1 - q.1).abs() <= near
-            }
+        // Those that are compared have as many points as the first.
+        a == b || comparable[a] && comparable[b] && close(curves[a][at].1, curves[b][at].1)
     };
     // The first curve that is equal from one point to the next; `None` after the end of a curve.
     let leader = |k: usize, from: usize| {
         let alike = |other: &usize| equal(k, *other, from) && equal(k, *other, from + 1);
         if from + 1 < curves[k].len() { (0..=k).find(alike) } else { None }
     };
-    let mut pieces = vec![Vec::new(); curves.len()];
     // For each curve: the curves equal to it, and since when.
-    let mut open: Vec<(Vec<usize>, usize)> = vec![Default::default(); curves.len()];
-    let longest = curves.iter().map(|curve| curve.len()).max().unwrap_or(0);
-    for from in 0..longest {
+    let mut runs: Vec<Vec<(usize, Vec<usize>)>> = vec![Vec::new(); curves.len()];
+    for from in 0..curves.iter().map(|curve| curve.len()).max().unwrap_or(0) {
         let leaders: Vec<Option<usize>> = (0..curves.len()).map(|k| leader(k, from)).collect();
-        for k in 0..curves.len() {
-            let alike = |other: &usize| leaders[k].is_some() && leaders[*other] == leaders[k];
-            if (0..curves.len()).filter(alike).eq(open[k].0.iter().copied()) {
-                continue;
-            }
-            let mates = (0..curves.len()).filter(alike).collect();
-            let (last, begun) = std::mem::replace(&mut open[k], (mates, from));
-            if let Some(first) = last.first() {
-                let turn = (last.iter().position(|mate| *mate == k).unwrap_or(0), last.len());
-                pieces[k].push(Piece { points: curves[*first][begun..=from].to_vec(), turn });
+        for (own, runs) in leaders.iter().zip(&mut runs) {
+            let mates = (0..curves.len()).filter(|other| own.is_some() && leaders[*other] == *own);
+            if runs.last().is_none_or(|(_, last)| !mates.clone().eq(last.iter().copied())) {
+                runs.push((from, mates.collect()));
             }
         }
     }
-    let both_unknown = |a: usize, b: usize, at: usize| !known(curves[a][at]) && !known(curves[b][at]);
-    let all_along = |a: usize, b: usize| {
-        a == b
-            || comparable[a]
-                && comparable[b]
-                && (0..first.len()).all(|at| equal(a, b, at) || both_unknown(a, b, at))
-    };
-    let mut together: Vec<Vec<usize>> = Vec::new();
-    for k in 0..curves.len() {
-        match together.iter_mut().find(|group| all_along(group[0], k)) {
-            Some(group) => group.push(k),
-            None => together.push(vec![k]),
-        }
-    }
-    together.retain(|group| group.len() > 1);
-    (pieces, together)
+    let pieces = runs.iter().enumerate().map(|(k, runs)| {
+        let piece = |pair: &[(usize, Vec<usize>)]| {
+            let (begin, mates, end) = (pair[0].0, &pair[0].1, pair[1].0);
+            let points = curves[*mates.first()?][begin..=end].to_vec();
+            Some(Piece { points, turn: (mates.iter().position(|mate| *mate == k)?, mates.len()) })
+        };
+        runs.windows(2).filter_map(piece).collect()
+    });
+    let together = runs.iter().enumerate().filter_map(|(k, runs)| {
+        let (_, parts) = runs.split_last().filter(|(_, parts)| !parts.is_empty())?;
+        let everywhere = |other: &usize| parts.iter().all(|(_, mates)| mates.contains(other));
+        let all: Vec<usize> = (0..curves.len()).filter(everywhere).collect();
+        (all.len() > 1 && all[0] == k).then_some(all)
+    });
+    (pieces.collect(), together.collect())
 }
 
 /// Lists names; successive whole numbers become a range.

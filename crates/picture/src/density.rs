@@ -73,38 +73,26 @@ impl DensityMap {
     }
 
     fn add_one(&mut self, p: Vec2) {
-        let (cell, p) = (self.cell(), p - self.view.low);
-        let reach = REACH * self.kernel;
-        let walls: Vec<[Vec2; 2]> = self
-            .walls
-            .iter()
-            .map(|side| side.map(|corner| corner - self.view.low))
-            .filter(|[a, b]| {
-                a.x.min(b.x) < p.x + reach
-                    && a.x.max(b.x) > p.x - reach
-                    && a.y.min(b.y) < p.y + reach
-                    && a.y.max(b.y) > p.y - reach
-            })
-            .collect();
+        let (cell, from) = (self.cell(), p - self.view.low);
+        let place = |p: Vec2| in_cells(self.view.low, cell, p);
+        let reach = vec2(REACH * self.kernel, REACH * self.kernel);
+        let around = Bounds { low: p - reach, high: p + reach };
+        let near_by = |side: &&[Vec2; 2]| Bounds::of(**side).is_some_and(|side| side.meets(&around));
+        let walls: Vec<[Vec2; 2]> = self.walls.iter().filter(near_by).map(|side| side.map(place)).collect();
         // Cells beyond the map matter only if the rest of a person must be scaled.
         let all = if walls.is_empty() { 0 } else { MOST_BEYOND };
-        let (first_column, along_x) = self.shares(p.x, cell.x, self.columns, all);
-        let (first_row, along_y) = self.shares(p.y, cell.y, self.rows, all);
+        let (first_column, along_x) = self.shares(from.x, cell.x, self.columns, all);
+        let (first_row, along_y) = self.shares(from.y, cell.y, self.rows, all);
         let mut parts: Vec<f64> = along_y.iter().flat_map(|y| along_x.iter().map(move |x| y * x)).collect();
+        let count = along_x.len();
         if !walls.is_empty() {
             let whole: f64 = parts.iter().sum();
-            let count = along_x.len();
-            for (row, cells) in parts.chunks_mut(count.max(1)).enumerate() {
-                let y = ((first_row + row as i64) as f64 + 0.5) * cell.y;
-                for side in &walls {
-                    let Some((low, high)) = shadow(p, *side, y) else { continue };
+            for (row, cells) in (first_row..).zip(parts.chunks_mut(count.max(1))) {
+                for (low, high) in walls.iter().filter_map(|side| shadow(place(p), *side, row as f64)) {
                     // The cells whose centres lie in between.
-                    let place = |x: f64| (x / cell.x - 0.5 - first_column as f64).clamp(-1.0, count as f64);
-                    let (from, to) = (place(low).ceil().max(0.0) as usize, place(high).floor());
-                    if to >= 0.0 {
-                        let to = (to as usize + 1).min(count);
-                        cells[from.min(to)..to].fill(0.0);
-                    }
+                    let column = |x: f64| (x - first_column as f64).clamp(0.0, count as f64) as usize;
+                    let (from, to) = (column(low.ceil()), column(high.floor() + 1.0));
+                    cells[from.min(to)..to].fill(0.0);
                 }
             }
             let left: f64 = parts.iter().sum();
@@ -112,14 +100,9 @@ impl DensityMap {
             let enlarged = if left > 0.0 { whole / left } else { 0.0 };
             parts.iter_mut().for_each(|part| *part *= enlarged);
         }
-        for (row, cells) in parts.chunks(along_x.len().max(1)).enumerate() {
-            let row = first_row + row as i64;
-            if !(0..self.rows as i64).contains(&row) {
-                continue;
-            }
-            for (column, part) in cells.iter().enumerate() {
-                let column = first_column + column as i64;
-                if (0..self.columns as i64).contains(&column) {
+        for (row, cells) in (first_row..).zip(parts.chunks(count.max(1))) {
+            for (column, part) in (first_column..).zip(cells) {
+                if (0..self.rows as i64).contains(&row) && (0..self.columns as i64).contains(&column) {
                     self.sum[row as usize * self.columns + column as usize] += part;
                 }
             }
@@ -215,7 +198,7 @@ pub(crate) fn density(out: &mut String, map: &DensityMap, frame: &Frame, scale: 
         .x_step(cell.x)
         .y_step(cell.y);
     let contours = builder.contours(&map.values(), &levels).unwrap_or_default();
-    let walls = Crossings::new(map);
+    let crossings = crossings(map);
     let decimals = if frame.scale > 300.0 { 4 } else { 3 };
     for (k, contour) in contours.iter().enumerate() {
         let mut d = String::new();
@@ -224,7 +207,7 @@ pub(crate) fn density(out: &mut String, map: &DensityMap, frame: &Frame, scale: 
                 let points = &ring.0[..ring.0.len().saturating_sub(1)];
                 for (n, p) in points.iter().enumerate() {
                     d.push(if n == 0 { 'M' } else { 'L' });
-                    let p = walls.ended(vec2(p.x, p.y));
+                    let p = ended(map, &crossings, vec2(p.x, p.y));
                     pair(&mut d, (p.x, p.y), decimals);
                 }
                 d.push('Z');
@@ -238,65 +221,48 @@ pub(crate) fn density(out: &mut String, map: &DensityMap, frame: &Frame, scale: 
     *out += "</g>\n";
 }
 
-/// Crossings of walls with the lines between centres of neighbouring cells. Contours run between the centres; a contour
-/// between two sides of a wall is moved onto the wall.
-struct Crossings {
-    low: Vec2,
-    cell: Vec2,
-    /// Positions of crossings: by axis, place of the centre before along the axis, and place across it, in cells
-    /// from that centre.
-    all: BTreeMap<(Axis, i64, i64), f64>,
+/// Returns a point in units of cells: their centres have integer coordinates.
+fn in_cells(low: Vec2, cell: Vec2, p: Vec2) -> Vec2 {
+    vec2((p.x - low.x) / cell.x - 0.5, (p.y - low.y) / cell.y - 0.5)
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Axis {
-    X,
-    Y,
+/// Returns the point, or the one with x and y exchanged.
+fn exchanged(p: Vec2, exchange: bool) -> Vec2 {
+    if exchange { vec2(p.y, p.x) } else { p }
 }
 
-impl Axis {
-    /// Returns the coordinate along the axis and the one across it, or takes them back.
-    fn swapped(self, p: Vec2) -> Vec2 {
-        if self == Axis::X { p } else { vec2(p.y, p.x) }
-    }
-}
+/// Crossings of walls with the lines between centres of neighbouring cells, in cells from the centre before: by whether
+/// the line is along y, the place of this centre along the line, and that of the line. Contours run between the centres;
+/// a contour between two sides of a wall is moved onto the wall.
+type Crossings = BTreeMap<(bool, i64, i64), f64>;
 
-impl Crossings {
-    fn new(map: &DensityMap) -> Crossings {
-        let mut crossings = Crossings { low: map.view.low, cell: map.cell(), all: BTreeMap::new() };
-        for side in &map.walls {
-            for (axis, across) in [(Axis::X, map.rows), (Axis::Y, map.columns)] {
-                let [a, b] = side.map(|corner| axis.swapped(crossings.in_cells(corner)));
-                for row in within(a.y, b.y, across) {
-                    let x = a.x + (b.x - a.x) * (row as f64 - a.y) / (b.y - a.y);
-                    crossings.all.insert((axis, x.floor() as i64, row), x - x.floor());
-                }
+fn crossings(map: &DensityMap) -> Crossings {
+    let mut all = Crossings::new();
+    for side in &map.walls {
+        for (along_y, lines) in [(false, map.rows), (true, map.columns)] {
+            let place = |p: Vec2| exchanged(in_cells(map.view.low, map.cell(), p), along_y);
+            let [a, b] = side.map(place);
+            let (low, high) = (a.y.min(b.y).max(-1.0), a.y.max(b.y).min(lines as f64));
+            let between = if a.y == b.y { 0..0 } else { low.ceil() as i64..high.floor() as i64 + 1 };
+            for line in between {
+                let x = a.x + (b.x - a.x) * (line as f64 - a.y) / (b.y - a.y);
+                all.insert((along_y, x.floor() as i64, line), x - x.floor());
             }
         }
-        crossings
     }
-
-    /// Returns a point in units of cells: centres have integer coordinates.
-    fn in_cells(&self, p: Vec2) -> Vec2 {
-        vec2((p.x - self.low.x) / self.cell.x - 0.5, (p.y - self.low.y) / self.cell.y - 0.5)
-    }
-
-    /// Moves a corner of a contour onto the wall, if there is one between its two centres.
-    fn ended(&self, p: Vec2) -> Vec2 {
-        for axis in [Axis::X, Axis::Y] {
-            let [at, low, cell, p] = [self.in_cells(p), self.low, self.cell, p].map(|v| axis.swapped(v));
-            let whole = (at.y - at.y.round()).abs() < 1e-6;
-            let crossing = self.all.get(&(axis, at.x.floor() as i64, at.y.round() as i64));
-            if let Some(part) = crossing.filter(|_| whole) {
-                return axis.swapped(vec2(low.x + (at.x.floor() + part + 0.5) * cell.x, p.y));
-            }
-        }
-        p
-    }
+    all
 }
 
-/// The integers between two numbers, from 0 to `count`.
-fn within(a: f64, b: f64, count: usize) -> std::ops::Range<i64> {
-    let (low, high) = (a.min(b).max(-1.0), a.max(b).min(count as f64));
-    if a == b { 0..0 } else { low.ceil() as i64..high.floor() as i64 + 1 }
+/// Moves a corner of a contour onto the wall, if there is one between its two centres.
+fn ended(map: &DensityMap, crossings: &Crossings, p: Vec2) -> Vec2 {
+    for along_y in [false, true] {
+        let (low, cell) = (map.view.low, map.cell());
+        let at = exchanged(in_cells(low, cell, p), along_y);
+        let crossing = crossings.get(&(along_y, at.x.floor() as i64, at.y.round() as i64));
+        if let Some(part) = crossing.filter(|_| (at.y - at.y.round()).abs() < 1e-6) {
+            let [low, cell, p] = [low, cell, p].map(|v| exchanged(v, along_y));
+            return exchanged(vec2(low.x + (at.x.floor() + part + 0.5) * cell.x, p.y), along_y);
+        }
+    }
+    p
 }

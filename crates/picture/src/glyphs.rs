@@ -15,13 +15,10 @@ const SPACE: f64 = 4.0;
 /// Width of the pen / cap height.
 pub(crate) const PEN: f64 = 0.125;
 
-/// The point of the text that is given.
-#[derive(Clone, Copy)]
-pub(crate) enum Anchor {
-    Start,
-    Middle,
-    End,
-}
+/// The point of the text that is given: its start, its middle or its end, as a fraction of its length.
+pub(crate) const START: f64 = 0.0;
+pub(crate) const MIDDLE: f64 = 0.5;
+pub(crate) const END: f64 = 1.0;
 
 /// Position and size of text.
 #[derive(Clone, Copy)]
@@ -30,7 +27,7 @@ pub(crate) struct Place {
     /// y of the base line.
     pub y: f64,
     pub cap_height: f64,
-    pub anchor: Anchor,
+    pub anchor: f64,
     /// Direction of y in which letters stand: 1 in the plane, −1 on a page.
     pub up: f64,
     pub decimals: usize,
@@ -77,13 +74,7 @@ pub(crate) fn width(text: &str, cap_height: f64) -> f64 {
 pub(crate) fn strokes(d: &mut String, text: &str, place: Place) {
     let unit = place.cap_height / CAP;
     let up = unit * place.up;
-    let length = width(text, place.cap_height);
-    let mut x = place.x
-        - match place.anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => 0.5 * length,
-            Anchor::End => length,
-        };
+    let mut x = place.x - place.anchor * width(text, place.cap_height);
     for c in text.chars() {
         if c != ' ' {
             for stroke in glyph(c).split(',') {
@@ -101,35 +92,31 @@ type Point = (f64, f64);
 fn spline(d: &mut String, p: &[Point], closed: bool, put: impl Fn(&mut String, Point)) {
     let middle = |a: Point, b: Point| (0.5 * (a.0 + b.0), 0.5 * (a.1 + b.1));
     let [first, inner @ .., last] = p else { return };
-    // Split into halves, the next control point is the mirror image of the last one; 'T' omits it.
-    let curve = |d: &mut String, corners: &mut dyn Iterator<Item = (Point, Point)>| {
-        for (k, (corner, end)) in corners.enumerate() {
-            if k == 0 {
-                d.push('Q');
-                put(d, corner);
-                d.push(' ');
-            } else {
-                d.push('T');
-            }
-            put(d, end);
-        }
-    };
     d.push('M');
-    if closed {
-        put(d, middle(*last, *first));
-        let around = p.iter().zip(p.iter().cycle().skip(1));
-        curve(d, &mut around.map(|(a, b)| (*a, middle(*a, *b))));
-        d.push('Z');
-        return;
-    }
-    put(d, *first);
-    if let Some(second) = inner.first() {
+    put(d, if closed { middle(*last, *first) } else { *first });
+    if let Some(second) = inner.first().filter(|_| !closed) {
         d.push('L');
         put(d, middle(*first, *second));
     }
-    curve(d, &mut p[1..].windows(2).map(|pair| (pair[0], middle(pair[0], pair[1]))));
-    d.push('L');
-    put(d, *last);
+    let corners = if closed { p } else { inner };
+    for (k, corner) in corners.iter().enumerate() {
+        // Split into halves, the next control point is the mirror image of the last one; 'T' omits it.
+        if k == 0 {
+            d.push('Q');
+            put(d, *corner);
+            d.push(' ');
+        } else {
+            d.push('T');
+        }
+        let next = corners.get(k + 1).unwrap_or(if closed { first } else { last });
+        put(d, middle(*corner, *next));
+    }
+    if closed {
+        d.push('Z');
+    } else {
+        d.push('L');
+        put(d, *last);
+    }
 }
 
 #[cfg(test)]

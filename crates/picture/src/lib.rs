@@ -35,7 +35,7 @@ mod world;
 pub use animation::{Animation, AnimationFormat};
 pub use bicycle::Bicycle;
 pub use chart::{Chart, ChartPanel, ChartStyle, Line, chart_svg};
-pub use colour::{Colour, ColourMap, Theme, viridis};
+pub use colour::{Colour, ColourMap, Theme};
 pub use density::{DENSITY_KERNEL, DensityMap};
 pub use lemons_core::plane::{Bounds, Pose};
 pub use pdf::pdf;

@@ -1,9 +1,9 @@
 //! A page, and what is on it beside scenes and curves: texts, legend, scale bar, colour bar.
 
 use crate::colour::{Colour, Palette, Theme};
-use crate::glyphs::{self, Anchor, PEN, Place};
+use crate::glyphs::{self, END, MIDDLE, PEN, Place, START};
 use crate::style::Scale;
-use crate::text::{PX, escaped, round_below, short, text_of};
+use crate::text::{PX, escaped, in_units, round_below, short, text_of};
 
 /// \[px\] Page width at which lines and letters have their nominal sizes in px.
 pub(crate) const NOMINAL_WIDTH: f64 = 400.0;
@@ -39,6 +39,15 @@ pub(crate) fn dashes(px: f64) -> [String; 2] {
         format!(" stroke-linecap=\"butt\" stroke-dasharray=\"{dash} {gap}\" stroke-dashoffset=\"{begun}\"")
     };
     [pattern(DASH.0 + 2.0 * CASING, DASH.1 - 2.0 * CASING, CASING), pattern(DASH.0, DASH.1, 0.0)]
+}
+
+/// Writes a path, if there is any; `more` is its further attributes, each after a space.
+pub(crate) fn path(out: &mut String, class: &str, colour: Colour, width: &str, more: &str, d: &str) {
+    if !d.is_empty() {
+        *out += &format!(
+            "<path class=\"{class}\" stroke=\"{colour}\" stroke-width=\"{width}\"{more} d=\"{d}\"/>\n"
+        );
+    }
 }
 
 /// A page that is being drawn, in px.
@@ -78,7 +87,7 @@ impl Page {
     }
 
     /// Returns a place for text of the one size beside scenes.
-    pub fn place(&self, x: f64, y: f64, anchor: Anchor) -> Place {
+    pub fn place(&self, x: f64, y: f64, anchor: f64) -> Place {
         Place { x, y, cap_height: CAP_HEIGHT * self.unit, anchor, up: -1.0, decimals: PX }
     }
 
@@ -102,22 +111,14 @@ impl Page {
     /// Draws a bar of a round length at the lower left; `scale` is in px/m.
     pub fn scale_bar(&mut self, scale: f64, room: f64) {
         let metres = round_below(room / scale);
-        let label = if metres >= 1000.0 {
-            format!("{} km", metres / 1000.0)
-        } else if metres >= 1.0 {
-            format!("{metres} m")
-        } else if metres >= 0.01 {
-            format!("{} cm", (metres * 100.0).round())
-        } else {
-            format!("{} mm", (metres * 1e4).round() / 10.0)
-        };
+        let label = in_units(metres, &[(1000.0, "km"), (1.0, "m"), (0.01, "cm"), (0.001, "mm")]);
         let cap = CAP_HEIGHT * self.unit;
         let (y, x0) = (self.height - MARGIN * self.unit - 0.5 * cap, MARGIN * self.unit);
         let (x1, tick) = (x0 + metres * scale, 0.42 * cap);
         let [ax, bx, up, mid, down] = [x0, x1, y - tick, y, y + tick].map(|v| text_of(v, PX));
         let d = format!("M{ax} {up}V{down}M{ax} {mid}H{bx}M{bx} {up}V{down}");
         self.line("scale-bar", self.palette.ink, &text_of(1.2 * self.unit, PX), "", &d);
-        self.text("scale", &label, self.place(x1 + 0.9 * cap, y + 0.5 * cap, Anchor::Start));
+        self.text("scale", &label, self.place(x1 + 0.9 * cap, y + 0.5 * cap, START));
     }
 
     /// Draws the colour map with its ends and its meaning at the lower right, or words if there is no colour bar.
@@ -129,7 +130,7 @@ impl Page {
             // Long ones are above the scale bar, and not across it.
             let long = glyphs::width(words, cap) > 0.55 * self.width;
             let y = if long { y - 1.9 * cap } else { y };
-            return self.text("label", words, self.place(right, y, Anchor::End));
+            return self.text("label", words, self.place(right, y, END));
         }
         let (bar, space) = (120.0 * self.unit, 0.8 * cap);
         let number = if low == high { short(*high) } else { scale.high_label() };
@@ -148,14 +149,14 @@ impl Page {
              <rect x=\"{x}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" rx=\"{r}\" fill=\"{fill}\"/>\n"
         );
         if low != high {
-            self.text("low", &short(*low), self.place(x0 - space, y, Anchor::End));
+            self.text("low", &short(*low), self.place(x0 - space, y, END));
         }
-        self.text("high", &number, self.place(x1 + space, y, Anchor::Start));
+        self.text("high", &number, self.place(x1 + space, y, START));
         // A title longer than the bar is centred on it while there is room, then it shrinks.
         let length = glyphs::width(title, cap);
         let shrink = shrunk(length, self.width - 2.0 * MARGIN * self.unit);
         let x = (0.5 * (x0 + x1)).min(right - 0.5 * length * shrink);
-        let place = self.place(x, y - 1.9 * cap, Anchor::Middle);
+        let place = self.place(x, y - 1.9 * cap, MIDDLE);
         self.text("label", title, Place { cap_height: cap * shrink, ..place });
         self.out += "</g>\n";
     }
@@ -208,7 +209,7 @@ impl Entry {
         let more = if self.dashed { &dashes } else { round };
         page.line(self.class, self.colour, &text_of(self.width, 3), more, &d);
         let x = x + (SAMPLE + SAMPLE_GAP) * unit;
-        page.text("entry", &self.label, page.place(x, base, Anchor::Start));
+        page.text("entry", &self.label, page.place(x, base, START));
         x + glyphs::width(&self.label, cap)
     }
 }
@@ -229,26 +230,22 @@ impl Header {
         let gap = ENTRY_GAP * unit;
         let whole: f64 = legend.iter().map(|e| length(e) + gap).sum::<f64>() - gap;
         let beside = if time.is_empty() { 0.0 } else { glyphs::width(time, CAP_HEIGHT * unit) + gap };
-        let mut rows = Vec::new();
-        if whole + beside <= room {
-            rows.push((left + room - whole.max(0.0), legend));
-        } else {
-            rows.push((left, Vec::new()));
-            let mut used = if time.is_empty() { 0.0 } else { f64::INFINITY };
-            for entry in legend {
-                let more = length(&entry);
-                if used > 0.0 && used + more > room {
-                    rows.push((left, Vec::new()));
+        if time.is_empty() && legend.is_empty() {
+            return Header { rows: Vec::new(), height: 0.0 };
+        }
+        let fits = whole + beside <= room;
+        let mut rows = vec![(if fits { left + room - whole.max(0.0) } else { left }, Vec::new())];
+        let mut used = if fits || time.is_empty() { 0.0 } else { f64::INFINITY };
+        for entry in legend {
+            let more = length(&entry);
+            match rows.last_mut() {
+                Some((_, row)) if fits || used == 0.0 || used + more <= room => row.push(entry),
+                _ => {
+                    rows.push((left, vec![entry]));
                     used = 0.0;
                 }
-                used += more + gap;
-                if let Some((_, row)) = rows.last_mut() {
-                    row.push(entry);
-                }
             }
-        }
-        if time.is_empty() && rows.iter().all(|(_, row)| row.is_empty()) {
-            return Header { rows: Vec::new(), height: 0.0 };
+            used += more + gap;
         }
         let height = (CAP_HEIGHT + (rows.len() - 1) as f64 * ROW + BAND_GAP) * unit;
         Header { rows, height }

@@ -2,19 +2,21 @@
 
 use crate::raster::PictureError;
 use miniz_oxide::deflate::compress_to_vec_zlib;
-use pdf_writer::types::{FunctionShadingType, LineCapStyle, LineJoinStyle};
+use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::writers::ExtGraphicsState;
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 use resvg::usvg::tiny_skia_path::{Path as Outline, PathSegment, Point};
 use resvg::usvg::{
     BlendMode, ClipPath, Color, Fill, FillRule, Group, LineCap, LineJoin, LinearGradient, Node, Options,
-    Paint, Path, SpreadMethod, Stop, Stroke, Transform, Tree,
+    Paint, Path, SpreadMethod, Stroke, Transform, Tree,
 };
 
 /// \[pt/px\] An inch is 72 points or 96 px.
 const POINTS: f32 = 0.75;
 /// \[pt\] Pages with longer sides need a unit larger than a point.
 const LONGEST_SIDE: f32 = 14_400.0;
+/// Number of strips of a gradient.
+const STRIPS: usize = 128;
 /// Level of zlib.
 const COMPRESSION: u8 = 6;
 
@@ -23,7 +25,6 @@ const PAGES: Ref = Ref::new(2);
 const PAGE: Ref = Ref::new(3);
 const CONTENT: Ref = Ref::new(4);
 const INFO: Ref = Ref::new(5);
-const FIRST_FREE: i32 = 6;
 
 /// Converts an SVG to a PDF of one page of the same size; 96 px are an inch. Curves remain curves.
 ///
@@ -33,18 +34,18 @@ const FIRST_FREE: i32 = 6;
 pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
     let tree = Tree::from_str(svg, &Options::default())?;
     let (width, height) = (POINTS * tree.size().width(), POINTS * tree.size().height());
+    let mut drawing = Drawing { content: Content::new(), opacities: Vec::new() };
     let unit = (width.max(height) / LONGEST_SIDE).ceil().max(1.0);
-    let mut drawing = Drawing { content: Content::new(), opacities: Vec::new(), shadings: Vec::new() };
-    let scale = POINTS / unit;
-    drawing.content.transform([scale, 0.0, 0.0, -scale, 0.0, height / unit]);
+    let [scale, width, height] = [POINTS, width, height].map(|length| length / unit);
+    drawing.content.transform([scale, 0.0, 0.0, -scale, 0.0, height]);
     drawing.group(tree.root())?;
-    let Drawing { content, opacities, shadings } = drawing;
+    let Drawing { content, opacities } = drawing;
 
     let mut pdf = Pdf::new();
     pdf.catalog(CATALOG).pages(PAGES);
     pdf.pages(PAGES).kids([PAGE]).count(1);
     let mut page = pdf.page(PAGE);
-    page.parent(PAGES).media_box(Rect::new(0.0, 0.0, width / unit, height / unit)).contents(CONTENT);
+    page.parent(PAGES).media_box(Rect::new(0.0, 0.0, width, height)).contents(CONTENT);
     if unit > 1.0 {
         page.user_unit(unit);
     }
@@ -52,24 +53,12 @@ pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
     let mut resources = page.resources();
     let mut states = resources.ext_g_states();
     for (place, (fill, stroke)) in opacities.iter().enumerate() {
-        let mut state = states.insert(Name(name('O', place).as_bytes())).start::<ExtGraphicsState>();
+        let mut state = states.insert(Name(name(place).as_bytes())).start::<ExtGraphicsState>();
         state.non_stroking_alpha(*fill).stroking_alpha(*stroke);
     }
     states.finish();
-    // The functions of a shading follow it.
-    let mut free = FIRST_FREE;
-    let mut places = resources.shadings();
-    let mut objects = Vec::new();
-    for (place, shading) in shadings.iter().enumerate() {
-        let object = Ref::new(free);
-        free += 1 + shading.stops.len() as i32;
-        places.pair(Name(name('S', place).as_bytes()), object);
-        objects.push((object, shading));
-    }
-    places.finish();
     resources.finish();
     page.finish();
-    objects.into_iter().for_each(|(object, shading)| shading.write(&mut pdf, object));
     pdf.stream(CONTENT, &compress_to_vec_zlib(&content.finish(), COMPRESSION)).filter(Filter::FlateDecode);
     // No date, so that the same picture gives the same bytes.
     pdf.document_info(INFO).producer(TextStr("LEMONS"));
@@ -80,51 +69,11 @@ struct Drawing {
     content: Content,
     /// Opacities of fill and stroke, each pair once.
     opacities: Vec<(f32, f32)>,
-    shadings: Vec<Shading>,
 }
 
-/// A linear gradient.
-struct Shading {
-    /// x and y of both ends.
-    line: [f32; 4],
-    /// Positions from 0 to 1 along the line and colours, at least two.
-    stops: Vec<(f32, [f32; 3])>,
-}
-
-/// Returns the name of an object of the page: O for opacities, S for shadings.
-fn name(kind: char, place: usize) -> String {
-    format!("{kind}{place}")
-}
-
-impl Shading {
-    fn of(gradient: &LinearGradient) -> Shading {
-        let colour = |stop: &Stop| (stop.offset().get(), parts(stop.color()));
-        let mut stops: Vec<_> = gradient.stops().iter().map(colour).collect();
-        if let (Some(first), Some(last)) = (stops.first().copied(), stops.last().copied()) {
-            stops.insert(0, (0.0, first.1));
-            stops.push((1.0, last.1));
-        }
-        stops.dedup();
-        Shading { line: [gradient.x1(), gradient.y1(), gradient.x2(), gradient.y2()], stops }
-    }
-
-    /// Writes the shading and, as the next objects, its functions.
-    fn write(&self, pdf: &mut Pdf, object: Ref) {
-        let after = |k: usize| Ref::new(object.get() + 1 + k as i32);
-        let mut shading = pdf.function_shading(object);
-        shading.shading_type(FunctionShadingType::Axial).color_space().device_rgb();
-        shading.coords(self.line).function(after(0)).extend([true, true]);
-        shading.finish();
-        let pieces = self.stops.len() - 1;
-        let mut all = pdf.stitching_function(after(0));
-        all.domain([0.0, 1.0]).functions((0..pieces).map(|k| after(1 + k)));
-        all.bounds(self.stops[1..pieces].iter().map(|stop| stop.0));
-        all.encode((0..pieces).flat_map(|_| [0.0, 1.0]));
-        all.finish();
-        for (k, ends) in self.stops.windows(2).enumerate() {
-            pdf.exponential_function(after(1 + k)).domain([0.0, 1.0]).c0(ends[0].1).c1(ends[1].1).n(1.0);
-        }
-    }
+/// Returns the name of opacities in the resources of the page.
+fn name(place: usize) -> String {
+    format!("O{place}")
 }
 
 impl Drawing {
@@ -192,38 +141,51 @@ impl Drawing {
             self.opacities.push(opacity);
             self.opacities.len() - 1
         });
-        self.content.set_parameters(Name(name('O', place).as_bytes()));
+        self.content.set_parameters(Name(name(place).as_bytes()));
         let even_odd = fill.is_some_and(|fill| fill.rule() == FillRule::EvenOdd);
-        // Painting both at once would make them one object: a transparent stroke would not show the fill.
-        let both = fill.is_some() && path.stroke().is_some() && opacity.1 == 1.0;
+        // One after the other: painted at once they would be one object, and a transparent stroke would not show the fill.
         if fill.is_some() {
             self.outline(path.data());
-            match (both, even_odd) {
-                (false, false) => self.content.fill_nonzero(),
-                (false, true) => self.content.fill_even_odd(),
-                (true, false) => self.content.fill_nonzero_and_stroke(),
-                (true, true) => self.content.fill_even_odd_and_stroke(),
+            if even_odd {
+                self.content.fill_even_odd()
+            } else {
+                self.content.fill_nonzero()
             };
         }
-        if path.stroke().is_some() && !both {
+        if path.stroke().is_some() {
             self.outline(path.data());
             self.content.stroke();
         }
         Ok(())
     }
 
-    /// Fills an outline with a gradient.
+    /// Fills an outline with a gradient from left to right: strips of one colour, each up to the end, so that there are
+    /// no gaps between them.
     fn shade(&mut self, outline: &Outline, gradient: &LinearGradient) -> Result<(), PictureError> {
-        let opaque = gradient.stops().iter().all(|stop| stop.opacity().get() == 1.0);
-        if !opaque || gradient.spread_method() != SpreadMethod::Pad || gradient.stops().len() < 2 {
-            return Err(PictureError::Pdf("gradients that are transparent or repeated"));
+        let (stops, y) = (gradient.stops(), gradient.y1());
+        let opaque = stops.iter().all(|stop| stop.opacity().get() == 1.0);
+        if !opaque || gradient.spread_method() != SpreadMethod::Pad || stops.len() < 2 || y != gradient.y2() {
+            return Err(PictureError::Pdf(
+                "gradients that are transparent, repeated or not from left to right",
+            ));
         }
-        let name = name('S', self.shadings.len());
-        self.shadings.push(Shading::of(gradient));
         self.content.save_state();
         self.outline(outline);
         self.content.clip_nonzero().end_path().transform(matrix(gradient.transform()));
-        self.content.shading(Name(name.as_bytes())).restore_state();
+        let length = gradient.x2() - gradient.x1();
+        for k in 0..STRIPS {
+            let [begin, middle] = [0.0, 0.5].map(|part| (k as f32 + part) / STRIPS as f32);
+            let above = stops.iter().position(|stop| stop.offset().get() >= middle);
+            let above = above.unwrap_or(stops.len() - 1).max(1);
+            let (a, b) = (&stops[above - 1], &stops[above]);
+            let part = (middle - a.offset().get()) / (b.offset().get() - a.offset().get());
+            let [from, to] = [a, b].map(|stop| parts(stop.color()));
+            let mixed = |channel: usize| from[channel] + part.clamp(0.0, 1.0) * (to[channel] - from[channel]);
+            self.content.set_fill_rgb(mixed(0), mixed(1), mixed(2));
+            self.content.rect(gradient.x1() + begin * length, y - 1.0, (1.0 - begin) * length, 2.0);
+            self.content.fill_nonzero();
+        }
+        self.content.restore_state();
         Ok(())
     }
 

@@ -22,30 +22,12 @@ pub enum PictureError {
     /// The SVG has a feature that pictures of this crate do not have.
     #[error("PDF: the SVG contains {0}, which is not supported")]
     Pdf(&'static str),
-    /// The encoder of PNG or GIF failed.
-    #[error("{0}: {1}")]
-    Encoder(&'static str, String),
-    /// The file cannot be written.
+    /// The PNG cannot be made, or its file cannot be written.
     #[error(transparent)]
-    Io(#[from] std::io::Error),
-}
-
-impl From<png::EncodingError> for PictureError {
-    fn from(error: png::EncodingError) -> PictureError {
-        match error {
-            png::EncodingError::IoError(error) => error.into(),
-            error => PictureError::Encoder("PNG", error.to_string()),
-        }
-    }
-}
-
-impl From<gif::EncodingError> for PictureError {
-    fn from(error: gif::EncodingError) -> PictureError {
-        match error {
-            gif::EncodingError::Io(error) => error.into(),
-            error => PictureError::Encoder("GIF", error.to_string()),
-        }
-    }
+    Png(#[from] png::EncodingError),
+    /// The GIF cannot be made, or its file cannot be written.
+    #[error(transparent)]
+    Gif(#[from] gif::EncodingError),
 }
 
 /// A picture as pixels.
@@ -59,28 +41,9 @@ pub struct Pixels {
     pub rgba: Vec<u8>,
 }
 
-impl Pixels {
-    /// Returns the picture with an even width and height: the last column or row is repeated where needed. H.264 in
-    /// 4:2:0, which all players support, needs this.
-    pub fn even(self) -> Pixels {
-        let (width, height) = (self.width + self.width % 2, self.height + self.height % 2);
-        if (width, height) == (self.width, self.height) {
-            return self;
-        }
-        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let rgba = places.flat_map(|(x, y)| {
-            let (x, y) = (x.min(self.width - 1) as usize, y.min(self.height - 1) as usize);
-            let k = 4 * (y * self.width as usize + x);
-            [self.rgba[k], self.rgba[k + 1], self.rgba[k + 2], self.rgba[k + 3]]
-        });
-        let rgba = rgba.collect();
-        Pixels { width, height, rgba }
-    }
-}
-
 /// Returns the SVG as a PNG of a width; the height follows from the SVG.
 pub fn png(svg: &str, width_px: u32) -> Result<Vec<u8>, PictureError> {
-    let Pixels { width, height, rgba } = pixels(svg, width_px)?;
+    let Pixels { width, height, rgba } = pixels(svg, width_px, 1)?;
     let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
@@ -94,18 +57,20 @@ pub fn png(svg: &str, width_px: u32) -> Result<Vec<u8>, PictureError> {
     Ok(bytes)
 }
 
-/// Returns the SVG as pixels of a width; the height follows from the SVG. Transparent areas become white.
-pub fn pixels(svg: &str, width: u32) -> Result<Pixels, PictureError> {
+/// Returns the SVG as pixels of a width; the height follows from the SVG. Both are rounded up to multiples of a number:
+/// H.264 in 4:2:0, which all players support, needs 2. Transparent areas become white.
+pub fn pixels(svg: &str, width: u32, multiple_of: u32) -> Result<Pixels, PictureError> {
     let tree = usvg::Tree::from_str(svg, &usvg::Options::default())?;
-    let scale = f64::from(width) / f64::from(tree.size().width());
-    let height = (scale * f64::from(tree.size().height())).round().max(1.0);
+    let size = tree.size();
+    let height = (f64::from(width) * f64::from(size.height()) / f64::from(size.width())).round().max(1.0);
     let too_big = || PictureError::Size { width, height };
     if f64::from(width) * height > MOST_PIXELS {
         return Err(too_big());
     }
-    let mut picture = tiny_skia::Pixmap::new(width, height as u32).ok_or_else(too_big)?;
+    let [width, rows] = [width, height as u32].map(|side| side.next_multiple_of(multiple_of));
+    let mut picture = tiny_skia::Pixmap::new(width, rows).ok_or_else(too_big)?;
     picture.fill(tiny_skia::Color::WHITE);
-    let stretch = height as f32 / tree.size().height();
-    resvg::render(&tree, tiny_skia::Transform::from_scale(scale as f32, stretch), &mut picture.as_mut());
-    Ok(Pixels { width, height: picture.height(), rgba: picture.take() })
+    let scale = tiny_skia::Transform::from_scale(width as f32 / size.width(), rows as f32 / size.height());
+    resvg::render(&tree, scale, &mut picture.as_mut());
+    Ok(Pixels { width, height: rows, rgba: picture.take() })
 }

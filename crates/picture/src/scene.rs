@@ -92,7 +92,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The agents that can be drawn, with their indices.
-    pub(crate) fn drawn(&self) -> impl Iterator<Item = (usize, &Pose, &Body)> {
+    pub(crate) fn drawn(&self) -> impl Iterator<Item = (usize, &Pose, &Body)> + Clone {
         let all = self.poses.iter().zip(&self.bodies).enumerate();
         all.filter(|(_, (pose, body))| drawable(pose) && !body.disks.is_empty())
             .map(|(k, (pose, body))| (k, pose, body))

@@ -3,14 +3,14 @@
 use crate::bicycle::Bicycle;
 use crate::body::near;
 use crate::colour::{Colour, Palette};
-use crate::glyphs::{self, Anchor};
+use crate::glyphs::{self, START};
 use crate::page::{
     BAND_GAP, CAP_HEIGHT, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, footer_height, page_width,
 };
 use crate::scene::Scene;
-use crate::style::{Colouring, Scale, Style};
-use crate::text::round_below;
-use crate::world::{CUT_BORDER, FORCE_HALO, TRAIL_STROKE, drawable_forces, is_cut, measured, world};
+use crate::style::{Colouring, Style};
+use crate::text::{in_units, round_below};
+use crate::world::{CUT_BORDER, FORCE_HALO, TRAIL_STROKE, drawable_forces, is_cut, mean, measured, world};
 use lemons_core::plane::{Bounds, Vec2, vec2};
 
 /// \[px\] Distance between two panels.
@@ -52,15 +52,12 @@ impl Frame {
 
     /// Returns whether the border would cut a disk.
     pub fn cuts(&self, p: Vec2, r: f64) -> bool {
-        let Bounds { low, high } = self.view;
-        p.x - r < low.x || p.x + r > high.x || p.y - r < low.y || p.y + r > high.y
+        !self.view.grown(-r).contains(p)
     }
 
-    /// Returns whether a disk is completely off the page.
-    pub fn misses(&self, p: Vec2, r: f64) -> bool {
-        let Bounds { low, high } = self.view;
-        let r = r + MARGIN * self.unit / self.scale;
-        p.x + r < low.x || p.x - r > high.x || p.y + r < low.y || p.y - r > high.y
+    /// Returns whether part of a disk is on the page.
+    pub fn shows(&self, p: Vec2, r: f64) -> bool {
+        self.view.grown(r + MARGIN * self.unit / self.scale).contains(p)
     }
 }
 
@@ -86,19 +83,20 @@ pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
     let rows = panels.len().div_ceil(columns);
     let scenes: Vec<&Scene> = panels.iter().map(|(scene, _)| *scene).collect();
     let width = page_width(style.width);
-    let mut colourings: Vec<_> = panels.iter().map(|(scene, style)| Colouring::new(scene, style)).collect();
-    let bar = shared(&mut colourings);
+    let colourings = Colouring::of_all(panels);
+    let bar = colourings.iter().find_map(|colouring| colouring.scale.as_ref());
 
     let decimals = style.time_decimals.min(9);
-    let times = panels.iter().map(|(_, style)| style.time.filter(|t| t.is_finite()));
-    let times = times.map(|time| time.map_or(String::new(), |t| format!("t = {t:.decimals$} s")));
-    let lettered = |(k, time)| format!("{} {time}", lettered_place(k)).trim_end().to_owned();
-    // The time of a single scene is beside the legend.
-    let (time, headings): (String, Vec<String>) = if alone {
-        (times.collect(), Vec::new())
-    } else {
-        (String::new(), times.enumerate().map(lettered).collect())
+    let heading = |(k, (_, style)): (usize, &(&Scene, &Style))| {
+        let time = style.time.filter(|t| t.is_finite());
+        let time = time.map_or(String::new(), |t| format!("t = {t:.decimals$} s"));
+        // (a), (b), … (z), (aa), (bb), …
+        let letters = char::from(b'a' + (k % 26) as u8).to_string().repeat(k / 26 + 1);
+        if alone { time } else { format!("({letters}) {time}").trim_end().to_owned() }
     };
+    let headings: Vec<String> = panels.iter().enumerate().map(heading).collect();
+    // The time of a single scene is beside the legend.
+    let time = if alone { headings[0].as_str() } else { "" };
     let mut unit = width / NOMINAL_WIDTH * if columns > 1 { FINER } else { 1.0 };
     let view = Bounds::of(scenes.iter().map(|s| view_of(s)).flat_map(|view| [view.low, view.high]));
     let view = view.unwrap_or(Bounds::UNIT);
@@ -121,8 +119,8 @@ pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
     let Frame { scale, left, drawn, .. } = Frame::fit(view, unit, margin, cell, margin);
     let (force_scale, legend) = forces_and_legend(&scenes, style, unit, scale);
     let left_of_time = if legend.is_empty() { left } else { margin };
-    let header = Header::new(&time, legend, unit, width);
-    let heading = if headings.iter().all(String::is_empty) { 0.0 } else { (CAP_HEIGHT + 7.0) * unit };
+    let header = Header::new(time, legend, unit, width);
+    let heading = if alone { 0.0 } else { (CAP_HEIGHT + 7.0) * unit };
     let pitch = heading + drawn.y + gap;
     let top = margin + header.height;
     let footer = footer_height(bar.is_some()) * unit;
@@ -137,24 +135,22 @@ pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
         let cut = (!alone || scene.view.is_some()) && is_cut(scene, &frame);
         if !alone {
             page.out += "<g class=\"panel\">\n";
-        }
-        if let Some(heading) = headings.get(k) {
             // Above the left edge of the scene, or at the start of the cell if the scene is narrower than the heading.
-            let length = glyphs::width(heading, CAP_HEIGHT * unit);
+            let length = glyphs::width(&headings[k], CAP_HEIGHT * unit);
             let x = if length <= drawn.x { frame.left } else { left };
-            page.text("time", heading, page.place(x, above + CAP_HEIGHT * unit, Anchor::Start));
+            page.text("time", &headings[k], page.place(x, above + CAP_HEIGHT * unit, START));
         }
-        world(&mut page, scene, style, force_scale, &frame, colouring, cut);
+        world(&mut page, (scene, style), &frame, colouring.clone(), force_scale, cut);
         if !alone {
             page.out += "</g>\n";
         }
     }
     if !time.is_empty() {
-        page.text("time", &time, page.place(left_of_time, margin + CAP_HEIGHT * unit, Anchor::Start));
+        page.text("time", time, page.place(left_of_time, margin + CAP_HEIGHT * unit, START));
     }
     header.draw(&mut page);
     page.scale_bar(scale, if alone { 0.27 * cell } else { (100.0 * unit).min(cell) });
-    if let Some(scale) = &bar {
+    if let Some(scale) = bar {
         page.colour_bar(scale);
     }
     page.end()
@@ -169,33 +165,6 @@ fn view_of(scene: &Scene) -> Bounds {
     Bounds { low: view.low - by, high: view.high + by }
 }
 
-/// Returns (a), (b), … (z), (aa), …
-fn lettered_place(mut k: usize) -> String {
-    let mut letters = String::new();
-    loop {
-        letters.insert(0, char::from(b'a' + (k % 26) as u8));
-        if k < 26 {
-            return format!("({letters})");
-        }
-        k = k / 26 - 1;
-    }
-}
-
-/// Makes one scale for all: from the lowest to the highest value, with the name of the first.
-fn shared(colourings: &mut [Colouring]) -> Option<Scale> {
-    let all = || colourings.iter().filter_map(|c| c.scale.as_ref());
-    let empty = all().all(|scale| scale.nothing.is_some());
-    let scales = || all().filter(|scale| empty || scale.nothing.is_none());
-    let first = scales().next()?.clone();
-    let low = scales().map(|s| s.low).fold(f64::INFINITY, f64::min);
-    let high = scales().map(|s| s.high).fold(f64::NEG_INFINITY, f64::max);
-    // Values are clipped only if that holds for the panel with the highest end.
-    let clipped = scales().any(|s| s.clipped && s.high == high);
-    let scale = Scale { low, high, clipped, ..first };
-    colourings.iter_mut().filter(|c| c.scale.is_some()).for_each(|c| c.scale = Some(scale.clone()));
-    Some(scale)
-}
-
 /// Returns the width of lines of force \[px/N\] in these scenes at a scale \[px/m\], and the legend for their lines.
 fn forces_and_legend(scenes: &[&Scene], style: &Style, unit: f64, scale: f64) -> (f64, Vec<Entry>) {
     let palette = Palette::of(style.theme);
@@ -206,18 +175,12 @@ fn forces_and_legend(scenes: &[&Scene], style: &Style, unit: f64, scale: f64) ->
     let largest = given.unwrap_or_else(|| forces.fold(0.0, f64::max));
     let mut force_scale = 0.0;
     if largest > 0.0 {
-        let areas = || scenes.iter().flat_map(|s| s.drawn()).map(|(_, _, body)| body.area);
-        let size = (areas().sum::<f64>() / areas().count().max(1) as f64).max(0.0).sqrt();
+        let areas = scenes.iter().flat_map(|s| s.drawn()).map(|(_, _, body)| body.area);
+        let size = mean(areas).max(0.0).sqrt();
         let by_size = if size > 0.0 { FORCE_PART * size * scale } else { f64::INFINITY };
         force_scale = (FORCE_STROKE * unit).min(by_size) / largest;
         let newton = round_below(largest);
-        let label = if newton >= 1000.0 {
-            format!("{} kN", newton / 1000.0)
-        } else if newton >= 1.0 {
-            format!("{newton} N")
-        } else {
-            format!("{} mN", (newton * 1e4).round() / 10.0)
-        };
+        let label = in_units(newton, &[(1000.0, "kN"), (1.0, "N"), (0.001, "mN")]);
         let width = newton * force_scale;
         let halo = Some((Colour::WHITE, (FORCE_HALO * unit).min(width)));
         legend.push(Entry { class: "force", label, colour: Colour::FORCE, width, halo, dashed: false });

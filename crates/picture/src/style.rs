@@ -103,6 +103,38 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
+    /// Makes one scale for the values of all scenes, with the names of the first; `from_zero`: it begins at 0.
+    fn spanning(all: &[&Values], style: &Style, from_zero: bool) -> Option<Scale> {
+        let Values { label, unit, quantile, map, .. } = *all.first()?;
+        let given = style.range.filter(|(a, b)| a.is_finite() && b.is_finite() && a <= b);
+        let finite = || all.iter().flat_map(|of| &of.values).copied().filter(|v| v.is_finite());
+        // All values are zero, or all are unknown: a colour bar would need invented ends.
+        let nothing = given.is_none() && finite().all(|value| value == 0.0);
+        let nothing = nothing.then(|| match finite().next() {
+            Some(_) if unit.is_empty() => format!("{label}: 0 everywhere"),
+            Some(_) => format!("{label}: 0 {unit} everywhere"),
+            None => format!("{label}: not known"),
+        });
+        let (low, high) = given.unwrap_or_else(|| {
+            let low = finite().fold(f64::INFINITY, f64::min);
+            let high = finite().fold(f64::NEG_INFINITY, f64::max);
+            if nothing.is_some() {
+                (0.0, 1.0)
+            } else if from_zero || *map == ColourMap::FromPaper {
+                (low.min(0.0), if high > 0.0 { high } else { 1.0 })
+            } else {
+                (low, high)
+            }
+        });
+        let mut title = titled(label, unit);
+        if let Some(quantile) = quantile {
+            title += &format!(", to the {} % quantile", short(100.0 * quantile));
+        }
+        let beyond = all.iter().any(|of| of.beyond || of.quantile.is_some());
+        let clipped = beyond || finite().any(|value| value > high);
+        Some(Scale { title, low, high, clipped, nothing, ramp: Ramp::new(*map, style.theme) })
+    }
+
     /// Returns the colour of a value.
     pub fn of(&self, value: f64) -> Colour {
         let Scale { low, high, ramp, .. } = *self;
@@ -123,53 +155,35 @@ impl Scale {
 }
 
 impl Colouring {
-    /// Chooses the colours. In a scene with a density map the scale is that of the map, and bodies have no values.
-    pub fn new(scene: &Scene, style: &Style) -> Colouring {
-        let values = match (&scene.density, &style.fill) {
-            (Some(map), _) => Values::of(map.values(), "density", "1/m²"),
-            (None, Fill::Single(colour)) => {
-                return Colouring { single: *colour, scale: None, values: Vec::new() };
-            }
+    /// Chooses the colours of scenes, on one scale. In scenes with a density map the scale is that of the map, and bodies
+    /// have no values.
+    pub fn of_all(panels: &[(&Scene, &Style)]) -> Vec<Colouring> {
+        let [(first, style), ..] = panels else { return Vec::new() };
+        let values = |(scene, style): &(&Scene, &Style)| match (&scene.density, &style.fill) {
+            (Some(map), _) => Some(Values::of(map.values(), "density", "1/m²")),
+            (None, Fill::Single(_)) => None,
             (None, Fill::BodyArea) => {
-                Values::of(scene.bodies.iter().map(|body| body.area).collect(), "body area", "m²")
+                Some(Values::of(scene.bodies.iter().map(|body| body.area).collect(), "body area", "m²"))
             }
-            (None, Fill::Values(values)) => values.clone(),
+            (None, Fill::Values(values)) => Some(values.clone()),
         };
-        let Values { values, label, unit, quantile, beyond, map } = values;
-        let given = style.range.filter(|(a, b)| a.is_finite() && b.is_finite() && a <= b);
-        let finite = || values.iter().copied().filter(|v| v.is_finite());
-        // All values are zero, or all are unknown: a colour bar would need invented ends.
-        let nothing = given.is_none() && finite().all(|value| value == 0.0);
-        let nothing = nothing.then(|| match finite().next() {
-            Some(_) if unit.is_empty() => format!("{label}: 0 everywhere"),
-            Some(_) => format!("{label}: 0 {unit} everywhere"),
-            None => format!("{label}: not known"),
-        });
-        let (low, high) = given.unwrap_or_else(|| {
-            let low = finite().fold(f64::INFINITY, f64::min);
-            let high = finite().fold(f64::NEG_INFINITY, f64::max);
-            if nothing.is_some() {
-                (0.0, 1.0)
-            } else if scene.density.is_some() || map == ColourMap::FromPaper {
-                (low.min(0.0), if high > 0.0 { high } else { 1.0 })
-            } else {
-                (low, high)
-            }
-        });
-        let mut title = titled(&label, &unit);
-        if let Some(quantile) = quantile {
-            title += &format!(", to the {} % quantile", short(100.0 * quantile));
-        }
-        let ramp = Ramp::new(map, style.theme);
-        if scene.density.is_some() {
-            let scale = Scale { title, low, high, clipped: false, nothing, ramp };
-            return Colouring { single: ramp.at(0.0), scale: Some(scale), values: Vec::new() };
-        }
-        let clipped = beyond || quantile.is_some() || finite().any(|value| value > high);
-        let scale = Scale { title, low, high, clipped, nothing, ramp };
-        Colouring { single: Colour::MISSING, scale: Some(scale), values }
+        let shown: Vec<Option<Values>> = panels.iter().map(values).collect();
+        let known: Vec<&Values> = shown.iter().flatten().collect();
+        let all = Scale::spanning(&known, style, first.density.is_some());
+        let colouring = |(shown, (scene, style)): (&Option<Values>, &(&Scene, &Style))| {
+            let scale = all.clone().filter(|_| shown.is_some());
+            let single = match (&style.fill, &scale) {
+                (Fill::Single(colour), None) => *colour,
+                (_, Some(scale)) if scene.density.is_some() => scale.ramp.at(0.0),
+                _ => Colour::MISSING,
+            };
+            let values = shown.iter().filter(|_| scene.density.is_none()).flat_map(|of| &of.values);
+            Colouring { single, scale, values: values.copied().collect() }
+        };
+        shown.iter().zip(panels).map(colouring).collect()
     }
 
+    /// Returns the colour of the body of an agent.
     pub fn of(&self, agent: usize) -> Colour {
         match &self.scale {
             None => self.single,

@@ -1,7 +1,5 @@
 //! Formats numbers and text for SVG.
 
-use std::fmt::Write;
-
 /// Number of decimals of a length in pixels.
 pub(crate) const PX: usize = 2;
 
@@ -26,55 +24,47 @@ pub(crate) fn round_above(limit: f64) -> f64 {
 
 /// Formats with three significant digits.
 pub(crate) fn short(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
     let scientific = format!("{value:.2e}");
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
     match exponent.parse::<i32>() {
         Ok(e @ -3..=4) => text_of(value, (2 - e).max(0) as usize),
-        _ if mantissa.contains('.') => {
-            format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
-        }
-        _ => scientific,
+        _ => format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.')),
     }
 }
 
-/// Writes a number with at most `decimals` decimals, without trailing zeros and −0.
-pub(crate) fn number(out: &mut String, value: f64, decimals: usize) {
-    let start = out.len();
-    let _ = write!(out, "{value:.decimals$}");
+/// Formats a value of a quantity in the first of some units, each with its name, that is not above it; else in the last.
+pub(crate) fn in_units(value: f64, units: &[(f64, &str)]) -> String {
+    let fitting = units.iter().find(|(unit, _)| value >= *unit);
+    let (unit, name) = fitting.or(units.last()).copied().unwrap_or((1.0, ""));
+    format!("{} {name}", text_of(value / unit, 1))
+}
+
+/// Formats a number with at most `decimals` decimals, without trailing zeros and −0.
+pub(crate) fn text_of(value: f64, decimals: usize) -> String {
+    let mut text = format!("{value:.decimals$}");
     if decimals > 0 {
-        let kept = out.trim_end_matches('0').trim_end_matches('.').len();
-        out.truncate(kept.max(start + 1));
+        text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
     }
-    if &out[start..] == "-0" || &out[start..] == "-" {
-        out.replace_range(start.., "0");
-    } else if out[start..].starts_with("0.") {
-        out.remove(start);
-    } else if out[start..].starts_with("-0.") {
-        out.remove(start + 1);
+    if text == "-0" { "0".to_owned() } else { text }
+}
+
+/// Formats a number as in path data: without the 0 before the point.
+pub(crate) fn number(value: f64, decimals: usize) -> String {
+    let mut text = text_of(value, decimals);
+    if let Some(zero) = ["0.", "-0."].iter().position(|start| text.starts_with(start)) {
+        text.remove(zero);
     }
+    text
 }
 
 /// Writes two numbers; a minus sign is enough to separate them.
 pub(crate) fn pair(out: &mut String, (x, y): (f64, f64), decimals: usize) {
-    number(out, x, decimals);
-    let end = out.len();
-    number(out, y, decimals);
-    if !out[end..].starts_with('-') {
-        out.insert(end, ' ');
+    *out += &number(x, decimals);
+    let y = number(y, decimals);
+    if !y.starts_with('-') {
+        out.push(' ');
     }
-}
-
-pub(crate) fn text_of(value: f64, decimals: usize) -> String {
-    let mut out = String::new();
-    number(&mut out, value, decimals);
-    match out.strip_prefix("-.") {
-        Some(digits) => format!("-0.{digits}"),
-        None if out.starts_with('.') => format!("0{out}"),
-        None => out,
-    }
+    *out += &y;
 }
 
 /// Escapes text for XML, and replaces characters that XML 1.0 does not allow.
@@ -100,40 +90,14 @@ mod tests {
 
     #[test]
     fn numbers() {
-        for (value, text) in [
-            (0.0, "0"),
-            (-0.00001, "0"),
-            (0.5, ".5"),
-            (-0.25, "-.25"),
-            (100.0, "100"),
-            (1.23456, "1.2346"),
-            (-3.0, "-3"),
-        ] {
-            let mut out = "10".to_owned();
-            number(&mut out, value, 4);
-            assert_eq!(out, format!("10{text}"));
-        }
+        let values = [0.0, -0.00001, 0.5, -0.25, 100.0, 1.23456, -3.0];
+        assert_eq!(values.map(|v| number(v, 4)), ["0", "0", ".5", "-.25", "100", "1.2346", "-3"]);
         assert_eq!(text_of(10.0, 0), "10");
-        for (value, text) in [
-            (0.0, "0"),
-            (1.5, "1.5"),
-            (1234.5, "1234"),
-            (0.01234, "0.0123"),
-            (1.2e7, "1.2e7"),
-            (-3e-9, "-3e-9"),
-            (9.999, "10"),
-        ] {
-            assert_eq!(short(value), text);
-        }
-    }
-
-    #[test]
-    fn round_lengths() {
-        assert_eq!(round_below(0.49), 0.2);
-        assert_eq!(round_below(73.0), 50.0);
-        assert_eq!(round_below(1.0), 1.0);
-        assert_eq!(round_above(0.21), 0.5);
-        assert_eq!(round_above(0.2), 0.2);
-        assert_eq!(round_above(7.0), 10.0);
+        let values = [0.0, 1.5, 1234.5, 0.01234, 1.2e7, -3e-9, 9.999];
+        assert_eq!(values.map(short), ["0", "1.5", "1234", "0.0123", "1.2e7", "-3e-9", "10"]);
+        assert_eq!([0.49, 73.0, 1.0].map(round_below), [0.2, 50.0, 1.0]);
+        assert_eq!([0.21, 0.2, 7.0].map(round_above), [0.5, 0.2, 10.0]);
+        let units = &[(1.0, "m"), (0.01, "cm")];
+        assert_eq!([2.0, 0.5, 0.001].map(|v| in_units(v, units)), ["2 m", "50 cm", "0.1 cm"]);
     }
 }

@@ -1,6 +1,6 @@
 //! The walkable area that walls enclose.
 
-use crate::outlines::{Outline, Outlines};
+use crate::outlines::{Outline, outlines};
 use crate::shapes::{Contour, Shape, check, contour, overlay, ring};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
@@ -33,24 +33,20 @@ pub struct Area {
 ///
 /// Closed walls inside that nobody was in are holes. Open walls inside are taken out with a [`THICKNESS`].
 pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clone) -> Area {
-    let Outlines { mut rings, open, mut joined } = Outlines::of(walls);
-    let crossing = rings.extract_if(.., |outline| !outline.ring.is_simple());
+    let (mut outlines, open) = outlines(walls);
+    let crossing = outlines.extract_if(.., |outline| !outline.ring.is_simple());
+    let crossing = crossing.filter(|outline| outline.bridges.is_empty());
     let mut said: Vec<String> =
         crossing.map(|outline| format!("{} crosses itself: it bounds no area", outline.name)).collect();
-    joined.retain(|outline| outline.ring.is_simple());
-    // The smallest one first.
-    for outlines in [&mut rings, &mut joined] {
-        outlines.sort_by(|a, b| a.ring.area().total_cmp(&b.ring.area()));
-    }
+    // Those without openings first, of these the smallest one.
+    let opens = |outline: &Outline| !outline.bridges.is_empty();
+    outlines.sort_by(|a, b| opens(a).cmp(&opens(b)).then(a.ring.area().total_cmp(&b.ring.area())));
     let around = |outline: &Outline| positions.clone().all(|position| outline.ring.contains(position));
-    let closed = rings.iter().position(&around);
-    let found = closed.map(|place| rings.remove(place));
-    let opened = || joined.iter().position(&around).map(|place| joined.swap_remove(place));
-    let outer = if let Some(ring) = found.or_else(opened) {
-        said.push(format!("walkable area: inside of {}", ring.described()));
-        ring
-    } else if let Some(ring) = with_outside(&rings, &joined, positions.clone(), &mut said) {
-        ring
+    let outer = if let Some(place) = outlines.iter().position(around) {
+        said.push(format!("walkable area: inside of {}", outlines[place].described()));
+        outlines.remove(place)
+    } else if let Some(outline) = with_outside(&outlines, positions.clone(), &mut said) {
+        outline
     } else {
         said.push(format!(
             "walkable area: no wall is around everybody: the bounding box of people and walls and {MARGIN} m more \
@@ -60,7 +56,7 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
     };
     // From the largest one down, so that what lies in a hole is found too.
     let mut holes: Vec<Outline> = Vec::new();
-    for outline in rings.into_iter().rev() {
+    for outline in outlines.into_iter().filter(|outline| !opens(outline)).rev() {
         let (ring, corner) = (&outline.ring, outline.ring.corners()[0]);
         if !outer.ring.contains(corner) && !outer.ring.touches(ring)
             || holes.iter().any(|hole| hole.ring.contains(corner) && !hole.ring.touches(ring))
@@ -84,11 +80,8 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
     // The walls that are the outline itself, or lie outside of it or in a hole, take nothing away.
     let own: Vec<(Vec2, Vec2)> = polygon.outer.sides().collect();
     let is_outline = |a, b| own.contains(&(a, b)) || own.contains(&(b, a));
-    let parting: Vec<(Vec2, Vec2)> = open
-        .iter()
-        .flat_map(|corners| corners.windows(2).map(|side| (side[0], side[1])))
-        .filter(|&(a, b)| !is_outline(a, b) && meets(&polygon, a, b))
-        .collect();
+    let parting = open.into_iter().filter(|&(a, b)| !is_outline(a, b) && meets(&polygon, a, b));
+    let parting: Vec<(Vec2, Vec2)> = parting.collect();
     if !parting.is_empty() {
         match parted(&polygon, &parting, positions) {
             Some(parted) => {
@@ -141,15 +134,16 @@ pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Ar
 /// Returns the rooms that people were in, and beside each opening the convex hull of where they were outside. `None` if
 /// nobody was in a room, or if this is not one polygon around everybody.
 fn with_outside(
-    rings: &[Outline],
-    joined: &[Outline],
+    outlines: &[Outline],
     positions: impl Iterator<Item = Vec2> + Clone,
     said: &mut Vec<String>,
 ) -> Option<Outline> {
     let peopled = |room: &&Outline| positions.clone().any(|position| room.ring.contains(position));
-    let rooms: Vec<&Outline> = joined.iter().filter(peopled).collect();
+    let (joined, rings): (Vec<&Outline>, Vec<&Outline>) =
+        outlines.iter().partition(|outline| !outline.bridges.is_empty());
+    let rooms: Vec<&Outline> = joined.into_iter().filter(peopled).collect();
     let bridges: Vec<(Vec2, Vec2)> = rooms.iter().flat_map(|room| room.bridges.iter().copied()).collect();
-    let known = || rings.iter().chain(rooms.iter().copied());
+    let known = || rings.iter().chain(&rooms);
     let mut beyond: Vec<Vec<Vec2>> = vec![Vec::new(); bridges.len()];
     for p in positions.clone().filter(|p| !known().any(|outline| outline.ring.contains(*p))) {
         let off = |&(a, b): &(Vec2, Vec2)| (p - (a + b) * 0.5).norm_squared();

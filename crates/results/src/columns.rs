@@ -2,6 +2,7 @@
 //! it; `tests/columns.csv` is the same for programs in other languages.
 
 pub use crate::cell::CellType;
+use Domain::{Count, Flag, Real, Size};
 
 /// A column of the table of a run, which is an output of the FMU.
 #[derive(Debug, Clone, Copy)]
@@ -17,14 +18,14 @@ pub struct Quantity {
     domain: Domain,
 }
 
-/// The numbers that a quantity can be.
+/// The numbers that a quantity can be, with the unit of those that have one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Domain {
     /// Finite.
-    Real,
+    Real(&'static str),
     /// Finite, not negative.
-    Size,
-    /// A `u32`.
+    Size(&'static str),
+    /// A 32-bit integer, not negative.
     Count,
     /// 1 or 0.
     Flag,
@@ -45,35 +46,23 @@ impl Quantity {
     /// What the number must be.
     pub(crate) fn check(&self, number: f64, any: bool) -> Result<(), &'static str> {
         let (good, must) = match self.domain {
-            Domain::Real => (any || number.is_finite(), "a finite number"),
-            Domain::Size => (any || number.is_finite() && number >= 0.0, "a finite number from 0 on"),
-            Domain::Count => (number == f64::from(number as u32), "a valid number of contacts"),
-            Domain::Flag => (number == 0.0 || number == 1.0, "1 (there) or 0 (left)"),
+            Real(_) => (any || number.is_finite(), "a finite number"),
+            Size(_) => (any || number.is_finite() && number >= 0.0, "a finite number from 0 on"),
+            Count => (number >= 0.0 && number == f64::from(number as i32), "a valid number of contacts"),
+            Flag => (number == 0.0 || number == 1.0, "1 (there) or 0 (left)"),
         };
         if good { Ok(()) } else { Err(must) }
     }
 }
 
-const fn real(
+const fn entry(
     name: &'static str,
     variable: &'static str,
-    unit: &'static str,
+    domain: Domain,
     description: &'static str,
 ) -> Quantity {
-    Quantity { name, variable, unit: Some(unit), description, domain: Domain::Real }
-}
-
-const fn size(
-    name: &'static str,
-    variable: &'static str,
-    unit: &'static str,
-    description: &'static str,
-) -> Quantity {
-    Quantity { name, variable, unit: Some(unit), description, domain: Domain::Size }
-}
-
-const fn count(name: &'static str, variable: &'static str, description: &'static str) -> Quantity {
-    Quantity { name, variable, unit: None, description, domain: Domain::Count }
+    let unit = if let Real(unit) | Size(unit) = domain { Some(unit) } else { None };
+    Quantity { name, variable, unit, description, domain }
 }
 
 /// \[s\] Column of the time of the communication point. Every table begins with it.
@@ -83,47 +72,55 @@ pub const ID: &str = "id";
 
 /// Pose and velocity of an agent.
 pub const MOTION: [Quantity; 6] = [
-    real("x", "Position.x", "m", "x of the centre of mass"),
-    real("y", "Position.y", "m", "y of the centre of mass"),
-    real("vx", "Velocity.x", "m/s", "velocity along x"),
-    real("vy", "Velocity.y", "m/s", "velocity along y"),
-    real("theta", "Theta", "rad", "orientation: angle from the x axis to the gaze"),
-    real("omega", "Omega", "rad/s", "angular velocity"),
+    entry("x", "Position.x", Real("m"), "x of the centre of mass"),
+    entry("y", "Position.y", Real("m"), "y of the centre of mass"),
+    entry("vx", "Velocity.x", Real("m/s"), "velocity along x"),
+    entry("vy", "Velocity.y", Real("m/s"), "velocity along y"),
+    entry("theta", "Theta", Real("rad"), "orientation: angle from the x axis to the gaze"),
+    entry("omega", "Omega", Real("rad/s"), "angular velocity"),
 ];
 
 /// What an agent touches at the time.
 pub const CONTACTS: [Quantity; 3] = [
-    count("agent_contacts", "AgentContacts", "contacts of the agent's disks with disks of others"),
-    count("wall_contacts", "WallContacts", "contacts of the agent's disks with faces of walls"),
-    count("contacting_agents", "ContactingAgents", "how many other agents touch the agent"),
+    entry("agent_contacts", "AgentContacts", Count, "contacts of the agent's disks with disks of others"),
+    entry("wall_contacts", "WallContacts", Count, "contacts of the agent's disks with faces of walls"),
+    entry("contacting_agents", "ContactingAgents", Count, "how many other agents touch the agent"),
 ];
 
 /// \[N\] Squeeze at the time: sum of |F_n| over the agent's contacts.
-pub const SQUEEZE: Quantity = size(
+pub const SQUEEZE: Quantity = entry(
     "normal_force",
     "NormalForce",
-    "N",
+    Size("N"),
     "squeeze at this time: sum of the normal forces |F_n| of the agent's contacts",
 );
 
 /// What an agent's contacts did since the row before: over one communication step, or over N (`--every N`). FMUs of the
 /// first versions have none of these outputs.
 pub const OF_STEP: [Quantity; 3] = [
-    size("mean_normal_force", "MeanNormalForce", "N", "mean squeeze since the row before"),
-    size("peak_normal_force", "PeakNormalForce", "N", "largest squeeze since the row before"),
-    size("peak_overlap", "PeakOverlap", "m", "deepest overlap of a contact since the row before"),
+    entry("mean_normal_force", "MeanNormalForce", Size("N"), "mean squeeze since the row before"),
+    entry("peak_normal_force", "PeakNormalForce", Size("N"), "largest squeeze since the row before"),
+    entry("peak_overlap", "PeakOverlap", Size("m"), "deepest overlap of a contact since the row before"),
 ];
 
 /// 1 if the agent is there, 0 if not: it touches nothing and stands where it was last.
-pub const ACTIVE: Quantity = Quantity {
-    domain: Domain::Flag,
-    ..count("active", "Active", "1 if the agent is there, 0 if it has left and touches nothing")
-};
+pub const ACTIVE: Quantity =
+    entry("active", "Active", Flag, "1 if the agent is there, 0 if it has left and touches nothing");
 
 /// Quantities of the whole crowd at a time; the same in each row of this time.
 pub const TOTALS: [Quantity; 2] = [
-    count("total_agent_contacts", "AgentContacts", "contacts between disks of the crowd, each pair once"),
-    count("total_wall_contacts", "WallContacts", "contacts between disks of the crowd and faces of walls"),
+    entry(
+        "total_agent_contacts",
+        "AgentContacts",
+        Count,
+        "contacts between disks of the crowd, each pair once",
+    ),
+    entry(
+        "total_wall_contacts",
+        "WallContacts",
+        Count,
+        "contacts between disks of the crowd and faces of walls",
+    ),
 ];
 /// Place of the first of them in a row.
 pub(crate) const FIRST_TOTAL: usize = 14;
@@ -187,7 +184,7 @@ impl Groups {
         let named = |(agent, _, quantity): (Option<usize>, usize, &Quantity)| {
             let name = agent.map_or(String::new(), |i| format!("agent[{i}].")) + quantity.variable;
             // In a table there are numbers.
-            (name, if quantity.domain == Domain::Flag { CellType::Boolean } else { quantity.kind() })
+            (name, if quantity.domain == Flag { CellType::Boolean } else { quantity.kind() })
         };
         self.of_fmu(agents).map(named).collect()
     }

@@ -21,6 +21,9 @@ const TABLES: &str = "
     CREATE TABLE frame_data (frame INTEGER NOT NULL, geometry_hash INTEGER NOT NULL);
     CREATE INDEX frame_id_idx ON trajectory_data (frame, id);";
 
+/// Hash of the geometry: any number that tells those of a database apart, and there is only one.
+const GEOMETRY: i64 = 1;
+
 /// Writes a database that JuPedSim and PedPy read, with positions \[m\], the direction of the gaze as a unit vector, and
 /// the walkable area. The metadata say what the area was made of.
 ///
@@ -36,43 +39,35 @@ pub fn jupedsim(record: &Record, area: &Area, path: &Path) -> Result<(), RecordE
 
 /// Fills a database; messages call it `path`.
 fn fill(file: &Path, record: &Record, area: &Area, rate: f64, path: &Path) -> Result<(), RecordError> {
-    let cannot = |error: rusqlite::Error| WriteError::at(path)(io::Error::other(error));
-    let begin = || -> rusqlite::Result<Connection> {
-        // The file is there. One that was taken away as the program ends is not made anew.
-        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-        let database = Connection::open_with_flags(file, flags)?;
-        // No journal beside it: a file that is not complete is removed.
-        database.pragma_update(None, "journal_mode", "OFF")?;
-        database.execute_batch(TABLES)?;
-        Ok(database)
-    };
-    let mut database = begin().map_err(cannot)?;
+    let cannot = |error: rusqlite::Error| RecordError::from(WriteError::at(path)(io::Error::other(error)));
+    // The file is there. One that was taken away as the program ends is not made anew.
+    let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let mut database = Connection::open_with_flags(file, flags).map_err(cannot)?;
+    // No journal beside it: a file that is not complete is removed.
+    database.pragma_update(None, "journal_mode", "OFF").map_err(cannot)?;
+    database.execute_batch(TABLES).map_err(cannot)?;
     let transaction = database.transaction().map_err(cannot)?;
-    let hash = head(&transaction, area, rate).map_err(cannot)?;
-    {
-        let prepared = |text| transaction.prepare(text).map_err(cannot);
-        let mut rows = prepared("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)")?;
-        let mut frames = prepared("INSERT INTO frame_data VALUES (?, ?)")?;
-        let numbers = record.numbers();
-        let mut insert = |at: usize, frame: &Frame| -> rusqlite::Result<()> {
-            let at = at as i64;
-            frames.execute([at, hash])?;
-            // Who has left has no more rows there.
-            for (place, agent) in frame.present() {
-                let (number, Pose { position, orientation }) = (numbers[place], agent.pose);
-                let (sin, cos) = (libm::sin(orientation), libm::cos(orientation));
-                rows.execute(params![at, number, position.x, position.y, cos, sin])?;
-            }
-            Ok(())
-        };
-        record.each(|at, frame| Ok(insert(at, &frame).map_err(cannot)?))?;
-    }
+    head(&transaction, area, rate).map_err(cannot)?;
+    let numbers = record.numbers();
+    record.each(|at, frame| insert(&transaction, at as i64, &frame, &numbers).map_err(cannot))?;
     transaction.commit().map_err(cannot)?;
-    Ok(database.close().map_err(|(_, error)| cannot(error))?)
+    database.close().map_err(|(_, error)| cannot(error))
 }
 
-/// Writes what stands before the rows; returns the hash of the geometry.
-fn head(database: &Connection, area: &Area, rate: f64) -> rusqlite::Result<i64> {
+/// Writes a frame with the rows of those who are there.
+fn insert(database: &Connection, at: i64, frame: &Frame, numbers: &[i64]) -> rusqlite::Result<()> {
+    database.prepare_cached("INSERT INTO frame_data VALUES (?, ?)")?.execute([at, GEOMETRY])?;
+    let mut rows = database.prepare_cached("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)")?;
+    for (place, agent) in frame.present() {
+        let (number, Pose { position, orientation }) = (numbers[place], agent.pose);
+        let (sin, cos) = (libm::sin(orientation), libm::cos(orientation));
+        rows.execute(params![at, number, position.x, position.y, cos, sin])?;
+    }
+    Ok(())
+}
+
+/// Writes what stands before the rows.
+fn head(database: &Connection, area: &Area, rate: f64) -> rusqlite::Result<()> {
     let Bounds { low, high } = area.polygon.outer.bounds();
     let mut metadata = database.prepare("INSERT INTO metadata VALUES (?, ?)")?;
     metadata.execute(["version", "2"])?;
@@ -81,16 +76,6 @@ fn head(database: &Connection, area: &Area, rate: f64) -> rusqlite::Result<i64> 
         metadata.execute([key, &format!("{value:?}")])?;
     }
     metadata.execute(["walkable_area", &area.said.join("; ")])?;
-    let wkt = area.polygon.to_wkt();
-    let hash = hash(&wkt);
-    database.execute("INSERT INTO geometry VALUES (?, ?)", params![hash, wkt])?;
-    Ok(hash)
-}
-
-/// FNV-1a: any number would do that tells geometries apart.
-fn hash(text: &str) -> i64 {
-    let sum = text
-        .bytes()
-        .fold(0xcbf2_9ce4_8422_2325_u64, |sum, byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
-    i64::from_ne_bytes(sum.to_ne_bytes())
+    database.execute("INSERT INTO geometry VALUES (?, ?)", params![GEOMETRY, area.polygon.to_wkt()])?;
+    Ok(())
 }

@@ -16,7 +16,7 @@ mod quantile;
 mod summary;
 mod voronoi;
 
-pub use crossing::{Crossing, Line, Way};
+pub use crossing::{Line, Way};
 pub use density::{Density, MeasuringArea};
 pub use departures::{Departures, Left};
 pub use exposure::{Exposed, Exposure, SPANS};

@@ -4,15 +4,15 @@ use lemons_core::plane::{Ring, Vec2, segments_touch};
 use lemons_core::trial::Wall;
 use std::collections::BTreeMap;
 
-/// More open walls than these have their own ends joined, not those of each other.
-const MOST_OPEN: usize = 200;
+/// If more ends of open walls than these are free, only the two ends of each row of walls are joined.
+const MOST_FREE: usize = 400;
 
 /// A closed wall, or walls whose ends meet or are joined.
 pub(crate) struct Outline {
     pub ring: Ring,
     /// For messages.
     pub name: String,
-    /// \[m\] the straight lines that close its openings.
+    /// \[m\] The straight lines that close its openings.
     pub bridges: Vec<(Vec2, Vec2)>,
 }
 
@@ -42,157 +42,104 @@ fn bits(point: Vec2) -> [u64; 2] {
     [(point.x + 0.0).to_bits(), (point.y + 0.0).to_bits()]
 }
 
-/// Walls sorted by whether they enclose something.
-pub(crate) struct Outlines {
-    /// Closed walls, and those that open walls make where just two ends meet.
-    pub rings: Vec<Outline>,
-    /// \[m\] the corners of walls that are in none of these, joined where just two ends meet.
-    pub open: Vec<Vec<Vec2>>,
-    /// What they make when straight lines join their ends.
-    pub joined: Vec<Outline>,
-}
-
-/// Walls one after the other.
-#[derive(Clone)]
-struct Chain {
-    corners: Vec<Vec2>,
-    /// Ids of the walls.
-    ids: Vec<String>,
-}
-
-impl Chain {
-    fn ends(&self) -> [Vec2; 2] {
-        [self.corners[0], self.corners[self.corners.len() - 1]]
-    }
-
-    fn turned(mut self) -> Chain {
-        self.corners.reverse();
-        self.ids.reverse();
-        self
-    }
-
-    /// Closed, `bridges` being what closes it.
-    fn outline(self, bridges: Vec<(Vec2, Vec2)>) -> Option<Outline> {
-        let name = self.name();
-        Some(Outline { ring: Ring::through(self.corners)?, name, bridges })
-    }
-
-    fn name(&self) -> String {
-        let ids: Vec<String> = self.ids.iter().map(|id| format!("{id:?}")).collect();
-        format!("{} {}", if ids.len() == 1 { "wall" } else { "walls" }, ids.join(", "))
-    }
-}
-
-impl Outlines {
-    pub fn of(walls: &[Wall]) -> Outlines {
-        let (mut rings, mut pieces) = (Vec::new(), Vec::new());
-        for wall in walls {
-            let [first, .., last] = &wall.corners[..] else { continue };
-            let chain = Chain { corners: wall.corners.clone(), ids: vec![wall.id.clone()] };
-            if bits(*first) == bits(*last) {
-                rings.extend(chain.outline(Vec::new()));
-            } else {
-                pieces.push(chain);
-            }
+/// Returns what walls enclose: closed walls, those that open walls make where just two ends meet, and those that other
+/// open walls make when straight lines join their ends, the nearest first, where no wall is in between; and the sides
+/// \[m\] of walls that enclose nothing without such lines.
+pub(crate) fn outlines(walls: &[Wall]) -> (Vec<Outline>, Vec<(Vec2, Vec2)>) {
+    let walls: Vec<&Wall> = walls.iter().filter(|wall| wall.corners.len() > 1).collect();
+    // The two ends of a wall have successive places, of which the first is even.
+    let ends: Vec<Vec2> =
+        walls.iter().flat_map(|wall| [wall.corners[0], wall.corners[wall.corners.len() - 1]]).collect();
+    let mut partner: Vec<Option<usize>> = vec![None; ends.len()];
+    let mut meeting: BTreeMap<[u64; 2], Vec<usize>> = BTreeMap::new();
+    for k in (0..ends.len()).step_by(2) {
+        if bits(ends[k]) == bits(ends[k + 1]) {
+            (partner[k], partner[k + 1]) = (Some(k + 1), Some(k));
+        } else {
+            [k, k + 1].into_iter().for_each(|end| meeting.entry(bits(ends[end])).or_default().push(end));
         }
-        let chains = chained(&pieces);
-        let (closed, open): (Vec<Chain>, Vec<Chain>) =
-            chains.into_iter().partition(|chain| chain.ends().map(bits)[0] == chain.ends().map(bits)[1]);
-        rings.extend(closed.into_iter().filter_map(|chain| chain.outline(Vec::new())));
-        let joined = joined(&open, walls);
-        Outlines { rings, open: open.into_iter().map(|chain| chain.corners).collect(), joined }
     }
-}
-
-/// Open walls put together where just two ends meet.
-fn chained(pieces: &[Chain]) -> Vec<Chain> {
-    let mut ends: BTreeMap<[u64; 2], Vec<usize>> = BTreeMap::new();
-    for (place, piece) in pieces.iter().enumerate() {
-        piece.ends().into_iter().for_each(|end| ends.entry(bits(end)).or_default().push(place));
-    }
-    let mut used = vec![false; pieces.len()];
-    let mut chains = Vec::new();
-    for start in 0..pieces.len() {
-        if used[start] {
-            continue;
-        }
-        used[start] = true;
-        let mut chain = pieces[start].clone();
-        // Forwards, then, unless it is closed, from its beginning backwards.
-        for _ in 0..2 {
-            loop {
-                let [first, end] = chain.ends().map(bits);
-                let next = match &ends[&end][..] {
-                    [a, b] if end != first => [*a, *b].into_iter().find(|place| !used[*place]),
-                    _ => None,
-                };
-                let Some(next) = next else { break };
-                used[next] = true;
-                let mut piece = pieces[next].clone();
-                if bits(piece.ends()[0]) != end {
-                    piece = piece.turned();
-                }
-                chain.corners.extend(&piece.corners[1..]);
-                chain.ids.extend(piece.ids);
-            }
-            let [first, end] = chain.ends().map(bits);
-            if first == end {
-                break;
-            }
-            chain = chain.turned();
-        }
-        chains.push(chain);
-    }
-    chains
-}
-
-/// Rings of open walls: straight lines join their ends, the nearest first, where no wall is in between.
-fn joined(chains: &[Chain], walls: &[Wall]) -> Vec<Outline> {
-    let end = |k: usize| chains[k / 2].ends()[k % 2];
-    let length = |&(a, b): &(usize, usize)| (end(a) - end(b)).norm_squared();
-    let own = |k: usize| (2 * k, 2 * k + 1);
-    let mut pairs: Vec<(usize, usize)> = if chains.len() <= MOST_OPEN {
-        (0..2 * chains.len()).flat_map(|b| (0..b).map(move |a| (a, b))).collect()
-    } else {
-        (0..chains.len()).map(own).collect()
-    };
-    // Of a straight wall there is nothing inside.
-    pairs.retain(|&(a, b)| a / 2 != b / 2 || chains[a / 2].corners.len() > 2);
-    pairs.sort_by(|a, b| length(a).total_cmp(&length(b)));
-    let mut partner: Vec<Option<usize>> = vec![None; 2 * chains.len()];
-    for (a, b) in pairs {
-        if partner[a].is_some() || partner[b].is_some() {
-            continue;
-        }
-        let (from, to) = (end(a), end(b));
-        let at = |p: Vec2| bits(p) == bits(from) || bits(p) == bits(to);
-        let mut sides = walls.iter().flat_map(|wall| wall.corners.windows(2));
-        if !sides.any(|side| !at(side[0]) && !at(side[1]) && segments_touch(from, to, side[0], side[1])) {
+    for ends in meeting.into_values() {
+        if let [a, b] = ends[..] {
             (partner[a], partner[b]) = (Some(b), Some(a));
         }
     }
-    let mut used = vec![false; chains.len()];
-    let mut rings = Vec::new();
-    for start in 0..chains.len() {
-        let mut all = Chain { corners: Vec::new(), ids: Vec::new() };
-        let (mut bridges, mut at, mut whole) = (Vec::new(), 2 * start, false);
-        while !used[at / 2] {
-            used[at / 2] = true;
-            let chain = chains[at / 2].clone();
-            let chain = if at % 2 == 0 { chain } else { chain.turned() };
-            all.corners.extend(chain.corners);
-            all.ids.extend(chain.ids);
-            let out = at ^ 1;
-            let Some(next) = partner[out] else { break };
-            bridges.push((end(out), end(next)));
-            at = next;
-            whole = next == 2 * start;
-        }
-        if whole {
-            all.corners.push(all.corners[0]);
-            all.corners.dedup();
-            rings.extend(all.outline(bridges));
+    let meets: Vec<bool> = partner.iter().map(Option::is_some).collect();
+    for (a, b) in free_pairs(&walls, &ends, &partner) {
+        let (from, to) = (ends[a], ends[b]);
+        let at = |p: Vec2| bits(p) == bits(from) || bits(p) == bits(to);
+        let blocks = |&(p, q): &(Vec2, Vec2)| !at(p) && !at(q) && segments_touch(from, to, p, q);
+        if partner[a].or(partner[b]).is_none()
+            && !walls.iter().flat_map(|wall| sides(wall)).any(|side| blocks(&side))
+        {
+            (partner[a], partner[b]) = (Some(b), Some(a));
         }
     }
-    rings
+    let (mut outlines, mut encloses) = (Vec::new(), vec![false; walls.len()]);
+    for mut way in loops(&partner) {
+        // A bridge, if there is one, is at the end.
+        let bridge = way.iter().rposition(|at| !meets[at ^ 1]);
+        way.rotate_left(bridge.map_or(0, |last| last + 1));
+        way.iter().for_each(|at| encloses[at / 2] = bridge.is_none());
+        let corners = way.iter().flat_map(|at| {
+            let mut corners = walls[at / 2].corners.clone();
+            if at % 2 == 1 {
+                corners.reverse();
+            }
+            corners
+        });
+        let mut corners: Vec<Vec2> = corners.collect();
+        corners.dedup();
+        let outs = way.iter().map(|at| at ^ 1).filter(|out| !meets[*out]);
+        let bridges = outs.filter_map(|out| Some((ends[out], ends[partner[out]?]))).collect();
+        let ids: Vec<String> = way.iter().map(|at| format!("{:?}", walls[at / 2].id)).collect();
+        let name = format!("{} {}", if ids.len() == 1 { "wall" } else { "walls" }, ids.join(", "));
+        outlines.extend(Ring::through(corners).map(|ring| Outline { ring, name, bridges }));
+    }
+    let open = walls.iter().zip(encloses).filter(|(_, encloses)| !encloses);
+    (outlines, open.flat_map(|(wall, _)| sides(wall)).collect())
+}
+
+fn sides(wall: &Wall) -> impl Iterator<Item = (Vec2, Vec2)> {
+    wall.corners.windows(2).map(|side| (side[0], side[1]))
+}
+
+/// Returns the pairs of ends without a partner that may be joined, the nearest first.
+fn free_pairs(walls: &[&Wall], ends: &[Vec2], partner: &[Option<usize>]) -> Vec<(usize, usize)> {
+    let free: Vec<usize> = (0..ends.len()).filter(|end| partner[*end].is_none()).collect();
+    let other_end = |&end: &usize| {
+        let mut at = end ^ 1;
+        while let Some(next) = partner[at] {
+            at = next ^ 1;
+        }
+        (end, at)
+    };
+    let mut pairs: Vec<(usize, usize)> = if free.len() <= MOST_FREE {
+        (0..free.len())
+            .flat_map(|b| free[..b].iter().map(move |a| (*a, b)))
+            .map(|(a, b)| (a, free[b]))
+            .collect()
+    } else {
+        free.iter().map(other_end).filter(|(a, b)| a < b).collect()
+    };
+    // Of a straight wall there is nothing inside.
+    pairs.retain(|&(a, b)| a / 2 != b / 2 || walls[a / 2].corners.len() > 2);
+    let length = |&(a, b): &(usize, usize)| (ends[a] - ends[b]).norm_squared();
+    pairs.sort_by(|a, b| length(a).total_cmp(&length(b)));
+    pairs
+}
+
+/// Follows walls from end to partner, and returns the ways that come back: the ends at which they enter walls.
+fn loops(partner: &[Option<usize>]) -> Vec<Vec<usize>> {
+    let mut used = vec![false; partner.len() / 2];
+    let from = |start: usize| {
+        let (mut way, mut at) = (Vec::new(), 2 * start);
+        while !used[at / 2] {
+            used[at / 2] = true;
+            way.push(at);
+            at = partner[at ^ 1]?;
+        }
+        (!way.is_empty() && at == 2 * start).then_some(way)
+    };
+    (0..partner.len() / 2).filter_map(from).collect()
 }

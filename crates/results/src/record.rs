@@ -1,9 +1,10 @@
 //! A recorded run that is read frame by frame, as often as needed.
 
 use crate::error::RecordError;
-use crate::run::{Frame, Run, numeric, order_of, sorted};
+use crate::run::{Frame, Run, order_of, sorted};
 use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::Trial;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -23,6 +24,10 @@ pub struct Record {
     times: Vec<f64>,
     first: Vec<Motion>,
     contacts: bool,
+    /// Places of the agents in the source.
+    order: Vec<usize>,
+    /// Only every so many frames count.
+    every: usize,
 }
 
 /// \[s\] Names of files hold nine decimals.
@@ -43,7 +48,8 @@ impl Record {
             contacts &= frame.interactions.is_some();
             Ok(())
         })?;
-        Ok(Record { source: source.to_owned(), pass: Rc::new(pass), ids, times, first, contacts })
+        let (source, pass, order) = (source.to_owned(), Rc::new(pass), (0..ids.len()).collect());
+        Ok(Record { source, pass, ids, times, first, contacts, order, every: 1 })
     }
 
     /// Returns the file or directory that it is read from.
@@ -79,15 +85,9 @@ impl Record {
     /// Leaves only every `n`-th frame, beginning with the first.
     #[must_use]
     pub fn every(self, n: usize) -> Record {
-        let (pass, n) = (self.pass, n.max(1));
+        let n = n.max(1);
         let times = self.times.into_iter().step_by(n).collect();
-        let pass = move |each: &mut Each<'_>| {
-            let mut places = 0_usize..;
-            pass(&mut |frame| {
-                if places.next().is_some_and(|place| place % n == 0) { each(frame) } else { Ok(()) }
-            })
-        };
-        Record { pass: Rc::new(pass), times, ..self }
+        Record { times, every: self.every.saturating_mul(n), ..self }
     }
 
     /// Puts the agents in the order of a Trial.
@@ -96,27 +96,16 @@ impl Record {
     /// The agents are not those of the Trial.
     pub fn of_trial(self, trial: &Trial) -> Result<Record, RecordError> {
         let order = order_of(&self.ids, trial, &self.source)?;
-        if order.iter().copied().eq(0..self.ids.len()) {
-            return Ok(self);
-        }
-        let (pass, count) = (self.pass, self.ids.len());
-        let first = order.iter().map(|&place| self.first[place]).collect();
-        let ids = sorted(&self.ids, &order);
-        let source = self.source.clone();
-        let pass = move |each: &mut Each<'_>| {
-            let mut checked = |frame: Frame| match frame.agents.len() == count {
-                true => each(frame.sorted(&order)),
-                false => Err(changed(&source)),
-            };
-            let ids = pass(&mut checked)?;
-            if ids.len() == count { Ok(sorted(&ids, &order)) } else { Err(changed(&source)) }
-        };
-        Ok(Record { pass: Rc::new(pass), ids, first, ..self })
+        let (ids, first) = (sorted(&self.ids, &order), sorted(&self.first, &order));
+        Ok(Record { ids, first, order: sorted(&self.order, &order), ..self })
     }
 
     /// Returns the agents' Ids as numbers; `None` unless all are different whole numbers from 0 on.
     pub fn numeric_ids(&self) -> Option<Vec<i64>> {
-        numeric(&self.ids)
+        let number = |id: &String| id.parse().ok().filter(|id| *id >= 0);
+        let numbers: Vec<i64> = self.ids.iter().map(number).collect::<Option<_>>()?;
+        let different: BTreeSet<_> = numbers.iter().collect();
+        (different.len() == numbers.len()).then_some(numbers)
     }
 
     /// Returns the numbers of the agents: their Ids, or else their places, from 0.
@@ -132,39 +121,33 @@ impl Record {
         &self,
         mut what: impl FnMut(usize, Frame) -> Result<(), RecordError>,
     ) -> Result<(), RecordError> {
-        let mut read = 0;
+        let changed = || RecordError::wrong(&self.source, "was changed while it was read");
+        let (mut read, mut kept) = (0, 0);
         let ids = (self.pass)(&mut |frame| {
             read += 1;
-            if self.times.get(read - 1) != Some(&frame.time) || frame.agents.len() != self.ids.len() {
-                return Err(changed(&self.source));
+            if (read - 1) % self.every != 0 {
+                return Ok(());
             }
-            what(read - 1, frame)
+            if self.times.get(kept) != Some(&frame.time) || frame.agents.len() != self.ids.len() {
+                return Err(changed());
+            }
+            kept += 1;
+            what(kept - 1, frame.sorted(&self.order))
         })?;
-        if read == self.times.len() && ids == self.ids { Ok(()) } else { Err(changed(&self.source)) }
-    }
-
-    /// Reads the frames with the wanted numbers into memory.
-    ///
-    /// # Errors
-    /// As [`Record::each`].
-    pub fn read(&self, wanted: impl Fn(usize) -> bool) -> Result<Run, RecordError> {
-        let mut frames = Vec::new();
-        self.each(|k, frame| {
-            frames.extend(wanted(k).then_some(frame));
-            Ok(())
-        })?;
-        Ok(Run { source: self.source.clone(), ids: self.ids.clone(), frames })
+        let same = ids.len() == self.ids.len() && sorted(&ids, &self.order) == self.ids;
+        if same && kept == self.times.len() { Ok(()) } else { Err(changed()) }
     }
 
     /// An error of a frame.
     pub(crate) fn wrong_at(&self, place: usize, message: impl FnOnce(&str) -> String) -> RecordError {
-        match self.read(|k| k == place) {
-            Ok(run) => {
-                let place = run.frames.first().map_or("", |frame| frame.place.as_str());
-                RecordError::wrong(&self.source, message(place))
+        let mut found = String::new();
+        let read = self.each(|k, frame| {
+            if k == place {
+                found = frame.place;
             }
-            Err(error) => error,
-        }
+            Ok(())
+        });
+        read.err().unwrap_or_else(|| RecordError::wrong(&self.source, message(&found)))
     }
 
     /// \[1/s\] Number of frames per second.
@@ -172,16 +155,14 @@ impl Record {
     /// # Errors
     /// There is only one frame, or the times between frames are not equal.
     pub fn frame_rate(&self) -> Result<f64, RecordError> {
-        let times = self.times();
-        let first = self.times[0];
-        let Some(second) = times.clone().nth(1) else {
-            let message = format!("has one frame only, at t = {first:?} s: no frame rate");
-            return Err(RecordError::wrong(&self.source, message));
+        let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
+        let wrong = |message: String| Err(RecordError::wrong(&self.source, message));
+        let Some(second) = self.times.get(1) else {
+            return wrong(format!("has one frame only, at t = {first:?} s: no frame rate"));
         };
         let step = second - first;
-        let mut last = first;
-        for (k, time) in times.enumerate().skip(1) {
-            let gap = time - last;
+        for (k, pair) in (1..).zip(self.times.windows(2)) {
+            let (time, gap) = (pair[1], pair[1] - pair[0]);
             if (gap - step).abs() > 1e-6 * step + ROUNDING {
                 return Err(self.wrong_at(k, |place| {
                     format!(
@@ -191,25 +172,22 @@ impl Record {
                     )
                 }));
             }
-            last = time;
         }
         // Sums of steps are rounded; the step that was meant has few decimals, or its rate has none.
         let mean = (last - first) / (self.frames() - 1) as f64;
-        let (rate, decimal) = (mean.recip().round(), (mean * 1e9).round() / 1e9);
+        let (whole, decimal) = (mean.recip().round(), (mean * 1e9).round() / 1e9);
         let near = |value: f64, within: f64| (value - mean).abs() < within * mean;
-        let rate = if near(rate.recip(), 1e-6) {
-            rate
+        let rate = if near(whole.recip(), 1e-6) {
+            whole
         } else if near(decimal, 1e-10) {
             decimal.recip()
         } else {
             mean.recip()
         };
-        if !(rate > 0.0 && rate.is_finite()) {
-            let message =
-                format!("the time between its frames is {step:?} s, which gives no usable frame rate");
-            return Err(RecordError::wrong(&self.source, message));
+        if rate > 0.0 && rate.is_finite() {
+            return Ok(rate);
         }
-        Ok(rate)
+        wrong(format!("the time between its frames is {step:?} s, which gives no usable frame rate"))
     }
 
     /// \[m\] Positions of everybody who is there, in the order of time and of agents.
@@ -224,10 +202,6 @@ impl Record {
         })?;
         Ok(all)
     }
-}
-
-fn changed(source: &Path) -> RecordError {
-    RecordError::wrong(source, "was changed while it was read")
 }
 
 /// A run in memory, too.

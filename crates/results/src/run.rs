@@ -140,29 +140,15 @@ impl Frame {
         let Motion { pose: Pose { position, orientation }, twist } = self.agents[place];
         let seen = self.observed.as_ref().map(|all| all[place]).unwrap_or_default();
         let (step, totals) = (seen.of_step.unwrap_or_default(), self.totals.unwrap_or_default());
-        let counts = [seen.agent_contacts, seen.wall_contacts, seen.contacting_agents].map(f64::from);
         let [x, y, vx, vy] = [position.x, position.y, twist.velocity.x, twist.velocity.y];
-        let [mean, peak, overlap] = [step.mean_normal_force, step.peak_normal_force, step.peak_overlap];
-        let [active, agents, walls] =
-            [self.is_there(place).into(), totals.agent_contacts, totals.wall_contacts].map(f64::from);
-        [
-            x,
-            y,
-            vx,
-            vy,
-            orientation,
-            twist.angular_velocity,
-            counts[0],
-            counts[1],
-            counts[2],
-            seen.normal_force,
-            mean,
-            peak,
-            overlap,
-            active,
-            agents,
-            walls,
-        ]
+        let motion = [x, y, vx, vy, orientation, twist.angular_velocity];
+        let counts = [seen.agent_contacts, seen.wall_contacts, seen.contacting_agents].map(f64::from);
+        let of_step = [step.mean_normal_force, step.peak_normal_force, step.peak_overlap];
+        let last = [self.is_there(place).into(), totals.agent_contacts, totals.wall_contacts].map(f64::from);
+        let all = motion.into_iter().chain(counts).chain([seen.normal_force]).chain(of_step).chain(last);
+        let mut row = Row::default();
+        row.iter_mut().zip(all).for_each(|(cell, value)| *cell = value);
+        row
     }
 
     /// Returns the frame with the agents of these places.
@@ -200,12 +186,4 @@ pub(crate) fn order_of(ids: &[String], trial: &Trial, source: &Path) -> Result<V
         })
     });
     order.collect()
-}
-
-/// The Ids as numbers; `None` unless all are different whole numbers from 0 on.
-pub(crate) fn numeric(ids: &[String]) -> Option<Vec<i64>> {
-    let numbers: Vec<i64> =
-        ids.iter().map(|id| id.parse().ok().filter(|id| *id >= 0)).collect::<Option<_>>()?;
-    let different: BTreeSet<_> = numbers.iter().collect();
-    (different.len() == numbers.len()).then_some(numbers)
 }

@@ -2,6 +2,7 @@
 
 use crate::error::RecordError;
 use crate::record::Record;
+use crate::recorder::KeptFrames;
 use crate::run::{Frame, Observed};
 use crate::text::{files_of, own};
 use lemons_core::files::{Change, change_all};
@@ -156,7 +157,7 @@ pub fn series(record: &Record, trial: &Trial, directory: &Path) -> Result<(), Re
 /// The agents are not those of the Trial.
 pub fn trial_at_end(record: &Record, trial: &Trial) -> Result<Trial, RecordError> {
     let record = record.clone().of_trial(trial)?;
-    let last = record.read(|k| k + 1 == record.frames())?.frames.pop().unwrap_or_default();
+    let last = record.read_wanted(KeptFrames::Around(Vec::new()))?.frames.pop().unwrap_or_default();
     let mut trial = trial.clone();
     let moved = |(motion, was): (_, &AgentDynamics)| {
         let now = AgentDynamics::of(motion);

@@ -12,9 +12,9 @@ pub use write::{FrameWriter, TableWriter};
 
 use crate::error::RecordError;
 use crate::record::Record;
+use crate::recorder::KeptFrames;
 use crate::run::{Frame, Run};
 use lemons_core::files::input;
-use rows::Stop;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ impl Run {
     /// # Errors
     /// As [`Record::table`].
     pub fn read_table(path: &Path) -> Result<Run, RecordError> {
-        Record::table(path)?.read(|_| true)
+        Record::table(path)?.read_wanted(KeptFrames::All)
     }
 }
 
@@ -82,15 +82,11 @@ impl Record {
                 };
                 let mut file = file.try_clone().map_err(cannot_read(path))?;
                 file.rewind().map_err(cannot_read(path))?;
-                let read = if *parquet {
-                    read_parquet(file, &mut later)
+                let own = if *parquet {
+                    read_parquet(path, file, &mut later)?
                 } else {
-                    csv::read(BufReader::new(file), &mut later)
+                    csv::read(path, BufReader::new(file), &mut later)?
                 };
-                let own = read.map_err(|stop| match stop {
-                    Stop::Wrong(message) => RecordError::wrong(path, message),
-                    Stop::Error(error) => error,
-                })?;
                 if ids.get_or_insert_with(|| own.clone()) != &own {
                     return Err(RecordError::wrong(path, "its agents are not those of the first table"));
                 }
@@ -116,6 +112,6 @@ fn open(path: &Path) -> Result<(File, bool), RecordError> {
 use parquet::read as read_parquet;
 
 #[cfg(not(feature = "parquet"))]
-fn read_parquet(_: File, _: &mut crate::record::Each<'_>) -> Result<Vec<String>, Stop> {
-    Err(Stop::Wrong(NO_PARQUET.into()))
+fn read_parquet(path: &Path, _: File, _: &mut crate::record::Each<'_>) -> Result<Vec<String>, RecordError> {
+    Err(RecordError::wrong(path, NO_PARQUET))
 }

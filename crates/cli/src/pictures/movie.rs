@@ -105,11 +105,9 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let mut scenes = Scenes::new(style, &run, &times, &interrupt)?;
     let of_path = || path.display().to_string();
     let mut shown = |time: &f64| scenes.at(*time);
-    let draw = |(scene, style): &(Scene, Style)| {
-        let frame = pixels(&svg(scene, style), arguments.style.width);
-        // Frames for ffmpeg need even sides.
-        if format.is_none() { frame.map(Pixels::even) } else { frame }
-    };
+    // Frames for ffmpeg need even sides.
+    let sides = if format.is_none() { 2 } else { 1 };
+    let draw = |(scene, style): &(Scene, Style)| pixels(&svg(scene, style), arguments.style.width, sides);
     // Its size is that of all.
     let first_frame = draw(&shown(&first))?;
     let film = Film::begin(file.writer(), format, *frame_rate, times.len(), &first_frame);

@@ -110,6 +110,14 @@ fn a_crowd_has_a_median_and_a_highest() {
         c[0].1 - c[c.len() - 1].1
     };
     assert!((height("median") / height("highest") - 0.5).abs() < 0.01);
+    // The same lines at x of their own.
+    let own = |k: usize| {
+        let x = [0.0, 1.0 + 0.1 * k as f64, 20.0];
+        line(k, false, x.map(|x| (x, k as f64 * x)).to_vec())
+    };
+    let text = drawn(&one_panel((0..101).map(own).collect(), false));
+    let points = corners(paths(&Document::parse(&text).unwrap(), "median")[0]);
+    assert_eq!(points.len(), 2, "{points:?}");
     let opacity: f64 = paths(&document, "simulated")[0].attribute("stroke-opacity").unwrap().parse().unwrap();
     assert!(opacity < 0.3);
     // Eight still have names.
@@ -141,25 +149,29 @@ fn equal_curves_have_one_name_and_show_all_their_colours() {
         line(2, false, ramp(1.0)),
         line(4, false, (0..=100).map(|t| (f64::from(t), half(f64::from(t)))).collect()),
     ];
-    let text = drawn(&one_panel(lines.clone(), false));
+    let text = drawn(&one_panel(lines, false));
     let document = Document::parse(&text).unwrap();
     let mut names = labels(&document, "name");
     names.sort_unstable();
     assert_eq!(names, ["agent 0", "agent 4", "agents 1, 2"], "equal in part is not equal");
-    let lines = lines[..3].to_vec();
-    let text = drawn(&one_panel(lines, false));
-    let document = Document::parse(&text).unwrap();
-    assert_eq!(labels(&document, "name"), ["agents 1, 2", "agent 0"]);
-    let turns: Vec<_> = paths(&document, "simulated");
+    // Of three, then of two that are equal.
+    let of = |group: usize| {
+        let title = |n: &Node| n.children().any(|title| title.text() == Some(&format!("agent {group}")));
+        paths(&document, "simulated").into_iter().filter(title).collect::<Vec<_>>()
+    };
     let dashes = |n: &Node| {
         let number = |name| n.attribute(name).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
         (number("stroke-dasharray"), number("stroke-dashoffset"))
     };
-    let [one, two] = [dashes(&turns[1]), dashes(&turns[2])];
-    assert!(turns[0].attribute("stroke-dasharray").is_none());
-    assert!(one.0 == two.0 && (one.1 - two.1 - one.0).abs() < 1e-6, "{one:?} {two:?}");
-    assert_eq!(turns[1].attribute("d"), turns[2].attribute("d"));
-    assert_ne!(turns[1].attribute("stroke"), turns[2].attribute("stroke"));
+    let (one, two) = (of(1), of(2));
+    assert_eq!((of(0).len(), one.len(), two.len(), of(4).len()), (1, 2, 2, 2));
+    assert!(of(0)[0].attribute("stroke-dasharray").is_none());
+    for (a, b) in one.iter().zip(&two) {
+        let ([length, from], [same, to]) = (<[f64; 2]>::from(dashes(a)), <[f64; 2]>::from(dashes(b)));
+        assert!(length == same && (from - to - length).abs() < 0.02, "{from} {to} {length}");
+        assert_eq!(a.attribute("d"), b.attribute("d"));
+        assert_ne!(a.attribute("stroke"), b.attribute("stroke"));
+    }
     // Many are a range.
     let all = (0..6).map(|k| line(k, false, ramp(1.0))).collect();
     let text = drawn(&one_panel(all, false));
@@ -182,22 +194,20 @@ fn what_is_measured_is_seen_on_an_equal_simulated_curve() {
     let ramp: Vec<_> = (0..=10).map(|t| (f64::from(t), f64::from(t))).collect();
     let lines = vec![line(0, true, ramp.clone()), line(0, false, ramp.clone()), line(1, false, ramp)];
     let text = drawn(&one_panel(lines, false));
-    let at = |what: &str| text.rfind(what).unwrap_or_else(|| panic!("no {what}"));
-    let group = text.find("class=\"lines\"").unwrap();
-    let measured = group + text[group..].find("class=\"measured\"").unwrap();
-    assert!(
-        at("class=\"casing\"") < measured
-            && at("<path class=\"simulated\" stroke=\"#d5") < at("class=\"casing\"")
+    let document = Document::parse(&text).unwrap();
+    let lines = common::class(&document, "lines")[0].children().filter(|n| n.has_tag_name("path"));
+    let lines: Vec<_> = lines.collect();
+    assert_eq!(
+        lines.iter().map(|n| n.attribute("class").unwrap()).collect::<Vec<_>>(),
+        ["simulated", "simulated", "casing", "measured"]
     );
     // Beside the dashes there is paper, and the solid line between.
-    let casing = &text[at("class=\"casing\"")..];
-    assert!(casing.starts_with("class=\"casing\" stroke=\"#ffffff\""));
-    let dashes = |text: &str| -> (f64, f64) {
-        let dashes = text.split("stroke-dasharray=\"").nth(1).unwrap().split('"').next().unwrap();
-        let (dash, gap) = dashes.split_once(' ').unwrap();
+    assert_eq!(lines[2].attribute("stroke"), Some("#ffffff"));
+    let dashes = |n: &Node| -> (f64, f64) {
+        let (dash, gap) = n.attribute("stroke-dasharray").unwrap().split_once(' ').unwrap();
         (dash.parse().unwrap(), gap.parse().unwrap())
     };
-    let (around, own) = (dashes(casing), dashes(&text[measured..]));
+    let (around, own) = (dashes(&lines[2]), dashes(&lines[3]));
     assert!(around.0 > own.0 + 1.0 && around.1 > 1.0 && (around.0 + around.1 - own.0 - own.1).abs() < 0.02);
 }
 

@@ -1,6 +1,6 @@
 //! Trials made for the tests.
 
-use lemons_core::plane::{Vec2, vec2};
+use lemons_core::plane::{Motion, Pose, Vec2, vec2};
 use lemons_core::trial::*;
 use roxmltree::{Document, Node};
 use std::path::PathBuf;
@@ -14,57 +14,39 @@ pub fn pedestrian(id: &str) -> Agent {
         (0.131, 0.009, -0.067),
         (0.095, -0.015, -0.154),
     ];
-    let shape = |(radius, x, y): &(f64, f64, f64)| Shape {
-        radius: *radius,
-        material_id: "human".into(),
-        position: vec2(*x, *y),
-    };
-    agent(id, shapes.iter().map(shape).collect())
+    agent(id, shapes.map(|(radius, x, y)| disk(radius, vec2(x, y))).to_vec())
+}
+
+pub fn disk(radius: f64, position: Vec2) -> Shape {
+    Shape { radius, material_id: "human".into(), position }
 }
 
 pub fn agent(id: &str, shapes: Vec<Shape>) -> Agent {
-    let kind = Some("pedestrian".into());
-    Agent {
-        kind,
-        id: id.into(),
-        mass: 80.0,
-        height: None,
-        moment_of_inertia: 1.5,
-        floor_damping: 4.5,
-        angular_damping: 4.5,
-        shapes,
-    }
+    Agent { id: id.into(), shapes, ..Agent::default() }
 }
 
 pub fn trial(agents: Vec<(Agent, Vec2, f64)>, walls: Vec<Vec<Vec2>>) -> Trial {
-    let dynamics = |&(_, position, theta): &(Agent, Vec2, f64)| AgentDynamics {
-        position,
-        velocity: Vec2::ZERO,
-        theta,
-        omega: 0.0,
-        fp: Vec2::ZERO,
-        mp: 0.0,
+    let dynamics = |&(_, position, orientation): &(Agent, Vec2, f64)| {
+        AgentDynamics::of(&Motion { pose: Pose { position, orientation }, ..Motion::default() })
     };
-    let wall = |(k, corners): (usize, Vec<Vec2>)| Wall {
-        id: k.to_string(),
-        material_id: "concrete".into(),
-        corners,
-    };
+    let wall = |corners: Vec<Vec2>| Wall { id: String::new(), material_id: "concrete".into(), corners };
     Trial {
         name: "test".into(),
         directory: PathBuf::new(),
-        parameters: Parameters {
-            static_directory: String::new(),
-            dynamic_directory: String::new(),
-            time_step: 0.05,
-            time_step_mechanical: 2e-6,
-        },
+        parameters: Parameters::default(),
         materials: Materials { intrinsic: vec![], binary: vec![] },
-        geometry: Geometry { dimensions: None, walls: walls.into_iter().enumerate().map(wall).collect() },
+        geometry: Geometry { dimensions: None, walls: walls.into_iter().map(wall).collect() },
         dynamics: agents.iter().map(dynamics).collect(),
         agents: agents.into_iter().map(|a| a.0).collect(),
         interactions: Interactions::default(),
     }
+}
+
+/// Pedestrians 1 m apart, with these Ids.
+pub fn row<I: ToString>(ids: impl IntoIterator<Item = I>) -> Trial {
+    let ids = ids.into_iter().enumerate();
+    let people = ids.map(|(k, id)| (pedestrian(&id.to_string()), vec2(k as f64, 0.0), 0.0));
+    trial(people.collect(), vec![vec![vec2(-1.0, -1.0), vec2(6.0, -1.0)]])
 }
 
 /// The elements of a class.

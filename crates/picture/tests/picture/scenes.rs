@@ -1,15 +1,9 @@
 //! Forces, trails, density and sheets in the SVG.
 
-use crate::common::{class, extent, labels, number, pedestrian, trial};
+use crate::common::{agent, class, disk, extent, labels, number, pedestrian, row, trial};
 use lemons_core::plane::{Vec2, vec2};
-use lemons_core::trial::Trial;
 use lemons_picture::*;
 use roxmltree::{Document, Node};
-
-fn row(n: usize) -> Trial {
-    let people = (0..n).map(|k| (pedestrian(&k.to_string()), vec2(k as f64, 0.0), 0.0)).collect();
-    trial(people, vec![vec![vec2(-1.0, -1.0), vec2(n as f64, -1.0)]])
-}
 
 fn force(from: f64, to: f64, normal_force: f64) -> Force {
     Force { from: vec2(from, 0.0), to: vec2(to, 0.0), normal_force }
@@ -17,7 +11,7 @@ fn force(from: f64, to: f64, normal_force: f64) -> Force {
 
 #[test]
 fn a_line_is_as_wide_as_its_force() {
-    let t = row(4);
+    let t = row(0..4);
     let mut scene = Scene::at_start(&t);
     assert!(!svg(&scene, &Style::default()).contains("forces"));
     scene.forces = vec![
@@ -61,7 +55,7 @@ fn trail(measured: bool, points: &[(f64, f64)]) -> Trail {
 
 #[test]
 fn measured_is_dashed_and_simulated_solid() {
-    let t = row(2);
+    let t = row(0..2);
     let mut scene = Scene::at_start(&t);
     let nan = f64::NAN;
     scene.trails = vec![
@@ -107,7 +101,7 @@ fn measured_is_dashed_and_simulated_solid() {
 #[test]
 fn nothing_overlaps_above_a_scene() {
     // Time and legend on one page: none begins before the other ends.
-    let t = row(5);
+    let t = row(0..5);
     let mut scene = Scene::at_start(&t);
     scene.forces = vec![force(0.0, 1.0, 120.0)];
     scene.trails = vec![trail(false, &[(0.0, 0.5), (1.0, 0.5)]), trail(true, &[(0.0, 0.5), (1.0, 0.5)])];
@@ -142,15 +136,11 @@ fn the_integral_of_density_is_the_number_of_people() {
         let people: f64 = map.values().iter().sum::<f64>() * map.cell().x * map.cell().y;
         assert!((people - 4.0 / 3.0).abs() < 1e-6, "{kernel}: {people}");
     }
-    // A person alone: the Gaussian's own peak, and half a person where the map ends at them.
-    let mut map = DensityMap::new(Bounds { low: vec2(-3.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
-    map.add([Vec2::ZERO]);
-    let peak = map.values().into_iter().fold(0.0, f64::max);
-    let expected = 1.0 / (std::f64::consts::TAU * 0.25);
-    // A corner of four cells stands at the peak itself.
-    assert!((peak / expected - 1.0).abs() < 0.03, "{peak}");
+    // Half a person where the map ends at them, and there the peak of the Gaussian.
     let mut map = DensityMap::new(Bounds { low: vec2(0.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
     map.add([Vec2::ZERO]);
+    let peak = map.values().into_iter().fold(0.0, f64::max);
+    assert!((peak * std::f64::consts::TAU * 0.25 - 1.0).abs() < 0.03, "{peak}");
     let people: f64 = map.values().iter().sum::<f64>() * map.cell().x * map.cell().y;
     assert!((people - 0.5).abs() < 1e-6, "{people}");
 }
@@ -196,7 +186,7 @@ fn density_does_not_go_through_walls() {
 
 #[test]
 fn the_map_is_below_the_outlines() {
-    let t = row(3);
+    let t = row(0..3);
     let mut scene = Scene::at_start(&t);
     scene.view = Some(Bounds { low: vec2(-2.0, -2.0), high: vec2(4.0, 2.0) });
     let mut map = DensityMap::new(scene.view.unwrap(), 0.3, &[]);
@@ -211,19 +201,19 @@ fn the_map_is_below_the_outlines() {
     let levels = class(&document, "density")[0].children().filter(Node::is_element).count();
     assert!((20..=24).contains(&levels), "{levels}");
     // Nobody far off: the dark end; everybody in the middle: the bright one.
-    let picture = pixels(&text, 400).unwrap();
+    let picture = pixels(&text, 400, 1).unwrap();
     let scale = 372.0 / 6.0;
     let on = |p: Vec2| {
         let k = 4 * ((14.0 + scale * (2.0 - p.y)) as usize * 400 + (14.0 + scale * (p.x + 2.0)) as usize);
         Colour(picture.rgba[k], picture.rgba[k + 1], picture.rgba[k + 2])
     };
-    assert_eq!(on(vec2(1.0, 1.9)), viridis(0.5 / 24.0));
-    assert_eq!(on(vec2(1.0, 0.0)), viridis(23.5 / 24.0));
+    assert_eq!(on(vec2(1.0, 1.9)), Colour(69, 9, 92));
+    assert_eq!(on(vec2(1.0, 0.0)), Colour(240, 229, 34));
 }
 
 #[test]
 fn a_sheet_has_one_of_everything() {
-    let t = row(3);
+    let t = row(0..3);
     let scenes: Vec<Scene> = (0..5)
         .map(|k| {
             let pose = |x: f64| Pose { position: vec2(x + f64::from(k), 0.0), orientation: 0.0 };
@@ -294,7 +284,7 @@ fn no_colour_of_density_beyond_a_wall() {
 
 #[test]
 fn cut_panels_stand_apart() {
-    let t = row(6);
+    let t = row(0..6);
     let view = Bounds { low: vec2(0.5, -0.5), high: vec2(2.5, 0.5) };
     let mut scene = Scene::at_start(&t);
     scene.view = Some(view);
@@ -316,8 +306,7 @@ fn cut_panels_stand_apart() {
 fn ids_are_of_one_size() {
     // Of one digit, of three, and one that no body has room for.
     let ids = ["1", "23", "456", "7", "the-last-one-of-the-row"];
-    let people = ids.iter().enumerate().map(|(k, id)| (pedestrian(id), vec2(k as f64, 0.0), 0.0)).collect();
-    let t = trial(people, vec![]);
+    let t = row(ids);
     let mut scene = Scene::at_start(&t);
     let style = Style { ids: true, ..Style::default() };
     let sizes = |text: &str| -> Vec<String> {
@@ -336,106 +325,99 @@ fn ids_are_of_one_size() {
 }
 
 #[test]
-fn nothing_is_pale_and_a_clipped_scale_says_so() {
-    let t = row(3);
+fn a_clipped_scale_says_so_and_words_replace_a_bar_without_values() {
+    let t = row(0..3);
     let scene = Scene::at_start(&t);
-    let of = |of: Vec<f64>, range, quantile, theme| {
-        let map = ColourMap::FromPaper;
-        let fill = Fill::Values(Values { quantile, map, ..Values::of(of, "mean squeeze", "N") });
-        svg(&scene, &Style { fill, range, theme, ..Style::default() })
-    };
-    let ends = |text: &str| {
-        let document = Document::parse(text).unwrap();
-        ["low", "high", "label"].map(|name| labels(&document, name).concat())
-    };
-    let fills = |text: &str| -> Vec<String> {
-        let document = Document::parse(text).unwrap();
-        let group = class(&document, "bodies")[0];
-        let bodies = group.children().filter(|n| n.is_element());
-        bodies.map(|n| n.attribute("fill").or(group.attribute("fill")).unwrap().to_owned()).collect()
-    };
-    let clipped = of(vec![0.0, 3200.0, 90_000.0], Some((0.0, 3200.0)), Some(0.98), Theme::Light);
-    assert_eq!(ends(&clipped), ["0", "≥ 3200", "mean squeeze (N), to the 98 % quantile"]);
-    assert_eq!(fills(&clipped), ["#fcfdbf", "#1a1042", "#1a1042"]);
-    let whole = of(vec![0.0, 3200.0, f64::NAN], Some((0.0, 3200.0)), None, Theme::Dark);
-    assert_eq!(ends(&whole), ["0", "3200", "mean squeeze (N)"]);
-    assert_eq!(fills(&whole), ["#1a1042", "#fcfdbf", "#a8a8a8"]);
-    let nobody = of(vec![0.0; 3], None, None, Theme::Light);
-    assert!(fills(&nobody).iter().all(|fill| fill == "#fcfdbf"));
-}
-
-/// Where nobody was touched, a bar from 0 to 1 N stood below.
-#[test]
-fn words_stand_where_a_colour_bar_would_have_nothing_to_show() {
-    let t = row(3);
-    let scene = Scene::at_start(&t);
-    let style = |of: Vec<f64>, unit: &str, range, map| {
-        let fill = Fill::Values(Values { map, ..Values::of(of, "mean squeeze", unit) });
-        Style { fill, range, ..Style::default() }
+    let style = |values: Vec<f64>, unit: &str, range, quantile, map, theme| {
+        let fill = Fill::Values(Values { quantile, map, ..Values::of(values, "mean squeeze", unit) });
+        Style { fill, range, theme, ..Style::default() }
     };
     let shown = |text: &str| {
         let document = Document::parse(text).unwrap();
         let bar = class(&document, "colour-bar").len();
-        (bar, ["low", "high", "label"].map(|name| labels(&document, name).concat()).join("|"))
+        let group = class(&document, "bodies")[0];
+        let bodies = group.children().filter(|n| n.is_element());
+        let fills = bodies.map(|n| n.attribute("fill").or(group.attribute("fill")).unwrap().to_owned());
+        let words = ["low", "high", "label"].map(|name| labels(&document, name).concat()).join("|");
+        (bar, words, fills.collect::<Vec<_>>())
     };
-    for map in [ColourMap::FromPaper, ColourMap::Viridis] {
-        for (values, unit, range, expected) in [
-            (vec![0.0; 3], "N", None, (0, "||mean squeeze: 0 N everywhere")),
-            (vec![0.0; 3], "", None, (0, "||mean squeeze: 0 everywhere")),
-            (vec![f64::NAN; 3], "N", None, (0, "||mean squeeze: not known")),
-            (vec![0.0, 0.5, 0.0], "N", None, (1, "0|0.5|mean squeeze (N)")),
-            // A bar that was asked for.
-            (vec![0.0; 3], "N", Some((0.0, 2.0)), (1, "0|2|mean squeeze (N)")),
-        ] {
-            let (bar, words) = shown(&svg(&scene, &style(values, unit, range, map)));
-            assert_eq!((bar, words.as_str()), expected);
+    let (low, high, missing) = ("#fcfdbf", "#1a1042", "#a8a8a8");
+    let range = Some((0.0, 3200.0));
+    for (values, unit, range, quantile, theme, expected) in [
+        (
+            vec![0.0, 3200.0, 90_000.0],
+            "N",
+            range,
+            Some(0.98),
+            Theme::Light,
+            (1, "0|≥ 3200|mean squeeze (N), to the 98 % quantile", [low, high, high]),
+        ),
+        (
+            vec![0.0, 3200.0, f64::NAN],
+            "N",
+            range,
+            None,
+            Theme::Dark,
+            (1, "0|3200|mean squeeze (N)", [high, low, missing]),
+        ),
+        (vec![0.0; 3], "N", None, None, Theme::Light, (0, "||mean squeeze: 0 N everywhere", [low; 3])),
+        (vec![0.0; 3], "", None, None, Theme::Light, (0, "||mean squeeze: 0 everywhere", [low; 3])),
+        (vec![f64::NAN; 3], "N", None, None, Theme::Light, (0, "||mean squeeze: not known", [missing; 3])),
+        // A bar that was asked for.
+        (vec![0.0; 3], "N", range, None, Theme::Light, (1, "0|3200|mean squeeze (N)", [low; 3])),
+    ] {
+        for map in [ColourMap::FromPaper, ColourMap::Viridis] {
+            let style = style(values.clone(), unit, range, quantile, map, theme);
+            let (bar, words, fills) = shown(&svg(&scene, &style));
+            assert_eq!((bar, words.as_str()), (expected.0, expected.1));
+            assert!(map == ColourMap::Viridis || fills == expected.2, "{fills:?}");
         }
     }
-    // Beside a panel that has something to show, one without does not make its bar longer.
+    // All panels have one scale.
     let panels = |values: [f64; 2]| {
-        let styles = values.map(|value| style(vec![value; 3], "N", None, ColourMap::FromPaper));
+        let of = |value| style(vec![value; 3], "N", None, None, ColourMap::FromPaper, Theme::Light);
+        let styles = values.map(of);
         shown(&sheet(&[(&scene, &styles[0]), (&scene, &styles[1])], 2))
     };
-    assert_eq!(panels([0.0, 0.25]), (1, "0|0.25|mean squeeze (N)".into()));
-    assert_eq!(panels([0.0, 0.0]), (0, "||mean squeeze: 0 N everywhere".into()));
+    assert_eq!(panels([0.0, 0.25]).1, "0|0.25|mean squeeze (N)");
+    assert_eq!(panels([0.0, 0.0]).1, "||mean squeeze: 0 N everywhere");
 }
 
 #[test]
 fn nothing_panics() {
     let odd = [f64::NAN, f64::NEG_INFINITY, 1e300, f64::MIN_POSITIVE, 0.0, 1e6];
-    let t = row(2);
-    for v in odd {
-        for w in odd {
-            let mut scene = Scene::at_start(&t);
-            scene.forces = vec![
-                Force { from: vec2(v, 0.0), to: vec2(w, 0.0), normal_force: 1.0 },
-                Force { from: Vec2::ZERO, to: Vec2::ZERO, normal_force: v },
-                Force { from: Vec2::ZERO, to: vec2(1.0, 0.0), normal_force: w },
-            ];
-            let points = vec![vec2(v, w), Vec2::ZERO, vec2(w, 1.0), vec2(0.1, v), vec2(0.2, 0.2)];
-            for measured in [false, true] {
-                scene.trails.push(Trail { agent: usize::MAX, measured, points: points.clone() });
-                scene.trails.push(Trail { agent: 0, measured, points: vec![] });
-                let style = Style { forces: Some(v), ids: true, time: Some(w), ..Style::default() };
-                let text = svg(&scene, &style);
+    for (v, w) in odd.into_iter().flat_map(|v| odd.map(|w| (v, w))) {
+        let wall = vec![vec![vec2(v, 0.0), Vec2::ZERO], vec![]];
+        let people = [agent("", vec![disk(v, vec2(v, w))]), pedestrian("1"), pedestrian("é\u{0}<")];
+        let t = trial(people.map(|agent| (agent, Vec2::ZERO, w)).to_vec(), wall);
+        let mut scene = Scene::at_start(&t);
+        let view = Bounds { low: vec2(v, -1.0), high: vec2(1.0, w) };
+        let all = [view, scene.extent(), Bounds { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }];
+        scene.poses[1] = Pose { position: vec2(v, w), orientation: v };
+        scene.forces = vec![
+            Force { from: vec2(v, 0.0), to: vec2(w, 0.0), normal_force: 1.0 },
+            Force { from: Vec2::ZERO, to: Vec2::ZERO, normal_force: v },
+        ];
+        let points = vec![vec2(v, w), Vec2::ZERO, vec2(w, 1.0), vec2(0.1, v), vec2(0.2, 0.2)];
+        for (k, view) in all.into_iter().enumerate() {
+            scene.trails.push(Trail { agent: usize::MAX, measured: k == 1, points: points.clone() });
+            scene.trails.push(Trail { agent: 0, measured: k == 2, points: vec![] });
+            for (dense, range) in [(false, None), (true, Some((v, 1.0))), (false, Some((-1e308, w)))] {
+                let mut map = DensityMap::new(view, v, &t.geometry.walls);
+                map.add([vec2(0.5, v), Vec2::ZERO]);
+                (scene.view, scene.density) = ((k != 1).then_some(view), dense.then_some(map));
+                let fill = Fill::Values(Values::of(vec![v, w], "é\u{0}", "<"));
+                let style = Style { width: v, ids: true, time: Some(w), fill, range, ..Style::default() };
+                let others = Style { forces: Some(v), fill: Fill::BodyArea, width: 400.0, ..style.clone() };
+                let text = sheet(&[(&scene, &style), (&scene, &others)], usize::MAX);
                 Document::parse(&text).unwrap();
-                png(&text, 64).unwrap();
+                let text = svg(&scene, &others);
+                Document::parse(&text).unwrap();
+                if k == 1 {
+                    png(&text, 64).unwrap();
+                }
             }
         }
-        densities(&t, v);
     }
-}
-
-fn densities(t: &Trial, v: f64) {
-    let mut scene = Scene::at_start(t);
-    let view = Bounds { low: vec2(v, -1.0), high: vec2(1.0, v) };
-    for view in [view, scene.extent(), Bounds { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }] {
-        let mut map = DensityMap::new(view, v, &t.geometry.walls);
-        map.add([vec2(0.5, v), Vec2::ZERO]);
-        scene.density = Some(map);
-        let style = |time| Style { width: v, time, range: Some((v, 1.0)), ..Style::default() };
-        let text = sheet(&[(&scene, &style(Some(v))), (&scene, &style(None))], usize::MAX);
-        Document::parse(&text).unwrap();
-        png(&text, 64).unwrap();
-    }
+    png(&svg(&Scene::at_start(&trial(vec![], vec![])), &Style::default()), 64).unwrap();
 }

@@ -3,17 +3,13 @@
 use crate::Frame;
 use crate::measure::present;
 use crate::measure::voronoi::{Room, area, intersection};
-use crate::shapes::{Shape, check, contour};
+use crate::shapes::{check, contour};
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use serde::Serialize;
 
 /// An area in which a crowd is measured.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MeasuringArea {
-    ring: Ring,
-    shape: Shape,
-    bounds: Bounds,
-}
+pub struct MeasuringArea(Ring);
 
 /// A crowd in an area at one time. The names of the fields are those of the numbers in files.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -36,8 +32,7 @@ impl MeasuringArea {
     /// Makes the area inside a ring \[m\]; `None` if it crosses itself, has no area, more than 10 000 corners, or one further than 1e6 m from
     /// the origin.
     pub fn inside(ring: Ring) -> Option<MeasuringArea> {
-        let whole = check(&ring).is_ok() && ring.area() > 0.0;
-        whole.then(|| MeasuringArea { shape: vec![contour(&ring)], bounds: ring.bounds(), ring })
+        (check(&ring).is_ok() && ring.area() > 0.0).then_some(MeasuringArea(ring))
     }
 
     /// Makes the area of numbers \[m\]: four are the lower left and the upper right corner of a rectangle, six or more the corners of a
@@ -55,21 +50,22 @@ impl MeasuringArea {
 
     /// Returns the area \[m²\].
     pub fn area(&self) -> f64 {
-        self.ring.area()
+        self.0.area()
     }
 
     /// Measures a frame. `room` is where people can be, which Voronoi cells need.
     pub fn measure(&self, frame: &Frame, room: Option<&Room>) -> Density {
         let there: Vec<_> = (0..frame.agents.len()).filter_map(|agent| present(frame, agent)).collect();
-        let inside = there.iter().filter(|motion| self.ring.contains(motion.pose.position));
+        let inside = there.iter().filter(|motion| self.0.contains(motion.pose.position));
         let speeds: Vec<f64> = inside.map(|motion| motion.twist.velocity.norm()).collect();
         let people: Vec<Vec2> = there.iter().map(|motion| motion.pose.position).collect();
         let voronoi_density = room.map(|room| {
-            let cells = room.cells(&people, self.bounds).into_iter().flatten();
+            let shape = vec![contour(&self.0)];
+            let cells = room.cells(&people, self.0.bounds()).into_iter().flatten();
             // A cell without area is that of somebody outside of the room, or squeezed into a corner of the polygon.
             let cells = cells.map(|cell| (area(&cell), cell)).filter(|(area, _)| *area > 0.0);
             let parts = cells.map(|(whole, cell)| {
-                let common: f64 = intersection(&cell, &self.shape).iter().map(area).sum();
+                let common: f64 = intersection(&cell, &shape).iter().map(area).sum();
                 common / whole
             });
             // A sum of nothing is -0.

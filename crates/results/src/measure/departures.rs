@@ -49,20 +49,16 @@ impl Departures {
 
     /// Returns who has left; `None` if no frame says who is there.
     pub fn left(&self) -> Option<Left> {
-        let gone = || self.times.iter().flatten().copied();
-        let (people, last) = (gone().count(), gone().reduce(f64::max));
-        let all = people == self.times.len();
-        let gone_from = |(time, place): (&Option<f64>, &Option<Vec2>)| time.and(*place);
-        let places = self.times.iter().zip(&self.places).filter_map(gone_from);
-        let around = Bounds::of(places);
-        let left = Left {
-            people,
-            first: gone().reduce(f64::min),
+        let gone: Vec<f64> = self.times.iter().flatten().copied().collect();
+        let last = gone.iter().copied().reduce(f64::max);
+        let places = self.times.iter().zip(&self.places).filter_map(|(time, place)| time.and(*place));
+        self.known.then(|| Left {
+            people: gone.len(),
+            first: gone.iter().copied().reduce(f64::min),
             last,
-            evacuation_time: last.filter(|_| all),
-            last_seen: around.map(|Bounds { low, high }| [[low.x, low.y], [high.x, high.y]]),
-        };
-        self.known.then_some(left)
+            evacuation_time: last.filter(|_| gone.len() == self.times.len()),
+            last_seen: Bounds::of(places).map(|Bounds { low, high }| [low.into(), high.into()]),
+        })
     }
 }
 

@@ -10,7 +10,6 @@ pub struct Flow {
     pub rate: Option<f64>,
     /// \[s\] Between successive passages, in the order of time.
     pub gaps: Vec<f64>,
-    sorted: Vec<f64>,
 }
 
 impl Flow {
@@ -19,15 +18,14 @@ impl Flow {
         let gaps: Vec<f64> = passages.windows(2).map(|pair| pair[1].time - pair[0].time).collect();
         let seconds =
             passages.last().zip(passages.first()).map_or(0.0, |(last, first)| last.time - first.time);
-        let rate = (seconds > 0.0).then(|| gaps.len() as f64 / seconds);
-        let mut sorted = gaps.clone();
-        sorted.sort_by(f64::total_cmp);
-        Flow { rate, gaps, sorted }
+        Flow { rate: (seconds > 0.0).then(|| gaps.len() as f64 / seconds), gaps }
     }
 
     /// Returns a quantile of the time gaps \[s\], `part` from 0 to 1; `None` without any gap.
     pub fn gap(&self, part: f64) -> Option<f64> {
-        quantile(&self.sorted, part)
+        let mut ascending = self.gaps.clone();
+        ascending.sort_by(f64::total_cmp);
+        quantile(&ascending, part)
     }
 }
 

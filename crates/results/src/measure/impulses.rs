@@ -3,106 +3,83 @@
 use crate::measure::ROUNDING;
 use std::collections::VecDeque;
 
-/// The impulse of each person up to each communication point. Between two points it is linear: within a step the squeeze
-/// counts as its mean.
+/// Everybody's mean squeeze over spans of time, from the impulse of each person up to each communication point. Between
+/// two points it is linear: within a step the squeeze counts as its mean.
 #[derive(Debug, Clone)]
-pub(crate) struct Impulses {
-    /// \[s\] Communication points, back to one that is as long ago as what is kept.
-    times: VecDeque<f64>,
-    /// \[N s\] Of each person, up to each of these points.
-    sums: VecDeque<Vec<f64>>,
+pub struct MovingMeans {
+    /// \[s\] Communication points, back to one that is as long ago as what is kept; \[N s\] of each person, up to there.
+    points: VecDeque<(f64, Vec<f64>)>,
     /// \[s\]
-    kept: f64,
+    longest: f64,
 }
 
-impl Impulses {
-    /// Keeps what is needed for spans of at most this length \[s\] that end in the newest step.
-    pub fn kept_for(longest_span: f64) -> Impulses {
-        Impulses { times: VecDeque::new(), sums: VecDeque::new(), kept: longest_span }
+impl MovingMeans {
+    /// Begins; no span is longer than `longest` \[s\].
+    pub fn over(longest: f64) -> MovingMeans {
+        MovingMeans { points: VecDeque::new(), longest }
     }
 
-    /// Adds a communication point \[s\], with the mean squeeze \[N\] of each person over the step that ends there; `None`
-    /// of those who are not there. Returns the point before; of the first point only the time counts.
-    pub fn add(&mut self, time: f64, means: impl Iterator<Item = Option<f64>>) -> Option<f64> {
-        let (Some(&before), Some(last)) = (self.times.back(), self.sums.back()) else {
-            self.times.push_back(time);
-            self.sums.push_back(means.map(|_| 0.0).collect());
+    /// Adds the next communication point \[s\], with the mean squeeze \[N\] of each person over the step that ends there;
+    /// `None` of those who are not there. Returns their means \[N\] over the longest span, which ends at this point; `None`
+    /// as long as the first of these spans is not over.
+    pub fn add(&mut self, time: f64, means: impl Iterator<Item = Option<f64>>) -> Option<Vec<f64>> {
+        self.step(time, means);
+        self.covers(self.longest, time).then(|| self.means(self.longest, time).collect())
+    }
+
+    /// Adds the next communication point \[s\] in the same way. Returns the point before; of the first point only the time
+    /// counts.
+    pub(crate) fn step(&mut self, time: f64, means: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+        let Some((before, last)) = self.points.back() else {
+            self.points.push_back((time, means.map(|_| 0.0).collect()));
             return None;
         };
-        let sums = last.iter().zip(means).map(|(sum, mean)| sum + mean.unwrap_or(0.0) * (time - before));
-        let sums = sums.collect();
-        self.times.push_back(time);
-        self.sums.push_back(sums);
-        let needed = before - self.kept - ROUNDING;
-        while self.times.get(1).is_some_and(|next| *next <= needed) {
-            self.times.pop_front();
-            self.sums.pop_front();
+        let (before, step) = (*before, time - before);
+        let sums = last.iter().zip(means).map(|(sum, mean)| sum + mean.unwrap_or(0.0) * step).collect();
+        self.points.push_back((time, sums));
+        let needed = before - self.longest - ROUNDING;
+        while self.points.get(1).is_some_and(|(next, _)| *next <= needed) {
+            self.points.pop_front();
         }
         Some(before)
     }
 
     /// \[N s\] Of each person, since the first point.
-    pub fn now(&self) -> &[f64] {
-        self.sums.back().map_or(&[], Vec::as_slice)
+    pub(crate) fn now(&self) -> &[f64] {
+        self.points.back().map_or(&[], |(_, sums)| sums)
     }
 
     /// Returns whether a span \[s\] that ends then \[s\] has begun at the first point or later.
-    pub fn covers(&self, span: f64, end: f64) -> bool {
-        self.times.front().is_some_and(|first| end - span >= first - ROUNDING)
+    pub(crate) fn covers(&self, span: f64, end: f64) -> bool {
+        self.points.front().is_some_and(|(first, _)| end - span >= first - ROUNDING)
     }
 
     /// \[s\] In the step from `before` to `time`, the newest: the ends of all spans of this length that begin or end at a
     /// communication point. Between two of them, means over such spans change linearly.
-    pub fn ends(&self, span: f64, before: f64, time: f64) -> Vec<f64> {
-        let from = self.times.partition_point(|begin| begin + span <= before);
-        let begins = self.times.range(from..).map(|begin| begin + span);
+    pub(crate) fn ends(&self, span: f64, before: f64, time: f64) -> Vec<f64> {
+        let from = self.points.partition_point(|(begin, _)| begin + span <= before);
+        let begins = self.points.range(from..).map(|(begin, _)| begin + span);
         begins.take_while(|end| *end < time).chain(self.covers(span, time).then_some(time)).collect()
     }
 
     /// \[N\] Mean of each person over the span \[s\] that ends then \[s\].
-    pub fn means(&self, span: f64, end: f64) -> impl Iterator<Item = f64> {
+    pub(crate) fn means(&self, span: f64, end: f64) -> impl Iterator<Item = f64> {
         let (low, high) = (self.place(end - span), self.place(end));
         let at = |(place, part): (usize, f64), agent: usize| {
-            let a = self.sums[place][agent];
-            if part == 0.0 { a } else { a + (self.sums[place + 1][agent] - a) * part }
+            let a = self.points[place].1[agent];
+            if part == 0.0 { a } else { a + (self.points[place + 1].1[agent] - a) * part }
         };
         (0..self.now().len()).map(move |agent| (at(high, agent) - at(low, agent)) / span)
     }
 
     /// The communication point before a time \[s\], and which part of the step after it is over then.
     fn place(&self, time: f64) -> (usize, f64) {
-        let after = self.times.partition_point(|point| *point <= time);
-        let before = after.saturating_sub(1);
-        match self.times.get(before + 1) {
-            Some(next) => {
-                let begin = self.times[before];
-                (before, ((time - begin) / (next - begin)).clamp(0.0, 1.0))
-            }
-            None => (before, 0.0),
-        }
-    }
-}
-
-/// Everybody's mean squeeze over the last seconds. It is given all communication points in the order of time.
-#[derive(Debug, Clone)]
-pub struct MovingMeans {
-    /// \[s\]
-    span: f64,
-    impulses: Impulses,
-}
-
-impl MovingMeans {
-    /// Begins; the span is in s.
-    pub fn over(span: f64) -> MovingMeans {
-        MovingMeans { span, impulses: Impulses::kept_for(span) }
-    }
-
-    /// Adds the next communication point \[s\], with the mean squeeze \[N\] of each person over the step that ends there;
-    /// `None` of those who are not there. Returns their means \[N\] over the span that ends at this point; `None` as long
-    /// as the first span is not over.
-    pub fn add(&mut self, time: f64, means: impl Iterator<Item = Option<f64>>) -> Option<Vec<f64>> {
-        self.impulses.add(time, means);
-        self.impulses.covers(self.span, time).then(|| self.impulses.means(self.span, time).collect())
+        let before = self.points.partition_point(|(point, _)| *point <= time).saturating_sub(1);
+        let part = self.points.get(before + 1).map_or(0.0, |(next, _)| {
+            let begin = self.points[before].0;
+            ((time - begin) / (next - begin)).clamp(0.0, 1.0)
+        });
+        (before, part)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Who has crossed a line so far.
 
 use crate::Frame;
-use crate::measure::crossing::{Line, Way};
+use crate::measure::crossing::{Crossing, Line, Way};
 use crate::measure::present;
 use lemons_core::plane::Vec2;
 
@@ -27,17 +27,8 @@ pub struct Passages {
 struct Person {
     /// \[m\] At the newest frame that has this person.
     place: Option<Vec2>,
-    of: [Crossed; 2],
-}
-
-/// One direction.
-#[derive(Debug, Clone, Copy, Default)]
-struct Crossed {
-    times: usize,
-    /// \[s\]
-    first: f64,
-    /// \[s\]
-    last: f64,
+    /// \[s\] When the person crossed in each direction.
+    crossed: [Vec<f64>; 2],
 }
 
 impl Passages {
@@ -57,14 +48,9 @@ impl Passages {
         for (agent, person) in self.people.iter_mut().enumerate() {
             let place = present(frame, agent).map(|motion| motion.pose.position);
             if let (Some(from), Some(to)) = (person.place, place)
-                && let Some(crossing) = line.crossing(from, to)
+                && let Some(Crossing { way, part }) = line.crossing(from, to)
             {
-                let time = before + crossing.part * (frame.time - before);
-                let crossed = &mut person.of[crossing.way as usize];
-                if crossed.times == 0 {
-                    crossed.first = time;
-                }
-                (crossed.times, crossed.last) = (crossed.times + 1, time);
+                person.crossed[way as usize].push(before + part * (frame.time - before));
             }
             person.place = place;
         }
@@ -73,10 +59,10 @@ impl Passages {
 
     /// Returns the first crossing of each person in a direction, in the order of time: their number up to a time is N(t).
     pub fn first(&self, way: Way) -> Vec<Passage> {
-        let crossed = self.people.iter().map(|person| person.of[way as usize]).enumerate();
-        let crossed = crossed.filter(|(_, crossed)| crossed.times > 0);
-        let mut all: Vec<Passage> =
-            crossed.map(|(agent, crossed)| Passage { time: crossed.first, agent }).collect();
+        let first = |(agent, person): (usize, &Person)| {
+            Some(Passage { time: *person.crossed[way as usize].first()?, agent })
+        };
+        let mut all: Vec<Passage> = self.people.iter().enumerate().filter_map(first).collect();
         // Who crosses at the same time stays in the order of the frames.
         all.sort_by(|a, b| a.time.total_cmp(&b.time));
         all
@@ -84,14 +70,15 @@ impl Passages {
 
     /// Returns how often people crossed in a direction, counting all who came back and crossed again.
     pub fn crossings(&self, way: Way) -> usize {
-        self.people.iter().map(|person| person.of[way as usize].times).sum()
+        self.people.iter().map(|person| person.crossed[way as usize].len()).sum()
     }
 
     /// Returns when people crossed in a direction for the last time \[s\]: only those who did not come back, ascending.
     pub fn stayed(&self, way: Way) -> Vec<f64> {
         let (there, back) = (way as usize, 1 - way as usize);
-        let stayed = self.people.iter().filter(|person| person.of[there].times > person.of[back].times);
-        let mut times: Vec<f64> = stayed.map(|person| person.of[there].last).collect();
+        let stayed = self.people.iter().map(|person| &person.crossed);
+        let stayed = stayed.filter(|crossed| crossed[there].len() > crossed[back].len());
+        let mut times: Vec<f64> = stayed.filter_map(|crossed| crossed[there].last().copied()).collect();
         times.sort_by(f64::total_cmp);
         times
     }

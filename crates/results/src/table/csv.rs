@@ -1,12 +1,15 @@
 //! Tables in CSV: SI units, numbers that read back to the same doubles.
 
-use super::rows::{Cells, Frames, Stop, place};
+use super::rows::{Cells, Frames, place};
+use super::write::Rows;
 use crate::cell::Cell;
 use crate::columns::{self, Column};
+use crate::error::RecordError;
 use crate::record::Each;
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{self, Read, Write};
+use std::path::Path;
 
 /// The name and the unit in the head of a column: `x`, or `x [m]`.
 fn name_and_unit(head: &str) -> (&str, Option<&str>) {
@@ -27,13 +30,15 @@ fn head_of(column: &Column) -> String {
 }
 
 /// Reads all frames and returns the Ids of the agents.
-pub(super) fn read(file: impl Read, each: &mut Each<'_>) -> Result<Vec<String>, Stop> {
+pub(super) fn read(path: &Path, file: impl Read, each: &mut Each<'_>) -> Result<Vec<String>, RecordError> {
+    let broken = |error| RecordError::wrong(path, described(error));
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
     let header = reader.headers().map_err(broken)?.clone();
     let exists = |name: &str| header.iter().any(|head| name_and_unit(head).0 == name);
-    let mut frames = Frames::new(exists, "line", each);
+    let mut frames = Frames::new(path, exists, "line", each);
     let places = frames.heads().into_iter().map(|head| place(header.iter().map(name_and_unit), head));
-    let places = places.collect::<Result<Vec<usize>, _>>().map_err(|wrong| format!("line 1: {wrong}"))?;
+    let places = places.collect::<Result<Vec<usize>, _>>();
+    let places = places.map_err(|wrong| RecordError::wrong(path, format!("line 1: {wrong}")))?;
     let mut record = csv::StringRecord::new();
     while reader.read_record(&mut record).map_err(broken)? {
         let line = record.position().map_or(0, csv::Position::line);
@@ -61,14 +66,13 @@ impl Cells for Line<'_> {
     }
 }
 
-fn broken(error: csv::Error) -> String {
+fn described(error: csv::Error) -> String {
+    let line = error.position().map_or(0, csv::Position::line);
     match error.kind() {
-        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
-            let line = pos.as_ref().map_or(0, csv::Position::line);
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
             format!("line {line}: has {len} columns, the header {expected_len}")
         }
-        csv::ErrorKind::Utf8 { pos, err } => {
-            let line = pos.as_ref().map_or(0, csv::Position::line);
+        csv::ErrorKind::Utf8 { err, .. } => {
             format!("line {line}: column {}: is not UTF-8 text", err.field() + 1)
         }
         _ => error.to_string(),
@@ -88,8 +92,10 @@ impl<W: Write> Writer<W> {
         out.write_record(columns.iter().map(head_of))?;
         Ok(Writer { out, text: String::new() })
     }
+}
 
-    pub fn row<'a>(&mut self, cells: impl Iterator<Item = Cell<'a>>) -> io::Result<()> {
+impl<W: Write + Send> Rows<W> for Writer<W> {
+    fn row(&mut self, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()> {
         for cell in cells {
             let text = &mut self.text;
             text.clear();
@@ -106,7 +112,7 @@ impl<W: Write> Writer<W> {
         Ok(self.out.write_record(None::<&[u8]>)?)
     }
 
-    pub fn finish(self) -> io::Result<W> {
+    fn finish(self: Box<Self>) -> io::Result<W> {
         self.out.into_inner().map_err(csv::IntoInnerError::into_error)
     }
 }

@@ -2,15 +2,17 @@
 //! JSON, `{"x": {"unit": "m"}}`.
 
 use super::format::Content;
-use super::rows::{Cells, Frames, Head, Stop, place};
+use super::rows::{Cells, Frames, Head, place};
+use super::write::Rows;
 use crate::cell::{Cell, CellType};
 use crate::columns::{Column, ID};
+use crate::error::RecordError;
 use crate::record::Each;
 use parquet::basic::{
     Compression, ConvertedType, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel,
 };
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int32Type};
-use parquet::errors::{ParquetError, Result as Parquet};
+use parquet::errors::Result as Parquet;
 use parquet::file::metadata::{KeyValue, ParquetMetaData};
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::reader::FileReader;
@@ -24,15 +26,18 @@ use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Key in the metadata of a file for attributes of columns.
 const COLUMNS: &str = "columns";
 /// Number of values that are kept in memory until they are written as a row group, about 16 MB.
 const GROUP: usize = 1 << 21;
+
 /// Reads all frames and returns the Ids of the agents.
-pub(super) fn read(file: File, each: &mut Each<'_>) -> Result<Vec<String>, Stop> {
-    let reader = guarded(|| SerializedFileReader::new(file))?;
+pub(super) fn read(path: &Path, file: File, each: &mut Each<'_>) -> Result<Vec<String>, RecordError> {
+    let wrong = |message: String| RecordError::wrong(path, message);
+    let reader = guarded(|| SerializedFileReader::new(file)).map_err(wrong)?;
     let metadata = reader.metadata();
     let attributes = attributes_of_columns(metadata);
     let columns = metadata.file_metadata().schema().get_fields();
@@ -43,44 +48,32 @@ pub(super) fn read(file: File, each: &mut Each<'_>) -> Result<Vec<String>, Stop>
         })
     };
     let exists = |name: &str| columns.iter().any(|column| column.name() == name);
-    let mut frames = Frames::new(exists, "row", each);
+    let mut frames = Frames::new(path, exists, "row", each);
     let mut fields = Vec::new();
     for head in frames.heads() {
-        let column = &columns[place(heads(), head)?];
-        check_type(column, head)?;
+        let column = &columns[place(heads(), head).map_err(wrong)?];
+        check_type(column, head).map_err(wrong)?;
         fields.push(column.clone());
     }
     let schema = Type::group_type_builder(metadata.file_metadata().schema().name()).with_fields(fields);
-    let mut rows = guarded(|| reader.get_row_iter(Some(schema.build()?)))?;
+    let mut rows = guarded(|| reader.get_row_iter(Some(schema.build()?))).map_err(wrong)?;
     let mut count = 0;
-    while let Some(row) = guarded(|| rows.next().transpose())? {
+    while let Some(row) = guarded(|| rows.next().transpose()).map_err(wrong)? {
         count += 1;
         let row = Row(row.into_columns());
         if let Some((name, _)) = row.0.iter().find(|(_, value)| *value == Field::Null) {
-            return Err(format!("row {count}: column {name}: there is no value").into());
+            return Err(wrong(format!("row {count}: column {name}: there is no value")));
         }
         frames.add(count, &row)?;
     }
     frames.finish()
 }
 
-const INVALID: &str = "is not valid Parquet";
-
 /// Catches panics: the `parquet` crate panics on some damaged files.
 fn guarded<T>(what: impl FnOnce() -> Parquet<T>) -> Result<T, String> {
-    /// The message of a build without a method of compression.
-    const UNBUILT: &str = "Disabled feature at compile time:";
-    let unknown = |what: String| format!("is Parquet with a feature that is not supported: {what}");
-    match catch_unwind(AssertUnwindSafe(what)) {
-        Ok(done) => done.map_err(|error| match error {
-            ParquetError::NYI(what) => unknown(what),
-            ParquetError::General(what) if what.starts_with(UNBUILT) => {
-                unknown(what.replacen(UNBUILT, "compression", 1))
-            }
-            error => format!("{INVALID}: {error}"),
-        }),
-        Err(_) => Err(format!("{INVALID}: it is inconsistent")),
-    }
+    let done = catch_unwind(AssertUnwindSafe(what)).map_err(|_| "it is inconsistent".to_owned());
+    let read = done.and_then(|done| done.map_err(|error| error.to_string()));
+    read.map_err(|error| format!("cannot be read as Parquet: {error}"))
 }
 
 /// Attributes of columns; empty if another program uses our key for something else.
@@ -171,7 +164,24 @@ impl<W: Write + Send> Writer<W> {
         Ok(Writer { out, columns, group, rows: 0 })
     }
 
-    pub fn row<'a>(&mut self, mut cells: impl Iterator<Item = Cell<'a>>) -> io::Result<()> {
+    fn flush(&mut self) -> io::Result<()> {
+        if self.rows == 0 {
+            return Ok(());
+        }
+        let mut group = self.out.next_row_group()?;
+        for (_, values) in &mut self.columns {
+            let Some(mut column) = group.next_column()? else { break };
+            values.write(&mut column)?;
+            column.close()?;
+        }
+        group.close()?;
+        self.rows = 0;
+        Ok(())
+    }
+}
+
+impl<W: Write + Send> Rows<W> for Writer<W> {
+    fn row(&mut self, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()> {
         for (name, values) in &mut self.columns {
             let cell = cells.next();
             match (values, cell) {
@@ -189,22 +199,7 @@ impl<W: Write + Send> Writer<W> {
         if self.rows == self.group { self.flush() } else { Ok(()) }
     }
 
-    fn flush(&mut self) -> io::Result<()> {
-        if self.rows == 0 {
-            return Ok(());
-        }
-        let mut group = self.out.next_row_group()?;
-        for (_, values) in &mut self.columns {
-            let Some(mut column) = group.next_column()? else { break };
-            values.write(&mut column)?;
-            column.close()?;
-        }
-        group.close()?;
-        self.rows = 0;
-        Ok(())
-    }
-
-    pub fn finish(mut self) -> io::Result<W> {
+    fn finish(mut self: Box<Self>) -> io::Result<W> {
         self.flush()?;
         Ok(self.out.into_inner()?)
     }

@@ -6,6 +6,7 @@ use crate::record::Each;
 use crate::run::Frame;
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::path::Path;
 
 /// Name and unit of a column.
 pub(super) type Head = (&'static str, Option<&'static str>);
@@ -46,28 +47,9 @@ pub(super) trait Cells {
     fn shown(&self, k: usize) -> String;
 }
 
-/// Why rows are read no further.
-pub(super) enum Stop {
-    /// Something is wrong with them.
-    Wrong(String),
-    /// What is done with them failed.
-    Error(RecordError),
-}
-
-impl From<String> for Stop {
-    fn from(message: String) -> Stop {
-        Stop::Wrong(message)
-    }
-}
-
-impl From<RecordError> for Stop {
-    fn from(error: RecordError) -> Stop {
-        Stop::Error(error)
-    }
-}
-
 /// Makes frames of rows.
 pub(super) struct Frames<'a, 'b> {
+    path: &'a Path,
     each: &'a mut Each<'b>,
     /// What is counted in the file: lines or rows.
     what: &'static str,
@@ -86,9 +68,15 @@ pub(super) struct Frames<'a, 'b> {
 
 impl<'a, 'b> Frames<'a, 'b> {
     /// Begins to read a table in which these columns exist.
-    pub fn new(exists: impl Fn(&str) -> bool, what: &'static str, each: &'a mut Each<'b>) -> Frames<'a, 'b> {
+    pub fn new(
+        path: &'a Path,
+        exists: impl Fn(&str) -> bool,
+        what: &'static str,
+        each: &'a mut Each<'b>,
+    ) -> Frames<'a, 'b> {
         let groups = Groups::among(exists);
         Frames {
+            path,
             each,
             what,
             groups,
@@ -108,9 +96,9 @@ impl<'a, 'b> Frames<'a, 'b> {
     }
 
     /// Adds the `n`-th row; if it is the first of the next frame, the frame before is complete.
-    pub fn add(&mut self, n: u64, cells: &impl Cells) -> Result<(), Stop> {
-        let what = self.what;
-        let at = |message: String| Stop::Wrong(format!("{what} {n}: {message}"));
+    pub fn add(&mut self, n: u64, cells: &impl Cells) -> Result<(), RecordError> {
+        let (path, what) = (self.path, self.what);
+        let at = |message: String| RecordError::wrong(path, format!("{what} {n}: {message}"));
         let wrong =
             |k: usize, name: &str, must: &str| at(format!("column {name}: {} is not {must}", cells.shown(k)));
         let time = cells.number(0);
@@ -157,19 +145,19 @@ impl<'a, 'b> Frames<'a, 'b> {
     }
 
     /// Completes the newest frame, if there is one.
-    fn complete(&mut self) -> Result<(), Stop> {
+    fn complete(&mut self) -> Result<(), RecordError> {
         let Some((time, place, _)) = self.newest.take() else { return Ok(()) };
-        let rows = self.rows.iter_mut().zip(&self.ids).map(|(row, id)| {
-            row.take().ok_or_else(|| format!("{place}: at t = {time:?} s agent {id:?} is missing"))
-        });
+        let missing = |id| format!("{place}: at t = {time:?} s agent {id:?} is missing");
+        let rows = self.rows.iter_mut().zip(&self.ids);
+        let rows = rows.map(|(row, id)| row.take().ok_or_else(|| RecordError::wrong(self.path, missing(id))));
         let rows = rows.collect::<Result<Vec<_>, _>>()?;
-        Ok((self.each)(Frame { place, ..Frame::of_rows(time, &rows, self.groups) })?)
+        (self.each)(Frame { place, ..Frame::of_rows(time, &rows, self.groups) })
     }
 
     /// Completes the last frame, and returns the Ids of all agents.
-    pub fn finish(mut self) -> Result<Vec<String>, Stop> {
+    pub fn finish(mut self) -> Result<Vec<String>, RecordError> {
         if self.newest.is_none() {
-            return Err(String::from("the run is empty: there is no row").into());
+            return Err(RecordError::wrong(self.path, "the run is empty: there is no row"));
         }
         self.complete()?;
         Ok(self.ids)

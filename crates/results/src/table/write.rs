@@ -9,40 +9,36 @@ use crate::columns::Groups;
 use crate::error::RecordError;
 use crate::run::Frame;
 use lemons_core::files::WriteError;
-#[cfg(not(feature = "parquet"))]
-use std::io;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+
+/// A format that a table is written in.
+pub(super) trait Rows<W>: Send {
+    /// Writes the cells of a row.
+    fn row(&mut self, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()>;
+    /// Completes the table and returns its file.
+    fn finish(self: Box<Self>) -> io::Result<W>;
+}
 
 /// Writes a table with any columns after the time. The table is complete after
 /// [`TableWriter::finish`], and of no use after an error. The same rows give the same bytes.
-pub struct TableWriter<W: Write + Send> {
-    rows: Rows<W>,
+pub struct TableWriter<W> {
+    rows: Box<dyn Rows<W>>,
     /// For messages.
     path: PathBuf,
 }
 
-enum Rows<W: Write + Send> {
-    Csv(Box<csv::Writer<W>>),
-    #[cfg(feature = "parquet")]
-    Parquet(Box<parquet::Writer<W>>),
-}
-
-impl<W: Write + Send> TableWriter<W> {
+impl<W: Write + Send + 'static> TableWriter<W> {
     /// Begins a table in an empty file, which messages call `path`.
     ///
     /// # Errors
     /// Two columns have the same name (Parquet), this build has no Parquet, or the file cannot be
     /// written.
     pub fn create(file: W, path: &Path, format: Format, content: &Content) -> Result<Self, RecordError> {
-        let made = match format {
-            Format::Csv => {
-                csv::Writer::create(file, &content.columns).map(|writer| Rows::Csv(Box::new(writer)))
-            }
+        let made: io::Result<Box<dyn Rows<W>>> = match format {
+            Format::Csv => csv::Writer::create(file, &content.columns).map(|rows| Box::new(rows) as _),
             #[cfg(feature = "parquet")]
-            Format::Parquet => {
-                parquet::Writer::create(file, content).map(|writer| Rows::Parquet(Box::new(writer)))
-            }
+            Format::Parquet => parquet::Writer::create(file, content).map(|rows| Box::new(rows) as _),
             #[cfg(not(feature = "parquet"))]
             Format::Parquet => Err(io::Error::other(super::NO_PARQUET)),
         };
@@ -59,12 +55,7 @@ impl<W: Write + Send> TableWriter<W> {
         time: f64,
         cells: impl IntoIterator<Item = Cell<'a>>,
     ) -> Result<(), RecordError> {
-        let cells = std::iter::once(Cell::Real(time)).chain(cells);
-        let written = match &mut self.rows {
-            Rows::Csv(rows) => rows.row(cells),
-            #[cfg(feature = "parquet")]
-            Rows::Parquet(rows) => rows.row(cells),
-        };
+        let written = self.rows.row(&mut std::iter::once(Cell::Real(time)).chain(cells));
         Ok(written.map_err(WriteError::at(&self.path))?)
     }
 
@@ -78,23 +69,18 @@ impl<W: Write + Send> TableWriter<W> {
     /// # Errors
     /// The file cannot be written.
     pub fn finish(self) -> Result<W, RecordError> {
-        let done = match self.rows {
-            Rows::Csv(rows) => rows.finish(),
-            #[cfg(feature = "parquet")]
-            Rows::Parquet(rows) => rows.finish(),
-        };
-        Ok(done.map_err(WriteError::at(&self.path))?)
+        Ok(self.rows.finish().map_err(WriteError::at(&self.path))?)
     }
 }
 
 /// Writes the table of a crowd frame by frame: what [`Record::table`](crate::Record::table) reads.
-pub struct FrameWriter<W: Write + Send> {
+pub struct FrameWriter<W> {
     table: TableWriter<W>,
     ids: Vec<String>,
     groups: Groups,
 }
 
-impl<W: Write + Send> FrameWriter<W> {
+impl<W: Write + Send + 'static> FrameWriter<W> {
     /// Writes frames of the agents with these Ids into a table whose columns are [`Groups::columns`].
     pub fn new(table: TableWriter<W>, ids: Vec<String>, groups: Groups) -> FrameWriter<W> {
         FrameWriter { table, ids, groups }
@@ -103,27 +89,15 @@ impl<W: Write + Send> FrameWriter<W> {
     /// Writes a row for each agent.
     ///
     /// # Errors
-    /// A count is larger than 2³¹ − 1, or the file cannot be written.
+    /// The file cannot be written.
     pub fn frame(&mut self, frame: &Frame) -> Result<(), RecordError> {
-        let mut cells = Vec::new();
         for (k, id) in self.ids.iter().enumerate() {
             let row = frame.row(k);
-            cells.clear();
-            cells.push(Cell::Text(id));
-            for (place, quantity) in self.groups.quantities() {
-                let value = row[place];
-                cells.push(match quantity.kind() {
-                    CellType::Real => Cell::Real(value),
-                    _ if value <= f64::from(i32::MAX) => Cell::Integer(value as i32),
-                    _ => {
-                        let time = frame.time;
-                        let what =
-                            format!("the frame at t = {time:?} s has {value} contacts, which is too many");
-                        return Err(RecordError::wrong(&self.table.path, what));
-                    }
-                });
-            }
-            self.table.row(frame.time, cells.iter().copied())?;
+            let cells = self.groups.quantities().map(|(place, quantity)| match quantity.kind() {
+                CellType::Real => Cell::Real(row[place]),
+                _ => Cell::Integer(row[place] as i32),
+            });
+            self.table.row(frame.time, std::iter::once(Cell::Text(id)).chain(cells))?;
         }
         Ok(())
     }

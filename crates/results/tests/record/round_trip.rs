@@ -8,7 +8,7 @@ use lemons_core::plane::vec2;
 use lemons_core::trial::Trial;
 use lemons_fmi::location::Location;
 use lemons_fmi::{Model, Part};
-use lemons_results::{Record, RecordError, Run, series, trial_at_end};
+use lemons_results::{KeptFrames, Record, RecordError, Run, series, trial_at_end};
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ fn same(seen: &State, wanted: &State) {
 }
 
 fn read_series(directory: &Path, trial: &Trial) -> Result<Run, RecordError> {
-    Record::series(directory, trial)?.read(|_| true)
+    Record::series(directory, trial)?.read_wanted(KeptFrames::All)
 }
 
 #[test]

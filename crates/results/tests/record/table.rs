@@ -3,7 +3,7 @@
 use crowd_mechanics::setup;
 use lemons_core::files::Staged;
 use lemons_core::plane::Vec2;
-use lemons_results::{Observed, OfStep, Record, Run, chaos, jupedsim, pedpy, walkable_area};
+use lemons_results::{KeptFrames, Observed, OfStep, Record, Run, chaos, jupedsim, pedpy, walkable_area};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -42,6 +42,7 @@ fn groups_of_columns_are_read_where_all_are_there() {
     assert_eq!(run.frames[0].observed.as_ref().unwrap()[0].of_step, Some(step));
     for (more, row, expected) in [
         ("", "3,-1,2,0.0", "wall_contacts: \"-1\" is not a valid number of contacts"),
+        ("", "3,2147483648,2,0.0", "wall_contacts: \"2147483648\" is not a valid number of contacts"),
         ("", "3,1.5,2,0.0", "wall_contacts: \"1.5\" is not a valid number of contacts"),
         ("", "3,1,2,-1.0", "normal_force: \"-1.0\" is not a finite number from 0 on"),
         (of_step, "3,1,2,0.0,80.5,inf,0.002", "peak_normal_force: \"inf\" is not a finite number from 0 on"),
@@ -190,7 +191,7 @@ fn agents_are_those_of_the_trial() {
     let said = Record::from(good(&directory)).of_trial(&trial).err().unwrap().to_string();
     assert!(said.contains("has no agent \"2b\""), "{said}");
     trial.agents.truncate(2);
-    let run = Record::from(good(&directory)).of_trial(&trial).unwrap().read(|_| true).unwrap();
+    let run = Record::from(good(&directory)).of_trial(&trial).unwrap().read_wanted(KeptFrames::All).unwrap();
     assert_eq!((run.ids[0].as_str(), run.frames[0].agents[0].pose.position.x), ("3", 1.0));
     assert_eq!(Record::from(run.clone()).numeric_ids(), Some(vec![3, 7]));
     let named = Record::from(Run { ids: vec!["3".into(), "b".into()], ..run });
