@@ -31,9 +31,10 @@ pub const TOLERANCE: f64 = 1e-4;
 const LARGEST: f64 = 100.0;
 
 /// The direction that the shapes face.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Orientation {
     /// Any direction.
+    #[default]
     Free,
     /// \[rad\] Exactly this direction.
     Fixed(f64),
@@ -61,7 +62,7 @@ impl Orientation {
 }
 
 /// How shapes are placed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Settings {
     /// The direction that the shapes face.
     pub orientation: Orientation,
@@ -72,12 +73,6 @@ pub struct Settings {
     pub density: Option<f64>,
     /// Largest number of iterations; `None`: that of the algorithm.
     pub limit: Option<u64>,
-}
-
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings { orientation: Orientation::Free, seed: 0, density: None, limit: None }
-    }
 }
 
 /// An algorithm that places shapes.

@@ -8,7 +8,7 @@ use crate::error::{Result, require};
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
 use lemons_core::files::{Staged, WriteError};
-use lemons_core::plane::{Disk, Pose, Ring, Rotation, Vec2, vec2};
+use lemons_core::plane::{Disk, Motion, Pose, Ring, Rotation, Vec2, vec2};
 use lemons_core::trial::{
     Agent, AgentDynamics, Contact, Geometry, Interactions, Material, Materials, Parameters, Trial, Wall,
 };
@@ -121,14 +121,9 @@ pub fn crowd_trial(
             angular_damping: FLOOR_DAMPING,
             shapes: shape.disks.iter().map(disk).collect(),
         });
-        dynamics.push(AgentDynamics {
-            position: pose.position,
-            velocity: Vec2::ZERO,
-            theta: pose.orientation,
-            omega: 0.0,
-            fp: settings.desired_velocity * (person.mass * FLOOR_DAMPING),
-            mp: 0.0,
-        });
+        let at_rest = AgentDynamics::of(&Motion { pose: *pose, ..Motion::default() });
+        let fp = settings.desired_velocity * (person.mass * FLOOR_DAMPING);
+        dynamics.push(AgentDynamics { fp, ..at_rest });
     }
     let mut trial = Trial {
         name: name.into(),

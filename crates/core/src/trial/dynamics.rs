@@ -2,7 +2,7 @@
 
 use crate::plane::{Motion, Pose, Twist, Vec2};
 use crate::trial::agents::Agent;
-use crate::trial::schema::{Range, Schema, Value, attribute};
+use crate::trial::schema::{Schema, Value, attribute};
 use crate::trial::xml::{Element, document, empty, given_before, ids_of, vector};
 use crate::xml::{number, quoted};
 use std::collections::{BTreeMap, HashMap};
@@ -35,8 +35,8 @@ static KINEMATICS: Schema = Schema {
     attributes: &[
         attribute("Position", Value::Point, "m", "r, the centre of mass"),
         attribute("Velocity", Value::Vector, "m/s", "v"),
-        attribute("Theta", Value::Number(Range::Any), "rad", THETA),
-        attribute("Omega", Value::Number(Range::Any), "rad/s", "ω, the angular velocity"),
+        attribute("Theta", Value::Number, "rad", THETA),
+        attribute("Omega", Value::Number, "rad/s", "ω, the angular velocity"),
     ],
     children: &[],
 };
@@ -44,7 +44,7 @@ static DYNAMICS: Schema = Schema {
     name: "Dynamics",
     attributes: &[
         attribute("Fp", Value::Vector, "N", "F_p, the propulsion force"),
-        attribute("Mp", Value::Number(Range::Any), "N m", "τ_p, the propulsion torque"),
+        attribute("Mp", Value::Number, "N m", "τ_p, the propulsion torque"),
     ],
     children: &[],
 };

@@ -3,7 +3,7 @@
 use crate::files::source::Source;
 use crate::plane::{Vec2, vec2};
 use crate::trial::problem::Problems;
-use crate::trial::schema::{Range, Schema, Value, attribute};
+use crate::trial::schema::{Schema, Value, attribute};
 use crate::trial::xml::{Element, Ids, checked, document, empty, read_file, read_id, vector};
 use crate::xml::{number, quoted};
 use std::collections::HashMap;
@@ -44,8 +44,8 @@ pub(crate) static GEOMETRY: Schema =
 static DIMENSIONS: Schema = Schema {
     name: "Dimensions",
     attributes: &[
-        attribute("Lx", Value::Number(Range::Any), "m", "the length along x of the area that is drawn"),
-        attribute("Ly", Value::Number(Range::Any), "m", "the length along y"),
+        attribute("Lx", Value::Number, "m", "the length along x of the area that is drawn"),
+        attribute("Ly", Value::Number, "m", "the length along y"),
     ],
     children: &[],
 };

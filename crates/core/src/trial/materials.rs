@@ -3,7 +3,7 @@
 use crate::trial::agents::Agent;
 use crate::trial::geometry::Geometry;
 use crate::trial::problem::Problems;
-use crate::trial::schema::{Attribute, Range, Schema, Value, attribute};
+use crate::trial::schema::{Schema, Value, attribute};
 use crate::trial::xml::{Element, document, empty, given_before, ids_of, read_id};
 use crate::xml::{Problem, number, quoted};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -16,8 +16,8 @@ static MATERIAL: Schema = Schema {
     name: "Material",
     attributes: &[
         attribute("Id", Value::Id, "", "the name of the material"),
-        number_of("YoungModulus", Range::Positive, "N/m", "E, the Young modulus of a 2D material"),
-        number_of("ShearModulus", Range::Positive, "N/m", "G, the shear modulus of a 2D material"),
+        attribute("YoungModulus", Value::Positive, "N/m", "E, the Young modulus of a 2D material"),
+        attribute("ShearModulus", Value::Positive, "N/m", "G, the shear modulus of a 2D material"),
     ],
     children: &[],
 };
@@ -27,16 +27,12 @@ static CONTACT: Schema = Schema {
     attributes: &[
         attribute("Id1", Value::IdOf("material"), "", "the one material"),
         attribute("Id2", Value::IdOf("material"), "", "the other one, or the same"),
-        number_of("GammaNormal", Range::NotNegative, "kg/s", "γ⊥, damping along the normal"),
-        number_of("GammaTangential", Range::NotNegative, "kg/s", "γ∥, damping along the tangent"),
-        number_of("KineticFriction", Range::NotNegative, "1", "μ_dyn, the coefficient of Coulomb friction"),
+        attribute("GammaNormal", Value::NotNegative, "kg/s", "γ⊥, damping along the normal"),
+        attribute("GammaTangential", Value::NotNegative, "kg/s", "γ∥, damping along the tangent"),
+        attribute("KineticFriction", Value::NotNegative, "1", "μ_dyn, the coefficient of Coulomb friction"),
     ],
     children: &[],
 };
-
-const fn number_of(name: &'static str, range: Range, unit: &'static str, meaning: &'static str) -> Attribute {
-    attribute(name, Value::Number(range), unit, meaning)
-}
 
 /// `Materials.xml`.
 #[derive(Debug, Clone, PartialEq)]

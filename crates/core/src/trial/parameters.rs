@@ -1,6 +1,6 @@
 //! `Parameters.xml`.
 
-use crate::trial::schema::{Range, Schema, Value, attribute};
+use crate::trial::schema::{Schema, Value, attribute};
 use crate::trial::xml::{Element, document, empty};
 use crate::xml::number;
 use std::path::Path;
@@ -51,8 +51,8 @@ static DIRECTORIES: Schema = Schema {
 static TIMES: Schema = Schema {
     name: "Times",
     attributes: &[
-        attribute("TimeStep", Value::Number(Range::Positive), "s", STEP),
-        attribute("TimeStepMechanical", Value::Number(Range::UpTo("TimeStep")), "s", MECHANICAL_STEP),
+        attribute("TimeStep", Value::Positive, "s", STEP),
+        attribute("TimeStepMechanical", Value::UpTo("TimeStep"), "s", MECHANICAL_STEP),
     ],
     children: &[],
 };

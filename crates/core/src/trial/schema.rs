@@ -25,7 +25,13 @@ pub(crate) struct Attribute {
 #[derive(Clone, Copy)]
 pub(crate) enum Value {
     /// A finite number.
-    Number(Range),
+    Number,
+    /// A finite number above 0.
+    Positive,
+    /// A finite number, 0 or above.
+    NotNegative,
+    /// A positive number, at most another attribute.
+    UpTo(&'static str),
     /// Two numbers, not too far from the origin.
     Point,
     /// Two numbers.
@@ -40,16 +46,6 @@ pub(crate) enum Value {
     IdOf(&'static str),
     /// A place in a list, from 0.
     Place,
-}
-
-/// The range of a number.
-#[derive(Clone, Copy)]
-pub(crate) enum Range {
-    Any,
-    Positive,
-    NotNegative,
-    /// Positive, and at most another attribute.
-    UpTo(&'static str),
 }
 
 /// Makes an attribute that is required.
@@ -72,10 +68,10 @@ impl Attribute {
     fn row(&self, example: &str) -> String {
         let Attribute { name, unit, missing, meaning, .. } = self;
         let (kind, range) = match self.value {
-            Value::Number(Range::Any) => ("number", "any"),
-            Value::Number(Range::Positive) => ("number", "> 0"),
-            Value::Number(Range::NotNegative) => ("number", "≥ 0"),
-            Value::Number(Range::UpTo(other)) => ("number", &*format!("> 0, ≤ {other}")),
+            Value::Number => ("number", "any"),
+            Value::Positive => ("number", "> 0"),
+            Value::NotNegative => ("number", "≥ 0"),
+            Value::UpTo(other) => ("number", &*format!("> 0, ≤ {other}")),
             Value::Point => ("point", "any"),
             Value::Vector => ("vector", "any"),
             Value::Text => ("text", "any"),

@@ -7,7 +7,7 @@ use crate::files::source::Source;
 use crate::files::{input, words};
 use crate::plane::{Vec2, vec2};
 use crate::trial::problem::Problems;
-use crate::trial::schema::{Range, Schema, Value};
+use crate::trial::schema::{Schema, Value};
 use crate::xml::{Document, Layout, Out, Problem, Severity, decimal, quoted};
 use std::cell::RefCell;
 use std::collections::hash_map::Entry;
@@ -283,10 +283,8 @@ impl<'a> Element<'a> {
         };
         let fault = match (decimal(text), value) {
             (None, _) => "must be a finite decimal number",
-            (Some(number), Some(Value::Number(Range::Positive | Range::UpTo(_)))) if number <= 0.0 => {
-                "must be positive"
-            }
-            (Some(number), Some(Value::Number(Range::NotNegative))) if number < 0.0 => "must not be negative",
+            (Some(..=0.0), Some(Value::Positive | Value::UpTo(_))) => "must be positive",
+            (Some(number), Some(Value::NotNegative)) if number < 0.0 => "must not be negative",
             (Some(number), _) => return number,
         };
         self.wrong(attribute, fault);
@@ -418,7 +416,7 @@ mod tests {
     use crate::trial::schema::{Attribute, attribute};
 
     const fn number(name: &'static str) -> Attribute {
-        attribute(name, Value::Number(Range::Positive), "", "")
+        attribute(name, Value::Positive, "", "")
     }
 
     static B: Schema =

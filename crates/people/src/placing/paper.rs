@@ -1,6 +1,6 @@
 //! The paper's packing algorithm (appendix D).
 
-use super::measure::{overlap, through_boundary};
+use super::measure::{Overlaps, overlap, through_boundary};
 use super::neighbours::CellGrid;
 use super::{
     Ended, Packing, Progress, Region, Settings, Stage, TOLERANCE, Watch, check_shapes, measure, reach,
@@ -49,7 +49,7 @@ pub fn paper(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut
     // The hull of a crowd in the open plane takes a while: the density is not updated at every report.
     let mut reported = if shapes.is_empty() { 0.0 } else { density(&crowd.poses) };
     for iteration in 0..limit {
-        let overlap = crowd.largest_overlap();
+        let overlap = Overlaps::of(shapes, region, &crowd.poses, &crowd.disks).largest();
         if overlap <= TOLERANCE {
             ended = Ended::Done;
             break;
@@ -122,17 +122,6 @@ impl<'a> Crowd<'a> {
         near.retain(|&other| other != agent);
         near.sort_unstable();
         near
-    }
-
-    fn largest_overlap(&self) -> f64 {
-        let mut largest = 0.0f64;
-        for a in 0..self.poses.len() {
-            largest = largest.max(through_boundary(self.region, &self.disks[a]));
-            for b in self.near(a).into_iter().filter(|&b| b > a) {
-                largest = largest.max(self.overlap(a, b));
-            }
-        }
-        largest
     }
 
     /// The body of the paper's inner loop.
