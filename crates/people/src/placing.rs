@@ -11,7 +11,7 @@ mod paper;
 mod region;
 mod soft_disks;
 
-use crate::error::{Result, require};
+use crate::error::Result;
 use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose};
 use std::f64::consts::TAU;
@@ -26,9 +26,6 @@ pub use region::Region;
 
 /// \[m\] Overlaps up to this count as none: clothes yield far more.
 pub const TOLERANCE: f64 = 1e-4;
-
-/// \[m\] Largest size of a shape, larger than any person or bicycle.
-const LARGEST: f64 = 100.0;
 
 /// The direction that the shapes face.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -54,10 +51,6 @@ impl Orientation {
     /// Returns whether shapes may turn.
     fn turns(self) -> bool {
         !matches!(self, Orientation::Fixed(_))
-    }
-
-    fn check(self) -> Result<()> {
-        check("the direction", self.start().unwrap_or(0.0), true, "a finite angle in radians")
     }
 }
 
@@ -102,7 +95,7 @@ impl Method {
     /// Places the shapes of people who were drawn with the same seed.
     ///
     /// # Errors
-    /// A shape or a setting is impossible, or there is no room.
+    /// There is no room.
     pub fn place(
         self,
         shapes: &[Shape],
@@ -113,10 +106,10 @@ impl Method {
         // Another stream of random numbers than that of the people.
         let settings = Settings { seed: settings.seed.wrapping_add(0x9e37_79b9_7f4a_7c15), ..*settings };
         let packing = match self {
-            Method::Dense => dense(&wider(shapes), region, &settings, watch),
+            Method::Dense => dense(&wider(shapes), region, &settings, watch)?,
             Method::Paper => paper(&wider(shapes), region, &settings, watch),
-            Method::Grid => grid(shapes, region, &settings),
-        }?;
+            Method::Grid => grid(shapes, region, &settings)?,
+        };
         let Packing { poses, clear_density, complete, ended, iterations, .. } = packing;
         let own = Packing::of(shapes, region, poses, ended, iterations);
         Ok(Packing { clear_density: own.clear_density.max(clear_density), complete, ..own })
@@ -203,27 +196,6 @@ pub type Watch<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + 'a;
 fn wider(shapes: &[Shape]) -> Vec<Shape> {
     let wider = |disk: &Disk| Disk { radius: disk.radius + TOLERANCE, ..*disk };
     shapes.iter().map(|shape| Shape { disks: shape.disks.iter().map(wider).collect() }).collect()
-}
-
-fn check_shapes(shapes: &[Shape]) -> Result<()> {
-    for (shape, s) in shapes.iter().enumerate() {
-        require(!s.disks.is_empty(), || format!("shape {shape} has no disks"))?;
-        for (disk, Disk { radius, centre }) in s.disks.iter().enumerate() {
-            // False for NaN, too.
-            require(*radius > 0.0 && centre.norm() + radius <= LARGEST, || {
-                let (x, y) = (centre.x, centre.y);
-                format!(
-                    "shape {shape}, disk {disk}: radius {radius} m at ({x}, {y}) m; the radius must be positive and the size at most {LARGEST} m"
-                )
-            })?;
-        }
-    }
-    Ok(())
-}
-
-/// Checks that a setting is finite and in its range.
-fn check(name: &str, value: f64, ok: bool, wanted: &str) -> Result<()> {
-    require(ok && value.is_finite(), || format!("{name} = {value}: must be {wanted}"))
 }
 
 /// Returns the same angle within half a turn of zero.

@@ -289,22 +289,6 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_written_over_what_is_no_trial() {
-        let directory = TempDir::new().unwrap();
-        let trial = two(&TrialSettings::default()).unwrap();
-        std::fs::write(directory.path().join("letter"), "mine").unwrap();
-        let refused = write_trial(&trial, &[], directory.path(), false).unwrap_err();
-        assert!(refused.to_string().contains("is a directory that is not a Trial"), "{refused}");
-        assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1);
-        write_trial(&trial, &[], directory.path(), true).unwrap();
-        assert!(crowd_mechanics::setup::read(directory.path()).is_ok());
-        assert_eq!(std::fs::read_to_string(directory.path().join("letter")).unwrap(), "mine");
-        let file = directory.path().join("letter");
-        let refused = write_trial(&trial, &[], &file, true).unwrap_err();
-        assert!(refused.to_string().ends_with("letter: is not a directory"), "{refused}");
-    }
-
-    #[test]
     fn a_zip_holds_the_same_files_and_always_the_same_bytes() {
         let directory = TempDir::new().unwrap();
         let trial = two(&TrialSettings::default()).unwrap();
