@@ -87,8 +87,8 @@ impl FileNames {
     /// Returns the path of the first file that has such an attribute, and the name of its element.
     pub fn with_attribute(&self, attribute: &str) -> Option<(PathBuf, &'static str)> {
         self.clone().all().into_iter().zip(SCHEMAS).find_map(|(path, root)| {
-            let mut elements = root.below(&[]).into_iter().map(|(_, schema)| schema);
-            Some((path, elements.find(|schema| schema.attribute(attribute).is_some())?.name))
+            let with = root.below().into_iter().find(|schema| schema.value(attribute).is_some())?;
+            Some((path, with.name))
         })
     }
 
@@ -115,7 +115,7 @@ impl Trial {
     ///
     /// # Errors
     /// Errors in its files, all of them.
-    pub fn read(directory: &Path) -> Result<(Trial, Problems), Problems> {
+    pub fn read(directory: &Path) -> Checked<Trial> {
         Trial::read_from(&Disk, directory, &FileNames::default())
     }
 
@@ -124,19 +124,15 @@ impl Trial {
         let names = FileNames::default();
         let first = directory.join(&names.parameters);
         // What is wrong with it those say who read the Trial.
-        let read = read_alone(&first, &parameters::PARAMETERS, parameters::read);
-        read.map_or(vec![first], |parameters| names.within(directory, &parameters).all())
+        let read = read_alone(&Disk, &first, &parameters::PARAMETERS, parameters::read);
+        read.map_or(vec![first], |(parameters, _)| names.within(directory, &parameters).all())
     }
 
     /// Reads a Trial as [`Trial::read`] does, from these files, with these names.
     ///
     /// # Errors
     /// As [`Trial::read`].
-    pub fn read_from(
-        files: &dyn Source,
-        directory: &Path,
-        names: &FileNames,
-    ) -> Result<(Trial, Problems), Problems> {
+    pub fn read_from(files: &dyn Source, directory: &Path, names: &FileNames) -> Checked<Trial> {
         checked(|problems| Trial::read_all(files, directory, names, problems))
     }
 
@@ -203,7 +199,8 @@ impl Trial {
     /// # Errors
     /// All errors in its files.
     pub fn read_dynamics(&self, path: &Path) -> Result<Vec<AgentDynamics>, Problems> {
-        read_alone(path, &dynamics::AGENTS, |root| dynamics::read(root, Some(&self.agents)))
+        let read = |root: Element<'_>| dynamics::read(root, Some(&self.agents));
+        read_alone(&Disk, path, &dynamics::AGENTS, read).map(|(dynamics, _)| dynamics)
     }
 
     /// Reads an `AgentInteractions.xml` of this Trial's agents and walls.
@@ -211,9 +208,8 @@ impl Trial {
     /// # Errors
     /// All errors in its files.
     pub fn read_interactions(&self, path: &Path) -> Result<Interactions, Problems> {
-        read_alone(path, &interactions::INTERACTIONS, |root| {
-            interactions::read(root, &self.agents, &self.geometry)
-        })
+        let read = |root: Element<'_>| interactions::read(root, &self.agents, &self.geometry);
+        read_alone(&Disk, path, &interactions::INTERACTIONS, read).map(|(contacts, _)| contacts)
     }
 
     /// Returns the parameters of a copy: its Static and Dynamic directories are inside of its directory.
@@ -294,13 +290,17 @@ impl Trial {
     }
 }
 
+/// What was read, with the warnings; or all that is wrong.
+pub type Checked<T> = Result<(T, Problems), Problems>;
+
 /// Reads one file of a Trial.
-fn read_alone<T>(
+pub(crate) fn read_alone<T>(
+    files: &dyn Source,
     path: &Path,
     schema: &'static Schema,
     read: impl FnOnce(Element<'_>) -> T,
-) -> Result<T, Problems> {
-    checked(|problems| read_file(&Disk, path, schema, problems, read)).map(|(read, _)| read)
+) -> Checked<T> {
+    checked(|problems| read_file(files, path, schema, problems, read))
 }
 
 /// Removes `.` in between: `Trial/./static` is `Trial/static`.

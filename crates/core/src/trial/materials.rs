@@ -1,35 +1,33 @@
 //! `Materials.xml`.
 
+use crate::files::source::Source;
 use crate::trial::agents::Agent;
+use crate::trial::documents::{Checked, read_alone};
 use crate::trial::geometry::Geometry;
 use crate::trial::problem::Problems;
-use crate::trial::schema::{Schema, Value, attribute};
+use crate::trial::schema::{Schema, Value};
 use crate::trial::xml::{Element, document, empty, given_before, ids_of, read_id};
 use crate::xml::{Problem, number, quoted};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub(crate) static MATERIALS: Schema =
     Schema { name: "Materials", attributes: &[], children: &[&INTRINSIC, &BINARY] };
 static INTRINSIC: Schema = Schema { name: "Intrinsic", attributes: &[], children: &[&MATERIAL] };
 static MATERIAL: Schema = Schema {
     name: "Material",
-    attributes: &[
-        attribute("Id", Value::Id, "", "the name of the material"),
-        attribute("YoungModulus", Value::Positive, "N/m", "E, the Young modulus of a 2D material"),
-        attribute("ShearModulus", Value::Positive, "N/m", "G, the shear modulus of a 2D material"),
-    ],
+    attributes: &[("Id", Value::Id), ("YoungModulus", Value::Positive), ("ShearModulus", Value::Positive)],
     children: &[],
 };
 static BINARY: Schema = Schema { name: "Binary", attributes: &[], children: &[&CONTACT] };
 static CONTACT: Schema = Schema {
     name: "Contact",
     attributes: &[
-        attribute("Id1", Value::IdOf("material"), "", "the one material"),
-        attribute("Id2", Value::IdOf("material"), "", "the other one, or the same"),
-        attribute("GammaNormal", Value::NotNegative, "kg/s", "γ⊥, damping along the normal"),
-        attribute("GammaTangential", Value::NotNegative, "kg/s", "γ∥, damping along the tangent"),
-        attribute("KineticFriction", Value::NotNegative, "1", "μ_dyn, the coefficient of Coulomb friction"),
+        ("Id1", Value::IdOf("material")),
+        ("Id2", Value::IdOf("material")),
+        ("GammaNormal", Value::NotNegative),
+        ("GammaTangential", Value::NotNegative),
+        ("KineticFriction", Value::NotNegative),
     ],
     children: &[],
 };
@@ -41,6 +39,16 @@ pub struct Materials {
     pub intrinsic: Vec<Material>,
     /// `<Binary>`
     pub binary: Vec<Contact>,
+}
+
+impl Materials {
+    /// Reads and checks a single `Materials.xml`. Returns it and the warnings.
+    ///
+    /// # Errors
+    /// All errors in the file.
+    pub fn read_from(files: &dyn Source, path: &Path) -> Checked<Materials> {
+        read_alone(files, path, &MATERIALS, |root| read(root).materials)
+    }
 }
 
 /// `<Material>`.

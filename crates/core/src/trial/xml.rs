@@ -6,6 +6,7 @@
 use crate::files::source::Source;
 use crate::files::{input, words};
 use crate::plane::{Vec2, vec2};
+use crate::trial::documents::Checked;
 use crate::trial::problem::Problems;
 use crate::trial::schema::{Schema, Value};
 use crate::xml::{Document, Layout, Out, Problem, Severity, decimal, quoted};
@@ -47,7 +48,7 @@ pub(crate) fn read_file<T>(
 }
 
 /// Returns what was read without errors, with the warnings; or all errors.
-pub(crate) fn checked<T>(read: impl FnOnce(&mut Problems) -> Option<T>) -> Result<(T, Problems), Problems> {
+pub(crate) fn checked<T>(read: impl FnOnce(&mut Problems) -> Option<T>) -> Checked<T> {
     let mut problems = Problems::default();
     match read(&mut problems) {
         Some(read) if !problems.has_errors() => Ok((read, problems)),
@@ -103,7 +104,7 @@ impl<'a> Element<'a> {
     /// Returns the attributes of this file's own words that are not read.
     fn unread_attributes(self) -> impl Iterator<Item = roxmltree::Attribute<'a, 'a>> {
         let own = self.node.attributes().filter(|attribute| attribute.namespace().is_none());
-        own.filter(move |attribute| self.schema.attribute(attribute.name()).is_none())
+        own.filter(move |attribute| self.schema.value(attribute.name()).is_none())
     }
 
     /// Returns the elements in it that are not read; those of another namespace are for others.
@@ -117,8 +118,8 @@ impl<'a> Element<'a> {
 
     /// Returns whether it is of another kind than those that are read: nobody knows what is in it then.
     fn is_foreign(self) -> bool {
-        self.schema.attributes.iter().any(|attribute| match attribute.value {
-            Value::Word(word) => self.node.optional(attribute.name).is_some_and(|text| text != word),
+        self.schema.attributes.iter().any(|(name, value)| match value {
+            Value::Word(word) => self.node.optional(name).is_some_and(|text| text != *word),
             _ => false,
         })
     }
@@ -155,7 +156,7 @@ impl<'a> Element<'a> {
                 warning.attribute = Some(short(name));
                 warning.value = Some(attribute.value().to_owned());
                 warning.message = "is not read".to_owned();
-                let word = words::meant(name, attributes.iter().map(|attribute| attribute.name));
+                let word = words::meant(name, attributes.iter().map(|attribute| attribute.0));
                 word.map_or(String::new(), |word| format!("; is {word} meant?"))
             });
         }
@@ -247,7 +248,7 @@ impl<'a> Element<'a> {
     }
 
     fn value(self, attribute: &str) -> Option<Value> {
-        let value = self.schema.attribute(attribute).map(|attribute| attribute.value);
+        let value = self.schema.value(attribute);
         debug_assert!(value.is_some(), "{attribute} is not said to be read");
         value
     }
@@ -281,11 +282,18 @@ impl<'a> Element<'a> {
         let Some(text) = self.required(attribute) else {
             return f64::NAN;
         };
+        let most = match value {
+            Some(Value::UpTo(other)) => self.node.optional(other).and_then(decimal).zip(Some(other)),
+            _ => None,
+        };
         let fault = match (decimal(text), value) {
-            (None, _) => "must be a finite decimal number",
-            (Some(..=0.0), Some(Value::Positive | Value::UpTo(_))) => "must be positive",
-            (Some(number), Some(Value::NotNegative)) if number < 0.0 => "must not be negative",
-            (Some(number), _) => return number,
+            (None, _) => "must be a finite decimal number".to_owned(),
+            (Some(..=0.0), Some(Value::Positive | Value::UpTo(_))) => "must be positive".to_owned(),
+            (Some(number), Some(Value::NotNegative)) if number < 0.0 => "must not be negative".to_owned(),
+            (Some(number), _) => match most.filter(|(most, _)| number > *most) {
+                Some((most, other)) => format!("must be at most {other}, {most:?}"),
+                None => return number,
+            },
         };
         self.wrong(attribute, fault);
         f64::NAN
@@ -413,14 +421,10 @@ pub(crate) fn vector(value: Vec2) -> String {
 mod tests {
     use super::*;
     use crate::files::source::Memory;
-    use crate::trial::schema::{Attribute, attribute};
 
-    const fn number(name: &'static str) -> Attribute {
-        attribute(name, Value::Positive, "", "")
-    }
-
-    static B: Schema =
-        Schema { name: "B", attributes: &[number("X"), number("Y"), number("Z")], children: &[] };
+    const NUMBERS: [(&str, Value); 3] =
+        [("X", Value::Positive), ("Y", Value::Positive), ("Z", Value::Positive)];
+    static B: Schema = Schema { name: "B", attributes: &NUMBERS, children: &[] };
     static A: Schema = Schema { name: "A", attributes: &[], children: &[&B] };
 
     #[test]
