@@ -10,7 +10,7 @@ use crate::trial::materials::{self, Materials};
 use crate::trial::parameters::{self, Parameters};
 use crate::trial::problem::Problems;
 use crate::trial::schema::Schema;
-use crate::trial::xml::{Element, checked, ids_of, read_file};
+use crate::trial::xml::{Element, Reading, ids_of};
 use std::path::{Component, Path, PathBuf};
 use uuid::Uuid;
 
@@ -133,7 +133,7 @@ impl Trial {
     /// # Errors
     /// As [`Trial::read`].
     pub fn read_from(files: &dyn Source, directory: &Path, names: &FileNames) -> Checked<Trial> {
-        checked(|problems| Trial::read_all(files, directory, names, problems))
+        Reading::of(files, |reading| Trial::read_all(reading, directory, names))
     }
 
     /// Returns where its files are, as messages name them.
@@ -142,43 +142,33 @@ impl Trial {
     }
 
     /// Returns `None` only after an error. A file is checked against the others as far as those could be read.
-    fn read_all(
-        files: &dyn Source,
-        directory: &Path,
-        names: &FileNames,
-        problems: &mut Problems,
-    ) -> Option<Trial> {
+    fn read_all(reading: &Reading<'_>, directory: &Path, names: &FileNames) -> Option<Trial> {
         let first = directory.join(&names.parameters);
-        let parameters = read_file(files, &first, &parameters::PARAMETERS, problems, parameters::read)?;
+        let parameters = reading.file(&first, &parameters::PARAMETERS, parameters::read)?;
         let at = names.within(directory, &parameters);
         // Without a directory, reported already, nobody knows where its files are.
         if parameters.static_directory.trim().is_empty() {
             return None;
         }
-        let materials = read_file(files, &at.materials, &materials::MATERIALS, problems, materials::read);
+        let materials = reading.file(&at.materials, &materials::MATERIALS, materials::read);
         let material_ids = materials
             .as_ref()
             .map(|read| ids_of(read.materials.intrinsic.iter().map(|material| &material.id)));
-        let geometry = read_file(files, &at.geometry, &geometry::GEOMETRY, problems, |root| {
-            geometry::read(root, material_ids.as_ref())
-        });
-        let agents = read_file(files, &at.agents, &agents::AGENTS, problems, |root| {
-            agents::read(root, material_ids.as_ref())
-        });
+        let ids = material_ids.as_ref();
+        let geometry = reading.file(&at.geometry, &geometry::GEOMETRY, |root| geometry::read(root, ids));
+        let agents = reading.file(&at.agents, &agents::AGENTS, |root| agents::read(root, ids));
         if let (Some(materials), Some(agents)) = (&materials, &agents) {
-            materials::check_pairs(materials, geometry.as_ref(), agents, problems);
+            materials::check_pairs(materials, geometry.as_ref(), agents, reading);
         }
         if parameters.dynamic_directory.trim().is_empty() {
             return None;
         }
-        let dynamics = read_file(files, &at.dynamics, &dynamics::AGENTS, problems, |root| {
-            dynamics::read(root, agents.as_deref())
-        });
+        let read_dynamics = |root: Element<'_>| dynamics::read(root, agents.as_deref());
+        let dynamics = reading.file(&at.dynamics, &dynamics::AGENTS, read_dynamics);
         let interactions = match (&agents, &geometry) {
-            (Some(agents), Some(geometry)) if !files.lacks(&at.interactions) => {
-                read_file(files, &at.interactions, &interactions::INTERACTIONS, problems, |root| {
-                    interactions::read(root, agents, geometry)
-                })?
+            (Some(agents), Some(geometry)) if !reading.files.lacks(&at.interactions) => {
+                let read = |root: Element<'_>| interactions::read(root, agents, geometry);
+                reading.file(&at.interactions, &interactions::INTERACTIONS, read)?
             }
             _ => Interactions::default(),
         };
@@ -300,7 +290,7 @@ pub(crate) fn read_alone<T>(
     schema: &'static Schema,
     read: impl FnOnce(Element<'_>) -> T,
 ) -> Checked<T> {
-    checked(|problems| read_file(files, path, schema, problems, read))
+    Reading::of(files, |reading| reading.file(path, schema, read))
 }
 
 /// Removes `.` in between: `Trial/./static` is `Trial/static`.

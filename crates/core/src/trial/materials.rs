@@ -4,9 +4,8 @@ use crate::files::source::Source;
 use crate::trial::agents::Agent;
 use crate::trial::documents::{Checked, read_alone};
 use crate::trial::geometry::Geometry;
-use crate::trial::problem::Problems;
 use crate::trial::schema::{Schema, Value};
-use crate::trial::xml::{Element, document, empty, given_before, ids_of, read_id};
+use crate::trial::xml::{Element, Reading, document, empty, given_before, ids_of, read_id};
 use crate::xml::{Problem, number, quoted};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
@@ -165,12 +164,7 @@ pub fn pairs_that_touch(shapes: &[(usize, usize)], walls: &BTreeSet<usize>) -> V
 }
 
 /// Every pair of materials that can touch has its coefficients.
-pub(crate) fn check_pairs(
-    read: &Read,
-    geometry: Option<&Geometry>,
-    agents: &[Agent],
-    problems: &mut Problems,
-) {
+pub(crate) fn check_pairs(read: &Read, geometry: Option<&Geometry>, agents: &[Agent], reading: &Reading<'_>) {
     /// Of a file that forgot them all, these many say enough.
     const REPORTED: usize = 100;
 
@@ -187,12 +181,12 @@ pub(crate) fn check_pairs(
     if used > MOST_MATERIALS {
         let message =
             format!("agents and walls are of {used} materials: at most {MOST_MATERIALS} can be used");
-        problems.push(Problem::of_file(&read.path, None, message));
+        reading.report(Problem::of_file(&read.path, None, message));
         return;
     }
     let pairs = pairs_that_touch(&shapes, &walls).into_iter();
     let wrong = pairs.filter_map(|pair| read.pair_problem(pair)).take(REPORTED);
-    wrong.for_each(|problem| problems.push(problem));
+    wrong.for_each(|problem| reading.report(problem));
 }
 
 impl Read {
