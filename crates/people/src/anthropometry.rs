@@ -4,6 +4,7 @@
 //! `data/make_ansur.py` wrote them into `data/ansur.txt`.
 
 use crate::copula::Correlations;
+use crate::normal::bisected;
 use crate::person::{Measure, Sex};
 use std::sync::LazyLock;
 
@@ -49,11 +50,7 @@ impl MeasureStatistics {
             return 0.0;
         }
         let from = |below: &dyn Fn(f64) -> bool| {
-            let (mut low, mut high) = (0.0, 1.0);
-            for _ in 0..40 {
-                let middle = 0.5 * (low + high);
-                if below(self.quantile(middle)) { low = middle } else { high = middle }
-            }
+            let (_, high) = bisected([0.0, 1.0], 40, |rank| below(self.quantile(rank)));
             if below(self.quantile(1.0)) { 1.0 } else { high }
         };
         0.5 * (from(&|found| found < value) + from(&|found| found <= value))

@@ -11,7 +11,7 @@ mod paper;
 mod region;
 mod soft_disks;
 
-use crate::error::{Result, require};
+use crate::error::Result;
 use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose};
 use std::f64::consts::TAU;
@@ -27,13 +27,11 @@ pub use region::Region;
 /// \[m\] Overlaps up to this count as none: clothes yield far more.
 pub const TOLERANCE: f64 = 1e-4;
 
-/// \[m\] Largest size of a shape, larger than any person or bicycle.
-const LARGEST: f64 = 100.0;
-
 /// The direction that the shapes face.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Orientation {
     /// Any direction.
+    #[default]
     Free,
     /// \[rad\] Exactly this direction.
     Fixed(f64),
@@ -54,14 +52,10 @@ impl Orientation {
     fn turns(self) -> bool {
         !matches!(self, Orientation::Fixed(_))
     }
-
-    fn check(self) -> Result<()> {
-        check("the direction", self.start().unwrap_or(0.0), true, "a finite angle in radians")
-    }
 }
 
 /// How shapes are placed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Settings {
     /// The direction that the shapes face.
     pub orientation: Orientation,
@@ -72,12 +66,6 @@ pub struct Settings {
     pub density: Option<f64>,
     /// Largest number of iterations; `None`: that of the algorithm.
     pub limit: Option<u64>,
-}
-
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings { orientation: Orientation::Free, seed: 0, density: None, limit: None }
-    }
 }
 
 /// An algorithm that places shapes.
@@ -107,7 +95,7 @@ impl Method {
     /// Places the shapes of people who were drawn with the same seed.
     ///
     /// # Errors
-    /// A shape or a setting is impossible, or there is no room.
+    /// There is no room.
     pub fn place(
         self,
         shapes: &[Shape],
@@ -118,10 +106,10 @@ impl Method {
         // Another stream of random numbers than that of the people.
         let settings = Settings { seed: settings.seed.wrapping_add(0x9e37_79b9_7f4a_7c15), ..*settings };
         let packing = match self {
-            Method::Dense => dense(&wider(shapes), region, &settings, watch),
+            Method::Dense => dense(&wider(shapes), region, &settings, watch)?,
             Method::Paper => paper(&wider(shapes), region, &settings, watch),
-            Method::Grid => grid(shapes, region, &settings),
-        }?;
+            Method::Grid => grid(shapes, region, &settings)?,
+        };
         let Packing { poses, clear_density, complete, ended, iterations, .. } = packing;
         let own = Packing::of(shapes, region, poses, ended, iterations);
         Ok(Packing { clear_density: own.clear_density.max(clear_density), complete, ..own })
@@ -208,27 +196,6 @@ pub type Watch<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + 'a;
 fn wider(shapes: &[Shape]) -> Vec<Shape> {
     let wider = |disk: &Disk| Disk { radius: disk.radius + TOLERANCE, ..*disk };
     shapes.iter().map(|shape| Shape { disks: shape.disks.iter().map(wider).collect() }).collect()
-}
-
-fn check_shapes(shapes: &[Shape]) -> Result<()> {
-    for (shape, s) in shapes.iter().enumerate() {
-        require(!s.disks.is_empty(), || format!("shape {shape} has no disks"))?;
-        for (disk, Disk { radius, centre }) in s.disks.iter().enumerate() {
-            // False for NaN, too.
-            require(*radius > 0.0 && centre.norm() + radius <= LARGEST, || {
-                let (x, y) = (centre.x, centre.y);
-                format!(
-                    "shape {shape}, disk {disk}: radius {radius} m at ({x}, {y}) m; the radius must be positive and the size at most {LARGEST} m"
-                )
-            })?;
-        }
-    }
-    Ok(())
-}
-
-/// Checks that a setting is finite and in its range.
-fn check(name: &str, value: f64, ok: bool, wanted: &str) -> Result<()> {
-    require(ok && value.is_finite(), || format!("{name} = {value}: must be {wanted}"))
 }
 
 /// Returns the same angle within half a turn of zero.

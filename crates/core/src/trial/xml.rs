@@ -6,8 +6,9 @@
 use crate::files::source::Source;
 use crate::files::{input, words};
 use crate::plane::{Vec2, vec2};
+use crate::trial::documents::Checked;
 use crate::trial::problem::Problems;
-use crate::trial::schema::{Range, Schema, Value};
+use crate::trial::schema::{Schema, Value};
 use crate::xml::{Document, Layout, Out, Problem, Severity, decimal, quoted};
 use std::cell::RefCell;
 use std::collections::hash_map::Entry;
@@ -16,42 +17,50 @@ use std::hash::Hash;
 use std::iter::repeat;
 use std::path::Path;
 
-/// Memory of a file while it is read.
-#[derive(Default)]
-struct Notes {
+/// Files of a Trial while they are read.
+pub(crate) struct Reading<'a> {
+    pub(crate) files: &'a dyn Source,
     problems: RefCell<Problems>,
-    /// Names that were told as those that may have been meant, with their element's.
+    /// Names in the present file that were told as those that may have been meant, with their element's.
     told: RefCell<HashSet<(&'static str, String)>>,
 }
 
-/// Reads a file and hands its root element to `then`; `None` when it is missing, not XML or has another root.
-pub(crate) fn read_file<T>(
-    files: &dyn Source,
-    path: &Path,
-    root: &'static Schema,
-    problems: &mut Problems,
-    then: impl FnOnce(Element<'_>) -> T,
-) -> Option<T> {
-    let bytes = files
-        .read(path, input::LARGEST_TRIAL_FILE)
-        .map_err(|error| Problem::of_file(path, None, format!("cannot be read: {error}")).into());
-    let bytes = problems.or_push(bytes)?;
-    let document = problems.or_push(Document::parse(path, &bytes, u32::MAX))?;
-    let node = problems.or_push(document.root(root.name))?;
-    let notes = Notes::default();
-    let element = Element { node, notes: &notes, schema: root };
-    let read = then(element);
-    element.warn_of_unread();
-    problems.append(notes.problems.into_inner());
-    Some(read)
-}
+impl Reading<'_> {
+    /// Returns what `read` reads without errors, with the warnings; or all errors.
+    pub(crate) fn of<T>(files: &dyn Source, read: impl FnOnce(&Reading<'_>) -> Option<T>) -> Checked<T> {
+        let reading = Reading { files, problems: RefCell::default(), told: RefCell::default() };
+        let read = read(&reading);
+        let problems = reading.problems.into_inner();
+        match read {
+            Some(read) if !problems.has_errors() => Ok((read, problems)),
+            _ => Err(problems),
+        }
+    }
 
-/// Returns what was read without errors, with the warnings; or all errors.
-pub(crate) fn checked<T>(read: impl FnOnce(&mut Problems) -> Option<T>) -> Result<(T, Problems), Problems> {
-    let mut problems = Problems::default();
-    match read(&mut problems) {
-        Some(read) if !problems.has_errors() => Ok((read, problems)),
-        _ => Err(problems),
+    /// Reads a file and hands its root element to `then`; `None` when it is missing, not XML or has another root.
+    pub(crate) fn file<T>(
+        &self,
+        path: &Path,
+        schema: &'static Schema,
+        then: impl FnOnce(Element<'_>) -> T,
+    ) -> Option<T> {
+        let read = || {
+            let bytes = self.files.read(path, input::LARGEST_TRIAL_FILE);
+            let unreadable = |error| Problem::of_file(path, None, format!("cannot be read: {error}"));
+            let bytes = bytes.map_err(unreadable)?;
+            let document = Document::parse(path, &bytes, u32::MAX)?;
+            let node = document.root(schema.name)?;
+            self.told.borrow_mut().clear();
+            let element = Element { node, reading: self, schema };
+            let read = then(element);
+            element.warn_of_unread();
+            Ok(read)
+        };
+        read().map_err(|problem: Box<Problem>| self.report(*problem)).ok()
+    }
+
+    pub(crate) fn report(&self, problem: Problem) {
+        self.problems.borrow_mut().push(problem);
     }
 }
 
@@ -68,7 +77,7 @@ fn parse_vector(text: &str) -> Option<Vec2> {
 #[derive(Clone, Copy)]
 pub(crate) struct Element<'a> {
     pub(crate) node: crate::xml::Element<'a>,
-    notes: &'a Notes,
+    reading: &'a Reading<'a>,
     schema: &'static Schema,
 }
 
@@ -103,7 +112,7 @@ impl<'a> Element<'a> {
     /// Returns the attributes of this file's own words that are not read.
     fn unread_attributes(self) -> impl Iterator<Item = roxmltree::Attribute<'a, 'a>> {
         let own = self.node.attributes().filter(|attribute| attribute.namespace().is_none());
-        own.filter(move |attribute| self.schema.attribute(attribute.name()).is_none())
+        own.filter(move |attribute| self.schema.value(attribute.name()).is_none())
     }
 
     /// Returns the elements in it that are not read; those of another namespace are for others.
@@ -117,8 +126,8 @@ impl<'a> Element<'a> {
 
     /// Returns whether it is of another kind than those that are read: nobody knows what is in it then.
     fn is_foreign(self) -> bool {
-        self.schema.attributes.iter().any(|attribute| match attribute.value {
-            Value::Word(word) => self.node.optional(attribute.name).is_some_and(|text| text != word),
+        self.schema.attributes.iter().any(|(name, value)| match value {
+            Value::Word(word) => self.node.optional(name).is_some_and(|text| text != *word),
             _ => false,
         })
     }
@@ -129,7 +138,7 @@ impl<'a> Element<'a> {
         self.find_unread(&mut unread);
         let more = unread.len() > REPORTED;
         unread.truncate(REPORTED);
-        let told = self.notes.told.borrow();
+        let told = self.reading.told.borrow();
         unread.retain(|seen| !told.contains(&(seen.schema.name, seen.name.to_owned())));
         for Seen { count, mut warning, end, .. } in unread {
             let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
@@ -155,7 +164,7 @@ impl<'a> Element<'a> {
                 warning.attribute = Some(short(name));
                 warning.value = Some(attribute.value().to_owned());
                 warning.message = "is not read".to_owned();
-                let word = words::meant(name, attributes.iter().map(|attribute| attribute.name));
+                let word = words::meant(name, attributes.iter().map(|attribute| attribute.0));
                 word.map_or(String::new(), |word| format!("; is {word} meant?"))
             });
         }
@@ -242,12 +251,12 @@ impl<'a> Element<'a> {
         shown: impl Fn(&str) -> String,
     ) -> String {
         let Some(there) = words::meant(name, there) else { return String::new() };
-        self.notes.told.borrow_mut().insert((self.schema.name, there.to_owned()));
+        self.reading.told.borrow_mut().insert((self.schema.name, there.to_owned()));
         format!("; there is {}: is it misspelt?", shown(there))
     }
 
     fn value(self, attribute: &str) -> Option<Value> {
-        let value = self.schema.attribute(attribute).map(|attribute| attribute.value);
+        let value = self.schema.value(attribute);
         debug_assert!(value.is_some(), "{attribute} is not said to be read");
         value
     }
@@ -281,13 +290,18 @@ impl<'a> Element<'a> {
         let Some(text) = self.required(attribute) else {
             return f64::NAN;
         };
+        let most = match value {
+            Some(Value::UpTo(other)) => self.node.optional(other).and_then(decimal).zip(Some(other)),
+            _ => None,
+        };
         let fault = match (decimal(text), value) {
-            (None, _) => "must be a finite decimal number",
-            (Some(number), Some(Value::Number(Range::Positive | Range::UpTo(_)))) if number <= 0.0 => {
-                "must be positive"
-            }
-            (Some(number), Some(Value::Number(Range::NotNegative))) if number < 0.0 => "must not be negative",
-            (Some(number), _) => return number,
+            (None, _) => "must be a finite decimal number".to_owned(),
+            (Some(..=0.0), Some(Value::Positive | Value::UpTo(_))) => "must be positive".to_owned(),
+            (Some(number), Some(Value::NotNegative)) if number < 0.0 => "must not be negative".to_owned(),
+            (Some(number), _) => match most.filter(|(most, _)| number > *most) {
+                Some((most, other)) => format!("must be at most {other}, {most:?}"),
+                None => return number,
+            },
         };
         self.wrong(attribute, fault);
         f64::NAN
@@ -333,7 +347,7 @@ impl<'a> Element<'a> {
 
     /// Adds a problem to those of the file.
     pub(crate) fn report(self, problem: Problem) {
-        self.notes.problems.borrow_mut().push(problem);
+        self.reading.report(problem);
     }
 
     /// Reports an error about the element.
@@ -415,28 +429,25 @@ pub(crate) fn vector(value: Vec2) -> String {
 mod tests {
     use super::*;
     use crate::files::source::Memory;
-    use crate::trial::schema::{Attribute, attribute};
 
-    const fn number(name: &'static str) -> Attribute {
-        attribute(name, Value::Number(Range::Positive), "", "")
-    }
-
-    static B: Schema =
-        Schema { name: "B", attributes: &[number("X"), number("Y"), number("Z")], children: &[] };
+    const NUMBERS: [(&str, Value); 3] =
+        [("X", Value::Positive), ("Y", Value::Positive), ("Z", Value::Positive)];
+    static B: Schema = Schema { name: "B", attributes: &NUMBERS, children: &[] };
     static A: Schema = Schema { name: "A", attributes: &[], children: &[&B] };
 
     #[test]
     fn an_attribute_has_its_own_line() {
         let mut files = Memory::default();
         files.put(Path::new("f.xml"), b"<A>\n <B\n  X='1'\n  Y='no'/>\n</A>".to_vec());
-        let mut problems = Problems::default();
-        read_file(&files, Path::new("f.xml"), &A, &mut problems, |root| {
-            let element = root.only("B").unwrap();
-            assert_eq!(element.line(), 2);
-            let [x, y, z] = ["X", "Y", "Z"].map(|attribute| element.number(attribute));
-            assert!(x == 1.0 && y.is_nan() && z.is_nan());
+        let read = Reading::of(&files, |reading| {
+            reading.file(Path::new("f.xml"), &A, |root| {
+                let element = root.only("B").unwrap();
+                assert_eq!(element.line(), 2);
+                let [x, y, z] = ["X", "Y", "Z"].map(|attribute| element.number(attribute));
+                assert!(x == 1.0 && y.is_nan() && z.is_nan());
+            })
         });
         let expected = "f.xml:4: <B> Y=\"no\": must be a finite decimal number\nf.xml:2: <B> Z: is missing";
-        assert_eq!(problems.to_string(), expected);
+        assert_eq!(read.unwrap_err().to_string(), expected);
     }
 }

@@ -5,7 +5,6 @@ use super::neighbours::CellGrid;
 use super::{Region, TOLERANCE, reach};
 use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose, Vec2};
-use std::collections::BinaryHeap;
 
 /// The quality of a placing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,12 +21,11 @@ pub struct Measure {
 /// Measures shapes at poses: one finite pose for each shape.
 pub fn measure(shapes: &[Shape], region: &Region, poses: &[Pose]) -> Measure {
     let disks: Vec<Vec<Disk>> = shapes.iter().zip(poses).map(|(s, p)| s.placed(p).collect()).collect();
-    let boundary: Vec<f64> = disks.iter().map(|d| through_boundary(region, d)).collect();
-    let pairs = overlapping_pairs(shapes, poses, &disks);
-    let largest = pairs.iter().map(|p| p.2).chain(boundary.iter().copied()).fold(0.0, f64::max);
+    let overlaps = Overlaps::of(shapes, region, poses, &disks);
+    let largest = overlaps.largest();
+    let Overlaps { boundary: mut sum, pairs } = overlaps;
 
     // For each shape: the sum of its overlaps, and the shapes that it overlaps.
-    let mut sum = boundary.clone();
     let mut partners = vec![Vec::new(); disks.len()];
     for &(a, b, overlap) in pairs.iter().filter(|p| p.2 > TOLERANCE) {
         for (one, other) in [(a, b), (b, a)] {
@@ -36,24 +34,13 @@ pub fn measure(shapes: &[Shape], region: &Region, poses: &[Pose]) -> Measure {
         }
     }
     let mut left = vec![true; disks.len()];
-    // The bits of non-negative numbers have the same order as the numbers. A sum that has become smaller is pushed
-    // again; its old entry is skipped.
-    let entry = |sum: &[f64], k: usize| (sum[k].max(0.0).to_bits(), k);
-    let overlaps = |sum: &[f64], k: usize| sum[k] > TOLERANCE;
-    let mut heap: BinaryHeap<(u64, usize)> =
-        (0..sum.len()).filter(|&k| overlaps(&sum, k)).map(|k| entry(&sum, k)).collect();
-    while let Some(top) = heap.pop() {
-        let worst = top.1;
-        if !left[worst] || top != entry(&sum, worst) {
-            continue;
-        }
+    let worst = |sum: &[f64], left: &[bool]| {
+        let overlaps = (0..sum.len()).filter(|&k| left[k] && sum[k] > TOLERANCE);
+        overlaps.max_by(|&a, &b| sum[a].total_cmp(&sum[b]))
+    };
+    while let Some(worst) = worst(&sum, &left) {
         left[worst] = false;
-        for &(other, overlap) in &partners[worst] {
-            sum[other] -= overlap;
-            if left[other] && overlaps(&sum, other) {
-                heap.push(entry(&sum, other));
-            }
-        }
+        partners[worst].iter().for_each(|&(other, overlap): &(usize, f64)| sum[other] -= overlap);
     }
     let clear: Vec<Vec<Disk>> =
         disks.iter().zip(&left).filter(|(_, l)| **l).map(|(d, _)| d.clone()).collect();
@@ -76,6 +63,26 @@ pub(super) fn through_boundary(region: &Region, disks: &[Disk]) -> f64 {
 pub(super) fn overlap(a: &[Disk], b: &[Disk]) -> f64 {
     let of = |p: &Disk, q: &Disk| p.radius + q.radius - (p.centre - q.centre).norm();
     a.iter().flat_map(|p| b.iter().map(move |q| of(p, q))).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The overlaps \[m\] of shapes.
+pub(super) struct Overlaps {
+    /// Of each shape with the boundary.
+    boundary: Vec<f64>,
+    /// Two shapes that overlap, the lower place first, and by how much.
+    pairs: Vec<(usize, usize, f64)>,
+}
+
+impl Overlaps {
+    pub(super) fn of(shapes: &[Shape], region: &Region, poses: &[Pose], disks: &[Vec<Disk>]) -> Overlaps {
+        let boundary = disks.iter().map(|d| through_boundary(region, d)).collect();
+        Overlaps { boundary, pairs: overlapping_pairs(shapes, poses, disks) }
+    }
+
+    /// \[m\] 0 if there are none.
+    pub(super) fn largest(&self) -> f64 {
+        self.pairs.iter().map(|pair| pair.2).chain(self.boundary.iter().copied()).fold(0.0, f64::max)
+    }
 }
 
 fn overlapping_pairs(shapes: &[Shape], poses: &[Pose], disks: &[Vec<Disk>]) -> Vec<(usize, usize, f64)> {
