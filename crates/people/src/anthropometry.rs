@@ -46,7 +46,7 @@ impl MeasureStatistics {
     /// Returns the fraction of the people below a value \[m or kg\], by bisection of [`quantile`](Self::quantile). Where
     /// many have the same value: in their middle.
     pub fn rank(&self, value: f64) -> f64 {
-        if value < self.min() {
+        if value < self.quantiles[0] {
             return 0.0;
         }
         let from = |below: &dyn Fn(f64) -> bool| {
@@ -54,11 +54,6 @@ impl MeasureStatistics {
             if below(self.quantile(1.0)) { 1.0 } else { high }
         };
         0.5 * (from(&|found| found < value) + from(&|found| found <= value))
-    }
-
-    /// Returns the smallest value of the survey \[m or kg\].
-    pub fn min(&self) -> f64 {
-        self.quantiles[0]
     }
 }
 
@@ -145,7 +140,7 @@ mod tests {
         for statistics in Sex::ALL.iter().flat_map(|&sex| &ansur(sex).measures) {
             let values: Vec<f64> = (0..=100_000).map(|k| statistics.quantile(f64::from(k) / 1e5)).collect();
             assert!(values.is_sorted());
-            assert_eq!((values[0], values[100_000]), (statistics.min(), statistics.quantiles[CELLS]));
+            assert_eq!((values[0], values[100_000]), (statistics.quantiles[0], statistics.quantiles[CELLS]));
             for (place, &value) in statistics.quantiles.iter().enumerate() {
                 assert!((values[500 * place] - value).abs() < 1e-9, "{place}");
             }
@@ -154,7 +149,7 @@ mod tests {
                 let value = statistics.quantile(rank);
                 assert!((statistics.quantile(statistics.rank(value)) - value).abs() < 1e-9);
             }
-            assert_eq!(statistics.rank(statistics.min() - 1.0), 0.0);
+            assert_eq!(statistics.rank(statistics.quantiles[0] - 1.0), 0.0);
             assert_eq!(statistics.rank(statistics.quantiles[CELLS] + 1.0), 1.0);
             // Half way between two knots.
             let middle = 0.5 * (statistics.quantiles[100] + statistics.quantiles[101]);

@@ -20,7 +20,6 @@ use std::ops::ControlFlow;
 pub use dense::dense;
 pub use free_space::FreeSpace;
 pub use grid::grid;
-pub use measure::{Measure, measure};
 pub use paper::paper;
 pub use region::Region;
 
@@ -166,8 +165,8 @@ pub struct Packing {
     pub poses: Vec<Pose>,
     /// \[1/m²\] Number of shapes per area of the region; in the open plane, per area of the convex hull of all disks.
     pub density: f64,
-    /// \[1/m²\] Density of the shapes that remain if those with the largest overlap are removed until no overlap
-    /// exceeds [`TOLERANCE`].
+    /// \[1/m²\] Density of the shapes that remain if, one after the other, the shape with the largest overlap is
+    /// removed until no overlap exceeds [`TOLERANCE`].
     pub clear_density: f64,
     /// \[m\] Largest overlap of disks of two shapes, or of a disk and the boundary; 0 if there is none.
     pub largest_overlap: f64,
@@ -177,15 +176,6 @@ pub struct Packing {
     pub ended: Ended,
     /// Number of iterations.
     pub iterations: u64,
-}
-
-impl Packing {
-    /// Shapes at poses: complete if nothing overlaps.
-    fn of(shapes: &[Shape], region: &Region, poses: Vec<Pose>, ended: Ended, iterations: u64) -> Packing {
-        let Measure { density, clear_density, largest_overlap, .. } = measure(shapes, region, &poses);
-        let complete = largest_overlap <= TOLERANCE;
-        Packing { poses, density, clear_density, largest_overlap, complete, ended, iterations }
-    }
 }
 
 /// Callback for progress. If it returns `Break`, the algorithm stops and returns what it has.

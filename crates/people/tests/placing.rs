@@ -3,7 +3,7 @@
 use lemons_core::plane::{Bounds, Pose, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use lemons_people::placing::{
-    Ended, Orientation, Packing, Progress, Region, Settings, Stage, TOLERANCE, dense, grid, measure, paper,
+    Ended, Orientation, Packing, Progress, Region, Settings, Stage, TOLERANCE, dense, grid, paper,
 };
 use lemons_people::{Agent, Disk, PAPER_BICYCLES, PeopleError, Population, Proportions, Shape, Source};
 use std::ops::ControlFlow;
@@ -330,7 +330,8 @@ fn measure_counts_what_overlaps() {
     let shapes = vec![disk; 4];
     let pose = |x: f64| Pose { position: vec2(x, 0.6), orientation: 0.0 };
     let region = Region::rectangle(vec2(0.0, 0.0), vec2(10.0, 2.0)).unwrap();
-    let measured = measure(&shapes, &region, &[0.4, 1.3, 2.29, 4.0].map(pose));
+    let poses = [0.4, 1.3, 2.29, 4.0].map(pose).to_vec();
+    let measured = Packing::of(&shapes, &region, poses, Ended::Done, 0);
     assert!((measured.largest_overlap - 0.1).abs() < 1e-12, "{measured:?}");
     assert_eq!(measured.density, 0.2);
     // The first, twice wrong, goes; the second and third still overlap by a centimetre: one of them goes.

@@ -10,7 +10,7 @@ use crate::trial::documents::Checked;
 use crate::trial::problem::Problems;
 use crate::trial::schema::{Schema, Value};
 use crate::xml::{Document, Layout, Out, Problem, Severity, decimal, quoted};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
@@ -21,14 +21,17 @@ use std::path::Path;
 pub(crate) struct Reading<'a> {
     pub(crate) files: &'a dyn Source,
     problems: RefCell<Problems>,
-    /// Names in the present file that were told as those that may have been meant, with their element's.
+    /// Names in the present file of which something was told, with their element's.
     told: RefCell<HashSet<(&'static str, String)>>,
+    /// Number of names in the present file that are not read.
+    unread: Cell<usize>,
 }
 
 impl Reading<'_> {
     /// Returns what `read` reads without errors, with the warnings; or all errors.
     pub(crate) fn of<T>(files: &dyn Source, read: impl FnOnce(&Reading<'_>) -> Option<T>) -> Checked<T> {
-        let reading = Reading { files, problems: RefCell::default(), told: RefCell::default() };
+        let (problems, told, unread) = (RefCell::default(), RefCell::default(), Cell::default());
+        let reading = Reading { files, problems, told, unread };
         let read = read(&reading);
         let problems = reading.problems.into_inner();
         match read {
@@ -51,6 +54,7 @@ impl Reading<'_> {
             let document = Document::parse(path, &bytes, u32::MAX)?;
             let node = document.root(schema.name)?;
             self.told.borrow_mut().clear();
+            self.unread.set(0);
             let element = Element { node, reading: self, schema };
             let read = then(element);
             element.warn_of_unread();
@@ -79,18 +83,6 @@ pub(crate) struct Element<'a> {
     pub(crate) node: crate::xml::Element<'a>,
     reading: &'a Reading<'a>,
     schema: &'static Schema,
-}
-
-/// What nobody reads in elements of one kind, as it was first seen, and how often.
-struct Seen<'a> {
-    schema: &'static Schema,
-    /// Name of the attribute or element; empty for a text.
-    name: &'a str,
-    is_attribute: bool,
-    count: usize,
-    warning: Problem,
-    /// What the message says after the number of times.
-    end: String,
 }
 
 /// So many names that are not read say enough.
@@ -132,89 +124,59 @@ impl<'a> Element<'a> {
         })
     }
 
-    /// Warns of what is in the file and is not read, each name once.
+    /// Warns of what is in it and is not read, in the order of the file: each name in elements of one kind once.
     fn warn_of_unread(self) {
-        let mut unread = Vec::new();
-        self.find_unread(&mut unread);
-        let more = unread.len() > REPORTED;
-        unread.truncate(REPORTED);
-        let told = self.reading.told.borrow();
-        unread.retain(|seen| !told.contains(&(seen.schema.name, seen.name.to_owned())));
-        for Seen { count, mut warning, end, .. } in unread {
-            let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
-            warning.message += &(times + &end);
-            self.report(warning);
-        }
-        if more {
-            let message = format!("more than {REPORTED} names of attributes and elements are not read");
-            let warning = Problem::of_file(self.node.file(), None, message);
-            self.report(Problem { severity: Severity::Warning, ..warning });
-        }
-    }
-
-    /// Adds what is not read in it, in the order of the file; up to one name more than is reported.
-    fn find_unread(self, unread: &mut Vec<Seen<'a>>) {
         if self.is_foreign() {
             return;
         }
         let Schema { name: own, attributes, children } = self.schema;
         for attribute in self.unread_attributes() {
             let name = attribute.name();
-            self.see(unread, true, name, attribute.range().start, |warning| {
-                warning.attribute = Some(short(name));
-                warning.value = Some(attribute.value().to_owned());
-                warning.message = "is not read".to_owned();
+            self.warn(name, attribute.range().start, |warning| {
                 let word = words::meant(name, attributes.iter().map(|attribute| attribute.0));
-                word.map_or(String::new(), |word| format!("; is {word} meant?"))
+                let meant = word.map_or(String::new(), |word| format!("; is {word} meant?"));
+                warning.message = format!("is not read{meant}");
+                (warning.attribute, warning.value) = (Some(short(name)), Some(attribute.value().to_owned()));
             });
         }
         for node in self.unread_elements() {
             let name = node.name();
-            self.see(unread, false, name, node.offset(), |warning| {
-                warning.element = Some(short(name));
-                warning.message = format!("is not read in <{own}>");
+            self.warn(name, node.offset(), |warning| {
                 let word = words::meant(name, children.iter().map(|child| child.name));
-                word.map_or(String::new(), |word| format!("; is <{word}> meant?"))
+                let meant = word.map_or(String::new(), |word| format!("; is <{word}> meant?"));
+                warning.message = format!("is not read in <{own}>{meant}");
+                warning.element = Some(short(name));
             });
         }
         for (text, offset) in self.node.texts().filter(|(text, _)| !text.trim().is_empty()) {
-            self.see(unread, false, "", offset, |warning| {
-                warning.message = "the text in it is not read".to_owned();
-                format!(": {}", quoted(text.trim()))
+            self.warn("", offset, |warning| {
+                warning.message = format!("the text in it is not read: {}", quoted(text.trim()));
             });
         }
         for node in self.node.elements() {
             if let Some(schema) = self.schema.child(node.name()) {
-                Element { node, schema, ..self }.find_unread(unread);
+                Element { node, schema, ..self }.warn_of_unread();
             }
         }
     }
 
-    /// Counts a thing that is not read. When it is new, `told` completes the warning and returns what ends its message.
-    fn see(
-        self,
-        unread: &mut Vec<Seen<'a>>,
-        is_attribute: bool,
-        name: &'a str,
-        offset: usize,
-        told: impl FnOnce(&mut Problem) -> String,
-    ) {
-        let schema = self.schema;
-        let is_same = |seen: &&mut Seen<'_>| {
-            std::ptr::eq(seen.schema, schema) && (seen.is_attribute, seen.name) == (is_attribute, name)
-        };
-        if let Some(seen) = unread.iter_mut().find(is_same) {
-            seen.count += 1;
-        } else if unread.len() <= REPORTED {
-            let line = self.node.document().line(offset);
-            let mut warning = Problem {
-                severity: Severity::Warning,
-                element: Some(schema.name.to_owned()),
-                ..Problem::of_file(self.node.file(), Some(line), "")
-            };
-            let end = told(&mut warning);
-            unread.push(Seen { schema, name, is_attribute, count: 1, warning, end });
+    /// Warns of a name that is not read, unless it was told before. `complete` says more of it.
+    fn warn(self, name: &str, offset: usize, complete: impl FnOnce(&mut Problem)) {
+        let Reading { told, unread, .. } = self.reading;
+        if unread.get() > REPORTED || !told.borrow_mut().insert((self.schema.name, name.to_owned())) {
+            return;
         }
+        unread.set(unread.get() + 1);
+        let mut warning = Problem::of_file(self.node.file(), None, "");
+        warning.severity = Severity::Warning;
+        if unread.get() > REPORTED {
+            warning.message = format!("more than {REPORTED} names of attributes and elements are not read");
+        } else {
+            warning.line = Some(self.node.document().line(offset));
+            warning.element = Some(self.schema.name.to_owned());
+            complete(&mut warning);
+        }
+        self.report(warning);
     }
 
     /// Returns the only child of the name, `None` if there is none; a second one is an error.

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 /// Number of offsets of the grid along each axis that are tried in a region. The one with most places is used.
 const LAYS: usize = 8;
 /// Largest number of places that are tried.
-const MOST_PLACES: u64 = 10_000_000;
+const MOST_PLACES: usize = 10_000_000;
 /// \[m\] Neighbours at the computed spacing touch; this distance keeps rounding from making them overlap.
 const SLACK: f64 = 1e-9;
 /// \[m\] A shape may reach this far through the boundary, so that a region of exactly the right size holds its rows.
@@ -106,18 +106,11 @@ fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Bounds],
         let part = |k: usize| k as f64 / (LAYS - 1) as f64;
         let shift = vec2(spare.x * part(lay / LAYS), spare.y * ((0.5 + part(lay % LAYS)) % 1.0));
         let first = vec2(high.x - half.x - shift.x, low.y + half.y + shift.y);
-        let mut places = Vec::new();
         let all = (0..=rows as u64).flat_map(|row| (0..=columns as u64).map(move |column| (row, column)));
-        for (row, column) in all {
-            let place = first + vec2(-(row as f64) * spacing.x, column as f64 * spacing.y);
-            looked_at += 1;
-            if fits(place) {
-                places.push(place);
-            }
-            if places.len() >= wanted || looked_at >= MOST_PLACES {
-                break;
-            }
-        }
+        let place =
+            |(row, column): (u64, u64)| first + vec2(-(row as f64) * spacing.x, column as f64 * spacing.y);
+        let all = all.map(place).take(MOST_PLACES - looked_at).inspect(|_| looked_at += 1);
+        let places: Vec<Vec2> = all.filter(|place| fits(*place)).take(wanted).collect();
         if places.len() > best.len() {
             best = places;
         }

@@ -1,8 +1,8 @@
 //! The paper's packing algorithm (appendix D).
 
-use super::measure::{Overlaps, overlap, through_boundary};
+use super::measure::{Overlaps, density, overlap, through_boundary};
 use super::neighbours::CellGrid;
-use super::{Ended, Packing, Progress, Region, Settings, Stage, TOLERANCE, Watch, measure, reach, wrapped};
+use super::{Ended, Packing, Progress, Region, Settings, Stage, TOLERANCE, Watch, reach, wrapped};
 use crate::random::Random;
 use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose, Rotation, Vec2, vec2};
@@ -39,9 +39,8 @@ pub fn paper(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut
     let mut crowd = Crowd::new(shapes, region, settings);
     let mut temperature = 1.0;
     let (mut iterations, mut ended) = (0, Ended::Exhausted);
-    let density = |poses: &[Pose]| measure(shapes, region, poses).density;
     // The hull of a crowd in the open plane takes a while: the density is not updated at every report.
-    let mut reported = if shapes.is_empty() { 0.0 } else { density(&crowd.poses) };
+    let mut reported = density(region, &crowd.disks);
     for iteration in 0..limit {
         let overlap = Overlaps::of(shapes, region, &crowd.poses, &crowd.disks).largest();
         if overlap <= TOLERANCE {
@@ -49,7 +48,7 @@ pub fn paper(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut
             break;
         }
         if region.is_plane() && iteration % 50 == 49 {
-            reported = density(&crowd.poses);
+            reported = density(region, &crowd.disks);
         }
         let stage = Stage::Spreading;
         if watch(&Progress { stage, iteration, limit, overlap, density: reported }).is_break() {
