@@ -180,7 +180,7 @@ fn what_nobody_reads_is_warned_of_once_for_each_name() {
     );
     assert_eq!(
         of(&[(agents, "Radius", "Colour=\"red\" Radius"), (agents, "\"0.22\"", "\"0.22\" Colour=\"blue\"")]),
-        ["3: <Shape> Colour=\"red\": is not read"]
+        ["3: <Shape> Colour=\"red\": is not read (2 times)"]
     );
     assert_eq!(
         of(&[("static/Geometry.xml", "<Dimensions", "<Note>a b</Note>wide <Dimensions")]),

@@ -168,36 +168,52 @@ pub enum Change {
     Remove(PathBuf),
 }
 
-/// Makes all changes or none. New files are first written beside their places: what can fail has then succeeded, unless
-/// a directory changes meanwhile.
+/// Makes all changes or none. New files are first written beside their places. If a later change fails, earlier ones
+/// are undone.
 ///
 /// # Errors
-/// A change failed.
+/// A change failed. Every file is then byte for byte as before, or the message names one that could not be restored.
 pub fn change_all(changes: &[Change]) -> Result<(), WriteError> {
     let mut ready = Vec::with_capacity(changes.len());
     for change in changes {
-        ready.push(match change {
+        let (path, new) = match change {
             Change::Write(path, text) => {
                 (path, Some(staged(path, text.as_bytes()).map_err(WriteError::at(path))?))
             }
-            Change::Remove(path) => {
-                let there = path.metadata().ok();
-                there.as_ref().map_or(Ok(()), input::check_regular).map_err(WriteError::at(path))?;
-                (path, None)
-            }
-        });
+            Change::Remove(path) => (path, None),
+        };
+        let old = match input::read(path, input::LARGEST_BINARY) {
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            old => Some(old.map_err(WriteError::at(path))?),
+        };
+        ready.push((path, new, old));
     }
-    for (path, new) in ready {
+    let mut done: Vec<(&Path, Option<Vec<u8>>)> = Vec::new();
+    for (path, new, old) in ready {
         let put = match new {
             Some(file) => file.persist(),
-            None => match std::fs::remove_file(path) {
-                Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
-                removed => removed,
-            },
+            None if old.is_some() => std::fs::remove_file(path),
+            None => Ok(()),
         };
-        put.map_err(WriteError::at(path))?;
+        if let Err(error) = put {
+            return Err(put_back(done).err().unwrap_or_else(|| WriteError::at(path)(error)));
+        }
+        done.push((path, old));
     }
     Ok(())
+}
+
+/// Undoes changes.
+fn put_back(done: Vec<(&Path, Option<Vec<u8>>)>) -> Result<(), WriteError> {
+    let mut all = Ok(());
+    for (path, old) in done {
+        let put = match old {
+            Some(bytes) => staged(path, &bytes).and_then(Staged::persist),
+            None => std::fs::remove_file(path),
+        };
+        all = all.and(put.map_err(WriteError::at(path)));
+    }
+    all
 }
 
 #[cfg(test)]
@@ -217,13 +233,20 @@ mod tests {
         assert_eq!(std::fs::read_to_string(at("a")).unwrap(), "new a");
         assert!(!at("b").exists());
         make_directories(&at("c/inside")).unwrap();
-        for last in [Change::Remove(at("c")), write("c", "x"), write("no/such/directory", "x")] {
-            assert!(change_all(&[write("a", "newer a"), write("d", "new d"), last]).is_err());
+        // The same file twice: the second removal fails after the other changes were made.
+        std::fs::write(at("b"), "old b").unwrap();
+        let twice = [Change::Remove(at("b")), Change::Remove(at("b"))];
+        for last in
+            [&[Change::Remove(at("c"))][..], &[write("c", "x")], &[write("no/such/directory", "x")], &twice]
+        {
+            let all = [&[write("a", "newer a"), write("d", "new d")], last].concat();
+            assert!(change_all(&all).is_err());
             assert_eq!(std::fs::read_to_string(at("a")).unwrap(), "new a");
+            assert_eq!(std::fs::read_to_string(at("b")).unwrap(), "old b");
             assert!(!at("d").exists());
         }
         let left = std::fs::read_dir(directory.path()).unwrap().count();
-        assert_eq!(left, 2, "no temporary file is left");
+        assert_eq!(left, 3, "no temporary file is left");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Polygons that meet themselves nowhere.
 
-use crate::plane::{Ring, Vec2, segments_touch, turn};
+use crate::plane::{Bounds, Ring, Vec2, segments_touch, turn};
 
 type Side = (Vec2, Vec2);
 
@@ -8,7 +8,7 @@ impl Ring {
     /// Returns whether it has three sides or more, and they meet only where one follows the other. A ring with a corner
     /// that is not finite is not simple.
     ///
-    /// The time grows as n log n while few sides overlap along x; at worst as n².
+    /// The time grows as n log n while few sides overlap along the longer side of their bounds; at worst as n².
     pub fn is_simple(&self) -> bool {
         let finite = self.closed().iter().all(|corner| corner.is_finite());
         finite && self.corners().len() >= 3 && sides_that_meet(std::slice::from_ref(self)).is_none()
@@ -39,14 +39,20 @@ pub fn sides_that_meet(rings: &[Ring]) -> Option<[(usize, usize); 2]> {
             _ => segments_touch(a, b, c, d),
         }
     };
-    // Only sides that overlap along x can touch.
-    let low = |k: usize| sides[k].0.x.min(sides[k].1.x);
-    let mut order: Vec<usize> = (0..sides.len()).collect();
-    order.sort_by(|&i, &j| low(i).total_cmp(&low(j)));
-    order.iter().enumerate().find_map(|(place, &i)| {
-        let high = sides[i].0.x.max(sides[i].1.x);
-        let mut next = order[place + 1..].iter().take_while(|&&j| low(j) <= high);
-        next.find(|&&j| meet(i, j)).map(|&j| [places[i], places[j]])
+    first_beside(&sides, meet).map(|pair| pair.map(|side| places[side]))
+}
+
+/// Returns the first two sides for which `meet` holds, of those that overlap along the longer side of their bounds. No
+/// others can touch.
+fn first_beside(sides: &[Side], mut meet: impl FnMut(usize, usize) -> bool) -> Option<[usize; 2]> {
+    let size = Bounds::of(sides.iter().map(|side| side.0))?.size();
+    let along = |p: Vec2| if size.x >= size.y { p.x } else { p.y };
+    let ends = |(k, (a, b)): (usize, &Side)| (along(*a).min(along(*b)), along(*a).max(along(*b)), k);
+    let mut ranges: Vec<(f64, f64, usize)> = sides.iter().enumerate().map(ends).collect();
+    ranges.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranges.iter().enumerate().find_map(|(place, &(_, high, i))| {
+        let mut next = ranges[place + 1..].iter().take_while(|(low, ..)| *low <= high);
+        next.find(|&&(_, _, j)| meet(i, j)).map(|&(_, _, j)| [i, j])
     })
 }
 
@@ -56,6 +62,7 @@ mod tests {
     use crate::plane::vec2;
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
+    use std::f64::consts::TAU;
 
     fn ring(corners: impl IntoIterator<Item = (f64, f64)>) -> Ring {
         Ring::through(corners.into_iter().map(|(x, y)| vec2(x, y)).collect()).unwrap()
@@ -89,6 +96,32 @@ mod tests {
             (&[(0.0, 0.0), (1.0, 0.0), (f64::NAN, 1.0), (0.0, 1.0)], false),
         ] {
             assert_eq!(ring(corners.iter().copied()).is_simple(), simple, "{corners:?}");
+        }
+    }
+
+    /// Teeth of a comb along y: `count` times up and down.
+    fn comb(count: u32) -> Vec<(f64, f64)> {
+        let tooth =
+            |k: u32| [(0.0, 0.0), (0.2, 9.0), (0.4, 9.0), (0.6, 0.0)].map(|(x, y)| (x + f64::from(k), y));
+        let end = f64::from(count);
+        (0..count).flat_map(tooth).chain([(end, 0.0), (end, -1.0), (0.0, -1.0)]).collect()
+    }
+
+    #[test]
+    fn few_pairs_of_many_sides_are_looked_at() {
+        let angle = |k: u32| TAU * f64::from(k) / 10_000.0;
+        let circle = (0..10_000).map(|k| (angle(k).cos(), angle(k).sin())).collect();
+        let upright = comb(2500);
+        let lying = upright.iter().map(|&(x, y)| (y, x)).collect();
+        for corners in [circle, upright, lying] {
+            let ring = ring(corners);
+            let mut pairs = 0;
+            let sides: Vec<Side> = ring.sides().collect();
+            first_beside(&sides, |_, _| {
+                pairs += 1;
+                false
+            });
+            assert!(ring.is_simple() && pairs < 4 * sides.len(), "{pairs} pairs of {} sides", sides.len());
         }
     }
 

@@ -254,34 +254,53 @@ impl DriveTable {
     /// half of the agent's largest one. Rows before the start are not looked at.
     pub fn missed(&self, start: f64, step: f64) -> Option<Missed> {
         const COLUMNS: [&str; 3] = ["Fp.x", "Fp.y", "Mp"];
-        let (mut largest, mut worst) = (0.5, None);
+        let (mut rows, mut of, mut shortest) = (0, 0, f64::INFINITY);
+        let mut worst: Option<(f64, String)> = None;
         // In an order that does not change from run to run.
-        for (agent, rows) in self.agents.iter().collect::<BTreeMap<_, _>>() {
-            let most = [0, 1, 2].map(|k| rows.iter().map(|(_, push)| push[k].abs()).fold(0.0, f64::max));
-            for (time, push) in rows.iter().filter(|row| row.0 >= start) {
+        for (agent, pushes) in self.agents.iter().collect::<BTreeMap<_, _>>() {
+            let most = |k: usize| pushes.iter().map(|(_, push)| push[k].abs()).fold(0.0, f64::max);
+            let most = [most(0), most(1), most(2)];
+            of += pushes.len();
+            shortest = pushes.windows(2).map(|rows| rows[1].0 - rows[0].0).fold(shortest, f64::min);
+            for (place, (time, push)) in pushes.iter().enumerate().filter(|(_, row)| row.0 >= start) {
+                // Between its neighbours a row has a share in what is applied.
+                let last = place.checked_sub(1).map(|last| pushes[last].0);
+                let next = pushes.get(place + 1).map(|next| next.0);
+                let shares = |point: f64| {
+                    last.map_or(point >= *time, |last| point > last)
+                        && next.map_or(point <= *time, |next| point < next)
+                };
+                let first = ((last.unwrap_or(*time) - start) / step).floor().max(0.0);
+                let unused = !(0..3).any(|k| shares(start + (first + f64::from(k)) * step));
                 let before = start + ((time - start) / step).floor() * step;
                 let after = before + step;
                 let [a, b] = [before, after].map(|point| self.at(agent, point).unwrap_or_default());
-                for k in (0..3).filter(|&k| most[k] > 0.0) {
+                // By how much of the largest one.
+                let by = |k: usize| {
                     let (low, high) = (a[k].min(b[k]), a[k].max(b[k]));
-                    // By how much of the largest one.
-                    let by = (push[k] / most[k] - high / most[k]).max(low / most[k] - push[k] / most[k]);
-                    if by > largest {
-                        (largest, worst) = (by, Some((agent, k, *time, push[k], before, a[k], after, b[k])));
-                    }
+                    ((push[k] / most[k] - high / most[k]).max(low / most[k] - push[k] / most[k]), k)
+                };
+                let found =
+                    (0..3).rev().filter(|&k| most[k] > 0.0).map(by).max_by(|a, b| a.0.total_cmp(&b.0));
+                let found = found.filter(|(by, _)| *by > 0.5);
+                rows += usize::from(unused || found.is_some());
+                let Some((by, k)) = found else { continue };
+                if worst.as_ref().is_none_or(|(most, _)| by > *most) {
+                    let (column, push, first, second) = (COLUMNS[k], push[k], a[k], b[k]);
+                    let said = format!(
+                        "at t = {time:?} s agent {agent:?} has {column} = {push:?}, but the applied value is {first:?} \
+                         from t = {before:?} s and {second:?} from t = {after:?} s"
+                    );
+                    worst = Some((by, said));
                 }
             }
         }
-        let (agent, k, time, push, before, first, after, second) = worst?;
-        let (rows, of) = self.between(start, step);
-        let (come, column) = (if rows == 1 { "comes" } else { "come" }, COLUMNS[k]);
+        let (_, said) = worst?;
+        let come = if rows == 1 { "comes" } else { "come" };
         let mut words = format!(
             "{rows} of {of} rows {come} between communication points, which are {step:?} s apart, so they are not applied: \
-             at t = {time:?} s agent {agent:?} has {column} = {push:?}, but the applied value is {first:?} \
-             from t = {before:?} s and {second:?} from t = {after:?} s"
+             {said}"
         );
-        let steps = self.agents.values().flat_map(|rows| rows.windows(2).map(|rows| rows[1].0 - rows[0].0));
-        let shortest = steps.fold(f64::INFINITY, f64::min);
         if shortest.is_finite() {
             words += &format!("; a communication step of {shortest:.3e} s applies all rows");
         }

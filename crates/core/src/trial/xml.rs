@@ -10,28 +10,26 @@ use crate::trial::documents::Checked;
 use crate::trial::problem::Problems;
 use crate::trial::schema::{Schema, Value};
 use crate::xml::{Document, Layout, Out, Problem, Severity, decimal, quoted};
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 use std::iter::repeat;
+use std::mem;
 use std::path::Path;
 
 /// Files of a Trial while they are read.
 pub(crate) struct Reading<'a> {
     pub(crate) files: &'a dyn Source,
     problems: RefCell<Problems>,
-    /// Names in the present file of which something was told, with their element's.
+    /// Names in the present file that were told as those that may have been meant, with their element's.
     told: RefCell<HashSet<(&'static str, String)>>,
-    /// Number of names in the present file that are not read.
-    unread: Cell<usize>,
 }
 
 impl Reading<'_> {
     /// Returns what `read` reads without errors, with the warnings; or all errors.
     pub(crate) fn of<T>(files: &dyn Source, read: impl FnOnce(&Reading<'_>) -> Option<T>) -> Checked<T> {
-        let (problems, told, unread) = (RefCell::default(), RefCell::default(), Cell::default());
-        let reading = Reading { files, problems, told, unread };
+        let reading = Reading { files, problems: RefCell::default(), told: RefCell::default() };
         let read = read(&reading);
         let problems = reading.problems.into_inner();
         match read {
@@ -54,7 +52,6 @@ impl Reading<'_> {
             let document = Document::parse(path, &bytes, u32::MAX)?;
             let node = document.root(schema.name)?;
             self.told.borrow_mut().clear();
-            self.unread.set(0);
             let element = Element { node, reading: self, schema };
             let read = then(element);
             element.warn_of_unread();
@@ -83,6 +80,15 @@ pub(crate) struct Element<'a> {
     pub(crate) node: crate::xml::Element<'a>,
     reading: &'a Reading<'a>,
     schema: &'static Schema,
+}
+
+/// Something in a file that is not read.
+#[derive(Clone, Copy)]
+enum Unread<'a> {
+    Attribute(roxmltree::Attribute<'a, 'a>),
+    Element(crate::xml::Element<'a>),
+    /// With its place in the file.
+    Text(&'a str, usize),
 }
 
 /// So many names that are not read say enough.
@@ -124,59 +130,76 @@ impl<'a> Element<'a> {
         })
     }
 
-    /// Warns of what is in it and is not read, in the order of the file: each name in elements of one kind once.
+    /// Warns of what is in the file and is not read: each name in elements of one kind once, at its first place.
     fn warn_of_unread(self) {
+        let key = |parent: Element<'_>, name, unread| (parent.schema.name, mem::discriminant(&unread), name);
+        let mut counts = HashMap::new();
+        self.each_unread(&mut |parent, name, unread| {
+            *counts.entry(key(parent, name, unread)).or_insert(0) += 1;
+        });
+        let told = self.reading.told.borrow();
+        counts.retain(|&(parent, _, name), _| !told.contains(&(parent, name.to_owned())));
+        let (all, mut left) = (counts.len(), REPORTED);
+        self.each_unread(&mut |parent, name, unread| {
+            if left > 0
+                && let Some(count) = counts.remove(&key(parent, name, unread))
+            {
+                left -= 1;
+                self.report(parent.warning(name, unread, count));
+            }
+        });
+        if all > REPORTED {
+            let message = format!("more than {REPORTED} names of attributes and elements are not read");
+            let warning = Problem::of_file(self.node.file(), None, message);
+            self.report(Problem { severity: Severity::Warning, ..warning });
+        }
+    }
+
+    /// Shows what is in it and is not read, in the order of the file: the element around it, its name, itself.
+    fn each_unread(self, see: &mut dyn FnMut(Element<'a>, &'a str, Unread<'a>)) {
         if self.is_foreign() {
             return;
         }
-        let Schema { name: own, attributes, children } = self.schema;
-        for attribute in self.unread_attributes() {
-            let name = attribute.name();
-            self.warn(name, attribute.range().start, |warning| {
-                let word = words::meant(name, attributes.iter().map(|attribute| attribute.0));
-                let meant = word.map_or(String::new(), |word| format!("; is {word} meant?"));
-                warning.message = format!("is not read{meant}");
-                (warning.attribute, warning.value) = (Some(short(name)), Some(attribute.value().to_owned()));
-            });
-        }
-        for node in self.unread_elements() {
-            let name = node.name();
-            self.warn(name, node.offset(), |warning| {
-                let word = words::meant(name, children.iter().map(|child| child.name));
-                let meant = word.map_or(String::new(), |word| format!("; is <{word}> meant?"));
-                warning.message = format!("is not read in <{own}>{meant}");
-                warning.element = Some(short(name));
-            });
-        }
-        for (text, offset) in self.node.texts().filter(|(text, _)| !text.trim().is_empty()) {
-            self.warn("", offset, |warning| {
-                warning.message = format!("the text in it is not read: {}", quoted(text.trim()));
-            });
-        }
+        self.unread_attributes().for_each(|own| see(self, own.name(), Unread::Attribute(own)));
+        self.unread_elements().for_each(|node| see(self, node.name(), Unread::Element(node)));
+        let texts = self.node.texts().filter(|(text, _)| !text.trim().is_empty());
+        texts.for_each(|(text, offset)| see(self, "", Unread::Text(text, offset)));
         for node in self.node.elements() {
             if let Some(schema) = self.schema.child(node.name()) {
-                Element { node, schema, ..self }.warn_of_unread();
+                Element { node, schema, ..self }.each_unread(see);
             }
         }
     }
 
-    /// Warns of a name that is not read, unless it was told before. `complete` says more of it.
-    fn warn(self, name: &str, offset: usize, complete: impl FnOnce(&mut Problem)) {
-        let Reading { told, unread, .. } = self.reading;
-        if unread.get() > REPORTED || !told.borrow_mut().insert((self.schema.name, name.to_owned())) {
-            return;
+    /// Says of something in it that it is not read, and how often it is there.
+    fn warning(self, name: &str, unread: Unread<'_>, count: usize) -> Problem {
+        let Schema { name: own, attributes, children } = self.schema;
+        let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
+        let warning = |offset, message| Problem {
+            severity: Severity::Warning,
+            element: Some((*own).to_owned()),
+            ..Problem::of_file(self.node.file(), Some(self.node.document().line(offset)), message)
+        };
+        match unread {
+            Unread::Attribute(attribute) => {
+                let word = words::meant(name, attributes.iter().map(|attribute| attribute.0));
+                let meant = word.map_or(String::new(), |word| format!("; is {word} meant?"));
+                Problem {
+                    attribute: Some(short(name)),
+                    value: Some(attribute.value().to_owned()),
+                    ..warning(attribute.range().start, format!("is not read{times}{meant}"))
+                }
+            }
+            Unread::Element(node) => {
+                let word = words::meant(name, children.iter().map(|child| child.name));
+                let meant = word.map_or(String::new(), |word| format!("; is <{word}> meant?"));
+                let message = format!("is not read in <{own}>{times}{meant}");
+                Problem { element: Some(short(name)), ..warning(node.offset(), message) }
+            }
+            Unread::Text(text, offset) => {
+                warning(offset, format!("the text in it is not read{times}: {}", quoted(text.trim())))
+            }
         }
-        unread.set(unread.get() + 1);
-        let mut warning = Problem::of_file(self.node.file(), None, "");
-        warning.severity = Severity::Warning;
-        if unread.get() > REPORTED {
-            warning.message = format!("more than {REPORTED} names of attributes and elements are not read");
-        } else {
-            warning.line = Some(self.node.document().line(offset));
-            warning.element = Some(self.schema.name.to_owned());
-            complete(&mut warning);
-        }
-        self.report(warning);
     }
 
     /// Returns the only child of the name, `None` if there is none; a second one is an error.
