@@ -74,13 +74,15 @@ impl FileNames {
     fn within(&self, directory: &Path, parameters: &Parameters) -> FileNames {
         let fixed = directory.join(parameters.static_path());
         let moving = directory.join(parameters.dynamic_path());
+        // Without `.` in between: `Trial/./static` is `Trial/static`.
+        let tidy = |path: PathBuf| path.components().collect::<PathBuf>();
         FileNames {
-            parameters: tidy(&directory.join(&self.parameters)),
-            materials: tidy(&fixed.join(&self.materials)),
-            geometry: tidy(&fixed.join(&self.geometry)),
-            agents: tidy(&fixed.join(&self.agents)),
-            dynamics: tidy(&moving.join(&self.dynamics)),
-            interactions: tidy(&moving.join(&self.interactions)),
+            parameters: tidy(directory.join(&self.parameters)),
+            materials: tidy(fixed.join(&self.materials)),
+            geometry: tidy(fixed.join(&self.geometry)),
+            agents: tidy(fixed.join(&self.agents)),
+            dynamics: tidy(moving.join(&self.dynamics)),
+            interactions: tidy(moving.join(&self.interactions)),
         }
     }
 
@@ -304,11 +306,6 @@ pub(crate) fn read_alone<T>(
     read: impl FnOnce(Element<'_>) -> T,
 ) -> Checked<T> {
     Reading::of(files, |reading| reading.file(path, schema, read))
-}
-
-/// Removes `.` in between: `Trial/./static` is `Trial/static`.
-fn tidy(path: &Path) -> PathBuf {
-    path.components().collect()
 }
 
 /// Returns whether a directory of Parameters.xml lies in the Trial directory.

@@ -61,6 +61,10 @@ pub(crate) fn read(root: Element<'_>) -> Parameters {
     if let Some(times) = root.only("Times") {
         parameters.time_step = times.number("TimeStep");
         parameters.time_step_mechanical = times.number("TimeStepMechanical");
+        if parameters.time_step_mechanical > parameters.time_step {
+            let message = format!("must be at most TimeStep, {:?}", parameters.time_step);
+            times.wrong("TimeStepMechanical", message);
+        }
     }
     parameters
 }

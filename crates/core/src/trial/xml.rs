@@ -275,18 +275,11 @@ impl<'a> Element<'a> {
         let Some(text) = self.required(attribute) else {
             return f64::NAN;
         };
-        let most = match value {
-            Some(Value::UpTo(other)) => self.node.optional(other).and_then(decimal).zip(Some(other)),
-            _ => None,
-        };
         let fault = match (decimal(text), value) {
-            (None, _) => "must be a finite decimal number".to_owned(),
-            (Some(..=0.0), Some(Value::Positive | Value::UpTo(_))) => "must be positive".to_owned(),
-            (Some(number), Some(Value::NotNegative)) if number < 0.0 => "must not be negative".to_owned(),
-            (Some(number), _) => match most.filter(|(most, _)| number > *most) {
-                Some((most, other)) => format!("must be at most {other}, {most:?}"),
-                None => return number,
-            },
+            (None, _) => "must be a finite decimal number",
+            (Some(..=0.0), Some(Value::Positive | Value::UpTo(_))) => "must be positive",
+            (Some(..0.0), Some(Value::NotNegative)) => "must not be negative",
+            (Some(number), _) => return number,
         };
         self.wrong(attribute, fault);
         f64::NAN
