@@ -47,7 +47,7 @@ static DIRECTORIES: Schema = Schema {
 };
 static TIMES: Schema = Schema {
     name: "Times",
-    attributes: &[("TimeStep", Value::Positive), ("TimeStepMechanical", Value::UpTo("TimeStep"))],
+    attributes: &[("TimeStep", Value::Positive), ("TimeStepMechanical", Value::Positive)],
     children: &[],
 };
 

@@ -277,7 +277,7 @@ impl<'a> Element<'a> {
         };
         let fault = match (decimal(text), value) {
             (None, _) => "must be a finite decimal number",
-            (Some(..=0.0), Some(Value::Positive | Value::UpTo(_))) => "must be positive",
+            (Some(..=0.0), Some(Value::Positive)) => "must be positive",
             (Some(..0.0), Some(Value::NotNegative)) => "must not be negative",
             (Some(number), _) => return number,
         };
