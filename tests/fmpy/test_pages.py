@@ -42,7 +42,6 @@ NOT_RUN = {
     ("docs/walking.md", "python examples/door_width.py"): "takes minutes; test_pictures.py makes fewer rooms",
     ("docs/walking.md", "python examples/evacuations.py"): "takes minutes; test_leaving.py makes fewer rooms",
     ("docs/command.md", "cargo run -p lemons-cli --example reference"): "crates/cli/tests/cli/reference.rs does it",
-    ("docs/reference/trial.md", "cargo run -p lemons-cli --example reference"): "a test of crates/core does it",
     ("examples/notebooks/README.md", "jupyter lab"): "opens a browser; test_notebooks.py runs the notebooks",
     ("examples/sweep_cluster.md", "dask"): "starts servers; test_sweep.py starts them so",
     ("examples/sweep_cluster.md", "python examples/sweep_push.py"): "needs these servers; test_sweep.py does it",

@@ -1,4 +1,4 @@
-"""The examples of docs/reference/trial.md. Its tables are written from what the reader reads; a test of crates/core has them."""
+"""The examples of docs/reference/trial.md. A test of crates/core holds its tables to the readers."""
 
 import pages
 from crowd import TRIAL_PUSH

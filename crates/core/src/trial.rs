@@ -18,7 +18,7 @@ mod xml;
 
 pub use crate::xml::{Problem, Severity, quoted};
 pub use agents::{Agent, Shape};
-pub use documents::{FileNames, INTERACTIONS, Trial, output_names};
+pub use documents::{Checked, FileNames, INTERACTIONS, Trial, output_names};
 pub use drive::{DRIVE_FILE, DriveChoice, DriveTable, Missed, Push, own_drive};
 pub use dynamics::{AgentDynamics, DynamicsElement, dynamics_xml};
 pub use geometry::{Geometry, Wall};
@@ -27,5 +27,4 @@ pub use materials::{Contact, Material, Materials, pairs_that_touch, stiffness};
 pub use parameters::Parameters;
 pub use problem::Problems;
 pub use pulse::{Pulse, drive_of_pulses};
-pub use schema::reference_page;
 pub use xml::FARTHEST;

@@ -3,7 +3,7 @@
 use crate::base::{Basis, Driven, split};
 use crate::room::{self, REGION};
 use crate::{Refused, require, within};
-use lemons_people::placing::{self, Ended, Method, Orientation, Region, TOLERANCE, Watch, measure};
+use lemons_people::placing::{self, Ended, Method, Orientation, Packing, Region, TOLERANCE, Watch};
 use lemons_people::room::Room;
 use lemons_people::{
     Agent, CrowdStatistics, CustomMeasures, PAPER_BICYCLES, Population, Proportions, Sex, Source, Survey,
@@ -135,7 +135,8 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
         let (area, clear) = (region.area(), packing.clear_density);
         format!("{number} people do not fit on {area:.2} m² without overlap; about {clear:.1} per m² do")
     })?;
-    let largest_overlap = measure(&shapes, &whole, &packing.poses).largest_overlap;
+    let largest_overlap =
+        Packing::of(&shapes, &whole, packing.poses.clone(), packing.ended, 0).largest_overlap;
     require(largest_overlap <= TOLERANCE, || {
         format!("{REGION} goes over a wall: somebody would stand in it")
     })?;

@@ -4,6 +4,7 @@
 //! `data/make_ansur.py` wrote them into `data/ansur.txt`.
 
 use crate::copula::Correlations;
+use crate::normal::bisected;
 use crate::person::{Measure, Sex};
 use std::sync::LazyLock;
 
@@ -45,23 +46,14 @@ impl MeasureStatistics {
     /// Returns the fraction of the people below a value \[m or kg\], by bisection of [`quantile`](Self::quantile). Where
     /// many have the same value: in their middle.
     pub fn rank(&self, value: f64) -> f64 {
-        if value < self.min() {
+        if value < self.quantiles[0] {
             return 0.0;
         }
         let from = |below: &dyn Fn(f64) -> bool| {
-            let (mut low, mut high) = (0.0, 1.0);
-            for _ in 0..40 {
-                let middle = 0.5 * (low + high);
-                if below(self.quantile(middle)) { low = middle } else { high = middle }
-            }
+            let (_, high) = bisected([0.0, 1.0], 40, |rank| below(self.quantile(rank)));
             if below(self.quantile(1.0)) { 1.0 } else { high }
         };
         0.5 * (from(&|found| found < value) + from(&|found| found <= value))
-    }
-
-    /// Returns the smallest value of the survey \[m or kg\].
-    pub fn min(&self) -> f64 {
-        self.quantiles[0]
     }
 }
 
@@ -148,7 +140,7 @@ mod tests {
         for statistics in Sex::ALL.iter().flat_map(|&sex| &ansur(sex).measures) {
             let values: Vec<f64> = (0..=100_000).map(|k| statistics.quantile(f64::from(k) / 1e5)).collect();
             assert!(values.is_sorted());
-            assert_eq!((values[0], values[100_000]), (statistics.min(), statistics.quantiles[CELLS]));
+            assert_eq!((values[0], values[100_000]), (statistics.quantiles[0], statistics.quantiles[CELLS]));
             for (place, &value) in statistics.quantiles.iter().enumerate() {
                 assert!((values[500 * place] - value).abs() < 1e-9, "{place}");
             }
@@ -157,7 +149,7 @@ mod tests {
                 let value = statistics.quantile(rank);
                 assert!((statistics.quantile(statistics.rank(value)) - value).abs() < 1e-9);
             }
-            assert_eq!(statistics.rank(statistics.min() - 1.0), 0.0);
+            assert_eq!(statistics.rank(statistics.quantiles[0] - 1.0), 0.0);
             assert_eq!(statistics.rank(statistics.quantiles[CELLS] + 1.0), 1.0);
             // Half way between two knots.
             let middle = 0.5 * (statistics.quantiles[100] + statistics.quantiles[101]);

@@ -54,19 +54,15 @@ pub fn cut_doors(geometry: Geometry, doors: &[Door]) -> Result<Geometry> {
     let gaps = gaps.collect::<Result<Vec<_>>>()?;
     let known: Vec<String> = geometry.walls.iter().map(|wall| wall.id.clone()).collect();
     let mut free = (0u64..).map(|number| number.to_string()).filter(|id| !known.contains(id));
-    let (mut walls, mut ring) = (Vec::new(), 0);
+    let (mut walls, mut closed) = (Vec::new(), 0..);
     for wall in geometry.walls {
-        if !is_closed(&wall) {
-            walls.push(wall);
-            continue;
-        }
-        let own: Vec<_> = gaps.iter().filter(|gap| gap.ring == ring).collect();
-        ring += 1;
+        let ring = if is_closed(&wall) { closed.next() } else { None };
+        let own: Vec<_> = gaps.iter().filter(|gap| Some(gap.ring) == ring).collect();
         if own.is_empty() {
             walls.push(wall);
             continue;
         }
-        for (place, corners) in pieces(&rings[ring - 1], &own).into_iter().enumerate() {
+        for (place, corners) in pieces(&rings[own[0].ring], &own).into_iter().enumerate() {
             let id = if place == 0 { Some(wall.id.clone()) } else { free.next() };
             let material_id = wall.material_id.clone();
             walls.push(Wall { id: id.unwrap_or_default(), material_id, corners });

@@ -10,6 +10,19 @@ fn ratio(coefficients: [[f64; 2]; 8], x: f64) -> f64 {
     above / below
 }
 
+/// Halves a range so many times: `is_low` holds below the wanted number, and not above it. Returns the ends.
+pub(crate) fn bisected(
+    [mut low, mut high]: [f64; 2],
+    times: u32,
+    is_low: impl Fn(f64) -> bool,
+) -> (f64, f64) {
+    for _ in 0..times {
+        let middle = 0.5 * (low + high);
+        if is_low(middle) { low = middle } else { high = middle }
+    }
+    (low, high)
+}
+
 /// Returns the probability that a standard normal variable is below `z`.
 pub(crate) fn cumulative(z: f64) -> f64 {
     0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2)

@@ -128,25 +128,3 @@ impl Person {
         })
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn impossible_people_are_refused_by_name() {
-        let right = Person { sex: Sex::Male, breadth: 0.5, depth: 0.25, stature: 1.8, mass: 80.0 };
-        right.check().unwrap();
-        assert_eq!(Person::from_measures(right.sex, right.measures()), right);
-        for (wrong, message) in [
-            (Person { mass: -80.0, ..right }, "mass = -80 kg: must be positive and finite"),
-            (Person { stature: f64::NAN, ..right }, "stature = NaN m: must be positive and finite"),
-            (
-                Person { depth: 0.6, ..right },
-                "chest depth = 0.6 m: must not exceed the bideltoid breadth, 0.5 m",
-            ),
-        ] {
-            assert_eq!(wrong.check().unwrap_err().to_string(), message);
-        }
-    }
-}

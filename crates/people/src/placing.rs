@@ -11,7 +11,7 @@ mod paper;
 mod region;
 mod soft_disks;
 
-use crate::error::{Result, require};
+use crate::error::Result;
 use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose};
 use std::f64::consts::TAU;
@@ -20,20 +20,17 @@ use std::ops::ControlFlow;
 pub use dense::dense;
 pub use free_space::FreeSpace;
 pub use grid::grid;
-pub use measure::{Measure, measure};
 pub use paper::paper;
 pub use region::Region;
 
 /// \[m\] Overlaps up to this count as none: clothes yield far more.
 pub const TOLERANCE: f64 = 1e-4;
 
-/// \[m\] Largest size of a shape, larger than any person or bicycle.
-const LARGEST: f64 = 100.0;
-
 /// The direction that the shapes face.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Orientation {
     /// Any direction.
+    #[default]
     Free,
     /// \[rad\] Exactly this direction.
     Fixed(f64),
@@ -54,14 +51,10 @@ impl Orientation {
     fn turns(self) -> bool {
         !matches!(self, Orientation::Fixed(_))
     }
-
-    fn check(self) -> Result<()> {
-        check("the direction", self.start().unwrap_or(0.0), true, "a finite angle in radians")
-    }
 }
 
 /// How shapes are placed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Settings {
     /// The direction that the shapes face.
     pub orientation: Orientation,
@@ -72,12 +65,6 @@ pub struct Settings {
     pub density: Option<f64>,
     /// Largest number of iterations; `None`: that of the algorithm.
     pub limit: Option<u64>,
-}
-
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings { orientation: Orientation::Free, seed: 0, density: None, limit: None }
-    }
 }
 
 /// An algorithm that places shapes.
@@ -107,7 +94,7 @@ impl Method {
     /// Places the shapes of people who were drawn with the same seed.
     ///
     /// # Errors
-    /// A shape or a setting is impossible, or there is no room.
+    /// There is no room.
     pub fn place(
         self,
         shapes: &[Shape],
@@ -118,10 +105,10 @@ impl Method {
         // Another stream of random numbers than that of the people.
         let settings = Settings { seed: settings.seed.wrapping_add(0x9e37_79b9_7f4a_7c15), ..*settings };
         let packing = match self {
-            Method::Dense => dense(&wider(shapes), region, &settings, watch),
+            Method::Dense => dense(&wider(shapes), region, &settings, watch)?,
             Method::Paper => paper(&wider(shapes), region, &settings, watch),
-            Method::Grid => grid(shapes, region, &settings),
-        }?;
+            Method::Grid => grid(shapes, region, &settings)?,
+        };
         let Packing { poses, clear_density, complete, ended, iterations, .. } = packing;
         let own = Packing::of(shapes, region, poses, ended, iterations);
         Ok(Packing { clear_density: own.clear_density.max(clear_density), complete, ..own })
@@ -178,8 +165,8 @@ pub struct Packing {
     pub poses: Vec<Pose>,
     /// \[1/m²\] Number of shapes per area of the region; in the open plane, per area of the convex hull of all disks.
     pub density: f64,
-    /// \[1/m²\] Density of the shapes that remain if those with the largest overlap are removed until no overlap
-    /// exceeds [`TOLERANCE`].
+    /// \[1/m²\] Density of the shapes that remain if, one after the other, the shape with the largest overlap is
+    /// removed until no overlap exceeds [`TOLERANCE`].
     pub clear_density: f64,
     /// \[m\] Largest overlap of disks of two shapes, or of a disk and the boundary; 0 if there is none.
     pub largest_overlap: f64,
@@ -191,15 +178,6 @@ pub struct Packing {
     pub iterations: u64,
 }
 
-impl Packing {
-    /// Shapes at poses: complete if nothing overlaps.
-    fn of(shapes: &[Shape], region: &Region, poses: Vec<Pose>, ended: Ended, iterations: u64) -> Packing {
-        let Measure { density, clear_density, largest_overlap, .. } = measure(shapes, region, &poses);
-        let complete = largest_overlap <= TOLERANCE;
-        Packing { poses, density, clear_density, largest_overlap, complete, ended, iterations }
-    }
-}
-
 /// Callback for progress. If it returns `Break`, the algorithm stops and returns what it has.
 pub type Watch<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + 'a;
 
@@ -208,27 +186,6 @@ pub type Watch<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + 'a;
 fn wider(shapes: &[Shape]) -> Vec<Shape> {
     let wider = |disk: &Disk| Disk { radius: disk.radius + TOLERANCE, ..*disk };
     shapes.iter().map(|shape| Shape { disks: shape.disks.iter().map(wider).collect() }).collect()
-}
-
-fn check_shapes(shapes: &[Shape]) -> Result<()> {
-    for (shape, s) in shapes.iter().enumerate() {
-        require(!s.disks.is_empty(), || format!("shape {shape} has no disks"))?;
-        for (disk, Disk { radius, centre }) in s.disks.iter().enumerate() {
-            // False for NaN, too.
-            require(*radius > 0.0 && centre.norm() + radius <= LARGEST, || {
-                let (x, y) = (centre.x, centre.y);
-                format!(
-                    "shape {shape}, disk {disk}: radius {radius} m at ({x}, {y}) m; the radius must be positive and the size at most {LARGEST} m"
-                )
-            })?;
-        }
-    }
-    Ok(())
-}
-
-/// Checks that a setting is finite and in its range.
-fn check(name: &str, value: f64, ok: bool, wanted: &str) -> Result<()> {
-    require(ok && value.is_finite(), || format!("{name} = {value}: must be {wanted}"))
 }
 
 /// Returns the same angle within half a turn of zero.

@@ -5,7 +5,7 @@
 
 use crate::error::{PeopleError, Result, require};
 use crate::person::{Measure, Person, Sex};
-use csv::{ByteRecord, ReaderBuilder};
+use csv::{ReaderBuilder, StringRecord};
 use lemons_core::files::input;
 use lemons_core::trial::{Problem, Problems};
 use lemons_core::xml::decimal;
@@ -60,12 +60,12 @@ impl Survey {
     /// As those of [`Survey::read`].
     pub fn add(&mut self, sex: Sex, file: &Path, content: &[u8]) -> Result<()> {
         let csv_error = |error| of_file(file, format_args!("is not CSV: {error}"));
-        let content = content.strip_prefix(b"\xef\xbb\xbf").unwrap_or(content);
+        let content = text(content);
+        let content = content.trim_start_matches('\u{feff}').as_bytes();
         let mut reader = ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(content);
-        let header = reader.byte_headers().map_err(csv_error)?.clone();
+        let header = reader.headers().map_err(csv_error)?.clone();
         let place = |column: &'static str| {
-            let mut places =
-                header.iter().enumerate().filter(|(_, name)| name.eq_ignore_ascii_case(column.as_bytes()));
+            let mut places = header.iter().enumerate().filter(|(_, name)| name.eq_ignore_ascii_case(column));
             match (places.next(), places.next()) {
                 (found, None) => Ok(found.map(|(place, _)| place)),
                 _ => Err(of_file(file, format_args!("has more than one column {column:?}"))),
@@ -78,8 +78,8 @@ impl Survey {
         }
         let gender = place("gender")?;
         let (mut people, mut bad) = (Vec::new(), Problems::default());
-        let mut record = ByteRecord::new();
-        while reader.read_byte_record(&mut record).map_err(csv_error)? {
+        let mut record = StringRecord::new();
+        while reader.read_record(&mut record).map_err(csv_error)? {
             let line = record.position().map_or(0, csv::Position::line);
             let mut refuse = |fault: String| {
                 let line = u32::try_from(line).unwrap_or(u32::MAX);
@@ -94,20 +94,20 @@ impl Survey {
                 continue;
             }
             if let Some(place) = gender {
-                let value = text(&record[place]);
+                let value = &record[place];
                 if !value.eq_ignore_ascii_case(sex.name()) {
-                    refuse(cell("gender", &value, &format!("must be {:?} in this file", sex.name())));
+                    refuse(cell("gender", value, &format!("must be {:?} in this file", sex.name())));
                 }
             }
             let mut measures = [f64::NAN; 4];
             for (k, (column, per_unit)) in COLUMNS.into_iter().enumerate() {
-                let value = text(&record[places[k]]);
+                let value = &record[places[k]];
                 // A number that is not human is in another unit.
                 let [least, most] = Measure::ALL[k].possible().map(|limit| limit * per_unit);
-                match decimal(&value) {
-                    None => refuse(cell(column, &value, "must be a decimal number")),
+                match decimal(value) {
+                    None => refuse(cell(column, value, "must be a decimal number")),
                     Some(number) if !(least..=most).contains(&number) => {
-                        refuse(cell(column, &value, &format!("must be within {least}…{most}")));
+                        refuse(cell(column, value, &format!("must be within {least}…{most}")));
                     }
                     Some(number) => measures[k] = number / per_unit,
                 }
@@ -116,7 +116,7 @@ impl Survey {
             if person.depth > person.breadth {
                 let [(breadth, per_unit), (depth, _), ..] = COLUMNS;
                 let fault = format!("must not exceed {breadth}, {}", person.breadth * per_unit);
-                refuse(cell(depth, &text(&record[places[1]]), &fault));
+                refuse(cell(depth, &record[places[1]], &fault));
             }
             people.push(person);
         }

@@ -1,9 +1,7 @@
-//! Makes the reference of the command: docs/command.md, man pages, and completions for shells; and the tables of
-//! attributes in docs/reference/trial.md.
+//! Makes the reference of the command: docs/command.md, man pages, and completions for shells.
 //!
 //! ```sh
 //! cargo run -p lemons-cli --example reference -- page docs/command.md
-//! cargo run -p lemons-cli --example reference -- trial docs/reference/trial.md
 //! cargo run -p lemons-cli --example reference -- man DIRECTORY            # lemons.1, lemons-run.1, …
 //! cargo run -p lemons-cli --example reference -- completions DIRECTORY    # bash, elvish, fish, PowerShell, zsh
 //! ```
@@ -19,10 +17,6 @@ use std::process::ExitCode;
 fn make(what: &str, place: &Path) -> io::Result<()> {
     match what {
         "page" => std::fs::write(place, page::page(lemons_cli::definition())),
-        "trial" => {
-            let page = lemons_core::trial::reference_page(&std::fs::read_to_string(place)?);
-            std::fs::write(place, page.map_err(io::Error::other)?)
-        }
         "man" => {
             std::fs::create_dir_all(place)?;
             clap_mangen::generate_to(lemons_cli::definition(), place)
@@ -33,14 +27,14 @@ fn make(what: &str, place: &Path) -> io::Result<()> {
                 generate_to(shell, &mut lemons_cli::definition(), "lemons", place).map(drop)
             })
         }
-        _ => Err(io::Error::other("the first argument is page, trial, man or completions")),
+        _ => Err(io::Error::other("the first argument is page, man or completions")),
     }
 }
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [what, place] = &arguments[..] else {
-        eprintln!("usage: reference page FILE, trial FILE, man DIRECTORY, or completions DIRECTORY");
+        eprintln!("usage: reference page FILE, man DIRECTORY, or completions DIRECTORY");
         return ExitCode::from(2);
     };
     match make(what, Path::new(place)) {

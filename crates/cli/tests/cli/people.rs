@@ -14,6 +14,10 @@ fn child<'a>(element: Element<'a>, name: &str) -> Element<'a> {
     element.elements().find(|child| child.name() == name).unwrap()
 }
 
+fn text<'a>(element: Element<'a>, name: &str) -> &'a str {
+    child(element, name).texts().next().unwrap().0
+}
+
 #[test]
 fn mixed_crowds_go_into_the_light_file_and_pictures() {
     let directory = TempDir::new().unwrap();
@@ -41,13 +45,12 @@ fn mixed_crowds_go_into_the_light_file_and_pictures() {
     let mut rectangles = Vec::new();
     for agent in agents {
         let shapes: Vec<Element> = child(agent, "Shapes").elements().collect();
-        if child(agent, "type").content().unwrap() == "pedestrian" {
+        if text(agent, "type") == "pedestrian" {
             assert_eq!(shapes.len(), 5);
             continue;
         }
         let [bike, rider] = [shapes[0], shapes[1]].map(|shape| {
-            ["min_x", "min_y", "max_x", "max_y"]
-                .map(|name| child(shape, name).content().unwrap().parse::<f64>().unwrap())
+            ["min_x", "min_y", "max_x", "max_y"].map(|name| text(shape, name).parse::<f64>().unwrap())
         });
         assert!(bike[3] - bike[1] > bike[2] - bike[0], "along y");
         rectangles.push([bike, rider]);

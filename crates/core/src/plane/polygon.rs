@@ -55,10 +55,11 @@ fn rings_from_wkt(wkt: &str) -> Result<Vec<Ring>, String> {
     let inside =
         inside.ok_or("is not a POLYGON in well-known text, such as POLYGON ((0 0, 4 0, 4 3, 0 0))")?;
     let mut rings = Vec::new();
-    let mut rest = inside.trim();
-    while !rest.is_empty() {
-        let ring = rest.strip_prefix('(').and_then(|rest| rest.split_once(')'));
-        let (ring, after) = ring.ok_or("each ring of a POLYGON must be in parentheses")?;
+    for (k, part) in inside.trim().split_inclusive(')').enumerate() {
+        let part = if k == 0 { Some(part) } else { part.trim_start().strip_prefix(',') };
+        let part = part.ok_or("rings of a POLYGON must be separated by commas")?.trim();
+        let ring = part.strip_prefix('(').and_then(|ring| ring.strip_suffix(')'));
+        let ring = ring.ok_or("each ring of a POLYGON must be in parentheses")?;
         let corners: Vec<Vec2> = ring.split(',').map(corner).collect::<Result<_, _>>()?;
         let last = *corners.last().ok_or("a ring has no corners")?;
         if corners.len() < 4 || corners[0] != last {
@@ -68,12 +69,6 @@ fn rings_from_wkt(wkt: &str) -> Result<Vec<Ring>, String> {
             ));
         }
         rings.extend(Ring::through(corners));
-        rest = after.trim_start();
-        rest = match rest.strip_prefix(',') {
-            Some(more) => more.trim_start(),
-            None if rest.is_empty() => rest,
-            None => return Err("rings of a POLYGON must be separated by commas".into()),
-        };
     }
     Ok(rings)
 }

@@ -1,6 +1,6 @@
 //! Polygons that meet themselves nowhere.
 
-use crate::plane::{Ring, Vec2, segments_touch, turn};
+use crate::plane::{Bounds, Ring, Vec2, segments_touch, turn};
 
 type Side = (Vec2, Vec2);
 
@@ -8,7 +8,7 @@ impl Ring {
     /// Returns whether it has three sides or more, and they meet only where one follows the other. A ring with a corner
     /// that is not finite is not simple.
     ///
-    /// The time grows as n log n while few sides overlap along one of the axes; at worst, as in a spiral, as n².
+    /// The time grows as n log n while few sides overlap along the longer side of their bounds; at worst as n².
     pub fn is_simple(&self) -> bool {
         let finite = self.closed().iter().all(|corner| corner.is_finite());
         finite && self.corners().len() >= 3 && sides_that_meet(std::slice::from_ref(self)).is_none()
@@ -42,21 +42,14 @@ pub fn sides_that_meet(rings: &[Ring]) -> Option<[(usize, usize); 2]> {
     first_beside(&sides, meet).map(|pair| pair.map(|side| places[side]))
 }
 
-/// Returns the first two sides for which `meet` holds, of those that overlap along x, or along y if fewer overlap there.
-/// No others can touch.
+/// Returns the first two sides for which `meet` holds, of those that overlap along the longer side of their bounds. No
+/// others can touch.
 fn first_beside(sides: &[Side], mut meet: impl FnMut(usize, usize) -> bool) -> Option<[usize; 2]> {
-    let along: [fn(Vec2) -> f64; 2] = [|p| p.x, |p| p.y];
-    let [by_x, by_y] = along.map(|of| {
-        let ends = |(k, (a, b)): (usize, &Side)| (of(*a).min(of(*b)), of(*a).max(of(*b)), k);
-        let mut ranges: Vec<(f64, f64, usize)> = sides.iter().enumerate().map(ends).collect();
-        ranges.sort_by(|a, b| a.0.total_cmp(&b.0));
-        ranges
-    });
-    let crowded = |ranges: &[(f64, f64, usize)]| {
-        let high = ranges.iter().fold(f64::NEG_INFINITY, |high, range| high.max(range.1));
-        ranges.iter().map(|(low, high, _)| high - low).sum::<f64>() / (high - ranges[0].0)
-    };
-    let ranges = if crowded(&by_x) <= crowded(&by_y) { by_x } else { by_y };
+    let size = Bounds::of(sides.iter().map(|side| side.0))?.size();
+    let along = |p: Vec2| if size.x >= size.y { p.x } else { p.y };
+    let ends = |(k, (a, b)): (usize, &Side)| (along(*a).min(along(*b)), along(*a).max(along(*b)), k);
+    let mut ranges: Vec<(f64, f64, usize)> = sides.iter().enumerate().map(ends).collect();
+    ranges.sort_by(|a, b| a.0.total_cmp(&b.0));
     ranges.iter().enumerate().find_map(|(place, &(_, high, i))| {
         let mut next = ranges[place + 1..].iter().take_while(|(low, ..)| *low <= high);
         next.find(|&&(_, _, j)| meet(i, j)).map(|&(_, _, j)| [i, j])

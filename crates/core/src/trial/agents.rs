@@ -1,7 +1,7 @@
 //! `Agents.xml`.
 
 use crate::plane::{Rotation, Vec2, shown_orientation};
-use crate::trial::schema::{Attribute, Range, Schema, Value, attribute};
+use crate::trial::schema::{Schema, Value};
 use crate::trial::xml::{Element, Ids, document, empty, read_id, vector};
 use crate::xml::{number, quoted};
 use std::collections::HashMap;
@@ -10,37 +10,26 @@ pub(crate) static AGENTS: Schema = Schema { name: "Agents", attributes: &[], chi
 static AGENT: Schema = Schema {
     name: "Agent",
     attributes: &[
-        attribute("Type", Value::Word("pedestrian"), "", PEDESTRIAN).or("`pedestrian`"),
-        attribute("Id", Value::Id, "", "the name of the agent, in all tables and files"),
-        positive("Mass", "kg", "m"),
-        positive("Height", "m", "the stature. The mechanics does not use it").or("not known"),
-        positive("MomentOfInertia", "kg m²", "I, about the centre of mass (paper, App. A.2)"),
-        rate("FloorDamping", "1/t_transl, the rate at which the floor brakes the motion (paper, App. A.3)"),
-        rate("AngularDamping", "1/t_rot, the rate at which the floor brakes the rotation"),
+        ("Type", Value::Word("pedestrian")),
+        ("Id", Value::Id),
+        ("Mass", Value::Positive),
+        ("Height", Value::Positive),
+        ("MomentOfInertia", Value::Positive),
+        ("FloorDamping", Value::NotNegative),
+        ("AngularDamping", Value::NotNegative),
     ],
     children: &[&SHAPE],
 };
 static SHAPE: Schema = Schema {
     name: "Shape",
     attributes: &[
-        attribute("Type", Value::Word("disk"), "", "the kind of shape"),
-        positive("Radius", "m", "the radius of the disk"),
-        attribute("MaterialId", Value::IdOf("material"), "", "what this part of the body is made of"),
-        attribute("Position", Value::Point, "m", POSITION),
+        ("Type", Value::Word("disk")),
+        ("Radius", Value::Positive),
+        ("MaterialId", Value::IdOf("material")),
+        ("Position", Value::Point),
     ],
     children: &[],
 };
-const PEDESTRIAN: &str = "what the agent is. The mechanics takes pedestrians only";
-const POSITION: &str =
-    "the centre of the disk, from the centre of mass. Theta of Kinematics turns the whole shape";
-
-const fn positive(name: &'static str, unit: &'static str, meaning: &'static str) -> Attribute {
-    attribute(name, Value::Number(Range::Positive), unit, meaning)
-}
-
-const fn rate(name: &'static str, meaning: &'static str) -> Attribute {
-    attribute(name, Value::Number(Range::NotNegative), "1/s", meaning)
-}
 
 /// `<Agent>` of `Agents.xml`.
 #[derive(Debug, Clone, PartialEq, Default)]

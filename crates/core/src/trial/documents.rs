@@ -10,7 +10,7 @@ use crate::trial::materials::{self, Materials};
 use crate::trial::parameters::{self, Parameters};
 use crate::trial::problem::Problems;
 use crate::trial::schema::Schema;
-use crate::trial::xml::{Element, checked, ids_of, read_file};
+use crate::trial::xml::{Element, Reading, ids_of};
 use std::path::{Component, Path, PathBuf};
 use uuid::Uuid;
 
@@ -74,21 +74,23 @@ impl FileNames {
     fn within(&self, directory: &Path, parameters: &Parameters) -> FileNames {
         let fixed = directory.join(parameters.static_path());
         let moving = directory.join(parameters.dynamic_path());
+        // Without `.` in between: `Trial/./static` is `Trial/static`.
+        let tidy = |path: PathBuf| path.components().collect::<PathBuf>();
         FileNames {
-            parameters: tidy(&directory.join(&self.parameters)),
-            materials: tidy(&fixed.join(&self.materials)),
-            geometry: tidy(&fixed.join(&self.geometry)),
-            agents: tidy(&fixed.join(&self.agents)),
-            dynamics: tidy(&moving.join(&self.dynamics)),
-            interactions: tidy(&moving.join(&self.interactions)),
+            parameters: tidy(directory.join(&self.parameters)),
+            materials: tidy(fixed.join(&self.materials)),
+            geometry: tidy(fixed.join(&self.geometry)),
+            agents: tidy(fixed.join(&self.agents)),
+            dynamics: tidy(moving.join(&self.dynamics)),
+            interactions: tidy(moving.join(&self.interactions)),
         }
     }
 
     /// Returns the path of the first file that has such an attribute, and the name of its element.
     pub fn with_attribute(&self, attribute: &str) -> Option<(PathBuf, &'static str)> {
         self.clone().all().into_iter().zip(SCHEMAS).find_map(|(path, root)| {
-            let mut elements = root.below(&[]).into_iter().map(|(_, schema)| schema);
-            Some((path, elements.find(|schema| schema.attribute(attribute).is_some())?.name))
+            let with = root.below().into_iter().find(|schema| schema.value(attribute).is_some())?;
+            Some((path, with.name))
         })
     }
 
@@ -115,7 +117,7 @@ impl Trial {
     ///
     /// # Errors
     /// Errors in its files, all of them.
-    pub fn read(directory: &Path) -> Result<(Trial, Problems), Problems> {
+    pub fn read(directory: &Path) -> Checked<Trial> {
         Trial::read_from(&Disk, directory, &FileNames::default())
     }
 
@@ -124,20 +126,16 @@ impl Trial {
         let names = FileNames::default();
         let first = directory.join(&names.parameters);
         // What is wrong with it those say who read the Trial.
-        let read = read_alone(&first, &parameters::PARAMETERS, parameters::read);
-        read.map_or(vec![first], |parameters| names.within(directory, &parameters).all())
+        let read = read_alone(&Disk, &first, &parameters::PARAMETERS, parameters::read);
+        read.map_or(vec![first], |(parameters, _)| names.within(directory, &parameters).all())
     }
 
     /// Reads a Trial as [`Trial::read`] does, from these files, with these names.
     ///
     /// # Errors
     /// As [`Trial::read`].
-    pub fn read_from(
-        files: &dyn Source,
-        directory: &Path,
-        names: &FileNames,
-    ) -> Result<(Trial, Problems), Problems> {
-        checked(|problems| Trial::read_all(files, directory, names, problems))
+    pub fn read_from(files: &dyn Source, directory: &Path, names: &FileNames) -> Checked<Trial> {
+        Reading::of(files, |reading| Trial::read_all(reading, directory, names))
     }
 
     /// Returns where its files are, as messages name them.
@@ -146,43 +144,33 @@ impl Trial {
     }
 
     /// Returns `None` only after an error. A file is checked against the others as far as those could be read.
-    fn read_all(
-        files: &dyn Source,
-        directory: &Path,
-        names: &FileNames,
-        problems: &mut Problems,
-    ) -> Option<Trial> {
+    fn read_all(reading: &Reading<'_>, directory: &Path, names: &FileNames) -> Option<Trial> {
         let first = directory.join(&names.parameters);
-        let parameters = read_file(files, &first, &parameters::PARAMETERS, problems, parameters::read)?;
+        let parameters = reading.file(&first, &parameters::PARAMETERS, parameters::read)?;
         let at = names.within(directory, &parameters);
         // Without a directory, reported already, nobody knows where its files are.
         if parameters.static_directory.trim().is_empty() {
             return None;
         }
-        let materials = read_file(files, &at.materials, &materials::MATERIALS, problems, materials::read);
+        let materials = reading.file(&at.materials, &materials::MATERIALS, materials::read);
         let material_ids = materials
             .as_ref()
             .map(|read| ids_of(read.materials.intrinsic.iter().map(|material| &material.id)));
-        let geometry = read_file(files, &at.geometry, &geometry::GEOMETRY, problems, |root| {
-            geometry::read(root, material_ids.as_ref())
-        });
-        let agents = read_file(files, &at.agents, &agents::AGENTS, problems, |root| {
-            agents::read(root, material_ids.as_ref())
-        });
+        let ids = material_ids.as_ref();
+        let geometry = reading.file(&at.geometry, &geometry::GEOMETRY, |root| geometry::read(root, ids));
+        let agents = reading.file(&at.agents, &agents::AGENTS, |root| agents::read(root, ids));
         if let (Some(materials), Some(agents)) = (&materials, &agents) {
-            materials::check_pairs(materials, geometry.as_ref(), agents, problems);
+            materials::check_pairs(materials, geometry.as_ref(), agents, reading);
         }
         if parameters.dynamic_directory.trim().is_empty() {
             return None;
         }
-        let dynamics = read_file(files, &at.dynamics, &dynamics::AGENTS, problems, |root| {
-            dynamics::read(root, agents.as_deref())
-        });
+        let read_dynamics = |root: Element<'_>| dynamics::read(root, agents.as_deref());
+        let dynamics = reading.file(&at.dynamics, &dynamics::AGENTS, read_dynamics);
         let interactions = match (&agents, &geometry) {
-            (Some(agents), Some(geometry)) if !files.lacks(&at.interactions) => {
-                read_file(files, &at.interactions, &interactions::INTERACTIONS, problems, |root| {
-                    interactions::read(root, agents, geometry)
-                })?
+            (Some(agents), Some(geometry)) if !reading.files.lacks(&at.interactions) => {
+                let read = |root: Element<'_>| interactions::read(root, agents, geometry);
+                reading.file(&at.interactions, &interactions::INTERACTIONS, read)?
             }
             _ => Interactions::default(),
         };
@@ -203,7 +191,8 @@ impl Trial {
     /// # Errors
     /// All errors in its files.
     pub fn read_dynamics(&self, path: &Path) -> Result<Vec<AgentDynamics>, Problems> {
-        read_alone(path, &dynamics::AGENTS, |root| dynamics::read(root, Some(&self.agents)))
+        let read = |root: Element<'_>| dynamics::read(root, Some(&self.agents));
+        read_alone(&Disk, path, &dynamics::AGENTS, read).map(|(dynamics, _)| dynamics)
     }
 
     /// Reads an `AgentInteractions.xml` of this Trial's agents and walls.
@@ -211,9 +200,8 @@ impl Trial {
     /// # Errors
     /// All errors in its files.
     pub fn read_interactions(&self, path: &Path) -> Result<Interactions, Problems> {
-        read_alone(path, &interactions::INTERACTIONS, |root| {
-            interactions::read(root, &self.agents, &self.geometry)
-        })
+        let read = |root: Element<'_>| interactions::read(root, &self.agents, &self.geometry);
+        read_alone(&Disk, path, &interactions::INTERACTIONS, read).map(|(contacts, _)| contacts)
     }
 
     /// Returns the parameters of a copy: its Static and Dynamic directories are inside of its directory.
@@ -307,18 +295,17 @@ impl Trial {
     }
 }
 
+/// What was read, with the warnings; or all that is wrong.
+pub type Checked<T> = Result<(T, Problems), Problems>;
+
 /// Reads one file of a Trial.
-fn read_alone<T>(
+pub(crate) fn read_alone<T>(
+    files: &dyn Source,
     path: &Path,
     schema: &'static Schema,
     read: impl FnOnce(Element<'_>) -> T,
-) -> Result<T, Problems> {
-    checked(|problems| read_file(&Disk, path, schema, problems, read)).map(|(read, _)| read)
-}
-
-/// Removes `.` in between: `Trial/./static` is `Trial/static`.
-fn tidy(path: &Path) -> PathBuf {
-    path.components().collect()
+) -> Checked<T> {
+    Reading::of(files, |reading| reading.file(path, schema, read))
 }
 
 /// Returns whether a directory of Parameters.xml lies in the Trial directory.

@@ -2,7 +2,7 @@
 
 use crate::plane::{Motion, Pose, Twist, Vec2};
 use crate::trial::agents::Agent;
-use crate::trial::schema::{Range, Schema, Value, attribute};
+use crate::trial::schema::{Schema, Value};
 use crate::trial::xml::{Element, document, empty, given_before, ids_of, vector};
 use crate::xml::{number, quoted};
 use std::collections::{BTreeMap, HashMap};
@@ -27,28 +27,21 @@ pub struct AgentDynamics {
 pub(crate) static AGENTS: Schema = Schema { name: "Agents", attributes: &[], children: &[&AGENT] };
 static AGENT: Schema = Schema {
     name: "Agent",
-    attributes: &[attribute("Id", Value::IdOf("agent"), "", "whose motion it is")],
+    attributes: &[("Id", Value::IdOf("agent"))],
     children: &[&KINEMATICS, &DYNAMICS],
 };
 static KINEMATICS: Schema = Schema {
     name: "Kinematics",
     attributes: &[
-        attribute("Position", Value::Point, "m", "r, the centre of mass"),
-        attribute("Velocity", Value::Vector, "m/s", "v"),
-        attribute("Theta", Value::Number(Range::Any), "rad", THETA),
-        attribute("Omega", Value::Number(Range::Any), "rad/s", "ω, the angular velocity"),
+        ("Position", Value::Point),
+        ("Velocity", Value::Vector),
+        ("Theta", Value::Number),
+        ("Omega", Value::Number),
     ],
     children: &[],
 };
-static DYNAMICS: Schema = Schema {
-    name: "Dynamics",
-    attributes: &[
-        attribute("Fp", Value::Vector, "N", "F_p, the propulsion force"),
-        attribute("Mp", Value::Number(Range::Any), "N m", "τ_p, the propulsion torque"),
-    ],
-    children: &[],
-};
-const THETA: &str = "θ, the orientation: the angle from the x axis to the gaze";
+static DYNAMICS: Schema =
+    Schema { name: "Dynamics", attributes: &[("Fp", Value::Vector), ("Mp", Value::Number)], children: &[] };
 
 /// Reads the file, in the order of `agents`, which is `None` where they could not be read.
 pub(crate) fn read(root: Element<'_>, agents: Option<&[Agent]>) -> Vec<AgentDynamics> {

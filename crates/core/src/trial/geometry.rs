@@ -2,9 +2,9 @@
 
 use crate::files::source::Source;
 use crate::plane::{Vec2, vec2};
-use crate::trial::problem::Problems;
-use crate::trial::schema::{Range, Schema, Value, attribute};
-use crate::trial::xml::{Element, Ids, checked, document, empty, read_file, read_id, vector};
+use crate::trial::documents::{Checked, read_alone};
+use crate::trial::schema::{Schema, Value};
+use crate::trial::xml::{Element, Ids, document, empty, read_id, vector};
 use crate::xml::{number, quoted};
 use std::collections::HashMap;
 use std::path::Path;
@@ -23,8 +23,8 @@ impl Geometry {
     ///
     /// # Errors
     /// All errors in the file.
-    pub fn read_from(files: &dyn Source, path: &Path) -> Result<(Geometry, Problems), Problems> {
-        checked(|problems| read_file(files, path, &GEOMETRY, problems, |root| read(root, None)))
+    pub fn read_from(files: &dyn Source, path: &Path) -> Checked<Geometry> {
+        read_alone(files, path, &GEOMETRY, |root| read(root, None))
     }
 }
 
@@ -41,27 +41,15 @@ pub struct Wall {
 
 pub(crate) static GEOMETRY: Schema =
     Schema { name: "Geometry", attributes: &[], children: &[&DIMENSIONS, &WALL] };
-static DIMENSIONS: Schema = Schema {
-    name: "Dimensions",
-    attributes: &[
-        attribute("Lx", Value::Number(Range::Any), "m", "the length along x of the area that is drawn"),
-        attribute("Ly", Value::Number(Range::Any), "m", "the length along y"),
-    ],
-    children: &[],
-};
+static DIMENSIONS: Schema =
+    Schema { name: "Dimensions", attributes: &[("Lx", Value::Number), ("Ly", Value::Number)], children: &[] };
 static WALL: Schema = Schema {
     name: "Wall",
-    attributes: &[
-        attribute("Id", Value::Id, "", "the name of the wall"),
-        attribute("MaterialId", Value::IdOf("material"), "", "what the wall is made of"),
-    ],
+    attributes: &[("Id", Value::Id), ("MaterialId", Value::IdOf("material"))],
     children: &[&CORNER],
 };
-static CORNER: Schema = Schema {
-    name: "Corner",
-    attributes: &[attribute("Coordinates", Value::Point, "m", "the place of the corner")],
-    children: &[],
-};
+static CORNER: Schema =
+    Schema { name: "Corner", attributes: &[("Coordinates", Value::Point)], children: &[] };
 
 /// Reads the geometry; `materials` is `None` where they could not be read.
 pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Geometry {

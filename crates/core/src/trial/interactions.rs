@@ -3,56 +3,40 @@
 use crate::plane::Vec2;
 use crate::trial::agents::Agent;
 use crate::trial::geometry::Geometry;
-use crate::trial::schema::{Attribute, Schema, Value, attribute};
+use crate::trial::schema::{Schema, Value};
 use crate::trial::xml::{Element, document, empty, ids_of, vector};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 pub(crate) static INTERACTIONS: Schema =
     Schema { name: "Interactions", attributes: &[], children: &[&PARENT] };
-static PARENT: Schema = Schema {
-    name: "Agent",
-    attributes: &[attribute("Id", Value::IdOf("agent"), "", "the agent that receives the forces")],
-    children: &[&CHILD, &WALL],
-};
-static CHILD: Schema = Schema {
-    name: "Agent",
-    attributes: &[attribute("Id", Value::IdOf("agent"), "", "the other agent")],
-    children: &[&INTERACTION],
-};
+static PARENT: Schema =
+    Schema { name: "Agent", attributes: &[("Id", Value::IdOf("agent"))], children: &[&CHILD, &WALL] };
+static CHILD: Schema =
+    Schema { name: "Agent", attributes: &[("Id", Value::IdOf("agent"))], children: &[&INTERACTION] };
 static INTERACTION: Schema = Schema {
     name: "Interaction",
     attributes: &[
-        attribute("ParentShape", Value::Place, "", PARENT_SHAPE),
-        attribute("ChildShape", Value::Place, "", "the disk of the other agent"),
-        ELONGATION,
-        NORMAL,
-        TANGENTIAL,
+        ("ParentShape", Value::Place),
+        ("ChildShape", Value::Place),
+        ("TangentialRelativeDisplacement", Value::Vector),
+        ("Fn", Value::Vector),
+        ("Ft", Value::Vector),
     ],
     children: &[],
 };
 static WALL: Schema = Schema {
     name: "Wall",
     attributes: &[
-        attribute("ShapeId", Value::Place, "", "the disk of the agent"),
-        attribute("WallId", Value::IdOf("wall"), "", "the wall"),
-        attribute("CornerId", Value::Place, "", CORNER),
-        ELONGATION,
-        NORMAL,
-        TANGENTIAL,
+        ("ShapeId", Value::Place),
+        ("WallId", Value::IdOf("wall")),
+        ("CornerId", Value::Place),
+        ("TangentialRelativeDisplacement", Value::Vector),
+        ("Fn", Value::Vector),
+        ("Ft", Value::Vector),
     ],
     children: &[],
 };
-const PARENT_SHAPE: &str = "the disk of the agent that receives the force, in the order of Agents.xml";
-const CORNER: &str = "the corner at which the touched piece of the wall begins";
-const ELONGATION: Attribute = attribute(
-    "TangentialRelativeDisplacement",
-    Value::Vector,
-    "m",
-    "s, the elongation of the tangential spring",
-);
-const NORMAL: Attribute = attribute("Fn", Value::Vector, "N", "the normal force");
-const TANGENTIAL: Attribute = attribute("Ft", Value::Vector, "N", "the tangential force");
 
 /// `AgentInteractions.xml`: the contacts at one time, each pair once.
 #[derive(Debug, Clone, PartialEq, Default)]

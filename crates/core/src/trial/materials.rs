@@ -1,42 +1,35 @@
 //! `Materials.xml`.
 
+use crate::files::source::Source;
 use crate::trial::agents::Agent;
+use crate::trial::documents::{Checked, read_alone};
 use crate::trial::geometry::Geometry;
-use crate::trial::problem::Problems;
-use crate::trial::schema::{Attribute, Range, Schema, Value, attribute};
-use crate::trial::xml::{Element, document, empty, given_before, ids_of, read_id};
+use crate::trial::schema::{Schema, Value};
+use crate::trial::xml::{Element, Reading, document, empty, given_before, ids_of, read_id};
 use crate::xml::{Problem, number, quoted};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub(crate) static MATERIALS: Schema =
     Schema { name: "Materials", attributes: &[], children: &[&INTRINSIC, &BINARY] };
 static INTRINSIC: Schema = Schema { name: "Intrinsic", attributes: &[], children: &[&MATERIAL] };
 static MATERIAL: Schema = Schema {
     name: "Material",
-    attributes: &[
-        attribute("Id", Value::Id, "", "the name of the material"),
-        number_of("YoungModulus", Range::Positive, "N/m", "E, the Young modulus of a 2D material"),
-        number_of("ShearModulus", Range::Positive, "N/m", "G, the shear modulus of a 2D material"),
-    ],
+    attributes: &[("Id", Value::Id), ("YoungModulus", Value::Positive), ("ShearModulus", Value::Positive)],
     children: &[],
 };
 static BINARY: Schema = Schema { name: "Binary", attributes: &[], children: &[&CONTACT] };
 static CONTACT: Schema = Schema {
     name: "Contact",
     attributes: &[
-        attribute("Id1", Value::IdOf("material"), "", "the one material"),
-        attribute("Id2", Value::IdOf("material"), "", "the other one, or the same"),
-        number_of("GammaNormal", Range::NotNegative, "kg/s", "γ⊥, damping along the normal"),
-        number_of("GammaTangential", Range::NotNegative, "kg/s", "γ∥, damping along the tangent"),
-        number_of("KineticFriction", Range::NotNegative, "1", "μ_dyn, the coefficient of Coulomb friction"),
+        ("Id1", Value::IdOf("material")),
+        ("Id2", Value::IdOf("material")),
+        ("GammaNormal", Value::NotNegative),
+        ("GammaTangential", Value::NotNegative),
+        ("KineticFriction", Value::NotNegative),
     ],
     children: &[],
 };
-
-const fn number_of(name: &'static str, range: Range, unit: &'static str, meaning: &'static str) -> Attribute {
-    attribute(name, Value::Number(range), unit, meaning)
-}
 
 /// `Materials.xml`.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +38,16 @@ pub struct Materials {
     pub intrinsic: Vec<Material>,
     /// `<Binary>`
     pub binary: Vec<Contact>,
+}
+
+impl Materials {
+    /// Reads and checks a single `Materials.xml`. Returns it and the warnings.
+    ///
+    /// # Errors
+    /// All errors in the file.
+    pub fn read_from(files: &dyn Source, path: &Path) -> Checked<Materials> {
+        read_alone(files, path, &MATERIALS, |root| read(root).materials)
+    }
 }
 
 /// `<Material>`.
@@ -161,12 +164,7 @@ pub fn pairs_that_touch(shapes: &[(usize, usize)], walls: &BTreeSet<usize>) -> V
 }
 
 /// Every pair of materials that can touch has its coefficients.
-pub(crate) fn check_pairs(
-    read: &Read,
-    geometry: Option<&Geometry>,
-    agents: &[Agent],
-    problems: &mut Problems,
-) {
+pub(crate) fn check_pairs(read: &Read, geometry: Option<&Geometry>, agents: &[Agent], reading: &Reading<'_>) {
     /// Of a file that forgot them all, these many say enough.
     const REPORTED: usize = 100;
 
@@ -183,12 +181,12 @@ pub(crate) fn check_pairs(
     if used > MOST_MATERIALS {
         let message =
             format!("agents and walls are of {used} materials: at most {MOST_MATERIALS} can be used");
-        problems.push(Problem::of_file(&read.path, None, message));
+        reading.report(Problem::of_file(&read.path, None, message));
         return;
     }
     let pairs = pairs_that_touch(&shapes, &walls).into_iter();
     let wrong = pairs.filter_map(|pair| read.pair_problem(pair)).take(REPORTED);
-    wrong.for_each(|problem| problems.push(problem));
+    wrong.for_each(|problem| reading.report(problem));
 }
 
 impl Read {

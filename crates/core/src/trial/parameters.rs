@@ -1,6 +1,6 @@
 //! `Parameters.xml`.
 
-use crate::trial::schema::{Range, Schema, Value, attribute};
+use crate::trial::schema::{Schema, Value};
 use crate::trial::xml::{Element, document, empty};
 use crate::xml::number;
 use std::path::Path;
@@ -42,27 +42,14 @@ pub(crate) static PARAMETERS: Schema =
     Schema { name: "Parameters", attributes: &[], children: &[&DIRECTORIES, &TIMES] };
 static DIRECTORIES: Schema = Schema {
     name: "Directories",
-    attributes: &[
-        attribute("Static", Value::Text, "", STATIC),
-        attribute("Dynamic", Value::Text, "", DYNAMIC),
-    ],
+    attributes: &[("Static", Value::Text), ("Dynamic", Value::Text)],
     children: &[],
 };
 static TIMES: Schema = Schema {
     name: "Times",
-    attributes: &[
-        attribute("TimeStep", Value::Number(Range::Positive), "s", STEP),
-        attribute("TimeStepMechanical", Value::Number(Range::UpTo("TimeStep")), "s", MECHANICAL_STEP),
-    ],
+    attributes: &[("TimeStep", Value::Positive), ("TimeStepMechanical", Value::Positive)],
     children: &[],
 };
-const STATIC: &str =
-    "the directory of Materials.xml, Geometry.xml and Agents.xml; relative to that of Parameters.xml";
-const DYNAMIC: &str = "the directory of AgentDynamics.xml and AgentInteractions.xml; likewise";
-const STEP: &str = "the communication step: the paper's decisional loop, after which F_p and τ_p can change. \
-                    `--step` replaces it";
-const MECHANICAL_STEP: &str = "the longest step of the integrator. The engine takes equal steps of at most this \
-                               length: [../step.md](../step.md) says what you need";
 
 /// Reads the file; the directories stay empty where the file does not say them.
 pub(crate) fn read(root: Element<'_>) -> Parameters {

@@ -23,22 +23,11 @@ impl Problems {
         if self.all.len() < 20 { self.all.push(problem) } else { self.more += 1 }
     }
 
-    /// Adds others after them.
-    pub(crate) fn append(&mut self, others: Problems) {
-        self.all.extend(others.all);
-        self.more += others.more;
-    }
-
     /// Returns the same problems, of the file with this path.
     #[must_use]
     pub fn of_file(&self, path: &Path) -> Problems {
         let of_file = |problem: &Problem| Problem { file: path.to_owned(), ..problem.clone() };
         Problems { all: self.iter().map(of_file).collect(), more: self.more }
-    }
-
-    /// Returns the value, or `None` after the problem is added.
-    pub(crate) fn or_push<T>(&mut self, read: crate::xml::Result<T>) -> Option<T> {
-        read.map_err(|problem| self.push(*problem)).ok()
     }
 
     /// Returns the value if there is none.

@@ -1,31 +1,23 @@
-//! What is read of the Trial's XML files: elements, and the table of their attributes. The readers check values by it, and
-//! the tables of docs/reference/trial.md are made from it.
-
-use crate::xml::Document;
-use std::path::Path;
+//! What is read of the Trial's XML files: elements and their attributes. The readers check values by it;
+//! docs/reference/trial.md says the same, with units and meanings.
 
 /// An element of a file: its name, its attributes, and the elements that are read in it.
 pub(crate) struct Schema {
     pub(crate) name: &'static str,
-    pub(crate) attributes: &'static [Attribute],
+    /// Names and values, in the order in which they are written.
+    pub(crate) attributes: &'static [(&'static str, Value)],
     pub(crate) children: &'static [&'static Schema],
-}
-
-/// An attribute that is read.
-pub(crate) struct Attribute {
-    pub(crate) name: &'static str,
-    pub(crate) value: Value,
-    unit: &'static str,
-    /// Words for what is used if it is not there.
-    missing: &'static str,
-    meaning: &'static str,
 }
 
 /// The values of an attribute.
 #[derive(Clone, Copy)]
 pub(crate) enum Value {
     /// A finite number.
-    Number(Range),
+    Number,
+    /// A finite number above 0.
+    Positive,
+    /// A finite number, 0 or above.
+    NotNegative,
     /// Two numbers, not too far from the origin.
     Point,
     /// Two numbers.
@@ -42,40 +34,45 @@ pub(crate) enum Value {
     Place,
 }
 
-/// The range of a number.
-#[derive(Clone, Copy)]
-pub(crate) enum Range {
-    Any,
-    Positive,
-    NotNegative,
-    /// Positive, and at most another attribute.
-    UpTo(&'static str),
-}
-
-/// Makes an attribute that is required.
-pub(crate) const fn attribute(
-    name: &'static str,
-    value: Value,
-    unit: &'static str,
-    meaning: &'static str,
-) -> Attribute {
-    Attribute { name, value, unit, missing: "an error", meaning }
-}
-
-impl Attribute {
-    /// Makes it optional.
-    pub(crate) const fn or(self, missing: &'static str) -> Attribute {
-        Attribute { missing, ..self }
+impl Schema {
+    /// The values of an attribute, if it is read.
+    pub(crate) fn value(&self, name: &str) -> Option<Value> {
+        self.attributes.iter().find(|attribute| attribute.0 == name).map(|attribute| attribute.1)
     }
 
-    /// A row of a table in Markdown; `example` is one value.
-    fn row(&self, example: &str) -> String {
-        let Attribute { name, unit, missing, meaning, .. } = self;
-        let (kind, range) = match self.value {
-            Value::Number(Range::Any) => ("number", "any"),
-            Value::Number(Range::Positive) => ("number", "> 0"),
-            Value::Number(Range::NotNegative) => ("number", "≥ 0"),
-            Value::Number(Range::UpTo(other)) => ("number", &*format!("> 0, ≤ {other}")),
+    /// The attributes with their values, which are in the order of the table; one without a value is not there.
+    pub(crate) fn values<'a>(&self, values: &[Option<&'a str>]) -> Vec<(&'static str, &'a str)> {
+        let all = self.attributes.iter().zip(values);
+        all.filter_map(|((name, _), value)| Some((*name, (*value)?))).collect()
+    }
+
+    pub(crate) fn child(&self, name: &str) -> Option<&'static Schema> {
+        self.children.iter().find(|child| child.name == name).copied()
+    }
+
+    /// All elements below it that have attributes, in the order of the page.
+    pub(crate) fn below(&self) -> Vec<&'static Schema> {
+        let with_attributes = |child: &'static Schema| (!child.attributes.is_empty()).then_some(child);
+        let all =
+            self.children.iter().flat_map(|child| with_attributes(child).into_iter().chain(child.below()));
+        all.collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trial::documents::SCHEMAS;
+    use std::path::Path;
+
+    const HEADER: &str = "| attribute | type | unit | range | if missing | example | meaning |\n";
+
+    /// Type and range, as the page names them.
+    fn named(value: Value) -> (String, String) {
+        let (kind, range) = match value {
+            Value::Number => ("number", "any"),
+            Value::Positive => ("number", "> 0"),
+            Value::NotNegative => ("number", "≥ 0"),
             Value::Point => ("point", "any"),
             Value::Vector => ("vector", "any"),
             Value::Text => ("text", "any"),
@@ -85,89 +82,29 @@ impl Attribute {
             Value::IdOf(what) => (&*format!("Id of a {what}"), "any"),
             Value::Place => ("place", "any"),
         };
-        let row = format!("| `{name}` | {kind} | {unit} | {range} | {missing} | `{example}` | {meaning} |\n");
-        // Empty cells have one space.
-        row.replace("|  |", "| |").replace("|  |", "| |")
+        (kind.to_owned(), range.to_owned())
     }
-}
-
-impl Schema {
-    pub(crate) fn attribute(&self, name: &str) -> Option<&'static Attribute> {
-        self.attributes.iter().find(|attribute| attribute.name == name)
-    }
-
-    /// The attributes with their values, which are in the order of the table; one without a value is not there.
-    pub(crate) fn values<'a>(&self, values: &[Option<&'a str>]) -> Vec<(&'static str, &'a str)> {
-        let all = self.attributes.iter().zip(values);
-        all.filter_map(|(attribute, value)| Some((attribute.name, (*value)?))).collect()
-    }
-
-    pub(crate) fn child(&self, name: &str) -> Option<&'static Schema> {
-        self.children.iter().find(|child| child.name == name).copied()
-    }
-
-    /// All elements below it that have attributes, in the order of the page, each with the way to it.
-    pub(crate) fn below(&'static self, way: &[&'static str]) -> Vec<(Vec<&'static str>, &'static Schema)> {
-        let mut all = Vec::new();
-        for child in self.children {
-            let way = [way, &[child.name]].concat();
-            let below = child.below(&way);
-            all.extend((!child.attributes.is_empty()).then_some((way, *child)).into_iter().chain(below));
-        }
-        all
-    }
-}
-
-const HEADER: &str = "| attribute | type | unit | range | if missing | example | meaning |\n\
-                      |---|---|---|---|---|---|---|\n";
-
-/// Returns the page docs/reference/trial.md with the tables of attributes as they are read today. Its chapters are those
-/// of the files; the examples in the tables are those of each chapter.
-///
-/// # Errors
-/// A chapter has no example, or another number of tables than its file has elements with attributes.
-pub fn reference_page(page: &str) -> Result<String, String> {
-    let mut chapters = page.split("\n## ");
-    let mut out = chapters.next().unwrap_or_default().to_owned();
-    for (root, chapter) in crate::trial::documents::SCHEMAS.into_iter().zip(chapters) {
-        let example = chapter.split("```").nth(1).and_then(|block| block.strip_prefix("xml\n"));
-        let example = example.ok_or_else(|| format!("<{}> has no example", root.name))?;
-        let document = Document::parse(Path::new(""), example.as_bytes(), u32::MAX);
-        let document = document.map_err(|problem| problem.to_string())?;
-        let mut parts = chapter.split(HEADER);
-        out += "\n## ";
-        out += parts.next().unwrap_or_default();
-        for (way, schema) in root.below(&[]) {
-            let part = parts.next().ok_or_else(|| format!("<{}> has no table", schema.name))?;
-            let mut element = Some(document.any_root());
-            way.iter().for_each(|name| element = element.and_then(|element| element.child(name)));
-            out += HEADER;
-            for attribute in schema.attributes {
-                let example = element.and_then(|element| element.optional(attribute.name));
-                out += &attribute.row(example.unwrap_or_default());
-            }
-            let rows = part.lines().take_while(|line| line.starts_with('|'));
-            out += &part[rows.map(|row| row.len() + 1).sum::<usize>().min(part.len())..];
-        }
-        if parts.next().is_some() {
-            return Err(format!("the chapter of <{}> has too many tables", root.name));
-        }
-    }
-    Ok(out)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
 
     #[test]
     fn the_page_is_what_is_read() {
         let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/trial.md");
         let page = std::fs::read_to_string(page).unwrap();
-        let made = reference_page(&page).unwrap();
-        let again = "cargo run -p lemons-cli --example reference -- trial docs/reference/trial.md";
-        made.lines().zip(page.lines()).for_each(|(made, page)| assert_eq!(made, page, "{again}"));
-        assert_eq!(made.len(), page.len(), "{again}");
-        assert_eq!(page.matches(HEADER).count(), 16);
+        for (root, chapter) in SCHEMAS.into_iter().zip(page.split("\n## ").skip(1)) {
+            let schemas = root.below();
+            assert_eq!(chapter.matches(HEADER).count(), schemas.len(), "<{}>", root.name);
+            for (schema, table) in schemas.into_iter().zip(chapter.split(HEADER).skip(1)) {
+                let rows = table.lines().skip(1).take_while(|line| line.starts_with('|'));
+                let rows: Vec<Vec<&str>> = rows.map(|row| row.split('|').map(str::trim).collect()).collect();
+                assert_eq!(rows.len(), schema.attributes.len(), "<{}>", schema.name);
+                for (row, (name, value)) in rows.iter().zip(schema.attributes) {
+                    // After a comma stands what is checked against another attribute.
+                    let range = row[4].split(',').next().unwrap();
+                    let said = (row[2].to_owned(), range.to_owned());
+                    assert_eq!((row[1], said), (&*format!("`{name}`"), named(*value)), "<{}>", schema.name);
+                    let example = format!("{name}=\"{}\"", row[6].trim_matches('`'));
+                    assert!(chapter.contains(&example), "{example}");
+                }
+            }
+        }
     }
 }

@@ -6,52 +6,62 @@
 use crate::files::source::Source;
 use crate::files::{input, words};
 use crate::plane::{Vec2, vec2};
+use crate::trial::documents::Checked;
 use crate::trial::problem::Problems;
-use crate::trial::schema::{Range, Schema, Value};
+use crate::trial::schema::{Schema, Value};
 use crate::xml::{Document, Layout, Out, Problem, Severity, decimal, quoted};
 use std::cell::RefCell;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 use std::iter::repeat;
+use std::mem;
 use std::path::Path;
 
-/// Memory of a file while it is read.
-#[derive(Default)]
-struct Notes {
+/// Files of a Trial while they are read.
+pub(crate) struct Reading<'a> {
+    pub(crate) files: &'a dyn Source,
     problems: RefCell<Problems>,
-    /// Names that were told as those that may have been meant, with their element's.
+    /// Names in the present file that were told as those that may have been meant, with their element's.
     told: RefCell<HashSet<(&'static str, String)>>,
 }
 
-/// Reads a file and hands its root element to `then`; `None` when it is missing, not XML or has another root.
-pub(crate) fn read_file<T>(
-    files: &dyn Source,
-    path: &Path,
-    root: &'static Schema,
-    problems: &mut Problems,
-    then: impl FnOnce(Element<'_>) -> T,
-) -> Option<T> {
-    let bytes = files
-        .read(path, input::LARGEST_TRIAL_FILE)
-        .map_err(|error| Problem::of_file(path, None, format!("cannot be read: {error}")).into());
-    let bytes = problems.or_push(bytes)?;
-    let document = problems.or_push(Document::parse(path, &bytes, u32::MAX))?;
-    let node = problems.or_push(document.root(root.name))?;
-    let notes = Notes::default();
-    let element = Element { node, notes: &notes, schema: root };
-    let read = then(element);
-    element.warn_of_unread();
-    problems.append(notes.problems.into_inner());
-    Some(read)
-}
+impl Reading<'_> {
+    /// Returns what `read` reads without errors, with the warnings; or all errors.
+    pub(crate) fn of<T>(files: &dyn Source, read: impl FnOnce(&Reading<'_>) -> Option<T>) -> Checked<T> {
+        let reading = Reading { files, problems: RefCell::default(), told: RefCell::default() };
+        let read = read(&reading);
+        let problems = reading.problems.into_inner();
+        match read {
+            Some(read) if !problems.has_errors() => Ok((read, problems)),
+            _ => Err(problems),
+        }
+    }
 
-/// Returns what was read without errors, with the warnings; or all errors.
-pub(crate) fn checked<T>(read: impl FnOnce(&mut Problems) -> Option<T>) -> Result<(T, Problems), Problems> {
-    let mut problems = Problems::default();
-    match read(&mut problems) {
-        Some(read) if !problems.has_errors() => Ok((read, problems)),
-        _ => Err(problems),
+    /// Reads a file and hands its root element to `then`; `None` when it is missing, not XML or has another root.
+    pub(crate) fn file<T>(
+        &self,
+        path: &Path,
+        schema: &'static Schema,
+        then: impl FnOnce(Element<'_>) -> T,
+    ) -> Option<T> {
+        let read = || {
+            let bytes = self.files.read(path, input::LARGEST_TRIAL_FILE);
+            let unreadable = |error| Problem::of_file(path, None, format!("cannot be read: {error}"));
+            let bytes = bytes.map_err(unreadable)?;
+            let document = Document::parse(path, &bytes, u32::MAX)?;
+            let node = document.root(schema.name)?;
+            self.told.borrow_mut().clear();
+            let element = Element { node, reading: self, schema };
+            let read = then(element);
+            element.warn_of_unread();
+            Ok(read)
+        };
+        read().map_err(|problem: Box<Problem>| self.report(*problem)).ok()
+    }
+
+    pub(crate) fn report(&self, problem: Problem) {
+        self.problems.borrow_mut().push(problem);
     }
 }
 
@@ -68,20 +78,17 @@ fn parse_vector(text: &str) -> Option<Vec2> {
 #[derive(Clone, Copy)]
 pub(crate) struct Element<'a> {
     pub(crate) node: crate::xml::Element<'a>,
-    notes: &'a Notes,
+    reading: &'a Reading<'a>,
     schema: &'static Schema,
 }
 
-/// What nobody reads in elements of one kind, as it was first seen, and how often.
-struct Seen<'a> {
-    schema: &'static Schema,
-    /// Name of the attribute or element; empty for a text.
-    name: &'a str,
-    is_attribute: bool,
-    count: usize,
-    warning: Problem,
-    /// What the message says after the number of times.
-    end: String,
+/// Something in a file that is not read.
+#[derive(Clone, Copy)]
+enum Unread<'a> {
+    Attribute(roxmltree::Attribute<'a, 'a>),
+    Element(crate::xml::Element<'a>),
+    /// With its place in the file.
+    Text(&'a str, usize),
 }
 
 /// So many names that are not read say enough.
@@ -103,7 +110,7 @@ impl<'a> Element<'a> {
     /// Returns the attributes of this file's own words that are not read.
     fn unread_attributes(self) -> impl Iterator<Item = roxmltree::Attribute<'a, 'a>> {
         let own = self.node.attributes().filter(|attribute| attribute.namespace().is_none());
-        own.filter(move |attribute| self.schema.attribute(attribute.name()).is_none())
+        own.filter(move |attribute| self.schema.value(attribute.name()).is_none())
     }
 
     /// Returns the elements in it that are not read; those of another namespace are for others.
@@ -117,94 +124,81 @@ impl<'a> Element<'a> {
 
     /// Returns whether it is of another kind than those that are read: nobody knows what is in it then.
     fn is_foreign(self) -> bool {
-        self.schema.attributes.iter().any(|attribute| match attribute.value {
-            Value::Word(word) => self.node.optional(attribute.name).is_some_and(|text| text != word),
+        self.schema.attributes.iter().any(|(name, value)| match value {
+            Value::Word(word) => self.node.optional(name).is_some_and(|text| text != *word),
             _ => false,
         })
     }
 
-    /// Warns of what is in the file and is not read, each name once.
+    /// Warns of what is in the file and is not read: each name in elements of one kind once, at its first place.
     fn warn_of_unread(self) {
-        let mut unread = Vec::new();
-        self.find_unread(&mut unread);
-        let more = unread.len() > REPORTED;
-        unread.truncate(REPORTED);
-        let told = self.notes.told.borrow();
-        unread.retain(|seen| !told.contains(&(seen.schema.name, seen.name.to_owned())));
-        for Seen { count, mut warning, end, .. } in unread {
-            let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
-            warning.message += &(times + &end);
-            self.report(warning);
-        }
-        if more {
+        let key = |parent: Element<'_>, name, unread| (parent.schema.name, mem::discriminant(&unread), name);
+        let mut counts = HashMap::new();
+        self.each_unread(&mut |parent, name, unread| {
+            *counts.entry(key(parent, name, unread)).or_insert(0) += 1;
+        });
+        let told = self.reading.told.borrow();
+        counts.retain(|&(parent, _, name), _| !told.contains(&(parent, name.to_owned())));
+        let (all, mut left) = (counts.len(), REPORTED);
+        self.each_unread(&mut |parent, name, unread| {
+            if left > 0
+                && let Some(count) = counts.remove(&key(parent, name, unread))
+            {
+                left -= 1;
+                self.report(parent.warning(name, unread, count));
+            }
+        });
+        if all > REPORTED {
             let message = format!("more than {REPORTED} names of attributes and elements are not read");
             let warning = Problem::of_file(self.node.file(), None, message);
             self.report(Problem { severity: Severity::Warning, ..warning });
         }
     }
 
-    /// Adds what is not read in it, in the order of the file; up to one name more than is reported.
-    fn find_unread(self, unread: &mut Vec<Seen<'a>>) {
+    /// Shows what is in it and is not read, in the order of the file: the element around it, its name, itself.
+    fn each_unread(self, see: &mut dyn FnMut(Element<'a>, &'a str, Unread<'a>)) {
         if self.is_foreign() {
             return;
         }
-        let Schema { name: own, attributes, children } = self.schema;
-        for attribute in self.unread_attributes() {
-            let name = attribute.name();
-            self.see(unread, true, name, attribute.range().start, |warning| {
-                warning.attribute = Some(short(name));
-                warning.value = Some(attribute.value().to_owned());
-                warning.message = "is not read".to_owned();
-                let word = words::meant(name, attributes.iter().map(|attribute| attribute.name));
-                word.map_or(String::new(), |word| format!("; is {word} meant?"))
-            });
-        }
-        for node in self.unread_elements() {
-            let name = node.name();
-            self.see(unread, false, name, node.offset(), |warning| {
-                warning.element = Some(short(name));
-                warning.message = format!("is not read in <{own}>");
-                let word = words::meant(name, children.iter().map(|child| child.name));
-                word.map_or(String::new(), |word| format!("; is <{word}> meant?"))
-            });
-        }
-        for (text, offset) in self.node.texts().filter(|(text, _)| !text.trim().is_empty()) {
-            self.see(unread, false, "", offset, |warning| {
-                warning.message = "the text in it is not read".to_owned();
-                format!(": {}", quoted(text.trim()))
-            });
-        }
+        self.unread_attributes().for_each(|own| see(self, own.name(), Unread::Attribute(own)));
+        self.unread_elements().for_each(|node| see(self, node.name(), Unread::Element(node)));
+        let texts = self.node.texts().filter(|(text, _)| !text.trim().is_empty());
+        texts.for_each(|(text, offset)| see(self, "", Unread::Text(text, offset)));
         for node in self.node.elements() {
             if let Some(schema) = self.schema.child(node.name()) {
-                Element { node, schema, ..self }.find_unread(unread);
+                Element { node, schema, ..self }.each_unread(see);
             }
         }
     }
 
-    /// Counts a thing that is not read. When it is new, `told` completes the warning and returns what ends its message.
-    fn see(
-        self,
-        unread: &mut Vec<Seen<'a>>,
-        is_attribute: bool,
-        name: &'a str,
-        offset: usize,
-        told: impl FnOnce(&mut Problem) -> String,
-    ) {
-        let schema = self.schema;
-        let is_same = |seen: &&mut Seen<'_>| {
-            std::ptr::eq(seen.schema, schema) && (seen.is_attribute, seen.name) == (is_attribute, name)
+    /// Says of something in it that it is not read, and how often it is there.
+    fn warning(self, name: &str, unread: Unread<'_>, count: usize) -> Problem {
+        let Schema { name: own, attributes, children } = self.schema;
+        let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
+        let warning = |offset, message| Problem {
+            severity: Severity::Warning,
+            element: Some((*own).to_owned()),
+            ..Problem::of_file(self.node.file(), Some(self.node.document().line(offset)), message)
         };
-        if let Some(seen) = unread.iter_mut().find(is_same) {
-            seen.count += 1;
-        } else if unread.len() <= REPORTED {
-            let line = self.node.document().line(offset);
-            let mut warning = Problem {
-                severity: Severity::Warning,
-                element: Some(schema.name.to_owned()),
-                ..Problem::of_file(self.node.file(), Some(line), "")
-            };
-            let end = told(&mut warning);
-            unread.push(Seen { schema, name, is_attribute, count: 1, warning, end });
+        match unread {
+            Unread::Attribute(attribute) => {
+                let word = words::meant(name, attributes.iter().map(|attribute| attribute.0));
+                let meant = word.map_or(String::new(), |word| format!("; is {word} meant?"));
+                Problem {
+                    attribute: Some(short(name)),
+                    value: Some(attribute.value().to_owned()),
+                    ..warning(attribute.range().start, format!("is not read{times}{meant}"))
+                }
+            }
+            Unread::Element(node) => {
+                let word = words::meant(name, children.iter().map(|child| child.name));
+                let meant = word.map_or(String::new(), |word| format!("; is <{word}> meant?"));
+                let message = format!("is not read in <{own}>{times}{meant}");
+                Problem { element: Some(short(name)), ..warning(node.offset(), message) }
+            }
+            Unread::Text(text, offset) => {
+                warning(offset, format!("the text in it is not read{times}: {}", quoted(text.trim())))
+            }
         }
     }
 
@@ -242,12 +236,12 @@ impl<'a> Element<'a> {
         shown: impl Fn(&str) -> String,
     ) -> String {
         let Some(there) = words::meant(name, there) else { return String::new() };
-        self.notes.told.borrow_mut().insert((self.schema.name, there.to_owned()));
+        self.reading.told.borrow_mut().insert((self.schema.name, there.to_owned()));
         format!("; there is {}: is it misspelt?", shown(there))
     }
 
     fn value(self, attribute: &str) -> Option<Value> {
-        let value = self.schema.attribute(attribute).map(|attribute| attribute.value);
+        let value = self.schema.value(attribute);
         debug_assert!(value.is_some(), "{attribute} is not said to be read");
         value
     }
@@ -283,10 +277,8 @@ impl<'a> Element<'a> {
         };
         let fault = match (decimal(text), value) {
             (None, _) => "must be a finite decimal number",
-            (Some(number), Some(Value::Number(Range::Positive | Range::UpTo(_)))) if number <= 0.0 => {
-                "must be positive"
-            }
-            (Some(number), Some(Value::Number(Range::NotNegative))) if number < 0.0 => "must not be negative",
+            (Some(..=0.0), Some(Value::Positive)) => "must be positive",
+            (Some(..0.0), Some(Value::NotNegative)) => "must not be negative",
             (Some(number), _) => return number,
         };
         self.wrong(attribute, fault);
@@ -333,7 +325,7 @@ impl<'a> Element<'a> {
 
     /// Adds a problem to those of the file.
     pub(crate) fn report(self, problem: Problem) {
-        self.notes.problems.borrow_mut().push(problem);
+        self.reading.report(problem);
     }
 
     /// Reports an error about the element.
@@ -415,28 +407,25 @@ pub(crate) fn vector(value: Vec2) -> String {
 mod tests {
     use super::*;
     use crate::files::source::Memory;
-    use crate::trial::schema::{Attribute, attribute};
 
-    const fn number(name: &'static str) -> Attribute {
-        attribute(name, Value::Number(Range::Positive), "", "")
-    }
-
-    static B: Schema =
-        Schema { name: "B", attributes: &[number("X"), number("Y"), number("Z")], children: &[] };
+    const NUMBERS: [(&str, Value); 3] =
+        [("X", Value::Positive), ("Y", Value::Positive), ("Z", Value::Positive)];
+    static B: Schema = Schema { name: "B", attributes: &NUMBERS, children: &[] };
     static A: Schema = Schema { name: "A", attributes: &[], children: &[&B] };
 
     #[test]
     fn an_attribute_has_its_own_line() {
         let mut files = Memory::default();
         files.put(Path::new("f.xml"), b"<A>\n <B\n  X='1'\n  Y='no'/>\n</A>".to_vec());
-        let mut problems = Problems::default();
-        read_file(&files, Path::new("f.xml"), &A, &mut problems, |root| {
-            let element = root.only("B").unwrap();
-            assert_eq!(element.line(), 2);
-            let [x, y, z] = ["X", "Y", "Z"].map(|attribute| element.number(attribute));
-            assert!(x == 1.0 && y.is_nan() && z.is_nan());
+        let read = Reading::of(&files, |reading| {
+            reading.file(Path::new("f.xml"), &A, |root| {
+                let element = root.only("B").unwrap();
+                assert_eq!(element.line(), 2);
+                let [x, y, z] = ["X", "Y", "Z"].map(|attribute| element.number(attribute));
+                assert!(x == 1.0 && y.is_nan() && z.is_nan());
+            })
         });
         let expected = "f.xml:4: <B> Y=\"no\": must be a finite decimal number\nf.xml:2: <B> Z: is missing";
-        assert_eq!(problems.to_string(), expected);
+        assert_eq!(read.unwrap_err().to_string(), expected);
     }
 }

@@ -3,7 +3,6 @@
 use crate::xml::check::check;
 use crate::xml::problem::{Problem, Result};
 use roxmltree::{Attribute, Node, ParsingOptions};
-use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::path::Path;
 use std::str::FromStr;
@@ -126,26 +125,6 @@ impl<'a> Element<'a> {
     /// Returns the texts in it, each with the place where it begins \[byte\]; comments and elements are between them.
     pub fn texts(self) -> impl Iterator<Item = (&'a str, usize)> {
         self.node.children().filter(Node::is_text).filter_map(|node| Some((node.text()?, node.range().start)))
-    }
-
-    /// Returns the whole text, without the white space around it; a comment inside does not end it.
-    ///
-    /// # Errors
-    /// There is an element in it.
-    pub fn content(self) -> Result<Cow<'a, str>> {
-        if let Some(inner) = self.elements().next() {
-            let message = format!("contains <{:.60}>; only text is allowed", inner.name());
-            return Err(self.problem(message).into());
-        }
-        let mut texts = self.texts().map(|(text, _)| text);
-        let first = texts.next().unwrap_or_default();
-        Ok(match texts.next() {
-            None => Cow::Borrowed(first.trim()),
-            Some(second) => {
-                let whole: String = [first, second].into_iter().chain(texts).collect();
-                Cow::Owned(whole.trim().to_owned())
-            }
-        })
     }
 
     /// Returns its attributes, without the declarations of namespaces.
@@ -281,12 +260,8 @@ mod tests {
     }
 
     #[test]
-    fn a_text_is_whole_and_alone() {
-        let document = Document::parse(Path::new(""), b"<A> 1<!-- -->2<![CDATA[3]]>\n</A>", 9).unwrap();
-        assert_eq!(document.any_root().content(), Ok("123".into()));
+    fn texts_have_their_lines() {
         let document = Document::parse(Path::new(""), TEXT.as_bytes(), u32::MAX).unwrap();
-        let said = document.any_root().content().unwrap_err().to_string();
-        assert_eq!(said, "line 1: <A>: contains <B>; only text is allowed");
         let texts = document.any_root().texts().filter(|(text, _)| !text.trim().is_empty());
         let texts: Vec<_> = texts.map(|(text, at)| (text.trim(), document.line(at))).collect();
         assert_eq!(texts, [("text", 3), ("s", 3)]);

@@ -47,9 +47,7 @@ impl Problem {
             message: message.into(),
         }
     }
-}
 
-impl Problem {
     /// Returns the line without the word "warning", for places that say it themselves.
     pub fn without_severity(&self) -> String {
         let text = self.to_string();

@@ -1,5 +1,6 @@
 //! Closed outlines: ovals about a centre, and their girths.
 
+use crate::normal::bisected;
 use lemons_core::plane::{Vec2, vec2};
 use std::f64::consts::PI;
 
@@ -80,15 +81,7 @@ impl Oval {
     /// Changes the exponent so that the outline has this girth, between those of an ellipse and of `MAX_FULLNESS`.
     pub(super) fn with_girth(self, girth: f64) -> Oval {
         let ways = directions(0.0);
-        let (mut low, mut high) = (2.0, MAX_FULLNESS);
-        for _ in 0..12 {
-            let middle = 0.5 * (low + high);
-            if self.full(middle).girth(&ways) < girth {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let (low, high) = bisected([2.0, MAX_FULLNESS], 12, |full| self.full(full).girth(&ways) < girth);
         self.full(0.5 * (low + high))
     }
 
@@ -149,15 +142,9 @@ fn ellipse_girth(a: f64, b: f64) -> f64 {
 
 /// \[m\] Full depth of the ellipse with this breadth and girth, limited to `least` and `most` times the breadth.
 pub(super) fn depth_of_girth(breadth: f64, girth: f64, least: f64, most: f64) -> f64 {
-    let (mut low, mut high) = (least * breadth, most * breadth);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if ellipse_girth(breadth / 2.0, middle / 2.0) < girth {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let (low, high) = bisected([least * breadth, most * breadth], 40, |depth| {
+        ellipse_girth(breadth / 2.0, depth / 2.0) < girth
+    });
     0.5 * (low + high)
 }
 

@@ -4,10 +4,7 @@
 use super::fire::Fire;
 use super::hull::hull_area;
 use super::soft_disks::{Body, Boundary, SoftDisks};
-use super::{
-    Ended, Orientation, Packing, Progress, Region, Settings, Stage, TOLERANCE, Watch, check, check_shapes,
-    reach,
-};
+use super::{Ended, Orientation, Packing, Progress, Region, Settings, Stage, TOLERANCE, Watch, reach};
 use crate::error::{Result, require};
 use crate::random::Random;
 use crate::shape::Shape;
@@ -64,11 +61,6 @@ const ITERATIONS: u64 = 200_000;
 /// density is too high, or too high for that many iterations. Its `clear_density` is then the density of the shapes
 /// that could spread without overlap after others were removed.
 pub fn dense(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut Watch) -> Result<Packing> {
-    check_shapes(shapes)?;
-    settings.orientation.check()?;
-    if let Some(density) = settings.density {
-        check("the density", density, density > 0.0, "a positive number of shapes per m²")?;
-    }
     let wanted = settings.density.filter(|_| region.is_plane());
     let covered: f64 = shapes.iter().map(|shape| shape.moments().area).sum();
     let room = wanted.map_or(region.area(), |density| shapes.len() as f64 / density);

@@ -1,16 +1,17 @@
 //! Shapes on a grid, in rows across a direction.
 
-use super::{Ended, Orientation, Packing, Region, Settings, check_shapes, reach, wrapped};
+use super::region::Edge;
+use super::{Ended, Orientation, Packing, Region, Settings, reach, wrapped};
 use crate::error::{Result, require};
 use crate::random::Random;
 use crate::shape::{Shape, bounds};
-use lemons_core::plane::{Bounds, Pose, Rotation, Vec2, segments_touch, vec2};
+use lemons_core::plane::{Bounds, Pose, Ring, Rotation, Vec2, segments_touch, vec2};
 use std::f64::consts::PI;
 
 /// Number of offsets of the grid along each axis that are tried in a region. The one with most places is used.
 const LAYS: usize = 8;
 /// Largest number of places that are tried.
-const MOST_PLACES: u64 = 10_000_000;
+const MOST_PLACES: usize = 10_000_000;
 /// \[m\] Neighbours at the computed spacing touch; this distance keeps rounding from making them overlap.
 const SLACK: f64 = 1e-9;
 /// \[m\] A shape may reach this far through the boundary, so that a region of exactly the right size holds its rows.
@@ -22,8 +23,6 @@ const EXACT: f64 = 1e-7;
 /// # Errors
 /// The region has too few places in which the shapes are inside.
 pub fn grid(shapes: &[Shape], region: &Region, settings: &Settings) -> Result<Packing> {
-    check_shapes(shapes)?;
-    settings.orientation.check()?;
     let extents: Vec<Bounds> = shapes.iter().map(|s| extent(s, settings.orientation)).collect();
     // The largest bounding box of a shape or, where shapes face any direction, the largest bounding circle.
     let wider = |a: Vec2, b: Vec2| vec2(a.x.max(b.x + SLACK), a.y.max(b.y + SLACK));
@@ -107,18 +106,11 @@ fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Bounds],
         let part = |k: usize| k as f64 / (LAYS - 1) as f64;
         let shift = vec2(spare.x * part(lay / LAYS), spare.y * ((0.5 + part(lay % LAYS)) % 1.0));
         let first = vec2(high.x - half.x - shift.x, low.y + half.y + shift.y);
-        let mut places = Vec::new();
         let all = (0..=rows as u64).flat_map(|row| (0..=columns as u64).map(move |column| (row, column)));
-        for (row, column) in all {
-            let place = first + vec2(-(row as f64) * spacing.x, column as f64 * spacing.y);
-            looked_at += 1;
-            if fits(place) {
-                places.push(place);
-            }
-            if places.len() >= wanted || looked_at >= MOST_PLACES {
-                break;
-            }
-        }
+        let place =
+            |(row, column): (u64, u64)| first + vec2(-(row as f64) * spacing.x, column as f64 * spacing.y);
+        let all = all.map(place).take(MOST_PLACES - looked_at).inspect(|_| looked_at += 1);
+        let places: Vec<Vec2> = all.filter(|place| fits(*place)).take(wanted).collect();
         if places.len() > best.len() {
             best = places;
         }
@@ -132,20 +124,14 @@ fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Bounds],
 /// Returns whether a box, given by its corners, lies inside a region, except for rounding.
 fn box_inside(region: &Region, corners: &[Vec2; 4]) -> bool {
     let middle = (corners[0] + corners[2]) * 0.5;
-    if !region.contains(middle) {
-        return false;
-    }
-    // No edge of the region may cross the box, made slightly smaller.
     let shrunk = corners.map(|c| {
         let way = middle - c;
         c + way * (2.0 * EXACT / way.norm().max(2.0 * EXACT))
     });
-    let sides = [(0, 1), (1, 2), (2, 3), (3, 0)];
-    region.edges().iter().all(|e| {
-        let crosses = sides.iter().any(|&(a, b)| segments_touch(e.start, e.end, shrunk[a], shrunk[b]));
-        let along = [shrunk[1] - shrunk[0], shrunk[3] - shrunk[0]];
-        let within =
-            |p: Vec2| along.iter().all(|u| (0.0..=u.norm_squared()).contains(&(p - shrunk[0]).dot(*u)));
-        !crosses && !within(e.start)
-    })
+    // No edge of the region may cross the box, made slightly smaller, or lie in it.
+    let clear = |rim: Ring| {
+        let crosses = |e: &Edge| rim.sides().any(|(a, b)| segments_touch(e.start, e.end, a, b));
+        !region.edges().iter().any(|e| crosses(e) || rim.contains(e.start))
+    };
+    region.contains(middle) && Ring::through(shrunk.to_vec()).is_some_and(clear)
 }

@@ -2,65 +2,46 @@
 
 use super::hull::hull_area;
 use super::neighbours::CellGrid;
-use super::{Region, TOLERANCE, reach};
+use super::{Ended, Packing, Region, TOLERANCE, reach};
 use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose, Vec2};
-use std::collections::BinaryHeap;
 
-/// The quality of a placing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measure {
-    /// \[m\] Largest overlap of disks of two shapes, or of a disk and the boundary; 0 if there is none.
-    pub largest_overlap: f64,
-    /// \[1/m²\] Number of shapes per area of the region; in the open plane, per area of the convex hull of all disks.
-    pub density: f64,
-    /// \[1/m²\] Density of the shapes that remain if, one after the other, the shape with the largest overlap is
-    /// removed until no overlap exceeds [`TOLERANCE`].
-    pub clear_density: f64,
-}
+impl Packing {
+    /// Measures shapes at poses, a finite one for each. The placing is complete if nothing overlaps.
+    pub fn of(shapes: &[Shape], region: &Region, poses: Vec<Pose>, ended: Ended, iterations: u64) -> Packing {
+        let disks: Vec<Vec<Disk>> = shapes.iter().zip(&poses).map(|(s, p)| s.placed(p).collect()).collect();
+        let overlaps = Overlaps::of(shapes, region, &poses, &disks);
+        let largest_overlap = overlaps.largest();
+        let Overlaps { boundary: mut sum, pairs } = overlaps;
 
-/// Measures shapes at poses: one finite pose for each shape.
-pub fn measure(shapes: &[Shape], region: &Region, poses: &[Pose]) -> Measure {
-    let disks: Vec<Vec<Disk>> = shapes.iter().zip(poses).map(|(s, p)| s.placed(p).collect()).collect();
-    let boundary: Vec<f64> = disks.iter().map(|d| through_boundary(region, d)).collect();
-    let pairs = overlapping_pairs(shapes, poses, &disks);
-    let largest = pairs.iter().map(|p| p.2).chain(boundary.iter().copied()).fold(0.0, f64::max);
-
-    // For each shape: the sum of its overlaps, and the shapes that it overlaps.
-    let mut sum = boundary.clone();
-    let mut partners = vec![Vec::new(); disks.len()];
-    for &(a, b, overlap) in pairs.iter().filter(|p| p.2 > TOLERANCE) {
-        for (one, other) in [(a, b), (b, a)] {
-            sum[one] += overlap;
-            partners[one].push((other, overlap));
-        }
-    }
-    let mut left = vec![true; disks.len()];
-    // The bits of non-negative numbers have the same order as the numbers. A sum that has become smaller is pushed
-    // again; its old entry is skipped.
-    let entry = |sum: &[f64], k: usize| (sum[k].max(0.0).to_bits(), k);
-    let overlaps = |sum: &[f64], k: usize| sum[k] > TOLERANCE;
-    let mut heap: BinaryHeap<(u64, usize)> =
-        (0..sum.len()).filter(|&k| overlaps(&sum, k)).map(|k| entry(&sum, k)).collect();
-    while let Some(top) = heap.pop() {
-        let worst = top.1;
-        if !left[worst] || top != entry(&sum, worst) {
-            continue;
-        }
-        left[worst] = false;
-        for &(other, overlap) in &partners[worst] {
-            sum[other] -= overlap;
-            if left[other] && overlaps(&sum, other) {
-                heap.push(entry(&sum, other));
+        // For each shape: the sum of its overlaps, and the shapes that it overlaps.
+        let mut partners = vec![Vec::new(); disks.len()];
+        for &(a, b, overlap) in pairs.iter().filter(|p| p.2 > TOLERANCE) {
+            for (one, other) in [(a, b), (b, a)] {
+                sum[one] += overlap;
+                partners[one].push((other, overlap));
             }
         }
-    }
-    let clear: Vec<Vec<Disk>> =
-        disks.iter().zip(&left).filter(|(_, l)| **l).map(|(d, _)| d.clone()).collect();
-    Measure {
-        largest_overlap: largest,
-        density: density(region, &disks),
-        clear_density: density(region, &clear),
+        let mut left = vec![true; disks.len()];
+        let worst = |sum: &[f64], left: &[bool]| {
+            let overlaps = (0..sum.len()).filter(|&k| left[k] && sum[k] > TOLERANCE);
+            overlaps.max_by(|&a, &b| sum[a].total_cmp(&sum[b]))
+        };
+        while let Some(worst) = worst(&sum, &left) {
+            left[worst] = false;
+            partners[worst].iter().for_each(|&(other, overlap): &(usize, f64)| sum[other] -= overlap);
+        }
+        let clear: Vec<Vec<Disk>> =
+            disks.iter().zip(&left).filter(|(_, l)| **l).map(|(d, _)| d.clone()).collect();
+        Packing {
+            poses,
+            density: density(region, &disks),
+            clear_density: density(region, &clear),
+            largest_overlap,
+            complete: largest_overlap <= TOLERANCE,
+            ended,
+            iterations,
+        }
     }
 }
 
@@ -78,26 +59,41 @@ pub(super) fn overlap(a: &[Disk], b: &[Disk]) -> f64 {
     a.iter().flat_map(|p| b.iter().map(move |q| of(p, q))).fold(f64::NEG_INFINITY, f64::max)
 }
 
-fn overlapping_pairs(shapes: &[Shape], poses: &[Pose], disks: &[Vec<Disk>]) -> Vec<(usize, usize, f64)> {
-    let centres: Vec<Vec2> = poses.iter().map(|p| p.position).collect();
-    let reaches: Vec<f64> = shapes.iter().map(reach).collect();
-    let grid = CellGrid::new(&centres, 2.0 * reaches.iter().copied().fold(0.0, f64::max));
-    let mut found = Vec::new();
-    for a in 0..disks.len() {
-        grid.for_each_near(centres[a], |b| {
-            let reach = reaches[a] + reaches[b];
-            if b > a && (centres[a] - centres[b]).norm_squared() < reach * reach {
-                let overlap = overlap(&disks[a], &disks[b]);
-                if overlap > 0.0 {
-                    found.push((a, b, overlap));
-                }
-            }
-        });
-    }
-    found
+/// The overlaps \[m\] of shapes.
+pub(super) struct Overlaps {
+    /// Of each shape with the boundary.
+    boundary: Vec<f64>,
+    /// Two shapes that overlap, the lower place first, and by how much.
+    pairs: Vec<(usize, usize, f64)>,
 }
 
-fn density(region: &Region, disks: &[Vec<Disk>]) -> f64 {
+impl Overlaps {
+    pub(super) fn of(shapes: &[Shape], region: &Region, poses: &[Pose], disks: &[Vec<Disk>]) -> Overlaps {
+        let boundary = disks.iter().map(|d| through_boundary(region, d)).collect();
+        let centres: Vec<Vec2> = poses.iter().map(|p| p.position).collect();
+        let reaches: Vec<f64> = shapes.iter().map(reach).collect();
+        let grid = CellGrid::new(&centres, 2.0 * reaches.iter().copied().fold(0.0, f64::max));
+        let mut pairs = Vec::new();
+        for a in 0..disks.len() {
+            grid.for_each_near(centres[a], |b| {
+                let reach = reaches[a] + reaches[b];
+                if b > a && (centres[a] - centres[b]).norm_squared() < reach * reach {
+                    let overlap = overlap(&disks[a], &disks[b]);
+                    pairs.extend((overlap > 0.0).then_some((a, b, overlap)));
+                }
+            });
+        }
+        Overlaps { boundary, pairs }
+    }
+
+    /// \[m\] 0 if there are none.
+    pub(super) fn largest(&self) -> f64 {
+        self.pairs.iter().map(|pair| pair.2).chain(self.boundary.iter().copied()).fold(0.0, f64::max)
+    }
+}
+
+/// \[1/m²\] Number of shapes per area of the region, or of their convex hull in the open plane.
+pub(super) fn density(region: &Region, disks: &[Vec<Disk>]) -> f64 {
     if disks.is_empty() {
         return 0.0;
     }

@@ -1,70 +1,54 @@
 //! Finds points that are near each other: a cell grid.
 
 use lemons_core::plane::{Bounds, Vec2};
+use std::collections::HashMap;
 
-/// Points in square cells. Points beyond the grid are in its outermost cells.
+/// Points in square cells.
 #[derive(Debug)]
 pub(super) struct CellGrid {
     low: Vec2,
     /// \[1/m\]
     cells_per_length: f64,
-    columns: usize,
-    /// Row by row.
-    cells: Vec<Vec<u32>>,
+    /// By row and column.
+    cells: HashMap<[i64; 2], Vec<u32>>,
 }
 
 impl CellGrid {
     /// Sorts finite points into cells of at least the width `distance` \[m\].
     pub fn new(points: &[Vec2], distance: f64) -> CellGrid {
         let nowhere = Bounds { low: Vec2::ZERO, high: Vec2::ZERO };
-        let Bounds { low, high } = Bounds::of(points.iter().copied()).unwrap_or(nowhere);
-        // Cells are wider if the points are far apart: there are only a few cells for each point.
+        let bounds = Bounds::of(points.iter().copied()).unwrap_or(nowhere);
+        // Cells are wider if the points are far apart. The order in which neighbours are met depends on it.
         let most = (4 * points.len() + 16) as f64;
-        let (width, height) = (high.x - low.x, high.y - low.y);
-        let mut cell = distance.max(1e-9).max((width * height / most).sqrt()).max(width.max(height) / most);
-        let count = |length: f64, cell: f64| (length / cell) as usize + 1;
-        while (count(width, cell) * count(height, cell)) as f64 > 4.0 * most {
-            cell *= 2.0;
-        }
-        let (columns, rows) = (count(width, cell), count(height, cell));
-        let cells = vec![Vec::new(); columns * rows];
-        let mut grid = CellGrid { low, cells_per_length: 1.0 / cell, columns, cells };
+        let Vec2 { x: width, y: height } = bounds.size();
+        let cell = distance.max(1e-9).max((width * height / most).sqrt()).max(width.max(height) / most);
+        let mut grid = CellGrid { low: bounds.low, cells_per_length: 1.0 / cell, cells: HashMap::new() };
         for (k, &point) in points.iter().enumerate() {
-            let (column, row) = grid.cell(point);
-            grid.cells[row * columns + column].push(k as u32);
+            grid.cells.entry(grid.cell(point)).or_default().push(k as u32);
         }
         grid
     }
 
-    fn rows(&self) -> usize {
-        self.cells.len() / self.columns
-    }
-
-    fn cell(&self, point: Vec2) -> (usize, usize) {
-        // `as` saturates: points outside are in the outermost cells.
+    fn cell(&self, point: Vec2) -> [i64; 2] {
         let place = (point - self.low) * self.cells_per_length;
-        ((place.x as usize).min(self.columns - 1), (place.y as usize).min(self.rows() - 1))
+        [place.y, place.x].map(|along| libm::floor(along) as i64)
     }
 
     /// Moves a point that was at another place.
     pub fn shift(&mut self, who: usize, from: Vec2, to: Vec2) {
-        let [before, after] = [from, to].map(|place| {
-            let (column, row) = self.cell(place);
-            row * self.columns + column
-        });
-        self.cells[before].retain(|&k| k != who as u32);
-        self.cells[after].push(who as u32);
+        let [before, after] = [from, to].map(|place| self.cell(place));
+        self.cells.entry(before).or_default().retain(|&k| k != who as u32);
+        self.cells.entry(after).or_default().push(who as u32);
     }
 
     /// Calls `meet` for each point that may lie within the distance of a point, and for some others.
     #[inline]
     pub fn for_each_near(&self, point: Vec2, mut meet: impl FnMut(usize)) {
-        let (column, row) = self.cell(point);
-        let last = (column + 1).min(self.columns - 1);
-        for row in row.saturating_sub(1)..=(row + 1).min(self.rows() - 1) {
-            for cell in &self.cells[row * self.columns + column.saturating_sub(1)..=row * self.columns + last]
-            {
-                cell.iter().for_each(|&member| meet(member as usize));
+        let [row, column] = self.cell(point);
+        for row in row - 1..=row + 1 {
+            for column in column - 1..=column + 1 {
+                let members = self.cells.get(&[row, column]).into_iter().flatten();
+                members.for_each(|&member| meet(member as usize));
             }
         }
     }

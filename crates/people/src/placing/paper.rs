@@ -1,12 +1,8 @@
 //! The paper's packing algorithm (appendix D).
 
-use super::measure::{overlap, through_boundary};
+use super::measure::{Overlaps, density, overlap, through_boundary};
 use super::neighbours::CellGrid;
-use super::{
-    Ended, Packing, Progress, Region, Settings, Stage, TOLERANCE, Watch, check_shapes, measure, reach,
-    wrapped,
-};
-use crate::error::Result;
+use super::{Ended, Packing, Progress, Region, Settings, Stage, TOLERANCE, Watch, reach, wrapped};
 use crate::random::Random;
 use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose, Rotation, Vec2, vec2};
@@ -38,24 +34,21 @@ const BEGIN_DENSITY: f64 = 8.0;
 /// The paper does not say how to begin and when to stop. Here agents begin at random places, evenly distributed, and
 /// the algorithm stops when nothing overlaps. Overlaps may remain; the result then says that it is not complete.
 /// [`dense()`](super::dense()) reaches higher densities.
-pub fn paper(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut Watch) -> Result<Packing> {
-    check_shapes(shapes)?;
-    settings.orientation.check()?;
+pub fn paper(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut Watch) -> Packing {
     let limit = settings.limit.unwrap_or(ITERATIONS);
     let mut crowd = Crowd::new(shapes, region, settings);
     let mut temperature = 1.0;
     let (mut iterations, mut ended) = (0, Ended::Exhausted);
-    let density = |poses: &[Pose]| measure(shapes, region, poses).density;
     // The hull of a crowd in the open plane takes a while: the density is not updated at every report.
-    let mut reported = if shapes.is_empty() { 0.0 } else { density(&crowd.poses) };
+    let mut reported = density(region, &crowd.disks);
     for iteration in 0..limit {
-        let overlap = crowd.largest_overlap();
+        let overlap = Overlaps::of(shapes, region, &crowd.poses, &crowd.disks).largest();
         if overlap <= TOLERANCE {
             ended = Ended::Done;
             break;
         }
         if region.is_plane() && iteration % 50 == 49 {
-            reported = density(&crowd.poses);
+            reported = density(region, &crowd.disks);
         }
         let stage = Stage::Spreading;
         if watch(&Progress { stage, iteration, limit, overlap, density: reported }).is_break() {
@@ -71,7 +64,7 @@ pub fn paper(shapes: &[Shape], region: &Region, settings: &Settings, watch: &mut
     let packing = Packing::of(shapes, region, crowd.poses, ended, iterations);
     // Perhaps the last iteration removed the last overlap.
     let done = packing.complete && ended == Ended::Exhausted;
-    Ok(Packing { ended: if done { Ended::Done } else { ended }, ..packing })
+    Packing { ended: if done { Ended::Done } else { ended }, ..packing }
 }
 
 struct Crowd<'a> {
@@ -122,17 +115,6 @@ impl<'a> Crowd<'a> {
         near.retain(|&other| other != agent);
         near.sort_unstable();
         near
-    }
-
-    fn largest_overlap(&self) -> f64 {
-        let mut largest = 0.0f64;
-        for a in 0..self.poses.len() {
-            largest = largest.max(through_boundary(self.region, &self.disks[a]));
-            for b in self.near(a).into_iter().filter(|&b| b > a) {
-                largest = largest.max(self.overlap(a, b));
-            }
-        }
-        largest
     }
 
     /// The body of the paper's inner loop.
@@ -220,23 +202,16 @@ mod tests {
     fn stays_inside_and_cools() {
         let region = Region::rectangle(vec2(0.0, 0.0), vec2(1.0, 1.0)).unwrap();
         let shapes = disks(30);
-        let settings =
-            Settings { limit: Some(40), orientation: Orientation::Towards(0.0), ..Settings::default() };
-        let mut seen = Vec::new();
-        let packing = paper(&shapes, &region, &settings, &mut |p| {
-            seen.push(p.iteration);
-            std::ops::ControlFlow::Continue(())
-        })
-        .unwrap();
-        assert_eq!(seen, (0..40).collect::<Vec<_>>());
+        let settings = Settings { orientation: Orientation::Towards(0.0), ..Settings::default() };
+        let after = |iterations: u64| {
+            let settings = Settings { limit: Some(iterations), ..settings };
+            paper(&shapes, &region, &settings, &mut |_| std::ops::ControlFlow::Continue(()))
+        };
+        let packing = after(40);
         assert_eq!((packing.ended, packing.iterations, packing.complete), (Ended::Exhausted, 40, false));
         assert!(packing.poses.iter().all(|p| region.contains(p.position)));
-        let turned = |iterations: u64| -> Vec<f64> {
-            let settings = Settings { limit: Some(iterations), ..settings };
-            let packing =
-                paper(&shapes, &region, &settings, &mut |_| std::ops::ControlFlow::Continue(())).unwrap();
-            packing.poses.iter().map(|p| p.orientation).collect()
-        };
+        let turned =
+            |iterations: u64| -> Vec<f64> { after(iterations).poses.iter().map(|p| p.orientation).collect() };
         // At 0.1 a step the temperature is 0 after ten (and a rounding): nobody turns then.
         assert_eq!(turned(12), turned(30));
         assert_ne!(turned(5), turned(8));

@@ -69,8 +69,7 @@ struct Slab {
 impl Region {
     /// Returns the open plane.
     pub fn plane() -> Region {
-        let (rings, edges, slabs) = (Vec::new(), Vec::new(), Vec::new());
-        Region { rings, edges, of_rings: 0, is_left: false, area: f64::INFINITY, slabs }
+        Region::of_sides(Vec::new(), f64::INFINITY)
     }
 
     /// Returns the rectangle between two opposite corners \[m\].
