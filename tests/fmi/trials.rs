@@ -34,24 +34,6 @@ fn a_trial_is_chosen_before_or_after_other_parameters() {
 }
 
 #[test]
-fn a_state_brings_its_trial_along() {
-    let resources = two_trials();
-    for version in BOTH {
-        let (saved, other) = (Crowd::on(version, &resources), Crowd::on(version, &resources));
-        saved.must(saved.set_text("Trial", "Trial_wider"));
-        saved.push_and_initialize();
-        saved.steps(0, 10);
-        let bytes = saved.bytes();
-        other.push_and_initialize();
-        other.must(other.restore(&bytes));
-        assert_eq!(other.text("Trial"), "Trial_wider");
-        saved.steps(10, 20);
-        other.steps(10, 20);
-        assert_eq!(saved.everything(), other.everything());
-    }
-}
-
-#[test]
 fn a_trial_that_is_broken_or_has_other_variables_cannot_be_chosen() {
     let resources = two_trials();
     let materials = resources.directory().join("Trial_wider/static/Materials.xml");
