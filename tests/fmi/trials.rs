@@ -25,6 +25,14 @@ fn a_trial_is_chosen_before_or_after_other_parameters() {
             crowd.steps(0, 14);
         }
         assert_eq!(before.everything(), after.everything());
+        // A state brings its Trial along.
+        let other = Crowd::on(version, &resources);
+        other.push_and_initialize();
+        other.must(other.restore(&before.bytes()));
+        assert_eq!(other.text("Trial"), "Trial_wider");
+        before.steps(14, 20);
+        other.steps(14, 20);
+        assert_eq!(before.everything(), other.everything());
 
         before.reset();
         before.initialize();

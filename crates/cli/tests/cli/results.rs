@@ -61,8 +61,7 @@ fn a_signal_leaves_valid_results_and_the_run_goes_on_bit_for_bit() {
         let until = format!("--until {:?} -o rest.csv --force", steps as f64 * 0.05);
         summary = push(at, &format!("--resume push.run --state push.run {until}"), 0);
         let rest = read(at, "rest.csv");
-        table.extend(&rest[rest.iter().position(|byte| *byte == b'
-').unwrap() + 1..]);
+        table.extend(&rest[rest.iter().position(|byte| *byte == b'\n').unwrap() + 1..]);
     }
     let whole = push(at, &format!("--until {:?} -o whole.csv", (last + 20) as f64 * 0.05), 0);
     assert!(table == read(at, "whole.csv"), "to the last byte");

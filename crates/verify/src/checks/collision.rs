@@ -34,10 +34,8 @@ fn velocities() -> Result<f64> {
 /// The world did not advance, or the contact did not stick.
 pub(crate) fn errors_in_oblique_contact() -> Result<Halved> {
     let law = PairLaw { friction: 20.0, normal_damping: 900.0, ..BODIES };
-    let drive_rates = [
-        Wrench { force: vec2(4e5, 2e5), torque: 2e4 },
-        Wrench { force: vec2(-3e5, 1e5), torque: -1e4 },
-    ];
+    let drive_rates =
+        [Wrench { force: vec2(4e5, 2e5), torque: 2e4 }, Wrench { force: vec2(-3e5, 1e5), torque: -1e4 }];
     let rate = 4.5;
     let bodies = [0, 1].map(|i| disk(MASSES[i], RADII[i]).relaxing(rate, rate));
     let inertias = bodies.each_ref().map(|placed| placed.body.inertia);

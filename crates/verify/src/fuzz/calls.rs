@@ -433,16 +433,6 @@ impl Session {
         status
     }
 
-    /// Makes a call that takes nothing from the fuzzer's bytes.
-    fn call(&mut self, call: &Call) -> Status {
-        self.make(call, |session, before| session.perform(call, before, &mut Unstructured::new(&[])))
-    }
-
-    /// Makes a call by a method of the instance.
-    fn by(&mut self, name: &str, call: impl FnOnce(&Instance) -> Status) -> Status {
-        self.make(&name, |session, _| session.status(call))
-    }
-
     /// The same bytes, or at least the same phase, time and values: a refused step or question may have computed what is
     /// not kept yet. A step that fails leads to the phase of errors, in FMI 3.0 perhaps after the first parts of it.
     fn unchanged(&self, call: &str, before: &[u8]) {
@@ -553,6 +543,15 @@ impl Session {
             Status::Ok => self.finite(before),
             _ => {}
         }
+        if status == Status::Ok && name.to_lowercase().contains("deserialize") {
+            // What was read is written as it was read.
+            for state in self.slots.into_iter().filter(|state| !state.is_null()) {
+                let (bytes, mut copy) = (self.instance.bytes_of(state), null_mut());
+                assert_eq!(self.instance.deserialize(&bytes, &mut copy), Status::Ok);
+                assert_eq!(self.instance.bytes_of(copy), bytes);
+                self.instance.free(copy);
+            }
+        }
         if name.ends_with("Reset") {
             assert_eq!(status, Status::Ok, "allowed in every state");
             assert_eq!(self.instance.bytes(), self.pristine, "as after instantiation");
@@ -632,6 +631,18 @@ pub fn calls(data: &[u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl Session {
+        /// Makes a call that takes nothing from the fuzzer's bytes.
+        fn call(&mut self, call: &Call) -> Status {
+            self.make(call, |session, before| session.perform(call, before, &mut Unstructured::new(&[])))
+        }
+
+        /// Makes a call by a method of the instance.
+        fn by(&mut self, name: &str, call: impl FnOnce(&Instance) -> Status) -> Status {
+            self.make(&name, |session, _| session.status(call))
+        }
+    }
 
     /// The calls do what they are named for: else the fuzzers would only look at refusals.
     #[test]
