@@ -1,8 +1,6 @@
 //! The engine's behaviour in small scenes. What is measured against closed forms, conservation laws and
 //! independent integrators stands in the table of `lemons verify` (crates/verify).
 
-mod contacts;
 mod ramp;
 mod shortlist;
-mod symmetry;
 mod threads;

@@ -26,20 +26,6 @@ fn who_ends_at_rest_has_moved() {
 }
 
 #[test]
-fn a_rate_stays_until_it_is_set_back() {
-    let mut world = world(&[disk(80.0, 0.2)], &[], BODIES, 1e-5);
-    let drive = Wrench { force: vec2(8.0, 0.0), torque: 0.1 };
-    let rate = Wrench { force: vec2(16.0, -8.0), torque: 0.2 };
-    (world.drive[0], world.drive_rate[0]) = (drive, rate);
-    world.advance(0.5).unwrap();
-    assert_eq!((world.drive[0], world.drive_rate[0]), (drive, rate));
-    // 80 kg: 0.1 m/s2 · 0.5 s + 0.2 m/s3 · (0.5 s)²/2
-    assert!((world.state().twists[0].velocity - vec2(0.075, -0.0125)).norm() < 1e-15);
-    world.advance(0.5).unwrap();
-    assert!((world.state().twists[0].velocity - vec2(0.15, -0.025)).norm() < 1e-15, "the same again");
-}
-
-#[test]
 fn a_failed_step_changes_nothing() {
     for (absurd, ramp) in [(f64::MAX, false), (f64::MAX, true), (f64::NAN, true)] {
         let mut world = world(&[disk(80.0, 0.2), disk(80.0, 0.2).at(0.3, 0.0)], &[], BODIES, 1e-5);

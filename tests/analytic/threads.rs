@@ -67,21 +67,3 @@ fn a_clone_shares_the_threads_and_may_move_on_elsewhere() {
     drop(world);
     assert_eq!(clone.threads(), 2);
 }
-
-/// Forces and impulses between bodies of different blocks act on both.
-#[test]
-fn a_crowd_of_several_blocks_keeps_its_momentum() {
-    let person = |k: usize| {
-        let (sin, cos) = libm::sincos(2.3 * k as f64);
-        let person = pedestrian(70.0, 0.0).at(0.47 * (k % 34) as f64, 0.47 * (k / 34) as f64);
-        person.turned(0.7 * k as f64).moving(cos, sin).spinning(2.0 * sin)
-    };
-    let people: Vec<Placed> = (0..1100).map(person).collect();
-    let mut world = world(&people, &[], BODIES, 1e-4);
-    let (momentum_before, angular_before) = (momentum(&world), angular_momentum(&world));
-    world.advance(0.3).unwrap();
-    assert!(world.work().contacts > 100_000, "{:?}", world.work());
-    let of_all = 70.0 * 1100.0;
-    assert!((momentum(&world) - momentum_before).norm() < 1e-12 * of_all);
-    assert!((angular_momentum(&world) - angular_before).abs() < 1e-12 * of_all * 16.0);
-}

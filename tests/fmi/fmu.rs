@@ -218,6 +218,9 @@ impl Model {
                 crowd.numbers(array.quantity, &mut values).unwrap();
                 starts.insert(reference, values);
             }
+            // Some single numbers of FMI 2.0 have the name of an array: they go first.
+            let whole = Place { reference, elements: (0..length).collect(), length };
+            places.entry(array.name.to_owned()).or_insert(whole);
             for row in rows.iter().filter(|row| row.variable.quantity == array.quantity) {
                 let both = of_materials(&trial, &row.name).into_iter().map(|(_, element)| element);
                 let mut elements: Vec<usize> = both.collect();
@@ -226,13 +229,6 @@ impl Model {
                 }
                 places.insert(row.name.clone(), Place { reference, elements, length });
             }
-        }
-        for array in &QUANTITIES {
-            let reference = reference::<CrowdModel>(array.quantity).unwrap();
-            let length = array.dimensions.iter().map(size).product::<u64>() as usize;
-            // Some single numbers of FMI 2.0 have the name of an array: they go first.
-            let whole = Place { reference, elements: (0..length).collect(), length };
-            places.entry(array.name.to_owned()).or_insert(whole);
         }
         let others = ["time"].into_iter().chain(SIZES.iter().map(|size| size.name));
         for (name, reference) in others.zip(0..) {

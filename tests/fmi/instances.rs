@@ -1,5 +1,4 @@
-//! Instances do not know of each other, nor of the thread that they are called on; threads of an instance give the same
-//! bits for any number.
+//! Instances do not know of each other, nor of the thread that they are called on.
 
 use crate::fmu::*;
 use crowd_mechanics::engine::vec2;
@@ -76,27 +75,4 @@ pub fn start_large(fmu: &Fmu, threads: i32) -> Crowd {
     assert_eq!(crowd.exit(), OK);
     crowd.take_messages();
     crowd
-}
-
-#[test]
-fn any_number_of_threads_gives_the_same_bits() {
-    let fmu = Fmu::get();
-    let [one, two, three, many, other] = [1, 2, 3, 64, 1].map(|threads| start_large(fmu, threads));
-    two.steps(0, 1);
-    // `Threads` is of the state, as every parameter is.
-    other.must(other.restore(&two.bytes()));
-    assert_eq!(other.integer("Threads"), 2);
-    two.steps(1, 3);
-    other.steps(1, 3);
-    for crowd in [&one, &three, &many] {
-        crowd.steps(0, 3);
-    }
-    assert!(one.integer("AgentContacts") > 500, "a crowd in which nobody touches shows nothing");
-    let expected = one.everything();
-    for (crowd, threads) in [(&two, 2), (&three, 3), (&many, 64), (&other, 2)] {
-        let (reals, integers) = crowd.everything();
-        let differ = integers.iter().zip(&expected.1).filter(|(a, b)| a != b);
-        assert_eq!(differ.collect::<Vec<_>>(), [(&threads, &1)], "the number of threads itself");
-        assert!(reals == expected.0, "{threads} threads");
-    }
 }

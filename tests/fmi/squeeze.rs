@@ -6,39 +6,20 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, f64::max)
 }
 
-/// The push, in communication steps of a duration: the greatest sample, peak, LargestOverlap, and what the contacts'
-/// impulse on agent 2 adds up to \[N.s\].
-fn push(step: f64) -> [f64; 4] {
+/// Peaks and means of a step are not what a communication point happens to meet.
+#[test]
+fn contacts_between_communication_points_are_seen() {
     let crowd = Crowd::pushed(V2);
-    let steps = (0.5 / step).round() as usize;
-    let (mut sample, mut peak, mut overlap, mut impulse) = (0.0f64, 0.0f64, 0.0f64, 0.0);
-    for k in 0..steps {
-        crowd.must(crowd.try_step(step * k as f64, step));
+    let (mut sample, mut peak) = (0.0f64, 0.0f64);
+    for k in 0..10 {
+        crowd.must(crowd.try_step(0.05 * f64::from(k), 0.05));
         let [samples, peaks, means] =
             ["NormalForce", "PeakNormalForce", "MeanNormalForce"].map(|name| crowd.of_agents(name));
-        for ((sample, peak), mean) in samples.iter().zip(&peaks).zip(&means) {
-            assert!(sample <= peak && mean <= peak && *mean >= 0.0, "{sample} {mean} {peak}");
-        }
-        let deepest = crowd.get("LargestOverlap");
-        assert_eq!(deepest, largest(&crowd.of_agents("PeakOverlap")));
+        assert!((0..AGENTS).all(|i| samples[i].max(means[i]) <= peaks[i] && means[i] >= 0.0));
+        assert_eq!(crowd.get("LargestOverlap"), largest(&crowd.of_agents("PeakOverlap")));
         (sample, peak) = (sample.max(largest(&samples)), peak.max(largest(&peaks)));
-        overlap = overlap.max(deepest);
-        impulse += means[2] * step;
     }
-    [sample, peak, overlap, impulse]
-}
-
-/// The greatest squeeze of a run was what a communication point happened to meet: 2.6 kN or 18.8 kN of one push.
-#[test]
-fn peaks_and_impulses_do_not_depend_on_the_communication_step() {
-    let [sample, peak, overlap, impulse] = push(0.05);
     assert!(sample < 0.7 * peak, "the sample misses the peak: {sample} {peak}");
-    for step in [0.01, 0.001] {
-        let found = push(step);
-        for (found, coarse) in found[1..].iter().zip([peak, overlap, impulse]) {
-            assert!((found / coarse - 1.0).abs() < 2e-3, "{step}: {found} {coarse}");
-        }
-    }
 }
 
 #[test]

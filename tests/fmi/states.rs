@@ -209,20 +209,39 @@ fn damaged_states_are_refused() {
 /// Values that setting refuses, a state does not bring in; nor does it lead out of the resources.
 #[test]
 fn states_with_impossible_content_are_refused() {
-    let original = touching(V2);
-    let bytes = original.bytes();
-    let place = original.get("agent[1].Position.x");
-    for (was, value, word) in [
-        (1e-5, f64::NAN, "domain"),
-        (1e-5, -1e-5, "domain"),
-        ((MEETING - 1) as f64 * STEP + STEP, f64::INFINITY, "time"),
-        (place, f64::NAN, "finite"),
-        (700.0, f64::NEG_INFINITY, "domain"),
-    ] {
-        let forged = forged(&bytes, &was.to_le_bytes(), &value.to_le_bytes());
-        let message = original.refused(original.restore(&forged));
-        assert!(message.contains("damaged") && message.contains(word), "{was} {value}: {message}");
-        assert!(original.bytes() == bytes);
+    /// Where the content begins: phase, time, the experiment's start and stop, sizes.
+    const CONTENT: usize = 36;
+    for version in BOTH {
+        let original = touching(version);
+        let bytes = original.bytes();
+        let place = original.get("agent[1].Position.x");
+        let squeeze = original.get("agent[1].PeakNormalForce");
+        let by_value = [
+            (1e-5, f64::NAN, "domain"),
+            (1e-5, -1e-5, "domain"),
+            ((MEETING - 1) as f64 * STEP + STEP, f64::INFINITY, "time"),
+            (place, f64::NAN, "finite"),
+            (squeeze, f64::INFINITY, "finite"),
+            (700.0, f64::NEG_INFINITY, "domain"),
+        ]
+        .map(|(was, value, word)| (forged(&bytes, &was.to_le_bytes(), &value.to_le_bytes()), word));
+        let by_place = [
+            (0, &[4][..], "phase"),
+            (10, &f64::NAN.to_le_bytes(), "time"),
+            (10, &f64::INFINITY.to_le_bytes(), "time"),
+            // FMI 2.0 has no sizes: there the model begins.
+            (20, &[0], if version == V3 { "sizes" } else { "malformed" }),
+        ]
+        .map(|(at, wrong, word)| {
+            let mut forged = bytes.clone();
+            forged[CONTENT + at..][..wrong.len()].copy_from_slice(wrong);
+            (sealed(forged), word)
+        });
+        for (forged, word) in by_value.into_iter().chain(by_place) {
+            let message = original.refused(original.restore(&forged));
+            assert!(message.contains("damaged") && message.contains(word), "{word}: {message}");
+            assert!(original.bytes() == bytes);
+        }
     }
     let resources = Resources::new();
     let crowd = Crowd::on(V2, &resources);

@@ -59,26 +59,6 @@ fn a_tolerance_chooses_the_step_but_a_step_that_is_set_wins() {
 }
 
 #[test]
-fn motions_are_as_accurate_as_the_tolerance() {
-    let run = |crowd: &Crowd| {
-        crowd.must(crowd.set("agent[0].Fp.x", 700.0));
-        crowd.steps(0, 50);
-        crowd.of_agents("Position.x")
-    };
-    let exact = Crowd::new(V2);
-    exact.must(exact.set(PARAMETER, 1e-6));
-    exact.initialize();
-    let exact = run(&exact);
-    assert!(exact[2] - 0.56 > 0.01, "the third one is pushed: {exact:?}");
-    for tolerance in [1e-3, 1e-4, 1e-5] {
-        let crowd = entered(V2, tolerance);
-        assert_eq!(exit(&crowd), [""; 0]);
-        let apart = run(&crowd).iter().zip(&exact).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
-        assert!(apart < tolerance && apart > 0.0, "{apart} {tolerance}");
-    }
-}
-
-#[test]
 fn a_tolerance_never_chooses_what_check_warns_of_or_what_takes_for_ever() {
     // A twentieth of the period, 10.9 ms; and finer than anything that was compared.
     for (tolerance, range, words) in

@@ -25,29 +25,19 @@ fn a_trial_is_chosen_before_or_after_other_parameters() {
             crowd.steps(0, 14);
         }
         assert_eq!(before.everything(), after.everything());
+        // A state brings its Trial along.
+        let other = Crowd::on(version, &resources);
+        other.push_and_initialize();
+        other.must(other.restore(&before.bytes()));
+        assert_eq!(other.text("Trial"), "Trial_wider");
+        before.steps(14, 20);
+        other.steps(14, 20);
+        assert_eq!(before.everything(), other.everything());
 
         before.reset();
         before.initialize();
         assert_eq!(before.text("Trial"), "Trial_push");
         assert_eq!((before.get("agent[1].Position.x"), before.get("agent[0].Mass")), (0.279, 89.0));
-    }
-}
-
-#[test]
-fn a_state_brings_its_trial_along() {
-    let resources = two_trials();
-    for version in BOTH {
-        let (saved, other) = (Crowd::on(version, &resources), Crowd::on(version, &resources));
-        saved.must(saved.set_text("Trial", "Trial_wider"));
-        saved.push_and_initialize();
-        saved.steps(0, 10);
-        let bytes = saved.bytes();
-        other.push_and_initialize();
-        other.must(other.restore(&bytes));
-        assert_eq!(other.text("Trial"), "Trial_wider");
-        saved.steps(10, 20);
-        other.steps(10, 20);
-        assert_eq!(saved.everything(), other.everything());
     }
 }
 

@@ -68,17 +68,13 @@ fn every_mistake_is_named_with_its_line() {
 }
 
 #[test]
-fn a_wrong_root_is_named() {
+fn a_wrong_root_or_nobody_in_it_is_named() {
     for (file, text) in good() {
         let problems = edited(&[(file, &text, "<Crowd/>")]).unwrap_err().to_string();
         assert!(problems.contains(&format!("{file}:1: <Crowd>: the root element must be <")), "{problems}");
     }
-}
-
-#[test]
-fn nobody_is_an_error() {
-    let files = good();
-    let problems = edited(&[(FILES[3], &files[3].1, "<Agents/>")]).unwrap_err().to_string();
+    let (agents, text) = &good()[3];
+    let problems = edited(&[(agents, text, "<Agents/>")]).unwrap_err().to_string();
     assert!(problems.contains("Agents.xml:1: <Agents>: has no <Agent>"), "{problems}");
 }
 

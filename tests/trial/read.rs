@@ -5,7 +5,7 @@ use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::setup;
 use lemons_core::files::source::Disk;
 use lemons_core::trial::*;
-use lemons_verify::testing::{shared, trial_push as paper};
+use lemons_verify::testing::trial_push as paper;
 use std::fs;
 use tempfile::TempDir;
 
@@ -47,22 +47,6 @@ fn the_good_trial_is_good() {
     let wall = &trial.interactions.walls[0];
     assert_eq!((wall.agent, wall.shape, wall.wall, wall.corner), (1, 0, 0, 2));
     assert_eq!(wall.force.normal, vec2(9.0, 10.0));
-}
-
-#[test]
-fn the_shared_trials_read() {
-    let Some(shared) = shared("") else { return };
-    for (name, agents) in [("push_wed/Trial", 5), ("crowds/dense_100", 100), ("crowds/sparse_100", 100)] {
-        let (trial, _) = setup::read(&shared.join(name)).unwrap_or_else(|problems| panic!("{problems}"));
-        assert_eq!(trial.agents.len(), agents, "{name}");
-        let copy = TempDir::new().unwrap();
-        trial.write(copy.path()).unwrap();
-        let (back, _) = setup::read(copy.path()).unwrap();
-        assert_eq!(back, moved(&trial, &back));
-    }
-    let push = setup::read(&shared.join("push_wed/Trial")).unwrap().0;
-    let paper = setup::read(&paper()).unwrap().0;
-    assert_eq!(push, moved(&paper, &push));
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crowd_mechanics::setup::{self};
 use lemons_core::trial::*;
 use lemons_verify::checks::scenes::Random;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use tempfile::TempDir;
 
 #[test]
@@ -115,98 +115,65 @@ fn id(random: &mut Random, kind: &str, place: usize) -> String {
     format!("{}{kind}{place}", start.trim_start())
 }
 
-fn force(random: &mut Random) -> ContactForce {
-    ContactForce { elongation: vector(random), normal: vector(random), tangential: vector(random) }
-}
-
-fn trial(random: &mut Random) -> Trial {
-    let [agents, walls, kinds] = [1 + pick(random, 3), pick(random, 3), 1 + pick(random, 3)];
-    let mut material = |place| {
-        let young_modulus = random.within(1.0, 1e9);
-        let shear_modulus = young_modulus * random.within(0.3, 9.0);
-        Material { id: id(random, "m", place), young_modulus, shear_modulus }
+/// The good Trial with other numbers and Ids.
+fn varied(random: &mut Random) -> Trial {
+    let (mut trial, _) = edited(&[]).unwrap();
+    trial.parameters = Parameters {
+        static_directory: ["./static/", "st", ".", "a/b & c"][pick(random, 4)].into(),
+        dynamic_directory: "./dynamic/".into(),
+        time_step: random.within(1e-3, 1.0),
+        time_step_mechanical: random.within(1e-9, 1e-3),
     };
-    let intrinsic: Vec<Material> = (0..kinds).map(&mut material).collect();
-    let mut contact = |(i, j): (usize, usize)| Contact {
-        id1: intrinsic[i].id.clone(),
-        id2: intrinsic[j].id.clone(),
-        gamma_normal: random.within(0.0, 1e4),
-        gamma_tangential: random.within(0.0, 1e4),
-        kinetic_friction: random.within(0.0, 2.0),
-    };
-    let binary = (0..kinds).flat_map(|i| (0..=i).map(move |j| (i, j))).map(&mut contact).collect();
-    let material_id = |random: &mut Random| intrinsic[pick(random, kinds)].id.clone();
-    let shape = |random: &mut Random| Shape {
-        radius: positive(random),
-        material_id: material_id(random),
-        position: point(random),
-    };
-    let mut agent = |place| Agent {
-        kind: (pick(random, 2) == 0).then(|| "pedestrian".to_owned()),
-        id: id(random, "a", place),
-        mass: positive(random),
-        height: (pick(random, 2) == 0).then(|| positive(random)),
-        moment_of_inertia: positive(random),
-        floor_damping: random.within(0.0, 9.0),
-        angular_damping: random.within(0.0, 9.0),
-        shapes: (0..1 + pick(random, 3)).map(|_| shape(random)).collect(),
-    };
-    let people = (0..agents).map(&mut agent).collect();
-    let mut dynamics = |_| AgentDynamics {
-        position: point(random),
-        velocity: vector(random),
-        theta: number(random),
-        omega: number(random),
-        fp: vector(random),
-        mp: number(random),
-    };
-    let dynamics = (0..agents).map(&mut dynamics).collect();
-    // Corners apart from each other, so that no face has no length.
-    let corner = |random: &mut Random, k| vec2(3.0 * f64::from(k) + random.signed(), random.signed());
-    let mut wall = |place| Wall {
-        id: id(random, "w", place),
-        material_id: material_id(random),
-        corners: (0..2 + pick(random, 4) as u32).map(|k| corner(random, k)).collect(),
-    };
-    let geometry_walls = (0..walls).map(&mut wall).collect();
-    // Of some pairs of the agents, and of some agents with some walls, the first disk and face.
-    let mut interactions = Interactions::default();
-    for i in 0..agents {
-        for child in (i + 1..agents).filter(|_| pick(random, 2) == 0).collect::<Vec<_>>() {
-            let force = force(random);
-            let contact = AgentInteraction { parent: i, child, parent_shape: 0, child_shape: 0, force };
-            interactions.agents.push(contact);
-        }
-        for wall in (0..walls).filter(|_| pick(random, 2) == 0).collect::<Vec<_>>() {
-            let force = force(random);
-            interactions.walls.push(WallInteraction { agent: i, shape: 0, wall, corner: 0, force });
+    for (place, material) in trial.materials.intrinsic.iter_mut().enumerate() {
+        let now = id(random, "m", place);
+        let before = std::mem::replace(&mut material.id, now.clone());
+        material.young_modulus = random.within(1.0, 1e9);
+        material.shear_modulus = material.young_modulus * random.within(0.3, 9.0);
+        let contacts = trial.materials.binary.iter_mut().flat_map(|of| [&mut of.id1, &mut of.id2]);
+        let shapes = trial.agents.iter_mut().flat_map(|agent| &mut agent.shapes);
+        let walls = trial.geometry.walls.iter_mut().map(|wall| &mut wall.material_id);
+        let ids = contacts.chain(shapes.map(|shape| &mut shape.material_id)).chain(walls);
+        ids.filter(|id| **id == before).for_each(|id| id.clone_from(&now));
+    }
+    for contact in &mut trial.materials.binary {
+        contact.gamma_normal = random.within(0.0, 1e4);
+        contact.gamma_tangential = random.within(0.0, 1e4);
+        contact.kinetic_friction = random.within(0.0, 2.0);
+    }
+    trial.geometry.dimensions = (pick(random, 2) == 0).then(|| vector(random));
+    for (place, wall) in trial.geometry.walls.iter_mut().enumerate() {
+        wall.id = id(random, "w", place);
+        // Corners apart from each other, so that no face has no length.
+        for (corner, k) in wall.corners.iter_mut().zip(0..) {
+            *corner = vec2(3.0 * f64::from(k) + random.signed(), random.signed());
         }
     }
-    Trial {
-        name: "Trial".into(),
-        directory: PathBuf::new(),
-        parameters: Parameters {
-            static_directory: ["./static/", "st", ".", "a/b & c"][pick(random, 4)].into(),
-            dynamic_directory: "./dynamic/".into(),
-            time_step: random.within(1e-3, 1.0),
-            time_step_mechanical: random.within(1e-9, 1e-3),
-        },
-        materials: Materials { intrinsic, binary },
-        geometry: Geometry {
-            dimensions: (pick(random, 2) == 0).then(|| vector(random)),
-            walls: geometry_walls,
-        },
-        agents: people,
-        dynamics,
-        interactions,
+    for (place, agent) in trial.agents.iter_mut().enumerate() {
+        agent.id = id(random, "a", place);
+        agent.mass = positive(random);
+        agent.height = (pick(random, 2) == 0).then(|| positive(random));
+        agent.moment_of_inertia = positive(random);
+        (agent.floor_damping, agent.angular_damping) = (random.within(0.0, 9.0), random.within(0.0, 9.0));
+        for shape in &mut agent.shapes {
+            (shape.radius, shape.position) = (positive(random), point(random));
+        }
     }
+    for moving in &mut trial.dynamics {
+        (moving.position, moving.velocity, moving.fp) = (point(random), vector(random), vector(random));
+        (moving.theta, moving.omega, moving.mp) = (number(random), number(random), number(random));
+    }
+    let contacts = trial.interactions.agents.iter_mut().map(|contact| &mut contact.force);
+    for of in contacts.chain(trial.interactions.walls.iter_mut().map(|contact| &mut contact.force)) {
+        (of.elongation, of.normal, of.tangential) = (vector(random), vector(random), vector(random));
+    }
+    trial
 }
 
 #[test]
 fn what_is_written_reads_back() {
     let mut random = Random(7);
     for case in 0..200 {
-        let trial = trial(&mut random);
+        let trial = varied(&mut random);
         let directory = TempDir::new().unwrap();
         trial.write(directory.path()).unwrap();
         let (back, _) = setup::read(directory.path()).unwrap_or_else(|problems| panic!("{case}: {problems}"));

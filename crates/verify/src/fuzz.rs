@@ -2,8 +2,7 @@
 //! program under test breaks a promise. The fuzzers are one-liners around them; `tests/replay.rs` runs
 //! them on the inputs that the fuzzers kept.
 //!
-//! - `calls`: sequences of FMI calls with any arguments, on FMUs of both versions
-//! - `states`: damaged states with a good checksum
+//! - `calls`: sequences of FMI calls with any arguments, damaged states among them, on FMUs of both versions
 //! - `trial_xml`: any bytes as one file of a Trial
 //! - `fmu_archive`: any bytes as an `.fmu`, or as its `modelDescription.xml`
 //! - `ssp_archive`: any bytes as an `.ssp`, as its structure, or as an FMU's interface
@@ -18,7 +17,7 @@ mod files;
 mod inputs;
 mod models;
 
-use calls::{calls, states};
+use calls::calls;
 use files::{decision_toml, fmu_archive, ssp_archive, trial_xml};
 use inputs::{drive_csv, run_file, sweep_toml, table_csv};
 
@@ -26,9 +25,8 @@ use inputs::{drive_csv, run_file, sweep_toml, table_csv};
 pub type Target = fn(&[u8]);
 
 /// The targets, by the names of their fuzzers and of the directories of their inputs.
-pub const TARGETS: [(&str, Target); 10] = [
+pub const TARGETS: [(&str, Target); 9] = [
     ("calls", calls),
-    ("states", states),
     ("trial_xml", trial_xml),
     ("fmu_archive", fmu_archive),
     ("ssp_archive", ssp_archive),

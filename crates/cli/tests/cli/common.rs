@@ -95,14 +95,3 @@ pub fn done(directory: &Path, arguments: &[&str]) -> Output {
     assert_code(&output, 0);
     output
 }
-
-/// The tables of the parts of a run, as one.
-pub fn joined(at: &Path, names: &[&str]) -> Vec<u8> {
-    let mut all = Vec::new();
-    for (k, name) in names.iter().enumerate() {
-        let table = std::fs::read(at.join(name)).unwrap();
-        let head = table.iter().position(|byte| *byte == b'\n').unwrap() + 1;
-        all.extend(if k == 0 { &table[..] } else { &table[head..] });
-    }
-    all
-}

@@ -3,18 +3,13 @@
 //!
 //! One program for all of them: linking takes longer than compiling.
 
-mod checks;
-mod command;
 mod common;
 mod coupling;
 mod leaving;
 #[cfg(unix)]
 mod pages;
-mod people;
-mod pictures;
 mod reference;
 mod results;
-mod rooms;
 #[cfg(unix)]
 mod signals;
 mod sweep;

@@ -178,11 +178,4 @@ fn a_page_is_compared_line_by_line() {
     ] {
         assert_eq!(matches(&lines(expected), &lines(printed)), same, "{expected:?} {printed:?}");
     }
-    let parts = parse("text\n$ no\n```console\n$ a\n> b\n? 1\n> c\n```\n");
-    let step = parts.iter().find_map(|part| match part {
-        Part::Step(step) => Some(step),
-        Part::Text(_) => None,
-    });
-    let step = step.unwrap();
-    assert_eq!((step.command.as_str(), step.expected.join("|").as_str()), ("a\nb", "? 1|> c"));
 }

@@ -1,24 +1,23 @@
 //! `lemons sweep` of people who walk: its points are the runs of `lemons run TRIAL`.
 
-use crate::common::{
-    Row, assert_code, copy_tree, decision_library, done, err, lemons, number, out, read_csv,
-};
-use crate::walking::door;
+use crate::common::{Row, copy_tree, decision_library, done, number, read_csv, root};
 use std::fs;
 use std::path::Path;
+use tempfile::TempDir;
 
-/// Somebody arrives soon: all others may still walk.
-const NEAR: &str = "waypoints = [{ x = 5.1, y = 2.5, radius = 0.4 }, { x = 6.0, y = 2.5 }]\n";
+/// Of the shipped Trial with a door, in two copies: the people of the second walk more slowly.
+const DOOR: &str = r#"
+trial = "T_{case}"
+until = 9
+algorithm = "gauss-seidel"
+stop = { of = "decision.Arrived", at_least = 2 }
 
-/// Trials `T_1` and `T_2`, whose people walk to the door and, of the second, more slowly.
-fn two(at: &Path) {
-    for (name, speed) in [("T_1", 1.5), ("T_2", 0.9)] {
-        copy_tree(&at.join("T"), &at.join(name));
-        fs::write(at.join(name).join("decision.toml"), format!("desired_speed = {speed}\n{NEAR}")).unwrap();
-    }
-}
+[parameters]
+case = [1, 2]
+"crowd.TimeStepMechanical" = [1e-4]
+MostMechanicalSteps = [1e6]
+"decision.agent[3].DesiredSpeed" = [0.5, 1.8]
 
-const MEASURES: &str = r#"
 [measures]
 first = { of = "decision.Arrived", take = "first_at_least", level = 1 }
 never = { of = "decision.Arrived", take = "first_at_least", level = 31 }
@@ -28,20 +27,18 @@ speed = { of = "speed", take = "max" }
 push = { of = "decision.agent[*].Fp.x", take = "max", agents = ["3"] }
 "#;
 
-fn sweep_of(at: &Path, head: &str, parameters: &str) {
-    fs::write(at.join("sweep.toml"), format!("{head}\n[parameters]\n{parameters}\n{MEASURES}")).unwrap();
-}
-
 #[test]
 fn a_point_is_what_a_run_of_its_trial_is() {
-    let directory = door();
+    decision_library();
+    let directory = TempDir::new().unwrap();
     let at = directory.path();
-    two(at);
-    let head = "trial = \"T_{case}\"\nuntil = 9\nalgorithm = \"gauss-seidel\"\n\
-                stop = { of = \"decision.Arrived\", at_least = 2 }";
-    let parameters = "case = [1, 2]\n\"crowd.TimeStepMechanical\" = [1e-4]\nMostMechanicalSteps = [1e6]\n\
-                      \"decision.agent[3].DesiredSpeed\" = [0.5, 1.8]";
-    sweep_of(at, head, parameters);
+    for (name, speed) in [("T_1", 1.5), ("T_2", 0.9)] {
+        copy_tree(&root().join("resources/Trial_door"), &at.join(name));
+        // Somebody arrives soon: all others may still walk.
+        let way = "waypoints = [{ x = 5.1, y = 2.5, radius = 0.4 }, { x = 6.0, y = 2.5 }]";
+        fs::write(at.join(name).join("decision.toml"), format!("desired_speed = {speed}\n{way}\n")).unwrap();
+    }
+    fs::write(at.join("sweep.toml"), DOOR).unwrap();
     done(at, &["sweep", "sweep.toml", "-o", "table.csv"]);
     let rows = read_csv(&at.join("table.csv"));
     assert_eq!(rows.len(), 4);
@@ -77,35 +74,6 @@ fn a_point_is_what_a_run_of_its_trial_is() {
     let of = |name: &str| rows.iter().map(|row| number(row, name)).collect::<Vec<_>>();
     let (first, push) = (of("first"), of("push"));
     assert!(first[0] < first[2] && push[0] != push[1], "{first:?} {push:?}");
-}
-
-#[test]
-fn a_sweep_goes_on_with_the_same_trials_and_plans_only() {
-    let directory = door();
-    let at = directory.path();
-    two(at);
-    let again = ["sweep", "sweep.toml"];
-    sweep_of(at, "trial = \"T_{case}\"\nuntil = 0.1", "case = [1, 2]");
-    done(at, &again);
-    // A plan, a Trial and the condition that ends a point belong to the sweep.
-    let changed = |file: &str, text: &str, key: &str| {
-        let before = fs::read_to_string(at.join(file)).unwrap();
-        fs::write(at.join(file), text.replace("BEFORE", &before)).unwrap();
-        let output = lemons(at, &again);
-        assert_code(&output, 1);
-        let said = format!("it differs in {key};");
-        assert!(err(&output).contains(&said), "{}", err(&output));
-        fs::write(at.join(file), before).unwrap();
-    };
-    changed("T_2/decision.toml", &format!("desired_speed = 0.8\n{NEAR}"), "models");
-    changed(
-        "T_1/Parameters.xml",
-        &fs::read_to_string(at.join("T_1/Parameters.xml")).unwrap().replace("0.05", "0.1"),
-        "models",
-    );
-    changed("sweep.toml", "stop = { of = \"x\", at_least = 9 }\nBEFORE", "stop");
-    let said = out(&done(at, &again));
-    assert!(said.contains("(0 now, 2 before)"), "{said}");
 }
 
 /// Sixteen people leave a room of 4 m x 3 m by a door of 1 m, in two crowds.
@@ -163,7 +131,7 @@ fn measured_at(at: &Path, what: &str, more: &[&str]) -> serde_json::Value {
 #[test]
 fn measures_of_a_sweep_are_those_of_lemons_measure() {
     decision_library();
-    let directory = tempfile::TempDir::new().unwrap();
+    let directory = TempDir::new().unwrap();
     let at = directory.path();
     for seed in ["1", "2"] {
         let name = format!("room_{seed}");
@@ -211,26 +179,6 @@ fn measures_of_a_sweep_are_those_of_lemons_measure() {
         assert_eq!(number(row, "part"), part["areas"][0]["voronoi_density"]["mean"].as_f64().unwrap());
         assert!(number(row, "early") >= 1.0 && number(row, "dense") > 0.0 && number(row, "middle") > 0.0);
     }
-    // Lines, areas and the end belong to the sweep; a room of the user's own is taken.
-    let again = |from: &str, to: &str| {
-        assert!(ROOM.contains(from), "{from}");
-        fs::write(at.join("sweep.toml"), ROOM.replace(from, to)).unwrap();
-        lemons(at, &["sweep", "sweep.toml", "-o", "table.csv"])
-    };
-    for (from, to, said) in [
-        ("door = [4, 1,", "door = [4, 0.9,", "it differs in lines;"),
-        ("front = [2.5,", "front = [2.4,", "it differs in areas;"),
-        ("until = \"left\"", "until = 60.0", "it differs in until;"),
-        ("until = \"left\"", "until = \"left\"\nplan = false", "until = \"left\": nobody can leave"),
-        ("until = \"left\"", "until = \"left\"\nwalkable = \"hall.wkt\"", "walkable: hall.wkt: "),
-        ("over = 1,", "over = 2,", "measures: felt: squeeze = \"largest_mean\" needs over = 0.1, 1 or 10"),
-        ("across = \"median\"", "agents = [\"0\", \"1\"]", "measures: middle: has 2 agents: it needs across"),
-        ("across = \"median\"", "agents = [\"99\"]", "there is no agent \"99\""),
-    ] {
-        let output = again(from, to);
-        assert_code(&output, 1);
-        assert!(err(&output).contains(said), "{to}: {}", err(&output));
-    }
     fs::write(at.join("hall.wkt"), "POLYGON ((-5 -5, 20 -5, 20 20, -5 20, -5 -5))").unwrap();
     fs::write(at.join("sweep.toml"), ROOM.replace("[parameters]", "walkable = \"hall.wkt\"\n[parameters]"))
         .unwrap();
@@ -239,23 +187,4 @@ fn measures_of_a_sweep_are_those_of_lemons_measure() {
     let dense = number(&read_csv(&at.join("hall.csv"))[0], "dense");
     assert_eq!(dense, seen["areas"][0]["voronoi_density"]["mean"].as_f64().unwrap());
     assert!(dense < number(&rows[0], "dense"), "walls hold the cells back");
-}
-
-/// The same Trials in the same order, but other points have them: the old table was taken for the new one.
-#[test]
-fn which_parameter_chooses_the_trial_belongs_to_the_sweep() {
-    let directory = door();
-    let at = directory.path();
-    two(at);
-    for (from, to) in [("T_1", "T_1.0"), ("T_2", "T_2.0")] {
-        fs::rename(at.join(from), at.join(to)).unwrap();
-    }
-    let speed = |agent: u32| format!("decision.agent[{agent}].DesiredSpeed");
-    let axes = format!("\"{}\" = [1.0, 2.0]\n\"{}\" = [1.0, 2.0]", speed(3), speed(4));
-    sweep_of(at, &format!("trial = \"T_{{{}}}\"\nuntil = 0.1", speed(3)), &axes);
-    done(at, &["sweep", "sweep.toml"]);
-    sweep_of(at, &format!("trial = \"T_{{{}}}\"\nuntil = 0.1", speed(4)), &axes);
-    let output = lemons(at, &["sweep", "sweep.toml"]);
-    assert_code(&output, 1);
-    assert!(err(&output).contains("it differs in models;"), "{}", err(&output));
 }

@@ -9,12 +9,10 @@ use crowd_mechanics::engine::*;
 use std::f64::consts::PI;
 
 pub(crate) const FIGURES: &[Figure] = &[
-    || short_of_two(LASTING, DAMPED),
-    || short_of_two(PARTED, DAMPED),
-    || short_of_two(PARTED, ROUGH),
     || short_of_two(LASTING, BOTH),
     || short_of_two(PARTED, BOTH),
     || error(PARTED, BOTH, 1e-5),
+    || short_of_two(PARTED, ROUGH),
     || short_of_two(LASTING, STICKING),
     inside,
 ];
@@ -29,7 +27,6 @@ pub(crate) const BOTH: PairLaw = PairLaw {
 };
 /// Friction so strong that it never slides.
 const STICKING: PairLaw = PairLaw { friction: 1e6, ..BOTH };
-const DAMPED: PairLaw = PairLaw { friction: 0.0, ..BOTH };
 const ROUGH: PairLaw = PairLaw { normal_damping: 0.0, tangential_damping: 0.0, ..BOTH };
 
 const MASS: f64 = 80.0;

@@ -33,12 +33,6 @@ fn pair(people: &[Placed; 2], young_modulus: f64, damping: [f64; 2], friction: f
     Ok(trial)
 }
 
-/// \[J\] Kinetic energy, and that of the springs.
-fn energy(world: &World) -> f64 {
-    let of_springs = |contact: &Contact| stored(world.scene(), contact).iter().sum::<f64>();
-    kinetic_energy(world) + world.contacts().contacts.iter().map(of_springs).sum::<f64>()
-}
-
 /// Two five-disk bodies that run into each other.
 fn damped_pair(tangential_damping: f64) -> Result<f64> {
     let first = pedestrian(30.4, 0.0).of_inertia(0.291).at(-0.35, 0.037).turned(2.9).moving(2.3, 0.67);

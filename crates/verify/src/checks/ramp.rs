@@ -1,21 +1,18 @@
-//! Drives that change linearly during a communication step.
+//! Free motion, the shortlist, and drives that change linearly during a communication step.
 
-use crate::checks::collision::{RAMP, errors_in_oblique_contact};
 use crate::checks::scenes::*;
 use crate::checks::{Figure, Halved, Result};
 use crate::checks::{apart, apart_in_pose, ensure, farthest_apart, halved, largest, off_ratio, shortfall};
 use crowd_mechanics::engine::*;
-use lemons_core::plane::Motion;
 
 pub(crate) const FIGURES: &[Figure] = &[
     || free(Shortlisting::On),
     || free(Shortlisting::Off),
-    || Ok(largest([free_in_pieces(Shortlisting::On)?, free_in_pieces(Shortlisting::Off)?])),
     || Ok(pieces_in_contact()?[2].1),
     // Every cut costs the error of one mechanical step, which is of third order.
     || Ok(shortfall(&pieces_in_contact()?, 3.0)),
-    || Ok(off_ratio(&errors_in_oblique_contact(RAMP)?, 4.0)),
     row,
+    crowd,
     || Ok(errors_of_push(GROWTH)?[0].1),
     || Ok(off_ratio(&errors_of_push(0.0)?, 2.0)),
 ];
@@ -39,121 +36,98 @@ fn under_ramp(rate: f64, [r, v, a, j]: [f64; 4], t: f64) -> [f64; 2] {
     ]
 }
 
-/// Two steps of 1 s under the same ramp.
+/// Two steps of 1 s under a constant drive and under a ramp, relaxing or not: the largest difference from the closed
+/// form after each of them.
 fn free(shortlisting: Shortlisting) -> Result<f64> {
+    let drive = Wrench { force: vec2(-50.0, 20.0), torque: 1.5 };
     let ramp = Wrench { force: vec2(40.0, -60.0), torque: -1.2 };
-    let drive = [Wrench { force: vec2(-50.0, 20.0), torque: 1.5 }, ramp];
     let someone = pedestrian(70.0, 0.0).moving(0.6, -0.4).spinning(1.0);
     let relaxing = someone.clone().relaxing(4.5, 3.0);
-    let still = flight(shortlisting, &someone, drive, (2, 1.0))?;
-    Ok(largest([still, flight(shortlisting, &relaxing, drive, (2, 1.0))?]))
-}
-
-/// The largest error of a free body under a drive and its rate, after each of some steps \[s\].
-pub(crate) fn flight(
-    shortlisting: Shortlisting,
-    person: &Placed,
-    [drive, ramp]: [Wrench; 2],
-    (steps, duration): (u32, f64),
-) -> Result<f64> {
     let mut worst: f64 = 0.0;
-    let Placed { body, pose: _, twist } = person;
-    let mut world = world(std::slice::from_ref(person), &[], BODIES, 1e-5);
-    world.shortlisting = shortlisting;
-    world.drive_rate[0] = ramp;
-    for step in 1..=steps {
-        world.drive[0] = later(drive, ramp, duration * f64::from(step - 1));
-        world.advance(duration)?;
-        let t = duration * f64::from(step);
-        let moved = |v: f64, force: f64, growth: f64| {
-            under_ramp(body.translation_rate, [0.0, v, force / body.mass, growth / body.mass], t)
-        };
-        let [x, vx] = moved(twist.velocity.x, drive.force.x, ramp.force.x);
-        let [y, vy] = moved(twist.velocity.y, drive.force.y, ramp.force.y);
-        let turn = [0.0, twist.angular_velocity, drive.torque / body.inertia, ramp.torque / body.inertia];
-        let [orientation, angular_velocity] = under_ramp(body.rotation_rate, turn, t);
-        let pose = Pose { position: vec2(x, y), orientation };
-        let twist = Twist { velocity: vec2(vx, vy), angular_velocity };
-        worst = largest([worst, apart(&motions(&world), &[Motion { pose, twist }])]);
+    for (person, ramp) in [(&someone, ramp), (&relaxing, Wrench::default()), (&relaxing, ramp)] {
+        let Placed { body, pose: _, twist } = person;
+        let mut world = world(std::slice::from_ref(person), &[], BODIES, 1e-5);
+        world.shortlisting = shortlisting;
+        world.drive_rate[0] = ramp;
+        for t in [1.0, 2.0] {
+            world.drive[0] = later(drive, ramp, t - 1.0);
+            world.advance(1.0)?;
+            let moved = |v: f64, force: f64, growth: f64| {
+                under_ramp(body.translation_rate, [0.0, v, force / body.mass, growth / body.mass], t)
+            };
+            let [x, vx] = moved(twist.velocity.x, drive.force.x, ramp.force.x);
+            let [y, vy] = moved(twist.velocity.y, drive.force.y, ramp.force.y);
+            let turn = [0.0, twist.angular_velocity, drive.torque / body.inertia, ramp.torque / body.inertia];
+            let [orientation, angular_velocity] = under_ramp(body.rotation_rate, turn, t);
+            worst = largest([
+                worst,
+                apart(&motions(&world), &[motion(&[x, y, orientation, vx, vy, angular_velocity])]),
+            ]);
+        }
+        let shortlisted = world.work().shortlisted > 0;
+        ensure!(shortlisted == (shortlisting == Shortlisting::On), "it is shortlisted as asked");
     }
-    ensure!(
-        (world.work().shortlisted > 0) == (shortlisting == Shortlisting::On),
-        "it is shortlisted as asked"
-    );
     Ok(worst)
 }
 
-/// Largest difference of poses and velocities between a ramp of 0.1 s in one step and in ten.
-fn in_pieces(scene: impl Fn() -> World) -> Result<f64> {
-    let (mut whole, mut pieces) = (scene(), scene());
-    let (drive, rate) = (whole.drive.clone(), whole.drive_rate.clone());
-    ensure!(rate.iter().any(|rate| *rate != Wrench::default()), "it is a ramp");
-    whole.advance(0.1)?;
-    for piece in 0..10 {
-        for (b, rate) in rate.iter().enumerate() {
-            pieces.drive[b] = later(drive[b], *rate, 0.01 * f64::from(piece));
-        }
-        pieces.advance(0.01)?;
-    }
-    Ok(apart(&motions(&whole), &motions(&pieces)))
-}
-
-fn free_in_pieces(shortlisting: Shortlisting) -> Result<f64> {
-    in_pieces(|| {
-        let someone = pedestrian(70.0, 4.5).moving(1.2, -0.4).spinning(2.0);
-        let mut world = world(&[someone], &[], BODIES, 1e-5);
-        world.shortlisting = shortlisting;
-        world.drive[0] = Wrench { force: vec2(50.0, 20.0), torque: 1.5 };
-        world.drive_rate[0] = Wrench { force: vec2(4000.0, -900.0), torque: -70.0 };
-        world
-    })
-}
-
-/// Two disks pressed together with a growing twist.
-fn twisted(mechanical_step: f64) -> World {
-    let mut world = pressed_together(mechanical_step);
-    world.drive_rate = vec![
-        Wrench { force: vec2(9000.0, 0.0), torque: 100.0 },
-        Wrench { force: vec2(-7000.0, 500.0), torque: 50.0 },
-    ];
-    world
-}
-
-/// Returns mechanical steps \[s\] and differences between one step and ten in a contact, for four halvings.
+/// Returns mechanical steps \[s\] and largest differences of poses and velocities of two disks pressed together, between
+/// a growing twist of 0.1 s in one step and in ten, for four halvings.
 ///
 /// # Errors
 /// The world did not advance.
 pub(crate) fn pieces_in_contact() -> Result<Halved> {
-    halved(4e-5, 5, |dt| in_pieces(|| twisted(dt)))
+    let rate = [
+        Wrench { force: vec2(9000.0, 0.0), torque: 100.0 },
+        Wrench { force: vec2(-7000.0, 500.0), torque: 50.0 },
+    ];
+    halved(4e-5, 5, |dt| {
+        let mut whole = pressed_together(dt);
+        whole.drive_rate = rate.to_vec();
+        let (mut pieces, drive) = (whole.clone(), whole.drive.clone());
+        whole.advance(0.1)?;
+        for piece in 0..10 {
+            let now =
+                drive.iter().zip(rate).map(|(drive, rate)| later(*drive, rate, 0.01 * f64::from(piece)));
+            pieces.drive = now.collect();
+            pieces.advance(0.01)?;
+        }
+        Ok(apart(&motions(&whole), &motions(&pieces)))
+    })
 }
 
-/// Standing people with gaps. The first is pushed with a growing force, another sways on the spot. Within one
-/// communication step the push travels through all.
+/// Six standing people with gaps. The first is pushed with a growing force, another sways on the spot. Within one
+/// communication step the push travels through bodies that were not near anything moving when the step began.
 fn row() -> Result<f64> {
-    let worlds = along_row(0.45, 0.0, |world| {
-        world.drive_rate[0].force = vec2(4000.0, 0.0);
-        world.drive[4].force = vec2(0.0, 10.0);
-        world.drive_rate[4].force = vec2(0.0, -40.0);
-    })?;
-    ensure!(worlds[0].state().twists[5].velocity.x > 1.0, "the push went through");
-    Ok(farthest_apart(&worlds))
-}
-
-/// Six people in a row, so far apart \[m\], of whom the first has a speed \[m/s\], after 0.5 s in one step: shortlisted
-/// and not.
-pub(crate) fn along_row(spacing: f64, speed: f64, push: impl Fn(&mut World)) -> Result<[World; 2]> {
-    let mut people: Vec<Placed> = (0..6).map(|k| disk(70.0, 0.2).at(spacing * f64::from(k), 0.0)).collect();
-    people[0].twist.velocity.x = speed;
+    let people: Vec<Placed> = (0..6).map(|k| disk(70.0, 0.2).at(0.45 * f64::from(k), 0.0)).collect();
     let mut worlds = [Shortlisting::On, Shortlisting::Off].map(|shortlisting| {
         let mut world = world(&people, &[], ELASTIC, 1e-5);
         world.shortlisting = shortlisting;
-        push(&mut world);
+        world.drive_rate[0].force = vec2(4000.0, 0.0);
+        world.drive[4].force = vec2(0.0, 10.0);
+        world.drive_rate[4].force = vec2(0.0, -40.0);
         world
     });
     for world in &mut worlds {
         world.advance(0.5)?;
     }
-    Ok(worlds)
+    ensure!(worlds[0].state().twists[5].velocity.x > 1.0, "the push went through");
+    Ok(farthest_apart(&worlds))
+}
+
+/// A crowd of 64, shortlisted and not.
+fn crowd() -> Result<f64> {
+    let mut worlds = [Shortlisting::On, Shortlisting::Off].map(|shortlisting| {
+        let mut world = lattice(8, 0.6, 1e-4);
+        world.shortlisting = shortlisting;
+        world
+    });
+    for _ in 0..10 {
+        for world in &mut worlds {
+            world.advance(0.05)?;
+        }
+    }
+    ensure!(worlds[0].work().shortlisted > 0, "somebody was shortlisted");
+    Ok(farthest_apart(&worlds))
 }
 
 /// \[N/s\] Growth of the push of [`errors_of_push`], from zero.

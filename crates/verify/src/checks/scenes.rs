@@ -112,10 +112,18 @@ pub fn world(people: &[Placed], walls: &[&[(f64, f64)]], law: PairLaw, mechanica
     let wall =
         |corners: &&[(f64, f64)]| WallSpec { material: 0, corners: corners.iter().map(corner).collect() };
     let walls: Vec<WallSpec> = walls.iter().map(wall).collect();
-    let bodies: Vec<BodySpec> = people.iter().map(|person| person.body.clone()).collect();
     let mut laws = LawTable::new(1);
     laws.set(0, 0, law);
-    let scene = Scene::new(&bodies, &walls, laws);
+    world_of(people, &walls, laws, mechanical_step)
+}
+
+/// Returns a world of several materials.
+///
+/// # Panics
+/// A pair that may touch has no law.
+pub(crate) fn world_of(people: &[Placed], walls: &[WallSpec], laws: LawTable, mechanical_step: f64) -> World {
+    let bodies: Vec<BodySpec> = people.iter().map(|person| person.body.clone()).collect();
+    let scene = Scene::new(&bodies, walls, laws);
     let (poses, twists) = people.iter().map(|person| (person.pose, person.twist)).unzip();
     World::new(scene, State::new(poses, twists), mechanical_step).expect("few bodies")
 }
@@ -197,7 +205,7 @@ pub(crate) fn motion(&[x, y, orientation, vx, vy, angular_velocity]: &[f64; 6]) 
 }
 
 /// Returns the law of a contact.
-pub fn law_of<'a>(scene: &'a Scene, contact: &Contact) -> &'a PairLaw {
+pub(crate) fn law_of<'a>(scene: &'a Scene, contact: &Contact) -> &'a PairLaw {
     let material = |disk: DiskId| scene.disks[disk.index()].material;
     match contact.pair {
         Pair::Disks { first, second } => scene.law(material(first), material(second)),
@@ -205,11 +213,14 @@ pub fn law_of<'a>(scene: &'a Scene, contact: &Contact) -> &'a PairLaw {
     }
 }
 
-/// Returns the energies in the springs of a contact \[J\]: normal, tangential.
-pub fn stored(scene: &Scene, contact: &Contact) -> [f64; 2] {
-    let law = law_of(scene, contact);
-    let (depth, elongation) = (contact.depth, contact.elongation);
-    [0.5 * law.normal_stiffness * depth * depth, 0.5 * law.tangential_stiffness * elongation * elongation]
+/// Returns the kinetic energy and that of all springs \[J\].
+pub(crate) fn energy(world: &World) -> f64 {
+    let of_springs = |contact: &Contact| {
+        let law = law_of(world.scene(), contact);
+        0.5 * law.normal_stiffness * contact.depth.powi(2)
+            + 0.5 * law.tangential_stiffness * contact.elongation.powi(2)
+    };
+    kinetic_energy(world) + world.contacts().contacts.iter().map(of_springs).sum::<f64>()
 }
 
 /// Returns two disks pressed together, to be twisted well below the limit of sticking.

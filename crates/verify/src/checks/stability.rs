@@ -247,9 +247,7 @@ fn pressed() -> Result<f64> {
         }
         trial.parameters.time_step_mechanical = passes;
         let mut world = Setup::of(&trial).world()?;
-        let law = *world.scene().law(0, 0);
-        let springs = world.contacts().contacts.iter().map(|contact| contact.depth * contact.depth);
-        let energy = kinetic_energy(&world) + 0.5 * law.normal_stiffness * springs.sum::<f64>();
+        let energy = energy(&world);
         ensure!(world.contacts().contacts.len() > 200, "they are pressed");
         for _ in 0..15 {
             world.advance(100.0 * passes)?;

@@ -8,7 +8,6 @@ pub(crate) const FIGURES: &[Figure] = &[
     || walker(1.0, 10.0),
     || walker(20.0, 10.0),
     || walker(1.0, 100.0),
-    pieces,
     || in_pieces(disk(80.0, 0.2), 0.2),
     || in_pieces(pedestrian(80.0, 0.0), 0.15),
     || Ok(released()?.0),
@@ -30,19 +29,6 @@ fn walker(speed: f64, half_wall: f64) -> Result<f64> {
     }
     ensure!(world.work().contacts > 0, "the walker came to the wall");
     Ok((farthest - 2.0).max(0.0))
-}
-
-fn pieces() -> Result<f64> {
-    let slide = |corners: &[(f64, f64)]| -> Result<Vec2> {
-        let law = PairLaw { friction: 0.0, ..CONCRETE };
-        let slider = disk(80.0, 0.2).at(-0.3, 0.199).moving(0.5, 0.0);
-        let mut world = world(&[slider], &[corners], law, 1e-5);
-        world.drive[0].force = vec2(0.0, -500.0);
-        world.advance(1.0)?;
-        Ok(world.state().poses[0].position)
-    };
-    let whole = slide(&[(-1.0, 0.0), (1.0, 0.0)])?;
-    Ok((whole - slide(&[(-1.0, 0.0), (0.0, 0.0), (1.0, 0.0)])?).norm())
 }
 
 /// A body pressed on a wall and thrown along it. Returns the difference of its motion after 3 s when the wall is

@@ -1,4 +1,4 @@
-//! Sequences of FMI calls, and damaged states, of both versions of FMI: one driver over the table of functions.
+//! Sequences of FMI calls, damaged states among them, of both versions of FMI: one driver over the table of functions.
 
 use crate::fuzz::models::{Fmu, FuzzedModel, OUTPUTS};
 use crate::fuzz::show_panics;
@@ -433,16 +433,6 @@ impl Session {
         status
     }
 
-    /// Makes a call that takes nothing from the fuzzer's bytes.
-    fn call(&mut self, call: &Call) -> Status {
-        self.make(call, |session, before| session.perform(call, before, &mut Unstructured::new(&[])))
-    }
-
-    /// Makes a call by a method of the instance.
-    fn by(&mut self, name: &str, call: impl FnOnce(&Instance) -> Status) -> Status {
-        self.make(&name, |session, _| session.status(call))
-    }
-
     /// The same bytes, or at least the same phase, time and values: a refused step or question may have computed what is
     /// not kept yet. A step that fails leads to the phase of errors, in FMI 3.0 perhaps after the first parts of it.
     fn unchanged(&self, call: &str, before: &[u8]) {
@@ -553,6 +543,15 @@ impl Session {
             Status::Ok => self.finite(before),
             _ => {}
         }
+        if status == Status::Ok && name.to_lowercase().contains("deserialize") {
+            // What was read is written as it was read.
+            for state in self.slots.into_iter().filter(|state| !state.is_null()) {
+                let (bytes, mut copy) = (self.instance.bytes_of(state), null_mut());
+                assert_eq!(self.instance.deserialize(&bytes, &mut copy), Status::Ok);
+                assert_eq!(self.instance.bytes_of(copy), bytes);
+                self.instance.free(copy);
+            }
+        }
         if name.ends_with("Reset") {
             assert_eq!(status, Status::Ok, "allowed in every state");
             assert_eq!(self.instance.bytes(), self.pristine, "as after instantiation");
@@ -629,117 +628,21 @@ pub fn calls(data: &[u8]) {
     }
 }
 
-/// Where a state is saved that is then damaged.
-#[derive(Debug, Clone, Copy, PartialEq, Arbitrary)]
-enum Saved {
-    Instantiated,
-    Configuration,
-    Initialization,
-    Running,
-    /// Running; in FMI 2.0 with a drive and its rate.
-    Driven,
-    /// Running; in FMI 3.0 after a step in parts.
-    Parts,
-    /// State of a Trial of another size; in FMI 2.0, of another Trial.
-    Other,
-    Terminated,
-}
-
-/// A state saved somewhere, damaged, restored and run on.
-#[derive(Debug, Clone, Arbitrary)]
-struct Damaged {
-    saved: Saved,
-    seal: Seal,
-    edits: Vec<Edit>,
-}
-
-/// Damaged states: refused, or restored and run on. The first byte says whose, and of which version.
-pub fn states(data: &[u8]) {
-    let Some((&way, data)) = data.split_first() else { return };
-    let Ok(damaged) = Damaged::arbitrary_take_rest(Unstructured::new(data)) else { return };
-    let subject = if way % 4 == 3 { FuzzedModel::Decision } else { FuzzedModel::Crowd };
-    let version = if way < 128 { Version::V2 } else { Version::V3 };
-    let mut session = Session::new(subject, version, false);
-    save(&mut session, damaged.saved);
-    let bytes = edited(&session.instance.bytes(), &damaged.edits, damaged.seal);
-    let mut state = null_mut();
-    session.by("deserialize", |instance| instance.deserialize(&bytes, &mut state));
-    if state.is_null() {
-        return;
-    }
-    session.slots[0] = state;
-    // What was read is written as it was read.
-    let instance = session.instance.clone();
-    let (again, mut copy) = (instance.bytes_of(state), null_mut());
-    assert_eq!(instance.deserialize(&again, &mut copy), Status::Ok);
-    assert_eq!(instance.bytes_of(copy), again);
-    instance.free(copy);
-    if session.all_in_their_place() {
-        session.by("restore", |instance| instance.set_state(state));
-    }
-    if version == Version::V3 {
-        session.by("exit configuration", Instance::exit_configuration);
-    }
-    if session.writes_in_its_place() {
-        session.by("exit initialization", Instance::exit);
-    }
-    session.call(&Call::Step(1));
-    push(&mut session, 25);
-    session.call(&Call::Step(20));
-    session.by("terminate", Instance::terminate);
-    session.by("reset", Instance::reset);
-    session.call(&Call::Start(true));
-    session.call(&Call::Step(3));
-    assert_eq!(session.instance.terminate(), Status::Ok, "after a reset it runs as ever");
-}
-
-/// Goes to where the state is saved.
-fn save(session: &mut Session, saved: Saved) {
-    use Saved::{Configuration, Driven, Initialization, Instantiated, Other, Parts, Terminated};
-    let v3 = session.version() == Version::V3;
-    if v3 && matches!(saved, Configuration | Other) {
-        session.by("configure", Instance::enter_configuration);
-    }
-    if matches!(saved, Instantiated | Configuration) {
-        return;
-    }
-    if saved == Other {
-        let (texts, sizes) = (&session.fmu.texts, session.fmu.sizes.clone());
-        let trial = if v3 { texts.last() } else { texts.get(OUTPUTS + 1) }.cloned();
-        if v3 {
-            session.by("sizes", |instance| instance.set_size(&sizes, &[1, 3]));
-            session.by("configured", Instance::exit_configuration);
-        }
-        if let Some(at) = session.fmu.named("Trial") {
-            session.by("choose", |instance| instance.set_string(&[at], &[trial.as_deref()]));
-        }
-    }
-    if let (Parts, Some(parts)) = (saved, session.fmu.named("IntermediateSteps")) {
-        session.by("parts", |instance| instance.set_integer(&[parts], &[4]));
-    }
-    session.call(&Call::Start(saved != Initialization));
-    push(session, if saved == Initialization { 256 } else { 2560 });
-    match saved {
-        Initialization => {}
-        Terminated => _ = session.by("terminate", Instance::terminate),
-        _ => _ = session.call(&Call::Step(2)),
-    }
-    if saved == Driven && !v3 {
-        let references = session.fmu.reals[3..6].to_vec();
-        session.by("rates", |own| own.set_input_derivatives(&references, &[1; 3], &[2.0; 3]));
-    }
-}
-
-/// Sets inputs: the fourth Real and two more in FMI 2.0, of the fourth array the first element.
-fn push(session: &mut Session, value: i16) {
-    for k in 0..if session.version() == Version::V2 { 3 } else { 1_u8 } {
-        session.call(&Call::Set(3 + k, 0, Real::Small(value * i16::from(k.max(1)))));
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl Session {
+        /// Makes a call that takes nothing from the fuzzer's bytes.
+        fn call(&mut self, call: &Call) -> Status {
+            self.make(call, |session, before| session.perform(call, before, &mut Unstructured::new(&[])))
+        }
+
+        /// Makes a call by a method of the instance.
+        fn by(&mut self, name: &str, call: impl FnOnce(&Instance) -> Status) -> Status {
+            self.make(&name, |session, _| session.status(call))
+        }
+    }
 
     /// The calls do what they are named for: else the fuzzers would only look at refusals.
     #[test]
