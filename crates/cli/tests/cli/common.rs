@@ -4,33 +4,11 @@ pub use lemons_verify::testing::{copy_tree, repository as root, trial_push as de
 use std::collections::HashMap;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
-use std::sync::Once;
 
 pub fn command(directory: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lemons"));
     command.args(arguments).current_dir(directory);
     command
-}
-
-/// Builds the Decision FMU's library beside the command, where `lemons decide` looks for it: no test links it.
-pub fn decision_library() {
-    static BUILT: Once = Once::new();
-    BUILT.call_once(|| {
-        let beside = Path::new(env!("CARGO_BIN_EXE_lemons")).parent().unwrap();
-        let mut cargo = Command::new(env!("CARGO"));
-        cargo.current_dir(root()).args([
-            "build",
-            "--quiet",
-            "--package",
-            "lemons-decision-fmu",
-            "--target-dir",
-        ]);
-        cargo.arg(beside.parent().unwrap());
-        if beside.ends_with("release") {
-            cargo.arg("--release");
-        }
-        assert!(cargo.status().unwrap().success());
-    });
 }
 
 /// Starts the command; what it says is kept.

@@ -7,7 +7,7 @@
 //!
 //! `CMD_WRITE=1 cargo test -p lemons-cli pages` writes what is printed into the pages. `CMD=name` selects pages.
 
-use crate::common::{decision_library, root};
+use crate::common::root;
 use crate::coupling::controller::{DESCRIPTION, write_controller};
 use lemons_core::trial::{Parameters, Trial};
 use rayon::prelude::*;
@@ -122,7 +122,6 @@ fn run_page(page: &Path, shared: &Path) -> (String, String) {
 fn shared() -> TempDir {
     let directory = TempDir::new().unwrap();
     let at = |name: &str| directory.path().join(name);
-    decision_library();
     for name in ["push", "door"] {
         let (trial, _) = Trial::read(&root().join("resources").join(format!("Trial_{name}"))).unwrap();
         let trial =

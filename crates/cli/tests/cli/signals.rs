@@ -1,6 +1,6 @@
 //! What a signal leaves behind.
 
-use crate::common::{command, decision_library, default_trial, done, names};
+use crate::common::{command, default_trial, done, names};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -28,7 +28,6 @@ fn a_signal_leaves_nothing_half_written() {
     let place = directory.path();
     let trial = default_trial();
     let trial = trial.to_str().unwrap();
-    decision_library();
     done(place, &["pack", trial, "-o", "crowd.fmu"]);
     std::fs::write(place.join("wishes.toml"), "waypoints = [{ x = 6.0, y = 2.5 }]\n").unwrap();
     done(place, &["decide", trial, "--plan", "wishes.toml", "-o", "decision.fmu"]);

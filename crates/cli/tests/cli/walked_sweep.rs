@@ -1,6 +1,6 @@
 //! `lemons sweep` of people who walk: its points are the runs of `lemons run TRIAL`.
 
-use crate::common::{Row, copy_tree, decision_library, done, number, read_csv, root};
+use crate::common::{Row, copy_tree, done, number, read_csv, root};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -29,7 +29,6 @@ push = { of = "decision.agent[*].Fp.x", take = "max", agents = ["3"] }
 
 #[test]
 fn a_point_is_what_a_run_of_its_trial_is() {
-    decision_library();
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     for (name, speed) in [("T_1", 1.5), ("T_2", 0.9)] {
@@ -130,7 +129,6 @@ fn measured_at(at: &Path, what: &str, more: &[&str]) -> serde_json::Value {
 
 #[test]
 fn measures_of_a_sweep_are_those_of_lemons_measure() {
-    decision_library();
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     for seed in ["1", "2"] {

@@ -1,6 +1,6 @@
 //! Runs of a Trial whose people walk by its `decision.toml`.
 
-use crate::common::{decision_library, default_trial, done, number, read_csv};
+use crate::common::{default_trial, done, number, read_csv};
 use crowd_mechanics::setup;
 use lemons_results::Run;
 use std::fs;
@@ -10,7 +10,6 @@ use tempfile::TempDir;
 /// (v0 + F / (m γ)) (t − (1 − exp(−γ t)) / γ): of both algorithms, in a run and in a sweep.
 #[test]
 fn a_drive_is_added_to_how_people_walk() {
-    decision_library();
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     // One person in the open.
