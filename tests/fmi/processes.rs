@@ -62,7 +62,7 @@ fn instances_leave_nothing_behind() {
     }
     let broken = Resources::edited("static/Agents.xml", "89.0", "much");
     for version in BOTH {
-        does_not_grow(SLACK, 1000, 200, || {
+        does_not_grow(SLACK, 300, 100, || {
             one_life(Fmu::get(), version);
             assert!(Crowd::try_of(Fmu::get(), version, &broken.directory()).is_err());
             let location = version.location(&packed().join("resources"));
@@ -183,7 +183,7 @@ fn the_library_may_be_unloaded_right_after() {
     };
     // The allocator keeps something for each thread that runs at once, 2 MB of it in unlucky runs; four stacks left
     // behind in each life, or an instance, are 5 MB and more.
-    does_not_grow(4 << 20, 150, 50, || {
+    does_not_grow(4 << 20, 60, 20, || {
         std::thread::scope(|scope| scope.spawn(&use_it).join().expect("the thread ended in order"));
     });
 }
