@@ -314,10 +314,20 @@ mod tests {
         WallContacts::default().find(scene, &pairs, Circle { centre, radius }, centre).to_vec()
     }
 
+    fn acting(scene: &Scene, centre: Vec2, radius: f64) -> Vec<WallContact> {
+        let found = found(scene, centre, radius).into_iter();
+        found.filter(|contact| contact.overlap.depth > 0.0).collect()
+    }
+
     /// The faces that a disk of 0.3 m touches, and where.
     fn touched(scene: &Scene, centre: Vec2) -> Vec<(usize, FacePart)> {
-        let acting = found(scene, centre, 0.3).into_iter().filter(|contact| contact.overlap.depth > 0.0);
-        acting.map(|contact| (contact.place, contact.part)).collect()
+        acting(scene, centre, 0.3).iter().map(|contact| (contact.place, contact.part)).collect()
+    }
+
+    /// The sum of depths along normals: the force, divided by the stiffness.
+    fn force(acting: &[WallContact]) -> Vec2 {
+        let forces = acting.iter().map(|contact| contact.overlap.normal * contact.overlap.depth);
+        forces.fold(Vec2::ZERO, |sum, force| sum + force)
     }
 
     #[test]
@@ -412,14 +422,11 @@ mod tests {
                     .into_iter()
                     .min_by(|a, b| (*a - centre).norm().total_cmp(&(*b - centre).norm()))
                     .unwrap();
-                let acting = found(&scene, centre, radius);
-                let force = acting
-                    .iter()
-                    .filter(|contact| contact.overlap.depth > 0.0)
-                    .fold(Vec2::ZERO, |sum, contact| sum + contact.overlap.normal * contact.overlap.depth);
-                assert!((force - (nearest - centre)).norm() < 1e-12, "{degrees}° {centre:?} {acting:?}");
-                let acts = acting.iter().filter(|contact| contact.overlap.depth > 0.0).count();
-                (both, single) = (both + usize::from(acts == 2), single + usize::from(acts == 1));
+                let acting = acting(&scene, centre, radius);
+                let apart = force(&acting) - (nearest - centre);
+                assert!(apart.norm() < 1e-12, "{degrees}° {centre:?} {acting:?}");
+                both += u32::from(acting.len() == 2);
+                single += u32::from(acting.len() == 1);
             }
             assert!(both > 50 && single > 50, "{degrees}° {both} {single}");
         }
@@ -448,11 +455,7 @@ mod tests {
                 let (step, mut last) = (2e-5, None);
                 for column in 0..20_000 {
                     let centre = vec2(-0.3 + step * f64::from(column), 0.2 - 0.001 * f64::from(row));
-                    let acting = found(&scene, centre, 0.2);
-                    let acting = acting.iter().filter(|contact| contact.overlap.depth > 0.0);
-                    let force = acting.fold(Vec2::ZERO, |sum, contact| {
-                        sum + contact.overlap.normal * contact.overlap.depth
-                    });
+                    let force = force(&acting(&scene, centre, 0.2));
                     if force.norm() > 0.02 {
                         break;
                     }

@@ -401,18 +401,13 @@ mod tests {
         world.advance(0.2).unwrap();
     }
 
-    /// Round bodies in a row that knock against each other: pairs are fewer, as many and more than a word has bits, and their
+    /// Pairs are fewer, as many and more than a word has bits, and their
     /// lists are made again while some of them touch.
     #[test]
     fn the_bits_of_touching_pairs_are_those_of_their_springs() {
         let mut seen = Vec::new();
         for count in [2, 32, 33, 34, 66, 600] {
-            let scene = RoundBody { mass: 1.0, radius: 0.1, relaxation: 0.0, stiffness: 1e4 }.scene(count);
-            let poses = (0..count).map(|k| Pose { position: vec2(0.201 * k as f64, 0.0), orientation: 0.0 });
-            let speed = |k: usize| if k.is_multiple_of(3) { 2.0 } else { -1.0 };
-            let twists = (0..count).map(|k| Twist { velocity: vec2(speed(k), 0.0), angular_velocity: 0.0 });
-            let state = State::new(poses.collect(), twists.collect());
-            let mut world = World::new(scene, state, 1e-4).unwrap();
+            let mut world = row(count, 0.201, 0.0);
             // So that all pairs are listed.
             world.shortlisting = Shortlisting::Off;
             for step in 0..12 {
@@ -426,10 +421,10 @@ mod tests {
         assert!([31, 32, 33, 65].iter().all(|pairs| seen.contains(pairs)), "{seen:?}");
     }
 
-    /// Round bodies that knock against each other in a row; `count` of them are there from the start.
-    fn row(count: usize) -> World {
-        let scene = RoundBody { mass: 1.0, radius: 0.1, relaxation: 0.5, stiffness: 1e4 }.scene(count);
-        let poses = (0..count).map(|k| Pose { position: vec2(0.19 * k as f64, 0.0), orientation: 0.0 });
+    /// Round bodies of 0.2 m that knock against each other in a row, so far apart \[m\].
+    fn row(count: usize, apart: f64, relaxation: f64) -> World {
+        let scene = RoundBody { mass: 1.0, radius: 0.1, relaxation, stiffness: 1e4 }.scene(count);
+        let poses = (0..count).map(|k| Pose { position: vec2(apart * k as f64, 0.0), orientation: 0.0 });
         let speed = |k: usize| if k.is_multiple_of(3) { 2.0 } else { -1.0 };
         let twists = (0..count).map(|k| Twist { velocity: vec2(speed(k), 0.0), angular_velocity: 0.0 });
         World::new(scene, State::new(poses.collect(), twists.collect()), 1e-4).unwrap()
@@ -439,7 +434,7 @@ mod tests {
     #[test]
     fn who_is_not_there_changes_nothing_for_the_others() {
         for shortlisting in [Shortlisting::On, Shortlisting::Off] {
-            let (mut with, mut without) = (row(6), row(5));
+            let (mut with, mut without) = (row(6, 0.19, 0.5), row(5, 0.19, 0.5));
             let last = BodyId(5);
             with.set_present(last, false);
             with.restore(with.state().clone()).unwrap();
@@ -495,7 +490,7 @@ mod tests {
     /// again with what it touches there.
     #[test]
     fn who_leaves_lets_go_and_may_come_back() {
-        let mut world = row(3);
+        let mut world = row(3, 0.19, 0.5);
         let middle = BodyId(1);
         assert_eq!(world.contacts().bodies[1].touching_bodies, 2);
         world.set_present(middle, false);

@@ -184,6 +184,6 @@ fn the_library_may_be_unloaded_right_after() {
     // The allocator keeps something for each thread that runs at once, 2 MB of it in unlucky runs; four stacks left
     // behind in each life, or an instance, are 5 MB and more.
     does_not_grow(4 << 20, 60, 20, || {
-        std::thread::scope(|scope| scope.spawn(&use_it).join().expect("the thread ended in order"));
+        std::thread::scope(|scope| scope.spawn(use_it).join().expect("the thread ended in order"));
     });
 }

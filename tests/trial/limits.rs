@@ -35,7 +35,7 @@ fn everybody_at_one_point_is_refused_by_name_before_memory_is_taken() {
         let Err(WorldError::Crowded { agent, crowded }) = Setup::of(&trial).world() else {
             panic!("{count}")
         };
-        assert_eq!((&*agent, crowded.others as usize), ("0", count - 1));
+        assert_eq!((&*agent, crowded.others), ("0", count - 1));
     }
     // Few enough are held, and counted in one line.
     let (trial, warnings) = all_at_one_point(200).1.unwrap();
