@@ -5,6 +5,7 @@
 
 mod collision;
 mod exposure;
+mod friction;
 mod golden;
 mod ledger;
 mod order;
@@ -54,6 +55,7 @@ impl Check {
 pub fn all() -> Vec<Check> {
     let measures = [
         collision::FIGURES,
+        friction::FIGURES,
         order::FIGURES,
         walls::FIGURES,
         passivity::FIGURES,
@@ -86,13 +88,14 @@ fn rows() -> impl Iterator<Item = &'static str> {
 /// # Errors
 /// A world did not advance.
 pub fn tables() -> Result<String> {
-    let series: [fn() -> Result<Halved>; 6] = [
+    let series: [fn() -> Result<Halved>; 7] = [
         collision::errors_in_oblique_contact,
         || order::errors(order::PARTED, order::BOTH),
         ramp::pieces_in_contact,
         || ramp::errors_of_push(0.0),
         || ramp::errors_of_push(ramp::GROWTH),
-        ledger::remainders,
+        || ledger::remainders(ledger::lasting),
+        || ledger::remainders(ledger::passing),
     ];
     let titles = TABLE.lines().skip_while(|line| *line != "[tables]").skip(1);
     let mut text = String::new();

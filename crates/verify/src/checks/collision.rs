@@ -1,12 +1,13 @@
-//! Collisions, compared with conservation laws and another integrator.
+//! Collisions, compared with conservation laws, the damped oscillator and another integrator.
 
 use crate::checks::scenes::*;
 use crate::checks::two_disks::TwoDisks;
-use crate::checks::{Figure, Halved, Result, ensure, halved, largest, off_ratio};
+use crate::checks::{Figure, Halved, Oscillator, Result, ensure, halved, largest, off_ratio};
 use crowd_mechanics::engine::*;
 
 pub(crate) const FIGURES: &[Figure] = &[
     velocities,
+    restitution,
     || Ok(off_ratio(&errors_in_oblique_contact()?, 4.0)),
     || Ok(glancing()?.0),
     || Ok(glancing()?.1),
@@ -17,13 +18,25 @@ const MASSES: [f64; 2] = [100.0, 50.0];
 const RADII: [f64; 2] = [0.25, 0.2];
 const REDUCED: f64 = 100.0 * 50.0 / 150.0;
 
-/// The first at 1 m/s meets the second at rest.
-fn velocities() -> Result<f64> {
+/// The first at 1 m/s meets the second at rest. Returns their velocities \[m/s\] after 0.1 s.
+fn head_on(law: PairLaw, mechanical_step: f64) -> Result<[f64; 2]> {
     let [first, second] = [0, 1].map(|i| disk(MASSES[i], RADII[i]));
-    let mut world = world(&[first.moving(1.0, 0.0), second.at(0.46, 0.0)], &[], ELASTIC, 1e-5);
+    let mut world = world(&[first.moving(1.0, 0.0), second.at(0.46, 0.0)], &[], law, mechanical_step);
     world.advance(0.1)?;
-    let twists = &world.state().twists;
-    Ok(largest([(twists[0].velocity.x - 1.0 / 3.0).abs(), (twists[1].velocity.x - 4.0 / 3.0).abs()]))
+    Ok([0, 1].map(|i| world.state().twists[i].velocity.x))
+}
+
+fn velocities() -> Result<f64> {
+    let [first, second] = head_on(ELASTIC, 1e-5)?;
+    Ok(largest([(first - 1.0 / 3.0).abs(), (second - 4.0 / 3.0).abs()]))
+}
+
+fn restitution() -> Result<f64> {
+    // Kelvin–Voigt, not clamped: the contact ends when the oscillator returns to h = 0.
+    let law = PairLaw { normal_damping: 1500.0, ..ELASTIC };
+    let [first, second] = head_on(law, 1e-6)?;
+    let expected = Oscillator::new(law.normal_stiffness, law.normal_damping, REDUCED).restitution();
+    Ok((second - first - expected).abs())
 }
 
 /// Returns errors \[m\] of relative position, and of velocity and rim speeds divided by the angular frequency, after

@@ -213,14 +213,17 @@ pub(crate) fn law_of<'a>(scene: &'a Scene, contact: &Contact) -> &'a PairLaw {
     }
 }
 
+/// Returns the energies in the springs of a contact \[J\]: normal, tangential.
+pub(crate) fn stored(scene: &Scene, contact: &Contact) -> [f64; 2] {
+    let law = law_of(scene, contact);
+    [(law.normal_stiffness, contact.depth), (law.tangential_stiffness, contact.elongation)]
+        .map(|(stiffness, length)| 0.5 * stiffness * length.powi(2))
+}
+
 /// Returns the kinetic energy and that of all springs \[J\].
 pub(crate) fn energy(world: &World) -> f64 {
-    let of_springs = |contact: &Contact| {
-        let law = law_of(world.scene(), contact);
-        0.5 * law.normal_stiffness * contact.depth.powi(2)
-            + 0.5 * law.tangential_stiffness * contact.elongation.powi(2)
-    };
-    kinetic_energy(world) + world.contacts().contacts.iter().map(of_springs).sum::<f64>()
+    let contacts = world.contacts().contacts.iter();
+    kinetic_energy(world) + contacts.flat_map(|contact| stored(world.scene(), contact)).sum::<f64>()
 }
 
 /// Returns two disks pressed together, to be twisted well below the limit of sticking.
