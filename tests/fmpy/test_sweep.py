@@ -221,6 +221,7 @@ def test_what_cannot_be_swept_is_refused_at_once(here, tmp_path):
     refused(ValueError, "agent.1..Mass: values must be all numbers", {"agent[1].Mass": [60.0, "heavy"]})
     refused(TypeError, "agent.1..Mass: must be a list of values, not 60.0", {"agent[1].Mass": 60.0})
     refused(ValueError, "surrogates not allowed", {"OutputDirectory": ["\ud800"]})
+    assert not os.path.exists("\ufffd" * 3), "it was simulated with another text"
     refused(ValueError, "'status' cannot be a parameter", {"status": [60.0]})
     out = tmp_path / "out.csv"
     sweep(TRIAL_PUSH, {"agent[1].Mass": [60.0]}, False, measure, out=out, client=here, **RUN)

@@ -35,8 +35,8 @@ pub fn algorithm_of(name: &str) -> PyResult<Algorithm> {
 /// # Errors
 /// It is neither a number, nor a truth value, nor a text.
 pub fn text_of(value: &Bound<'_, PyAny>) -> PyResult<String> {
-    if let Ok(text) = value.cast::<PyString>() {
-        return Ok(text.to_string());
+    if value.is_instance_of::<PyString>() {
+        return value.extract();
     }
     // Of numpy.
     let value = if value.hasattr("item")? { value.call_method0("item")? } else { value.clone() };
