@@ -114,11 +114,12 @@ pub struct Decision {
     aims: Option<Vec<Aim>>,
 }
 
-/// See [`Decision::arrival`] and [`Decision::goes`].
+/// See [`Decision::arrival`], [`Decision::goes`] and [`Decision::to_go`].
 #[derive(Debug, Clone, Copy)]
 struct Aim {
     arrival: Option<Arrival>,
     goes: Option<(Vec2, f64)>,
+    to_go: f64,
 }
 
 impl Decision {
@@ -305,8 +306,7 @@ impl Decision {
     /// Computes the aims of all agents, unless that was done at these poses.
     fn find_aims(&mut self) {
         if self.aims.is_none() {
-            let aim = |i| Aim { arrival: self.arrival(i), goes: self.goes(i) };
-            self.aims = Some((0..self.agents.len()).map(aim).collect());
+            self.aims = Some((0..self.agents.len()).map(|i| self.find_aim(i)).collect());
         }
     }
 
@@ -335,23 +335,27 @@ impl Decision {
 
     /// Where an agent wants to go from its present pose: a unit vector, and the speed \[m/s\].
     fn goes(&self, i: usize) -> Option<(Vec2, f64)> {
-        if let Some(aims) = &self.aims {
-            return aims[i].goes;
-        }
-        let (agent, destination) = (&self.agents[i], self.destination(i));
+        self.aims.as_ref().map_or_else(|| self.find_aim(i).goes, |aims| aims[i].goes)
+    }
+
+    /// Computes the aim of an agent at its present pose.
+    fn find_aim(&self, i: usize) -> Aim {
+        let (agent, destination, arrival) = (&self.agents[i], self.destination(i), self.arrival(i));
+        let nowhere = Aim { arrival, goes: None, to_go: 0.0 };
         if let Some(waypoint) = agent.walker.waypoints.get(agent.next()) {
-            let way = vec2(waypoint.x, waypoint.y) - agent.at();
-            let norm = way.norm();
-            return (norm > 0.0).then(|| (way * (1.0 / norm), agent.walker.desired_speed));
+            let way = (vec2(waypoint.x, waypoint.y) - agent.at()).unit(0.0);
+            let goes = way.map(|direction| (direction, agent.walker.desired_speed));
+            return Aim { arrival, goes, to_go: self.to_go(i, destination) };
         }
-        if destination == Destination::None || self.arrival(i) == Some(Arrival::Leaves) {
-            return None;
+        if destination == Destination::None || arrival == Some(Arrival::Leaves) {
+            return nowhere;
         }
-        let leg = self.ways()?.leg(destination, agent.at());
-        let (direction, turn) = (leg.direction?, agent.choice.turn);
+        let Some(ways) = self.ways() else { return nowhere };
+        let (leg, turn) = (ways.leg(destination, agent.at()), agent.choice.turn);
         // Without a change of the exit, not even rounding.
-        let direction = if turn == 0.0 { direction } else { direction.rotated(Rotation::by(turn)) };
-        Some((direction, leg.share * agent.walker.desired_speed))
+        let turned = |way: Vec2| if turn == 0.0 { way } else { way.rotated(Rotation::by(turn)) };
+        let goes = leg.direction.map(|way| (turned(way), leg.share * agent.walker.desired_speed));
+        Aim { arrival, goes, to_go: leg.distance }
     }
 
     /// \[m\] How far it is along the way-points and to an exit or a goal.
@@ -400,7 +404,7 @@ impl Decision {
             disks: &self.plan.agents[i].disks,
             direction,
             speed: speed.unwrap_or(0.0),
-            to_go: self.to_go(i, self.destination(i)),
+            to_go: self.aims.as_ref().map_or_else(|| self.find_aim(i).to_go, |aims| aims[i].to_go),
             destination: match self.destination(i) {
                 Destination::None => usize::MAX,
                 Destination::NearestExit => usize::MAX - 1,

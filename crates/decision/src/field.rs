@@ -35,6 +35,13 @@ const BESIDE: f64 = 0.75;
 /// Parts of a step by which the grid is shifted: nodes do not lie on walls with round coordinates.
 const SHIFT: Vec2 = Vec2 { x: 0.382, y: 0.417 };
 
+/// Bits of [`Grid::links`].
+const LEFT: u8 = 1;
+const RIGHT: u8 = 2;
+const BELOW: u8 = 4;
+const ABOVE: u8 = 8;
+const FACES: u8 = 16;
+
 /// Grid of places where people can walk: nodes, and which of them are neighbours.
 #[derive(Debug, Clone)]
 pub struct Grid {
@@ -42,10 +49,8 @@ pub struct Grid {
     step: f64,
     columns: usize,
     rows: usize,
-    /// There is a next node to the right, and no wall between.
-    right: Vec<bool>,
-    /// There is a next node above, and no wall between.
-    above: Vec<bool>,
+    /// Of each node, as bits: to which of the next nodes no wall is between, and whether faces are beside it.
+    links: Vec<u8>,
     /// Price of each node: how many metres a metre counts; infinite where nobody can be.
     price: Vec<f64>,
     faces: Vec<[Vec2; 2]>,
@@ -80,12 +85,19 @@ impl Grid {
             step,
             columns,
             rows,
-            right: (1..=nodes).map(|next| next % columns > 0).collect(),
-            above: (0..nodes).map(|node| node + columns < nodes).collect(),
+            links: vec![LEFT | RIGHT | BELOW | ABOVE; nodes],
             price: vec![f64::INFINITY; nodes],
             faces,
             beside: HashMap::new(),
         };
+        for row in 0..rows {
+            grid.links[row * columns] &= !LEFT;
+            grid.links[row * columns + columns - 1] &= !RIGHT;
+        }
+        for column in 0..columns {
+            grid.links[column] &= !BELOW;
+            grid.links[nodes - columns + column] &= !ABOVE;
+        }
         for k in 0..grid.faces.len() {
             grid.put_face(k);
         }
@@ -118,11 +130,18 @@ impl Grid {
             let away = (nearest_on_segment(from, to, at) - at).norm();
             self.price[node] = self.price[node].min(away);
             let (next, up) = (at + vec2(self.step, 0.0), at + vec2(0.0, self.step));
-            self.right[node] &= !segments_touch(at, next, from, to);
-            self.above[node] &= !segments_touch(at, up, from, to);
+            for (there, other, bits) in
+                [(next, node + 1, [RIGHT, LEFT]), (up, node + self.columns, [ABOVE, BELOW])]
+            {
+                if self.links[node] & bits[0] != 0 && segments_touch(at, there, from, to) {
+                    self.links[node] &= !bits[0];
+                    self.links[other] &= !bits[1];
+                }
+            }
             let middle = at + vec2(0.5 * self.step, 0.5 * self.step);
             if (nearest_on_segment(from, to, middle) - middle).norm() < 0.75 * self.step {
                 self.beside.entry(node).or_default().push(k as u32);
+                self.links[node] |= FACES;
             }
         }
     }
@@ -230,12 +249,13 @@ impl Grid {
 
     /// Returns the nodes to the left, right, below and above, where no wall is between.
     fn neighbours(&self, node: usize) -> [Option<usize>; 4] {
-        let columns = self.columns;
+        let (links, columns) = (self.links[node], self.columns);
+        let next = |bit, other| if links & bit != 0 { Some(other) } else { None };
         [
-            node.checked_sub(1).filter(|left| self.right[*left]),
-            self.right[node].then_some(node + 1),
-            node.checked_sub(columns).filter(|below| self.above[*below]),
-            self.above[node].then_some(node + columns),
+            next(LEFT, node.wrapping_sub(1)),
+            next(RIGHT, node + 1),
+            next(BELOW, node.wrapping_sub(columns)),
+            next(ABOVE, node + columns),
         ]
     }
 
@@ -258,14 +278,15 @@ impl Grid {
     /// Returns how far it is from a place \[m\]: the mean of the nodes around it that are on the same side of all walls. Beside
     /// walls, metres count more. Infinite where no way leads from, and outside of the grid.
     pub fn distance(&self, field: &[f64], at: Vec2) -> f64 {
-        let (mut sum, mut shares) = (0.0, 0.0);
-        for (node, share) in self.around(at) {
-            if field[node].is_finite() {
-                sum += share * field[node];
-                shares += share;
-            }
-        }
-        if shares > 0.0 { sum / shares } else { f64::INFINITY }
+        mean_of(field, self.around(at))
+    }
+
+    /// Returns how far it is from a place, as [`Grid::distance`], and the direction in which the distance falls fastest, as a
+    /// unit vector; `None` where no way leads from, and outside of the grid.
+    pub fn way(&self, field: &[f64], at: Vec2) -> (f64, Option<Vec2>) {
+        let around = self.around(at);
+        let downs = around.iter().filter_map(|&(node, share)| Some(self.down(field, node)? * share));
+        (mean_of(field, around), downs.fold(Vec2::ZERO, |sum, down| sum + down).unit(1e-9))
     }
 
     /// Computes the free width \[m\] of the narrowest place on the way down a field, from all nodes: there the nearest wall on
@@ -305,34 +326,33 @@ impl Grid {
         widths.get(node).copied().filter(|width| width.is_finite())
     }
 
-    /// Returns the direction in which the distance falls fastest, as a unit vector; `None` where no way leads from, and outside
-    /// of the grid.
-    pub fn direction(&self, field: &[f64], at: Vec2) -> Option<Vec2> {
-        let all = self.around(at).filter_map(|(node, share)| Some(self.down(field, node)? * share));
-        all.fold(Vec2::ZERO, |sum, down| sum + down).unit(1e-9)
-    }
-
-    /// Returns the nodes around a place that are on the same side of all walls, with their bilinear shares.
-    fn around(&self, at: Vec2) -> impl Iterator<Item = (usize, f64)> {
+    /// Returns the nodes around a place with their bilinear shares; zero for those on another side of a wall, and outside.
+    fn around(&self, at: Vec2) -> [(usize, f64); 4] {
         let (column, row) = self.square(at);
         let inside =
             column >= 0.0 && row >= 0.0 && column + 1.0 < self.columns as f64 && row + 1.0 < self.rows as f64;
-        let first = if inside { row as usize * self.columns + column as usize } else { 0 };
+        if !inside {
+            return [(0, 0.0); 4];
+        }
+        let first = row as usize * self.columns + column as usize;
         let share = (at - self.origin) * (1.0 / self.step) - vec2(column, row);
-        let corners = [(0, 1.0 - share.x, 1.0 - share.y), (1, share.x, 1.0 - share.y)];
-        let upper = [(self.columns, 1.0 - share.x, share.y), (self.columns + 1, share.x, share.y)];
-        let faces = if inside { self.beside.get(&first) } else { None };
-        corners.into_iter().chain(upper).filter(move |_| inside).filter_map(move |(offset, x, y)| {
-            let node = first + offset;
-            let hidden = faces.is_some_and(|faces| {
-                faces.iter().any(|&face| {
-                    let [a, b] = self.faces[face as usize];
-                    segments_touch(at, self.place(node), a, b)
-                })
-            });
-            // Also a node in whose very place somebody stands counts a little.
-            (!hidden).then_some((node, x * y + 1e-6))
-        })
+        let corners = [
+            (first, 1.0 - share.x, 1.0 - share.y),
+            (first + 1, share.x, 1.0 - share.y),
+            (first + self.columns, 1.0 - share.x, share.y),
+            (first + self.columns + 1, share.x, share.y),
+        ];
+        // Also a node in whose very place somebody stands counts a little.
+        let mut around = corners.map(|(node, x, y)| (node, x * y + 1e-6));
+        if self.links[first] & FACES != 0 {
+            let faces = || self.beside[&first].iter().map(|&face| self.faces[face as usize]);
+            for (node, share) in &mut around {
+                if faces().any(|[a, b]| segments_touch(at, self.place(*node), a, b)) {
+                    *share = 0.0;
+                }
+            }
+        }
+        around
     }
 
     /// Returns the direction down the distance at a node: against the gradient by the lower neighbours.
@@ -349,6 +369,14 @@ impl Grid {
         };
         vec2(fall(left, right), fall(below, above)).unit(0.0)
     }
+}
+
+/// Returns the mean of a field over nodes with shares; infinite if none of them is reached.
+fn mean_of(field: &[f64], around: [(usize, f64); 4]) -> f64 {
+    let known = around.into_iter().filter(|&(node, share)| share > 0.0 && field[node].is_finite());
+    let (sum, shares) =
+        known.fold((0.0, 0.0), |(sum, shares), (node, share)| (sum + share * field[node], shares + share));
+    if shares > 0.0 { sum / shares } else { f64::INFINITY }
 }
 
 #[cfg(test)]
@@ -372,7 +400,7 @@ mod tests {
             let nearest = nearest_on_segment(vec2(5.0, 1.0), vec2(5.0, 2.0), at);
             let (wanted, found) = ((nearest - at).norm(), grid.distance(&field, at));
             assert!((found - wanted).abs() < 0.15, "{at:?}: {found} instead of {wanted}");
-            let direction = grid.direction(&field, at).unwrap();
+            let direction = grid.way(&field, at).1.unwrap();
             assert!(direction.dot((nearest - at) * (1.0 / wanted)) > 0.99, "{at:?}: {direction:?}");
         }
     }
@@ -392,7 +420,7 @@ mod tests {
         // Down the field one arrives, and never crosses the wall.
         let (mut at, mut walked, mut nearest) = (from, 0.0, f64::INFINITY);
         while grid.distance(&field, at) > 0.05 {
-            let next = at + grid.direction(&field, at).unwrap() * 0.05;
+            let next = at + grid.way(&field, at).1.unwrap() * 0.05;
             assert!(!segments_touch(at, next, vec2(5.0, -1.0), end), "through the wall at {at:?}");
             (at, walked) = (next, walked + 0.05);
             nearest = nearest.min((at - end).norm());
@@ -409,7 +437,7 @@ mod tests {
         let grid = Grid::new(&[closed], places(&[(8.0, 0.0)])).unwrap();
         let field = grid.field(&exit, &[]);
         assert_eq!(grid.distance(&field, vec2(3.0, 2.0)), f64::INFINITY);
-        assert_eq!(grid.direction(&field, vec2(3.0, 2.0)), None);
+        assert_eq!(grid.way(&field, vec2(3.0, 2.0)).1, None);
         assert_eq!(grid.distance(&field, vec2(1e9, 2.0)), f64::INFINITY);
         // Nobody fits through a slit.
         let slit = polyline(&[(6.0, 2.09), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, 1.91)]);

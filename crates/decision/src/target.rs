@@ -154,6 +154,8 @@ pub struct Leg {
     pub direction: Option<Vec2>,
     /// Part of the desired speed.
     pub share: f64,
+    /// \[m\] How far it is on foot; infinite if no way leads there.
+    pub distance: f64,
 }
 
 impl Ways {
@@ -265,16 +267,17 @@ impl Ways {
         };
         let left = (rest - at).norm();
         let share = (left / SLOW).min(1.0);
+        let way = self.field(to).map(|field| self.grid.way(field, at));
+        let (distance, found) = way.unwrap_or((f64::INFINITY, None));
         if left <= near {
-            return Leg { direction: towards(rest), share };
+            return Leg { direction: towards(rest), share, distance };
         }
-        let found = self.field(to).and_then(|field| self.grid.direction(field, at));
         let straight = || {
             let nearest = self.targets(to).map(|k| self.shapes[k].nearest(at));
             let nearest = nearest.min_by(|a, b| (*a - at).norm().total_cmp(&(*b - at).norm()))?;
             towards(nearest)
         };
-        Leg { direction: found.or_else(straight), share }
+        Leg { direction: found.or_else(straight), share, distance }
     }
 }
 

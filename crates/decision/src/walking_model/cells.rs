@@ -106,19 +106,35 @@ impl<T: Copy> Cells<T> {
         }
     }
 
-    /// Visits those in the cells whose distance from a cell is `ring`.
-    pub fn ring(&self, (column, row): (usize, usize), ring: usize, mut visit: impl FnMut(&T)) {
-        let columns = around(column, ring, self.columns);
-        for y in around(row, ring, self.rows) {
-            if y.abs_diff(row) == ring {
+    /// Visits those in the cells whose distance from a cell is `ring`, on those of its four sides that count: of whose cells
+    /// the lower left and the upper right corner \[m\] say so.
+    pub fn ring(
+        &self,
+        (column, row): (usize, usize),
+        ring: usize,
+        counts: impl Fn(Vec2, Vec2) -> bool,
+        mut visit: impl FnMut(&T),
+    ) {
+        let (columns, rows) = (around(column, ring, self.columns), around(row, ring, self.rows));
+        let corner = |column: usize, row: usize| {
+            vec2(column as f64 + self.first.0, row as f64 + self.first.1) * self.width
+        };
+        let counts = |columns: &Range<usize>, rows: &Range<usize>| {
+            counts(corner(columns.start, rows.start), corner(columns.end, rows.end))
+        };
+        let on_ring = |k: &usize| k.abs_diff(row) == ring;
+        for y in rows.clone().filter(on_ring) {
+            if counts(&columns, &(y..y + 1)) {
                 self.visit(y, columns.clone(), &mut visit);
-                continue;
             }
-            if column >= ring {
-                self.visit(y, column - ring..column - ring + 1, &mut visit);
-            }
-            if column + ring < self.columns {
-                self.visit(y, column + ring..column + ring + 1, &mut visit);
+        }
+        let left = column.checked_sub(ring);
+        let right = Some(column + ring).filter(|right| *right < self.columns);
+        for x in [left, right].into_iter().flatten() {
+            if ring > 0 && counts(&(x..x + 1), &rows) {
+                for y in rows.clone().filter(|y| !on_ring(y)) {
+                    self.visit(y, x..x + 1, &mut visit);
+                }
             }
         }
     }

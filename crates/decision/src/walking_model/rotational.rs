@@ -92,9 +92,9 @@ const SIGHT: f64 = 4.0;
 /// \[m\] Width of the cells in which neighbours are looked for.
 const CELL: f64 = 0.5;
 
-/// Somebody who is seen by others.
+/// Somebody, as others see it.
 #[derive(Clone, Copy)]
-struct Seen {
+struct Other {
     at: Vec2,
     velocity: Vec2,
     /// Zero for who goes nowhere.
@@ -120,7 +120,7 @@ pub(super) fn desired(
         cells: Cells::new(people, faces, (CELL, SIGHT), |person, walking| {
             let direction = walking.direction.unwrap_or(Vec2::ZERO);
             let Walking { at, velocity, breadth, depth, .. } = *walking;
-            Seen { at, velocity, direction, person, breadth, depth }
+            Other { at, velocity, direction, person, breadth, depth }
         }),
         fastest: there().map(|walking| walking.velocity.norm()).fold(0.0, f64::max),
         eighths: ways.fold(0, |all, way| all | 1 << eighth(way)),
@@ -134,7 +134,7 @@ pub(super) fn desired(
 
 /// What everybody sees.
 struct Surroundings {
-    cells: Cells<Seen>,
+    cells: Cells<Other>,
     /// \[m/s\] Greatest speed of anybody.
     fastest: f64,
     /// Eighths of the circle in which somebody goes, a bit each; none if all have one destination.
@@ -149,6 +149,185 @@ impl Surroundings {
     }
 }
 
+/// Somebody who walks, and what does not depend on the others.
+struct View<'a> {
+    walking: &'a Walking<'a>,
+    people: &'a [Option<Walking<'a>>],
+    faces: &'a [[Vec2; 2]],
+    /// Unit vectors: the direction of walking, and that of the way.
+    ways: [Vec2; 2],
+    /// Unit vector of the way, turned away from walls.
+    reference: Vec2,
+    /// \[m/s\] Velocity by which people see who will pass at the side.
+    expected: Vec2,
+    /// \[m\] Free widths across the way: the greater and the smaller one of here and a little ahead.
+    corridor: f64,
+    narrowest: f64,
+}
+
+/// What somebody sees of the others.
+struct Seen {
+    /// Who counts most ahead: the distance with the ranges of steering, and the offset to the side \[m\].
+    leader: (f64, f64),
+    /// \[m\] Smallest gaps, along both ways.
+    gaps: [f64; 2],
+    /// \[m/s\] Sideways velocities that the clearance to those who come on the right and on the left demands.
+    demanded: [f64; 2],
+    /// Whether they leave no room for overtaking.
+    blocked: [bool; 2],
+    /// Whether somebody oncoming passes closely.
+    passes_close: bool,
+    queues: bool,
+}
+
+impl View<'_> {
+    fn is_visible(&self, other: &Other) -> bool {
+        sees(self.walking.at, other.at, self.faces)
+    }
+
+    /// Returns whether another person goes elsewhere next. Who comes from the other side of a common door is not evaded.
+    fn parts(&self, other: &Other) -> bool {
+        self.people[other.person].as_ref().is_some_and(|other| parts(self.walking, other))
+    }
+
+    /// Returns whether another person has the same destination, and less far to go.
+    fn is_nearer(&self, other: &Other) -> bool {
+        let walking = self.walking;
+        self.people[other.person].as_ref().is_some_and(|other| {
+            other.direction.is_some()
+                && other.destination == walking.destination
+                && other.to_go < walking.to_go
+        })
+    }
+
+    /// Sees another person.
+    fn see(&self, other: &Other, seen: &mut Seen) {
+        let walking = self.walking;
+        let to = other.at - walking.at;
+        let square = to.dot(to);
+        let ahead = self.ways.map(|way| way.dot(to));
+        let along = self.reference.dot(to);
+        let is_ahead = along > 0.0 || ahead[0] > 0.0 || ahead[1] > 0.0;
+        let close = square < TURNING.0 * TURNING.0 && ahead[1] > -2.0 * RADIUS;
+        if !is_ahead && !close || square > SIGHT * SIGHT || square == 0.0 {
+            return;
+        }
+        let oncoming = other.direction.dot(self.ways[1]) < 0.0;
+        if oncoming && close && !seen.passes_close {
+            seen.passes_close = self.parts(other) && self.is_visible(other);
+        }
+        if !is_ahead {
+            return;
+        }
+        if !oncoming && along > 0.0 {
+            let side = self.reference.cross(to);
+            let far = along / AHEAD + side.abs() / ACROSS;
+            if far < seen.leader.0 && self.is_visible(other) {
+                seen.leader = (far, side);
+            }
+        }
+        // Where two do not fit side by side, one goes after the other.
+        let both = walking.breadth + other.breadth;
+        let single = self.corridor < both + ROOM;
+        let gives_way = || self.narrowest < walking.depth + other.depth + ROOM && self.is_nearer(other);
+        let half = if single || gives_way() { 0.5 * both } else { LANE };
+        let in_lane = [0, 1].map(|k| ahead[k] > 0.0 && self.ways[k].cross(to).abs() <= half);
+        if in_lane != [false; 2] {
+            let relative = self.expected - other.velocity;
+            let passes = oncoming && !single && relative.cross(to).abs() > PASSING * relative.norm();
+            if !passes {
+                let distance = square.sqrt();
+                let approach = (walking.velocity - other.velocity).dot(to) / distance;
+                let time = if approach < 0.0 { FOLLOWING[usize::from(single)] } else { walking.relaxation };
+                for k in 0..2 {
+                    let gap = if single { ahead[k] } else { distance } - 2.0 * RADIUS - time * approach;
+                    if in_lane[k] && gap < seen.gaps[k] && self.is_visible(other) {
+                        seen.gaps[k] = gap;
+                    }
+                }
+                if in_lane[1] && distance < CLOSE + 2.0 * RADIUS && !seen.queues && self.is_visible(other) {
+                    seen.queues = single && !oncoming || self.is_nearer(other);
+                }
+            }
+        }
+        if oncoming && ahead[1] > 0.0 {
+            self.see_oncoming(other, to, ahead[1], seen);
+        }
+    }
+
+    /// Sees somebody who comes along the way.
+    fn see_oncoming(&self, other: &Other, to: Vec2, ahead: f64, seen: &mut Seen) {
+        let (early, least, extrapolated) = EARLY;
+        let goal = self.ways[1];
+        let closing = goal.dot(self.walking.velocity - other.velocity).max(CLOSING);
+        let time = ((ahead - 2.0 * RADIUS) / closing).max(least);
+        if time >= early {
+            return;
+        }
+        let offset = goal.cross(to + other.velocity * time.min(extrapolated));
+        let left = usize::from(offset > 0.0);
+        let missing = CLEARANCE - offset.abs();
+        let is_more = missing / time > seen.demanded[left] || missing > -OVERTAKING && !seen.blocked[left];
+        if is_more && self.parts(other) && self.is_visible(other) {
+            seen.demanded[left] = seen.demanded[left].max(missing / time);
+            seen.blocked[left] |= missing > -OVERTAKING;
+        }
+    }
+
+    /// Sees the others, from near to far, as far as they count.
+    fn see_all(&self, surroundings: &Surroundings) -> Seen {
+        let Surroundings { cells, fastest, .. } = surroundings;
+        let walking = self.walking;
+        // Beyond this gap nobody changes the speed.
+        let free = walking.speed * walking.time_gap + walking.standstill_gap;
+        let mut seen = Seen {
+            leader: (f64::INFINITY, 0.0),
+            gaps: [free; 2],
+            demanded: [0.0; 2],
+            blocked: [false; 2],
+            passes_close: false,
+            queues: false,
+        };
+        let [direction, goal] = self.ways;
+        let fastest_approach = walking.velocity.norm() + fastest;
+        // Oncoming people who are further ahead, or to the side, are not evaded.
+        let evaded = surroundings.opposing(goal).then(|| {
+            let closing = (goal.dot(walking.velocity) + fastest).max(CLOSING);
+            (2.0 * RADIUS + EARLY.0 * closing, CLEARANCE + OVERTAKING + EARLY.2 * fastest)
+        });
+        // In a corridor, distances along the way count, which are shorter.
+        let reach = 2.0 * RADIUS + if self.corridor.is_finite() { walking.breadth } else { 0.0 };
+        let (cell, rings) = (cells.cell(walking.at), (SIGHT / cells.width).ceil() as usize);
+        for ring in 0..=rings {
+            // Nobody in this ring is nearer than this.
+            let nearest = (ring as f64 - 1.0).max(0.0) * cells.width;
+            let leads = seen.leader.0 * AHEAD >= nearest;
+            let holds_up =
+                seen.gaps[0].max(seen.gaps[1]) + reach + walking.relaxation * fastest_approach >= nearest;
+            let all = leads || holds_up || nearest < CLOSE + 2.0 * RADIUS;
+            if !all && evaded.is_none_or(|(far, aside)| nearest >= libm::hypot(far, aside)) {
+                break;
+            }
+            let counts = |low: Vec2, high: Vec2| {
+                let (low, high) = (low - walking.at, high - walking.at);
+                let most =
+                    |way: Vec2| (way.x * low.x).max(way.x * high.x) + (way.y * low.y).max(way.y * high.y);
+                if all {
+                    return most(goal) > -2.0 * RADIUS || most(direction) > 0.0 || most(self.reference) > 0.0;
+                }
+                evaded.is_some_and(|(far, aside)| {
+                    most(goal) > 0.0
+                        && -most(-goal) < far
+                        && most(goal.perp()) > -aside
+                        && most(-goal.perp()) > -aside
+                })
+            };
+            cells.ring(cell, ring, counts, |other| self.see(other, &mut seen));
+        }
+        seen
+    }
+}
+
 fn of_one(
     model: &Rotational,
     walking: &Walking<'_>,
@@ -158,139 +337,48 @@ fn of_one(
     let Some(goal) = walking.direction else { return DesiredMotion::default() };
     let Walking { at, velocity, .. } = *walking;
     let cells = &surroundings.cells;
-    let cell = cells.cell(at);
-    let faces = cells.faces(cell);
+    let faces = cells.faces(cells.cell(at));
     let reference = (goal + walls(at, faces)).unit(1e-9).unwrap_or(goal);
     let direction = reference.rotated(Rotation::by(walking.steering));
-    // The velocity by which people see who will pass at the side.
-    let expected = (direction * walking.speed + velocity) * 0.5;
     let [here, soon] = widths(at, goal, faces);
-    let (corridor, narrowest) = (here.max(soon), here.min(soon));
+    let view = View {
+        walking,
+        people,
+        faces,
+        ways: [direction, goal],
+        reference,
+        expected: (direction * walking.speed + velocity) * 0.5,
+        corridor: here.max(soon),
+        narrowest: here.min(soon),
+    };
+    let seen = view.see_all(surroundings);
 
-    let mut leader = (f64::INFINITY, 0.0);
-    // Beyond this gap nobody changes the speed.
-    let free = walking.speed * walking.time_gap + walking.standstill_gap;
-    let mut gaps = [free; 2];
-    // Sideways velocities that the clearance to those who come on the right and on the left demands, and whether
-    // they leave no room for overtaking.
-    let mut demanded = [0.0f64; 2];
-    let mut blocked = [false; 2];
-    let mut passes_close = false;
-    let mut queues = false;
-    let fastest_approach = velocity.norm() + surroundings.fastest;
-    let opposing = surroundings.opposing(goal);
-    // In a corridor, distances along the way count, which are shorter.
-    let reach = 2.0 * RADIUS + if corridor.is_finite() { walking.breadth } else { 0.0 };
-    let rings = (SIGHT / cells.width).ceil() as usize;
-    for ring in 0..=rings {
-        // Nobody in this ring is nearer than this.
-        let nearest = (ring as f64 - 1.0).max(0.0) * cells.width;
-        let leads = leader.0 * AHEAD >= nearest;
-        let holds_up = gaps[0].max(gaps[1]) + reach + walking.relaxation * fastest_approach >= nearest;
-        if !leads && !holds_up && !opposing {
-            break;
-        }
-        cells.ring(cell, ring, |other: &Seen| {
-            let to = other.at - at;
-            let square = to.dot(to);
-            if square > SIGHT * SIGHT || square == 0.0 {
-                return;
-            }
-            let oncoming = other.direction.dot(goal) < 0.0;
-            let ahead = [direction.dot(to), goal.dot(to)];
-            let (along, side) = (reference.dot(to), reference.cross(to));
-            // Who comes from the other side of a common door is not evaded.
-            let elsewhere = || people[other.person].as_ref().is_some_and(|other| parts(walking, other));
-            let close = square < TURNING.0 * TURNING.0 && ahead[1] > -2.0 * RADIUS;
-            passes_close |= oncoming && close && elsewhere() && sees(at, other.at, faces);
-            if along <= 0.0 && ahead[0] <= 0.0 && ahead[1] <= 0.0 {
-                return;
-            }
-            let mut visible = None;
-            let mut is_visible = || *visible.get_or_insert_with(|| sees(at, other.at, faces));
-            if along > 0.0 && !oncoming {
-                let far = along / AHEAD + side.abs() / ACROSS;
-                if far < leader.0 && is_visible() {
-                    leader = (far, side);
-                }
-            }
-            // Where two do not fit side by side, one goes after the other.
-            let both = walking.breadth + other.breadth;
-            let single = corridor < both + ROOM;
-            let gives_way = || {
-                narrowest < walking.depth + other.depth + ROOM
-                    && people[other.person].as_ref().is_some_and(|other| {
-                        other.destination == walking.destination && other.to_go < walking.to_go
-                    })
-            };
-            let half = if single || gives_way() { 0.5 * both } else { LANE };
-            let in_lane = [direction, goal].map(|way| way.dot(to) > 0.0 && way.cross(to).abs() <= half);
-            if !oncoming && in_lane == [false; 2] {
-                return;
-            }
-            let distance = square.sqrt();
-            let approach = (velocity - other.velocity).dot(to) / distance;
-            let passes = || {
-                let relative = expected - other.velocity;
-                oncoming && !single && relative.cross(to).abs() > PASSING * relative.norm()
-            };
-            for k in 0..2 {
-                if !in_lane[k] {
-                    continue;
-                }
-                let time = if approach < 0.0 { FOLLOWING[usize::from(single)] } else { walking.relaxation };
-                let gap = if single { ahead[k] } else { distance } - 2.0 * RADIUS - time * approach;
-                if gap < gaps[k] && !passes() && is_visible() {
-                    gaps[k] = gap;
-                }
-                if k == 1 && distance < CLOSE + 2.0 * RADIUS && !queues && !passes() && is_visible() {
-                    let nearer = |other: &Walking<'_>| {
-                        other.direction.is_some()
-                            && other.destination == walking.destination
-                            && other.to_go < walking.to_go
-                    };
-                    queues = single && !oncoming || people[other.person].as_ref().is_some_and(nearer);
-                }
-            }
-            if oncoming && ahead[1] > 0.0 && elsewhere() && is_visible() {
-                let (early, least, extrapolated) = EARLY;
-                let closing = goal.dot(velocity - other.velocity).max(CLOSING);
-                let time = ((ahead[1] - 2.0 * RADIUS) / closing).max(least);
-                if time < early {
-                    let offset = goal.cross(to + other.velocity * time.min(extrapolated));
-                    let left = usize::from(offset > 0.0);
-                    let missing = CLEARANCE - offset.abs();
-                    demanded[left] = demanded[left].max(missing / time);
-                    blocked[left] |= missing > -OVERTAKING;
-                }
-            }
-        });
+    let demanded = seen.demanded[0] - seen.demanded[1];
+    let mut steering = (ASIDE * demanded).clamp(-ASIDE, ASIDE);
+    let (far, side) = seen.leader;
+    let overtakes = !seen.blocked[usize::from(side < 0.0)] && view.corridor >= 2.0 * walking.breadth;
+    if far.is_finite() && overtakes {
+        steering -= FRAC_PI_2 * libm::tanh(libm::exp(-far) * side / (side.abs() + OFFSET));
     }
-
-    let mut steering = (ASIDE * (demanded[0] - demanded[1])).clamp(-ASIDE, ASIDE);
-    let overtakes = !blocked[usize::from(leader.1 < 0.0)] && corridor >= 2.0 * walking.breadth;
-    if leader.0.is_finite() && overtakes {
-        let (weight, side) = (libm::exp(-leader.0), leader.1);
-        steering -= FRAC_PI_2 * libm::tanh(weight * side / (side.abs() + OFFSET));
-    }
-    let spacing = ALONG * gaps[0] + (1.0 - ALONG) * gaps[1];
+    let spacing = ALONG * seen.gaps[0] + (1.0 - ALONG) * seen.gaps[1];
     // Who is alone keeps the desired speed.
-    let noise = if gaps == [free; 2] { 0.0 } else { walking.noise };
+    let free = walking.speed * walking.time_gap + walking.standstill_gap;
+    let noise = if seen.gaps == [free; 2] { 0.0 } else { walking.noise };
     let wanted = (spacing - walking.standstill_gap) / walking.time_gap + noise;
-    let (turned, fits) = shoulders(walking, goal, here.min(soon));
+    let (turned, fits) = shoulders(walking, goal, view.narrowest);
     // Who has not turned yet does not go in.
     let speed = if fits { wanted.clamp(-BACK, walking.speed) } else { -BACK };
     let change = direction * speed - velocity;
     let most = model.acceleration * walking.relaxation / change.norm().max(1e-9);
     let (sway, turn, fast) = SWAY;
     let slow = (1.0 - velocity.norm() / fast).max(0.0);
-    let turned = turned.or_else(|| passes_close.then(|| sideways(goal, TURNING.1, walking.theta)));
+    let turned = turned.or_else(|| seen.passes_close.then(|| sideways(goal, TURNING.1, walking.theta)));
     let facing = turned.unwrap_or_else(|| super::facing(goal, direction * speed));
     DesiredMotion {
         velocity: velocity + change * most.min(1.0) + goal.perp() * (slow * sway * libm::sin(walking.phase)),
         force: Vec2::ZERO,
         facing: Some(facing.rotated(Rotation::by(slow * turn * libm::cos(walking.phase)))),
-        queues,
+        queues: seen.queues,
         steering: steering.clamp(-FRAC_PI_2, FRAC_PI_2),
     }
 }
