@@ -7,9 +7,10 @@
     time_gap = 0.5'
     python examples/experiments.py measured                          # the measured side alone
 
-DIR (or LEMONS_WALK_DATA) has the trajectories as their authors published them, not changed: `adrian/` (Adrian et al. 2020, DOI
-10.34735/ped.2018.1), `hermes_uo/` and `hermes_bi/` (HERMES 2009, DOI 10.34735/ped.2009.14), `single/` (CroMa 2021; Seyfried
-et al. 2005). Without them nothing is compared, and the command ends well.
+DIR (or LEMONS_WALK_DATA) has the trajectories as their authors published them, as text or compressed (.gz): `adrian/` (Adrian et
+al. 2020, DOI 10.34735/ped.2018.1), `hermes_uo/` and `hermes_bi/` (HERMES 2009, DOI 10.34735/ped.2009.14), `single/` (CroMa 2021;
+Seyfried et al. 2005). `experiments.sha256` has their names and hashes; files with other contents are named in a warning.
+Without DIR nothing is compared, and the command ends well.
 
 What is measured, by PedPy with the same functions for the experiment and for us, at the frame rate of the experiment:
 
@@ -33,6 +34,8 @@ Tune on the runs of TUNE only. Those of JUDGE were named before anything was tun
 
 import argparse
 import functools
+import gzip
+import hashlib
 import math
 import os
 import sys
@@ -103,6 +106,29 @@ def directory(given=None):
     return found if (found / "hermes_uo").is_dir() else None
 
 
+def file_of(data, name):
+    """The file of a name, as text or compressed."""
+    path = data / f"{name}.gz"
+    return path if path.is_file() else data / name
+
+
+def differing(data):
+    """Names of the files that are missing, and of those whose text is another than that which was compared for docs/validation.md."""
+    missing, other = [], []
+    for line in Path(__file__).with_suffix(".sha256").read_text().splitlines():
+        digest, name = line.split("  ")
+        path = file_of(data, name)
+        if not path.is_file():
+            missing.append(name)
+            continue
+        text = path.read_bytes()
+        if path.suffix == ".gz":
+            text = gzip.decompress(text)
+        if hashlib.sha256(text).hexdigest() != digest:
+            other.append(name)
+    return missing, other
+
+
 def recorded(path, fps, scale=1.0):
     import pedpy
 
@@ -122,7 +148,7 @@ def scene_of(name, data):
 def gate_scene(name, data):
     from shapely import Polygon
 
-    traces = recorded(data / "adrian" / f"{name}.txt.gz", 25)
+    traces = recorded(file_of(data, f"adrian/{name}.txt"), 25)
     side = [(2.8, 6.7), (2.8, 0), (0.4, 0), (0.25, -0.15), (0.25, -1.1), (2.8, -1.1), (2.8, -4)]
     first = traces.data[traces.data["frame"] == 0][["x", "y"]].to_numpy()
     return Scene(
@@ -160,7 +186,7 @@ def corridor_scene(name, data):
     from shapely import box, unary_union
 
     gap, wide, out = (int(word) / 100 for word in name.split("-")[1:])
-    traces = recorded(data / "hermes_uo" / f"{name}.txt.gz", 16, 0.01)
+    traces = recorded(file_of(data, f"hermes_uo/{name}.txt"), 16, 0.01)
     number, middle = traces.data["id"].nunique(), wide / 2
     parts = [box(0, -4, wide, 4), box(-1.5, 4, wide + 1.5, 8), box(middle - 2.5, 9, middle + 2.5, 10.5 + number / 12)]
     parts += [box(middle - out / 2, -4.1, middle + out / 2, -4), box(-1.5, -8, wide + 1.5, -4.1)]
@@ -182,7 +208,7 @@ def counterflow_scene(name, data):
     from shapely import box, unary_union
 
     wide, upper, lower = (int(word) / 100 for word in name.split("-")[1:])
-    traces = recorded(data / "hermes_bi" / f"{name}.txt.gz", 16, 0.01)
+    traces = recorded(file_of(data, f"hermes_bi/{name}.txt"), 16, 0.01)
     ends = traces.data.sort_values("frame").groupby("id")[["x", "y"]].agg(["first", "last"])
     middle, up = wide / 2, (ends["y", "first"] < 0).to_numpy()
     side = np.where(ends["x", "last"] < middle, "left", "right")
@@ -833,6 +859,9 @@ def main():
     if data is None:
         print("experiments: there are no trajectories (--data DIR, or LEMONS_WALK_DATA): nothing is compared")
         return
+    for names, what in zip(differing(data), ("is missing", "is another file than the one that was compared for docs/validation.md")):
+        for name in names:
+            print(f"warning: {data / name} {what}", file=sys.stderr)
     if "measured" in arguments.row:
         for title, table in measured_side(data).items():
             print(f"{title}\n\n{table.round(3).to_string()}\n")

@@ -1,5 +1,7 @@
 """Trajectories of experiments: the measured side, and that the model of `lemons crowd --leave` gets through a gate as people did."""
 
+import gzip
+import shutil
 import sys
 from pathlib import Path
 
@@ -10,6 +12,19 @@ experiments = pytest.importorskip("experiments")
 pytest.importorskip("pedpy")
 DATA = experiments.directory()
 pytestmark = pytest.mark.skipif(DATA is None, reason="there are no trajectories of experiments beside the project")
+
+
+def test_other_files_than_those_that_were_compared_are_named(tmp_path):
+    assert experiments.differing(DATA) == ([], [])
+    shutil.copytree(DATA, tmp_path / "walk")
+    (name,) = (tmp_path / "walk" / "adrian").iterdir()
+    text = gzip.decompress(name.read_bytes())
+    name.with_suffix("").write_bytes(text)
+    name.unlink()
+    assert experiments.differing(tmp_path / "walk") == ([], [])
+    name.with_suffix("").write_bytes(text + b"1 1 1 1 1\n")
+    (tmp_path / "walk" / "hermes_uo" / "uo-180-180-070.txt.gz").unlink()
+    assert experiments.differing(tmp_path / "walk") == (["hermes_uo/uo-180-180-070.txt"], [f"adrian/{name.stem}"])
 
 
 def test_measured_numbers_are_those_that_others_found():

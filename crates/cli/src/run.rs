@@ -25,7 +25,7 @@ use lemons_decision::Plan;
 use lemons_decision::target::nearest_exit;
 use lemons_decision::walking_model::WalkingModel;
 use lemons_master::{FileType, PlanChoice, Saved, Settings, TrialInput, writers};
-use lemons_results::measure::{LATEST, Leaving};
+use lemons_results::measure::{LATEST, Leaving, WAITING, Wait};
 use lemons_results::{Format, Run};
 use lemons_sim::stop::{Still, StopCondition};
 use lemons_sim::{Algorithm, Point};
@@ -382,6 +382,15 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         }
         _ => Ok(None),
     };
+    if let Some(StopCondition::Left(leaving)) = &stop
+        && let Some(Wait { agent, from, time }) = leaving.longest_wait()
+    {
+        let ids: Vec<&String> = recorders.iter().flat_map(|crowd| &crowd.crowd.ids).collect();
+        summary.push(format!(
+            "longest wait       {time:>10.3} s   (agent {}, within {WAITING} m from t = {from:.3} s on)",
+            ids[agent]
+        ));
+    }
     let mut warnings = Vec::new();
     if let (Ok(()), [plan], [crowd]) = (&done, &plans[..], &recorders[..]) {
         warnings.extend(stuck_warning(&*model, plan, crowd));
@@ -493,7 +502,8 @@ impl Recording<'_> {
             Some((_, left)) => self.bar.set_position(left as u64),
             None => self.bar.inc(1),
         }
-        let over = self.stop.as_ref().is_some_and(|stop| stop.is_over(point.time));
+        // A table has the frame in which all have left.
+        let over = written && self.stop.as_ref().is_some_and(|stop| stop.is_over(point.time));
         Ok(if over || self.interrupt.pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     }
 }

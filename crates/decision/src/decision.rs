@@ -645,18 +645,19 @@ mod tests {
     fn motivation_changes_at_its_time_and_a_saved_run_goes_on_alike() {
         let mut decision = decision(
             "model = \"rotational\"\nwaypoints = [{ x = 1, y = 2 }]\n\
-             motivation = [{ time = 0.1, time_gap = 0.5 }, { time = 0.2, desired_speed = 2.0 }]",
+             motivation = [{ time = 0.1, time_gap = 0.5 }, { time = 0.2, desired_speed = 2.0, speed_factor = 0.5 },
+             { time = 0.25, speed_factor = 1.5 }]",
         );
         let now = |decision: &Decision| {
             let walker = &decision.agents[0].walker;
             (walker.time_gap, walker.desired_speed)
         };
         let mut seen = Vec::new();
-        for _ in 0..5 {
+        for _ in 0..6 {
             seen.push(now(&decision));
             decision.pass(0.05).unwrap();
         }
-        assert_eq!(seen, [(0.9, 1.34), (0.9, 1.34), (0.5, 1.34), (0.5, 1.34), (0.5, 2.0)]);
+        assert_eq!(seen, [(0.9, 1.34), (0.9, 1.34), (0.5, 1.34), (0.5, 1.34), (0.5, 1.0), (0.5, 1.5)]);
         let mut other = decision.anew();
         other.restore(&decision.save()).unwrap();
         assert_eq!(other.save(), decision.save());

@@ -74,6 +74,9 @@ pub struct Motivation {
     /// \[m/s\] Desired speed v₀.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub desired_speed: Option<f64>,
+    /// Factor of everybody's own desired speed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_factor: Option<f64>,
     /// \[s\] Time gap T to who is ahead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_gap: Option<f64>,
@@ -85,7 +88,7 @@ pub struct Motivation {
 impl Walker {
     /// Takes over a motivation.
     pub(crate) fn motivate(&mut self, by: &Motivation) {
-        self.desired_speed = by.desired_speed.unwrap_or(self.desired_speed);
+        self.desired_speed = by.desired_speed.unwrap_or(self.desired_speed) * by.speed_factor.unwrap_or(1.0);
         self.time_gap = by.time_gap.unwrap_or(self.time_gap);
         self.standstill_gap = by.standstill_gap.unwrap_or(self.standstill_gap);
     }

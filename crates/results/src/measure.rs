@@ -22,7 +22,7 @@ pub use departures::{Departures, Left};
 pub use exposure::{Exposed, Exposure, SPANS};
 pub use flow::{Flow, Window, windows};
 pub use impulses::MovingMeans;
-pub use leaving::{LATEST, Leaving, Over};
+pub use leaving::{LATEST, Leaving, Over, WAITING, Wait};
 pub use passages::{Passage, Passages};
 pub use quantile::quantile;
 pub use summary::{Crossings, MeanMax};

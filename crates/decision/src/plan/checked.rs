@@ -43,6 +43,10 @@ impl Plan {
             let place = format!("motivation {k}");
             positive(&place, "time", motivation.time)?;
             motivation.desired_speed.map_or(Ok(()), |value| moderate(&place, "desired_speed", value))?;
+            if let Some(factor) = motivation.speed_factor {
+                let (valid, must) = (|value: f64| (0.0..=10.0).contains(&value), "from 0 to 10");
+                number(&place, "speed_factor", factor, valid, must)?;
+            }
             motivation.time_gap.map_or(Ok(()), |value| positive(&place, "time_gap", value))?;
             motivation
                 .standstill_gap

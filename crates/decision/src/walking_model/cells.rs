@@ -46,16 +46,19 @@ impl<T: Copy> Cells<T> {
             seen: Vec::new(),
             faces: vec![Vec::new(); columns * rows],
         };
-        let mut order: Vec<(usize, usize)> =
-            there().map(|(i, walking)| (cells.index(cells.cell(walking.at)), i)).collect();
-        order.sort_unstable();
-        for &(cell, i) in &order {
-            cells.starts[cell + 1] += 1;
-            cells.seen.extend(people[i].as_ref().map(|walking| seen(i, walking)));
-        }
+        // By counting; within a cell in the order of people.
+        let places: Vec<usize> = there().map(|(_, walking)| cells.index(cells.cell(walking.at))).collect();
+        places.iter().for_each(|cell| cells.starts[cell + 1] += 1);
         for k in 0..columns * rows {
             cells.starts[k + 1] += cells.starts[k];
         }
+        let mut next = cells.starts.clone();
+        let mut order = vec![0; places.len()];
+        for ((i, _), cell) in there().zip(&places) {
+            order[next[*cell] as usize] = i;
+            next[*cell] += 1;
+        }
+        cells.seen.extend(order.into_iter().filter_map(|i| Some(seen(i, people[i].as_ref()?))));
         let reach = sight / width;
         let span = |a: f64, b: f64, first: f64, count: usize| {
             let (low, high) = (a.min(b) / width - first - reach, a.max(b) / width - first + reach);

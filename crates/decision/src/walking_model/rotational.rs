@@ -6,11 +6,11 @@
 //!   2016). The gap is what it will be when the body has followed: its relaxation time times the rate of the gap is added.
 //!   Who walks away is followed earlier: there the rate counts for [`FOLLOWING`].
 //! - Oncoming people with another destination: both step aside early, by what is missing of the clearance to where the
-//!   other will be. Nobody turns into the way of somebody oncoming to overtake. Who will pass at the side holds up nobody.
-//!   That people look ahead in time is an idea of Xu et al., *Anticipation velocity model*, Transp. Res. C 133 (2021)
-//!   103464.
-//! - Narrow places: who does not fit through facing ahead, or passes close to somebody oncoming, turns the shoulders. Where two do not fit side by side for
-//!   a while, people walk in single file.
+//!   other will be. Nobody turns into the way of somebody oncoming to overtake: there, people walk behind who is ahead,
+//!   which makes lanes. Who will pass at the side holds up nobody. That people look ahead in time is an idea of Xu et al.,
+//!   *Anticipation velocity model*, Transp. Res. C 133 (2021) 103464.
+//! - Narrow places: who does not fit through facing ahead, or passes close to somebody oncoming, turns the shoulders.
+//!   Where two do not fit side by side for a while, people walk in single file.
 //! - Swaying: who is slow shifts the weight from one foot to the other (Hoogendoorn, Daamen, Transp. Sci. 39 (2005) 147).
 //!   This loosens arches in front of doors.
 //! - Pushing: who is held up pushes with a limited force.
@@ -50,7 +50,7 @@ const RADIUS: f64 = 0.15;
 const LANE: f64 = 0.28;
 /// \[s\] Times by which a growing gap is anticipated: where there is room at the side, and in single file, where who is ahead
 /// can only go on.
-const FOLLOWING: [f64; 2] = [1.4, 2.0];
+const FOLLOWING: [f64; 2] = [1.2, 2.0];
 /// Repulsion of walls, and its range \[m\].
 const WALL: (f64, f64) = (5.0, 0.02);
 /// \[m\] Ranges along and across the way in which those ahead count for steering.
@@ -66,6 +66,8 @@ const BACK: f64 = 0.01;
 const CLEARANCE: f64 = 0.6;
 /// \[m\] Free distance beyond the clearance without which nobody evades a leader to that side.
 const OVERTAKING: f64 = 0.3;
+/// \[rad\] Greatest angle by which people steer to walk behind somebody where they do not overtake because of oncoming people.
+const BEHIND: f64 = 0.8;
 /// \[m\] Lateral distance of centres from which on oncoming people pass without being slower.
 const PASSING: f64 = 0.2;
 /// \[m\] Distance of centres within which people turn the shoulders when they pass somebody oncoming, and by which angle
@@ -79,8 +81,11 @@ const ASIDE: f64 = 0.8;
 const CLOSING: f64 = 0.3;
 /// Greatest speed \[m/s\] and angle \[rad\] of swaying, and the speed \[m/s\] from which on nobody sways.
 const SWAY: (f64, f64, f64) = (0.5, 0.6, 0.5);
-/// \[m\] Room that shoulders want beside them.
+/// \[m\] Room that two people want beside them who walk side by side, or pass through at the same time.
 const ROOM: f64 = 0.1;
+/// \[m\] Room that shoulders want beside them, or they are turned. It makes a passage 1.4 times as wide as the body; Warren,
+/// Whang, J. Exp. Psychol. 13 (1987) 371, found that people turn below 1.3 times.
+const SHOULDER_ROOM: f64 = 0.18;
 /// \[m\] Room without which nobody goes into a narrow place.
 const TIGHT: f64 = 0.02;
 /// \[m\] How far ahead a narrow place is seen.
@@ -304,7 +309,8 @@ impl View<'_> {
             let leads = seen.leader.0 * AHEAD >= nearest;
             let holds_up =
                 seen.gaps[0].max(seen.gaps[1]) + reach + walking.relaxation * fastest_approach >= nearest;
-            let all = leads || holds_up || nearest < CLOSE + 2.0 * RADIUS;
+            let queues = !seen.queues && nearest < CLOSE + 2.0 * RADIUS;
+            let all = leads || holds_up || queues;
             if !all && evaded.is_none_or(|(far, aside)| nearest >= libm::hypot(far, aside)) {
                 break;
             }
@@ -356,9 +362,18 @@ fn of_one(
     let demanded = seen.demanded[0] - seen.demanded[1];
     let mut steering = (ASIDE * demanded).clamp(-ASIDE, ASIDE);
     let (far, side) = seen.leader;
-    let overtakes = !seen.blocked[usize::from(side < 0.0)] && view.corridor >= 2.0 * walking.breadth;
-    if far.is_finite() && overtakes {
-        steering -= FRAC_PI_2 * libm::tanh(libm::exp(-far) * side / (side.abs() + OFFSET));
+    if far.is_finite() {
+        let weight = libm::tanh(libm::exp(-far) * side / (side.abs() + OFFSET));
+        let overtakes = !seen.blocked[usize::from(side < 0.0)] && view.corridor >= 2.0 * walking.breadth;
+        // Among oncoming people one walks behind somebody who makes way.
+        let follows = seen.blocked != [false; 2];
+        steering += if overtakes {
+            -FRAC_PI_2 * weight
+        } else if follows {
+            BEHIND * weight
+        } else {
+            0.0
+        };
     }
     let spacing = ALONG * seen.gaps[0] + (1.0 - ALONG) * seen.gaps[1];
     // Who is alone keeps the desired speed.
@@ -417,7 +432,7 @@ fn widths(at: Vec2, goal: Vec2, faces: &[[Vec2; 2]]) -> [f64; 2] {
 /// Returns the direction of the gaze where the shoulders do not fit through facing ahead, turned to the nearer side, and
 /// whether the body fits as it is turned now. Who does not get on turns fully.
 fn shoulders(walking: &Walking<'_>, goal: Vec2, width: f64) -> (Option<Vec2>, bool) {
-    let narrow = width - ROOM;
+    let narrow = width - SHOULDER_ROOM;
     if narrow >= walking.breadth {
         return (None, true);
     }
@@ -534,7 +549,9 @@ mod tests {
             let people = [person(Vec2::ZERO, there, there), slow, other].map(Some);
             desired(&Rotational::default(), &people, &[])[0].steering
         };
-        assert_eq!(steering(0.8), 0.0);
+        // There, one walks behind the slow one: to the right.
+        let weight = (-(0.8 / AHEAD + 0.1 / ACROSS)).exp() * 0.1 / (0.1 + OFFSET);
+        assert!((steering(0.8) + BEHIND * weight.tanh()).abs() < 1e-12);
         assert!(steering(-0.8) > 0.1 && steering(1.0) > 0.1);
     }
 

@@ -1,7 +1,7 @@
 //! When a run is over in which people leave.
 
 use crate::measure::ROUNDING;
-use lemons_core::plane::Vec2;
+use lemons_core::plane::{Vec2, vec2};
 
 /// \[s\] Who has not left until then does not leave.
 pub const LATEST: f64 = 3600.0;
@@ -9,6 +9,8 @@ pub const LATEST: f64 = 3600.0;
 const STANDSTILL: f64 = 300.0;
 /// \[m\] Who is stuck steps back and to the side, again and again.
 const REACH: f64 = 5.0;
+/// \[m\] Who gets no further than this from a place waits there.
+pub const WAITING: f64 = 1.0;
 
 /// Why such a run is over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +19,17 @@ pub enum Over {
     Left,
     /// Nobody leaves, or gets any further.
     Standstill,
+}
+
+/// How long somebody waited.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wait {
+    /// Place among the people.
+    pub agent: usize,
+    /// \[s\] When it began.
+    pub from: f64,
+    /// \[s\] How long the person did not get further than [`WAITING`].
+    pub time: f64,
 }
 
 /// A run that ends when people have left. It is given all communication points in the order of time.
@@ -31,12 +44,25 @@ pub struct Leaving {
     since: f64,
     places: Vec<Option<Vec2>>,
     over: Option<Over>,
+    /// Where \[m\] and since when \[s\] each person waits.
+    waits: Vec<(Vec2, f64)>,
+    longest: Option<Wait>,
 }
 
 impl Leaving {
     /// Begins; the run is over when so many have left.
     pub fn of(leave: usize) -> Leaving {
-        Leaving { leave, who: Vec::new(), left: 0, since: f64::NEG_INFINITY, places: Vec::new(), over: None }
+        let (since, over, longest) = (f64::NEG_INFINITY, None, None);
+        Leaving {
+            leave,
+            who: Vec::new(),
+            left: 0,
+            since,
+            places: Vec::new(),
+            over,
+            waits: Vec::new(),
+            longest,
+        }
     }
 
     /// Says of everybody who is to leave.
@@ -54,6 +80,17 @@ impl Leaving {
         if self.places.len() != places.len() || !self.places.iter().zip(places).all(stays) {
             (self.since, self.places) = (time, places.to_vec());
         }
+        self.waits.resize(places.len(), (vec2(f64::INFINITY, 0.0), time));
+        for (agent, at) in places.iter().enumerate().filter_map(|(agent, at)| Some((agent, (*at)?))) {
+            let (place, from) = &mut self.waits[agent];
+            if (at - *place).norm() > WAITING {
+                (*place, *from) = (at, time);
+            }
+            let wait = Wait { agent, from: *from, time: time - *from };
+            if self.longest.is_none_or(|longest| wait.time > longest.time) && self.leaves(agent) {
+                self.longest = Some(wait);
+            }
+        }
         self.over = if self.left >= self.leave {
             Some(Over::Left)
         } else if time - self.since >= STANDSTILL - ROUNDING {
@@ -67,6 +104,15 @@ impl Leaving {
     /// Returns why it is over, if it is.
     pub fn over(&self) -> Option<Over> {
         self.over
+    }
+
+    /// Returns the longest wait of those who are to leave.
+    pub fn longest_wait(&self) -> Option<Wait> {
+        self.longest
+    }
+
+    fn leaves(&self, agent: usize) -> bool {
+        self.who.get(agent).copied().unwrap_or(true)
     }
 
     /// Returns how many are to leave, and how many have left.
@@ -91,14 +137,13 @@ impl Leaving {
     /// Returns those who have not left and were to leave, by their places among the people.
     pub fn stay(&self) -> impl Iterator<Item = usize> {
         let there = self.places.iter().enumerate().filter(|(_, place)| place.is_some());
-        there.map(|(agent, _)| agent).filter(|agent| self.who.get(*agent).copied().unwrap_or(true))
+        there.map(|(agent, _)| agent).filter(|agent| self.leaves(*agent))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_core::plane::vec2;
 
     /// When it is over, and why, of people who are there \[m\] at each second; at most an hour.
     fn over(leave: usize, places: impl Fn(f64) -> Vec<Option<Vec2>>) -> Option<(f64, Over)> {
@@ -128,5 +173,18 @@ mod tests {
         leaving.see(0.0, &[here, here, here]);
         leaving.see(1.0, &[None, here, here]);
         assert_eq!((leaving.stay().collect::<Vec<_>>(), leaving.counts()), (vec![2], (2, 1)));
+    }
+
+    #[test]
+    fn the_longest_wait_is_that_of_somebody_who_is_to_leave() {
+        let mut leaving = Leaving::of(2).among(vec![true, true, false]);
+        // The first one walks 10 m, waits from 10 to 30 s, and leaves; the second one always gets on.
+        for time in (0..=40).map(f64::from) {
+            let first = vec2(time.min(10.0) + (time - 30.0).max(0.0), 0.0);
+            let there = [(time < 35.0).then_some(first), Some(vec2(0.3 * time, 1.0)), Some(vec2(0.0, 2.0))];
+            leaving.see(time, &there);
+        }
+        // Within 1 m of where it was at 10 s, from which on it is further than 1 m from where it was before.
+        assert_eq!(leaving.longest_wait(), Some(Wait { agent: 0, from: 10.0, time: 21.0 }));
     }
 }
