@@ -16,15 +16,19 @@ pytestmark = pytest.mark.skipif(DATA is None, reason="there are no trajectories 
 
 def test_other_files_than_those_that_were_compared_are_named(tmp_path):
     assert experiments.differing(DATA) == ([], [])
-    shutil.copytree(DATA, tmp_path / "walk")
-    (name,) = (tmp_path / "walk" / "adrian").iterdir()
-    text = gzip.decompress(name.read_bytes())
-    name.with_suffix("").write_bytes(text)
-    name.unlink()
-    assert experiments.differing(tmp_path / "walk") == ([], [])
-    name.with_suffix("").write_bytes(text + b"1 1 1 1 1\n")
-    (tmp_path / "walk" / "hermes_uo" / "uo-180-180-070.txt.gz").unlink()
-    assert experiments.differing(tmp_path / "walk") == (["hermes_uo/uo-180-180-070.txt"], [f"adrian/{name.stem}"])
+    walk = tmp_path / "walk"
+    shutil.copytree(DATA, walk)
+    name, gone = f"adrian/{experiments.GATE}.txt", "hermes_uo/uo-180-180-070.txt"
+    text = experiments.text_of(experiments.file_of(walk, name))
+    experiments.file_of(walk, gone).unlink()
+    compressed = walk / f"{name}.gz"
+    good = gzip.compress(text)
+    for kept in (good, gzip.compress(text + b"1 1 1 1 1\n"), good[:-100], b"none"):
+        compressed.write_bytes(kept)
+        assert experiments.differing(walk) == ([gone], [] if kept is good else [name])
+    compressed.unlink()
+    (walk / name).write_bytes(text)
+    assert experiments.differing(walk) == ([gone], [])
 
 
 def test_measured_numbers_are_those_that_others_found():

@@ -6,7 +6,7 @@ import sys
 import pytest
 from crowd import REPOSITORY
 
-TIMES = 300
+TIMES = 300  # how many of glibc's 1024 keys for thread-local data are left is counted
 
 LIVES = """
 import ctypes, os, shutil, sys, zipfile
@@ -63,7 +63,7 @@ def test_nothing_is_left_behind(push_fmu, decide, tmp_path, which, row):
     before, after = ([int(number) for number in line.split()] for line in done.stdout.splitlines())
     assert after[1:] == before[1:], "threads, keys, open files, mapped files"
     assert after[4] == 0, "a library stays loaded"
-    # One leaked instance of the push in each life would be more than 20 kB each.
+    # A leaked instance in each life would be more than 20 kB each.
     lives = times * 2 // 3
     assert after[0] - before[0] < 10 * lives, f"{after[0] - before[0]} kB more after {lives} lives"
     tried = f"{which}: unzip, load, instantiate, step, free, unload: {times} times in one process"

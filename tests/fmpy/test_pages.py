@@ -263,9 +263,9 @@ def test_a_page_that_hangs_says_where(lemons, tmp_path):
     shell = Shell(tmp_path, lemons)
     shell.add("page.md:1", "echo first")
     shell.add("page.md:2", "echo second; sleep 86400 | cat")
-    told = r"^page.md:2: the page took longer than 5 s, and was here: echo second; sleep 86400 \| cat\nsecond\n"
+    told = r"^page.md:2: the page took longer than 10 s, and was here: echo second; sleep 86400 \| cat\nsecond\n"
     with pytest.raises(AssertionError, match=told):
-        shell.run(limit=5)
+        shell.run(limit=10)
 
 
 @pytest.mark.parametrize("page", pages.PAGES)

@@ -177,7 +177,7 @@ impl Arguments {
         }
         let trial = trial_at_end(run, before)?;
         if trial.agents.is_empty() {
-            bail!("{source}: nobody is there at its end, t = {end:?} s: no Trial can go on from it");
+            bail!("{source}: nobody is there at its end, t = {end:.3} s: no Trial can go on from it");
         }
         let fewer = |(config, text): (DecisionConfig, String)| {
             config.without_others(&Person::all_of(&trial)).map_or(Ok(text), |fewer| fewer.to_toml())

@@ -25,7 +25,7 @@ use lemons_decision::Plan;
 use lemons_decision::target::nearest_exit;
 use lemons_decision::walking_model::WalkingModel;
 use lemons_master::{FileType, PlanChoice, Saved, Settings, TrialInput, writers};
-use lemons_results::measure::{LATEST, Leaving, WAITING, Wait};
+use lemons_results::measure::{LATEST, Leaving, Over, WAITING, Wait};
 use lemons_results::{Format, Run};
 use lemons_sim::stop::{Still, StopCondition};
 use lemons_sim::{Algorithm, Point};
@@ -340,14 +340,15 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let file = state.map(|path| Ok::<_, Error>((files::stage(&path)?, path))).transpose()?;
     let bar = progress_bar(stop.as_ref(), clock.steps.saturating_sub(index))?;
     let started = Instant::now();
-    let mut run = Recording { recorders, outputs, stop, every, index, bar, noted: started, interrupt };
+    let noted = started;
+    let mut run = Recording { recorders, outputs, stop, every, index, bar, noted, over: false, interrupt };
     let mut done = run.see(&mut *model, if before.is_none() { PointKind::Start } else { PointKind::Resumed });
     if done.is_ok() && !interrupt.pressed() {
         done = run.steps(&mut *model, clock.points(index));
     }
     run.bar.finish_and_clear();
     let (wall, time) = (started.elapsed().as_secs_f64(), model.time());
-    let Recording { recorders, outputs, stop, index, .. } = run;
+    let Recording { recorders, outputs, stop, index, over, .. } = run;
     if let Some(StopCondition::Left(leaving)) = &stop
         && (leaving.over().is_some() || time >= clock.until)
     {
@@ -396,7 +397,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         warnings.extend(stuck_warning(&*model, plan, crowd));
         warnings.extend(uneven_queues(plan, crowd).filter(|_| !about.goes_on));
     }
-    let over = time >= clock.until || stop.is_some_and(|stop| stop.is_over(time));
+    let over = over || time >= clock.until;
     if !over {
         summary.push(format!("stopped by Ctrl-C  {time:>10.3} s"));
     }
@@ -450,6 +451,8 @@ struct Recording<'a> {
     bar: ProgressBar,
     /// When it was last said how far it is.
     noted: Instant,
+    /// The stop condition has ended it.
+    over: bool,
     interrupt: &'a Interrupt,
 }
 
@@ -502,9 +505,15 @@ impl Recording<'_> {
             Some((_, left)) => self.bar.set_position(left as u64),
             None => self.bar.inc(1),
         }
+        let left =
+            matches!(&self.stop, Some(StopCondition::Left(leaving)) if leaving.over() == Some(Over::Left));
         // A table has the frame in which all have left.
-        let over = written && self.stop.as_ref().is_some_and(|stop| stop.is_over(point.time));
-        Ok(if over || self.interrupt.pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        self.over = self.stop.as_ref().is_some_and(|stop| stop.is_over(point.time)) && (written || !left);
+        Ok(if self.over || self.interrupt.pressed() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        })
     }
 }
 

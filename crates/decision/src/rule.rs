@@ -65,6 +65,9 @@ pub struct Walker {
     pub waypoints: Vec<Waypoint>,
 }
 
+/// \[m/s\] No factor makes anybody faster.
+const FASTEST: f64 = 1e9;
+
 /// Change of everybody's motivation during a run; what is not said stays as it is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -74,7 +77,7 @@ pub struct Motivation {
     /// \[m/s\] Desired speed v₀.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub desired_speed: Option<f64>,
-    /// Factor of everybody's own desired speed.
+    /// Factor of the desired speed that each person has then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed_factor: Option<f64>,
     /// \[s\] Time gap T to who is ahead.
@@ -88,7 +91,8 @@ pub struct Motivation {
 impl Walker {
     /// Takes over a motivation.
     pub(crate) fn motivate(&mut self, by: &Motivation) {
-        self.desired_speed = by.desired_speed.unwrap_or(self.desired_speed) * by.speed_factor.unwrap_or(1.0);
+        let speed = by.desired_speed.unwrap_or(self.desired_speed) * by.speed_factor.unwrap_or(1.0);
+        self.desired_speed = speed.min(FASTEST);
         self.time_gap = by.time_gap.unwrap_or(self.time_gap);
         self.standstill_gap = by.standstill_gap.unwrap_or(self.standstill_gap);
     }

@@ -172,7 +172,11 @@ impl CrowdRecorder {
         let mut lines = Vec::new();
         if groups.active {
             let left = (0..ids.len()).filter(|agent| !self.last.is_there(*agent)).count();
-            lines.push(format!("left               {left:>10}     (of {} people)", ids.len()));
+            let last = self
+                .departures
+                .last()
+                .map_or(String::new(), |(time, _)| format!("; the last at {time:.3} s"));
+            lines.push(format!("left               {left:>10}     (of {} people{last})", ids.len()));
         }
         if groups.of_step {
             lines.push(format!("largest overlap    {:>10.3} mm", 1e3 * largest_overlap));

@@ -9,7 +9,7 @@
 //!   other will be. Nobody turns into the way of somebody oncoming to overtake: there, people walk behind who is ahead,
 //!   which makes lanes. Who will pass at the side holds up nobody. That people look ahead in time is an idea of Xu et al.,
 //!   *Anticipation velocity model*, Transp. Res. C 133 (2021) 103464.
-//! - Narrow places: who does not fit through facing ahead, or passes close to somebody oncoming, turns the shoulders.
+//! - Narrow places: who has little room beside the shoulders, or passes close to somebody oncoming, turns them.
 //!   Where two do not fit side by side for a while, people walk in single file.
 //! - Swaying: who is slow shifts the weight from one foot to the other (Hoogendoorn, Daamen, Transp. Sci. 39 (2005) 147).
 //!   This loosens arches in front of doors.
@@ -83,8 +83,8 @@ const CLOSING: f64 = 0.3;
 const SWAY: (f64, f64, f64) = (0.5, 0.6, 0.5);
 /// \[m\] Room that two people want beside them who walk side by side, or pass through at the same time.
 const ROOM: f64 = 0.1;
-/// \[m\] Room that shoulders want beside them, or they are turned. It makes a passage 1.4 times as wide as the body; Warren,
-/// Whang, J. Exp. Psychol. 13 (1987) 371, found that people turn below 1.3 times.
+/// \[m\] By how much a passage is wider than the shoulders, or they are turned. Tuned at a measured gate; Warren, Whang, J. Exp.
+/// Psychol. 13 (1987) 371, found that people turn where a passage is less than 1.3 times as wide as they are.
 const SHOULDER_ROOM: f64 = 0.18;
 /// \[m\] Room without which nobody goes into a narrow place.
 const TIGHT: f64 = 0.02;
@@ -116,27 +116,13 @@ pub(super) fn desired(
     people: &[Option<Walking<'_>>],
     faces: &[[Vec2; 2]],
 ) -> Vec<DesiredMotion> {
-    let there = || people.iter().flatten();
-    let mut going = there().filter(|walking| walking.direction.is_some());
-    let first = going.next();
-    let several = first.is_some_and(|first| going.any(|other| parts(first, other)));
-    let ways = there().filter_map(|walking| walking.direction.filter(|_| several));
-    let surroundings = Surroundings {
-        cells: Cells::new(people, faces, (CELL, SIGHT), |person, walking| {
-            let direction = walking.direction.unwrap_or(Vec2::ZERO);
-            let Walking { at, velocity, breadth, depth, .. } = *walking;
-            Other { at, velocity, direction, person, breadth, depth }
-        }),
-        fastest: there().map(|walking| walking.velocity.norm()).fold(0.0, f64::max),
-        eighths: ways.fold(0, |all, way| all | 1 << eighth(way)),
-    };
+    let surroundings = Surroundings::new(people, faces);
     let one = |walking: &Option<Walking<'_>>| match walking {
         Some(walking) => of_one(model, walking, people, &surroundings),
         None => DesiredMotion::default(),
     };
     people.iter().map(one).collect()
 }
-
 /// What everybody sees.
 struct Surroundings {
     cells: Cells<Other>,
@@ -147,6 +133,23 @@ struct Surroundings {
 }
 
 impl Surroundings {
+    fn new(people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Surroundings {
+        let there = || people.iter().flatten();
+        let mut going = there().filter(|walking| walking.direction.is_some());
+        let first = going.next();
+        let several = first.is_some_and(|first| going.any(|other| parts(first, other)));
+        let ways = there().filter_map(|walking| walking.direction.filter(|_| several));
+        Surroundings {
+            cells: Cells::new(people, faces, (CELL, SIGHT), |person, walking| {
+                let direction = walking.direction.unwrap_or(Vec2::ZERO);
+                let Walking { at, velocity, breadth, depth, .. } = *walking;
+                Other { at, velocity, direction, person, breadth, depth }
+            }),
+            fastest: there().map(|walking| walking.velocity.norm()).fold(0.0, f64::max),
+            eighths: ways.fold(0, |all, way| all | 1 << eighth(way)),
+        }
+    }
+
     /// Returns whether anybody with another destination may go against a direction.
     fn opposing(&self, direction: Vec2) -> bool {
         let own = eighth(direction);
@@ -171,9 +174,12 @@ struct View<'a> {
 }
 
 /// What somebody sees of the others.
+#[derive(Debug, PartialEq)]
 struct Seen {
     /// Who counts most ahead: the distance with the ranges of steering, and the offset to the side \[m\].
     leader: (f64, f64),
+    /// Whether the leader goes the same way: neither stands nor crosses.
+    leads_on: bool,
     /// \[m\] Smallest gaps, along both ways.
     gaps: [f64; 2],
     /// \[m/s\] Sideways velocities that the clearance to those who come on the right and on the left demands.
@@ -185,7 +191,45 @@ struct Seen {
     queues: bool,
 }
 
-impl View<'_> {
+impl<'a> View<'a> {
+    fn new(
+        walking: &'a Walking<'a>,
+        goal: Vec2,
+        people: &'a [Option<Walking<'a>>],
+        surroundings: &'a Surroundings,
+    ) -> View<'a> {
+        let (at, cells) = (walking.at, &surroundings.cells);
+        let faces = cells.faces(cells.cell(at));
+        let reference = (goal + walls(at, faces)).unit(1e-9).unwrap_or(goal);
+        let direction = reference.rotated(Rotation::by(walking.steering));
+        let [here, soon] = widths(at, goal, faces);
+        View {
+            walking,
+            people,
+            faces,
+            ways: [direction, goal],
+            reference,
+            expected: (direction * walking.speed + walking.velocity) * 0.5,
+            corridor: here.max(soon),
+            narrowest: here.min(soon),
+        }
+    }
+
+    /// What is known before anybody is seen.
+    fn nobody(&self) -> Seen {
+        // Beyond this gap nobody changes the speed.
+        let free = self.walking.speed * self.walking.time_gap + self.walking.standstill_gap;
+        Seen {
+            leader: (f64::INFINITY, 0.0),
+            leads_on: false,
+            gaps: [free; 2],
+            demanded: [0.0; 2],
+            blocked: [false; 2],
+            passes_close: false,
+            queues: false,
+        }
+    }
+
     fn is_visible(&self, other: &Other) -> bool {
         sees(self.walking.at, other.at, self.faces)
     }
@@ -198,11 +242,9 @@ impl View<'_> {
     /// Returns whether another person has the same destination, and less far to go.
     fn is_nearer(&self, other: &Other) -> bool {
         let walking = self.walking;
-        self.people[other.person].as_ref().is_some_and(|other| {
-            other.direction.is_some()
-                && other.destination == walking.destination
-                && other.to_go < walking.to_go
-        })
+        let nearer =
+            |other: &Walking<'_>| other.destination == walking.destination && other.to_go < walking.to_go;
+        self.people[other.person].as_ref().is_some_and(nearer)
     }
 
     /// Sees another person.
@@ -229,6 +271,7 @@ impl View<'_> {
             let far = along / AHEAD + side.abs() / ACROSS;
             if far < seen.leader.0 && self.is_visible(other) {
                 seen.leader = (far, side);
+                seen.leads_on = other.direction.dot(self.ways[1]) > 0.0;
             }
         }
         // Where two do not fit side by side, one goes after the other.
@@ -251,7 +294,8 @@ impl View<'_> {
                     }
                 }
                 if in_lane[1] && distance < CLOSE + 2.0 * RADIUS && !seen.queues && self.is_visible(other) {
-                    seen.queues = single && !oncoming || self.is_nearer(other);
+                    let goes_on = other.direction != Vec2::ZERO;
+                    seen.queues = single && !oncoming || goes_on && self.is_nearer(other);
                 }
             }
         }
@@ -283,16 +327,7 @@ impl View<'_> {
     fn see_all(&self, surroundings: &Surroundings) -> Seen {
         let Surroundings { cells, fastest, .. } = surroundings;
         let walking = self.walking;
-        // Beyond this gap nobody changes the speed.
-        let free = walking.speed * walking.time_gap + walking.standstill_gap;
-        let mut seen = Seen {
-            leader: (f64::INFINITY, 0.0),
-            gaps: [free; 2],
-            demanded: [0.0; 2],
-            blocked: [false; 2],
-            passes_close: false,
-            queues: false,
-        };
+        let mut seen = self.nobody();
         let [direction, goal] = self.ways;
         let fastest_approach = walking.velocity.norm() + fastest;
         // Oncoming people who are further ahead, or to the side, are not evaded.
@@ -322,7 +357,7 @@ impl View<'_> {
                     return most(goal) > -2.0 * RADIUS || most(direction) > 0.0 || most(self.reference) > 0.0;
                 }
                 evaded.is_some_and(|(far, aside)| {
-                    most(goal) > 0.0
+                    most(goal) > -2.0 * RADIUS
                         && -most(-goal) < far
                         && most(goal.perp()) > -aside
                         && most(-goal.perp()) > -aside
@@ -341,23 +376,9 @@ fn of_one(
     surroundings: &Surroundings,
 ) -> DesiredMotion {
     let Some(goal) = walking.direction else { return DesiredMotion::default() };
-    let Walking { at, velocity, .. } = *walking;
-    let cells = &surroundings.cells;
-    let faces = cells.faces(cells.cell(at));
-    let reference = (goal + walls(at, faces)).unit(1e-9).unwrap_or(goal);
-    let direction = reference.rotated(Rotation::by(walking.steering));
-    let [here, soon] = widths(at, goal, faces);
-    let view = View {
-        walking,
-        people,
-        faces,
-        ways: [direction, goal],
-        reference,
-        expected: (direction * walking.speed + velocity) * 0.5,
-        corridor: here.max(soon),
-        narrowest: here.min(soon),
-    };
-    let seen = view.see_all(surroundings);
+    let velocity = walking.velocity;
+    let view = View::new(walking, goal, people, surroundings);
+    let (direction, seen) = (view.ways[0], view.see_all(surroundings));
 
     let demanded = seen.demanded[0] - seen.demanded[1];
     let mut steering = (ASIDE * demanded).clamp(-ASIDE, ASIDE);
@@ -365,8 +386,8 @@ fn of_one(
     if far.is_finite() {
         let weight = libm::tanh(libm::exp(-far) * side / (side.abs() + OFFSET));
         let overtakes = !seen.blocked[usize::from(side < 0.0)] && view.corridor >= 2.0 * walking.breadth;
-        // Among oncoming people one walks behind somebody who makes way.
-        let follows = seen.blocked != [false; 2];
+        // Among oncoming people, who goes the same way makes room.
+        let follows = seen.leads_on && seen.blocked != [false; 2];
         steering += if overtakes {
             -FRAC_PI_2 * weight
         } else if follows {
@@ -555,21 +576,73 @@ mod tests {
         assert!(steering(-0.8) > 0.1 && steering(1.0) > 0.1);
     }
 
+    /// Returns a crowd of random people, of whom some stand, in two to three streams.
+    fn crowd(seed: u64, size: Vec2, count: usize) -> Vec<Walking<'static>> {
+        let share = |count| (draw(seed, 0, count) >> 11) as f64 / (1u64 << 53) as f64;
+        let mut count_drawn = 0;
+        let mut next = || {
+            count_drawn += 1;
+            share(count_drawn)
+        };
+        let one = |k: usize| {
+            let at = vec2(size.x * next(), size.y * next());
+            let way = vec2(if k.is_multiple_of(3) { -1.0 } else { 1.0 }, next() - 0.5).unit(0.0).unwrap();
+            Walking { destination: k % 3, ..person(at, way * next(), way) }
+        };
+        (0..count).map(one).collect()
+    }
+
+    /// The outside: everybody is looked at, in the order of the list.
+    #[test]
+    fn nobody_who_counts_is_left_out() {
+        let walls = [[vec2(0.0, -0.2), vec2(6.0, -0.2)], [vec2(0.0, 1.2), vec2(3.0, 1.2)]];
+        let mut opposed = 0;
+        for (seed, (side, count)) in
+            (0..40).zip([(4.0, 70), (8.0, 100), (2.0, 20), (12.0, 30)].into_iter().cycle())
+        {
+            let mut people = crowd(seed, vec2(side, side), count);
+            for (k, one) in people.iter_mut().enumerate() {
+                // All ways; some stand, some have a steering angle, and in dense crowds all are slow.
+                let turn = Rotation::by(seed as f64 + if seed.is_multiple_of(2) { 0.0 } else { k as f64 });
+                let slow = if seed.is_multiple_of(3) { 0.1 } else { 1.0 };
+                one.direction = one.direction.filter(|_| !k.is_multiple_of(11)).map(|way| way.rotated(turn));
+                one.velocity = one.velocity.rotated(turn) * slow;
+                one.steering = if k.is_multiple_of(5) { 0.7 } else { 0.0 };
+            }
+            let people: Vec<_> = people.into_iter().map(Some).collect();
+            let surroundings = Surroundings::new(&people, &walls);
+            for walking in people.iter().flatten() {
+                let Some(goal) = walking.direction else { continue };
+                let view = View::new(walking, goal, &people, &surroundings);
+                let mut all = view.nobody();
+                for (person, other) in people.iter().flatten().enumerate() {
+                    let Walking { at, velocity, breadth, depth, .. } = *other;
+                    let direction = other.direction.unwrap_or(Vec2::ZERO);
+                    view.see(&Other { at, velocity, direction, person, breadth, depth }, &mut all);
+                }
+                assert_eq!(view.see_all(&surroundings), all, "{seed}: {:?}", walking.at);
+                opposed += usize::from(all.blocked != [false; 2]);
+            }
+        }
+        assert!(opposed > 100, "{opposed}");
+    }
+
+    #[test]
+    fn nobody_walks_behind_somebody_who_stands() {
+        let (there, back) = (vec2(1.0, 0.0), vec2(-1.0, 0.0));
+        let steering = |direction| {
+            let leader = Walking { direction, ..person(vec2(0.8, -0.1), Vec2::ZERO, there) };
+            let other = Walking { destination: 1, ..person(vec2(3.5, 0.8), back, back) };
+            let people = [person(Vec2::ZERO, there, there), leader, other].map(Some);
+            desired(&Rotational::default(), &people, &[])[0].steering
+        };
+        assert!(steering(Some(there)) < -0.1);
+        assert_eq!(steering(None), 0.0);
+    }
+
     #[test]
     fn neither_the_grid_nor_the_order_of_people_nor_the_side_counts() {
-        let share = |count| (draw(5, 0, count) >> 11) as f64 / (1u64 << 53) as f64;
-        let mut count = 0;
-        let mut next = || {
-            count += 1;
-            share(count)
-        };
-        let crowd: Vec<Walking<'_>> = (0..300)
-            .map(|k| {
-                let at = vec2(12.0 * next(), 8.0 * next());
-                let way = vec2(if k % 3 == 0 { -1.0 } else { 1.0 }, next() - 0.5).unit(0.0).unwrap();
-                Walking { destination: k % 3, ..person(at, way * next(), way) }
-            })
-            .collect();
+        let crowd = crowd(5, vec2(12.0, 8.0), 300);
         let walls = [[vec2(0.0, -0.2), vec2(12.0, -0.2)], [vec2(5.0, 3.0), vec2(6.0, 5.0)]];
         let model = Rotational::default();
         let of = |people: &[Walking<'_>], walls: &[[Vec2; 2]]| {

@@ -176,6 +176,15 @@ mod tests {
     }
 
     #[test]
+    fn nobody_waits_who_is_not_there_or_is_not_to_leave() {
+        let mut leaving = Leaving::of(1).among(vec![true, false]);
+        (0..10).map(f64::from).for_each(|time| {
+            leaving.see(time, &[None, Some(vec2(0.0, 0.0))]);
+        });
+        assert_eq!(leaving.longest_wait(), None);
+    }
+
+    #[test]
     fn the_longest_wait_is_that_of_somebody_who_is_to_leave() {
         let mut leaving = Leaving::of(2).among(vec![true, true, false]);
         // The first one walks 10 m, waits from 10 to 30 s, and leaves; the second one always gets on.
@@ -184,7 +193,7 @@ mod tests {
             let there = [(time < 35.0).then_some(first), Some(vec2(0.3 * time, 1.0)), Some(vec2(0.0, 2.0))];
             leaving.see(time, &there);
         }
-        // Within 1 m of where it was at 10 s, from which on it is further than 1 m from where it was before.
+        // At 10 s it is 2 m from its place of 8 s, so a wait begins; at 31 s it is exactly 1 m away, which still counts.
         assert_eq!(leaving.longest_wait(), Some(Wait { agent: 0, from: 10.0, time: 21.0 }));
     }
 }
