@@ -6,8 +6,8 @@
 //!   2016). The gap is what it will be when the body has followed: its relaxation time times the rate of the gap is added.
 //!   Who walks away is followed earlier: there the rate counts for [`FOLLOWING`].
 //! - Oncoming people with another destination: both step aside early, by what is missing of the clearance to where the
-//!   other will be. Nobody turns into the way of somebody oncoming to overtake: there, people walk behind who is ahead,
-//!   which makes lanes. Who will pass at the side holds up nobody. That people look ahead in time is an idea of Xu et al.,
+//!   other will be. Nobody turns into the way of somebody oncoming to overtake: there, people walk behind somebody who goes
+//!   the same way. Who will pass at the side holds up nobody. That people look ahead in time is an idea of Xu et al.,
 //!   *Anticipation velocity model*, Transp. Res. C 133 (2021) 103464.
 //! - Narrow places: who has little room beside the shoulders, or passes close to somebody oncoming, turns them.
 //!   Where two do not fit side by side for a while, people walk in single file.
