@@ -9,6 +9,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "examples"))
 experiments = pytest.importorskip("experiments")
+experiment_runs = pytest.importorskip("experiment_runs")
 pytest.importorskip("pedpy")
 DATA = experiments.directory()
 pytestmark = pytest.mark.skipif(DATA is None, reason="there are no trajectories of experiments beside the project")
@@ -19,8 +20,8 @@ def test_other_files_than_those_that_were_compared_are_named(tmp_path):
     walk = tmp_path / "walk"
     shutil.copytree(DATA, walk)
     name, gone = f"adrian/{experiments.GATE}.txt", "hermes_uo/uo-180-180-070.txt"
-    text = experiments.text_of(experiments.file_of(walk, name))
-    experiments.file_of(walk, gone).unlink()
+    text = experiment_runs.text_of(experiment_runs.file_of(walk, name))
+    experiment_runs.file_of(walk, gone).unlink()
     compressed = walk / f"{name}.gz"
     good = gzip.compress(text)
     for kept in (good, gzip.compress(text + b"1 1 1 1 1\n"), good[:-100], b"none"):

@@ -45,6 +45,7 @@ pub struct Arguments {
     input: PathBuf,
     /// End of the simulation, in seconds; or the word left: when everybody has left by the exits of
     /// decision.toml, or when in 300 s nobody has left or got further than 5 m; at the latest after 3600 s.
+    /// With --every, such a run goes on to the next row.
     /// Default: the stop time of the SSP, else 5
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
     until: Option<Until>,

@@ -619,8 +619,8 @@ mod tests {
     use crate::person::Person;
 
     fn decision(wishes: &str) -> Decision {
-        let person = Person {
-            id: "0".into(),
+        let person = |id: &str| Person {
+            id: id.into(),
             mass: 70.0,
             moment_of_inertia: 1.3,
             floor_damping: 2.0,
@@ -629,7 +629,7 @@ mod tests {
             disks: Vec::new(),
         };
         let wishes = DecisionConfig::from_toml(wishes).unwrap();
-        Decision::new(Plan::among(std::iter::empty(), &[person], &wishes, 0.05).unwrap())
+        Decision::new(Plan::among(std::iter::empty(), &["0", "1"].map(person), &wishes, 0.05).unwrap())
     }
 
     #[test]
@@ -645,23 +645,26 @@ mod tests {
     fn motivation_changes_at_its_time_and_a_saved_run_goes_on_alike() {
         let mut decision = decision(
             "model = \"rotational\"\nwaypoints = [{ x = 1, y = 2 }]\n\
-             motivation = [{ time = 0.1, time_gap = 0.5 }, { time = 0.2, desired_speed = 2.0, speed_factor = 0.5 },
-             { time = 0.25, speed_factor = 1.5 }]",
+             motivation = [{ time = 0.1, time_gap = 0.5 }, { time = 0.2, speed_factor = 0.5 },
+             { time = 0.25, desired_speed = 2.0, speed_factor = 0.75 }]
+             [agents.1]\ndesired_speed = 0.8",
         );
         let now = |decision: &Decision| {
-            let walker = &decision.agents[0].walker;
-            (walker.time_gap, walker.desired_speed)
+            let [one, other] = [0, 1].map(|i| &decision.agents[i].walker);
+            (one.time_gap, one.desired_speed, other.desired_speed)
         };
         let mut seen = Vec::new();
         for _ in 0..6 {
             seen.push(now(&decision));
             decision.pass(0.05).unwrap();
         }
-        assert_eq!(seen, [(0.9, 1.34), (0.9, 1.34), (0.5, 1.34), (0.5, 1.34), (0.5, 1.0), (0.5, 1.5)]);
+        // A factor is of what each has; a desired speed is everybody's.
+        let (before, after) = ((0.9, 1.34, 0.8), (0.5, 1.34, 0.8));
+        assert_eq!(seen, [before, before, after, after, (0.5, 0.67, 0.4), (0.5, 1.5, 1.5)]);
         let mut other = decision.anew();
         other.restore(&decision.save()).unwrap();
         assert_eq!(other.save(), decision.save());
-        assert_eq!(now(&decision.anew()), (0.9, 1.34));
+        assert_eq!(now(&decision.anew()), before);
     }
 
     #[test]
