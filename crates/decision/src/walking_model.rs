@@ -359,7 +359,7 @@ fn around<'a>(
     let cell = cells.cell(walking.at);
     let faces = cells.faces(cell);
     let mut others = Vec::new();
-    cells.block(cell, |&k| {
+    cells.block(cell, 1, |&k| {
         let Some(other) = people[k].as_ref().filter(|_| k != i) else { return };
         let apart = walking.at - other.at;
         let distance = apart.norm();

@@ -102,10 +102,10 @@ impl<T: Copy> Cells<T> {
         self.seen[self.starts[from] as usize..self.starts[to] as usize].iter().for_each(visit);
     }
 
-    /// Visits those in a cell and the eight around it.
-    pub fn block(&self, (column, row): (usize, usize), mut visit: impl FnMut(&T)) {
-        for y in around(row, 1, self.rows) {
-            self.visit(y, around(column, 1, self.columns), &mut visit);
+    /// Visits those in a cell and in the rings around it.
+    pub fn block(&self, (column, row): (usize, usize), rings: usize, mut visit: impl FnMut(&T)) {
+        for y in around(row, rings, self.rows) {
+            self.visit(y, around(column, rings, self.columns), &mut visit);
         }
     }
 

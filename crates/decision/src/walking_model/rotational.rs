@@ -338,9 +338,11 @@ impl<'a> View<'a> {
         // In a corridor, distances along the way count, which are shorter.
         let reach = 2.0 * RADIUS + if self.corridor.is_finite() { walking.breadth } else { 0.0 };
         let (cell, rings) = (cells.cell(walking.at), (SIGHT / cells.width).ceil() as usize);
-        for ring in 0..=rings {
+        // In crowds, hardly anybody else counts.
+        cells.block(cell, 2, |other| self.see(other, &mut seen));
+        for ring in 3..=rings {
             // Nobody in this ring is nearer than this.
-            let nearest = (ring as f64 - 1.0).max(0.0) * cells.width;
+            let nearest = (ring as f64 - 1.0) * cells.width;
             let leads = seen.leader.0 * AHEAD >= nearest;
             let holds_up =
                 seen.gaps[0].max(seen.gaps[1]) + reach + walking.relaxation * fastest_approach >= nearest;
