@@ -71,6 +71,7 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
 const CONSTANTS: [keyof Rotational, string, string, number, number][] = [
     ["time_gap", "Time gap", "s", 0.05, 0.05],
     ["standstill_gap", "Gap of those who stand", "m", 0, 0.01],
+    ["reaction_time", "Reaction time", "s", 0, 0.05],
     ["speed_noise", "Noise of the speed", "m/s", 0, 0.01],
     ["acceleration", "Greatest acceleration", "m/s²", 0.1, 0.1],
 ];

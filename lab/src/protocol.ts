@@ -91,6 +91,7 @@ export interface Rotational {
     time_gap: number;
     /** In m. */
     standstill_gap: number;
+    reaction_time: number;
     /** In m/s. */
     speed_noise: number;
     /** In m/s². */

@@ -69,6 +69,7 @@ pub(crate) struct AgentConfig {
     pub desired_speed: Option<f64>,
     pub time_gap: Option<f64>,
     pub standstill_gap: Option<f64>,
+    pub reaction_time: Option<f64>,
     pub waypoints: Option<Vec<Waypoint>>,
     pub exit: Option<String>,
     pub goal: Option<String>,

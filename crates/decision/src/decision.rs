@@ -414,6 +414,7 @@ impl Decision {
             relaxation: if agent.walker.floor_damping > 0.0 { 1.0 / agent.walker.floor_damping } else { 0.0 },
             time_gap: agent.walker.time_gap,
             standstill_gap: agent.walker.standstill_gap,
+            reaction_time: agent.walker.reaction_time,
             steering: agent.steering,
             noise: agent.noise,
             breadth: self.plan.agents[i].breadth(),
@@ -472,7 +473,7 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 4;
+    const STATE_VERSION: u32 = 5;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<Quantity>] = &quantities::QUANTITIES;
 

@@ -130,6 +130,7 @@ impl Plan {
                     desired_speed: own.desired_speed.or(config.desired_speed).unwrap_or(DEFAULT_SPEED),
                     time_gap: own.time_gap.unwrap_or(walking_model.time_gap()),
                     standstill_gap: own.standstill_gap.unwrap_or(walking_model.standstill_gap()),
+                    reaction_time: own.reaction_time.unwrap_or(walking_model.reaction_time()),
                     waypoints,
                 },
             })

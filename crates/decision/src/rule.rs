@@ -61,6 +61,8 @@ pub struct Walker {
     pub time_gap: f64,
     /// \[m\] Gap to who is ahead when standing.
     pub standstill_gap: f64,
+    /// \[s\] Reaction time to gaps that change.
+    pub reaction_time: f64,
     /// Way-points, in order.
     pub waypoints: Vec<Waypoint>,
 }
@@ -157,6 +159,7 @@ mod tests {
             desired_speed: 1.3,
             time_gap: 1.0,
             standstill_gap: 0.0,
+            reaction_time: 0.0,
             waypoints: waypoints.iter().map(|&(x, y, radius)| Waypoint { x, y, radius }).collect(),
         }
     }

@@ -107,6 +107,8 @@ pub struct Walking<'a> {
     pub time_gap: f64,
     /// \[m\] gap to who is ahead when standing.
     pub standstill_gap: f64,
+    /// \[s\] reaction time to gaps that change.
+    pub reaction_time: f64,
     /// \[rad\] angle from the way to the direction of walking, or only of the gaze.
     pub steering: f64,
     /// \[m/s\] noise of the speed.
@@ -165,6 +167,11 @@ impl WalkingModel {
         if let WalkingModel::Rotational(of) = self { of.standstill_gap } else { 0.0 }
     }
 
+    /// \[s\] Returns the reaction time of those who have none of their own.
+    pub(crate) fn reaction_time(&self) -> f64 {
+        if let WalkingModel::Rotational(of) = self { of.reaction_time } else { 0.0 }
+    }
+
     /// \[m/s\] Returns the standard deviation of the noise of speeds.
     pub(crate) fn speed_noise(&self) -> f64 {
         if let WalkingModel::Rotational(of) = self { of.speed_noise } else { 0.0 }
@@ -190,6 +197,7 @@ impl WalkingModel {
             WalkingModel::Rotational(of) => {
                 positive("rotational", "time_gap", of.time_gap)?;
                 not_negative("rotational", "standstill_gap", of.standstill_gap)?;
+                not_negative("rotational", "reaction_time", of.reaction_time)?;
                 positive("rotational", "acceleration", of.acceleration)?;
                 moderate("rotational", "speed_noise", of.speed_noise)
             }

@@ -28,6 +28,7 @@ pub enum Quantity {
     DesiredSpeed,
     TimeGap,
     StandstillGap,
+    ReactionTime,
     Waypoint,
     WaypointRadius,
     WaypointCount,
@@ -46,7 +47,7 @@ const WAYPOINTS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1)];
 const WAYPOINT_VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1), Dimension::Fixed(2)];
 
 /// The table.
-pub static QUANTITIES: [Variable<Quantity>; 19] = {
+pub static QUANTITIES: [Variable<Quantity>; 20] = {
     use Domain::*;
     use Kind::*;
     use Quantity::*;
@@ -73,6 +74,8 @@ pub static QUANTITIES: [Variable<Quantity>; 19] = {
         row(TimeGap, "TimeGap", AGENTS, Real(SECOND)).parameter(Positive, "time gap T to who is ahead"),
         row(StandstillGap, "StandstillGap", AGENTS, Real(METRE))
             .parameter(NonNegative, "gap to who is ahead when standing"),
+        row(ReactionTime, "ReactionTime", AGENTS, Real(SECOND))
+            .parameter(NonNegative, "reaction time to gaps that change"),
         row(Waypoint, "Waypoint", WAYPOINT_VECTORS, Real(METRE))
             .parameter(Finite, "x and y of the way-points in order; 0 beyond WaypointCount"),
         row(WaypointRadius, "WaypointRadius", WAYPOINTS, Real(METRE)).parameter(
@@ -142,6 +145,7 @@ impl Decision {
             Quantity::DesiredSpeed => &mut walker.desired_speed,
             Quantity::TimeGap => &mut walker.time_gap,
             Quantity::StandstillGap => &mut walker.standstill_gap,
+            Quantity::ReactionTime => &mut walker.reaction_time,
             Quantity::Waypoint if x => &mut walker.waypoints.get_mut(k / 2)?.x,
             Quantity::Waypoint => &mut walker.waypoints.get_mut(k / 2)?.y,
             Quantity::WaypointRadius => &mut walker.waypoints.get_mut(k)?.radius,
@@ -193,8 +197,8 @@ impl Decision {
         // Where people see each other, outlines and motions count, too.
         let seen = |on: Quantity| {
             use Quantity::*;
-            let counts =
-                matches!(on, Theta | Velocity | FloorDamping | DesiredSpeed | TimeGap | StandstillGap);
+            let of_motion = matches!(on, Theta | Velocity | FloorDamping | DesiredSpeed);
+            let counts = of_motion || matches!(on, TimeGap | StandstillGap | ReactionTime);
             self.needs_all(output) && counts
         };
         let needed = |row: &&Variable<Quantity>| {

@@ -78,6 +78,7 @@ impl Plan {
             moderate(&place, "desired_speed", walker.desired_speed)?;
             positive(&place, "time_gap", walker.time_gap)?;
             not_negative(&place, "standstill_gap", walker.standstill_gap)?;
+            not_negative(&place, "reaction_time", walker.reaction_time)?;
             coordinate(&place, "x", pose.x)?;
             coordinate(&place, "y", pose.y)?;
             number(&place, "theta", pose.theta, |_| true, "finite")?;

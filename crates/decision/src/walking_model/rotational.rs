@@ -32,6 +32,8 @@ pub struct Rotational {
     pub time_gap: f64,
     /// \[m\] Gap b that is left to who is ahead by those who stand.
     pub standstill_gap: f64,
+    /// \[s\] Reaction time to gaps that change.
+    pub reaction_time: f64,
     /// \[m/s\] Standard deviation of the noise of the speed.
     pub speed_noise: f64,
     /// \[m/s²\] Greatest acceleration. Who is held up pushes with at most the mass times this.
@@ -40,7 +42,7 @@ pub struct Rotational {
 
 impl Default for Rotational {
     fn default() -> Rotational {
-        Rotational { time_gap: 0.9, standstill_gap: 0.09, speed_noise: 0.15, acceleration: 4.0 }
+        Rotational { time_gap: 0.9, standstill_gap: 0.09, reaction_time: 0.0, speed_noise: 0.15, acceleration: 4.0 }
     }
 }
 
@@ -287,6 +289,8 @@ impl<'a> View<'a> {
                 let distance = square.sqrt();
                 let approach = (walking.velocity - other.velocity).dot(to) / distance;
                 let time = if approach < 0.0 { FOLLOWING[usize::from(single)] } else { walking.relaxation };
+                // The gap was seen before.
+                let time = time - walking.reaction_time;
                 for k in 0..2 {
                     let gap = if single { ahead[k] } else { distance } - 2.0 * RADIUS - time * approach;
                     if in_lane[k] && gap < seen.gaps[k] && self.is_visible(other) {
@@ -329,7 +333,9 @@ impl<'a> View<'a> {
         let walking = self.walking;
         let mut seen = self.nobody();
         let [direction, goal] = self.ways;
-        let fastest_approach = walking.velocity.norm() + fastest;
+        // No gap is shorter than the distance by more.
+        let extrapolated =
+            walking.relaxation.max(walking.reaction_time) * (walking.velocity.norm() + fastest);
         // Oncoming people who are further ahead, or to the side, are not evaded.
         let evaded = surroundings.opposing(goal).then(|| {
             let closing = (goal.dot(walking.velocity) + fastest).max(CLOSING);
@@ -344,8 +350,7 @@ impl<'a> View<'a> {
             // Nobody in this ring is nearer than this.
             let nearest = (ring as f64 - 1.0) * cells.width;
             let leads = seen.leader.0 * AHEAD >= nearest;
-            let holds_up =
-                seen.gaps[0].max(seen.gaps[1]) + reach + walking.relaxation * fastest_approach >= nearest;
+            let holds_up = seen.gaps[0].max(seen.gaps[1]) + reach + extrapolated >= nearest;
             let queues = !seen.queues && nearest < CLOSE + 2.0 * RADIUS;
             let all = leads || holds_up || queues;
             if !all && evaded.is_none_or(|(far, aside)| nearest >= libm::hypot(far, aside)) {
@@ -511,6 +516,7 @@ mod tests {
             relaxation: 0.22,
             time_gap: 0.9,
             standstill_gap: 0.09,
+            reaction_time: 0.0,
             steering: 0.0,
             noise: 0.0,
             phase: 0.0,
@@ -536,6 +542,19 @@ mod tests {
         assert!((row(5.0, 1.34) - 1.34).abs() < 1e-12);
         // Pushes are limited: 4 m/s² for 0.22 s.
         assert!((row(5.0, 0.0) - 0.88).abs() < 1e-12);
+    }
+
+    /// Of two who come nearer at 0.4 m/s, the gap is that of the time by which the body follows, less the reaction time.
+    #[test]
+    fn who_reacts_late_sees_an_earlier_gap() {
+        for reaction_time in [0.0, 0.22, 0.5] {
+            let ahead = vec2(1.0, 0.0);
+            let one = Walking { reaction_time, ..person(Vec2::ZERO, ahead * 0.7, ahead) };
+            let people = [one, person(ahead, ahead * 0.3, ahead)].map(Some);
+            let speed = desired(&Rotational::default(), &people, &[])[0].velocity.x;
+            let gap = 1.0 - 0.3 - 0.4 * (0.22 - reaction_time);
+            assert!((speed - (gap - 0.09) / 0.9).abs() < 1e-12, "{reaction_time}: {speed}");
+        }
     }
 
     #[test]
@@ -610,6 +629,7 @@ mod tests {
                 one.direction = one.direction.filter(|_| !k.is_multiple_of(11)).map(|way| way.rotated(turn));
                 one.velocity = one.velocity.rotated(turn) * slow;
                 one.steering = if k.is_multiple_of(5) { 0.7 } else { 0.0 };
+                one.reaction_time = if k.is_multiple_of(7) { 2.5 } else { 0.0 };
             }
             let people: Vec<_> = people.into_iter().map(Some).collect();
             let surroundings = Surroundings::new(&people, &walls);
