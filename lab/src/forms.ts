@@ -74,7 +74,7 @@ const place = record<Place>({
     share: nullable(number),
 });
 const name = nullable(text(MOST.name));
-const rotational = nullable(record<Rotational>({ time_gap: number, standstill_gap: number, reaction_time: number, speed_noise: number, acceleration: number }));
+const rotational = nullable(record<Rotational>({ time_gap: number, standstill_gap: number, reaction_time: (given) => number(given ?? 0), speed_noise: number, acceleration: number }));
 const wishes = record<Wishes>({
     model: one(...MODELS),
     // Older links have none.

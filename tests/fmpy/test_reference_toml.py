@@ -114,6 +114,7 @@ class DecisionReader(Reader):
         "collision-free-speed": lambda file: file.setdefault("collision-free-speed", {}),
         "social-force": lambda file: file.setdefault("social-force", {}),
         "rotational": lambda file: file.setdefault("rotational", {}),
+        "pendulum": lambda file: file.setdefault("pendulum", {}),
         "[agents.ID]": lambda file: file["agents"]["0"],
     }
 
@@ -121,6 +122,8 @@ class DecisionReader(Reader):
         file = copy.deepcopy(self.BASE)
         for model in {heading, key} & {"collision-free-speed", "social-force", "rotational"}:
             file["model"] = model
+        if "pendulum" in (heading, key):
+            file["balance"] = "pendulum"
         for exit in file["exits"] if key == "share" else []:
             exit["share"] = 1
         if key == "polygon":

@@ -12,6 +12,7 @@
 //! desired_speed = 0.9
 //! ```
 
+use crate::balance::Pendulum;
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
 use crate::person::Person;
@@ -40,11 +41,23 @@ pub enum WalkingModelName {
     Rotational,
 }
 
+/// How people who stand keep their balance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BalanceName {
+    /// Nothing is asked: the ground takes the velocity, as in eq. 1.
+    #[default]
+    None,
+    /// See [`Pendulum`].
+    Pendulum,
+}
+
 /// A user's settings for the FMU.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DecisionConfig {
     pub(crate) model: Option<WalkingModelName>,
+    pub(crate) balance: Option<BalanceName>,
     pub(crate) desired_speed: Option<f64>,
     pub(crate) seed: Option<u64>,
     pub(crate) waypoints: Option<Vec<Waypoint>>,
@@ -58,6 +71,7 @@ pub struct DecisionConfig {
     #[serde(rename = "social-force")]
     pub(crate) social_force: Option<SocialForce>,
     pub(crate) rotational: Option<Rotational>,
+    pub(crate) pendulum: Option<Pendulum>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub(crate) agents: BTreeMap<String, AgentConfig>,
 }
@@ -147,6 +161,15 @@ impl DecisionConfig {
             }
         }
         Some(DecisionConfig { desired_speed: Some(speed), waypoints, agents, ..DecisionConfig::default() })
+    }
+
+    /// Returns the legs of those who stand, if they have any.
+    pub(crate) fn balance(&self) -> Result<Option<Pendulum>, PlanError> {
+        match (self.balance.unwrap_or_default(), self.pendulum) {
+            (BalanceName::Pendulum, constants) => Ok(Some(constants.unwrap_or_default())),
+            (BalanceName::None, None) => Ok(None),
+            (BalanceName::None, Some(_)) => Err(PlanError::NoPendulum),
+        }
     }
 
     /// Returns the model with its constants.

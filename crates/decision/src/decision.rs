@@ -1,5 +1,6 @@
 //! The model of the FMU: poses are inputs, drives are outputs.
 
+use crate::balance::{Legs, Pendulum, Standing};
 use crate::exit_choice::{Choice, Queues};
 use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
@@ -66,6 +67,7 @@ pub struct Agent {
     /// \[rad\] Phase of swaying from one foot to the other.
     phase: f64,
     choice: Choice,
+    legs: Legs,
 }
 
 impl Agent {
@@ -76,6 +78,16 @@ impl Agent {
 
     fn at(&self) -> Vec2 {
         vec2(self.pose.x, self.pose.y)
+    }
+
+    /// The legs; before the first step, they are under the body.
+    fn legs(&self) -> Legs {
+        if self.last.is_some() { self.legs } else { Legs::new(self.at()) }
+    }
+
+    fn standing(&self) -> Standing {
+        let [x, y] = self.velocity;
+        Standing { at: self.at(), from: self.from(), velocity: vec2(x, y), damping: self.walker.floor_damping }
     }
 
     /// \[m\] Where the agent came from.
@@ -138,6 +150,7 @@ impl Decision {
             draws: 0,
             phase: TAU * share(plan.seed, i as u64, u64::MAX - 1),
             choice: Choice::new(plan.seed, i as u64),
+            legs: Legs::new(vec2(agent.pose.x, agent.pose.y)),
         });
         let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
@@ -200,7 +213,13 @@ impl Decision {
             let sees = self.plan.walking_model.sees_others();
             let wanted = if sees { self.wanted(i) } else { DesiredMotion::default() };
             let queues = wanted.queues;
+            let balance = self.balance(i);
             let agent = &mut self.agents[i];
+            agent.legs = agent.legs();
+            match balance {
+                Some(pendulum) => agent.legs.stand(&pendulum, &agent.standing(), step),
+                None => agent.legs.walk(agent.at()),
+            }
             let (next, way, at) = (agent.next(), agent.at() - agent.from(), agent.at());
             // The paper's rule does not see it; and who queues is not stuck.
             if agent.next == agent.walker.waypoints.len() || sees {
@@ -375,6 +394,22 @@ impl Decision {
 
     /// The drive of an agent at its present pose.
     fn drive(&mut self, i: usize) -> Answer<Propulsion> {
+        let mut drive = self.drive_of_walking(i)?;
+        if let Some(pendulum) = self.balance(i) {
+            let (agent, standing) = (&self.agents[i], self.agents[i].standing());
+            let ground = agent.legs().drive(&pendulum, &standing);
+            drive.force[0] += agent.walker.mass * ground.x;
+            drive.force[1] += agent.walker.mass * ground.y;
+        }
+        Ok(drive)
+    }
+
+    /// The pendulum of an agent that stands, if people have legs.
+    fn balance(&self, i: usize) -> Option<Pendulum> {
+        self.plan.balance.filter(|_| self.goes(i).is_none())
+    }
+
+    fn drive_of_walking(&mut self, i: usize) -> Answer<Propulsion> {
         self.find_ways()?;
         if self.plan.walking_model.sees_others() {
             let wanted = self.wanted(i);
@@ -520,6 +555,21 @@ impl Model for Decision {
             }
             Quantity::Arrived => self.arrived()? as f64,
             Quantity::NextWaypoint => self.agents[i].next() as f64,
+            Quantity::Legs | Quantity::Lean | Quantity::Balanced => {
+                self.find_ways()?;
+                let (agent, balance) = (&self.agents[i], self.balance(i));
+                let legs = agent.legs();
+                let feet = if balance.is_some() { legs.at } else { agent.at() };
+                match quantity {
+                    Quantity::Legs => [feet.x, feet.y][element % 2],
+                    Quantity::Lean => (agent.at() - feet).norm(),
+                    _ => balance
+                        .is_none_or(|pendulum| legs.is_balanced(&pendulum, &agent.standing()))
+                        .into(),
+                }
+            }
+            Quantity::Steps => self.agents[i].legs.steps.into(),
+            Quantity::Fallen => self.agents[i].legs.fallen.into(),
             Quantity::WaypointCount => self.agents[i].walker.waypoints.len() as f64,
             _ => 0.0,
         })
@@ -590,7 +640,7 @@ impl Model for Decision {
                 .all(|number| number.is_finite());
             let exit =
                 a.choice.exit.is_none_or(|k| self.plan.targets.get(k).is_some_and(|target| !target.stay));
-            exit && a.walker.waypoints.len() == count && a.next <= count && last && own && a.stuck.is_sound()
+            exit && a.walker.waypoints.len() == count && a.next <= count && last && own && a.stuck.is_sound() && a.legs.is_sound()
         };
         if !time.is_finite() || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len()) {
             return damaged(IMPOSSIBLE);

@@ -18,6 +18,7 @@
 //! - [`stuck`]: what people do who are stuck
 //! - [`exit_choice`]: exits chosen by the expected time
 //! - [`error`]: what is wrong with a plan
+//! - [`balance`]: legs under those who stand
 //! - [`person`]: the people of a Trial
 //! - [`walking_model`]: how people walk among others
 //! - [`config`]: a user's `decision.toml`
@@ -26,6 +27,7 @@
 //!   in FMI 2.0 and 3.0
 //! - [`pack`]: writes an `.fmu` from a plan and binaries
 
+pub mod balance;
 pub mod config;
 pub mod decision;
 pub mod error;

@@ -6,6 +6,7 @@ mod checked;
 mod destinations;
 mod normalized;
 
+use crate::balance::Pendulum;
 use crate::config::{AgentConfig, DecisionConfig};
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
@@ -70,6 +71,9 @@ pub struct Plan {
     /// Model of how people walk among others.
     #[serde(default, skip_serializing_if = "is_default")]
     pub walking_model: WalkingModel,
+    /// Legs of those who stand, if they have any.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub balance: Option<Pendulum>,
     /// How people choose who take the nearest exit.
     #[serde(default, skip_serializing_if = "is_default")]
     pub exit_choice: ExitChoice,
@@ -107,14 +111,15 @@ impl Plan {
         if let Some(unknown) = config.agents.keys().find(|id| people.iter().all(|person| person.id != **id)) {
             return Err(PlanError::UnknownAgent(unknown.clone()));
         }
-        let walking_model = config.walking_model()?;
+        let (walking_model, balance) = (config.walking_model()?, config.balance()?);
         let targets = targets_of(config)?;
         let destinations = destinations(people, config, &targets)?;
         let nothing = AgentConfig::default();
         let agents = people.iter().zip(destinations).map(|(person, destination)| {
             let own = config.agents.get(&person.id).unwrap_or(&nothing);
             let waypoints = own.waypoints.as_ref().or(config.waypoints.as_ref()).cloned().unwrap_or_default();
-            if waypoints.is_empty() && destination == Destination::None {
+            // Who only stands has to keep the balance.
+            if waypoints.is_empty() && destination == Destination::None && balance.is_none() {
                 return Err(PlanError::NoWaypoint(person.id.clone()));
             }
             Ok(Planned {
@@ -141,7 +146,7 @@ impl Plan {
         let walls = walls.filter(|_| seen).map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
         let (seed, exit_choice) = (config.seed.unwrap_or(0), config.exit_choice.unwrap_or_default());
         let motivation = config.motivation.clone();
-        let plan = Plan { time_step, seed, walls, walking_model, exit_choice, motivation, targets, agents };
+        let plan = Plan { time_step, seed, walls, walking_model, balance, exit_choice, motivation, targets, agents };
         let plan = plan.checked()?;
         plan.check_ways()?;
         Ok(plan)

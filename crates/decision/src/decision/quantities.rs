@@ -21,6 +21,11 @@ pub enum Quantity {
     Mp,
     Active,
     NextWaypoint,
+    Legs,
+    Lean,
+    Steps,
+    Balanced,
+    Fallen,
     Mass,
     MomentOfInertia,
     FloorDamping,
@@ -47,7 +52,7 @@ const WAYPOINTS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1)];
 const WAYPOINT_VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1), Dimension::Fixed(2)];
 
 /// The table.
-pub static QUANTITIES: [Variable<Quantity>; 20] = {
+pub static QUANTITIES: [Variable<Quantity>; 25] = {
     use Domain::*;
     use Kind::*;
     use Quantity::*;
@@ -62,6 +67,11 @@ pub static QUANTITIES: [Variable<Quantity>; 20] = {
         row(Active, "Active", AGENTS, Boolean).calculated("whether it is there: it has not left by an exit"),
         row(NextWaypoint, "NextWaypoint", AGENTS, Integer)
             .calculated("which way-point it walks to; their number after the last one"),
+        row(Legs, "Legs", VECTORS, Real(METRE)).calculated("x and y of the middle of the feet"),
+        row(Lean, "Lean", AGENTS, Real(METRE)).calculated("distance of the centre of mass from the feet"),
+        row(Steps, "Steps", AGENTS, Integer).calculated("how many steps it took to keep the balance"),
+        row(Balanced, "Balanced", AGENTS, Boolean).calculated("whether its ankles can keep the balance"),
+        row(Fallen, "Fallen", AGENTS, Boolean).calculated("whether no step could save it, at some time"),
         row(Mass, "Mass", AGENTS, Real(KILOGRAM)).parameter(Positive, "mass"),
         row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(KILOGRAM_METRE_SQUARED))
             .parameter(Positive, "moment of inertia about the centre of mass"),
@@ -199,7 +209,8 @@ impl Decision {
             use Quantity::*;
             let of_motion = matches!(on, Theta | Velocity | FloorDamping | DesiredSpeed);
             let counts = of_motion || matches!(on, TimeGap | StandstillGap | ReactionTime);
-            self.needs_all(output) && counts
+            let balances = self.plan.balance.is_some() && matches!(output, Fp | Balanced);
+            self.needs_all(output) && counts || balances && on == Velocity
         };
         let needed = |row: &&Variable<Quantity>| {
             known.includes(row.role) && (output.needs(row.quantity) || seen(row.quantity))

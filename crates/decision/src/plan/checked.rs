@@ -36,6 +36,7 @@ impl Plan {
         }
         positive("the plan", "time_step", self.time_step)?;
         self.walking_model.check()?;
+        self.balance.map_or(Ok(()), |balance| balance.check())?;
         for corner in self.walls.iter().flatten().flatten() {
             coordinate("a wall", "corner", *corner)?;
         }

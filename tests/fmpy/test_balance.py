@@ -1,0 +1,64 @@
+"""People with legs, through the whole chain: thresholds and ways of somebody who is hit once, beside closed forms and SciPy."""
+
+import math
+
+import numpy as np
+import pytest
+from crowd import write_trial
+from lemons_fmu import Crowd
+from scipy.integrate import solve_ivp
+
+HEIGHT, SUPPORT, STEP_TIME, STEP_LENGTH, RATE = 0.97, 0.12, 0.25, 0.9, 4.5
+OMEGA = math.sqrt(9.81 / HEIGHT)
+MASS = 80.0
+ANKLES = OMEGA * SUPPORT  # m/s
+#: The extrapolated centre of mass leaves the edge of the feet by exp(OMEGA t).
+ONE_STEP = OMEGA * (SUPPORT + STEP_LENGTH * math.exp(-OMEGA * STEP_TIME))
+
+
+def hit(directory, speeds, step=0.005, until=3.0, algorithm="gauss-seidel"):
+    """Everybody is hit at the start, far from others. Returns ways along x (time, person), and the outputs at the end."""
+    people = [{"mass": MASS, "x": 2.0, "y": 2.0 * k, "vx": speed, "rate": RATE} for k, speed in enumerate(speeds)]
+    trial = write_trial(directory / "trial", people, mechanical=1e-3)
+    plan = directory / "plan.toml"
+    plan.write_text('balance = "pendulum"\n[pendulum]\nreturn_after = 100.0\n')
+    with Crowd(trial, plan=plan, algorithm=algorithm) as crowd:
+        ways = []
+        for _ in range(round(until / step)):
+            crowd.step(step)
+            ways.append(crowd.poses()[:, 0] - 2.0)
+        ends = {name: [crowd[f"decision.agent[{k}].{name}"] for k in range(len(speeds))] for name in ("Steps", "Balanced", "Fallen", "Lean")}
+    return np.array(ways), ends
+
+
+def test_thresholds_are_those_of_the_pendulum(tmp_path):
+    speeds = [0.97 * ANKLES, 1.03 * ANKLES, 0.97 * ONE_STEP, 1.03 * ONE_STEP]
+    _, ends = hit(tmp_path, speeds)
+    assert ends["Steps"][0] == 0 and min(ends["Steps"][1:]) >= 1
+    assert ends["Fallen"] == [False, False, False, True]
+    assert ends["Balanced"][:3] == [True] * 3 and max(ends["Lean"][:3]) < SUPPORT
+
+
+def test_until_the_step_the_way_is_that_of_a_pendulum_about_the_edge_of_the_feet(tmp_path):
+    """SciPy integrates the pendulum, whose ankles damp the velocity as far as they can."""
+
+    def motion(_, state):
+        x, v = state
+        middle = OMEGA**2 * x
+        return [v, middle + np.clip(-RATE * v - middle, -(OMEGA**2) * SUPPORT, OMEGA**2 * SUPPORT)]
+
+    speeds = [0.3 * ANKLES, ANKLES, 0.8, 1.5]
+    until = STEP_TIME - 0.01
+    ways, _ = hit(tmp_path, speeds, step=0.002, until=until)
+    for way, speed in zip(ways[-1], speeds):
+        x = solve_ivp(motion, (0, until), [0.0, speed], rtol=1e-9, atol=1e-12, max_step=1e-3).y[0, -1]
+        assert way == pytest.approx(x, rel=0.01), speed
+
+
+@pytest.mark.parametrize("algorithm", ["gauss-seidel", "jacobi"])
+def test_ways_hardly_depend_on_the_communication_step(tmp_path, algorithm):
+    """Also where a drive is a step late; and what the floor of eq. 1 takes meanwhile is given back."""
+    speeds = [0.2, 0.8, 1.2]
+    fine, _ = hit(tmp_path / "fine", speeds, step=0.002)
+    coarse, _ = hit(tmp_path / "coarse", speeds, step=0.02, algorithm=algorithm)
+    assert np.abs(fine[-1] - coarse[-1]).max() < 0.02, (fine[-1], coarse[-1])
