@@ -1,4 +1,4 @@
-"""People with legs, through the whole chain: thresholds and ways of somebody who is hit once, beside closed forms and SciPy."""
+"""What feet hold and how hard people push, through the whole chain, beside closed forms and SciPy."""
 
 import math
 
@@ -62,3 +62,17 @@ def test_ways_hardly_depend_on_the_communication_step(tmp_path, algorithm):
     fine, _ = hit(tmp_path / "fine", speeds, step=0.002)
     coarse, _ = hit(tmp_path / "coarse", speeds, step=0.02, algorithm=algorithm)
     assert np.abs(fine[-1] - coarse[-1]).max() < 0.02, (fine[-1], coarse[-1])
+
+
+@pytest.mark.parametrize("limit", ["push = 100", "[agents]\n0 = { push = 100 }\n1 = { push = 100 }\n2 = { push = 100 }", "motivation = [{ time = 0.5, push = 100 }]"])
+def test_a_row_presses_on_a_wall_with_the_sum_of_its_pushes(tmp_path, limit):
+    people = [{"mass": MASS, "x": 2.0 + 0.41 * k, "y": 2.0, "rate": RATE} for k in range(3)]
+    wall = [(3.1, 0.0), (3.1, 4.0)]
+    trial = write_trial(tmp_path / "trial", people, walls=[wall], mechanical=1e-4, damping=500.0)
+    plan = tmp_path / "plan.toml"
+    plan.write_text(f"waypoints = [{{ x = 30, y = 2 }}]\n{limit}\n")
+    with Crowd(trial, plan=plan) as crowd:
+        for _ in range(400):
+            crowd.step(0.02)
+        # Of each person: what those behind press, and what presses back ahead.
+        assert crowd.squeeze() == pytest.approx([100, 300, 500], rel=1e-3)

@@ -395,6 +395,8 @@ impl Decision {
     /// The drive of an agent at its present pose.
     fn drive(&mut self, i: usize) -> Answer<Propulsion> {
         let mut drive = self.drive_of_walking(i)?;
+        let agent = &self.agents[i];
+        agent.walker.limit(&mut drive, vec2(agent.velocity[0], agent.velocity[1]));
         if let Some(pendulum) = self.balance(i) {
             let (agent, standing) = (&self.agents[i], self.agents[i].standing());
             let ground = agent.legs().drive(&pendulum, &standing);

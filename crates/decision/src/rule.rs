@@ -63,9 +63,14 @@ pub struct Walker {
     pub standstill_gap: f64,
     /// \[s\] Reaction time to gaps that change.
     pub reaction_time: f64,
+    /// \[N\] Greatest force besides that which keeps the velocity; [`UNLIMITED`] or more is any.
+    pub push: f64,
     /// Way-points, in order.
     pub waypoints: Vec<Waypoint>,
 }
+
+/// \[N\] From this push on there is no limit.
+pub const UNLIMITED: f64 = 1e9;
 
 /// \[m/s\] No factor makes anybody faster.
 const FASTEST: f64 = 1e9;
@@ -88,6 +93,9 @@ pub struct Motivation {
     /// \[m\] Gap to who is ahead when standing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub standstill_gap: Option<f64>,
+    /// \[N\] Greatest push.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub push: Option<f64>,
 }
 
 impl Walker {
@@ -97,6 +105,7 @@ impl Walker {
         self.desired_speed = speed.min(FASTEST);
         self.time_gap = by.time_gap.unwrap_or(self.time_gap);
         self.standstill_gap = by.standstill_gap.unwrap_or(self.standstill_gap);
+        self.push = by.push.unwrap_or(self.push);
     }
 
     /// Returns the index of the next way-point at a pose, if it was `next` before; the number of way-points after the
@@ -130,6 +139,15 @@ impl Walker {
 }
 
 impl Walker {
+    /// Limits how hard somebody who has a velocity \[m/s\] pushes ahead: the force along the drive, without that which the
+    /// floor takes. Braking and evading are not limited.
+    pub fn limit(&self, drive: &mut Propulsion, velocity: Vec2) {
+        let force = Vec2::from(drive.force);
+        let Some(ahead) = force.unit(1e-9).filter(|_| self.push < UNLIMITED) else { return };
+        let push = ahead.dot(force - velocity * (self.mass * self.floor_damping));
+        drive.force = (force - ahead * (push - self.push).max(0.0)).into();
+    }
+
     /// Returns the propulsion whose force, with the floor's friction alone, leads to a velocity \[m/s\] (eq. 4), with a
     /// further force \[N\], and which turns the body to face a direction.
     pub fn towards(&self, pose: Pose, velocity: Vec2, force: Vec2, facing: Option<Vec2>) -> Propulsion {
@@ -160,6 +178,7 @@ mod tests {
             time_gap: 1.0,
             standstill_gap: 0.0,
             reaction_time: 0.0,
+            push: UNLIMITED,
             waypoints: waypoints.iter().map(|&(x, y, radius)| Waypoint { x, y, radius }).collect(),
         }
     }
@@ -172,6 +191,19 @@ mod tests {
         // The floor takes m v/t_transl.
         assert!((x.hypot(y) - 80.0 * 1.3 * 2.0).abs() < 1e-12);
         assert!((y / x - 4.0 / 3.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_push_is_limited_and_braking_is_not() {
+        let walker = Walker { push: 100.0, ..walker(&[(3.0, 0.0, 0.1)]) };
+        // Driven by m v₀/t_transl = 208 N; the floor takes 160 N at 1 m/s.
+        for (x, y, ahead) in
+            [(0.0, 0.0, 100.0), (0.0, 0.5, 100.0), (-0.2, 0.0, 68.0), (1.0, 0.0, 208.0), (2.0, 0.0, 208.0)]
+        {
+            let mut drive = walker.drive(0, Pose::default());
+            walker.limit(&mut drive, Vec2 { x, y });
+            assert!((drive.force[0] - ahead).abs() < 1e-12 && drive.force[1] == 0.0, "{x} {y}: {drive:?}");
+        }
     }
 
     #[test]

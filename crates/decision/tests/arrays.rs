@@ -2,7 +2,8 @@
 
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::pack::description;
-use lemons_decision::rule::Pose;
+use lemons_decision::plan::Planned;
+use lemons_decision::rule::{Pose, Walker};
 use lemons_decision::{Decision, DecisionConfig, Person, Plan};
 use lemons_fmi::Status::{self, Ok as OK};
 use lemons_fmi::{self as fmi, Format, Model};
@@ -245,19 +246,31 @@ fn listed(instance: &Walkers, output: &str) -> Vec<(usize, u32, usize)> {
 #[test]
 fn outputs_depend_on_what_is_listed() {
     // Near the first way-points, so that the numbers of way-points react, too.
-    let poses = [("Position", vec![4.8, 2.1, -2.7, 1.2, 2.1, 3.8]), ("Theta", vec![0.1, 0.2, 0.3])];
+    let poses = [
+        ("Position", vec![4.8, 2.1, -2.7, 1.2, 2.1, 3.8]),
+        ("Theta", vec![0.1, 0.2, 0.3]),
+        ("Velocity", vec![0.02, 0.01, -0.01, 0.02, 0.01, -0.02]),
+    ];
+    // A little less than what everybody would push with: who wants to go more slowly pushes less.
+    let force = |agent: &Planned| {
+        let Walker { mass, floor_damping, desired_speed, .. } = agent.walker;
+        mass * floor_damping * desired_speed - 25.0
+    };
+    let push: Vec<f64> = plan().agents.iter().map(force).collect();
     let parameters = [
         ("Mass", AGENTS),
         ("MomentOfInertia", AGENTS),
         ("FloorDamping", AGENTS),
         ("AngularDamping", AGENTS),
         ("DesiredSpeed", AGENTS),
+        ("Push", AGENTS),
         ("Waypoint", 2 * MOST * AGENTS),
         ("WaypointRadius", MOST * AGENTS),
     ];
     for initialized in [true, false] {
         let instance = Walkers::new();
         instance.must(instance.enter(None, 0.0, None));
+        instance.must(instance.try_set("Push", &push));
         if initialized {
             instance.must(instance.exit());
         }

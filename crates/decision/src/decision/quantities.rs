@@ -34,6 +34,7 @@ pub enum Quantity {
     TimeGap,
     StandstillGap,
     ReactionTime,
+    Push,
     Waypoint,
     WaypointRadius,
     WaypointCount,
@@ -52,7 +53,7 @@ const WAYPOINTS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1)];
 const WAYPOINT_VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1), Dimension::Fixed(2)];
 
 /// The table.
-pub static QUANTITIES: [Variable<Quantity>; 25] = {
+pub static QUANTITIES: [Variable<Quantity>; 26] = {
     use Domain::*;
     use Kind::*;
     use Quantity::*;
@@ -86,6 +87,8 @@ pub static QUANTITIES: [Variable<Quantity>; 25] = {
             .parameter(NonNegative, "gap to who is ahead when standing"),
         row(ReactionTime, "ReactionTime", AGENTS, Real(SECOND))
             .parameter(NonNegative, "reaction time to gaps that change"),
+        row(Push, "Push", AGENTS, Real(NEWTON))
+            .parameter(NonNegative, "greatest push on who holds it up; from 1e9 on any"),
         row(Waypoint, "Waypoint", WAYPOINT_VECTORS, Real(METRE))
             .parameter(Finite, "x and y of the way-points in order; 0 beyond WaypointCount"),
         row(WaypointRadius, "WaypointRadius", WAYPOINTS, Real(METRE)).parameter(
@@ -114,7 +117,7 @@ impl Quantity {
         use Quantity::*;
         match on {
             Position | Waypoint | WaypointRadius => true,
-            Mass | FloorDamping | DesiredSpeed => self == Fp,
+            Mass | FloorDamping | DesiredSpeed | Velocity | Push => self == Fp,
             Theta | MomentOfInertia | AngularDamping => self == Mp,
             _ => false,
         }
@@ -156,6 +159,7 @@ impl Decision {
             Quantity::TimeGap => &mut walker.time_gap,
             Quantity::StandstillGap => &mut walker.standstill_gap,
             Quantity::ReactionTime => &mut walker.reaction_time,
+            Quantity::Push => &mut walker.push,
             Quantity::Waypoint if x => &mut walker.waypoints.get_mut(k / 2)?.x,
             Quantity::Waypoint => &mut walker.waypoints.get_mut(k / 2)?.y,
             Quantity::WaypointRadius => &mut walker.waypoints.get_mut(k)?.radius,
@@ -209,7 +213,7 @@ impl Decision {
             use Quantity::*;
             let of_motion = matches!(on, Theta | Velocity | FloorDamping | DesiredSpeed);
             let counts = of_motion || matches!(on, TimeGap | StandstillGap | ReactionTime);
-            let balances = self.plan.balance.is_some() && matches!(output, Fp | Balanced);
+            let balances = self.plan.balance.is_some() && output == Balanced;
             self.needs_all(output) && counts || balances && on == Velocity
         };
         let needed = |row: &&Variable<Quantity>| {

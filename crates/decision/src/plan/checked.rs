@@ -52,6 +52,7 @@ impl Plan {
             motivation
                 .standstill_gap
                 .map_or(Ok(()), |value| not_negative(&place, "standstill_gap", value))?;
+            motivation.push.map_or(Ok(()), |value| not_negative(&place, "push", value))?;
         }
         check_targets(&self.targets)?;
         for agent in &self.agents {
@@ -80,6 +81,7 @@ impl Plan {
             positive(&place, "time_gap", walker.time_gap)?;
             not_negative(&place, "standstill_gap", walker.standstill_gap)?;
             not_negative(&place, "reaction_time", walker.reaction_time)?;
+            not_negative(&place, "push", walker.push)?;
             coordinate(&place, "x", pose.x)?;
             coordinate(&place, "y", pose.y)?;
             number(&place, "theta", pose.theta, |_| true, "finite")?;
