@@ -11,7 +11,7 @@
 //!
 //! Who walks has the legs under the body, and walks as without legs.
 
-use crate::error::{PlanError, not_negative, number, positive};
+use crate::error::{PlanError, not_negative, number};
 use lemons_core::plane::Vec2;
 use serde::{Deserialize, Serialize};
 
@@ -112,19 +112,13 @@ impl Floor {
 
 impl Pendulum {
     pub(crate) fn check(&self) -> Result<(), PlanError> {
-        positive("pendulum", "height", self.height)?;
+        number("pendulum", "height", self.height, |l| (0.1..=10.0).contains(&l), "from 0.1 to 10 m")?;
         not_negative("pendulum", "support", self.support)?;
         not_negative("pendulum", "step_time", self.step_time)?;
         not_negative("pendulum", "step_length", self.step_length)?;
         not_negative("pendulum", "return_after", self.return_after)?;
         not_negative("pendulum", "return_speed", self.return_speed)?;
-        number(
-            "pendulum",
-            "return_part",
-            self.return_part,
-            |part| (0.0..=1.0).contains(&part),
-            "from 0 to 1",
-        )
+        number("pendulum", "return_part", self.return_part, |part| (0.0..=1.0).contains(&part), "from 0 to 1")
     }
 
     /// \[1/s\] Returns ω₀.
@@ -145,7 +139,16 @@ impl Pendulum {
 impl Legs {
     /// Makes legs of somebody who stands here \[m\].
     pub fn new(at: Vec2) -> Legs {
-        Legs { at, home: at, aim: at, step: None, calm: 0.0, floor: Floor::default(), steps: 0, fallen: false }
+        Legs {
+            at,
+            home: at,
+            aim: at,
+            step: None,
+            calm: 0.0,
+            floor: Floor::default(),
+            steps: 0,
+            fallen: false,
+        }
     }
 
     /// Returns whether the ankles can keep the balance.

@@ -87,7 +87,12 @@ impl Agent {
 
     fn standing(&self) -> Standing {
         let [x, y] = self.velocity;
-        Standing { at: self.at(), from: self.from(), velocity: vec2(x, y), damping: self.walker.floor_damping }
+        Standing {
+            at: self.at(),
+            from: self.from(),
+            velocity: vec2(x, y),
+            damping: self.walker.floor_damping,
+        }
     }
 
     /// \[m\] Where the agent came from.
@@ -565,9 +570,7 @@ impl Model for Decision {
                 match quantity {
                     Quantity::Legs => [feet.x, feet.y][element % 2],
                     Quantity::Lean => (agent.at() - feet).norm(),
-                    _ => balance
-                        .is_none_or(|pendulum| legs.is_balanced(&pendulum, &agent.standing()))
-                        .into(),
+                    _ => balance.is_none_or(|pendulum| legs.is_balanced(&pendulum, &agent.standing())).into(),
                 }
             }
             Quantity::Steps => self.agents[i].legs.steps.into(),
@@ -642,7 +645,12 @@ impl Model for Decision {
                 .all(|number| number.is_finite());
             let exit =
                 a.choice.exit.is_none_or(|k| self.plan.targets.get(k).is_some_and(|target| !target.stay));
-            exit && a.walker.waypoints.len() == count && a.next <= count && last && own && a.stuck.is_sound() && a.legs.is_sound()
+            exit && a.walker.waypoints.len() == count
+                && a.next <= count
+                && last
+                && own
+                && a.stuck.is_sound()
+                && a.legs.is_sound()
         };
         if !time.is_finite() || wanted.as_ref().is_some_and(|wanted| wanted.len() != saved.len()) {
             return damaged(IMPOSSIBLE);

@@ -147,7 +147,8 @@ impl Plan {
         let walls = walls.filter(|_| seen).map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
         let (seed, exit_choice) = (config.seed.unwrap_or(0), config.exit_choice.unwrap_or_default());
         let motivation = config.motivation.clone();
-        let plan = Plan { time_step, seed, walls, walking_model, balance, exit_choice, motivation, targets, agents };
+        let plan =
+            Plan { time_step, seed, walls, walking_model, balance, exit_choice, motivation, targets, agents };
         let plan = plan.checked()?;
         plan.check_ways()?;
         Ok(plan)

@@ -116,6 +116,8 @@ impl Quantity {
     fn needs(self, on: Quantity) -> bool {
         use Quantity::*;
         match on {
+            // Counted in steps.
+            _ if matches!(self, Steps | Fallen) => false,
             Position | Waypoint | WaypointRadius => true,
             Mass | FloorDamping | DesiredSpeed | Velocity | Push => self == Fp,
             Theta | MomentOfInertia | AngularDamping => self == Mp,

@@ -42,7 +42,13 @@ pub struct Rotational {
 
 impl Default for Rotational {
     fn default() -> Rotational {
-        Rotational { time_gap: 0.9, standstill_gap: 0.09, reaction_time: 0.0, speed_noise: 0.15, acceleration: 4.0 }
+        Rotational {
+            time_gap: 0.9,
+            standstill_gap: 0.09,
+            reaction_time: 0.0,
+            speed_noise: 0.15,
+            acceleration: 4.0,
+        }
     }
 }
 
