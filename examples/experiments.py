@@ -12,7 +12,7 @@ al. 2020, DOI 10.34735/ped.2018.1), `hermes_uo/` and `hermes_bi/` (HERMES 2009, 
 Seyfried et al. 2005). `experiments.sha256` has their names and hashes; files with other contents are named in a warning.
 Without DIR nothing is compared, and the command ends well.
 
-What is measured is told by `experiment_measures.py`, where people start by `experiment_runs.py`.
+What is measured is told by `experiment/measures.py`, where people start by `experiment/runs.py`.
 
 Tune on the runs of TUNE only. Those of JUDGE were named before anything was tuned; they are for judging.
 """
@@ -28,8 +28,8 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from experiment_measures import mean
-from experiment_runs import CORRIDORS, EXITS, GATE, RUNS, THEIRS, TUNE, Walk, differing, directory, scene_of, simulated
+from experiment.measures import mean
+from experiment.runs import CORRIDORS, EXITS, GATE, RUNS, THEIRS, TUNE, Walk, differing, directory, scene_of, simulated
 
 OURS = ["rotational", "collision-free-speed", "social-force", "straight"]
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation.md"

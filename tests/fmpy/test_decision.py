@@ -93,7 +93,7 @@ def test_parameters(decision, name):
 def test_outputs_say_what_they_depend_on(decide):
     description = read_model_description(str(decide()))
     unknowns = {unknown.variable.name: [v.name for v in unknown.dependencies] for unknown in description.outputs}
-    assert unknowns["agent[3].Fp.x"] == ["agent[3].Position.x", "agent[3].Position.y"]
+    assert unknowns["agent[3].Fp.x"] == [f"agent[3].{name}.{axis}" for name in ("Position", "Velocity") for axis in "xy"]
     assert unknowns["agent[3].Mp"] == ["agent[3].Position.x", "agent[3].Position.y", "agent[3].Theta"]
     initial = {unknown.variable.name: [v.name for v in unknown.dependencies] for unknown in description.initialUnknowns}
     assert "agent[3].DesiredSpeed" in initial["agent[3].Fp.x"] and "agent[3].Theta" not in initial["agent[3].Fp.x"]

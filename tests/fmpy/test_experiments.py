@@ -9,7 +9,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "examples"))
 experiments = pytest.importorskip("experiments")
-experiment_runs = pytest.importorskip("experiment_runs")
+experiment_runs = pytest.importorskip("experiment.runs")
 pytest.importorskip("pedpy")
 DATA = experiments.directory()
 pytestmark = pytest.mark.skipif(DATA is None, reason="there are no trajectories of experiments beside the project")

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from experiment_measures import measure_corridor, measure_counterflow, measure_gate, measure_ring
+from .measures import measure_corridor, measure_counterflow, measure_gate, measure_ring
 
 FREE = (1.34, 0.26)  # m/s, desired speeds: mean and standard deviation (Weidmann 1993)
 FREE_UX = (1.24, 0.15)  # m/s, of the people of Seyfried et al. 2005
@@ -75,7 +75,7 @@ class Scene:
 
 def directory(given=None):
     """Where the data are, or None."""
-    found = Path(given or os.environ.get("LEMONS_WALK_DATA") or Path(__file__).resolve().parents[2] / "shared" / "data" / "walk")
+    found = Path(given or os.environ.get("LEMONS_WALK_DATA") or Path(__file__).resolve().parents[3] / "shared" / "data" / "walk")
     return found if (found / "hermes_uo").is_dir() else None
 
 
@@ -93,7 +93,7 @@ def text_of(path):
 def differing(data):
     """Names of the files that are missing, and of those whose text is another than that which was compared for docs/validation.md."""
     missing, other = [], []
-    for line in Path(__file__).with_name("experiments.sha256").read_text().splitlines():
+    for line in Path(__file__).parents[1].joinpath("experiments.sha256").read_text().splitlines():
         digest, name = line.split("  ")
         path = file_of(data, name)
         if not path.is_file():
