@@ -94,9 +94,11 @@ pub struct Legs {
 struct Floor {
     /// \[m/s\] Velocity that was taken and not yet given back.
     owed: Vec2,
-    /// \[m/s²\] Compensation of the present step, and the part of it that is for earlier steps.
+    /// \[m/s²\] Compensation of the last step, and the part of it that is for earlier steps.
     given: Vec2,
     late: Vec2,
+    /// \[s\] Length of the last step.
+    step: f64,
 }
 
 /// Part of what is owed that is given back in a step. All of it would make drives that are a step late oscillate.
@@ -104,9 +106,16 @@ const GIVEN_BACK: f64 = 0.5;
 
 impl Floor {
     fn pass(&mut self, standing: &Standing, step: f64) {
-        self.owed += (standing.at - standing.from) * standing.damping - self.given * step;
-        self.late = self.owed * (GIVEN_BACK / step);
+        if self.step > 0.0 {
+            self.owed += (standing.at - standing.from) * standing.damping - self.given * self.step;
+        }
+        // A short step after a long one gives back no more than another long one.
+        self.late = self.owed * (GIVEN_BACK / step.max(self.step));
         self.given = standing.velocity * standing.damping + self.late;
+        self.step = step;
+        if !self.given.is_finite() {
+            *self = Floor::default();
+        }
     }
 }
 
@@ -178,6 +187,10 @@ impl Legs {
 
     /// A step of time \[s\] passes for somebody who stands.
     pub fn stand(&mut self, model: &Pendulum, standing: &Standing, step: f64) {
+        if self.floor.step == 0.0 {
+            // The person has walked until now, whose drive the mechanics did not take.
+            self.walk(standing.at);
+        }
         self.floor.pass(standing, step);
         let back = self.way_back(model, standing.at);
         if self.calm > model.return_after {
@@ -219,9 +232,9 @@ impl Legs {
 
     /// Returns whether the numbers are possible.
     pub fn is_sound(&self) -> bool {
-        let Floor { owed, given, late } = self.floor;
+        let Floor { owed, given, late, step } = self.floor;
         let places = [self.at, self.home, self.aim, owed, given, late].iter().all(|place| place.is_finite());
-        places && self.calm.is_finite() && self.step.is_none_or(f64::is_finite)
+        places && step.is_finite() && self.calm.is_finite() && self.step.is_none_or(f64::is_finite)
     }
 }
 
@@ -297,6 +310,33 @@ mod tests {
         let most = model.rate() * (model.support + model.step_length / grown);
         for (part, fallen) in [(0.995, false), (1.005, true)] {
             assert_eq!(pushed(part * most, model.step_time + STEP).0.fallen, fallen, "{part}");
+        }
+    }
+
+    /// The mechanics takes the velocity at each moment; drives are constant over steps, of which one is short.
+    #[test]
+    fn what_the_floor_takes_within_steps_of_any_length_is_given_back() {
+        let model = Pendulum { return_after: 100.0, ..Pendulum::default() };
+        let way = |lengths: &[f64]| {
+            let mut legs = Legs::new(Vec2::ZERO);
+            let mut standing =
+                Standing { at: Vec2::ZERO, from: Vec2::ZERO, velocity: vec2(0.3, 0.0), damping: DAMPING };
+            for &length in lengths {
+                legs.stand(&model, &standing, length);
+                let limit = legs.drive(&model, &standing) * (1.0 / DAMPING);
+                let left = standing.velocity - limit;
+                standing.from = standing.at;
+                standing.at += limit * length + left * (-libm::expm1(-DAMPING * length) / DAMPING);
+                standing.velocity = limit + left * libm::exp(-DAMPING * length);
+            }
+            standing.at.x
+        };
+        let fine = way(&[1e-3; 2000]);
+        assert!((fine - 0.3 / DAMPING).abs() < 1e-3, "{fine}");
+        let mut steps = [0.05; 40];
+        for short in [1e-6, 1e-3, 0.05] {
+            steps[1] = short;
+            assert!((way(&steps) - fine).abs() < 0.02, "{short}: {} {fine}", way(&steps));
         }
     }
 

@@ -404,16 +404,16 @@ impl Decision {
         agent.walker.limit(&mut drive, vec2(agent.velocity[0], agent.velocity[1]));
         if let Some(pendulum) = self.balance(i) {
             let (agent, standing) = (&self.agents[i], self.agents[i].standing());
-            let ground = agent.legs().drive(&pendulum, &standing);
-            drive.force[0] += agent.walker.mass * ground.x;
-            drive.force[1] += agent.walker.mass * ground.y;
+            // Whatever a model of walking wants of those who stand, only the ground acts on them.
+            drive.force = (agent.legs().drive(&pendulum, &standing) * agent.walker.mass).into();
         }
         Ok(drive)
     }
 
     /// The pendulum of an agent that stands, if people have legs.
     fn balance(&self, i: usize) -> Option<Pendulum> {
-        self.plan.balance.filter(|_| self.goes(i).is_none())
+        let left = self.arrival(i) == Some(Arrival::Leaves);
+        self.plan.balance.filter(|_| !left && self.goes(i).is_none())
     }
 
     fn drive_of_walking(&mut self, i: usize) -> Answer<Propulsion> {
