@@ -12,7 +12,7 @@
 //! desired_speed = 0.9
 //! ```
 
-use crate::balance::Pendulum;
+use crate::balance::{Balance, Pendulum, TwoLevel};
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
 use crate::person::Person;
@@ -50,6 +50,8 @@ pub enum BalanceName {
     None,
     /// See [`Pendulum`].
     Pendulum,
+    /// See [`TwoLevel`].
+    TwoLevel,
 }
 
 /// A user's settings for the FMU.
@@ -73,6 +75,8 @@ pub struct DecisionConfig {
     pub(crate) social_force: Option<SocialForce>,
     pub(crate) rotational: Option<Rotational>,
     pub(crate) pendulum: Option<Pendulum>,
+    #[serde(rename = "two-level")]
+    pub(crate) two_level: Option<TwoLevel>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub(crate) agents: BTreeMap<String, AgentConfig>,
 }
@@ -86,6 +90,7 @@ pub(crate) struct AgentConfig {
     pub standstill_gap: Option<f64>,
     pub reaction_time: Option<f64>,
     pub push: Option<f64>,
+    pub height: Option<f64>,
     pub waypoints: Option<Vec<Waypoint>>,
     pub exit: Option<String>,
     pub goal: Option<String>,
@@ -165,13 +170,21 @@ impl DecisionConfig {
         Some(DecisionConfig { desired_speed: Some(speed), waypoints, agents, ..DecisionConfig::default() })
     }
 
-    /// Returns the legs of those who stand, if they have any.
-    pub(crate) fn balance(&self) -> Result<Option<Pendulum>, PlanError> {
-        match (self.balance.unwrap_or_default(), self.pendulum) {
-            (BalanceName::Pendulum, constants) => Ok(Some(constants.unwrap_or_default())),
-            (BalanceName::None, None) => Ok(None),
-            (BalanceName::None, Some(_)) => Err(PlanError::NoPendulum),
+    /// Returns the model of balance with its constants, if people have legs.
+    pub(crate) fn balance(&self) -> Result<Option<Balance>, PlanError> {
+        let name = self.balance.unwrap_or_default();
+        let sections = [
+            ("pendulum", BalanceName::Pendulum, self.pendulum.is_some()),
+            ("two-level", BalanceName::TwoLevel, self.two_level.is_some()),
+        ];
+        if let Some((key, ..)) = sections.into_iter().find(|(_, of, given)| *given && *of != name) {
+            return Err(PlanError::OtherBalance { key });
         }
+        Ok(match name {
+            BalanceName::None => None,
+            BalanceName::Pendulum => Some(Balance::Pendulum(self.pendulum.unwrap_or_default())),
+            BalanceName::TwoLevel => Some(Balance::TwoLevel(self.two_level.unwrap_or_default())),
+        })
     }
 
     /// Returns the model with its constants.

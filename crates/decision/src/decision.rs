@@ -1,6 +1,6 @@
 //! The model of the FMU: poses are inputs, drives are outputs.
 
-use crate::balance::{Legs, Pendulum, Standing};
+use crate::balance::{Balance, Legs, Motion, STILL};
 use crate::exit_choice::{Choice, Queues};
 use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
@@ -80,19 +80,13 @@ impl Agent {
         vec2(self.pose.x, self.pose.y)
     }
 
-    /// The legs; before the first step, they are under the body.
-    fn legs(&self) -> Legs {
-        if self.last.is_some() { self.legs } else { Legs::new(self.at()) }
+    fn velocity(&self) -> Vec2 {
+        vec2(self.velocity[0], self.velocity[1])
     }
 
-    fn standing(&self) -> Standing {
-        let [x, y] = self.velocity;
-        Standing {
-            at: self.at(),
-            from: self.from(),
-            velocity: vec2(x, y),
-            damping: self.walker.floor_damping,
-        }
+    fn motion(&self) -> Motion {
+        let Walker { floor_damping: damping, height, .. } = self.walker;
+        Motion { at: self.at(), velocity: self.velocity(), damping, height }
     }
 
     /// \[m\] Where the agent came from.
@@ -155,7 +149,7 @@ impl Decision {
             draws: 0,
             phase: TAU * share(plan.seed, i as u64, u64::MAX - 1),
             choice: Choice::new(plan.seed, i as u64),
-            legs: Legs::new(vec2(agent.pose.x, agent.pose.y)),
+            legs: Legs::new(vec2(agent.pose.x, agent.pose.y), false),
         });
         let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
@@ -210,6 +204,7 @@ impl Decision {
         self.find_aims();
         let (seed, speed_noise) = (self.plan.seed, self.plan.walking_model.speed_noise());
         let (turned, kept) = (-libm::expm1(-step / STEERING_TIME), libm::exp(-step / NOISE_TIME));
+        self.pass_legs(step);
         for i in 0..self.agents.len() {
             let arrival = self.arrival(i);
             let leaves = arrival == Some(Arrival::Leaves);
@@ -218,13 +213,7 @@ impl Decision {
             let sees = self.plan.walking_model.sees_others();
             let wanted = if sees { self.wanted(i) } else { DesiredMotion::default() };
             let queues = wanted.queues;
-            let balance = self.balance(i);
             let agent = &mut self.agents[i];
-            agent.legs = agent.legs();
-            match balance {
-                Some(pendulum) => agent.legs.stand(&pendulum, &agent.standing(), step),
-                None => agent.legs.walk(agent.at()),
-            }
             let (next, way, at) = (agent.next(), agent.at() - agent.from(), agent.at());
             // The paper's rule does not see it; and who queues is not stuck.
             if agent.next == agent.walker.waypoints.len() || sees {
@@ -401,35 +390,54 @@ impl Decision {
     fn drive(&mut self, i: usize) -> Answer<Propulsion> {
         let mut drive = self.drive_of_walking(i)?;
         let agent = &self.agents[i];
-        agent.walker.limit(&mut drive, vec2(agent.velocity[0], agent.velocity[1]));
-        if let Some(pendulum) = self.balance(i) {
-            let (agent, standing) = (&self.agents[i], self.agents[i].standing());
+        agent.walker.limit(&mut drive, agent.velocity());
+        if let Some(balance) = self.plan.balance
+            && let Some(legs) = self.legs(i, &balance).filter(|legs| legs.stands)
+        {
             // Whatever a model of walking wants of those who stand, only the ground acts on them.
-            drive.force = (agent.legs().drive(&pendulum, &standing) * agent.walker.mass).into();
+            let agent = &self.agents[i];
+            drive.force = (balance.drive(&legs, &agent.motion()) * agent.walker.mass).into();
         }
         Ok(drive)
     }
 
-    /// The pendulum of an agent that stands, if people have legs.
-    fn balance(&self, i: usize) -> Option<Pendulum> {
-        let left = self.arrival(i) == Some(Arrival::Leaves);
-        self.plan.balance.filter(|_| !left && self.goes(i).is_none())
+    /// Returns the legs of an agent that has not left: whether it stands follows from where it wants to go.
+    fn legs(&mut self, i: usize, balance: &Balance) -> Option<Legs> {
+        if self.arrival(i) == Some(Arrival::Leaves) {
+            return None;
+        }
+        let wants = self.intent(i).velocity.norm() > STILL;
+        let agent = &self.agents[i];
+        Some(match agent.last {
+            Some(_) => balance.decided(agent.legs, &agent.motion(), wants),
+            None => Legs::new(agent.at(), !wants),
+        })
+    }
+
+    /// A step \[s\] passes for everybody's legs, if people have any.
+    fn pass_legs(&mut self, step: f64) {
+        let Some(balance) = self.plan.balance else { return };
+        let people = 0..self.agents.len();
+        let legs = |i: usize| self.legs(i, &balance).map(|legs| (legs, self.agents[i].motion()));
+        let mut people: Vec<Option<(Legs, Motion)>> = people.map(legs).collect();
+        balance.pass(&mut people, &self.faces, step);
+        for (agent, (legs, _)) in
+            self.agents.iter_mut().zip(people).filter_map(|(agent, one)| Some((agent, one?)))
+        {
+            agent.legs = legs;
+        }
     }
 
     fn drive_of_walking(&mut self, i: usize) -> Answer<Propulsion> {
         self.find_ways()?;
-        if self.plan.walking_model.sees_others() {
-            let wanted = self.wanted(i);
-            return Ok(self.propulsion(i, wanted));
-        }
         let agent = &self.agents[i];
         // Towards way-points, the paper's rule as it is.
-        if agent.next() < agent.walker.waypoints.len() {
+        if agent.next() < agent.walker.waypoints.len() && !self.plan.walking_model.sees_others() {
             return Ok(agent.walker.drive(agent.next(), agent.pose));
         }
-        let walking = self.walking(i);
-        let wanted = walking.map(|walking| self.plan.walking_model.desired(&[Some(walking)], &[])[0]);
-        Ok(self.propulsion(i, wanted.unwrap_or_default()))
+        let DesiredMotion { velocity, force, facing, .. } = self.intent(i);
+        let Agent { walker, pose, .. } = &self.agents[i];
+        Ok(walker.towards(*pose, velocity, force, facing))
     }
 
     /// An agent as others see it; `None` if it has left.
@@ -441,7 +449,7 @@ impl Decision {
         let (direction, speed) = self.goes(i).unzip();
         Some(Walking {
             at: agent.at(),
-            velocity: vec2(agent.velocity[0], agent.velocity[1]),
+            velocity: agent.velocity(),
             theta: agent.pose.theta,
             disks: &self.plan.agents[i].disks,
             direction,
@@ -479,9 +487,17 @@ impl Decision {
         own
     }
 
-    /// The drive for what an agent wants by the model, or does because it is stuck.
-    fn propulsion(&self, i: usize, mut wanted: DesiredMotion) -> Propulsion {
-        let Agent { walker, pose, stuck, .. } = &self.agents[i];
+    /// What an agent wants by the model, or does because it is stuck.
+    fn intent(&mut self, i: usize) -> DesiredMotion {
+        let mut wanted = if self.plan.walking_model.sees_others() {
+            self.wanted(i)
+        } else {
+            let walking = self.walking(i);
+            walking
+                .map(|walking| self.plan.walking_model.desired(&[Some(walking)], &[])[0])
+                .unwrap_or_default()
+        };
+        let stuck = &self.agents[i].stuck;
         if let Some((direction, speed)) = self.goes(i) {
             match stuck.action(direction, speed) {
                 StuckAction::Walk => {}
@@ -495,7 +511,7 @@ impl Decision {
                 }
             }
         }
-        walker.towards(*pose, wanted.velocity, wanted.force, wanted.facing)
+        wanted
     }
 }
 
@@ -515,7 +531,7 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 5;
+    const STATE_VERSION: u32 = 6;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<Quantity>] = &quantities::QUANTITIES;
 
@@ -563,14 +579,13 @@ impl Model for Decision {
             Quantity::Arrived => self.arrived()? as f64,
             Quantity::NextWaypoint => self.agents[i].next() as f64,
             Quantity::Legs | Quantity::Lean | Quantity::Balanced => {
-                self.find_ways()?;
-                let (agent, balance) = (&self.agents[i], self.balance(i));
-                let legs = agent.legs();
-                let feet = if balance.is_some() { legs.at } else { agent.at() };
+                let agent = &self.agents[i];
+                let feet = if agent.legs.stands { agent.legs.at } else { agent.at() };
+                let balanced = |balance: Balance| balance.is_balanced(&agent.legs, &agent.motion());
                 match quantity {
                     Quantity::Legs => [feet.x, feet.y][element % 2],
                     Quantity::Lean => (agent.at() - feet).norm(),
-                    _ => balance.is_none_or(|pendulum| legs.is_balanced(&pendulum, &agent.standing())).into(),
+                    _ => (!agent.legs.stands || self.plan.balance.is_none_or(balanced)).into(),
                 }
             }
             Quantity::Steps => self.agents[i].legs.steps.into(),

@@ -29,8 +29,8 @@ pub enum PlanError {
     Empty,
     #[error("[{key}]: the model is another one: say `model = \"{key}\"`, or leave this section out")]
     OtherModel { key: &'static str },
-    #[error("[pendulum]: say `balance = \"pendulum\"`, or leave this section out")]
-    NoPendulum,
+    #[error("[{key}]: the balance is another one: say `balance = \"{key}\"`, or leave this section out")]
+    OtherBalance { key: &'static str },
     #[error("{place}: give a `line` or a `polygon`, one of the two")]
     LineOrPolygon { place: String },
     #[error("{place}: the name {name:?} is that of another exit or goal")]

@@ -18,6 +18,7 @@
 //! - [`stuck`]: what people do who are stuck
 //! - [`exit_choice`]: exits chosen by the expected time
 //! - [`error`]: what is wrong with a plan
+//! - `cells`: who and which walls are near somebody
 //! - [`balance`]: legs under those who stand
 //! - [`person`]: the people of a Trial
 //! - [`walking_model`]: how people walk among others
@@ -28,6 +29,7 @@
 //! - [`pack`]: writes an `.fmu` from a plan and binaries
 
 pub mod balance;
+mod cells;
 pub mod config;
 pub mod decision;
 pub mod error;

@@ -6,7 +6,7 @@ mod checked;
 mod destinations;
 mod normalized;
 
-use crate::balance::Pendulum;
+use crate::balance::Balance;
 use crate::config::{AgentConfig, DecisionConfig};
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
@@ -73,7 +73,7 @@ pub struct Plan {
     pub walking_model: WalkingModel,
     /// Legs of those who stand, if they have any.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub balance: Option<Pendulum>,
+    pub balance: Option<Balance>,
     /// How people choose who take the nearest exit.
     #[serde(default, skip_serializing_if = "is_default")]
     pub exit_choice: ExitChoice,
@@ -115,11 +115,14 @@ impl Plan {
         let targets = targets_of(config)?;
         let destinations = destinations(people, config, &targets)?;
         let nothing = AgentConfig::default();
+        let ways = config.waypoints.is_some() || config.agents.values().any(|own| own.waypoints.is_some());
+        let only_stands = balance.is_some() && targets.is_empty() && !ways;
         let agents = people.iter().zip(destinations).map(|(person, destination)| {
             let own = config.agents.get(&person.id).unwrap_or(&nothing);
             let waypoints = own.waypoints.as_ref().or(config.waypoints.as_ref()).cloned().unwrap_or_default();
-            // Who only stands has to keep the balance.
-            if waypoints.is_empty() && destination == Destination::None && balance.is_none() {
+            // Who is said to have no way, in a crowd with legs, stands.
+            let stands = only_stands || balance.is_some() && own.waypoints.is_some();
+            if waypoints.is_empty() && destination == Destination::None && !stands {
                 return Err(PlanError::NoWaypoint(person.id.clone()));
             }
             Ok(Planned {
@@ -136,6 +139,7 @@ impl Plan {
                     time_gap: own.time_gap.unwrap_or(walking_model.time_gap()),
                     standstill_gap: own.standstill_gap.unwrap_or(walking_model.standstill_gap()),
                     reaction_time: own.reaction_time.unwrap_or(walking_model.reaction_time()),
+                    height: own.height,
                     push: own.push.or(config.push).unwrap_or(UNLIMITED),
                     waypoints,
                 },
@@ -143,7 +147,8 @@ impl Plan {
         });
         let agents = agents.collect::<Result<_, PlanError>>()?;
         // Who sees neither walls nor exits needs no copy of them.
-        let seen = walking_model.sees_others() || !targets.is_empty();
+        let two_level = matches!(balance, Some(Balance::TwoLevel(_)));
+        let seen = walking_model.sees_others() || !targets.is_empty() || two_level;
         let walls = walls.filter(|_| seen).map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
         let (seed, exit_choice) = (config.seed.unwrap_or(0), config.exit_choice.unwrap_or_default());
         let motivation = config.motivation.clone();

@@ -65,6 +65,9 @@ pub struct Walker {
     pub reaction_time: f64,
     /// \[N\] Greatest force besides that which keeps the velocity; [`UNLIMITED`] or more is any.
     pub push: f64,
+    /// \[m\] Height of the centre of mass, if it is not that of everybody.
+    #[serde(default)]
+    pub height: Option<f64>,
     /// Way-points, in order.
     pub waypoints: Vec<Waypoint>,
 }
@@ -179,6 +182,7 @@ mod tests {
             standstill_gap: 0.0,
             reaction_time: 0.0,
             push: UNLIMITED,
+            height: None,
             waypoints: waypoints.iter().map(|&(x, y, radius)| Waypoint { x, y, radius }).collect(),
         }
     }

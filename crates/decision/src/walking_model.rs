@@ -11,13 +11,12 @@
 //! the centres of mass. Somebody is in front of a person if the shadows of their outlines on a line across the way overlap
 //! by more than a third.
 
-mod cells;
 mod rotational;
 
 pub use rotational::Rotational;
 
+use crate::cells::{Cells, nearest_points, sees};
 use crate::error::{PlanError, moderate, not_negative, positive};
-use cells::{Cells, nearest_points, sees};
 use lemons_core::plane::{Rotation, Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
@@ -226,7 +225,7 @@ impl WalkingModel {
             WalkingModel::Rotational(of) => return rotational::desired(of, people, faces),
         };
         let sight = 2.0 * furthest + far;
-        let cells = Cells::new(people, faces, (sight, sight), |i, _| i);
+        let cells = Cells::new(people, |walking| walking.at, faces, (sight, sight), |i, _| i);
         let one = |(i, walking): (usize, &Option<Walking<'_>>)| {
             let Some(walking) = walking else { return DesiredMotion::default() };
             let (others, walls) = around(i, walking, people, &cells, sight);

@@ -88,7 +88,7 @@ pub static QUANTITIES: [Variable<Quantity>; 26] = {
         row(ReactionTime, "ReactionTime", AGENTS, Real(SECOND))
             .parameter(NonNegative, "reaction time to gaps that change"),
         row(Push, "Push", AGENTS, Real(NEWTON))
-            .parameter(NonNegative, "greatest push on who holds it up; from 1e9 on any"),
+            .parameter(NonNegative, "greatest force with which it pushes ahead; 1e9 or more: no limit"),
         row(Waypoint, "Waypoint", WAYPOINT_VECTORS, Real(METRE))
             .parameter(Finite, "x and y of the way-points in order; 0 beyond WaypointCount"),
         row(WaypointRadius, "WaypointRadius", WAYPOINTS, Real(METRE)).parameter(
@@ -118,6 +118,7 @@ impl Quantity {
         match on {
             // Counted in steps.
             _ if matches!(self, Steps | Fallen) => false,
+            _ if matches!(self, Legs | Lean | Balanced) => on == Position,
             Position | Waypoint | WaypointRadius => true,
             Mass | FloorDamping | DesiredSpeed | Velocity | Push => self == Fp,
             Theta | MomentOfInertia | AngularDamping => self == Mp,

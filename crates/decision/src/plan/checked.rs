@@ -2,6 +2,7 @@
 
 use super::Plan;
 use super::destinations::names;
+use crate::balance;
 use crate::error::{
     MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative, number, positive,
 };
@@ -82,6 +83,7 @@ impl Plan {
             not_negative(&place, "standstill_gap", walker.standstill_gap)?;
             not_negative(&place, "reaction_time", walker.reaction_time)?;
             not_negative(&place, "push", walker.push)?;
+            walker.height.map_or(Ok(()), |height| balance::height(&place, height))?;
             coordinate(&place, "x", pose.x)?;
             coordinate(&place, "y", pose.y)?;
             number(&place, "theta", pose.theta, |_| true, "finite")?;

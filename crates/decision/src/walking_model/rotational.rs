@@ -18,8 +18,8 @@
 //! People are seen as circles of one radius here; their bodies touch in the mechanics. The constants were chosen beside
 //! trajectories of experiments (`examples/experiments.py`, `docs/validation.md`).
 
-use super::cells::{Cells, nearest_points, sees};
 use super::{CLOSE, DesiredMotion, FAR, Walking};
+use crate::cells::{Cells, nearest_points, sees};
 use lemons_core::plane::{Rotation, Vec2, vec2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
@@ -148,11 +148,17 @@ impl Surroundings {
         let several = first.is_some_and(|first| going.any(|other| parts(first, other)));
         let ways = there().filter_map(|walking| walking.direction.filter(|_| several));
         Surroundings {
-            cells: Cells::new(people, faces, (CELL, SIGHT), |person, walking| {
-                let direction = walking.direction.unwrap_or(Vec2::ZERO);
-                let Walking { at, velocity, breadth, depth, .. } = *walking;
-                Other { at, velocity, direction, person, breadth, depth }
-            }),
+            cells: Cells::new(
+                people,
+                |walking| walking.at,
+                faces,
+                (CELL, SIGHT),
+                |person, walking| {
+                    let direction = walking.direction.unwrap_or(Vec2::ZERO);
+                    let Walking { at, velocity, breadth, depth, .. } = *walking;
+                    Other { at, velocity, direction, person, breadth, depth }
+                },
+            ),
             fastest: there().map(|walking| walking.velocity.norm()).fold(0.0, f64::max),
             eighths: ways.fold(0, |all, way| all | 1 << eighth(way)),
         }

@@ -1,11 +1,10 @@
 //! Who and which walls are near somebody.
 
-use super::Walking;
 use lemons_core::plane::{Bounds, Vec2, nearest_on_segment, segments_cross, vec2};
 use std::ops::Range;
 
 /// People by cells of the plane, sorted, and the faces that may be seen from each cell.
-pub(super) struct Cells<T> {
+pub(crate) struct Cells<T> {
     /// Column and row of the first cell, counted from the origin.
     first: (f64, f64),
     /// \[m\] Width of a cell.
@@ -19,16 +18,17 @@ pub(super) struct Cells<T> {
 }
 
 impl<T: Copy> Cells<T> {
-    /// Makes cells of at least this width \[m\]. People see faces as far as `sight` \[m\]; `seen` is what others see of a
-    /// person with this index.
-    pub fn new(
-        people: &[Option<Walking<'_>>],
+    /// Makes cells of at least this width \[m\], of people whose place \[m\] is `at`. They see faces as far as `sight`
+    /// \[m\]; `seen` is what others see of a person with this index.
+    pub fn new<P>(
+        people: &[Option<P>],
+        at: impl Fn(&P) -> Vec2,
         faces: &[[Vec2; 2]],
         (width, sight): (f64, f64),
-        seen: impl Fn(usize, &Walking<'_>) -> T,
+        seen: impl Fn(usize, &P) -> T,
     ) -> Cells<T> {
-        let there = || people.iter().enumerate().filter_map(|(i, walking)| Some((i, walking.as_ref()?)));
-        let all = Bounds::of(there().map(|(_, walking)| walking.at));
+        let there = || people.iter().enumerate().filter_map(|(i, person)| Some((i, person.as_ref()?)));
+        let all = Bounds::of(there().map(|(_, person)| at(person)));
         let Bounds { low, high } = all.unwrap_or(Bounds { low: Vec2::ZERO, high: Vec2::ZERO });
         // At most some cells a person, however far apart people are.
         let size = high - low;
@@ -47,7 +47,7 @@ impl<T: Copy> Cells<T> {
             faces: vec![Vec::new(); columns * rows],
         };
         // By counting; within a cell in the order of people.
-        let places: Vec<usize> = there().map(|(_, walking)| cells.index(cells.cell(walking.at))).collect();
+        let places: Vec<usize> = there().map(|(_, person)| cells.index(cells.cell(at(person)))).collect();
         places.iter().for_each(|cell| cells.starts[cell + 1] += 1);
         for k in 0..columns * rows {
             cells.starts[k + 1] += cells.starts[k];
@@ -148,13 +148,13 @@ fn around(middle: usize, ring: usize, count: usize) -> Range<usize> {
 }
 
 /// Returns whether no wall hides two people from each other.
-pub(super) fn sees(from: Vec2, to: Vec2, faces: &[[Vec2; 2]]) -> bool {
+pub(crate) fn sees(from: Vec2, to: Vec2, faces: &[[Vec2; 2]]) -> bool {
     !faces.iter().any(|&[a, b]| segments_cross(from, to, a, b))
 }
 
 /// Returns the nearest points of walls with their distances \[m\], which are above 0 and below `reach`. A wall in many pieces
 /// is one wall: a corner counts if no piece that ends there comes nearer, and once.
-pub(super) fn nearest_points(at: Vec2, faces: &[[Vec2; 2]], reach: f64) -> impl Iterator<Item = (Vec2, f64)> {
+pub(crate) fn nearest_points(at: Vec2, faces: &[[Vec2; 2]], reach: f64) -> impl Iterator<Item = (Vec2, f64)> {
     let nearest = move |face: &[Vec2; 2]| nearest_on_segment(face[0], face[1], at);
     let of_face = move |(n, face): (usize, &[Vec2; 2])| {
         let point = nearest(face);

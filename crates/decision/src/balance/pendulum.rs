@@ -1,0 +1,296 @@
+//! A linear inverted pendulum on feet.
+//!
+//! The ground's force on somebody acts at one place under the feet. With the centre of mass at x, at a height l, and
+//! this place at p, the ground accelerates the body by ω₀² (x − p), where ω₀² = g/l. A person who stands moves p so that
+//! the body comes to rest above the feet, but p stays within the support: so the ground takes only what ankles can.
+//!
+//! - The extrapolated centre of mass is x + v/ω₀ (Hof, *Hum. Mov. Sci.* 27 (2008) 112). If it leaves the support, the
+//!   person loses balance: no place of p stops the body any more.
+//! - After the time of a step the feet stand under it, or ahead of it, as far as a step reaches. If the extrapolated
+//!   centre of mass is out of reach, the person falls.
+//! - Who has stood still for a while walks back.
+
+use super::{Legs, Motion, STILL, at_most};
+use crate::error::{PlanError, not_negative, number};
+use lemons_core::plane::Vec2;
+use serde::{Deserialize, Serialize};
+
+/// \[m/s²\] Acceleration of gravity.
+const GRAVITY: f64 = 9.81;
+/// \[s\] Time in which the last part of the way back is walked.
+const ARRIVING: f64 = 0.5;
+/// Friction of somebody who lies on the ground; clothes on concrete have 0.4 to 0.6.
+const FRICTION: f64 = 0.5;
+
+/// Constants of the pendulum.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Pendulum {
+    /// \[m\] Height of the centre of mass above the ground.
+    pub height: f64,
+    /// \[m\] Greatest distance of the ground's force from the middle of the feet.
+    pub support: f64,
+    /// \[s\] Time from the loss of balance until the feet stand elsewhere.
+    pub step_time: f64,
+    /// \[m\] Longest step.
+    pub step_length: f64,
+    /// \[m\] How far ahead of the extrapolated centre of mass a step goes.
+    pub step_margin: f64,
+    /// \[s\] Time after which who stands still walks back.
+    pub return_after: f64,
+    /// \[m/s\] Speed of walking back.
+    pub return_speed: f64,
+    /// Part of the way that is walked back.
+    pub return_part: f64,
+    /// What becomes of who falls.
+    pub fall: Fall,
+}
+
+/// What becomes of somebody whom no step can save.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fall {
+    /// It is counted, and the person steps as far as possible.
+    #[default]
+    Counted,
+    /// The person lies on the ground from then on, without a drive.
+    Lies,
+}
+
+impl Default for Pendulum {
+    fn default() -> Pendulum {
+        Pendulum {
+            height: 0.97,
+            support: 0.12,
+            step_time: 0.25,
+            step_length: 0.9,
+            step_margin: 0.0,
+            return_after: 0.6,
+            return_speed: 0.2,
+            return_part: 1.0,
+            fall: Fall::Counted,
+        }
+    }
+}
+
+impl Pendulum {
+    pub(super) fn check(&self) -> Result<(), PlanError> {
+        height("pendulum", self.height)?;
+        not_negative("pendulum", "support", self.support)?;
+        not_negative("pendulum", "step_time", self.step_time)?;
+        not_negative("pendulum", "step_length", self.step_length)?;
+        number(
+            "pendulum",
+            "step_margin",
+            self.step_margin,
+            |margin| (0.0..=self.support).contains(&margin),
+            { "from 0 to the support" },
+        )?;
+        not_negative("pendulum", "return_after", self.return_after)?;
+        not_negative("pendulum", "return_speed", self.return_speed)?;
+        number("pendulum", "return_part", self.return_part, |part| (0.0..=1.0).contains(&part), "from 0 to 1")
+    }
+
+    /// \[1/s\] Returns ω₀.
+    fn rate(&self, motion: &Motion) -> f64 {
+        (GRAVITY / motion.height.unwrap_or(self.height)).sqrt()
+    }
+
+    /// \[m\] Returns the extrapolated centre of mass, from the feet.
+    fn extrapolated(&self, legs: &Legs, motion: &Motion) -> Vec2 {
+        motion.at + motion.velocity * (1.0 / self.rate(motion)) - legs.at
+    }
+
+    pub(super) fn is_balanced(&self, legs: &Legs, motion: &Motion) -> bool {
+        !self.lies(legs) && legs.step.is_none() && self.extrapolated(legs, motion).norm() <= self.support
+    }
+
+    fn lies(&self, legs: &Legs) -> bool {
+        legs.fallen && self.fall == Fall::Lies
+    }
+
+    /// \[m/s²\] Returns by how much the ground accelerates somebody who stands. Ankles damp the velocity as eq. 1 does, and
+    /// bring the body above the feet, without overshooting.
+    fn acceleration(&self, legs: &Legs, motion: &Motion) -> Vec2 {
+        if self.lies(legs) {
+            return at_most(motion.velocity * -motion.damping, FRICTION * GRAVITY);
+        }
+        let (lean, stiffness) = (motion.at - legs.at, self.rate(motion) * self.rate(motion));
+        let upright = lean * (0.25 * motion.damping * motion.damping);
+        let wanted = (self.way_back(legs, motion.at) - motion.velocity) * motion.damping - upright;
+        lean * stiffness + at_most(wanted - lean * stiffness, stiffness * self.support)
+    }
+
+    /// \[m/s²\] Returns the same, and what the floor takes by eq. 1.
+    pub(super) fn drive(&self, legs: &Legs, motion: &Motion) -> Vec2 {
+        self.acceleration(legs, motion) + motion.velocity * motion.damping
+    }
+
+    /// \[m/s\] Returns the velocity of walking back.
+    fn way_back(&self, legs: &Legs, at: Vec2) -> Vec2 {
+        let way = (legs.aim - at) * (1.0 / ARRIVING);
+        if legs.calm > self.return_after { at_most(way, self.return_speed) } else { Vec2::ZERO }
+    }
+
+    /// Moves the legs of somebody who stands by a step of time \[s\].
+    pub(super) fn pass(&self, legs: &mut Legs, motion: &Motion, step: f64) {
+        if self.lies(legs) {
+            return;
+        }
+        // At the nearest communication point.
+        if legs.step.is_some_and(|left| left <= 0.5 * step) {
+            legs.step = None;
+            self.land(legs, motion);
+        }
+        if legs.step.is_none() && !self.is_balanced(legs, motion) {
+            legs.step = Some(self.step_time);
+        }
+        let back = self.way_back(legs, motion.at);
+        if back != Vec2::ZERO {
+            // The feet come under the body.
+            legs.at += back * step + (motion.at - legs.at) * (step / ARRIVING).min(1.0);
+        }
+        // Who walks back is not faster by much.
+        let slow = STILL + if back == Vec2::ZERO { 0.0 } else { self.return_speed };
+        if let Some(left) = &mut legs.step {
+            *left = (*left - step).max(0.0);
+            legs.calm = 0.0;
+        } else if motion.velocity.norm() > slow {
+            legs.calm = 0.0;
+        } else {
+            if legs.calm <= self.return_after {
+                legs.aim = motion.at + (legs.home - motion.at) * self.return_part;
+            }
+            legs.calm += step;
+        }
+    }
+
+    fn land(&self, legs: &mut Legs, motion: &Motion) {
+        let to = self.extrapolated(legs, motion);
+        legs.fallen |= to.norm() > self.step_length + self.support;
+        let ahead = to.unit(1e-9).unwrap_or(Vec2::ZERO) * self.step_margin;
+        legs.at += at_most(to + ahead, self.step_length);
+        legs.steps = legs.steps.saturating_add(1);
+    }
+}
+
+/// Checks a height of the centre of mass \[m\].
+pub(crate) fn height(place: &str, height: f64) -> Result<(), PlanError> {
+    number(place, "height", height, |l| (0.1..=10.0).contains(&l), "from 0.1 to 10 m")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lemons_core::plane::vec2;
+
+    const STEP: f64 = 1e-3;
+    /// \[1/s\] More than ω₀, so that ankles that can stop a body do.
+    const DAMPING: f64 = 4.5;
+
+    fn hit(velocity: f64) -> (Legs, Motion) {
+        let motion = Motion { at: Vec2::ZERO, velocity: vec2(velocity, 0.0), damping: DAMPING, height: None };
+        (Legs::new(Vec2::ZERO, true), motion)
+    }
+
+    /// Moves legs and body for some time \[s\]; Heun's method.
+    fn pass(model: &Pendulum, (mut legs, mut motion): (Legs, Motion), time: f64) -> (Legs, Motion) {
+        for _ in 0..(time / STEP).round() as u32 {
+            let a = model.acceleration(&legs, &motion);
+            let velocity = motion.velocity + a * STEP;
+            let next = Motion { at: motion.at + motion.velocity * STEP, velocity, ..motion };
+            let b = model.acceleration(&legs, &next);
+            model.pass(&mut legs, &motion, STEP);
+            motion.at += (motion.velocity + velocity) * (0.5 * STEP);
+            motion.velocity += (a + b) * (0.5 * STEP);
+        }
+        (legs, motion)
+    }
+
+    fn pushed(velocity: f64, time: f64) -> (Legs, Motion) {
+        pass(&Pendulum::default(), hit(velocity), time)
+    }
+
+    fn rate() -> f64 {
+        (GRAVITY / Pendulum::default().height).sqrt()
+    }
+
+    #[test]
+    fn ankles_hold_what_the_extrapolated_centre_of_mass_says() {
+        let model = Pendulum::default();
+        let most = rate() * model.support;
+        let (legs, motion) = pushed(0.98 * most, 0.5);
+        assert!(legs.steps == 0 && legs.step.is_none() && model.is_balanced(&legs, &motion));
+        assert_eq!(pushed(1.02 * most, 0.5).0.steps, 1);
+        // Critically damped, like a body on a spring: v t exp(-λt/2).
+        let (v, time) = (0.2 * most, 0.5);
+        let (_, gentle) = pushed(v, time);
+        let way = v * time * libm::exp(-0.5 * DAMPING * time);
+        assert!((gentle.at.x - way).abs() < 1e-6, "{} {way}", gentle.at.x);
+    }
+
+    /// Until the step, the ground's force is at the edge of the support: an unstable pendulum about it.
+    #[test]
+    fn who_has_lost_balance_falls_like_a_pendulum_and_steps_under_the_extrapolated_centre_of_mass() {
+        let model = Pendulum::default();
+        let (edge, velocity, time) = (model.support, 1.0, model.step_time);
+        let (legs, motion) = pushed(velocity, time);
+        let x = edge - edge * libm::cosh(rate() * time) + velocity / rate() * libm::sinh(rate() * time);
+        let v = -edge * rate() * libm::sinh(rate() * time) + velocity * libm::cosh(rate() * time);
+        let found = (motion.at.x, motion.velocity.x);
+        assert!((found.0 - x).abs() < 1e-6 && (found.1 - v).abs() < 1e-6, "{found:?} {x} {v}");
+        assert!(!model.is_balanced(&legs, &motion) && legs.at == Vec2::ZERO);
+        for margin in [0.0, 0.1] {
+            let ahead = Pendulum { step_margin: margin, ..model };
+            let (after, _) = pass(&ahead, hit(velocity), time + STEP);
+            assert!((after.at.x - (x + v / rate() + margin)).abs() < 1e-6, "{} {x} {v}", after.at.x);
+            assert_eq!((after.steps, after.fallen), (1, false));
+        }
+        assert!(pushed(velocity, 1.5).1.velocity.norm() < 0.1);
+    }
+
+    /// (x + v/ω₀ − edge) grows by exp(ω₀ t) until the step, which must reach it to within the support.
+    #[test]
+    fn a_longer_way_than_a_step_is_a_fall() {
+        let model = Pendulum::default();
+        let grown = libm::exp(rate() * model.step_time);
+        let most = rate() * (model.support + model.step_length / grown);
+        for (part, fallen) in [(0.995, false), (1.005, true)] {
+            assert_eq!(pushed(part * most, model.step_time + STEP).0.fallen, fallen, "{part}");
+        }
+        // Who lies is stopped by friction.
+        let lying = Pendulum { fall: Fall::Lies, ..model };
+        let (legs, motion) = pass(&lying, hit(1.1 * most), model.step_time + STEP);
+        assert!(legs.fallen && !lying.is_balanced(&legs, &motion));
+        let (legs, later) = pass(&lying, (legs, motion), 0.1);
+        assert!((motion.velocity.x - later.velocity.x - 0.1 * FRICTION * GRAVITY).abs() < 1e-9);
+        assert_eq!(legs.steps, 1);
+    }
+
+    /// A second hit interrupts the way back, which begins again after the same time.
+    #[test]
+    fn people_walk_back_by_a_part_of_the_way() {
+        for part in [1.0, 0.5, 0.0] {
+            let model = Pendulum { return_part: part, ..Pendulum::default() };
+            let (mut legs, mut motion) = pass(&model, hit(1.0), 1.7);
+            assert!(legs.calm > 0.0 && legs.steps == 1);
+            let mut away = motion.at.x;
+            if part < 1.0 {
+                motion.velocity = vec2(0.8, 0.0);
+                (legs, motion) = pass(&model, (legs, motion), 0.1);
+                assert_eq!(legs.calm, 0.0);
+                while motion.velocity.norm() > STILL || legs.step.is_some() {
+                    (legs, motion) = pass(&model, (legs, motion), STEP);
+                }
+                let before = motion.at.x;
+                (legs, motion) = pass(&model, (legs, motion), 0.9 * model.return_after);
+                assert!((motion.at.x - before).abs() < 0.1 && before > away);
+                away = motion.at.x;
+            }
+            (legs, motion) = pass(&model, (legs, motion), 12.0);
+            let error = (motion.at.x - (1.0 - part) * away).abs();
+            assert!(error < if part == 1.0 { 0.01 } else { 0.1 }, "{part}: {} of {away}", motion.at.x);
+            assert!((legs.at - motion.at).norm() < 0.01, "{part}");
+        }
+    }
+}
