@@ -115,6 +115,7 @@ class DecisionReader(Reader):
         "social-force": lambda file: file.setdefault("social-force", {}),
         "rotational": lambda file: file.setdefault("rotational", {}),
         "pendulum": lambda file: file.setdefault("pendulum", {}),
+        "two-level": lambda file: file.setdefault("two-level", {}),
         "[agents.ID]": lambda file: file["agents"]["0"],
     }
 
@@ -122,8 +123,8 @@ class DecisionReader(Reader):
         file = copy.deepcopy(self.BASE)
         for model in {heading, key} & {"collision-free-speed", "social-force", "rotational"}:
             file["model"] = model
-        if "pendulum" in (heading, key):
-            file["balance"] = "pendulum"
+        for balance in {heading, key} & {"pendulum", "two-level"}:
+            file["balance"] = balance
         for exit in file["exits"] if key == "share" else []:
             exit["share"] = 1
         if key == "polygon":

@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{AgentDynamics, DRIVE_FILE, Parameters, Problems, Trial};
+use lemons_decision::balance::Balance;
 use lemons_decision::plan::Planned;
 use lemons_decision::{DECISION_FILE, Plan};
 use lemons_master::{TrialInput, notes, plan_of};
@@ -142,6 +143,7 @@ fn doubts_of_plan(plan: &Plan, trial: &Trial) -> Vec<String> {
             first.id
         ));
     }
+    doubts.extend(plan.balance.and_then(|balance| doubt_of_legs(&balance, plan.time_step, &unmoved)));
     let is_pushed = |dynamics: &AgentDynamics| dynamics.fp != Vec2::ZERO || dynamics.mp != 0.0;
     let pushed = trial.agents.iter().zip(&trial.dynamics).filter(|(_, dynamics)| is_pushed(dynamics));
     let pushed: Vec<&str> = pushed.map(|(agent, _)| agent.id.as_str()).collect();
@@ -156,6 +158,26 @@ fn doubts_of_plan(plan: &Plan, trial: &Trial) -> Vec<String> {
         ));
     }
     doubts
+}
+
+/// Doubts legs that hear of the body too rarely, or that do not stop it.
+fn doubt_of_legs(balance: &Balance, time_step: f64, unmoved: &[&Planned]) -> Option<String> {
+    let longest = match balance {
+        Balance::Pendulum(of) => 0.2 * of.step_time.max(0.05),
+        Balance::TwoLevel(_) => 0.05,
+    };
+    if let [first, ..] = unmoved {
+        return Some(format!(
+            "agent {:?} has legs and FloorDamping=\"0\" in Agents.xml: it does not try to stand still",
+            first.id
+        ));
+    }
+    (time_step > longest * (1.0 + 1e-9)).then(|| {
+        format!(
+            "TimeStep {time_step:?} s: legs act once in a communication step; give {longest:.3} s or less, in \
+             Parameters.xml or as --step"
+        )
+    })
 }
 
 /// Says up to which mechanical step a Trial is stable, and how accurate its own and another one are. `None` if nothing can

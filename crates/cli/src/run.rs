@@ -592,7 +592,8 @@ const STUCK: f64 = 0.1;
 fn stuck_warning(model: &dyn RunModel, plan: &Plan, crowd: &CrowdRecorder) -> Option<String> {
     let frame = &crowd.last;
     let (forces, observed) = (model.drive()?, frame.observed.as_ref()?);
-    if plan.walking_model != WalkingModel::Straight {
+    // With legs, who is pushed and stands does not press on.
+    if plan.walking_model != WalkingModel::Straight || plan.balance.is_some() {
         return None;
     }
     let people = plan.agents.iter().zip(forces).zip(observed).zip(&frame.agents);

@@ -15,6 +15,7 @@ fn main() {
             .map(|k| Person {
                 id: k.to_string(),
                 mass: 80.0,
+                stature: None,
                 moment_of_inertia: 1.5,
                 floor_damping: 4.5,
                 angular_damping: 4.0,

@@ -10,8 +10,6 @@ mod two_level;
 pub use pendulum::Pendulum;
 pub use two_level::TwoLevel;
 
-pub(crate) use pendulum::height;
-
 use crate::error::PlanError;
 use lemons_core::plane::Vec2;
 use serde::{Deserialize, Serialize};
@@ -38,8 +36,8 @@ pub struct Motion {
     pub velocity: Vec2,
     /// \[1/s\] 1/t_transl: the rate with which the ground takes the velocity of who keeps the balance.
     pub damping: f64,
-    /// \[m\] height of the centre of mass; `None` is the model's.
-    pub height: Option<f64>,
+    /// \[m\]
+    pub stature: f64,
 }
 
 /// Legs of a person, during the simulation and in a saved state.
@@ -112,9 +110,13 @@ impl Balance {
     /// Returns legs of somebody who wants to go somewhere, or does not. Who wants to stop stands from when the ankles can
     /// stop the body; who wants to start starts from balance.
     pub fn decided(&self, legs: Legs, motion: &Motion, wants: bool) -> Legs {
-        let under = legs.under(motion.at, !wants);
-        let balanced = if wants { &legs } else { &under };
-        if legs.stands != wants || !self.is_balanced(balanced, motion) { legs } else { under }
+        let stops = || match self {
+            Balance::Pendulum(of) => of.stops(motion),
+            Balance::TwoLevel(_) => true,
+        };
+        let changes =
+            if wants { legs.stands && self.is_balanced(&legs, motion) } else { !legs.stands && stops() };
+        if changes { legs.under(motion.at, !wants) } else { legs }
     }
 
     /// \[m/s²\] Returns the acceleration of the drive of somebody who stands, in addition to eq. 1's relaxation.

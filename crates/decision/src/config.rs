@@ -90,7 +90,6 @@ pub(crate) struct AgentConfig {
     pub standstill_gap: Option<f64>,
     pub reaction_time: Option<f64>,
     pub push: Option<f64>,
-    pub height: Option<f64>,
     pub waypoints: Option<Vec<Waypoint>>,
     pub exit: Option<String>,
     pub goal: Option<String>,

@@ -85,8 +85,8 @@ impl Agent {
     }
 
     fn motion(&self) -> Motion {
-        let Walker { floor_damping: damping, height, .. } = self.walker;
-        Motion { at: self.at(), velocity: self.velocity(), damping, height }
+        let Walker { floor_damping: damping, stature, .. } = self.walker;
+        Motion { at: self.at(), velocity: self.velocity(), damping, stature }
     }
 
     /// \[m\] Where the agent came from.
@@ -698,6 +698,7 @@ mod tests {
         let person = |id: &str| Person {
             id: id.into(),
             mass: 70.0,
+            stature: None,
             moment_of_inertia: 1.3,
             floor_damping: 2.0,
             angular_damping: 4.0,
@@ -743,11 +744,86 @@ mod tests {
         assert_eq!(now(&decision.anew()), before);
     }
 
+    /// Sees person 0 here with a velocity along x \[m/s\], and passes a step \[s\].
+    fn step(decision: &mut Decision, x: f64, velocity: f64, step: f64) -> f64 {
+        let far = (Pose { x: 50.0, ..Pose::default() }, Vec2::ZERO);
+        decision.see([(Pose { x, ..Pose::default() }, vec2(velocity, 0.0)), far].into_iter());
+        let force = decision.acts().unwrap()[0].drive.force[0];
+        decision.pass(step).unwrap();
+        force
+    }
+
+    /// Walks towards a way-point and on behind it, hit there by nobody.
+    #[test]
+    fn who_arrives_brakes_as_without_legs_and_then_stands() {
+        let way = "waypoints = [{ x = 1, y = 0 }]\n";
+        let [mut legs, mut none] =
+            ["balance = \"pendulum\"\n", ""].map(|balance| decision(&(balance.to_owned() + way)));
+        let (mut x, mut v) = (0.0, 1.34);
+        let mut stood = false;
+        for _ in 0..400 {
+            let force = step(&mut legs, x, v, 0.01);
+            let before = step(&mut none, x, v, 0.01);
+            stood |= legs.agents[0].legs.stands;
+            assert!(stood || force == before, "{x} {v}");
+            // The floor takes 2 /s.
+            v += (force / 70.0 - 2.0 * v) * 0.01;
+            x += v * 0.01;
+        }
+        assert!(stood && legs.agents[0].legs.steps == 0 && v.abs() < 0.01, "{:?}", legs.agents[0].legs);
+    }
+
+    #[test]
+    fn who_stands_at_a_goal_or_wants_no_speed_has_legs_until_the_balance_is_regained() {
+        for wishes in [
+            "balance = \"pendulum\"\ngoals = [{ polygon = [[-1, -1], [1, -1], [1, 1], [-1, 1]] }]",
+            "balance = \"pendulum\"\nwaypoints = [{ x = 9, y = 0 }]\n[agents.0]\ndesired_speed = 0.05",
+            "balance = \"two-level\"\nmodel = \"rotational\"\nwaypoints = [{ x = 9, y = 0 }]\n[agents.0]\nwaypoints = []",
+        ] {
+            let mut decision = decision(wishes);
+            step(&mut decision, 0.0, 0.0, 0.01);
+            assert!(decision.agents[0].legs.stands && !decision.agents[1].legs.stands, "{wishes}");
+            // Hit: the ground holds only what legs can. Without legs, this person would brake with 210 N.
+            for k in 0..5 {
+                let force = step(&mut decision, 0.4 + 0.01 * f64::from(k), 1.5, 0.01);
+                assert!(force > 90.0 && decision.agents[0].legs.stands, "{wishes}: {force}");
+            }
+            // A run that goes on from a state does the same.
+            let mut other = decision.anew();
+            other.restore(&decision.save()).unwrap();
+            for k in 0..50 {
+                let x = 0.5 + 0.001 * f64::from(k);
+                let forces = [&mut decision, &mut other].map(|decision| step(decision, x, 0.1, 0.01));
+                assert_eq!(forces[0].to_bits(), forces[1].to_bits());
+            }
+            assert_eq!(decision.save(), other.save());
+        }
+    }
+
+    #[test]
+    fn legs_depend_on_the_own_motion_only() {
+        let decision =
+            decision("balance = \"pendulum\"\nmodel = \"rotational\"\nwaypoints = [{ x = 9, y = 0 }]");
+        let known = |output: Quantity| {
+            let of = |dependency: &Dependency<Quantity>| (dependency.dependent == 0).then_some(dependency.on);
+            let on = decision.dependencies(output, Known::Inputs);
+            on.iter().filter_map(of).collect::<Vec<_>>()
+        };
+        use Quantity::*;
+        assert_eq!(known(Lean), [Position; 2]);
+        assert_eq!(known(Balanced), [Position, Position, Velocity, Velocity]);
+        assert!(known(Steps).is_empty() && known(Fallen).is_empty());
+        assert!(
+            known(Fp).contains(&Velocity) && decision.depends_on_all(Fp) && !decision.depends_on_all(Legs)
+        );
+    }
+
     #[test]
     fn states_with_impossible_numbers_or_of_another_plan_are_refused() {
         let mut decision = decision("waypoints = [{ x = 1, y = 2 }]");
         let good = decision.save();
-        let forgeries: [fn(&mut Agent); 5] = [
+        let forgeries: [fn(&mut Agent); 6] = [
+            |agent| agent.legs.at.x = f64::INFINITY,
             |agent| agent.pose.x = f64::NAN,
             |agent| agent.walker.mass = 0.0,
             |agent| agent.walker.waypoints[0].radius = -1.0,

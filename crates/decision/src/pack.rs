@@ -84,6 +84,7 @@ mod tests {
         let person = |i: usize| Person {
             id: i.to_string(),
             mass: 70.0,
+            stature: None,
             moment_of_inertia: 1.3,
             floor_damping: 2.0,
             angular_damping: 4.0,

@@ -12,6 +12,8 @@ pub struct Person {
     pub mass: f64,
     /// \[kg.m2\] moment of inertia.
     pub moment_of_inertia: f64,
+    /// \[m\] stature, if it is known.
+    pub stature: Option<f64>,
     /// \[1/s\] inverse relaxation time of the velocity, 1/t_transl.
     pub floor_damping: f64,
     /// \[1/s\] inverse relaxation time of the angular velocity, 1/t_rot.
@@ -30,6 +32,7 @@ impl Person {
             .map(|(agent, dynamics)| Person {
                 id: agent.id.clone(),
                 mass: agent.mass,
+                stature: agent.height,
                 moment_of_inertia: agent.moment_of_inertia,
                 floor_damping: agent.floor_damping,
                 angular_damping: agent.angular_damping,

@@ -11,7 +11,7 @@ use crate::config::{AgentConfig, DecisionConfig};
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
 use crate::person::Person;
-use crate::rule::{Motivation, Pose, UNLIMITED, Walker, Waypoint};
+use crate::rule::{Motivation, Pose, UNLIMITED, Walker, Waypoint, usual_stature};
 use crate::target::{Destination, Target, Ways};
 use crate::walking_model::WalkingModel;
 use destinations::{destinations, targets_of};
@@ -139,7 +139,7 @@ impl Plan {
                     time_gap: own.time_gap.unwrap_or(walking_model.time_gap()),
                     standstill_gap: own.standstill_gap.unwrap_or(walking_model.standstill_gap()),
                     reaction_time: own.reaction_time.unwrap_or(walking_model.reaction_time()),
-                    height: own.height,
+                    stature: person.stature.unwrap_or_else(usual_stature),
                     push: own.push.or(config.push).unwrap_or(UNLIMITED),
                     waypoints,
                 },

@@ -24,6 +24,11 @@ fn usual_radius() -> f64 {
     0.3
 }
 
+/// \[m\] Stature of somebody of whom it is not known.
+pub(crate) fn usual_stature() -> f64 {
+    1.75
+}
+
 /// Position and orientation of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Pose {
@@ -65,9 +70,9 @@ pub struct Walker {
     pub reaction_time: f64,
     /// \[N\] Greatest force besides that which keeps the velocity; [`UNLIMITED`] or more is any.
     pub push: f64,
-    /// \[m\] Height of the centre of mass, if it is not that of everybody.
-    #[serde(default)]
-    pub height: Option<f64>,
+    /// \[m\] Stature.
+    #[serde(default = "usual_stature")]
+    pub stature: f64,
     /// Way-points, in order.
     pub waypoints: Vec<Waypoint>,
 }
@@ -182,7 +187,7 @@ mod tests {
             standstill_gap: 0.0,
             reaction_time: 0.0,
             push: UNLIMITED,
-            height: None,
+            stature: usual_stature(),
             waypoints: waypoints.iter().map(|&(x, y, radius)| Waypoint { x, y, radius }).collect(),
         }
     }

@@ -23,6 +23,7 @@ fn plan() -> Plan {
     let person = |id: &str, x| Person {
         id: id.into(),
         mass: 70.0 + x,
+        stature: None,
         moment_of_inertia: 1.3,
         floor_damping: 2.0,
         angular_damping: 4.0,

@@ -12,6 +12,7 @@ fn person(id: usize, x: f64, y: f64) -> Person {
     Person {
         id: id.to_string(),
         mass: 80.0,
+        stature: None,
         moment_of_inertia: 1.5,
         floor_damping: 2.0,
         angular_damping: 4.0,

@@ -26,8 +26,8 @@ const FRICTION: f64 = 0.5;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Pendulum {
-    /// \[m\] Height of the centre of mass above the ground.
-    pub height: f64,
+    /// Height of the centre of mass above the ground, as a part of the stature.
+    pub height_part: f64,
     /// \[m\] Greatest distance of the ground's force from the middle of the feet.
     pub support: f64,
     /// \[s\] Time from the loss of balance until the feet stand elsewhere.
@@ -60,7 +60,7 @@ pub enum Fall {
 impl Default for Pendulum {
     fn default() -> Pendulum {
         Pendulum {
-            height: 0.97,
+            height_part: 0.56,
             support: 0.12,
             step_time: 0.25,
             step_length: 0.9,
@@ -75,7 +75,13 @@ impl Default for Pendulum {
 
 impl Pendulum {
     pub(super) fn check(&self) -> Result<(), PlanError> {
-        height("pendulum", self.height)?;
+        number(
+            "pendulum",
+            "height_part",
+            self.height_part,
+            |part| (0.1..=1.0).contains(&part),
+            "from 0.1 to 1",
+        )?;
         not_negative("pendulum", "support", self.support)?;
         not_negative("pendulum", "step_time", self.step_time)?;
         not_negative("pendulum", "step_length", self.step_length)?;
@@ -84,7 +90,7 @@ impl Pendulum {
             "step_margin",
             self.step_margin,
             |margin| (0.0..=self.support).contains(&margin),
-            { "from 0 to the support" },
+            "from 0 to the support",
         )?;
         not_negative("pendulum", "return_after", self.return_after)?;
         not_negative("pendulum", "return_speed", self.return_speed)?;
@@ -93,7 +99,7 @@ impl Pendulum {
 
     /// \[1/s\] Returns ω₀.
     fn rate(&self, motion: &Motion) -> f64 {
-        (GRAVITY / motion.height.unwrap_or(self.height)).sqrt()
+        (GRAVITY / (self.height_part * motion.stature)).sqrt()
     }
 
     /// \[m\] Returns the extrapolated centre of mass, from the feet.
@@ -103,6 +109,11 @@ impl Pendulum {
 
     pub(super) fn is_balanced(&self, legs: &Legs, motion: &Motion) -> bool {
         !self.lies(legs) && legs.step.is_none() && self.extrapolated(legs, motion).norm() <= self.support
+    }
+
+    /// Returns whether ankles can stop somebody who is above the feet.
+    pub(super) fn stops(&self, motion: &Motion) -> bool {
+        motion.velocity.norm() <= self.support * self.rate(motion).min(motion.damping)
     }
 
     fn lies(&self, legs: &Legs) -> bool {
@@ -174,11 +185,6 @@ impl Pendulum {
     }
 }
 
-/// Checks a height of the centre of mass \[m\].
-pub(crate) fn height(place: &str, height: f64) -> Result<(), PlanError> {
-    number(place, "height", height, |l| (0.1..=10.0).contains(&l), "from 0.1 to 10 m")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -187,9 +193,11 @@ mod tests {
     const STEP: f64 = 1e-3;
     /// \[1/s\] More than ω₀, so that ankles that can stop a body do.
     const DAMPING: f64 = 4.5;
+    const STATURE: f64 = 1.73;
 
     fn hit(velocity: f64) -> (Legs, Motion) {
-        let motion = Motion { at: Vec2::ZERO, velocity: vec2(velocity, 0.0), damping: DAMPING, height: None };
+        let motion =
+            Motion { at: Vec2::ZERO, velocity: vec2(velocity, 0.0), damping: DAMPING, stature: STATURE };
         (Legs::new(Vec2::ZERO, true), motion)
     }
 
@@ -212,7 +220,7 @@ mod tests {
     }
 
     fn rate() -> f64 {
-        (GRAVITY / Pendulum::default().height).sqrt()
+        (GRAVITY / (Pendulum::default().height_part * STATURE)).sqrt()
     }
 
     #[test]

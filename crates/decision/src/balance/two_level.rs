@@ -27,8 +27,8 @@ pub struct TwoLevel {
     pub legs_rate: f64,
     /// \[m\] Distance of body and legs within which the person is balanced.
     pub balanced: f64,
-    /// \[m\] Greatest distance of body and legs.
-    pub separation: f64,
+    /// Greatest distance of body and legs, as a part of the stature.
+    pub separation_part: f64,
     /// \[m\] Distance of two people's legs below which they repel each other; half of it from walls.
     pub legs_distance: f64,
     /// \[m/s²\] Repulsion of legs in one place.
@@ -42,7 +42,7 @@ impl Default for TwoLevel {
             legs_speed: 1.2,
             legs_rate: 6.0,
             balanced: 0.12,
-            separation: 0.43,
+            separation_part: 0.25,
             legs_distance: 0.3,
             repulsion: 10.0,
         }
@@ -61,7 +61,7 @@ impl TwoLevel {
             "from 0 to 50 /s",
         )?;
         positive("two-level", "balanced", self.balanced)?;
-        positive("two-level", "separation", self.separation)?;
+        positive("two-level", "separation_part", self.separation_part)?;
         not_negative("two-level", "legs_distance", self.legs_distance)?;
         not_negative("two-level", "repulsion", self.repulsion)
     }
@@ -98,8 +98,9 @@ impl TwoLevel {
         legs.velocity += ((wanted - legs.velocity) * self.legs_rate + repelled) * part;
         legs.at += legs.velocity * part;
         let lean = motion.at - legs.at;
-        if lean.norm() > self.separation {
-            legs.at = motion.at - at_most(lean, self.separation);
+        let most = self.separation_part * motion.stature;
+        if lean.norm() > most {
+            legs.at = motion.at - at_most(lean, most);
             legs.fallen = true;
         }
     }
@@ -140,7 +141,7 @@ mod tests {
 
     fn person(x: f64, velocity: f64) -> Option<(Legs, Motion)> {
         let motion =
-            Motion { at: vec2(x, 0.0), velocity: vec2(velocity, 0.0), damping: DAMPING, height: None };
+            Motion { at: vec2(x, 0.0), velocity: vec2(velocity, 0.0), damping: DAMPING, stature: 1.73 };
         Some((Legs::new(motion.at, true), motion))
     }
 
@@ -175,7 +176,7 @@ mod tests {
         pass(&model, &mut people, &[], 0.4);
         let (legs, motion) = people[0].unwrap();
         assert!(legs.fallen && !model.is_balanced(&legs, &motion));
-        assert!((motion.at - legs.at).norm() < model.separation + 4.0 * STEP);
+        assert!((motion.at - legs.at).norm() < 0.25 * 1.73 + 4.0 * STEP);
     }
 
     #[test]

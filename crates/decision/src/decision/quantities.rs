@@ -6,6 +6,7 @@
 //! much of it counts. What is beyond is 0 and stays 0.
 
 use super::Decision;
+use crate::balance::Balance;
 use lemons_fmi::variables::units::*;
 use lemons_fmi::variables::{Dependency, Dimension, Domain, Kind, Known, Role, Scalar, Size, Variable, row};
 
@@ -216,8 +217,8 @@ impl Decision {
             use Quantity::*;
             let of_motion = matches!(on, Theta | Velocity | FloorDamping | DesiredSpeed);
             let counts = of_motion || matches!(on, TimeGap | StandstillGap | ReactionTime);
-            let balances = self.plan.balance.is_some() && output == Balanced;
-            self.needs_all(output) && counts || balances && on == Velocity
+            let extrapolates = matches!(self.plan.balance, Some(Balance::Pendulum(_))) && output == Balanced;
+            self.needs_all(output) && counts || extrapolates && on == Velocity
         };
         let needed = |row: &&Variable<Quantity>| {
             known.includes(row.role) && (output.needs(row.quantity) || seen(row.quantity))

@@ -2,7 +2,6 @@
 
 use super::Plan;
 use super::destinations::names;
-use crate::balance;
 use crate::error::{
     MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative, number, positive,
 };
@@ -83,7 +82,13 @@ impl Plan {
             not_negative(&place, "standstill_gap", walker.standstill_gap)?;
             not_negative(&place, "reaction_time", walker.reaction_time)?;
             not_negative(&place, "push", walker.push)?;
-            walker.height.map_or(Ok(()), |height| balance::height(&place, height))?;
+            number(
+                &place,
+                "stature",
+                walker.stature,
+                |stature| (0.1..=10.0).contains(&stature),
+                "from 0.1 to 10 m",
+            )?;
             coordinate(&place, "x", pose.x)?;
             coordinate(&place, "y", pose.y)?;
             number(&place, "theta", pose.theta, |_| true, "finite")?;
