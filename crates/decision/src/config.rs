@@ -62,6 +62,7 @@ pub struct DecisionConfig {
     pub(crate) balance: Option<BalanceName>,
     pub(crate) desired_speed: Option<f64>,
     pub(crate) push: Option<f64>,
+    pub(crate) push_sd: Option<f64>,
     pub(crate) seed: Option<u64>,
     pub(crate) waypoints: Option<Vec<Waypoint>>,
     pub(crate) exits: Option<Vec<TargetConfig>>,

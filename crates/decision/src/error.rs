@@ -31,6 +31,8 @@ pub enum PlanError {
     OtherModel { key: &'static str },
     #[error("[{key}]: the balance is another one: say `balance = \"{key}\"`, or leave this section out")]
     OtherBalance { key: &'static str },
+    #[error("push_sd: give the mean as `push`, too")]
+    NoPush,
     #[error("{place}: give a `line` or a `polygon`, one of the two")]
     LineOrPolygon { place: String },
     #[error("{place}: the name {name:?} is that of another exit or goal")]

@@ -8,10 +8,11 @@ mod normalized;
 
 use crate::balance::Balance;
 use crate::config::{AgentConfig, DecisionConfig};
-use crate::error::PlanError;
+use crate::error::{PlanError, moderate};
 use crate::exit_choice::ExitChoice;
 use crate::person::Person;
 use crate::rule::{Motivation, Pose, UNLIMITED, Walker, Waypoint, usual_stature};
+use crate::stuck::normal;
 use crate::target::{Destination, Target, Ways};
 use crate::walking_model::WalkingModel;
 use destinations::{destinations, targets_of};
@@ -22,6 +23,9 @@ use serde::{Deserialize, Serialize};
 
 /// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).
 const DEFAULT_SPEED: f64 = 1.34;
+
+/// Which draw of a person is that of the push; those of walking begin at 0.
+const PUSH_DRAW: u64 = u64::MAX / 2;
 
 /// An agent of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -111,13 +115,23 @@ impl Plan {
         if let Some(unknown) = config.agents.keys().find(|id| people.iter().all(|person| person.id != **id)) {
             return Err(PlanError::UnknownAgent(unknown.clone()));
         }
+        if let Some(deviation) = config.push_sd {
+            moderate("everybody", "push_sd", deviation)?;
+            moderate("everybody", "push", config.push.ok_or(PlanError::NoPush)?)?;
+        }
         let (walking_model, balance) = (config.walking_model()?, config.balance()?);
         let targets = targets_of(config)?;
         let destinations = destinations(people, config, &targets)?;
         let nothing = AgentConfig::default();
         let ways = config.waypoints.is_some() || config.agents.values().any(|own| own.waypoints.is_some());
         let only_stands = balance.is_some() && targets.is_empty() && !ways;
-        let agents = people.iter().zip(destinations).map(|(person, destination)| {
+        let seed = config.seed.unwrap_or(0);
+        let push = |i: usize| {
+            let drawn = |deviation: f64| deviation * normal(seed, i as u64, PUSH_DRAW);
+            let push = config.push.unwrap_or(UNLIMITED);
+            config.push_sd.map_or(push, |deviation| (push + drawn(deviation)).max(0.0))
+        };
+        let agents = people.iter().zip(destinations).enumerate().map(|(i, (person, destination))| {
             let own = config.agents.get(&person.id).unwrap_or(&nothing);
             let waypoints = own.waypoints.as_ref().or(config.waypoints.as_ref()).cloned().unwrap_or_default();
             // Who is said to have no way, in a crowd with legs, stands.
@@ -140,7 +154,7 @@ impl Plan {
                     standstill_gap: own.standstill_gap.unwrap_or(walking_model.standstill_gap()),
                     reaction_time: own.reaction_time.unwrap_or(walking_model.reaction_time()),
                     stature: person.stature.unwrap_or_else(usual_stature),
-                    push: own.push.or(config.push).unwrap_or(UNLIMITED),
+                    push: own.push.unwrap_or_else(|| push(i)),
                     waypoints,
                 },
             })
@@ -150,7 +164,7 @@ impl Plan {
         let two_level = matches!(balance, Some(Balance::TwoLevel(_)));
         let seen = walking_model.sees_others() || !targets.is_empty() || two_level;
         let walls = walls.filter(|_| seen).map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
-        let (seed, exit_choice) = (config.seed.unwrap_or(0), config.exit_choice.unwrap_or_default());
+        let exit_choice = config.exit_choice.unwrap_or_default();
         let motivation = config.motivation.clone();
         let plan =
             Plan { time_step, seed, walls, walking_model, balance, exit_choice, motivation, targets, agents };

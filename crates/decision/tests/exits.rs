@@ -242,6 +242,19 @@ fn waypoints_come_before_the_exit() {
 }
 
 #[test]
+fn pushes_of_people_have_the_distribution_that_is_asked_for() {
+    let people: Vec<Person> = (0..4000).map(|id| person(id, id as f64, 2.0)).collect();
+    let config = "push = 150\npush_sd = 50\nseed = 3\nwaypoints = [{ x = 1, y = 1 }]\n[agents.7]\npush = 20";
+    let plan = plan(&[], &people, config).unwrap();
+    let pushes: Vec<f64> = plan.agents.iter().map(|agent| agent.walker.push).collect();
+    let mean = pushes.iter().sum::<f64>() / 4000.0;
+    let deviation = (pushes.iter().map(|push| (push - mean).powi(2)).sum::<f64>() / 4000.0).sqrt();
+    // Within three standard errors; nearly nobody is below 0.
+    assert!((mean - 150.0).abs() < 2.4 && (deviation - 50.0).abs() < 1.7, "{mean} {deviation}");
+    assert!(pushes[7] == 20.0 && pushes.iter().all(|push| *push >= 0.0));
+}
+
+#[test]
 fn mistakes_are_named() {
     let closed = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0)].map(|(x, y)| vec2(x, y));
     let people = [person(0, 2.0, 2.0), Person { id: "two words".into(), ..person(1, 3.0, 2.0) }];

@@ -182,7 +182,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         makeable.as_ref().map_err(|error| anyhow!("cannot make a Trial of {}: {error}", place.name))?;
     }
     // Of a Trial that is refused nothing more is told.
-    let beside = if leaving.leave { &[DECISION_FILE][..] } else { &[] };
+    let beside = if leaving.is_wanted() { &[DECISION_FILE][..] } else { &[] };
     for said in trial.output.iter().flat_map(|directory| files::staying(directory, beside)) {
         note!("{said}");
     }
@@ -242,7 +242,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
             writeln!(out, "mechanical step    {step:>10} {note}")?;
             let ways = placing.ways_out(&place, &crowd);
-            let wishes = leaving.leave.then(|| leaving.text(&ways, trial.speed));
+            let wishes = leaving.is_wanted().then(|| leaving.text(&ways, trial.speed));
             if let Some(text) = &wishes {
                 // A run would refuse it.
                 let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));

@@ -1,4 +1,4 @@
-//! `--leave`: the `decision.toml` in which everybody leaves.
+//! `--leave`, `--balance`, `--push`: the `decision.toml` of a crowd.
 
 use crate::error::Misused;
 use crate::numbers::array;
@@ -10,7 +10,7 @@ use std::fmt::Write;
 const SPEED: f64 = 1.34;
 
 #[derive(clap::Args)]
-#[command(next_help_heading = "Leaving (with -o or --zip)")]
+#[command(next_help_heading = "Leaving and standing (with -o or --zip)")]
 pub struct LeaveArguments {
     /// Everybody leaves: write the Trial's decision.toml, in which people walk through the doors to a line
     /// 1 m behind them, or to an --exit; of several, to the quickest by distance and queue
@@ -32,6 +32,20 @@ pub struct LeaveArguments {
         requires = "leave"
     )]
     model: Option<String>,
+    /// Greatest force with which people push ahead, in N: of everybody, or the mean and the standard
+    /// deviation of a normal distribution, as in 150,50. Default: no limit
+    #[arg(long, value_name = "FORCE[,SD]", value_parser = push, requires = "leave")]
+    push: Option<[f64; 2]>,
+    /// How people who stand keep their balance, when they are pushed (docs/balance.md). Without --leave:
+    /// everybody stands
+    #[arg(long, value_parser = ["pendulum", "two-level"])]
+    balance: Option<String>,
+}
+
+fn push(text: &str) -> Result<[f64; 2], String> {
+    let numbers = array(text).or_else(|| array(text).map(|[push]| [push, 0.0]));
+    let good = |numbers: &[f64; 2]| numbers.iter().all(|number| (0.0..=1e6).contains(number));
+    numbers.filter(good).ok_or_else(|| "must be one or two numbers from 0 to 1e6 N, as in 150,50".into())
 }
 
 fn exit(text: &str) -> Result<[Vec2; 2], String> {
@@ -49,20 +63,35 @@ impl LeaveArguments {
     pub fn check(&self, doors: usize, written: bool) -> Result<()> {
         let missing = match (self.leave, doors + self.exits.len()) {
             (true, 0) => "--leave: there is no way out: give --door X,Y,WIDTH, or --exit X1,Y1,X2,Y2",
-            (true, _) if !written => {
-                "--leave writes decision.toml into a Trial: give -o TRIAL or --zip FILE.zip"
+            _ if self.is_wanted() && !written => {
+                "--leave and --balance write decision.toml into a Trial: give -o TRIAL or --zip FILE.zip"
             }
             _ => return Ok(()),
         };
         Err(Misused(missing.into()).into())
     }
 
+    /// Returns whether `decision.toml` is wanted.
+    pub fn is_wanted(&self) -> bool {
+        self.leave || self.balance.is_some()
+    }
+
     /// The text of `decision.toml`: people leave by doors, with these lines \[m\] behind them, and by the exits.
     /// Without a speed \[m/s\] it is a usual one. Of several exits, people choose by the expected time.
     pub fn text(&self, doors: &[[Vec2; 2]], speed: Option<f64>) -> String {
+        let balance = self.balance.iter().map(|model| format!("balance = {model:?}\n")).collect::<String>();
+        if !self.leave {
+            return balance;
+        }
         let model = self.model.as_deref().unwrap_or("rotational");
         let speed = speed.unwrap_or(SPEED);
-        let mut text = format!("model = {model:?}\ndesired_speed = {speed:?}          # [m/s]\n");
+        let mut text = format!("model = {model:?}\n{balance}desired_speed = {speed:?}          # [m/s]\n");
+        if let Some([push, deviation]) = self.push {
+            let _ = writeln!(text, "push = {push:?}                 # [N]");
+            if deviation > 0.0 {
+                let _ = writeln!(text, "push_sd = {deviation:?}               # [N]");
+            }
+        }
         if doors.len() + self.exits.len() > 1 {
             text += "exit_choice = \"time\"           # by distance and queue\n";
         }
