@@ -56,7 +56,7 @@ class Heads:
 
     def __init__(self, run, legs, relaxation):
         lean = run.poses[:, :, :2] - legs
-        follows = 1 - np.exp(-STEP / relaxation)
+        follows = 1 - np.exp((run.times[0] - run.times[1]) / relaxation)
         for before, now in zip(lean, lean[1:]):
             now += (before - now) * (1 - follows)
         self.times, self.poses = run.times, run.poses[:, :, :2] + (HEAD - 1) * lean

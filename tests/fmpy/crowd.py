@@ -244,7 +244,7 @@ def read_table(text, ids):
 
 
 def write_trial(directory, agents, walls=(), time_step=0.1, mechanical=1e-5, damping=0.0, friction=0.0):
-    """A Trial of one-disk agents of radius 0.2 m: dictionaries with mass, x, y, vx, fx, rate."""
+    """A Trial of one-disk agents of radius 0.2 m: dictionaries with mass, x, y, vx, vy, fx, rate."""
     material = 'YoungModulus="4e6" ShearModulus="1.38e6"'
     contact = f'Id1="flesh" Id2="flesh" GammaNormal="{damping}" GammaTangential="{damping}"'
     files = {
@@ -270,7 +270,7 @@ def write_trial(directory, agents, walls=(), time_step=0.1, mechanical=1e-5, dam
         + "</Agents>",
         "dynamic/AgentDynamics.xml": "<Agents>"
         + "".join(
-            f'<Agent Id="{i}"><Kinematics Position="{a["x"]},{a.get("y", 0.0)}" Velocity="{a.get("vx", 0.0)},0" '
+            f'<Agent Id="{i}"><Kinematics Position="{a["x"]},{a.get("y", 0.0)}" Velocity="{a.get("vx", 0.0)},{a.get("vy", 0.0)}" '
             f'Theta="0" Omega="0"/><Dynamics Fp="{a.get("fx", 0.0)},0" Mp="0"/></Agent>'
             for i, a in enumerate(agents)
         )

@@ -244,6 +244,11 @@ impl Decision {
         Ok(())
     }
 
+    /// Returns the legs of a person, at the last communication point.
+    pub fn legs_of(&self, i: usize) -> &Legs {
+        &self.agents[i].legs
+    }
+
     /// How many have arrived: at their last way-point, at a goal, or have left.
     ///
     /// # Errors

@@ -8,6 +8,7 @@ mod exposure;
 mod friction;
 mod golden;
 mod ledger;
+mod legs;
 mod order;
 mod passivity;
 mod ramp;
@@ -64,6 +65,7 @@ pub fn all() -> Vec<Check> {
         golden::FIGURES,
         ramp::FIGURES,
         ledger::FIGURES,
+        legs::FIGURES,
         symmetry::FIGURES,
         scenarios::FIGURES,
         reference::FIGURES,
