@@ -59,11 +59,11 @@ const SOFT: &str = "human_soft";
 /// Returns the materials that people and walls can have: [`paper_materials`] and `human_soft`.
 ///
 /// E and G of `human_soft` are the paper's for people without clothes, divided by 138: k_n is 18.2 kN/m between two
-/// people. A weak push runs through a row of people of 80 kg and 25 cm at 0.25 m √(k_n/m) = 3.8 m/s; 3.3 to 4.0 m/s were
-/// measured. The damping is γ_n = 2 ζ √(k_n m\*), ζ = −ln e / √(π² + ln² e), for two people of 80 kg with the restitution
+/// people, as soft as two chests, and a weak push runs through a row of people of 80 kg and 25 cm at 0.25 m √(k_n/m) =
+/// 3.8 m/s. The damping is γ_n = 2 ζ √(k_n m\*), ζ = −ln e / √(π² + ln² e), for two people of 80 kg with the restitution
 /// e = 0.3, while one pair of disks touches. Of a contact with what is stiff, k_n and m\* are twice as large, and so is
-/// γ_n. Assumptions: γ_t = γ_n, as in the paper, and the friction of people without clothes. `docs/guide/squeeze.md` has
-/// the sources.
+/// γ_n. Assumptions: e, γ_t = γ_n as in the paper, and the friction of people without clothes. `docs/guide/squeeze.md`
+/// has the sources.
 pub fn materials() -> Materials {
     let Materials { mut intrinsic, mut binary } = paper_materials();
     intrinsic.push(Material { id: SOFT.into(), young_modulus: 2.9e4, shear_modulus: 1e4 });
