@@ -332,6 +332,15 @@ mod tests {
     }
 
     #[test]
+    fn the_softer_chest_is_there_on_request() {
+        let people = SOFT.to_owned();
+        let soft = two(&TrialSettings { people, ..TrialSettings::default() }).unwrap();
+        assert_eq!(soft.materials, materials());
+        assert_eq!(soft.parameters.time_step_mechanical, 5e-4);
+        assert_eq!(two(&TrialSettings::default()).unwrap().materials, paper_materials());
+    }
+
+    #[test]
     fn mistakes_are_named() {
         let people = "jelly".to_owned();
         let said = two(&TrialSettings { people, ..TrialSettings::default() }).unwrap_err().to_string();
