@@ -165,7 +165,7 @@ fn a_push_runs_through_a_row_like_a_wave_through_a_chain() {
         assert!((engine / theory - 1.0).abs() < within, "{material}: {engine} {theory}");
         speeds.push([theory, engine, strong]);
     }
-    for k in 0..3 {
-        is_on_the_page(&format!("{:.1} | {:.2}", speeds[0][k], speeds[1][k]));
+    for (stiff, soft) in speeds[0].iter().zip(&speeds[1]) {
+        is_on_the_page(&format!("{stiff:.1} | {soft:.2}"));
     }
 }
