@@ -90,7 +90,16 @@ export function CrowdTab() {
                     </>
                 )}
                 {crowd.direction !== null && !["own", "none"].includes(plan.value.made.motion.kind) && <p class="note">Now the tab Motion says what moves them.</p>}
-                <Check label="People wear clothes" value={crowd.clothes} onChange={(clothes) => set({ clothes })} />
+                <Choice
+                    label="Material"
+                    value={crowd.material}
+                    choices={[
+                        ["human_naked", "Skin"],
+                        ["human_clothes", "Clothes"],
+                        ["human_soft", "A softer chest"],
+                    ]}
+                    onChange={(material) => set({ material })}
+                />
                 <button type="submit" class="main" disabled={busy()}>
                     Make this crowd
                 </button>

@@ -1,6 +1,6 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
-import { type Check, dictionary, flag, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
+import { type Check, dictionary, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
 import { type Base, type CrowdWanted, type Door, type Edit, type Four, MODELS, type Motion, type Normal, type People, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
@@ -41,7 +41,7 @@ const people = tagged<"kind", KeptPeople>("kind", {
     statistics: record({ male: four, female: four }),
     table: record({ files: list(tuple<["male" | "female", string, number]>(one("male", "female"), text(MOST.name), number), 2, 1), key: text() }),
 });
-export const crowd = {
+const inCrowd = record<KeptCrowd>({
     number: nullable(number),
     density: nullable(number),
     seed: number,
@@ -51,11 +51,16 @@ export const crowd = {
     men: number,
     direction: nullable(number),
     speed: number,
-    clothes: flag,
+    material: one("human_naked", "human_clothes", "human_soft"),
+});
+/** Former pages kept whether people wear clothes, and no material. */
+export const crowd: Check<KeptCrowd> = (given) => {
+    const kept = given as { clothes?: unknown };
+    return inCrowd({ material: kept?.clothes === true ? "human_clothes" : "human_naked", ...kept });
 };
 export const base = tagged<"kind", KeptBase>("kind", {
     example: record({ name: one("push") }),
-    crowd: record<KeptCrowd>(crowd),
+    crowd,
     upload: record({ name: text(MOST.name), files: list(tuple<[string, number]>(text(MOST.path), number), MOST.files, 1), key: text() }),
 });
 export const edit = tagged<"do", Edit>("do", {

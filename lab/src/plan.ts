@@ -58,7 +58,7 @@ export const FIRST: Plan = {
         men: 0.5,
         direction: 0,
         speed: 1,
-        clothes: false,
+        material: "human_naked",
     },
     person: { sex: "female", breadth: null, depth: null, stature: null, mass: null, altitude: null },
     unit: "cm",
@@ -78,7 +78,7 @@ const whole = patched<Plan>(
     {
         tab: one(...TABS),
         made: record<Made>({ base, edits: list(edit, MOST.edits), motion }),
-        crowd: record<KeptCrowd>(crowd),
+        crowd,
         person: record<PersonWanted>({
             sex: one("male", "female"),
             breadth: nullable(number),

@@ -39,9 +39,10 @@ export interface CrowdWanted {
     /** In degrees; null: each another one. */
     direction: number | null;
     speed: number;
-    /** The material of people with clothes, not of naked skin. */
-    clothes: boolean;
+    material: Material;
 }
+
+export type Material = "human_naked" | "human_clothes" | "human_soft";
 
 export type Base =
     | { kind: "example"; name: "push" }

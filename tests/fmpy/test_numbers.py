@@ -3,8 +3,10 @@
 import csv
 import io
 import json
+import os
 import re
 import subprocess
+import sys
 import xml.etree.ElementTree as ElementTree
 from statistics import median
 
@@ -51,7 +53,7 @@ def test_the_study_of_doors_is_that_of_its_picture():
 def test_what_a_softer_body_changes(lemons, tmp_path):
     """docs/guide/squeeze.md: the table is of the commands above it."""
     page = "docs/guide/squeeze.md"
-    (block,) = (block for block in pages.blocks(page) if block.language == "sh")
+    block = next(block for block in pages.blocks(page) if block.language == "sh")
     (tmp_path / "resources").symlink_to(REPOSITORY / "resources")
     (tmp_path / "lemons").symlink_to(lemons)
     seen = []
@@ -62,6 +64,21 @@ def test_what_a_softer_body_changes(lemons, tmp_path):
         seen.append([each["max"] for each in (exposure["peak"], means[0.1], means[1.0])])
     shown = [[int(re.sub(r"\D", "", cell)) for cell in row[1:]] for row in table(page, "as shipped")]
     assert shown == [[round(each) for each in row] for row in zip(*seen, strict=True)]
+
+
+def test_soft_chests_at_a_door(lemons, tmp_path):
+    """docs/guide/squeeze.md: the first of its crowds has a peak and a time to leave within the ranges of the table."""
+    command = [sys.executable, REPOSITORY / "examples/soft_chest.py", "few", "--seeds", "1", "--steps", "1e-4"]
+    subprocess.run(command, cwd=tmp_path, env={**os.environ, "LEMONS": str(lemons)}, check=True, capture_output=True)
+    lines = (tmp_path / "few/results.csv").read_text().splitlines()
+    runs = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    assert [run["material"] for run in runs] == ["human_naked", "human_soft"]
+    shown = {"last": "everybody is out after [s]", "peak": "peak of anybody [N]"}
+    rows = {row[0]: row[1:] for _, _, rows in pages.tables("docs/guide/squeeze.md") for row in rows}
+    for name, words in shown.items():
+        for run, cell in zip(runs, rows[words], strict=True):
+            least, greatest = (float(each.replace(" ", "")) for each in re.search(r"\((.*) to (.*)\)", cell).groups())
+            assert 0.99 * least <= float(run[name]) <= 1.01 * greatest
 
 
 def test_the_stiffness_and_the_drive_that_squeeze_names():

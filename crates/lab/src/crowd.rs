@@ -40,8 +40,8 @@ pub struct CrowdRequest {
     pub direction: Option<f64>,
     /// \[m/s\] The speed at which each would walk alone, in this direction.
     pub speed: f64,
-    /// True if their material is that with clothes.
-    pub clothes: bool,
+    /// The material of everybody: one of [`lemons_people::materials`].
+    pub material: String,
 }
 
 /// Whom people are drawn from.
@@ -142,7 +142,7 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
     })?;
     let settings = TrialSettings {
         desired_velocity: heading(direction) * speed,
-        people: if wanted.clothes { "human_clothes" } else { "human_naked" }.into(),
+        people: wanted.material.clone(),
         ..TrialSettings::default()
     };
     let name = format!("crowd_{number}_seed_{}", wanted.seed);

@@ -10,7 +10,9 @@ use crowd_mechanics::setup::Setup;
 use lemons_core::files::source::Memory;
 use lemons_core::files::{Staged, WriteError};
 use lemons_core::plane::{Disk, Motion, Pose, Ring, Rotation, Vec2, vec2};
-use lemons_core::trial::{Agent, AgentDynamics, Geometry, Interactions, Materials, Parameters, Trial, Wall};
+use lemons_core::trial::{
+    Agent, AgentDynamics, Contact, Geometry, Interactions, Material, Materials, Parameters, Trial, Wall,
+};
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -26,7 +28,7 @@ pub struct TrialSettings {
     /// \[s\] communication step, positive. The mechanical step is the longest that divides it and does not exceed
     /// [`proposed_step`](crowd_mechanics::setup::Setup::proposed_step).
     pub time_step: f64,
-    /// Id of the material of all disks: one of [`paper_materials`].
+    /// Id of the material of all disks: one of [`materials`].
     pub people: String,
     /// \[m/s\] Velocity that each agent would reach alone: the propulsion force is m v / t_transl (the paper's eq. 4).
     /// Zero: no propulsion.
@@ -49,6 +51,36 @@ pub fn paper_materials() -> Materials {
         Materials::read_from(&files, name).expect("the committed file is right, tests read it").0
     });
     PAPER.clone()
+}
+
+/// Id of the material of people with a softer chest. Only a Trial that uses it has it in its `Materials.xml`.
+const SOFT: &str = "human_soft";
+
+/// Returns the materials that people and walls can have: [`paper_materials`] and `human_soft`.
+///
+/// E and G of `human_soft` are the paper's for people without clothes, divided by 138: k_n is 18.2 kN/m between two
+/// people, as soft as two chests, and a weak push runs through a row of people of 80 kg and 25 cm at 0.25 m √(k_n/m) =
+/// 3.8 m/s. The damping is γ_n = 2 ζ √(k_n m\*), ζ = −ln e / √(π² + ln² e), for two people of 80 kg with the restitution
+/// e = 0.3, while one pair of disks touches. Of a contact with what is stiff, k_n and m\* are twice as large, and so is
+/// γ_n. Assumptions: e, γ_t = γ_n as in the paper, and the friction of people without clothes. `docs/guide/squeeze.md`
+/// has the sources.
+pub fn materials() -> Materials {
+    let Materials { mut intrinsic, mut binary } = paper_materials();
+    intrinsic.push(Material { id: SOFT.into(), young_modulus: 2.9e4, shear_modulus: 1e4 });
+    let others = [
+        ("concrete", 1200.0, 0.5),
+        ("human_clothes", 1200.0, 0.5),
+        ("human_naked", 1200.0, 0.4),
+        (SOFT, 600.0, 0.4),
+    ];
+    binary.extend(others.map(|(other, gamma, kinetic_friction)| Contact {
+        id1: other.into(),
+        id2: SOFT.into(),
+        gamma_normal: gamma,
+        gamma_tangential: gamma,
+        kinetic_friction,
+    }));
+    Materials { intrinsic, binary }
 }
 
 /// Returns closed walls \[m\] of one material: the outline of a region, then its holes. Its dimensions are those of the
@@ -117,7 +149,7 @@ pub fn crowd_trial(
             time_step: settings.time_step,
             time_step_mechanical: settings.time_step,
         },
-        materials: paper_materials(),
+        materials: settings.materials(&geometry),
         geometry,
         agents,
         dynamics,
@@ -135,12 +167,18 @@ fn part_of(whole: f64, most: f64) -> f64 {
 }
 
 impl TrialSettings {
+    /// Returns the paper's materials, and the softer one where somebody or a wall has it.
+    fn materials(&self, geometry: &Geometry) -> Materials {
+        let soft = self.people == SOFT || geometry.walls.iter().any(|wall| wall.material_id == SOFT);
+        if soft { materials() } else { paper_materials() }
+    }
+
     /// Checks that people and walls are of known materials; each of these has contacts with all others.
     ///
     /// # Errors
     /// A material is unknown.
     pub fn check(&self, geometry: &Geometry) -> Result<()> {
-        let materials = paper_materials().intrinsic;
+        let materials = materials().intrinsic;
         let known: Vec<&str> = materials.iter().map(|material| &*material.id).collect();
         let check = |what: &str, id: &str| {
             require(known.contains(&id), || {
@@ -294,11 +332,19 @@ mod tests {
     }
 
     #[test]
+    fn the_softer_chest_is_there_on_request() {
+        let people = SOFT.to_owned();
+        let soft = two(&TrialSettings { people, ..TrialSettings::default() }).unwrap();
+        assert_eq!(soft.materials, materials());
+        assert_eq!(soft.parameters.time_step_mechanical, 5e-4);
+        assert_eq!(two(&TrialSettings::default()).unwrap().materials, paper_materials());
+    }
+
+    #[test]
     fn mistakes_are_named() {
         let people = "jelly".to_owned();
         let said = two(&TrialSettings { people, ..TrialSettings::default() }).unwrap_err().to_string();
-        let known =
-            "people: there is no material \"jelly\"; materials are concrete, human_clothes, human_naked";
+        let known = "people: there is no material \"jelly\"; materials are concrete, human_clothes, human_naked, human_soft";
         assert_eq!(said, known);
     }
 }

@@ -78,8 +78,8 @@ struct TrialArguments {
     /// which are kept
     #[arg(long)]
     force: bool,
-    /// Material of the people
-    #[arg(long, value_parser = ["human_naked", "human_clothes"], default_value = "human_naked")]
+    /// Material of the people. human_soft has a softer chest: lower and longer peaks, longer steps
+    #[arg(long, value_parser = ["human_naked", "human_clothes", "human_soft"], default_value = "human_naked")]
     material: String,
     /// Everybody pushes along --direction, with the force that keeps a lone person at this speed, in
     /// m/s. Default: 0. With --leave: everybody's desired speed. Default: 1.34

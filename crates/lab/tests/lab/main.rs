@@ -121,7 +121,7 @@ fn square(width: f64, height: f64) -> Value {
 fn crowd(number: u32, room: Value) -> Value {
     json!({
         "kind": "crowd", "number": number, "density": null, "seed": 3, "room": room, "region": null,
-        "people": {"kind": "survey"}, "men": 0.5, "direction": null, "speed": 0.0, "clothes": false,
+        "people": {"kind": "survey"}, "men": 0.5, "direction": null, "speed": 0.0, "material": "human_naked",
     })
 }
 
