@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut world = Setup::of(&trial).world()?;
     println!(
         "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force,\
-         mean_normal_force,peak_normal_force,peak_overlap,total_agent_contacts,total_wall_contacts"
+         mean_normal_force,peak_normal_force,peak_overlap,mean_wall_force,total_agent_contacts,total_wall_contacts"
     );
     print(&trial, &world, 0.0);
     let mut time = 0.0;
@@ -50,7 +50,7 @@ fn print(trial: &Trial, world: &World, time: f64) {
         let (pose, twist) = (&state.poses[i], &state.twists[i]);
         let (contacts, step) = (&all.bodies[i], &world.exposures()[i]);
         println!(
-            "{time:?},{},{:?},{:?},{:?},{:?},{:?},{:?},{},{},{},{:?},{:?},{:?},{:?},{},{}",
+            "{time:?},{},{:?},{:?},{:?},{:?},{:?},{:?},{},{},{},{:?},{:?},{:?},{:?},{:?},{},{}",
             agent.id,
             pose.position.x,
             pose.position.y,
@@ -65,6 +65,7 @@ fn print(trial: &Trial, world: &World, time: f64) {
             step.mean_force,
             step.peak_force,
             step.peak_overlap,
+            step.mean_wall_force,
             all.agent_contacts,
             all.wall_contacts,
         );

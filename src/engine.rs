@@ -77,7 +77,7 @@ mod world;
 pub use broad_phase::Crowded;
 pub use contact_law::Regime;
 pub use contacts::Work;
-pub use exposure::Exposure;
+pub use exposure::{Exposure, FaceExposure};
 pub use face::{Continuation, Face};
 pub use free_flight::{BodyFlight, FreeFlight};
 pub use ids::{BodyId, CornerId, DiskId, FaceId, LineId, WallId};

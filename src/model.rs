@@ -160,7 +160,7 @@ impl Model for CrowdModel {
     const INTERPOLATES_INPUTS: bool = true;
     const KNOWS_DERIVATIVES: bool = true;
     const SHOWS_INTERMEDIATE_VALUES: bool = true;
-    const STATE_VERSION: u32 = 9;
+    const STATE_VERSION: u32 = 10;
     const SIZES: &'static [Size] = &SIZES;
     const VARIABLES: &'static [Variable<Quantity>] = &QUANTITIES;
 
@@ -663,7 +663,7 @@ impl CrowdModel {
     /// Loads another packed Trial; settings are kept.
     fn choose(&mut self, name: &str) -> Answer<()> {
         let (packed, warnings) = Packed::load(&self.resources, name)?;
-        if !self.any_size && quantities::guid(&packed.trial) != quantities::guid(&self.packed.trial) {
+        if !self.any_size && quantities::shared(&packed.trial) != quantities::shared(&self.packed.trial) {
             return refuse(format!(
                 "the state belongs to another model: Trial {name:?} has other variables than this FMU"
             ));
@@ -760,6 +760,7 @@ fn read(world: &World, quantity: Quantity, first: usize, values: &mut [f64]) -> 
         });
     }
     let (state, report, exposures) = (world.state(), world.contacts(), world.exposures());
+    let faces = world.face_exposures();
     match quantity {
         Quantity::Fp => axes(first, values, |i| world.drive[i].force),
         Quantity::Mp => each(first, values, |i| world.drive[i].torque),
@@ -769,8 +770,17 @@ fn read(world: &World, quantity: Quantity, first: usize, values: &mut [f64]) -> 
         Quantity::Omega => each(first, values, |i| state.twists[i].angular_velocity),
         Quantity::NormalForce => each(first, values, |i| report.bodies[i].squeeze),
         Quantity::MeanNormalForce => each(first, values, |i| exposures[i].mean_force),
+        Quantity::MeanPeopleForce => each(first, values, |i| exposures[i].mean_people_force()),
+        Quantity::MeanWallForce => each(first, values, |i| exposures[i].mean_wall_force),
         Quantity::PeakNormalForce => each(first, values, |i| exposures[i].peak_force),
         Quantity::PeakOverlap => each(first, values, |i| exposures[i].peak_overlap),
+        // A Trial that was chosen later may have fewer walls, or none.
+        Quantity::WallMeanNormalForce => {
+            each(first, values, |k| faces.get(k).map_or(0.0, |of| of.mean_force));
+        }
+        Quantity::WallPeakNormalForce => {
+            each(first, values, |k| faces.get(k).map_or(0.0, |of| of.peak_force));
+        }
         Quantity::Active => each(first, values, |i| world.is_present(BodyId::from(i)).into()),
         Quantity::AgentContacts => each(first, values, |i| report.bodies[i].agent_contacts.into()),
         Quantity::WallContacts => each(first, values, |i| report.bodies[i].wall_contacts.into()),

@@ -4,7 +4,7 @@
 
 use crate::model::CrowdModel;
 use crate::model_description::{LARGEST_DESCRIPTION, model_description, terminals};
-use crate::quantities::{guid, scalars};
+use crate::quantities::{scalars, shared};
 use crate::resources::{TRIALS_FILE, can_be_packed};
 use crate::setup;
 use lemons_core::files::Staged;
@@ -224,7 +224,7 @@ fn difference(first: &Trial, other: &Trial) -> Option<String> {
             return Some(format!("agent {place} has the Id {:?} instead of {:?}", b.id, a.id));
         }
     }
-    if guid(first) == guid(other) {
+    if shared(first) == shared(other) {
         return None;
     }
     let (a, b) = (scalars(first), scalars(other));

@@ -3,10 +3,11 @@
 //!
 //! Names use the words of the XML formats. An array of agents has an element for each agent, in the
 //! order of Agents.xml; one of materials for each `<Material>` of Materials.xml; one of pairs for
-//! each two materials, a symmetric matrix.
+//! each two materials, a symmetric matrix; one of walls for each straight piece of a wall, in the
+//! order of Geometry.xml.
 
 use lemons_core::plane::Vec2;
-use lemons_core::trial::{Contact, Materials, Trial};
+use lemons_core::trial::{Contact, Materials, Trial, Wall};
 use lemons_fmi::variables::units::*;
 use lemons_fmi::variables::{Dimension, Domain, Scalar, Size, Variable, row};
 pub use lemons_fmi::variables::{Kind, Role};
@@ -44,8 +45,12 @@ pub enum Quantity {
     ContactingAgents,
     NormalForce,
     MeanNormalForce,
+    MeanPeopleForce,
+    MeanWallForce,
     PeakNormalForce,
     PeakOverlap,
+    WallMeanNormalForce,
+    WallPeakNormalForce,
     Mass,
     MomentOfInertia,
     FloorDamping,
@@ -60,9 +65,10 @@ pub enum Quantity {
 }
 
 /// The structural parameters.
-pub const SIZES: [Size; 2] = [
+pub const SIZES: [Size; 3] = [
     Size { name: "Agents", description: "number of agents" },
     Size { name: "Materials", description: "number of materials" },
+    Size { name: "WallSegments", description: "number of straight pieces of walls; 1 without walls" },
 ];
 
 const ONE_VALUE: &[Dimension] = &[];
@@ -70,10 +76,13 @@ const AGENTS: &[Dimension] = &[Dimension::Size(0)];
 const VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Fixed(2)];
 const MATERIALS: &[Dimension] = &[Dimension::Size(1)];
 const PAIRS: &[Dimension] = &[Dimension::Size(1), Dimension::Size(1)];
+const WALLS: &[Dimension] = &[Dimension::Size(2)];
+/// What names of arrays of walls begin with; in FMI 2.0 it is before the name.
+const WALL: &str = "Wall";
 
 /// The table. Where an array of agents has the name that FMI 2.0 gives a number of the whole crowd,
 /// the number is called a total.
-pub static QUANTITIES: [Variable<Quantity>; 36] = {
+pub static QUANTITIES: [Variable<Quantity>; 40] = {
     use Domain::*;
     use Kind::*;
     use Quantity::*;
@@ -124,10 +133,19 @@ pub static QUANTITIES: [Variable<Quantity>; 36] = {
             .calculated("squeeze at the communication point: sum of |Fn| over its contacts"),
         row(MeanNormalForce, "MeanNormalForce", AGENTS, Real(NEWTON))
             .calculated("mean squeeze: time average of NormalForce over the last step"),
+        row(MeanPeopleForce, "MeanPeopleForce", AGENTS, Real(NEWTON))
+            .calculated("mean squeeze by other agents: the part of MeanNormalForce that is not by walls"),
+        row(MeanWallForce, "MeanWallForce", AGENTS, Real(NEWTON)).calculated(
+            "mean squeeze by walls: time average of the sum of |Fn| over its contacts with walls",
+        ),
         row(PeakNormalForce, "PeakNormalForce", AGENTS, Real(NEWTON))
             .calculated("peak squeeze: largest NormalForce within the last step"),
         row(PeakOverlap, "PeakOverlap", AGENTS, Real(METRE))
             .calculated("deepest overlap of its contacts within the last step"),
+        row(WallMeanNormalForce, "WallMeanNormalForce", WALLS, Real(NEWTON))
+            .calculated("time average of the sum of |Fn| over its contacts with agents over the last step"),
+        row(WallPeakNormalForce, "WallPeakNormalForce", WALLS, Real(NEWTON))
+            .calculated("largest sum of |Fn| over its contacts with agents within the last step"),
         row(Mass, "Mass", AGENTS, Real(KILOGRAM)).parameter(Positive, "mass"),
         row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(KILOGRAM_METRE_SQUARED))
             .parameter(Positive, "moment of inertia about the centre of mass"),
@@ -164,7 +182,14 @@ impl Quantity {
 
 /// Returns the values of the structural parameters for a Trial.
 pub fn sizes(trial: &Trial) -> Vec<u64> {
-    vec![trial.agents.len() as u64, trial.materials.intrinsic.len() as u64]
+    // FMI 3.0: no size is 0 in a model description.
+    let segments = segments(trial).count().max(1);
+    vec![trial.agents.len() as u64, trial.materials.intrinsic.len() as u64, segments as u64]
+}
+
+/// Returns the straight pieces of walls: the wall of each, and its place in it.
+pub fn segments(trial: &Trial) -> impl Iterator<Item = (&Wall, usize)> {
+    trial.geometry.walls.iter().flat_map(|wall| (1..wall.corners.len()).map(move |end| (wall, end - 1)))
 }
 
 /// Returns the variables of a Trial's FMI 2.0 FMU. A value reference is an index in this list.
@@ -181,6 +206,14 @@ pub fn scalars(trial: &Trial) -> Vec<Scalar<Quantity>> {
     for (i, agent) in trial.agents.iter().enumerate() {
         let (prefix, about) = (format!("agent[{i}]."), format!("agent Id {}: ", agent.id));
         scalars.extend(numbers().flat_map(|row| row.scalars(i, &prefix, &about)));
+    }
+    for (k, (wall, piece)) in segments(trial).enumerate() {
+        let about = format!("piece {piece} of wall Id {}: ", wall.id);
+        let of_piece = of(WALLS).flat_map(|row| row.scalars(k, "", &about));
+        scalars.extend(of_piece.map(|scalar| Scalar {
+            name: format!("wall[{k}].{}", scalar.name.trim_start_matches(WALL)),
+            ..scalar
+        }));
     }
     scalars.extend(scalars_of_materials(trial));
     scalars
@@ -211,6 +244,14 @@ fn scalars_of_materials(trial: &Trial) -> Vec<Scalar<Quantity>> {
 /// Returns the GUID of a Trial's FMI 2.0 FMU.
 pub fn guid(trial: &Trial) -> Uuid {
     lemons_fmi::guid(&scalars(trial))
+}
+
+/// Returns a token of the variables that the Trials of an FMI 2.0 FMU share: of all but those of walls. The FMU has
+/// these of its first Trial; where another one has fewer walls, they are 0.
+pub fn shared(trial: &Trial) -> Uuid {
+    let mut scalars = scalars(trial);
+    scalars.retain(|scalar| scalar.variable.dimensions != WALLS);
+    lemons_fmi::guid(&scalars)
 }
 
 /// Returns the elements that a quantity of materials has in FMI 3.0, by its name in FMI 2.0: names

@@ -61,6 +61,11 @@ export class Film {
         return this.frames.squeezeMean(k, Math.max(1, Math.round(seconds / this.scene.step)));
     }
 
+    /** The part of that mean of an agent by walls. */
+    wallMean(k: number, seconds: number, agent: number): number {
+        return this.frames.wallMean(k, Math.max(1, Math.round(seconds / this.scene.step)), agent);
+    }
+
     get most() {
         return Math.floor(MOST_BYTES / this.frames.bytes);
     }

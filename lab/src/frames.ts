@@ -6,6 +6,7 @@ import { COLUMNS } from "./protocol";
 const BLOCK_BYTES = 4e6;
 const SQUEEZE = 6;
 const CONTACTS = 7;
+const BY_WALLS = 8;
 
 /** Of the whole crowd, one number for each frame. */
 export const CURVES = ["speed", "squeeze", "greatest", "contacts", "left"] as const;
@@ -136,6 +137,14 @@ export class Frames {
         }
         for (let a = 0; a < this.agents; a++) means[a]! /= k - from + 1;
         return means;
+    }
+
+    /** The part of that mean of an agent by walls. */
+    wallMean(k: number, last: number, agent: number): number {
+        const from = Math.min(k, Math.max(1, k - last + 1));
+        let sum = 0;
+        for (let j = from; j <= k; j++) sum += this.number(j, agent, BY_WALLS);
+        return sum / (k - from + 1);
     }
 
     /** A copy of frames, from one to before another. */

@@ -65,6 +65,8 @@ function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren]
         [`Squeeze, ${meanWords(film, k)}`, `${Math.round(film.squeezeMean(k, SMOOTH)[a]!).toLocaleString("en")} N`],
         ["Contacts", String(of(7))],
     ];
+    const byWalls = Math.round(film.wallMean(k, SMOOTH, a));
+    if (byWalls > 0) rows.splice(5, 0, ["Of it by walls", `${byWalls.toLocaleString("en")} N`]);
     if (person) {
         const sizes = `${length(person.breadth, unit)} × ${length(person.depth, unit)}, ${length(person.stature, unit)} tall`;
         rows.push(["Body", `${person.sex === "male" ? "man" : "woman"}, ${sizes}`]);

@@ -288,9 +288,9 @@ export interface Advanced {
     arrived: number;
 }
 
-/** Numbers of an agent in a frame: x, y, theta, vx, vy, omega, mean squeeze of the step, contacts. Of who has left, x and y
- * are not numbers. */
-export const COLUMNS = 8;
+/** Numbers of an agent in a frame: x, y, theta, vx, vy, omega, mean squeeze of the step, contacts, the part of the
+ * squeeze by walls. Of who has left, x and y are not numbers. */
+export const COLUMNS = 9;
 
 /** Whether an agent of a frame has not left. */
 export function isThere(frame: Float64Array, agent: number): boolean {

@@ -7,8 +7,8 @@ use super::body_kinematics::BodyKinematics;
 use super::broad_phase::{CellGrid, Crowded, NearMargin, PairLimit, list};
 use super::circle::Circle;
 use super::contact_geometry::Instant;
-use super::contacts::{Impulse, Load, OutgoingLoad, SpringUpdate, Sums, deepen};
-use super::exposure::ExposureSum;
+use super::contacts::{Impulse, Load, OutgoingLoad, SpringUpdate, Sums, WallForce, deepen};
+use super::exposure::{ExposureSum, FaceSum};
 use super::near_pairs::{Candidates, FIRST_EVALUATION, NearPairs};
 use super::report::ContactReport;
 use super::wall_contacts::WallContacts;
@@ -34,6 +34,8 @@ pub(super) struct Block {
     /// The same on bodies of later blocks, and from earlier blocks.
     outgoing_impulses: Vec<Impulse>,
     incoming_impulses: Vec<Impulse>,
+    /// The contacts of its bodies with walls at the present instant, by body.
+    wall_forces: Vec<WallForce>,
     /// The last value returned for its bodies.
     result: f64,
     work: Work,
@@ -49,6 +51,10 @@ pub(super) struct Blocks {
     pub flown: Vec<Flown>,
     /// \[m\] For each body the deepest overlap since [`Blocks::load`].
     pub deepest: Vec<f64>,
+    /// \[N.s\] For each body the impulse by walls since [`Blocks::load`]: few bodies touch one.
+    pub by_walls: Vec<f64>,
+    /// For each face the sums since then.
+    pub faces: Vec<FaceSum>,
     /// Loads by the contacts: of all bodies if several threads work, else of one block at a time, so that they stay in
     /// the cache.
     loads: Vec<Load>,
@@ -85,6 +91,8 @@ impl Blocks {
             kinematics: vec![BodyKinematics::default(); bodies],
             flown: vec![Flown::default(); bodies],
             deepest: vec![0.0; bodies],
+            by_walls: vec![0.0; bodies],
+            faces: vec![FaceSum::default(); scene.faces.len()],
             loads: vec![Load::default(); bodies],
             evaluation: FIRST_EVALUATION,
         }
@@ -101,6 +109,8 @@ impl Blocks {
         self.evaluation = FIRST_EVALUATION;
         self.flown.iter_mut().for_each(|flown| flown.exposure_sum = ExposureSum::default());
         self.deepest.fill(0.0);
+        self.by_walls.fill(0.0);
+        self.faces.fill(FaceSum::default());
         for block in &mut self.blocks {
             block.pairs.clear();
             // Already empty, unless a panic was caught.
@@ -158,7 +168,8 @@ impl Blocks {
     }
 
     /// Sums the contact forces at this instant, and lets the springs advance according to `update`. Then it applies a
-    /// function to the bodies of every block and returns the largest result.
+    /// function to the bodies of every block and returns the largest result. The instant counts for a `duration` \[s\]
+    /// in the sums of walls.
     ///
     /// A single thread processes block by block, while each is in the cache. Moving the bodies of a block does not
     /// disturb later blocks, because a pair of two blocks belongs to the first one.
@@ -167,12 +178,13 @@ impl Blocks {
         scene: &Scene,
         threads: &Threads,
         update: SpringUpdate,
+        duration: f64,
         then: impl Fn(usize, Bodies) -> f64 + Send + Sync,
     ) -> f64 {
         let before = self.evaluation;
         // 32 bits, so that a spring has 32 bytes. A communication step has fewer mechanical steps (`MOST_STEPS`).
         self.evaluation += 1;
-        let Blocks { blocks, kinematics, flown, deepest, loads, .. } = self;
+        let Blocks { blocks, kinematics, flown, deepest, by_walls, faces, loads, .. } = self;
         if threads.count() == 1 {
             for k in 0..blocks.len() {
                 let of_block = k * BLOCK..kinematics.len().min((k + 1) * BLOCK);
@@ -184,6 +196,7 @@ impl Blocks {
                     hand_over(blocks, k);
                     blocks[k].take_in(start, loads, deepest);
                 }
+                blocks[k].add_walls(start, &mut by_walls[of_block.clone()], duration);
                 let (kinematics, flown) = (&mut kinematics[of_block.clone()], &mut flown[of_block]);
                 let block = &mut blocks[k];
                 let impulses = &block.impulses[..];
@@ -198,14 +211,17 @@ impl Blocks {
             });
             (0..blocks.len()).for_each(|k| hand_over(blocks, k));
             let each = blocks.iter_mut().zip(kinematics.chunks_mut(BLOCK)).enumerate();
-            let loads = loads.chunks_mut(BLOCK).zip(deepest.chunks_mut(BLOCK));
+            let loads =
+                loads.chunks_mut(BLOCK).zip(deepest.chunks_mut(BLOCK)).zip(by_walls.chunks_mut(BLOCK));
             let each = each.zip(flown.chunks_mut(BLOCK).zip(loads));
-            threads.each(each, |((k, (block, kinematics)), (flown, (loads, deepest)))| {
+            threads.each(each, |((k, (block, kinematics)), (flown, ((loads, deepest), by_walls)))| {
                 block.take_in(k * BLOCK, loads, deepest);
+                block.add_walls(k * BLOCK, by_walls, duration);
                 let impulses = &block.impulses[..];
                 block.result = then(k, Bodies { start: k * BLOCK, kinematics, flown, loads, impulses });
             });
         }
+        add_faces(blocks, faces, duration);
         blocks.iter().map(|block| block.result).fold(0.0, f64::max)
     }
 
@@ -239,10 +255,12 @@ impl Block {
         loads: &mut [Load],
         deepest: &mut [f64],
     ) {
-        let Block { pairs, walls, outgoing, impulses, outgoing_impulses, work, .. } = self;
+        let Block { pairs, walls, outgoing, impulses, outgoing_impulses, wall_forces, work, .. } = self;
         loads.fill(Load::default());
         impulses.clear();
-        let mut sums = Sums { start, loads, deepest, outgoing, impulses, outgoing_impulses, work };
+        wall_forces.clear();
+        let mut sums =
+            Sums { start, loads, deepest, outgoing, impulses, outgoing_impulses, wall_forces, work };
         instant.evaluate(pairs, walls, update, &mut sums);
     }
 
@@ -254,6 +272,34 @@ impl Block {
         }
         if !self.incoming_impulses.is_empty() {
             self.impulses.append(&mut self.incoming_impulses);
+        }
+    }
+
+    /// Adds the impulses by walls of this instant, which counts for a `duration` \[s\], to those of its bodies. The sums
+    /// have the order of [`ExposureSum`], so that the two are the same for a body that touches only walls.
+    fn add_walls(&self, start: usize, by_walls: &mut [f64], duration: f64) {
+        for impulse in self.impulses.iter().filter(|impulse| impulse.face.is_some()) {
+            by_walls[impulse.body.index() - start] += impulse.squeeze;
+        }
+        for of_body in self.wall_forces.chunk_by(|one, next| one.body == next.body) {
+            let squeeze = of_body.iter().fold(0.0, |sum, force| sum + force.squeeze);
+            by_walls[of_body[0].body.index() - start] += squeeze * duration;
+        }
+    }
+}
+
+/// Adds the forces and impulses on faces at this instant, which counts for a `duration` \[s\], in the order of blocks.
+fn add_faces(blocks: &[Block], faces: &mut [FaceSum], duration: f64) {
+    for force in blocks.iter().flat_map(|block| &block.wall_forces) {
+        faces[force.face.index()].add(force.squeeze);
+    }
+    for force in blocks.iter().flat_map(|block| &block.wall_forces) {
+        // For a face with several contacts the further ones add nothing.
+        faces[force.face.index()].end_instant(duration);
+    }
+    for impulse in blocks.iter().flat_map(|block| &block.impulses) {
+        if let Some(face) = impulse.face {
+            faces[face.index()].add_impulse(impulse);
         }
     }
 }

@@ -6,7 +6,7 @@ use super::contact_law::{Relaxation, SpringHistory, normal_force, react};
 use super::near_pairs::{AT_ONCE, DiskPair, FacePair, NearPairs, Overlapping, Separation, Spring};
 use super::overlap::{Proximity, proximity};
 use super::wall_contacts::WallContacts;
-use super::{BodyId, PairLaw, Regime, Scene, Wrench};
+use super::{BodyId, FaceId, PairLaw, Regime, Scene, Wrench};
 
 /// How an evaluation changes the springs.
 #[derive(Debug, Clone, Copy)]
@@ -102,12 +102,30 @@ pub(super) struct OutgoingLoad {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Impulse {
     pub body: BodyId,
+    /// The face, of a contact with a wall.
+    pub face: Option<FaceId>,
     /// \[N.s\], \[N.m.s\]
     pub wrench: Wrench,
     /// \[N.s\] of |F_n|.
     pub squeeze: f64,
     /// \[N\] |F_n| at its beginning or end.
     pub peak: f64,
+}
+
+/// The normal force of a contact with a wall.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WallForce {
+    pub body: BodyId,
+    pub face: FaceId,
+    /// \[N\] |F_n|.
+    pub squeeze: f64,
+}
+
+/// The other of a contact, besides the receiver.
+#[derive(Debug, Clone, Copy)]
+enum Other {
+    Body(BodyId),
+    Face(FaceId),
 }
 
 /// The sums of an evaluation for the bodies of a block.
@@ -124,19 +142,23 @@ pub(super) struct Sums<'a> {
     pub impulses: &'a mut Vec<Impulse>,
     /// The same on bodies of later blocks.
     pub outgoing_impulses: &'a mut Vec<Impulse>,
+    /// The contacts with walls at this instant, by body.
+    pub wall_forces: &'a mut Vec<WallForce>,
     pub work: &'a mut Work,
 }
 
 impl Sums<'_> {
     /// Each force is computed once and applied to both bodies with opposite signs: Newton's third law holds exactly.
     #[inline(always)]
-    fn add(&mut self, receiver: BodyId, giver: Option<BodyId>, force: &ContactForce) {
+    fn add(&mut self, receiver: BodyId, other: Other, force: &ContactForce) {
         self.work.contacts += 1;
         self.work.sliding += u64::from(force.reaction.regime == Regime::Sliding);
         let (vector, squeeze, depth) = (force.vector(), force.reaction.normal.abs(), force.overlap.depth);
         self.give(receiver, Load { wrench: force.on_receiver(vector), squeeze }, depth);
-        let Some(giver) = giver else { return };
-        self.give(giver, Load { wrench: force.on_giver(vector), squeeze }, depth);
+        match other {
+            Other::Body(giver) => self.give(giver, Load { wrench: force.on_giver(vector), squeeze }, depth),
+            Other::Face(face) => self.wall_forces.push(WallForce { body: receiver, face, squeeze }),
+        }
     }
 
     #[inline(always)]
@@ -157,13 +179,13 @@ impl Sums<'_> {
     fn begin(
         &mut self,
         receiver: BodyId,
-        giver: Option<BodyId>,
+        other: Other,
         law: &PairLaw,
         began: (ContactForce, ImpulseCorrection),
         now: u32,
     ) -> Spring {
-        self.add_impulse(receiver, giver, &began);
-        self.add(receiver, giver, &began.0);
+        self.add_impulse(receiver, other, &began);
+        self.add(receiver, other, &began.0);
         kept(law, &began.0, now)
     }
 
@@ -172,13 +194,18 @@ impl Sums<'_> {
     fn add_impulse(
         &mut self,
         receiver: BodyId,
-        giver: Option<BodyId>,
+        other: Other,
         (force, by): &(ContactForce, ImpulseCorrection),
     ) {
         let ImpulseCorrection { normal, tangential, squeeze, peak } = *by;
         let impulse = force.overlap.normal * normal + force.overlap.normal.perp() * tangential;
-        let on_receiver = Impulse { body: receiver, wrench: force.on_receiver(impulse), squeeze, peak };
-        let on_giver = giver.map(|body| Impulse { body, wrench: force.on_giver(impulse), squeeze, peak });
+        let (face, giver) = match other {
+            Other::Face(face) => (Some(face), None),
+            Other::Body(body) => (None, Some(body)),
+        };
+        let on_receiver = Impulse { body: receiver, face, wrench: force.on_receiver(impulse), squeeze, peak };
+        let on_giver =
+            giver.map(|body| Impulse { body, face, wrench: force.on_giver(impulse), squeeze, peak });
         for impulse in [Some(on_receiver), on_giver].into_iter().flatten() {
             let inside = impulse.body.index() - self.start < self.loads.len();
             let impulses = if inside { &mut *self.impulses } else { &mut *self.outgoing_impulses };
@@ -234,11 +261,11 @@ impl Instant<'_> {
         for &(k, separation) in self.find_overlapping(&pairs.disks, start, &mut pairs.overlapping) {
             let (pair, detail) = (&pairs.disks[k], &pairs.disk_details[k]);
             let spring = &mut pairs.disk_springs[k];
-            let (receiver, giver) = (pair.first_body, Some(pair.second_body));
+            let (receiver, giver) = (pair.first_body, pair.second_body);
             let geometry = match proximity(separation.between, pair.reach) {
                 Proximity::Apart => continue,
                 Proximity::Coincident => {
-                    sums.add_coincident(receiver, giver, pair.reach);
+                    sums.add_coincident(receiver, Some(giver), pair.reach);
                     continue;
                 }
                 Proximity::Touching(overlap) => self.disk_geometry(pair, detail, &separation, overlap),
@@ -249,11 +276,11 @@ impl Instant<'_> {
             {
                 // A copy, so that the geometry itself stays in registers.
                 let began = self.disks_began(&{ geometry }, step.dt);
-                *spring = sums.begin(receiver, giver, geometry.law, began, self.before + 1);
+                *spring = sums.begin(receiver, Other::Body(giver), geometry.law, began, self.before + 1);
             } else {
                 let force = contact_force(&geometry, continues.then_some(&*spring), update);
                 *spring = kept(geometry.law, &force, self.before + 1);
-                sums.add(receiver, giver, &force);
+                sums.add(receiver, Other::Body(giver), &force);
             }
             touching |= 1 << (k % AT_ONCE);
         }
@@ -284,6 +311,7 @@ impl Instant<'_> {
                 continue;
             }
             let geometry = self.face_geometry(&pairs[k], contact.overlap, contact.part);
+            let face = Other::Face(pairs[k].face);
             let from = walls.keeps(scene, pairs, springs, contact, disk.centre, self.before);
             match (from, update) {
                 (Some(from), SpringUpdate::Over(step))
@@ -293,18 +321,18 @@ impl Instant<'_> {
                 {
                     let [ended, began] = passed;
                     springs[from] = Spring::RELAXED;
-                    sums.add_impulse(body, None, &ended);
-                    springs[k] = sums.begin(body, None, geometry.law, began, self.before + 1);
+                    sums.add_impulse(body, Other::Face(pairs[from].face), &ended);
+                    springs[k] = sums.begin(body, face, geometry.law, began, self.before + 1);
                 }
                 (None, SpringUpdate::Over(step)) => {
                     if springs[k].touched_at == self.before
                         && let Some(ended) = self.face_ended(&pairs[k], None, &springs[k], step.dt)
                     {
                         // It touches another part of the same face.
-                        sums.add_impulse(body, None, &ended);
+                        sums.add_impulse(body, face, &ended);
                     }
                     let began = self.face_began(&pairs[k], contact, &{ geometry }, step.dt);
-                    springs[k] = sums.begin(body, None, geometry.law, began, self.before + 1);
+                    springs[k] = sums.begin(body, face, geometry.law, began, self.before + 1);
                 }
                 _ => {
                     let force = contact_force(&geometry, from.map(|from| &springs[from]), update);
@@ -312,7 +340,7 @@ impl Instant<'_> {
                         springs[from] = Spring::RELAXED;
                     }
                     springs[k] = kept(geometry.law, &force, self.before + 1);
-                    sums.add(body, None, &force);
+                    sums.add(body, face, &force);
                 }
             }
         }
@@ -320,7 +348,7 @@ impl Instant<'_> {
         for (k, spring) in springs.iter().enumerate().filter(|(_, spring)| spring.touched_at == self.before) {
             let held = walls.found().iter().find(|contact| contact.place == k);
             if let Some(ended) = self.face_ended(&pairs[k], held, spring, step.dt) {
-                sums.add_impulse(body, None, &ended);
+                sums.add_impulse(body, Other::Face(pairs[k].face), &ended);
             }
         }
     }
@@ -331,7 +359,7 @@ impl Instant<'_> {
         for k in places(ended).map(|place| start + place) {
             let (pair, detail, spring) = (&pairs.disks[k], &pairs.disk_details[k], &pairs.disk_springs[k]);
             if let Some(ended) = self.disks_ended(pair, detail, spring, dt) {
-                sums.add_impulse(pair.first_body, Some(pair.second_body), &ended);
+                sums.add_impulse(pair.first_body, Other::Body(pair.second_body), &ended);
             }
         }
     }

@@ -1,5 +1,6 @@
-//! What the contacts did to a body during a communication step.
+//! What the contacts did to a body, and to a face of a wall, during a communication step.
 
+use super::BodyContacts;
 use super::contacts::{Impulse, Load};
 use serde::{Deserialize, Serialize};
 
@@ -12,6 +13,8 @@ pub struct Exposure {
     /// \[N\] time average of the sum of |F_n| over the contacts: their impulse over the duration of the step. It is of
     /// second order in the mechanical step, also where contacts begin and end within one.
     pub mean_force: f64,
+    /// \[N\] the part of `mean_force` by contacts with walls.
+    pub mean_wall_force: f64,
     /// \[N\] largest sum of |F_n| over the contacts at the evaluations; or |F_n| of one contact when it began or ended,
     /// if that is larger.
     pub peak_force: f64,
@@ -23,12 +26,19 @@ impl Exposure {
     /// Returns the exposure over a time of two parts: this over `before` \[s\], then `after` over `duration` \[s\].
     pub(super) fn and(&self, before: f64, after: &Exposure, duration: f64) -> Exposure {
         let peak_force = self.peak_force.max(after.peak_force);
-        let impulse = self.mean_force * before + after.mean_force * duration;
+        let mean = |one: f64, other: f64| (one * before + other * duration) / (before + duration);
+        let mean_force = mean(self.mean_force, after.mean_force).min(peak_force);
         Exposure {
-            mean_force: (impulse / (before + duration)).min(peak_force),
+            mean_force,
+            mean_wall_force: mean(self.mean_wall_force, after.mean_wall_force).min(mean_force),
             peak_force,
             peak_overlap: self.peak_overlap.max(after.peak_overlap),
         }
+    }
+
+    /// \[N\] Returns the part of `mean_force` by contacts with other bodies; exactly zero if there were none.
+    pub fn mean_people_force(&self) -> f64 {
+        self.mean_force - self.mean_wall_force
     }
 
     /// Returns whether all of it are numbers.
@@ -60,14 +70,77 @@ impl ExposureSum {
         self.peak_force = if impulse.peak > self.peak_force { impulse.peak } else { self.peak_force };
     }
 
-    /// Returns the exposure over a communication step of a duration \[s\], 0 for a single instant. `peak_overlap` \[m\]
-    /// is the deepest overlap. `squeeze` \[N\] is the force at its end, after the correction of velocities, which may
-    /// be slightly larger than the earlier ones.
-    pub fn exposure(&self, duration: f64, squeeze: f64, peak_overlap: f64) -> Exposure {
-        let peak_force = self.peak_force.max(squeeze);
-        // Rounding may make (force × duration) / duration one bit larger than the force, and a sum of zero negative.
-        let mean_force =
-            if duration > 0.0 { (self.impulse / duration).max(0.0).min(peak_force) } else { squeeze };
-        Exposure { mean_force, peak_force, peak_overlap }
+    /// Returns the exposure over a communication step of a duration \[s\], 0 for a single instant. `by_walls` \[N.s\] is
+    /// the part of the impulse by walls, `peak_overlap` \[m\] the deepest overlap. `end` is what acts at its end, after
+    /// the correction of velocities: its force may be slightly larger than the earlier ones.
+    pub fn exposure(&self, duration: f64, by_walls: f64, end: &BodyContacts, peak_overlap: f64) -> Exposure {
+        let peak_force = self.peak_force.max(end.squeeze);
+        let mean_force = mean(self.impulse, duration, end.squeeze, peak_force);
+        let mean_wall_force = mean(by_walls, duration, end.wall_squeeze, mean_force);
+        Exposure { mean_force, mean_wall_force, peak_force, peak_overlap }
     }
+}
+
+/// What the bodies did to a face of a wall during the last communication step; before the first step, at the start.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct FaceExposure {
+    /// \[N\] time average of the sum of |F_n| over its contacts, with those of [`Exposure::mean_wall_force`].
+    pub mean_force: f64,
+    /// \[N\] largest sum, as [`Exposure::peak_force`].
+    pub peak_force: f64,
+}
+
+impl FaceExposure {
+    /// Returns the exposure over a time of two parts, as [`Exposure::and`].
+    pub(super) fn and(&self, before: f64, after: &FaceExposure, duration: f64) -> FaceExposure {
+        let peak_force = self.peak_force.max(after.peak_force);
+        let impulse = self.mean_force * before + after.mean_force * duration;
+        FaceExposure { mean_force: (impulse / (before + duration)).min(peak_force), peak_force }
+    }
+}
+
+/// The sums for a [`FaceExposure`] during a communication step.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct FaceSum {
+    /// \[N\] Sum of |F_n| at the present instant.
+    now: f64,
+    /// \[N.s\] impulse.
+    impulse: f64,
+    /// \[N\] largest force.
+    peak_force: f64,
+}
+
+impl FaceSum {
+    /// Adds the force of a contact \[N\] at the present instant.
+    pub fn add(&mut self, force: f64) {
+        self.now += force;
+    }
+
+    /// Ends an instant that counts for a duration \[s\].
+    pub fn end_instant(&mut self, duration: f64) {
+        self.impulse += self.now * duration;
+        self.peak_force = self.peak_force.max(self.now);
+        self.now = 0.0;
+    }
+
+    /// Adds what a contact that began or ended within a step did besides the forces at instants.
+    pub fn add_impulse(&mut self, impulse: &Impulse) {
+        self.impulse += impulse.squeeze;
+        self.peak_force = self.peak_force.max(impulse.peak);
+    }
+
+    /// Returns the exposure over a communication step of a duration \[s\], 0 for a single instant. `end` \[N\] is the
+    /// force at its end.
+    pub fn exposure(&self, duration: f64, end: f64) -> FaceExposure {
+        // Of many bodies the sum might be beyond all numbers.
+        let peak_force = self.peak_force.max(end).min(f64::MAX);
+        FaceExposure { mean_force: mean(self.impulse, duration, end, peak_force), peak_force }
+    }
+}
+
+/// Returns the mean force \[N\] of an impulse \[N.s\] over a duration \[s\], which is at most the greatest one; over none
+/// the force at its end.
+fn mean(impulse: f64, duration: f64, end: f64, greatest: f64) -> f64 {
+    // Rounding may make (force × duration) / duration one bit larger than the force, and a sum of zero negative.
+    if duration > 0.0 { (impulse / duration).max(0.0).min(greatest) } else { end }
 }

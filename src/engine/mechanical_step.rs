@@ -181,7 +181,7 @@ impl<D: Course> CommunicationStep<'_, D> {
             }
             moved.sqrt() + turned
         };
-        self.leeway -= self.scratch.blocks.evaluate(self.scene, self.threads, update, predict);
+        self.leeway -= self.scratch.blocks.evaluate(self.scene, self.threads, update, kick, predict);
         self.work.steps += 1;
     }
 
@@ -198,7 +198,8 @@ impl<D: Course> CommunicationStep<'_, D> {
             }
             0.0
         };
-        self.scratch.blocks.evaluate(self.scene, self.threads, SpringUpdate::Over(&self.mechanical), correct);
+        let update = SpringUpdate::Over(&self.mechanical);
+        self.scratch.blocks.evaluate(self.scene, self.threads, update, half_kick, correct);
     }
 
     /// Makes the lists valid again: the near pairs and, if necessary, the candidates.

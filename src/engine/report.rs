@@ -62,6 +62,8 @@ pub struct BodyContacts {
     pub touching_bodies: u32,
     /// \[N\] sum of |F_n| over its contacts.
     pub squeeze: f64,
+    /// \[N\] the part of it by walls.
+    pub wall_squeeze: f64,
     /// The sum of the forces of its contacts, and of their torques about the centre of mass.
     pub wrench: Wrench,
 }
@@ -197,6 +199,7 @@ impl Instant<'_> {
                 let body = &mut report.bodies[body.index()];
                 body.wall_contacts += 1;
                 body.squeeze += squeeze;
+                body.wall_squeeze += squeeze;
                 report.wall_contacts += 1;
             }
         }

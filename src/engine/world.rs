@@ -8,7 +8,9 @@ use super::free_flight::Course;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
-use super::{BodyId, Exposure, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench};
+use super::{
+    BodyId, Exposure, FaceExposure, Pair, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench,
+};
 use thiserror::Error;
 
 /// Largest number of mechanical steps that is counted.
@@ -101,6 +103,7 @@ pub struct World {
     shared: u64,
     contacts: ContactReport,
     exposures: Vec<Exposure>,
+    face_exposures: Vec<FaceExposure>,
     work: Work,
     scratch: Scratch,
 }
@@ -127,6 +130,7 @@ impl World {
             shared: 0,
             contacts: ContactReport::default(),
             exposures: Vec::new(),
+            face_exposures: Vec::new(),
             work: Work::default(),
             state: State::default(),
             scene,
@@ -218,6 +222,12 @@ impl World {
         &self.exposures
     }
 
+    /// What the bodies did to each face of a wall during the last communication step. A corner belongs to the face that
+    /// has the contact in [`World::contacts`].
+    pub fn face_exposures(&self) -> &[FaceExposure] {
+        &self.face_exposures
+    }
+
     /// \[m\] the deepest overlap during the last communication step; zero without contacts.
     pub fn largest_overlap(&self) -> f64 {
         self.exposures.iter().map(|exposure| exposure.peak_overlap).fold(0.0, f64::max)
@@ -248,7 +258,7 @@ impl World {
         blocks.list(scene, &alone, &grid, &circles, |b| present[b])?;
         blocks.renew(scene, &alone, NearMargin::default());
         // Finds which pairs touch and how deeply; the forces are not used.
-        blocks.evaluate(scene, &alone, SpringUpdate::Hold, |_, bodies| {
+        blocks.evaluate(scene, &alone, SpringUpdate::Hold, 0.0, |_, bodies| {
             bodies
                 .flown
                 .iter_mut()
@@ -260,19 +270,27 @@ impl World {
         self.contacts = blocks.report(scene);
         // As after a step of duration zero.
         self.exposures = exposures(blocks, 0.0, &self.contacts);
+        self.face_exposures = face_exposures(blocks, 0.0, &self.contacts);
         blocks.store(&mut state);
         self.state = state;
         Ok(())
     }
 
-    /// Like [`World::restore`], with the exposures of the step that ended in this state, one for each body.
+    /// Like [`World::restore`], with the exposures of the step that ended in this state, one for each body and one for
+    /// each face.
     ///
     /// # Errors
     /// Those of [`World::restore`].
-    pub fn restore_with(&mut self, state: State, exposures: Vec<Exposure>) -> Result<(), Crowded> {
+    pub fn restore_with(
+        &mut self,
+        state: State,
+        exposures: Vec<Exposure>,
+        of_faces: Vec<FaceExposure>,
+    ) -> Result<(), Crowded> {
         assert_eq!(exposures.len(), self.scene.bodies.len(), "one exposure for each body");
+        assert_eq!(of_faces.len(), self.scene.faces.len(), "one exposure for each face");
         self.restore(state)?;
-        self.exposures = exposures;
+        (self.exposures, self.face_exposures) = (exposures, of_faces);
         Ok(())
     }
 
@@ -316,8 +334,11 @@ impl World {
             return Err(AdvanceError::NotFinite { body });
         }
         let mut exposures = exposures(&self.scratch.blocks, duration, &contacts);
+        let mut of_faces = face_exposures(&self.scratch.blocks, duration, &contacts);
         if so_far > 0.0 {
             let both = exposures.iter_mut().zip(&self.exposures);
+            both.for_each(|(last, before)| *last = before.and(so_far, last, duration));
+            let both = of_faces.iter_mut().zip(&self.face_exposures);
             both.for_each(|(last, before)| *last = before.and(so_far, last, duration));
         }
         if let Some(b) = exposures.iter().position(|exposure| !exposure.is_finite()) {
@@ -325,6 +346,7 @@ impl World {
         }
         self.contacts = contacts;
         self.exposures = exposures;
+        self.face_exposures = of_faces;
         self.state = state;
         Ok(())
     }
@@ -360,10 +382,23 @@ impl World {
 
 /// The exposures over a duration \[s\], from the sums and the contacts at its end.
 fn exposures(blocks: &Blocks, duration: f64, contacts: &ContactReport) -> Vec<Exposure> {
-    let bodies = blocks.flown.iter().zip(&blocks.deepest).zip(&contacts.bodies);
+    let bodies = blocks.flown.iter().zip(&blocks.by_walls).zip(&blocks.deepest).zip(&contacts.bodies);
     bodies
-        .map(|((flown, deepest), body)| flown.exposure_sum.exposure(duration, body.squeeze, *deepest))
+        .map(|(((flown, by_walls), deepest), body)| {
+            flown.exposure_sum.exposure(duration, *by_walls, body, *deepest)
+        })
         .collect()
+}
+
+/// The same of the faces of walls.
+fn face_exposures(blocks: &Blocks, duration: f64, contacts: &ContactReport) -> Vec<FaceExposure> {
+    let mut at_end = vec![0.0; blocks.faces.len()];
+    for contact in &contacts.contacts {
+        if let Pair::Face { face, .. } = contact.pair {
+            at_end[face.index()] += contact.normal_force.abs();
+        }
+    }
+    blocks.faces.iter().zip(at_end).map(|(sum, end)| sum.exposure(duration, end)).collect()
 }
 
 #[cfg(test)]

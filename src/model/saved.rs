@@ -1,8 +1,8 @@
 //! The crowd's part of FMI's "FMU state": saving and restoring.
 
 use super::{CrowdModel, Drive, Packed, Settings, give_threads, make_directory};
-use crate::engine::{BodyId, Exposure, State, World, Wrench};
-use crate::quantities::{Quantity, guid};
+use crate::engine::{BodyId, Exposure, FaceExposure, State, World, Wrench};
+use crate::quantities::{Quantity, shared};
 use crate::setup::Setup;
 use lemons_fmi::variables::Domain;
 use lemons_fmi::{Answer, damaged, refuse};
@@ -30,6 +30,7 @@ struct Running {
     state: State,
     /// Outputs; the future does not depend on them.
     exposures: Vec<Exposure>,
+    face_exposures: Vec<FaceExposure>,
 }
 
 impl CrowdModel {
@@ -50,6 +51,7 @@ impl CrowdModel {
                 present: world.present().to_vec(),
                 state: world.state().clone(),
                 exposures: world.exposures().to_vec(),
+                face_exposures: world.face_exposures().to_vec(),
             }),
         }
     }
@@ -63,7 +65,7 @@ impl CrowdModel {
             self.known_trial(&saved.trial)?;
             Packed::load(&self.resources, &saved.trial)?.0
         };
-        let fits = self.any_size || guid(&packed.trial) == guid(&self.packed.trial);
+        let fits = self.any_size || shared(&packed.trial) == shared(&self.packed.trial);
         if packed.fingerprint != saved.fingerprint || !fits {
             return other_trial(&saved.trial);
         }
@@ -100,8 +102,9 @@ impl CrowdModel {
                 give_threads(&mut world, settings.threads, self.world.as_ref())?;
                 let bodies = running.present.iter().enumerate();
                 bodies.for_each(|(b, &present)| world.set_present(BodyId::from(b), present));
+                let of_faces = running.face_exposures.clone();
                 world
-                    .restore_with(running.state.clone(), running.exposures.clone())
+                    .restore_with(running.state.clone(), running.exposures.clone(), of_faces)
                     .or_else(|_| damaged("more agents in one place than can be held"))?;
                 world.drive.clone_from(&running.drive);
                 Some(world)
@@ -129,15 +132,22 @@ fn check_running(world: &World, running: &Running) -> Answer<()> {
         && running.drive.len() == bodies
         && running.present.len() == bodies
         && running.exposures.len() == bodies
+        && running.face_exposures.len() == faces
         && state.disk_springs.iter().all(|s| s.first.index() < disks && s.second.index() < disks)
         && state.face_springs.iter().all(|s| s.disk.index() < disks && s.face.index() < faces);
     if !fits {
         return damaged("it does not fit the scene");
     }
     let positive = |number: f64| number >= 0.0 && number.is_finite();
-    let exposed = |of: &Exposure| [of.mean_force, of.peak_force, of.peak_overlap].into_iter().all(positive);
+    let exposed = |of: &Exposure| {
+        let Exposure { mean_force, mean_wall_force, peak_force, peak_overlap } = *of;
+        mean_wall_force <= mean_force
+            && [mean_force, mean_wall_force, peak_force, peak_overlap].into_iter().all(positive)
+    };
+    let pressed = |of: &FaceExposure| [of.mean_force, of.peak_force].into_iter().all(positive);
     let finite = running.drive.iter().all(finite)
         && running.exposures.iter().all(exposed)
+        && running.face_exposures.iter().all(pressed)
         && state.poses.iter().all(|pose| pose.position.is_finite() && pose.orientation.is_finite())
         && state.twists.iter().all(|twist| twist.velocity.is_finite() && twist.angular_velocity.is_finite())
         && state.disk_springs.iter().all(|spring| spring.elongation.is_finite())

@@ -4,3 +4,4 @@
 mod ramp;
 mod shortlist;
 mod threads;
+mod walls;

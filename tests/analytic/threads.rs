@@ -39,6 +39,7 @@ fn any_number_of_threads_gives_the_same_bits_whatever_the_size() {
             }
             let [one, others @ ..] = &worlds;
             let work = one.work();
+            assert!(one.face_exposures()[0].mean_force > 0.0);
             let stepped = u64::try_from(people).unwrap() * 4 - work.shortlisted;
             assert!(work.shortlisted > 0 && work.contacts > 10_000 && stepped > 0, "{work:?}");
             // The runner has pushed somebody who was free when the step began.
@@ -46,6 +47,8 @@ fn any_number_of_threads_gives_the_same_bits_whatever_the_size() {
             for other in others {
                 assert_eq!(other.shared(), if people > 512 { 4 } else { 0 });
                 assert!(other.state() == one.state() && other.contacts() == one.contacts(), "{people}");
+                assert!(other.exposures() == one.exposures(), "{people}");
+                assert!(other.face_exposures() == one.face_exposures(), "{people}");
             }
             assert_eq!(others[2].threads(), people.div_ceil(512));
         }

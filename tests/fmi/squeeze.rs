@@ -31,8 +31,43 @@ fn before_the_first_step_they_are_those_of_the_start() {
     assert!(squeeze[0] > 1e4 && squeeze[4] == 0.0);
     assert_eq!(crowd.of_agents("MeanNormalForce"), squeeze);
     assert_eq!(crowd.of_agents("PeakNormalForce"), squeeze);
+    assert_eq!(crowd.of_agents("MeanPeopleForce"), squeeze);
     let overlaps = crowd.of_agents("PeakOverlap");
     assert!(overlaps[0] > 0.01 && overlaps[0] == overlaps[1] && overlaps[4] == 0.0, "{overlaps:?}");
+}
+
+/// The last agent is pushed to the wall before it; in FMI 3.0 also with values within steps.
+#[test]
+fn walls_get_what_they_give() {
+    let of_walls =
+        |crowd: &Crowd, name: &str| (0..4).map(|k| crowd.get(&format!("wall[{k}].{name}"))).collect();
+    for (version, parts) in [(V2, 0), (V3, 0), (V3, 700)] {
+        let crowd = Crowd::new(version);
+        if parts > 0 {
+            crowd.must(crowd.try_integer("IntermediateSteps", parts));
+        }
+        crowd.must(crowd.set("agent[4].Fp.x", 800.0));
+        crowd.must(crowd.set("agent[4].Position.x", 1.61));
+        crowd.initialize();
+        let mut pressed = 0;
+        for k in 0..40 {
+            let (on, most): (Vec<f64>, Vec<f64>) =
+                (of_walls(&crowd, "MeanNormalForce"), of_walls(&crowd, "PeakNormalForce"));
+            let [all, people, walls] =
+                ["MeanNormalForce", "MeanPeopleForce", "MeanWallForce"].map(|name| crowd.of_agents(name));
+            let sum: f64 = walls.iter().sum();
+            assert!((on.iter().sum::<f64>() - sum).abs() <= 1e-12 * sum, "{on:?} {walls:?}");
+            assert!((0..AGENTS).all(|i| (people[i] + walls[i] - all[i]).abs() <= 1e-15 * all[i]));
+            assert!((0..4).all(|k| most[k] >= on[k]) && (k > 0 || on[1] > 1e3), "{on:?} {most:?}");
+            assert!(people[4] == 0.0 && walls[..4] == [0.0; 4], "{people:?} {walls:?}");
+            pressed += usize::from(walls[4] > 0.0);
+            crowd.must(crowd.try_step(0.01 * f64::from(k), 0.01));
+        }
+        assert!(pressed > 3, "{pressed}");
+        let other = Crowd::new(version);
+        other.must(other.restore(&crowd.bytes()));
+        assert_eq!(other.everything(), crowd.everything());
+    }
 }
 
 /// One-disk agents whose centres coincide had no force for ever, and nobody said so.

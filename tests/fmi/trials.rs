@@ -61,6 +61,38 @@ fn a_trial_that_is_broken_or_has_other_variables_cannot_be_chosen() {
     }
 }
 
+/// FMI 2.0 has the pieces of the first Trial's walls; FMI 3.0 needs their number.
+#[test]
+fn a_trial_with_fewer_walls_can_be_chosen() {
+    let resources = two_trials();
+    let file = resources.directory().join("Trial_wider/static/Geometry.xml");
+    edit(
+        &file,
+        "<Corner Coordinates=\"-0.2,0.543710\"/>\n        <Corner Coordinates=\"-0.2,-0.57395\"/>",
+        "",
+    );
+    for version in BOTH {
+        let crowd = Crowd::on(version, &resources);
+        if version == V3 {
+            crowd.must(crowd.enter_configuration());
+            crowd.must(crowd.set_size(&[crowd.model.reference("WallSegments")], &[2]));
+            crowd.must(crowd.exit_configuration());
+        }
+        crowd.must(crowd.set_text("Trial", "Trial_wider"));
+        crowd.must(crowd.set("agent[4].Position.x", 1.7));
+        crowd.initialize();
+        crowd.must(crowd.try_step(0.0, 0.01));
+        if version == V3 {
+            let (status, forces) = crowd.get_real(&[crowd.model.reference("WallMeanNormalForce")], 2);
+            crowd.must(status);
+            assert!(forces[0] == 0.0 && forces[1] > 100.0, "{forces:?}");
+        } else {
+            let forces = [0, 1, 2, 3].map(|k| crowd.get(&format!("wall[{k}].MeanNormalForce")));
+            assert!(forces[1] > 100.0 && [forces[0], forces[2], forces[3]] == [0.0; 3], "{forces:?}");
+        }
+    }
+}
+
 #[test]
 fn output_goes_where_it_is_told() {
     let directory = tempfile::tempdir().unwrap();

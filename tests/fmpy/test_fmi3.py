@@ -99,7 +99,8 @@ def test_another_size(push_fmu_3, tmp_path, row):
     """Thirty people of another Trial, in Configuration Mode."""
     slave, references, said = instance_of(push_fmu_3, tmp_path / "extracted", loggingOn=True)
     slave.enterConfigurationMode()
-    slave.setUInt64([references["Agents"]], [30])
+    # The room is a wall of eleven straight pieces.
+    slave.setUInt64([references["Agents"], references["WallSegments"]], [30, 11])
     slave.exitConfigurationMode()
     slave.setString([references["Trial"]], [TRIAL_DOOR.name])
     slave.enterInitializationMode(startTime=0.0)
@@ -131,7 +132,7 @@ def test_thousand(pack, shared, tmp_path, row):
         description = archive.read("modelDescription.xml")
     assert len(description) <= 200 * 1000
     slave, references, _ = instance_of(fmu, tmp_path / "extracted")
-    assert len(references) == 39
+    assert len(references) == 44
     slave.enterInitializationMode(startTime=0.0)
     slave.exitInitializationMode()
     slave.setFloat64([references["Fp"]], [10.0, 0.0] * 1000)

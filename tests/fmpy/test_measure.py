@@ -4,11 +4,12 @@ import json
 import re
 import subprocess
 import sys
+import xml.etree.ElementTree as ET
 
 import numpy as np
 import pandas as pd
 import pytest
-from crowd import REPOSITORY, TRIAL_DOOR
+from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH
 
 import lemons_fmu
 from lemons_fmu import CommandError, measure
@@ -209,8 +210,6 @@ def test_a_trial_is_run_as_lemons_run_does(lemons, walk):
 
 
 def test_a_run_of_python_is_measured(lemons, pack):
-    from crowd import TRIAL_PUSH
-
     with lemons_fmu.Crowd(pack(TRIAL_PUSH)) as crowd:
         run = crowd.run(until=1.0)
     seen = measure(run, above=[500])
@@ -222,7 +221,31 @@ def test_a_run_of_python_is_measured(lemons, pack):
     pairs = run.mean_squeeze[1:]
     assert np.allclose(seen.people["largest_mean_0.1"], ((pairs[1:] + pairs[:-1]) / 2).max(axis=0), rtol=1e-6)
     assert seen.people["largest_mean_10"].isna().all()
+    by_walls = run.mean_wall_squeeze[1:]
+    by_people = run.mean_squeeze[1:] - by_walls
+    for part, name in (by_walls, "walls"), (by_people, "people"):
+        assert np.allclose(seen.people[f"impulse_by_{name}"], (part * steps).sum(axis=0), rtol=1e-9)
+        mean = ((part[1:] + part[:-1]) / 2).max(axis=0)
+        assert np.allclose(seen.people[f"largest_mean_0.1_by_{name}"], mean, rtol=1e-6, atol=1e-9)
+        assert seen.summary["exposure"][f"by_{name}"]["impulse"]["max"] == seen.people[f"impulse_by_{name}"].max()
 
+
+def test_walls_get_what_they_give(lemons, pack, tmp_path):
+    whole = measure(TRIAL_DOOR, until=6, walls=True)
+    walls, people = whole.walls, whole.people
+    assert walls["impulse"].sum() == pytest.approx(people["impulse_by_walls"].sum(), rel=1e-12) and walls["impulse"].sum() > 100
+    assert np.allclose(people["impulse_by_people"] + people["impulse_by_walls"], people["impulse"], rtol=1e-12)
+    assert (walls["largest_mean_1"] <= walls["largest_mean_step"]).all() and (walls["largest_mean_step"] <= walls["peak"]).all()
+    corners = [[corner.get("Coordinates") for corner in wall] for wall in ET.parse(TRIAL_DOOR / "static/Geometry.xml").iter("Wall")]
+    ends = [f"{a},{b}".split(",") for wall in corners for a, b in zip(wall, wall[1:], strict=False)]
+    assert (walls[["x1", "y1", "x2", "y2"]].to_numpy() == np.array(ends, dtype=float)).all()
+    assert walls["segment"].tolist() == list(range(len(ends)))
+    # From the outputs of FMUs of both versions, too: the bits are the same.
+    pushed = {"until": 1, "walls": True, "set": "agent[4].Fp.x=800"}
+    of_trial = measure(TRIAL_PUSH, **pushed).walls
+    assert of_trial["impulse"].max() > 1
+    for fmi in "2", "3":
+        assert measure(pack(TRIAL_PUSH, options=["--fmi", fmi]), **pushed).walls.equals(of_trial)
 
 def test_what_is_wrong_is_said(lemons, walk, tmp_path):
     places = write_table(tmp_path / "places.csv", [[(0.0, 0.0)], [(1.0, 0.0)]])
@@ -244,6 +267,7 @@ def test_what_is_wrong_is_said(lemons, walk, tmp_path):
         ([walk, "--from", "5", "--until", "2"], 2, "not before the end"),
         ([walk, "--from", "20"], 1, "no frame between --from and --until"),
         ([places, "--above", "100"], 1, "do not contain the mean squeeze"),
+        ([walk, "--walls", "--trial", TRIAL_DOOR], 1, "do not contain the forces on walls"),
         ([walk, "--plot", "picture.txt"], 2, ".png, .svg or .pdf"),
         ([walk, "--summary", walk], 1, "reads it"),
         ([walk, "--area", "0,0,1,1", "--walkable", "none.wkt"], 1, "--walkable none.wkt"),

@@ -168,6 +168,7 @@ class SweepReader(Reader):
         ("Over a line", "width"): {"number": "specific_flow"},
         ("Squeeze", "over"): {"squeeze": "largest_mean"},
         ("Squeeze", "level"): {"squeeze": "time_above"},
+        ("Squeeze", "by"): {"squeeze": "impulse"},
     }
     PLACES = dict.fromkeys(MEASURES, lambda file: file["measures"]["far"]) | {
         "The file": lambda file: file,

@@ -17,6 +17,7 @@ use crate::pictures::plot::Format;
 use crate::pictures::source::Source;
 use crate::run::{Until, until};
 use anyhow::{Context, Result, bail};
+use crowd_mechanics::quantities::segments;
 use lemons_core::trial::Trial;
 use lemons_results::Record;
 use lemons_results::measure::{Line, MeasuringArea, Room};
@@ -24,7 +25,7 @@ use options::{Named, line, measuring_area, name_all};
 use std::fs::create_dir_all;
 use std::io::Write;
 use std::path::PathBuf;
-use summary::Summary;
+use summary::{Piece, Summary};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -58,6 +59,10 @@ pub struct Arguments {
     /// which single collisions count
     #[arg(long, value_name = "SECONDS", requires = "above", value_parser = positive)]
     over: Option<f64>,
+    /// Measure the forces on each straight piece of the walls, too: of a Trial or an FMU, which is simulated
+    /// first
+    #[arg(long)]
+    walls: bool,
     /// Measure from this time on, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     from: Option<f64>,
@@ -65,7 +70,7 @@ pub struct Arguments {
     /// everybody has left, as by lemons run. Default: the end of earlier results; 5 for a Trial or FMU
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
     until: Option<Until>,
-    /// Write flow.csv, gaps.csv, density.csv, people.csv and summary.json into this directory
+    /// Write flow.csv, gaps.csv, density.csv, people.csv, walls.csv and summary.json into this directory
     #[arg(short, long, value_name = "DIRECTORY")]
     output: Option<PathBuf>,
     /// Write the summary as JSON; - is standard output
@@ -126,9 +131,13 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
         }
         note!("exposure to squeeze is left out: {why}");
     }
-    let summary = Summary::of(arguments, record.ids(), &seen);
+    let pieces: Vec<_> = trial.iter().flat_map(segments).map(Piece::of).collect();
+    if arguments.walls && seen.walls.as_ref().is_none_or(|walls| walls.len() != pieces.len()) {
+        bail!("--walls: {}: the results do not contain the forces on walls", source.path.display());
+    }
+    let summary = Summary::of(arguments, record.ids(), pieces, &seen);
     let json = serde_json::to_string_pretty(&summary)? + "\n";
-    let tables = tables::of(arguments, record.ids(), &seen)?;
+    let tables = tables::of(arguments, record.ids(), &summary, &seen)?;
     if let Some(directory) = output {
         create_dir_all(directory).with_context(|| format!("cannot write {}", directory.display()))?;
     }

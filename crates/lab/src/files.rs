@@ -12,7 +12,7 @@ use lemons_decision::DECISION_FILE;
 use lemons_people::placing::{Progress, Stage, Watch};
 use lemons_people::{Agent, MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
 use lemons_picture::{Fill, Force, Scene, Style, Values};
-use lemons_results::columns::Groups;
+use lemons_results::columns::{ALL, Groups};
 use lemons_results::{Content, FrameWriter, TableWriter};
 use serde::Deserialize;
 use serde_json::json;
@@ -184,7 +184,7 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
     require(200 * run.people() as u64 * u64::from(steps) <= LARGEST_TABLE, || {
         "the table is too large for a page: `lemons run` writes it from the Trial".into()
     })?;
-    let groups = Groups { contacts: true, of_step: true, active: of.plan.is_some(), totals: true };
+    let groups = Groups { active: of.plan.is_some(), ..ALL };
     let content = Content { columns: groups.columns(), about: Vec::new() };
     let (file, path) = (Cursor::new(Vec::new()), Path::new("the table"));
     let writer = TableWriter::create(file, path, lemons_results::Format::Csv, &content)?;

@@ -12,16 +12,17 @@ use serde_json::json;
 use std::collections::BTreeSet;
 
 /// Numbers of an agent in a frame: x, y \[m\], orientation \[rad\], velocity along x and y \[m/s\], angular velocity
-/// \[rad/s\], mean squeeze of the last communication step \[N\], number of contacts. The place of who has left is not a
-/// number.
-pub const COLUMNS: usize = 8;
+/// \[rad/s\], mean squeeze of the last communication step \[N\], number of contacts, the part of the squeeze by walls
+/// \[N\]. The place of who has left is not a number.
+pub const COLUMNS: usize = 9;
 
 /// Returns a frame as bytes: [`COLUMNS`] doubles for each agent, little-endian.
 pub fn bytes(frame: &Frame) -> Vec<u8> {
     let numbers = (0..frame.agents.len()).flat_map(|agent| {
-        let [x, y, vx, vy, theta, omega, with_people, with_walls, _, _, mean, ..] = frame.row(agent);
+        let [x, y, vx, vy, theta, omega, with_people, with_walls, _, _, mean, _, _, by_walls, ..] =
+            frame.row(agent);
         let [x, y] = if frame.is_there(agent) { [x, y] } else { [f64::NAN; 2] };
-        [x, y, theta, vx, vy, omega, mean, with_people + with_walls]
+        [x, y, theta, vx, vy, omega, mean, with_people + with_walls, by_walls]
     });
     numbers.flat_map(f64::to_le_bytes).collect()
 }

@@ -15,9 +15,9 @@ use std::time::{Duration, Instant};
 
 /// The numbers of an agent in arrays, by their places in the row of a table: pose, velocity, squeeze, contacts, and whether
 /// it is there. So poses and velocities are parts of an array.
-const ORDER: [usize; NUMBERS] = [0, 1, 4, 2, 3, 5, 9, 10, 11, 12, 6, 7, 8, 13];
+const ORDER: [usize; NUMBERS] = [0, 1, 4, 2, 3, 5, 9, 10, 11, 12, 13, 6, 7, 8, 14];
 /// How many numbers an agent has.
-pub const NUMBERS: usize = 14;
+pub const NUMBERS: usize = 15;
 
 /// Returns the names of these numbers.
 pub fn names() -> Vec<String> {
@@ -50,7 +50,7 @@ pub fn frame_of(time: f64, numbers: &[f64], leaving: bool) -> Frame {
     // A contact of two people counts for both.
     let sum = |place: usize| rows.iter().map(|row| row[place]).sum::<f64>();
     let totals = [0.5 * sum(6), sum(7)];
-    rows.iter_mut().for_each(|row| row[14..].copy_from_slice(&totals));
+    rows.iter_mut().for_each(|row| row[15..].copy_from_slice(&totals));
     let groups = Groups { active: leaving, ..ALL };
     Frame { place: format!("t = {time:?} s"), ..Frame::of_rows(time, &rows, groups) }
 }

@@ -147,7 +147,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// The numbers of everybody, shape (N, 14).
+    /// The numbers of everybody, shape (N, 15).
     fn observe<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let frame = self.simulation.frame();
         let mut numbers = Vec::new();

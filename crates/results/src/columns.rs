@@ -32,7 +32,7 @@ enum Domain {
 }
 
 /// One agent at one time, a number for each of the quantities in their order. What is not recorded is 0.
-pub type Row = [f64; 16];
+pub type Row = [f64; 17];
 
 impl Quantity {
     /// Counts are integers, everything else is a double.
@@ -103,6 +103,10 @@ pub const OF_STEP: [Quantity; 3] = [
     entry("peak_overlap", "PeakOverlap", Size("m"), "deepest overlap of a contact since the row before"),
 ];
 
+/// The part of the mean squeeze by walls; the rest is by people. FMUs and tables of earlier versions do not have it.
+pub const BY_WALLS: Quantity =
+    entry("mean_wall_force", "MeanWallForce", Size("N"), "mean squeeze by walls since the row before");
+
 /// 1 if the agent is there, 0 if not: it touches nothing and stands where it was last.
 pub const ACTIVE: Quantity =
     entry("active", "Active", Flag, "1 if the agent is there, 0 if it has left and touches nothing");
@@ -123,10 +127,10 @@ pub const TOTALS: [Quantity; 2] = [
     ),
 ];
 /// Place of the first of them in a row.
-pub(crate) const FIRST_TOTAL: usize = 14;
+pub(crate) const FIRST_TOTAL: usize = 15;
 
 /// Every quantity of the table of a run.
-pub const ALL: Groups = Groups { contacts: true, of_step: true, active: true, totals: true };
+pub const ALL: Groups = Groups { contacts: true, of_step: true, by_walls: true, active: true, totals: true };
 
 /// Returns the quantity with this name.
 pub fn named(name: &str) -> Option<&'static Quantity> {
@@ -140,6 +144,8 @@ pub struct Groups {
     pub contacts: bool,
     /// [`OF_STEP`]; only together with the contacts.
     pub of_step: bool,
+    /// [`BY_WALLS`]; only together with those of the step.
+    pub by_walls: bool,
     /// [`ACTIVE`]: agents may leave.
     pub active: bool,
     /// [`TOTALS`].
@@ -151,18 +157,21 @@ impl Groups {
     pub fn among(exists: impl Fn(&str) -> bool) -> Groups {
         let all = |group: &[Quantity]| group.iter().all(|quantity| exists(quantity.name));
         let contacts = all(&CONTACTS) && exists(SQUEEZE.name);
-        Groups { contacts, of_step: contacts && all(&OF_STEP), active: all(&[ACTIVE]), totals: all(&TOTALS) }
+        let of_step = contacts && all(&OF_STEP);
+        let by_walls = of_step && all(&[BY_WALLS]);
+        Groups { contacts, of_step, by_walls, active: all(&[ACTIVE]), totals: all(&TOTALS) }
     }
 
     /// Returns the quantities in the order of the columns, those of the whole crowd last; with their places in a [`Row`].
     pub(crate) fn quantities(self) -> impl Iterator<Item = (usize, &'static Quantity)> {
         let contacts = CONTACTS.iter().chain([&SQUEEZE]);
-        let all = MOTION.iter().chain(contacts).chain(&OF_STEP).chain([&ACTIVE]).chain(&TOTALS);
+        let all = MOTION.iter().chain(contacts).chain(&OF_STEP).chain([&BY_WALLS, &ACTIVE]).chain(&TOTALS);
         all.enumerate().filter(move |(place, _)| match place {
             0..6 => true,
             6..10 => self.contacts,
             10..13 => self.contacts && self.of_step,
-            13 => self.active,
+            13 => self.contacts && self.of_step && self.by_walls,
+            14 => self.active,
             _ => self.totals,
         })
     }

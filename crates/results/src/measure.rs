@@ -28,8 +28,9 @@ pub use quantile::quantile;
 pub use summary::{Crossings, MeanMax};
 pub use voronoi::Room;
 
-use crate::Frame;
+use crate::{Frame, OfStep};
 use lemons_core::plane::Motion;
+use serde::Deserialize;
 
 /// \[s\] Times are sums of steps: rounding does not leave a frame out.
 const ROUNDING: f64 = 1e-9;
@@ -48,7 +49,41 @@ pub fn present(frame: &Frame, agent: usize) -> Option<&Motion> {
 /// Returns mean and peak squeeze \[N\] of a person over the communication step that ends at a frame; `None` as
 /// [`present`], or if the frame does not say.
 pub fn squeeze(frame: &Frame, agent: usize) -> Option<(f64, f64)> {
-    present(frame, agent)?;
-    let step = frame.observed.as_ref()?.get(agent)?.of_step?;
+    let step = step(frame, agent)?;
     Some((step.mean_normal_force, step.peak_normal_force))
+}
+
+/// What presses a person.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum By {
+    /// Other people.
+    People,
+    /// Walls.
+    Walls,
+}
+
+impl By {
+    /// Both.
+    pub const ALL: [By; 2] = [By::People, By::Walls];
+
+    /// Returns the name.
+    pub fn name(self) -> &'static str {
+        if self == By::People { "people" } else { "walls" }
+    }
+}
+
+/// Returns the part of the mean of [`squeeze`] by people or by walls, and again in the place of the peak, which is not
+/// split.
+pub fn squeeze_by(frame: &Frame, agent: usize, by: By) -> Option<(f64, f64)> {
+    let step = step(frame, agent)?;
+    let walls = step.mean_wall_force?;
+    // A table of rounded numbers may have a little less in all than by walls.
+    let part = if by == By::Walls { walls } else { (step.mean_normal_force - walls).max(0.0) };
+    Some((part, part))
+}
+
+fn step(frame: &Frame, agent: usize) -> Option<OfStep> {
+    present(frame, agent)?;
+    frame.observed.as_ref()?.get(agent)?.of_step
 }

@@ -31,6 +31,9 @@ pub struct Frame {
     pub active: Option<Vec<bool>>,
     /// Contacts of the whole crowd; `None` if the source has no such columns.
     pub totals: Option<Totals>,
+    /// What people did to each straight piece of the walls, in the order of Geometry.xml, within the communication step
+    /// that ends at the time; `None` if the source does not record it.
+    pub walls: Option<Vec<OfWall>>,
     /// Contacts with their springs; `None` if the source does not record them.
     pub interactions: Option<Interactions>,
     /// Where the frame is in the source, for messages: a line, a row or a file.
@@ -57,10 +60,21 @@ pub struct Observed {
 pub struct OfStep {
     /// \[N\] time average of the squeeze.
     pub mean_normal_force: f64,
+    /// \[N\] the part of it by walls; `None` if the source does not record it.
+    pub mean_wall_force: Option<f64>,
     /// \[N\] largest squeeze.
     pub peak_normal_force: f64,
     /// \[m\] deepest overlap of a contact.
     pub peak_overlap: f64,
+}
+
+/// What people did to a straight piece of a wall within a communication step. These are outputs of the FMU.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OfWall {
+    /// \[N\] time average of the sum of |F_n| over its contacts.
+    pub mean_normal_force: f64,
+    /// \[N\] largest sum.
+    pub peak_normal_force: f64,
 }
 
 /// Contacts of a whole crowd at one time. These are outputs of the FMU.
@@ -120,16 +134,17 @@ impl Frame {
             normal_force: row[9],
             of_step: groups.of_step.then_some(OfStep {
                 mean_normal_force: row[10],
+                mean_wall_force: groups.by_walls.then_some(row[13]),
                 peak_normal_force: row[11],
                 peak_overlap: row[12],
             }),
         };
-        let totals = |row: &Row| Totals { agent_contacts: row[14] as u32, wall_contacts: row[15] as u32 };
+        let totals = |row: &Row| Totals { agent_contacts: row[15] as u32, wall_contacts: row[16] as u32 };
         Frame {
             time,
             agents: rows.iter().map(motion).collect(),
             observed: groups.contacts.then(|| rows.iter().map(observed).collect()),
-            active: groups.active.then(|| rows.iter().map(|row| row[13] != 0.0).collect()),
+            active: groups.active.then(|| rows.iter().map(|row| row[14] != 0.0).collect()),
             totals: rows.first().map(totals).filter(|_| groups.totals),
             ..Frame::default()
         }
@@ -143,7 +158,8 @@ impl Frame {
         let [x, y, vx, vy] = [position.x, position.y, twist.velocity.x, twist.velocity.y];
         let motion = [x, y, vx, vy, orientation, twist.angular_velocity];
         let counts = [seen.agent_contacts, seen.wall_contacts, seen.contacting_agents].map(f64::from);
-        let of_step = [step.mean_normal_force, step.peak_normal_force, step.peak_overlap];
+        let by_walls = step.mean_wall_force.unwrap_or_default();
+        let of_step = [step.mean_normal_force, step.peak_normal_force, step.peak_overlap, by_walls];
         let last = [self.is_there(place).into(), totals.agent_contacts, totals.wall_contacts].map(f64::from);
         let all = motion.into_iter().chain(counts).chain([seen.normal_force]).chain(of_step).chain(last);
         let mut row = Row::default();

@@ -66,8 +66,8 @@ impl Greatest {
 pub struct ExposureSum {
     /// \[s\] The length of these steps.
     duration: f64,
-    /// For each agent: mean squeeze \[N\], peak squeeze \[N\], deepest overlap \[m\].
-    agents: Vec<[f64; 3]>,
+    /// For each agent: mean squeeze \[N\], peak squeeze \[N\], deepest overlap \[m\], mean squeeze by walls \[N\].
+    agents: Vec<[f64; 4]>,
 }
 
 impl ExposureSum {
@@ -79,14 +79,18 @@ impl ExposureSum {
     /// Adds the step of this length \[s\] that ends at a frame. Frames without numbers of steps add nothing.
     pub fn add(&mut self, length: f64, frame: &Frame) {
         let steps = frame.observed.iter().flatten().filter_map(|observed| observed.of_step);
-        let steps = steps.map(|step| [step.mean_normal_force, step.peak_normal_force, step.peak_overlap]);
+        let steps = steps.map(|step| {
+            let by_walls = step.mean_wall_force.unwrap_or_default();
+            [step.mean_normal_force, step.peak_normal_force, step.peak_overlap, by_walls]
+        });
         if self.agents.is_empty() {
             (self.duration, self.agents) = (length, steps.collect());
             return;
         }
         let whole = self.duration + length;
-        for ([mean, peak, overlap], step) in self.agents.iter_mut().zip(steps) {
+        for ([mean, peak, overlap, by_walls], step) in self.agents.iter_mut().zip(steps) {
             *mean += (step[0] - *mean) * (length / whole);
+            *by_walls += (step[3] - *by_walls) * (length / whole);
             *peak = peak.max(step[1]);
             *overlap = overlap.max(step[2]);
         }
@@ -97,8 +101,11 @@ impl ExposureSum {
     pub fn finish(&mut self, frame: &mut Frame) {
         let sum = std::mem::take(self);
         let all = frame.observed.iter_mut().flatten().zip(sum.agents);
-        for (observed, [mean_normal_force, peak_normal_force, peak_overlap]) in all {
-            observed.of_step = Some(OfStep { mean_normal_force, peak_normal_force, peak_overlap });
+        for (observed, [mean_normal_force, peak_normal_force, peak_overlap, by_walls]) in all {
+            let known = observed.of_step.is_some_and(|step| step.mean_wall_force.is_some());
+            let mean_wall_force = known.then_some(by_walls);
+            observed.of_step =
+                Some(OfStep { mean_normal_force, mean_wall_force, peak_normal_force, peak_overlap });
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::replay::observed;
 use crate::settings::Named;
-use crowd_mechanics::engine::{World, Wrench, vec2};
+use crowd_mechanics::engine::{FaceExposure, World, Wrench, vec2};
 use crowd_mechanics::model::{CrowdModel, Saved as SavedCrowd};
 use crowd_mechanics::quantities::Quantity;
 use lemons_core::plane::{Motion, Vec2};
@@ -11,7 +11,7 @@ use lemons_decision::decision::{Act, Saved as SavedDecision};
 use lemons_decision::rule::Pose as SeenPose;
 use lemons_decision::{Decision, Plan};
 use lemons_fmi::{Model, Part, Phase, Refusal, StepError, fingerprint};
-use lemons_results::{Frame, OfStep, Totals};
+use lemons_results::{Frame, OfStep, OfWall, Totals};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -262,10 +262,13 @@ impl Simulation {
         for (seen, exposure) in observed.iter_mut().zip(world.exposures()) {
             seen.of_step = Some(OfStep {
                 mean_normal_force: exposure.mean_force,
+                mean_wall_force: Some(exposure.mean_wall_force),
                 peak_normal_force: exposure.peak_force,
                 peak_overlap: exposure.peak_overlap,
             });
         }
+        let of_wall =
+            |of: &FaceExposure| OfWall { mean_normal_force: of.mean_force, peak_normal_force: of.peak_force };
         let may_leave = self.walks() || world.present().contains(&false);
         Frame {
             time: self.time,
@@ -276,6 +279,7 @@ impl Simulation {
                 wall_contacts: report.wall_contacts,
             }),
             active: may_leave.then(|| world.present().to_vec()),
+            walls: Some(world.face_exposures().iter().map(of_wall).collect()),
             place: format!("t = {:?} s", self.time),
             ..Frame::default()
         }

@@ -10,7 +10,7 @@ use crate::spec::Spec;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
 use lemons_results::Frame;
-use lemons_results::measure::{Density, Exposure, MeasuringArea, Passages, squeeze};
+use lemons_results::measure::{Density, Exposure, MeasuringArea, Passages, squeeze, squeeze_by};
 use lemons_sim::Simulation;
 use std::collections::HashMap;
 
@@ -107,8 +107,12 @@ impl<'a> Accumulators<'a> {
                 Accumulator::Line(_, passages, _) => passages.add(&frame),
                 Accumulator::Area(of, ..) if of.needs_room() => kept = true,
                 Accumulator::Area(_, area, seen) => seen.push(area.measure(&frame, None)),
-                Accumulator::Squeeze(_, agents, exposure) => {
-                    exposure.add(time, agents.iter().map(|agent| squeeze(&frame, *agent)));
+                Accumulator::Squeeze(of, agents, exposure) => {
+                    let of_agent = |agent: &usize| match of.by {
+                        None => squeeze(&frame, *agent),
+                        Some(by) => squeeze_by(&frame, *agent, by),
+                    };
+                    exposure.add(time, agents.iter().map(of_agent));
                 }
             }
         }

@@ -201,7 +201,7 @@ class Crowd:
     @property
     def left(self) -> int:
         """How many people are not there: who have left, or were taken out."""
-        return int((self._simulation.observe()[:, 13] == 0.0).sum())
+        return int((self._simulation.observe()[:, 14] == 0.0).sum())
 
     def step(self, step: float | None = None) -> None:
         """Simulates a communication step [s]; by default the Trial's TimeStep."""
@@ -237,10 +237,14 @@ class Crowd:
         """Returns the deepest overlap of the contacts within the last communication step [m], shape (N,)."""
         return self._simulation.observe()[:, 9]
 
+    def mean_wall_squeeze(self) -> Floats:
+        """Returns the part of the mean squeeze over the last communication step by walls [N], shape (N,)."""
+        return self._simulation.observe()[:, 10]
+
     def contacts(self) -> Ints:
         """Returns for all agents the number of contacts with people, of contacts with walls, and of people that touch: shape
         (N, 3)."""
-        return self._simulation.observe()[:, 10:13].astype(np.int32)
+        return self._simulation.observe()[:, 11:14].astype(np.int32)
 
     def masses(self) -> Floats:
         """Returns the masses of all agents [kg], shape (N,)."""
@@ -318,7 +322,7 @@ class Crowd:
         if why is not None:
             warnings.warn(why, stacklevel=2)
         times, numbers = recording.finish()
-        leaving = self.plan is not None or not bool(numbers[:, :, 13].all())
+        leaving = self.plan is not None or not bool(numbers[:, :, 14].all())
         ended = float(times[-1]) if met or recording.have_left else None
         return Run(times, numbers, self.ids, leaving, ended, self.model)
 
@@ -337,7 +341,7 @@ class Presence:
         self._crowd = crowd
 
     def _values(self) -> NDArray[np.bool_]:
-        return self._crowd._simulation.observe()[:, 13].astype(bool)
+        return self._crowd._simulation.observe()[:, 14].astype(bool)
 
     def __array__(self, dtype: npt.DTypeLike = None, copy: bool | None = None) -> NDArray[Any]:
         return np.asarray(self._values(), dtype=dtype)

@@ -17,8 +17,8 @@ from .command import Option, call, operand, options
 from .picture import Drawn
 
 #: Columns that are names, also where they look like numbers.
-NAMES = ("line", "direction", "area", "id")
-COUNTS = ("n", "people")
+NAMES = ("line", "direction", "area", "id", "wall")
+COUNTS = ("n", "people", "segment")
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,12 @@ class Measures:
     gaps: pd.DataFrame
     #: For each area and frame: t [s], people, density and voronoi_density [1/m2], speed [m/s].
     density: pd.DataFrame
-    #: For each person: id, time [s], time_above_… [s], largest_mean_… [N], peak [N], impulse [N s]; no rows if not known.
+    #: For each person: id, time [s], time_above_… [s], largest_mean_… [N], peak [N], impulse [N s], and largest_mean_…_by_people,
+    #: impulse_by_walls and so on; no rows if not known.
     people: pd.DataFrame
+    #: With `walls=True`, for each straight piece of a wall: segment, wall (its Id), x1, y1, x2, y2 [m], largest_mean_step and
+    #: largest_mean_1 [N], peak [N], impulse [N s].
+    walls: pd.DataFrame
 
     def passages(self, line: str, direction: Literal["right", "left"]) -> npt.NDArray[np.float64]:
         """Returns when people crossed a line for the first time in a direction [s], ascending: N(t) is their number up to t.

@@ -26,7 +26,7 @@ class Run:
 
     #: Times [s], shape (K,).
     times: Floats
-    #: What poses, velocities, squeezes, contacts and `active` show, shape (K, N, 14).
+    #: What poses, velocities, squeezes, contacts and `active` show, shape (K, N, 15).
     numbers: Floats
     #: Ids of the agents in Agents.xml.
     ids: tuple[str, ...]
@@ -79,14 +79,19 @@ class Run:
         return self.numbers[:, :, 9]
 
     @property
+    def mean_wall_squeeze(self) -> Floats:
+        """The part of `mean_squeeze` by walls [N]: shape (K, N). The rest is by other people."""
+        return self.numbers[:, :, 10]
+
+    @property
     def contacts(self) -> Ints:
         """Number of contacts with people, of contacts with walls, and of people that touch: shape (K, N, 3)"""
-        return self.numbers[:, :, 10:13].astype(np.int32)
+        return self.numbers[:, :, 11:14].astype(np.int32)
 
     @property
     def active(self) -> NDArray[np.bool_]:
         """Whether people are there, shape (K, N). With Jacobi's algorithm it follows Decision one step later."""
-        return self.numbers[:, :, 13].astype(bool)
+        return self.numbers[:, :, 14].astype(bool)
 
     def frame(self) -> pd.DataFrame:
         """Returns the table that `lemons run` writes: a row for each agent at each communication point."""
@@ -101,7 +106,7 @@ class Run:
             if name in ("agent_contacts", "wall_contacts"):
                 total = own.sum(axis=1) / (2 if name == "agent_contacts" else 1)
                 values[f"total_{name}"] = np.repeat(total.astype(np.int64), agents)
-            values[name] = own.ravel() if place < 10 else own.ravel().astype(np.int64)
+            values[name] = own.ravel() if place < 11 else own.ravel().astype(np.int64)
         return pd.DataFrame({name: values[name] for name in _native.TABLE if self.leaving or name != "active"})
 
     def measure(

@@ -55,7 +55,8 @@ def simulate(
     """Simulates as `run`, and returns the table that `lemons run` writes, to the last bit.
 
     The columns are t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force (at that
-    time), mean_normal_force, peak_normal_force, peak_overlap (within the step that ends then), active (where people may
-    leave: 1, or 0 for who has left), and total_agent_contacts, total_wall_contacts of the crowd. Units are s, m, rad, N.
+    time), mean_normal_force, peak_normal_force, peak_overlap, mean_wall_force (within the step that ends then), active
+    (where people may leave: 1, or 0 for who has left), and total_agent_contacts, total_wall_contacts of the crowd. Units are s,
+    m, rad, N.
     """
     return run(what, drive, parameters, until, step=step, plan=plan, algorithm=algorithm, stop=stop, progress=progress).frame()

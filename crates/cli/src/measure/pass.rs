@@ -6,8 +6,8 @@ use crate::interrupt::Interrupt;
 use crate::run::Until;
 use anyhow::{Result, bail};
 use lemons_results::measure::{
-    Density, Departures, Exposed, Exposure, Left, Line, MeasuringArea, MovingMeans, Passages, Room, quantile,
-    squeeze, within,
+    By, Density, Departures, Exposed, Exposure, Left, Line, MeasuringArea, MovingMeans, Passages, Room,
+    quantile, squeeze, squeeze_by, within,
 };
 use lemons_results::{Frame, Record};
 
@@ -22,6 +22,11 @@ pub struct Seen<'a> {
     pub areas: Vec<SeenArea<'a>>,
     /// Squeeze that each person was exposed to; or why it is not known.
     pub exposed: Result<Vec<Exposed>, &'static str>,
+    /// The parts of it by each of [`By::ALL`], without peaks; `None` if they are not known.
+    pub exposed_by: Option<[Vec<Exposed>; 2]>,
+    /// What each piece of a wall was exposed to, and \[N\] the greatest mean over a step; `None` if it was not asked for
+    /// or is not known.
+    pub walls: Option<Vec<(Exposed, f64)>>,
     /// \[s\] Between two frames.
     pub longest_step: f64,
     /// \[s\], \[N\] Of the mean squeezes of all people over the [`OVER`] that ends then: those of [`QUANTILES`].
@@ -51,6 +56,11 @@ fn says_squeeze(frame: &Frame) -> bool {
     seen.is_some_and(|seen| seen.iter().all(|seen| seen.of_step.is_some()))
 }
 
+fn says_by_what(frame: &Frame) -> bool {
+    let steps = frame.observed.iter().flatten().map(|seen| seen.of_step);
+    steps.into_iter().all(|step| step.is_some_and(|step| step.mean_wall_force.is_some()))
+}
+
 /// \[s\] Single steps show hard collisions of milliseconds, and no pressure.
 pub const OVER: f64 = 1.0;
 
@@ -75,6 +85,8 @@ pub fn pass<'a>(
         lines: arguments.lines.iter().map(line).collect(),
         areas: arguments.areas.iter().map(area).collect(),
         exposed: Err("there is only one frame, so no communication step"),
+        exposed_by: None,
+        walls: None,
         longest_step: 0.0,
         spread: Vec::new(),
     };
@@ -82,6 +94,8 @@ pub fn pass<'a>(
     let (mut stopped, mut squeezes) = (Ok(()), true);
     let mut exposure = Exposure::new(people, &arguments.above, arguments.over);
     let mut moving = MovingMeans::over(OVER);
+    let (mut exposures_by, mut splits) = (By::ALL.map(|by| (by, Exposure::new(people, &[], None))), true);
+    let mut of_walls: Option<(Exposure, Vec<f64>)> = None;
     let mut departures = Departures::of(people);
     record.each(|_, frame| {
         if stopped.is_ok() {
@@ -97,6 +111,20 @@ pub fn pass<'a>(
         seen.areas.iter_mut().for_each(|own| own.over_time.push(own.area.measure(&frame, room)));
         squeezes &= says_squeeze(&frame);
         exposure.add(frame.time, (0..people).map(|agent| squeeze(&frame, agent)));
+        splits &= says_by_what(&frame);
+        for (by, exposure) in exposures_by.iter_mut().filter(|_| splits) {
+            exposure.add(frame.time, (0..people).map(|agent| squeeze_by(&frame, agent, *by)));
+        }
+        if let Some(walls) = frame.walls.as_ref().filter(|_| arguments.walls) {
+            let begin = || (Exposure::new(walls.len(), &[], None), vec![0.0; walls.len()]);
+            let first = of_walls.is_none();
+            let (exposure, greatest) = of_walls.get_or_insert_with(begin);
+            let means = walls.iter().map(|wall| (wall.mean_normal_force, wall.peak_normal_force));
+            exposure.add(frame.time, means.map(Some));
+            for (greatest, wall) in greatest.iter_mut().zip(walls).filter(|_| !first) {
+                *greatest = greatest.max(wall.mean_normal_force);
+            }
+        }
         if arguments.plot.is_some() && squeezes {
             let of_step = |agent| squeeze(&frame, agent).map(|(mean, _)| mean);
             if let Some(means) = moving.add(frame.time, (0..people).map(of_step)) {
@@ -119,6 +147,8 @@ pub fn pass<'a>(
         seen.exposed = Err("the results do not contain the mean squeeze over communication steps");
     } else if seen.longest_step > 0.0 {
         seen.exposed = Ok(exposure.finish());
+        seen.exposed_by = splits.then(|| exposures_by.map(|(_, exposure)| exposure.finish()));
     }
+    seen.walls = of_walls.map(|(exposure, greatest)| exposure.finish().into_iter().zip(greatest).collect());
     Ok(seen)
 }

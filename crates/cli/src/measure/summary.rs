@@ -2,6 +2,7 @@
 
 use super::Arguments;
 use super::pass::{Seen, SeenArea, SeenLine};
+use lemons_core::trial::Wall;
 use lemons_results::measure::{Crossings, Density, Exposed, Left, MeanMax, SPANS, Way, quantile};
 use serde::Serialize;
 
@@ -21,6 +22,8 @@ pub struct Summary {
     pub areas: Vec<OfArea>,
     pub exposure: Option<OfSqueeze>,
     pub exposure_left_out: Option<&'static str>,
+    /// The straight pieces of walls; null: not asked for.
+    pub walls: Option<Vec<Piece>>,
 }
 
 #[derive(Serialize)]
@@ -50,6 +53,42 @@ pub struct OfArea {
     pub speed: Option<MeanMax>,
 }
 
+/// A straight piece of a wall, and the forces of people on it.
+#[derive(Serialize)]
+pub struct Piece {
+    /// Its place among all, from 0, as in `wall[k].MeanNormalForce`.
+    pub segment: usize,
+    /// Id of the wall.
+    pub wall: String,
+    /// \[m\]
+    pub from: [f64; 2],
+    /// \[m\]
+    pub to: [f64; 2],
+    /// \[N\] Greatest mean over a communication step.
+    pub largest_mean_step: f64,
+    /// \[N\] Greatest mean over 1 s; null: the record is shorter, or a communication step is longer.
+    pub largest_mean_1: Option<f64>,
+    /// \[N\]
+    pub peak: f64,
+    /// \[N s\]
+    pub impulse: f64,
+}
+
+impl Piece {
+    /// A piece of a wall, without forces as yet.
+    pub fn of((wall, place): (&Wall, usize)) -> Piece {
+        let [from, to] = [wall.corners[place], wall.corners[place + 1]].map(Into::into);
+        let (wall, largest_mean_1) = (wall.id.clone(), None);
+        Piece { segment: 0, wall, from, to, largest_mean_step: 0.0, largest_mean_1, peak: 0.0, impulse: 0.0 }
+    }
+
+    fn seen((segment, (piece, (seen, largest_mean_step))): (usize, (Piece, &(Exposed, f64)))) -> Piece {
+        let [_, largest_mean_1, _] = seen.largest_mean;
+        let (peak, impulse) = (seen.peak, seen.impulse);
+        Piece { segment, largest_mean_step: *largest_mean_step, largest_mean_1, peak, impulse, ..piece }
+    }
+}
+
 #[derive(Serialize)]
 pub struct OfSqueeze {
     /// \[s\]
@@ -60,6 +99,18 @@ pub struct OfSqueeze {
     pub largest_mean: Vec<OfSpan>,
     /// \[N\]
     pub peak: OfPeople,
+    /// \[N s\]
+    pub impulse: OfPeople,
+    /// The parts of means and impulse by other people; null: the record does not say.
+    pub by_people: Option<OfPart>,
+    /// The parts by walls.
+    pub by_walls: Option<OfPart>,
+}
+
+/// The squeeze by people or by walls alone. The means of the two may be greatest at different times.
+#[derive(Serialize)]
+pub struct OfPart {
+    pub largest_mean: Vec<OfSpan>,
     /// \[N s\]
     pub impulse: OfPeople,
 }
@@ -94,7 +145,7 @@ pub struct OfPeople {
 
 impl Summary {
     /// Sums up what was seen of people with these Ids.
-    pub fn of(arguments: &Arguments, ids: &[String], seen: &Seen<'_>) -> Summary {
+    pub fn of(arguments: &Arguments, ids: &[String], pieces: Vec<Piece>, seen: &Seen<'_>) -> Summary {
         let exposed = seen.exposed.as_deref();
         let line = |SeenLine { name, width, passages }: &SeenLine<'_>| {
             let directions = Way::ALL.map(|way| Crossings::of(passages, way, *width, ids.len())).into();
@@ -110,8 +161,12 @@ impl Summary {
             left: seen.left,
             lines: seen.lines.iter().map(line).collect(),
             areas: seen.areas.iter().map(area).collect(),
-            exposure: exposed.ok().and_then(|all| OfSqueeze::of(all, ids, arguments, seen.longest_step)),
+            exposure: exposed.ok().and_then(|all| OfSqueeze::of(all, ids, arguments, seen)),
             exposure_left_out: exposed.err().copied(),
+            walls: seen
+                .walls
+                .as_ref()
+                .map(|walls| pieces.into_iter().zip(walls).enumerate().map(Piece::seen).collect()),
         }
     }
 }
@@ -134,27 +189,48 @@ impl OfSqueeze {
         exposed: &[Exposed],
         ids: &[String],
         Arguments { above, over, .. }: &Arguments,
-        longest_step: f64,
+        seen: &Seen<'_>,
     ) -> Option<OfSqueeze> {
-        let of = |value: &dyn Fn(&Exposed) -> Option<f64>| {
-            let values: Option<Vec<f64>> = exposed.iter().map(value).collect();
-            OfPeople::of(&values?, ids)
-        };
+        let of = |value: &dyn Fn(&Exposed) -> Option<f64>| spread(exposed, ids, value);
         let level = |(k, &above): (usize, &f64)| {
             let people = exposed.iter().filter(|one| one.above[k] > Some(0.0)).count();
             let time = of(&|one| one.above[k]);
             OfLevel { above, people: time.as_ref().map(|_| people), time }
         };
-        let span = |(k, over)| OfSpan { over, mean: of(&|one| one.largest_mean[k]) };
+        let [by_people, by_walls] = match &seen.exposed_by {
+            Some(parts) => parts.each_ref().map(|part| OfPart::of(part, ids)),
+            None => [None, None],
+        };
         Some(OfSqueeze {
-            longest_step,
+            longest_step: seen.longest_step,
             above_over: *over,
             time_above: above.iter().enumerate().map(level).collect(),
-            largest_mean: SPANS.into_iter().enumerate().map(span).collect(),
+            largest_mean: spans(exposed, ids),
             peak: of(&|one| Some(one.peak))?,
             impulse: of(&|one| Some(one.impulse))?,
+            by_people,
+            by_walls,
         })
     }
+}
+
+impl OfPart {
+    fn of(exposed: &[Exposed], ids: &[String]) -> Option<OfPart> {
+        let impulse = spread(exposed, ids, &|one| Some(one.impulse))?;
+        Some(OfPart { largest_mean: spans(exposed, ids), impulse })
+    }
+}
+
+/// The greatest means over each of the spans.
+fn spans(exposed: &[Exposed], ids: &[String]) -> Vec<OfSpan> {
+    let span = |(k, over)| OfSpan { over, mean: spread(exposed, ids, &|one| one.largest_mean[k]) };
+    SPANS.into_iter().enumerate().map(span).collect()
+}
+
+/// How a number is spread over people; `None` if it is not known of somebody.
+fn spread(exposed: &[Exposed], ids: &[String], value: &dyn Fn(&Exposed) -> Option<f64>) -> Option<OfPeople> {
+    let values: Option<Vec<f64>> = exposed.iter().map(value).collect();
+    OfPeople::of(&values?, ids)
 }
 
 impl OfPeople {

@@ -5,18 +5,25 @@
 
 use super::Arguments;
 use super::pass::{Seen, SeenLine};
+use super::summary::{Piece, Summary};
 use anyhow::Result;
-use lemons_results::measure::{Flow, Passage, SPANS, Way, windows};
+use lemons_results::measure::{By, Flow, Passage, SPANS, Way, windows};
 use serde::Serialize;
 
 /// The names of the tables, each with its content for people with these Ids.
-pub fn of(arguments: &Arguments, ids: &[String], seen: &Seen<'_>) -> Result<Vec<(&'static str, String)>> {
-    let all = [flow(arguments, seen), gaps(ids, seen), density(seen), people(arguments, ids, seen)];
+pub fn of(
+    arguments: &Arguments,
+    ids: &[String],
+    summary: &Summary,
+    seen: &Seen<'_>,
+) -> Result<Vec<(&'static str, String)>> {
+    let people = people(arguments, ids, seen);
+    let all = [flow(arguments, seen), gaps(ids, seen), density(seen), people, walls(summary)];
     NAMES.into_iter().zip(all).map(|(name, table)| Ok((name, table?))).collect()
 }
 
 /// Names of the tables.
-pub const NAMES: [&str; 4] = ["flow", "gaps", "density", "people"];
+pub const NAMES: [&str; 5] = ["flow", "gaps", "density", "people", "walls"];
 
 /// Returns a table as CSV, the names of its columns first. Its numbers read back to the same doubles; what is not known is
 /// an empty cell.
@@ -75,6 +82,29 @@ fn people(arguments: &Arguments, ids: &[String], seen: &Seen<'_>) -> Result<Stri
     names.extend(arguments.above.iter().map(|level| format!("time_above_{level}{over}")));
     names.extend(SPANS.map(|span| format!("largest_mean_{span}")));
     names.extend(["peak", "impulse"].map(str::to_owned));
-    let people = ids.iter().zip(seen.exposed.iter().flatten());
-    csv(&names, people.map(|(id, one)| (id, one.time, &one.above, one.largest_mean, one.peak, one.impulse)))
+    for by in By::ALL.map(By::name) {
+        names.extend(SPANS.map(|span| format!("largest_mean_{span}_by_{by}")));
+        names.push(format!("impulse_by_{by}"));
+    }
+    let part = |by: usize, k: usize| {
+        let one = seen.exposed_by.as_ref().map(|parts| &parts[by][k]);
+        (one.map_or([None; SPANS.len()], |one| one.largest_mean), one.map(|one| one.impulse))
+    };
+    let people = ids.iter().zip(seen.exposed.iter().flatten()).enumerate();
+    let row = people.map(|(k, (id, one))| {
+        let all = (id, one.time, &one.above, one.largest_mean, one.peak, one.impulse);
+        (all, part(0, k), part(1, k))
+    });
+    csv(&names, row)
+}
+
+/// A row for each straight piece of a wall.
+fn walls(summary: &Summary) -> Result<String> {
+    let names =
+        ["segment", "wall", "x1", "y1", "x2", "y2", "largest_mean_step", "largest_mean_1", "peak", "impulse"];
+    let row = |piece: &Piece| {
+        let Piece { segment, from, to, largest_mean_step, largest_mean_1, peak, impulse, .. } = piece;
+        (*segment, piece.wall.clone(), *from, *to, *largest_mean_step, *largest_mean_1, *peak, *impulse)
+    };
+    csv(&names, summary.walls.iter().flatten().map(row))
 }

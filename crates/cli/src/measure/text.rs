@@ -1,9 +1,9 @@
 //! The numbers of a measurement as text, 80 columns wide.
 
-use super::summary::{OfArea, OfLine, OfPeople, OfSqueeze, Summary};
+use super::summary::{OfArea, OfLine, OfPart, OfPeople, OfSqueeze, Piece, Summary};
 use crate::print;
 use anyhow::Result;
-use lemons_results::measure::{Crossings, Left, MeanMax};
+use lemons_results::measure::{By, Crossings, Left, MeanMax};
 use std::io::Write;
 
 pub fn print(summary: &Summary) -> Result<()> {
@@ -16,7 +16,8 @@ pub fn print(summary: &Summary) -> Result<()> {
     }
     summary.lines.iter().try_for_each(|line| of_line(&mut out, line, summary.left))?;
     summary.areas.iter().try_for_each(|area| of_area(&mut out, area))?;
-    summary.exposure.iter().try_for_each(|squeeze| of_squeeze(&mut out, squeeze))
+    summary.exposure.iter().try_for_each(|squeeze| of_squeeze(&mut out, squeeze))?;
+    summary.walls.iter().try_for_each(|pieces| of_walls(&mut out, pieces))
 }
 
 /// Writes a row of numbers, dashes for those that are not known; then a unit in so many columns, and more.
@@ -103,11 +104,20 @@ fn of_people(out: &mut impl Write, label: &str, of: Option<&OfPeople>, unit: &st
 
 fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
     writeln!(out, "\nsqueeze of each person\n{:>31} {:>10} {:>10}", "median", "90 %", "greatest")?;
-    for span in &squeeze.largest_mean {
+    let parts = By::ALL.map(By::name).into_iter().zip([&squeeze.by_people, &squeeze.by_walls]);
+    let parts: Vec<(String, &OfPart)> =
+        parts.filter_map(|(by, part)| Some((format!("  by {by}"), part.as_ref()?))).collect();
+    for (k, span) in squeeze.largest_mean.iter().enumerate() {
         of_people(out, &format!("mean over {} s", span.over), span.mean.as_ref(), "N", "")?;
+        for (by, part) in parts.iter().filter(|_| span.mean.is_some()) {
+            of_people(out, by, part.largest_mean[k].mean.as_ref(), "N", "")?;
+        }
     }
     of_people(out, "peak", Some(&squeeze.peak), "N", "")?;
     of_people(out, "impulse", Some(&squeeze.impulse), "N s", "")?;
+    for (by, part) in &parts {
+        of_people(out, by, Some(&part.impulse), "N s", "")?;
+    }
     if !squeeze.time_above.is_empty() {
         let means = match squeeze.above_over {
             Some(over) => format!("means over {over} s"),
@@ -118,6 +128,21 @@ fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
     for level in &squeeze.time_above {
         let people = level.people.map_or(String::new(), |people| format!("; {people} above"));
         of_people(out, &format!("{} N", level.above), level.time.as_ref(), "s", &people)?;
+    }
+    Ok(())
+}
+
+/// Writes the pieces of walls that somebody touched.
+fn of_walls(out: &mut impl Write, pieces: &[Piece]) -> Result<()> {
+    writeln!(
+        out,
+        "\nforces on walls, greatest\n{:>31} {:>10} {:>10} {:>10}",
+        "step", "1 s", "peak", "impulse"
+    )?;
+    for piece in pieces.iter().filter(|piece| piece.peak > 0.0) {
+        let values =
+            [Some(piece.largest_mean_step), piece.largest_mean_1, Some(piece.peak), Some(piece.impulse)];
+        row(out, &format!("{}, wall {}", piece.segment, piece.wall), &values, ("N, N s", 0), "")?;
     }
     Ok(())
 }

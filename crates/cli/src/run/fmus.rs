@@ -2,12 +2,13 @@
 
 use super::model::{CrowdInfo, Prepared, RunModel};
 use super::outputs::OutputValues;
-use anyhow::{Result, anyhow};
+use anyhow::{Error, Result, anyhow};
+use crowd_mechanics::quantities::segments;
 use lemons_core::trial::Trial;
 use lemons_master::ssp::{Interface, Kind as Causality, Type, Variable};
 use lemons_master::{Component, Selection, Settings, System, plan_in};
 use lemons_results::columns::{self, Column, Groups};
-use lemons_results::{CellType, Frame};
+use lemons_results::{CellType, Frame, OfWall};
 
 struct FmuRun {
     run: lemons_master::Prepared,
@@ -23,11 +24,15 @@ struct Reader {
     agents: usize,
     groups: Groups,
     values: Selection,
+    /// Means and peaks of the pieces of walls.
+    walls: Option<[Selection; 2]>,
 }
 
 /// Parameters that are chosen before initialization.
 const STEP: &str = "TimeStepMechanical";
 const DIRECTORY: &str = "OutputDirectory";
+/// Outputs of each straight piece of a wall.
+const WALL_FORCES: [&str; 2] = ["MeanNormalForce", "PeakNormalForce"];
 
 /// Prepares a run of an FMU or an SSP. Warnings are printed.
 pub fn prepare(settings: &Settings) -> Result<Prepared> {
@@ -149,14 +154,33 @@ impl Reader {
         };
         let variables = groups.variables(agents);
         let values = component.instance.select(variables.iter().map(|(name, _)| name))?;
-        Ok((Reader { place, agents, groups, values }, crowd))
+        let walls = crowd.trial.as_ref().map_or(0, |trial| segments(trial).count());
+        let walls =
+            WALL_FORCES.map(|name| (0..walls).map(|k| format!("wall[{k}].{name}")).collect::<Vec<_>>());
+        let known = walls.iter().flatten().all(|name| description.single(name).is_some());
+        let [means, peaks] = &walls;
+        let select = |names: &[String]| component.instance.select(names.iter());
+        let walls = known.then(|| Ok::<_, Error>([select(means)?, select(peaks)?])).transpose()?;
+        Ok((Reader { place, agents, groups, values, walls }, crowd))
     }
 
     fn frame(&self, system: &System) -> Result<Frame> {
         let component = &system.components[self.place];
         let values = component.instance.values(&self.values)?;
         let frame = Frame::of_values(system.time, self.agents, self.groups, &values);
-        frame.map_err(|what| anyhow!("{}: {what}", component.name))
+        let mut frame = frame.map_err(|what| anyhow!("{}: {what}", component.name))?;
+        if let Some([means, peaks]) = &self.walls {
+            let (means, peaks) = (component.instance.values(means)?, component.instance.values(peaks)?);
+            let both = means.into_iter().zip(peaks);
+            frame.walls = Some(
+                both.map(|(mean_normal_force, peak_normal_force)| OfWall {
+                    mean_normal_force,
+                    peak_normal_force,
+                })
+                .collect(),
+            );
+        }
+        Ok(frame)
     }
 }
 

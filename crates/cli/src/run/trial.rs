@@ -10,7 +10,7 @@ use lemons_core::plane::{Twist, Vec2};
 use lemons_decision::DECISION_FILE;
 use lemons_fmi::variables::{Kind as VariableKind, Scalar};
 use lemons_master::{ComponentRecord, Settings, TrialInput, notes};
-use lemons_results::columns::{Column, Groups};
+use lemons_results::columns::{ALL, Column, Groups};
 use lemons_results::{CellType, Frame};
 use lemons_sim::settings::{CROWD, DECISION, Selection};
 use lemons_sim::{SimError, Simulation};
@@ -132,7 +132,7 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
     let names: Vec<String> = output_columns.iter().map(|column| column.name.clone()).collect();
     let outputs = simulation.select(&names).map_err(|(name, _)| anyhow!("there is no {name}"))?;
     let frame = simulation.frame();
-    let groups = Groups { contacts: true, of_step: true, active: frame.active.is_some(), totals: true };
+    let groups = Groups { active: frame.active.is_some(), ..ALL };
     let crowd = CrowdInfo {
         component: CROWD.into(),
         ids: simulation.ids().to_vec(),

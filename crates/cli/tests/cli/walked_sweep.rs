@@ -108,6 +108,8 @@ felt = { squeeze = "largest_mean", over = 1, across = "max" }
 often = { squeeze = "time_above", level = 100, across = "quantile_90" }
 long = { squeeze = "time_above", level = 50, over = 0.5, across = "max" }
 middle = { squeeze = "impulse", across = "median" }
+wall = { squeeze = "largest_mean", over = 1, by = "walls", across = "max" }
+others = { squeeze = "impulse", by = "people", across = "max" }
 peak = { squeeze = "peak", across = "max" }
 "#;
 
@@ -159,6 +161,8 @@ fn measures_of_a_sweep_are_those_of_lemons_measure() {
             ("felt", &squeeze["largest_mean"][1]["mean"]["max"]),
             ("often", &squeeze["time_above"][0]["time"]["quantile_90"]),
             ("middle", &squeeze["impulse"]["median"]),
+            ("wall", &squeeze["by_walls"]["largest_mean"][1]["mean"]["max"]),
+            ("others", &squeeze["by_people"]["impulse"]["max"]),
             ("peak", &squeeze["peak"]["max"]),
             ("ended", &seen["left"]["evacuation_time"]),
         ] {
@@ -171,6 +175,7 @@ fn measures_of_a_sweep_are_those_of_lemons_measure() {
         let late = measured(at, &trial, &["--from", "4"]);
         assert_eq!(number(row, "late"), late["lines"][0]["directions"][0]["people"].as_f64().unwrap());
         assert!(number(row, "late") < 16.0 && number(row, "peak") > number(row, "felt"));
+        assert!(number(row, "wall") > 0.0 && number(row, "others") > 0.0);
         // Of the table of the run: where people could be is what all of it says.
         done(at, &["run", &trial, "--until", "left", "-o", "run.csv", "--force"]);
         let part = measured_at(at, "run.csv", &["--trial", &trial, "--from", "1", "--until", "2"]);

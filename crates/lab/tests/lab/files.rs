@@ -161,5 +161,5 @@ fn pictures_bodies_and_measures_are_files() {
     let (_, stl) = ask(&mut lab, &take(1, json!({"file": "mesh", "format": "stl"})), &frame);
     let triangles = u32::from_le_bytes(stl[80..84].try_into().unwrap()) as usize;
     assert_eq!(stl.len(), 84 + 50 * triangles);
-    assert!(numbers(&frame).len() == 16);
+    assert!(numbers(&frame).len() == 2 * COLUMNS);
 }

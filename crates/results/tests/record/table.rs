@@ -38,7 +38,11 @@ fn groups_of_columns_are_read_where_all_are_there() {
     let seen = Observed { agent_contacts, wall_contacts, contacting_agents, normal_force, of_step: None };
     assert_eq!(read("", "3,1,2,125.5").unwrap().frames[0].observed, Some(vec![seen]));
     let run = read(&format!(",{of_step}"), "3,1,2,0.0,80.5,1e3,0.002").unwrap();
-    let step = OfStep { mean_normal_force: 80.5, peak_normal_force: 1000.0, peak_overlap: 0.002 };
+    let (mean_normal_force, peak_normal_force, peak_overlap) = (80.5, 1000.0, 0.002);
+    let mut step = OfStep { mean_normal_force, mean_wall_force: None, peak_normal_force, peak_overlap };
+    assert_eq!(run.frames[0].observed.as_ref().unwrap()[0].of_step, Some(step));
+    let run = read(&format!(",{of_step},mean_wall_force"), "3,1,2,0.0,80.5,1e3,0.002,30.5").unwrap();
+    step.mean_wall_force = Some(30.5);
     assert_eq!(run.frames[0].observed.as_ref().unwrap()[0].of_step, Some(step));
     for (more, row, expected) in [
         ("", "3,-1,2,0.0", "wall_contacts: \"-1\" is not a valid number of contacts"),

@@ -28,8 +28,8 @@ fn frames(count: usize, groups: Groups) -> Vec<Frame> {
         std::array::from_fn(|place| match place {
             0..6 => number(10 * k + i + place),
             6..9 => f64::from(i32::MAX) - (7 * k + i + place) as f64,
-            9..13 => number(7 * k + i + place).abs(),
-            13 => f64::from(k < 2 + i),
+            9..14 => number(7 * k + i + place).abs(),
+            14 => f64::from(k < 2 + i),
             _ => k as f64,
         })
     };
@@ -78,6 +78,7 @@ fn frames_come_back_to_the_bit() {
             (3, none),
             (3, Groups { contacts: true, ..none }),
             (3, Groups { totals: false, ..ALL }),
+            (3, Groups { by_walls: false, ..ALL }),
             (3, Groups { contacts: true, totals: true, ..none }),
             (3, Groups { active: true, ..none }),
             (3, Groups { totals: true, ..none }),

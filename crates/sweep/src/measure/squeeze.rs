@@ -2,7 +2,7 @@
 
 use crate::measure::Across;
 use lemons_master::ensure;
-use lemons_results::measure::{Exposed, Exposure, SPANS};
+use lemons_results::measure::{By, Exposed, Exposure, SPANS};
 use serde::Deserialize;
 
 /// A measure of the squeeze of people over time, by its mean over each communication step.
@@ -16,6 +16,8 @@ pub struct OfSqueeze {
     pub over: Option<f64>,
     /// \[N\] For [`What::TimeAbove`].
     pub level: Option<f64>,
+    /// What presses them; both if it is missing.
+    pub by: Option<By>,
     /// Ids of agents in Agents.xml; empty: all agents.
     #[serde(default)]
     pub agents: Vec<String>,
@@ -68,6 +70,10 @@ impl OfSqueeze {
             ),
             (!above || level.is_some(), "squeeze = \"time_above\" needs a level (newtons)"),
             (above || level.is_none(), "level is for squeeze = \"time_above\""),
+            (
+                self.by.is_none() || !matches!(self.squeeze, What::Peak | What::Time),
+                "by is not for squeeze = \"peak\" and \"time\"",
+            ),
             (
                 level.is_none_or(|level| level >= 0.0 && level.is_finite()),
                 "level must be a finite number of newtons, not below 0",

@@ -119,6 +119,7 @@ fn groups_of(run: &Run) -> Groups {
     Groups {
         contacts: seen.is_some(),
         of_step: seen.is_some_and(|seen| seen.of_step.is_some()),
+        by_walls: seen.is_some_and(|seen| seen.of_step.is_some_and(|step| step.mean_wall_force.is_some())),
         active: first.active.is_some(),
         totals: first.totals.is_some(),
     }

@@ -3,7 +3,8 @@
 //! An element of an array is called `Name[i,j]`: the naming convention of FMI 3.0, with indices from 1 as in
 //! `fmi3GetVariableDependencies`. Elements of people have the names that they have in FMI 2.0, with indices from 0: an
 //! array whose first dimension is the structural parameter `Agents` has the elements `agent[i].Name`; with a second
-//! dimension of 2 they are `agent[i].Name.x` and `agent[i].Name.y`. Where such an array has the name that FMI 2.0 gives to
+//! dimension of 2 they are `agent[i].Name.x` and `agent[i].Name.y`. In the same way an array `WallName` of the structural
+//! parameter `WallSegments` has the elements `wall[k].Name`. Where an array of people has the name that FMI 2.0 gives to
 //! a number of the whole crowd, this number is called `TotalName` in FMI 3.0, and `Name` here.
 
 use super::{Dimension, Interface, Single, Variable};
@@ -12,6 +13,9 @@ use crate::ssp::document::Kind;
 
 /// The structural parameter that is the number of people.
 const AGENTS: &str = "Agents";
+/// The one that is the number of straight pieces of walls, and what names of arrays of them begin with.
+const WALL_SEGMENTS: &str = "WallSegments";
+const WALL: &str = "Wall";
 const TOTAL: &str = "Total";
 const AXES: [&str; 2] = ["x", "y"];
 
@@ -58,7 +62,11 @@ impl Interface {
         }
         let indices = variable.indices(element);
         if !self.is_of_agents(variable) {
-            return format!("{name}{}", written(&indices));
+            let of_wall = name.strip_prefix(WALL).filter(|_| self.is_of(WALL_SEGMENTS, variable));
+            return match (of_wall, &indices[..]) {
+                (Some(name), [segment]) => format!("wall[{}].{name}", segment - 1),
+                _ => format!("{name}{}", written(&indices)),
+            };
         }
         let agent = indices[0] - 1;
         match (&indices[1..], &variable.dimensions[1..]) {
@@ -72,15 +80,23 @@ impl Interface {
 
     /// Returns whether the variable has an element, or elements, for each of some people.
     pub fn is_of_agents(&self, variable: &Variable) -> bool {
+        self.is_of(AGENTS, variable)
+    }
+
+    /// Returns whether the first dimension of the variable is the structural parameter of this name.
+    fn is_of(&self, size: &str, variable: &Variable) -> bool {
         let first = variable.dimensions.first().and_then(|first| first.parameter);
-        first.is_some_and(|place| self.variables[place].name == AGENTS)
+        first.is_some_and(|place| self.variables[place].name == size)
     }
 
     /// Returns the value that a name means which is not that of a single variable: the one that has this name.
     pub(super) fn parsed(&self, name: &str) -> Option<Single<'_>> {
-        let (agent, inner) = match name.strip_prefix("agent[").and_then(|rest| rest.split_once("].")) {
-            Some((agent, inner)) => (Some(agent), inner),
-            None => (None, name),
+        let of = |kind: &str| name.strip_prefix(kind).and_then(|rest| rest.split_once("]."));
+        let wall = of("wall[").map(|(segment, inner)| (segment, format!("{WALL}{inner}")));
+        let (agent, inner) = match (of("agent["), &wall) {
+            (Some((agent, inner)), _) => (Some(agent), inner),
+            (None, Some((segment, inner))) => (Some(*segment), &inner[..]),
+            (None, None) => (None, name),
         };
         let axis = inner.rsplit_once('.').and_then(|(array, axis)| {
             Some((array, AXES.iter().zip(["1", "2"]).find(|(known, _)| **known == axis)?.1))

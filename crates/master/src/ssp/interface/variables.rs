@@ -260,13 +260,17 @@ mod tests {
             <Int32 name="TotalAgentContacts" valueReference="5" causality="output"/>
             <Int32 name="TotalOther" valueReference="6" causality="output"/>
             <Float64 name="Inertia" valueReference="7" causality="output"><Dimension valueReference="1"/><Dimension start="3"/></Float64>
+            <UInt64 name="WallSegments" valueReference="8" causality="structuralParameter" start="2"/>
+            <Float64 name="WallForce" valueReference="9" causality="output"><Dimension valueReference="8"/></Float64>
+            <Float64 name="Force" valueReference="10" causality="output"><Dimension valueReference="8"/></Float64>
             </ModelVariables></fmiModelDescription>"#;
         let interface = read(text);
         let names: Vec<String> = interface.singles().map(|(name, _)| name).collect();
         let expected = "Agents agent[0].Position.x agent[0].Position.y agent[1].Position.x agent[1].Position.y \
                         agent[0].Theta agent[1].Theta agent[0].AgentContacts agent[1].AgentContacts AgentContacts \
                         TotalOther agent[0].Inertia[1] agent[0].Inertia[2] agent[0].Inertia[3] agent[1].Inertia[1] \
-                        agent[1].Inertia[2] agent[1].Inertia[3]";
+                        agent[1].Inertia[2] agent[1].Inertia[3] WallSegments wall[0].Force wall[1].Force Force[1] \
+                        Force[2]";
         assert_eq!(names.join(" "), expected);
         for (name, single) in interface.singles() {
             assert_eq!(interface.single(&name), Some(single), "{name}");
@@ -275,7 +279,8 @@ mod tests {
         assert_eq!(of("agent[1].Position.y").as_deref(), Some("2[3]"));
         assert_eq!(of("AgentContacts"), of("TotalAgentContacts"));
         let others = "agent[2].Theta agent[0].Position agent[0].Position.z agent[0].Theta.x agent[00].Theta Theta[1] \
-                      Position[1,1] agent[0].Position[1] agent[0].Inertia[4] agent[0].Agents";
+                      Position[1,1] agent[0].Position[1] agent[0].Inertia[4] agent[0].Agents \
+                      wall[2].Force WallForce[1] wall[0].WallForce wall[0].Theta";
         for none in others.split(' ') {
             assert_eq!(interface.single(none), None, "{none}");
         }
