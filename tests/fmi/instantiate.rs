@@ -227,7 +227,7 @@ fn warnings_of_the_trial_are_told_if_they_are_wanted() {
     let again = r#"<Corner Coordinates="1.7526750,-0.57395"/></Wall>"#;
     let resources = Resources::edited("static/Geometry.xml", "</Wall>", again);
     for version in BOTH {
-        let token = CString::new(&*Model::paper(version).token).unwrap();
+        let token = CString::new(Model::of(&resources.trial(), version).token).unwrap();
         let location = CString::new(version.location(&resources.directory())).unwrap();
         for logging_on in [false, true] {
             let arguments = Arguments { logging_on, ..Arguments::new(&token, &location) };

@@ -106,7 +106,7 @@ fn wrong(why: impl Display) -> Error {
 
 impl Saved {
     /// The format of `run.toml` that this program knows; raised when its meaning changes.
-    pub const FORMAT: u32 = 4;
+    pub const FORMAT: u32 = 5;
 
     /// Returns what was chosen before initialization, as parameters: in an SSP, with the names of the components.
     pub(crate) fn chosen(&self, coupled: bool) -> Vec<(String, String)> {
