@@ -9,6 +9,7 @@ use lemons_core::plane::Vec2;
 use lemons_core::trial::{AgentDynamics, DRIVE_FILE, Parameters, Problems, Trial};
 use lemons_decision::balance::Balance;
 use lemons_decision::plan::Planned;
+use lemons_decision::target::Destination;
 use lemons_decision::{DECISION_FILE, Plan};
 use lemons_master::{TrialInput, notes, plan_of};
 use std::path::{Path, PathBuf};
@@ -134,7 +135,8 @@ fn doubts_of_plan(plan: &Plan, trial: &Trial) -> Vec<String> {
     // The force with which people walk is proportional to FloorDamping.
     let unmoved: Vec<&Planned> =
         plan.agents.iter().filter(|agent| agent.walker.floor_damping == 0.0).collect();
-    if let [first, ..] = &unmoved[..] {
+    let goes = |agent: &Planned| !agent.walker.waypoints.is_empty() || agent.destination != Destination::None;
+    if let Some(first) = unmoved.iter().find(|agent| goes(agent)) {
         doubts.push(format!(
             "{} of {} agents cannot walk (first {:?}): FloorDamping=\"0\" in Agents.xml, and the force with which they walk \
              is Mass · FloorDamping · speed",
