@@ -41,6 +41,7 @@ MADE_BY = {
     **{f"docs/validation_{name}.svg": ("examples/experiments.py", f'"validation_{name}.svg"') for name in ("experiments", "lanes")},
     "docs/door_width.svg": ("examples/door_width.py", '"door_width.svg"'),
     "docs/calibration.png": ("examples/calibrate.py", '"calibration.png"'),
+    "docs/waves.png": ("examples/waves.py", '"waves.png"'),
 }
 
 
@@ -128,9 +129,11 @@ def mechanics(lemons, directory):
 
 def test_pictures_that_take_minutes_are_of_what_they_were_drawn_from(lemons, tmp_path):
     """A picture of the validation belongs to its tables, which the same command writes. That of the calibration needs
-    measured data: it may be old if its script or the mechanics has changed."""
+    measured data: it may be old if its script or the mechanics has changed; that of waves, if its script, legs or the mechanics have."""
     of = {f"validation_{name}.svg": tables_of(name) for name in VALIDATION}
     of["calibration.png"] = (REPOSITORY / "examples/calibrate.py").read_text() + mechanics(lemons, tmp_path)
+    legs = (REPOSITORY / "crates/decision/src/balance").glob("*.rs")
+    of["waves.png"] = "".join(path.read_text() for path in [REPOSITORY / "examples/waves.py", *sorted(legs)]) + mechanics(lemons, tmp_path)
     digests = {}
     for picture, text in of.items():
         digests[picture] = hashlib.sha256(text.encode() + (DOCS / picture).read_bytes()).hexdigest()
