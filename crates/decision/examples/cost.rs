@@ -33,14 +33,26 @@ fn main() {
             [(26.0, middle + 1.0), (26.0, high), (0.0, high), (0.0, 0.0), (26.0, 0.0), (26.0, middle - 1.0)];
         let hall = hall.map(|(x, y)| vec2(x, y));
         let models = ["straight", "collision-free-speed", "social-force", "rotational"];
-        let one = models.map(|model| (model, 1.0));
-        for (model, share) in one.into_iter().chain([("rotational", 0.5)]) {
+        let walking = |model: &str, share: f64| {
             let exit = |name: &str, x: f64, share: f64| {
                 let (low, high) = (middle - 1.0, middle + 1.0);
                 format!("{{ name = \"{name}\", line = [[{x}, {low}], [{x}, {high}]], share = {share} }}")
             };
             let exits = [exit("door", 26.5, share), exit("behind", 0.1, 1.0 - share)].join(", ");
-            let config = format!("model = \"{model}\"\nexits = [{exits}]");
+            format!("model = \"{model}\"\nexits = [{exits}]")
+        };
+        let mut configs: Vec<(String, String)> =
+            models.map(|model| (model.to_owned(), walking(model, 1.0))).into();
+        configs.push(("rotational, half of them the other way".to_owned(), walking("rotational", 0.5)));
+        for balance in ["pendulum", "two-level"] {
+            let config = format!("balance = \"{balance}\"");
+            configs.push((format!("straight, {balance}: all stand"), config.clone()));
+            configs.push((
+                format!("rotational, {balance}"),
+                format!("{config}\n{}", walking("rotational", 1.0)),
+            ));
+        }
+        for (label, config) in configs {
             let config = DecisionConfig::from_toml(&config).unwrap();
             let plan = Plan::among(std::iter::once(&hall[..]), &people, &config, 0.02).unwrap();
             let mut decision = Decision::new(plan);
@@ -54,11 +66,7 @@ fn main() {
             };
             step(0.0);
             let least = (1..30).map(|k| step(0.002 * f64::from(k))).fold(f64::INFINITY, f64::min);
-            println!(
-                "{} people, {model}, {share} to the door: {:.0} ns",
-                people.len(),
-                least / people.len() as f64 * 1e9
-            );
+            println!("{} people, {label}: {:.0} ns", people.len(), least / people.len() as f64 * 1e9);
         }
     }
 }

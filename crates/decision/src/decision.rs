@@ -123,6 +123,8 @@ pub struct Decision {
     wanted: Option<Vec<DesiredMotion>>,
     /// Arrivals and directions of all agents at their present poses, if they were computed.
     aims: Option<Vec<Aim>>,
+    /// Legs of all agents at their present poses, if they were computed; `None` inside for who has left.
+    legs: Option<Vec<Option<Legs>>>,
 }
 
 /// See [`Decision::arrival`], [`Decision::goes`] and [`Decision::to_go`].
@@ -168,6 +170,7 @@ impl Decision {
             ways: None,
             wanted: None,
             aims: None,
+            legs: None,
         }
     }
 
@@ -177,7 +180,7 @@ impl Decision {
         for (agent, (pose, velocity)) in self.agents.iter_mut().zip(motions) {
             (agent.pose, agent.velocity) = (pose, [velocity.x, velocity.y]);
         }
-        (self.wanted, self.aims) = (None, None);
+        (self.wanted, self.aims, self.legs) = (None, None, None);
     }
 
     /// What everybody does at the present poses.
@@ -396,18 +399,27 @@ impl Decision {
         let mut drive = self.drive_of_walking(i)?;
         let agent = &self.agents[i];
         agent.walker.limit(&mut drive, agent.velocity());
-        if let Some(balance) = self.plan.balance
-            && let Some(legs) = self.legs(i, &balance).filter(|legs| legs.stands)
-        {
+        if let Some(balance) = self.plan.balance {
+            self.decide_legs(&balance);
+            let legs = self.legs.as_ref().and_then(|legs| legs[i]).filter(|legs| legs.stands);
             // Whatever a model of walking wants of those who stand, only the ground acts on them.
-            let agent = &self.agents[i];
-            drive.force = (balance.drive(&legs, &agent.motion()) * agent.walker.mass).into();
+            if let Some(legs) = legs {
+                let agent = &self.agents[i];
+                drive.force = (balance.drive(&legs, &agent.motion()) * agent.walker.mass).into();
+            }
         }
         Ok(drive)
     }
 
+    /// Decides who stands, unless that was done at these poses.
+    fn decide_legs(&mut self, balance: &Balance) {
+        if self.legs.is_none() {
+            self.legs = Some((0..self.agents.len()).map(|i| self.decided_legs(i, balance)).collect());
+        }
+    }
+
     /// Returns the legs of an agent that has not left: whether it stands follows from where it wants to go.
-    fn legs(&mut self, i: usize, balance: &Balance) -> Option<Legs> {
+    fn decided_legs(&mut self, i: usize, balance: &Balance) -> Option<Legs> {
         if self.arrival(i) == Some(Arrival::Leaves) {
             return None;
         }
@@ -422,9 +434,10 @@ impl Decision {
     /// A step \[s\] passes for everybody's legs, if people have any.
     fn pass_legs(&mut self, step: f64) {
         let Some(balance) = self.plan.balance else { return };
-        let people = 0..self.agents.len();
-        let legs = |i: usize| self.legs(i, &balance).map(|legs| (legs, self.agents[i].motion()));
-        let mut people: Vec<Option<(Legs, Motion)>> = people.map(legs).collect();
+        self.decide_legs(&balance);
+        let legs = self.legs.take().unwrap_or_default().into_iter().zip(&self.agents);
+        let mut people: Vec<Option<(Legs, Motion)>> =
+            legs.map(|(legs, agent)| Some((legs?, agent.motion()))).collect();
         balance.pass(&mut people, &self.faces, step);
         for (agent, (legs, _)) in
             self.agents.iter_mut().zip(people).filter_map(|(agent, one)| Some((agent, one?)))
@@ -616,7 +629,7 @@ impl Model for Decision {
     fn set(&mut self, quantity: Quantity, element: usize, value: f64, _: Phase) {
         if let Some(field) = self.field(quantity, element) {
             *field = value;
-            (self.wanted, self.aims) = (None, None);
+            (self.wanted, self.aims, self.legs) = (None, None, None);
         }
     }
 
@@ -688,7 +701,7 @@ impl Model for Decision {
             }
         }
         (self.agents, self.time) = (restored.agents, *time);
-        (self.wanted, self.aims) = (wanted.clone(), None);
+        (self.wanted, self.aims, self.legs) = (wanted.clone(), None, None);
         Ok(())
     }
 }

@@ -82,6 +82,9 @@ impl TwoLevel {
 
     /// Moves the legs of everybody who stands by a step of time \[s\].
     pub(super) fn pass(&self, people: &mut [Option<(Legs, Motion)>], faces: &[[Vec2; 2]], step: f64) {
+        if !people.iter().flatten().any(|(legs, _)| legs.stands) {
+            return;
+        }
         let parts = libm::ceil(step / LONGEST).max(1.0);
         for _ in 0..parts as usize {
             let repelled = self.repulsions(people, faces);
