@@ -14,7 +14,7 @@ models and a table of results. Measured are heads. Two observers are compared wi
 
 The fit (differential evolution) minimizes the mean difference over six starts: that of the Trial has half of the weight, the others
 have all people moved by 5 mm. It is checked with 64 other starts; and without each of the five people in turn: of all parameters
-that were tried, those that are best for the other four.
+that were tried, those that are best for the other four. The search was for all five, so this is a little too good.
 """
 
 import argparse

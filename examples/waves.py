@@ -2,17 +2,18 @@
 
     cargo build --release
     pip install './python[examples]'
-    python examples/waves.py [--models NAME ...] [--densities N ...] [--number N] [--until S] [--plot FILE.png] [--film FILE.svg]
+    python examples/waves.py [--models NAME ...] [--densities N ...] [--number N] [--until S] [--plot FILE.png] [--film FILE.mp4]
 
 Nobody wants to go anywhere. Each person is agitated by a small force of its own: x and y are Ornstein-Uhlenbeck processes with a
 standard deviation of FORCE and a correlation time of one second. The square has walls. Its cells, CELL wide, have a mean velocity V
 of the n people who begin there. What counts was written down before the runs:
 
-    together   order = n <V²>/<v²> is above 4. It is 1 if everybody moves for themselves, and n if all move alike.
+    together   order = n <V²>/<v²> is above 4. It is 1 if everybody moves for themselves, and n if all move alike. Of a given
+               correlation of two people it is larger in denser crowds; the correlation, (order - 1)/(n - 1), is printed, too.
     to and fro the autocorrelation of V, averaged over cells, falls below -0.3 within a quarter of the time. The period is the lag of
-               its next maximum.
-    in circles chirality is above 0.5: the mean over cells of the greatest <V(t) x V(t + lag)>/<V²>. It is 1 on a circle, about 0.3 by
-               chance.
+               the greatest maximum after that.
+    in circles chirality is above 0.5: the mean over cells of the greatest <V(t) x V(t + lag)>, by the variance of V. It is 1 on a
+               circle, about 0.3 by chance.
 
 Models (docs/balance.md): none; pendulum, with the defaults; two-level, with the defaults, of which a single person stands stably;
 and two-level, slow legs, of which nobody stands still alone. Measured beside it: thousands at a festival begin to turn together
@@ -73,7 +74,7 @@ def correlation(mean):
 
 
 def measures(run, side):
-    """Returns order, least autocorrelation, period [s] or nan, chirality; and lags [s] with the autocorrelation."""
+    """Returns order, least autocorrelation, period [s] or nan, chirality, correlation of two people; lags [s], autocorrelation."""
     times, mean, sizes, square = cells(run, side)
     each = correlation(mean)
     lags, all = times[: len(each)], each.mean(axis=1).real
@@ -84,7 +85,7 @@ def measures(run, side):
     period = lags[least + np.argmax(all[least:])] if waves else np.nan
     order = (np.abs(mean) ** 2 * sizes).mean() / square
     chirality = np.abs(each.imag / each[0].real).max(axis=0).mean()
-    return (order, all[least], period, chirality), lags, all
+    return (order, all[least], period, chirality, (order - 1) / max(1e-9, sizes.mean() - 1)), lags, all
 
 
 def simulate(model, density, arguments, place):
@@ -151,7 +152,7 @@ def main():
     if arguments.number < 10 or arguments.until < 2 * FIRST or min(arguments.densities) <= 0:
         parser.error(f"--number must be at least 10, --until {2 * FIRST:g}, and densities above 0")
     results = []
-    print(f"{'model':22} {'per m²':>6} {'order':>6} {'least':>6} {'period':>7} {'chirality':>9}   together, to and fro, in circles")
+    print(f"{'model':22} {'per m²':>6} {'order':>6} {'alike':>6} {'least':>6} {'period':>7} {'chirality':>9}   together, to and fro, in circles")
     with tempfile.TemporaryDirectory() as place:
         place = pathlib.Path(place)
         try:
@@ -159,9 +160,9 @@ def main():
                 for density in arguments.densities:
                     run, side = simulate(model, density, arguments, place)
                     numbers, lags, all = measures(run, side)
-                    order, least, period, chirality = numbers
+                    order, least, period, chirality, alike = numbers
                     found = ", ".join("yes" if is_so else "no" for is_so in (order > 4, least < -0.3, chirality > 0.5))
-                    print(f"{model:22} {density:6.2f} {order:6.1f} {least:6.2f} {period:7.1f} {chirality:9.2f}   {found}", flush=True)
+                    print(f"{model:22} {density:6.2f} {order:6.1f} {alike:6.2f} {least:6.2f} {period:7.1f} {chirality:9.2f}   {found}", flush=True)
                     results.append((model, density, numbers, lags, all))
             plot(arguments.plot, results)
             if arguments.film:

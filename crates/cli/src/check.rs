@@ -7,7 +7,6 @@ use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{AgentDynamics, DRIVE_FILE, Parameters, Problems, Trial};
-use lemons_decision::balance::Balance;
 use lemons_decision::plan::Planned;
 use lemons_decision::target::Destination;
 use lemons_decision::{DECISION_FILE, Plan};
@@ -135,17 +134,18 @@ fn doubts_of_plan(plan: &Plan, trial: &Trial) -> Vec<String> {
     // The force with which people walk is proportional to FloorDamping.
     let unmoved: Vec<&Planned> =
         plan.agents.iter().filter(|agent| agent.walker.floor_damping == 0.0).collect();
-    let goes = |agent: &Planned| !agent.walker.waypoints.is_empty() || agent.destination != Destination::None;
-    if let Some(first) = unmoved.iter().find(|agent| goes(agent)) {
+    let goes =
+        |agent: &&&Planned| !agent.walker.waypoints.is_empty() || agent.destination != Destination::None;
+    if let Some(first) = unmoved.iter().find(goes) {
         doubts.push(format!(
             "{} of {} agents cannot walk (first {:?}): FloorDamping=\"0\" in Agents.xml, and the force with which they walk \
              is Mass · FloorDamping · speed",
-            unmoved.len(),
+            unmoved.iter().filter(goes).count(),
             plan.agents.len(),
             first.id
         ));
     }
-    doubts.extend(plan.balance.and_then(|balance| doubt_of_legs(&balance, plan.time_step, &unmoved)));
+    doubts.extend(doubts_of_legs(plan, &unmoved));
     let is_pushed = |dynamics: &AgentDynamics| dynamics.fp != Vec2::ZERO || dynamics.mp != 0.0;
     let pushed = trial.agents.iter().zip(&trial.dynamics).filter(|(_, dynamics)| is_pushed(dynamics));
     let pushed: Vec<&str> = pushed.map(|(agent, _)| agent.id.as_str()).collect();
@@ -162,22 +162,23 @@ fn doubts_of_plan(plan: &Plan, trial: &Trial) -> Vec<String> {
     doubts
 }
 
-/// Doubts legs that hear of the body too rarely, or that do not stop it.
-fn doubt_of_legs(balance: &Balance, time_step: f64, unmoved: &[&Planned]) -> Option<String> {
-    let longest = match balance {
-        Balance::Pendulum(of) => 0.2 * of.step_time.max(0.05),
-        Balance::TwoLevel(_) => 0.05,
-    };
-    if let [first, ..] = unmoved {
-        return Some(format!(
-            "agent {:?} has legs and FloorDamping=\"0\" in Agents.xml: it does not try to stand still",
-            first.id
-        ));
-    }
-    (time_step > longest * (1.0 + 1e-9)).then(|| {
+/// Doubts legs of people who do not try to stand still, and communication steps in which legs act too late.
+fn doubts_of_legs(plan: &Plan, unmoved: &[&Planned]) -> Vec<String> {
+    let idle = unmoved.first().filter(|_| plan.balance.is_some()).map(|first| {
+        let id = &first.id;
+        format!("agent {id:?} has legs and FloorDamping=\"0\" in Agents.xml: it does not try to stand still")
+    });
+    idle.into_iter().chain(late_legs(plan, plan.time_step)).collect()
+}
+
+/// Doubts a communication step \[s\] in which legs act too late.
+pub fn late_legs(plan: &Plan, step: f64) -> Option<String> {
+    let damping = plan.agents.iter().map(|agent| agent.walker.floor_damping).fold(0.0, f64::max);
+    let longest = plan.balance?.longest_step(damping);
+    (step > longest * (1.0 + 1e-9)).then(|| {
         format!(
-            "TimeStep {time_step:?} s: legs act once in a communication step; give {longest:.3} s or less, in \
-             Parameters.xml or as --step"
+            "communication step {step:?} s: legs act once in a step; with more than {longest:.3} s they act too late \
+             (--step; TimeStep in Parameters.xml)"
         )
     })
 }

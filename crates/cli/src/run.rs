@@ -7,6 +7,7 @@ mod outputs;
 mod recorder;
 mod trial;
 
+use crate::check::late_legs;
 use crate::connect::plain_names;
 use crate::error::{Misused, and_then, full_message};
 use crate::files::{self, Force};
@@ -305,6 +306,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         before,
     } = prepare(&settings)?;
     model.take_warnings().iter().for_each(|warning| note!("{warning}"));
+    plans.iter().filter_map(|plan| late_legs(plan, clock.step)).for_each(|doubt| note!("warning: {doubt}"));
     summary.push(format!("communication step {:>10} s", clock.step));
     if compared && mechanical_steps.is_empty() {
         bail!(

@@ -14,7 +14,7 @@ use crate::error::PlanError;
 use lemons_core::plane::Vec2;
 use serde::{Deserialize, Serialize};
 
-/// \[m/s\] Who wants to go no faster stands.
+/// \[m/s\] Speed up to which somebody stands who wants to go no faster.
 pub const STILL: f64 = 0.1;
 
 /// A model of balance with its constants.
@@ -41,9 +41,9 @@ pub struct Motion {
 }
 
 /// Legs of a person, during the simulation and in a saved state.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Legs {
-    /// Whether the person stands.
+    /// State of who stands, not of who walks.
     pub stands: bool,
     /// \[m\] Middle of the feet.
     pub at: Vec2,
@@ -54,36 +54,27 @@ pub struct Legs {
     aim: Vec2,
     /// \[s\] Time until the feet stand elsewhere, if a step has begun.
     step: Option<f64>,
-    /// \[s\] For how long the person has stood still, or walked back.
+    /// \[s\] Time for which the person has stood still, or walked back.
     calm: f64,
     /// Number of steps to keep the balance.
     pub steps: u32,
-    /// Whether no step could save the person, at some time.
+    /// State of somebody who could not be saved, at some time.
     pub fallen: bool,
 }
 
 impl Legs {
-    /// Makes legs of somebody who is here \[m\].
+    /// Makes legs at rest under a body \[m\].
     pub fn new(at: Vec2, stands: bool) -> Legs {
-        Legs {
-            stands,
-            at,
-            velocity: Vec2::ZERO,
-            home: at,
-            aim: at,
-            step: None,
-            calm: 0.0,
-            steps: 0,
-            fallen: false,
-        }
+        Legs { stands, at, home: at, aim: at, ..Legs::default() }
     }
 
-    /// Returns the same legs under a body \[m\].
-    pub fn under(&self, at: Vec2, stands: bool) -> Legs {
-        Legs { steps: self.steps, fallen: self.fallen, ..Legs::new(at, stands) }
+    /// Returns the same legs under a body, moving with it.
+    fn under(&self, motion: &Motion, stands: bool) -> Legs {
+        let Legs { steps, fallen, .. } = *self;
+        Legs { steps, fallen, velocity: motion.velocity, ..Legs::new(motion.at, stands) }
     }
 
-    /// Returns whether a model can have left such legs.
+    /// Returns whether all numbers are possible.
     pub fn is_sound(&self) -> bool {
         let places = [self.at, self.velocity, self.home, self.aim];
         let time = |time: f64| time.is_finite() && time >= 0.0;
@@ -112,11 +103,26 @@ impl Balance {
     pub fn decided(&self, legs: Legs, motion: &Motion, wants: bool) -> Legs {
         let stops = || match self {
             Balance::Pendulum(of) => of.stops(motion),
-            Balance::TwoLevel(_) => true,
+            Balance::TwoLevel(of) => of.stops(motion),
         };
         let changes =
             if wants { legs.stands && self.is_balanced(&legs, motion) } else { !legs.stands && stops() };
-        if changes { legs.under(motion.at, !wants) } else { legs }
+        if changes { legs.under(motion, !wants) } else { legs }
+    }
+
+    /// Returns whether somebody has fallen, and stays on the ground.
+    pub fn lies(&self, legs: &Legs) -> bool {
+        matches!(self, Balance::Pendulum(of) if of.lies(legs))
+    }
+
+    /// \[s\] Returns the longest communication step with which the model is near to what it says, for people whose ground
+    /// takes velocities with at most a rate \[1/s\].
+    pub fn longest_step(&self, damping: f64) -> f64 {
+        let own = match self {
+            Balance::Pendulum(of) => (0.08 * of.step_time).max(0.005),
+            Balance::TwoLevel(_) => 0.02,
+        };
+        own.min(0.1 / damping.max(1e-9))
     }
 
     /// \[m/s²\] Returns the acceleration of the drive of somebody who stands, in addition to eq. 1's relaxation.
@@ -129,6 +135,9 @@ impl Balance {
 
     /// Moves the legs of everybody who stands by a step of time \[s\]; `None` is who is not there. Of walls, the faces.
     pub fn pass(&self, people: &mut [Option<(Legs, Motion)>], faces: &[[Vec2; 2]], step: f64) {
+        for (legs, motion) in people.iter_mut().flatten().filter(|(legs, _)| !legs.stands) {
+            *legs = legs.under(motion, false);
+        }
         match self {
             Balance::Pendulum(of) => {
                 for (legs, motion) in people.iter_mut().flatten().filter(|(legs, _)| legs.stands) {
@@ -137,13 +146,34 @@ impl Balance {
             }
             Balance::TwoLevel(of) => of.pass(people, faces, step),
         }
-        for (legs, motion) in people.iter_mut().flatten().filter(|(legs, _)| !legs.stands) {
-            *legs = legs.under(motion.at, false);
-        }
     }
 }
 
 /// Returns a vector, made shorter if it is longer than this.
 fn at_most(vector: Vec2, length: f64) -> Vec2 {
     vector * (length / vector.norm().max(1e-12)).min(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn legs_with_impossible_numbers_are_known() {
+        let forgeries: [fn(&mut Legs); 7] = [
+            |legs| legs.at.y = f64::NAN,
+            |legs| legs.velocity.x = f64::INFINITY,
+            |legs| legs.home.x = f64::NAN,
+            |legs| legs.aim.y = f64::NAN,
+            |legs| legs.step = Some(-1.0),
+            |legs| legs.step = Some(f64::NAN),
+            |legs| legs.calm = -1.0,
+        ];
+        assert!(Legs::default().is_sound());
+        for forge in forgeries {
+            let mut legs = Legs::default();
+            forge(&mut legs);
+            assert!(!legs.is_sound(), "{legs:?}");
+        }
+    }
 }

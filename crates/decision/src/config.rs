@@ -170,6 +170,11 @@ impl DecisionConfig {
         Some(DecisionConfig { desired_speed: Some(speed), waypoints, agents, ..DecisionConfig::default() })
     }
 
+    /// Returns whether people who stand have legs.
+    pub(crate) fn has_legs(&self) -> bool {
+        self.balance.unwrap_or_default() != BalanceName::None
+    }
+
     /// Returns the model of balance with its constants, if people have legs.
     pub(crate) fn balance(&self) -> Result<Option<Balance>, PlanError> {
         let name = self.balance.unwrap_or_default();

@@ -22,7 +22,8 @@ pub enum PlanError {
     #[error("agents.{0}: there is no agent with this Id")]
     UnknownAgent(String),
     #[error(
-        "agent {0:?} has no way-point and no exit: give `waypoints` or `exits` for all agents, or in [agents.{0}]"
+        "agent {0:?} has no way-point and no exit: give `waypoints` or `exits` for all agents, or in [agents.{0}] (with \
+         `balance`, `waypoints = []` there says that it stands)"
     )]
     NoWaypoint(String),
     #[error("there are no agents")]

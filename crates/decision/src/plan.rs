@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 /// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).
 const DEFAULT_SPEED: f64 = 1.34;
 
-/// Which draw of a person is that of the push; those of walking begin at 0.
+/// Draw of a person that is that of the push; those of walking begin at 0.
 const PUSH_DRAW: u64 = u64::MAX / 2;
 
 /// An agent of a plan.
@@ -123,7 +123,8 @@ impl Plan {
         let targets = targets_of(config)?;
         let destinations = destinations(people, config, &targets)?;
         let nothing = AgentConfig::default();
-        let ways = config.waypoints.is_some() || config.agents.values().any(|own| own.waypoints.is_some());
+        let goes = |waypoints: &Option<Vec<Waypoint>>| waypoints.as_ref().is_some_and(|way| !way.is_empty());
+        let ways = goes(&config.waypoints) || config.agents.values().any(|own| goes(&own.waypoints));
         let only_stands = balance.is_some() && targets.is_empty() && !ways;
         let seed = config.seed.unwrap_or(0);
         let push = |i: usize| {

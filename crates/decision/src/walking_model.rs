@@ -127,6 +127,8 @@ pub struct Walking<'a> {
 pub struct DesiredMotion {
     /// \[m/s\] velocity.
     pub velocity: Vec2,
+    /// \[m/s\] Speed along the way, without swaying and noise.
+    pub speed: f64,
     /// \[N\] force besides that for the velocity.
     pub force: Vec2,
     /// Unit vector towards which the body turns, if it turns.
@@ -246,7 +248,7 @@ fn facing(goal: Vec2, velocity: Vec2) -> Vec2 {
 
 fn straight(walking: &Walking<'_>) -> DesiredMotion {
     let velocity = walking.direction.map_or(Vec2::ZERO, |direction| direction * walking.speed);
-    DesiredMotion { velocity, facing: walking.direction, ..DesiredMotion::default() }
+    DesiredMotion { velocity, speed: velocity.norm(), facing: walking.direction, ..DesiredMotion::default() }
 }
 
 /// Somebody or a wall near a person.
@@ -309,6 +311,7 @@ impl CollisionFreeSpeed {
         let facing = facing(goal, direction * speed);
         DesiredMotion {
             velocity: direction * speed,
+            speed,
             // The direction may jump from one side to the other: nobody spins with it.
             facing: Some(goal.rotated(Rotation::by(walking.steering))),
             queues,

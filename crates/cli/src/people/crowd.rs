@@ -161,7 +161,8 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         }
     }
     let Arguments { placing, trial, leaving, others, seed, .. } = &arguments;
-    leaving.check(placing.doors.len(), trial.output.is_some() || trial.zip.is_some())?;
+    let written = trial.output.is_some() || trial.zip.is_some();
+    leaving.check(placing.doors.len(), written, trial.speed.is_some())?;
     let place = placing.place()?;
     let numbers = placing.numbers(&place, arguments.number, arguments.density)?;
     // People who leave are driven by nothing else.

@@ -2,7 +2,7 @@
 
 use crate::error::Misused;
 use crate::numbers::array;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use lemons_core::plane::{Vec2, vec2};
 use std::fmt::Write;
 
@@ -60,7 +60,12 @@ impl LeaveArguments {
     ///
     /// # Errors
     /// One of them is missing.
-    pub fn check(&self, doors: usize, written: bool) -> Result<()> {
+    pub fn check(&self, doors: usize, written: bool, speed: bool) -> Result<()> {
+        if speed && !self.leave && self.balance.is_some() {
+            bail!(Misused(
+                "--speed: with --balance and without --leave, people stand: leave out one of the two".into()
+            ));
+        }
         let missing = match (self.leave, doors + self.exits.len()) {
             (true, 0) => "--leave: there is no way out: give --door X,Y,WIDTH, or --exit X1,Y1,X2,Y2",
             _ if self.is_wanted() && !written => {

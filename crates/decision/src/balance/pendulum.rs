@@ -7,7 +7,7 @@
 //! - The extrapolated centre of mass is x + v/ω₀ (Hof, *Hum. Mov. Sci.* 27 (2008) 112). If it leaves the support, the
 //!   person loses balance: no place of p stops the body any more.
 //! - After the time of a step the feet stand under it, or ahead of it, as far as a step reaches. If the extrapolated
-//!   centre of mass is out of reach, the person falls.
+//!   centre of mass is out of reach, the person has fallen.
 //! - Who has stood still for a while walks back.
 
 use super::{Legs, Motion, STILL, at_most};
@@ -34,7 +34,7 @@ pub struct Pendulum {
     pub step_time: f64,
     /// \[m\] Longest step.
     pub step_length: f64,
-    /// \[m\] How far ahead of the extrapolated centre of mass a step goes.
+    /// \[m\] Distance by which a step goes beyond the extrapolated centre of mass.
     pub step_margin: f64,
     /// \[s\] Time after which who stands still walks back.
     pub return_after: f64,
@@ -42,18 +42,18 @@ pub struct Pendulum {
     pub return_speed: f64,
     /// Part of the way that is walked back.
     pub return_part: f64,
-    /// What becomes of who falls.
+    /// Consequence of a fall.
     pub fall: Fall,
 }
 
-/// What becomes of somebody whom no step can save.
+/// Consequence of a fall: no step can save the person.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fall {
-    /// It is counted, and the person steps as far as possible.
+    /// A count; the run goes on as if the step had been long enough.
     #[default]
     Counted,
-    /// The person lies on the ground from then on, without a drive.
+    /// Lying on the ground from then on: slowed by it, and else without a drive.
     Lies,
 }
 
@@ -111,12 +111,16 @@ impl Pendulum {
         !self.lies(legs) && legs.step.is_none() && self.extrapolated(legs, motion).norm() <= self.support
     }
 
-    /// Returns whether ankles can stop somebody who is above the feet.
+    /// Returns whether ankles can stop somebody who is above the feet: the extrapolated centre of mass stays within the
+    /// support, at the start and later, at t = 2/λ − 1/(ω₀ a).
     pub(super) fn stops(&self, motion: &Motion) -> bool {
-        motion.velocity.norm() <= self.support * self.rate(motion).min(motion.damping)
+        let (rate, damping) = (self.rate(motion), motion.damping);
+        let a = 1.0 - 0.5 * damping / rate;
+        let weak = || 0.5 * damping / a * libm::exp(1.0 - 0.5 * damping / (rate * a));
+        motion.velocity.norm() <= self.support * if damping < rate { weak() } else { rate }
     }
 
-    fn lies(&self, legs: &Legs) -> bool {
+    pub(super) fn lies(&self, legs: &Legs) -> bool {
         legs.fallen && self.fall == Fall::Lies
     }
 
@@ -156,7 +160,7 @@ impl Pendulum {
         if legs.step.is_none() && !self.is_balanced(legs, motion) {
             legs.step = Some(self.step_time);
         }
-        let back = self.way_back(legs, motion.at);
+        let back = if legs.step.is_none() { self.way_back(legs, motion.at) } else { Vec2::ZERO };
         if back != Vec2::ZERO {
             // The feet come under the body.
             legs.at += back * step + (motion.at - legs.at) * (step / ARRIVING).min(1.0);
@@ -178,9 +182,11 @@ impl Pendulum {
 
     fn land(&self, legs: &mut Legs, motion: &Motion) {
         let to = self.extrapolated(legs, motion);
-        legs.fallen |= to.norm() > self.step_length + self.support;
         let ahead = to.unit(1e-9).unwrap_or(Vec2::ZERO) * self.step_margin;
-        legs.at += at_most(to + ahead, self.step_length);
+        let falls = to.norm() > self.step_length + self.support;
+        // A body that nothing holds would be faster and faster.
+        legs.at += if falls { to } else { at_most(to + ahead, self.step_length) };
+        legs.fallen |= falls;
         legs.steps = legs.steps.saturating_add(1);
     }
 }
@@ -237,7 +243,7 @@ mod tests {
         assert!((gentle.at.x - way).abs() < 1e-6, "{} {way}", gentle.at.x);
     }
 
-    /// Until the step, the ground's force is at the edge of the support: an unstable pendulum about it.
+    /// An unstable pendulum about the edge of the support, where the ground's force is until the step.
     #[test]
     fn who_has_lost_balance_falls_like_a_pendulum_and_steps_under_the_extrapolated_centre_of_mass() {
         let model = Pendulum::default();
@@ -273,6 +279,76 @@ mod tests {
         let (legs, later) = pass(&lying, (legs, motion), 0.1);
         assert!((motion.velocity.x - later.velocity.x - 0.1 * FRICTION * GRAVITY).abs() < 1e-9);
         assert_eq!(legs.steps, 1);
+    }
+
+    #[test]
+    fn who_is_counted_as_fallen_comes_to_rest() {
+        for velocity in [3.0, 10.0] {
+            let (legs, motion) = pushed(velocity, 8.0);
+            assert!(
+                legs.fallen && motion.velocity.norm() < 0.3 && motion.at.x < 1.5 * velocity,
+                "{motion:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn weak_ankles_stop_less() {
+        let model = Pendulum { return_after: 100.0, ..Pendulum::default() };
+        for damping in [1.0, 2.0, 3.0] {
+            let (legs, mut motion) = hit(0.0);
+            motion.damping = damping;
+            while model.stops(&motion) {
+                motion.velocity.x += 1e-4;
+            }
+            for part in [0.98, 1.02] {
+                let hit = Motion { velocity: motion.velocity * part, ..motion };
+                let steps = pass(&model, (legs, hit), 3.0).0.steps;
+                assert_eq!(steps > 0, part > 1.0, "{damping} {part}");
+            }
+        }
+    }
+
+    /// The equilibrium of ankles under a force of m ω₀² s λ²/(λ² + 4ω₀²) is at the edge of the feet.
+    #[test]
+    fn a_steady_push_is_held_up_to_a_limit() {
+        let model = Pendulum::default();
+        let most = rate() * rate() * model.support / (1.0 + 4.0 * (rate() / DAMPING).powi(2));
+        for part in [0.98, 1.02] {
+            let (mut legs, mut motion) = hit(0.0);
+            for k in 0..20_000 {
+                // The load comes slowly.
+                let load = part * most * (f64::from(k) * 1e-4).min(1.0);
+                motion.velocity.x += (model.acceleration(&legs, &motion).x + load) * STEP;
+                motion.at.x += motion.velocity.x * STEP;
+                model.pass(&mut legs, &motion, STEP);
+                // No way back.
+                legs.calm = 0.0;
+            }
+            assert_eq!(legs.steps > 0, part > 1.0, "{part}");
+        }
+    }
+
+    /// The greatest lean from which one step of 15, 25 or 35 % of the stature saves somebody who is released grows by 36 and
+    /// 23 % (young women; Hsiao-Wecksler, Robinovitch, Clin. Biomech. 22 (2007) 574).
+    #[test]
+    fn longer_steps_save_from_leans_that_are_larger_by_as_much_as_was_measured() {
+        let most = |part: f64| {
+            let model = Pendulum { step_length: part * STATURE, ..Pendulum::default() };
+            let saved = |lean: f64| {
+                let (legs, mut motion) = hit(0.0);
+                motion.at.x = lean;
+                !pass(&model, (legs, motion), model.step_time + 2.0 * STEP).0.fallen
+            };
+            let (mut low, mut high) = (0.0, 2.0);
+            while high - low > 1e-4 {
+                let middle = 0.5 * (low + high);
+                *(if saved(middle) { &mut low } else { &mut high }) = middle;
+            }
+            low
+        };
+        let [a, b, c] = [0.15, 0.25, 0.35].map(most);
+        assert!((b / a - 1.36).abs() < 0.06 && (c / b - 1.23).abs() < 0.06, "{} {}", b / a, c / b);
     }
 
     /// A second hit interrupts the way back, which begins again after the same time.

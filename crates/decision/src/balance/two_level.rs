@@ -8,7 +8,7 @@
 
 use super::{Legs, Motion, at_most};
 use crate::cells::{Cells, nearest_points};
-use crate::error::{PlanError, moderate, not_negative, number, positive};
+use crate::error::{PlanError, moderate, number};
 use lemons_core::plane::Vec2;
 use serde::{Deserialize, Serialize};
 
@@ -60,14 +60,22 @@ impl TwoLevel {
             |rate| (0.0..=50.0).contains(&rate),
             "from 0 to 50 /s",
         )?;
-        positive("two-level", "balanced", self.balanced)?;
-        positive("two-level", "separation_part", self.separation_part)?;
-        not_negative("two-level", "legs_distance", self.legs_distance)?;
-        not_negative("two-level", "repulsion", self.repulsion)
+        let length = |length: f64| (1e-3..=1.0).contains(&length);
+        number("two-level", "balanced", self.balanced, length, "from 0.001 to 1 m")?;
+        number("two-level", "separation_part", self.separation_part, length, "from 0.001 to 1")?;
+        let far = |far: f64| (0.0..=1.0).contains(&far);
+        number("two-level", "legs_distance", self.legs_distance, far, "from 0 to 1 m")?;
+        let most = |most: f64| (0.0..=1e3).contains(&most);
+        number("two-level", "repulsion", self.repulsion, most, "from 0 to 1000 m/s²")
     }
 
     pub(super) fn is_balanced(&self, legs: &Legs, motion: &Motion) -> bool {
         (motion.at - legs.at).norm() <= self.balanced
+    }
+
+    /// Returns whether somebody is slow enough to stand, above the legs.
+    pub(super) fn stops(&self, motion: &Motion) -> bool {
+        motion.velocity.norm() <= self.balanced * motion.damping
     }
 
     /// Returns e.
@@ -110,6 +118,9 @@ impl TwoLevel {
 
     /// \[m/s²\] Returns by how much legs of others and walls accelerate everybody's legs.
     fn repulsions(&self, people: &[Option<(Legs, Motion)>], faces: &[[Vec2; 2]]) -> Vec<Vec2> {
+        if self.legs_distance == 0.0 || self.repulsion == 0.0 {
+            return vec![Vec2::ZERO; people.len()];
+        }
         let range = self.legs_distance.max(1e-3);
         let seen = |i: usize, (legs, _): &(Legs, Motion)| (i, legs.at);
         let cells = Cells::new(people, |(legs, _)| legs.at, faces, (range, range), seen);
@@ -160,7 +171,7 @@ mod tests {
         }
     }
 
-    /// Close to balance, both equations are linear: SciPy's matrix exponential (the numbers below, for 0.4 s).
+    /// The linear equations close to balance: SciPy's matrix exponential (the numbers below, for 0.4 s).
     #[test]
     fn a_gentle_hit_is_that_of_the_linear_equations() {
         let model = TwoLevel::default();

@@ -72,8 +72,9 @@ pub static QUANTITIES: [Variable<Quantity>; 26] = {
         row(Legs, "Legs", VECTORS, Real(METRE)).calculated("x and y of the middle of the feet"),
         row(Lean, "Lean", AGENTS, Real(METRE)).calculated("distance of the centre of mass from the feet"),
         row(Steps, "Steps", AGENTS, Integer).calculated("how many steps it took to keep the balance"),
-        row(Balanced, "Balanced", AGENTS, Boolean).calculated("whether its ankles can keep the balance"),
-        row(Fallen, "Fallen", AGENTS, Boolean).calculated("whether no step could save it, at some time"),
+        row(Balanced, "Balanced", AGENTS, Boolean).calculated("whether it needs no step to keep the balance"),
+        row(Fallen, "Fallen", AGENTS, Boolean)
+            .calculated("whether it could not be saved from a fall, at some time"),
         row(Mass, "Mass", AGENTS, Real(KILOGRAM)).parameter(Positive, "mass"),
         row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(KILOGRAM_METRE_SQUARED))
             .parameter(Positive, "moment of inertia about the centre of mass"),

@@ -61,6 +61,12 @@ pub(super) fn destinations(
             Some((Some(_), Some(_))) => Err(PlanError::Both(person.id.clone())),
             Some((Some(exit), None)) => named("exit", exit, false),
             Some((None, Some(goal))) => named("goal", goal, true),
+            // Who has legs, and is said to have no way, stands.
+            _ if config.has_legs()
+                && own.is_some_and(|own| own.waypoints.as_ref().is_some_and(Vec::is_empty)) =>
+            {
+                Ok(Destination::None)
+            }
             _ => Ok(shared.map_or(usual, Destination::Target)),
         }
     };

@@ -419,7 +419,8 @@ fn of_one(
     // Who is alone keeps the desired speed.
     let free = walking.speed * walking.time_gap + walking.standstill_gap;
     let noise = if seen.gaps == [free; 2] { 0.0 } else { walking.noise };
-    let wanted = (spacing - walking.standstill_gap) / walking.time_gap + noise;
+    let quiet = (spacing - walking.standstill_gap) / walking.time_gap;
+    let wanted = quiet + noise;
     let (turned, fits) = shoulders(walking, goal, view.narrowest);
     // Who has not turned yet does not go in.
     let speed = if fits { wanted.clamp(-BACK, walking.speed) } else { -BACK };
@@ -431,6 +432,7 @@ fn of_one(
     let facing = turned.unwrap_or_else(|| super::facing(goal, direction * speed));
     DesiredMotion {
         velocity: velocity + change * most.min(1.0) + goal.perp() * (slow * sway * libm::sin(walking.phase)),
+        speed: if fits { quiet.clamp(0.0, walking.speed) } else { 0.0 },
         force: Vec2::ZERO,
         facing: Some(facing.rotated(Rotation::by(slow * turn * libm::cos(walking.phase)))),
         queues: seen.queues,

@@ -61,8 +61,8 @@ impl Standing {
     }
 }
 
-/// Hit at 1 m/s: until the step, the ground's force is at the edge of the feet. Largest difference of way \[m\] and velocity
-/// \[m/s\] from an inverted pendulum.
+/// Largest difference of way \[m\] and velocity \[m/s\] of somebody who is hit at 1 m/s, until the step, from an inverted
+/// pendulum about the edge of the feet.
 fn fall() -> Result<f64> {
     const STEP: f64 = 1e-3;
     let mut one = Standing::new(&[pedestrian(MASS, DAMPING).moving(1.0, 0.0)], 1e-4)?;
@@ -80,8 +80,9 @@ fn fall() -> Result<f64> {
     Ok(worst)
 }
 
-/// Five in a row, of whom the first is pushed with 900 N for 0.2 s. What is missing of the impulse of push, legs and floor in
-/// the momentum, by the impulse of the push; and the energy that contacts have made, by the work of the push.
+/// Ledgers of five in a row, of whom the first is pushed with 900 N for 0.2 s: what is missing of the impulse of push, legs and
+/// floor in the momentum, by the impulse of the push; and the energy that contacts have made, by the work that the push would
+/// do on a free body.
 fn pushed_row() -> Result<[f64; 2]> {
     const PUSH: f64 = 900.0;
     let people: Vec<Placed> =
