@@ -104,6 +104,19 @@ pub struct Act {
     pub active: bool,
 }
 
+/// Legs of an agent, as the outputs say them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stance {
+    /// \[m\] Middle of the feet.
+    pub feet: Vec2,
+    /// Number of steps to keep the balance.
+    pub steps: u32,
+    /// Whether it needs no step.
+    pub balanced: bool,
+    /// Whether no step could save it, at some time.
+    pub fallen: bool,
+}
+
 /// A crowd that walks.
 #[derive(Debug, Clone)]
 pub struct Decision {
@@ -247,6 +260,19 @@ impl Decision {
     /// Returns the legs of a person, at the last communication point.
     pub fn legs_of(&self, i: usize) -> &Legs {
         &self.agents[i].legs
+    }
+
+    /// Returns everybody's legs, as the outputs say them; `None` if people have none.
+    pub fn stances(&self) -> Option<Vec<Stance>> {
+        self.plan.balance.map(|_| (0..self.agents.len()).map(|i| self.stance(i)).collect())
+    }
+
+    fn stance(&self, i: usize) -> Stance {
+        let agent = &self.agents[i];
+        let Legs { stands, at, steps, fallen, .. } = agent.legs;
+        let balanced = |balance: Balance| balance.is_balanced(&agent.legs, &agent.motion());
+        let balanced = !stands || self.plan.balance.is_none_or(balanced);
+        Stance { feet: if stands { at } else { agent.at() }, steps, balanced, fallen }
     }
 
     /// How many have arrived: at their last way-point, at a goal, or have left.
@@ -583,18 +609,11 @@ impl Model for Decision {
             }
             Quantity::Arrived => self.arrived()? as f64,
             Quantity::NextWaypoint => self.agents[i].next() as f64,
-            Quantity::Legs | Quantity::Lean | Quantity::Balanced => {
-                let agent = &self.agents[i];
-                let feet = if agent.legs.stands { agent.legs.at } else { agent.at() };
-                let balanced = |balance: Balance| balance.is_balanced(&agent.legs, &agent.motion());
-                match quantity {
-                    Quantity::Legs => [feet.x, feet.y][element % 2],
-                    Quantity::Lean => (agent.at() - feet).norm(),
-                    _ => (!agent.legs.stands || self.plan.balance.is_none_or(balanced)).into(),
-                }
-            }
-            Quantity::Steps => self.agents[i].legs.steps.into(),
-            Quantity::Fallen => self.agents[i].legs.fallen.into(),
+            Quantity::Legs => <[f64; 2]>::from(self.stance(i).feet)[element % 2],
+            Quantity::Lean => (self.agents[i].at() - self.stance(i).feet).norm(),
+            Quantity::Steps => self.stance(i).steps.into(),
+            Quantity::Balanced => self.stance(i).balanced.into(),
+            Quantity::Fallen => self.stance(i).fallen.into(),
             Quantity::WaypointCount => self.agents[i].walker.waypoints.len() as f64,
             _ => 0.0,
         })
