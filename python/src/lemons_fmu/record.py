@@ -97,7 +97,7 @@ class Run:
     @property
     def has_legs(self) -> bool:
         """Whether people have legs (`balance` in decision.toml). Else there are no `legs`, `steps`, `balanced` and `fallen`."""
-        return self.numbers.shape[2] > 15
+        return bool(self.numbers.shape[2] > 15)
 
     def _of_legs(self, first: int, last: int) -> Floats:
         if not self.has_legs:

@@ -96,14 +96,11 @@ fn people(arguments: &Arguments, ids: &[String], seen: &Seen<'_>) -> Result<Stri
     let people = ids.iter().zip(seen.exposed.iter().flatten()).enumerate();
     let row = people.map(|(k, (id, one))| {
         let all = (id, one.time, &one.above, one.largest_mean, one.peak, one.impulse);
-        let of_legs =
-            |Kept { time_unbalanced, steps, fallen, lean }| (time_unbalanced, steps, u8::from(fallen), lean);
-        (
-            all,
-            part(0, k),
-            part(1, k),
-            seen.balance.as_ref().map(|kept| [of_legs(kept[k])]).unwrap_or_default(),
-        )
+        let kept = seen.balance.iter().map(|kept| {
+            let Kept { time_unbalanced, steps, fallen, lean } = kept[k];
+            (time_unbalanced, steps, u8::from(fallen), lean)
+        });
+        (all, part(0, k), part(1, k), kept.collect::<Vec<_>>())
     });
     csv(&names, row)
 }
