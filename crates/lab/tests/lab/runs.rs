@@ -102,7 +102,7 @@ fn who_has_left_has_no_place() {
         if row[there] != 0.0 {
             assert_eq!(shown[..2], [row[x], row[y]]);
         } else {
-            assert!(shown[0].is_nan() && shown[1].is_nan() && shown[6..] == [0.0; 3]);
+            assert!(shown[0].is_nan() && shown[1].is_nan() && shown[6..9] == [0.0; 3]);
         }
     }
     let left = |rows: &[Vec<f64>]| rows.iter().filter(|row| row[there] == 0.0).count();
