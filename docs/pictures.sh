@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes pictures of README.md and docs/ again: docs/pictures.sh [DIRECTORY [NAME...]]
-# The directory is docs/ if none is given. The names are push crowd room guide physics measured flow lab; all if none is
+# The directory is docs/ if none is given. The names are push balance crowd room guide physics measured flow lab; all if none is
 # given. Needs cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli; physics needs cargo, too.
 # measured.png needs the measured push (../shared/data/push_wed), flow.png a Python with FMPy and Matplotlib (PYTHON, else
 # .venv), lab_*.png also Playwright there, Chromium, and the lab in the command (lab/build.sh). Each stays as it is without.
@@ -19,6 +19,12 @@ wanted() {
 
 if wanted push; then
     "$lemons" plot resources/Trial_push --step 0.001 --at 0.15,0.38,0.54,0.73 --columns 2 --fill squeeze -o "$to/push.png" --force
+fi
+
+if wanted balance; then
+    cp -r resources/Trial_push "$scratch/legs"
+    echo 'balance = "pendulum"' >"$scratch/legs/decision.toml"
+    "$lemons" plot "$scratch/legs" --step 0.01 --at 0.2,0.6,1,2 --columns 2 --fill lean -o "$to/balance.png" --force
 fi
 
 if wanted crowd; then

@@ -2,7 +2,7 @@
 // scaling happens here.
 
 import { colourOf } from "./colour";
-import { COLUMNS, type Disk, isThere, type Point, type Push, type Scene, type Waypoint } from "./protocol";
+import { COLUMNS, type Disk, FEET, isThere, type Point, type Push, type Scene, type Waypoint } from "./protocol";
 import { inMetres, toMetres, toPixels, type View } from "./view";
 
 export function outline(disks: Disk[]): Path2D {
@@ -110,6 +110,7 @@ export class Painter {
         if (picture.paths) this.#sections(context, picture.paths, picture, view, 2 * rim);
         else this.#disks(context, picture, view, rim);
         this.#gazes(context, frame, view);
+        this.#legs(context, frame, view);
         if (selected !== null && paths[selected]) {
             this.#place(context, frame, selected, view);
             context.lineWidth = (5 * devicePixelRatio) / view.scale;
@@ -140,6 +141,36 @@ export class Painter {
             context.strokeStyle = colour;
             context.lineWidth = (width * devicePixelRatio) / view.scale;
             context.stroke();
+        }
+    }
+
+    /** Feet, as if they were seen through the bodies, and lines from there to the centres of mass. */
+    #legs(context: CanvasRenderingContext2D, frame: Float64Array, view: View) {
+        const [feet, leans] = [new Path2D(), new Path2D()];
+        for (let k = 0; k < frame.length; k += COLUMNS) {
+            const [x, y, turn, fx, fy] = [frame[k]!, frame[k + 1]!, frame[k + 2]!, frame[k + FEET]!, frame[k + FEET + 1]!];
+            if (Number.isNaN(x) || Number.isNaN(fx)) continue;
+            const [cos, sin] = [Math.cos(turn), Math.sin(turn)];
+            for (const aside of [-0.09, 0.09]) {
+                feet.moveTo(fx - 0.085 * cos - aside * sin, fy - 0.085 * sin + aside * cos);
+                feet.lineTo(fx + 0.085 * cos - aside * sin, fy + 0.085 * sin + aside * cos);
+            }
+            leans.moveTo(fx, fy);
+            leans.lineTo(x, y);
+        }
+        inMetres(context, view);
+        context.lineCap = "round";
+        const pixel = devicePixelRatio / view.scale;
+        const [width, rim] = [0.09, Math.min(pixel, 0.018)];
+        for (const [path, colour, wide] of [
+            [feet, "rgb(28 43 64 / 0.6)", width],
+            [feet, "rgb(255 255 255 / 0.7)", width - 2 * rim],
+            [leans, "rgb(255 255 255 / 0.7)", 3 * rim],
+            [leans, "#1c2b40", 1.2 * rim],
+        ] as const) {
+            context.strokeStyle = colour;
+            context.lineWidth = wide;
+            context.stroke(path);
         }
     }
 

@@ -63,7 +63,7 @@ export const EXAMPLES: Example[] = [
         sentence: "180 people stand on 5 m × 5 m, more than 7 per m². Those at the left are pushed, and a wave of pressure runs to the right.",
         made: crowd(
             { number: 180, room: { outline: rectangle(5, 5), obstacles: [], doors: [] }, direction: null },
-            { kind: "push", pushes: [0.8, 2.5, 4.2].map((y) => ({ ...shove, at: [0.4, y] })) },
+            { kind: "push", pushes: [0.8, 2.5, 4.2].map((y) => ({ ...shove, at: [0.4, y] })), balance: "none" },
         ),
     },
     {

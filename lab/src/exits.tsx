@@ -7,7 +7,7 @@ import { MOST } from "./forms";
 import { remove, setWishes } from "./exittool";
 import { Check, Choice, LengthField, NumberField } from "./parts";
 import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, ROTATIONAL, shaped } from "./places";
-import type { Model, Place, Point, Rotational, Wishes } from "./protocol";
+import type { Balance, Model, Place, Point, Rotational, Wishes } from "./protocol";
 import { film, selected } from "./session";
 
 const FAR = 1000;
@@ -18,6 +18,22 @@ const NAMES: [Model, string][] = [
     ["social-force", "Social force"],
     ["straight", "Straight on"],
 ];
+
+const BALANCES: [Balance, string][] = [
+    ["none", "None: the ground stops them"],
+    ["pendulum", "Pendulum"],
+    ["two-level", "Two-level model"],
+];
+
+/** How people who stand keep their balance. */
+export function BalanceChoice({ value, onChange }: { value: Balance; onChange(value: Balance): void }) {
+    return (
+        <>
+            <Choice label="Balance of those who stand" value={value} choices={BALANCES} onChange={onChange} />
+            {value !== "none" && <p class="note">Who is pushed leans, steps or falls. The picture shows the feet, and a line from there to the centre of mass.</p>}
+        </>
+    );
+}
 
 const GOOD_FOR: Record<Model, string> = {
     rotational: "People see where others will be, step aside and turn their shoulders. Take this model for evacuation, corridors, counterflow and single file.",
@@ -42,6 +58,9 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
             <Choice label="How they walk among others" value={wishes.model} choices={NAMES} onChange={(model) => setWishes({ ...wishes, model, rotational: null })} />
             <p class="note">{GOOD_FOR[wishes.model]}</p>
             {wishes.model === "rotational" && <Constants wishes={wishes} />}
+            <BalanceChoice value={wishes.balance} onChange={(balance) => setWishes({ ...wishes, balance })} />
+            <Check label="Limit how hard people push ahead" value={wishes.push !== null} onChange={(on) => setWishes({ ...wishes, push: on ? 100 : null })} />
+            {wishes.push !== null && <NumberField label="Greatest push" unit="N" value={wishes.push} min={0} max={1e5} step={10} onChange={(push) => setWishes({ ...wishes, push })} />}
             <div class="row">
                 <NumberField label="Desired speed" unit="m/s" value={wishes.desired_speed} min={0} max={20} step={0.1} onChange={(desired_speed) => setWishes({ ...wishes, desired_speed })} />
                 <NumberField label="Seed" value={wishes.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => setWishes({ ...wishes, seed })} />

@@ -1,7 +1,7 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
 import { type Check, dictionary, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
-import { type Base, type CrowdWanted, type Door, type Edit, type Four, MODELS, type Motion, type Normal, type People, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
+import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, MODELS, type Motion, type Normal, type People, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
 interface Kept {
@@ -80,10 +80,13 @@ const place = record<Place>({
 });
 const name = nullable(text(MOST.name));
 const rotational = nullable(record<Rotational>({ time_gap: number, standstill_gap: number, reaction_time: (given) => number(given ?? 0), speed_noise: number, acceleration: number }));
+const balance = (given: unknown) => one(...BALANCES)(given ?? "none");
 const wishes = record<Wishes>({
     model: one(...MODELS),
     // Older links have none.
     rotational: (given) => rotational(given ?? null),
+    balance: balance,
+    push: (given) => nullable(number)(given ?? null),
     desired_speed: number,
     seed: number,
     exits: list(place, MOST.places),
@@ -93,7 +96,7 @@ const wishes = record<Wishes>({
 export const motion = tagged<"kind", Motion>("kind", {
     own: record({}),
     none: record({}),
-    push: record({ pushes: list(push, MOST.parts) }),
+    push: record({ pushes: list(push, MOST.parts), balance }),
     walk: record({ speed: number, ways: list(way, MOST.ways) }),
     go: record({ wishes }),
 });

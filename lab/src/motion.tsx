@@ -3,7 +3,7 @@
 import { effect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
-import { Exits } from "./exits";
+import { BalanceChoice, Exits } from "./exits";
 import { exitTool } from "./exittool";
 import { MOST } from "./forms";
 import { begin, mode, motion, picked, setMotion } from "./motionstate";
@@ -43,7 +43,7 @@ effect(() => {
 function starting(kind: Motion["kind"]): Motion {
     const known = before.get(kind);
     if (known) return known;
-    if (kind === "push") return { kind, pushes: [] };
+    if (kind === "push") return { kind, pushes: [], balance: "none" };
     if (kind === "walk") return { kind, speed: 1.3, ways: [] };
     if (kind === "go") return { kind, wishes: FIRST_WISHES };
     return { kind };
@@ -71,7 +71,8 @@ export function MotionTab() {
                 }}
             />
             <p class="note">{SENTENCES[now.kind]}</p>
-            {now.kind === "push" && <Pushes pushes={now.pushes} />}
+            {now.kind === "push" && <BalanceChoice value={now.balance} onChange={(balance) => setMotion({ ...now, balance })} />}
+            {now.kind === "push" && <Pushes now={now} />}
             {now.kind === "walk" && <Walk speed={now.speed} ways={now.ways} />}
             {now.kind === "go" && <Exits wishes={now.wishes} middle={middle()} />}
         </section>
@@ -116,8 +117,9 @@ function Drawn<T>({ parts, name, none, children }: { parts: T[]; name: string; n
     ));
 }
 
-function Pushes({ pushes }: { pushes: Push[] }) {
-    const set = (k: number, part: Partial<Push>) => setMotion({ kind: "push", pushes: pushes.map((push, j) => (j === k ? { ...push, ...part } : push)) });
+function Pushes({ now }: { now: Extract<Motion, { kind: "push" }> }) {
+    const { pushes } = now;
+    const set = (k: number, part: Partial<Push>) => setMotion({ ...now, pushes: pushes.map((push, j) => (j === k ? { ...push, ...part } : push)) });
     return (
         <>
             {pushes.length < MOST.parts && (
@@ -126,7 +128,7 @@ function Pushes({ pushes }: { pushes: Push[] }) {
                     words="Draw a push"
                     hint="Press at the middle of the circle and draw the arrow: 1 m of it is 500 N."
                     write="Add a push by numbers"
-                    onWrite={() => setMotion({ kind: "push", pushes: [...pushes, { ...FIRST_PUSH, at: middle() }] })}
+                    onWrite={() => setMotion({ ...now, pushes: [...pushes, { ...FIRST_PUSH, at: middle() }] })}
                 />
             )}
             <Drawn parts={pushes} name="Push" none="There is no push yet: nobody moves.">

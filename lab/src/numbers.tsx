@@ -6,7 +6,7 @@ import type { Film } from "./film";
 import { beat } from "./layout";
 import { digits, Facts, length } from "./parts";
 import { plan } from "./plan";
-import { COLUMNS, isThere } from "./protocol";
+import { COLUMNS, FEET, isThere } from "./protocol";
 import { selected } from "./session";
 
 export function Numbers({ film }: { film: Film }) {
@@ -41,7 +41,7 @@ function ofRun(film: Film, playing: boolean, k: number): [string, ComponentChild
         ["Deepest overlap so far", advanced ? `${digits(1000 * advanced.overlap, 2)} mm` : "–"],
     ];
     if (scene.pushed.length > 0) rows.push(["Pushed", people(scene.pushed.length)]);
-    if (scene.walk && scene.leaving < scene.agents.length) rows.push(["Arrived or left", `${advanced?.arrived ?? 0} of ${scene.agents.length}`]);
+    if (scene.ways.length + scene.targets.length > 0 && scene.leaving < scene.agents.length) rows.push(["Arrived or left", `${advanced?.arrived ?? 0} of ${scene.agents.length}`]);
     if (scene.leaving > 0) rows.push(["Have left", `${film.frames.curve("left")[k]} of ${scene.leaving}`]);
     return rows;
 }
@@ -65,6 +65,7 @@ function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren]
         [`Squeeze, ${meanWords(film, k)}`, `${Math.round(film.squeezeMean(k, SMOOTH)[a]!).toLocaleString("en")} N`],
         ["Contacts", String(of(7))],
     ];
+    if (isThere(frame, a) && !Number.isNaN(of(FEET))) rows.push(["Lean", length(Math.hypot(of(0) - of(FEET), of(1) - of(FEET + 1)), unit)]);
     const byWalls = Math.round(film.wallMean(k, SMOOTH, a));
     if (byWalls > 0) rows.splice(5, 0, ["Of it by walls", `${byWalls.toLocaleString("en")} N`]);
     if (person) {

@@ -99,11 +99,18 @@ export interface Rotational {
     acceleration: number;
 }
 
+/** How people who stand keep their balance. */
+export const BALANCES = ["none", "pendulum", "two-level"] as const;
+export type Balance = (typeof BALANCES)[number];
+
 /** As decision.toml says it. */
 export interface Wishes {
     model: Model;
     /** Only with this model; null for its defaults. */
     rotational: Rotational | null;
+    balance: Balance;
+    /** In N: greatest force with which people push ahead; null for no limit. */
+    push: number | null;
     desired_speed: number;
     /** Chooses who takes which exit by shares, and what people do who are stuck. */
     seed: number;
@@ -117,7 +124,7 @@ export type Motion =
     /** As the Trial says. */
     | { kind: "own" }
     | { kind: "none" }
-    | { kind: "push"; pushes: Push[] }
+    | { kind: "push"; pushes: Push[]; balance: Balance }
     /** Everybody takes the way whose first point is nearest. */
     | { kind: "walk"; speed: number; ways: Waypoint[][] }
     /** They go around walls to exits, where they leave, and to goals, where they stay. */
@@ -289,8 +296,10 @@ export interface Advanced {
 }
 
 /** Numbers of an agent in a frame: x, y, theta, vx, vy, omega, mean squeeze of the step, contacts, the part of the
- * squeeze by walls. Of who has left, x and y are not numbers. */
-export const COLUMNS = 9;
+ * squeeze by walls, x and y of the middle of the feet. Of who has left, x and y are not numbers, nor are feet without legs. */
+export const COLUMNS = 11;
+/** Place of the feet among them. */
+export const FEET = 9;
 
 /** Whether an agent of a frame has not left. */
 export function isThere(frame: Float64Array, agent: number): boolean {

@@ -1,11 +1,14 @@
 """What feet hold and how hard people push, through the whole chain, beside closed forms and SciPy."""
 
 import math
+import subprocess
 
 import numpy as np
+import pandas as pd
 import pytest
-from crowd import write_trial
+from crowd import COLUMNS, write_trial
 from lemons_fmu import Crowd
+from lemons_fmu import run as run_in_python
 from scipy.integrate import solve_ivp
 
 HEIGHT, SUPPORT, STEP_TIME, STEP_LENGTH, RATE = 0.56 * 1.75, 0.12, 0.25, 0.9, 4.5
@@ -45,6 +48,83 @@ def test_thresholds_are_those_of_the_pendulum(tmp_path, side):
     _, ends = hit(tmp_path / "impulses", impulses / MASS, side=side)
     assert ends["Steps"][:2] == [0, 0] and all(ends["Steps"][2:])
     assert ends["Fallen"] == [False] * 5 + [True] * 2
+
+
+def standing(directory, speeds):
+    """A Trial of people with legs who are hit at the start, far from each other."""
+    people = [{"mass": MASS, "x": 2.0, "y": 9.0 * k, "vx": v, "rate": RATE} for k, v in enumerate(speeds)]
+    trial = write_trial(directory / "trial", people, mechanical=1e-3)
+    (trial / "decision.toml").write_text('balance = "pendulum"\n[pendulum]\nreturn_after = 100.0\n')
+    return trial
+
+
+def command(lemons, directory, *words):
+    done = subprocess.run([lemons, *map(str, words)], cwd=directory, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+def test_a_table_has_the_legs_that_decision_says(lemons, tmp_path):
+    """Value for value, in all formats, of a run that is continued, and in Python."""
+    trial, run = standing(tmp_path, [0.2, 0.8, 2.0]), ("--step", "0.01", "--until")
+    command(lemons, tmp_path, "run", trial, *run, 1, "-o", "run.csv", "--outputs", "out.csv")
+    command(lemons, tmp_path, "run", trial, *run, 1, "-o", "run.parquet")
+    command(lemons, tmp_path, "run", trial, *run, 0.2, "-o", "first.csv", "--state", "saved.run")
+    command(lemons, tmp_path, "run", trial, *run, 1, "-o", "rest.csv", "--resume", "saved.run")
+    table, out = (pd.read_csv(tmp_path / name, comment="#", dtype={"id": str}) for name in ("run.csv", "out.csv"))
+    for k in range(3):
+        own = table[table["id"] == str(k)].reset_index()
+        for column, name in ("legs_x", "Legs.x"), ("legs_y", "Legs.y"), ("steps", "Steps"), ("balanced", "Balanced"), ("fallen", "Fallen"):
+            assert (own[column] == out[f"decision.agent[{k}].{name}"].astype(own[column].dtype)).all(), (k, column)
+    assert {"steps", "balanced", "fallen"} <= set(table.select_dtypes("int"))
+    assert set(table["balanced"]) == set(table["fallen"]) == {0, 1} and table["steps"].max() >= 1
+    pd.testing.assert_frame_equal(pd.read_parquet(tmp_path / "run.parquet"), table, check_dtype=False)
+    # The continued run begins where the first one ends.
+    parts = pd.concat([pd.read_csv(tmp_path / name, comment="#", dtype={"id": str}) for name in ("first.csv", "rest.csv")])
+    assert parts.to_csv(index=False) == table.to_csv(index=False)
+    here = run_in_python(trial, until=1.0, step=0.01)
+    assert here.frame().astype({"id": str}).to_csv(index=False) == table.to_csv(index=False)
+    assert here.legs.shape == (101, 3, 2) and here.steps.max() == table["steps"].max()
+    # A Trial that goes on from there stands on its feet, and the command says so.
+    assert "the state of legs is not taken along" in command(lemons, tmp_path, "export", "run.csv", "--to", "trial", "next", "--trial", trial).stderr
+    (trial / "decision.toml").unlink()
+    without = run_in_python(trial, until=0.1, step=0.01)
+    assert list(without.frame()) == list(COLUMNS)
+    with pytest.raises(ValueError, match="nobody has legs"):
+        _ = without.legs
+
+
+def test_measures_of_balance_are_those_of_a_pendulum(lemons, tmp_path):
+    """Who is hit needs a step for as long as it takes, and leans most then, or where it lands."""
+    speeds = np.array([0.97 * ANKLES, 1.03 * ANKLES, 1.0, 0.97 * ONE_STEP, 1.03 * ONE_STEP])
+    trial, step = standing(tmp_path, speeds), 0.005
+    seen = run_in_python(trial, until=3.0, step=step, algorithm="gauss-seidel").measure()
+    people, summary = seen.people, seen.summary["balance"]
+    assert people["fallen"].tolist() == [0, 0, 0, 0, 1] and people["steps"].tolist()[:4] == [0, 1, 1, 1]
+    assert people["time_unbalanced"][:4].tolist() == pytest.approx([0, STEP_TIME, STEP_TIME, STEP_TIME], abs=1.5 * step)
+    # Until the step a pendulum about the edge of the feet; then the feet are at the extrapolated centre of mass, or as far as they reach.
+    grown, turned = math.cosh(OMEGA * STEP_TIME), math.sinh(OMEGA * STEP_TIME)
+    lean = SUPPORT * (1 - grown) + speeds / OMEGA * turned
+    landed = np.minimum(lean + speeds / OMEGA * grown - SUPPORT * turned, STEP_LENGTH) - lean
+    assert people["lean"][1:4].tolist() == pytest.approx(np.maximum(lean, landed)[1:4].tolist(), rel=0.03)
+    assert people["lean"][0] < SUPPORT
+    assert (summary["fallen"], summary["steps"]) == (1, people["steps"].sum())
+    for name in "time_unbalanced", "lean":
+        spread = [people[name].quantile(0.5), people[name].quantile(0.9), people[name].max(), str(people[name].idxmax())]
+        assert [summary[name][key] for key in ("median", "quantile_90", "max")] == pytest.approx(spread[:3], rel=1e-12)
+        assert summary[name]["max_id"] == spread[3]
+    # The same numbers in a sweep, and later: only steps since then.
+    measures = {"unbalanced": ("time_unbalanced", "max"), "steps": ("steps", "mean"), "falls": ("falls", "mean"), "lean": ("lean", "median")}
+    lines = [f'{name} = {{ balance = "{what}", across = "{across}" }}' for name, (what, across) in measures.items()]
+    (tmp_path / "sweep.toml").write_text(
+        f'trial = "trial"\nuntil = 3.0\nstep = {step}\nalgorithm = "gauss-seidel"\n[parameters]\nTimeStepMechanical = [1e-3]\n[measures]\n' + "\n".join(lines)
+    )
+    command(lemons, tmp_path, "sweep", "sweep.toml", "-o", "table.csv")
+    (row,) = pd.read_csv(tmp_path / "table.csv", comment="#").to_dict("records")
+    assert row["falls"] == 0.2 and row["steps"] == people["steps"].mean()
+    assert row["unbalanced"] == people["time_unbalanced"].max() and row["lean"] == people["lean"].median()
+    late = run_in_python(trial, until=3.0, step=step, algorithm="gauss-seidel").measure(**{"from": 2.0})
+    assert late.people["steps"][:4].tolist() == [0] * 4 and late.people["fallen"][4] == 1
 
 
 def test_longer_steps_save_from_leans_that_are_larger_by_as_much_as_was_measured():

@@ -162,6 +162,7 @@ class SweepReader(Reader):
         "Over a line": {"line": "door", "direction": "right", "number": "flow"},
         "In an area": {"area": "front", "number": "density", "take": "max"},
         "Squeeze": {"squeeze": "peak", "across": "max"},
+        "Balance": {"balance": "falls", "across": "max"},
     }
     NEEDED = {
         ("Of an output", "level"): {"take": "first_above", "across": "max"},

@@ -195,6 +195,16 @@ impl Arguments {
                  chosen again who takes which exit"
             );
         }
+        let mut legs = false;
+        run.each(|_, frame| {
+            legs = frame.legs.is_some();
+            Ok(())
+        })?;
+        if legs {
+            note!(
+                "the state of legs is not taken along: people begin with their feet under the body, and no steps"
+            );
+        }
         for line in files::staying(out, if plan.is_some() { &[DECISION_FILE] } else { &[] }) {
             note!("{line}");
         }

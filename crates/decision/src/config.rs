@@ -154,6 +154,11 @@ impl DecisionConfig {
         (fewer != *self).then_some(fewer)
     }
 
+    /// Makes settings in which nobody goes anywhere, with legs of a model.
+    pub fn standing(balance: BalanceName) -> DecisionConfig {
+        DecisionConfig { balance: Some(balance), ..DecisionConfig::default() }
+    }
+
     /// Makes settings in which everybody walks at one speed \[m/s\], on the way whose
     /// first point is nearest. `None` if no way has a point.
     pub fn nearest_of(people: &[Person], speed: f64, ways: &[Vec<Waypoint>]) -> Option<DecisionConfig> {

@@ -104,6 +104,19 @@ pub struct Act {
     pub active: bool,
 }
 
+/// Legs of an agent, as the outputs say them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stance {
+    /// \[m\] Middle of the feet.
+    pub feet: Vec2,
+    /// Number of steps to keep the balance.
+    pub steps: u32,
+    /// Whether it needs no step.
+    pub balanced: bool,
+    /// Whether it could not be saved from a fall, at some time.
+    pub fallen: bool,
+}
+
 /// A crowd that walks.
 #[derive(Debug, Clone)]
 pub struct Decision {
@@ -250,6 +263,32 @@ impl Decision {
     /// Returns the legs of a person, at the last communication point.
     pub fn legs_of(&self, i: usize) -> &Legs {
         &self.agents[i].legs
+    }
+
+    /// Returns everybody's legs, as the outputs say them; `None` if people have none.
+    pub fn stances(&self) -> Option<Vec<Stance>> {
+        self.plan.balance.map(|_| (0..self.agents.len()).map(|i| self.stance(i)).collect())
+    }
+
+    /// Returns the legs of an agent as they were at the last step; before the first one, as they will be, once decided.
+    fn stance(&self, i: usize) -> Stance {
+        let agent = &self.agents[i];
+        let decided = self.legs.as_ref().and_then(|legs| legs[i]);
+        let legs = if agent.last.is_some() { agent.legs } else { decided.unwrap_or_default() };
+        let Legs { stands, at, steps, fallen, .. } = legs;
+        let stands = stands && !agent.left;
+        let balanced = |balance: Balance| balance.is_balanced(&legs, &agent.motion());
+        let balanced = !stands || self.plan.balance.is_none_or(balanced);
+        Stance { feet: if stands { at } else { agent.at() }, steps, balanced, fallen }
+    }
+
+    /// Returns the same, decided.
+    fn seen_stance(&mut self, i: usize) -> Answer<Stance> {
+        if let Some(balance) = self.plan.balance.filter(|_| self.agents[i].last.is_none()) {
+            self.find_ways()?;
+            self.decide_legs(&balance);
+        }
+        Ok(self.stance(i))
     }
 
     /// How many have arrived: at their last way-point, at a goal, or have left.
@@ -432,18 +471,6 @@ impl Decision {
         })
     }
 
-    /// Returns the legs of an agent that stands, as they were at the last step; before the first one, as they will be.
-    fn standing(&mut self, i: usize) -> Answer<Option<(Balance, Legs)>> {
-        let Some(balance) = self.plan.balance else { return Ok(None) };
-        self.find_ways()?;
-        let agent = &self.agents[i];
-        let legs = match agent.last {
-            Some(_) => (!agent.left).then_some(agent.legs),
-            None => self.decided_legs(i, &balance),
-        };
-        Ok(legs.filter(|legs| legs.stands).map(|legs| (balance, legs)))
-    }
-
     /// A step \[s\] passes for everybody's legs, if people have any.
     fn pass_legs(&mut self, step: f64) {
         let Some(balance) = self.plan.balance else { return };
@@ -611,20 +638,16 @@ impl Model for Decision {
             }
             Quantity::Arrived => self.arrived()? as f64,
             Quantity::NextWaypoint => self.agents[i].next() as f64,
-            Quantity::Legs | Quantity::Lean | Quantity::Balanced => {
-                let standing = self.standing(i)?;
-                let agent = &self.agents[i];
-                let feet = standing.map_or(agent.at(), |(_, legs)| legs.at);
+            Quantity::Legs | Quantity::Lean | Quantity::Steps | Quantity::Balanced | Quantity::Fallen => {
+                let stance = self.seen_stance(i)?;
                 match quantity {
-                    Quantity::Legs => [feet.x, feet.y][element % 2],
-                    Quantity::Lean => (agent.at() - feet).norm(),
-                    _ => standing
-                        .is_none_or(|(balance, legs)| balance.is_balanced(&legs, &agent.motion()))
-                        .into(),
+                    Quantity::Legs => <[f64; 2]>::from(stance.feet)[element % 2],
+                    Quantity::Lean => (self.agents[i].at() - stance.feet).norm(),
+                    Quantity::Steps => stance.steps.into(),
+                    Quantity::Balanced => stance.balanced.into(),
+                    _ => stance.fallen.into(),
                 }
             }
-            Quantity::Steps => self.agents[i].legs.steps.into(),
-            Quantity::Fallen => self.agents[i].legs.fallen.into(),
             Quantity::WaypointCount => self.agents[i].walker.waypoints.len() as f64,
             _ => 0.0,
         })

@@ -1,7 +1,7 @@
 //! Files to keep: a Trial as a zip, as an FMU; tables, pictures, bodies.
 
 use crate::base::{Driven, split};
-use crate::frame::{frame, numbers};
+use crate::frame::{feet, frame, numbers};
 use crate::run::Run;
 use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::PairForce;
@@ -166,6 +166,7 @@ fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused
     let (shown, values) = bytes.split_at_checked(bytes.len().saturating_sub(8 * people)).ok_or_else(short)?;
     let frame = frame(shown, people)?;
     let mut scene = Scene::new(trial, frame.agents.iter().map(|motion| motion.pose).collect());
+    scene.feet = feet(shown);
     if wanted.forces {
         let force = |of: PairForce| Force { from: of.from, to: of.to, normal_force: of.normal_force };
         scene.forces = run.pair_forces(&frame)?.into_iter().map(force).collect();
@@ -184,7 +185,8 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
     require(200 * run.people() as u64 * u64::from(steps) <= LARGEST_TABLE, || {
         "the table is too large for a page: `lemons run` writes it from the Trial".into()
     })?;
-    let groups = Groups { active: of.plan.is_some(), ..ALL };
+    let legs = of.plan.as_ref().is_some_and(|plan| plan.balance.is_some());
+    let groups = Groups { active: of.plan.is_some(), legs, ..ALL };
     let content = Content { columns: groups.columns(), about: Vec::new() };
     let (file, path) = (Cursor::new(Vec::new()), Path::new("the table"));
     let writer = TableWriter::create(file, path, lemons_results::Format::Csv, &content)?;

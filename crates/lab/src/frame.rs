@@ -13,8 +13,9 @@ use std::collections::BTreeSet;
 
 /// Numbers of an agent in a frame: x, y \[m\], orientation \[rad\], velocity along x and y \[m/s\], angular velocity
 /// \[rad/s\], mean squeeze of the last communication step \[N\], number of contacts, the part of the squeeze by walls
-/// \[N\]. The place of who has left is not a number.
-pub const COLUMNS: usize = 9;
+/// \[N\], x and y of the middle of the feet \[m\]. The place of who has left is not a number, nor are feet where people have no
+/// legs.
+pub const COLUMNS: usize = 11;
 
 /// Returns a frame as bytes: [`COLUMNS`] doubles for each agent, little-endian.
 pub fn bytes(frame: &Frame) -> Vec<u8> {
@@ -22,7 +23,8 @@ pub fn bytes(frame: &Frame) -> Vec<u8> {
         let [x, y, vx, vy, theta, omega, with_people, with_walls, _, _, mean, _, _, by_walls, ..] =
             frame.row(agent);
         let [x, y] = if frame.is_there(agent) { [x, y] } else { [f64::NAN; 2] };
-        [x, y, theta, vx, vy, omega, mean, with_people + with_walls, by_walls]
+        let feet = frame.legs.as_ref().map_or(vec2(f64::NAN, f64::NAN), |legs| legs[agent].feet);
+        [x, y, theta, vx, vy, omega, mean, with_people + with_walls, by_walls, feet.x, feet.y]
     });
     numbers.flat_map(f64::to_le_bytes).collect()
 }
@@ -44,6 +46,11 @@ pub fn frame(bytes: &[u8], people: usize) -> Result<Frame, Refused> {
     let agents: Vec<Motion> = rows.iter().map(motion).collect();
     let active = agents.iter().map(|motion| motion.pose.position.is_finite()).collect();
     Ok(Frame { agents, active: Some(active), ..Frame::default() })
+}
+
+/// \[m\] Returns the middle of everybody's feet in a frame; not numbers where people have no legs.
+pub fn feet(bytes: &[u8]) -> Vec<Vec2> {
+    numbers(bytes).as_chunks::<COLUMNS>().0.iter().map(|&[.., x, y]| vec2(x, y)).collect()
 }
 
 /// Reads doubles, little-endian.

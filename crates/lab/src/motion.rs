@@ -5,7 +5,7 @@ use crate::{Refused, within};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{DRIVE_FILE, DriveTable, Pulse, Trial, drive_of_pulses};
 use lemons_decision::rule::Waypoint;
-use lemons_decision::{DecisionConfig, Person, Plan, plan};
+use lemons_decision::{BalanceName, DecisionConfig, Person, Plan, plan};
 use lemons_people::heading;
 use serde::Deserialize;
 
@@ -19,7 +19,12 @@ pub enum Motion {
     /// Nothing does.
     None {},
     /// Pulses do, besides what the Trial's AgentDynamics.xml says.
-    Push { pushes: Vec<Push> },
+    Push {
+        pushes: Vec<Push>,
+        /// Whether they have legs, and of which model.
+        #[serde(default)]
+        balance: BalanceName,
+    },
     /// They walk (the paper's eq. 4) at a speed \[m/s\], everybody on the way whose first point is nearest.
     Walk { speed: f64, ways: Vec<Vec<Waypoint>> },
     /// They walk around walls, to the exits and goals of a decision.toml. Without exits, everybody goes to the nearest of
@@ -61,7 +66,12 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
     match motion {
         Motion::Own {} => forget_deleted(&mut driven)?,
         Motion::None {} => {}
-        Motion::Push { pushes } => driven.drive = drive(&driven.trial, pushes)?,
+        Motion::Push { pushes, balance } => {
+            driven.drive = drive(&driven.trial, pushes)?;
+            if *balance != BalanceName::None {
+                driven.wishes = DecisionConfig::standing(*balance).to_toml()?;
+            }
+        }
         Motion::Walk { speed, ways } => driven.wishes = wishes(&driven.trial, *speed, ways)?,
         Motion::Go { wishes } => {
             driven.wishes = plan::normalized(&driven.trial, wishes).and_then(|all| all.to_toml())?;

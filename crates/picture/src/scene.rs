@@ -42,6 +42,9 @@ pub struct Scene<'a> {
     pub view: Option<Bounds>,
     /// Forces between bodies, drawn on top of them.
     pub forces: Vec<Force>,
+    /// \[m\] The middle of the feet of each agent, in their order; empty if people have no legs. Feet are drawn through bodies,
+    /// with a line to the centre of mass.
+    pub feet: Vec<Vec2>,
     /// Trails of the agents.
     pub trails: Vec<Trail>,
     /// People per area, drawn below everything else. Bodies are then outlines, and the colour bar shows the density.
@@ -60,6 +63,7 @@ impl<'a> Scene<'a> {
             poses,
             view: None,
             forces: Vec::new(),
+            feet: Vec::new(),
             trails: Vec::new(),
             density: None,
             bicycles: Vec::new(),
@@ -74,12 +78,13 @@ impl<'a> Scene<'a> {
         Scene::new(trial, poses)
     }
 
-    /// Returns the smallest rectangle around all walls, bodies, bicycles and trails; a metre about the origin if there
-    /// are none.
+    /// Returns the smallest rectangle around all walls, bodies, feet, bicycles and trails; a metre about the origin if
+    /// there are none.
     pub fn extent(&self) -> Bounds {
         let corners = self.trial.geometry.walls.iter().flat_map(|wall| &wall.corners);
         let trails = self.trails.iter().flat_map(|trail| &trail.points);
-        let lines = corners.chain(trails).copied().filter(|p| near(*p));
+        let feet = self.drawn_feet().map(|(_, feet)| feet);
+        let lines = corners.chain(trails).copied().filter(|p| near(*p)).chain(feet);
         let disks = self.drawn().flat_map(|(_, pose, body)| body.disks_at(pose));
         let rims = disks.flat_map(|d| [-1.0, 1.0].map(|s| d.centre + vec2(d.radius, d.radius) * s));
         let bicycles = self.drawn_bicycles().flat_map(Bicycle::corners);
@@ -89,6 +94,12 @@ impl<'a> Scene<'a> {
     /// The bicycles that can be drawn.
     pub(crate) fn drawn_bicycles(&self) -> impl Iterator<Item = &Bicycle> {
         self.bicycles.iter().filter(|bicycle| bicycle.drawable())
+    }
+
+    /// The feet that can be drawn, with the poses of their bodies.
+    pub(crate) fn drawn_feet(&self) -> impl Iterator<Item = (&Pose, Vec2)> + Clone {
+        let feet = self.drawn().filter_map(|(agent, pose, _)| Some((pose, *self.feet.get(agent)?)));
+        feet.filter(|(_, feet)| near(*feet))
     }
 
     /// The agents that can be drawn, with their indices.

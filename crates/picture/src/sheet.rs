@@ -64,7 +64,7 @@ impl Frame {
 /// Returns the scene as SVG.
 ///
 /// Groups, from the lowest: `density`, `walls`, `bodies` (one group for each agent, in their order, with the agent's Id
-/// as title), `bicycles`, `trails` (paths of class `simulated` and `measured`; below the bodies if none is measured),
+/// as title), `bicycles`, `feet`, `leans`, `trails` (paths of class `simulated` and `measured`; below the bodies if none is measured),
 /// `forces`, `ids`. Outside the scene, in pixels: `time`, `legend`, `scale-bar`, `colour-bar`.
 pub fn svg(scene: &Scene, style: &Style) -> String {
     sheet(&[(scene, style)], 1)

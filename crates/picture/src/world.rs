@@ -35,6 +35,16 @@ pub(crate) const TRAIL_STROKE: f64 = 1.5;
 const TRAIL_HALO: f64 = 0.9;
 /// \[px\] Points of a trail nearer than this to the previous one are left out.
 const TRAIL_STEP: f64 = 0.4;
+/// Two feet in their own frame \[m\]: ellipses, 26 cm long and 9 cm wide.
+const FEET: &str = "M.13 .08A.13 .045 0 01-.13 .08A.13 .045 0 01.13 .08ZM.13 -.08A.13 .045 0 01-.13 -.08A.13 .045 0 01.13 -.08Z";
+/// \[m\] Distance from the middle of the feet to the furthest point.
+const FEET_REACH: f64 = 0.16;
+/// \[px\] Width of the line of the lean; the outline of feet has half of it.
+const LEAN_STROKE: f64 = 1.3;
+/// \[m\] The largest one.
+const WIDEST_LEAN: f64 = 0.03;
+/// \[m\] No line is drawn for a smaller lean.
+const LEAST_LEAN: f64 = 0.01;
 /// Number of shades of a trail.
 const AGES: usize = 8;
 
@@ -44,6 +54,7 @@ pub(crate) fn is_cut(scene: &Scene, frame: &Frame) -> bool {
     let bicycles = scene.drawn_bicycles().map(|bicycle| (bicycle.pose.position, bicycle.reach()));
     let walls = scene.trial.geometry.walls.iter().flat_map(|wall| &wall.corners);
     let lines = walls.chain(scene.trails.iter().flat_map(|trail| &trail.points)).copied();
+    let lines = lines.chain(scene.drawn_feet().map(|(_, feet)| feet));
     let points = lines.chain(drawable_forces(scene).flat_map(|f| [f.from, f.to])).filter(|p| near(*p));
     let seen = bodies.chain(bicycles).filter(|(p, reach)| frame.shows(*p, *reach));
     seen.chain(points.map(|p| (p, 0.0))).any(|(p, reach)| frame.cuts(p, reach))
@@ -90,6 +101,7 @@ pub(crate) fn world(
     }
     world.bodies();
     world.bicycles();
+    world.feet();
     if compared {
         world.compared_trails();
     }
@@ -200,6 +212,37 @@ impl<'a> World<'a> {
         let look =
             format!("class=\"bicycles\" fill=\"{fill}\" stroke=\"{outline}\" stroke-width=\"{stroke}\"");
         self.group(&look, |World { out, palette, .. }| shown.iter().for_each(|b| b.draw(out, palette)));
+    }
+
+    /// Draws feet, as if they were seen through the bodies, and lines from there to the centres of mass.
+    fn feet(&mut self) {
+        let shown = self.scene.drawn_feet().filter(|(_, feet)| self.frame.shows(*feet, FEET_REACH));
+        let shown: Vec<(&Pose, Vec2)> = shown.collect();
+        if shown.is_empty() {
+            return;
+        }
+        let width = (LEAN_STROKE * self.px).min(WIDEST_LEAN);
+        let [rim, line, halo, dot] = [0.5, 1.0, 2.2, 2.6].map(|part| text_of(part * width, 6));
+        let look = format!("fill-opacity=\".2\" stroke-opacity=\".6\" stroke-width=\"{rim}\"");
+        let [paper, ink] = [self.palette.paper, self.palette.ink];
+        self.group(&format!("class=\"feet\" fill=\"{paper}\" stroke=\"{ink}\" {look}"), |world| {
+            for &(Pose { orientation, .. }, position) in &shown {
+                begin_at(world.out, &Pose { position, orientation: *orientation });
+                *world.out += &format!("><path d=\"{FEET}\"/></g>\n");
+            }
+        });
+        let (mut leans, mut centres) = (String::new(), String::new());
+        for (Pose { position, .. }, feet) in shown {
+            if (*position - feet).norm() > LEAST_LEAN {
+                polyline(&mut leans, &[feet, *position]);
+                polyline(&mut centres, &[*position, *position]);
+            }
+        }
+        self.group("class=\"leans\" fill=\"none\"", |World { out, .. }| {
+            path(out, "halo", paper, &halo, " stroke-opacity=\".7\"", &leans);
+            path(out, "lean", ink, &line, "", &leans);
+            path(out, "centre", ink, &dot, "", &centres);
+        });
     }
 
     /// Draws the Ids upright in the middle of the bodies, with a halo where lines cross them.

@@ -2,10 +2,10 @@
 
 use crate::CommandError;
 use crate::model::Model;
-use crate::recording::{NUMBERS, frame_of};
+use crate::recording::frame_of;
 use lemons_cli::embedded::{Done, InMemory, call};
 use lemons_results::Run;
-use numpy::{PyReadonlyArray1, PyReadonlyArray3};
+use numpy::{PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -82,9 +82,10 @@ fn in_memory(run: &Bound<'_, PyAny>) -> PyResult<InMemory> {
     let numbers: PyReadonlyArray3<'_, f64> = run.getattr("numbers")?.extract()?;
     let leaving: bool = run.getattr("leaving")?.extract()?;
     let ids: Vec<String> = run.getattr("ids")?.extract()?;
-    let numbers = numbers.as_slice()?.chunks_exact(ids.len().max(1) * NUMBERS);
+    let each = numbers.shape()[2];
+    let numbers = numbers.as_slice()?.chunks_exact((ids.len() * each).max(1));
     let frames = times.as_slice()?.iter().zip(numbers);
-    let frames = frames.map(|(time, numbers)| frame_of(*time, numbers, leaving)).collect();
+    let frames = frames.map(|(time, numbers)| frame_of(*time, numbers, each, leaving)).collect();
     let run = Run { source: run.repr()?.to_string().into(), ids, frames };
     Ok(InMemory { run, trial: model.documents.trial.clone() })
 }

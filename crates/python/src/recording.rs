@@ -13,11 +13,16 @@ use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use std::time::{Duration, Instant};
 
-/// The numbers of an agent in arrays, by their places in the row of a table: pose, velocity, squeeze, contacts, and whether
-/// it is there. So poses and velocities are parts of an array.
-const ORDER: [usize; NUMBERS] = [0, 1, 4, 2, 3, 5, 9, 10, 11, 12, 13, 6, 7, 8, 14];
-/// How many numbers an agent has.
-pub const NUMBERS: usize = 15;
+/// The numbers of an agent in arrays, by their places in the row of a table: pose, velocity, squeeze, contacts, whether
+/// it is there, and its legs. So poses and velocities are parts of an array.
+const ORDER: [usize; 20] = [0, 1, 4, 2, 3, 5, 9, 10, 11, 12, 13, 6, 7, 8, 14, 15, 16, 17, 18, 19];
+/// How many numbers an agent without legs has.
+const WITHOUT_LEGS: usize = 15;
+
+/// Returns how many numbers an agent of a frame has.
+pub fn numbers_of_each(frame: &Frame) -> usize {
+    if frame.legs.is_some() { ORDER.len() } else { WITHOUT_LEGS }
+}
 
 /// Returns the names of these numbers.
 pub fn names() -> Vec<String> {
@@ -26,7 +31,7 @@ pub fn names() -> Vec<String> {
     ORDER.map(|place| table[2 + place].clone()).to_vec()
 }
 
-/// Returns the names of the columns of a table, in their order; those of contacts and `active` among them.
+/// Returns the names of the columns of a table, in their order; those of contacts, `active` and legs among them.
 pub fn table() -> Vec<String> {
     ALL.columns().into_iter().map(|column| column.name).collect()
 }
@@ -35,14 +40,14 @@ pub fn table() -> Vec<String> {
 pub fn observe(frame: &Frame, numbers: &mut Vec<f64>) {
     for agent in 0..frame.agents.len() {
         let row = frame.row(agent);
-        numbers.extend(ORDER.map(|place| row[place]));
+        numbers.extend(ORDER[..numbers_of_each(frame)].iter().map(|place| row[*place]));
     }
 }
 
-/// Makes a frame of the numbers of everybody at a time \[s\].
-pub fn frame_of(time: f64, numbers: &[f64], leaving: bool) -> Frame {
-    let mut rows: Vec<Row> = Vec::with_capacity(numbers.len() / NUMBERS);
-    for own in numbers.chunks_exact(NUMBERS) {
+/// Makes a frame of the numbers of everybody, so many each, at a time \[s\].
+pub fn frame_of(time: f64, numbers: &[f64], each: usize, leaving: bool) -> Frame {
+    let mut rows: Vec<Row> = Vec::with_capacity(numbers.len() / each);
+    for own in numbers.chunks_exact(each) {
         let mut row = Row::default();
         ORDER.iter().zip(own).for_each(|(place, number)| row[*place] = *number);
         rows.push(row);
@@ -50,8 +55,8 @@ pub fn frame_of(time: f64, numbers: &[f64], leaving: bool) -> Frame {
     // A contact of two people counts for both.
     let sum = |place: usize| rows.iter().map(|row| row[place]).sum::<f64>();
     let totals = [0.5 * sum(6), sum(7)];
-    rows.iter_mut().for_each(|row| row[15..].copy_from_slice(&totals));
-    let groups = Groups { active: leaving, ..ALL };
+    rows.iter_mut().for_each(|row| row[20..].copy_from_slice(&totals));
+    let groups = Groups { active: leaving, legs: each > WITHOUT_LEGS, ..ALL };
     Frame { place: format!("t = {time:?} s"), ..Frame::of_rows(time, &rows, groups) }
 }
 
@@ -62,13 +67,15 @@ pub struct Recording {
     /// Steps that were made.
     index: u64,
     people: usize,
+    /// How many numbers an agent has.
+    each: usize,
     /// If it ends when people have left.
     leaving: Option<Leaving>,
     /// Of each step the pushes of these agents, if there are such.
     pushed: Vec<usize>,
     pushes: Vec<f64>,
     times: Vec<f64>,
-    /// [`NUMBERS`] of each agent at each of these times.
+    /// Those of each agent at each of these times.
     numbers: Vec<f64>,
 }
 
@@ -86,11 +93,12 @@ impl Recording {
         let simulation = &simulation.simulation;
         let clock = Clock::new(simulation.time(), step, until.unwrap_or(LATEST));
         let clock = clock.map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let people = simulation.ids().len();
+        let (people, each) = (simulation.ids().len(), numbers_of_each(&simulation.frame()));
         let mut recording = Recording {
             clock,
             index: 0,
             people,
+            each,
             leaving,
             pushed: Vec::new(),
             pushes: Vec::new(),
@@ -158,7 +166,7 @@ impl Recording {
         &mut self,
         py: Python<'py>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray3<f64>>)> {
-        let shape = [self.times.len(), self.people, NUMBERS];
+        let shape = [self.times.len(), self.people, self.each];
         let (times, numbers) = (std::mem::take(&mut self.times), std::mem::take(&mut self.numbers));
         Ok((times.into_pyarray(py), numbers.into_pyarray(py).reshape(shape)?))
     }
@@ -173,7 +181,7 @@ impl Recording {
     fn reserve(&mut self) -> PyResult<()> {
         let (steps, people) = (self.clock.steps, self.people);
         let frames = usize::try_from(steps + 1).ok();
-        let all = frames.and_then(|frames| frames.checked_mul(NUMBERS)?.checked_mul(people));
+        let all = frames.and_then(|frames| frames.checked_mul(self.each)?.checked_mul(people));
         if all.is_some_and(|all| self.numbers.try_reserve_exact(all).is_ok()) {
             return Ok(());
         }

@@ -2,7 +2,7 @@
 
 use crate::SimulationError;
 use crate::model::Model;
-use crate::recording::{NUMBERS, observe};
+use crate::recording::{numbers_of_each, observe};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_sim::Algorithm;
 use lemons_sim::settings::Value;
@@ -147,12 +147,12 @@ impl Simulation {
         Ok(())
     }
 
-    /// The numbers of everybody, shape (N, 15).
+    /// The numbers of everybody, shape (N, 15), or (N, 20) with legs.
     fn observe<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let frame = self.simulation.frame();
         let mut numbers = Vec::new();
         observe(&frame, &mut numbers);
-        numbers.into_pyarray(py).reshape([frame.agents.len(), NUMBERS])
+        numbers.into_pyarray(py).reshape([frame.agents.len(), numbers_of_each(&frame)])
     }
 
     /// The state, as bytes.

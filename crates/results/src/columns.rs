@@ -32,7 +32,7 @@ enum Domain {
 }
 
 /// One agent at one time, a number for each of the quantities in their order. What is not recorded is 0.
-pub type Row = [f64; 17];
+pub type Row = [f64; 22];
 
 impl Quantity {
     /// Counts are integers, everything else is a double.
@@ -48,8 +48,8 @@ impl Quantity {
         let (good, must) = match self.domain {
             Real(_) => (any || number.is_finite(), "a finite number"),
             Size(_) => (any || number.is_finite() && number >= 0.0, "a finite number from 0 on"),
-            Count => (number >= 0.0 && number == f64::from(number as i32), "a valid number of contacts"),
-            Flag => (number == 0.0 || number == 1.0, "1 (there) or 0 (left)"),
+            Count => (number >= 0.0 && number == f64::from(number as i32), "a valid number"),
+            Flag => (number == 0.0 || number == 1.0, "1 or 0"),
         };
         if good { Ok(()) } else { Err(must) }
     }
@@ -111,6 +111,15 @@ pub const BY_WALLS: Quantity =
 pub const ACTIVE: Quantity =
     entry("active", "Active", Flag, "1 if the agent is there, 0 if it has left and touches nothing");
 
+/// Legs of an agent, where people have some: outputs of Decision, not of the crowd's FMU.
+pub const LEGS: [Quantity; 5] = [
+    entry("legs_x", "Legs.x", Real("m"), "x of the middle of the feet"),
+    entry("legs_y", "Legs.y", Real("m"), "y of the middle of the feet"),
+    entry("steps", "Steps", Count, "how many steps the agent took to keep the balance"),
+    entry("balanced", "Balanced", Flag, "1 if the agent needs no step, 0 if it does"),
+    entry("fallen", "Fallen", Flag, "1 if no step could save the agent, at some time"),
+];
+
 /// Quantities of the whole crowd at a time; the same in each row of this time.
 pub const TOTALS: [Quantity; 2] = [
     entry(
@@ -127,10 +136,11 @@ pub const TOTALS: [Quantity; 2] = [
     ),
 ];
 /// Place of the first of them in a row.
-pub(crate) const FIRST_TOTAL: usize = 15;
+pub(crate) const FIRST_TOTAL: usize = 20;
 
 /// Every quantity of the table of a run.
-pub const ALL: Groups = Groups { contacts: true, of_step: true, by_walls: true, active: true, totals: true };
+pub const ALL: Groups =
+    Groups { contacts: true, of_step: true, by_walls: true, active: true, legs: true, totals: true };
 
 /// Returns the quantity with this name.
 pub fn named(name: &str) -> Option<&'static Quantity> {
@@ -148,6 +158,8 @@ pub struct Groups {
     pub by_walls: bool,
     /// [`ACTIVE`]: agents may leave.
     pub active: bool,
+    /// [`LEGS`]: agents have legs.
+    pub legs: bool,
     /// [`TOTALS`].
     pub totals: bool,
 }
@@ -159,19 +171,22 @@ impl Groups {
         let contacts = all(&CONTACTS) && exists(SQUEEZE.name);
         let of_step = contacts && all(&OF_STEP);
         let by_walls = of_step && all(&[BY_WALLS]);
-        Groups { contacts, of_step, by_walls, active: all(&[ACTIVE]), totals: all(&TOTALS) }
+        let (active, legs, totals) = (all(&[ACTIVE]), all(&LEGS), all(&TOTALS));
+        Groups { contacts, of_step, by_walls, active, legs, totals }
     }
 
     /// Returns the quantities in the order of the columns, those of the whole crowd last; with their places in a [`Row`].
     pub(crate) fn quantities(self) -> impl Iterator<Item = (usize, &'static Quantity)> {
         let contacts = CONTACTS.iter().chain([&SQUEEZE]);
-        let all = MOTION.iter().chain(contacts).chain(&OF_STEP).chain([&BY_WALLS, &ACTIVE]).chain(&TOTALS);
+        let of_agent = MOTION.iter().chain(contacts).chain(&OF_STEP).chain([&BY_WALLS, &ACTIVE]).chain(&LEGS);
+        let all = of_agent.chain(&TOTALS);
         all.enumerate().filter(move |(place, _)| match place {
             0..6 => true,
             6..10 => self.contacts,
             10..13 => self.contacts && self.of_step,
             13 => self.contacts && self.of_step && self.by_walls,
             14 => self.active,
+            15..FIRST_TOTAL => self.legs,
             _ => self.totals,
         })
     }

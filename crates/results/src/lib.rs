@@ -33,7 +33,7 @@ pub use error::RecordError;
 pub use jupedsim::jupedsim;
 pub use record::Record;
 pub use recorder::{KeptFrames, Recorder};
-pub use run::{Frame, Observed, OfStep, OfWall, Run, Totals};
+pub use run::{Frame, Observed, OfLegs, OfStep, OfWall, Run, Totals};
 pub use series::{series, series_files, series_in, trial_at_end};
 pub use table::{Content, Format, FrameWriter, TableWriter};
 pub use text::{chaos, chaos_files, pedpy};

@@ -2,7 +2,7 @@
 
 use crate::columns::{Groups, Row};
 use crate::error::RecordError;
-use lemons_core::plane::{Motion, Pose, Twist, vec2};
+use lemons_core::plane::{Motion, Pose, Twist, Vec2, vec2};
 use lemons_core::trial::{Interactions, Trial};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -29,6 +29,8 @@ pub struct Frame {
     pub observed: Option<Vec<Observed>>,
     /// Whether each agent is there; `None` if the source has no such column, and all are.
     pub active: Option<Vec<bool>>,
+    /// Legs of each agent, in the order of the run's Ids; `None` if the source has no such columns.
+    pub legs: Option<Vec<OfLegs>>,
     /// Contacts of the whole crowd; `None` if the source has no such columns.
     pub totals: Option<Totals>,
     /// What people did to each straight piece of the walls, in the order of Geometry.xml, within the communication step
@@ -66,6 +68,19 @@ pub struct OfStep {
     pub peak_normal_force: f64,
     /// \[m\] deepest overlap of a contact.
     pub peak_overlap: f64,
+}
+
+/// Legs of an agent. These are outputs of Decision.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OfLegs {
+    /// \[m\] middle of the feet.
+    pub feet: Vec2,
+    /// Number of steps to keep the balance.
+    pub steps: u32,
+    /// Whether the agent needs no step.
+    pub balanced: bool,
+    /// Whether no step could save the agent, at some time.
+    pub fallen: bool,
 }
 
 /// What people did to a straight piece of a wall within a communication step. These are outputs of the FMU.
@@ -139,12 +154,19 @@ impl Frame {
                 peak_overlap: row[12],
             }),
         };
-        let totals = |row: &Row| Totals { agent_contacts: row[15] as u32, wall_contacts: row[16] as u32 };
+        let legs = |row: &Row| OfLegs {
+            feet: vec2(row[15], row[16]),
+            steps: row[17] as u32,
+            balanced: row[18] != 0.0,
+            fallen: row[19] != 0.0,
+        };
+        let totals = |row: &Row| Totals { agent_contacts: row[20] as u32, wall_contacts: row[21] as u32 };
         Frame {
             time,
             agents: rows.iter().map(motion).collect(),
             observed: groups.contacts.then(|| rows.iter().map(observed).collect()),
             active: groups.active.then(|| rows.iter().map(|row| row[14] != 0.0).collect()),
+            legs: groups.legs.then(|| rows.iter().map(legs).collect()),
             totals: rows.first().map(totals).filter(|_| groups.totals),
             ..Frame::default()
         }
@@ -160,7 +182,13 @@ impl Frame {
         let counts = [seen.agent_contacts, seen.wall_contacts, seen.contacting_agents].map(f64::from);
         let by_walls = step.mean_wall_force.unwrap_or_default();
         let of_step = [step.mean_normal_force, step.peak_normal_force, step.peak_overlap, by_walls];
-        let last = [self.is_there(place).into(), totals.agent_contacts, totals.wall_contacts].map(f64::from);
+        let legs = self.legs.as_ref().map_or([0.0; 5], |legs| {
+            let OfLegs { feet, steps, balanced, fallen } = legs[place];
+            [feet.x, feet.y, steps.into(), balanced.into(), fallen.into()]
+        });
+        let there = f64::from(self.is_there(place));
+        let totals = [totals.agent_contacts, totals.wall_contacts].map(f64::from);
+        let last = [there].into_iter().chain(legs).chain(totals);
         let all = motion.into_iter().chain(counts).chain([seen.normal_force]).chain(of_step).chain(last);
         let mut row = Row::default();
         row.iter_mut().zip(all).for_each(|(cell, value)| *cell = value);
@@ -173,6 +201,7 @@ impl Frame {
             agents: sorted(&self.agents, order),
             observed: self.observed.map(|all| sorted(&all, order)),
             active: self.active.map(|all| sorted(&all, order)),
+            legs: self.legs.map(|all| sorted(&all, order)),
             ..self
         }
     }

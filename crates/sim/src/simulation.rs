@@ -7,11 +7,11 @@ use crowd_mechanics::model::{CrowdModel, Saved as SavedCrowd};
 use crowd_mechanics::quantities::Quantity;
 use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::{DriveTable, Trial};
-use lemons_decision::decision::{Act, Saved as SavedDecision};
+use lemons_decision::decision::{Act, Saved as SavedDecision, Stance};
 use lemons_decision::rule::Pose as SeenPose;
 use lemons_decision::{Decision, Plan};
 use lemons_fmi::{Model, Part, Phase, Refusal, StepError, fingerprint};
-use lemons_results::{Frame, OfStep, OfWall, Totals};
+use lemons_results::{Frame, OfLegs, OfStep, OfWall, Totals};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -279,6 +279,7 @@ impl Simulation {
                 wall_contacts: report.wall_contacts,
             }),
             active: may_leave.then(|| world.present().to_vec()),
+            legs: self.legs(),
             walls: Some(world.face_exposures().iter().map(of_wall).collect()),
             place: format!("t = {:?} s", self.time),
             ..Frame::default()
@@ -314,6 +315,12 @@ impl Simulation {
         (self.time, self.adds) = (saved.time, saved.adds);
         self.pushes.clear();
         Ok(())
+    }
+
+    /// Returns everybody's legs, as Decision says them; `None` if people have none.
+    fn legs(&self) -> Option<Vec<OfLegs>> {
+        let of = |Stance { feet, steps, balanced, fallen }| OfLegs { feet, steps, balanced, fallen };
+        Some(self.decision.as_ref()?.model.stances()?.into_iter().map(of).collect())
     }
 
     /// Drives the crowd as those who walk do, with what is added.

@@ -1,6 +1,7 @@
 //! The measures of a point while it runs.
 
 use crate::error::{Place, Result};
+use crate::measure::balance::OfBalance;
 use crate::measure::output::{OfOutput, Statistics};
 use crate::measure::places::{InArea, OverLine, Places};
 use crate::measure::squeeze::OfSqueeze;
@@ -10,7 +11,7 @@ use crate::spec::Spec;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::Trial;
 use lemons_results::Frame;
-use lemons_results::measure::{Density, Exposure, MeasuringArea, Passages, squeeze, squeeze_by};
+use lemons_results::measure::{Balance, Density, Exposure, MeasuringArea, Passages, squeeze, squeeze_by};
 use lemons_sim::Simulation;
 use std::collections::HashMap;
 
@@ -37,6 +38,7 @@ enum Accumulator<'a> {
     Area(&'a InArea, &'a MeasuringArea, Vec<Density>),
     /// And the places of the agents that count.
     Squeeze(&'a OfSqueeze, Vec<usize>, Exposure),
+    Balance(&'a OfBalance, Vec<usize>, Balance),
 }
 
 impl<'a> Accumulators<'a> {
@@ -69,6 +71,11 @@ impl<'a> Accumulators<'a> {
                     of.check(agents.len())?;
                     let exposure = of.begin(agents.len());
                     Accumulator::Squeeze(of, agents, exposure)
+                }
+                Kind::Balance(of) => {
+                    let agents = agents_named(trial, &of.agents)?;
+                    of.check(agents.len())?;
+                    Accumulator::Balance(of, agents, Balance::of(people))
                 }
             })
         };
@@ -107,6 +114,7 @@ impl<'a> Accumulators<'a> {
                 Accumulator::Line(_, passages, _) => passages.add(&frame),
                 Accumulator::Area(of, ..) if of.needs_room() => kept = true,
                 Accumulator::Area(_, area, seen) => seen.push(area.measure(&frame, None)),
+                Accumulator::Balance(_, _, balance) => balance.add(&frame),
                 Accumulator::Squeeze(of, agents, exposure) => {
                     let of_agent = |agent: &usize| match of.by {
                         None => squeeze(&frame, *agent),
@@ -147,6 +155,7 @@ impl<'a> Accumulators<'a> {
             }
             Accumulator::Area(of, _, seen) => of.value(seen.iter()),
             Accumulator::Squeeze(of, _, exposure) => of.value(exposure),
+            Accumulator::Balance(of, agents, balance) => of.value(&agents, balance),
         });
         Ok(values.collect())
     }

@@ -1,11 +1,13 @@
 //! Measures: the numbers of a run that become columns of the table.
 
+pub(crate) mod balance;
 pub(crate) mod output;
 pub(crate) mod places;
 pub(crate) mod squeeze;
 
 use crate::error::Result;
 use crate::points::Points;
+use balance::OfBalance;
 use lemons_master::ensure;
 use lemons_results::measure::{quantile, within};
 use output::OfOutput;
@@ -14,7 +16,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use squeeze::OfSqueeze;
 
-/// A measure, over the communication points that count. docs/measure.md defines those of lines, areas and squeeze.
+/// A measure, over the communication points that count. docs/measure.md defines those of lines, areas, squeeze
+/// and balance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measure {
     /// What is measured.
@@ -36,13 +39,15 @@ pub enum Kind {
     Area(InArea),
     /// `squeeze`: what people are exposed to.
     Squeeze(OfSqueeze),
+    /// `balance`: how people who have legs keep it.
+    Balance(OfBalance),
 }
 
 /// One of these says what is measured.
-const KINDS: [&str; 4] = ["of", "line", "area", "squeeze"];
+const KINDS: [&str; 5] = ["of", "line", "area", "squeeze", "balance"];
 
 impl Measure {
-    /// Reads a measure: its key among `of`, `line`, `area` and `squeeze` says of which kind it is.
+    /// Reads a measure: its key among `of`, `line`, `area`, `squeeze` and `balance` says of which kind it is.
     ///
     /// # Errors
     /// A sentence with the key that is missing, unknown or of another type.
@@ -53,6 +58,7 @@ impl Measure {
             ["line"] => Kind::Line(value.try_into()?),
             ["area"] => Kind::Area(value.try_into()?),
             ["squeeze"] => Kind::Squeeze(value.try_into()?),
+            ["balance"] => Kind::Balance(value.try_into()?),
             _ => {
                 return Err(format!("must be a table with one of the keys {}", KINDS.join(", ")).into());
             }
@@ -63,6 +69,7 @@ impl Measure {
             Kind::Line(of) => (of.from, of.until),
             Kind::Area(of) => (of.from, of.until),
             Kind::Squeeze(of) => (of.from, of.until),
+            Kind::Balance(of) => (of.from, of.until),
         };
         Ok(Measure { kind, from, until })
     }
@@ -90,6 +97,7 @@ impl Measure {
             Kind::Line(of) => of.check(places, points),
             Kind::Area(of) => of.check(places),
             Kind::Squeeze(of) => of.check(1),
+            Kind::Balance(of) => of.check(1),
         }
     }
 }

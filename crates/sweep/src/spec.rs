@@ -325,7 +325,7 @@ mod tests {
             ("[measures]", "[areas]\nf = [0, 0, 1, 1, 1, 0, 0, 1]\n[measures]", "areas: f: must be the"),
             ("reach = {", "status = {", "\"status\": the table already has a column"),
             ("of = \"x\"", "of = \"mood\"", "measures: reach"),
-            (measure, "line = 'a', of = 'x'", "one of the keys of, line, area, squeeze"),
+            (measure, "line = 'a', of = 'x'", "one of the keys of, line, area, squeeze, balance"),
             (
                 measure,
                 "line = 'b', direction = 'left', number = 'flow'",

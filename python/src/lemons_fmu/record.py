@@ -26,7 +26,8 @@ class Run:
 
     #: Times [s], shape (K,).
     times: Floats
-    #: What poses, velocities, squeezes, contacts and `active` show, shape (K, N, 15).
+    #: What poses, velocities, squeezes, contacts and `active` show, shape (K, N, 15); where people have legs, also what `legs`,
+    #: `steps`, `balanced` and `fallen` show, shape (K, N, 20).
     numbers: Floats
     #: Ids of the agents in Agents.xml.
     ids: tuple[str, ...]
@@ -93,6 +94,36 @@ class Run:
         """Whether people are there, shape (K, N). With Jacobi's algorithm it follows Decision one step later."""
         return self.numbers[:, :, 14].astype(bool)
 
+    @property
+    def has_legs(self) -> bool:
+        """Whether people have legs (`balance` in decision.toml). Else there are no `legs`, `steps`, `balanced` and `fallen`."""
+        return bool(self.numbers.shape[2] > 15)
+
+    def _of_legs(self, first: int, last: int) -> Floats:
+        if not self.has_legs:
+            raise ValueError("nobody has legs in this run: balance in decision.toml gives them (docs/balance.md)")
+        return self.numbers[:, :, first:last]
+
+    @property
+    def legs(self) -> Floats:
+        """x and y of the middle of the feet [m]: shape (K, N, 2)"""
+        return self._of_legs(15, 17)
+
+    @property
+    def steps(self) -> Ints:
+        """How many steps people took to keep the balance: shape (K, N)"""
+        return self._of_legs(17, 18)[:, :, 0].astype(np.int32)
+
+    @property
+    def balanced(self) -> NDArray[np.bool_]:
+        """Whether people need no step: shape (K, N)"""
+        return self._of_legs(18, 19)[:, :, 0].astype(bool)
+
+    @property
+    def fallen(self) -> NDArray[np.bool_]:
+        """Whether no step could save them, at some time: shape (K, N)"""
+        return self._of_legs(19, 20)[:, :, 0].astype(bool)
+
     def frame(self) -> pd.DataFrame:
         """Returns the table that `lemons run` writes: a row for each agent at each communication point."""
         points, agents = self.squeeze.shape
@@ -100,14 +131,14 @@ class Run:
         if all(each.isascii() and each.isdigit() and str(int(each)) == each for each in self.ids):
             ids = [int(each) for each in self.ids]
         values = {"t": np.repeat(self.times, agents), "id": np.tile(np.array(ids), points)}
-        for place, name in enumerate(_native.NUMBERS):
+        for place, name in enumerate(_native.NUMBERS[: self.numbers.shape[2]]):
             own = self.numbers[:, :, place]
             # A contact of two people counts for both.
             if name in ("agent_contacts", "wall_contacts"):
                 total = own.sum(axis=1) / (2 if name == "agent_contacts" else 1)
                 values[f"total_{name}"] = np.repeat(total.astype(np.int64), agents)
-            values[name] = own.ravel() if place < 11 else own.ravel().astype(np.int64)
-        return pd.DataFrame({name: values[name] for name in _native.TABLE if self.leaving or name != "active"})
+            values[name] = own.ravel() if place < 11 or name in ("legs_x", "legs_y") else own.ravel().astype(np.int64)
+        return pd.DataFrame({name: values[name] for name in _native.TABLE if name in values and (self.leaving or name != "active")})
 
     def measure(
         self,

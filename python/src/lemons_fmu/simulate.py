@@ -56,7 +56,7 @@ def simulate(
 
     The columns are t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force (at that
     time), mean_normal_force, peak_normal_force, peak_overlap, mean_wall_force (within the step that ends then), active
-    (where people may leave: 1, or 0 for who has left), and total_agent_contacts, total_wall_contacts of the crowd. Units are s,
-    m, rad, N.
+    (where people may leave: 1, or 0 for who has left), legs_x, legs_y, steps, balanced, fallen (where people have legs), and
+    total_agent_contacts, total_wall_contacts of the crowd. Units are s, m, rad, N.
     """
     return run(what, drive, parameters, until, step=step, plan=plan, algorithm=algorithm, stop=stop, progress=progress).frame()

@@ -6,8 +6,8 @@ use crate::interrupt::Interrupt;
 use crate::run::Until;
 use anyhow::{Result, bail};
 use lemons_results::measure::{
-    By, Density, Departures, Exposed, Exposure, Left, Line, MeasuringArea, MovingMeans, Passages, Room,
-    quantile, squeeze, squeeze_by, within,
+    Balance, By, Density, Departures, Exposed, Exposure, Kept, Left, Line, MeasuringArea, MovingMeans,
+    Passages, Room, quantile, squeeze, squeeze_by, within,
 };
 use lemons_results::{Frame, Record};
 
@@ -27,6 +27,8 @@ pub struct Seen<'a> {
     /// What each piece of a wall was exposed to, and \[N\] the greatest mean over a step; `None` if it was not asked for
     /// or is not known.
     pub walls: Option<Vec<(Exposed, f64)>>,
+    /// How each person kept the balance; `None` if people have no legs.
+    pub balance: Option<Vec<Kept>>,
     /// \[s\] Between two frames.
     pub longest_step: f64,
     /// \[s\], \[N\] Of the mean squeezes of all people over the [`OVER`] that ends then: those of [`QUANTILES`].
@@ -87,6 +89,7 @@ pub fn pass<'a>(
         exposed: Err("there is only one frame, so no communication step"),
         exposed_by: None,
         walls: None,
+        balance: None,
         longest_step: 0.0,
         spread: Vec::new(),
     };
@@ -96,7 +99,7 @@ pub fn pass<'a>(
     let mut moving = MovingMeans::over(OVER);
     let (mut exposures_by, mut splits) = (By::ALL.map(|by| (by, Exposure::new(people, &[], None))), true);
     let mut of_walls: Option<(Exposure, Vec<f64>)> = None;
-    let mut departures = Departures::of(people);
+    let (mut departures, mut balance) = (Departures::of(people), Balance::of(people));
     record.each(|_, frame| {
         if stopped.is_ok() {
             stopped = interrupt.check();
@@ -107,6 +110,7 @@ pub fn pass<'a>(
         seen.times = (if seen.frames == 0 { frame.time } else { seen.times.0 }, frame.time);
         seen.frames += 1;
         departures.add(&frame);
+        balance.add(&frame);
         seen.lines.iter_mut().for_each(|line| line.passages.add(&frame));
         seen.areas.iter_mut().for_each(|own| own.over_time.push(own.area.measure(&frame, room)));
         squeezes &= says_squeeze(&frame);
@@ -141,7 +145,7 @@ pub fn pass<'a>(
     if seen.frames == 0 {
         bail!("{}: no frame between --from and --until", record.source().display());
     }
-    seen.left = departures.left();
+    (seen.left, seen.balance) = (departures.left(), balance.finish());
     seen.longest_step = exposure.longest_step();
     if !squeezes {
         seen.exposed = Err("the results do not contain the mean squeeze over communication steps");

@@ -3,7 +3,7 @@
 use super::Arguments;
 use super::pass::{Seen, SeenArea, SeenLine};
 use lemons_core::trial::Wall;
-use lemons_results::measure::{Crossings, Density, Exposed, Left, MeanMax, SPANS, Way, quantile};
+use lemons_results::measure::{Crossings, Density, Exposed, Kept, Left, MeanMax, SPANS, Way, quantile};
 use serde::Serialize;
 
 /// SI units; null: not known.
@@ -24,6 +24,8 @@ pub struct Summary {
     pub exposure_left_out: Option<&'static str>,
     /// The straight pieces of walls; null: not asked for.
     pub walls: Option<Vec<Piece>>,
+    /// How people kept their balance; null: they have no legs.
+    pub balance: Option<OfBalance>,
 }
 
 #[derive(Serialize)]
@@ -86,6 +88,31 @@ impl Piece {
         let [_, largest_mean_1, _] = seen.largest_mean;
         let (peak, impulse) = (seen.peak, seen.impulse);
         Piece { segment, largest_mean_step: *largest_mean_step, largest_mean_1, peak, impulse, ..piece }
+    }
+}
+
+#[derive(Serialize)]
+pub struct OfBalance {
+    /// How many people fell.
+    pub fallen: usize,
+    /// Of all people together.
+    pub steps: u32,
+    /// \[s\]
+    pub time_unbalanced: OfPeople,
+    /// \[m\] The largest of each person.
+    pub lean: OfPeople,
+}
+
+impl OfBalance {
+    /// `None` without people.
+    fn of(kept: &[Kept], ids: &[String]) -> Option<OfBalance> {
+        let of = |value: fn(&Kept) -> f64| OfPeople::of(&kept.iter().map(value).collect::<Vec<_>>(), ids);
+        Some(OfBalance {
+            fallen: kept.iter().filter(|one| one.fallen).count(),
+            steps: kept.iter().map(|one| one.steps).sum(),
+            time_unbalanced: of(|one| one.time_unbalanced)?,
+            lean: of(|one| one.lean)?,
+        })
     }
 }
 
@@ -167,6 +194,7 @@ impl Summary {
                 .walls
                 .as_ref()
                 .map(|walls| pieces.into_iter().zip(walls).enumerate().map(Piece::seen).collect()),
+            balance: seen.balance.as_ref().and_then(|kept| OfBalance::of(kept, ids)),
         }
     }
 }

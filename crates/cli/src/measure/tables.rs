@@ -7,7 +7,7 @@ use super::Arguments;
 use super::pass::{Seen, SeenLine};
 use super::summary::{Piece, Summary};
 use anyhow::Result;
-use lemons_results::measure::{By, Flow, Passage, SPANS, Way, windows};
+use lemons_results::measure::{By, Flow, Kept, Passage, SPANS, Way, windows};
 use serde::Serialize;
 
 /// The names of the tables, each with its content for people with these Ids.
@@ -86,6 +86,9 @@ fn people(arguments: &Arguments, ids: &[String], seen: &Seen<'_>) -> Result<Stri
         names.extend(SPANS.map(|span| format!("largest_mean_{span}_by_{by}")));
         names.push(format!("impulse_by_{by}"));
     }
+    if seen.balance.is_some() {
+        names.extend(["time_unbalanced", "steps", "fallen", "lean"].map(str::to_owned));
+    }
     let part = |by: usize, k: usize| {
         let one = seen.exposed_by.as_ref().map(|parts| &parts[by][k]);
         (one.map_or([None; SPANS.len()], |one| one.largest_mean), one.map(|one| one.impulse))
@@ -93,7 +96,11 @@ fn people(arguments: &Arguments, ids: &[String], seen: &Seen<'_>) -> Result<Stri
     let people = ids.iter().zip(seen.exposed.iter().flatten()).enumerate();
     let row = people.map(|(k, (id, one))| {
         let all = (id, one.time, &one.above, one.largest_mean, one.peak, one.impulse);
-        (all, part(0, k), part(1, k))
+        let kept = seen.balance.iter().map(|kept| {
+            let Kept { time_unbalanced, steps, fallen, lean } = kept[k];
+            (time_unbalanced, steps, u8::from(fallen), lean)
+        });
+        (all, part(0, k), part(1, k), kept.collect::<Vec<_>>())
     });
     csv(&names, row)
 }

@@ -1,6 +1,6 @@
 //! The numbers of a measurement as text, 80 columns wide.
 
-use super::summary::{OfArea, OfLine, OfPart, OfPeople, OfSqueeze, Piece, Summary};
+use super::summary::{OfArea, OfBalance, OfLine, OfPart, OfPeople, OfSqueeze, Piece, Summary};
 use crate::print;
 use anyhow::Result;
 use lemons_results::measure::{By, Crossings, Left, MeanMax};
@@ -17,7 +17,8 @@ pub fn print(summary: &Summary) -> Result<()> {
     summary.lines.iter().try_for_each(|line| of_line(&mut out, line, summary.left))?;
     summary.areas.iter().try_for_each(|area| of_area(&mut out, area))?;
     summary.exposure.iter().try_for_each(|squeeze| of_squeeze(&mut out, squeeze))?;
-    summary.walls.iter().try_for_each(|pieces| of_walls(&mut out, pieces))
+    summary.walls.iter().try_for_each(|pieces| of_walls(&mut out, pieces))?;
+    summary.balance.iter().try_for_each(|balance| of_balance(&mut out, balance, *people))
 }
 
 /// Writes a row of numbers, dashes for those that are not known; then a unit in so many columns, and more.
@@ -130,6 +131,15 @@ fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
         of_people(out, &format!("{} N", level.above), level.time.as_ref(), "s", &people)?;
     }
     Ok(())
+}
+
+fn of_balance(out: &mut impl Write, balance: &OfBalance, people: usize) -> Result<()> {
+    let OfBalance { fallen, steps, time_unbalanced, lean } = balance;
+    let noun = if *steps == 1 { "step" } else { "steps" };
+    writeln!(out, "\nbalance: {fallen} of {people} people fell; {steps} {noun} in all")?;
+    writeln!(out, "{:>31} {:>10} {:>10}", "median", "90 %", "greatest")?;
+    of_people(out, "time unbalanced", Some(time_unbalanced), "s", "")?;
+    of_people(out, "largest lean", Some(lean), "m", "")
 }
 
 /// Writes the pieces of walls that somebody touched.

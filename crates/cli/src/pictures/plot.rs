@@ -189,7 +189,7 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
         map.add(frame.present().map(|(_, agent)| agent.pose.position));
     }
     note!("density: {}", map.described());
-    scene.density = Some(map);
+    (scene.density, scene.feet) = (Some(map), Vec::new());
     let time = one.then_some(last);
     Ok(svg(&scene, &Style { time, range: style.range, ..style_then }))
 }

@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use lemons_core::plane::Motion;
 use lemons_picture::ColourMap;
-use lemons_results::measure::{MovingMeans, squeeze};
+use lemons_results::measure::{Balance, MovingMeans, squeeze};
 use lemons_results::{Frame, OfStep, Run};
 
 /// A quantity of each agent at each time.
@@ -29,6 +29,14 @@ pub enum Quantity {
     SqueezeAtTheTime,
     /// Number of contacts with disks of other people and with walls
     Contacts,
+    /// Where people have legs: distance of the centre of mass from the middle of the feet
+    Lean,
+    /// For how long people needed a step to keep the balance, until this time
+    Unbalanced,
+    /// How many steps they took to keep the balance
+    Steps,
+    /// 1 for who could not be saved by a step, at some time
+    Fallen,
 }
 
 impl Quantity {
@@ -43,6 +51,10 @@ impl Quantity {
             Quantity::PeakSqueeze => ("peak squeeze", "N"),
             Quantity::SqueezeAtTheTime => ("squeeze at the time", "N"),
             Quantity::Contacts => ("contacts", ""),
+            Quantity::Lean => ("lean", "m"),
+            Quantity::Unbalanced => ("time unbalanced so far", "s"),
+            Quantity::Steps => ("steps so far", ""),
+            Quantity::Fallen => ("fallen", ""),
         }
     }
 
@@ -51,9 +63,19 @@ impl Quantity {
         matches!(self, Quantity::Squeeze | Quantity::GreatestSqueeze)
     }
 
+    /// Returns whether it depends on all that was before.
+    pub fn is_of_the_past(self) -> bool {
+        matches!(self, Quantity::GreatestSqueeze | Quantity::Unbalanced)
+    }
+
+    /// Returns whether only people who have legs have it.
+    fn is_of_legs(self) -> bool {
+        matches!(self, Quantity::Lean | Quantity::Unbalanced | Quantity::Steps | Quantity::Fallen)
+    }
+
     /// Returns whether contacts make it; else it is known of every run.
     pub fn is_of_contacts(self) -> bool {
-        !matches!(self, Quantity::X | Quantity::Y | Quantity::Speed)
+        !(matches!(self, Quantity::X | Quantity::Y | Quantity::Speed) || self.is_of_legs())
     }
 
     /// Returns what can be shown of it: of a run that does not say what contacts did during its steps, the squeeze at
@@ -78,7 +100,7 @@ pub struct Shown {
     pub quantity: Quantity,
     /// \[s\] What means are over; `None`: one communication step.
     over: Option<f64>,
-    /// \[N\] Of each frame, where frames before it count.
+    /// \[N\] or \[s\] Of each frame, where frames before it count.
     values: Option<Vec<Vec<f64>>>,
 }
 
@@ -86,7 +108,7 @@ impl Shown {
     /// Takes what can be shown of a quantity from a run.
     ///
     /// # Errors
-    /// Means are over less than a communication step.
+    /// Means are over less than a communication step, or people have no legs.
     pub fn of(quantity: Quantity, run: &Run, over: Option<f64>) -> Result<Shown> {
         let quantity = quantity.known_of(run);
         let over = over.filter(|_| quantity.is_mean());
@@ -98,8 +120,19 @@ impl Shown {
                 )));
             }
         }
+        if quantity.is_of_legs() && !run.frames.iter().all(|frame| frame.legs.is_some()) {
+            let (source, (label, _)) = (run.source.display(), quantity.label());
+            bail!(
+                "{source}: it does not contain the {label}: people have no legs in it (balance in decision.toml gives \
+                 them; a Trial is run until --at or --until)"
+            );
+        }
         let greatest = quantity == Quantity::GreatestSqueeze;
-        let values = (over.is_some() || greatest).then(|| means(run, over, greatest));
+        let values = if quantity == Quantity::Unbalanced {
+            Some(unbalanced(run))
+        } else {
+            (over.is_some() || greatest).then(|| means(run, over, greatest))
+        };
         Ok(Shown { quantity, over, values })
     }
 
@@ -118,7 +151,11 @@ impl Shown {
     }
 
     pub fn map(&self) -> ColourMap {
-        if self.quantity.is_of_contacts() { ColourMap::FromPaper } else { ColourMap::Viridis }
+        if self.quantity.is_of_contacts() || self.quantity.is_of_legs() {
+            ColourMap::FromPaper
+        } else {
+            ColourMap::Viridis
+        }
     }
 
     /// Returns the values of everybody; NaN where it is not known.
@@ -143,6 +180,7 @@ impl Shown {
         }
         let seen = frame.observed.as_ref().and_then(|all| all.get(agent));
         let of_step = |value: fn(&OfStep) -> f64| seen?.of_step.as_ref().map(value);
+        let legs = frame.legs.as_ref().map(|all| &all[agent]);
         let known = match self.quantity {
             Quantity::X => Some(motion.pose.position.x),
             Quantity::Y => Some(motion.pose.position.y),
@@ -153,6 +191,11 @@ impl Shown {
             Quantity::Contacts => {
                 seen.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
             }
+            Quantity::Lean => legs.map(|legs| (motion.pose.position - legs.feet).norm()),
+            Quantity::Steps => legs.map(|legs| legs.steps.into()),
+            Quantity::Fallen => legs.map(|legs| legs.fallen.into()),
+            // Of the frames until then.
+            Quantity::Unbalanced => None,
         };
         known.unwrap_or(f64::NAN)
     }
@@ -180,6 +223,16 @@ fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
     run.frames.iter().enumerate().map(of_frame).collect()
 }
 
+/// \[s\] Of each frame for how long everybody was unbalanced until then.
+fn unbalanced(run: &Run) -> Vec<Vec<f64>> {
+    let mut balance = Balance::of(run.ids.len());
+    let until = |frame: &Frame| {
+        balance.add(frame);
+        balance.seen().iter().map(|one| one.time_unbalanced).collect()
+    };
+    run.frames.iter().map(until).collect()
+}
+
 /// \[s\] Returns the longest time between two frames.
 pub fn longest_gap(run: &Run) -> f64 {
     run.frames.windows(2).map(|pair| pair[1].time - pair[0].time).fold(0.0, f64::max)
@@ -196,7 +249,7 @@ mod tests {
     fn run() -> Run {
         let row = |mean: f64, there: bool| {
             let mut row = Row::default();
-            (row[10], row[11], row[13]) = (mean, mean, there.into());
+            (row[10], row[11], row[14]) = (mean, mean, there.into());
             row
         };
         let frame = |k: u32| {

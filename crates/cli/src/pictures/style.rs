@@ -27,7 +27,8 @@ const CLIP: f64 = 0.98;
 pub struct StyleArguments {
     /// Colour of the bodies: area, speed, contacts, squeeze (mean over the communication step that ends
     /// at this time, or --over), greatest-squeeze (the greatest such mean until this time), peak-squeeze
-    /// (largest value within that step), or one colour such as #8cb4de
+    /// (largest value within that step), one colour such as #8cb4de; where people have legs also lean,
+    /// unbalanced (for how long until this time), steps, fallen
     #[arg(long, value_name = "FILL", default_value = "area", value_parser = filling)]
     pub fill: Filling,
     /// Show squeeze and greatest-squeeze as means over so many seconds before the time, which are not known
@@ -59,6 +60,9 @@ pub struct StyleArguments {
     /// Do not mark which way each body faces
     #[arg(long)]
     no_orientation: bool,
+    /// Do not draw the feet of people who have legs, and how far their bodies lean
+    #[arg(long)]
+    no_legs: bool,
     /// Part of the plane that is drawn, in metres. Default: walls, bodies and trails
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = view, allow_hyphen_values = true)]
     view: Option<Bounds>,
@@ -86,7 +90,9 @@ fn filling(text: &str) -> Result<Filling, String> {
     }
     match Quantity::from_str(text, false) {
         Ok(quantity) if !matches!(quantity, Quantity::X | Quantity::Y) => Ok(Filling::Of(quantity)),
-        _ => Err("must be area, speed, contacts, squeeze, greatest-squeeze, peak-squeeze or a colour as in #8cb4de".into()),
+        _ => Err("must be area, speed, contacts, squeeze, greatest-squeeze, peak-squeeze, lean, unbalanced, steps, fallen or a \
+                colour as in #8cb4de"
+            .into()),
     }
 }
 
@@ -146,9 +152,14 @@ impl StyleArguments {
         self.trails.is_some() || self.measured.is_some()
     }
 
+    /// \[m\] Returns the feet that are drawn.
+    fn feet(&self, state: &CrowdState) -> Vec<Vec2> {
+        if self.no_legs { Vec::new() } else { state.feet() }
+    }
+
     /// Returns whether scenes depend on all that was before.
     pub fn needs_all(&self) -> bool {
-        self.shows_trails() || self.over.is_some() || self.quantity() == Some(Quantity::GreatestSqueeze)
+        self.shows_trails() || self.over.is_some() || self.quantity().is_some_and(Quantity::is_of_the_past)
     }
 
     /// Says so if colours are of single steps, and those between two pictures of a movie \[s\] are not shown.
@@ -227,6 +238,7 @@ impl<'r> Scenes<'r> {
                 widest = forces.chain(widest).reduce(f64::max);
             }
             scenes.scene.poses = state.poses();
+            scenes.scene.feet = arguments.feet(&state);
             extend(scenes.scene.extent());
         }
         if let Some(last) = times.last().filter(|_| arguments.shows_trails()) {
@@ -268,6 +280,7 @@ impl<'r> Scenes<'r> {
         let state = &run.at(time);
         let mut scene = self.scene.clone();
         (scene.poses, scene.forces) = (state.poses(), self.forces(state));
+        scene.feet = self.arguments.feet(state);
         scene.trails = if self.arguments.shows_trails() { self.trails(state, length) } else { Vec::new() };
         let mut style = Style { time: Some(state.time), ..self.style.clone() };
         if let (Some(shown), Fill::Values(values)) = (&self.shown, &mut style.fill) {

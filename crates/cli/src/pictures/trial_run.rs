@@ -2,7 +2,7 @@
 
 use anyhow::bail;
 use crowd_mechanics::setup::WorldError;
-use lemons_core::plane::{Motion, Pose, vec2};
+use lemons_core::plane::{Motion, Pose, Vec2, vec2};
 use lemons_core::trial::Trial;
 use lemons_results::{Frame, Run};
 use lemons_sim::Replay;
@@ -26,6 +26,11 @@ impl CrowdState<'_> {
     pub fn poses(&self) -> Vec<Pose> {
         let pose = |(k, agent): (usize, &Motion)| if self.frame.is_there(k) { agent.pose } else { NOWHERE };
         self.agents.iter().enumerate().map(pose).collect()
+    }
+
+    /// \[m\] Returns the middle of everybody's feet; empty if people have no legs.
+    pub fn feet(&self) -> Vec<Vec2> {
+        self.frame.legs.iter().flatten().map(|legs| legs.feet).collect()
     }
 }
 

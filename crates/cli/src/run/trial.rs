@@ -132,7 +132,7 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
     let names: Vec<String> = output_columns.iter().map(|column| column.name.clone()).collect();
     let outputs = simulation.select(&names).map_err(|(name, _)| anyhow!("there is no {name}"))?;
     let frame = simulation.frame();
-    let groups = Groups { active: frame.active.is_some(), ..ALL };
+    let groups = Groups { active: frame.active.is_some(), legs: frame.legs.is_some(), ..ALL };
     let crowd = CrowdInfo {
         component: CROWD.into(),
         ids: simulation.ids().to_vec(),

@@ -31,6 +31,27 @@ fn a_pulse_gives_its_momentum_to_those_in_the_circle() {
 }
 
 #[test]
+fn who_is_pushed_may_have_legs() {
+    let mut lab = Lab::default();
+    let (_, first) = ok(&mut lab, show(crowd(1, square(20.0, 20.0)), json!({"kind": "none"})));
+    let first = numbers(&first);
+    // Without legs there are no feet.
+    assert!(first[COLUMNS - 1].is_nan());
+    let push = json!({"at": &first[..2], "radius": 0.1, "direction": 0, "force": 800.0, "start": 0.0, "duration": 0.2});
+    let motion = json!({"kind": "push", "pushes": [push], "balance": "pendulum"});
+    ok(&mut lab, show(crowd(1, square(20.0, 20.0)), motion));
+    let (_, frames) = ok(&mut lab, advance(2, 20));
+    let last = &numbers(&frames)[19 * COLUMNS..];
+    // The body leans, the feet wait.
+    assert!(last[0] > first[0] + 0.02 && last[COLUMNS - 2] == first[0], "{last:?}");
+    let shown = [last, &[0.0]].concat().into_iter().flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
+    let wanted =
+        json!({"file": "svg", "most": 1, "label": "speed", "unit": "m/s", "time": 0.2, "forces": false});
+    let (_, svg) = ok_of(&mut lab, take(2, wanted), &shown);
+    assert!(String::from_utf8(svg).unwrap().contains("class=\"leans\""));
+}
+
+#[test]
 fn people_walk_to_the_nearer_way_and_arrive() {
     let mut lab = Lab::default();
     let base =
@@ -81,7 +102,7 @@ fn who_has_left_has_no_place() {
         if row[there] != 0.0 {
             assert_eq!(shown[..2], [row[x], row[y]]);
         } else {
-            assert!(shown[0].is_nan() && shown[1].is_nan() && shown[6..] == [0.0; 3]);
+            assert!(shown[0].is_nan() && shown[1].is_nan() && shown[6..9] == [0.0; 3]);
         }
     }
     let left = |rows: &[Vec<f64>]| rows.iter().filter(|row| row[there] == 0.0).count();

@@ -99,6 +99,30 @@ fn measured_is_dashed_and_simulated_solid() {
 }
 
 #[test]
+fn feet_are_seen_through_the_bodies_and_joined_to_them() {
+    let t = row(0..3);
+    let mut scene = Scene::at_start(&t);
+    assert!(!svg(&scene, &Style::default()).contains("feet"));
+    let high = scene.extent().high;
+    // One leans far, one not at all; one is not there.
+    scene.feet = vec![vec2(-0.5, 2.0), vec2(1.0, 0.0), vec2(2.0, 0.5)];
+    scene.poses[0].orientation = std::f64::consts::FRAC_PI_2;
+    scene.poses[2].position.x = f64::NAN;
+    let text = svg(&scene, &Style::default());
+    let document = Document::parse(&text).unwrap();
+    // In the direction of the gaze.
+    let feet = class(&document, "feet")[0].children().filter(Node::is_element);
+    let places: Vec<&str> = feet.map(|one| one.attribute("transform").unwrap()).collect();
+    assert_eq!(places, ["translate(-.5 2)rotate(90)", "translate(1 0)rotate(0)"]);
+    assert_eq!(class(&document, "lean")[0].attribute("d"), Some("M-.5 2L0 0"));
+    let at = |name: &str| text.find(&format!("class=\"{name}\"")).unwrap();
+    assert!(at("bodies") < at("feet") && at("feet") < at("leans"));
+    assert!(scene.extent().high.y == 2.0 && high.y < 1.0);
+    // In a PDF, too.
+    assert!(pdf(&text).is_ok());
+}
+
+#[test]
 fn nothing_overlaps_above_a_scene() {
     // Time and legend on one page: none begins before the other ends.
     let t = row(0..5);

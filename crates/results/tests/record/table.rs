@@ -45,13 +45,13 @@ fn groups_of_columns_are_read_where_all_are_there() {
     step.mean_wall_force = Some(30.5);
     assert_eq!(run.frames[0].observed.as_ref().unwrap()[0].of_step, Some(step));
     for (more, row, expected) in [
-        ("", "3,-1,2,0.0", "wall_contacts: \"-1\" is not a valid number of contacts"),
-        ("", "3,2147483648,2,0.0", "wall_contacts: \"2147483648\" is not a valid number of contacts"),
-        ("", "3,1.5,2,0.0", "wall_contacts: \"1.5\" is not a valid number of contacts"),
+        ("", "3,-1,2,0.0", "wall_contacts: \"-1\" is not a valid number"),
+        ("", "3,2147483648,2,0.0", "wall_contacts: \"2147483648\" is not a valid number"),
+        ("", "3,1.5,2,0.0", "wall_contacts: \"1.5\" is not a valid number"),
         ("", "3,1,2,-1.0", "normal_force: \"-1.0\" is not a finite number from 0 on"),
         (of_step, "3,1,2,0.0,80.5,inf,0.002", "peak_normal_force: \"inf\" is not a finite number from 0 on"),
         (of_step, "3,1,2,0.0,80.5,1e3,-1.0", "peak_overlap: \"-1.0\" is not a finite number from 0 on"),
-        ("active", "3,1,2,0.0,2", "active: \"2\" is not 1 (there) or 0 (left)"),
+        ("active", "3,1,2,0.0,2", "active: \"2\" is not 1 or 0"),
     ] {
         let more = if more.is_empty() { String::new() } else { format!(",{more}") };
         let message = read(&more, row).unwrap_err().to_string();

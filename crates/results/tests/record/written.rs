@@ -29,7 +29,8 @@ fn frames(count: usize, groups: Groups) -> Vec<Frame> {
             0..6 => number(10 * k + i + place),
             6..9 => f64::from(i32::MAX) - (7 * k + i + place) as f64,
             9..14 => number(7 * k + i + place).abs(),
-            14 => f64::from(k < 2 + i),
+            14 | 18 | 19 => f64::from(k + place < 16 + i),
+            15 | 16 => number(5 * k + i + place),
             _ => k as f64,
         })
     };
@@ -50,8 +51,8 @@ fn write(path: &Path, format: Format, groups: Groups, frames: &[Frame]) {
 
 /// `{:?}` of a double reads back to the same double, so that equal texts are equal bits; NaN is not written.
 fn text(frame: &Frame) -> String {
-    let Frame { time, agents, observed, active, totals, .. } = frame;
-    format!("{time:?} {agents:?} {observed:?} {active:?} {totals:?}")
+    let Frame { time, agents, observed, active, legs, totals, .. } = frame;
+    format!("{time:?} {agents:?} {observed:?} {active:?} {legs:?} {totals:?}")
 }
 
 #[track_caller]
@@ -81,6 +82,7 @@ fn frames_come_back_to_the_bit() {
             (3, Groups { by_walls: false, ..ALL }),
             (3, Groups { contacts: true, totals: true, ..none }),
             (3, Groups { active: true, ..none }),
+            (3, Groups { legs: true, ..none }),
             (3, Groups { totals: true, ..none }),
         ] {
             let frames = frames(count, groups);

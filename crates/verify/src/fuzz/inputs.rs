@@ -9,7 +9,7 @@ use lemons_core::trial::{DriveChoice, DriveTable};
 use lemons_master::Saved;
 use lemons_results::columns::Groups;
 use lemons_results::{
-    Content, Format, FrameWriter, Observed, Record, RecordError, Run, TableWriter, Totals, pedpy,
+    Content, Format, FrameWriter, Observed, OfLegs, Record, RecordError, Run, TableWriter, Totals, pedpy,
 };
 use lemons_sim::Clock;
 use lemons_sweep::{Finished, Measured, Points, Spec, Table};
@@ -102,14 +102,15 @@ fn names_file(error: &RecordError, path: &Path) -> bool {
     error.to_string().starts_with(&format!("{}: ", path.display()))
 }
 
-type Row<'a> = (u64, &'a Motion, Option<&'a Observed>, Option<Totals>);
+type Row<'a> = (u64, &'a Motion, Option<&'a Observed>, Option<&'a OfLegs>, Option<Totals>);
 
 fn content(run: &Run) -> impl Iterator<Item = Row<'_>> {
     run.frames.iter().flat_map(|frame| {
         let seen = |k: usize| frame.observed.as_ref().map(|observed| &observed[k]);
+        let legs = |k: usize| frame.legs.as_ref().map(|legs| &legs[k]);
         // -0.0 and 0.0 are one time.
         let time = (frame.time + 0.0).to_bits();
-        frame.agents.iter().enumerate().map(move |(k, agent)| (time, agent, seen(k), frame.totals))
+        frame.agents.iter().enumerate().map(move |(k, agent)| (time, agent, seen(k), legs(k), frame.totals))
     })
 }
 
@@ -121,6 +122,7 @@ fn groups_of(run: &Run) -> Groups {
         of_step: seen.is_some_and(|seen| seen.of_step.is_some()),
         by_walls: seen.is_some_and(|seen| seen.of_step.is_some_and(|step| step.mean_wall_force.is_some())),
         active: first.active.is_some(),
+        legs: first.legs.is_some(),
         totals: first.totals.is_some(),
     }
 }

@@ -224,6 +224,7 @@ pub(crate) fn people() -> Vec<Person> {
         id: id.into(),
         mass: 70.0,
         moment_of_inertia: 1.3,
+        stature: None,
         floor_damping: 2.0,
         angular_damping: 4.0,
         pose: Pose { x, y: 0.0, theta: 0.0 },
