@@ -127,6 +127,8 @@ class DecisionReader(Reader):
             file["balance"] = balance
         for exit in file["exits"] if key == "share" else []:
             exit["share"] = 1
+        if key == "push_sd":
+            file["push"] = 100.0
         if key == "polygon":
             file["exits"].reverse()
         if key in ("exits", "goals"):

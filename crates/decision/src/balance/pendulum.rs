@@ -85,13 +85,7 @@ impl Pendulum {
         not_negative("pendulum", "support", self.support)?;
         not_negative("pendulum", "step_time", self.step_time)?;
         not_negative("pendulum", "step_length", self.step_length)?;
-        number(
-            "pendulum",
-            "step_margin",
-            self.step_margin,
-            |margin| (0.0..=self.support).contains(&margin),
-            "from 0 to the support",
-        )?;
+        number("pendulum", "step_margin", self.step_margin, |m| (0.0..=1.0).contains(&m), "from 0 to 1 m")?;
         not_negative("pendulum", "return_after", self.return_after)?;
         not_negative("pendulum", "return_speed", self.return_speed)?;
         number("pendulum", "return_part", self.return_part, |part| (0.0..=1.0).contains(&part), "from 0 to 1")
