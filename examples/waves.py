@@ -169,7 +169,7 @@ def main():
                 table = run.frame()
                 kept = np.isin(table.t, run.times[::10])
                 table[kept].to_csv(place / "run.csv", index=False)
-                lemons("movie", place / "run.csv", "--trial", place / "trial", "--speed-up", 10, "-o", arguments.film)
+                lemons("movie", place / "run.csv", "--trial", place / "trial", "--fill", "lean", "--speed-up", 10, "-o", arguments.film)
         except (CommandError, SimulationError, ValueError, OSError) as error:
             raise SystemExit(str(error))
 
