@@ -227,7 +227,11 @@ fn difference(first: &Trial, other: &Trial) -> Option<String> {
     if shared(first) == shared(other) {
         return None;
     }
-    let (a, b) = (scalars(first), scalars(other));
+    // Walls may differ.
+    let of = |trial| {
+        scalars(trial).into_iter().filter(|scalar| !scalar.name.starts_with("wall[")).collect::<Vec<_>>()
+    };
+    let (a, b) = (of(first), of(other));
     let names = a.iter().zip(&b).find(|(a, b)| a.name != b.name);
     Some(match names {
         Some((a, b)) => format!("it has the variable {} where the first has {}", b.name, a.name),

@@ -1,12 +1,14 @@
 """What feet hold and how hard people push, through the whole chain, beside closed forms and SciPy."""
 
+import argparse
 import math
 import subprocess
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
-from crowd import COLUMNS, write_trial
+from crowd import COLUMNS, REPOSITORY, write_trial
 from lemons_fmu import Crowd
 from lemons_fmu import run as run_in_python
 from scipy.integrate import solve_ivp
@@ -127,13 +129,6 @@ def test_measures_of_balance_are_those_of_a_pendulum(lemons, tmp_path):
     assert late.people["steps"][:4].tolist() == [0] * 4 and late.people["fallen"][4] == 1
 
 
-def test_longer_steps_save_from_leans_that_are_larger_by_as_much_as_was_measured():
-    """Young women who are released from a lean and may take one step of 15, 25 or 35 % of their stature: the greatest lean grows by 36 %
-    and 23 % (Hsiao-Wecksler and Robinovitch, Clin. Biomech. 22 (2007) 574)."""
-    leans = [SUPPORT + part * 1.64 * math.exp(-OMEGA * STEP_TIME) for part in (0.15, 0.25, 0.35)]
-    assert leans[1] / leans[0] == pytest.approx(1.36, abs=0.06) and leans[2] / leans[1] == pytest.approx(1.23, abs=0.06)
-
-
 def test_until_the_step_the_way_is_that_of_a_pendulum_about_the_edge_of_the_feet(tmp_path):
     """SciPy integrates the pendulum, whose ankles bring the body above the feet as far as they can."""
 
@@ -171,3 +166,63 @@ def test_a_row_presses_on_a_wall_with_the_sum_of_its_pushes(tmp_path, limit):
             crowd.step(0.02)
         # Of each person: what those behind press, and what presses back ahead.
         assert crowd.squeeze() == pytest.approx([100, 300, 500], rel=1e-3)
+
+
+def test_who_walks_has_the_feet_under_the_body(tmp_path):
+    trial = write_trial(tmp_path / "trial", [{"mass": MASS, "x": 2.0, "y": 2.0, "rate": RATE}], mechanical=1e-3)
+    plan = tmp_path / "plan.toml"
+    plan.write_text('balance = "pendulum"\nwaypoints = [{ x = 30, y = 2 }]\n')
+    with Crowd(trial, plan=plan) as crowd:
+        run = crowd.run(until=3.0, step=0.05)
+    assert run.velocities[-1, 0, 0] > 1 and np.array_equal(run.legs, run.poses[:, :, :2])
+
+
+@pytest.fixture
+def examples(monkeypatch, lemons):
+    monkeypatch.syspath_prepend(REPOSITORY / "examples")
+    monkeypatch.setenv("LEMONS", str(lemons))
+
+
+@pytest.mark.parametrize(("alike", "order"), [(True, 9.0), (False, 1.0)])
+def test_waves_are_measured_as_they_are_made(examples, alike, order):
+    """Circles of 4 s, of all alike, or each with a phase of its own."""
+    import waves
+
+    times = np.arange(0, 100, 0.02)
+    places = 0.3 + 0.6 * np.stack(np.meshgrid(np.arange(9), np.arange(9)), axis=-1).reshape(-1, 2)
+    phase = np.zeros(81) if alike else np.random.default_rng(1).uniform(0, 2 * np.pi, 81)
+    turn = np.exp(1j * (2 * np.pi * times[:, None] / 4 + phase))
+    run = SimpleNamespace(
+        times=times, velocities=np.stack([turn.real, turn.imag], axis=-1), poses=np.broadcast_to(places, (len(times), 81, 2))
+    )
+    (found, least, period, chirality, correlation), _, _ = waves.measures(run, 5.4)
+    # Of 81 random phases, the order of nine cells is 1 within two standard errors.
+    assert found == pytest.approx(order, abs=1e-9 if alike else 0.7)
+    assert (least, period, chirality) == (pytest.approx(-1, abs=0.01), pytest.approx(4, abs=0.05), pytest.approx(1, abs=0.05))
+    assert correlation == pytest.approx((found - 1) / 8)
+
+
+def test_a_small_square_is_agitated_and_measured(examples, tmp_path):
+    import waves
+
+    arguments = argparse.Namespace(number=30, until=30.0, seed=1, material=None)
+    run, side = waves.simulate("two-level", 4.0, arguments, tmp_path)
+    numbers, lags, all = waves.measures(run, side)
+    assert 0.3 < numbers[0] < 8 and all[0] == 1 and len(lags) == len(all) and run.has_legs
+    waves.plot(tmp_path / "waves.png", [("two-level", 4.0, numbers, lags, all)])
+    assert (tmp_path / "waves.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize("model", ["none", "pendulum", "two-level"])
+def test_forces_in_a_row_follow_from_its_motions(examples, tmp_path, model):
+    """The force on the first one from behind is the push, alone and in a row."""
+    import rows
+
+    for count in (1, 4):
+        run, _, drives, damping, _ = rows.push(rows.row(tmp_path, model, count), count, 0.05, 100.0)
+        behind = rows.forces(run, drives, damping)
+        middle = (run.times[1:] + run.times[:-1]) / 2
+        push = 100 * np.pi / (2 * rows.PUSH) * np.sin(np.pi * np.clip(middle / rows.PUSH, 0, 1))
+        assert np.abs(behind[:, 0] - push).max() < 1.0, count
+    passed = behind[:, 1].sum() * rows.STEP / 100
+    assert passed > 0.5 and rows.measures(model, 4, 0.05, 100.0, tmp_path)[2] == pytest.approx(passed)

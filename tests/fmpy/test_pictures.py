@@ -132,7 +132,8 @@ def test_pictures_that_take_minutes_are_of_what_they_were_drawn_from(lemons, tmp
     measured data: it may be old if its script or the mechanics has changed; that of waves, if its script, legs or the mechanics have."""
     of = {f"validation_{name}.svg": tables_of(name) for name in VALIDATION}
     of["calibration.png"] = (REPOSITORY / "examples/calibrate.py").read_text() + mechanics(lemons, tmp_path)
-    legs = (REPOSITORY / "crates/decision/src/balance").glob("*.rs")
+    legs = (REPOSITORY / "crates/decision/src").glob("balance*/*.rs")
+    legs = [*legs, REPOSITORY / "crates/decision/src/balance.rs"]
     of["waves.png"] = "".join(path.read_text() for path in [REPOSITORY / "examples/waves.py", *sorted(legs)]) + mechanics(lemons, tmp_path)
     digests = {}
     for picture, text in of.items():

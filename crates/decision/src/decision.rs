@@ -107,6 +107,8 @@ pub struct Act {
 /// Legs of an agent, as the outputs say them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stance {
+    /// Whether it stands; else the feet are under the body.
+    pub stands: bool,
     /// \[m\] Middle of the feet.
     pub feet: Vec2,
     /// Number of steps to keep the balance.
@@ -279,7 +281,7 @@ impl Decision {
         let stands = stands && !agent.left;
         let balanced = |balance: Balance| balance.is_balanced(&legs, &agent.motion());
         let balanced = !stands || self.plan.balance.is_none_or(balanced);
-        Stance { feet: if stands { at } else { agent.at() }, steps, balanced, fallen }
+        Stance { stands, feet: if stands { at } else { agent.at() }, steps, balanced, fallen }
     }
 
     /// Returns the same, decided.

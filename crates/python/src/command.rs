@@ -2,11 +2,11 @@
 
 use crate::CommandError;
 use crate::model::Model;
-use crate::recording::frame_of;
+use crate::recording::{frame_of, is_width};
 use lemons_cli::embedded::{Done, InMemory, call};
 use lemons_results::Run;
 use numpy::{PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods};
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::ffi::OsString;
@@ -83,6 +83,11 @@ fn in_memory(run: &Bound<'_, PyAny>) -> PyResult<InMemory> {
     let leaving: bool = run.getattr("leaving")?.extract()?;
     let ids: Vec<String> = run.getattr("ids")?.extract()?;
     let each = numbers.shape()[2];
+    if numbers.shape()[1] != ids.len() || !is_width(each) {
+        return Err(PyValueError::new_err(
+            "the numbers of the run are not those of its people, or of another version",
+        ));
+    }
     let numbers = numbers.as_slice()?.chunks_exact((ids.len() * each).max(1));
     let frames = times.as_slice()?.iter().zip(numbers);
     let frames = frames.map(|(time, numbers)| frame_of(*time, numbers, each, leaving)).collect();

@@ -44,6 +44,11 @@ pub fn observe(frame: &Frame, numbers: &mut Vec<f64>) {
     }
 }
 
+/// Returns whether a frame can have so many numbers of each agent.
+pub fn is_width(each: usize) -> bool {
+    [WITHOUT_LEGS, ORDER.len()].contains(&each)
+}
+
 /// Makes a frame of the numbers of everybody, so many each, at a time \[s\].
 pub fn frame_of(time: f64, numbers: &[f64], each: usize, leaving: bool) -> Frame {
     let mut rows: Vec<Row> = Vec::with_capacity(numbers.len() / each);

@@ -117,7 +117,7 @@ pub const LEGS: [Quantity; 5] = [
     entry("legs_y", "Legs.y", Real("m"), "y of the middle of the feet"),
     entry("steps", "Steps", Count, "how many steps the agent took to keep the balance"),
     entry("balanced", "Balanced", Flag, "1 if the agent needs no step, 0 if it does"),
-    entry("fallen", "Fallen", Flag, "1 if no step could save the agent, at some time"),
+    entry("fallen", "Fallen", Flag, "1 if the agent could not be saved from a fall, at some time"),
 ];
 
 /// Quantities of the whole crowd at a time; the same in each row of this time.

@@ -79,7 +79,7 @@ pub struct OfLegs {
     pub steps: u32,
     /// Whether the agent needs no step.
     pub balanced: bool,
-    /// Whether no step could save the agent, at some time.
+    /// Whether the agent could not be saved from a fall, at some time.
     pub fallen: bool,
 }
 

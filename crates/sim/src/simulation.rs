@@ -270,16 +270,17 @@ impl Simulation {
         let of_wall =
             |of: &FaceExposure| OfWall { mean_normal_force: of.mean_force, peak_normal_force: of.peak_force };
         let may_leave = self.walks() || world.present().contains(&false);
+        let agents: Vec<Motion> = motions(world).collect();
         Frame {
             time: self.time,
-            agents: motions(world).collect(),
+            legs: self.legs(&agents),
+            agents,
             observed: Some(observed),
             totals: Some(Totals {
                 agent_contacts: report.agent_contacts,
                 wall_contacts: report.wall_contacts,
             }),
             active: may_leave.then(|| world.present().to_vec()),
-            legs: self.legs(),
             walls: Some(world.face_exposures().iter().map(of_wall).collect()),
             place: format!("t = {:?} s", self.time),
             ..Frame::default()
@@ -317,10 +318,13 @@ impl Simulation {
         Ok(())
     }
 
-    /// Returns everybody's legs, as Decision says them; `None` if people have none.
-    fn legs(&self) -> Option<Vec<OfLegs>> {
-        let of = |Stance { feet, steps, balanced, fallen }| OfLegs { feet, steps, balanced, fallen };
-        Some(self.decision.as_ref()?.model.stances()?.into_iter().map(of).collect())
+    /// Returns everybody's legs, as Decision says them, and under who walks; `None` if people have none.
+    fn legs(&self, agents: &[Motion]) -> Option<Vec<OfLegs>> {
+        let of = |(stance, motion): (Stance, &Motion)| {
+            let Stance { stands, feet, steps, balanced, fallen } = stance;
+            OfLegs { feet: if stands { feet } else { motion.pose.position }, steps, balanced, fallen }
+        };
+        Some(self.decision.as_ref()?.model.stances()?.into_iter().zip(agents).map(of).collect())
     }
 
     /// Drives the crowd as those who walk do, with what is added.

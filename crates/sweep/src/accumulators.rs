@@ -132,7 +132,7 @@ impl<'a> Accumulators<'a> {
             None => false,
         };
         if kept {
-            self.frames.push(Frame { observed: None, ..frame });
+            self.frames.push(Frame { observed: None, walls: None, legs: None, ..frame });
         }
         Ok(holds)
     }

@@ -18,7 +18,7 @@ from .picture import Drawn
 
 #: Columns that are names, also where they look like numbers.
 NAMES = ("line", "direction", "area", "id", "wall")
-COUNTS = ("n", "people", "segment")
+COUNTS = ("n", "people", "segment", "steps", "fallen")
 
 
 @dataclass(frozen=True)

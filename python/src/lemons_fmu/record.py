@@ -121,7 +121,7 @@ class Run:
 
     @property
     def fallen(self) -> NDArray[np.bool_]:
-        """Whether no step could save them, at some time: shape (K, N)"""
+        """Whether they could not be saved from a fall, at some time: shape (K, N)"""
         return self._of_legs(19, 20)[:, :, 0].astype(bool)
 
     def frame(self) -> pd.DataFrame:

@@ -96,7 +96,7 @@ pub struct OfBalance {
     /// How many people fell.
     pub fallen: usize,
     /// Of all people together.
-    pub steps: u32,
+    pub steps: u64,
     /// \[s\]
     pub time_unbalanced: OfPeople,
     /// \[m\] The largest of each person.
@@ -109,7 +109,7 @@ impl OfBalance {
         let of = |value: fn(&Kept) -> f64| OfPeople::of(&kept.iter().map(value).collect::<Vec<_>>(), ids);
         Some(OfBalance {
             fallen: kept.iter().filter(|one| one.fallen).count(),
-            steps: kept.iter().map(|one| one.steps).sum(),
+            steps: kept.iter().map(|one| u64::from(one.steps)).sum(),
             time_unbalanced: of(|one| one.time_unbalanced)?,
             lean: of(|one| one.lean)?,
         })

@@ -93,9 +93,13 @@ fn people(arguments: &Arguments, ids: &[String], seen: &Seen<'_>) -> Result<Stri
         let one = seen.exposed_by.as_ref().map(|parts| &parts[by][k]);
         (one.map_or([None; SPANS.len()], |one| one.largest_mean), one.map(|one| one.impulse))
     };
-    let people = ids.iter().zip(seen.exposed.iter().flatten()).enumerate();
-    let row = people.map(|(k, (id, one))| {
-        let all = (id, one.time, &one.above, one.largest_mean, one.peak, one.impulse);
+    let known = seen.exposed.is_ok() || seen.balance.is_some();
+    let row = ids.iter().enumerate().filter(|_| known).map(|(k, id)| {
+        let one = seen.exposed.as_ref().ok().map(|all| &all[k]);
+        let above = one.map_or(vec![None; arguments.above.len()], |one| one.above.clone());
+        let largest_mean = one.map_or([None; SPANS.len()], |one| one.largest_mean);
+        let numbers = one.map(|one| (one.peak, one.impulse)).unzip();
+        let all = (id, one.map(|one| one.time), above, largest_mean, numbers);
         let kept = seen.balance.iter().map(|kept| {
             let Kept { time_unbalanced, steps, fallen, lean } = kept[k];
             (time_unbalanced, steps, u8::from(fallen), lean)

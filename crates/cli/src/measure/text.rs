@@ -146,7 +146,7 @@ fn of_balance(out: &mut impl Write, balance: &OfBalance, people: usize) -> Resul
 fn of_walls(out: &mut impl Write, pieces: &[Piece]) -> Result<()> {
     writeln!(
         out,
-        "\nforces on walls, greatest\n{:>31} {:>10} {:>10} {:>10}",
+        "\nforces on walls: greatest means and peak, impulse in all\n{:>31} {:>10} {:>10} {:>10}",
         "step", "1 s", "peak", "impulse"
     )?;
     for piece in pieces.iter().filter(|piece| piece.peak > 0.0) {

@@ -59,7 +59,7 @@ impl LeaveArguments {
     /// Checks that there is a way out, and a place for the file.
     ///
     /// # Errors
-    /// One of them is missing.
+    /// One of them is missing, or people who only stand have a speed.
     pub fn check(&self, doors: usize, written: bool, speed: bool) -> Result<()> {
         if speed && !self.leave && self.balance.is_some() {
             bail!(Misused(

@@ -191,7 +191,7 @@ impl Shown {
             Quantity::Contacts => {
                 seen.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
             }
-            Quantity::Lean => legs.map(|legs| (motion.pose.position - legs.feet).norm()),
+            Quantity::Lean => legs.map(|legs| (frame.agents[agent].pose.position - legs.feet).norm()),
             Quantity::Steps => legs.map(|legs| legs.steps.into()),
             Quantity::Fallen => legs.map(|legs| legs.fallen.into()),
             // Of the frames until then.

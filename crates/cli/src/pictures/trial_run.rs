@@ -28,9 +28,11 @@ impl CrowdState<'_> {
         self.agents.iter().enumerate().map(pose).collect()
     }
 
-    /// \[m\] Returns the middle of everybody's feet; empty if people have no legs.
+    /// \[m\] Returns the middle of everybody's feet, as far from the body as in the frame; empty if people have no legs.
     pub fn feet(&self) -> Vec<Vec2> {
-        self.frame.legs.iter().flatten().map(|legs| legs.feet).collect()
+        let places = self.frame.agents.iter().zip(&*self.agents);
+        let feet = self.frame.legs.iter().flatten().zip(places);
+        feet.map(|(legs, (then, now))| now.pose.position + legs.feet - then.pose.position).collect()
     }
 }
 

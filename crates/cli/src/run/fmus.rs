@@ -154,10 +154,11 @@ impl Reader {
         };
         let variables = groups.variables(agents);
         let values = component.instance.select(variables.iter().map(|(name, _)| name))?;
-        let walls = crowd.trial.as_ref().map_or(0, |trial| segments(trial).count());
+        let pieces = crowd.trial.as_ref().map(|trial| segments(trial).count());
+        let walls = pieces.unwrap_or(0);
         let walls =
             WALL_FORCES.map(|name| (0..walls).map(|k| format!("wall[{k}].{name}")).collect::<Vec<_>>());
-        let known = walls.iter().flatten().all(|name| description.single(name).is_some());
+        let known = pieces.is_some() && walls.iter().flatten().all(|name| description.single(name).is_some());
         let [means, peaks] = &walls;
         let select = |names: &[String]| component.instance.select(names.iter());
         let walls = known.then(|| Ok::<_, Error>([select(means)?, select(peaks)?])).transpose()?;

@@ -11,7 +11,7 @@ pub struct Kept {
     pub time_unbalanced: f64,
     /// Number of steps since the first frame.
     pub steps: u32,
-    /// Whether no step could save the person, until the last frame.
+    /// Whether the person could not be saved from a fall, until the last frame.
     pub fallen: bool,
     /// \[m\] Largest distance of the centre of mass from the middle of the feet, at the frames.
     pub lean: f64,
