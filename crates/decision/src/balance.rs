@@ -141,7 +141,7 @@ impl Balance {
         match self {
             Balance::Pendulum(of) => {
                 for (legs, motion) in people.iter_mut().flatten().filter(|(legs, _)| legs.stands) {
-                    of.pass(legs, motion, step);
+                    of.pass(legs, motion, faces, step);
                 }
             }
             Balance::TwoLevel(of) => of.pass(people, faces, step),

@@ -162,8 +162,7 @@ impl Plan {
         });
         let agents = agents.collect::<Result<_, PlanError>>()?;
         // Who sees neither walls nor exits needs no copy of them.
-        let two_level = matches!(balance, Some(Balance::TwoLevel(_)));
-        let seen = walking_model.sees_others() || !targets.is_empty() || two_level;
+        let seen = walking_model.sees_others() || !targets.is_empty() || balance.is_some();
         let walls = walls.filter(|_| seen).map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
         let exit_choice = config.exit_choice.unwrap_or_default();
         let motivation = config.motivation.clone();

@@ -19,6 +19,8 @@ use serde::{Deserialize, Serialize};
 const GRAVITY: f64 = 9.81;
 /// \[s\] Time in which the last part of the way back is walked.
 const ARRIVING: f64 = 0.5;
+/// \[m\] Distance from walls at which a step ends: half the length of a foot.
+const TOES: f64 = 0.13;
 /// Friction of somebody who lies on the ground; clothes on concrete have 0.4 to 0.6.
 const FRICTION: f64 = 0.5;
 
@@ -142,14 +144,14 @@ impl Pendulum {
     }
 
     /// Moves the legs of somebody who stands by a step of time \[s\].
-    pub(super) fn pass(&self, legs: &mut Legs, motion: &Motion, step: f64) {
+    pub(super) fn pass(&self, legs: &mut Legs, motion: &Motion, faces: &[[Vec2; 2]], step: f64) {
         if self.lies(legs) {
             return;
         }
         // At the nearest communication point.
         if legs.step.is_some_and(|left| left <= 0.5 * step) {
             legs.step = None;
-            self.land(legs, motion);
+            self.land(legs, motion, faces);
         }
         if legs.step.is_none() && !self.is_balanced(legs, motion) {
             legs.step = Some(self.step_time);
@@ -174,15 +176,28 @@ impl Pendulum {
         }
     }
 
-    fn land(&self, legs: &mut Legs, motion: &Motion) {
+    fn land(&self, legs: &mut Legs, motion: &Motion, faces: &[[Vec2; 2]]) {
         let to = self.extrapolated(legs, motion);
         let ahead = to.unit(1e-9).unwrap_or(Vec2::ZERO) * self.step_margin;
         let falls = to.norm() > self.step_length + self.support;
         // A body that nothing holds would be faster and faster.
-        legs.at += if falls { to } else { at_most(to + ahead, self.step_length) };
+        let step = if falls { to } else { at_most(to + ahead, self.step_length) };
+        legs.at += step * room(legs.at, step, faces);
         legs.fallen |= falls;
         legs.steps = legs.steps.saturating_add(1);
     }
+}
+
+/// Returns the part of a step from a place \[m\] that walls leave.
+fn room(from: Vec2, step: Vec2, faces: &[[Vec2; 2]]) -> f64 {
+    let free = |&[a, b]: &[Vec2; 2]| {
+        let (wall, to) = (b - a, a - from);
+        let cross = step.cross(wall);
+        let (part, place) = (to.cross(wall) / cross, to.cross(step) / cross);
+        (part >= 0.0 && (0.0..=1.0).contains(&place)).then_some(part)
+    };
+    let least = faces.iter().filter_map(free).fold(f64::INFINITY, f64::min);
+    (least - TOES / step.norm().max(1e-9)).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -208,7 +223,7 @@ mod tests {
             let velocity = motion.velocity + a * STEP;
             let next = Motion { at: motion.at + motion.velocity * STEP, velocity, ..motion };
             let b = model.acceleration(&legs, &next);
-            model.pass(&mut legs, &motion, STEP);
+            model.pass(&mut legs, &motion, &[], STEP);
             motion.at += (motion.velocity + velocity) * (0.5 * STEP);
             motion.velocity += (a + b) * (0.5 * STEP);
         }
@@ -287,6 +302,18 @@ mod tests {
     }
 
     #[test]
+    fn a_step_ends_before_a_wall() {
+        let wall = |x: f64| [vec2(x, -1.0), vec2(x, 1.0)];
+        let step = vec2(0.5, 0.0);
+        for (x, part) in [(0.8, 1.0), (0.43, 0.6), (0.1, 0.0), (-0.1, 1.0)] {
+            assert!((room(Vec2::ZERO, step, &[wall(2.0), wall(x)]) - part).abs() < 1e-12, "{x}");
+        }
+        // Beside its end, and along it.
+        assert_eq!(room(vec2(0.0, 1.1), step, &[wall(0.2)]), 1.0);
+        assert_eq!(room(vec2(0.2, -0.5), vec2(0.0, 0.3), &[wall(0.2)]), 1.0);
+    }
+
+    #[test]
     fn weak_ankles_stop_less() {
         let model = Pendulum { return_after: 100.0, ..Pendulum::default() };
         for damping in [1.0, 2.0, 3.0] {
@@ -315,7 +342,7 @@ mod tests {
                 let load = part * most * (f64::from(k) * 1e-4).min(1.0);
                 motion.velocity.x += (model.acceleration(&legs, &motion).x + load) * STEP;
                 motion.at.x += motion.velocity.x * STEP;
-                model.pass(&mut legs, &motion, STEP);
+                model.pass(&mut legs, &motion, &[], STEP);
                 // No way back.
                 legs.calm = 0.0;
             }
