@@ -108,9 +108,9 @@ def set_of(name):
     return "tune" if name in TUNE else "judge"
 
 
-def setting(model, constants="", seeds=10, body=None, friction=None, data=None, quick=False, processes=2):
-    """What all rows take: model and constants, seeds, bodies, friction; `quick` ends runs after 40 s and takes few of them."""
-    return dict(walk=Walk(model, constants, body, friction), seeds=1 if quick else seeds, data=directory(data), most=40.0 if quick else None, processes=processes)
+def setting(model, constants="", seeds=10, body=None, friction=None, material=None, data=None, quick=False, processes=2):
+    """What all rows take: model and constants, seeds, bodies, friction, material; `quick` ends runs after 40 s and takes few of them."""
+    return dict(walk=Walk(model, constants, body, friction, material), seeds=1 if quick else seeds, data=directory(data), most=40.0 if quick else None, processes=processes)
 
 
 def gate(model, constants="", seeds=10, **others):
@@ -337,6 +337,7 @@ def main():
     parser.add_argument("--constants-of", nargs=2, action="append", default=[], metavar=("ROW", "TOML"), help="those of one row, instead of --constants")
     parser.add_argument("--body", metavar="BxD", help="all people have this breadth and depth [m], for example 0.38x0.22; default: drawn from the survey")
     parser.add_argument("--friction", type=float, help="between people; default: that of lemons crowd")
+    parser.add_argument("--material", help="of people, as of lemons crowd")
     parser.add_argument("--quick", action="store_true", help="one seed, 40 s, few experiments: to see that it works")
     parser.add_argument("--data", help="the directory with the trajectories")
     parser.add_argument("--write", action="store_true", help="put the table of all models, and pictures, into docs/validation.md")
@@ -360,7 +361,8 @@ def main():
         seeds = arguments.seeds if model == models[0] else min(arguments.seeds, arguments.peers)
         for name in arguments.row or ROWS:
             constants = dict(arguments.constants_of).get(name, arguments.constants)
-            rows += ROWS[name](model, constants, seeds, body=body, friction=arguments.friction, data=data, quick=arguments.quick)
+            of_people = dict(body=body, friction=arguments.friction, material=arguments.material)
+            rows += ROWS[name](model, constants, seeds, **of_people, data=data, quick=arguments.quick)
         found[model] = rows
         print(f"{model}: {sum(row.passed for row in rows)} of {len(rows)} pass ({time.monotonic() - began:.0f} s)\n")
         show([row.cells() for row in rows], HEAD)

@@ -36,7 +36,8 @@ RELAXATION = 1 / 0.22
 #: Of each model: parameters with the range of the search. `floor` is FloorDamping, `lean` the relaxation time of the head's lean.
 LEGS = {"support": (0.05, 0.35), "step_time": (0.0, 0.4), "return_after": (0.0, 1.5), "return_speed": (0.02, 0.8)}
 TWO_LEVEL = {"speed": (0.05, 1.5), "legs_speed": (0.05, 2.0), "legs_rate": (1.0, 30.0)}
-FLOOR, LEAN = {"floor": (2.0, 25.0)}, {"lean": (0.02, 0.5)}
+FLOOR, LEAN, BRACING = {"floor": (2.0, 25.0)}, {"lean": (0.02, 0.5)}, {"bracing": (0.0, 0.95)}
+NO_BRACING, FEET_APART = {"bracing": (0.0, 0.0)}, {"feet_distance": (0.1, 0.1)}
 MODELS = {
     "none": (None, {}),
     "none, fitted": (None, FLOOR),
@@ -44,6 +45,9 @@ MODELS = {
     "pendulum, fitted": ("pendulum", LEGS | FLOOR),
     "pendulum, head": ("pendulum", LEAN),
     "pendulum, head, fitted": ("pendulum", LEGS | LEAN),
+    "pendulum, head, bracing fitted": ("pendulum", LEGS | LEAN | BRACING),
+    "pendulum, head, no bracing": ("pendulum", LEGS | LEAN | NO_BRACING),
+    "pendulum, head, feet apart": ("pendulum", LEGS | LEAN | FEET_APART),
     "pendulum, head, floor fitted": ("pendulum", LEGS | LEAN | FLOOR),
     "two-level": ("two-level", {}),
     "two-level, fitted": ("two-level", TWO_LEVEL | FLOOR),

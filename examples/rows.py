@@ -36,9 +36,9 @@ FAR = 0.05  # m
 DEPTH, MASS = 0.25, 70.0
 PHASE = 20.0  # N
 #: Relaxation time of the head's lean [s], about that of the fit of examples/legs.py.
-LEAN = 0.3
+LEAN = 0.25
 #: What the measured push of docs/calibration.md says (examples/legs.py).
-FITTED = "support = 0.2\nstep_time = 0.08\nreturn_after = 0.05\nreturn_speed = 0.25\n"
+FITTED = "support = 0.2\nstep_time = 0.09\nreturn_after = 0.65\nreturn_speed = 0.16\n"
 MODELS = {
     "none": "",
     "pendulum": 'balance = "pendulum"\n',

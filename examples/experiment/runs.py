@@ -46,12 +46,13 @@ STALL = 45.0  # s in which nobody leaves: then nobody does any more
 @dataclass(frozen=True)
 class Walk:
     """Who walks, and how: a model of ours or of JuPedSim, its constants (TOML), bodies (breadth, depth [m]; None: the survey's),
-    and the friction between people (None: that of `lemons crowd`)."""
+    the friction between people and their material (None: that of `lemons crowd`)."""
 
     model: str
     constants: str = ""
     body: tuple | None = None
     friction: float | None = None
+    material: str | None = None
 
 
 @dataclass(frozen=True)
@@ -299,6 +300,7 @@ def write_trial(trial, scene, walk, seed):
     random = np.random.default_rng(seed)
     places, gazes, exits = scene.start(random)
     fixed = {} if walk.body is None else {"fixed": [100 * walk.body[0], 100 * walk.body[1], 1.7, 70]}
+    fixed |= {} if walk.material is None else {"material": walk.material}
     people = lemons_fmu.crowd(
         number=len(places), seed=seed, packing="grid", orientation="fixed", time_step=communication(scene)[0], output=trial, **fixed
     )

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from crowd import COLUMNS, REPOSITORY, write_trial
-from lemons_fmu import Crowd
+from lemons_fmu import Crowd, Drive
 from lemons_fmu import run as run_in_python
 from scipy.integrate import solve_ivp
 
@@ -226,3 +226,21 @@ def test_forces_in_a_row_follow_from_its_motions(examples, tmp_path, model):
         assert np.abs(behind[:, 0] - push).max() < 1.0, count
     passed = behind[:, 1].sum() * rows.STEP / 100
     assert passed > 0.5 and rows.measures(model, 4, 0.05, 100.0, tmp_path)[2] == pytest.approx(passed)
+
+
+@pytest.mark.parametrize("bracing", [0.0, 0.8])
+def test_a_lasting_push_is_held_up_to_the_limit_of_ankles(tmp_path, bracing):
+    """A push that grows slowly: the ground's force is at the edge of the feet at m w0^2 s/(1 + 4 (1 - bracing) (w0/rate)^2)."""
+    most = MASS * OMEGA**2 * SUPPORT / (1 + 4 * (1 - bracing) * (OMEGA / RATE) ** 2)
+    parts, times = np.array([0.97, 1.03]), np.array([0.0, 80.0, 100.0])
+    trial = standing(tmp_path, [0.0, 0.0])
+    plan = tmp_path / "plan.toml"
+    plan.write_text(f'balance = "pendulum"\n[pendulum]\nbracing = {bracing}\nreturn_after = 1000.0\n')
+    push = {k: (times, np.outer([0, 1, 1], [part * most, 0, 0])) for k, part in enumerate(parts)}
+    with Crowd(trial, plan=plan, algorithm="gauss-seidel") as crowd:
+        run = crowd.run(Drive(push), until=100.0, step=0.01)
+        steps = [crowd[f"decision.agent[{k}].Steps"] for k in range(2)]
+        lean = crowd["decision.agent[0].Lean"]
+    assert steps[0] == 0 and steps[1] > 0
+    assert lean == pytest.approx(4 * (1 - bracing) * parts[0] * most / MASS / RATE**2, rel=0.03)
+    assert np.abs(run.velocities[-1, 0, 0]) < 1e-3

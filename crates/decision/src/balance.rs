@@ -47,8 +47,10 @@ pub struct Legs {
     pub stands: bool,
     /// \[m\] Middle of the feet.
     pub at: Vec2,
-    /// \[m/s\] Velocity of the feet.
+    /// \[m/s\] Velocity of the feet; of the pendulum, that of the body at the next communication point if only the ground acts.
     velocity: Vec2,
+    /// \[m/s²\] Load that the pendulum has noticed, over the mass.
+    load: Vec2,
     /// \[m\] Own place, and the place to which the person walks back.
     home: Vec2,
     aim: Vec2,
@@ -69,14 +71,14 @@ impl Legs {
     }
 
     /// Returns the same legs under a body, moving with it.
-    fn under(&self, motion: &Motion, stands: bool) -> Legs {
+    pub(crate) fn under(&self, motion: &Motion, stands: bool) -> Legs {
         let Legs { steps, fallen, .. } = *self;
         Legs { steps, fallen, velocity: motion.velocity, ..Legs::new(motion.at, stands) }
     }
 
     /// Returns whether all numbers are possible.
     pub fn is_sound(&self) -> bool {
-        let places = [self.at, self.velocity, self.home, self.aim];
+        let places = [self.at, self.velocity, self.load, self.home, self.aim];
         let time = |time: f64| time.is_finite() && time >= 0.0;
         places.iter().all(|place| place.is_finite()) && time(self.calm) && self.step.is_none_or(time)
     }
@@ -140,8 +142,10 @@ impl Balance {
         }
         match self {
             Balance::Pendulum(of) => {
+                let feet: Vec<Vec2> = people.iter().flatten().map(|(legs, _)| legs.at).collect();
+                let around = pendulum::Around { faces, feet: &feet };
                 for (legs, motion) in people.iter_mut().flatten().filter(|(legs, _)| legs.stands) {
-                    of.pass(legs, motion, faces, step);
+                    of.pass(legs, motion, around, step);
                 }
             }
             Balance::TwoLevel(of) => of.pass(people, faces, step),
@@ -160,9 +164,10 @@ mod tests {
 
     #[test]
     fn legs_with_impossible_numbers_are_known() {
-        let forgeries: [fn(&mut Legs); 7] = [
+        let forgeries: [fn(&mut Legs); 8] = [
             |legs| legs.at.y = f64::NAN,
             |legs| legs.velocity.x = f64::INFINITY,
+            |legs| legs.load.y = f64::NAN,
             |legs| legs.home.x = f64::NAN,
             |legs| legs.aim.y = f64::NAN,
             |legs| legs.step = Some(-1.0),

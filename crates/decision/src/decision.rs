@@ -469,7 +469,7 @@ impl Decision {
         let agent = &self.agents[i];
         Some(match agent.last {
             Some(_) => balance.decided(agent.legs, &agent.motion(), wants),
-            None => Legs::new(agent.at(), !wants),
+            None => agent.legs.under(&agent.motion(), !wants),
         })
     }
 
@@ -593,7 +593,7 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 6;
+    const STATE_VERSION: u32 = 7;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<Quantity>] = &quantities::QUANTITIES;
 

@@ -4,6 +4,7 @@
 //! this place at p, the ground accelerates the body by ω₀² (x − p), where ω₀² = g/l. A person who stands moves p so that
 //! the body comes to rest above the feet, but p stays within the support: so the ground takes only what ankles can.
 //!
+//! - A load that lasts is noticed, and ankles take a part of it: the person braces.
 //! - The extrapolated centre of mass is x + v/ω₀ (Hof, *Hum. Mov. Sci.* 27 (2008) 112). If it leaves the support, the
 //!   person loses balance: no place of p stops the body any more.
 //! - After the time of a step the feet stand under it, or ahead of it, as far as a step reaches. If the extrapolated
@@ -32,12 +33,18 @@ pub struct Pendulum {
     pub height_part: f64,
     /// \[m\] Greatest distance of the ground's force from the middle of the feet.
     pub support: f64,
+    /// Part of a lasting load that ankles take.
+    pub bracing: f64,
+    /// \[s\] Time constant with which a load is noticed.
+    pub bracing_time: f64,
     /// \[s\] Time from the loss of balance until the feet stand elsewhere.
     pub step_time: f64,
     /// \[m\] Longest step.
     pub step_length: f64,
     /// \[m\] Distance by which a step goes beyond the extrapolated centre of mass.
     pub step_margin: f64,
+    /// \[m\] Least distance of the feet from those of others at the end of a step.
+    pub feet_distance: f64,
     /// \[s\] Time after which who stands still walks back.
     pub return_after: f64,
     /// \[m/s\] Speed of walking back.
@@ -64,9 +71,12 @@ impl Default for Pendulum {
         Pendulum {
             height_part: 0.56,
             support: 0.12,
+            bracing: 0.8,
+            bracing_time: 1.0,
             step_time: 0.25,
             step_length: 0.9,
             step_margin: 0.0,
+            feet_distance: 0.0,
             return_after: 0.6,
             return_speed: 0.2,
             return_part: 1.0,
@@ -85,9 +95,18 @@ impl Pendulum {
             "from 0.1 to 1",
         )?;
         not_negative("pendulum", "support", self.support)?;
+        number("pendulum", "bracing", self.bracing, |part| (0.0..=0.95).contains(&part), "from 0 to 0.95")?;
+        number(
+            "pendulum",
+            "bracing_time",
+            self.bracing_time,
+            |s| (0.1..=60.0).contains(&s),
+            "from 0.1 to 60 s",
+        )?;
         not_negative("pendulum", "step_time", self.step_time)?;
         not_negative("pendulum", "step_length", self.step_length)?;
         number("pendulum", "step_margin", self.step_margin, |m| (0.0..=1.0).contains(&m), "from 0 to 1 m")?;
+        not_negative("pendulum", "feet_distance", self.feet_distance)?;
         not_negative("pendulum", "return_after", self.return_after)?;
         not_negative("pendulum", "return_speed", self.return_speed)?;
         number("pendulum", "return_part", self.return_part, |part| (0.0..=1.0).contains(&part), "from 0 to 1")
@@ -121,14 +140,16 @@ impl Pendulum {
     }
 
     /// \[m/s²\] Returns by how much the ground accelerates somebody who stands. Ankles damp the velocity as eq. 1 does, and
-    /// bring the body above the feet, without overshooting.
+    /// bring the body above the feet, without overshooting, and take a part of the load.
     fn acceleration(&self, legs: &Legs, motion: &Motion) -> Vec2 {
         if self.lies(legs) {
             return at_most(motion.velocity * -motion.damping, FRICTION * GRAVITY);
         }
         let (lean, stiffness) = (motion.at - legs.at, self.rate(motion) * self.rate(motion));
         let upright = lean * (0.25 * motion.damping * motion.damping);
-        let wanted = (self.way_back(legs, motion.at) - motion.velocity) * motion.damping - upright;
+        let wanted = (self.way_back(legs, motion.at) - motion.velocity) * motion.damping
+            - upright
+            - legs.load * self.bracing;
         lean * stiffness + at_most(wanted - lean * stiffness, stiffness * self.support)
     }
 
@@ -144,14 +165,15 @@ impl Pendulum {
     }
 
     /// Moves the legs of somebody who stands by a step of time \[s\].
-    pub(super) fn pass(&self, legs: &mut Legs, motion: &Motion, faces: &[[Vec2; 2]], step: f64) {
+    pub(super) fn pass(&self, legs: &mut Legs, motion: &Motion, around: Around, step: f64) {
         if self.lies(legs) {
             return;
         }
+        self.notice_load(legs, motion, step);
         // At the nearest communication point.
         if legs.step.is_some_and(|left| left <= 0.5 * step) {
             legs.step = None;
-            self.land(legs, motion, faces);
+            self.land(legs, motion, around);
         }
         if legs.step.is_none() && !self.is_balanced(legs, motion) {
             legs.step = Some(self.step_time);
@@ -176,28 +198,56 @@ impl Pendulum {
         }
     }
 
-    fn land(&self, legs: &mut Legs, motion: &Motion, faces: &[[Vec2; 2]]) {
+    /// Notices the load: what the ground does not explain of the velocity, with a low pass (a disturbance observer).
+    fn notice_load(&self, legs: &mut Legs, motion: &Motion, step: f64) {
+        let change = (motion.velocity - legs.velocity) * (1.0 / self.bracing_time);
+        let kept = (1.0 - step / self.bracing_time).max(0.0);
+        // Ankles cannot take more.
+        let most = self.rate(motion) * self.rate(motion) * self.support;
+        legs.load = at_most(legs.load * kept + change, most);
+        legs.velocity = motion.velocity + self.acceleration(legs, motion) * step;
+    }
+
+    fn land(&self, legs: &mut Legs, motion: &Motion, around: Around) {
         let to = self.extrapolated(legs, motion);
         let ahead = to.unit(1e-9).unwrap_or(Vec2::ZERO) * self.step_margin;
         let falls = to.norm() > self.step_length + self.support;
         // A body that nothing holds would be faster and faster.
         let step = if falls { to } else { at_most(to + ahead, self.step_length) };
-        legs.at += step * room(legs.at, step, faces);
+        legs.at += step * around.room(legs.at, step, self.feet_distance);
         legs.fallen |= falls;
         legs.steps = legs.steps.saturating_add(1);
     }
 }
 
-/// Returns the part of a step from a place \[m\] that walls leave.
-fn room(from: Vec2, step: Vec2, faces: &[[Vec2; 2]]) -> f64 {
-    let free = |&[a, b]: &[Vec2; 2]| {
-        let (wall, to) = (b - a, a - from);
-        let cross = step.cross(wall);
-        let (part, place) = (to.cross(wall) / cross, to.cross(step) / cross);
-        (part >= 0.0 && (0.0..=1.0).contains(&place)).then_some(part)
-    };
-    let least = faces.iter().filter_map(free).fold(f64::INFINITY, f64::min);
-    (least - TOES / step.norm().max(1e-9)).clamp(0.0, 1.0)
+/// What a step ends before.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Around<'a> {
+    /// Faces of walls \[m\].
+    pub(super) faces: &'a [[Vec2; 2]],
+    /// \[m\] Everybody's feet, the own ones too.
+    pub(super) feet: &'a [Vec2],
+}
+
+impl Around<'_> {
+    /// Returns the part of a step from a place \[m\] that walls leave, and feet of others with a distance \[m\] from them.
+    fn room(&self, from: Vec2, step: Vec2, distance: f64) -> f64 {
+        let length = step.norm().max(1e-9);
+        let before_wall = |&[a, b]: &[Vec2; 2]| {
+            let (wall, to) = (b - a, a - from);
+            let cross = step.cross(wall);
+            let (part, place) = (to.cross(wall) / cross, to.cross(step) / cross);
+            (part >= 0.0 && (0.0..=1.0).contains(&place)).then_some(part - TOES / length)
+        };
+        let before_feet = |&feet: &Vec2| {
+            let ahead = (feet - from).dot(step) / length;
+            let aside = (feet - from).cross(step) / length;
+            let half = (distance * distance - aside * aside).sqrt();
+            (ahead > 0.0 && half > 0.0).then_some((ahead - half) / length)
+        };
+        let walls = self.faces.iter().filter_map(before_wall);
+        walls.chain(self.feet.iter().filter_map(before_feet)).fold(1.0, f64::min).max(0.0)
+    }
 }
 
 #[cfg(test)]
@@ -210,10 +260,11 @@ mod tests {
     const DAMPING: f64 = 4.5;
     const STATURE: f64 = 1.73;
 
+    /// Returns who is hit, and does not feel it as a load.
     fn hit(velocity: f64) -> (Legs, Motion) {
         let motion =
             Motion { at: Vec2::ZERO, velocity: vec2(velocity, 0.0), damping: DAMPING, stature: STATURE };
-        (Legs::new(Vec2::ZERO, true), motion)
+        (Legs::default().under(&motion, true), motion)
     }
 
     /// Moves legs and body for some time \[s\]; Heun's method.
@@ -223,7 +274,7 @@ mod tests {
             let velocity = motion.velocity + a * STEP;
             let next = Motion { at: motion.at + motion.velocity * STEP, velocity, ..motion };
             let b = model.acceleration(&legs, &next);
-            model.pass(&mut legs, &motion, &[], STEP);
+            model.pass(&mut legs, &motion, Around::default(), STEP);
             motion.at += (motion.velocity + velocity) * (0.5 * STEP);
             motion.velocity += (a + b) * (0.5 * STEP);
         }
@@ -231,7 +282,7 @@ mod tests {
     }
 
     fn pushed(velocity: f64, time: f64) -> (Legs, Motion) {
-        pass(&Pendulum::default(), hit(velocity), time)
+        pass(&Pendulum { bracing: 0.0, ..Pendulum::default() }, hit(velocity), time)
     }
 
     fn rate() -> f64 {
@@ -302,15 +353,30 @@ mod tests {
     }
 
     #[test]
-    fn a_step_ends_before_a_wall() {
+    fn a_step_ends_before_walls_and_feet_of_others() {
         let wall = |x: f64| [vec2(x, -1.0), vec2(x, 1.0)];
         let step = vec2(0.5, 0.0);
+        let room =
+            |from: Vec2, step: Vec2, faces: &[[Vec2; 2]]| Around { faces, feet: &[] }.room(from, step, 0.1);
         for (x, part) in [(0.8, 1.0), (0.43, 0.6), (0.1, 0.0), (-0.1, 1.0)] {
             assert!((room(Vec2::ZERO, step, &[wall(2.0), wall(x)]) - part).abs() < 1e-12, "{x}");
         }
         // Beside its end, and along it.
         assert_eq!(room(vec2(0.0, 1.1), step, &[wall(0.2)]), 1.0);
         assert_eq!(room(vec2(0.2, -0.5), vec2(0.0, 0.3), &[wall(0.2)]), 1.0);
+        // Too far, ahead, aside, beside, too near already (ahead, behind).
+        let places = [
+            (0.7, 0.0, 1.0),
+            (0.4, 0.0, 0.6),
+            (0.38, 0.06, 0.6),
+            (0.4, 0.11, 1.0),
+            (0.05, 0.0, 0.0),
+            (-0.05, 0.0, 1.0),
+        ];
+        for (x, y, part) in places {
+            let around = Around { faces: &[], feet: &[Vec2::ZERO, vec2(x, y)] };
+            assert!((around.room(Vec2::ZERO, step, 0.1) - part).abs() < 1e-12, "{x} {y}");
+        }
     }
 
     #[test]
@@ -324,25 +390,26 @@ mod tests {
             }
             for part in [0.98, 1.02] {
                 let hit = Motion { velocity: motion.velocity * part, ..motion };
-                let steps = pass(&model, (legs, hit), 3.0).0.steps;
+                let steps = pass(&model, (legs.under(&hit, true), hit), 3.0).0.steps;
                 assert_eq!(steps > 0, part > 1.0, "{damping} {part}");
             }
         }
     }
 
-    /// The equilibrium of ankles under a force of m ω₀² s λ²/(λ² + 4ω₀²) is at the edge of the feet.
+    /// The equilibrium of ankles under a force of m ω₀² s λ²/(λ² + 4ω₀²(1 − bracing)) is at the edge of the feet.
     #[test]
     fn a_steady_push_is_held_up_to_a_limit() {
-        let model = Pendulum::default();
-        let most = rate() * rate() * model.support / (1.0 + 4.0 * (rate() / DAMPING).powi(2));
-        for part in [0.98, 1.02] {
+        for (bracing, part) in [(0.0, 0.98), (0.0, 1.02), (0.8, 0.97), (0.8, 1.02)] {
+            let model = Pendulum { bracing, ..Pendulum::default() };
+            let soft = 4.0 * (1.0 - bracing) * (rate() / DAMPING).powi(2);
+            let most = rate() * rate() * model.support / (1.0 + soft);
             let (mut legs, mut motion) = hit(0.0);
-            for k in 0..20_000 {
+            for k in 0..100_000 {
                 // The load comes slowly.
-                let load = part * most * (f64::from(k) * 1e-4).min(1.0);
+                let load = part * most * (f64::from(k) * 1.25e-5).min(1.0);
                 motion.velocity.x += (model.acceleration(&legs, &motion).x + load) * STEP;
                 motion.at.x += motion.velocity.x * STEP;
-                model.pass(&mut legs, &motion, &[], STEP);
+                model.pass(&mut legs, &motion, Around::default(), STEP);
                 // No way back.
                 legs.calm = 0.0;
             }
