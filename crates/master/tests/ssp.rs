@@ -278,6 +278,32 @@ fn arrays_are_connected_whole_where_both_have_them() {
 }
 
 #[test]
+fn arrays_of_one_name_and_shape_are_connected_however_their_sizes_are_called() {
+    let fixed = |size: &str, causality: &str| {
+        let text = format!(
+            r#"<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="t"><CoSimulation modelIdentifier="m"/>
+            <ModelVariables><UInt64 name="N" valueReference="1" causality="structuralParameter" start="2"/>
+            <Float64 name="Position" valueReference="2" causality="{causality}">{size}<Dimension start="2"/></Float64>
+            </ModelVariables></fmiModelDescription>"#
+        );
+        Interface::read(text.as_bytes()).unwrap()
+    };
+    let moves = || people(["output", "input"], 2, "");
+    for size in [r#"<Dimension start="2"/>"#, r#"<Dimension valueReference="1"/>"#] {
+        let made = connected(&[fixed(size, "input"), moves()]).unwrap();
+        assert_eq!(made.connections, [(1, 0, "Position".to_owned())]);
+        assert_eq!(read(&made.structure).unwrap().connections[0].to.indices, []);
+        let twice = connected(&[fixed(size, "output"), moves(), people(["input", "output"], 2, "")]);
+        assert_eq!(
+            twice.map(drop).unwrap_err(),
+            "the input Position of c is fed by two outputs, of a and of b"
+        );
+    }
+    let other = connected(&[fixed(r#"<Dimension start="3"/>"#, "input"), moves()]);
+    assert!(other.map(drop).unwrap_err().starts_with("no output has the name"));
+}
+
+#[test]
 fn single_values_are_connected_with_elements_of_arrays() {
     let names = ["agent[0].Position.x", "agent[0].Position.y", "agent[1].Position.x", "agent[1].Position.y"];
     let decides = interface(

@@ -46,8 +46,8 @@ pub(super) struct Pair<'a> {
     name: String,
 }
 
-/// Connects every output of one component to the input of the same name in every other: an array to an array where all
-/// elements agree, else each value by itself. Type and unit must agree; a value without a unit agrees with every unit.
+/// Connects every output of one component to the input of the same name in every other: an array to an array with
+/// the same sizes, else each value by itself. Type and unit must agree; a value without a unit agrees with every unit.
 ///
 /// # Errors
 /// They do not, an input is fed by two outputs, a unit has two meanings, or nothing is connected.
@@ -65,6 +65,24 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
         let mut free = Vec::new();
         let inputs = own.interface.variables.iter().filter(|variable| variable.kind == Some(Kind::Input));
         for variable in inputs {
+            let twice = |name: &str, first: usize, second: usize| {
+                let [first, second] = [first, second].map(|place| &participants[place].name);
+                format!("the input {name} of {} is fed by two outputs, of {first} and of {second}", own.name)
+            };
+            match arrays_for(variable, participants)[..] {
+                [] => {}
+                [from] => {
+                    let source = (&participants[from.0], from.1.variable);
+                    problems.extend(disagreement(&variable.name, source, (own, variable)));
+                    let to = (place, Single { variable, element: 0 });
+                    pairs.push(Pair { from, to, whole: true, name: variable.name.clone() });
+                    continue;
+                }
+                [first, second, ..] => {
+                    problems.push(twice(&variable.name, first.0, second.0));
+                    continue;
+                }
+            }
             let mut of_input: Vec<Pair> = Vec::new();
             for element in 0..variable.count() {
                 let name = own.interface.name_of(variable, element);
@@ -79,14 +97,10 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
                         let to = (place, Single { variable, element });
                         of_input.push(Pair { from: *from, to, whole: false, name });
                     }
-                    [first, second, ..] => problems.push(format!(
-                        "the input {name} of {} is fed by two outputs, of {} and of {}",
-                        own.name, participants[first.0].name, participants[second.0].name
-                    )),
+                    [first, second, ..] => problems.push(twice(&name, first.0, second.0)),
                 }
             }
-            let array = as_array(variable, &of_input);
-            pairs.extend(array.map_or(of_input, |whole| vec![whole]));
+            pairs.extend(of_input);
         }
         unconnected.push(free);
     }
@@ -104,15 +118,15 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
     Ok(Connected { structure, connections: pairs.into_iter().map(connection).collect(), unconnected })
 }
 
-/// Returns all pairs of an input as one of whole arrays, if each of its elements is fed by the same one of an array.
-fn as_array<'a>(input: &Variable, pairs: &[Pair<'a>]) -> Option<Pair<'a>> {
-    let first = pairs.first().filter(|_| input.is_array() && pairs.len() == input.count())?;
-    let (from, to) = (first.from, first.to);
-    let mut ends = pairs.iter().map(|pair| pair.from).enumerate();
-    let alike = ends.all(|(element, end)| end.1.element == element && owner(&end) == owner(&from));
-    let output = from.1.variable;
-    let whole = output.is_array() && output.sizes() == input.sizes() && alike;
-    whole.then(|| Pair { from, to, whole: true, name: input.name.clone() })
+/// Returns the arrays with the name and the sizes of an input that is one.
+fn arrays_for<'a>(input: &Variable, participants: &[Participant<'a>]) -> Vec<End<'a>> {
+    let of = |(place, participant): (usize, &Participant<'a>)| {
+        let output =
+            participant.interface.variable(&input.name).filter(|of| of.kind == Some(Kind::Output))?;
+        let alike = input.is_array() && output.is_array() && output.sizes() == input.sizes();
+        alike.then_some((place, Single { variable: output, element: 0 }))
+    };
+    participants.iter().enumerate().filter_map(of).collect()
 }
 
 /// Returns the values of a kind of variables, with their names.
