@@ -14,6 +14,11 @@ pub struct Arguments {
     /// FMUs for co-simulation. The Gauss-Seidel algorithm steps them in this order
     #[arg(required = true, num_args = 2.., value_name = "FILE.fmu")]
     fmus: Vec<PathBuf>,
+    /// An output that feeds an input of another name; instead of outputs with the input's name. Components are called
+    /// as their files: decision.Mp=turnstile.Wanted; of each person: 'decision.agent[*].Mp=turnstile.agent[*].Wanted'.
+    /// Repeatable
+    #[arg(long, value_name = "OUTPUT=INPUT", value_parser = chosen)]
+    connection: Vec<(String, String)>,
     /// The SSP to write
     #[arg(short, long, value_name = "FILE.ssp")]
     output: PathBuf,
@@ -39,7 +44,8 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
         let source = format!("resources/{name}.fmu");
         participants.push(Participant { name: name.clone(), source, interface });
     }
-    let connected = lemons_master::ssp::connect(&stem(&arguments.output), &participants)?;
+    let connected =
+        lemons_master::ssp::connect(&stem(&arguments.output), &participants, &arguments.connection)?;
     let sources = participants.iter().map(|participant| participant.source.clone());
     let files: Vec<(String, &Path)> = sources.zip(arguments.fmus.iter().map(PathBuf::as_path)).collect();
     write_archive(&arguments.output, &connected.structure, &files)?;
@@ -66,6 +72,11 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
         }
     }
     say_size(&arguments.output)
+}
+
+fn chosen(text: &str) -> Result<(String, String), &'static str> {
+    let (output, input) = text.split_once('=').ok_or("must be OUTPUT=INPUT")?;
+    Ok((output.to_owned(), input.to_owned()))
 }
 
 /// Names of variables that are printed.

@@ -12,6 +12,7 @@
 //! connections from the system's own inputs, parameter mappings, mapping transformations, values of arrays, clocks.
 
 mod archive;
+mod choice;
 mod connect;
 mod document;
 mod interface;

@@ -152,6 +152,10 @@ fn interface(variables: &[(&str, &str, &str)], units: &str) -> Interface {
 const METRE: &str = r#"<Unit name="m"><BaseUnit m="1"/></Unit>"#;
 
 fn connected(interfaces: &[Interface]) -> Result<lemons_master::ssp::Connected, String> {
+    chosen(interfaces, &[])
+}
+
+fn chosen(interfaces: &[Interface], by: &[[&str; 2]]) -> Result<lemons_master::ssp::Connected, String> {
     let participants: Vec<Participant> = interfaces
         .iter()
         .zip(["a", "b", "c"])
@@ -161,7 +165,8 @@ fn connected(interfaces: &[Interface]) -> Result<lemons_master::ssp::Connected, 
             interface,
         })
         .collect();
-    connect("test", &participants).map_err(|error| format!("{error:#}"))
+    let by: Vec<(String, String)> = by.iter().map(|[from, to]| ((*from).into(), (*to).into())).collect();
+    connect("test", &participants, &by).map_err(|error| format!("{error:#}"))
 }
 
 #[test]
@@ -301,6 +306,36 @@ fn arrays_of_one_name_and_shape_are_connected_however_their_sizes_are_called() {
     }
     let other = connected(&[fixed(r#"<Dimension start="3"/>"#, "input"), moves()]);
     assert!(other.map(drop).unwrap_err().starts_with("no output has the name"));
+}
+
+/// A controller between two others.
+#[test]
+fn outputs_can_be_chosen_for_inputs_of_other_names() {
+    let more = r#"<Float64 name="Wanted" valueReference="9" causality="input"><Dimension valueReference="1"/></Float64>"#;
+    let three = [
+        people(["input", "output"], 2, ""),
+        people(["input", "output"], 2, more),
+        people(["output", "input"], 2, ""),
+    ];
+    let said = |by: &[[&str; 2]]| chosen(&three, by).map(drop).unwrap_err();
+    assert_eq!(said(&[]), "the input Mp of c is fed by two outputs, of a and of b");
+    let last = ["b.Mp", "c.Mp"];
+    for inner in [["a.Mp", "b.Wanted"], ["a.agent[*].Mp", "b.agent[*].Wanted"]] {
+        let made = chosen(&three, &[inner, last]).unwrap();
+        let forces: Vec<_> =
+            made.connections.iter().filter(|(.., name)| !name.contains("Position")).collect();
+        assert!(forces.iter().any(|(from, to, name)| (*from, *to) == (0, 1) && name.contains("Wanted")));
+        assert_eq!(forces.last(), Some(&&(1, 2, "Mp".to_owned())));
+        assert!(made.unconnected.iter().all(Vec::is_empty), "{:?}", made.unconnected);
+        let read = read(&made.structure).unwrap();
+        let wanted = read.connections.iter().filter(|connection| connection.to.connector == "Wanted");
+        assert!(wanted.map(|connection| &connection.from.connector).all(|from| from == "Mp"));
+    }
+    assert_eq!(said(&[["a.Mp", "b.Unknown"], last]), "b.Unknown: no component has this input");
+    assert_eq!(said(&[["b.Wanted", "c.Mp"]]), "b.Wanted: no component has this output");
+    assert_eq!(said(&[last, ["a.Mp", "c.Mp"]]), "c.Mp: two outputs are chosen for this input");
+    let shape = said(&[["c.Position", "b.Wanted"], last]);
+    assert_eq!(shape, "b.Wanted: Position is no array of the same sizes");
 }
 
 #[test]

@@ -83,7 +83,7 @@ fn coupled(directory: &Path, plan: &Plan, format: Format, crowd: PathBuf) -> Pat
         interface,
     });
     let participants: Vec<_> = participants.collect();
-    let connected = lemons_master::ssp::connect("coupled", &participants).unwrap();
+    let connected = lemons_master::ssp::connect("coupled", &participants, &[]).unwrap();
     let files: Vec<_> = files.iter().map(|(_, source, path)| (source.clone(), path.as_path())).collect();
     let path = directory.join("coupled.ssp");
     write_archive(&path, &connected.structure, &files).unwrap();

@@ -1,6 +1,7 @@
 //! Interfaces -> the structure that connects every output with the inputs of the same name.
 
 use crate::error::{Result, ensure};
+use crate::ssp::choice::Choice;
 use crate::ssp::document::Kind;
 use crate::ssp::interface::{Interface, Single, Variable};
 use crate::ssp::unit::{Affine, conversion};
@@ -49,9 +50,13 @@ pub(super) struct Pair<'a> {
 /// Connects every output of one component to the input of the same name in every other: an array to an array with
 /// the same sizes, else each value by itself. Type and unit must agree; a value without a unit agrees with every unit.
 ///
+/// `chosen` are pairs of an output and an input of other names, `component.variable`: of single values, arrays as a whole,
+/// or of each person with `agent[*]`. Such an input is connected with nothing else.
+///
 /// # Errors
-/// They do not, an input is fed by two outputs, a unit has two meanings, or nothing is connected.
-pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
+/// They do not, a name that was chosen is unknown, an input is fed by two outputs, a unit has two meanings, or nothing is connected.
+pub fn connect(name: &str, participants: &[Participant], chosen: &[(String, String)]) -> Result<Connected> {
+    let choice = Choice::read(chosen, participants)?;
     let mut outputs: HashMap<String, Vec<End>> = HashMap::new();
     for (place, participant) in participants.iter().enumerate() {
         for (name, single) in values_of(participant, Kind::Output) {
@@ -69,7 +74,13 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
                 let [first, second] = [first, second].map(|place| &participants[place].name);
                 format!("the input {name} of {} is fed by two outputs, of {first} and of {second}", own.name)
             };
-            match arrays_for(variable, participants)[..] {
+            let looked_for = choice.output_for(place, variable.name.clone());
+            match arrays_for(variable, &looked_for, participants)[..] {
+                [] if looked_for.0.is_some() && variable.is_array() => {
+                    let (name, output) = (&variable.name, &looked_for.1);
+                    problems.push(format!("{}.{name}: {output} is no array of the same sizes", own.name));
+                    continue;
+                }
                 [] => {}
                 [from] => {
                     let source = (&participants[from.0], from.1.variable);
@@ -86,7 +97,12 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
             let mut of_input: Vec<Pair> = Vec::new();
             for element in 0..variable.count() {
                 let name = own.interface.name_of(variable, element);
-                match outputs.get(&name).map_or(&[][..], Vec::as_slice) {
+                let (chosen, output) = choice.output_for(place, name.clone());
+                let found = outputs.get(&output).into_iter().flatten();
+                match found.filter(|end| chosen.is_none_or(|own| own == end.0)).collect::<Vec<&End>>()[..] {
+                    [] if chosen.is_some() => {
+                        problems.push(format!("{}.{name}: no output {output}", own.name))
+                    }
                     [] => free.push(name),
                     [from] => {
                         // Elements of an array agree alike.
@@ -118,15 +134,19 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
     Ok(Connected { structure, connections: pairs.into_iter().map(connection).collect(), unconnected })
 }
 
-/// Returns the arrays with the name and the sizes of an input that is one.
-fn arrays_for<'a>(input: &Variable, participants: &[Participant<'a>]) -> Vec<End<'a>> {
+/// Returns the arrays with a name, perhaps of one participant only, and the sizes of an input that is one.
+fn arrays_for<'a>(
+    input: &Variable,
+    (chosen, name): &(Option<usize>, String),
+    participants: &[Participant<'a>],
+) -> Vec<End<'a>> {
     let of = |(place, participant): (usize, &Participant<'a>)| {
-        let output =
-            participant.interface.variable(&input.name).filter(|of| of.kind == Some(Kind::Output))?;
+        let output = participant.interface.variable(name).filter(|of| of.kind == Some(Kind::Output))?;
         let alike = input.is_array() && output.is_array() && output.sizes() == input.sizes();
         alike.then_some((place, Single { variable: output, element: 0 }))
     };
-    participants.iter().enumerate().filter_map(of).collect()
+    let looked_at = |&(place, _): &(usize, _)| chosen.is_none_or(|own| own == place);
+    participants.iter().enumerate().filter(looked_at).filter_map(of).collect()
 }
 
 /// Returns the values of a kind of variables, with their names.
