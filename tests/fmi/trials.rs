@@ -95,8 +95,8 @@ fn a_trial_with_fewer_walls_can_be_chosen() {
 
 #[test]
 fn a_trial_with_more_walls_can_be_chosen() {
-    let wall = "<Wall Id=\"1\" MaterialId=\"concrete\"><Corner Coordinates=\"1.78,-0.5\"/>\
-                <Corner Coordinates=\"1.78,0.5\"/></Wall></Geometry>";
+    let wall = "<Wall Id=\"1\" MaterialId=\"concrete\"><Corner Coordinates=\"1.65,-0.5\"/>\
+                <Corner Coordinates=\"1.65,0.5\"/></Wall></Geometry>";
     let [(same, first), (force, all)] = BOTH.map(|version| wall_forces(version, "</Geometry>", wall, 5));
     assert_eq!((same, &first[..]), (force, &all[..4]));
     let [before, behind] = [all[1], all[4]];
