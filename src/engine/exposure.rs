@@ -26,7 +26,7 @@ impl Exposure {
     /// Returns the exposure over a time of two parts: this over `before` \[s\], then `after` over `duration` \[s\].
     pub(super) fn and(&self, before: f64, after: &Exposure, duration: f64) -> Exposure {
         let peak_force = self.peak_force.max(after.peak_force);
-        let mean = |one: f64, other: f64| (one * before + other * duration) / (before + duration);
+        let mean = |one, other| mean_of_both([one, other], [before, duration]);
         let mean_force = mean(self.mean_force, after.mean_force).min(peak_force);
         Exposure {
             mean_force,
@@ -94,8 +94,8 @@ impl FaceExposure {
     /// Returns the exposure over a time of two parts, as [`Exposure::and`].
     pub(super) fn and(&self, before: f64, after: &FaceExposure, duration: f64) -> FaceExposure {
         let peak_force = self.peak_force.max(after.peak_force);
-        let impulse = self.mean_force * before + after.mean_force * duration;
-        FaceExposure { mean_force: (impulse / (before + duration)).min(peak_force), peak_force }
+        let mean_force = mean_of_both([self.mean_force, after.mean_force], [before, duration]);
+        FaceExposure { mean_force: mean_force.min(peak_force), peak_force }
     }
 }
 
@@ -136,6 +136,11 @@ impl FaceSum {
         let peak_force = self.peak_force.max(end).min(f64::MAX);
         FaceExposure { mean_force: mean(self.impulse, duration, end, peak_force), peak_force }
     }
+}
+
+/// Returns the mean force over two times \[s\] of which each has a mean force.
+fn mean_of_both([one, other]: [f64; 2], [before, after]: [f64; 2]) -> f64 {
+    (one * before + other * after) / (before + after)
 }
 
 /// Returns the mean force \[N\] of an impulse \[N.s\] over a duration \[s\], which is at most the greatest one; over none

@@ -61,36 +61,46 @@ fn a_trial_that_is_broken_or_has_other_variables_cannot_be_chosen() {
     }
 }
 
-/// FMI 2.0 has the pieces of the first Trial's walls; FMI 3.0 needs their number.
+/// The force on agent 4 by walls, and on the pieces of walls that an FMU has, when another Trial is chosen whose walls are
+/// changed so. FMI 2.0 has the pieces of the first Trial's walls; FMI 3.0 needs their number.
+fn wall_forces(version: Version, from: &str, to: &str, pieces: usize) -> (f64, Vec<f64>) {
+    let resources = two_trials();
+    edit(&resources.directory().join("Trial_wider/static/Geometry.xml"), from, to);
+    let crowd = Crowd::on(version, &resources);
+    if version == V3 {
+        crowd.must(crowd.enter_configuration());
+        crowd.must(crowd.set_size(&[crowd.model.reference("WallSegments")], &[pieces as u64]));
+        crowd.must(crowd.exit_configuration());
+    }
+    crowd.must(crowd.set_text("Trial", "Trial_wider"));
+    crowd.must(crowd.set("agent[4].Position.x", 1.7));
+    crowd.initialize();
+    crowd.must(crowd.try_step(0.0, 0.01));
+    let forces = if version == V3 {
+        let (status, forces) = crowd.get_real(&[crowd.model.reference("WallMeanNormalForce")], pieces);
+        crowd.must(status);
+        forces
+    } else {
+        (0..4).map(|k| crowd.get(&format!("wall[{k}].MeanNormalForce"))).collect()
+    };
+    (crowd.get("agent[4].MeanWallForce"), forces)
+}
+
 #[test]
 fn a_trial_with_fewer_walls_can_be_chosen() {
-    let resources = two_trials();
-    let file = resources.directory().join("Trial_wider/static/Geometry.xml");
-    edit(
-        &file,
-        "<Corner Coordinates=\"-0.2,0.543710\"/>\n        <Corner Coordinates=\"-0.2,-0.57395\"/>",
-        "",
-    );
-    for version in BOTH {
-        let crowd = Crowd::on(version, &resources);
-        if version == V3 {
-            crowd.must(crowd.enter_configuration());
-            crowd.must(crowd.set_size(&[crowd.model.reference("WallSegments")], &[2]));
-            crowd.must(crowd.exit_configuration());
-        }
-        crowd.must(crowd.set_text("Trial", "Trial_wider"));
-        crowd.must(crowd.set("agent[4].Position.x", 1.7));
-        crowd.initialize();
-        crowd.must(crowd.try_step(0.0, 0.01));
-        if version == V3 {
-            let (status, forces) = crowd.get_real(&[crowd.model.reference("WallMeanNormalForce")], 2);
-            crowd.must(status);
-            assert!(forces[0] == 0.0 && forces[1] > 100.0, "{forces:?}");
-        } else {
-            let forces = [0, 1, 2, 3].map(|k| crowd.get(&format!("wall[{k}].MeanNormalForce")));
-            assert!(forces[1] > 100.0 && [forces[0], forces[2], forces[3]] == [0.0; 3], "{forces:?}");
-        }
-    }
+    let corners = "<Corner Coordinates=\"-0.2,0.543710\"/>\n        <Corner Coordinates=\"-0.2,-0.57395\"/>";
+    let [(force, all), (_, own)] = BOTH.map(|version| wall_forces(version, corners, "", 2));
+    assert!(force > 100.0 && own == [0.0, force] && all == [0.0, force, 0.0, 0.0], "{own:?} {all:?}");
+}
+
+#[test]
+fn a_trial_with_more_walls_can_be_chosen() {
+    let wall = "<Wall Id=\"1\" MaterialId=\"concrete\"><Corner Coordinates=\"1.65,-0.5\"/>\
+                <Corner Coordinates=\"1.65,0.5\"/></Wall></Geometry>";
+    let [(same, first), (force, all)] = BOTH.map(|version| wall_forces(version, "</Geometry>", wall, 5));
+    assert_eq!((same, &first[..]), (force, &all[..4]));
+    let [before, behind] = [all[1], all[4]];
+    assert!(before > 100.0 && behind > 100.0 && (before + behind - force).abs() < 1e-9 * force, "{all:?}");
 }
 
 #[test]

@@ -6,6 +6,7 @@ import subprocess
 from types import SimpleNamespace
 
 import numpy as np
+import pages
 import pandas as pd
 import pytest
 from crowd import COLUMNS, REPOSITORY, write_trial
@@ -13,7 +14,11 @@ from lemons_fmu import Crowd, Drive
 from lemons_fmu import run as run_in_python
 from scipy.integrate import solve_ivp
 
-HEIGHT, SUPPORT, STEP_TIME, STEP_LENGTH, RATE = 0.56 * 1.75, 0.12, 0.25, 0.9, 4.5
+# test_reference_toml.py compares this page with the reader.
+((HEADER, CELLS),) = [(header, cells) for heading, header, cells in pages.tables("docs/reference/decision.md") if heading == "pendulum"]
+DEFAULTS = {pages.plain(row[0]): pages.plain(row[HEADER.index("if missing")]) for row in CELLS}
+HEIGHT_PART, SUPPORT, STEP_TIME, STEP_LENGTH = (float(DEFAULTS[name]) for name in ("height_part", "support", "step_time", "step_length"))
+HEIGHT, RATE = HEIGHT_PART * 1.75, 4.5
 OMEGA = math.sqrt(9.81 / HEIGHT)
 MASS = 80.0
 ANKLES = OMEGA * SUPPORT  # m/s
@@ -127,6 +132,20 @@ def test_measures_of_balance_are_those_of_a_pendulum(lemons, tmp_path):
     assert row["unbalanced"] == people["time_unbalanced"].max() and row["lean"] == people["lean"].median()
     late = run_in_python(trial, until=3.0, step=step, algorithm="gauss-seidel").measure(**{"from": 2.0})
     assert late.people["steps"][:4].tolist() == [0] * 4 and late.people["fallen"][4] == 1
+
+
+def test_balance_is_measured_without_a_squeeze(lemons, tmp_path):
+    """Of a table that has legs, but no forces."""
+    trial = standing(tmp_path, [0.2, 0.8, 2.0])
+    command(lemons, tmp_path, "run", trial, "--until", 1, "--step", 0.01, "-o", "run.csv")
+    run = pd.read_csv(tmp_path / "run.csv", comment="#")
+    run.drop(columns=run.filter(like="normal_force")).to_csv(tmp_path / "places.csv", index=False)
+    said = [command(lemons, tmp_path, "measure", f"{name}.csv", "-o", name).stderr for name in ("run", "places")]
+    known, people = (pd.read_csv(tmp_path / name / "people.csv") for name in ("run", "places"))
+    balance = ["id", "time_unbalanced", "steps", "fallen", "lean"]
+    assert not said[0] and "squeeze is left out" in said[1] and list(people) == list(known)
+    assert people[balance].equals(known[balance]) and people["steps"].max() > 0
+    assert people.drop(columns=balance).isna().all(axis=None) and not known["impulse"].isna().any()
 
 
 def test_until_the_step_the_way_is_that_of_a_pendulum_about_the_edge_of_the_feet(tmp_path):

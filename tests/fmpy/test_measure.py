@@ -247,6 +247,7 @@ def test_walls_get_what_they_give(lemons, pack, tmp_path):
     for fmi in "2", "3":
         assert measure(pack(TRIAL_PUSH, options=["--fmi", fmi]), **pushed).walls.equals(of_trial)
 
+
 def test_what_is_wrong_is_said(lemons, walk, tmp_path):
     places = write_table(tmp_path / "places.csv", [[(0.0, 0.0)], [(1.0, 0.0)]])
     for words, code, said in [

@@ -7,7 +7,7 @@ from pathlib import Path
 import matplotlib
 import pytest
 from playwright.sync_api import Page, expect
-from visit import Picture, download, lemons, make, play_until, rows, wait
+from visit import Picture, download, fill, lemons, make, play_until, rows, tab, wait
 
 #: Frames in which everybody is looked at.
 EARLY, LATE = 60, 140
@@ -74,6 +74,30 @@ def test_scrubbing_shows_what_the_command_computes(page: Page, tmp_path: Path) -
             x, y, turn = (number(frame, pressed[0], column) for column in ("x", "y", "theta"))
             at = picture.pixel(x - 0.05 * math.cos(turn), y - 0.05 * math.sin(turn))
             wait(page, lambda: painted(picture, at) == pytest.approx(wanted(page, value), abs=12), 20)
+
+
+def test_feet_are_drawn_where_they_are(page: Page, tmp_path: Path) -> None:
+    make(page, 12, 300, 300)
+    picture = Picture(page)
+    tab(page, "Motion")
+    page.get_by_label("What moves them").select_option(label="Some are pushed")
+    page.get_by_role("button", name="Add a push by numbers").click()
+    fill(page, "Push 1, radius", 60)
+    fill(page, "Push 1, greatest force", 900)
+    page.get_by_label("Balance of those who stand").select_option(label="Pendulum")
+    play_until(page, EARLY / 100)
+    scrub(page, EARLY)
+    table = tmp_path / "run.csv"
+    lemons("run", download(page, "Trial (zip)", tmp_path), "--until", EARLY / 100, "-o", table)
+    now = [{name: float(value) for name, value in row.items()} for row in rows(table) if round(100 * float(row["t"])) == EARLY]
+    assert len(now) == 12 and max(math.hypot(row["x"] - row["legs_x"], row["y"] - row["legs_y"]) for row in now) > 0.15
+
+    def light(row: dict[str, float], aside: float) -> int:
+        x, y = row["legs_x"] - aside * math.sin(row["theta"]), row["legs_y"] + aside * math.cos(row["theta"])
+        return min(painted(picture, picture.pixel(x, y)))
+
+    # White, as no colour of the scale is. The line of who leans may be over one of two feet.
+    wait(page, lambda: all(max(light(row, aside) for aside in (-0.09, 0.09)) > 170 for row in now), 20)
 
 
 def test_trails_and_forces_are_drawn(page: Page) -> None:

@@ -168,7 +168,9 @@ impl Arguments {
             wishes = Some((DecisionConfig::from_toml(&text).with_context(named)?, text));
         }
         let plan = wishes.as_ref().map(|(config, _)| Plan::of(before, config).with_context(named));
-        let leaves = plan.transpose()?.is_some_and(|plan| plan.leaving().contains(&true));
+        let plan = plan.transpose()?;
+        let leaves = plan.as_ref().is_some_and(|plan| plan.leaving().contains(&true));
+        let legs = plan.is_some_and(|plan| plan.balance.is_some());
         if leaves && self.source.is_dir() {
             bail!(
                 "{source}: an OutputDirectory does not say who has left ({DECISION_FILE} lets people leave): export from \
@@ -195,11 +197,6 @@ impl Arguments {
                  chosen again who takes which exit"
             );
         }
-        let mut legs = false;
-        run.each(|_, frame| {
-            legs = frame.legs.is_some();
-            Ok(())
-        })?;
         if legs {
             note!(
                 "the state of legs is not taken along: people begin with their feet under the body, and no steps"

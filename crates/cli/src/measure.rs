@@ -25,7 +25,7 @@ use options::{Named, line, measuring_area, name_all};
 use std::fs::create_dir_all;
 use std::io::Write;
 use std::path::PathBuf;
-use summary::{Piece, Summary};
+use summary::Summary;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -131,7 +131,7 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
         }
         note!("exposure to squeeze is left out: {why}");
     }
-    let pieces: Vec<_> = trial.iter().flat_map(segments).map(Piece::of).collect();
+    let pieces: Vec<_> = trial.iter().flat_map(segments).collect();
     if arguments.walls && seen.walls.as_ref().is_none_or(|walls| walls.len() != pieces.len()) {
         bail!("--walls: {}: the results do not contain the forces on walls", source.path.display());
     }

@@ -121,7 +121,7 @@ pub trait Model: Sized + Send {
     /// loaded.
     fn size(&self, place: usize) -> u64;
 
-    /// Returns the variables of FMI 2.0. They never change during the life of the model.
+    /// Returns the variables of FMI 2.0 for what is loaded. An instance has those of what is loaded first.
     fn scalars(&self) -> Vec<Scalar<Self::Quantity>>;
 
     /// Returns the usual communication step \[s\].

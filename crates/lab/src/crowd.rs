@@ -40,7 +40,7 @@ pub struct CrowdRequest {
     pub direction: Option<f64>,
     /// \[m/s\] The speed at which each would walk alone, in this direction.
     pub speed: f64,
-    /// The material of everybody: one of [`lemons_people::materials`].
+    /// The material of everybody: one of [`lemons_people::SKINS`].
     pub material: String,
 }
 

@@ -28,7 +28,7 @@ pub struct TrialSettings {
     /// \[s\] communication step, positive. The mechanical step is the longest that divides it and does not exceed
     /// [`proposed_step`](crowd_mechanics::setup::Setup::proposed_step).
     pub time_step: f64,
-    /// Id of the material of all disks: one of [`materials`].
+    /// Id of the material of all disks: one of [`SKINS`].
     pub people: String,
     /// \[m/s\] Velocity that each agent would reach alone: the propulsion force is m v / t_transl (the paper's eq. 4).
     /// Zero: no propulsion.
@@ -53,6 +53,9 @@ pub fn paper_materials() -> Materials {
     PAPER.clone()
 }
 
+/// Ids of the [`materials`] that people can have.
+pub const SKINS: [&str; 3] = ["human_naked", "human_clothes", SOFT];
+
 /// Id of the material of people with a softer chest. Only a Trial that uses it has it in its `Materials.xml`.
 const SOFT: &str = "human_soft";
 
@@ -61,9 +64,10 @@ const SOFT: &str = "human_soft";
 /// E and G of `human_soft` are the paper's for people without clothes, divided by 138: k_n is 18.2 kN/m between two
 /// people, as soft as two chests, and a weak push runs through a row of people of 80 kg and 25 cm at 0.25 m √(k_n/m) =
 /// 3.8 m/s. The damping is γ_n = 2 ζ √(k_n m\*), ζ = −ln e / √(π² + ln² e), for two people of 80 kg with the restitution
-/// e = 0.3, while one pair of disks touches. Of a contact with what is stiff, k_n and m\* are twice as large, and so is
-/// γ_n. Assumptions: e, γ_t = γ_n as in the paper, and the friction of people without clothes. `docs/guide/squeeze.md`
-/// has the sources.
+/// e = 0.3, while one pair of disks touches. Of a contact with a wall of concrete, k_n and m\* are twice as large, and so
+/// is γ_n. Assumptions: e, γ_t = γ_n as in the paper, the friction of people without clothes, and that γ_n with the paper's
+/// people is that with concrete (their m\* is not twice as large: 849 would be the same e). `docs/guide/squeeze.md` has
+/// the sources.
 pub fn materials() -> Materials {
     let Materials { mut intrinsic, mut binary } = paper_materials();
     intrinsic.push(Material { id: SOFT.into(), young_modulus: 2.9e4, shear_modulus: 1e4 });
@@ -180,13 +184,14 @@ impl TrialSettings {
     pub fn check(&self, geometry: &Geometry) -> Result<()> {
         let materials = materials().intrinsic;
         let known: Vec<&str> = materials.iter().map(|material| &*material.id).collect();
-        let check = |what: &str, id: &str| {
+        let check = |what: &str, id: &str, known: &[&str]| {
             require(known.contains(&id), || {
                 format!("{what}: there is no material {id:?}; materials are {}", known.join(", "))
             })
         };
-        check("people", &self.people)?;
-        geometry.walls.iter().try_for_each(|wall| check(&format!("wall {}", wall.id), &wall.material_id))
+        check("people", &self.people, &SKINS)?;
+        let wall = |wall: &Wall| check(&format!("wall {}", wall.id), &wall.material_id, &known);
+        geometry.walls.iter().try_for_each(wall)
     }
 }
 

@@ -4,7 +4,7 @@ use crate::model::check_leaving;
 use crate::simulation::{Simulation, refused};
 use crowd_mechanics::engine::{Wrench, vec2};
 use lemons_results::Frame;
-use lemons_results::columns::{ALL, Groups, Row};
+use lemons_results::columns::{ALL, FIRST_TOTAL, Groups, LEGS, MOTION, Row};
 use lemons_results::measure::{LATEST, Leaving, Over};
 use lemons_sim::stop::places;
 use lemons_sim::{Clock, SimError};
@@ -15,9 +15,9 @@ use std::time::{Duration, Instant};
 
 /// The numbers of an agent in arrays, by their places in the row of a table: pose, velocity, squeeze, contacts, whether
 /// it is there, and its legs. So poses and velocities are parts of an array.
-const ORDER: [usize; 20] = [0, 1, 4, 2, 3, 5, 9, 10, 11, 12, 13, 6, 7, 8, 14, 15, 16, 17, 18, 19];
+const ORDER: [usize; FIRST_TOTAL] = [0, 1, 4, 2, 3, 5, 9, 10, 11, 12, 13, 6, 7, 8, 14, 15, 16, 17, 18, 19];
 /// How many numbers an agent without legs has.
-const WITHOUT_LEGS: usize = 15;
+const WITHOUT_LEGS: usize = ORDER.len() - LEGS.len();
 
 /// Returns how many numbers an agent of a frame has.
 pub fn numbers_of_each(frame: &Frame) -> usize {
@@ -59,8 +59,8 @@ pub fn frame_of(time: f64, numbers: &[f64], each: usize, leaving: bool) -> Frame
     }
     // A contact of two people counts for both.
     let sum = |place: usize| rows.iter().map(|row| row[place]).sum::<f64>();
-    let totals = [0.5 * sum(6), sum(7)];
-    rows.iter_mut().for_each(|row| row[20..].copy_from_slice(&totals));
+    let totals = [0.5 * sum(MOTION.len()), sum(MOTION.len() + 1)];
+    rows.iter_mut().for_each(|row| row[FIRST_TOTAL..].copy_from_slice(&totals));
     let groups = Groups { active: leaving, legs: each > WITHOUT_LEGS, ..ALL };
     Frame { place: format!("t = {time:?} s"), ..Frame::of_rows(time, &rows, groups) }
 }

@@ -136,7 +136,7 @@ pub const TOTALS: [Quantity; 2] = [
     ),
 ];
 /// Place of the first of them in a row.
-pub(crate) const FIRST_TOTAL: usize = 20;
+pub const FIRST_TOTAL: usize = 20;
 
 /// Every quantity of the table of a run.
 pub const ALL: Groups =

@@ -5,7 +5,7 @@ use crate::measure::balance::OfBalance;
 use crate::measure::output::{OfOutput, Statistics};
 use crate::measure::places::{InArea, OverLine, Places};
 use crate::measure::squeeze::OfSqueeze;
-use crate::measure::{Kind, Measure};
+use crate::measure::{Across, Kind, Measure};
 use crate::output::{Reading, Stop, agents_named};
 use crate::spec::Spec;
 use lemons_core::plane::Vec2;
@@ -74,7 +74,7 @@ impl<'a> Accumulators<'a> {
                 }
                 Kind::Balance(of) => {
                     let agents = agents_named(trial, &of.agents)?;
-                    of.check(agents.len())?;
+                    Across::check(of.across, agents.len())?;
                     Accumulator::Balance(of, agents, Balance::of(people))
                 }
             })

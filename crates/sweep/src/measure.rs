@@ -97,7 +97,7 @@ impl Measure {
             Kind::Line(of) => of.check(places, points),
             Kind::Area(of) => of.check(places),
             Kind::Squeeze(of) => of.check(1),
-            Kind::Balance(of) => of.check(1),
+            Kind::Balance(_) => Ok(()),
         }
     }
 }
@@ -144,9 +144,17 @@ pub enum Across {
 }
 
 impl Across {
-    /// What is said where it is missing.
-    pub(crate) const NEEDED: &str =
-        "it needs across = \"max\", \"min\", \"mean\", \"median\" or \"quantile_90\"";
+    /// Checks that it is given for a number of agents.
+    ///
+    /// # Errors
+    /// A sentence: it is missing.
+    pub(crate) fn check(given: Option<Across>, agents: usize) -> Result<(), String> {
+        ensure(agents <= 1 || given.is_some(), || {
+            format!(
+                "has {agents} agents: it needs across = \"max\", \"min\", \"mean\", \"median\" or \"quantile_90\""
+            )
+        })
+    }
 
     /// Makes one of values, of which some may be infinite, but none is NaN; `None` without any.
     pub(crate) fn of(self, values: impl Iterator<Item = f64>) -> Option<f64> {

@@ -19,7 +19,7 @@ from . import _native
 from ._native import SimulationError
 from .drive import Drive, DriveLike, Floats, forces, known
 from .progress import Progress, ProgressLine
-from .record import Ints, Run
+from .record import PLACE, Ints, Run
 
 #: What is simulated: a Trial (its directory, or its zip), or the FMU of a crowd, by its path.
 Source = Union[str, "os.PathLike[str]"]
@@ -201,7 +201,7 @@ class Crowd:
     @property
     def left(self) -> int:
         """How many people are not there: who have left, or were taken out."""
-        return int((self._simulation.observe()[:, 14] == 0.0).sum())
+        return int((self._simulation.observe()[:, PLACE["active"]] == 0.0).sum())
 
     def step(self, step: float | None = None) -> None:
         """Simulates a communication step [s]; by default the Trial's TimeStep."""
@@ -322,7 +322,7 @@ class Crowd:
         if why is not None:
             warnings.warn(why, stacklevel=2)
         times, numbers = recording.finish()
-        leaving = self.plan is not None or not bool(numbers[:, :, 14].all())
+        leaving = self.plan is not None or not bool(numbers[:, :, PLACE["active"]].all())
         ended = float(times[-1]) if met or recording.have_left else None
         return Run(times, numbers, self.ids, leaving, ended, self.model)
 
@@ -341,7 +341,7 @@ class Presence:
         self._crowd = crowd
 
     def _values(self) -> NDArray[np.bool_]:
-        return self._crowd._simulation.observe()[:, 14].astype(bool)
+        return self._crowd._simulation.observe()[:, PLACE["active"]].astype(bool)
 
     def __array__(self, dtype: npt.DTypeLike = None, copy: bool | None = None) -> NDArray[Any]:
         return np.asarray(self._values(), dtype=dtype)

@@ -19,6 +19,9 @@ from .measure import Measures, measure
 
 Ints = NDArray[np.int32]
 
+#: Places of the numbers of an agent, by the names of their columns.
+PLACE = {name: place for place, name in enumerate(_native.NUMBERS)}
+
 
 @dataclass(frozen=True, repr=False)
 class Run:
@@ -92,37 +95,37 @@ class Run:
     @property
     def active(self) -> NDArray[np.bool_]:
         """Whether people are there, shape (K, N). With Jacobi's algorithm it follows Decision one step later."""
-        return self.numbers[:, :, 14].astype(bool)
+        return self.numbers[:, :, PLACE["active"]].astype(bool)
 
     @property
     def has_legs(self) -> bool:
         """Whether people have legs (`balance` in decision.toml). Else there are no `legs`, `steps`, `balanced` and `fallen`."""
-        return bool(self.numbers.shape[2] > 15)
+        return bool(self.numbers.shape[2] > PLACE["legs_x"])
 
-    def _of_legs(self, first: int, last: int) -> Floats:
+    def _of_legs(self, name: str, count: int = 1) -> Floats:
         if not self.has_legs:
             raise ValueError("nobody has legs in this run: balance in decision.toml gives them (docs/balance.md)")
-        return self.numbers[:, :, first:last]
+        return self.numbers[:, :, PLACE[name] : PLACE[name] + count]
 
     @property
     def legs(self) -> Floats:
         """x and y of the middle of the feet [m]: shape (K, N, 2)"""
-        return self._of_legs(15, 17)
+        return self._of_legs("legs_x", 2)
 
     @property
     def steps(self) -> Ints:
         """How many steps people took to keep the balance: shape (K, N)"""
-        return self._of_legs(17, 18)[:, :, 0].astype(np.int32)
+        return self._of_legs("steps")[:, :, 0].astype(np.int32)
 
     @property
     def balanced(self) -> NDArray[np.bool_]:
         """Whether people need no step: shape (K, N)"""
-        return self._of_legs(18, 19)[:, :, 0].astype(bool)
+        return self._of_legs("balanced")[:, :, 0].astype(bool)
 
     @property
     def fallen(self) -> NDArray[np.bool_]:
         """Whether they could not be saved from a fall, at some time: shape (K, N)"""
-        return self._of_legs(19, 20)[:, :, 0].astype(bool)
+        return self._of_legs("fallen")[:, :, 0].astype(bool)
 
     def frame(self) -> pd.DataFrame:
         """Returns the table that `lemons run` writes: a row for each agent at each communication point."""
@@ -137,7 +140,7 @@ class Run:
             if name in ("agent_contacts", "wall_contacts"):
                 total = own.sum(axis=1) / (2 if name == "agent_contacts" else 1)
                 values[f"total_{name}"] = np.repeat(total.astype(np.int64), agents)
-            values[name] = own.ravel() if place < 11 or name in ("legs_x", "legs_y") else own.ravel().astype(np.int64)
+            values[name] = own.ravel() if place < PLACE["agent_contacts"] or name in ("legs_x", "legs_y") else own.ravel().astype(np.int64)
         return pd.DataFrame({name: values[name] for name in _native.TABLE if name in values and (self.leaving or name != "active")})
 
     def measure(

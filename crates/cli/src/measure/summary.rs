@@ -77,17 +77,16 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// A piece of a wall, without forces as yet.
-    pub fn of((wall, place): (&Wall, usize)) -> Piece {
+    fn of(
+        segment: usize,
+        (wall, place): (&Wall, usize),
+        (seen, largest_mean_step): &(Exposed, f64),
+    ) -> Piece {
         let [from, to] = [wall.corners[place], wall.corners[place + 1]].map(Into::into);
-        let (wall, largest_mean_1) = (wall.id.clone(), None);
-        Piece { segment: 0, wall, from, to, largest_mean_step: 0.0, largest_mean_1, peak: 0.0, impulse: 0.0 }
-    }
-
-    fn seen((segment, (piece, (seen, largest_mean_step))): (usize, (Piece, &(Exposed, f64)))) -> Piece {
         let [_, largest_mean_1, _] = seen.largest_mean;
+        let (wall, largest_mean_step) = (wall.id.clone(), *largest_mean_step);
         let (peak, impulse) = (seen.peak, seen.impulse);
-        Piece { segment, largest_mean_step: *largest_mean_step, largest_mean_1, peak, impulse, ..piece }
+        Piece { segment, wall, from, to, largest_mean_step, largest_mean_1, peak, impulse }
     }
 }
 
@@ -172,7 +171,16 @@ pub struct OfPeople {
 
 impl Summary {
     /// Sums up what was seen of people with these Ids.
-    pub fn of(arguments: &Arguments, ids: &[String], pieces: Vec<Piece>, seen: &Seen<'_>) -> Summary {
+    pub fn of(
+        arguments: &Arguments,
+        ids: &[String],
+        pieces: Vec<(&Wall, usize)>,
+        seen: &Seen<'_>,
+    ) -> Summary {
+        let of_walls = |walls: &Vec<(Exposed, f64)>| {
+            let each = (0..).zip(pieces).zip(walls);
+            each.map(|((segment, piece), seen)| Piece::of(segment, piece, seen)).collect()
+        };
         let exposed = seen.exposed.as_deref();
         let line = |SeenLine { name, width, passages }: &SeenLine<'_>| {
             let directions = Way::ALL.map(|way| Crossings::of(passages, way, *width, ids.len())).into();
@@ -190,10 +198,7 @@ impl Summary {
             areas: seen.areas.iter().map(area).collect(),
             exposure: exposed.ok().and_then(|all| OfSqueeze::of(all, ids, arguments, seen)),
             exposure_left_out: exposed.err().copied(),
-            walls: seen
-                .walls
-                .as_ref()
-                .map(|walls| pieces.into_iter().zip(walls).enumerate().map(Piece::seen).collect()),
+            walls: seen.walls.as_ref().map(of_walls),
             balance: seen.balance.as_ref().and_then(|kept| OfBalance::of(kept, ids)),
         }
     }

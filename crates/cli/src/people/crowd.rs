@@ -24,7 +24,7 @@ use lemons_core::trial::{FileNames, Trial};
 use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
 use lemons_master::TrialInput;
 use lemons_people::{
-    Agent, Body3d, CrowdStatistics, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings, crowd_csv,
+    Agent, Body3d, CrowdStatistics, SKINS, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings, crowd_csv,
     crowd_trial, heading, light_xml, may_write, write_trial, write_trial_zip,
 };
 use std::io::Write;
@@ -79,7 +79,7 @@ struct TrialArguments {
     #[arg(long)]
     force: bool,
     /// Material of the people. human_soft has a softer chest: lower and longer peaks, longer steps
-    #[arg(long, value_parser = ["human_naked", "human_clothes", "human_soft"], default_value = "human_naked")]
+    #[arg(long, value_parser = SKINS, default_value = SKINS[0])]
     material: String,
     /// Everybody pushes along --direction, with the force that keeps a lone person at this speed, in
     /// m/s. Default: 0. With --leave: everybody's desired speed. Default: 1.34

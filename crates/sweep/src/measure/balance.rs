@@ -1,7 +1,6 @@
 //! How people who have legs keep their balance.
 
 use crate::measure::Across;
-use lemons_master::ensure;
 use lemons_results::measure::{Balance, Kept};
 use serde::Deserialize;
 
@@ -37,14 +36,6 @@ pub enum What {
 }
 
 impl OfBalance {
-    /// Checks that the measure is complete, for a number of agents.
-    ///
-    /// # Errors
-    /// A sentence that names what is missing.
-    pub(crate) fn check(&self, agents: usize) -> Result<(), String> {
-        ensure(agents <= 1 || self.across.is_some(), || format!("has {agents} agents: {}", Across::NEEDED))
-    }
-
     /// Returns the number of what was seen of the agents at these places; `None` if people have no legs.
     pub(crate) fn value(&self, agents: &[usize], seen: Balance) -> Option<f64> {
         let of = |one: &Kept| match self.balance {

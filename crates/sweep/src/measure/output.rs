@@ -64,8 +64,7 @@ impl OfOutput {
             (_, level) => ensure(level.is_none_or(f64::is_finite), || "level is not finite")?,
         }
         let single = agents <= 1 || matches!(self.take, Take::Max | Take::Min | Take::Mean);
-        let needed = || format!("has {agents} agents: {}", Across::NEEDED);
-        ensure(single || self.across.is_some(), needed)
+        Across::check(self.across, if single { 1 } else { agents })
     }
 
     /// Adds the values of all its agents at a time \[s\]; `None` for those who have left.

@@ -81,7 +81,7 @@ impl OfSqueeze {
         ] {
             ensure(holds, || why)?;
         }
-        ensure(agents <= 1 || self.across.is_some(), || format!("has {agents} agents: {}", Across::NEEDED))
+        Across::check(self.across, agents)
     }
 
     /// Begins to sum up the squeeze of so many agents.

@@ -118,7 +118,8 @@ fn pushed_row() -> Result<[f64; 2]> {
         row.pass(0.01)?;
         made = largest([made, kinetic_energy(&row.world) - work]);
     }
-    ensure!(row.decision.legs_of(4).steps > 0, "the push goes through, and the last one steps");
+    let last = row.decision.stances().map(|stances| stances[4].steps);
+    ensure!(last > Some(0), "the push goes through, and the last one steps");
     let missing = (momentum(&row.world).x - impulse).abs() / (0.2 * PUSH);
     Ok([missing, made / (0.5 * PUSH * PUSH * 0.04 / MASS)])
 }
