@@ -38,7 +38,7 @@ struct Settings {
     output_directory: String,
     /// Rates of the inputs over the next step, by agent; missing ones are constant.
     rates: BTreeMap<usize, Wrench>,
-    /// \[m\] of the importer's experiment: chooses the mechanical step, unless that was set.
+    /// \[m\] of the importer's experiment: may shorten the mechanical step.
     tolerance: Option<f64>,
 }
 
@@ -58,18 +58,14 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Returns the importer's tolerance if it chooses the mechanical step.
-    fn choosing_tolerance(&self) -> Option<f64> {
-        self.tolerance.filter(|_| !self.elements.contains_key(&(Quantity::TimeStepMechanical, 0)))
-    }
-
-    /// Gives a Trial the mechanical step that the tolerance chooses.
-    fn choose_step(&self, trial: &mut Trial) {
-        if let Some(tolerance) = self.choosing_tolerance()
-            && let Ok(step) = by_tolerance(trial, tolerance, self.most_steps)
-        {
-            trial.parameters.time_step_mechanical = step;
-        }
+    /// Gives a Trial the mechanical step that is used: its own or the one that was set, or a shorter one that the
+    /// tolerance needs.
+    fn choose_step(&self, trial: &mut Trial, packed: &Trial) {
+        let Some(tolerance) = self.tolerance else { return };
+        let set = self.elements.get(&(Quantity::TimeStepMechanical, 0));
+        let longest = set.copied().unwrap_or(packed.parameters.time_step_mechanical);
+        let needed = by_tolerance(trial, tolerance, self.most_steps).unwrap_or(longest);
+        trial.parameters.time_step_mechanical = longest.min(needed);
     }
 
     /// Returns a packed Trial with these settings; `None` if it does not have what was set.
@@ -160,7 +156,7 @@ impl Model for CrowdModel {
     const INTERPOLATES_INPUTS: bool = true;
     const KNOWS_DERIVATIVES: bool = true;
     const SHOWS_INTERMEDIATE_VALUES: bool = true;
-    const STATE_VERSION: u32 = 10;
+    const STATE_VERSION: u32 = 11;
     const SIZES: &'static [Size] = &SIZES;
     const VARIABLES: &'static [Variable<Quantity>] = &QUANTITIES;
 
@@ -242,7 +238,7 @@ impl Model for CrowdModel {
         match quantity {
             Quantity::MostMechanicalSteps => {
                 self.settings.most_steps = value;
-                if self.chooses_step() {
+                if self.settings.tolerance.is_some() {
                     self.world = None;
                 }
             }
@@ -307,22 +303,17 @@ impl Model for CrowdModel {
     }
 
     fn set_tolerance(&mut self, tolerance: Option<f64>) {
-        if self.chooses_step() {
-            self.trial.parameters.time_step_mechanical = self.packed.trial.parameters.time_step_mechanical;
-        }
         self.settings.tolerance = tolerance;
         self.world = None;
     }
 
     fn initialize(&mut self, start: f64) -> Answer<()> {
         self.make_world()?;
-        if self.chooses_step() {
-            self.warnings.extend(self.warning_of_step());
-        }
+        self.warnings.extend(self.warning_of_step());
         make_directory(&self.settings.output_directory)?;
         let inputs_only =
             self.settings.elements.keys().all(|(quantity, _)| quantity.row().role == Role::Input);
-        if self.chooses_step() || !inputs_only {
+        if self.settings.tolerance.is_some() || !inputs_only {
             let advice = Setup::of(&self.trial).advice_as_edited();
             self.warnings.extend(advice.iter().map(Problem::without_severity));
         }
@@ -493,7 +484,7 @@ impl CrowdModel {
 
     fn make_world(&mut self) -> Answer<&mut World> {
         if self.world.is_none() {
-            self.choose_step();
+            self.settings.choose_step(&mut self.trial, &self.packed.trial);
             let mut world = Setup::of(&self.trial).world()?;
             give_threads(&mut world, self.settings.threads, None)?;
             self.dismiss(&mut world)?;
@@ -523,19 +514,6 @@ impl CrowdModel {
         Ok(restored.map_err(|crowded| Setup::of(&self.trial).too_crowded(crowded))?)
     }
 
-    /// Whether the importer's tolerance chooses the mechanical step.
-    fn chooses_step(&self) -> bool {
-        self.settings.choosing_tolerance().is_some()
-    }
-
-    /// Gives the documents the mechanical step that is used.
-    fn choose_step(&mut self) {
-        if self.chooses_step() {
-            self.trial.parameters.time_step_mechanical = self.packed.trial.parameters.time_step_mechanical;
-            self.settings.choose_step(&mut self.trial);
-        }
-    }
-
     /// Says why the tolerance is not kept to.
     fn warning_of_step(&self) -> Option<String> {
         let tolerance = self.settings.tolerance?;
@@ -543,13 +521,13 @@ impl CrowdModel {
         match by_tolerance(&self.trial, tolerance, self.settings.most_steps) {
             Err(None) => None,
             Err(Some(why)) => Some(format!(
-                "the tolerance {tolerance:e} chooses no mechanical step: {why}; TimeStepMechanical stays {step:?} s"
+                "for the tolerance {tolerance:e} there is no mechanical step: {why}; TimeStepMechanical stays {step:?} s"
             )),
             Ok(_) if tolerance < FINEST_ACCURACY => Some(format!(
                 "the tolerance {tolerance:e} is taken as {FINEST_ACCURACY:e}: poses are not known to be more accurate \
                  than {FINEST_ACCURACY:e} m at any mechanical step"
             )),
-            Ok(step) => {
+            Ok(_) => {
                 let error = Setup::of(&self.trial).steps()?.error(step);
                 (error > tolerance * (1.0 + 1e-9)).then(|| {
                     format!(
@@ -632,7 +610,7 @@ impl CrowdModel {
     #[cold]
     fn without_world(&mut self, quantity: Quantity, element: usize) -> Answer<f64> {
         if quantity == Quantity::TimeStepMechanical && self.world.is_none() {
-            self.choose_step();
+            self.settings.choose_step(&mut self.trial, &self.packed.trial);
         }
         if let Some(field) = field(&mut self.trial, quantity, element) {
             return Ok(*field);

@@ -13,7 +13,6 @@ fn experiments_are_checked() {
             (None, 0.0, Some(f64::NAN)),
             (None, 0.0, Some(f64::INFINITY)),
             (None, 1.0, Some(0.5)),
-            (Some(0.0), 0.0, None),
             (Some(-1e-4), 0.0, None),
             (Some(f64::NAN), 0.0, None),
             (Some(f64::INFINITY), 0.0, None),

@@ -168,13 +168,15 @@ impl<M: Model> Slave<M> {
     /// `fmi2SetupExperiment`, or the first part of `fmi3EnterInitializationMode`.
     ///
     /// # Errors
-    /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is not
-    /// positive and finite.
+    /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is negative
+    /// or not finite.
     pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>, tolerance: Option<f64>) -> Answer<()> {
         self.check(Function::SetupExperiment)?;
+        // OMSimulator defines one of 0 where its structure names none.
+        let tolerance = tolerance.filter(|tolerance| *tolerance != 0.0);
         if let Some(tolerance) = tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
             return refuse(format!(
-                "a tolerance of {tolerance:?}: must be positive and finite, or not defined"
+                "a tolerance of {tolerance:?}: must be positive and finite, or 0 or not defined for none"
             ));
         }
         if !start.is_finite() {

@@ -144,7 +144,7 @@ impl Simulation {
         })
     }
 
-    /// Begins at a time \[s\]. The tolerance \[m\], if there is one, chooses the mechanical step (docs/step.md).
+    /// Begins at a time \[s\]. The tolerance \[m\], if there is one, may shorten the mechanical step (docs/step.md).
     ///
     /// # Errors
     /// The values that were set do not fit together, or no ways to exits and goals can be found.
