@@ -17,7 +17,7 @@ use lemons_core::trial::{
     DriveTable, DynamicsElement, Problem, Trial, dynamics_xml, interactions_xml, output_names,
 };
 use lemons_fmi::location::Location;
-use lemons_fmi::variables::{Role, Scalar, Size, Variable};
+use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
 use lemons_fmi::{Answer, Model, Part, Phase, Refusal, StepError, refuse};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -300,6 +300,14 @@ impl Model for CrowdModel {
             let rates = self.settings.rates.entry(agent_of_drive(quantity, element)).or_default();
             *part_of_drive(rates, quantity, element) = rate;
         }
+    }
+
+    /// Present inputs act from the next step on.
+    fn dependencies(&self, computed: Quantity, known: Known) -> Dependencies<Quantity> {
+        Dependencies::All(match known {
+            Known::Inputs => Vec::new(),
+            Known::Starts => computed.row().initially_on.to_vec(),
+        })
     }
 
     fn set_tolerance(&mut self, tolerance: Option<f64>) {

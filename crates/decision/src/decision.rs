@@ -10,7 +10,7 @@ use crate::walking_model::{DesiredMotion, Walking, WalkingModel};
 use lemons_core::files::input;
 use lemons_core::plane::{Rotation, Vec2, vec2};
 use lemons_fmi::location::Location;
-use lemons_fmi::variables::{Dependency, Known, Role, Scalar, Size, Variable};
+use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
 use lemons_fmi::{Answer, Model, Part, Phase, Refusal, StepError, damaged, fingerprint, refuse};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -675,12 +675,8 @@ impl Model for Decision {
         }
     }
 
-    fn dependencies(&self, output: Quantity, known: Known) -> Vec<Dependency<Quantity>> {
-        self.dependencies_of(output, known)
-    }
-
-    fn depends_on_all(&self, output: Quantity) -> bool {
-        self.needs_all(output)
+    fn dependencies(&self, computed: Quantity, known: Known) -> Dependencies<Quantity> {
+        self.dependencies_of(computed, known)
     }
 
     fn initialize(&mut self, _: f64) -> Answer<()> {
@@ -894,18 +890,19 @@ mod tests {
     fn legs_depend_on_the_own_motion_only() {
         let decision =
             decision("balance = \"pendulum\"\nmodel = \"rotational\"\nwaypoints = [{ x = 9, y = 0 }]");
-        let known = |output: Quantity| {
-            let of = |dependency: &Dependency<Quantity>| (dependency.dependent == 0).then_some(dependency.on);
-            let on = decision.dependencies(output, Known::Inputs);
-            on.iter().filter_map(of).collect::<Vec<_>>()
+        let known = |output: Quantity| match decision.dependencies(output, Known::Inputs) {
+            Dependencies::All(on) => (true, on),
+            Dependencies::Elements(elements) => {
+                let first = elements.iter().filter(|of| of.dependent == 0);
+                (false, first.map(|of| of.on).collect())
+            }
         };
         use Quantity::*;
-        assert_eq!(known(Lean), [Position; 2]);
-        assert_eq!(known(Balanced), [Position, Position, Velocity, Velocity]);
-        assert!(known(Steps).is_empty() && known(Fallen).is_empty());
-        assert!(
-            known(Fp).contains(&Velocity) && decision.depends_on_all(Fp) && !decision.depends_on_all(Legs)
-        );
+        assert_eq!(known(Lean), (false, vec![Position; 2]));
+        assert_eq!(known(Balanced), (false, vec![Position, Position, Velocity, Velocity]));
+        assert!(known(Steps).1.is_empty() && known(Fallen).1.is_empty());
+        let (all, on) = known(Fp);
+        assert!(all && on.contains(&Velocity));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use crate::boundary::LOG_CATEGORIES;
 use crate::model::{Model, guid, instantiation_token, reference};
 use crate::variables::units::SECOND;
-use crate::variables::{Dependency, Dimension, Kind, Known, Role, Scalar, Type, Unit, Variable};
+use crate::variables::{Dependencies, Dimension, Kind, Known, Role, Scalar, Type, Unit, Variable};
 use crate::{Answer, Format, Naming, Version};
 use lemons_core::xml::{Layout, Out, escaped, number};
 use std::collections::{BTreeSet, HashMap};
@@ -61,11 +61,7 @@ type IsWanted = fn(Role) -> bool;
 /// The unknowns of a model: name of the element, which variables they are, and on what they depend.
 const UNKNOWNS: [(&str, IsWanted, Known); 2] = [
     ("Output", |role| matches!(role, Role::Exact | Role::Calculated), Known::Inputs),
-    (
-        "InitialUnknown",
-        |role| matches!(role, Role::Calculated | Role::CalculatedParameter),
-        Known::InputsAndParameters,
-    ),
+    ("InitialUnknown", |role| matches!(role, Role::Calculated | Role::CalculatedParameter), Known::Starts),
 ];
 
 fn of_arrays<M: Model>(model: &mut M) -> Answer<String> {
@@ -102,8 +98,8 @@ fn of_arrays<M: Model>(model: &mut M) -> Answer<String> {
             for (name, is_wanted, known) in UNKNOWNS {
                 for variable in M::VARIABLES.iter().filter(|variable| is_wanted(variable.role)) {
                     // Here variables count, not their elements.
-                    let on = model.dependencies(variable.quantity, known).into_iter().map(|on| on.on);
-                    let on: BTreeSet<u32> = on.filter_map(reference::<M>).collect();
+                    let on = model.dependencies(variable.quantity, known).variables();
+                    let on: BTreeSet<u32> = on.into_iter().filter_map(reference::<M>).collect();
                     let own = value_reference::<M>(variable);
                     let attributes = [("valueReference", &*own), ("dependencies", &joined(on))];
                     out.empty(name, &attributes);
@@ -254,8 +250,12 @@ fn write_array<M: Model>(out: &mut Out, variable: &Variable<M::Quantity>, start:
     });
 }
 
+/// Most numbers of lists in which each unknown of a kind depends on the same elements.
+const MOST_LISTED: usize = 10_000;
+
 /// Writes the unknowns of FMI 2.0, which counts variables from 1, with the known ones on which they
-/// depend. Where each depends on all, no list is written.
+/// depend. Where each depends on the same ones and these lists would be long, there are none, which
+/// FMI reads as "on all".
 fn write_unknowns<M: Model>(
     out: &mut Out,
     model: &M,
@@ -263,23 +263,39 @@ fn write_unknowns<M: Model>(
     is_wanted: IsWanted,
     known: Known,
 ) {
-    let scalars_wanted = scalars.iter().enumerate().filter(|(_, scalar)| is_wanted(scalar.variable.role));
     let key = |quantity: M::Quantity, element: usize| (reference::<M>(quantity), element);
     let places: HashMap<_, usize> =
-        (0..).zip(scalars).map(|(place, of)| (key(of.variable.quantity, of.element), place)).collect();
-    let mut depends_on = vec![BTreeSet::new(); scalars.len()];
-    let listed = |variable: &Variable<M::Quantity>| !model.depends_on_all(variable.quantity);
-    for variable in M::VARIABLES.iter().filter(|variable| is_wanted(variable.role) && listed(variable)) {
-        for Dependency { dependent, on, element } in model.dependencies(variable.quantity, known) {
-            if let Some(unknown) = places.get(&key(variable.quantity, dependent)) {
-                depends_on[*unknown].extend(places.get(&key(on, element)).map(|known| known + 1));
+        (1..).zip(scalars).map(|(place, of)| (key(of.variable.quantity, of.element), place)).collect();
+    let mut depends_on = vec![BTreeSet::<usize>::new(); scalars.len() + 1];
+    let mut of_all: HashMap<_, String> = HashMap::new();
+    let mut listed = 0;
+    for variable in M::VARIABLES.iter().filter(|variable| is_wanted(variable.role)) {
+        match model.dependencies(variable.quantity, known) {
+            Dependencies::All(on) => {
+                let is_on = |(_, of): &(usize, &Scalar<_>)| on.contains(&of.variable.quantity);
+                let on: Vec<usize> = (1..).zip(scalars).filter(is_on).map(|(place, _)| place).collect();
+                listed +=
+                    on.len() * scalars.iter().filter(|of| of.variable.quantity == variable.quantity).count();
+                of_all.insert(variable.name, joined(on));
+            }
+            Dependencies::Elements(elements) => {
+                for of in elements {
+                    if let Some(unknown) = places.get(&key(variable.quantity, of.dependent)) {
+                        depends_on[*unknown].extend(places.get(&key(of.on, of.element)));
+                    }
+                }
             }
         }
     }
-    for (place, scalar) in scalars_wanted {
-        let (index, on) = ((place + 1).to_string(), joined(&depends_on[place]));
-        let attributes = [("index", &*index), ("dependencies", &*on)];
-        out.empty("Unknown", if listed(scalar.variable) { &attributes } else { &attributes[..1] });
+    for (place, scalar) in (1..).zip(scalars).filter(|(_, scalar)| is_wanted(scalar.variable.role)) {
+        let index = place.to_string();
+        let own = || Some(joined(&depends_on[place]));
+        let on = of_all
+            .get(scalar.variable.name)
+            .map_or_else(own, |all| (all.is_empty() || listed <= MOST_LISTED).then(|| all.clone()));
+        let mut attributes = vec![("index", &*index)];
+        attributes.extend(on.as_deref().map(|on| ("dependencies", on)));
+        out.empty("Unknown", &attributes);
     }
 }
 

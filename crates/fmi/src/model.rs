@@ -1,7 +1,7 @@
 //! The model behind an FMU, and what identifies its interface.
 
 use crate::location::Location;
-use crate::variables::{Dependency, Known, Scalar, Size, Variable};
+use crate::variables::{Dependencies, Known, Scalar, Size, Variable};
 use crate::{Answer, Phase, Refusal};
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Debug;
@@ -180,16 +180,9 @@ pub trait Model: Sized + Send {
     /// [`Model::INTERPOLATES_INPUTS`].
     fn set_rate(&mut self, _input: Self::Quantity, _element: usize, _rate: f64) {}
 
-    /// Returns the known elements on which the elements of an output depend at a communication
-    /// point.
-    fn dependencies(&self, _output: Self::Quantity, _known: Known) -> Vec<Dependency<Self::Quantity>> {
-        Vec::new()
-    }
-
-    /// Returns whether each element of an output depends on all that [`Model::dependencies`] names.
-    fn depends_on_all(&self, _output: Self::Quantity) -> bool {
-        false
-    }
+    /// Returns the known elements on which the elements of what is computed depend: at a communication point, or until
+    /// initialization ends.
+    fn dependencies(&self, computed: Self::Quantity, known: Known) -> Dependencies<Self::Quantity>;
 
     /// Takes the tolerance of the experiment, a positive and finite number, or none if the importer
     /// defines none. Called before initialization begins. A model that has no use for it ignores

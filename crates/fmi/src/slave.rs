@@ -5,10 +5,9 @@
 
 use crate::lifecycle::{Function, Phase, allowed};
 use crate::model::{Model, Part, StepError, guid, instantiation_token, reference};
-use crate::variables::{Dimension, Domain, Known, MOST, Number, Role, Scalar, Type, Variable};
+use crate::variables::{Dependencies, Dimension, Domain, Known, MOST, Number, Role, Scalar, Type, Variable};
 use crate::{Status, Version};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 use uuid::Uuid;
 
 /// Why a call was refused or failed, in words.
@@ -523,9 +522,9 @@ impl<M: Model> Slave<M> {
         Ok(())
     }
 
-    /// `fmi3GetVariableDependencies`: of the elements of an output, as indices from 0, the value
-    /// reference of the variable on which each depends, and the index of its element. Until
-    /// initialization ends, the initial dependencies (FMI 3.0, section 2.2.9).
+    /// `fmi3GetVariableDependencies`: of the elements of an output, as FMI counts them (from 1; 0 is all
+    /// of them), the value reference of the variable on which each depends, and the index of its
+    /// element. Until initialization ends, the initial dependencies (FMI 3.0, section 2.2.9).
     ///
     /// # Errors
     /// Wrong phase or an unknown reference.
@@ -536,21 +535,18 @@ impl<M: Model> Slave<M> {
             return if known { Ok(Vec::new()) } else { unknown_reference("any", of) };
         };
         let known = match self.phase {
-            Phase::Instantiated | Phase::Configuration | Phase::Initialization => Known::InputsAndParameters,
+            Phase::Instantiated | Phase::Configuration | Phase::Initialization => Known::Starts,
             _ => Known::Inputs,
         };
-        let own = self.model.dependencies(array.quantity, known).into_iter();
-        let own = own.filter_map(|on| Some((on.dependent, reference::<M>(on.on)?, on.element)));
-        if !self.model.depends_on_all(array.quantity) {
-            return Ok(own.collect());
-        }
-        let all: BTreeSet<(u32, usize)> = own.map(|(_, on, element)| (on, element)).collect();
-        let elements = self.length(of)?;
-        if elements * all.len() > MOST_DEPENDENCIES {
-            return refuse("each element depends on those of all agents, which are too many to be listed");
-        }
-        let each = (0..elements).flat_map(|k| all.iter().map(move |&(on, element)| (k, on, element)));
-        Ok(each.collect())
+        Ok(match self.model.dependencies(array.quantity, known) {
+            Dependencies::All(on) => {
+                on.into_iter().filter_map(|on| Some((0, reference::<M>(on)?, 0))).collect()
+            }
+            Dependencies::Elements(own) => own
+                .into_iter()
+                .filter_map(|of| Some((of.dependent + 1, reference::<M>(of.on)?, of.element + 1)))
+                .collect(),
+        })
     }
 
     /// Returns the parts of a communication step from the communication point `from` of a length
@@ -749,8 +745,6 @@ fn state_version<M: Model>() -> u32 {
     FORMAT << 16 | M::STATE_VERSION
 }
 
-/// Each on all: the largest number of dependencies that are listed.
-const MOST_DEPENDENCIES: usize = 10_000_000;
 const MAGIC: &[u8; 8] = b"LEMONSst";
 /// Increased whenever [`Snapshot`] changes.
 const FORMAT: u32 = 3;

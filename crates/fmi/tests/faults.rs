@@ -2,7 +2,7 @@
 //! FMI's state "fatal", the column of section 4.2.4 that no call of a sound model reaches.
 
 use lemons_fmi::location::Location;
-use lemons_fmi::variables::{Kind, Scalar, Size, Variable, row, units};
+use lemons_fmi::variables::{Dependencies, Kind, Known, Scalar, Size, Variable, row, units};
 use lemons_fmi::{Answer, Model, Part, Phase, Status, StepError, guid};
 use lemons_verify::testing::fmi2;
 use lemons_verify::testing::instance::{Arguments, Functions};
@@ -55,6 +55,10 @@ impl Model for Brittle {
 
     fn set(&mut self, (): (), _: usize, value: f64, _: Phase) {
         self.x = value;
+    }
+
+    fn dependencies(&self, (): (), _: Known) -> Dependencies<()> {
+        Dependencies::All(Vec::new())
     }
 
     fn initialize(&mut self, _: f64) -> Answer<()> {
