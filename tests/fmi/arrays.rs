@@ -1,6 +1,8 @@
 //! What only FMI 3.0 has: arrays, their sizes, and values within a step.
 
 use crate::fmu::*;
+use crowd_mechanics::model_description::model_description;
+use crowd_mechanics::{pack::Format, setup};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -225,6 +227,44 @@ fn values_within_a_step_are_those_of_short_steps() {
         assert!((time - (k + 1) as f64 * 0.01).abs() < 1e-12, "{time}");
         assert_eq!(*x, short.get("agent[0].Position.x"));
     }
+}
+
+/// A strict importer reads only what is continuous and marked.
+#[test]
+fn what_is_marked_can_be_read_within_a_step() {
+    let xml = model_description(&setup::read(&paper()).unwrap().0, Format::Fmi3);
+    let variables = xml.split('<').filter(|tag| tag.contains(" valueReference=\"") && tag.contains(" name="));
+    let (mut marked, mut outputs) = (Vec::new(), Vec::new());
+    for tag in variables {
+        let value =
+            |name: &str| tag.split(&format!(" {name}=\"")).nth(1).map(|rest| rest.split('"').next().unwrap());
+        let reference: u32 = value("valueReference").unwrap().parse().unwrap();
+        if value("intermediateUpdate") == Some("true") {
+            marked.push(reference);
+        }
+        if value("causality") == Some("output") && value("variability") == Some("continuous") {
+            outputs.push((reference, value("name").unwrap().to_owned()));
+        }
+    }
+    assert!(
+        marked.len() > 10 && marked.iter().eq(outputs.iter().map(|(reference, _)| reference)),
+        "{marked:?}"
+    );
+    assert!(xml.contains("providesIntermediateUpdate=\"true\""));
+    assert!(xml.contains("canReturnEarlyAfterIntermediateUpdate=\"true\""));
+    let (crowd, _) = watched(None);
+    let (weak, count) = (Rc::downgrade(&crowd), Rc::new(RefCell::new(0)));
+    let read = count.clone();
+    crowd.on_update(Box::new(move |_, _| {
+        let crowd = weak.upgrade().expect("it steps");
+        for (_, name) in &outputs {
+            crowd.values(name);
+            *read.borrow_mut() += 1;
+        }
+        None
+    }));
+    crowd.must(crowd.try_step(0.0, 0.05));
+    assert_eq!(*count.borrow(), 4 * marked.len());
 }
 
 #[test]

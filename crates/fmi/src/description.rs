@@ -58,9 +58,13 @@ fn of_scalars<M: Model>(model: &mut M, naming: Naming) -> Answer<String> {
 
 type IsWanted = fn(Role) -> bool;
 
+fn is_output(role: Role) -> bool {
+    matches!(role, Role::Exact | Role::Calculated)
+}
+
 /// The unknowns of a model: name of the element, which variables they are, and on what they depend.
 const UNKNOWNS: [(&str, IsWanted, Known); 2] = [
-    ("Output", |role| matches!(role, Role::Exact | Role::Calculated), Known::Inputs),
+    ("Output", is_output, Known::Inputs),
     ("InitialUnknown", |role| matches!(role, Role::Calculated | Role::CalculatedParameter), Known::Starts),
 ];
 
@@ -229,6 +233,10 @@ fn write_array<M: Model>(out: &mut Out, variable: &Variable<M::Quantity>, start:
     let mut attributes = attributes(variable, variable.name, &own, variable.description);
     if let Kind::Real(unit) = variable.kind {
         attributes.push(("unit", unit.name));
+        // Within a step importers may only read what is continuous and says so; inputs are not set there.
+        if M::SHOWS_INTERMEDIATE_VALUES && is_output(variable.role) {
+            attributes.push(("intermediateUpdate", "true"));
+        }
     }
     // Only single texts can be set.
     let (number, text) = if variable.kind == Kind::String { (None, start) } else { (start, None) };
