@@ -61,7 +61,7 @@ pub fn allowed(function: Function, version: Version, phase: Phase) -> bool {
         Function::ExitInitializationMode => ["--I----", "--I----"],
         Function::Terminate | Function::DoStep => ["---S---", "---S---"],
         Function::Reset | Function::State => ["I-IS-TE", "ICIS-TE"],
-        Function::Get => ["--IS-TE", "-CISITE"],
+        Function::Get => ["--IS-TE", "ICISITE"],
         Function::Set => ["I-IS---", "ICIS---"],
         Function::GetVariableDependencies => ["-------", "ICIS-TE"],
         Function::GetDirectionalDerivative => ["--IS-TE", "--ISITE"],

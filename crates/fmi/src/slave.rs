@@ -317,6 +317,20 @@ impl<M: Model> Slave<M> {
         }
     }
 
+    /// Refuses to read what has no start value before initialization begins (FMI 3.0, section 2.3.2).
+    fn check_readable(&self, references: &[u32], of: Type) -> Answer<()> {
+        if self.phase != Phase::Instantiated {
+            return Ok(());
+        }
+        for &reference in references {
+            if matches!(self.row(reference, of)?.role, Role::Calculated | Role::CalculatedParameter) {
+                let name = self.name(reference, None);
+                return refuse(format!("{name} has no start value: it can be read from initialization on"));
+            }
+        }
+        Ok(())
+    }
+
     /// Reads numbers.
     ///
     /// # Errors
@@ -333,6 +347,7 @@ impl<M: Model> Slave<M> {
             return Ok(());
         }
         self.check_count(references, N::TYPE, values.len())?;
+        self.check_readable(references, N::TYPE)?;
         let (mut rest, mut numbers) = (values, Vec::new());
         for &reference in references {
             let (these, others) = rest.split_at_mut(self.length(reference)?);
@@ -356,6 +371,7 @@ impl<M: Model> Slave<M> {
     pub fn get_strings(&self, references: &[u32], count: usize) -> Answer<Vec<String>> {
         self.check(Function::Get)?;
         self.check_count(references, Type::String, count)?;
+        self.check_readable(references, Type::String)?;
         let mut texts = Vec::with_capacity(count);
         for &reference in references {
             let Row { quantity: Some(quantity), element, .. } = self.row(reference, Type::String)? else {
