@@ -72,13 +72,13 @@ impl Log {
         if !(self.wanted[category] || self.wanted[ALL]) {
             return;
         }
-        // Zeros inside would end the text early.
-        let message = message.replace('\0', " ");
+        // Zeros inside would end the text early. Importers replace `#r6#` by the name of a variable, in FMI 3.0 `#6#`
+        // (FMI 2.0.5, section 2.1.5; FMI 3.0, section 2.3.1).
+        let message = message.replace('\0', " ").replace('#', "##");
         let category = CString::new(LOG_CATEGORIES[category].0).unwrap_or_default();
         match self.logger {
             Logger::V2(Some(logger)) => {
-                // Importers replace `#r6#` by the name of a variable (FMI 2.0.5, section 2.1.5).
-                let text = CString::new(message.replace('#', "##")).unwrap_or_default();
+                let text = CString::new(message).unwrap_or_default();
                 // SAFETY: the importer's logger, called as FMI says; the message goes through "%s", so that percent signs
                 // in it are themselves.
                 unsafe {
