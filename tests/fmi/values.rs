@@ -1,6 +1,10 @@
 //! Variables: what is refused, how it is told, and that nothing of it is kept.
 
 use crate::fmu::*;
+use crowd_mechanics::model::CrowdModel;
+use crowd_mechanics::setup;
+use lemons_core::trial::DriveTable;
+use lemons_verify::testing::bounds;
 
 #[test]
 fn unknown_and_mistyped_references_are_named() {
@@ -256,4 +260,11 @@ fn who_comes_back_inside_another_is_warned_of() {
     // Once.
     let _ = crowd.try_step(0.502, 1e-3);
     assert_eq!(warnings(&crowd), [""; 0]);
+}
+
+/// What a description declares, both versions.
+#[test]
+fn declared_bounds_are_kept() {
+    let (trial, _) = setup::read(&paper()).unwrap();
+    bounds::are_kept(|| CrowdModel::of_trial(trial.clone(), DriveTable::default()));
 }

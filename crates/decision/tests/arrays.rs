@@ -8,6 +8,7 @@ use lemons_decision::{Decision, DecisionConfig, Person, Plan};
 use lemons_fmi::Status::{self, Ok as OK};
 use lemons_fmi::variables::Known;
 use lemons_fmi::{self as fmi, Format, Model};
+use lemons_verify::testing::bounds;
 use lemons_verify::testing::dependencies::moved;
 use lemons_verify::testing::instance::{Arguments, Functions};
 use lemons_verify::testing::{Instance, Version};
@@ -355,6 +356,12 @@ fn whatever_people_do_depends_on_what_is_declared() {
         };
         assert!(moved(initialized, Known::Inputs).contains(&("Fp", "Position")), "{wishes}");
     }
+}
+
+/// What a description declares, both versions.
+#[test]
+fn declared_bounds_are_kept() {
+    bounds::are_kept(|| Decision::new(plan()));
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use crate::boundary::LOG_CATEGORIES;
 use crate::model::{Model, guid, instantiation_token, reference};
 use crate::variables::units::SECOND;
-use crate::variables::{Dependencies, Dimension, Kind, Known, Role, Scalar, Type, Unit, Variable};
+use crate::variables::{Dependencies, Dimension, Domain, Kind, Known, Role, Scalar, Type, Unit, Variable};
 use crate::{Answer, Format, Naming, Version};
 use lemons_core::xml::{Layout, Out, escaped, number};
 use std::collections::{BTreeSet, HashMap};
@@ -41,6 +41,8 @@ fn of_scalars<M: Model>(model: &mut M, naming: Naming) -> Answer<String> {
                     if let Kind::Real(unit) = variable.kind {
                         own.push(("unit", unit.name));
                     }
+                    let bounds = bounds(variable.domain, variable.kind.into());
+                    own.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
                     own.extend(start.as_deref().map(|start| ("start", start)));
                     out.empty(variable.kind.name(), &own);
                 });
@@ -84,14 +86,17 @@ fn of_arrays<M: Model>(model: &mut M) -> Answer<String> {
         out.element("ModelVariables", &[], |out| {
             write_time(out);
             for (place, (size, value)) in M::SIZES.iter().zip(&sizes).enumerate() {
-                let attributes = [
+                let bounds = bounds(Domain::Size, Type::Size);
+                let (reference, value) = ((place + 1).to_string(), value.to_string());
+                let mut attributes = vec![
                     ("name", size.name),
-                    ("valueReference", &(place + 1).to_string()),
+                    ("valueReference", &*reference),
                     ("description", size.description),
                     ("causality", "structuralParameter"),
                     ("variability", "fixed"),
-                    ("start", &value.to_string()),
                 ];
+                attributes.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
+                attributes.push(("start", &*value));
                 out.empty("UInt64", &attributes);
             }
             for (variable, start) in M::VARIABLES.iter().zip(&starts) {
@@ -216,6 +221,13 @@ fn attributes<'a, Q>(
     attributes
 }
 
+/// Returns `min` and `max`, where values of the type are refused.
+fn bounds(domain: Domain, of: Type) -> Vec<(&'static str, String)> {
+    let written = |bound: f64| if of == Type::Real { number(bound) } else { format!("{bound:.0}") };
+    let bounds = ["min", "max"].into_iter().zip(domain.bounds(of));
+    bounds.filter_map(|(name, bound)| Some((name, written(bound?)))).collect()
+}
+
 fn write_time(out: &mut Out) {
     let attributes = [
         ("name", "time"),
@@ -238,6 +250,8 @@ fn write_array<M: Model>(out: &mut Out, variable: &Variable<M::Quantity>, start:
             attributes.push(("intermediateUpdate", "true"));
         }
     }
+    let bounds = bounds(variable.domain, variable.kind.into());
+    attributes.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
     // Only single texts can be set.
     let (number, text) = if variable.kind == Kind::String { (None, start) } else { (start, None) };
     attributes.extend(number.map(|start| ("start", start)));

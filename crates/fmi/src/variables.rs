@@ -181,7 +181,7 @@ pub enum Domain {
     Finite,
     /// Finite and ≥ 0.
     NonNegative,
-    /// Finite and > 0.
+    /// Finite and > 0; of a Real, not less than the least number of full precision.
     Positive,
     /// The number of elements along a dimension.
     Size,
@@ -191,6 +191,17 @@ pub enum Domain {
 pub(crate) const MOST: u64 = 100_000_000;
 
 impl Domain {
+    /// Returns the least and the greatest value that a description declares, where the type has further ones.
+    pub fn bounds(self, of: Type) -> [Option<f64>; 2] {
+        match self {
+            Domain::Finite => [None, None],
+            Domain::NonNegative => [Some(0.0), None],
+            Domain::Positive if of == Type::Real => [Some(f64::MIN_POSITIVE), None],
+            Domain::Positive => [Some(1.0), None],
+            Domain::Size => [Some(1.0), Some(MOST as f64)],
+        }
+    }
+
     /// Checks that the number is in the domain.
     ///
     /// # Errors
@@ -199,6 +210,7 @@ impl Domain {
         match self {
             _ if !value.is_finite() => Err("finite"),
             Domain::Positive if value <= 0.0 => Err("positive"),
+            Domain::Positive if value < f64::MIN_POSITIVE => Err("at least 2.2250738585072014e-308"),
             Domain::NonNegative if value < 0.0 => Err("at least 0"),
             Domain::Size if !(1.0..=MOST as f64).contains(&value) => Err("at least 1 and at most 100000000"),
             _ => Ok(()),

@@ -8,7 +8,7 @@ use std::collections::{BTreeSet, HashMap};
 pub type Pairs = BTreeSet<(&'static str, &'static str)>;
 
 /// The elements of an array of a model.
-fn length<M: Model>(model: &M, variable: &Variable<M::Quantity>) -> usize {
+pub(super) fn length<M: Model>(model: &M, variable: &Variable<M::Quantity>) -> usize {
     let of = |dimension: &Dimension| match *dimension {
         Dimension::Fixed(size) => size,
         Dimension::Size(place) => model.size(place),
