@@ -18,7 +18,7 @@ use lemons_core::trial::{
 };
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
-use lemons_fmi::{Answer, Model, Part, Phase, Refusal, StepError, refuse};
+use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, refuse};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -136,8 +136,10 @@ pub struct CrowdModel {
     undriven: BTreeSet<usize>,
     /// Places of the agents who have left or come back since the last step.
     moved: BTreeSet<usize>,
-    /// Made when initialization ends, or earlier if a computed output is read.
+    /// Made when initialization ends, or earlier if a computed output is read. While an importer looks ahead, it is there.
     world: Option<World>,
+    /// While an importer looks ahead: the world at the beginning of the step.
+    start: Option<World>,
     /// Warnings that were not yet returned.
     warnings: Vec<String>,
     /// The first pair of the last warning about coinciding centres.
@@ -332,31 +334,40 @@ impl Model for CrowdModel {
         Ok(())
     }
 
-    fn parts(&self, step: f64) -> Vec<f64> {
+    fn points(&self, step: f64) -> Vec<f64> {
         let every = u64::try_from(self.settings.intermediate_steps).unwrap_or(0);
         let mechanical_step = self.world.as_ref().map(|world| world.mechanical_step);
         let steps = mechanical_step.and_then(|longest| step_count(step, longest).ok()).unwrap_or(1);
-        // What is refused is refused as a whole.
-        if every == 0 || steps <= every || steps as f64 > self.settings.most_steps {
-            return vec![step];
+        // A step that is refused is not looked into.
+        if every == 0 || steps as f64 > self.settings.most_steps {
+            return Vec::new();
         }
         let dt = step / steps as f64;
-        let part = |first: u64| dt * (steps - first).min(every) as f64;
-        (0..steps).step_by(every as usize).map(part).collect()
+        (every..steps).step_by(every as usize).map(|seen| dt * seen as f64).collect()
     }
 
-    fn advance(&mut self, part: Part) -> Result<(), StepError> {
-        let Part { from, length, so_far, at_end } = part;
+    fn look_ahead(&mut self, from: f64, so_far: f64, point: f64) -> Answer<()> {
+        if so_far == 0.0 {
+            self.start.clone_from(&self.world);
+            self.play(from);
+        }
+        let Some(world) = &mut self.world else { return refuse("not initialized") };
+        Ok(world.advance_on(point - so_far, so_far)?)
+    }
+
+    fn advance(&mut self, step: Step) -> Result<(), StepError> {
+        let Step { from, length, to } = step;
+        if let Some(start) = self.start.take() {
+            self.world = Some(start);
+        }
         self.make_world().map_err(StepError::Refused)?;
         self.few_steps(length).map_err(StepError::Refused)?;
         let world = self.world.as_ref().filter(|_| !self.played.is_empty());
         let drive = world.map(|world| world.drive.clone());
-        if so_far == 0.0 {
-            // The importer's time, which may differ from ours by rounding.
-            self.play(from);
-            self.warn_of_returns(from);
-        }
-        if let Err(error) = self.advance_world(length, so_far) {
+        // The importer's time, which may differ from ours by rounding.
+        self.play(from);
+        self.warn_of_returns(from);
+        if let Err(error) = self.advance_world(length) {
             let told = Refusal::new(Setup::of(&self.trial).name_body(&error));
             // All other errors are found before the step begins.
             let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
@@ -372,7 +383,6 @@ impl Model for CrowdModel {
         self.warn_of_coincidence();
         // A rate is used for one step.
         self.settings.rates.clear();
-        let Some(to) = at_end else { return Ok(()) };
         self.play(to);
         self.write_output(to).map_err(StepError::Failed)
     }
@@ -414,6 +424,7 @@ impl CrowdModel {
             undriven: BTreeSet::new(),
             moved: BTreeSet::new(),
             world: None,
+            start: None,
             warnings: Vec::new(),
             said_coincident: None,
         }
@@ -596,13 +607,13 @@ impl CrowdModel {
         self.world.as_ref().and_then(|world| world.contacts().coincident.first().copied())
     }
 
-    fn advance_world(&mut self, part: f64, so_far: f64) -> Result<(), AdvanceError> {
+    fn advance_world(&mut self, length: f64) -> Result<(), AdvanceError> {
         let Some(world) = &mut self.world else { return Ok(()) };
         world.drive_rate.fill(Wrench::default());
         for (&i, &rate) in &self.settings.rates {
             world.drive_rate[i] = rate;
         }
-        world.advance_on(part, so_far)
+        world.advance(length)
     }
 
     /// Applies a setting of this instance to the documents. A pair of materials that never touches has no law.

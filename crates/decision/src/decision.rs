@@ -11,7 +11,7 @@ use lemons_core::files::input;
 use lemons_core::plane::{Rotation, Vec2, vec2};
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
-use lemons_fmi::{Answer, Model, Part, Phase, Refusal, StepError, damaged, fingerprint, refuse};
+use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, damaged, fingerprint, refuse};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::fmt::Display;
@@ -684,8 +684,8 @@ impl Model for Decision {
     }
 
     /// The poses are those at the beginning of the step.
-    fn advance(&mut self, part: Part) -> Result<(), StepError> {
-        self.pass(part.length).map_err(StepError::Refused)
+    fn advance(&mut self, step: Step) -> Result<(), StepError> {
+        self.pass(step.length).map_err(StepError::Refused)
     }
 
     fn reset(&mut self) -> Answer<()> {

@@ -4,7 +4,7 @@
 //! A call that is refused does not change the instance.
 
 use crate::lifecycle::{Function, Phase, allowed};
-use crate::model::{Model, Part, StepError, guid, instantiation_token, reference};
+use crate::model::{Model, Step, StepError, guid, instantiation_token, reference};
 use crate::variables::{Dependencies, Dimension, Domain, Known, MOST, Number, Role, Scalar, Type, Variable};
 use crate::{Status, Version};
 use serde::{Deserialize, Serialize};
@@ -565,49 +565,42 @@ impl<M: Model> Slave<M> {
         })
     }
 
-    /// Returns the parts of a communication step from the communication point `from` of a length
-    /// `step`, both \[s\]: more than one if the importer sees values within it.
+    /// Returns how long \[s\] after the beginning of a communication step values are seen within it.
     ///
     /// # Errors
     /// Wrong phase, a communication point that is not the slave's time, or a step that is not
     /// positive, or goes beyond the stop time.
-    pub(crate) fn parts(&self, from: f64, step: f64, seen: bool) -> Answer<Vec<Part>> {
+    pub(crate) fn points(&self, from: f64, step: f64, seen: bool) -> Answer<Vec<f64>> {
         self.check_step(from, step)?;
-        if !seen {
-            return Ok(vec![Part::whole(from, step)]);
-        }
-        let lengths = self.model.parts(step);
-        let (mut so_far, last) = (0.0, lengths.len() - 1);
-        let part = |(k, length): (usize, f64)| {
-            let part = Part { from, length, so_far, at_end: (k == last).then_some(from + step) };
-            so_far += length;
-            part
-        };
-        Ok(lengths.into_iter().enumerate().map(part).collect())
+        Ok(if seen { self.model.points(step) } else { Vec::new() })
     }
 
-    /// Does a part of a communication step.
+    /// Begins the importer's callback within a step, if there are values to be seen: see [`Model::look_ahead`].
+    pub(crate) fn look_ahead(&mut self, from: f64, so_far: f64, point: f64) -> bool {
+        let seen = self.model.look_ahead(from, so_far, point).is_ok();
+        if seen {
+            (self.phase, self.time) = (Phase::Intermediate, from + point);
+        }
+        seen
+    }
+
+    /// Makes a communication step that was checked when the slave was at this time \[s\].
     ///
     /// # Errors
-    /// The model refuses the first part, and nothing has changed; or it fails, and the slave is in
-    /// the error state.
-    pub(crate) fn do_part(&mut self, part: Part) -> Answer<()> {
-        match self.model.advance(part) {
+    /// The model refuses it, and nothing has changed; or it fails, and the slave is in the error state.
+    pub(crate) fn do_step(&mut self, step: Step, time: f64) -> Answer<()> {
+        (self.phase, self.time) = (Phase::StepComplete, time);
+        match self.model.advance(step) {
             Ok(()) => {
-                self.time = part.end();
+                self.time = step.to;
                 Ok(())
             }
-            Err(StepError::Refused(error)) if part.so_far == 0.0 => Err(error),
-            Err(StepError::Refused(error) | StepError::Failed(error)) => {
+            Err(StepError::Refused(error)) => Err(error),
+            Err(StepError::Failed(error)) => {
                 self.phase = Phase::Error;
                 Err(error)
             }
         }
-    }
-
-    /// Begins or ends the importer's callback.
-    pub(crate) fn set_intermediate(&mut self, intermediate: bool) {
-        self.phase = if intermediate { Phase::Intermediate } else { Phase::StepComplete };
     }
 
     /// Checks a communication step, before anything is changed.

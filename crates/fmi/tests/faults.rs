@@ -3,7 +3,7 @@
 
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Dependencies, Kind, Known, Scalar, Size, Variable, row, units};
-use lemons_fmi::{Answer, Model, Part, Phase, Status, StepError, guid};
+use lemons_fmi::{Answer, Model, Phase, Status, Step, StepError, guid};
 use lemons_verify::testing::fmi2;
 use lemons_verify::testing::instance::{Arguments, Functions};
 use lemons_verify::testing::{Instance, Message};
@@ -65,7 +65,7 @@ impl Model for Brittle {
         Ok(())
     }
 
-    fn advance(&mut self, _: Part) -> Result<(), StepError> {
+    fn advance(&mut self, _: Step) -> Result<(), StepError> {
         assert!(self.x != 13.0, "x is {}", self.x);
         Ok(())
     }
