@@ -292,7 +292,8 @@ impl Model for CrowdModel {
             Quantity::Theta => Some(motion(BodyId::from(i)).0.angular_velocity),
             Quantity::Velocity => Some(of(motion(BodyId::from(i)).1.force)),
             Quantity::Omega => Some(motion(BodyId::from(i)).1.torque),
-            _ => None,
+            // Forces and overlaps are held until the next point: polynomials of order 0 (FMI 2.0.5, section 4.2.1).
+            _ => (quantity.row().role == Role::Calculated).then_some(0.0),
         }
     }
 

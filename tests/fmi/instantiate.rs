@@ -124,6 +124,7 @@ fn nulls_and_other_arguments() {
             bad.push((Arguments { location: text, ..good }, of_location));
         }
         bad.push((Arguments { name: Some(c""), ..good }, "instanceName"));
+        bad.push((Arguments { name: Some(c" \t "), ..good }, "instanceName"));
         if version == V2 {
             bad.extend([0, 2].map(|fmu_type| (Arguments { fmu_type, ..good }, "co-simulation")));
         } else {

@@ -213,8 +213,8 @@ pub(crate) unsafe fn make<M: Model>(name: &str, arguments: Arguments) -> *mut c_
     let instance_name = unsafe { text(arguments.instance_name, "instanceName") };
     log.instance_name = CString::new(instance_name.as_ref().map_or("", |name| *name)).unwrap_or_default();
     let slave = || {
-        if instance_name?.is_empty() {
-            return refuse("instanceName is empty");
+        if instance_name?.trim().is_empty() {
+            return refuse("instanceName is empty or blank");
         }
         if let Some(why) = unsupported {
             return refuse(why);
