@@ -20,7 +20,8 @@ pub enum State {
 
 pub fn states(version: Version) -> impl Iterator<Item = State> {
     let all = [Instantiated, Configuration, Initialization, StepComplete, Terminated, Error];
-    all.into_iter().filter(move |state| version == V3 || *state != Configuration)
+    let other = if version == V3 { Error } else { Configuration };
+    all.into_iter().filter(move |state| *state != other)
 }
 
 /// An instance in a state.
@@ -195,6 +196,26 @@ fn functions_are_allowed_where_the_standard_allows_them() {
             }
         }
     }
+}
+
+/// FMI 3.0 has no state of errors: after a step that failed it is terminated. What is only refused changes nothing.
+#[test]
+fn a_failed_step_terminates_and_a_refused_value_does_not() {
+    let crowd = Crowd::new(V3);
+    assert_eq!(crowd.set("agent[0].Mass", -1.0), DISCARD);
+    crowd.must(crowd.set_all(&[("TimeStepMechanical", 1e-4), ("agent[0].Mass", 1e-300)]));
+    crowd.take_messages();
+    crowd.must(crowd.set("agent[0].Fp.x", 1e300));
+    crowd.initialize();
+    assert_eq!(state_of(&crowd), StepComplete);
+    let failed = crowd.do_step(0.0, STEP);
+    assert_eq!((failed.status, failed.early, failed.time), (ERROR, false, 0.0));
+    assert_eq!(state_of(&crowd), Terminated);
+    crowd.take_messages();
+    assert!(crowd.refused(crowd.try_step(0.0, STEP)).contains("Terminated"));
+    crowd.reset();
+    crowd.initialize();
+    crowd.must(crowd.try_step(0.0, STEP));
 }
 
 /// FMI 3.0, section 2.3.2: start values can be read at once, and as they were set; nothing else can.

@@ -64,9 +64,9 @@ impl Log {
     }
 
     pub(crate) fn write(&self, status: Status, message: &str) {
-        let category = match status {
-            Status::Fatal => 2,
-            Status::Error => 1,
+        let category = match (status, self.logger) {
+            (Status::Fatal, _) => 2,
+            (Status::Error, _) | (Status::Discard, Logger::V3(_)) => 1,
             _ => 0,
         };
         if !(self.wanted[category] || self.wanted[ALL]) {

@@ -38,6 +38,14 @@ impl<E: std::error::Error> From<E> for Refusal {
     }
 }
 
+/// What FMI 3.0 says of a call that a model refuses: nothing has changed, and other values may do.
+fn discard<T>(version: Version, answer: Answer<T>) -> Answer<T> {
+    answer.map_err(|refusal| match (version, refusal.status) {
+        (Version::V3, Status::Error) => Refusal { status: Status::Discard, ..refusal },
+        _ => refusal,
+    })
+}
+
 /// The result of a call.
 pub type Answer<T> = Result<T, Refusal>;
 
@@ -212,7 +220,7 @@ impl<M: Model> Slave<M> {
     pub fn exit_initialization(&mut self) -> Answer<()> {
         self.check(Function::ExitInitializationMode)?;
         (0..self.sizes.len()).try_for_each(|place| self.check_size(place))?;
-        self.model.initialize(self.time)?;
+        discard(self.version, self.model.initialize(self.time))?;
         self.phase = Phase::StepComplete;
         Ok(())
     }
@@ -354,7 +362,7 @@ impl<M: Model> Slave<M> {
             numbers.clear();
             numbers.resize(these.len(), self.time);
             match self.row(reference, N::TYPE)?.quantity {
-                Some(quantity) => self.model.numbers(quantity, &mut numbers)?,
+                Some(quantity) => discard(self.version, self.model.numbers(quantity, &mut numbers))?,
                 None if N::TYPE == Type::Size => numbers[0] = self.sizes[reference as usize - 1] as f64,
                 None => {}
             }
@@ -420,14 +428,12 @@ impl<M: Model> Slave<M> {
                     } else {
                         format!("{value:?}")
                     };
-                    return refuse(format!(
-                        "{} = {value}: must be {must}",
-                        self.name(reference, Some(element))
-                    ));
+                    let name = self.name(reference, Some(element));
+                    return discard(self.version, refuse(format!("{name} = {value}: must be {must}")));
                 }
             }
             if let (Version::V3, Some(quantity)) = (self.version, row.quantity) {
-                self.model.check(quantity, these)?;
+                discard(self.version, self.model.check(quantity, these))?;
             }
             rest = others;
         }
@@ -459,7 +465,7 @@ impl<M: Model> Slave<M> {
             self.check_settable(reference, row)?;
             texts.extend(row.quantity.map(|quantity| (quantity, value)));
         }
-        self.model.set_texts(&texts)
+        discard(self.version, self.model.set_texts(&texts))
     }
 
     /// Reads derivatives with respect to time, of order 1.
@@ -587,7 +593,8 @@ impl<M: Model> Slave<M> {
     /// Makes a communication step that was checked when the slave was at this time \[s\].
     ///
     /// # Errors
-    /// The model refuses it, and nothing has changed; or it fails, and the slave is in the error state.
+    /// The model refuses it, and nothing has changed; or it fails, and the slave is in the error state, in FMI 3.0
+    /// terminated.
     pub(crate) fn do_step(&mut self, step: Step, time: f64) -> Answer<()> {
         (self.phase, self.time) = (Phase::StepComplete, time);
         match self.model.advance(step) {
@@ -595,9 +602,9 @@ impl<M: Model> Slave<M> {
                 self.time = step.to;
                 Ok(())
             }
-            Err(StepError::Refused(error)) => Err(error),
+            Err(StepError::Refused(error)) => discard(self.version, Err(error)),
             Err(StepError::Failed(error)) => {
-                self.phase = Phase::Error;
+                self.phase = if self.version == Version::V2 { Phase::Error } else { Phase::Terminated };
                 Err(error)
             }
         }
