@@ -17,8 +17,8 @@ use lemons_core::trial::{
     DriveTable, DynamicsElement, Problem, Trial, dynamics_xml, interactions_xml, output_names,
 };
 use lemons_fmi::location::Location;
-use lemons_fmi::variables::{Role, Scalar, Size, Variable};
-use lemons_fmi::{Answer, Model, Part, Phase, Refusal, StepError, refuse};
+use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
+use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, refuse};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ struct Settings {
     output_directory: String,
     /// Rates of the inputs over the next step, by agent; missing ones are constant.
     rates: BTreeMap<usize, Wrench>,
-    /// \[m\] of the importer's experiment: chooses the mechanical step, unless that was set.
+    /// \[m\] of the importer's experiment: may shorten the mechanical step.
     tolerance: Option<f64>,
 }
 
@@ -58,18 +58,14 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Returns the importer's tolerance if it chooses the mechanical step.
-    fn choosing_tolerance(&self) -> Option<f64> {
-        self.tolerance.filter(|_| !self.elements.contains_key(&(Quantity::TimeStepMechanical, 0)))
-    }
-
-    /// Gives a Trial the mechanical step that the tolerance chooses.
-    fn choose_step(&self, trial: &mut Trial) {
-        if let Some(tolerance) = self.choosing_tolerance()
-            && let Ok(step) = by_tolerance(trial, tolerance, self.most_steps)
-        {
-            trial.parameters.time_step_mechanical = step;
-        }
+    /// Gives a Trial the mechanical step that is used: its own or the one that was set, or a shorter one that the
+    /// tolerance needs.
+    fn choose_step(&self, trial: &mut Trial, packed: &Trial) {
+        let Some(tolerance) = self.tolerance else { return };
+        let set = self.elements.get(&(Quantity::TimeStepMechanical, 0));
+        let longest = set.copied().unwrap_or(packed.parameters.time_step_mechanical);
+        let needed = by_tolerance(trial, tolerance, self.most_steps).unwrap_or(longest);
+        trial.parameters.time_step_mechanical = longest.min(needed);
     }
 
     /// Returns a packed Trial with these settings; `None` if it does not have what was set.
@@ -140,8 +136,10 @@ pub struct CrowdModel {
     undriven: BTreeSet<usize>,
     /// Places of the agents who have left or come back since the last step.
     moved: BTreeSet<usize>,
-    /// Made when initialization ends, or earlier if a computed output is read.
+    /// Made when initialization ends, or earlier if a computed output is read. While an importer looks ahead, it is there.
     world: Option<World>,
+    /// While an importer looks ahead: the world at the beginning of the step.
+    start: Option<World>,
     /// Warnings that were not yet returned.
     warnings: Vec<String>,
     /// The first pair of the last warning about coinciding centres.
@@ -160,7 +158,7 @@ impl Model for CrowdModel {
     const INTERPOLATES_INPUTS: bool = true;
     const KNOWS_DERIVATIVES: bool = true;
     const SHOWS_INTERMEDIATE_VALUES: bool = true;
-    const STATE_VERSION: u32 = 10;
+    const STATE_VERSION: u32 = 11;
     const SIZES: &'static [Size] = &SIZES;
     const VARIABLES: &'static [Variable<Quantity>] = &QUANTITIES;
 
@@ -242,7 +240,7 @@ impl Model for CrowdModel {
         match quantity {
             Quantity::MostMechanicalSteps => {
                 self.settings.most_steps = value;
-                if self.chooses_step() {
+                if self.settings.tolerance.is_some() {
                     self.world = None;
                 }
             }
@@ -294,7 +292,8 @@ impl Model for CrowdModel {
             Quantity::Theta => Some(motion(BodyId::from(i)).0.angular_velocity),
             Quantity::Velocity => Some(of(motion(BodyId::from(i)).1.force)),
             Quantity::Omega => Some(motion(BodyId::from(i)).1.torque),
-            _ => None,
+            // Forces and overlaps are held until the next point: polynomials of order 0 (FMI 2.0.5, section 4.2.1).
+            _ => (quantity.row().role == Role::Calculated).then_some(0.0),
         }
     }
 
@@ -306,23 +305,26 @@ impl Model for CrowdModel {
         }
     }
 
+    /// Present inputs act from the next step on.
+    fn dependencies(&self, computed: Quantity, known: Known) -> Dependencies<Quantity> {
+        Dependencies::All(match known {
+            Known::Inputs => Vec::new(),
+            Known::Starts => computed.row().initially_on.to_vec(),
+        })
+    }
+
     fn set_tolerance(&mut self, tolerance: Option<f64>) {
-        if self.chooses_step() {
-            self.trial.parameters.time_step_mechanical = self.packed.trial.parameters.time_step_mechanical;
-        }
         self.settings.tolerance = tolerance;
         self.world = None;
     }
 
     fn initialize(&mut self, start: f64) -> Answer<()> {
         self.make_world()?;
-        if self.chooses_step() {
-            self.warnings.extend(self.warning_of_step());
-        }
+        self.warnings.extend(self.warning_of_step());
         make_directory(&self.settings.output_directory)?;
         let inputs_only =
             self.settings.elements.keys().all(|(quantity, _)| quantity.row().role == Role::Input);
-        if self.chooses_step() || !inputs_only {
+        if self.settings.tolerance.is_some() || !inputs_only {
             let advice = Setup::of(&self.trial).advice_as_edited();
             self.warnings.extend(advice.iter().map(Problem::without_severity));
         }
@@ -333,31 +335,40 @@ impl Model for CrowdModel {
         Ok(())
     }
 
-    fn parts(&self, step: f64) -> Vec<f64> {
+    fn points(&self, step: f64) -> Vec<f64> {
         let every = u64::try_from(self.settings.intermediate_steps).unwrap_or(0);
         let mechanical_step = self.world.as_ref().map(|world| world.mechanical_step);
         let steps = mechanical_step.and_then(|longest| step_count(step, longest).ok()).unwrap_or(1);
-        // What is refused is refused as a whole.
-        if every == 0 || steps <= every || steps as f64 > self.settings.most_steps {
-            return vec![step];
+        // A step that is refused is not looked into.
+        if every == 0 || steps as f64 > self.settings.most_steps {
+            return Vec::new();
         }
         let dt = step / steps as f64;
-        let part = |first: u64| dt * (steps - first).min(every) as f64;
-        (0..steps).step_by(every as usize).map(part).collect()
+        (every..steps).step_by(every as usize).map(|seen| dt * seen as f64).collect()
     }
 
-    fn advance(&mut self, part: Part) -> Result<(), StepError> {
-        let Part { from, length, so_far, at_end } = part;
+    fn look_ahead(&mut self, from: f64, so_far: f64, point: f64) -> Answer<()> {
+        if so_far == 0.0 {
+            self.start.clone_from(&self.world);
+            self.play(from);
+        }
+        let Some(world) = &mut self.world else { return refuse("not initialized") };
+        Ok(world.advance_on(point - so_far, so_far)?)
+    }
+
+    fn advance(&mut self, step: Step) -> Result<(), StepError> {
+        let Step { from, length, to } = step;
+        if let Some(start) = self.start.take() {
+            self.world = Some(start);
+        }
         self.make_world().map_err(StepError::Refused)?;
         self.few_steps(length).map_err(StepError::Refused)?;
         let world = self.world.as_ref().filter(|_| !self.played.is_empty());
         let drive = world.map(|world| world.drive.clone());
-        if so_far == 0.0 {
-            // The importer's time, which may differ from ours by rounding.
-            self.play(from);
-            self.warn_of_returns(from);
-        }
-        if let Err(error) = self.advance_world(length, so_far) {
+        // The importer's time, which may differ from ours by rounding.
+        self.play(from);
+        self.warn_of_returns(from);
+        if let Err(error) = self.advance_world(length) {
             let told = Refusal::new(Setup::of(&self.trial).name_body(&error));
             // All other errors are found before the step begins.
             let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
@@ -373,7 +384,6 @@ impl Model for CrowdModel {
         self.warn_of_coincidence();
         // A rate is used for one step.
         self.settings.rates.clear();
-        let Some(to) = at_end else { return Ok(()) };
         self.play(to);
         self.write_output(to).map_err(StepError::Failed)
     }
@@ -415,6 +425,7 @@ impl CrowdModel {
             undriven: BTreeSet::new(),
             moved: BTreeSet::new(),
             world: None,
+            start: None,
             warnings: Vec::new(),
             said_coincident: None,
         }
@@ -493,7 +504,7 @@ impl CrowdModel {
 
     fn make_world(&mut self) -> Answer<&mut World> {
         if self.world.is_none() {
-            self.choose_step();
+            self.settings.choose_step(&mut self.trial, &self.packed.trial);
             let mut world = Setup::of(&self.trial).world()?;
             give_threads(&mut world, self.settings.threads, None)?;
             self.dismiss(&mut world)?;
@@ -523,19 +534,6 @@ impl CrowdModel {
         Ok(restored.map_err(|crowded| Setup::of(&self.trial).too_crowded(crowded))?)
     }
 
-    /// Whether the importer's tolerance chooses the mechanical step.
-    fn chooses_step(&self) -> bool {
-        self.settings.choosing_tolerance().is_some()
-    }
-
-    /// Gives the documents the mechanical step that is used.
-    fn choose_step(&mut self) {
-        if self.chooses_step() {
-            self.trial.parameters.time_step_mechanical = self.packed.trial.parameters.time_step_mechanical;
-            self.settings.choose_step(&mut self.trial);
-        }
-    }
-
     /// Says why the tolerance is not kept to.
     fn warning_of_step(&self) -> Option<String> {
         let tolerance = self.settings.tolerance?;
@@ -543,13 +541,13 @@ impl CrowdModel {
         match by_tolerance(&self.trial, tolerance, self.settings.most_steps) {
             Err(None) => None,
             Err(Some(why)) => Some(format!(
-                "the tolerance {tolerance:e} chooses no mechanical step: {why}; TimeStepMechanical stays {step:?} s"
+                "for the tolerance {tolerance:e} there is no mechanical step: {why}; TimeStepMechanical stays {step:?} s"
             )),
             Ok(_) if tolerance < FINEST_ACCURACY => Some(format!(
                 "the tolerance {tolerance:e} is taken as {FINEST_ACCURACY:e}: poses are not known to be more accurate \
                  than {FINEST_ACCURACY:e} m at any mechanical step"
             )),
-            Ok(step) => {
+            Ok(_) => {
                 let error = Setup::of(&self.trial).steps()?.error(step);
                 (error > tolerance * (1.0 + 1e-9)).then(|| {
                     format!(
@@ -610,13 +608,13 @@ impl CrowdModel {
         self.world.as_ref().and_then(|world| world.contacts().coincident.first().copied())
     }
 
-    fn advance_world(&mut self, part: f64, so_far: f64) -> Result<(), AdvanceError> {
+    fn advance_world(&mut self, length: f64) -> Result<(), AdvanceError> {
         let Some(world) = &mut self.world else { return Ok(()) };
         world.drive_rate.fill(Wrench::default());
         for (&i, &rate) in &self.settings.rates {
             world.drive_rate[i] = rate;
         }
-        world.advance_on(part, so_far)
+        world.advance(length)
     }
 
     /// Applies a setting of this instance to the documents. A pair of materials that never touches has no law.
@@ -632,7 +630,7 @@ impl CrowdModel {
     #[cold]
     fn without_world(&mut self, quantity: Quantity, element: usize) -> Answer<f64> {
         if quantity == Quantity::TimeStepMechanical && self.world.is_none() {
-            self.choose_step();
+            self.settings.choose_step(&mut self.trial, &self.packed.trial);
         }
         if let Some(field) = field(&mut self.trial, quantity, element) {
             return Ok(*field);

@@ -77,6 +77,20 @@ const VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Fixed(2)];
 const MATERIALS: &[Dimension] = &[Dimension::Size(1)];
 const PAIRS: &[Dimension] = &[Dimension::Size(1), Dimension::Size(1)];
 const WALLS: &[Dimension] = &[Dimension::Size(2)];
+/// Where disks and faces are: on this contacts and overlaps depend at the start.
+const PLACES: &[Quantity] = &[Quantity::Trial, Quantity::Active, Quantity::Position, Quantity::Theta];
+/// On this normal forces depend at the start.
+const FORCES: &[Quantity] = &[
+    Quantity::Trial,
+    Quantity::Active,
+    Quantity::Position,
+    Quantity::Theta,
+    Quantity::Velocity,
+    Quantity::Omega,
+    Quantity::YoungModulus,
+    Quantity::ShearModulus,
+    Quantity::GammaNormal,
+];
 /// What names of arrays of walls begin with; in FMI 2.0 it is before the name.
 const WALL: &str = "Wall";
 
@@ -110,13 +124,17 @@ pub static QUANTITIES: [Variable<Quantity>; 40] = {
         row(OutputDirectory, "OutputDirectory", ONE_VALUE, String)
             .parameter(Finite, "if not empty: XML files are written there after every step"),
         row(TotalAgentContacts, "TotalAgentContacts", ONE_VALUE, Integer)
-            .calculated("disk-disk contacts of the crowd, each pair once"),
+            .calculated("disk-disk contacts of the crowd, each pair once")
+            .initially_on(PLACES),
         row(TotalWallContacts, "TotalWallContacts", ONE_VALUE, Integer)
-            .calculated("disk-face contacts of the crowd"),
+            .calculated("disk-face contacts of the crowd")
+            .initially_on(PLACES),
         row(CoincidentContacts, "CoincidentContacts", ONE_VALUE, Integer)
-            .calculated("of these contacts, those of centres at one place: no force acts between them"),
+            .calculated("of these contacts, those of centres at one place: no force acts between them")
+            .initially_on(PLACES),
         row(LargestOverlap, "LargestOverlap", ONE_VALUE, Real(METRE))
-            .calculated("largest PeakOverlap: deepest overlap of the crowd within the last step"),
+            .calculated("largest PeakOverlap: deepest overlap of the crowd within the last step")
+            .initially_on(PLACES),
         row(Fp, "Fp", VECTORS, Real(NEWTON)).input("propulsion force along x and y"),
         row(Mp, "Mp", AGENTS, Real(NEWTON_METRE)).input("propulsion torque"),
         row(Active, "Active", AGENTS, Boolean)
@@ -125,27 +143,39 @@ pub static QUANTITIES: [Variable<Quantity>; 40] = {
         row(Theta, "Theta", AGENTS, Real(RADIAN)).exact("orientation: angle from the x axis to the gaze"),
         row(Velocity, "Velocity", VECTORS, Real(METRE_PER_SECOND)).exact("velocity along x and y"),
         row(Omega, "Omega", AGENTS, Real(RADIAN_PER_SECOND)).exact("angular velocity"),
-        row(AgentContacts, "AgentContacts", AGENTS, Integer).calculated("disk-disk contacts"),
-        row(WallContacts, "WallContacts", AGENTS, Integer).calculated("disk-face contacts"),
+        row(AgentContacts, "AgentContacts", AGENTS, Integer)
+            .calculated("disk-disk contacts")
+            .initially_on(PLACES),
+        row(WallContacts, "WallContacts", AGENTS, Integer)
+            .calculated("disk-face contacts")
+            .initially_on(PLACES),
         row(ContactingAgents, "ContactingAgents", AGENTS, Integer)
-            .calculated("different agents that touch it"),
+            .calculated("different agents that touch it")
+            .initially_on(PLACES),
         row(NormalForce, "NormalForce", AGENTS, Real(NEWTON))
-            .calculated("squeeze at the communication point: sum of |Fn| over its contacts"),
+            .calculated("squeeze at the communication point: sum of |Fn| over its contacts")
+            .initially_on(FORCES),
         row(MeanNormalForce, "MeanNormalForce", AGENTS, Real(NEWTON))
-            .calculated("mean squeeze: time average of NormalForce over the last step"),
+            .calculated("mean squeeze: time average of NormalForce over the last step")
+            .initially_on(FORCES),
         row(MeanPeopleForce, "MeanPeopleForce", AGENTS, Real(NEWTON))
-            .calculated("mean squeeze by other agents: the part of MeanNormalForce that is not by walls"),
-        row(MeanWallForce, "MeanWallForce", AGENTS, Real(NEWTON)).calculated(
-            "mean squeeze by walls: time average of the sum of |Fn| over its contacts with walls",
-        ),
+            .calculated("mean squeeze by other agents: the part of MeanNormalForce that is not by walls")
+            .initially_on(FORCES),
+        row(MeanWallForce, "MeanWallForce", AGENTS, Real(NEWTON))
+            .calculated("mean squeeze by walls: time average of the sum of |Fn| over its contacts with walls")
+            .initially_on(FORCES),
         row(PeakNormalForce, "PeakNormalForce", AGENTS, Real(NEWTON))
-            .calculated("peak squeeze: largest NormalForce within the last step"),
+            .calculated("peak squeeze: largest NormalForce within the last step")
+            .initially_on(FORCES),
         row(PeakOverlap, "PeakOverlap", AGENTS, Real(METRE))
-            .calculated("deepest overlap of its contacts within the last step"),
+            .calculated("deepest overlap of its contacts within the last step")
+            .initially_on(PLACES),
         row(WallMeanNormalForce, "WallMeanNormalForce", WALLS, Real(NEWTON))
-            .calculated("time average of the sum of |Fn| over its contacts with agents over the last step"),
+            .calculated("time average of the sum of |Fn| over its contacts with agents over the last step")
+            .initially_on(FORCES),
         row(WallPeakNormalForce, "WallPeakNormalForce", WALLS, Real(NEWTON))
-            .calculated("largest sum of |Fn| over its contacts with agents within the last step"),
+            .calculated("largest sum of |Fn| over its contacts with agents within the last step")
+            .initially_on(FORCES),
         row(Mass, "Mass", AGENTS, Real(KILOGRAM)).parameter(Positive, "mass"),
         row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(KILOGRAM_METRE_SQUARED))
             .parameter(Positive, "moment of inertia about the centre of mass"),
@@ -163,8 +193,12 @@ pub static QUANTITIES: [Variable<Quantity>; 40] = {
             .parameter(NonNegative, "damping along the tangent"),
         row(KineticFriction, "KineticFriction", PAIRS, Real(ONE))
             .parameter(NonNegative, "Coulomb's coefficient"),
-        row(AgentId, "AgentId", AGENTS, String).calculated_parameter("Ids of the agents"),
-        row(MaterialId, "MaterialId", MATERIALS, String).calculated_parameter("Ids of the materials"),
+        row(AgentId, "AgentId", AGENTS, String)
+            .calculated_parameter("Ids of the agents")
+            .initially_on(&[Trial]),
+        row(MaterialId, "MaterialId", MATERIALS, String)
+            .calculated_parameter("Ids of the materials")
+            .initially_on(&[Trial]),
     ]
 };
 

@@ -90,7 +90,7 @@ impl CrowdModel {
         if settings.tolerance.is_some_and(|tolerance| Domain::Positive.check(tolerance).is_err()) {
             return damaged("a tolerance that is not possible");
         }
-        settings.choose_step(&mut trial);
+        settings.choose_step(&mut trial, &packed.trial);
         let world = match &saved.running {
             None => None,
             Some(running) => {

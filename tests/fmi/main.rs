@@ -4,6 +4,7 @@
 #![allow(unsafe_code)] // calls C functions of a loaded library
 
 mod arrays;
+mod dependencies;
 mod derivatives;
 mod drive;
 mod fmu;

@@ -10,8 +10,8 @@ use crate::walking_model::{DesiredMotion, Walking, WalkingModel};
 use lemons_core::files::input;
 use lemons_core::plane::{Rotation, Vec2, vec2};
 use lemons_fmi::location::Location;
-use lemons_fmi::variables::{Dependency, Known, Role, Scalar, Size, Variable};
-use lemons_fmi::{Answer, Model, Part, Phase, Refusal, StepError, damaged, fingerprint, refuse};
+use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
+use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, damaged, fingerprint, refuse};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::fmt::Display;
@@ -596,12 +596,8 @@ impl Model for Decision {
         }
     }
 
-    fn dependencies(&self, output: Quantity, known: Known) -> Vec<Dependency<Quantity>> {
-        self.dependencies_of(output, known)
-    }
-
-    fn depends_on_all(&self, output: Quantity) -> bool {
-        self.needs_all(output)
+    fn dependencies(&self, computed: Quantity, known: Known) -> Dependencies<Quantity> {
+        self.dependencies_of(computed, known)
     }
 
     fn initialize(&mut self, _: f64) -> Answer<()> {
@@ -609,8 +605,8 @@ impl Model for Decision {
     }
 
     /// The poses are those at the beginning of the step.
-    fn advance(&mut self, part: Part) -> Result<(), StepError> {
-        self.pass(part.length).map_err(StepError::Refused)
+    fn advance(&mut self, step: Step) -> Result<(), StepError> {
+        self.pass(step.length).map_err(StepError::Refused)
     }
 
     fn reset(&mut self) -> Answer<()> {

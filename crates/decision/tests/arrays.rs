@@ -6,7 +6,10 @@ use lemons_decision::plan::Planned;
 use lemons_decision::rule::{Pose, Walker};
 use lemons_decision::{Decision, DecisionConfig, Person, Plan};
 use lemons_fmi::Status::{self, Ok as OK};
+use lemons_fmi::variables::Known;
 use lemons_fmi::{self as fmi, Format, Model};
+use lemons_verify::testing::bounds;
+use lemons_verify::testing::dependencies::moved;
 use lemons_verify::testing::instance::{Arguments, Functions};
 use lemons_verify::testing::{Instance, Version};
 use std::ffi::CString;
@@ -20,6 +23,14 @@ const COUNTS: [i32; AGENTS] = [2, 1, 3];
 const MOST: usize = 3;
 
 fn plan() -> Plan {
+    plan_of(
+        "waypoints = [{ x = 5, y = 2 }, { x = 6, y = -4, radius = 1 }]\n\
+        [agents.\"two words\"]\nwaypoints = [{ x = -3, y = 1 }]\ndesired_speed = 0.9\n\
+        [agents.7]\nwaypoints = [{ x = 2, y = 4 }, { x = 2.5, y = 4 }, { x = 9, y = 9 }]",
+    )
+}
+
+fn plan_of(wishes: &str) -> Plan {
     let person = |id: &str, x| Person {
         id: id.into(),
         mass: 70.0 + x,
@@ -31,9 +42,6 @@ fn plan() -> Plan {
         disks: Vec::new(),
     };
     let people = [person("0", 0.0), person("two words", 1.0), person("7", 2.0)];
-    let wishes = "waypoints = [{ x = 5, y = 2 }, { x = 6, y = -4, radius = 1 }]\n\
-        [agents.\"two words\"]\nwaypoints = [{ x = -3, y = 1 }]\ndesired_speed = 0.9\n\
-        [agents.7]\nwaypoints = [{ x = 2, y = 4 }, { x = 2.5, y = 4 }, { x = 9, y = 9 }]";
     Plan::among(std::iter::empty(), &people, &DecisionConfig::from_toml(wishes).unwrap(), 0.05).unwrap()
 }
 
@@ -324,6 +332,36 @@ fn outputs_depend_on_what_is_listed() {
             }
         }
     }
+}
+
+/// The same of models of walking and of balance.
+#[test]
+fn whatever_people_do_depends_on_what_is_declared() {
+    let plans = [
+        "model = \"straight\"\nwaypoints = [{ x = 5, y = 2 }]",
+        "model = \"rotational\"\nwaypoints = [{ x = 5, y = 2 }]\n[agents.7]\nwaypoints = [{ x = 2.3, y = 0.6 }]",
+        "model = \"collision-free-speed\"\nbalance = \"pendulum\"\nwaypoints = [{ x = 0.3, y = 0.6 }]",
+        "balance = \"two-level\"\nwaypoints = [{ x = 0.1, y = 0.5 }]\n[agents.7]\nwaypoints = [{ x = 5, y = 2 }]",
+    ];
+    for wishes in plans {
+        let make = || Decision::new(plan_of(wishes));
+        let initially = moved(make, Known::Starts);
+        for on in ["Position", "DesiredSpeed"] {
+            assert!(initially.contains(&("Fp", on)), "{wishes}: {on}");
+        }
+        let initialized = || {
+            let mut decision = make();
+            decision.initialize(0.0).unwrap();
+            decision
+        };
+        assert!(moved(initialized, Known::Inputs).contains(&("Fp", "Position")), "{wishes}");
+    }
+}
+
+/// What a description declares, both versions.
+#[test]
+fn declared_bounds_are_kept() {
+    bounds::are_kept(|| Decision::new(plan()));
 }
 
 #[test]

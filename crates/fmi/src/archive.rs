@@ -191,7 +191,9 @@ pub fn read(files: &dyn Source, path: &Path) -> Result<Vec<u8>, ArchiveError> {
         .map_err(|error| ArchiveError::Read { path: path.to_owned(), error })
 }
 
-const LICENSES: [(&str, &str); 2] = [
+/// The first is FMI's entry point.
+const LICENSES: [(&str, &str); 3] = [
+    ("license.txt", include_str!("license.txt")),
     ("LICENSE-APACHE.txt", include_str!("../../../LICENSE-APACHE")),
     ("LICENSE-MIT.txt", include_str!("../../../LICENSE-MIT")),
 ];

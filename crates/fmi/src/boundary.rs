@@ -64,21 +64,21 @@ impl Log {
     }
 
     pub(crate) fn write(&self, status: Status, message: &str) {
-        let category = match status {
-            Status::Fatal => 2,
-            Status::Error => 1,
+        let category = match (status, self.logger) {
+            (Status::Fatal, _) => 2,
+            (Status::Error, _) | (Status::Discard, Logger::V3(_)) => 1,
             _ => 0,
         };
         if !(self.wanted[category] || self.wanted[ALL]) {
             return;
         }
-        // Zeros inside would end the text early.
-        let message = message.replace('\0', " ");
+        // Zeros inside would end the text early. Importers replace `#r6#` by the name of a variable, in FMI 3.0 `#6#`
+        // (FMI 2.0.5, section 2.1.5; FMI 3.0, section 2.3.1).
+        let message = message.replace('\0', " ").replace('#', "##");
         let category = CString::new(LOG_CATEGORIES[category].0).unwrap_or_default();
         match self.logger {
             Logger::V2(Some(logger)) => {
-                // Importers replace `#r6#` by the name of a variable (FMI 2.0.5, section 2.1.5).
-                let text = CString::new(message.replace('#', "##")).unwrap_or_default();
+                let text = CString::new(message).unwrap_or_default();
                 // SAFETY: the importer's logger, called as FMI says; the message goes through "%s", so that percent signs
                 // in it are themselves.
                 unsafe {
@@ -213,8 +213,8 @@ pub(crate) unsafe fn make<M: Model>(name: &str, arguments: Arguments) -> *mut c_
     let instance_name = unsafe { text(arguments.instance_name, "instanceName") };
     log.instance_name = CString::new(instance_name.as_ref().map_or("", |name| *name)).unwrap_or_default();
     let slave = || {
-        if instance_name?.is_empty() {
-            return refuse("instanceName is empty");
+        if instance_name?.trim().is_empty() {
+            return refuse("instanceName is empty or blank");
         }
         if let Some(why) = unsupported {
             return refuse(why);

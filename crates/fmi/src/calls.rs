@@ -17,7 +17,7 @@ use crate::boundary::{
     texts,
 };
 use crate::lifecycle::{Function, Phase};
-use crate::model::Model;
+use crate::model::{Model, Step};
 use crate::slave::{Answer, Snapshot, refuse};
 use crate::variables::Number;
 use crate::{Version, states};
@@ -181,15 +181,16 @@ pub unsafe fn text<M: Model>(_: &str, text: &'static CStr) -> *const c_char {
 }
 
 /// Does a communication step. If the model wants values to be seen within it, and the importer has
-/// given a callback for that, it is done in parts. No borrow of the instance is held while the
-/// callback runs: it reads values by calls of its own. Writes to places, unless they are NULL:
-/// whether events must be handled, whether the simulation shall end, whether the importer asked for
-/// an early return; and the time that was reached.
+/// given a callback for that, it is looked ahead first. No borrow of the instance is held while the
+/// callback runs: it reads values by calls of its own. If the importer asks for an early return, the
+/// step ends at the time that it says, if that is not over, and else at once. Writes to places, unless they are NULL:
+/// whether events must be handled, whether the simulation shall end, whether it returned early; and
+/// the time that was reached.
 pub unsafe fn do_step<M: Model>(
     name: &'static str,
     instance: *mut c_void,
     from: f64,
-    step: f64,
+    length: f64,
     flags: [*mut bool; 3],
     last_time: *mut f64,
 ) -> Status {
@@ -197,43 +198,54 @@ pub unsafe fn do_step<M: Model>(
         return Status::Error;
     };
     let intermediate = intermediate.filter(|intermediate| intermediate.update.is_some());
-    let (mut parts, mut time, mut early) = (Vec::new(), f64::NAN, false);
+    let (mut points, mut time) = (Vec::new(), f64::NAN);
     let mut status = unsafe {
         call::<M>(instance, name, |component| {
             time = component.slave.time();
-            parts = component.slave.parts(from, step, intermediate.is_some())?;
+            points = component.slave.points(from, length, intermediate.is_some())?;
             Ok(())
         })
     };
-    for part in parts {
-        status = unsafe { call::<M>(instance, name, |component| component.slave.do_part(part)) };
-        if status != Status::Ok {
-            break;
+    let (mut step, mut so_far) = (Step::of(from, length), 0.0);
+    if status == Status::Ok {
+        for point in points {
+            let at = from + point;
+            let Some(Intermediate { update: Some(update), environment, early_return_allowed }) =
+                intermediate.filter(|_| at < step.to)
+            else {
+                break;
+            };
+            let mut seen = false;
+            status = unsafe {
+                call::<M>(instance, name, |component| {
+                    seen = component.slave.look_ahead(from, so_far, point);
+                    Ok(())
+                })
+            };
+            if !seen {
+                break;
+            }
+            so_far = point;
+            let (mut requested, mut until) = (false, at);
+            let (request, place) = (&raw mut requested, &raw mut until);
+            // SAFETY: the importer's callback, called as FMI says. No borrow of the instance is held.
+            unsafe { update(environment, at, false, true, true, early_return_allowed, request, place) };
+            if requested && early_return_allowed {
+                // Also if it is not a number.
+                let to = until.max(at);
+                if to < step.to {
+                    step = Step { to, length: if to == at { point } else { to - from }, from };
+                }
+            }
         }
-        time = part.end();
-        let Some(Intermediate { update: Some(update), environment, early_return_allowed }) =
-            intermediate.filter(|_| part.at_end.is_none())
-        else {
-            break;
-        };
-        let within = |intermediate| unsafe {
-            call::<M>(instance, name, |component| {
-                component.slave.set_intermediate(intermediate);
-                Ok(())
-            })
-        };
-        let (mut requested, mut until) = (false, time);
-        let (request, place) = (&raw mut requested, &raw mut until);
-        within(true);
-        // SAFETY: the importer's callback, called as FMI says. No borrow of the instance is held.
-        unsafe { update(environment, time, false, true, true, early_return_allowed, request, place) };
-        within(false);
-        // A time to return at that is later is reached by a later part.
-        early = requested && early_return_allowed && (until <= time || until.is_nan());
-        if early {
-            break;
+        if status == Status::Ok {
+            status = unsafe { call::<M>(instance, name, |component| component.slave.do_step(step, time)) };
+        }
+        if status == Status::Ok {
+            time = step.to;
         }
     }
+    let early = status == Status::Ok && step.to < from + length;
     unsafe {
         for (place, value) in flags.into_iter().zip([false, false, early]) {
             if let Some(place) = place.as_mut() {

@@ -4,7 +4,7 @@
 use crate::boundary::LOG_CATEGORIES;
 use crate::model::{Model, guid, instantiation_token, reference};
 use crate::variables::units::SECOND;
-use crate::variables::{Dependency, Dimension, Kind, Known, Role, Scalar, Type, Unit, Variable};
+use crate::variables::{Dependencies, Dimension, Domain, Kind, Known, Role, Scalar, Type, Unit, Variable};
 use crate::{Answer, Format, Naming, Version};
 use lemons_core::xml::{Layout, Out, escaped, number};
 use std::collections::{BTreeSet, HashMap};
@@ -41,6 +41,8 @@ fn of_scalars<M: Model>(model: &mut M, naming: Naming) -> Answer<String> {
                     if let Kind::Real(unit) = variable.kind {
                         own.push(("unit", unit.name));
                     }
+                    let bounds = bounds(variable.domain, variable.kind.into());
+                    own.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
                     own.extend(start.as_deref().map(|start| ("start", start)));
                     out.empty(variable.kind.name(), &own);
                 });
@@ -58,14 +60,14 @@ fn of_scalars<M: Model>(model: &mut M, naming: Naming) -> Answer<String> {
 
 type IsWanted = fn(Role) -> bool;
 
+fn is_output(role: Role) -> bool {
+    matches!(role, Role::Exact | Role::Calculated)
+}
+
 /// The unknowns of a model: name of the element, which variables they are, and on what they depend.
 const UNKNOWNS: [(&str, IsWanted, Known); 2] = [
-    ("Output", |role| matches!(role, Role::Exact | Role::Calculated), Known::Inputs),
-    (
-        "InitialUnknown",
-        |role| matches!(role, Role::Calculated | Role::CalculatedParameter),
-        Known::InputsAndParameters,
-    ),
+    ("Output", is_output, Known::Inputs),
+    ("InitialUnknown", |role| matches!(role, Role::Calculated | Role::CalculatedParameter), Known::Starts),
 ];
 
 fn of_arrays<M: Model>(model: &mut M) -> Answer<String> {
@@ -84,14 +86,17 @@ fn of_arrays<M: Model>(model: &mut M) -> Answer<String> {
         out.element("ModelVariables", &[], |out| {
             write_time(out);
             for (place, (size, value)) in M::SIZES.iter().zip(&sizes).enumerate() {
-                let attributes = [
+                let bounds = bounds(Domain::Size, Type::Size);
+                let (reference, value) = ((place + 1).to_string(), value.to_string());
+                let mut attributes = vec![
                     ("name", size.name),
-                    ("valueReference", &(place + 1).to_string()),
+                    ("valueReference", &*reference),
                     ("description", size.description),
                     ("causality", "structuralParameter"),
                     ("variability", "fixed"),
-                    ("start", &value.to_string()),
                 ];
+                attributes.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
+                attributes.push(("start", &*value));
                 out.empty("UInt64", &attributes);
             }
             for (variable, start) in M::VARIABLES.iter().zip(&starts) {
@@ -102,8 +107,8 @@ fn of_arrays<M: Model>(model: &mut M) -> Answer<String> {
             for (name, is_wanted, known) in UNKNOWNS {
                 for variable in M::VARIABLES.iter().filter(|variable| is_wanted(variable.role)) {
                     // Here variables count, not their elements.
-                    let on = model.dependencies(variable.quantity, known).into_iter().map(|on| on.on);
-                    let on: BTreeSet<u32> = on.filter_map(reference::<M>).collect();
+                    let on = model.dependencies(variable.quantity, known).variables();
+                    let on: BTreeSet<u32> = on.into_iter().filter_map(reference::<M>).collect();
                     let own = value_reference::<M>(variable);
                     let attributes = [("valueReference", &*own), ("dependencies", &joined(on))];
                     out.empty(name, &attributes);
@@ -216,6 +221,13 @@ fn attributes<'a, Q>(
     attributes
 }
 
+/// Returns `min` and `max`, where values of the type are refused.
+fn bounds(domain: Domain, of: Type) -> Vec<(&'static str, String)> {
+    let written = |bound: f64| if of == Type::Real { number(bound) } else { format!("{bound:.0}") };
+    let bounds = ["min", "max"].into_iter().zip(domain.bounds(of));
+    bounds.filter_map(|(name, bound)| Some((name, written(bound?)))).collect()
+}
+
 fn write_time(out: &mut Out) {
     let attributes = [
         ("name", "time"),
@@ -233,7 +245,13 @@ fn write_array<M: Model>(out: &mut Out, variable: &Variable<M::Quantity>, start:
     let mut attributes = attributes(variable, variable.name, &own, variable.description);
     if let Kind::Real(unit) = variable.kind {
         attributes.push(("unit", unit.name));
+        // Within a step importers may only read what is continuous and says so; inputs are not set there.
+        if M::SHOWS_INTERMEDIATE_VALUES && is_output(variable.role) {
+            attributes.push(("intermediateUpdate", "true"));
+        }
     }
+    let bounds = bounds(variable.domain, variable.kind.into());
+    attributes.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
     // Only single texts can be set.
     let (number, text) = if variable.kind == Kind::String { (None, start) } else { (start, None) };
     attributes.extend(number.map(|start| ("start", start)));
@@ -254,8 +272,12 @@ fn write_array<M: Model>(out: &mut Out, variable: &Variable<M::Quantity>, start:
     });
 }
 
+/// Most numbers of lists in which each unknown of a kind depends on the same elements.
+const MOST_LISTED: usize = 10_000;
+
 /// Writes the unknowns of FMI 2.0, which counts variables from 1, with the known ones on which they
-/// depend. Where each depends on all, no list is written.
+/// depend. Where each depends on the same ones and these lists would be long, there are none, which
+/// FMI reads as "on all".
 fn write_unknowns<M: Model>(
     out: &mut Out,
     model: &M,
@@ -263,23 +285,39 @@ fn write_unknowns<M: Model>(
     is_wanted: IsWanted,
     known: Known,
 ) {
-    let scalars_wanted = scalars.iter().enumerate().filter(|(_, scalar)| is_wanted(scalar.variable.role));
     let key = |quantity: M::Quantity, element: usize| (reference::<M>(quantity), element);
     let places: HashMap<_, usize> =
-        (0..).zip(scalars).map(|(place, of)| (key(of.variable.quantity, of.element), place)).collect();
-    let mut depends_on = vec![BTreeSet::new(); scalars.len()];
-    let listed = |variable: &Variable<M::Quantity>| !model.depends_on_all(variable.quantity);
-    for variable in M::VARIABLES.iter().filter(|variable| is_wanted(variable.role) && listed(variable)) {
-        for Dependency { dependent, on, element } in model.dependencies(variable.quantity, known) {
-            if let Some(unknown) = places.get(&key(variable.quantity, dependent)) {
-                depends_on[*unknown].extend(places.get(&key(on, element)).map(|known| known + 1));
+        (1..).zip(scalars).map(|(place, of)| (key(of.variable.quantity, of.element), place)).collect();
+    let mut depends_on = vec![BTreeSet::<usize>::new(); scalars.len() + 1];
+    let mut of_all: HashMap<_, String> = HashMap::new();
+    let mut listed = 0;
+    for variable in M::VARIABLES.iter().filter(|variable| is_wanted(variable.role)) {
+        match model.dependencies(variable.quantity, known) {
+            Dependencies::All(on) => {
+                let is_on = |(_, of): &(usize, &Scalar<_>)| on.contains(&of.variable.quantity);
+                let on: Vec<usize> = (1..).zip(scalars).filter(is_on).map(|(place, _)| place).collect();
+                listed +=
+                    on.len() * scalars.iter().filter(|of| of.variable.quantity == variable.quantity).count();
+                of_all.insert(variable.name, joined(on));
+            }
+            Dependencies::Elements(elements) => {
+                for of in elements {
+                    if let Some(unknown) = places.get(&key(variable.quantity, of.dependent)) {
+                        depends_on[*unknown].extend(places.get(&key(of.on, of.element)));
+                    }
+                }
             }
         }
     }
-    for (place, scalar) in scalars_wanted {
-        let (index, on) = ((place + 1).to_string(), joined(&depends_on[place]));
-        let attributes = [("index", &*index), ("dependencies", &*on)];
-        out.empty("Unknown", if listed(scalar.variable) { &attributes } else { &attributes[..1] });
+    for (place, scalar) in (1..).zip(scalars).filter(|(_, scalar)| is_wanted(scalar.variable.role)) {
+        let index = place.to_string();
+        let own = || Some(joined(&depends_on[place]));
+        let on = of_all
+            .get(scalar.variable.name)
+            .map_or_else(own, |all| (all.is_empty() || listed <= MOST_LISTED).then(|| all.clone()));
+        let mut attributes = vec![("index", &*index)];
+        attributes.extend(on.as_deref().map(|on| ("dependencies", on)));
+        out.empty("Unknown", &attributes);
     }
 }
 

@@ -34,5 +34,5 @@ pub mod variables;
 pub use boundary::{LOG_CATEGORIES, Logger2, Status, silence_panics};
 pub use format::{Format, Naming, Version};
 pub use lifecycle::{Function, Phase};
-pub use model::{Model, Part, StepError, fingerprint, guid, instantiation_token, reference};
+pub use model::{Model, Step, StepError, fingerprint, guid, instantiation_token, reference};
 pub use slave::{Answer, Refusal, Slave, Snapshot, damaged, refuse};

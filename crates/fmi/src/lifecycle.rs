@@ -19,7 +19,7 @@ pub enum Phase {
     Intermediate,
     /// After the end.
     Terminated,
-    /// After a step that failed.
+    /// FMI 2.0: after a step that failed. In FMI 3.0 that is [`Phase::Terminated`].
     Error,
 }
 
@@ -51,22 +51,23 @@ pub enum Function {
 
 /// Returns whether a version of FMI allows a function in a phase.
 pub fn allowed(function: Function, version: Version, phase: Phase) -> bool {
-    // A letter for each phase, in their order; FMI 2.0 has neither Configuration nor Intermediate.
+    // A letter for each phase, in their order; FMI 2.0 has neither Configuration nor Intermediate,
+    // FMI 3.0 no Error.
     // A synchronous slave is never in the middle of a step, so that there is nothing to cancel.
     let [of_2, of_3] = match function {
-        Function::SetDebugLogging => ["I-IS-TE", "ICISITE"],
+        Function::SetDebugLogging => ["I-IS-TE", "ICISIT-"],
         Function::SetupExperiment | Function::EnterInitializationMode => ["I------", "I------"],
         Function::EnterConfigurationMode => ["-------", "I------"],
         Function::ExitConfigurationMode => ["-------", "-C-----"],
         Function::ExitInitializationMode => ["--I----", "--I----"],
         Function::Terminate | Function::DoStep => ["---S---", "---S---"],
-        Function::Reset | Function::State => ["I-IS-TE", "ICIS-TE"],
-        Function::Get => ["--IS-TE", "-CISITE"],
+        Function::Reset | Function::State => ["I-IS-TE", "ICIS-T-"],
+        Function::Get => ["--IS-TE", "ICISIT-"],
         Function::Set => ["I-IS---", "ICIS---"],
-        Function::GetVariableDependencies => ["-------", "ICIS-TE"],
-        Function::GetDirectionalDerivative => ["--IS-TE", "--ISITE"],
+        Function::GetVariableDependencies => ["-------", "ICIS-T-"],
+        Function::GetDirectionalDerivative => ["--IS-TE", "--ISIT-"],
         Function::SetInputDerivatives => ["I-IS---", "-------"],
-        Function::GetOutputDerivatives => ["---S-TE", "---SITE"],
+        Function::GetOutputDerivatives => ["---S-TE", "---SIT-"],
         Function::CancelStep => ["-------", "-------"],
         Function::GetStatus => ["---S-T-", "-------"],
         Function::Unsupported => ["-------", "---S---"],

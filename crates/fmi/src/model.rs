@@ -1,7 +1,7 @@
 //! The model behind an FMU, and what identifies its interface.
 
 use crate::location::Location;
-use crate::variables::{Dependency, Known, Scalar, Size, Variable};
+use crate::variables::{Dependencies, Known, Scalar, Size, Variable};
 use crate::{Answer, Phase, Refusal};
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Debug;
@@ -53,29 +53,21 @@ pub enum StepError {
     Failed(Refusal),
 }
 
-/// A part of a communication step; the whole one where no values are wanted within it.
+/// A communication step, all \[s\].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Part {
-    /// \[s\] where the communication step begins.
+pub struct Step {
+    /// Where it begins.
     pub from: f64,
-    /// \[s\] of this part; positive.
+    /// How long it is; positive.
     pub length: f64,
-    /// \[s\] of the parts before it.
-    pub so_far: f64,
-    /// \[s\] the communication point at its end, if this is the last part.
-    pub at_end: Option<f64>,
+    /// Where it ends: the sum, but for rounding.
+    pub to: f64,
 }
 
-impl Part {
-    /// Returns a whole communication step, from a communication point and over a length, both
-    /// \[s\].
-    pub fn whole(from: f64, length: f64) -> Part {
-        Part { from, length, so_far: 0.0, at_end: Some(from + length) }
-    }
-
-    /// Returns the time at its end \[s\].
-    pub fn end(self) -> f64 {
-        self.at_end.unwrap_or(self.from + self.so_far + self.length)
+impl Step {
+    /// Returns a communication step as importers say it.
+    pub fn of(from: f64, length: f64) -> Step {
+        Step { from, length, to: from + length }
     }
 }
 
@@ -180,16 +172,9 @@ pub trait Model: Sized + Send {
     /// [`Model::INTERPOLATES_INPUTS`].
     fn set_rate(&mut self, _input: Self::Quantity, _element: usize, _rate: f64) {}
 
-    /// Returns the known elements on which the elements of an output depend at a communication
-    /// point.
-    fn dependencies(&self, _output: Self::Quantity, _known: Known) -> Vec<Dependency<Self::Quantity>> {
-        Vec::new()
-    }
-
-    /// Returns whether each element of an output depends on all that [`Model::dependencies`] names.
-    fn depends_on_all(&self, _output: Self::Quantity) -> bool {
-        false
-    }
+    /// Returns the known elements on which the elements of what is computed depend: at a communication point, or until
+    /// initialization ends.
+    fn dependencies(&self, computed: Self::Quantity, known: Known) -> Dependencies<Self::Quantity>;
 
     /// Takes the tolerance of the experiment, a positive and finite number, or none if the importer
     /// defines none. Called before initialization begins. A model that has no use for it ignores
@@ -203,17 +188,25 @@ pub trait Model: Sized + Send {
     /// The values that were set do not fit together.
     fn initialize(&mut self, start: f64) -> Answer<()>;
 
-    /// Returns the lengths \[s\] of the parts of a communication step \[s\] after which values are
-    /// wanted; one part if none are wanted.
-    fn parts(&self, step: f64) -> Vec<f64> {
-        vec![step]
+    /// Returns how long \[s\] after the beginning of a communication step \[s\] values shall be seen, before its end.
+    fn points(&self, _step: f64) -> Vec<f64> {
+        Vec::new()
     }
 
-    /// Advances by a part of a communication step, to a time that is finite.
+    /// Shows the values within a communication step that has not been made: from `so_far` to `point` \[s\] after its
+    /// beginning. [`Model::advance`] makes it from its beginning on, as if nobody had looked.
+    ///
+    /// # Errors
+    /// There are no such values.
+    fn look_ahead(&mut self, _from: f64, _so_far: f64, _point: f64) -> Answer<()> {
+        Ok(())
+    }
+
+    /// Makes a communication step, to a time that is finite.
     ///
     /// # Errors
     /// [`StepError`] says whether anything has changed.
-    fn advance(&mut self, part: Part) -> Result<(), StepError>;
+    fn advance(&mut self, step: Step) -> Result<(), StepError>;
 
     /// Returns to the state after [`Model::load`].
     ///

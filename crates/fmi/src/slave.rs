@@ -4,11 +4,10 @@
 //! A call that is refused does not change the instance.
 
 use crate::lifecycle::{Function, Phase, allowed};
-use crate::model::{Model, Part, StepError, guid, instantiation_token, reference};
-use crate::variables::{Dimension, Domain, Known, MOST, Number, Role, Scalar, Type, Variable};
+use crate::model::{Model, Step, StepError, guid, instantiation_token, reference};
+use crate::variables::{Dependencies, Dimension, Domain, Known, MOST, Number, Role, Scalar, Type, Variable};
 use crate::{Status, Version};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 use uuid::Uuid;
 
 /// Why a call was refused or failed, in words.
@@ -37,6 +36,14 @@ impl<E: std::error::Error> From<E> for Refusal {
     fn from(error: E) -> Refusal {
         Refusal::new(error.to_string())
     }
+}
+
+/// What FMI 3.0 says of a call that a model refuses: nothing has changed, and other values may do.
+fn discard<T>(version: Version, answer: Answer<T>) -> Answer<T> {
+    answer.map_err(|refusal| match (version, refusal.status) {
+        (Version::V3, Status::Error) => Refusal { status: Status::Discard, ..refusal },
+        _ => refusal,
+    })
 }
 
 /// The result of a call.
@@ -168,13 +175,15 @@ impl<M: Model> Slave<M> {
     /// `fmi2SetupExperiment`, or the first part of `fmi3EnterInitializationMode`.
     ///
     /// # Errors
-    /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is not
-    /// positive and finite.
+    /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is negative
+    /// or not finite.
     pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>, tolerance: Option<f64>) -> Answer<()> {
         self.check(Function::SetupExperiment)?;
+        // OMSimulator defines one of 0 where its structure names none.
+        let tolerance = tolerance.filter(|tolerance| *tolerance != 0.0);
         if let Some(tolerance) = tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
             return refuse(format!(
-                "a tolerance of {tolerance:?}: must be positive and finite, or not defined"
+                "a tolerance of {tolerance:?}: must be positive and finite, or 0 or not defined for none"
             ));
         }
         if !start.is_finite() {
@@ -211,7 +220,7 @@ impl<M: Model> Slave<M> {
     pub fn exit_initialization(&mut self) -> Answer<()> {
         self.check(Function::ExitInitializationMode)?;
         (0..self.sizes.len()).try_for_each(|place| self.check_size(place))?;
-        self.model.initialize(self.time)?;
+        discard(self.version, self.model.initialize(self.time))?;
         self.phase = Phase::StepComplete;
         Ok(())
     }
@@ -316,6 +325,20 @@ impl<M: Model> Slave<M> {
         }
     }
 
+    /// Refuses to read what has no start value before initialization begins (FMI 3.0, section 2.3.2).
+    fn check_readable(&self, references: &[u32], of: Type) -> Answer<()> {
+        if self.phase != Phase::Instantiated {
+            return Ok(());
+        }
+        for &reference in references {
+            if matches!(self.row(reference, of)?.role, Role::Calculated | Role::CalculatedParameter) {
+                let name = self.name(reference, None);
+                return refuse(format!("{name} has no start value: it can be read from initialization on"));
+            }
+        }
+        Ok(())
+    }
+
     /// Reads numbers.
     ///
     /// # Errors
@@ -332,13 +355,14 @@ impl<M: Model> Slave<M> {
             return Ok(());
         }
         self.check_count(references, N::TYPE, values.len())?;
+        self.check_readable(references, N::TYPE)?;
         let (mut rest, mut numbers) = (values, Vec::new());
         for &reference in references {
             let (these, others) = rest.split_at_mut(self.length(reference)?);
             numbers.clear();
             numbers.resize(these.len(), self.time);
             match self.row(reference, N::TYPE)?.quantity {
-                Some(quantity) => self.model.numbers(quantity, &mut numbers)?,
+                Some(quantity) => discard(self.version, self.model.numbers(quantity, &mut numbers))?,
                 None if N::TYPE == Type::Size => numbers[0] = self.sizes[reference as usize - 1] as f64,
                 None => {}
             }
@@ -355,6 +379,7 @@ impl<M: Model> Slave<M> {
     pub fn get_strings(&self, references: &[u32], count: usize) -> Answer<Vec<String>> {
         self.check(Function::Get)?;
         self.check_count(references, Type::String, count)?;
+        self.check_readable(references, Type::String)?;
         let mut texts = Vec::with_capacity(count);
         for &reference in references {
             let Row { quantity: Some(quantity), element, .. } = self.row(reference, Type::String)? else {
@@ -403,14 +428,12 @@ impl<M: Model> Slave<M> {
                     } else {
                         format!("{value:?}")
                     };
-                    return refuse(format!(
-                        "{} = {value}: must be {must}",
-                        self.name(reference, Some(element))
-                    ));
+                    let name = self.name(reference, Some(element));
+                    return discard(self.version, refuse(format!("{name} = {value}: must be {must}")));
                 }
             }
             if let (Version::V3, Some(quantity)) = (self.version, row.quantity) {
-                self.model.check(quantity, these)?;
+                discard(self.version, self.model.check(quantity, these))?;
             }
             rest = others;
         }
@@ -442,7 +465,7 @@ impl<M: Model> Slave<M> {
             self.check_settable(reference, row)?;
             texts.extend(row.quantity.map(|quantity| (quantity, value)));
         }
-        self.model.set_texts(&texts)
+        discard(self.version, self.model.set_texts(&texts))
     }
 
     /// Reads derivatives with respect to time, of order 1.
@@ -521,9 +544,9 @@ impl<M: Model> Slave<M> {
         Ok(())
     }
 
-    /// `fmi3GetVariableDependencies`: of the elements of an output, as indices from 0, the value
-    /// reference of the variable on which each depends, and the index of its element. Until
-    /// initialization ends, the initial dependencies (FMI 3.0, section 2.2.9).
+    /// `fmi3GetVariableDependencies`: of the elements of an output, as FMI counts them (from 1; 0 is all
+    /// of them), the value reference of the variable on which each depends, and the index of its
+    /// element. Until initialization ends, the initial dependencies (FMI 3.0, section 2.2.9).
     ///
     /// # Errors
     /// Wrong phase or an unknown reference.
@@ -534,66 +557,57 @@ impl<M: Model> Slave<M> {
             return if known { Ok(Vec::new()) } else { unknown_reference("any", of) };
         };
         let known = match self.phase {
-            Phase::Instantiated | Phase::Configuration | Phase::Initialization => Known::InputsAndParameters,
+            Phase::Instantiated | Phase::Configuration | Phase::Initialization => Known::Starts,
             _ => Known::Inputs,
         };
-        let own = self.model.dependencies(array.quantity, known).into_iter();
-        let own = own.filter_map(|on| Some((on.dependent, reference::<M>(on.on)?, on.element)));
-        if !self.model.depends_on_all(array.quantity) {
-            return Ok(own.collect());
-        }
-        let all: BTreeSet<(u32, usize)> = own.map(|(_, on, element)| (on, element)).collect();
-        let elements = self.length(of)?;
-        if elements * all.len() > MOST_DEPENDENCIES {
-            return refuse("each element depends on those of all agents, which are too many to be listed");
-        }
-        let each = (0..elements).flat_map(|k| all.iter().map(move |&(on, element)| (k, on, element)));
-        Ok(each.collect())
+        Ok(match self.model.dependencies(array.quantity, known) {
+            Dependencies::All(on) => {
+                on.into_iter().filter_map(|on| Some((0, reference::<M>(on)?, 0))).collect()
+            }
+            Dependencies::Elements(own) => own
+                .into_iter()
+                .filter_map(|of| Some((of.dependent + 1, reference::<M>(of.on)?, of.element + 1)))
+                .collect(),
+        })
     }
 
-    /// Returns the parts of a communication step from the communication point `from` of a length
-    /// `step`, both \[s\]: more than one if the importer sees values within it.
+    /// Returns how long \[s\] after the beginning of a communication step values are seen within it.
     ///
     /// # Errors
     /// Wrong phase, a communication point that is not the slave's time, or a step that is not
     /// positive, or goes beyond the stop time.
-    pub(crate) fn parts(&self, from: f64, step: f64, seen: bool) -> Answer<Vec<Part>> {
+    pub(crate) fn points(&self, from: f64, step: f64, seen: bool) -> Answer<Vec<f64>> {
         self.check_step(from, step)?;
-        if !seen {
-            return Ok(vec![Part::whole(from, step)]);
-        }
-        let lengths = self.model.parts(step);
-        let (mut so_far, last) = (0.0, lengths.len() - 1);
-        let part = |(k, length): (usize, f64)| {
-            let part = Part { from, length, so_far, at_end: (k == last).then_some(from + step) };
-            so_far += length;
-            part
-        };
-        Ok(lengths.into_iter().enumerate().map(part).collect())
+        Ok(if seen { self.model.points(step) } else { Vec::new() })
     }
 
-    /// Does a part of a communication step.
+    /// Begins the importer's callback within a step, if there are values to be seen: see [`Model::look_ahead`].
+    pub(crate) fn look_ahead(&mut self, from: f64, so_far: f64, point: f64) -> bool {
+        let seen = self.model.look_ahead(from, so_far, point).is_ok();
+        if seen {
+            (self.phase, self.time) = (Phase::Intermediate, from + point);
+        }
+        seen
+    }
+
+    /// Makes a communication step that was checked when the slave was at this time \[s\].
     ///
     /// # Errors
-    /// The model refuses the first part, and nothing has changed; or it fails, and the slave is in
-    /// the error state.
-    pub(crate) fn do_part(&mut self, part: Part) -> Answer<()> {
-        match self.model.advance(part) {
+    /// The model refuses it, and nothing has changed; or it fails, and the slave is in the error state, in FMI 3.0
+    /// terminated.
+    pub(crate) fn do_step(&mut self, step: Step, time: f64) -> Answer<()> {
+        (self.phase, self.time) = (Phase::StepComplete, time);
+        match self.model.advance(step) {
             Ok(()) => {
-                self.time = part.end();
+                self.time = step.to;
                 Ok(())
             }
-            Err(StepError::Refused(error)) if part.so_far == 0.0 => Err(error),
-            Err(StepError::Refused(error) | StepError::Failed(error)) => {
-                self.phase = Phase::Error;
+            Err(StepError::Refused(error)) => discard(self.version, Err(error)),
+            Err(StepError::Failed(error)) => {
+                self.phase = if self.version == Version::V2 { Phase::Error } else { Phase::Terminated };
                 Err(error)
             }
         }
-    }
-
-    /// Begins or ends the importer's callback.
-    pub(crate) fn set_intermediate(&mut self, intermediate: bool) {
-        self.phase = if intermediate { Phase::Intermediate } else { Phase::StepComplete };
     }
 
     /// Checks a communication step, before anything is changed.
@@ -747,8 +761,6 @@ fn state_version<M: Model>() -> u32 {
     FORMAT << 16 | M::STATE_VERSION
 }
 
-/// Each on all: the largest number of dependencies that are listed.
-const MOST_DEPENDENCIES: usize = 10_000_000;
 const MAGIC: &[u8; 8] = b"LEMONSst";
 /// Increased whenever [`Snapshot`] changes.
 const FORMAT: u32 = 3;

@@ -127,9 +127,8 @@ impl<M: Model> Component<M> {
             )
         };
         for (k, (dependent, independent, element)) in found.into_iter().enumerate() {
-            // FMI counts elements from 1; 0 would be all of them.
             (dependents[k], independents[k], elements[k], kinds[k]) =
-                (dependent + 1, independent, element + 1, DEPENDENT);
+                (dependent, independent, element, DEPENDENT);
         }
         Ok(())
     }

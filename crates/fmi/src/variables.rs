@@ -181,7 +181,7 @@ pub enum Domain {
     Finite,
     /// Finite and ≥ 0.
     NonNegative,
-    /// Finite and > 0.
+    /// Finite and > 0; of a Real, not less than the least number of full precision.
     Positive,
     /// The number of elements along a dimension.
     Size,
@@ -191,6 +191,17 @@ pub enum Domain {
 pub(crate) const MOST: u64 = 100_000_000;
 
 impl Domain {
+    /// Returns the least and the greatest value that a description declares, where the type has further ones.
+    pub fn bounds(self, of: Type) -> [Option<f64>; 2] {
+        match self {
+            Domain::Finite => [None, None],
+            Domain::NonNegative => [Some(0.0), None],
+            Domain::Positive if of == Type::Real => [Some(f64::MIN_POSITIVE), None],
+            Domain::Positive => [Some(1.0), None],
+            Domain::Size => [Some(1.0), Some(MOST as f64)],
+        }
+    }
+
     /// Checks that the number is in the domain.
     ///
     /// # Errors
@@ -199,6 +210,7 @@ impl Domain {
         match self {
             _ if !value.is_finite() => Err("finite"),
             Domain::Positive if value <= 0.0 => Err("positive"),
+            Domain::Positive if value < f64::MIN_POSITIVE => Err("at least 2.2250738585072014e-308"),
             Domain::NonNegative if value < 0.0 => Err("at least 0"),
             Domain::Size if !(1.0..=MOST as f64).contains(&value) => Err("at least 1 and at most 100000000"),
             _ => Ok(()),
@@ -226,7 +238,7 @@ pub enum Dimension {
 
 /// A row of a model's table: a variable of FMI 3.0. The variables of FMI 2.0 are its elements.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Variable<Q> {
+pub struct Variable<Q: 'static> {
     /// What the model knows it by.
     pub quantity: Q,
     /// Structured name.
@@ -239,6 +251,8 @@ pub struct Variable<Q> {
     pub domain: Domain,
     /// From the outermost; none for a single value. Elements are in row-major order.
     pub dimensions: &'static [Dimension],
+    /// Of what is computed: on what each element depends until initialization ends, and all elements of it.
+    pub initially_on: &'static [Q],
     /// Description for users.
     pub description: &'static str,
 }
@@ -257,14 +271,14 @@ pub struct Scalar<Q: 'static> {
 }
 
 /// Begins a row of a table: a method of [`Variable`] says the role, and what users read.
-pub const fn row<Q>(
+pub const fn row<Q: 'static>(
     quantity: Q,
     name: &'static str,
     dimensions: &'static [Dimension],
     kind: Kind,
 ) -> Variable<Q> {
     let (role, domain) = (Role::Calculated, Domain::Finite);
-    Variable { quantity, name, kind, role, domain, dimensions, description: "" }
+    Variable { quantity, name, kind, role, domain, dimensions, initially_on: &[], description: "" }
 }
 
 impl<Q: Copy> Variable<Q> {
@@ -281,6 +295,11 @@ impl<Q: Copy> Variable<Q> {
     /// Makes it an output that is computed.
     pub const fn calculated(self, description: &'static str) -> Variable<Q> {
         Variable { role: Role::Calculated, description, ..self }
+    }
+
+    /// Says on what each element depends until initialization ends.
+    pub const fn initially_on(self, initially_on: &'static [Q]) -> Variable<Q> {
+        Variable { initially_on, ..self }
     }
 
     /// Makes it a parameter with values in a domain.
@@ -333,18 +352,37 @@ pub struct Dependency<Q> {
     pub element: usize,
 }
 
+/// On what the elements of an output depend.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Dependencies<Q> {
+    /// Each element depends on all elements of these variables.
+    All(Vec<Q>),
+    /// Single elements depend on single elements.
+    Elements(Vec<Dependency<Q>>),
+}
+
+impl<Q: Copy> Dependencies<Q> {
+    /// Returns the variables on which it depends; some more than once.
+    pub fn variables(&self) -> Vec<Q> {
+        match self {
+            Dependencies::All(on) => on.clone(),
+            Dependencies::Elements(elements) => elements.iter().map(|dependency| dependency.on).collect(),
+        }
+    }
+}
+
 /// The variables that count as known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
     /// During the simulation.
     Inputs,
-    /// Until initialization ends.
-    InputsAndParameters,
+    /// Until initialization ends: all that have start values.
+    Starts,
 }
 
 impl Known {
     /// Returns whether variables of a role count.
     pub fn includes(self, role: Role) -> bool {
-        role == Role::Input || self == Known::InputsAndParameters && role == Role::Parameter
+        role == Role::Input || self == Known::Starts && matches!(role, Role::Parameter | Role::Exact)
     }
 }

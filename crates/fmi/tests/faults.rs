@@ -2,8 +2,8 @@
 //! FMI's state "fatal", the column of section 4.2.4 that no call of a sound model reaches.
 
 use lemons_fmi::location::Location;
-use lemons_fmi::variables::{Kind, Scalar, Size, Variable, row, units};
-use lemons_fmi::{Answer, Model, Part, Phase, Status, StepError, guid};
+use lemons_fmi::variables::{Dependencies, Kind, Known, Scalar, Size, Variable, row, units};
+use lemons_fmi::{Answer, Model, Phase, Status, Step, StepError, guid};
 use lemons_verify::testing::fmi2;
 use lemons_verify::testing::instance::{Arguments, Functions};
 use lemons_verify::testing::{Instance, Message};
@@ -57,11 +57,15 @@ impl Model for Brittle {
         self.x = value;
     }
 
+    fn dependencies(&self, (): (), _: Known) -> Dependencies<()> {
+        Dependencies::All(Vec::new())
+    }
+
     fn initialize(&mut self, _: f64) -> Answer<()> {
         Ok(())
     }
 
-    fn advance(&mut self, _: Part) -> Result<(), StepError> {
+    fn advance(&mut self, _: Step) -> Result<(), StepError> {
         assert!(self.x != 13.0, "x is {}", self.x);
         Ok(())
     }

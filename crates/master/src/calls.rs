@@ -72,7 +72,7 @@ pub struct Instance {
     messages: Arc<Messages>,
     /// True once initialization has begun.
     pub(crate) initialized: Cell<bool>,
-    /// Arrays: FMI 3.0 does not let their other elements be read before initialization.
+    /// Arrays: not every FMU lets their other elements be read before initialization.
     pub(crate) later: RefCell<Vec<Later>>,
     // FMUs keep pointers to it.
     _logger: Logger,

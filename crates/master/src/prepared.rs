@@ -88,6 +88,9 @@ impl Prepared {
         })?;
         let open = if coupled { open_ssp } else { open_fmu };
         let Assembled { mut system, start, stop, mut warnings } = open(settings, &parameters)?;
+        if settings.tolerance.is_some() {
+            system.free_mechanical_steps()?;
+        }
         for (name, value) in &parameters {
             warnings.extend(set(&system, name, value, coupled)?);
         }

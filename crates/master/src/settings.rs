@@ -20,7 +20,7 @@ pub struct Settings {
     /// The number of threads of the crowd; not for an SSP, where it is a parameter of each component.
     pub threads: Option<i32>,
     /// The tolerance of the experiment, positive and finite; not for a saved run, which contains its mechanical step. Each FMU
-    /// gets it, and makes of it what it can. A crowd takes it as the accuracy \[m\] for which it chooses its mechanical step.
+    /// gets it, and makes of it what it can. A crowd takes it as the accuracy \[m\] for which its mechanical step is chosen.
     /// Default: that of an FMU's own DefaultExperiment, else none.
     pub tolerance: Option<f64>,
     /// \[s\] The communication step, finite and greater than 0. Default: the Trial's TimeStep; of several components, the smallest.

@@ -153,6 +153,17 @@ impl System {
             .try_for_each(|crowd| crowd.instance.set_text(&[PLAY_DRIVE], "false"))
     }
 
+    /// Lets a tolerance alone choose mechanical steps: it only shortens the one that an FMU has. To be called before
+    /// initialization.
+    ///
+    /// # Errors
+    /// An FMU refuses it.
+    pub(crate) fn free_mechanical_steps(&self) -> Result<()> {
+        const STEP: &str = "TimeStepMechanical";
+        let has = |component: &&Component| component.fmu.kind(STEP).is_some();
+        self.components.iter().filter(has).try_for_each(|component| component.instance.set_text(&[STEP], "1"))
+    }
+
     /// Initializes all components at a time \[s\]; see the module for the first values. They get this tolerance, or that
     /// of their own DefaultExperiment, or none.
     ///

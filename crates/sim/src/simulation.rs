@@ -10,7 +10,7 @@ use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::decision::{Act, Saved as SavedDecision, Stance};
 use lemons_decision::rule::Pose as SeenPose;
 use lemons_decision::{Decision, Plan};
-use lemons_fmi::{Model, Part, Phase, Refusal, StepError, fingerprint};
+use lemons_fmi::{Model, Phase, Refusal, Step, StepError, fingerprint};
 use lemons_results::{Frame, OfLegs, OfStep, OfWall, Totals};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -144,7 +144,7 @@ impl Simulation {
         })
     }
 
-    /// Begins at a time \[s\]. The tolerance \[m\], if there is one, chooses the mechanical step (docs/step.md).
+    /// Begins at a time \[s\]. The tolerance \[m\], if there is one, may shorten the mechanical step (docs/step.md).
     ///
     /// # Errors
     /// The values that were set do not fit together, or no ways to exits and goals can be found.
@@ -203,7 +203,7 @@ impl Simulation {
             self.decide(&motions, step)?;
         }
         self.drive_crowd(Phase::StepComplete);
-        self.crowd.model.advance(Part::whole(from, step))?;
+        self.crowd.model.advance(Step::of(from, step))?;
         if self.algorithm == Algorithm::Jacobi {
             self.decide(&motions, step)?;
         }

@@ -81,6 +81,10 @@ pub fn prepare(given: &TrialInput, settings: &Settings) -> Result<Prepared> {
     let (drive, walking) = (documents.drive.clone(), documents.plan.clone());
     let trial = documents.trial.clone();
     let mut simulation = Simulation::new(documents, settings.algorithm)?;
+    if settings.tolerance.is_some() {
+        // It only shortens the step that is set, and shall choose it.
+        simulation.set("TimeStepMechanical", "1")?;
+    }
     for (name, value) in &settings.parameters {
         if let Some(input) = simulation.set(name, value).map_err(not_set)? {
             note!("{}", notes::overwritten(name, value, &input));

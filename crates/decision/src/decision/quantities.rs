@@ -8,7 +8,9 @@
 use super::Decision;
 use crate::balance::Balance;
 use lemons_fmi::variables::units::*;
-use lemons_fmi::variables::{Dependency, Dimension, Domain, Kind, Known, Role, Scalar, Size, Variable, row};
+use lemons_fmi::variables::{
+    Dependencies, Dependency, Dimension, Domain, Kind, Known, Role, Scalar, Size, Variable, row,
+};
 
 /// A quantity: a row of [`QUANTITIES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -203,15 +205,15 @@ impl Decision {
     }
 
     /// Returns whether an output depends on the inputs of all agents.
-    pub(super) fn needs_all(&self, output: Quantity) -> bool {
+    fn needs_all(&self, output: Quantity) -> bool {
         self.plan.walking_model.sees_others() && matches!(output, Quantity::Fp | Quantity::Mp)
     }
 
     /// Returns the dependencies of an output on the inputs and parameters of the same agent; of the
     /// number of those who have arrived, on those of everybody.
-    pub(super) fn dependencies_of(&self, output: Quantity, known: Known) -> Vec<Dependency<Quantity>> {
+    pub(super) fn dependencies_of(&self, output: Quantity, known: Known) -> Dependencies<Quantity> {
         if output.row().role != Role::Calculated {
-            return Vec::new();
+            return Dependencies::Elements(Vec::new());
         }
         // Where people see each other, outlines and motions count, too.
         let seen = |on: Quantity| {
@@ -225,6 +227,9 @@ impl Decision {
             known.includes(row.role) && (output.needs(row.quantity) || seen(row.quantity))
         };
         let on: Vec<Quantity> = QUANTITIES.iter().filter(needed).map(|row| row.quantity).collect();
+        if self.needs_all(output) {
+            return Dependencies::All(on);
+        }
         let each = self.elements_of_each(output);
         let mut dependencies = Vec::new();
         for i in 0..self.agents.len() {
@@ -236,6 +241,6 @@ impl Decision {
                 dependencies.extend(elements.map(|element| Dependency { dependent, on, element }));
             }
         }
-        dependencies
+        Dependencies::Elements(dependencies)
     }
 }

@@ -63,8 +63,7 @@ unsafe extern "C" {
 unsafe extern "C" fn hear(listener: *const Listener, status: c_int, text: *const c_char) {
     // SAFETY: as said above; only `lemons_logger` calls this.
     let (listener, text) = unsafe { (&*listener, CStr::from_ptr(text)) };
-    // A number sign in a message is doubled (FMI 2.0.5, section 2.1.5).
-    listener.messages.hear(status_of(Version::V2, status), &text.to_string_lossy().replace("##", "#"));
+    listener.messages.hear(status_of(Version::V2, status), &told(text.to_bytes()));
 }
 
 /// `fmi3LogMessageCallback`: a message is a text, without arguments.
@@ -83,7 +82,12 @@ pub(super) unsafe extern "C" fn log_3(
     // SAFETY: as said above, and not NULL.
     let (listener, text) = unsafe { (&*environment.cast::<Listener>(), CStr::from_ptr(message)) };
     let text = &text.to_bytes()[..text.count_bytes().min(LONGEST)];
-    listener.messages.hear(status_of(Version::V3, status), &String::from_utf8_lossy(text));
+    listener.messages.hear(status_of(Version::V3, status), &told(text));
+}
+
+/// A number sign in a message is doubled (FMI 2.0.5, section 2.1.5; FMI 3.0, section 2.3.1).
+fn told(text: &[u8]) -> String {
+    String::from_utf8_lossy(text).replace("##", "#")
 }
 
 /// \[byte\] Of a message; the rest is cut off.

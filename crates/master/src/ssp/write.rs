@@ -110,12 +110,7 @@ fn units_of<'a>(
 fn write_annotation(out: &mut Out, step: f64) {
     const SCHEMA: &str = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd";
     let step = number(step);
-    let master = [
-        ("description", "oms-ma"),
-        ("stepSize", &step),
-        ("absoluteTolerance", "0.0001"),
-        ("relativeTolerance", "0.0001"),
-    ];
+    let master = [("description", "oms-ma"), ("stepSize", &step)];
     out.element("ssd:Annotations", &[], |out| {
         out.element("ssc:Annotation", &[("type", "org.openmodelica")], |out| {
             out.element("oms:Annotations", &[("xmlns:oms", SCHEMA)], |out| {

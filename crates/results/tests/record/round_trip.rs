@@ -7,7 +7,7 @@ use crowd_mechanics::setup::{self, Setup};
 use lemons_core::plane::vec2;
 use lemons_core::trial::Trial;
 use lemons_fmi::location::Location;
-use lemons_fmi::{Model, Part};
+use lemons_fmi::{Model, Step};
 use lemons_results::{KeptFrames, Record, RecordError, Run, series, trial_at_end};
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
@@ -37,7 +37,7 @@ fn run(at: &Path, trial: &Trial) -> Vec<World> {
     let mut world = Setup::of(trial).world().unwrap();
     (1..=30)
         .map(|k| {
-            crowd.advance(Part::whole(f64::from(k - 1) * 0.05, 0.05)).unwrap_or_else(|_| panic!("step {k}"));
+            crowd.advance(Step::of(f64::from(k - 1) * 0.05, 0.05)).unwrap_or_else(|_| panic!("step {k}"));
             world.advance(0.05).unwrap();
             let mut seen = Setup::of(trial).world().unwrap();
             seen.restore(world.state().clone()).unwrap();

@@ -10,7 +10,7 @@ use crowd_mechanics::setup::{self, Setup};
 use crowd_mechanics::setup::{dynamics_of, interactions_of};
 use lemons_core::trial::{FileNames, Trial};
 use lemons_decision::{Decision, DecisionConfig, Plan};
-use lemons_fmi::{Model, Part};
+use lemons_fmi::{Model, Step};
 use lemons_master::Fmu;
 use lemons_master::ssp::Archive;
 use std::collections::HashSet;
@@ -173,5 +173,5 @@ pub fn decision_toml(data: &[u8]) {
         // Absurd ones are refused.
         assert!(decision.number(scalar.variable.quantity, scalar.element).map_or(true, f64::is_finite));
     }
-    decision.advance(Part::whole(1.0, 1.0)).expect("a decision");
+    decision.advance(Step::of(1.0, 1.0)).expect("a decision");
 }
