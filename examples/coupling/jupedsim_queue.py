@@ -4,7 +4,8 @@
 
 JuPedSim 1.4 has the journeys, the queues and the waiting set; each of its agents is the ghost of one of our bodies. In each
 communication step the ghosts go to where the bodies are, JuPedSim decides, and the bodies walk to the targets of their ghosts.
-Beside it the same scene runs in JuPedSim alone. docs/guide/other-simulators.md says how the ghosts are moved.
+Beside it the same scene runs in JuPedSim alone. docs/guide/other-simulators.md says how the ghosts are moved; its picture is that
+of `--plot docs/guide/queue.png`.
 """
 
 import argparse
@@ -114,10 +115,10 @@ class Ways:
 
     def __init__(self):
         self.area = AREA.buffer(-WALL, join_style="mitre")
-        self.engine = jupedsim.RoutingEngine(self.area)
+        self.engine, self.within = jupedsim.RoutingEngine(self.area), self.area.buffer(-1e-6)
 
     def inside(self, place):
-        return place if self.engine.is_routable(place) else nearest_points(self.area.buffer(-1e-6), Point(place))[0].coords[0]
+        return place if self.engine.is_routable(place) else nearest_points(self.within, Point(place))[0].coords[0]
 
     def next(self, place, target):
         """The next way-point, and how far it is to the target."""

@@ -5,7 +5,8 @@
 Local trains bring passengers to Central, where they change to an express. The express is late, so that the platform fills. The
 passengers who get off are bodies: they walk to where they want to wait, and press when they are held up. When somebody's mean squeeze
 over a second passes the limit, the next local train stays at West, the station before, until half of the people have gone. The script
-runs the same day without and with that rule. docs/guide/other-simulators.md has the results.
+runs the same day without and with that rule. docs/guide/other-simulators.md has the results; its
+picture is that of `--plot docs/guide/platform.png`.
 """
 
 import argparse
@@ -97,7 +98,7 @@ class Line:
         return next((train for train in vehicle.getIDList() if vehicle.isStopped(train) and vehicle.getLaneID(train) == f"{STOPS[stop]}_0"), None)
 
     def keep(self, train, stop):
-        """Lets the train, which stands there, stay at least until the next step."""
+        """Lets the train, which stands there, stay at least until the next step. Returns whether it would have left."""
         # [s] `duration` is what is left of the stop.
         left, until = (getattr(self.sumo.vehicle.getStops(train, 1)[0], name) for name in ("duration", "until"))
         self.sumo.vehicle.setBusStop(train, stop, duration=max(left, 2 * SECOND), until=until)
@@ -129,72 +130,91 @@ class Log:
         return np.array(self.squeeze)[np.array(self.boarding) == boarding].max(initial=0.0)
 
 
+class Platform:
+    """The bodies of all passengers, in the order of their trains. Who has not come yet, or has boarded, is not there."""
+
+    def __init__(self, directory, number, seed):
+        random = np.random.default_rng(seed)
+        length, depth = PLATFORM
+        # Each body begins in its door. Many have the same door: only one of them is there at a time.
+        doors = np.column_stack([np.resize(DOORS, number), np.full(number, 0.35)]) + random.uniform(-0.05, 0.05, (number, 2))
+        walls = [[(0, 0), (length, 0), (length, depth), (0, depth), (0, 0)]]
+        trial = write_trial(f"{directory}/trial", doors, np.full(number, math.pi / 2), walls, seed)
+        self.bodies = Bodies(trial.shapes)
+        self.spots = doors + random.uniform((-1.4, 0.85), (1.4, depth - 0.65), (number, 2))  # m, where each wants to wait
+        self.since = np.full(number, math.inf)  # s, when each has come
+        self.crowd = Crowd(trial, {f"agent[{i}].Active": False for i in range(number)}, plan=False)
+        self.walkers = Walkers(self.crowd, desired_speeds(number, random), trial.inertias, random)
+
+    def step(self, time, off, boarding):
+        """A step of SUMO that ends at this time: `off` have got off, and come as soon as there is room in their doors."""
+        for _ in range(round(SECOND / STEP)):
+            there, poses = np.asarray(self.crowd.active), self.crowd.poses()
+            places = poses[:, :2]
+            for i in off:
+                if math.isinf(self.since[i]) and self.bodies.fits(i, poses, there):
+                    there[i], self.since[i] = True, time
+            if boarding:
+                nearest = np.abs(places[:, :1] - DOORS).argmin(axis=1)
+                aims = np.column_stack([np.take(DOORS, nearest), np.zeros(len(places))])
+                there &= np.linalg.norm(places - aims, axis=1) > 0.5
+            else:
+                clear = np.hypot(places[:, :1] - DOORS, places[:, 1:]).min(axis=1) > DOORWAY
+                settled = clear & ((np.linalg.norm(places - self.spots, axis=1) < NEAR) | (time - self.since > SETTLE))
+                aims = np.where(settled[:, None], places, self.spots)
+            self.crowd.active = there
+            self.walkers.step(aims, np.linalg.norm(places - aims, axis=1), PRESS)
+
+    def there(self):
+        return np.asarray(self.crowd.active)
+
+    def poses(self):
+        """x, y [m] and theta [rad] of all, NaN for who is not there."""
+        return np.where(self.there()[:, None], self.crowd.poses(), np.nan)
+
+
 def run(directory, limit, seed):
     """A run; with a limit of infinity no train is held. SUMO's files are left in the directory. Returns the log, and the bodies."""
-    random = np.random.default_rng(seed)
-    names = [f"{train}.{i}" for train in (f"local{k}" for k in range(LOCALS)) for i in range(PASSENGERS)]
-    number, person = len(names), {name: i for i, name in enumerate(names)}
-    length, depth = PLATFORM
-    # Each body begins in its door. Many have the same door: only one of them is there at a time.
-    doors = np.column_stack([np.resize(DOORS, number), np.full(number, 0.35)]) + random.uniform(-0.05, 0.05, (number, 2))
-    spots = doors + random.uniform((-1.4, 0.85), (1.4, depth - 0.65), (number, 2))
-    walls = [[(0, 0), (length, 0), (length, depth), (0, depth), (0, 0)]]
-    trial = write_trial(f"{directory}/trial", doors, np.full(number, math.pi / 2), walls, seed)
-    line, log, bodies = Line(directory), Log(), Bodies(trial.shapes)
-    since = np.full(number, math.inf)
-    off, came, crowded = {}, {}, 0  # when each has got off; whose body has come; when the limit was passed last
-    with Crowd(trial, {f"agent[{i}].Active": False for i in range(number)}, plan=False) as crowd:
-        walkers = Walkers(crowd, desired_speeds(number, random), trial.inertias, random)
-        while not line.is_over() and len(log.times) < END / SECOND:
-            line.step()
-            time = (len(log.times) + 1) * SECOND
-            for name in line.waiting():
-                off.setdefault(person[name], time)
-            standing = line.at("central")
-            boarding = bool(standing) and standing.startswith("express")
-            for _ in range(round(SECOND / STEP)):
-                there, poses = np.asarray(crowd.active), crowd.poses()
-                places = poses[:, :2]
-                for i in (i for i in off if i not in came):
-                    if bodies.fits(i, poses, there):
-                        there[i] = True
-                        came[i] = since[i] = time
-                clear = np.hypot(places[:, :1] - DOORS, places[:, 1:]).min(axis=1) > DOORWAY
-                settled = clear & ((np.linalg.norm(places - spots, axis=1) < NEAR) | (time - since > SETTLE))
-                aims = np.where(settled[:, None], places, spots)
-                if boarding:
-                    nearest = np.abs(places[:, :1] - DOORS).argmin(axis=1)
-                    aims = np.column_stack([np.take(DOORS, nearest), np.zeros(number)])
-                    there &= np.linalg.norm(places - aims, axis=1) > 0.5
-                crowd.active = there
-                rests = np.linalg.norm(places - aims, axis=1)
-                walkers.step(aims, rests, PRESS)
-            there = np.asarray(crowd.active)
-            for i in [i for i in came if not there[i] and names[i] not in log.waited]:
+    names = [f"local{k}.{i}" for k in range(LOCALS) for i in range(PASSENGERS)]
+    person = {name: i for i, name in enumerate(names)}
+    train_of = np.array([name.split(".")[0] for name in names])
+    line, platform, log = Line(directory), Platform(directory, len(names), seed), Log()
+    off, crowded = {}, 0  # when each has got off; how many people there were when the limit was passed last
+    while not line.is_over() and len(log.times) < END / SECOND:
+        line.step()
+        time = (len(log.times) + 1) * SECOND
+        for name in line.waiting():
+            off.setdefault(person[name], time)
+        standing = line.at("central") or ""
+        boarding = standing.startswith("express")
+        platform.step(time, off, boarding)
+        come, there = np.isfinite(platform.since), platform.there()
+        for i in np.flatnonzero(come & ~there):
+            if names[i] not in log.waited:
                 line.board(names[i])
                 log.waited[names[i]] = time - off[i]
-            squeeze = walkers.squeeze()
-            if squeeze.max() > limit:
-                crowded = len(off) - len(log.waited)
-            elif len(off) - len(log.waited) < crowded / 2:
-                crowded = 0
-            if boarding and (there.any() or len(came) < len(off)):
-                line.keep(standing, "central")
-            elif standing and not boarding and sum(names[i].startswith(standing) for i in came) < PASSENGERS:
-                line.keep(standing, "central")
-            if (train := line.at("west")) and crowded and line.keep(train, "west"):
-                log.held[train] = log.held.get(train, 0.0) + SECOND
-            log.times.append(time)
-            log.squeeze.append(squeeze.max())
-            log.people.append(len(off) - len(log.waited))
-            log.boarding.append(boarding)
-            if not boarding and squeeze.max() >= log.greatest(boarding=False):
-                log.worst = time, np.where(there[:, None], crowd.poses(), np.nan), squeeze
+        squeeze, people = platform.walkers.squeeze(), len(off) - len(log.waited)
+        if squeeze.max() > limit:
+            crowded = people
+        elif people < crowded / 2:
+            crowded = 0
+        if standing and (there.any() if boarding else not come[train_of == standing].all()):
+            line.keep(standing, "central")
+        held = line.at("west")
+        if held and crowded and line.keep(held, "west"):
+            log.held[held] = log.held.get(held, 0.0) + SECOND
+        log.times.append(time)
+        log.squeeze.append(squeeze.max())
+        log.people.append(people)
+        log.boarding.append(boarding)
+        if not boarding and squeeze.max() >= log.greatest(boarding=False):
+            log.worst = time, platform.poses(), squeeze
     line.sumo.close()
+    platform.crowd.close()
     for stop in ET.parse(f"{directory}/stood.xml").iter("stopinfo"):
         if stop.get("busStop") == "west":
             log.delays[stop.get("id")] = float(stop.get("delay"))
-    return log, bodies
+    return log, platform.bodies
 
 
 def table(logs):
