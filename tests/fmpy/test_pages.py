@@ -33,6 +33,8 @@ NOT_RUN = {
     ("README.md", "lemons lab"): "opens a browser; tests/lab does it",
     ("docs/guide/rust.md", "cargo run --release --example engine_direct"): "compiles; the fixture engine_direct runs it",
     ("python/README.md", "cp target/release/liblemons_native.so"): "check.sh does it",
+    ("docs/guide/other-simulators.md", "python examples/coupling/jupedsim_queue.py"): "needs JuPedSim; test_coupling_others.py runs fewer people",
+    ("docs/guide/other-simulators.md", "python examples/coupling/sumo_platform.py"): "needs SUMO, and a minute; test_coupling_others.py runs a smaller day",
     ("docs/lab.md", "lab/build.sh"): COMPILES,
     ("docs/lab.md", "packaging/release.sh"): "needs compilers for all platforms",
     ("docs/lab.md", "lemons lab"): "opens a browser; tests/lab does it",

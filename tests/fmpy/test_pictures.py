@@ -42,6 +42,8 @@ MADE_BY = {
     "docs/door_width.svg": ("examples/door_width.py", '"door_width.svg"'),
     "docs/calibration.png": ("examples/calibrate.py", '"calibration.png"'),
     "docs/waves.png": ("examples/waves.py", '"waves.png"'),
+    "docs/guide/queue.png": ("examples/coupling/jupedsim_queue.py", "`--plot docs/guide/queue.png`"),
+    "docs/guide/platform.png": ("examples/coupling/sumo_platform.py", "`--plot docs/guide/platform.png`"),
 }
 
 
@@ -129,12 +131,16 @@ def mechanics(lemons, directory):
 
 def test_pictures_that_take_minutes_are_of_what_they_were_drawn_from(lemons, tmp_path):
     """A picture of the validation belongs to its tables, which the same command writes. That of the calibration needs
-    measured data: it may be old if its script or the mechanics has changed; that of waves, if its script, legs or the mechanics have."""
+    measured data: it may be old if its script or the mechanics has changed; that of waves, if its script, legs or the mechanics have.
+    Those of the couplings need what is not everywhere, and a minute: they may be old if their scripts or the mechanics have changed."""
     of = {f"validation_{name}.svg": tables_of(name) for name in VALIDATION}
     of["calibration.png"] = (REPOSITORY / "examples/calibrate.py").read_text() + mechanics(lemons, tmp_path)
     legs = (REPOSITORY / "crates/decision/src").glob("balance*/*.rs")
     legs = [*legs, REPOSITORY / "crates/decision/src/balance.rs"]
     of["waves.png"] = "".join(path.read_text() for path in [REPOSITORY / "examples/waves.py", *sorted(legs)]) + mechanics(lemons, tmp_path)
+    coupling = REPOSITORY / "examples" / "coupling"
+    for picture, name in [("guide/queue.png", "jupedsim_queue"), ("guide/platform.png", "sumo_platform")]:
+        of[picture] = "".join((coupling / f"{file}.py").read_text() for file in (name, "walking")) + mechanics(lemons, tmp_path)
     digests = {}
     for picture, text in of.items():
         digests[picture] = hashlib.sha256(text.encode() + (DOCS / picture).read_bytes()).hexdigest()
