@@ -91,7 +91,8 @@ impl FmuArguments {
 #[derive(clap::Args)]
 pub struct Reference {
     /// Run the FMU, and put inputs and outputs of this run into it (FMI-LS-REF): lemons replay and other tools
-    /// compare theirs with them. The inputs are those of lemons run TRIAL. The FMU needs a library for this machine
+    /// compare theirs with them. The inputs are those of lemons run TRIAL; of several Trials the first counts. The FMU
+    /// needs a library for this machine
     #[arg(long)]
     reference: bool,
     /// End of the run for --reference, in seconds. Default: that of the FMU's DefaultExperiment
@@ -120,7 +121,7 @@ impl Reference {
         let Reference { until, step, tolerance, .. } = *self;
         let (experiment, documents) = (Experiment { until, step, tolerance }, documents()?);
         let add = |path: &Path| add_reference(path, shown, documents, &experiment).map_err(io::Error::other);
-        Ok(file.fill(add).context("--reference")?)
+        file.fill(add).context("--reference")
     }
 }
 

@@ -177,3 +177,44 @@ impl Table {
         Ok(table)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DESCRIPTION: &str = r#"<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="t">
+        <ModelVariables><Float64 name="a&quot;b" valueReference="1" causality="input" start="0 0">
+        <Dimension start="2"/></Float64><Boolean name="on" valueReference="2" causality="input" start="false"/>
+        <String name="s" valueReference="3" causality="input"><Start value=""/></String></ModelVariables>
+        </fmiModelDescription>"#;
+
+    /// As FMI wants it of importers: continuous inputs change linearly between rows, others at a row.
+    #[test]
+    fn what_is_written_is_read_and_interpolated() {
+        let interface = Interface::read(DESCRIPTION.as_bytes()).unwrap();
+        let mut table = Table::of(interface.variables.iter().filter(|variable| is_number(variable)));
+        table.push(0.0, &[1.0, -0.0, 0.0]);
+        table.push(0.1, &[1.0 / 3.0, 1e300, 1.0]);
+        let text = table.csv();
+        assert_eq!(text, "\"time\",\"a\"\"b\",\"on\"\n0.0,1.0 -0.0,0\n0.1,0.3333333333333333 1e300,1\n");
+        let path = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(&path, format!("\u{feff}{text}")).unwrap();
+        let read = Table::read(path.path(), Path::new("x.csv"), &interface, Kind::Input).unwrap();
+        assert_eq!(read.csv(), text);
+        for (time, expected) in [
+            (-1.0, [1.0, 0.0, 0.0]),
+            (0.0, [1.0, 0.0, 0.0]),
+            (0.025, [1.0 - 0.25 * (2.0 / 3.0), 0.25e300, 0.0]),
+            (0.1, [1.0 / 3.0, 1e300, 1.0]),
+            (7.0, [1.0 / 3.0, 1e300, 1.0]),
+        ] {
+            let at = read.at(time);
+            let near = at
+                .iter()
+                .zip(expected)
+                .all(|(own, expected)| (own - expected).abs() <= 1e-15 * expected.abs());
+            assert!(near, "{time}: {at:?}");
+        }
+        assert_eq!(Table::default().at(0.0), [0.0; 0]);
+    }
+}
