@@ -93,6 +93,9 @@ pub fn add_reference(
     let stimuli = inputs(of, clock, &stimuli(documents, clock, experiment.tolerance)?);
     let singles = results.singles(of);
     run(&fmu, clock, experiment.tolerance, &stimuli, &Selection::new(singles), |time, values| {
+        ensure(values.iter().all(|value| value.is_finite()), || {
+            format!("an output is not finite at t = {time:?} s: a reference cannot hold it")
+        })?;
         results.push(time, values);
         Ok(())
     })?;
