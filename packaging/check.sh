@@ -105,6 +105,10 @@ scenes=(
     "check Trial_CRLF"
     "run Trial_CRLF --until 0.5 -o crlf.csv"
     "plot push2.csv --trial push_fmi2.fmu --at 1 -o picture.svg"
+    # To the bits of the machine that has packed them.
+    "replay push_fmi2.fmu"
+    "replay door_fmi3.fmu"
+    "replay decision_fmi2.fmu"
 )
 compared=(push2.csv push3.csv door2.csv door3.csv coupled.csv dense.csv crlf.csv picture.svg Menge/static/Agents.xml)
 # `play DIRECTORY COMMAND…`

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes everything that is released, in dist/: libraries and commands (build.sh), what is in them (licences.py), FMUs of
-# the shipped Trials for all platforms, wheels, archives, checksums. `release.sh linux64 win64` leaves out other
-# platforms.
+# the shipped Trials for all platforms, with references; the folder of examples for fmi-standard.org (examples.py); wheels,
+# archives, checksums. `release.sh linux64 win64` leaves out other platforms.
 # The same commit and the same compiler give the same bytes. BUILT=1 takes the libraries that are in dist/.
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -29,12 +29,18 @@ for platform; do
     crowd+=(--binary "$platform=$dist/$platform/$one")
     decision+=(--binary "$platform=$dist/$platform/$other")
 done
+options=(--reference --until 5 --force)
+fmus=()
 for fmi in 2 3; do
     for trial in push door; do
-        "$lemons" pack "resources/Trial_$trial" --fmi $fmi "${crowd[@]}" --force -o "$dist/${trial}_fmi$fmi.fmu"
+        fmus+=("$dist/${trial}_fmi$fmi.fmu")
+        "$lemons" pack "resources/Trial_$trial" --fmi $fmi "${crowd[@]}" "${options[@]}" -o "${fmus[-1]}"
     done
-    "$lemons" decide resources/Trial_door --fmi $fmi "${decision[@]}" --force -o "$dist/decision_fmi$fmi.fmu"
+    fmus+=("$dist/decision_fmi$fmi.fmu")
+    "$lemons" decide resources/Trial_door --fmi $fmi "${decision[@]}" "${options[@]}" -o "${fmus[-1]}"
 done
+rm -rf "$dist/fmi-examples"
+python3 packaging/examples.py "$dist/fmi-examples" "${fmus[@]}"
 
 rm -f "$dist"/*.whl "$dist"/*.tar.gz "$dist"/*.zip
 python3 packaging/wheels.py "$dist" "$@"

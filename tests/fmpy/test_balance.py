@@ -232,6 +232,16 @@ def test_a_small_square_is_agitated_and_measured(examples, tmp_path):
     assert (tmp_path / "waves.png").stat().st_size > 1000
 
 
+@pytest.mark.parametrize(("algorithm", "step", "way"), [("gauss-seidel", 0.002, 0.075), ("gauss-seidel", 0.02, 0.075), ("jacobi", 0.01, 0.081)])
+def test_a_row_hardly_depends_on_the_communication_step(examples, monkeypatch, tmp_path, algorithm, step, way):
+    """As docs/balance.md says."""
+    import rows
+
+    monkeypatch.setattr(rows, "STEP", step)
+    run = rows.push(rows.row(tmp_path, "pendulum", 5) | {"algorithm": algorithm}, 5, 0.02, 120.0)[0]
+    assert run.poses[:, 0, 0].max() - run.poses[0, 0, 0] == pytest.approx(way, abs=0.0015)
+
+
 @pytest.mark.parametrize("model", ["none", "pendulum", "two-level"])
 def test_forces_in_a_row_follow_from_its_motions(examples, tmp_path, model):
     """The force on the first one from behind is the push, alone and in a row."""

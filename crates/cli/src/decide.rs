@@ -2,12 +2,11 @@
 
 use crate::binary::DECISION;
 use crate::files::{self, Force};
-use crate::pack::{Fmi, FmuArguments, say_size};
+use crate::pack::{Fmi, FmuArguments, Reference, say_size};
 use anyhow::{Context, Result, anyhow};
 use lemons_core::trial::DriveChoice;
 use lemons_decision::DECISION_FILE;
 use lemons_master::{PlanChoice, TrialInput};
-use lemons_sim::Documents;
 use std::path::PathBuf;
 
 /// DecisionConfig of everybody, as short as they can be.
@@ -33,6 +32,8 @@ pub struct Arguments {
     #[command(flatten)]
     fmu: FmuArguments,
     #[command(flatten)]
+    reference: Reference,
+    #[command(flatten)]
     _force: Force,
 }
 
@@ -40,10 +41,9 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     let mut file = files::stage(&arguments.output)?;
     let given = TrialInput::open(&arguments.trial)?;
     let choice = arguments.plan.clone().map_or(PlanChoice::Own, PlanChoice::File);
-    let read = given.documents(&DriveChoice::None, &choice)?;
-    let (Documents { plan, .. }, warnings, _) = read;
+    let (documents, warnings, _) = given.documents(&DriveChoice::None, &choice)?;
     warnings.iter().for_each(|warning| note!("{warning}"));
-    let plan = plan.ok_or_else(|| {
+    let plan = documents.plan.as_ref().ok_or_else(|| {
         let missing = given.path().join(DECISION_FILE);
         let help = "Write it, or name another file with --plan FILE.toml. The shortest such file is:";
         anyhow!("there is no {}. {help}\n{SHORTEST}", missing.display())
@@ -51,12 +51,13 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     let binaries = arguments.fmu.binaries(&DECISION)?;
     let unwritten = || format!("cannot write {}", arguments.output.display());
     lemons_decision::pack::write_fmu(
-        &plan,
+        plan,
         arguments.fmi.format(arguments.fmu.naming()),
         &binaries,
         &mut file,
     )
     .with_context(|| arguments.output.display().to_string())?;
+    arguments.reference.add(&mut file, &arguments.output, || Ok(documents))?;
     file.persist().with_context(unwritten)?;
     say_size(&arguments.output)
 }

@@ -29,6 +29,7 @@ mod output;
 mod pack;
 mod people;
 mod pictures;
+mod replay;
 mod run;
 mod sweep;
 mod verify;
@@ -65,6 +66,8 @@ enum Command {
     Person(people::person::Arguments),
     /// Pack one or more Trials into an FMU
     Pack(pack::Arguments),
+    /// Run an FMU again by the reference in it, and compare
+    Replay(replay::Arguments),
     /// Make the Decision FMU, which drives the people of a Trial along way-points
     Decide(decide::Arguments),
     /// Couple FMUs in an SSP: connect each output with the input of the same name
@@ -157,6 +160,7 @@ fn execute(command: Command) -> Result<()> {
         Command::Crowd(arguments) => people::crowd::crowd(*arguments),
         Command::Person(arguments) => people::person::person(&arguments),
         Command::Pack(arguments) => pack::pack(&arguments),
+        Command::Replay(arguments) => replay::replay(&arguments),
         Command::Decide(arguments) => decide::decide(&arguments),
         Command::Connect(arguments) => connect::connect(&arguments),
         Command::Run(arguments) => run::run(&arguments),

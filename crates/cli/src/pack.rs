@@ -2,14 +2,19 @@
 
 use crate::binary::{CROWD, Library};
 use crate::files::{self, Force};
+use crate::numbers::positive;
+use crate::run::seconds;
 use crate::version::BUILD;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::builder::PossibleValuesParser;
 use crowd_mechanics::pack::{Binary, Format, Naming, platforms};
-use lemons_core::trial::Trial;
+use lemons_core::files::Staged;
+use lemons_core::trial::{DriveChoice, Trial};
 use lemons_decision::DECISION_FILE;
-use lemons_master::{TrialInput, binaries_beside};
+use lemons_master::{Experiment, PlanChoice, TrialInput, add_reference, binaries_beside};
 use lemons_picture::{Fill, Scene, Style, png, svg};
+use lemons_sim::Documents;
+use std::io;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -28,6 +33,8 @@ pub struct Arguments {
     fmi: Fmi,
     #[command(flatten)]
     fmu: FmuArguments,
+    #[command(flatten)]
+    reference: Reference,
     #[command(flatten)]
     _force: Force,
 }
@@ -80,6 +87,44 @@ impl FmuArguments {
     }
 }
 
+/// Reference results in the FMU.
+#[derive(clap::Args)]
+pub struct Reference {
+    /// Run the FMU, and put inputs and outputs of this run into it (FMI-LS-REF): lemons replay and other tools
+    /// compare theirs with them. The inputs are those of lemons run TRIAL; of several Trials the first counts. The FMU
+    /// needs a library for this machine
+    #[arg(long)]
+    reference: bool,
+    /// End of the run for --reference, in seconds. Default: that of the FMU's DefaultExperiment
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "reference")]
+    until: Option<f64>,
+    /// Communication step of the run for --reference, in seconds. Default: the Trial's TimeStep
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "reference")]
+    step: Option<f64>,
+    /// Tolerance of the run for --reference, which the FMU gets from whoever runs it again: for a crowd, an accuracy in
+    /// metres (docs/step.md)
+    #[arg(long, value_name = "NUMBER", value_parser = positive, requires = "reference")]
+    tolerance: Option<f64>,
+}
+
+impl Reference {
+    /// Adds it to an FMU that was written into a file, if it is wanted. `documents` are those from which the FMU is.
+    pub fn add(
+        &self,
+        file: &mut Staged,
+        shown: &Path,
+        documents: impl FnOnce() -> Result<Documents>,
+    ) -> Result<()> {
+        if !self.reference {
+            return Ok(());
+        }
+        let Reference { until, step, tolerance, .. } = *self;
+        let (experiment, documents) = (Experiment { until, step, tolerance }, documents()?);
+        let add = |path: &Path| add_reference(path, shown, documents, &experiment).map_err(io::Error::other);
+        file.fill(add).context("--reference")
+    }
+}
+
 fn parse_binary(text: &str) -> Result<Binary, String> {
     let (platform, path) = text.split_once('=').ok_or("expected PLATFORM=FILE")?;
     Ok(Binary { platform: platform.to_owned(), path: path.into() })
@@ -90,7 +135,7 @@ pub fn pack(arguments: &Arguments) -> Result<()> {
     files::claim_and_try(&arguments.output)?;
     let trials = arguments.trials.iter().map(|path| TrialInput::open(path)).collect::<Result<Vec<_>, _>>()?;
     let format = arguments.fmi.format(arguments.fmu.naming());
-    let warnings = write_fmu(&trials, binaries, format, &arguments.output)?;
+    let warnings = write_fmu(&trials, binaries, format, &arguments.output, Some(&arguments.reference))?;
     warnings.iter().for_each(|warning| note!("{warning}"));
     for trial in trials.iter().filter(|trial| trial.wishes().is_some()) {
         let path = trial.path().display();
@@ -108,14 +153,22 @@ pub fn say_size(output: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Packs Trials, and returns their warnings; errors of a Trial or of its drive are printed, one line each.
+/// Packs Trials into a file that is claimed, and returns their warnings; errors of a Trial or of its drive are printed, one
+/// line each.
 pub fn write_fmu(
     trials: &[TrialInput],
     binaries: Vec<Binary>,
     format: Format,
     output: &Path,
+    reference: Option<&Reference>,
 ) -> Result<Vec<String>> {
-    Ok(lemons_master::pack(trials, binaries, format, Some(picture), output)?)
+    let mut file = files::open(output)?;
+    let warnings = lemons_master::pack(trials, binaries, format, Some(picture), output, &mut file)?;
+    if let (Some(reference), Some(trial)) = (reference, trials.first()) {
+        reference.add(&mut file, output, || Ok(trial.documents(&DriveChoice::Own, &PlanChoice::Own)?.0))?;
+    }
+    file.persist().with_context(|| format!("cannot write {}", output.display()))?;
+    Ok(warnings)
 }
 
 /// `model.png`; a Trial that cannot be drawn has none.

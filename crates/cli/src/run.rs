@@ -227,7 +227,7 @@ fn algorithm(name: String) -> serde_json::Result<Algorithm> {
     serde_json::from_value(name.into())
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub fn seconds(text: &str) -> Result<f64, String> {
     positive(text).map_err(|must| format!("{must} of seconds"))
 }
 

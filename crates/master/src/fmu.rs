@@ -59,6 +59,11 @@ impl Fmu {
         Fmu { shown: path.to_owned(), ..self }
     }
 
+    /// What the user knows it by.
+    pub(crate) fn shown(&self) -> &str {
+        &self.shown
+    }
+
     /// Where it is unpacked, and what the user knows it by.
     fn names(&self) -> [String; 2] {
         [self.directory.path().display().to_string(), self.shown.clone()]

@@ -7,11 +7,13 @@ use crate::fmu::Fmu;
 use crate::unzip::unzip_trial;
 use crowd_mechanics::pack::{Binary, Draw, Format, PackError, Package};
 use crowd_mechanics::setup;
+use lemons_core::files::source::Disk;
 use lemons_core::files::{Scratch, input};
 use lemons_core::trial::{DriveChoice, DriveTable, Problem, Problems, Trial};
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
 use lemons_sim::Documents;
+use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
 
 /// A Trial as input: its directory, or a zip of that. A zip is unpacked into a directory that exists as long as this does.
@@ -171,8 +173,8 @@ pub fn documents_of(
     Ok((Documents { trial, drive, plan: None }, Problems::default(), None))
 }
 
-/// Packs Trials into an FMU, and returns their warnings; `picture` draws its `model.png`. A drive is read when it is
-/// used, and checked before.
+/// Packs Trials into an FMU in a file that messages call `name`, and returns their warnings; `picture` draws its `model.png`. A
+/// drive is read when it is used, and checked before.
 ///
 /// # Errors
 /// [`Error::Broken`] if a Trial has errors, with the names of files that the user knows; else [`PackError`].
@@ -181,7 +183,8 @@ pub fn pack(
     binaries: Vec<Binary>,
     format: Format,
     picture: Option<Draw>,
-    output: &Path,
+    name: &Path,
+    file: impl Write + Seek,
 ) -> Result<Vec<String>> {
     let directories = trials.iter().map(|trial| trial.directory.clone()).collect();
     let check = |trial: &Trial| {
@@ -189,7 +192,7 @@ pub fn pack(
             .map_or_else(|problems| problems, |_| Problems::default())
     };
     let package = Package { trials: directories, binaries, picture, check: Some(check), format };
-    let packed = package.write(output).map_err(|error| match error {
+    let packed = package.write_to(&Disk, name, file).map_err(|error| match error {
         PackError::Broken { path, problems } => match trials.iter().find(|trial| trial.directory == path) {
             Some(trial) => Error::Broken { path: trial.path.clone(), problems: trial.renamed(&problems) },
             None => Error::Broken { path, problems },

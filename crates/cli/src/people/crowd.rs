@@ -304,7 +304,7 @@ impl TrialArguments {
             write_trial(trial, &[], &directory, false)?;
             let (trials, format) = ([TrialInput::open(&directory)?], self.fmi.format(self.packing.naming()));
             // Its warnings are those printed already.
-            let written = write_fmu(&trials, binaries, format, file);
+            let written = write_fmu(&trials, binaries, format, file, None);
             wrote("FMU", file, written.map(drop));
             for (name, _) in beside {
                 note!(

@@ -46,7 +46,8 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
     let directory = TempDir::new().unwrap();
     let crowd = directory.path().join("crowd.fmu");
     let given = TrialInput::open(&scene.directory).unwrap();
-    lemons_master::pack(&[given], vec![own_binary().unwrap()], format, None, &crowd).unwrap();
+    let file = File::create(&crowd).unwrap();
+    lemons_master::pack(&[given], vec![own_binary().unwrap()], format, None, &crowd, file).unwrap();
     let input = match &scene.documents.plan {
         None => crowd,
         Some(plan) => coupled(directory.path(), plan, format, crowd),

@@ -7,6 +7,7 @@ mod arrays;
 mod controller;
 mod coupling;
 mod fmi_rs;
+mod reference;
 mod settings;
 
 use crowd_mechanics::pack::{Format, Package};
