@@ -27,7 +27,7 @@ LEMONS = os.environ.get("LEMONS", "lemons")
 CONTROLLERS = Path(__file__).resolve().parent / "controllers"
 PEOPLE = 80
 LINE, DOOR = 9.0, 11.5  # m: x of the turnstile, in the passage, and of the door
-LIMIT = 300.0  # N
+LIMIT = 200.0  # N
 HALL = f"""\
 <?xml version="1.0" encoding="UTF-8"?>
 <Geometry>
@@ -42,7 +42,7 @@ HALL = f"""\
 """
 # People in a hurry: a third of the usual time gap, and nobody leaves a gap when standing.
 HURRY = "\n[rotational]\ntime_gap = 0.3\nstandstill_gap = 0.0\n"
-PLACE = [f"turnstile.Line={LINE}", "turnstile.Distance=1"]
+SETTINGS = [f"turnstile.Line={LINE}", "turnstile.Distance=2", "turnstile.Hysteresis=0.5"]
 LIMITS = {"without": "turnstile.Limit=1e9", "with": f"turnstile.Limit={LIMIT}"}
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -76,7 +76,7 @@ def make(target: Path, seed: int) -> None:
 
 def simulate(target: Path, seed: int, case: str) -> dict[str, list[float]]:
     """Returns times, Squeeze and Open of the turnstile. Tables of the run are in the directory."""
-    settings = [word for setting in [*PLACE, LIMITS[case]] for word in ("--set", setting)]
+    settings = [word for setting in [*SETTINGS, LIMITS[case]] for word in ("--set", setting)]
     tables = ["-o", f"{case}_{seed}.csv", "--outputs", f"outputs_{case}_{seed}.csv"]
     options = ["--until", "left", "--algorithm", "gauss-seidel", "--every", 5]
     run(target, LEMONS, "run", f"hall_{seed}.ssp", *options, *settings, *tables, "--force")

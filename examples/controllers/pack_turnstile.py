@@ -1,4 +1,4 @@
-"""Compiles turnstile.c with a C compiler (cc, or CC), and packs it as an FMU for so many people.
+"""Compiles turnstile.c with a C compiler (cc, or CC), and packs it as an FMU for so many people, on Linux and macOS.
 
     python examples/controllers/pack_turnstile.py 80 -o turnstile.fmu
 """
@@ -11,12 +11,12 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-OPTIONS = ["-shared", "-fPIC", "-O2", "-ffp-contract=off"]  # without contraction: the same bits on every machine
+OPTIONS = ["-shared", "-fPIC", "-O2", "-ffp-contract=off"]  # the same bits with and without fused operations
 
 
 def build(agents, fmu):
     source = Path(__file__).with_name("turnstile.c")
-    system, ending = {"Darwin": ("darwin", "dylib")}.get(platform.system(), ("linux", "so"))
+    system, ending = {"Linux": ("linux", "so"), "Darwin": ("darwin", "dylib")}[platform.system()]
     machine = platform.machine().replace("arm64", "aarch64")
     with tempfile.TemporaryDirectory() as directory:
         library = Path(directory) / f"turnstile.{ending}"

@@ -10,13 +10,13 @@
  * the sides and back stays as it was wanted. All others get what they want. The people behind stop by themselves, if their
  * model of walking keeps a distance. Nothing holds people back whom others push over the line.
  *
- * Order: a step from t to t + H takes the inputs at t; MeanNormalForce is then the mean from t - H to t. The outputs hold
- * from the end of the step on. Gauss-Seidel with the order Decision, turnstile, crowd: the forces at t reach the crowd for
- * its step from t to t + H. Jacobi: one step later for the squeeze, and people want what they wanted a step earlier still.
- * Before the first step Fp is 0.
+ * Order: a step from t to t + H takes the inputs at t, of which MeanNormalForce is the mean from t - H to t. The outputs
+ * hold from the end of the step on. Before the first step Fp is 0 and the turnstile open.
+ * Gauss-Seidel, with the order Decision, turnstile, crowd: these outputs act in the crowd's step from t to t + H.
+ * Jacobi: they act in its step from t + H to t + 2 H, and Wanted follows from where people were at t - H.
  *
- * Beyond the functions below, FMI 3.0 has many that a turnstile does not need; modelDescription.xml says so, and calls of
- * them are refused. The order of calls is the master's task: it is not checked.
+ * FMI 3.0 has many functions that a turnstile does not need. They are at the end, and refuse each call. The states of FMI
+ * (a master that goes back) are among them. The order of calls is the master's task: it is not checked.
  */
 #include <math.h>
 #include <stdbool.h>
