@@ -13,10 +13,9 @@ import fmpy
 import numpy as np
 import pages
 import pytest
+from arrays import Fmu
 from crowd import REPOSITORY, bits
-from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
 STEP = 1 / 64  # s: sums of it are exact, so that all have the same times
@@ -45,45 +44,6 @@ def hall(lemons, tmp_path_factory):
     directory = tmp_path_factory.mktemp("hall")
     scene.make(directory, 1)
     return directory, scene.PEOPLE
-
-
-class Fmu:
-    """An instance in Initialization Mode."""
-
-    def __init__(self, path, directory, agents=None, settings={}):
-        description = read_model_description(str(path))
-        self.variables = {variable.name: variable for variable in description.modelVariables}
-        self.slave = FMU3Slave(
-            guid=description.guid,
-            unzipDirectory=extract(str(path), directory),
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=directory.name,
-        )
-        self.slave.instantiate()
-        self.agents = int(self.variables["Agents"].start)
-        if agents:
-            self.agents = agents
-            self.slave.enterConfigurationMode()
-            self.slave.setUInt64([self.variables["Agents"].valueReference], [agents])
-            self.slave.exitConfigurationMode()
-        for name, value in settings.items():
-            self.put(name, [value])
-        self.slave.enterInitializationMode(startTime=0.0)
-
-    def size(self, variable):
-        return int(np.prod([int(d.start) if d.start else self.agents for d in variable.dimensions]))
-
-    def get(self, name):
-        variable = self.variables[name]
-        return getattr(self.slave, f"get{variable.type}")([variable.valueReference], nValues=self.size(variable))
-
-    def put(self, name, values):
-        variable = self.variables[name]
-        getattr(self.slave, f"set{variable.type}")([variable.valueReference], list(values))
-
-    def free(self):
-        self.slave.terminate()
-        self.slave.freeInstance()
 
 
 def of_agents(rows, component, name, agents):
@@ -124,7 +84,7 @@ def test_valid(hall, tmp_path, row):
 
 
 def test_what_is_wrong_is_refused(hall, tmp_path):
-    turnstile = Fmu(hall[0] / "turnstile.fmu", tmp_path / "turnstile", agents=3)
+    turnstile = Fmu(hall[0] / "turnstile.fmu", tmp_path / "turnstile", sizes={"Agents": 3})
     for name, values in [("Fp", [0.0] * 6), ("Wanted", [0.0] * 5), ("Wanted", [0.0] * 7), ("Limit", [float("nan")])]:
         with pytest.raises(FMICallException):
             turnstile.put(name, values)
@@ -144,7 +104,7 @@ def test_of_any_people(hall, tmp_path, agents):
     """Random people and unequal steps, another number of people by Configuration Mode."""
     random = np.random.default_rng(agents)
     settings = {"Line": 1.0, "Limit": 300.0, "Hysteresis": 0.4, "Distance": 0.8}
-    turnstile = Fmu(hall[0] / "turnstile.fmu", tmp_path / "turnstile", agents=agents, settings=settings)
+    turnstile = Fmu(hall[0] / "turnstile.fmu", tmp_path / "turnstile", sizes={"Agents": agents}, settings=settings)
     turnstile.slave.exitInitializationMode()
     times = np.concatenate([[0.0], np.cumsum(random.uniform(0.01, 0.3, 400))])
     x = random.uniform(-1.0, 3.0, (400, agents))
