@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # Makes pictures of README.md and docs/ again: docs/pictures.sh [DIRECTORY [NAME...]]
-# The directory is docs/ if none is given. The names are push balance crowd room guide physics measured flow lab; all if none is
-# given. Needs cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli; physics needs cargo, too.
+# The directory is docs/ if none is given. The names are push balance crowd room guide physics measured flow turnstile lab;
+# all if none is given. Needs cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli; physics needs
+# cargo, too.
 # measured.png needs the measured push (../shared/data/push_wed), flow.png a Python with FMPy and Matplotlib (PYTHON, else
-# .venv), lab_*.png also Playwright there, Chromium, and the lab in the command (lab/build.sh). Each stays as it is without.
+# .venv), turnstile.png one with Matplotlib and a C compiler, lab_*.png also Playwright there, Chromium, and the lab in the
+# command (lab/build.sh). Each stays as it is without.
 # All other pictures are made by a script in examples/: CONTRIBUTING.md, "Pictures".
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -66,6 +68,10 @@ if wanted flow && "$python" -c 'import fmpy, matplotlib' 2>/dev/null; then
     "$lemons" decide resources/Trial_door -o "$scratch/decision.fmu" >/dev/null
     "$lemons" pack resources/Trial_door -o "$scratch/crowd.fmu" >/dev/null
     "$python" examples/coupled_fmpy.py "$scratch/decision.fmu" "$scratch/crowd.fmu" "$to/flow.png" >/dev/null
+fi
+
+if wanted turnstile && "$python" -c 'import matplotlib' 2>/dev/null; then
+    LEMONS=$lemons "$python" examples/turnstile.py "$scratch/turnstile" --seeds 1 --plot "$to/turnstile.png" >/dev/null
 fi
 
 if wanted lab && "$python" -c 'import matplotlib, playwright' 2>/dev/null && command -v chromium >/dev/null; then

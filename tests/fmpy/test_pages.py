@@ -46,6 +46,7 @@ NOT_RUN = {
     ("docs/walking.md", "python examples/door_width.py"): "takes minutes; test_pictures.py makes fewer rooms",
     ("docs/guide/squeeze.md", "cargo test --release -p lemons-people"): COMPILES,
     ("docs/guide/squeeze.md", "python examples/soft_chest.py"): "takes minutes; test_numbers.py makes fewer rooms",
+    ("docs/guide/controller.md", "python examples/turnstile.py"): "takes minutes; test_turnstile.py makes one crowd",
     ("docs/walking.md", "python examples/evacuations.py"): "takes minutes; test_leaving.py makes fewer rooms",
     ("docs/command.md", "cargo run -p lemons-cli --example reference"): "crates/cli/tests/cli/reference.rs does it",
     ("examples/notebooks/README.md", "jupyter lab"): "opens a browser; test_notebooks.py runs the notebooks",

@@ -103,8 +103,8 @@ fn a_step_that_does_not_end_as_a_whole_is_an_error_that_says_how() {
     assert_eq!(said("1").0, format!("fmi3DoStep: the FMU has returned at t = 1.25 s, {within}"));
     assert_eq!(said("2").0, format!("fmi3DoStep: the FMU ends the simulation at t = 1.25 s, {within}"));
     assert_eq!(said("3").0, "fmi3DoStep: the FMU wants Event Mode at t = 1.5 s, which this master has not");
-    // A text is not a format, and a number sign is one.
-    let discarded = ("fmi3DoStep returned Discard".to_owned(), "50 % of the step ## is too long".to_owned());
+    // A text is not a format; two number signs mean one.
+    let discarded = ("fmi3DoStep returned Discard".to_owned(), "50 % of the step # is too long".to_owned());
     assert_eq!(said("4"), discarded);
     let warning = "warning: the step from t = 1.0 s returned the status fmi3Warning";
     assert_eq!(said("5"), ("done".into(), warning.into()));
@@ -132,7 +132,7 @@ fn what_a_library_or_a_flag_lacks_is_named() {
     assert_eq!(without("fmi3GetUInt64"), "made");
     let other = said(&DESCRIPTION.replace("{arrays}", "{other}"), &[]);
     assert!(
-        other.ends_with("x.fmu: has no directory resources, which it may need: 100 % of this ## is a text"),
+        other.ends_with("x.fmu: has no directory resources, which it may need: 100 % of this # is a text"),
         "{other}"
     );
     assert_eq!(Fmu::open(&path).unwrap().cannot_save(), Some("canGetAndSetFMUState"));
