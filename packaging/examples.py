@@ -83,7 +83,7 @@ def example(fmu: Path, directory: Path) -> None:
         "StartTime": times["startTime"],
         "StopTime": times["stopTime"],
         "StepSize": times["stepSize"],
-        # To compare with. A tolerance for the FMU chooses its mechanical step.
+        # To compare with. As a tolerance for the FMU it would not shorten its mechanical step.
         "RelTol": "1e-4",
     }
     files[f"{name}_ref.opt"] = "".join(f"{key}, {value}\n" for key, value in options.items())
@@ -94,8 +94,8 @@ def example(fmu: Path, directory: Path) -> None:
 {FEATURES}
 
 To run it, set the inputs of {name}_in.csv before each step, from StartTime to StopTime with steps of StepSize.
-{name}_ref.csv has the bits of importers that define no tolerance for the FMU (fmi2SetupExperiment, fmi3EnterInitializationMode);
-with one, places differ by less than it, in metres. The FMU contains all of its outputs, by FMI-LS-REF ({REFERENCE}).
+{name}_ref.csv has the bits of importers that define no tolerance for the FMU (fmi2SetupExperiment, fmi3EnterInitializationMode).
+A tolerance can shorten its mechanical step; 1e-4 does not. The FMU contains all of its outputs, by FMI-LS-REF ({REFERENCE}).
 """
     (directory / name).mkdir(parents=True, exist_ok=True)
     (directory / name / f"{name}.fmu").write_bytes(fmu.read_bytes())

@@ -64,7 +64,12 @@ impl Settings {
         let Some(tolerance) = self.tolerance else { return };
         let set = self.elements.get(&(Quantity::TimeStepMechanical, 0));
         let longest = set.copied().unwrap_or(packed.parameters.time_step_mechanical);
-        let needed = by_tolerance(trial, tolerance, self.most_steps).unwrap_or(longest);
+        let needed = match by_tolerance(trial, tolerance, self.most_steps) {
+            Ok(step) => step,
+            Err(None) => longest,
+            // Also if a longer step was set for the tolerance to choose.
+            Err(Some(_)) => packed.parameters.time_step_mechanical,
+        };
         trial.parameters.time_step_mechanical = longest.min(needed);
     }
 

@@ -44,15 +44,21 @@ typedef struct {
     bool open;
 } Turnstile;
 
-/* Everything as at the start, for so many people. */
-static int start(Turnstile *t, uint64_t agents) {
+/* For so many people, none of them squeezed. Parameters stay. */
+static int resize(Turnstile *t, uint64_t agents) {
     double *all = agents > 0 ? calloc(agents, 8 * sizeof *all) : NULL;
     if (!all) return ERROR;
     free(t->position);
-    *t = (Turnstile){.agents = agents, .limit = 500.0, .hysteresis = 0.2, .distance = 0.5, .open = true};
+    t->agents = agents, t->open = true, t->squeeze = 0.0;
     t->position = all, t->wanted = all + 2 * agents, t->fp = all + 4 * agents;
     t->force = all + 6 * agents, t->mean = all + 7 * agents;
     return OK;
+}
+
+/* Everything as at the start. */
+static int start(Turnstile *t, uint64_t agents) {
+    t->time = t->line = 0.0, t->limit = 500.0, t->hysteresis = 0.2, t->distance = 0.5;
+    return resize(t, agents);
 }
 
 void *fmi3InstantiateCoSimulation(const char *name, const char *token, const char *resources, bool visible, bool logging,
@@ -119,7 +125,7 @@ int fmi3GetUInt64(Turnstile *t, const Reference of[], size_t variables, uint64_t
     return OK;
 }
 int fmi3SetUInt64(Turnstile *t, const Reference of[], size_t variables, const uint64_t values[], size_t count) {
-    return variables == 1 && count == 1 && of[0] == NUMBER ? start(t, values[0]) : ERROR;
+    return variables == 1 && count == 1 && of[0] == NUMBER ? resize(t, values[0]) : ERROR;
 }
 
 int fmi3DoStep(Turnstile *t, double time, double step, bool never_back, bool *event, bool *end, bool *early, double *last) {

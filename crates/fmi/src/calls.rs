@@ -210,6 +210,10 @@ pub unsafe fn do_step<M: Model>(
     if status == Status::Ok {
         for point in points {
             let at = from + point;
+            if at == from {
+                // Nearer than times can be told apart.
+                continue;
+            }
             let Some(Intermediate { update: Some(update), environment, early_return_allowed }) =
                 intermediate.filter(|_| at < step.to)
             else {

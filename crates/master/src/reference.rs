@@ -85,7 +85,11 @@ pub fn add_reference(
     let clock = Clock::new(of.start.unwrap_or(0.0), step, until)?;
     let outputs = of.variables.iter().filter(|it| it.kind == Some(Kind::Output) && is_number(it));
     let mut results = Table::of(outputs);
-    let values = (clock.steps + 1).saturating_mul(results.width() as u64);
+    let inputs_of = of.variables.iter().filter(|it| it.kind == Some(Kind::Input) && is_number(it));
+    // A row has a time, too.
+    let widest = results.width().max(Table::of(inputs_of).width()) as u64 + 1;
+    let values = (clock.steps + 2).saturating_mul(widest);
+    ensure(results.width() > 0, || "the FMU has no output that is a number: nothing to compare".to_owned())?;
     ensure(values <= MOST_VALUES, || {
         format!("a reference of {values} values: at most {MOST_VALUES} are packed (--until, --step)")
     })?;
@@ -136,6 +140,7 @@ fn replay_one(fmu: &Fmu, described: &Described, tolerance: Option<f64>) -> Resul
     let stimuli = stimuli.as_ref().map(|file| read(file, Kind::Input)).transpose()?.unwrap_or_default();
     let reference = read(references, Kind::Output)?;
     let (width, singles) = (reference.width(), reference.singles(of));
+    ensure(width > 0, || format!("{}: has no column but \"time\"", references.shown.display()))?;
     let mut replay = Replay {
         name: name.clone(),
         clock: *clock,
@@ -150,7 +155,8 @@ fn replay_one(fmu: &Fmu, described: &Described, tolerance: Option<f64>) -> Resul
         let time = reference.times.get(row).map_or("nothing".to_owned(), |time| format!("time {time:?}"));
         format!("{}: {time} where {what}", references.shown.display())
     };
-    let (mut row, near) = (0, 1e-9 * clock.step);
+    // Times may be rounded to 15 digits.
+    let (mut row, near) = (0, (1e-9 * clock.step).max(1e-14 * clock.until.abs()));
     let mut most = 0.0;
     replay.warnings =
         run(fmu, *clock, described.tolerance, &stimuli, &Selection::new(singles.clone()), |time, values| {
@@ -171,7 +177,9 @@ fn replay_one(fmu: &Fmu, described: &Described, tolerance: Option<f64>) -> Resul
                 if by > most || replay.largest.is_none() {
                     (most, replay.largest) = (by, found());
                 }
-                if tolerance.is_none_or(|tolerance| by > tolerance * reference.abs().max(1.0)) {
+                if tolerance
+                    .is_none_or(|tolerance| by == f64::INFINITY || by > tolerance * reference.abs().max(1.0))
+                {
                     replay.different += 1;
                     replay.first = replay.first.take().or_else(found);
                 }

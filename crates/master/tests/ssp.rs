@@ -308,6 +308,18 @@ fn arrays_of_one_name_and_shape_are_connected_however_their_sizes_are_called() {
     assert!(other.map(drop).unwrap_err().starts_with("no output has the name"));
 }
 
+/// Of a controller with single values.
+#[test]
+fn single_outputs_can_be_chosen_in_place_of_an_array() {
+    let single = interface(&[("agent[0].Mp", "output", ""), ("agent[1].Mp", "output", "")], METRE);
+    let three = [people(["input", "output"], 2, ""), single, people(["output", "input"], 2, "")];
+    let said = chosen(&three, &[]).map(drop).unwrap_err();
+    assert_eq!(said, "the input agent[0].Mp of c is fed by two outputs, of a and of b");
+    let made = chosen(&three, &[["b.agent[*].Mp", "c.agent[*].Mp"]]).unwrap();
+    let forces: Vec<_> = made.connections.iter().filter(|(.., name)| name.contains("Mp")).collect();
+    assert!(forces.len() == 2 && forces.iter().all(|(from, to, _)| (*from, *to) == (1, 2)), "{forces:?}");
+}
+
 /// A controller between two others.
 #[test]
 fn outputs_can_be_chosen_for_inputs_of_other_names() {
@@ -334,6 +346,8 @@ fn outputs_can_be_chosen_for_inputs_of_other_names() {
     assert_eq!(said(&[["a.Mp", "b.Unknown"], last]), "b.Unknown: no component has this input");
     assert_eq!(said(&[["b.Wanted", "c.Mp"]]), "b.Wanted: no component has this output");
     assert_eq!(said(&[last, ["a.Mp", "c.Mp"]]), "c.Mp: two outputs are chosen for this input");
+    let both = said(&[["a.Mp", "b.Wanted"], ["a.agent[*].Mp", "b.agent[*].Wanted"], last]);
+    assert_eq!(both, "b.Wanted: outputs are chosen for all of it and for elements");
     let shape = said(&[["c.Position", "b.Wanted"], last]);
     assert_eq!(shape, "b.Wanted: Position is no array of the same sizes");
 }

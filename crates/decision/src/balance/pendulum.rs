@@ -196,16 +196,18 @@ impl Pendulum {
             }
             legs.calm += step;
         }
+        // What the ground does in this step, by the legs as they are now.
+        legs.velocity = motion.velocity + self.acceleration(legs, motion) * step;
     }
 
     /// Notices the load: what the ground does not explain of the velocity, with a low pass (a disturbance observer).
     fn notice_load(&self, legs: &mut Legs, motion: &Motion, step: f64) {
         let change = (motion.velocity - legs.velocity) * (1.0 / self.bracing_time);
-        let kept = (1.0 - step / self.bracing_time).max(0.0);
+        // Implicit: also of a long step, the estimate of a steady load is this load.
+        let kept = self.bracing_time / (self.bracing_time + step);
         // Ankles cannot take more.
         let most = self.rate(motion) * self.rate(motion) * self.support;
-        legs.load = at_most(legs.load * kept + change, most);
-        legs.velocity = motion.velocity + self.acceleration(legs, motion) * step;
+        legs.load = at_most((legs.load + change) * kept, most);
     }
 
     fn land(&self, legs: &mut Legs, motion: &Motion, around: Around) {

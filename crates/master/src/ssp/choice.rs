@@ -38,6 +38,11 @@ impl<'a> Choice<'a> {
         Ok(Choice { outputs })
     }
 
+    /// Returns whether an output is chosen for one of some inputs.
+    pub(super) fn is_made(&self, place: usize, mut inputs: impl Iterator<Item = String>) -> bool {
+        !self.outputs.is_empty() && inputs.any(|input| self.output_for(place, input).0.is_some())
+    }
+
     /// Returns the output for an input: its participant, if one is chosen, and its name.
     pub(super) fn output_for(&self, place: usize, input: String) -> (Option<usize>, String) {
         if let Some(&(from, output)) = self.outputs.get(&(place, input.as_str())) {

@@ -74,8 +74,18 @@ pub fn connect(name: &str, participants: &[Participant], chosen: &[(String, Stri
                 let [first, second] = [first, second].map(|place| &participants[place].name);
                 format!("the input {name} of {} is fed by two outputs, of {first} and of {second}", own.name)
             };
+            let names = || (0..variable.count()).map(|element| own.interface.name_of(variable, element));
             let looked_for = choice.output_for(place, variable.name.clone());
-            match arrays_for(variable, &looked_for, participants)[..] {
+            let of_elements = variable.is_array() && choice.is_made(place, names());
+            if of_elements && looked_for.0.is_some() {
+                let name = &variable.name;
+                problems
+                    .push(format!("{}.{name}: outputs are chosen for all of it and for elements", own.name));
+                continue;
+            }
+            let arrays =
+                if of_elements { Vec::new() } else { arrays_for(variable, &looked_for, participants) };
+            match arrays[..] {
                 [] if looked_for.0.is_some() && variable.is_array() => {
                     let (name, output) = (&variable.name, &looked_for.1);
                     problems.push(format!("{}.{name}: {output} is no array of the same sizes", own.name));
@@ -85,6 +95,13 @@ pub fn connect(name: &str, participants: &[Participant], chosen: &[(String, Stri
                 [from] => {
                     let source = (&participants[from.0], from.1.variable);
                     problems.extend(disagreement(&variable.name, source, (own, variable)));
+                    let others = names().filter_map(|name| Some((outputs.get(&name)?, name)));
+                    let single = others.flat_map(|(ends, name)| {
+                        ends.iter().map(move |end| (end.0, owner(end), name.clone()))
+                    });
+                    let mut other =
+                        single.filter(|(_, one, _)| looked_for.0.is_none() && *one != owner(&from));
+                    problems.extend(other.next().map(|(second, _, name)| twice(&name, from.0, second)));
                     let to = (place, Single { variable, element: 0 });
                     pairs.push(Pair { from, to, whole: true, name: variable.name.clone() });
                     continue;
