@@ -4,7 +4,9 @@
 use crate::boundary::LOG_CATEGORIES;
 use crate::model::{Model, guid, instantiation_token, reference};
 use crate::variables::units::SECOND;
-use crate::variables::{Dependencies, Dimension, Domain, Kind, Known, Role, Scalar, Type, Unit, Variable};
+use crate::variables::{
+    Dependencies, Dimension, Domain, Kind, Known, RealType, Role, Scalar, Type, Unit, Variable,
+};
 use crate::{Answer, Format, Naming, Version};
 use lemons_core::xml::{Layout, Out, escaped, number};
 use std::collections::{BTreeSet, HashMap};
@@ -38,10 +40,10 @@ fn of_scalars<M: Model>(model: &mut M, naming: Naming) -> Answer<String> {
                 let place = place.to_string();
                 out.element("ScalarVariable", &attributes(variable, name, &place, description), |out| {
                     let mut own = Vec::new();
-                    if let Kind::Real(unit) = variable.kind {
-                        own.push(("unit", unit.name));
+                    if let Kind::Real(of) = variable.kind {
+                        own.push(("declaredType", of.name));
                     }
-                    let bounds = bounds(variable.domain, variable.kind.into());
+                    let bounds = own_bounds(variable);
                     own.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
                     own.extend(start.as_deref().map(|start| ("start", start)));
                     out.empty(variable.kind.name(), &own);
@@ -139,7 +141,9 @@ fn document<M: Model>(
     ];
     Out::document(Layout::STANDARD, "fmiModelDescription", &root, |out| {
         out.empty("CoSimulation", &co_simulation::<M>(version));
-        out.element("UnitDefinitions", &[], |out| write_units::<M>(out, version));
+        let types = types_of::<M>();
+        out.element("UnitDefinitions", &[], |out| write_units(out, version, &types));
+        out.element("TypeDefinitions", &[], |out| types.iter().for_each(|of| write_type(out, version, of)));
         out.element("LogCategories", &[], |out| {
             for (name, description) in LOG_CATEGORIES {
                 out.empty("Category", &[("name", name), ("description", description)]);
@@ -173,14 +177,25 @@ fn co_simulation<M: Model>(version: Version) -> Vec<(&'static str, &'static str)
     [("modelIdentifier", M::IDENTIFIER)].into_iter().chain(said).collect()
 }
 
-/// Writes the units of variables, in the order of their first use.
-fn write_units<M: Model>(out: &mut Out, version: Version) {
-    let time = (version == Version::V3).then_some(Kind::Real(SECOND));
-    let mut units: Vec<Unit> = Vec::new();
-    for kind in time.into_iter().chain(M::VARIABLES.iter().map(|variable| variable.kind)) {
-        if let Kind::Real(unit) = kind
-            && !units.contains(&unit)
+/// Returns the types of variables, in the order of their first use.
+fn types_of<M: Model>() -> Vec<RealType> {
+    let mut types: Vec<RealType> = Vec::new();
+    for variable in M::VARIABLES {
+        if let Kind::Real(of) = variable.kind
+            && !types.contains(&of)
         {
+            types.push(of);
+        }
+    }
+    types
+}
+
+/// Writes the units of types, in the order of their first use.
+fn write_units(out: &mut Out, version: Version, types: &[RealType]) {
+    let time = (version == Version::V3).then_some(SECOND);
+    let mut units: Vec<Unit> = Vec::new();
+    for unit in time.into_iter().chain(types.iter().map(|of| of.unit)) {
+        if !units.contains(&unit) {
             units.push(unit);
         }
     }
@@ -188,7 +203,31 @@ fn write_units<M: Model>(out: &mut Out, version: Version) {
         let base = ["kg", "m", "s", "rad"].iter().zip(unit.base).filter(|&(_, exponent)| exponent != 0);
         let base: Vec<(&str, String)> = base.map(|(name, exponent)| (*name, exponent.to_string())).collect();
         let base: Vec<(&str, &str)> = base.iter().map(|(name, exponent)| (*name, &**exponent)).collect();
-        out.element("Unit", &[("name", unit.name)], |out| out.empty("BaseUnit", &base));
+        out.element("Unit", &[("name", unit.name)], |out| {
+            out.empty("BaseUnit", &base);
+            if let Some((name, factor)) = unit.display {
+                out.empty("DisplayUnit", &[("name", name), ("factor", &number(factor))]);
+            }
+        });
+    }
+}
+
+/// Writes what variables of a type have in common.
+fn write_type(out: &mut Out, version: Version, of: &RealType) {
+    let name = ("name", of.name);
+    let mut attributes = vec![("quantity", of.quantity), ("unit", of.unit.name)];
+    let shown = of.unit.display.filter(|_| of.is_displayed);
+    attributes.extend(shown.map(|(name, _)| ("displayUnit", name)));
+    let bounds = bounds(of.domain, Type::Real);
+    attributes.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
+    let nominal = number(of.nominal);
+    attributes.push(("nominal", &nominal));
+    match version {
+        Version::V2 => out.element("SimpleType", &[name], |out| out.empty("Real", &attributes)),
+        Version::V3 => {
+            attributes.insert(0, name);
+            out.empty("Float64Type", &attributes);
+        }
     }
 }
 
@@ -228,6 +267,16 @@ fn bounds(domain: Domain, of: Type) -> Vec<(&'static str, String)> {
     bounds.filter_map(|(name, bound)| Some((name, written(bound?)))).collect()
 }
 
+/// Returns `min` and `max` of a variable, where those of its type are others.
+fn own_bounds<Q>(variable: &Variable<Q>) -> Vec<(&'static str, String)> {
+    let mut own = bounds(variable.domain, variable.kind.into());
+    if let Kind::Real(of) = variable.kind {
+        let declared = bounds(of.domain, Type::Real);
+        own.retain(|bound| !declared.contains(bound));
+    }
+    own
+}
+
 fn write_time(out: &mut Out) {
     let attributes = [
         ("name", "time"),
@@ -243,14 +292,14 @@ fn write_time(out: &mut Out) {
 fn write_array<M: Model>(out: &mut Out, variable: &Variable<M::Quantity>, start: Option<&str>) {
     let own = value_reference::<M>(variable);
     let mut attributes = attributes(variable, variable.name, &own, variable.description);
-    if let Kind::Real(unit) = variable.kind {
-        attributes.push(("unit", unit.name));
+    if let Kind::Real(of) = variable.kind {
+        attributes.push(("declaredType", of.name));
         // Within a step importers may only read what is continuous and says so; inputs are not set there.
         if M::SHOWS_INTERMEDIATE_VALUES && is_output(variable.role) {
             attributes.push(("intermediateUpdate", "true"));
         }
     }
-    let bounds = bounds(variable.domain, variable.kind.into());
+    let bounds = own_bounds(variable);
     attributes.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
     // Only single texts can be set.
     let (number, text) = if variable.kind == Kind::String { (None, start) } else { (start, None) };
@@ -430,7 +479,7 @@ fn rows_html<M: Model>(model: &M, version: Version) -> String {
             Role::Parameter => "parameter",
             Role::CalculatedParameter => "calculated parameter",
         };
-        let unit = if let Kind::Real(unit) = variable.kind { unit.name } else { "" };
+        let unit = if let Kind::Real(of) = variable.kind { of.unit.name } else { "" };
         let description = escaped(variable.description);
         Some(format!("<tr><td>{name}</td><td>{kind}</td><td>{unit}</td><td>{description}</td></tr>\n"))
     };
