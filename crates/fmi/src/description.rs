@@ -11,18 +11,35 @@ use crate::{Answer, Format, Naming, Version};
 use lemons_core::xml::{Layout, Out, escaped, number};
 use std::collections::{BTreeSet, HashMap};
 
+/// What is packed into an FMU, as its description tells it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Packed {
+    /// The name of the Trial, or of the file.
+    pub name: String,
+    /// Tells one content from another; see [`fingerprint`](crate::model::fingerprint).
+    pub fingerprint: u128,
+}
+
 /// Returns the model description of what is loaded.
 ///
 /// # Errors
 /// A start value is not known.
 pub fn model_description<M: Model>(model: &mut M, format: Format) -> Answer<String> {
+    packed_description(model, format, &[])
+}
+
+/// Returns the model description for an FMU in which this is packed. An annotation says so, and what packed it.
+///
+/// # Errors
+/// A start value is not known.
+pub fn packed_description<M: Model>(model: &mut M, format: Format, packed: &[Packed]) -> Answer<String> {
     match format {
-        Format::Fmi2(naming) => of_scalars(model, naming),
-        Format::Fmi3 => of_arrays(model),
+        Format::Fmi2(naming) => of_scalars(model, naming, packed),
+        Format::Fmi3 => of_arrays(model, packed),
     }
 }
 
-fn of_scalars<M: Model>(model: &mut M, naming: Naming) -> Answer<String> {
+fn of_scalars<M: Model>(model: &mut M, naming: Naming, packed: &[Packed]) -> Answer<String> {
     let scalars = model.scalars();
     let mut starts = Vec::with_capacity(scalars.len());
     for Scalar { variable, element, .. } in &scalars {
@@ -34,6 +51,7 @@ fn of_scalars<M: Model>(model: &mut M, naming: Naming) -> Answer<String> {
     };
     let identity = [("fmiVersion", "2.0"), ("guid", &guid(&scalars).braced().to_string())];
     Ok(document(model, Version::V2, identity, naming, |out| {
+        write_annotation(out, Version::V2, packed);
         out.element("ModelVariables", &[], |out| {
             for (place, (scalar, start)) in scalars.iter().zip(&starts).enumerate() {
                 let Scalar { name, description, variable, .. } = scalar;
@@ -72,7 +90,7 @@ const UNKNOWNS: [(&str, IsWanted, Known); 2] = [
     ("InitialUnknown", |role| matches!(role, Role::Calculated | Role::CalculatedParameter), Known::Starts),
 ];
 
-fn of_arrays<M: Model>(model: &mut M) -> Answer<String> {
+fn of_arrays<M: Model>(model: &mut M, packed: &[Packed]) -> Answer<String> {
     let sizes: Vec<u64> = (0..M::SIZES.len()).map(|place| model.size(place)).collect();
     let mut starts = Vec::with_capacity(M::VARIABLES.len());
     for variable in M::VARIABLES {
@@ -117,16 +135,46 @@ fn of_arrays<M: Model>(model: &mut M) -> Answer<String> {
                 }
             }
         });
+        write_annotation(out, Version::V3, packed);
     }))
 }
 
-/// Writes what both versions have, in its order, and then the variables.
+/// Name of the annotation in a description.
+const ANNOTATION: &str = "org.lemons-fmu";
+
+/// Says what was packed by what: the commit if the build was told it, which a build never asks git for.
+fn write_annotation(out: &mut Out, version: Version, packed: &[Packed]) {
+    if packed.is_empty() {
+        return;
+    }
+    let [list, one, key] = match version {
+        Version::V2 => ["VendorAnnotations", "Tool", "name"],
+        Version::V3 => ["Annotations", "Annotation", "type"],
+    };
+    let mut by = vec![("version", env!("CARGO_PKG_VERSION"))];
+    by.extend(option_env!("LEMONS_COMMIT").filter(|told| !told.is_empty()).map(|told| ("commit", told)));
+    out.element(list, &[], |out| {
+        out.element(one, &[(key, ANNOTATION)], |out| {
+            out.element("Packed", &by, |out| {
+                for Packed { name, fingerprint } in packed {
+                    let fingerprint = format!("{fingerprint:032x}");
+                    out.empty("Content", &[("name", name), ("fingerprint", &fingerprint)]);
+                }
+            });
+        });
+    });
+}
+
+/// Who holds the copyright, as in the licence.
+const COPYRIGHT: &str = "Copyright (c) 2026 The LEMONS-FMU developers";
+
+/// Writes what both versions have, in its order, and then the rest.
 fn document<M: Model>(
     model: &M,
     version: Version,
     identity: [(&str, &str); 2],
     naming: &str,
-    variables: impl FnOnce(&mut Out),
+    rest: impl FnOnce(&mut Out),
 ) -> String {
     let [fmi_version, token] = identity;
     let root = [
@@ -134,8 +182,10 @@ fn document<M: Model>(
         ("modelName", M::NAME),
         token,
         ("description", M::DESCRIPTION),
+        ("author", env!("CARGO_PKG_AUTHORS")),
         ("version", env!("CARGO_PKG_VERSION")),
-        ("license", "MIT OR Apache-2.0"),
+        ("copyright", COPYRIGHT),
+        ("license", env!("CARGO_PKG_LICENSE")),
         ("generationTool", concat!("LEMONS-FMU ", env!("CARGO_PKG_VERSION"))),
         ("variableNamingConvention", naming),
     ];
@@ -152,7 +202,7 @@ fn document<M: Model>(
         let (stop, step) = (number(M::STOP_TIME), number(model.step_size()));
         let times = [("startTime", &number(0.0)[..]), ("stopTime", &stop), ("stepSize", &step)];
         out.empty("DefaultExperiment", &times);
-        variables(out);
+        rest(out);
     })
 }
 
@@ -405,21 +455,20 @@ fn start<M: Model>(
     Ok(Some(joined(starts[..if alike { length.min(1) } else { length }].iter().map(written))))
 }
 
-/// Returns `terminalsAndIcons.xml` with a terminal `crowd`, and the icon `icon.png` if there is
-/// one. A crowd and what drives it are connected at these terminals: variables with the same names.
-/// Not all need to be there: the matching rule is `bus`.
-pub fn terminals_xml<M: Model>(description: &str, names: &[&str], icon: bool) -> String {
+/// Returns `terminalsAndIcons.xml` with a terminal `crowd`, and the icon. A crowd and what drives it are
+/// connected at these terminals: variables with the same names, which are arrays in FMI 3.0 and their elements
+/// in FMI 2.0. Not all need to be there: the matching rule is `bus`.
+pub fn terminals_xml<M: Model>(model: &M, version: Version, description: &str, names: &[&str]) -> String {
+    // FMI 2.0 takes this file from FMI 3.0, with its version.
     let root = [("fmiVersion", "3.0")];
     Out::document(Layout::STANDARD, "fmiTerminalsAndIcons", &root, |out| {
-        if icon {
-            out.element("GraphicalRepresentation", &[], |out| {
-                let corners = [("x1", "-100"), ("y1", "-100"), ("x2", "100"), ("y2", "100")];
-                let mut system = corners.to_vec();
-                system.push(("suggestedScalingFactorTo_mm", "0.1"));
-                out.empty("CoordinateSystem", &system);
-                out.empty("Icon", &corners);
-            });
-        }
+        out.element("GraphicalRepresentation", &[], |out| {
+            let corners = [("x1", "-100"), ("y1", "-100"), ("x2", "100"), ("y2", "100")];
+            let mut system = corners.to_vec();
+            system.push(("suggestedScalingFactorTo_mm", "0.1"));
+            out.empty("CoordinateSystem", &system);
+            out.empty("Icon", &corners);
+        });
         out.element("Terminals", &[], |out| {
             let attributes = [
                 ("name", "crowd"),
@@ -428,9 +477,19 @@ pub fn terminals_xml<M: Model>(description: &str, names: &[&str], icon: bool) ->
                 ("description", description),
             ];
             out.element("Terminal", &attributes, |out| {
-                for Variable { name, .. } in M::VARIABLES.iter().filter(|of| names.contains(&of.name)) {
-                    let member = [("variableName", *name), ("memberName", *name), ("variableKind", "signal")];
+                let mut member = |name: &str| {
+                    let member = [("variableName", name), ("memberName", name), ("variableKind", "signal")];
                     out.empty("TerminalMemberVariable", &member);
+                };
+                let is_member = |variable: &Variable<_>| names.contains(&variable.name);
+                match version {
+                    Version::V2 => {
+                        let scalars = model.scalars().into_iter();
+                        scalars.filter(|of| is_member(of.variable)).for_each(|of| member(&of.name));
+                    }
+                    Version::V3 => {
+                        M::VARIABLES.iter().filter(|of| is_member(of)).for_each(|of| member(of.name));
+                    }
                 }
             });
         });
@@ -484,4 +543,15 @@ fn rows_html<M: Model>(model: &M, version: Version) -> String {
         Some(format!("<tr><td>{name}</td><td>{kind}</td><td>{unit}</td><td>{description}</td></tr>\n"))
     };
     M::VARIABLES.iter().filter_map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_licence_names_who_holds_the_copyright() {
+        assert!(include_str!("../../../LICENSE-MIT").lines().any(|line| line == COPYRIGHT));
+        assert!(COPYRIGHT.ends_with(env!("CARGO_PKG_AUTHORS")));
+    }
 }
