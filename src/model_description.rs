@@ -13,7 +13,7 @@ pub const MODEL_IDENTIFIER: &str = CrowdModel::IDENTIFIER;
 pub const DEFAULT_STOP_TIME: f64 = CrowdModel::STOP_TIME;
 
 /// \[byte\] Larger descriptions are neither written nor read by the master of this repository, because it keeps several
-/// copies in memory. The description of 10 000 agents has 70 MB.
+/// copies in memory. The description of 10 000 agents has 72 MB.
 pub const LARGEST_DESCRIPTION: u64 = 256_000_000;
 
 /// Returns the model description of a Trial's FMU.
