@@ -142,6 +142,12 @@ fn of_arrays<M: Model>(model: &mut M, packed: &[Packed]) -> Answer<String> {
 /// Name of the annotation in a description.
 const ANNOTATION: &str = "org.lemons-fmu";
 
+/// Returns the version, and the commit if one was told.
+fn packed_by(commit: Option<&str>) -> Vec<(&str, &str)> {
+    let commit = commit.filter(|told| !told.is_empty()).map(|told| ("commit", told));
+    [("version", env!("CARGO_PKG_VERSION"))].into_iter().chain(commit).collect()
+}
+
 /// Says what was packed by what: the commit if the build was told it, which a build never asks git for.
 fn write_annotation(out: &mut Out, version: Version, packed: &[Packed]) {
     if packed.is_empty() {
@@ -151,8 +157,7 @@ fn write_annotation(out: &mut Out, version: Version, packed: &[Packed]) {
         Version::V2 => ["VendorAnnotations", "Tool", "name"],
         Version::V3 => ["Annotations", "Annotation", "type"],
     };
-    let mut by = vec![("version", env!("CARGO_PKG_VERSION"))];
-    by.extend(option_env!("LEMONS_COMMIT").filter(|told| !told.is_empty()).map(|told| ("commit", told)));
+    let by = packed_by(option_env!("LEMONS_COMMIT"));
     out.element(list, &[], |out| {
         out.element(one, &[(key, ANNOTATION)], |out| {
             out.element("Packed", &by, |out| {
@@ -548,6 +553,13 @@ fn rows_html<M: Model>(model: &M, version: Version) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_commit_is_named_if_the_build_was_told_one() {
+        assert_eq!(packed_by(Some("2cf7a0a"))[1..], [("commit", "2cf7a0a")]);
+        assert_eq!(packed_by(Some("")), packed_by(None));
+        assert_eq!(packed_by(None), [("version", env!("CARGO_PKG_VERSION"))]);
+    }
 
     #[test]
     fn the_licence_names_who_holds_the_copyright() {
