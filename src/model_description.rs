@@ -2,8 +2,8 @@
 
 use crate::model::CrowdModel;
 use lemons_core::trial::{DriveTable, Trial};
-use lemons_fmi::description::terminals_xml;
-use lemons_fmi::{Format, Model, description};
+use lemons_fmi::description::{Packed, terminals_xml};
+use lemons_fmi::{Format, Model, Version, description};
 
 /// `modelName`
 pub const MODEL_NAME: &str = CrowdModel::NAME;
@@ -13,19 +13,25 @@ pub const MODEL_IDENTIFIER: &str = CrowdModel::IDENTIFIER;
 pub const DEFAULT_STOP_TIME: f64 = CrowdModel::STOP_TIME;
 
 /// \[byte\] Larger descriptions are neither written nor read by the master of this repository, because it keeps several
-/// copies in memory. The description of 10 000 agents has 70 MB.
+/// copies in memory. The description of 10 000 agents has 72 MB.
 pub const LARGEST_DESCRIPTION: u64 = 256_000_000;
 
 /// Returns the model description of a Trial's FMU.
 pub fn model_description(trial: &Trial, format: Format) -> String {
-    let mut crowd = CrowdModel::of_trial(trial.clone(), DriveTable::default());
-    description::model_description(&mut crowd, format).expect("start values are in the Trial")
+    packed_description(trial, format, &[])
 }
 
-/// Returns the terminal `crowd`: drives in, motion out. With an icon, `icon.png` is beside it.
-pub fn terminals(icon: bool) -> String {
+/// Returns the model description of an FMU that starts with this Trial, in which these are packed.
+pub fn packed_description(trial: &Trial, format: Format, packed: &[Packed]) -> String {
+    let mut crowd = CrowdModel::of_trial(trial.clone(), DriveTable::default());
+    description::packed_description(&mut crowd, format, packed).expect("start values are in the Trial")
+}
+
+/// Returns the terminal `crowd`: drives in, motion out.
+pub fn terminals(trial: &Trial, version: Version) -> String {
     let names = ["Fp", "Mp", "Active", "Position", "Theta", "Velocity", "Omega"];
-    terminals_xml::<CrowdModel>("drives in, motion out", &names, icon)
+    let crowd = CrowdModel::of_trial(trial.clone(), DriveTable::default());
+    terminals_xml(&crowd, version, "drives in, motion out", &names)
 }
 
 #[cfg(test)]

@@ -3,15 +3,17 @@
 //! The same Trials and binaries give the same bytes, so that FMUs can be compared.
 
 use crate::model::CrowdModel;
-use crate::model_description::{LARGEST_DESCRIPTION, model_description, terminals};
+use crate::model_description::{LARGEST_DESCRIPTION, model_description, packed_description, terminals};
 use crate::quantities::{scalars, shared};
 use crate::resources::{TRIALS_FILE, can_be_packed};
 use crate::setup;
 use lemons_core::files::Staged;
 use lemons_core::files::source::{Disk, Source};
 use lemons_core::trial::{DRIVE_FILE, DriveTable, FileNames, Problems, Trial};
-use lemons_fmi::archive::{Archive, ArchiveError, Content, read};
+use lemons_fmi::archive::{Archive, ArchiveError, Content, Icon, read};
 pub use lemons_fmi::archive::{Binary, THIRD_PARTY, host_directory, host_platform, library_file, platforms};
+use lemons_fmi::description::Packed;
+use lemons_fmi::model::fingerprint;
 pub use lemons_fmi::{Format, Naming};
 use lemons_fmi::{Version, description};
 use std::io::{Seek, Write};
@@ -67,7 +69,7 @@ pub struct Package {
     pub trials: Vec<PathBuf>,
     /// The binaries; at least one.
     pub binaries: Vec<Binary>,
-    /// Draws `model.png` (in FMI 3.0 `terminalsAndIcons/icon.png`), of the first Trial.
+    /// Draws `model.png` (in FMI 3.0 `documentation/model.png`), of the first Trial.
     pub picture: Option<Draw>,
     /// Checks each Trial further. A Trial with errors is not packed.
     pub check: Option<Check>,
@@ -111,11 +113,18 @@ impl Package {
         let (trials, warnings) = self.read_trials(files)?;
         let first = trials.first().ok_or(PackError::NoTrial)?;
         check_size(first, least_size(first, self.format))?;
-        let description = model_description(first, self.format);
+        let archive_error = |error| PackError::Archive { path: name.to_owned(), error };
+        let contents: Vec<Files> = trials
+            .iter()
+            .map(|trial| files_of(files, trial))
+            .collect::<Result<_, _>>()
+            .map_err(archive_error)?;
+        let packed: Vec<Packed> =
+            trials.iter().zip(&contents).map(|(trial, content)| packed(trial, content)).collect();
+        let description = packed_description(first, self.format, &packed);
         check_size(first, description.len() as u64)?;
         let mut file = begin()?;
-        self.fill(files, &trials, &description, &mut file)
-            .map_err(|error| PackError::Archive { path: name.to_owned(), error })?;
+        self.fill(files, &trials, &contents, &description, &mut file).map_err(archive_error)?;
         Ok((warnings, file))
     }
 
@@ -124,6 +133,7 @@ impl Package {
         &self,
         files: &dyn Source,
         trials: &[Trial],
+        contents: &[Files],
         description: &str,
         file: impl Write + Seek,
     ) -> Result<(), ArchiveError> {
@@ -132,16 +142,19 @@ impl Package {
         let content = Content {
             version,
             description,
-            documentation: &documentation(&trials[0], version),
+            documentation: &documentation(&trials[0], version, picture.is_some()),
             binaries: &self.binaries,
-            terminals: terminals(picture.is_some()),
+            terminals: terminals(&trials[0], version),
+            icon: Icon { svg: include_str!("icon.svg"), png: include_bytes!("icon.png") },
             picture,
         };
         let mut archive = Archive::begin::<CrowdModel>(file, files, &content)?;
         let names: String = trials.iter().map(|trial| format!("{}\n", trial.name)).collect();
         archive.add(&format!("resources/{TRIALS_FILE}"), names.as_bytes())?;
-        for trial in trials {
-            add_trial(&mut archive, files, trial)?;
+        for (trial, content) in trials.iter().zip(contents) {
+            for (place, bytes) in content {
+                archive.add(&format!("resources/{}/{place}", trial.name), bytes)?;
+            }
         }
         archive.finish()
     }
@@ -239,12 +252,23 @@ fn difference(first: &Trial, other: &Trial) -> Option<String> {
     })
 }
 
-/// Adds the files of a Trial unchanged.
-fn add_trial<W: Write + Seek>(
-    archive: &mut Archive<W>,
-    files: &dyn Source,
-    trial: &Trial,
-) -> Result<(), ArchiveError> {
+/// The files of a packed Trial: their names within it, and what is in them.
+type Files = Vec<(String, Vec<u8>)>;
+
+/// Returns what the description tells of a packed Trial. Its fingerprint depends on the names and the bytes of its
+/// files, and not on its own name.
+fn packed(trial: &Trial, files: &Files) -> Packed {
+    let mut content = Vec::new();
+    for part in files.iter().flat_map(|(name, bytes)| [name.as_bytes(), bytes]) {
+        // With its length: where one part ends and the next begins counts.
+        content.extend((part.len() as u64).to_le_bytes());
+        content.extend(part);
+    }
+    Packed { name: trial.name.clone(), fingerprint: fingerprint(&content) }
+}
+
+/// Reads the files of a Trial, which are packed unchanged.
+fn files_of(files: &dyn Source, trial: &Trial) -> Result<Files, ArchiveError> {
     let (fixed, moving) = (trial.parameters.static_path(), trial.parameters.dynamic_path());
     let needed = [
         PathBuf::from("Parameters.xml"),
@@ -255,6 +279,7 @@ fn add_trial<W: Write + Seek>(
     ];
     let if_there = [moving.join("AgentInteractions.xml"), PathBuf::from(DRIVE_FILE)];
     let if_there = if_there.into_iter().filter(|file| !files.lacks(&trial.directory.join(file)));
+    let mut packed = Files::new();
     for file in needed.into_iter().chain(if_there) {
         let content = read(files, &trial.directory.join(&file))?;
         // Names in a zip file have forward slashes on every platform.
@@ -263,19 +288,22 @@ fn add_trial<W: Write + Seek>(
             _ => None,
         });
         let place = parts.collect::<Vec<_>>().join("/");
-        archive.add(&format!("resources/{}/{place}", trial.name), &content)?;
+        packed.push((place, content));
     }
-    Ok(())
+    Ok(packed)
 }
 
 /// `documentation/index.html`
-fn documentation(trial: &Trial, version: Version) -> String {
+fn documentation(trial: &Trial, version: Version, picture: bool) -> String {
     let page = match version {
         Version::V2 => include_str!("documentation.html"),
         Version::V3 => include_str!("documentation_3.html"),
     };
     let crowd = CrowdModel::of_trial(trial.clone(), DriveTable::default());
+    let file = if version == Version::V2 { "../model.png" } else { "model.png" };
+    let shown = format!("<p><img src=\"{file}\" alt=\"where everybody is at the start\" width=\"640\"></p>");
     description::documentation(&crowd, version, page, trial.agents.len())
+        .replace("{picture}", if picture { &shown } else { "" })
         .replace("{trial}", &lemons_core::xml::escaped(&trial.name))
         .replace("{time_step}", &format!("{:?}", trial.parameters.time_step))
         .replace("{time_step_mechanical}", &format!("{:?}", trial.parameters.time_step_mechanical))

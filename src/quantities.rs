@@ -8,7 +8,7 @@
 
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{Contact, Materials, Trial, Wall};
-use lemons_fmi::variables::units::*;
+use lemons_fmi::variables::types::*;
 use lemons_fmi::variables::{Dimension, Domain, Scalar, Size, Variable, row};
 pub use lemons_fmi::variables::{Kind, Role};
 use serde::{Deserialize, Serialize};
@@ -101,9 +101,9 @@ pub static QUANTITIES: [Variable<Quantity>; 40] = {
     use Kind::*;
     use Quantity::*;
     [
-        row(TimeStepMechanical, "TimeStepMechanical", ONE_VALUE, Real(SECOND))
+        row(TimeStepMechanical, "TimeStepMechanical", ONE_VALUE, Real(DURATION))
             .parameter(Positive, "longest step of the integrator"),
-        row(MostMechanicalSteps, "MostMechanicalSteps", ONE_VALUE, Real(ONE)).parameter(
+        row(MostMechanicalSteps, "MostMechanicalSteps", ONE_VALUE, Real(COUNT)).parameter(
             Positive,
             "a communication step of more mechanical steps is refused: nobody could cancel it",
         ),
@@ -132,17 +132,17 @@ pub static QUANTITIES: [Variable<Quantity>; 40] = {
         row(CoincidentContacts, "CoincidentContacts", ONE_VALUE, Integer)
             .calculated("of these contacts, those of centres at one place: no force acts between them")
             .initially_on(PLACES),
-        row(LargestOverlap, "LargestOverlap", ONE_VALUE, Real(METRE))
+        row(LargestOverlap, "LargestOverlap", ONE_VALUE, Real(OVERLAP))
             .calculated("largest PeakOverlap: deepest overlap of the crowd within the last step")
             .initially_on(PLACES),
-        row(Fp, "Fp", VECTORS, Real(NEWTON)).input("propulsion force along x and y"),
-        row(Mp, "Mp", AGENTS, Real(NEWTON_METRE)).input("propulsion torque"),
+        row(Fp, "Fp", VECTORS, Real(FORCE)).input("propulsion force along x and y"),
+        row(Mp, "Mp", AGENTS, Real(TORQUE)).input("propulsion torque"),
         row(Active, "Active", AGENTS, Boolean)
             .input("whether it is there from the next step on; if not, it touches nothing and does not move"),
-        row(Position, "Position", VECTORS, Real(METRE)).exact("x and y of the centre of mass"),
-        row(Theta, "Theta", AGENTS, Real(RADIAN)).exact("orientation: angle from the x axis to the gaze"),
-        row(Velocity, "Velocity", VECTORS, Real(METRE_PER_SECOND)).exact("velocity along x and y"),
-        row(Omega, "Omega", AGENTS, Real(RADIAN_PER_SECOND)).exact("angular velocity"),
+        row(Position, "Position", VECTORS, Real(POSITION)).exact("x and y of the centre of mass"),
+        row(Theta, "Theta", AGENTS, Real(ANGLE)).exact("orientation: angle from the x axis to the gaze"),
+        row(Velocity, "Velocity", VECTORS, Real(VELOCITY)).exact("velocity along x and y"),
+        row(Omega, "Omega", AGENTS, Real(ANGULAR_VELOCITY)).exact("angular velocity"),
         row(AgentContacts, "AgentContacts", AGENTS, Integer)
             .calculated("disk-disk contacts")
             .initially_on(PLACES),
@@ -152,46 +152,44 @@ pub static QUANTITIES: [Variable<Quantity>; 40] = {
         row(ContactingAgents, "ContactingAgents", AGENTS, Integer)
             .calculated("different agents that touch it")
             .initially_on(PLACES),
-        row(NormalForce, "NormalForce", AGENTS, Real(NEWTON))
+        row(NormalForce, "NormalForce", AGENTS, Real(NORMAL_FORCE))
             .calculated("squeeze at the communication point: sum of |Fn| over its contacts")
             .initially_on(FORCES),
-        row(MeanNormalForce, "MeanNormalForce", AGENTS, Real(NEWTON))
+        row(MeanNormalForce, "MeanNormalForce", AGENTS, Real(NORMAL_FORCE))
             .calculated("mean squeeze: time average of NormalForce over the last step")
             .initially_on(FORCES),
-        row(MeanPeopleForce, "MeanPeopleForce", AGENTS, Real(NEWTON))
+        row(MeanPeopleForce, "MeanPeopleForce", AGENTS, Real(NORMAL_FORCE))
             .calculated("mean squeeze by other agents: the part of MeanNormalForce that is not by walls")
             .initially_on(FORCES),
-        row(MeanWallForce, "MeanWallForce", AGENTS, Real(NEWTON))
+        row(MeanWallForce, "MeanWallForce", AGENTS, Real(NORMAL_FORCE))
             .calculated("mean squeeze by walls: time average of the sum of |Fn| over its contacts with walls")
             .initially_on(FORCES),
-        row(PeakNormalForce, "PeakNormalForce", AGENTS, Real(NEWTON))
+        row(PeakNormalForce, "PeakNormalForce", AGENTS, Real(NORMAL_FORCE))
             .calculated("peak squeeze: largest NormalForce within the last step")
             .initially_on(FORCES),
-        row(PeakOverlap, "PeakOverlap", AGENTS, Real(METRE))
+        row(PeakOverlap, "PeakOverlap", AGENTS, Real(OVERLAP))
             .calculated("deepest overlap of its contacts within the last step")
             .initially_on(PLACES),
-        row(WallMeanNormalForce, "WallMeanNormalForce", WALLS, Real(NEWTON))
+        row(WallMeanNormalForce, "WallMeanNormalForce", WALLS, Real(NORMAL_FORCE))
             .calculated("time average of the sum of |Fn| over its contacts with agents over the last step")
             .initially_on(FORCES),
-        row(WallPeakNormalForce, "WallPeakNormalForce", WALLS, Real(NEWTON))
+        row(WallPeakNormalForce, "WallPeakNormalForce", WALLS, Real(NORMAL_FORCE))
             .calculated("largest sum of |Fn| over its contacts with agents within the last step")
             .initially_on(FORCES),
-        row(Mass, "Mass", AGENTS, Real(KILOGRAM)).parameter(Positive, "mass"),
-        row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(KILOGRAM_METRE_SQUARED))
+        row(Mass, "Mass", AGENTS, Real(MASS)).parameter(Positive, "mass"),
+        row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(INERTIA))
             .parameter(Positive, "moment of inertia about the centre of mass"),
-        row(FloorDamping, "FloorDamping", AGENTS, Real(PER_SECOND))
+        row(FloorDamping, "FloorDamping", AGENTS, Real(RATE))
             .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl"),
-        row(AngularDamping, "AngularDamping", AGENTS, Real(PER_SECOND))
+        row(AngularDamping, "AngularDamping", AGENTS, Real(RATE))
             .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot"),
-        row(YoungModulus, "YoungModulus", MATERIALS, Real(NEWTON_PER_METRE))
-            .parameter(Positive, "2D Young modulus"),
-        row(ShearModulus, "ShearModulus", MATERIALS, Real(NEWTON_PER_METRE))
-            .parameter(Positive, "2D shear modulus"),
-        row(GammaNormal, "GammaNormal", PAIRS, Real(KILOGRAM_PER_SECOND))
+        row(YoungModulus, "YoungModulus", MATERIALS, Real(MODULUS)).parameter(Positive, "2D Young modulus"),
+        row(ShearModulus, "ShearModulus", MATERIALS, Real(MODULUS)).parameter(Positive, "2D shear modulus"),
+        row(GammaNormal, "GammaNormal", PAIRS, Real(DAMPING))
             .parameter(NonNegative, "damping along the normal"),
-        row(GammaTangential, "GammaTangential", PAIRS, Real(KILOGRAM_PER_SECOND))
+        row(GammaTangential, "GammaTangential", PAIRS, Real(DAMPING))
             .parameter(NonNegative, "damping along the tangent"),
-        row(KineticFriction, "KineticFriction", PAIRS, Real(ONE))
+        row(KineticFriction, "KineticFriction", PAIRS, Real(FRICTION))
             .parameter(NonNegative, "Coulomb's coefficient"),
         row(AgentId, "AgentId", AGENTS, String)
             .calculated_parameter("Ids of the agents")

@@ -30,13 +30,15 @@ def test_tables_of_the_command_have_them(lemons, tmp_path):
 
 
 def test_variables_of_the_fmu_have_their_names_and_units():
-    variables = {v.get("name"): v for v in ElementTree.parse(REPOSITORY / "fmu/modelDescription.xml").iter("ScalarVariable")}
+    root = ElementTree.parse(REPOSITORY / "fmu/modelDescription.xml")
+    variables = {v.get("name"): v for v in root.iter("ScalarVariable")}
+    units = {of.get("name"): of[0].get("unit") for of in root.iter("SimpleType")}
     for row in TABLE[2:]:
         variable = variables[row["variable"].replace("[i]", "[0]")]
         assert variable.get("causality") == "output"
         kind = variable[0]
-        assert (kind.tag, kind.get("unit")) == (("Real", row["unit"]) if row["unit"] else ("Integer", None)), row
-    assert [variables[f"agent[0].{name}"][0].get("unit") for name in INPUTS] == ["N", "N", "N.m"]
+        assert (kind.tag, units.get(kind.get("declaredType"))) == (("Real", row["unit"]) if row["unit"] else ("Integer", None)), row
+    assert [units[variables[f"agent[0].{name}"][0].get("declaredType")] for name in INPUTS] == ["N", "N", "N.m"]
 
 
 def test_the_manual_of_simulate_has_them_in_their_order():

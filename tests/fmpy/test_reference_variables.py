@@ -20,8 +20,11 @@ SHORT = [
 
 
 def described(lemons, *words):
+    """The variables, and the unit of each element that says a type."""
     done = subprocess.run([lemons, "describe", *words], check=True, capture_output=True, text=True)
-    return ElementTree.fromstring(done.stdout).find("ModelVariables")
+    root = ElementTree.fromstring(done.stdout)
+    types = {of.get("name"): of.get("unit") or of[0].get("unit") for of in root.find("TypeDefinitions")}
+    return root.find("ModelVariables"), lambda typed: types.get(typed.get("declaredType"), typed.get("unit", ""))
 
 
 def start(text):
@@ -30,7 +33,7 @@ def start(text):
     return f"`{first}`" + (" …" if others else "")
 
 
-def rows_of_2(variables):
+def rows_of_2(variables, unit):
     rows = {}
     for variable in variables:
         (kind,) = (child for child in variable if child.tag in ("Real", "Integer", "Boolean", "String"))
@@ -40,7 +43,7 @@ def rows_of_2(variables):
         for pattern, short in SHORT:
             name = re.sub(pattern, short, name)
         description = re.sub(r"^agent Id [^:]+: ", "", variable.get("description"))
-        cells = [kind.tag, kind.get("unit", ""), variable.get("causality"), variable.get("variability"), shown]
+        cells = [kind.tag, unit(kind), variable.get("causality"), variable.get("variability"), shown]
         row = [f"`{name}`", *cells, description]
         # All agents, materials and way-points have the same; only the start differs.
         first = rows.setdefault(name, row)
@@ -48,7 +51,7 @@ def rows_of_2(variables):
     return list(rows.values())
 
 
-def rows_of_3(variables):
+def rows_of_3(variables, unit):
     named = {variable.get("valueReference"): variable.get("name") for variable in variables}
     rows = []
     for variable in variables:
@@ -58,7 +61,7 @@ def rows_of_3(variables):
             value = variable.find("Start").get("value")
         shown = "" if value is None else start(value) if value else "empty"
         name = f"`{variable.get('name')}`" + "".join(f" [{size}]" for size in sizes)
-        cells = [variable.tag, variable.get("unit", ""), variable.get("causality"), variable.get("variability"), shown]
+        cells = [variable.tag, unit(variable), variable.get("causality"), variable.get("variability"), shown]
         rows.append([name, *cells, variable.get("description")])
     return rows
 
@@ -73,5 +76,5 @@ def rows_of_3(variables):
     ],
 )
 def test_variables(lemons, table, words, rows):
-    found = [[cell.replace("|", "\\|") for cell in row] for row in rows(described(lemons, *words))]
+    found = [[cell.replace("|", "\\|") for cell in row] for row in rows(*described(lemons, *words))]
     documented.check(table, HEADER, found, page=PAGE)

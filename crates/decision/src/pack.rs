@@ -4,8 +4,9 @@ use crate::decision::{Decision, PLAN_FILE};
 use crate::error::PlanError;
 use crate::plan::Plan;
 use lemons_core::files::source::Disk;
-use lemons_fmi::archive::{Archive, ArchiveError, Binary, Content};
-use lemons_fmi::description::{documentation, model_description, terminals_xml};
+use lemons_fmi::archive::{Archive, ArchiveError, Binary, Content, Icon};
+use lemons_fmi::description::{Packed, documentation, model_description, packed_description, terminals_xml};
+use lemons_fmi::model::fingerprint;
 use lemons_fmi::{Format, Version};
 use std::io::{Seek, Write};
 use thiserror::Error;
@@ -51,18 +52,23 @@ pub fn write_fmu(
         Version::V2 => include_str!("documentation.html"),
         Version::V3 => include_str!("documentation_3.html"),
     };
+    let text = plan.to_toml()?;
+    let packed = Packed { name: PLAN_FILE.to_owned(), fingerprint: fingerprint(text.as_bytes()) };
+    let mut model = Decision::new(plan.clone());
     let names = ["Position", "Theta", "Velocity", "Fp", "Mp", "Active"];
     let content = Content {
         version,
-        description: &description(plan, format),
-        documentation: &documentation(&Decision::new(plan.clone()), version, page, plan.agents.len()),
+        description: &packed_description(&mut model, format, &[packed])
+            .expect("start values are in the plan"),
+        documentation: &documentation(&model, version, page, plan.agents.len()),
         binaries,
         // It fits the crowd's.
-        terminals: terminals_xml::<Decision>("motion in, drives out", &names, false),
+        terminals: terminals_xml(&model, version, "motion in, drives out", &names),
+        icon: Icon { svg: include_str!("icon.svg"), png: include_bytes!("icon.png") },
         picture: None,
     };
     let mut archive = Archive::begin::<Decision>(file, &Disk, &content)?;
-    archive.add(&format!("resources/{PLAN_FILE}"), plan.to_toml()?.as_bytes())?;
+    archive.add(&format!("resources/{PLAN_FILE}"), text.as_bytes())?;
     Ok(archive.finish()?)
 }
 

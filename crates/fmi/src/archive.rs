@@ -114,10 +114,22 @@ pub struct Content<'a> {
     pub documentation: &'a str,
     /// The binaries, at least one. The first one's [`THIRD_PARTY`] is added, if there is one.
     pub binaries: &'a [Binary],
-    /// `terminalsAndIcons.xml` of FMI 3.0
+    /// `terminalsAndIcons/terminalsAndIcons.xml`
     pub terminals: String,
-    /// `model.png`, in FMI 3.0 `icon.png`
+    /// The icon.
+    pub icon: Icon,
+    /// A picture of what is packed: `model.png`, which is the icon if there is none; in FMI 3.0
+    /// `documentation/model.png`.
     pub picture: Option<Vec<u8>>,
+}
+
+/// A square icon. Importers need the PNG; some prefer the SVG.
+#[derive(Debug, Clone, Copy)]
+pub struct Icon {
+    /// `terminalsAndIcons/icon.svg`
+    pub svg: &'static str,
+    /// `terminalsAndIcons/icon.png`: the same drawing.
+    pub png: &'static [u8],
 }
 
 impl<W: Write + Seek> Archive<W> {
@@ -146,14 +158,15 @@ impl<W: Write + Seek> Archive<W> {
         if let Some(path) = first.third_party_in(files) {
             archive.add(&format!("documentation/licenses/{THIRD_PARTY}"), &read(files, &path)?)?;
         }
-        let picture = match content.version {
-            Version::V2 => "model.png",
-            Version::V3 => {
-                archive.add("terminalsAndIcons/terminalsAndIcons.xml", content.terminals.as_bytes())?;
-                "terminalsAndIcons/icon.png"
-            }
-        };
-        content.picture.iter().try_for_each(|drawn| archive.add(picture, drawn))?;
+        let Icon { svg, png } = content.icon;
+        archive.add("terminalsAndIcons/terminalsAndIcons.xml", content.terminals.as_bytes())?;
+        archive.add("terminalsAndIcons/icon.svg", svg.as_bytes())?;
+        archive.add("terminalsAndIcons/icon.png", png)?;
+        match (content.version, content.picture.as_deref()) {
+            (Version::V2, picture) => archive.add("model.png", picture.unwrap_or(png))?,
+            (Version::V3, Some(picture)) => archive.add("documentation/model.png", picture)?,
+            (Version::V3, None) => {}
+        }
         Ok(archive)
     }
 

@@ -4,23 +4,42 @@
 use crate::boundary::LOG_CATEGORIES;
 use crate::model::{Model, guid, instantiation_token, reference};
 use crate::variables::units::SECOND;
-use crate::variables::{Dependencies, Dimension, Domain, Kind, Known, Role, Scalar, Type, Unit, Variable};
+use crate::variables::{
+    Dependencies, Dimension, Domain, Kind, Known, RealType, Role, Scalar, Type, Unit, Variable,
+};
 use crate::{Answer, Format, Naming, Version};
 use lemons_core::xml::{Layout, Out, escaped, number};
 use std::collections::{BTreeSet, HashMap};
+
+/// What is packed into an FMU, as its description tells it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Packed {
+    /// The name of the Trial, or of the file.
+    pub name: String,
+    /// Tells one content from another; see [`fingerprint`](crate::model::fingerprint).
+    pub fingerprint: u128,
+}
 
 /// Returns the model description of what is loaded.
 ///
 /// # Errors
 /// A start value is not known.
 pub fn model_description<M: Model>(model: &mut M, format: Format) -> Answer<String> {
+    packed_description(model, format, &[])
+}
+
+/// Returns the model description for an FMU in which this is packed. An annotation says so, and what packed it.
+///
+/// # Errors
+/// A start value is not known.
+pub fn packed_description<M: Model>(model: &mut M, format: Format, packed: &[Packed]) -> Answer<String> {
     match format {
-        Format::Fmi2(naming) => of_scalars(model, naming),
-        Format::Fmi3 => of_arrays(model),
+        Format::Fmi2(naming) => of_scalars(model, naming, packed),
+        Format::Fmi3 => of_arrays(model, packed),
     }
 }
 
-fn of_scalars<M: Model>(model: &mut M, naming: Naming) -> Answer<String> {
+fn of_scalars<M: Model>(model: &mut M, naming: Naming, packed: &[Packed]) -> Answer<String> {
     let scalars = model.scalars();
     let mut starts = Vec::with_capacity(scalars.len());
     for Scalar { variable, element, .. } in &scalars {
@@ -32,16 +51,17 @@ fn of_scalars<M: Model>(model: &mut M, naming: Naming) -> Answer<String> {
     };
     let identity = [("fmiVersion", "2.0"), ("guid", &guid(&scalars).braced().to_string())];
     Ok(document(model, Version::V2, identity, naming, |out| {
+        write_annotation(out, Version::V2, packed);
         out.element("ModelVariables", &[], |out| {
             for (place, (scalar, start)) in scalars.iter().zip(&starts).enumerate() {
                 let Scalar { name, description, variable, .. } = scalar;
                 let place = place.to_string();
                 out.element("ScalarVariable", &attributes(variable, name, &place, description), |out| {
                     let mut own = Vec::new();
-                    if let Kind::Real(unit) = variable.kind {
-                        own.push(("unit", unit.name));
+                    if let Kind::Real(of) = variable.kind {
+                        own.push(("declaredType", of.name));
                     }
-                    let bounds = bounds(variable.domain, variable.kind.into());
+                    let bounds = own_bounds(variable);
                     own.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
                     own.extend(start.as_deref().map(|start| ("start", start)));
                     out.empty(variable.kind.name(), &own);
@@ -70,7 +90,7 @@ const UNKNOWNS: [(&str, IsWanted, Known); 2] = [
     ("InitialUnknown", |role| matches!(role, Role::Calculated | Role::CalculatedParameter), Known::Starts),
 ];
 
-fn of_arrays<M: Model>(model: &mut M) -> Answer<String> {
+fn of_arrays<M: Model>(model: &mut M, packed: &[Packed]) -> Answer<String> {
     let sizes: Vec<u64> = (0..M::SIZES.len()).map(|place| model.size(place)).collect();
     let mut starts = Vec::with_capacity(M::VARIABLES.len());
     for variable in M::VARIABLES {
@@ -115,16 +135,51 @@ fn of_arrays<M: Model>(model: &mut M) -> Answer<String> {
                 }
             }
         });
+        write_annotation(out, Version::V3, packed);
     }))
 }
 
-/// Writes what both versions have, in its order, and then the variables.
+/// Name of the annotation in a description.
+const ANNOTATION: &str = "org.lemons-fmu";
+
+/// Returns the version, and the commit if one was told.
+fn packed_by(commit: Option<&str>) -> Vec<(&str, &str)> {
+    let commit = commit.filter(|told| !told.is_empty()).map(|told| ("commit", told));
+    [("version", env!("CARGO_PKG_VERSION"))].into_iter().chain(commit).collect()
+}
+
+/// Says what was packed by what: the commit if the build was told it, which a build never asks git for.
+fn write_annotation(out: &mut Out, version: Version, packed: &[Packed]) {
+    if packed.is_empty() {
+        return;
+    }
+    let [list, one, key] = match version {
+        Version::V2 => ["VendorAnnotations", "Tool", "name"],
+        Version::V3 => ["Annotations", "Annotation", "type"],
+    };
+    let by = packed_by(option_env!("LEMONS_COMMIT"));
+    out.element(list, &[], |out| {
+        out.element(one, &[(key, ANNOTATION)], |out| {
+            out.element("Packed", &by, |out| {
+                for Packed { name, fingerprint } in packed {
+                    let fingerprint = format!("{fingerprint:032x}");
+                    out.empty("Content", &[("name", name), ("fingerprint", &fingerprint)]);
+                }
+            });
+        });
+    });
+}
+
+/// Who holds the copyright, as in the licence.
+const COPYRIGHT: &str = "Copyright (c) 2026 The LEMONS-FMU developers";
+
+/// Writes what both versions have, in its order, and then the rest.
 fn document<M: Model>(
     model: &M,
     version: Version,
     identity: [(&str, &str); 2],
     naming: &str,
-    variables: impl FnOnce(&mut Out),
+    rest: impl FnOnce(&mut Out),
 ) -> String {
     let [fmi_version, token] = identity;
     let root = [
@@ -132,14 +187,18 @@ fn document<M: Model>(
         ("modelName", M::NAME),
         token,
         ("description", M::DESCRIPTION),
+        ("author", env!("CARGO_PKG_AUTHORS")),
         ("version", env!("CARGO_PKG_VERSION")),
-        ("license", "MIT OR Apache-2.0"),
+        ("copyright", COPYRIGHT),
+        ("license", env!("CARGO_PKG_LICENSE")),
         ("generationTool", concat!("LEMONS-FMU ", env!("CARGO_PKG_VERSION"))),
         ("variableNamingConvention", naming),
     ];
     Out::document(Layout::STANDARD, "fmiModelDescription", &root, |out| {
         out.empty("CoSimulation", &co_simulation::<M>(version));
-        out.element("UnitDefinitions", &[], |out| write_units::<M>(out, version));
+        let types = types_of::<M>();
+        out.element("UnitDefinitions", &[], |out| write_units(out, version, &types));
+        out.element("TypeDefinitions", &[], |out| types.iter().for_each(|of| write_type(out, version, of)));
         out.element("LogCategories", &[], |out| {
             for (name, description) in LOG_CATEGORIES {
                 out.empty("Category", &[("name", name), ("description", description)]);
@@ -148,7 +207,7 @@ fn document<M: Model>(
         let (stop, step) = (number(M::STOP_TIME), number(model.step_size()));
         let times = [("startTime", &number(0.0)[..]), ("stopTime", &stop), ("stepSize", &step)];
         out.empty("DefaultExperiment", &times);
-        variables(out);
+        rest(out);
     })
 }
 
@@ -173,14 +232,25 @@ fn co_simulation<M: Model>(version: Version) -> Vec<(&'static str, &'static str)
     [("modelIdentifier", M::IDENTIFIER)].into_iter().chain(said).collect()
 }
 
-/// Writes the units of variables, in the order of their first use.
-fn write_units<M: Model>(out: &mut Out, version: Version) {
-    let time = (version == Version::V3).then_some(Kind::Real(SECOND));
-    let mut units: Vec<Unit> = Vec::new();
-    for kind in time.into_iter().chain(M::VARIABLES.iter().map(|variable| variable.kind)) {
-        if let Kind::Real(unit) = kind
-            && !units.contains(&unit)
+/// Returns the types of variables, in the order of their first use.
+fn types_of<M: Model>() -> Vec<RealType> {
+    let mut types: Vec<RealType> = Vec::new();
+    for variable in M::VARIABLES {
+        if let Kind::Real(of) = variable.kind
+            && !types.contains(&of)
         {
+            types.push(of);
+        }
+    }
+    types
+}
+
+/// Writes the units of types, in the order of their first use.
+fn write_units(out: &mut Out, version: Version, types: &[RealType]) {
+    let time = (version == Version::V3).then_some(SECOND);
+    let mut units: Vec<Unit> = Vec::new();
+    for unit in time.into_iter().chain(types.iter().map(|of| of.unit)) {
+        if !units.contains(&unit) {
             units.push(unit);
         }
     }
@@ -188,7 +258,31 @@ fn write_units<M: Model>(out: &mut Out, version: Version) {
         let base = ["kg", "m", "s", "rad"].iter().zip(unit.base).filter(|&(_, exponent)| exponent != 0);
         let base: Vec<(&str, String)> = base.map(|(name, exponent)| (*name, exponent.to_string())).collect();
         let base: Vec<(&str, &str)> = base.iter().map(|(name, exponent)| (*name, &**exponent)).collect();
-        out.element("Unit", &[("name", unit.name)], |out| out.empty("BaseUnit", &base));
+        out.element("Unit", &[("name", unit.name)], |out| {
+            out.empty("BaseUnit", &base);
+            if let Some((name, factor)) = unit.display {
+                out.empty("DisplayUnit", &[("name", name), ("factor", &number(factor))]);
+            }
+        });
+    }
+}
+
+/// Writes what variables of a type have in common.
+fn write_type(out: &mut Out, version: Version, of: &RealType) {
+    let name = ("name", of.name);
+    let mut attributes = vec![("quantity", of.quantity), ("unit", of.unit.name)];
+    let shown = of.unit.display.filter(|_| of.is_displayed);
+    attributes.extend(shown.map(|(name, _)| ("displayUnit", name)));
+    let bounds = bounds(of.domain, Type::Real);
+    attributes.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
+    let nominal = number(of.nominal);
+    attributes.push(("nominal", &nominal));
+    match version {
+        Version::V2 => out.element("SimpleType", &[name], |out| out.empty("Real", &attributes)),
+        Version::V3 => {
+            attributes.insert(0, name);
+            out.empty("Float64Type", &attributes);
+        }
     }
 }
 
@@ -228,6 +322,16 @@ fn bounds(domain: Domain, of: Type) -> Vec<(&'static str, String)> {
     bounds.filter_map(|(name, bound)| Some((name, written(bound?)))).collect()
 }
 
+/// Returns `min` and `max` of a variable, where those of its type are others.
+fn own_bounds<Q>(variable: &Variable<Q>) -> Vec<(&'static str, String)> {
+    let mut own = bounds(variable.domain, variable.kind.into());
+    if let Kind::Real(of) = variable.kind {
+        let declared = bounds(of.domain, Type::Real);
+        own.retain(|bound| !declared.contains(bound));
+    }
+    own
+}
+
 fn write_time(out: &mut Out) {
     let attributes = [
         ("name", "time"),
@@ -243,14 +347,14 @@ fn write_time(out: &mut Out) {
 fn write_array<M: Model>(out: &mut Out, variable: &Variable<M::Quantity>, start: Option<&str>) {
     let own = value_reference::<M>(variable);
     let mut attributes = attributes(variable, variable.name, &own, variable.description);
-    if let Kind::Real(unit) = variable.kind {
-        attributes.push(("unit", unit.name));
+    if let Kind::Real(of) = variable.kind {
+        attributes.push(("declaredType", of.name));
         // Within a step importers may only read what is continuous and says so; inputs are not set there.
         if M::SHOWS_INTERMEDIATE_VALUES && is_output(variable.role) {
             attributes.push(("intermediateUpdate", "true"));
         }
     }
-    let bounds = bounds(variable.domain, variable.kind.into());
+    let bounds = own_bounds(variable);
     attributes.extend(bounds.iter().map(|(name, bound)| (*name, &**bound)));
     // Only single texts can be set.
     let (number, text) = if variable.kind == Kind::String { (None, start) } else { (start, None) };
@@ -356,21 +460,20 @@ fn start<M: Model>(
     Ok(Some(joined(starts[..if alike { length.min(1) } else { length }].iter().map(written))))
 }
 
-/// Returns `terminalsAndIcons.xml` with a terminal `crowd`, and the icon `icon.png` if there is
-/// one. A crowd and what drives it are connected at these terminals: variables with the same names.
-/// Not all need to be there: the matching rule is `bus`.
-pub fn terminals_xml<M: Model>(description: &str, names: &[&str], icon: bool) -> String {
+/// Returns `terminalsAndIcons.xml` with a terminal `crowd`, and the icon. A crowd and what drives it are
+/// connected at these terminals: variables with the same names, which are arrays in FMI 3.0 and their elements
+/// in FMI 2.0. Not all need to be there: the matching rule is `bus`.
+pub fn terminals_xml<M: Model>(model: &M, version: Version, description: &str, names: &[&str]) -> String {
+    // FMI 2.0 takes this file from FMI 3.0, with its version.
     let root = [("fmiVersion", "3.0")];
     Out::document(Layout::STANDARD, "fmiTerminalsAndIcons", &root, |out| {
-        if icon {
-            out.element("GraphicalRepresentation", &[], |out| {
-                let corners = [("x1", "-100"), ("y1", "-100"), ("x2", "100"), ("y2", "100")];
-                let mut system = corners.to_vec();
-                system.push(("suggestedScalingFactorTo_mm", "0.1"));
-                out.empty("CoordinateSystem", &system);
-                out.empty("Icon", &corners);
-            });
-        }
+        out.element("GraphicalRepresentation", &[], |out| {
+            let corners = [("x1", "-100"), ("y1", "-100"), ("x2", "100"), ("y2", "100")];
+            let mut system = corners.to_vec();
+            system.push(("suggestedScalingFactorTo_mm", "0.1"));
+            out.empty("CoordinateSystem", &system);
+            out.empty("Icon", &corners);
+        });
         out.element("Terminals", &[], |out| {
             let attributes = [
                 ("name", "crowd"),
@@ -379,9 +482,19 @@ pub fn terminals_xml<M: Model>(description: &str, names: &[&str], icon: bool) ->
                 ("description", description),
             ];
             out.element("Terminal", &attributes, |out| {
-                for Variable { name, .. } in M::VARIABLES.iter().filter(|of| names.contains(&of.name)) {
-                    let member = [("variableName", *name), ("memberName", *name), ("variableKind", "signal")];
+                let mut member = |name: &str| {
+                    let member = [("variableName", name), ("memberName", name), ("variableKind", "signal")];
                     out.empty("TerminalMemberVariable", &member);
+                };
+                let is_member = |variable: &Variable<_>| names.contains(&variable.name);
+                match version {
+                    Version::V2 => {
+                        let scalars = model.scalars().into_iter();
+                        scalars.filter(|of| is_member(of.variable)).for_each(|of| member(&of.name));
+                    }
+                    Version::V3 => {
+                        M::VARIABLES.iter().filter(|of| is_member(of)).for_each(|of| member(of.name));
+                    }
                 }
             });
         });
@@ -430,9 +543,27 @@ fn rows_html<M: Model>(model: &M, version: Version) -> String {
             Role::Parameter => "parameter",
             Role::CalculatedParameter => "calculated parameter",
         };
-        let unit = if let Kind::Real(unit) = variable.kind { unit.name } else { "" };
+        let unit = if let Kind::Real(of) = variable.kind { of.unit.name } else { "" };
         let description = escaped(variable.description);
         Some(format!("<tr><td>{name}</td><td>{kind}</td><td>{unit}</td><td>{description}</td></tr>\n"))
     };
     M::VARIABLES.iter().filter_map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_commit_is_named_if_the_build_was_told_one() {
+        assert_eq!(packed_by(Some("2cf7a0a"))[1..], [("commit", "2cf7a0a")]);
+        assert_eq!(packed_by(Some("")), packed_by(None));
+        assert_eq!(packed_by(None), [("version", env!("CARGO_PKG_VERSION"))]);
+    }
+
+    #[test]
+    fn the_licence_names_who_holds_the_copyright() {
+        assert!(include_str!("../../../LICENSE-MIT").lines().any(|line| line == COPYRIGHT));
+        assert!(COPYRIGHT.ends_with(env!("CARGO_PKG_AUTHORS")));
+    }
 }

@@ -20,10 +20,10 @@ pub enum Role {
 }
 
 /// An FMI type.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
-    /// Real or Float64, with its unit.
-    Real(Unit),
+    /// Real or Float64, with what it measures.
+    Real(RealType),
     /// Integer or Int32; models give and take whole numbers.
     Integer,
     /// Boolean; models give and take 0 or 1.
@@ -39,7 +39,7 @@ impl Kind {
     }
 }
 
-/// A [`Kind`] without its unit.
+/// A [`Kind`] without what it measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)] // FMI's own names
 pub enum Type {
@@ -142,12 +142,14 @@ impl<T: Copy + Default + From<bool> + PartialEq> Number for Flag<T> {
 }
 
 /// A unit, with the exponents of its base units.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
     /// The name that importers show.
     pub name: &'static str,
     /// Exponents of kg, m, s and rad.
     pub base: [i32; 4],
+    /// A unit that people prefer to read, and how many of it one unit has.
+    pub display: Option<(&'static str, f64)>,
 }
 
 /// The units of this repository's FMUs.
@@ -156,15 +158,21 @@ pub mod units {
     use super::Unit;
 
     const fn unit(name: &'static str, kg: i32, m: i32, s: i32, rad: i32) -> Unit {
-        Unit { name, base: [kg, m, s, rad] }
+        Unit { name, base: [kg, m, s, rad], display: None }
     }
 
-    pub const NEWTON: Unit = unit("N", 1, 1, -2, 0);
+    impl Unit {
+        const fn shown_in(self, name: &'static str, factor: f64) -> Unit {
+            Unit { display: Some((name, factor)), ..self }
+        }
+    }
+
+    pub const NEWTON: Unit = unit("N", 1, 1, -2, 0).shown_in("kN", 1e-3);
     pub const NEWTON_METRE: Unit = unit("N.m", 1, 2, -2, 0);
-    pub const METRE: Unit = unit("m", 0, 1, 0, 0);
-    pub const RADIAN: Unit = unit("rad", 0, 0, 0, 1);
+    pub const METRE: Unit = unit("m", 0, 1, 0, 0).shown_in("mm", 1e3);
+    pub const RADIAN: Unit = unit("rad", 0, 0, 0, 1).shown_in("deg", DEGREES);
     pub const METRE_PER_SECOND: Unit = unit("m/s", 0, 1, -1, 0);
-    pub const RADIAN_PER_SECOND: Unit = unit("rad/s", 0, 0, -1, 1);
+    pub const RADIAN_PER_SECOND: Unit = unit("rad/s", 0, 0, -1, 1).shown_in("deg/s", DEGREES);
     pub const SECOND: Unit = unit("s", 0, 0, 1, 0);
     pub const NEWTON_PER_METRE: Unit = unit("N/m", 1, 0, -2, 0);
     pub const KILOGRAM_PER_SECOND: Unit = unit("kg/s", 1, 0, -1, 0);
@@ -172,6 +180,72 @@ pub mod units {
     pub const KILOGRAM_METRE_SQUARED: Unit = unit("kg.m2", 1, 2, 0, 0);
     pub const PER_SECOND: Unit = unit("1/s", 0, 0, -1, 0);
     pub const ONE: Unit = unit("1", 0, 0, 0, 0);
+
+    const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+}
+
+/// What a Real measures: a type definition, to which variables refer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RealType {
+    /// The name. It begins with a small letter, so it is not a variable's, as FMI wants.
+    pub name: &'static str,
+    /// The physical quantity, by its name in the Modelica library.
+    pub quantity: &'static str,
+    /// The unit.
+    pub unit: Unit,
+    /// Whether importers shall show it in the unit that people prefer.
+    pub is_displayed: bool,
+    /// Where all values of all variables are; a variable's own domain may be narrower.
+    pub domain: Domain,
+    /// A usual magnitude, to which tolerances of importers relate.
+    pub nominal: f64,
+}
+
+/// The types of this repository's FMUs.
+#[allow(missing_docs)] // their names say it
+pub mod types {
+    use super::Domain::{self, Finite, NonNegative, Positive};
+    use super::{RealType, Unit, units::*};
+
+    const fn of(
+        name: &'static str,
+        quantity: &'static str,
+        unit: Unit,
+        domain: Domain,
+        nominal: f64,
+    ) -> RealType {
+        RealType { name, quantity, unit, is_displayed: false, domain, nominal }
+    }
+
+    impl RealType {
+        const fn displayed(self) -> RealType {
+            RealType { is_displayed: true, ..self }
+        }
+    }
+
+    pub const POSITION: RealType = of("position", "Length", METRE, Finite, 1.0);
+    pub const DISTANCE: RealType = of("distance", "Length", METRE, NonNegative, 1.0);
+    /// A millimetre is what some hundred newtons press in.
+    pub const OVERLAP: RealType = of("overlap", "Length", METRE, NonNegative, 1e-3).displayed();
+    pub const ANGLE: RealType = of("angle", "Angle", RADIAN, Finite, 1.0).displayed();
+    pub const VELOCITY: RealType = of("velocity", "Velocity", METRE_PER_SECOND, Finite, 1.0);
+    pub const ANGULAR_VELOCITY: RealType =
+        of("angularVelocity", "AngularVelocity", RADIAN_PER_SECOND, Finite, 1.0).displayed();
+    pub const FORCE: RealType = of("force", "Force", NEWTON, Finite, 1e3);
+    /// A magnitude of normal forces.
+    pub const NORMAL_FORCE: RealType = of("normalForce", "Force", NEWTON, NonNegative, 1e3).displayed();
+    pub const TORQUE: RealType = of("torque", "Torque", NEWTON_METRE, Finite, 100.0);
+    pub const MASS: RealType = of("mass", "Mass", KILOGRAM, Positive, 100.0);
+    pub const INERTIA: RealType = of("inertia", "MomentOfInertia", KILOGRAM_METRE_SQUARED, Positive, 1.0);
+    /// A relaxation rate.
+    pub const RATE: RealType = of("rate", "DampingCoefficient", PER_SECOND, NonNegative, 1.0);
+    /// Of two dimensions.
+    pub const MODULUS: RealType = of("modulus", "Stress2D", NEWTON_PER_METRE, Positive, 1e6);
+    pub const DAMPING: RealType =
+        of("damping", "TranslationalDampingConstant", KILOGRAM_PER_SECOND, NonNegative, 1e3);
+    pub const FRICTION: RealType = of("friction", "CoefficientOfFriction", ONE, NonNegative, 1.0);
+    pub const DURATION: RealType = of("duration", "Time", SECOND, NonNegative, 1.0);
+    pub const COUNT: RealType = of("count", "Count", ONE, Positive, 1.0);
 }
 
 /// The domain of a quantity.

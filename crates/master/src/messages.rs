@@ -63,7 +63,8 @@ impl Messages {
         let message = if unpacked.is_empty() { message.to_owned() } else { message.replace(unpacked, shown) };
         match status {
             Some(Status::Ok) => {}
-            Some(Status::Warning | Status::Discard) => self.warnings.push(message),
+            Some(Status::Warning) => self.warnings.push(message),
+            // Also Discard: the reason why a value or a step is refused.
             _ => self.errors.push(message),
         }
     }

@@ -28,7 +28,7 @@ struct TrialRun {
 fn columns_of(simulation: &Simulation) -> Vec<Column> {
     let column = |scalar: &Scalar<_>| {
         let (kind, unit) = match scalar.variable.kind {
-            VariableKind::Real(unit) => (CellType::Real, Some(unit.name.to_owned())),
+            VariableKind::Real(of) => (CellType::Real, Some(of.unit.name.to_owned())),
             VariableKind::Integer => (CellType::Integer, None),
             _ => (CellType::Boolean, None),
         };

@@ -7,7 +7,7 @@
 
 use super::Decision;
 use crate::balance::Balance;
-use lemons_fmi::variables::units::*;
+use lemons_fmi::variables::types::*;
 use lemons_fmi::variables::{
     Dependencies, Dependency, Dimension, Domain, Kind, Known, Role, Scalar, Size, Variable, row,
 };
@@ -63,39 +63,38 @@ pub static QUANTITIES: [Variable<Quantity>; 26] = {
     [
         row(Arrived, "Arrived", &[], Integer)
             .calculated("how many agents have reached their last way-point, exit or goal"),
-        row(Position, "Position", VECTORS, Real(METRE)).input("x and y of the centre of mass"),
-        row(Theta, "Theta", AGENTS, Real(RADIAN)).input("orientation: angle from the x axis to the gaze"),
-        row(Velocity, "Velocity", VECTORS, Real(METRE_PER_SECOND)).input("velocity along x and y"),
-        row(Fp, "Fp", VECTORS, Real(NEWTON)).calculated("propulsion force along x and y"),
-        row(Mp, "Mp", AGENTS, Real(NEWTON_METRE)).calculated("propulsion torque"),
+        row(Position, "Position", VECTORS, Real(POSITION)).input("x and y of the centre of mass"),
+        row(Theta, "Theta", AGENTS, Real(ANGLE)).input("orientation: angle from the x axis to the gaze"),
+        row(Velocity, "Velocity", VECTORS, Real(VELOCITY)).input("velocity along x and y"),
+        row(Fp, "Fp", VECTORS, Real(FORCE)).calculated("propulsion force along x and y"),
+        row(Mp, "Mp", AGENTS, Real(TORQUE)).calculated("propulsion torque"),
         row(Active, "Active", AGENTS, Boolean).calculated("whether it is there: it has not left by an exit"),
         row(NextWaypoint, "NextWaypoint", AGENTS, Integer)
             .calculated("which way-point it walks to; their number after the last one"),
-        row(Legs, "Legs", VECTORS, Real(METRE)).calculated("x and y of the middle of the feet"),
-        row(Lean, "Lean", AGENTS, Real(METRE)).calculated("distance of the centre of mass from the feet"),
+        row(Legs, "Legs", VECTORS, Real(POSITION)).calculated("x and y of the middle of the feet"),
+        row(Lean, "Lean", AGENTS, Real(DISTANCE)).calculated("distance of the centre of mass from the feet"),
         row(Steps, "Steps", AGENTS, Integer).calculated("how many steps it took to keep the balance"),
         row(Balanced, "Balanced", AGENTS, Boolean).calculated("whether it needs no step to keep the balance"),
         row(Fallen, "Fallen", AGENTS, Boolean)
             .calculated("whether it could not be saved from a fall, at some time"),
-        row(Mass, "Mass", AGENTS, Real(KILOGRAM)).parameter(Positive, "mass"),
-        row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(KILOGRAM_METRE_SQUARED))
+        row(Mass, "Mass", AGENTS, Real(MASS)).parameter(Positive, "mass"),
+        row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(INERTIA))
             .parameter(Positive, "moment of inertia about the centre of mass"),
-        row(FloorDamping, "FloorDamping", AGENTS, Real(PER_SECOND))
+        row(FloorDamping, "FloorDamping", AGENTS, Real(RATE))
             .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl"),
-        row(AngularDamping, "AngularDamping", AGENTS, Real(PER_SECOND))
+        row(AngularDamping, "AngularDamping", AGENTS, Real(RATE))
             .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot"),
-        row(DesiredSpeed, "DesiredSpeed", AGENTS, Real(METRE_PER_SECOND))
-            .parameter(NonNegative, "desired speed v0"),
-        row(TimeGap, "TimeGap", AGENTS, Real(SECOND)).parameter(Positive, "time gap T to who is ahead"),
-        row(StandstillGap, "StandstillGap", AGENTS, Real(METRE))
+        row(DesiredSpeed, "DesiredSpeed", AGENTS, Real(VELOCITY)).parameter(NonNegative, "desired speed v0"),
+        row(TimeGap, "TimeGap", AGENTS, Real(DURATION)).parameter(Positive, "time gap T to who is ahead"),
+        row(StandstillGap, "StandstillGap", AGENTS, Real(DISTANCE))
             .parameter(NonNegative, "gap to who is ahead when standing"),
-        row(ReactionTime, "ReactionTime", AGENTS, Real(SECOND))
+        row(ReactionTime, "ReactionTime", AGENTS, Real(DURATION))
             .parameter(NonNegative, "reaction time to gaps that change"),
-        row(Push, "Push", AGENTS, Real(NEWTON))
+        row(Push, "Push", AGENTS, Real(FORCE))
             .parameter(NonNegative, "greatest force with which it pushes ahead; 1e9 or more: no limit"),
-        row(Waypoint, "Waypoint", WAYPOINT_VECTORS, Real(METRE))
+        row(Waypoint, "Waypoint", WAYPOINT_VECTORS, Real(POSITION))
             .parameter(Finite, "x and y of the way-points in order; 0 beyond WaypointCount"),
-        row(WaypointRadius, "WaypointRadius", WAYPOINTS, Real(METRE)).parameter(
+        row(WaypointRadius, "WaypointRadius", WAYPOINTS, Real(DISTANCE)).parameter(
             NonNegative,
             "a way-point is reached when the agent is this near; 0 beyond WaypointCount",
         ),

@@ -5,6 +5,7 @@
 mod animation;
 mod charts;
 mod common;
+mod icons;
 mod pdf;
 mod picture;
 mod scenes;

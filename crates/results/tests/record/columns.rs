@@ -19,7 +19,7 @@ fn columns_are_outputs_of_the_fmu_in_its_units() {
         .map(|scalar| (scalar.name, scalar.variable.kind))
         .collect();
     let mut check = |quantity: &Quantity, name: &str| match outputs.remove(name).expect(name) {
-        Kind::Real(unit) => assert_eq!(Some(unit.name), quantity.unit, "{name}"),
+        Kind::Real(of) => assert_eq!(Some(of.unit.name), quantity.unit, "{name}"),
         Kind::Integer | Kind::Boolean => assert_eq!(None, quantity.unit, "{name}"),
         Kind::String => panic!("{name} is a text"),
     };

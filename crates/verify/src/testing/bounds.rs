@@ -2,6 +2,7 @@
 
 use lemons_fmi::variables::Number;
 use lemons_fmi::{Format, Function, Model, Phase, Slave, Version, description, guid, instantiation_token};
+use std::collections::HashMap;
 
 /// Each variable that can be set: type, value reference, least and greatest value.
 fn settable(xml: &str) -> Vec<(String, u32, [Option<f64>; 2])> {
@@ -11,10 +12,21 @@ fn settable(xml: &str) -> Vec<(String, u32, [Option<f64>; 2])> {
     };
     let mut found = Vec::new();
     let mut scalar = String::new();
+    let mut types: HashMap<String, [Option<f64>; 2]> = HashMap::new();
+    let mut simple = None;
     for tag in xml.split('<') {
         if tag.starts_with("ScalarVariable ") {
             tag.clone_into(&mut scalar);
             continue;
+        }
+        let bound = |name| attribute(tag, name).map(|bound| bound.parse().unwrap());
+        let bounds = ["min", "max"].map(bound);
+        if tag.starts_with("SimpleType ") {
+            simple = attribute(tag, "name");
+        } else if tag.starts_with("Float64Type ") {
+            types.insert(attribute(tag, "name").unwrap(), bounds);
+        } else if let Some(name) = simple.take() {
+            types.insert(name, bounds);
         }
         // FMI 2.0 has the type in an element of its own.
         let whole = if attribute(tag, "valueReference").is_some() {
@@ -26,8 +38,9 @@ fn settable(xml: &str) -> Vec<(String, u32, [Option<f64>; 2])> {
         let is_number = ["Real", "Integer", "Float64", "Int32", "UInt64"].contains(&kind);
         if is_number && attribute(tag, "start").is_some() {
             let reference = attribute(&whole, "valueReference").unwrap().parse().unwrap();
-            let bound = |name| attribute(tag, name).map(|bound| bound.parse().unwrap());
-            found.push((kind.to_owned(), reference, ["min", "max"].map(bound)));
+            let declared = attribute(tag, "declaredType").map_or([None; 2], |name| types[&name]);
+            let both = [0, 1].map(|place| bounds[place].or(declared[place]));
+            found.push((kind.to_owned(), reference, both));
         }
     }
     found
