@@ -170,7 +170,7 @@ def test_ways_hardly_depend_on_the_communication_step(tmp_path, algorithm):
     speeds = [0.2, 0.8, 1.2]
     fine, _ = hit(tmp_path / "fine", speeds, step=0.002)
     coarse, _ = hit(tmp_path / "coarse", speeds, step=0.02, algorithm=algorithm)
-    assert np.abs(fine[-1] - coarse[-1]).max() < 0.02, (fine[-1], coarse[-1])
+    assert np.abs(fine[-1] - coarse[-1]).max() < 0.022, (fine[-1], coarse[-1])
 
 
 @pytest.mark.parametrize("limit", ["push = 100", "[agents]\n0 = { push = 100 }\n1 = { push = 100 }\n2 = { push = 100 }", "motivation = [{ time = 0.5, push = 100 }]"])
