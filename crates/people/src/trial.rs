@@ -349,7 +349,8 @@ mod tests {
     fn mistakes_are_named() {
         let people = "jelly".to_owned();
         let said = two(&TrialSettings { people, ..TrialSettings::default() }).unwrap_err().to_string();
-        let known = "people: there is no material \"jelly\"; materials are human_naked, human_clothes, human_soft";
+        let known =
+            "people: there is no material \"jelly\"; materials are human_naked, human_clothes, human_soft";
         assert_eq!(said, known);
     }
 }
