@@ -68,7 +68,15 @@ fn a_signal_leaves_nothing_half_written() {
             let code = child.wait().unwrap().code();
             // It may have been faster than the signal.
             assert!(matches!(code, Some(0 | 130)), "{arguments:?} {signal}: {code:?}");
-            assert!(code == Some(0) || names(place) == before, "{arguments:?} {signal}");
+            let made: Vec<String> = names(place).into_iter().filter(|name| !before.contains(name)).collect();
+            if code == Some(130) && !made.is_empty() {
+                // The signal came when all was written.
+                let contents =
+                    || made.iter().map(|name| std::fs::read(place.join(name)).ok()).collect::<Vec<_>>();
+                let whole = contents();
+                done(place, &[&arguments[..], &["--force"]].concat());
+                assert!(contents() == whole, "{arguments:?} {signal}: {made:?}");
+            }
             assert_eq!(begun(place), [""; 0], "{arguments:?} {signal}");
             assert_eq!(begun(&temporary), [""; 0], "{arguments:?} {signal}");
         }
