@@ -273,3 +273,18 @@ def test_a_lasting_push_is_held_up_to_the_limit_of_ankles(tmp_path, bracing):
     assert steps[0] == 0 and steps[1] > 0
     assert lean == pytest.approx(4 * (1 - bracing) * parts[0] * most / MASS / RATE**2, rel=0.03)
     assert np.abs(run.velocities[-1, 0, 0]) < 1e-3
+
+
+def test_two_people_who_are_pushed_together_let_go(tmp_path):
+    """Who braces does not press on for ever."""
+    people = [{"mass": MASS, "x": 2.0 + 0.41 * k, "y": 2.0, "rate": RATE} for k in range(2)]
+    trial = write_trial(tmp_path / "trial", people, mechanical=1e-4)
+    plan = tmp_path / "plan.toml"
+    plan.write_text('balance = "pendulum"\n')
+    times = np.array([0.0, 3.0, 3.01, 20.0])
+    push = {k: (times, np.outer([60, 60, 0, 0], [1 - 2 * k, 0, 0])) for k in range(2)}
+    with Crowd(trial, plan=plan, algorithm="gauss-seidel") as crowd:
+        crowd.run(Drive(push), until=3.0, step=0.01)
+        pressed = crowd.squeeze()
+        crowd.run(Drive(push), until=20.0, step=0.01)
+        assert pressed.min() > 20 and crowd.squeeze().max() < 1, (pressed, crowd.squeeze())
