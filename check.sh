@@ -79,7 +79,10 @@ stages=(format clippy test doc release pytest lab)
 
 run() {
     case $1 in
-        format) stage cargo fmt --all --check ;;
+        format)
+            stage cargo fmt --all --check
+            stage cargo fmt --manifest-path component/Cargo.toml --all --check
+            ;;
         clippy)
             stage cargo clippy --locked --workspace --all-targets --all-features -- -D warnings
             # Without C, as the first command of README.md builds it.

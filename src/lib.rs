@@ -42,15 +42,17 @@
 #[doc = include_str!("../docs/guide/rust.md")]
 struct Guide;
 
+#[cfg(feature = "fmu")]
 pub mod c_api;
 pub mod engine;
 // Unit tests link this library, too, through lemons-verify: its exports would be there twice.
-#[cfg(not(test))]
+#[cfg(all(feature = "fmu", not(test)))]
 pub mod fmi2;
-#[cfg(not(test))]
+#[cfg(all(feature = "fmu", not(test)))]
 pub mod fmi3;
 pub mod model;
 pub mod model_description;
+#[cfg(feature = "fmu")]
 pub mod pack;
 pub mod quantities;
 pub mod resources;

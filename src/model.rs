@@ -170,7 +170,7 @@ impl Model for CrowdModel {
     fn load(location: Location<'_>) -> Answer<CrowdModel> {
         let resources = Resources::at(location)?;
         let (packed, warnings) = Packed::load(&resources, resources.first())?;
-        let any_size = matches!(location, Location::Path(_));
+        let any_size = !matches!(location, Location::Uri(_));
         Ok(CrowdModel { any_size, warnings, ..CrowdModel::of_packed(resources, packed) })
     }
 

@@ -11,7 +11,9 @@ use lemons_core::files::Staged;
 use lemons_core::files::source::{Disk, Source};
 use lemons_core::trial::{DRIVE_FILE, DriveTable, FileNames, Problems, Trial};
 use lemons_fmi::archive::{Archive, ArchiveError, Content, Icon, read};
-pub use lemons_fmi::archive::{Binary, THIRD_PARTY, host_directory, host_platform, library_file, platforms};
+pub use lemons_fmi::archive::{
+    Binary, COMPONENT, THIRD_PARTY, host_directory, host_platform, library_file, platforms,
+};
 use lemons_fmi::description::Packed;
 use lemons_fmi::model::fingerprint;
 pub use lemons_fmi::{Format, Naming};

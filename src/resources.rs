@@ -2,7 +2,8 @@
 
 use crate::setup;
 use lemons_core::files::input;
-use lemons_core::trial::{DriveChoice, DriveTable, Problem, Problems, Trial};
+use lemons_core::files::source::{Disk, Source};
+use lemons_core::trial::{DriveTable, FileNames, Problem, Problems, Trial};
 use lemons_fmi::location::{Location, LocationError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -49,7 +50,7 @@ pub struct Resources {
 #[derive(Debug, Clone)]
 enum Place {
     /// Packed in this directory of an FMU.
-    Directory(PathBuf),
+    Directory(&'static (dyn Source + Sync), PathBuf),
     /// One, in memory, with its drive.
     Memory(Arc<(Trial, DriveTable)>),
 }
@@ -61,11 +62,14 @@ impl Resources {
     /// # Errors
     /// There is no location, it is not a file URI, there is no directory at this place, or it contains no Trial.
     pub fn at(location: Location<'_>) -> Result<Resources, ResourcesError> {
-        let candidates = location.directories()?;
+        let (files, candidates): (&'static (dyn Source + Sync), _) = match location {
+            Location::Files(files) => (files, vec![PathBuf::new()]),
+            _ => (&Disk, location.directories()?),
+        };
         for directory in &candidates {
-            let names = names_in(directory)?;
+            let names = names_in(files, directory)?;
             if !names.is_empty() {
-                return Ok(Resources { place: Place::Directory(directory.clone()), names });
+                return Ok(Resources { place: Place::Directory(files, directory.clone()), names });
             }
         }
         Err(ResourcesError::NoTrial { uri: location.text().to_owned(), path: candidates[0].clone() })
@@ -92,11 +96,11 @@ impl Resources {
     /// # Errors
     /// All errors in its files.
     pub fn load(&self, name: &str) -> Result<(Trial, Vec<String>), ResourcesError> {
-        let directory = match &self.place {
+        let (files, directory) = match &self.place {
             Place::Memory(own) => return Ok((own.0.clone(), Vec::new())),
-            Place::Directory(directory) => directory,
+            Place::Directory(files, directory) => (*files, directory),
         };
-        let (mut trial, warnings) = setup::read(&directory.join(name))
+        let (mut trial, warnings) = setup::read_from(files, &directory.join(name), &FileNames::default())
             .map_err(|problems| ResourcesError::Broken { name: name.to_owned(), problems })?;
         name.clone_into(&mut trial.name);
         Ok((trial, warnings.iter().map(Problem::without_severity).collect()))
@@ -107,18 +111,19 @@ impl Resources {
     /// # Errors
     /// All errors in its file.
     pub fn drive(&self, trial: &Trial) -> Result<DriveTable, ResourcesError> {
-        if let Place::Memory(own) = &self.place {
-            return Ok(own.1.clone());
-        }
+        let files = match &self.place {
+            Place::Memory(own) => return Ok(own.1.clone()),
+            Place::Directory(files, _) => *files,
+        };
         let broken = |problems| ResourcesError::Broken { name: trial.name.clone(), problems };
-        DriveTable::of(Some(trial), &DriveChoice::Own).map_err(broken)
+        DriveTable::own(files, trial).map_err(broken)
     }
 }
 
 /// Returns the names of the Trials in a directory: those in [`TRIALS_FILE`], or else all, sorted by name.
-fn names_in(directory: &Path) -> Result<Vec<String>, ResourcesError> {
+fn names_in(files: &dyn Source, directory: &Path) -> Result<Vec<String>, ResourcesError> {
     let list = directory.join(TRIALS_FILE);
-    match input::read_text(&list, input::LARGEST_SETTINGS) {
+    match files.read_text(&list, input::LARGEST_SETTINGS) {
         Ok(text) => {
             let lines = text.lines().zip(1..).filter(|(name, _)| !name.trim().is_empty());
             let name = |(name, line): (&str, usize)| match can_be_packed(name) {

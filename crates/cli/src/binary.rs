@@ -1,7 +1,8 @@
 //! Whether a shared library is the one of its model.
 
 use anyhow::{Context, Result, bail};
-use crowd_mechanics::pack::Binary;
+use crowd_mechanics::pack::{Binary, COMPONENT};
+use crowd_mechanics::resources::TRIALS_FILE;
 use lemons_core::files::input;
 use lemons_decision::decision::PLAN_FILE;
 use lemons_master::FileType;
@@ -14,9 +15,9 @@ pub struct Library {
     mark: &'static str,
 }
 
-/// Of the crowd; the mark is the function that it exports beside FMI's.
-pub const CROWD: Library = Library { name: "crowd_mechanics", mark: "CrowdMechanics" };
-/// Of the decision; the mark is the file of its resources.
+/// Of the crowd; the mark is the file of its resources.
+pub const CROWD: Library = Library { name: "crowd_mechanics", mark: TRIALS_FILE };
+/// Of the decision; so is its mark.
 pub const DECISION: Library = Library { name: "lemons_decision_fmu", mark: PLAN_FILE };
 
 impl Library {
@@ -26,7 +27,11 @@ impl Library {
     /// It is not.
     pub fn check(&self, Binary { platform, path }: &Binary) -> Result<()> {
         let named = || format!("--binary {platform}={}", path.display());
-        FileType::expect(path, &[FileType::LIBRARY], "a shared library").with_context(named)?;
+        let (kind, wanted) = match &**platform {
+            COMPONENT => (FileType::COMPONENT, "a WebAssembly component"),
+            _ => (FileType::LIBRARY, "a shared library"),
+        };
+        FileType::expect(path, &[kind], wanted).with_context(named)?;
         let bytes = input::read(path, input::LARGEST_BINARY).context("cannot be read").with_context(named)?;
         if !bytes.windows(self.mark.len()).any(|text| text == self.mark.as_bytes()) {
             bail!("{}: is not the library {}", named(), self.name);

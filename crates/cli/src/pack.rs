@@ -56,8 +56,8 @@ impl Fmi {
 /// Options of every FMU that is made here.
 #[derive(clap::Args)]
 pub struct FmuArguments {
-    /// Add the shared library of a platform: linux64=FILE, win64=FILE, … Default: those of all platforms that
-    /// were installed with this program
+    /// Add the shared library of a platform: linux64=FILE, win64=FILE, …; a WebAssembly component (FMI 3.0):
+    /// wasm32-wasip2=FILE. Default: those of all platforms that were installed with this program
     #[arg(long = "binary", value_name = "PLATFORM=FILE", value_parser = parse_binary)]
     binaries: Vec<Binary>,
     /// Of the libraries that were installed with this program, only that of this platform: linux64, win64,

@@ -15,7 +15,10 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 pub enum ArchiveError {
     #[error("no binary was given: an FMU needs at least one")]
     NoBinary,
-    #[error("{0:?} is not an FMI platform (linux64, win64, darwin64, aarch64-linux, …)")]
+    #[error(
+        "{0:?} is not a platform of this version of FMI (linux64, win64, darwin64, aarch64-linux, …; in FMI 3.0 also \
+         wasm32-wasip2)"
+    )]
     Platform(String),
     #[error("cannot read {path}: {error}")]
     Read { path: PathBuf, error: std::io::Error },
@@ -66,8 +69,21 @@ const PLATFORMS: [(&str, &str, &str); 9] = [
     ("x86_64-darwin", "x86_64-darwin", "dylib"),
 ];
 
+/// The platform of WebAssembly components, of FMI-LS-WASM (a draft).
+pub const COMPONENT: &str = "wasm32-wasip2";
+const COMPONENT_MANIFEST: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiLayeredStandardManifest
+  xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"
+  fmi-ls:fmi-ls-name="org.modelica.fmi-ls-wasm"
+  fmi-ls:fmi-ls-version="0.1.0"
+  fmi-ls:fmi-ls-description="FMI Layered Standard for WebAssembly"/>
+"#;
+
 /// Returns the directory of a platform's binary, and its extension.
 fn platform(name: &str, version: Version) -> Option<(&'static str, &'static str)> {
+    if name == COMPONENT {
+        return (version == Version::V3).then_some((COMPONENT, "wasm"));
+    }
     let row = PLATFORMS.iter().find(|row| row.0 == name).or(PLATFORMS.iter().find(|row| row.1 == name))?;
     Some((if version == Version::V2 { row.0 } else { row.1 }, row.2))
 }
@@ -154,6 +170,9 @@ impl<W: Write + Seek> Archive<W> {
                 .ok_or_else(|| ArchiveError::Platform(binary.platform.clone()))?;
             let name = format!("binaries/{platform}/{}.{extension}", M::IDENTIFIER);
             archive.add(&name, &read(files, &binary.path)?)?;
+        }
+        if content.binaries.iter().any(|binary| binary.platform == COMPONENT) {
+            archive.add("extra/org.modelica.fmi-ls-wasm/manifest.xml", COMPONENT_MANIFEST.as_bytes())?;
         }
         if let Some(path) = first.third_party_in(files) {
             archive.add(&format!("documentation/licenses/{THIRD_PARTY}"), &read(files, &path)?)?;

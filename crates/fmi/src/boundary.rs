@@ -42,7 +42,11 @@ pub type Logger3 = unsafe extern "C" fn(*mut c_void, Status, *const c_char, *con
 pub(crate) enum Logger {
     V2(Option<Logger2>),
     V3(Option<Logger3>),
+    Component(LoggerOfComponent),
 }
+
+/// The function for messages of a component: the instance's name, status, category, message.
+pub type LoggerOfComponent = fn(&str, Status, &str, &str);
 
 /// The importer's logger, and which categories it wants.
 pub struct Log {
@@ -50,7 +54,7 @@ pub struct Log {
     environment: *mut c_void,
     instance_name: CString,
     /// One for each of [`LOG_CATEGORIES`].
-    pub(crate) wanted: [bool; 4],
+    wanted: [bool; 4],
 }
 
 impl Log {
@@ -58,15 +62,39 @@ impl Log {
         Log { logger, environment, instance_name: CString::default(), wanted: Log::wanted(logging_on) }
     }
 
+    /// Makes the log of a component's instance.
+    pub fn of_component(logger: LoggerOfComponent, instance_name: &str, logging_on: bool) -> Log {
+        let log = Log::new(Logger::Component(logger), std::ptr::null_mut(), logging_on);
+        Log { instance_name: CString::new(instance_name).unwrap_or_default(), ..log }
+    }
+
+    /// Chooses the categories that are wanted: all if none is named.
+    ///
+    /// # Errors
+    /// A name is not that of a category. Then nothing has changed.
+    pub fn choose(&mut self, on: bool, categories: &[&str]) -> Answer<()> {
+        let mut wanted = [categories.is_empty(); 4];
+        for name in categories {
+            let Some(place) = LOG_CATEGORIES.iter().position(|(known, _)| known == name) else {
+                let known = LOG_CATEGORIES.map(|(name, _)| name).join(", ");
+                return refuse(format!("no log category {name:?}; there are {known}"));
+            };
+            wanted[place] = true;
+        }
+        self.wanted = if on { wanted } else { Log::wanted(false) };
+        Ok(())
+    }
+
     /// Why calls were refused is always told; `loggingOn` is about the rest.
-    pub(crate) fn wanted(logging_on: bool) -> [bool; 4] {
+    fn wanted(logging_on: bool) -> [bool; 4] {
         [logging_on, true, true, logging_on]
     }
 
-    pub(crate) fn write(&self, status: Status, message: &str) {
+    /// Writes a message if its category is wanted.
+    pub fn write(&self, status: Status, message: &str) {
         let category = match (status, self.logger) {
             (Status::Fatal, _) => 2,
-            (Status::Error, _) | (Status::Discard, Logger::V3(_)) => 1,
+            (Status::Error, _) | (Status::Discard, Logger::V3(_) | Logger::Component(_)) => 1,
             _ => 0,
         };
         if !(self.wanted[category] || self.wanted[ALL]) {
@@ -75,6 +103,10 @@ impl Log {
         // Zeros inside would end the text early. Importers replace `#r6#` by the name of a variable, in FMI 3.0 `#6#`
         // (FMI 2.0.5, section 2.1.5; FMI 3.0, section 2.3.1).
         let message = message.replace('\0', " ").replace('#', "##");
+        if let Logger::Component(logger) = self.logger {
+            let instance_name = self.instance_name.to_str().unwrap_or_default();
+            return logger(instance_name, status, LOG_CATEGORIES[category].0, &message);
+        }
         let category = CString::new(LOG_CATEGORIES[category].0).unwrap_or_default();
         match self.logger {
             Logger::V2(Some(logger)) => {
@@ -97,7 +129,7 @@ impl Log {
                 // SAFETY: the importer's logger, called as FMI says.
                 unsafe { logger(self.environment, status, category.as_ptr(), text.as_ptr()) };
             }
-            Logger::V2(None) | Logger::V3(None) => {}
+            Logger::V2(None) | Logger::V3(None) | Logger::Component(_) => {}
         }
     }
 }

@@ -13,14 +13,13 @@
 #![allow(clippy::missing_safety_doc)] // said once, above
 
 use crate::boundary::{
-    Component, In, Instance, Intermediate, LOG_CATEGORIES, Log, Out, Status, array, array_mut, call, place,
-    texts,
+    Component, In, Instance, Intermediate, Out, Status, array, array_mut, call, place, texts,
 };
 use crate::lifecycle::{Function, Phase};
 use crate::model::{Model, Step};
 use crate::slave::{Answer, Snapshot, refuse};
+use crate::states;
 use crate::variables::Number;
-use crate::{Version, states};
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::sync::Arc;
 
@@ -36,21 +35,9 @@ impl<M: Model> Component<M> {
         categories: In<*const c_char>,
     ) -> Answer<()> {
         self.slave.check(Function::SetDebugLogging)?;
-        let mut wanted = [false; 4];
         // SAFETY: the importer keeps FMI's contract; the same below.
-        for name in unsafe { texts(categories, "a category")? } {
-            let Some(place) = LOG_CATEGORIES.iter().position(|(known, _)| *known == name) else {
-                let known = LOG_CATEGORIES.map(|(name, _)| name).join(", ");
-                return refuse(format!("no log category {name:?}; there are {known}"));
-            };
-            wanted[place] = true;
-        }
-        self.log.wanted = match (on != Default::default(), categories.1) {
-            (false, _) => Log::wanted(false),
-            (true, 0) => [true; 4],
-            (true, _) => wanted,
-        };
-        Ok(())
+        let categories = unsafe { texts(categories, "a category")? };
+        self.log.choose(on != Default::default(), &categories)
     }
 
     pub unsafe fn setup_experiment(
@@ -119,11 +106,7 @@ impl<M: Model> Component<M> {
     }
 
     pub unsafe fn no_directional_derivative(&mut self) -> Answer<()> {
-        self.slave.check(Function::GetDirectionalDerivative)?;
-        refuse(match self.slave.version() {
-            Version::V2 => "providesDirectionalDerivative is false",
-            Version::V3 => "providesDirectionalDerivatives and providesAdjointDerivatives are false",
-        })
+        self.slave.no_directional_derivative()
     }
 
     /// A state that is not NULL is overwritten.

@@ -16,6 +16,7 @@
 //! - [`calls`], [`v2`], [`v3`]: the bodies of the C functions: of both versions, of one of them
 //! - [`export_fmi2!`], [`export_fmi3!`]: the C functions for a model
 
+#[cfg(feature = "archive")]
 pub mod archive;
 pub mod boundary;
 pub mod calls;

@@ -1,5 +1,6 @@
 //! The directories that a resource location may mean.
 
+use lemons_core::files::source::Source;
 use percent_encoding::percent_decode_str;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -15,12 +16,14 @@ pub enum LocationError {
 }
 
 /// A resource location, exactly as the importer gives it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub enum Location<'a> {
     /// FMI 2.0: a URI.
     Uri(&'a str),
     /// FMI 3.0: a path.
     Path(&'a str),
+    /// FMI 3.0 as a WebAssembly component, which has no disk: files, by paths relative to `resources`.
+    Files(&'static (dyn Source + Sync)),
 }
 
 impl<'a> Location<'a> {
@@ -28,6 +31,7 @@ impl<'a> Location<'a> {
     pub fn text(self) -> &'a str {
         match self {
             Location::Uri(text) | Location::Path(text) => text,
+            Location::Files(_) => "resources",
         }
     }
 

@@ -145,10 +145,6 @@ impl<M: Model> Slave<M> {
         Ok(Slave { model, version, token, rows, scalars, sizes, phase, time, experiment })
     }
 
-    pub(crate) fn version(&self) -> Version {
-        self.version
-    }
-
     /// Returns the current communication point \[s\].
     pub fn time(&self) -> f64 {
         self.time
@@ -292,17 +288,26 @@ impl<M: Model> Slave<M> {
         Ok(length)
     }
 
+    /// Returns the number of elements of all variables together.
+    ///
+    /// # Errors
+    /// Unknown references, or sizes that are not those of what is loaded.
+    pub fn count(&self, references: &[u32], of: Type) -> Answer<usize> {
+        let mut count = 0;
+        for &reference in references {
+            self.row(reference, of)?;
+            count += self.length(reference)?;
+        }
+        Ok(count)
+    }
+
     /// Checks types, and that the number of elements of all variables together is that of the
     /// values.
     fn check_count(&self, references: &[u32], of: Type, given: usize) -> Answer<()> {
         if self.version == Version::V2 {
             return Ok(());
         }
-        let mut wanted = 0;
-        for &reference in references {
-            self.row(reference, of)?;
-            wanted += self.length(reference)?;
-        }
+        let wanted = self.count(references, of)?;
         if wanted == given {
             return Ok(());
         }
@@ -337,6 +342,36 @@ impl<M: Model> Slave<M> {
             }
         }
         Ok(())
+    }
+
+    /// Reads or sets a type that no variable has: right only without variables.
+    ///
+    /// # Errors
+    /// Wrong phase, or a reference.
+    pub fn no_variables(&self, function: Function, kind: &str, references: &[u32]) -> Answer<()> {
+        self.check(function)?;
+        references.first().map_or(Ok(()), |&reference| unknown_reference(kind, reference))
+    }
+
+    /// Refuses a function of events, clocks and other kinds of FMUs.
+    ///
+    /// # Errors
+    /// Always.
+    pub fn not_offered<T>(&self) -> Answer<T> {
+        self.check(Function::Unsupported)?;
+        refuse("this FMU is for co-simulation without events and clocks")
+    }
+
+    /// Refuses directional derivatives.
+    ///
+    /// # Errors
+    /// Always.
+    pub fn no_directional_derivative<T>(&self) -> Answer<T> {
+        self.check(Function::GetDirectionalDerivative)?;
+        refuse(match self.version {
+            Version::V2 => "providesDirectionalDerivative is false",
+            Version::V3 => "providesDirectionalDerivatives and providesAdjointDerivatives are false",
+        })
     }
 
     /// Reads numbers.
@@ -588,6 +623,17 @@ impl<M: Model> Slave<M> {
             (self.phase, self.time) = (Phase::Intermediate, from + point);
         }
         seen
+    }
+
+    /// Makes a communication step within which nobody looks. Returns the time \[s\] that was reached.
+    ///
+    /// # Errors
+    /// It is not allowed, or the model refuses it, and nothing has changed; or it fails, and the
+    /// slave is in the error state, in FMI 3.0 terminated.
+    pub fn step(&mut self, from: f64, length: f64) -> Answer<f64> {
+        self.check_step(from, length)?;
+        self.do_step(Step::of(from, length), self.time)?;
+        Ok(self.time)
     }
 
     /// Makes a communication step that was checked when the slave was at this time \[s\].

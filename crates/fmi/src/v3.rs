@@ -86,13 +86,8 @@ impl<M: Model> Component<M> {
     /// Reads or sets a type that no variable has: right only without variables.
     pub unsafe fn no_variables(&mut self, references: In<u32>) -> Answer<()> {
         let (verb, kind) = self.function.split_at("fmi3Get".len());
-        self.slave.check(if verb == "fmi3Get" { Function::Get } else { Function::Set })?;
-        match unsafe { array(references, "valueReferences")? } {
-            [] => Ok(()),
-            [reference, ..] => {
-                refuse(format!("no variable of type {kind} has the value reference {reference}"))
-            }
-        }
+        let function = if verb == "fmi3Get" { Function::Get } else { Function::Set };
+        self.slave.no_variables(function, kind, unsafe { array(references, "valueReferences")? })
     }
 
     pub unsafe fn get_number_of_variable_dependencies(
@@ -135,7 +130,6 @@ impl<M: Model> Component<M> {
 
     /// Functions of events, clocks and other kinds of FMUs.
     pub unsafe fn not_offered(&mut self) -> Answer<()> {
-        self.slave.check(Function::Unsupported)?;
-        refuse("this FMU is for co-simulation without events and clocks")
+        self.slave.not_offered()
     }
 }

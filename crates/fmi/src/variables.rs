@@ -124,6 +124,18 @@ impl Number for u64 {
     }
 }
 
+impl Number for bool {
+    const TYPE: Type = Type::Boolean;
+
+    fn of(number: f64) -> bool {
+        number != 0.0
+    }
+
+    fn numbers(values: &[bool]) -> Cow<'_, [f64]> {
+        values.iter().map(|value| f64::from(*value)).collect()
+    }
+}
+
 /// A Boolean as importers write it: 0, or anything else for true.
 #[derive(Clone, Copy)]
 #[repr(transparent)]

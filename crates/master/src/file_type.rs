@@ -28,6 +28,7 @@ impl FileType {
     pub const ARCHIVE: FileType = FileType("is a zip archive");
     pub const PARQUET: FileType = FileType("is a table in Parquet");
     pub const LIBRARY: FileType = FileType("is a program or a library");
+    pub const COMPONENT: FileType = FileType("is a WebAssembly component");
     pub const TEXT: FileType = FileType("is a text file");
     pub const BINARY: FileType = FileType("is a binary file");
     /// Kinds that may be an archive: what is wrong with it is told by what is in it.
@@ -72,6 +73,7 @@ impl FileType {
         let text = std::str::from_utf8(begin).map_or_else(|error| error.error_len().is_none(), |_| true);
         match text && !begin.contains(&0) {
             _ if begin.starts_with(b"PAR1") => FileType::PARQUET,
+            _ if begin.starts_with(b"\0asm\x0d\0\x01\0") => FileType::COMPONENT,
             _ if LIBRARIES.iter().any(|magic| begin.starts_with(magic)) => FileType::LIBRARY,
             true => FileType::TEXT,
             false => FileType::BINARY,

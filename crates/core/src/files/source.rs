@@ -6,12 +6,21 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Files, by their paths.
-pub trait Source {
+pub trait Source: std::fmt::Debug {
     /// Returns the content of a file of at most `largest` bytes.
     ///
     /// # Errors
     /// The file cannot be read, is not a regular file, or is larger.
     fn read(&self, path: &Path, largest: u64) -> io::Result<Vec<u8>>;
+
+    /// Returns the UTF-8 text of a file; else as [`Source::read`].
+    ///
+    /// # Errors
+    /// Those of [`Source::read`], or the file is not UTF-8 text.
+    fn read_text(&self, path: &Path, largest: u64) -> io::Result<String> {
+        String::from_utf8(self.read(path, largest)?)
+            .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))
+    }
 
     /// Returns whether there is surely nothing at a path.
     fn lacks(&self, path: &Path) -> bool;

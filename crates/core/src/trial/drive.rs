@@ -1,10 +1,12 @@
 //! A drive file: the propulsion of agents over time.
 
 use crate::files::input;
+use crate::files::source::{Disk, Source};
 use crate::trial::documents::Trial;
 use crate::trial::problem::Problems;
 use crate::xml::{Problem, decimal, quoted};
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::fmt::Display;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use uuid::Uuid;
@@ -54,21 +56,41 @@ impl DriveTable {
     /// # Errors
     /// The file has errors, or an agent in it is not in the Trial.
     pub fn of(trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
-        let path = match choice {
-            DriveChoice::File(path) => Some(path.clone()),
-            // What lies in the Trial is not a pipe on purpose.
-            DriveChoice::Own => trial.map(own_drive).filter(|own| own.symlink_metadata().is_ok()),
-            DriveChoice::None => None,
-        };
-        let Some(path) = path else { return Ok(DriveTable::default()) };
-        let read = || match input::open_bounded(&path, input::LARGEST_DRIVE) {
-            Ok(file) => {
-                let drive = DriveTable::from_csv(file)?;
+        match (choice, trial) {
+            (DriveChoice::File(path), _) => {
+                DriveTable::read(input::open_bounded(path, input::LARGEST_DRIVE), trial, path)
+            }
+            (DriveChoice::Own, Some(trial)) => DriveTable::own(&Disk, trial),
+            (DriveChoice::Own, None) | (DriveChoice::None, _) => Ok(DriveTable::default()),
+        }
+    }
+
+    /// Returns the drive that a Trial in these files has; empty without one.
+    ///
+    /// # Errors
+    /// Those of [`DriveTable::of`].
+    pub fn own(files: &dyn Source, trial: &Trial) -> Result<DriveTable> {
+        let path = own_drive(trial);
+        if files.lacks(&path) {
+            return Ok(DriveTable::default());
+        }
+        let content = files.read(&path, input::LARGEST_DRIVE);
+        DriveTable::read(content.as_deref(), Some(trial), &path)
+    }
+
+    fn read<E: Display>(
+        content: std::result::Result<impl Read, E>,
+        trial: Option<&Trial>,
+        path: &Path,
+    ) -> Result<DriveTable> {
+        let read = || match content {
+            Ok(content) => {
+                let drive = DriveTable::from_csv(content)?;
                 drive.check_agents(trial).map(|()| drive)
             }
             Err(unreadable) => Err(error(None, unreadable.to_string()).into()),
         };
-        read().map_err(|problems| problems.of_file(&path))
+        read().map_err(|problems| problems.of_file(path))
     }
 
     /// Checks that the Trial has all agents that the file names.
