@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import zipfile
+from xml.etree import ElementTree
 
 import pytest
 from crowd import REPOSITORY, TRIAL_PUSH, bits, ids_of, read_table
@@ -108,3 +109,41 @@ def test_fmpy_simulates_the_same(coupled, lemons, tmp_path, row):
     other = read_table((tmp_path / "trajectories.csv").read_text(), ids_of(TRIAL_PUSH))
     assert bits(other) != bits(seen)
     row("fmpy", "`simulate_ssp`: a controller FMU in C and the crowd", "same bits as `lemons run`, Jacobi")
+
+
+TERMINALS = """<fmiTerminalsAndIcons fmiVersion="3.0"><Terminals>
+  <Terminal name="people" matchingRule="bus" terminalKind="org.lemons-fmu.crowd">
+    <TerminalMemberVariable variableName="push" memberName="Fp"/>
+    <TerminalMemberVariable variableName="seen" memberName="Position"/>
+  </Terminal>
+</Terminals></fmiTerminalsAndIcons>"""
+OF_OTHER_NAMES = """<fmiModelDescription fmiVersion="3.0" modelName="other" instantiationToken="other">
+  <CoSimulation modelIdentifier="other"/>
+  <UnitDefinitions><Unit name="N"><BaseUnit kg="1" m="1" s="-2"/></Unit><Unit name="m"><BaseUnit m="1"/></Unit></UnitDefinitions>
+  <ModelVariables>
+    <Float64 name="time" valueReference="0" causality="independent"/>
+    <Float64 name="push" valueReference="1" causality="output" unit="N"><Dimension start="5"/><Dimension start="2"/></Float64>
+    <Float64 name="seen" valueReference="2" causality="input" unit="m" start="0"><Dimension start="5"/><Dimension start="2"/></Float64>
+  </ModelVariables>
+</fmiModelDescription>"""
+
+
+@pytest.mark.parametrize("terminals, said", [(TERMINALS, None), (TERMINALS.replace('matchingRule="bus"', ""), "matchingRule")])
+def test_terminals_say_what_is_connected(pack, lemons, tmp_path, terminals, said):
+    """Variables of other names, by members of the crowd's terminal; a broken file is named."""
+    crowd, other, ssp = pack(TRIAL_PUSH, options=["--fmi", "3"]), tmp_path / "other.fmu", tmp_path / "both.ssp"
+    with zipfile.ZipFile(other, "w") as archive:
+        archive.writestr("modelDescription.xml", OF_OTHER_NAMES)
+        archive.writestr("terminalsAndIcons/terminalsAndIcons.xml", terminals)
+    done = subprocess.run([lemons, "connect", other, crowd, "-o", ssp], capture_output=True, text=True)
+    if said:
+        assert done.returncode != 0 and not ssp.exists()
+        assert f"{other}: terminalsAndIcons/terminalsAndIcons.xml:2: <Terminal>: " in done.stderr and said in done.stderr
+        return
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(ssp) as archive:
+        structure = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+    assert structure.get("version") == "2.0"
+    ends = ("startElement", "startConnector", "endElement", "endConnector")
+    connections = [[of.get(end) for end in ends] for of in structure.iter() if of.tag.endswith("}Connection")]
+    assert sorted(connections) == [["Trial_push", "Position", "other", "seen"], ["other", "push", "Trial_push", "Fp"]]

@@ -14,7 +14,8 @@ pub struct Arguments {
     /// FMUs for co-simulation. The Gauss-Seidel algorithm steps them in this order
     #[arg(required = true, num_args = 2.., value_name = "FILE.fmu")]
     fmus: Vec<PathBuf>,
-    /// An output that feeds an input of another name; instead of outputs with the input's name. Components are called
+    /// An output that feeds an input of another name; instead of outputs with the input's name, or of those that
+    /// terminals of the FMUs say. Components are called
     /// as their files: decision.Mp=turnstile.Wanted; of each person: 'decision.agent[*].Mp=turnstile.agent[*].Wanted'.
     /// Repeatable
     #[arg(long, value_name = "OUTPUT=INPUT", value_parser = chosen)]
@@ -42,7 +43,7 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
             bail!("{}: the FMU is not for co-simulation", path.display());
         }
         let source = format!("resources/{name}.fmu");
-        participants.push(Participant { name: name.clone(), source, interface });
+        participants.push(Participant { name: name.clone(), source, interface, terminals: fmu.terminals()? });
     }
     let connected =
         lemons_master::ssp::connect(&stem(&arguments.output), &participants, &arguments.connection)?;

@@ -7,13 +7,14 @@ use crate::file_type::FileType;
 use crate::instance::number;
 use crate::messages::Messages;
 use crate::prepared::driven;
-use crate::ssp::{Allowance, Interface, Kind, Type};
+use crate::ssp::{Allowance, Interface, Kind, LARGEST_TERMINALS, TERMINALS_FILE, Terminal, Type};
 use crate::trial_input::renamed;
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use crowd_mechanics::pack::host_directory;
 use crowd_mechanics::quantities;
 use crowd_mechanics::resources::{Resources, ResourcesError};
+use lemons_core::files::source::{Disk, Source};
 use lemons_core::files::{Scratch, input};
 use lemons_core::trial::{DriveChoice, DriveTable, Problems, Trial};
 use lemons_fmi::Version;
@@ -90,6 +91,20 @@ impl Fmu {
             chosen: None,
             materials: OnceLock::new(),
         })
+    }
+
+    /// Reads its terminals: none without such a file.
+    ///
+    /// # Errors
+    /// The file is broken.
+    pub fn terminals(&self) -> Result<Vec<Terminal>> {
+        let path = self.directory().join(TERMINALS_FILE);
+        if Disk.lacks(&path) {
+            return Ok(Vec::new());
+        }
+        let bytes = input::read(&path, LARGEST_TERMINALS).place(|| TERMINALS_FILE.to_owned());
+        let read = bytes.and_then(|bytes| Terminal::read(&bytes));
+        Ok(read.place(|| self.shown.clone())?)
     }
 
     /// The directory into which it is unzipped; it exists until the FMU is dropped.

@@ -17,6 +17,7 @@ mod connect;
 mod document;
 mod interface;
 mod read;
+mod terminals;
 mod unit;
 mod write;
 
@@ -29,4 +30,6 @@ pub use document::{
 };
 pub use interface::{CoSimulation, Dimension, Interface, Single, Variable};
 pub(crate) use interface::{place_of, written};
+pub use terminals::Terminal;
+pub(crate) use terminals::{LARGEST_TERMINALS, TERMINALS_FILE};
 pub use unit::{Affine, Unit, UnitOf, conversion};

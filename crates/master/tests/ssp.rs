@@ -1,7 +1,7 @@
 //! Structures and archives, good and bad, as their users meet them.
 
 use lemons_master::ssp::{
-    Allowance, Archive, Interface, Participant, SystemStructure, connect, write_archive,
+    Allowance, Archive, Interface, Participant, SystemStructure, Terminal, connect, write_archive,
 };
 use std::fs::File;
 use std::io::Write;
@@ -156,13 +156,30 @@ fn connected(interfaces: &[Interface]) -> Result<lemons_master::ssp::Connected, 
 }
 
 fn chosen(interfaces: &[Interface], by: &[[&str; 2]]) -> Result<lemons_master::ssp::Connected, String> {
+    by_terminals(interfaces, &[], by)
+}
+
+/// With the terminals of the first few, as XML.
+fn by_terminals(
+    interfaces: &[Interface],
+    terminals: &[&str],
+    by: &[[&str; 2]],
+) -> Result<lemons_master::ssp::Connected, String> {
+    let of = |place: usize| {
+        terminals.get(place).map_or_else(Vec::new, |inner| {
+            let text = format!("<fmiTerminalsAndIcons><Terminals>{inner}</Terminals></fmiTerminalsAndIcons>");
+            Terminal::read(text.as_bytes()).unwrap()
+        })
+    };
     let participants: Vec<Participant> = interfaces
         .iter()
         .zip(["a", "b", "c"])
-        .map(|(interface, name)| Participant {
+        .enumerate()
+        .map(|(place, (interface, name))| Participant {
             name: name.into(),
             source: format!("resources/{name}.fmu"),
             interface,
+            terminals: of(place),
         })
         .collect();
     let by: Vec<(String, String)> = by.iter().map(|[from, to]| ((*from).into(), (*to).into())).collect();
@@ -388,4 +405,77 @@ fn single_values_are_connected_with_elements_of_arrays() {
     let three = connected(&[people(["input", "output"], 3, ""), people(["output", "input"], 2, "")]).unwrap();
     assert_eq!(three.unconnected[0], ["agent[2].Position.x", "agent[2].Position.y"]);
     assert_eq!(three.connections.len(), 6, "each element by itself");
+}
+
+/// A terminal of a kind: members and their variables.
+fn terminal(kind: &str, rule: &str, members: &[[&str; 2]]) -> String {
+    let member = |[member, variable]: &[&str; 2]| {
+        format!(r#"<TerminalMemberVariable variableName="{variable}" memberName="{member}"/>"#)
+    };
+    let members: String = members.iter().map(member).collect();
+    format!(r#"<Terminal name="t" matchingRule="{rule}" terminalKind="{kind}">{members}</Terminal>"#)
+}
+
+#[test]
+fn terminals_of_one_kind_connect_variables_of_other_names() {
+    let crowd = interface(&[("F", "input", "m"), ("x", "output", "m"), ("y", "output", "m")], METRE);
+    let other = interface(&[("force", "output", "m"), ("place", "input", "m"), ("y", "input", "m")], METRE);
+    let both = [crowd, other];
+    let ends = |made: lemons_master::ssp::Connected| {
+        let mut ends: Vec<_> = made.connections.into_iter().map(|(from, _, to)| (from, to)).collect();
+        ends.sort();
+        ends.into_iter().map(|(from, to)| format!("{from} {to}")).collect::<Vec<_>>()
+    };
+    let own = [["F", "F"], ["x", "x"]];
+    let theirs = [["x", "place"], ["F", "force"]];
+    for (rules, kinds, expected) in [
+        (["bus", "bus"], ["k", "k"], vec!["0 place", "0 y", "1 F"]),
+        (["plug", "bus"], ["k", "k"], vec!["0 place", "0 y", "1 F"]),
+        // The first members are two inputs, or the second ones two outputs: nothing to connect.
+        (["sequence", "sequence"], ["k", "k"], vec!["0 y"]),
+        (["bus", "sequence"], ["k", "k"], vec!["0 y"]),
+        (["none", "none"], ["k", "k"], vec!["0 y"]),
+        (["bus", "bus"], ["k", "l"], vec!["0 y"]),
+    ] {
+        let terminals = [terminal(kinds[0], rules[0], &own), terminal(kinds[1], rules[1], &theirs)];
+        let made = by_terminals(&both, &terminals.each_ref().map(String::as_str), &[]).unwrap();
+        assert_eq!(ends(made), expected, "{rules:?} {kinds:?}");
+    }
+    let terminals =
+        [terminal("k", "sequence", &own), terminal("k", "sequence", &[["", "force"], ["", "place"]])];
+    let made = by_terminals(&both, &terminals.each_ref().map(String::as_str), &[]).unwrap();
+    assert_eq!(ends(made), ["0 place", "0 y", "1 F"]);
+    // What the user says comes first.
+    let made = by_terminals(&both, &terminals.each_ref().map(String::as_str), &[["a.y", "b.place"]]).unwrap();
+    assert_eq!(ends(made), ["0 place", "0 y", "1 F"]);
+    assert!(ends(chosen(&both, &[["a.x", "b.place"]]).unwrap()).contains(&"0 place".to_owned()));
+
+    let third = interface(&[("push", "output", "m")], METRE);
+    let [crowd, other] = both;
+    let third_terminal = terminal("k", "bus", &[["F", "push"]]);
+    let terminals = [terminal("k", "bus", &own), terminal("k", "bus", &theirs), third_terminal];
+    let all = [crowd, other, third];
+    let terminals = terminals.each_ref().map(String::as_str);
+    let said = by_terminals(&all, &terminals, &[]).map(|_| ()).unwrap_err();
+    assert_eq!(said, "a.F: terminals give it two outputs, b.force and c.push; choose one of them");
+    let made = by_terminals(&all, &terminals, &[["c.push", "a.F"]]).map(ends);
+    assert_eq!(made, Ok(vec!["0 place".to_owned(), "0 y".to_owned(), "2 F".to_owned()]));
+}
+
+#[test]
+fn broken_terminals_are_refused() {
+    for (text, said) in [
+        (
+            "<a/>",
+            "terminalsAndIcons/terminalsAndIcons.xml:1: <a>: the root element must be <fmiTerminalsAndIcons>",
+        ),
+        ("<fmiTerminalsAndIcons><Terminals><Terminal/></Terminals></fmiTerminalsAndIcons>", "matchingRule"),
+    ] {
+        let error = Terminal::read(text.as_bytes()).unwrap_err().whole();
+        assert!(error.contains(said), "{error}");
+    }
+    let twice = terminal("k", "bus", &[["x", "a"], ["x", "b"]]);
+    let text = format!("<fmiTerminalsAndIcons><Terminals>{twice}</Terminals></fmiTerminalsAndIcons>");
+    let error = Terminal::read(text.as_bytes()).unwrap_err().whole();
+    assert!(error.contains("memberName=\"x\": another member of the terminal has this name"), "{error}");
 }

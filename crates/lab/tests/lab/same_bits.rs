@@ -82,6 +82,7 @@ fn coupled(directory: &Path, plan: &Plan, format: Format, crowd: PathBuf) -> Pat
         name: (*name).to_owned(),
         source: source.clone(),
         interface,
+        terminals: Vec::new(),
     });
     let participants: Vec<_> = participants.collect();
     let connected = lemons_master::ssp::connect("coupled", &participants, &[]).unwrap();

@@ -16,7 +16,11 @@ pub(super) struct Choice<'a> {
 
 impl<'a> Choice<'a> {
     /// Reads pairs of an output and an input, `component.variable`, of single values, arrays, or with `agent[*]`.
-    pub(super) fn read(chosen: &'a [(String, String)], participants: &[Participant]) -> Result<Choice<'a>> {
+    /// What is chosen for an input comes before what terminals say.
+    pub(super) fn read(
+        chosen: &'a [(String, String)],
+        participants: &'a [Participant<'a>],
+    ) -> Result<Choice<'a>> {
         let end = |name: &'a str, kind: Kind| {
             let found = name.split_once('.').and_then(|(component, variable)| {
                 let place = participants.iter().position(|participant| participant.name == component)?;
@@ -35,7 +39,44 @@ impl<'a> Choice<'a> {
                 return Err(Error::new(format!("{to}: two outputs are chosen for this input")));
             }
         }
-        Ok(Choice { outputs })
+        let chosen = Choice { outputs };
+        let by_terminals = chosen.by_terminals(participants)?;
+        Ok(Choice { outputs: chosen.outputs.into_iter().chain(by_terminals).collect() })
+    }
+
+    /// Returns the inputs and outputs of other names that terminals of one kind bring together, without the inputs for
+    /// which an output is chosen.
+    ///
+    /// # Errors
+    /// An input gets two outputs.
+    fn by_terminals(&self, participants: &'a [Participant<'a>]) -> Result<HashMap<Named<'a>, Named<'a>>> {
+        let mut outputs = HashMap::new();
+        let terminals = || {
+            let each = participants.iter().enumerate();
+            each.flat_map(|(place, of)| of.terminals.iter().map(move |terminal| (place, terminal)))
+        };
+        let kind = |(place, name): Named| participants[place].interface.variable(name)?.kind;
+        for (from, terminal) in terminals() {
+            for (to, other) in terminals().filter(|(to, _)| *to != from) {
+                for (output, input) in
+                    terminal.pairs(other).into_iter().filter(|(output, input)| output != input)
+                {
+                    let (output, input) = ((from, output), (to, input));
+                    let known = (kind(output), kind(input)) == (Some(Kind::Output), Some(Kind::Input));
+                    if !known || self.output_for(to, input.1.to_owned()).0.is_some() {
+                        continue;
+                    }
+                    if let Some(first) = outputs.insert(input, output).filter(|first| *first != output) {
+                        let [input, first, second] = [input, first, output]
+                            .map(|(place, name)| format!("{}.{name}", participants[place].name));
+                        return Err(Error::new(format!(
+                            "{input}: terminals give it two outputs, {first} and {second}; choose one of them"
+                        )));
+                    }
+                }
+            }
+        }
+        Ok(outputs)
     }
 
     /// Returns whether an output is chosen for one of some inputs.
@@ -58,3 +99,6 @@ impl<'a> Choice<'a> {
         each.unwrap_or((None, input))
     }
 }
+
+/// A variable: the place of its participant, and its name.
+type Named<'a> = (usize, &'a str);

@@ -4,6 +4,7 @@ use crate::error::{Result, ensure};
 use crate::ssp::choice::Choice;
 use crate::ssp::document::Kind;
 use crate::ssp::interface::{Interface, Single, Variable};
+use crate::ssp::terminals::Terminal;
 use crate::ssp::unit::{Affine, conversion};
 use crate::ssp::write::to_xml;
 use std::collections::HashMap;
@@ -16,6 +17,8 @@ pub struct Participant<'a> {
     pub source: String,
     /// Its variables.
     pub interface: &'a Interface,
+    /// Its terminals.
+    pub terminals: Vec<Terminal>,
 }
 
 /// The result of connecting.
@@ -51,7 +54,8 @@ pub(super) struct Pair<'a> {
 /// the same sizes, else each value by itself. Type and unit must agree; a value without a unit agrees with every unit.
 ///
 /// `chosen` are pairs of an output and an input of other names, `component.variable`: of single values, arrays as a whole,
-/// or of each person with `agent[*]`. Such an input is connected with nothing else.
+/// or of each person with `agent[*]`. Terminals of one kind choose as well, where names differ, for inputs that are not
+/// among them. Such an input is connected with nothing else.
 ///
 /// # Errors
 /// They do not, a name that was chosen is unknown, an input is fed by two outputs, a unit has two meanings, or nothing is connected.

@@ -6,20 +6,21 @@ use crate::ssp::document::{Kind, Type};
 use crate::ssp::interface::{Interface, Variable};
 use crate::ssp::unit::Unit;
 use lemons_core::xml::{Layout, Out, number};
+use lemons_fmi::Version;
 use std::collections::{BTreeMap, HashSet};
 
-/// Returns XML of SSP 1.0, or of SSP 2.0 if there are arrays, without parameters and conversions; the same FMUs give the
+/// Returns XML of SSP 1.0, or of SSP 2.0 if one is of FMI 3.0, which SSP 1.0 does not know, without parameters and conversions; the same FMUs give the
 /// same text.
 ///
 /// # Errors
 /// A unit has two meanings.
 pub(super) fn to_xml(name: &str, participants: &[Participant], pairs: &[Pair]) -> Result<String> {
     let ends = || pairs.iter().flat_map(|pair| [&pair.from, &pair.to]);
-    let arrays = ends().any(|(_, single)| single.variable.is_array());
+    let second = participants.iter().any(|participant| participant.interface.fmi == Version::V3);
     let used: HashSet<(usize, &str)> = ends().map(owner).collect();
     let connectors = participants.iter().enumerate();
     let connectors: Vec<Vec<&Variable>> =
-        connectors.map(|(place, own)| connectors_of(place, own, &used, arrays)).collect();
+        connectors.map(|(place, own)| connectors_of(place, own, &used, second)).collect();
     let units = units_of(participants, &connectors)?;
     let times = |time: fn(&Interface) -> Option<f64>| {
         participants.iter().filter_map(move |participant| time(participant.interface))
@@ -31,7 +32,7 @@ pub(super) fn to_xml(name: &str, participants: &[Participant], pairs: &[Pair]) -
     let root = [
         ("xmlns:ssc", "http://ssp-standard.org/SSP1/SystemStructureCommon"),
         ("xmlns:ssd", "http://ssp-standard.org/SSP1/SystemStructureDescription"),
-        ("version", if arrays { "2.0" } else { "1.0" }),
+        ("version", if second { "2.0" } else { "1.0" }),
         ("name", name),
         ("generationTool", concat!("LEMONS-FMU ", env!("CARGO_PKG_VERSION"))),
     ];
@@ -39,7 +40,7 @@ pub(super) fn to_xml(name: &str, participants: &[Participant], pairs: &[Pair]) -
         out.element("ssd:System", &[("name", name)], |out| {
             out.element("ssd:Elements", &[], |out| {
                 for (participant, connectors) in participants.iter().zip(&connectors) {
-                    write_component(out, participant, connectors, arrays);
+                    write_component(out, participant, connectors, second);
                 }
             });
             out.element("ssd:Connections", &[], |out| {
@@ -68,12 +69,12 @@ fn connectors_of<'a>(
     place: usize,
     participant: &Participant<'a>,
     used: &HashSet<(usize, &str)>,
-    arrays: bool,
+    second: bool,
 ) -> Vec<&'a Variable> {
     let variables = &participant.interface.variables;
     let is_number = |variable: &Variable| {
         matches!(variable.of.class(), Type::Real | Type::Integer | Type::Boolean)
-            && (arrays || !variable.is_array())
+            && (second || !variable.is_array())
     };
     let is_shown = |variable: &&Variable| {
         used.contains(&(place, &*variable.name)) || variable.kind == Some(Kind::Output) && is_number(variable)
@@ -122,7 +123,7 @@ fn write_annotation(out: &mut Out, step: f64) {
     });
 }
 
-fn write_component(out: &mut Out, participant: &Participant, connectors: &[&Variable], arrays: bool) {
+fn write_component(out: &mut Out, participant: &Participant, connectors: &[&Variable], second: bool) {
     let attributes = [
         ("name", participant.name.as_str()),
         ("type", "application/x-fmu-sharedlibrary"),
@@ -135,19 +136,19 @@ fn write_component(out: &mut Out, participant: &Participant, connectors: &[&Vari
     out.element("ssd:Component", &attributes, |out| {
         out.element("ssd:Connectors", &[], |out| {
             for variable in connectors {
-                write_connector(out, participant.interface, variable, arrays);
+                write_connector(out, participant.interface, variable, second);
             }
         });
     });
 }
 
-fn write_connector(out: &mut Out, interface: &Interface, variable: &Variable, arrays: bool) {
+fn write_connector(out: &mut Out, interface: &Interface, variable: &Variable, second: bool) {
     let kind = variable.kind.map_or("output", Kind::name);
     out.element("ssd:Connector", &[("name", &variable.name), ("kind", kind)], |out| {
         let unit = variable.unit.as_deref().filter(|unit| interface.unit(unit).is_some());
         let detail = [("unit", unit), ("name", variable.enumeration.as_deref())];
         let detail = detail.into_iter().filter_map(|(name, text)| Some((name, text?)));
-        let of = if arrays { variable.of } else { variable.of.class() };
+        let of = if second { variable.of } else { variable.of.class() };
         out.empty(&format!("ssc:{of}"), &detail.collect::<Vec<_>>());
         for dimension in &variable.dimensions {
             match dimension.parameter {
