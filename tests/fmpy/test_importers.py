@@ -61,7 +61,7 @@ def test_a_program_that_finds_a_fault(lemons, stand_in, push_fmu):
     assert rows["fmusim", push_fmu.name] == "exit status 3: Error: no unit m"
 
 
-@pytest.mark.parametrize(("row", "said"), [("nan," * 200, "differ"), ("x," * 200, "cannot be read"), ("", "cannot be read")])
+@pytest.mark.parametrize(("row", "said"), [("nan," * 200, "differ"), ("x," * 200, "cannot be read"), ("", "lacks places")])
 def test_a_program_that_shows_other_numbers_or_none(lemons, push_fmu, tmp_path, stand_in, row, said):
     wanted = importers.places_of_run(lemons, tmp_path)
     fmusim = importers.PROGRAMS[0]
