@@ -1,6 +1,8 @@
 //! The loop of the program fmusim, which is the module `sim` of fmi-rs: inputs from CSV, steps, a record. It shows what a
 //! run of ours shows, and its validation finds no problem in the descriptions.
 
+#![allow(clippy::arc_with_non_send_sync)] // `simulate` takes an `Arc` of its recorder
+
 use crate::packed;
 use crowd_mechanics::pack::Format;
 use fmi_rs::fmi3::LibraryKind;
