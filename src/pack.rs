@@ -10,7 +10,7 @@ use crate::setup;
 use lemons_core::files::Staged;
 use lemons_core::files::source::{Disk, Source};
 use lemons_core::trial::{DRIVE_FILE, DriveTable, FileNames, Problems, Trial};
-use lemons_fmi::archive::{Archive, ArchiveError, Content, Icon, read};
+use lemons_fmi::archive::{Archive, ArchiveError, Content, Drawing, read};
 pub use lemons_fmi::archive::{
     Binary, COMPONENT, THIRD_PARTY, host_directory, host_platform, library_file, platforms,
 };
@@ -147,7 +147,8 @@ impl Package {
             documentation: &documentation(&trials[0], version, picture.is_some()),
             binaries: &self.binaries,
             terminals: terminals(&trials[0], version),
-            icon: Icon { svg: include_str!("icon.svg"), png: include_bytes!("icon.png") },
+            icon: Drawing { svg: include_str!("icon.svg"), png: include_bytes!("icon.png") },
+            diagram: Drawing { svg: include_str!("diagram.svg"), png: include_bytes!("diagram.png") },
             picture,
         };
         let mut archive = Archive::begin::<CrowdModel>(file, files, &content)?;

@@ -1,12 +1,15 @@
 """fmu-manipulation-toolbox's `fmutool -check`."""
 
+import re
 import subprocess
 import sys
 import zipfile
+from io import StringIO
 from pathlib import Path
 
 import pytest
-from crowd import TRIAL_PUSH
+from crowd import TRIAL_DOOR, TRIAL_PUSH
+from fmu_manipulation_toolbox.terminals import Terminals
 
 FMUTOOL = Path(sys.executable).with_name("fmutool")
 
@@ -30,6 +33,26 @@ def test_check_of_decision(decide, row):
     code, said = check(decide())
     assert code == 0 and "No semantic error" in said, said
     row("fmu-manipulation-toolbox", "`fmutool -check`, Decision", "compliant, no semantic error")
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_terminals(pack, decide, tmp_path, row, fmi):
+    """It takes the first element of the file for the terminals; by the XSD, `GraphicalRepresentation` comes before them."""
+    seen = []
+    for fmu in (pack(TRIAL_DOOR, options=["--fmi", fmi]), decide("--fmi", fmi)):
+        with zipfile.ZipFile(fmu) as archive:
+            text = archive.read("terminalsAndIcons/terminalsAndIcons.xml").decode()
+        assert not list(Terminals.from_xml_source(StringIO(text)))
+        without, removed = re.subn("<GraphicalRepresentation>.*</GraphicalRepresentation>", "", text, flags=re.DOTALL)
+        assert removed == 1
+        seen.append(Terminals.from_xml_source(StringIO(without))["crowd"])
+    crowd, decision = seen
+    assert decision == crowd
+    links = decision.connect(crowd)
+    assert len(links) == len(decision.members) == (6 if fmi == "3" else 9 * 30)
+    assert all(one == other for one, other in links)
+    words = "does not see them behind `GraphicalRepresentation`, which the XSD puts first; without it, Decision fits the crowd"
+    row("fmu-manipulation-toolbox", f"FMI {fmi}.0: its reader of terminals", words)
 
 
 def test_check_would_see_an_error(push_fmu, tmp_path):

@@ -51,8 +51,8 @@ def test_flat_names(pack, row):
 
 
 @BOTH
-def test_terminals_and_icons(fmus, fmi):
-    """FMI 2.0.4 takes them from FMI 3.0, with the XSD. A member is a variable; those of Decision fit those of the crowd."""
+def test_terminals_and_icons(fmus, fmi, row):
+    """FMPy has the XSD, but does not look into the file. FMI 2.0.4 takes them from FMI 3.0, with the XSD. A member is a variable; those of Decision fit those of the crowd."""
     members = []
     for fmu in fmus(fmi):
         terminals = xml(fmu, "terminalsAndIcons/terminalsAndIcons.xml")
@@ -70,6 +70,24 @@ def test_terminals_and_icons(fmus, fmi):
     crowd, decision = members
     assert decision.keys() < crowd.keys()
     assert len(crowd) == (7 if fmi == "3" else 10 * 30) and len(decision) == (6 if fmi == "3" else 9 * 30)
+    row("fmpy", f"FMI {fmi}.0: `terminalsAndIcons.xml` of crowd and Decision, with its XSD", "valid; FMPy itself does not read it")
+
+
+@BOTH
+def test_diagram(fmus, fmi):
+    """FMI 3.0 wants a PNG wherever there is an SVG. The page shows it."""
+    for fmu in fmus(fmi):
+        assert validate_fmu(str(fmu)) == []
+        with zipfile.ZipFile(fmu) as archive:
+            png = archive.read("documentation/diagram.png")
+            diagram = etree.fromstring(archive.read("documentation/diagram.svg"))
+            assert b'src="diagram.svg"' in archive.read("documentation/index.html")
+        width, height = (int.from_bytes(png[place : place + 4], "big") for place in (16, 20))
+        assert (width, height) == (int(diagram.get("width")), int(diagram.get("height"))) == (760, 400)
+        words = {word.get("aria-label") for word in diagram.iter("{*}path")} - {None}
+        variables = {v.name.split("].")[-1].split(".")[0] for v in read_model_description(fmu).modelVariables}
+        named = {word for word in words if word[0].isupper()}
+        assert {"Fp", "Mp", "Position", "Theta", "Velocity"} <= named <= variables
 
 
 @BOTH

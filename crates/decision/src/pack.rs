@@ -4,7 +4,7 @@ use crate::decision::{Decision, PLAN_FILE};
 use crate::error::PlanError;
 use crate::plan::Plan;
 use lemons_core::files::source::Disk;
-use lemons_fmi::archive::{Archive, ArchiveError, Binary, Content, Icon};
+use lemons_fmi::archive::{Archive, ArchiveError, Binary, Content, Drawing};
 use lemons_fmi::description::{Packed, documentation, model_description, packed_description, terminals_xml};
 use lemons_fmi::model::fingerprint;
 use lemons_fmi::{Format, Version};
@@ -64,7 +64,8 @@ pub fn write_fmu(
         binaries,
         // It fits the crowd's.
         terminals: terminals_xml(&model, version, "motion in, drives out", &names),
-        icon: Icon { svg: include_str!("icon.svg"), png: include_bytes!("icon.png") },
+        icon: Drawing { svg: include_str!("icon.svg"), png: include_bytes!("icon.png") },
+        diagram: Drawing { svg: include_str!("diagram.svg"), png: include_bytes!("diagram.png") },
         picture: None,
     };
     let mut archive = Archive::begin::<Decision>(file, &Disk, &content)?;

@@ -132,19 +132,21 @@ pub struct Content<'a> {
     pub binaries: &'a [Binary],
     /// `terminalsAndIcons/terminalsAndIcons.xml`
     pub terminals: String,
-    /// The icon.
-    pub icon: Icon,
+    /// The icon, a square: in `terminalsAndIcons`.
+    pub icon: Drawing,
+    /// What goes in and out, as FMI 3.0 wants it: `documentation/diagram.png`, which FMI 2.0 does not forbid.
+    pub diagram: Drawing,
     /// A picture of what is packed: `model.png`, which is the icon if there is none; in FMI 3.0
     /// `documentation/model.png`.
     pub picture: Option<Vec<u8>>,
 }
 
-/// A square icon. Importers need the PNG; some prefer the SVG.
+/// A drawing. Importers need the PNG; some prefer the SVG.
 #[derive(Debug, Clone, Copy)]
-pub struct Icon {
-    /// `terminalsAndIcons/icon.svg`
+pub struct Drawing {
+    /// `NAME.svg`
     pub svg: &'static str,
-    /// `terminalsAndIcons/icon.png`: the same drawing.
+    /// `NAME.png`: the same drawing.
     pub png: &'static [u8],
 }
 
@@ -177,12 +179,15 @@ impl<W: Write + Seek> Archive<W> {
         if let Some(path) = first.third_party_in(files) {
             archive.add(&format!("documentation/licenses/{THIRD_PARTY}"), &read(files, &path)?)?;
         }
-        let Icon { svg, png } = content.icon;
         archive.add("terminalsAndIcons/terminalsAndIcons.xml", content.terminals.as_bytes())?;
-        archive.add("terminalsAndIcons/icon.svg", svg.as_bytes())?;
-        archive.add("terminalsAndIcons/icon.png", png)?;
+        for (name, drawing) in
+            [("terminalsAndIcons/icon", content.icon), ("documentation/diagram", content.diagram)]
+        {
+            archive.add(&format!("{name}.svg"), drawing.svg.as_bytes())?;
+            archive.add(&format!("{name}.png"), drawing.png)?;
+        }
         match (content.version, content.picture.as_deref()) {
-            (Version::V2, picture) => archive.add("model.png", picture.unwrap_or(png))?,
+            (Version::V2, picture) => archive.add("model.png", picture.unwrap_or(content.icon.png))?,
             (Version::V3, Some(picture)) => archive.add("documentation/model.png", picture)?,
             (Version::V3, None) => {}
         }

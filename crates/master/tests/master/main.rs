@@ -7,6 +7,7 @@ mod arrays;
 mod controller;
 mod coupling;
 mod fmi_rs;
+mod fmi_rs_sim;
 mod reference;
 mod settings;
 

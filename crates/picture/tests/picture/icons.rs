@@ -1,4 +1,4 @@
-//! The icons of the FMUs are small files: an SVG made by hand, and the PNG that is drawn from it.
+//! The icons and diagrams of the FMUs are small files: an SVG made by hand, and the PNG that is drawn from it.
 
 use lemons_picture::png;
 use lemons_verify::testing::repository;
@@ -7,12 +7,14 @@ use lemons_verify::testing::repository;
 #[test]
 fn the_committed_ones_are_the_drawn_ones() {
     for directory in ["src", "crates/decision/src"] {
-        let [svg, drawn] = ["icon.svg", "icon.png"].map(|name| repository().join(directory).join(name));
-        let text = std::fs::read_to_string(&svg).unwrap();
-        let bytes = png(&text, 200).unwrap();
-        if std::env::var_os("ICONS").is_some_and(|what| what == "write") {
-            std::fs::write(&drawn, &bytes).unwrap();
+        for (name, width) in [("icon", 200), ("diagram", 760)] {
+            let file = |extension| repository().join(directory).join(name).with_extension(extension);
+            let drawn = file("png");
+            let bytes = png(&std::fs::read_to_string(file("svg")).unwrap(), width).unwrap();
+            if std::env::var_os("ICONS").is_some_and(|what| what == "write") {
+                std::fs::write(&drawn, &bytes).unwrap();
+            }
+            assert!(std::fs::read(&drawn).unwrap() == bytes, "{}: see CONTRIBUTING.md", drawn.display());
         }
-        assert!(std::fs::read(&drawn).unwrap() == bytes, "{}: see CONTRIBUTING.md", drawn.display());
     }
 }
