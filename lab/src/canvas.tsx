@@ -127,7 +127,7 @@ function reach({ scene }: Film): Point[] {
     return [...places, ...scene.ways.flat().flatMap(({ x, y, radius }) => around(x, y, radius)), ...pushes];
 }
 
-function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter, frame: Float64Array, layers: Layers, now: View, inks: Inks) {
+function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter, frame: Float32Array, layers: Layers, now: View, inks: Inks) {
     const { scene } = film;
     const { tab, colour, unit, view: kind, line } = plan.value;
     const helper = active();

@@ -67,7 +67,7 @@ export class Crowd3d {
     constructor(
         readonly space: Space,
         readonly scene: Scene,
-        first: Float64Array,
+        first: Float32Array,
     ) {
         const [low, high] = [new Vector2(Infinity, Infinity), new Vector2(-Infinity, -Infinity)];
         const see = (x: number, y: number) => {
@@ -139,7 +139,7 @@ export class Crowd3d {
     }
 
     /** Places and colours them; each share is 0 to 1. */
-    place(frame: Float64Array, values: Float64Array, most: number, selected: number | null) {
+    place(frame: Float32Array, values: Float64Array, most: number, selected: number | null) {
         this.#bodies.forEach((body, a) => {
             const at = COLUMNS * a;
             body.visible = isThere(frame, a);

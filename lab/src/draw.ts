@@ -32,7 +32,7 @@ export function inksOf(canvas: HTMLCanvasElement): Inks {
 }
 
 export interface Picture {
-    frame: Float64Array;
+    frame: Float32Array;
     /** For each person, 0 to 1. */
     shares: Float64Array;
     /** Instead of the disks. */
@@ -61,7 +61,7 @@ export class Painter {
         });
     }
 
-    #place(context: CanvasRenderingContext2D, frame: Float64Array, a: number, view: View) {
+    #place(context: CanvasRenderingContext2D, frame: Float32Array, a: number, view: View) {
         const [x, y, turn] = [frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!, frame[COLUMNS * a + 2]!];
         const [cos, sin] = [view.scale * Math.cos(turn), view.scale * Math.sin(turn)];
         // Up is up: pixels count downwards.
@@ -125,7 +125,7 @@ export class Painter {
     }
 
     /** Where they look, if there is room for it. */
-    #gazes(context: CanvasRenderingContext2D, frame: Float64Array, view: View) {
+    #gazes(context: CanvasRenderingContext2D, frame: Float32Array, view: View) {
         if (view.scale < 40 * devicePixelRatio) return;
         inMetres(context, view);
         context.beginPath();
@@ -145,7 +145,7 @@ export class Painter {
     }
 
     /** Feet, as if they were seen through the bodies, and lines from there to the centres of mass. */
-    #legs(context: CanvasRenderingContext2D, frame: Float64Array, view: View) {
+    #legs(context: CanvasRenderingContext2D, frame: Float32Array, view: View) {
         const [feet, leans] = [new Path2D(), new Path2D()];
         for (let k = 0; k < frame.length; k += COLUMNS) {
             const [x, y, turn, fx, fy] = [frame[k]!, frame[k + 1]!, frame[k + 2]!, frame[k + FEET]!, frame[k + FEET + 1]!];
@@ -175,7 +175,7 @@ export class Painter {
     }
 
     /** Hatched, with a thick rim. */
-    #overlap(context: CanvasRenderingContext2D, path: Path2D, frame: Float64Array, a: number, view: View, inks: Inks) {
+    #overlap(context: CanvasRenderingContext2D, path: Path2D, frame: Float32Array, a: number, view: View, inks: Inks) {
         context.save();
         this.#place(context, frame, a, view);
         context.clip(path);
@@ -193,7 +193,7 @@ export class Painter {
         context.restore();
     }
 
-    #halo(context: CanvasRenderingContext2D, frame: Float64Array, a: number, view: View, inks: Inks) {
+    #halo(context: CanvasRenderingContext2D, frame: Float32Array, a: number, view: View, inks: Inks) {
         const [x, y] = [frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!];
         inMetres(context, view);
         context.beginPath();
@@ -218,7 +218,7 @@ export class Painter {
     }
 
     /** The agent at a place; the one that is drawn last counts. */
-    at(context: CanvasRenderingContext2D, frame: Float64Array, [right, up]: Point): number | null {
+    at(context: CanvasRenderingContext2D, frame: Float32Array, [right, up]: Point): number | null {
         context.setTransform(1, 0, 0, 1, 0, 0);
         for (let a = this.#paths.length - 1; a >= 0; a--) {
             const [dx, dy, turn] = [right - frame[COLUMNS * a]!, up - frame[COLUMNS * a + 1]!, frame[COLUMNS * a + 2]!];

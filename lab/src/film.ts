@@ -6,7 +6,7 @@ import { Frames } from "./frames";
 import type { Advanced, Scene } from "./protocol";
 
 /** Bytes of frames that are kept; then the run ends. */
-const MOST_BYTES = 400e6;
+const MOST_BYTES = 800e6;
 /** Seconds that an answer should take, so that the page is heard between them. */
 const ANSWER = 0.03;
 
@@ -47,12 +47,12 @@ export class Film {
     }
 
     /** Its numbers, not to be changed. */
-    frame(k: number): Float64Array {
+    frame(k: number): Float32Array {
         return this.frames.frame(k);
     }
 
     /** Between two frames; valid until the next call. */
-    frameAt(place: number): Float64Array {
+    frameAt(place: number): Float32Array {
         return this.frames.at(place);
     }
 

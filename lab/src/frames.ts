@@ -1,4 +1,5 @@
-// The frames of a run, and the crowd's numbers over time.
+// The frames of a run, and the crowd's numbers over time. Numbers have the precision of a picture: tables and FMUs are
+// computed again.
 
 import { COLUMNS } from "./protocol";
 
@@ -18,27 +19,27 @@ export class Frames {
     /** Numbers of a frame. */
     readonly length: number;
     readonly #perBlock: number;
-    #blocks: Float64Array[] = [];
+    #blocks: Float32Array[] = [];
     #curves: Record<Curve, Float32Array>;
     /** The frame that was asked for last: most are asked for several times. */
-    #last: { k: number; numbers: Float64Array } = { k: -1, numbers: new Float64Array() };
-    readonly #between: Float64Array;
+    #last: { k: number; numbers: Float32Array } = { k: -1, numbers: new Float32Array() };
+    readonly #between: Float32Array;
     readonly #means: Float64Array;
     /** Of which frame and how many before it. */
     #meansOf: [number, number] = [-1, 0];
 
     constructor(readonly agents: number) {
         this.length = COLUMNS * agents;
-        this.#perBlock = Math.max(1, Math.floor(BLOCK_BYTES / (8 * Math.max(1, this.length))));
+        this.#perBlock = Math.max(1, Math.floor(BLOCK_BYTES / (4 * Math.max(1, this.length))));
         const curve = () => new Float32Array(1024);
         this.#curves = { speed: curve(), squeeze: curve(), greatest: curve(), contacts: curve(), left: curve() };
-        this.#between = new Float64Array(this.length);
+        this.#between = new Float32Array(this.length);
         this.#means = new Float64Array(agents);
     }
 
     /** What a frame occupies. */
     get bytes() {
-        return 8 * this.length + 4 * CURVES.length;
+        return 4 * this.length + 4 * CURVES.length;
     }
 
     /** Appends so many frames, which lie one after the other. */
@@ -46,7 +47,7 @@ export class Frames {
         const { length } = this;
         for (let k = 0; k < count; k++) {
             const place = this.count % this.#perBlock;
-            if (place === 0) this.#blocks.push(new Float64Array(this.#perBlock * length));
+            if (place === 0) this.#blocks.push(new Float32Array(this.#perBlock * length));
             const block = this.#blocks.at(-1)!;
             block.set(numbers.subarray(k * length, (k + 1) * length), place * length);
             this.#sum(block, place * length);
@@ -54,7 +55,7 @@ export class Frames {
         }
     }
 
-    #sum(block: Float64Array, start: number) {
+    #sum(block: Float32Array, start: number) {
         const k = this.count;
         if (k === this.#curves.speed.length) {
             for (const name of CURVES) {
@@ -89,7 +90,7 @@ export class Frames {
     }
 
     /** Its numbers, not to be changed. */
-    frame(k: number): Float64Array {
+    frame(k: number): Float32Array {
         const place = Math.max(0, Math.min(k, this.count - 1));
         if (this.#last.k !== place) {
             const start = (place % this.#perBlock) * this.length;
@@ -106,7 +107,7 @@ export class Frames {
 
     /** Between two frames: poses in proportion (angles are not wrapped), the rest as in the earlier one. Valid until the
      * next call. */
-    at(place: number): Float64Array {
+    at(place: number): Float32Array {
         const k = Math.floor(place);
         const share = place - k;
         if (!(share > 0) || k + 1 >= this.count) return this.frame(k);
@@ -147,7 +148,7 @@ export class Frames {
         return sum / (k - from + 1);
     }
 
-    /** A copy of frames, from one to before another. */
+    /** A copy of frames, from one to before another, as the lab reads them. */
     copy(from: number, to: number): Uint8Array<ArrayBuffer> {
         const numbers = new Float64Array((to - from) * this.length);
         for (let k = from; k < to; k++) numbers.set(this.frame(k), (k - from) * this.length);

@@ -302,7 +302,7 @@ export const COLUMNS = 11;
 export const FEET = 9;
 
 /** Whether an agent of a frame has not left. */
-export function isThere(frame: Float64Array, agent: number): boolean {
+export function isThere(frame: Float32Array, agent: number): boolean {
     return !Number.isNaN(frame[COLUMNS * agent]!);
 }
 

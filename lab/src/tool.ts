@@ -32,7 +32,7 @@ export interface Tool {
     /** What should be visible with it. */
     extent?(): Point[];
     /** Poses that are shown instead, while somebody is dragged. */
-    frame?(frame: Float64Array): Float64Array;
+    frame?(frame: Float32Array): Float32Array;
     /** Who is marked as overlapping instead of those who overlap at the start. */
     overlapping?(): readonly number[] | null;
     /** People are faint, because something else is looked at. */

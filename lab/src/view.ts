@@ -26,7 +26,7 @@ export function inMetres(context: CanvasRenderingContext2D, { scale, x, y }: Vie
 }
 
 /** All is visible: walls, people where they start, and what else is given. */
-export function fitting(scene: Scene, frame: Float64Array, further: Point[], width: number, height: number): View {
+export function fitting(scene: Scene, frame: Float32Array, further: Point[], width: number, height: number): View {
     let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
     const see = (x: number, y: number, margin: number) => {
         left = Math.min(left, x - margin);
