@@ -104,7 +104,7 @@ impl Fmu {
         }
         let bytes = input::read(&path, LARGEST_TERMINALS).place(|| TERMINALS_FILE.to_owned());
         let read = bytes.and_then(|bytes| Terminal::read(&bytes));
-        Ok(read.place(|| self.shown.clone())?)
+        read.place(|| self.shown.clone())
     }
 
     /// The directory into which it is unzipped; it exists until the FMU is dropped.
