@@ -1,9 +1,13 @@
 """A visitor of the lab: `lemons lab`, and a new page in Chromium."""
 
+import functools
+import http.server
+import os
 import shutil
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 
 import pytest
@@ -19,6 +23,14 @@ expect.set_options(timeout=180_000)
 
 @pytest.fixture(scope="session")
 def url() -> Iterator[str]:
+    """The address of the page: of `lemons lab`, or of the files in the folder LAB_DIST while one works on the page."""
+    if folder := os.environ.get("LAB_DIST"):
+        handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=folder)
+        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+        return
     command = subprocess.Popen([LEMONS, "lab", "--no-browser"], stdout=subprocess.PIPE, text=True)
     assert command.stdout
     line = command.stdout.readline()
