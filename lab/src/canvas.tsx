@@ -2,15 +2,16 @@
 
 import { effect, signal, untracked } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import { scaleOf, values } from "./colour";
-import { type Inks, inksOf, Painter, paintBar, paintPush, paintWays } from "./draw";
+import { scaleOf, shade, values } from "./colour";
+import { type Inks, inksOf, label, Painter, paintBar, paintPush, paintWays } from "./draw";
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
+import { throughWalls } from "./hints";
 import { canvas, type Layers, show } from "./layout";
 import { paintLine } from "./line";
 import { plan } from "./plan";
 import { COLUMNS, isThere, type Point } from "./protocol";
-import { bases, selected } from "./session";
+import { bases, film, selected } from "./session";
 import { lineTool, type Pointer, type Tool, tool } from "./tool";
 import { fitting, inMetres, toMetres, type View, zoomed } from "./view";
 
@@ -115,16 +116,11 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
     );
 }
 
-/** Circles of pushes and ways, corners of exits and goals. */
+/** What should be seen besides people and walls: the corners of exits and goals and, while they are changed, the points of
+ * ways. Circles may be much larger than the room. */
 function reach({ scene }: Film): Point[] {
-    const around = (x: number, y: number, radius: number): Point[] => [
-        [x - radius, y - radius],
-        [x + radius, y + radius],
-    ];
-    const { motion } = plan.value.made;
-    const pushes = motion.kind === "push" ? motion.pushes.flatMap(({ at, radius }) => around(...at, radius)) : [];
     const places = scene.targets.flatMap(({ corners }) => corners);
-    return [...places, ...scene.ways.flat().flatMap(({ x, y, radius }) => around(x, y, radius)), ...pushes];
+    return plan.value.tab === "motion" ? [...places, ...scene.ways.flat().map(({ x, y }): Point => [x, y])] : places;
 }
 
 function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter, frame: Float32Array, layers: Layers, now: View, inks: Inks) {
@@ -133,7 +129,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     const helper = active();
     // While it plays, a picture follows anyway: none is needed because frames were computed.
     const scale = film.playing.value ? untracked(() => scaleOf(film, colour)) : scaleOf(film, colour);
-    const shares = values(film, film.shown.value, colour).map((value) => value / scale.most);
+    const shades = Array.from(values(film, film.shown.value, colour), (value) => shade(scale, value));
     const atStart = film.place.value === 0 ? scene.overlapping : [];
     layers.below(context, now);
     painter.walls(context, now, inks);
@@ -141,7 +137,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
         context,
         {
             frame,
-            shares,
+            shades,
             paths: kind === "section" ? layers.paths() : null,
             selected: selected.value,
             overlapping: helper?.overlapping?.() ?? atStart,
@@ -154,6 +150,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     const { motion } = plan.value.made;
     const time = film.place.value * scene.step;
     paintWays(context, scene.ways, now, inks, null, tab === "motion");
+    for (const { at } of throughWalls(scene)) label(context, "✕ wall", at, now, inks);
     paintPlaces(context, scene.targets, now, inks);
     if (motion.kind === "push") for (const push of motion.pushes) paintPush(context, push, time, now, inks);
     if (line) paintLine(context, line, now, inks);
@@ -259,8 +256,11 @@ function useHands(agentAt: (at: Point) => number | null) {
         state.start = at;
         state.tool = active();
         state.mode = event.button === 0 && state.tool?.down?.(pointer(event, double)) ? "pressed" : "ground";
-        // What is drawn on should not move.
-        if (state.mode === "pressed") fits.value = false;
+        // What is drawn on should not move, nor people meanwhile.
+        if (state.mode === "pressed") {
+            fits.value = false;
+            if (film.value) film.value.playing.value = false;
+        }
     };
     const onPointerMove = (event: PointerEvent) => {
         const at = pixel(event);

@@ -1,13 +1,16 @@
 // Charts beside a run: the crowd, the selected person, the flow over a line.
 
 import { effect, signal } from "@preact/signals";
+import { type ComponentChildren, Fragment } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Client } from "./client";
 import type { Film } from "./film";
 import { Flow } from "./flow";
-import { digits } from "./parts";
+import { Choice, digits } from "./parts";
+import { change, type Plan, plan } from "./plan";
 import { grouped, groups, type Line, Plot } from "./plot";
 import type { Point } from "./protocol";
+import { lastOf } from "./transport";
 
 /** Milliseconds between two updates while it plays. */
 const PAUSE = 200;
@@ -50,6 +53,7 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
     const { frames, scene } = film;
     const { ends } = groups(frames.count);
     const seconds = ends.map((k) => k * scene.step);
+    const end = lastOf(film) * scene.step;
     const shown = Math.min(film.shown.peek(), frames.count - 1);
     const agent = selected !== null && selected < scene.agents.length ? selected : null;
     const name = agent !== null ? `Person ${scene.agents[agent]!.id}` : "";
@@ -69,6 +73,7 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
                 unit={unit}
                 lines={given.map(([one]) => one)}
                 data={[seconds, ...rows]}
+                end={end}
                 now={now}
                 summary={`${title}. ${words.join(". ")}.`}
             />
@@ -78,28 +83,42 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
         const numbers = frames.curve(curve);
         return (k: number) => numbers[k]!;
     };
-    return (
-        <section class="charts" aria-label="Charts">
-            {curves("Speed", "m/s", 2, [
+    const charts: Record<Chart, () => ComponentChildren> = {
+        speed: () =>
+            curves("Speed", "m/s", 2, [
                 [{ label: "Mean of all", colour: "--one" }, of("speed"), "mean"],
                 ...(agent === null ? [] : [[{ label: name, colour: "--three" }, speed, "mean"] as [Line, typeof speed, "mean"]]),
-            ])}
-            {curves("Mean squeeze", "N", 0, [[{ label: "Of all", colour: "--one" }, of("squeeze"), "mean"]])}
-            {curves("Greatest squeeze", "N", 0, [
+            ]),
+        mean: () => curves("Mean squeeze", "N", 0, [[{ label: "Of all", colour: "--one" }, of("squeeze"), "mean"]]),
+        greatest: () =>
+            curves("Greatest squeeze", "N", 0, [
                 [{ label: "Of all", colour: "--two" }, of("greatest"), "greatest"],
                 ...(agent === null ? [] : [[{ label: name, colour: "--three" }, squeeze, "mean"] as [Line, typeof squeeze, "mean"]]),
-            ])}
-            {scene.leaving > 0 && curves("Have left", "people", 0, [[{ label: "People", colour: "--one" }, of("left"), "greatest"]])}
-            {line && <FlowChart film={film} line={line} client={client} ends={ends} />}
-            <p class="note">
-                Squeeze is the sum of the normal forces on a person. The charts show its mean over each communication step. Disks with stiff springs touch here, so
-                short impacts have higher peaks than soft bodies would.
-            </p>
+            ]),
+        left: () => scene.leaving > 0 && curves("Have left", "people", 0, [[{ label: "People", colour: "--one" }, of("left"), "greatest"]]),
+        flow: () => line && <FlowChart film={film} line={line} client={client} ends={ends} end={end} />,
+    };
+    const there = CHARTS.filter(([key]) => (key === "left" ? scene.leaving > 0 : key !== "flow" || line));
+    const chosen = plan.value.chart;
+    const one = there.some(([key]) => key === chosen);
+    return (
+        <section class="charts" aria-label="Charts">
+            <Choice label="Chart" value={one || chosen === "all" ? chosen : "greatest"} choices={[...there, ["all", "All of them"]]} onChange={(chart) => change({ chart })} />
+            {chosen === "all" ? there.map(([key]) => <Fragment key={key}>{charts[key]()}</Fragment>) : charts[one ? chosen : "greatest"]()}
         </section>
     );
 }
 
-function FlowChart({ film, line, client, ends }: { film: Film; line: [Point, Point]; client: Client; ends: number[] }) {
+type Chart = Exclude<Plan["chart"], "all">;
+const CHARTS: [Chart, string][] = [
+    ["greatest", "Greatest squeeze [N]"],
+    ["mean", "Mean squeeze [N]"],
+    ["speed", "Speed [m/s]"],
+    ["left", "Have left [people]"],
+    ["flow", "Crossed the line"],
+];
+
+function FlowChart({ film, line, client, ends, end }: { film: Film; line: [Point, Point]; client: Client; ends: number[]; end: number }) {
     const flow = useMemo(() => new Flow(client, film, line), [client, film, JSON.stringify(line)]);
     const { step } = film.scene;
     useEffect(() => void flow.follow());
@@ -122,6 +141,7 @@ function FlowChart({ film, line, client, ends }: { film: Film; line: [Point, Poi
                 unit=""
                 lines={ways.map((way, k) => ({ label: flow.arrow(way), colour: k ? "--two" : "--one", counts: true }))}
                 data={[there.map((k) => k * step), ...rows]}
+                end={end}
                 now={now}
                 summary={`People who crossed the line in ${digits(counted * step, 3)} s: ${words.join("; ")}.`}
             />

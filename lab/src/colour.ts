@@ -1,56 +1,96 @@
-// What the colours say: which number, and from nought to how much.
+// What the colours say: which number, and from what to how much.
 
+import { signal } from "@preact/signals";
 import type { Film } from "./film";
 import { type Colour, plan } from "./plan";
 import { COLUMNS } from "./protocol";
 
-/** Colours of viridis (Smith, van der Walt), from low to high. */
-export const COLOURS = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
+/** Colours of a scale, from its low end, equidistant. */
+export type Ramp = readonly string[];
+
+/** viridis (Smith, van der Walt). */
+const VIRIDIS: Ramp = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
+/** A warm grey, then magma by the same authors; on dark ground from its dark part to its bright end. As crates/picture has
+ * them: a test there compares. */
+const FROM_GREY: Record<"light" | "dark", Ramp> = {
+    light: ["#dcd6cb", "#feb57d", "#fd9c6c", "#fa8461", "#f46b5d", "#e95562", "#d8466b", "#c43c74", "#af357b", "#992e80", "#832682", "#6e1e81", "#5a167e", "#441074", "#2e1161", "#1a1042"],
+    dark: ["#7a7268", "#d4446d", "#df4c68", "#e95562", "#f0615f", "#f56e5d", "#f97c5f", "#fb8b63", "#fd996a", "#fea873", "#feb67d", "#fec489", "#fed395", "#fde1a2", "#fdefb1", "#fcfdbf"],
+};
+
+const scheme = matchMedia("(prefers-color-scheme: dark)");
+const dark = signal(scheme.matches);
+scheme.addEventListener("change", () => (dark.value = scheme.matches));
 
 /** Between them, finely. */
 const FINE = 128;
-const SHADES = Array.from({ length: FINE + 1 }, (_, k) => {
-    const place = (k / FINE) * (COLOURS.length - 1);
-    const low = Math.min(COLOURS.length - 2, Math.floor(place));
-    const part = (text: string, at: number) => Number.parseInt(text.slice(at, at + 2), 16);
-    const mixed = [1, 3, 5].map((at) => {
-        const [from, to] = [part(COLOURS[low]!, at), part(COLOURS[low + 1]!, at)];
-        return Math.round(from + (place - low) * (to - from));
-    });
-    return `rgb(${mixed.join(" ")})`;
-});
 
-export function colourOf(share: number) {
-    return SHADES[Math.round(Math.max(0, Math.min(1, share)) * FINE)]!;
+export interface Shade {
+    fill: string;
+    /** Unlike the colour inside, so that people who touch are told apart. */
+    rim: string;
+}
+
+const known = new Map<Ramp, Shade[]>();
+
+function shadesOf(ramp: Ramp): Shade[] {
+    const found = known.get(ramp);
+    if (found) return found;
+    const shades = Array.from({ length: FINE + 1 }, (_, k) => {
+        const place = (k / FINE) * (ramp.length - 1);
+        const low = Math.min(ramp.length - 2, Math.floor(place));
+        const part = (text: string, at: number) => Number.parseInt(text.slice(at, at + 2), 16);
+        const mixed = [1, 3, 5].map((at) => {
+            const [from, to] = [part(ramp[low]!, at), part(ramp[low + 1]!, at)];
+            return Math.round(from + (place - low) * (to - from));
+        }) as [number, number, number];
+        const luma = 0.299 * mixed[0] + 0.587 * mixed[1] + 0.114 * mixed[2];
+        return { fill: `rgb(${mixed.join(" ")})`, rim: luma < 130 ? "#ffffff" : "#1b1b1b" };
+    });
+    known.set(ramp, shades);
+    return shades;
 }
 
 export interface Scale {
     label: string;
     unit: string;
-    /** Of a frame; a speed is that of columns 3 and 4 together. */
-    column: number;
-    /** What no automatic scale goes below. */
-    least: number;
-    /** Largest value of the colours. */
-    most: number;
+    /** At and below it, people have the first colour. */
+    low: number;
+    /** At and above it, they have the last one. */
+    high: number;
+    /** The largest value so far. */
+    largest: number;
+    ramp: Ramp;
 }
 
-/** Squeeze is the mean over this time, in s: single communication steps flicker. */
-export const SMOOTH = 0.1;
+/** The colour of a value. */
+export function shade({ low, high, ramp }: Scale, value: number): Shade {
+    const share = (value - low) / (high - low);
+    return shadesOf(ramp)[Math.round(Math.max(0, Math.min(1, share)) * FINE)]!;
+}
+
+/** Squeeze is the mean over a time, in s: single communication steps flicker. */
+export function smooth() {
+    return plan.value.smooth;
+}
 
 /** Over what the squeeze is a mean really: whole communication steps, at the start of a run fewer. */
 export function meanWords(film: Film, k = Infinity) {
     const { step } = film.scene;
-    const steps = Math.max(1, Math.min(k, Math.round(SMOOTH / step)));
+    const steps = Math.max(1, Math.min(k, Math.round(smooth() / step)));
     const seconds = `${Number((steps * step).toPrecision(6))} s`;
     return steps === 1 ? `mean of 1 step (${seconds})` : `mean of ${seconds}`;
 }
 
-const SCALES: Record<Colour, Omit<Scale, "most">> = {
-    speed: { label: "Speed", unit: "m/s", column: 3, least: 0.5 },
-    squeeze: { label: "Squeeze", unit: "N", column: 6, least: 100 },
-    contacts: { label: "Contacts", unit: "", column: 7, least: 4 },
+/** Name and unit, the low end, and what no automatic scale's high end goes below. */
+const SCALES: Record<Colour, [string, string, number, number]> = {
+    speed: ["Speed", "m/s", 0, 0.5],
+    squeeze: ["Squeeze", "N", 200, 400],
+    contacts: ["Contacts", "", 0, 4],
 };
+/** Of a frame. */
+const CONTACTS = 7;
+/** The automatic scale ends at this quantile of all values that are not 0, of people and frames. */
+export const QUANTILE = 0.98;
 
 /** A round value that is not below. */
 export function round(value: number) {
@@ -61,47 +101,65 @@ export function round(value: number) {
 
 /** What is coloured of each person, in a frame. */
 export function values(film: Film, k: number, colour: Colour): Float64Array {
-    if (colour === "squeeze") return film.squeezeMean(k, SMOOTH);
+    if (colour === "squeeze") return film.squeezeMean(k, smooth());
     const frame = film.frame(k);
     const count = film.scene.agents.length;
     const found = new Float64Array(count);
     for (let a = 0; a < count; a++) {
         const at = COLUMNS * a;
-        found[a] = colour === "speed" ? Math.hypot(frame[at + 3]!, frame[at + 4]!) : frame[at + SCALES.contacts.column]!;
+        found[a] = colour === "speed" ? Math.hypot(frame[at + 3]!, frame[at + 4]!) : frame[at + CONTACTS]!;
     }
     return found;
 }
 
-/** The largest values of a run so far. Each frame is looked at once for each colour. */
-class Largest {
-    #seen: Record<Colour, number> = { speed: 0, squeeze: 0, contacts: 0 };
-    #largest: Record<Colour, number> = { speed: 0, squeeze: 0, contacts: 0 };
+/** How often values were: counts in bins whose width grows with the value, by 2 %. */
+class Spread {
+    static readonly #PER_OCTAVE = 32;
+    static readonly #FIRST = -10;
+    #counts = new Float64Array(40 * Spread.#PER_OCTAVE);
+    #count = 0;
+    /** Frames that were looked at. */
+    #seen = 0;
+    largest = 0;
 
-    constructor(readonly film: Film) {}
-
-    of(colour: Colour, computed: number): number {
-        for (let k = this.#seen[colour]; k < computed; k++) {
-            for (const value of values(this.film, k, colour)) {
-                if (value > this.#largest[colour]) this.#largest[colour] = value;
+    add(film: Film, colour: Colour, computed: number) {
+        for (; this.#seen < computed; this.#seen++) {
+            for (const value of values(film, this.#seen, colour)) {
+                // Also of those who have left, it is no number.
+                if (!(value > 0)) continue;
+                if (value > this.largest) this.largest = value;
+                const bin = Math.floor((Math.log2(value) - Spread.#FIRST) * Spread.#PER_OCTAVE);
+                this.#counts[Math.max(0, Math.min(bin, this.#counts.length - 1))]! += 1;
+                this.#count += 1;
             }
         }
-        this.#seen[colour] = Math.max(computed, this.#seen[colour]);
-        return this.#largest[colour];
+    }
+
+    /** The upper end of the bin in which the quantile is. */
+    quantile(share: number): number {
+        let left = Math.ceil(share * this.#count - 1e-6);
+        const bin = this.#counts.findIndex((count) => (left -= count) <= 0);
+        return this.#count === 0 ? 0 : Math.min(this.largest, 2 ** (Spread.#FIRST + (bin + 1) / Spread.#PER_OCTAVE));
     }
 }
 
-const known = new WeakMap<Film, Largest>();
+const spreads = new WeakMap<Film, Map<string, Spread>>();
 
-/** The largest value so far. */
-export function largest(film: Film, colour: Colour): number {
-    const found = known.get(film) ?? new Largest(film);
-    known.set(film, found);
-    return found.of(colour, film.computed.value);
+function spreadOf(film: Film, colour: Colour): Spread {
+    const of = spreads.get(film) ?? new Map<string, Spread>();
+    spreads.set(film, of);
+    const key = `${colour} ${colour === "squeeze" ? smooth() : ""}`;
+    const spread = of.get(key) ?? new Spread();
+    of.set(key, spread);
+    spread.add(film, colour, film.computed.value);
+    return spread;
 }
 
-/** As the user has fixed it, or so that all values of the run so far fit. */
+/** As the user has fixed it, or up to the quantile of the run so far. */
 export function scaleOf(film: Film, colour: Colour): Scale {
-    const scale = SCALES[colour];
-    const fixed = plan.value.most[colour];
-    return { ...scale, most: fixed ?? round(Math.max(scale.least, largest(film, colour))) };
+    const [label, unit, low, least] = SCALES[colour];
+    const spread = spreadOf(film, colour);
+    const high = plan.value.most[colour] ?? round(Math.max(least, spread.quantile(QUANTILE)));
+    const ramp = colour === "squeeze" ? FROM_GREY[dark.value ? "dark" : "light"] : VIRIDIS;
+    return { label, unit, low: Math.min(low, high / 2), high, largest: spread.largest, ramp };
 }

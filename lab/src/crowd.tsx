@@ -1,42 +1,30 @@
 // A crowd: who and how many; then its statistics, and single people by hand.
 
-import { ready, shape } from "./drawn";
+import { ready } from "./drawn";
 import { Hand } from "./hand";
 import { Check, Choice, digits, NumberField } from "./parts";
 import { type KeptCrowd } from "./forms";
-import { change, type Made as Planned, plan } from "./plan";
+import { isPlaced, place } from "./live";
+import { change, plan } from "./plan";
 import { People } from "./people";
-import type { Made, Motion } from "./protocol";
-import { choose, client, made } from "./session";
+import type { Made } from "./protocol";
+import { client, made } from "./session";
 
 function set(part: Partial<KeptCrowd>) {
     change({ crowd: { ...plan.value.crowd, ...part } });
 }
 
-/** Whether what was drawn on the stage still lies where the room is. */
-function samePlace({ base }: Planned, { room }: KeptCrowd) {
-    return base.kind === "crowd" && JSON.stringify(shape(base.room.outline).bounds) === JSON.stringify(shape(room.outline).bounds);
-}
-
-/** Another base forgets what was done by hand, because other people stand there. */
-function make() {
-    const { crowd, made } = plan.value;
-    const { kind } = made.motion;
-    const gone = ["push", "walk", "go"].includes(kind) && !samePlace(made, crowd);
-    const motion: Motion = gone ? { kind: "own" } : made.motion;
-    const words = gone ? "The pushes, ways or exits of the place before are gone; Undo brings them back." : "";
-    choose({ base: { kind: "crowd", ...crowd }, edits: [], motion }, false, crowd, words);
-}
-
-function busy() {
-    return client.slow.value?.ask === "show" || !ready();
-}
-
+/** What is to be done before people stand as the forms say; nothing in a scene that is live. */
 export function MakeCrowd() {
+    const { base } = plan.value.made;
+    if (base.kind === "crowd") return isPlaced() ? null : <p class="note">The picture shows the people as they could be placed last.</p>;
     return (
-        <button type="button" class="main" disabled={busy()} onClick={(event) => fits(event.currentTarget) && make()}>
-            Make this crowd
-        </button>
+        <>
+            <p class="note">The scene is no crowd of this page. From here on, people are placed again whenever something changes here.</p>
+            <button type="submit" class="main" disabled={client.slow.value?.ask === "show" || !ready()} onClick={(event) => fits(event.currentTarget) && place(true)}>
+                Make this crowd
+            </button>
+        </>
     );
 }
 
@@ -53,10 +41,7 @@ export function CrowdTab() {
                 class="panel"
                 aria-label="Crowd"
                 noValidate
-                onSubmit={(event) => {
-                    event.preventDefault();
-                    if (fits(event.currentTarget)) make();
-                }}
+                onSubmit={(event) => event.preventDefault()}
             >
                 <h2>Crowd</h2>
                 <Choice
@@ -100,9 +85,7 @@ export function CrowdTab() {
                     ]}
                     onChange={(material) => set({ material })}
                 />
-                <button type="submit" class="main" disabled={busy()}>
-                    Make this crowd
-                </button>
+                <MakeCrowd />
             </form>
             <Hand />
             {made.value && <Placed made={made.value} />}

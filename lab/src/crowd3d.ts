@@ -20,7 +20,7 @@ import {
     Vector2,
     Vector3,
 } from "three";
-import { colourOf } from "./colour";
+import { type Scale, shade } from "./colour";
 import { type Bodies, COLUMNS, isThere, type Scene } from "./protocol";
 import { free, setColour, type Space } from "./space";
 
@@ -56,7 +56,7 @@ export class Crowd3d {
     /** Distance of the lines on the ground, in m. */
     readonly grid: number;
     #bodies: Mesh<BufferGeometry, MeshLambertMaterial>[] = [];
-    #shades: number[] = [];
+    #fills: string[] = [];
     #still = new Group();
     #pick = new MeshBasicMaterial({ side: DoubleSide });
     /** Who is selected: a ring at the feet, an arrow's tip over the head. */
@@ -135,22 +135,21 @@ export class Crowd3d {
             this.#bodies.push(body);
             this.space.scene.add(body);
         }
-        this.#shades = this.#bodies.map(() => -1);
+        this.#fills = this.#bodies.map(() => "");
     }
 
-    /** Places and colours them; each share is 0 to 1. */
-    place(frame: Float32Array, values: Float64Array, most: number, selected: number | null) {
+    /** Places and colours them. */
+    place(frame: Float32Array, values: Float64Array, scale: Scale, selected: number | null) {
         this.#bodies.forEach((body, a) => {
             const at = COLUMNS * a;
             body.visible = isThere(frame, a);
             if (!body.visible) return;
             body.position.set(frame[at]!, frame[at + 1]!, 0);
             body.rotation.z = frame[at + 2]!;
-            const shade = Math.round((200 * values[a]!) / most);
-            if (shade !== this.#shades[a]) {
-                this.#shades[a] = shade;
-                body.material.color.copy(this.#colour(colourOf(values[a]! / most)));
-            }
+            const { fill } = shade(scale, values[a]!);
+            if (fill === this.#fills[a]) return;
+            this.#fills[a] = fill;
+            body.material.color.copy(this.#colour(fill));
         });
         this.#mark.visible = selected !== null && isThere(frame, selected);
         if (selected !== null && this.#mark.visible) this.#mark.position.set(frame[COLUMNS * selected]!, frame[COLUMNS * selected + 1]!, 0.01);

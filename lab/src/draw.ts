@@ -1,7 +1,7 @@
 // Draws a frame. Shapes are the disks that the engine uses, or the sections that it gives; only turning, moving and
 // scaling happens here.
 
-import { colourOf } from "./colour";
+import type { Shade } from "./colour";
 import { COLUMNS, type Disk, FEET, isThere, type Point, type Push, type Scene, type Waypoint } from "./protocol";
 import { inMetres, toMetres, toPixels, type View } from "./view";
 
@@ -33,19 +33,14 @@ export function inksOf(canvas: HTMLCanvasElement): Inks {
 
 export interface Picture {
     frame: Float32Array;
-    /** For each person, 0 to 1. */
-    shares: Float64Array;
+    /** Of each person. */
+    shades: Shade[];
     /** Instead of the disks. */
     paths: Path2D[] | null;
     selected: number | null;
     overlapping: readonly number[];
     /** People fade where something else is looked at. */
     faint: boolean;
-}
-
-/** Unlike the colour inside, so that people who touch are told apart. */
-function rimOf(share: number) {
-    return share < 0.5 ? "#ffffff" : "#1b1b1b";
 }
 
 export class Painter {
@@ -70,7 +65,7 @@ export class Painter {
 
     /** Twice filled, in pixels, each disk for itself: without a graphics card browsers take much longer for strokes, for
      * arcs that are turned, and for paths of several arcs. */
-    #disks(context: CanvasRenderingContext2D, { frame, shares }: Picture, view: View, rim: number) {
+    #disks(context: CanvasRenderingContext2D, { frame, shades }: Picture, view: View, rim: number) {
         context.setTransform(1, 0, 0, 1, 0, 0);
         this.scene.agents.forEach(({ disks }, a) => {
             if (!isThere(frame, a)) return;
@@ -78,7 +73,7 @@ export class Painter {
             const turn = frame[COLUMNS * a + 2]!;
             const [cos, sin] = [view.scale * Math.cos(turn), view.scale * Math.sin(turn)];
             for (const wider of [rim, 0]) {
-                context.fillStyle = wider ? rimOf(shares[a]!) : colourOf(shares[a]!);
+                context.fillStyle = wider ? shades[a]!.rim : shades[a]!.fill;
                 for (const [dx, dy, radius] of disks) {
                     const [right, down] = [x + cos * dx - sin * dy, y - sin * dx - cos * dy];
                     context.beginPath();
@@ -89,20 +84,20 @@ export class Painter {
         });
     }
 
-    #sections(context: CanvasRenderingContext2D, paths: Path2D[], { frame, shares }: Picture, view: View, width: number) {
+    #sections(context: CanvasRenderingContext2D, paths: Path2D[], { frame, shades }: Picture, view: View, width: number) {
         context.lineWidth = width / view.scale;
         paths.forEach((path, a) => {
             if (!isThere(frame, a)) return;
             this.#place(context, frame, a, view);
-            context.strokeStyle = rimOf(shares[a]!);
-            context.fillStyle = colourOf(shares[a]!);
+            context.strokeStyle = shades[a]!.rim;
+            context.fillStyle = shades[a]!.fill;
             context.stroke(path);
             context.fill(path);
         });
     }
 
     people(context: CanvasRenderingContext2D, picture: Picture, view: View, inks: Inks) {
-        const { frame, shares } = picture;
+        const { frame, shades } = picture;
         const selected = picture.selected !== null && isThere(frame, picture.selected) ? picture.selected : null;
         const paths = picture.paths ?? this.#paths;
         const rim = 0.5 * Math.max(1, Math.min(2, view.scale / 40)) * devicePixelRatio;
@@ -116,7 +111,7 @@ export class Painter {
             context.lineWidth = (5 * devicePixelRatio) / view.scale;
             context.strokeStyle = inks.pick;
             context.stroke(paths[selected]);
-            context.fillStyle = colourOf(shares[selected]!);
+            context.fillStyle = shades[selected]!.fill;
             context.fill(paths[selected]);
         }
         for (const a of picture.overlapping) if (paths[a] && isThere(frame, a)) this.#overlap(context, paths[a], frame, a, view, inks);

@@ -1,6 +1,6 @@
-// A run: frames that were computed, and which of them is shown. It asks for further ones while it plays.
+// A run: frames that were computed, and which of them is shown. It computes ahead of that.
 
-import { batch, signal } from "@preact/signals";
+import { batch, computed, signal } from "@preact/signals";
 import { type Client, Stopped } from "./client";
 import { Frames } from "./frames";
 import type { Advanced, Scene } from "./protocol";
@@ -9,6 +9,8 @@ import type { Advanced, Scene } from "./protocol";
 const MOST_BYTES = 800e6;
 /** Seconds that an answer should take, so that the page is heard between them. */
 const ANSWER = 0.03;
+/** Seconds of a run that are computed ahead of what is shown, while it plays. */
+const AHEAD = 60;
 
 export class Film {
     readonly playing = signal(false);
@@ -26,7 +28,15 @@ export class Film {
     /** Simulated seconds in a second that were really shown. */
     readonly pace = signal(0);
     readonly frames: Frames;
-    #asking = false;
+    /** The last frame that is to be computed, whether it is shown or not. */
+    readonly wanted = signal(0);
+    /** The last frame that was shown. */
+    readonly #seen = signal(0);
+    /** The last frame that was shown or asked for: tables and movies end there. What is computed ahead depends on the machine. */
+    readonly reached = computed(() => Math.max(this.#seen.value, Math.min(this.wanted.value, this.computed.value - 1)));
+    /** The place that is to be shown. */
+    #sought = 0;
+    #computing: Promise<void> | null = null;
     #old = false;
     #generation: number;
 
@@ -78,15 +88,35 @@ export class Film {
         this.emptied.value = left.findIndex((count) => count >= leaving);
     }
 
-    /** Computes until there are at least this many frames. */
-    async until(count: number) {
-        while (this.frames.count < Math.min(count, this.most) && !this.over && !this.failed.value) await this.#ask(count);
+    /** Frames that are to be computed now: up to what was asked for and, while it plays, some time ahead of what is shown. */
+    #goal(): number {
+        const { emptied, place, scene } = this;
+        // Who plays it beyond the moment at which all have left sees how it goes on.
+        const ends = emptied.value !== null && place.value < emptied.value;
+        const played = this.playing.value && !ends ? place.value + AHEAD / scene.step : 0;
+        return Math.min(this.most, 1 + Math.ceil(Math.max(this.wanted.value, this.#sought, played)));
+    }
+
+    /** Computes up to the goal, which may change meanwhile. Answers call for the next ones, not pictures: it goes on in a
+     * hidden tab, too. */
+    async #compute() {
+        const behind = () => this.frames.count < this.#goal() && !this.over && !this.failed.value;
+        if (!behind()) return;
+        this.#computing ??= (async () => {
+            while (behind()) await this.#ask(this.#goal());
+            this.#computing = null;
+        })();
+        await this.#computing;
+    }
+
+    /** Computes up to a frame, without showing it; or no further than now. */
+    async compute(to: number | null) {
+        this.wanted.value = to ?? 0;
+        this.#sought = 0;
+        await this.#compute();
     }
 
     async #ask(wanted: number) {
-        if (this.over) return;
-        if (this.#asking) return new Promise((done) => setTimeout(done, 5));
-        this.#asking = true;
         const most = Math.max(1, Math.floor(ANSWER / Math.max(this.cost.value, 1e-4)));
         const steps = Math.max(1, Math.min(most, wanted - this.frames.count, 1000));
         try {
@@ -102,8 +132,6 @@ export class Film {
         } catch (error) {
             if (!this.over && !(error instanceof Stopped)) this.failed.value = `the run ended: ${(error as Error).message}`;
             this.playing.value = false;
-        } finally {
-            this.#asking = false;
         }
     }
 
@@ -114,7 +142,7 @@ export class Film {
         const emptied = this.emptied.value;
         if (emptied !== null && from < emptied && wanted >= emptied) {
             // The run ends here. Who plays it again sees how it goes on.
-            return this.show(emptied);
+            return void this.show(emptied);
         }
         const there = this.frames.count - 1;
         const smooth = 0.9;
@@ -130,29 +158,27 @@ export class Film {
             }
             return;
         }
-        const ahead = Math.ceil((0.3 * pace) / this.scene.step) + 2;
-        if (!this.#asking && there < wanted + ahead) void this.#ask(Math.ceil(wanted) + ahead + 1);
+        void this.#compute();
     }
 
     #go(place: number) {
         const within = Math.max(0, Math.min(place, this.frames.count - 1));
         batch(() => {
             this.place.value = within;
+            if (within > this.#seen.peek()) this.#seen.value = Math.floor(within);
             this.shown.value = Math.floor(within);
         });
     }
 
-    /** Shows a place among the frames that are there; nothing plays then. */
-    show(place: number) {
+    /** Shows a place; nothing plays then. What is not there yet is computed before. */
+    async show(place: number) {
         this.playing.value = false;
+        this.#sought = place;
         this.#go(place);
-    }
-
-    async next() {
-        const k = this.shown.value + 1;
-        this.playing.value = false;
-        await this.until(k + 1);
-        this.show(k);
+        if (Math.ceil(place) < this.frames.count) return;
+        await this.#compute();
+        // Unless another place was asked for meanwhile.
+        if (this.#sought === place && !this.playing.value) this.#go(place);
     }
 
     /** Another film takes its place. */

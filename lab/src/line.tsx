@@ -30,7 +30,7 @@ const drawing: Tool = {
         drawn.value = null;
         if (!line || Math.hypot(at[0] - line[0][0], at[1] - line[0][1]) < reach) return;
         lineTool.value = null;
-        change({ line: [line[0], at].map(([x, y]) => [Number(x.toFixed(3)), Number(y.toFixed(3))]) as Line });
+        change({ chart: "flow", line: [line[0], at].map(([x, y]) => [Number(x.toFixed(3)), Number(y.toFixed(3))]) as Line });
     },
     key: (event) => {
         if (event.key !== "Escape") return false;

@@ -49,11 +49,25 @@ function starting(kind: Motion["kind"]): Motion {
     return { kind };
 }
 
+export function kindOf() {
+    return motion.value.kind;
+}
+
+export function setKind(kind: Motion["kind"]) {
+    before.set(motion.value.kind, motion.value);
+    begin("change");
+    picked.value = null;
+    setMotion(starting(kind));
+}
+
 export function MotionTab() {
-    useEffect(() => {
-        begin("change");
-        picked.value = null;
-    }, []);
+    useEffect(
+        () => () => {
+            begin("change");
+            picked.value = null;
+        },
+        [],
+    );
     const now = motion.value;
     useTool(now.kind === "go" ? exitTool : motionTool);
     return (
@@ -63,12 +77,7 @@ export function MotionTab() {
                 label="What moves them"
                 value={now.kind}
                 choices={KINDS}
-                onChange={(kind) => {
-                    before.set(now.kind, now);
-                    begin("change");
-                    picked.value = null;
-                    setMotion(starting(kind));
-                }}
+                onChange={setKind}
             />
             <p class="note">{SENTENCES[now.kind]}</p>
             {now.kind === "push" && <BalanceChoice value={now.balance} onChange={(balance) => setMotion({ ...now, balance })} />}

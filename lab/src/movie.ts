@@ -38,7 +38,7 @@ export class Movie {
             const from = this.canvas();
             if (from) compose(picture, from, film);
         };
-        film.show(0);
+        void film.show(0);
         await nextPicture();
         paint();
         const stream = picture.captureStream();
@@ -73,7 +73,7 @@ export class Movie {
 
     async #play(paint: () => void) {
         const { film, pace } = this;
-        const end = film.frames.count - 1;
+        const end = film.reached.value;
         let place = 0;
         let before = await nextPicture();
         while (!this.#stopped && !film.over && place < end) {
@@ -81,7 +81,7 @@ export class Movie {
             // After a pause, it goes on where it was.
             place = Math.min(end, place + (Math.min(0.25, (now - before) / 1000) * pace) / film.scene.step);
             before = now;
-            film.show(place);
+            void film.show(place);
             paint();
             this.tell(end ? place / end : 1);
         }

@@ -1,9 +1,10 @@
 // Numbers beside the picture: of the run, and of the person that is selected.
 
 import type { ComponentChildren } from "preact";
-import { meanWords, SMOOTH } from "./colour";
+import { meanWords, smooth } from "./colour";
 import type { Film } from "./film";
 import { beat } from "./layout";
+import { LineFields } from "./line";
 import { digits, Facts, length } from "./parts";
 import { plan } from "./plan";
 import { COLUMNS, FEET, isThere } from "./protocol";
@@ -17,11 +18,16 @@ export function Numbers({ film }: { film: Film }) {
         <section class="numbers" aria-label="Numbers">
             <h2>Run</h2>
             <Facts rows={ofRun(film, playing, k)} />
+            <details>
+                <summary>Steps and cost</summary>
+                <Facts rows={details(film, playing)} />
+            </details>
             <Overlapping film={film} />
             <h2>Person</h2>
             <Who film={film} />
             {selected.value === null && <p class="note">Choose one here, or on the picture.</p>}
             {selected.value !== null && <Facts rows={ofPerson(film, k, selected.value)} />}
+            {plan.value.view !== "3d" && <LineFields />}
         </section>
     );
 }
@@ -29,21 +35,28 @@ export function Numbers({ film }: { film: Film }) {
 function ofRun(film: Film, playing: boolean, k: number): [string, ComponentChildren][] {
     const { scene } = film;
     const advanced = playing ? film.advanced.peek() : film.advanced.value;
-    const cost = film.cost.peek();
-    const perStep = (1e9 * cost * (scene.mechanical_step / scene.step)) / Math.max(1, scene.agents.length);
     const rows: [string, ComponentChildren][] = [
         ["People", String(scene.agents.length)],
-        ["Communication step", `${scene.step} s`],
-        ["Mechanical step", scene.stable ? `${scene.mechanical_step} s (stable up to ${digits(scene.stable, 2)} s)` : `${scene.mechanical_step} s`],
-        ["Shown pace", playing ? `${film.pace.peek().toFixed(2)} s per second` : "paused"],
-        ["Time to compute a step", advanced ? `${digits(1000 * cost, 2)} ms` : "–"],
-        ["… per person and mechanical step", advanced ? `${digits(perStep, 2)} ns` : "–"],
         ["Deepest overlap so far", advanced ? `${digits(1000 * advanced.overlap, 2)} mm` : "–"],
     ];
     if (scene.pushed.length > 0) rows.push(["Pushed", people(scene.pushed.length)]);
     if (scene.ways.length + scene.targets.length > 0 && scene.leaving < scene.agents.length) rows.push(["Arrived or left", `${advanced?.arrived ?? 0} of ${scene.agents.length}`]);
     if (scene.leaving > 0) rows.push(["Have left", `${film.frames.curve("left")[k]} of ${scene.leaving}`]);
     return rows;
+}
+
+function details(film: Film, playing: boolean): [string, ComponentChildren][] {
+    const { scene } = film;
+    const advanced = playing ? film.advanced.peek() : film.advanced.value;
+    const cost = film.cost.peek();
+    const perStep = (1e9 * cost * (scene.mechanical_step / scene.step)) / Math.max(1, scene.agents.length);
+    return [
+        ["Communication step", `${scene.step} s`],
+        ["Mechanical step", scene.stable ? `${scene.mechanical_step} s (stable up to ${digits(scene.stable, 2)} s)` : `${scene.mechanical_step} s`],
+        ["Shown pace", playing ? `${film.pace.peek().toFixed(2)} s per second` : "paused"],
+        ["Time to compute a step", advanced ? `${digits(1000 * cost, 2)} ms` : "–"],
+        ["… per person and mechanical step", advanced ? `${digits(perStep, 2)} ns` : "–"],
+    ];
 }
 
 function people(count: number) {
@@ -62,11 +75,11 @@ function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren]
         ["Mass", `${digits(agent.mass, 3)} kg`],
         ["Place", isThere(frame, a) ? `x ${length(of(0), unit)}, y ${length(of(1), unit)}` : "has left"],
         ["Speed", `${Math.hypot(of(3), of(4)).toFixed(2)} m/s`],
-        [`Squeeze, ${meanWords(film, k)}`, `${Math.round(film.squeezeMean(k, SMOOTH)[a]!).toLocaleString("en")} N`],
+        [`Squeeze, ${meanWords(film, k)}`, `${Math.round(film.squeezeMean(k, smooth())[a]!).toLocaleString("en")} N`],
         ["Contacts", String(of(7))],
     ];
     if (isThere(frame, a) && !Number.isNaN(of(FEET))) rows.push(["Lean", length(Math.hypot(of(0) - of(FEET), of(1) - of(FEET + 1)), unit)]);
-    const byWalls = Math.round(film.wallMean(k, SMOOTH, a));
+    const byWalls = Math.round(film.wallMean(k, smooth(), a));
     if (byWalls > 0) rows.splice(5, 0, ["Of it by walls", `${byWalls.toLocaleString("en")} N`]);
     if (person) {
         const sizes = `${length(person.breadth, unit)} × ${length(person.depth, unit)}, ${length(person.stature, unit)} tall`;

@@ -5,10 +5,15 @@ import { render } from "preact";
 import { Busy } from "./busy";
 import { CrowdTab } from "./crowd";
 import { canvas } from "./layout";
+import { follow } from "./live";
 import { MotionTab } from "./motion";
+import { Numbers } from "./numbers";
+import { Icon } from "./parts";
 import { PersonTab } from "./person";
 import { canRedo, canUndo, change, link, type Plan, plan, redo, undo, unlinked } from "./plan";
 import { RoomTab } from "./room";
+import { Title } from "./scenelist";
+import { begin as keepScenes, openFile } from "./scenes";
 import { attempt, begin, client, film, notes, problem, said } from "./session";
 import { Stage } from "./stage";
 import { StartTab } from "./start";
@@ -29,22 +34,26 @@ function Header() {
     return (
         <header>
             <h1>LEMONS lab</h1>
+            <Title />
             <nav aria-label="Parts">
                 {TABS.map(([key, words]) => (
-                    <button key={key} type="button" aria-current={tab === key ? "page" : undefined} onClick={() => change({ tab: key })}>
+                    <button key={key} type="button" aria-current={tab === key ? "page" : undefined} onClick={() => go(key)}>
                         {words}
                     </button>
                 ))}
+                <button type="button" class="phone" aria-pressed={sheet.value === "numbers"} onClick={() => (sheet.value = sheet.value === "numbers" ? null : "numbers")}>
+                    Numbers
+                </button>
             </nav>
             <div class="tools">
-                <button type="button" disabled={!canUndo.value} onClick={undo}>
-                    Undo
+                <button type="button" aria-label="Undo" title="Undo (Ctrl+Z)" disabled={!canUndo.value} onClick={undo}>
+                    <Icon path="M6 2L2 6l4 4V7h4a2 2 0 0 1 0 4H6v2h4a4 4 0 0 0 0-8H6z" />
                 </button>
-                <button type="button" disabled={!canRedo.value} onClick={redo}>
-                    Redo
+                <button type="button" aria-label="Redo" title="Redo (Ctrl+Y)" disabled={!canRedo.value} onClick={redo}>
+                    <Icon path="M10 2l4 4-4 4V7H6a2 2 0 0 0 0 4h4v2H6a4 4 0 0 1 0-8h4z" />
                 </button>
-                <button type="button" onClick={() => change({ unit: unit === "m" ? "cm" : "m" })}>
-                    Show lengths in {unit === "m" ? "cm" : "m"}
+                <button type="button" aria-label={`${unit}: show lengths in ${unit === "m" ? "cm" : "m"}`} title={`Show lengths in ${unit === "m" ? "cm" : "m"}`} onClick={() => change({ unit: unit === "m" ? "cm" : "m" })}>
+                    {unit}
                 </button>
                 <button type="button" onClick={() => void attempt(copyLink)}>
                     Copy link
@@ -52,6 +61,12 @@ function Header() {
             </div>
         </header>
     );
+}
+
+/** Chosen again, its sheet is closed. */
+function go(tab: Plan["tab"]) {
+    sheet.value = sheet.value === "forms" && plan.value.tab === tab ? null : "forms";
+    change({ tab });
 }
 
 async function copyLink() {
@@ -80,46 +95,67 @@ function Panel() {
 /** Whether something is dragged over the page. */
 const over = signal(false);
 
+/** On a phone, forms and numbers lie over the lower part of the stage, when they are wanted. */
+const sheet = signal<"forms" | "numbers" | null>(null);
+
 function Page() {
     const { tab } = plan.value;
     const shown = film.value;
+    const open = (which: "forms" | "numbers") => (sheet.value === which ? "sheet open" : "sheet");
     return (
         <>
             <Header />
-            <main>
-                <div class="news">
-                    <p role="status">{said.value}</p>
-                    <Busy />
-                </div>
-                {problem.value && (
-                    <div role="alert" class="problem">
-                        <pre>{problem.value}</pre>
-                        <button type="button" aria-label="Close this message" onClick={() => (problem.value = "")}>
-                            ×
-                        </button>
+            {tab === "person" ? (
+                <main class="whole">
+                    <PersonTab client={client} />
+                </main>
+            ) : (
+                <main class="columns">
+                    <div class={open("forms")}>
+                        <Panel />
                     </div>
-                )}
-                {notes.value.length > 0 && (
+                    {shown ? <Stage key="stage" film={shown} /> : <p role="status">{problem.value ? "" : "One moment …"}</p>}
+                    <div class={open("numbers")}>{shown && <Numbers film={shown} />}</div>
+                </main>
+            )}
+            <News />
+            <footer>
+                <p role="status">{said.value}</p>
+                <Busy />
+                <span class="unit">
+                    Computed in your browser: nothing that you open leaves this machine. <a href="licences.txt">Licences</a>
+                </span>
+            </footer>
+            {over.value && <p class="drop">Drop a zip or a folder with a Trial</p>}
+        </>
+    );
+}
+
+/** What went wrong and what is to be known, over the stage: it moves nothing. */
+function News() {
+    return (
+        <div class="news">
+            {problem.value && (
+                <div role="alert" class="problem">
+                    <pre>{problem.value}</pre>
+                    <button type="button" aria-label="Close this message" onClick={() => (problem.value = "")}>
+                        ×
+                    </button>
+                </div>
+            )}
+            {notes.value.length > 0 && (
+                <div class="problem note">
                     <ul class="notes" aria-label="Notes">
                         {notes.value.map((note) => (
                             <li key={note}>{note}</li>
                         ))}
                     </ul>
-                )}
-                {tab === "person" ? (
-                    <PersonTab client={client} />
-                ) : (
-                    <div class="columns">
-                        <Panel />
-                        {shown ? <Stage key="stage" film={shown} /> : <p role="status">{problem.value ? "" : "One moment …"}</p>}
-                    </div>
-                )}
-            </main>
-            <footer>
-                Computed in your browser: nothing that you open leaves this machine. <a href="licences.txt">Licences</a>
-            </footer>
-            {over.value && <p class="drop">Drop a zip or a folder with a Trial</p>}
-        </>
+                    <button type="button" aria-label="Close these notes" onClick={() => (notes.value = [])}>
+                        ×
+                    </button>
+                </div>
+            )}
+        </div>
     );
 }
 
@@ -146,8 +182,15 @@ addEventListener("drop", (event) => {
     event.preventDefault();
     // What was dropped can be read only now.
     const files = dropped(data);
-    void attempt(async () => openTrial(await files));
+    void attempt(async () => {
+        const given = await files;
+        const [first] = given;
+        // A scene's own file, or else a Trial.
+        await (given.length === 1 && first!.path.endsWith(".json") ? openFile(first!.file) : openTrial(given));
+    });
 });
 
 begin();
+follow();
+keepScenes();
 render(<Page />, document.getElementById("lab")!);

@@ -134,6 +134,15 @@ export function Facts({ rows }: { rows: [string, ComponentChildren][] }) {
     );
 }
 
+/** A drawing on a button, which has its name in words. */
+export function Icon({ path }: { path: string }) {
+    return (
+        <svg class="icon" viewBox="0 0 16 16" aria-hidden="true">
+            <path d={path} />
+        </svg>
+    );
+}
+
 interface SpaceProps {
     canvas: Ref<HTMLCanvasElement>;
     /** Why there is no picture; empty if there is one. */

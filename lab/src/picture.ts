@@ -1,6 +1,6 @@
 // The canvas of a run as a picture that explains itself: on paper, with the time and what the colours mean.
 
-import { COLOURS, scaleOf } from "./colour";
+import { scaleOf } from "./colour";
 import type { Film } from "./film";
 import { digits } from "./parts";
 import { plan } from "./plan";
@@ -29,17 +29,17 @@ export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: 
     context.fillStyle = ink;
     const time = `${(film.place.value * film.scene.step).toFixed(2)} s`;
     context.fillText(time, 10 * pixel, middle);
-    const { label, unit, most } = scaleOf(film, plan.value.colour);
-    const end = `${digits(most, 3)} ${unit}`.trim();
+    const { label, unit, low, high: most, largest, ramp: colours } = scaleOf(film, plan.value.colour);
+    const end = `${largest > most ? "≥ " : ""}${digits(most, 3)} ${unit}`.trim();
     let right = width - 10 * pixel - context.measureText(end).width;
     context.fillText(end, right, middle);
     const ramp = Math.min(120 * pixel, width / 4);
     right -= ramp + 8 * pixel;
-    COLOURS.forEach((colour, k) => {
+    colours.forEach((colour, k) => {
         context.fillStyle = colour;
-        context.fillRect(right + (k * ramp) / COLOURS.length, middle - 6 * pixel, ramp / COLOURS.length + 1, 12 * pixel);
+        context.fillRect(right + (k * ramp) / colours.length, middle - 6 * pixel, ramp / colours.length + 1, 12 * pixel);
     });
-    const begin = `${label}: 0`;
+    const begin = `${label}: ${low > 0 ? `≤ ${low}` : 0}`;
     context.fillStyle = ink;
     right -= context.measureText(begin).width + 8 * pixel;
     if (right > context.measureText(time).width + 20 * pixel) context.fillText(begin, right, middle);

@@ -1,7 +1,7 @@
-// What the user has made: kept in the browser, undone and redone, and sent as a link.
+// The scene on the stage and the state of the page: changed, undone and redone, and sent as a link.
 
-import { computed, effect, signal } from "@preact/signals";
-import { flag, list, nullable, number, one, patched, record, tuple, Unfit, within } from "./check";
+import { batch, computed, effect, signal } from "@preact/signals";
+import { flag, list, nullable, number, one, patched, record, text, tuple, Unfit, within } from "./check";
 import { base, crowd, edit, type KeptBase, type KeptCrowd, MOST, motion, point } from "./forms";
 import type { Edit, Motion, PersonWanted, Point } from "./protocol";
 
@@ -23,10 +23,15 @@ export interface Plan {
     person: PersonWanted;
     unit: "m" | "cm";
     colour: Colour;
+    /** Time over which squeeze is a mean, in s. */
+    smooth: number;
     /** Upper ends of the colours that the user has fixed. */
     most: Record<Colour, number | null>;
     /** Simulated seconds in a second. */
     pace: number;
+    /** Where the timeline ends, in s. */
+    end: number;
+    chart: "greatest" | "mean" | "speed" | "left" | "flow" | "all";
     view: "2d" | "3d" | "section";
     /** Of the section, in m. */
     altitude: number;
@@ -63,8 +68,11 @@ export const FIRST: Plan = {
     person: { sex: "female", breadth: null, depth: null, stature: null, mass: null, altitude: null },
     unit: "cm",
     colour: "squeeze",
+    smooth: 0.1,
     most: { speed: null, squeeze: null, contacts: null },
     pace: 1,
+    end: 30,
+    chart: "greatest",
     view: "2d",
     altitude: 1.3,
     trails: false,
@@ -74,23 +82,30 @@ export const FIRST: Plan = {
 
 /** Of colours. */
 const upper = within(1e-3, 1e7);
+const undoables = {
+    made: record<Made>({ base, edits: list(edit, MOST.edits), motion }),
+    crowd,
+    person: record<PersonWanted>({
+        sex: one("male", "female"),
+        breadth: nullable(number),
+        depth: nullable(number),
+        stature: nullable(number),
+        mass: nullable(number),
+        altitude: nullable(within(0, 3)),
+    }),
+};
+const undone = record<Pick<Plan, keyof typeof undoables>>(undoables);
 const whole = patched<Plan>(
     {
         tab: one(...TABS),
-        made: record<Made>({ base, edits: list(edit, MOST.edits), motion }),
-        crowd,
-        person: record<PersonWanted>({
-            sex: one("male", "female"),
-            breadth: nullable(number),
-            depth: nullable(number),
-            stature: nullable(number),
-            mass: nullable(number),
-            altitude: nullable(within(0, 3)),
-        }),
+        ...undoables,
         unit: one("m", "cm"),
         colour: one("speed", "squeeze", "contacts"),
+        smooth: within(0.01, 10),
         most: record<Plan["most"]>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper) }),
         pace: within(0.01, 100),
+        end: within(1e-3, 1e5),
+        chart: one("greatest", "mean", "speed", "left", "flow", "all"),
         view: one("2d", "3d", "section"),
         altitude: within(0, 3),
         trails: flag,
@@ -100,9 +115,30 @@ const whole = patched<Plan>(
     FIRST,
 );
 
-export const KEY = "lemons-lab plan 2";
-/** A plan has a few kilobytes. */
+/** What of a plan belongs to its scene, and goes with it into links and files. The rest belongs to the page. */
+const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "line"] as const;
+type Part = Pick<Plan, (typeof OF_SCENE)[number]>;
+
+export function sceneOf(plan: Plan): Part {
+    return Object.fromEntries(OF_SCENE.map((key) => [key, plan[key]])) as unknown as Part;
+}
+
+/** A scene with its name and what can be undone. */
+export interface Kept {
+    name: string;
+    /** When it was changed, in ms since 1970. */
+    changed: number;
+    plan: Plan;
+    past: string[];
+    future: string[];
+}
+
+/** A scene has a few kilobytes; its past may have more. */
 const LONGEST = 4e6;
+/** Steps that can be undone, and letters of them that are kept. */
+const STEPS = 200;
+const PAST = 3e5;
+export const NAME = 80;
 
 /** What of a plan is named when it did not fit. */
 const PARTS: Partial<Record<keyof Plan, string>> = {
@@ -112,41 +148,45 @@ const PARTS: Partial<Record<keyof Plan, string>> = {
     line: "the line",
 };
 
-interface Read {
-    plan: Plan | null;
+export interface Read {
+    kept: Kept | null;
     /** What did not fit, in words; empty if all did. */
     left: string;
 }
 
-function read(from: string | null, whose: string): Read {
-    if (!from) return { plan: null, left: "" };
+const steps = list(text(LONGEST), STEPS);
+
+/** A scene as a link, a file or the browser has it. `Kept` lies flat in it: its plan's parts beside its name. */
+export function read(from: string | null, whose: string): Read {
+    if (!from) return { kept: null, left: "" };
     try {
         if (from.length > LONGEST) throw new Unfit();
         const left = new Set<string>();
-        const found = whole(JSON.parse(from), (key) => left.add(PARTS[key] ?? "settings"));
+        const given: unknown = JSON.parse(from);
+        const plan = whole(given, (key) => left.add(PARTS[key] ?? "settings"));
         const words = left.size > 0 ? `Not all of ${whose} fits this version of the page. Left out: ${[...left].join(", ")}.` : "";
-        return { plan: found, left: words };
+        const { name, changed, past, future } = patched<Omit<Kept, "plan">>({ name: text(NAME), changed: number, past: steps, future: steps }, { name: "", changed: 0, past: [], future: [] })(given, () => {});
+        return { kept: { name, changed, plan, past, future }, left: words };
     } catch {
-        return { plan: null, left: `${capital(whose)} cannot be read: it is not whole, or it is none of this page.` };
+        return { kept: null, left: `${capital(whose)} cannot be read: it is not whole, or it is none of this page.` };
     }
+}
+
+/** The latest steps that have not too many letters together. */
+function latest(steps: string[]): string[] {
+    let letters = 0;
+    const from = steps.findLastIndex((step) => (letters += step.length) > PAST);
+    return steps.slice(from + 1);
 }
 
 function capital(words: string) {
     return words[0]!.toUpperCase() + words.slice(1);
 }
 
-function stored(): string | null {
-    try {
-        return localStorage.getItem(KEY);
-    } catch {
-        return null;
-    }
-}
-
 /** A link is read once: later changes count more. */
 function linked(): Read {
     const { hash } = location;
-    if (hash.length < 2) return { plan: null, left: "" };
+    if (hash.length < 2) return { kept: null, left: "" };
     history.replaceState(null, "", location.pathname + location.search);
     let text = hash.slice(1);
     try {
@@ -154,41 +194,109 @@ function linked(): Read {
     } catch {
         // Then it is no plan, either.
     }
-    return read(text, "the link");
+    const found = read(text, "the link");
+    // A link brings its scene. What belongs to the page is as this visitor has it.
+    return found.kept ? { ...found, kept: { ...found.kept, name: found.kept.name || "From a link", past: [], future: [] } } : found;
+}
+
+/** Of this tab, which it finds again after a reload: also a scene that is not kept. */
+const TAB = "lemons-lab tab";
+/** What belongs to the page, for the next visit. */
+const PAGE = "lemons-lab page";
+/** Of earlier versions of the page: the one scene. */
+export const FORMER = "lemons-lab plan 2";
+/** Before the Id of a scene. */
+export const SCENE = "lemons-lab scene ";
+
+/** The browser's storage; none where it is forbidden. */
+export function storage(kind: "localStorage" | "sessionStorage"): Storage | null {
+    try {
+        return window[kind];
+    } catch {
+        return null;
+    }
+}
+
+/** The scenes that this browser keeps, the latest first. */
+export function keptScenes(): { id: string; kept: Kept }[] {
+    const from = storage("localStorage");
+    const found = Array.from({ length: from?.length ?? 0 }, (_, k) => from!.key(k) ?? "")
+        .filter((key) => key.startsWith(SCENE))
+        .flatMap((key) => {
+            const { kept } = read(from!.getItem(key), "a scene");
+            return kept ? [{ id: key.slice(SCENE.length), kept }] : [];
+        });
+    return found.sort((one, other) => other.kept.changed - one.kept.changed);
+}
+
+/** What this tab had, what was changed last in this browser, or what an earlier version kept. */
+function found(): { id: string | null; read: Read; former: boolean } {
+    const tab = read(storage("sessionStorage")?.getItem(TAB) ?? null, "what this tab had");
+    if (tab.kept) {
+        const id = (JSON.parse(storage("sessionStorage")!.getItem(TAB)!) as { id?: unknown }).id;
+        return { id: typeof id === "string" ? id : null, read: tab, former: false };
+    }
+    const [last] = keptScenes();
+    if (last) return { id: last.id, read: { kept: last.kept, left: tab.left }, former: false };
+    const former = read(storage("localStorage")?.getItem(FORMER) ?? null, "what this browser kept");
+    return { id: null, read: { kept: former.kept && { ...former.kept, name: "Of an earlier visit" }, left: former.left || tab.left }, former: former.kept !== null };
 }
 
 const given = linked();
-const found = read(stored(), "what this browser kept");
-export const plan = signal<Plan>(given.plan ?? found.plan ?? FIRST);
+const before = found();
+const first = given.kept ?? before.read.kept ?? { name: "A push through a row", changed: 0, plan: FIRST, past: [], future: [] };
+const page = read(storage("localStorage")?.getItem(PAGE) ?? null, "").kept?.plan ?? FIRST;
+const own = given.kept || !storage("sessionStorage")?.getItem(TAB) ? { ...page, tab: "start" as const } : first.plan;
+export const plan = signal<Plan>({ ...own, ...sceneOf(first.plan) });
+/** The scene on the stage: its Id if it is kept, and its name. */
+export const scene = signal<{ id: string | null; name: string }>({ id: given.kept ? null : before.id, name: first.name || "A scene" });
+/** Whether it is of an earlier version of the page. */
+export const former = !given.kept && before.former;
 /** What could not be read when the page was opened. */
-export const unread = [given.left, found.left].filter(Boolean).join(" ");
+export const unread = [given.left, before.read.left].filter(Boolean).join(" ");
 
 /** What can be undone. */
 function undoable({ made, crowd, person }: Plan) {
     return JSON.stringify({ made, crowd, person });
 }
 
-/** A link takes the place of what the visitor had made: undo brings that back. */
-const past = signal<string[]>(given.plan && found.plan && undoable(found.plan) !== undoable(given.plan) ? [undoable(found.plan)] : []);
-const future = signal<string[]>([]);
+const past = signal<string[]>(first.past);
+const future = signal<string[]>(first.future);
 export const canUndo = computed(() => past.value.length > 0);
 export const canRedo = computed(() => future.value.length > 0);
 
+/** The scene as it is kept. */
+export function toKeep() {
+    return { name: scene.value.name, ...sceneOf(plan.value), past: latest(past.value), future: latest(future.value) };
+}
+
 effect(() => {
-    const now = JSON.stringify(plan.value);
     try {
-        localStorage.setItem(KEY, now);
+        const { tab, unit, pace, chart, view, altitude } = plan.value;
+        const page = { tab, unit, pace, chart, view, altitude };
+        storage("sessionStorage")?.setItem(TAB, JSON.stringify({ id: scene.value.id, ...page, ...toKeep() }));
+        storage("localStorage")?.setItem(PAGE, JSON.stringify(page));
     } catch {
-        // Nothing is kept where the browser allows no storage.
+        // It is kept until the tab is closed or loaded again. Of scenes, scenes.ts says so.
     }
 });
 
-/** A change; of what is made, it can be undone. */
-export function change(part: Partial<Plan>) {
+/** Puts another scene on the stage. */
+export function replace(id: string | null, kept: Pick<Kept, "name" | "past" | "future"> & { plan: Partial<Part> }) {
+    batch(() => {
+        scene.value = { id, name: kept.name || "A scene" };
+        past.value = kept.past;
+        future.value = kept.future;
+        plan.value = { ...plan.value, ...kept.plan };
+    });
+}
+
+/** A change; of what is made, it can be undone, unless it only completes the change before. */
+export function change(part: Partial<Plan>, asStep = true) {
     const after = { ...plan.value, ...part };
     const before = undoable(plan.value);
-    if (undoable(after) !== before) {
-        past.value = [...past.value.slice(-199), before];
+    if (asStep && undoable(after) !== before) {
+        past.value = [...past.value.slice(1 - STEPS), before];
         future.value = [];
     }
     plan.value = after;
@@ -202,28 +310,33 @@ export function settle(made: Made) {
 }
 
 function go(from: typeof past, to: typeof past) {
-    const found = from.value.at(-1);
-    if (!found) return;
+    const step = from.value.at(-1);
+    if (!step) return;
     from.value = from.value.slice(0, -1);
-    to.value = [...to.value, undoable(plan.value)];
-    plan.value = { ...plan.value, ...(JSON.parse(found) as Pick<Plan, "made" | "crowd" | "person">) };
+    try {
+        const now = undoable(plan.value);
+        plan.value = { ...plan.value, ...undone(JSON.parse(step)) };
+        to.value = [...to.value, now];
+    } catch {
+        // It came from the browser's storage, where it was not whole.
+    }
 }
 
 export const undo = () => go(past, future);
 export const redo = () => go(future, past);
 
 export function link() {
-    return `${location.origin}${location.pathname}#${encodeURIComponent(JSON.stringify(plan.value))}`;
+    return `${location.origin}${location.pathname}#${encodeURIComponent(JSON.stringify({ name: scene.value.name, ...sceneOf(plan.value) }))}`;
 }
 
 /** Takes a link that was put into the open page. Returns what of it does not fit. */
 export function follow(): string {
-    const { plan: next, left } = linked();
-    if (next) change(next);
+    const { kept, left } = linked();
+    if (kept) replace(null, { ...kept, plan: sceneOf(kept.plan) });
     return left;
 }
 
-/** Files that the plan needs, or that undo and redo bring back. */
+/** Files that a scene needs, or that undo and redo bring back. */
 export function keysInUse(): Set<string> {
     const keys = new Set<string>();
     const see = ({ made: { base }, crowd: form }: Pick<Plan, "made" | "crowd">) => {
@@ -231,8 +344,17 @@ export function keysInUse(): Set<string> {
         if (base.kind === "crowd" && base.people.kind === "table") keys.add(base.people.key);
         if (form.people.kind === "table") keys.add(form.people.key);
     };
-    see(plan.value);
-    for (const step of [...past.value, ...future.value]) see(JSON.parse(step) as Plan);
+    const all = [{ plan: plan.value, past: past.value, future: future.value }, ...keptScenes().map(({ kept }) => kept)];
+    for (const { plan, past, future } of all) {
+        see(plan);
+        for (const step of [...past, ...future]) {
+            try {
+                see(undone(JSON.parse(step)));
+            } catch {
+                // It cannot be undone, either.
+            }
+        }
+    }
     return keys;
 }
 

@@ -22,13 +22,17 @@ interface PlotProps {
     lines: Line[];
     /** Seconds, and a row of numbers for each line. */
     data: uPlot.AlignedData;
+    /** Where the axis of time ends, in s: as the timeline's. */
+    end: number;
     /** Of each line at the shown time. */
     now: string[];
     /** All of it in words. */
     summary: string;
 }
 
-const HEIGHT = 150;
+const HEIGHT = 118;
+/** In pixels: what is at the left of the timeline, too (style.css). */
+const GUTTER = 64;
 /** Distances of ticks of counts. */
 const WHOLE = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
 
@@ -60,9 +64,11 @@ function colourOf(element: Element, name: string) {
     return getComputedStyle(element).getPropertyValue(name);
 }
 
-export function Plot({ film, title, unit, lines, data, now, summary }: PlotProps) {
+export function Plot({ film, title, unit, lines, data, end, now, summary }: PlotProps) {
     const place = useRef<HTMLDivElement>(null);
     const plot = useRef<uPlot | null>(null);
+    const last = useRef(end);
+    last.current = end;
     const shape = lines.map(({ label, colour, counts }) => `${label} ${colour} ${counts}`).join();
     useEffect(() => {
         const on = place.current!;
@@ -73,12 +79,14 @@ export function Plot({ film, title, unit, lines, data, now, summary }: PlotProps
             {
                 width: Math.max(120, on.clientWidth),
                 height: HEIGHT,
+                // The axis of time lies under the timeline.
+                padding: [null, 12, null, 0],
                 legend: { show: false },
                 cursor: { drag: { x: false, y: false }, y: false, points: { show: false } },
-                scales: { x: { time: false, range: (_, __, last) => [0, last > 0 ? last : 1] }, y: { range: (_, __, most) => [0, most > 0 ? 1.05 * most : 1] } },
+                scales: { x: { time: false, range: () => [0, last.current] }, y: { range: (_, __, most) => [0, most > 0 ? 1.05 * most : 1] } },
                 axes: [
                     { ...axis, size: 26, gap: 2, values: (_, values) => values.map((value) => `${value} s`) },
-                    { ...axis, size: 62, gap: 4, incrs: lines.some(({ counts }) => counts) ? WHOLE : undefined },
+                    { ...axis, size: GUTTER, gap: 4, incrs: lines.some(({ counts }) => counts) ? WHOLE : undefined },
                 ],
                 series: [
                     {},
@@ -106,7 +114,7 @@ export function Plot({ film, title, unit, lines, data, now, summary }: PlotProps
         made.hooks.draw = [mark];
         const stopMarking = effect(mark);
         made.over.addEventListener("click", (event) => {
-            film.show(Math.round(made.posToVal(event.offsetX, "x") / film.scene.step));
+            void film.show(Math.round(made.posToVal(event.offsetX, "x") / film.scene.step));
         });
         const observer = new ResizeObserver(() => made.setSize({ width: Math.max(120, on.clientWidth), height: HEIGHT }));
         observer.observe(on);
@@ -122,7 +130,7 @@ export function Plot({ film, title, unit, lines, data, now, summary }: PlotProps
     }, [film, shape]);
     useEffect(() => {
         if (plot.current && data.length === lines.length + 1) plot.current.setData(data);
-    }, [data, shape]);
+    }, [data, end, shape]);
     return (
         <figure class="chart">
             <figcaption>

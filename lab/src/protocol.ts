@@ -139,8 +139,8 @@ export interface Shown {
 export type Wanted =
     | { file: "trial" }
     | { file: "fmu"; version: 2 | 3; binaries: [string, number][] }
-    /** With a frame, then a number for each agent as float64: what its colour shows (as on the stage). `most` is the colours' upper end. */
-    | { file: "svg"; most: number; label: string; unit: string; time: number; forces: boolean }
+    /** With a frame, then a number for each agent as float64: what its colour shows (as on the stage). `range` is that of the colours. */
+    | { file: "svg"; range: [number, number]; beyond: boolean; from_grey: boolean; label: string; unit: string; time: number; forces: boolean }
     | { file: "population" }
     /** With a frame. */
     | { file: "mesh"; format: "obj" | "stl" }

@@ -29,7 +29,7 @@ export function RoomTab() {
 }
 
 function Forms() {
-    useEffect(() => begin("change"), []);
+    useEffect(() => () => begin("change"), []);
     useTool(roomTool);
     const { crowd, made: planned, unit } = plan.value;
     const { room } = crowd;
@@ -64,7 +64,6 @@ function Forms() {
                     The free ground has {made.value.area.toFixed(2)} m²{crowd.region && " where people stand"}.
                 </p>
             )}
-            {!same && <p class="note">The room is drawn in colour. People come into it when the crowd is made.</p>}
             <MakeCrowd />
             <p class="note">Outlines of up to {MOST.corners} corners; corners snap to {length(0.05, unit)}.</p>
         </section>

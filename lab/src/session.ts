@@ -120,6 +120,8 @@ async function open(wanted: Planned, number: number) {
 /** Opens it; if that fails, what was there before is what the plan says. */
 async function show(wanted: Planned) {
     const number = ++latest;
+    // Nobody waits any more for what is still being placed.
+    if (opening && client.slow.peek()?.ask === "show") client.stop("another scene is wanted");
     opening = true;
     problem.value = "";
     try {
@@ -158,15 +160,15 @@ export function begin() {
 }
 
 /** Makes it the present run; from its start again, if it is. */
-export function choose(next: Partial<Planned>, playing: boolean, crowd = plan.value.crowd, saying = "") {
+export function choose(next: Partial<Planned>, playing: boolean, crowd = plan.value.crowd, saying = "", asStep = true) {
     const before = plan.value.made;
     const all = { ...before, ...next };
     plays = playing;
     sayNext = saying;
     if (same(before, all)) {
-        change({ crowd });
+        change({ crowd }, asStep);
         void show(all);
-    } else change({ made: all, crowd });
+    } else change({ made: all, crowd }, asStep);
 }
 
 /** Opens what was there before, because its worker ended. If nothing was, the first example. */

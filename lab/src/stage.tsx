@@ -6,16 +6,18 @@ import { useEffect, useMemo } from "preact/hooks";
 import { Canvas, fit, zoom } from "./canvas";
 import { Charts } from "./charts";
 import type { Film } from "./film";
+import { Hints } from "./hints";
 import { Chains, paintTrails, trailsNote } from "./layers";
 import { beat, type Layers, show } from "./layout";
-import { LineButton, LineFields } from "./line";
-import { Numbers } from "./numbers";
+import { Legend } from "./legend";
+import { LineButton } from "./line";
 import { Check, Choice, digits, LengthField, length } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import { client, selected } from "./session";
 import { Sections } from "./sections";
 import type { Stage3dProps } from "./three";
-import { Leaving, Legend, Transport } from "./transport";
+import { Tools } from "./tools";
+import { Transport } from "./transport";
 
 /** Milliseconds between two beats. */
 const BEAT = 100;
@@ -41,25 +43,24 @@ export function Stage({ film }: { film: Film }) {
     const { view, line } = plan.value;
     return (
         <section class="stage" aria-label="Stage">
-            <div class="beside">
-                <div class="picture">
-                    <div class="frame">{view === "3d" ? <InSpace film={film} /> : <Picture film={film} chains={chains} sections={sections} />}</div>
-                    <p id="canvas-keys" class="hidden">
-                        Arrow keys, N and P select people; plus and minus zoom, 0 shows all; the space bar plays.
-                    </p>
-                    <Transport film={film} />
-                    <Leaving film={film} />
-                    <Legend film={film} />
-                    <LayerControls />
-                    {film.failed.value && <p role="alert">{film.failed.value}</p>}
-                    {view === "section" && <Altitude film={film} sections={sections} />}
+            <LayerControls />
+            {view === "section" && <Altitude film={film} sections={sections} />}
+            <div class="frame">
+                {view === "3d" ? <InSpace film={film} /> : <Picture film={film} chains={chains} sections={sections} />}
+                {view !== "3d" && <Zoom />}
+                <div class="over">
+                    <Hints film={film} />
                     {view !== "3d" && <Widest chains={chains} />}
                     {view !== "3d" && plan.value.trails && trailsNote(film) && <p class="note">{trailsNote(film)}</p>}
-                    {view !== "3d" && <LineFields />}
-                    <Charts film={film} selected={selected.value} line={line} client={client} />
+                    {film.failed.value && <p role="alert">{film.failed.value}</p>}
                 </div>
-                <Numbers film={film} />
             </div>
+            <p id="canvas-keys" class="hidden">
+                Arrow keys, N and P select people; plus and minus zoom, 0 shows all; the space bar plays.
+            </p>
+            <Legend film={film} />
+            <Transport film={film} />
+            <Charts film={film} selected={selected.value} line={line} client={client} />
         </section>
     );
 }
@@ -159,24 +160,30 @@ const VIEWS: [Plan["view"], string][] = [
     ["section", "Sections"],
 ];
 
+function Zoom() {
+    return (
+        <div class="zoom" role="group" aria-label="Zoom">
+            <button type="button" aria-label="Zoom out" onClick={() => zoom(0.8)}>
+                −
+            </button>
+            <button type="button" aria-label="Zoom in" onClick={() => zoom(1.25)}>
+                +
+            </button>
+            <button type="button" onClick={fit}>
+                Fit
+            </button>
+        </div>
+    );
+}
+
 function LayerControls() {
     const { view, forces, trails } = plan.value;
     return (
-        <div class="controls">
+        <div class="controls bar">
             <Choice label="View" value={view} choices={VIEWS} onChange={(next) => change({ view: next })} />
             {view !== "3d" && (
                 <>
-                    <div class="zoom" role="group" aria-label="Zoom">
-                        <button type="button" aria-label="Zoom out" onClick={() => zoom(0.8)}>
-                            −
-                        </button>
-                        <button type="button" aria-label="Zoom in" onClick={() => zoom(1.25)}>
-                            +
-                        </button>
-                        <button type="button" onClick={fit}>
-                            Fit
-                        </button>
-                    </div>
+                    <Tools />
                     <Check label="Forces" value={forces} onChange={(on) => change({ forces: on })} />
                     <Check label="Trails" value={trails} onChange={(on) => change({ trails: on })} />
                     <LineButton />

@@ -99,9 +99,9 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             return name;
         });
     const svg = () => {
-        const { most, label, unit } = scaleOf(film, plan.value.colour);
+        const { low, high, largest, label, unit } = scaleOf(film, plan.value.colour);
         const k = film.shown.peek();
-        const wanted: Wanted = { file: "svg", most, label, unit, time: k * scene.step, forces: plan.value.forces };
+        const wanted: Wanted = { file: "svg", range: [low, high], beyond: largest > high, from_grey: plan.value.colour === "squeeze", label, unit, time: k * scene.step, forces: plan.value.forces };
         return take("Picture (SVG)", wanted, () => joined([shown(), bytesOf(values(film, k, plan.value.colour))]));
     };
     const picture = () =>
@@ -121,12 +121,12 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             save(`${scene.name}.webm`, blob);
             return `${scene.name}.webm`;
         });
-    const end = until.value ?? (film.computed.value - 1) * scene.step;
+    const end = until.value ?? film.reached.value * scene.step;
     const steps = Math.max(1, Math.round(end / scene.step));
     const trajectories = () => take("Trajectories (CSV)", { file: "trajectories", steps });
 
     const noMovie = whyNoMovie();
-    const seconds = ((film.computed.value - 1) * scene.step) / plan.value.pace;
+    const seconds = (film.reached.value * scene.step) / plan.value.pace;
     const item = (name: string, make: () => Promise<void>, words: ComponentChildren, not = "", field: ComponentChildren = null) => (
         <li>
             <button type="button" disabled={busy.value || not !== ""} onClick={() => void make()}>
@@ -184,11 +184,11 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                 {item(
                     "Movie (WebM)",
                     record,
-                    film.computed.value < 2
-                        ? "All frames that are computed, as the stage shows them. Play the run first."
-                        : `All frames that are computed, as the stage shows them: ${digits(seconds, 2)} s at the pace ${plan.value.pace} ×. ` +
+                    film.reached.value < 1
+                        ? "All frames up to the last one that was shown, as the stage shows them. Play the run first."
+                        : `All frames up to the last one that was shown or asked for, as the stage shows them: ${digits(seconds, 2)} s at the pace ${plan.value.pace} ×. ` +
                               "It takes as long as it lasts. Browsers, VLC and ffmpeg read it.",
-                    film.computed.value < 2 ? "" : noMovie,
+                    film.reached.value < 1 ? "" : noMovie,
                 )}
             </ul>
             <h2>Bodies</h2>

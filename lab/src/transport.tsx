@@ -1,67 +1,115 @@
-// What plays a run, and the legend of its colours.
+// What plays a run: buttons, and the timeline.
 
-import { COLOURS, largest, meanWords, scaleOf } from "./colour";
 import type { Film } from "./film";
 import { beat } from "./layout";
-import { Check, Choice, digits, NumberField } from "./parts";
-import { type Colour, change, plan } from "./plan";
+import { Choice, Icon, NumberField } from "./parts";
+import { change, plan } from "./plan";
 
 const PACES = [0.1, 0.25, 0.5, 1, 2, 4].map((pace) => [String(pace), `${pace} ×`] as const);
-const COLOURED: [Colour, string][] = [
-    ["speed", "Speed"],
-    ["squeeze", "Squeeze"],
-    ["contacts", "Contacts"],
-];
+const ICONS = {
+    play: "M4 2.5v11l9.5-5.5z",
+    pause: "M4 3h3v10H4zM9 3h3v10H9z",
+    start: "M3 3h2v10H3zM13 3v10L5.5 8z",
+    back: "M10 3v10L3 8zM11 3h2v10h-2z",
+    step: "M6 3v10l7-5zM3 3h2v10H3z",
+};
 
 export function Transport({ film }: { film: Film }) {
     const playing = film.playing.value;
+    const button = (name: string, icon: keyof typeof ICONS, press: () => void) => (
+        <button type="button" class={icon === "play" || icon === "pause" ? "main" : undefined} aria-label={name} title={name} onClick={press}>
+            <Icon path={ICONS[icon]} />
+        </button>
+    );
     return (
-        <div class="controls" role="group" aria-label="Run">
-            <button type="button" class="main play" onClick={() => (film.playing.value = !playing)}>
-                {playing ? "Pause" : "Play"}
-            </button>
-            <button type="button" onClick={() => film.show(0)}>
-                To the start
-            </button>
-            <button type="button" onClick={() => film.show(Math.ceil(film.place.value) - 1)}>
-                Step back
-            </button>
-            <button type="button" onClick={() => void film.next()}>
-                Step
-            </button>
-            <Clock film={film} />
-            <Choice label="Pace" value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
+        <div class="transport" role="group" aria-label="Run">
+            <div class="controls">
+                {button("To the start", "start", () => void film.show(0))}
+                {button("Step back", "back", () => void film.show(Math.ceil(film.place.value) - 1))}
+                {button(playing ? "Pause" : "Play", playing ? "pause" : "play", () => (film.playing.value = !playing))}
+                {button("Step", "step", () => void film.show(film.shown.value + 1))}
+                <Choice label="Pace" value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
+                <Compute film={film} />
+                <Leaving film={film} />
+            </div>
+            <Timeline film={film} />
         </div>
     );
 }
 
-function Clock({ film }: { film: Film }) {
+/** The last frame of the timeline and the charts: where the user wants it, or later if it was played further. */
+export function lastOf(film: Film): number {
+    return Math.max(Math.ceil(plan.value.end / film.scene.step - 1e-9), film.playing.value ? film.reached.peek() : film.reached.value);
+}
+
+/** Computes up to the end of the timeline without playing. */
+function Compute({ film }: { film: Film }) {
+    const { step } = film.scene;
+    const { end } = plan.value;
+    const last = Math.round(end / step);
+    const there = (film.playing.value ? (beat.value, film.computed.peek()) : film.computed.value) - 1;
+    const computing = film.wanted.value > there && !film.failed.value;
+    return (
+        <>
+            <NumberField label="End of the timeline" short="timeline" unit="s" value={end} min={step} max={1e5} step={5} onChange={(next) => change({ end: next })} />
+            <button type="button" disabled={there >= last} onClick={() => void film.compute(computing ? null : last)}>
+                {computing ? "Stop computing" : "Compute it"}
+            </button>
+            <span class="note">{`computed: ${(there * step).toFixed(1)} s`}</span>
+        </>
+    );
+}
+
+function Timeline({ film }: { film: Film }) {
     const { step } = film.scene;
     // The page is laid out again when a text changes, so not for each picture.
     const playing = film.playing.value;
     const k = playing ? (beat.value, film.shown.peek()) : film.shown.value;
     const computed = playing ? film.computed.peek() : film.computed.value;
+    const last = lastOf(film);
     const decimals = Math.max(2, Math.min(6, Math.ceil(-Math.log10(step))));
     const time = `${(k * step).toFixed(decimals)} s`;
+    const { motion } = plan.value.made;
+    const pushes = motion.kind === "push" ? motion.pushes : [];
+    const x = (frame: number) => (1000 * Math.min(frame, last)) / Math.max(1, last);
     return (
         <label class="scrub">
-            <span>
-                Time <span class="time">{time}</span>
+            <span class="hidden">Time</span>
+            <span class="time">{time}</span>
+            <span class="track">
+                <svg viewBox="0 0 1000 10" preserveAspectRatio="none" aria-hidden="true">
+                    <rect width="1000" height="10" class="whole" />
+                    <rect width={x(computed - 1)} height="10" class="computed" />
+                    <rect width={x(k)} height="10" class="played" />
+                    {pushes.map(({ start, duration }, j) => (
+                        <rect key={j} x={x(start / step)} y="0" width={Math.max(2, x((start + duration) / step) - x(start / step))} height="10" class="pushed" />
+                    ))}
+                    <path d={leavings(film, computed).map((frame) => `M${x(frame)} 0V10`).join("")} class="left" />
+                </svg>
+                <input
+                    type="range"
+                    aria-valuetext={time}
+                    min={0}
+                    max={last}
+                    value={k}
+                    onInput={(event) => void film.show(event.currentTarget.valueAsNumber)}
+                />
             </span>
-            <input
-                type="range"
-                aria-valuetext={time}
-                min={0}
-                max={computed - 1}
-                value={k}
-                onInput={(event) => film.show(event.currentTarget.valueAsNumber)}
-            />
         </label>
     );
 }
 
+/** The frames in which somebody leaves. */
+function leavings({ frames, scene }: Film, computed: number): number[] {
+    if (scene.leaving === 0) return [];
+    const left = frames.curve("left");
+    const found: number[] = [];
+    for (let k = 1; k < computed; k++) if (left[k]! > left[k - 1]!) found.push(k);
+    return found;
+}
+
 /** How many have left in the frame that is shown. */
-export function Leaving({ film }: { film: Film }) {
+function Leaving({ film }: { film: Film }) {
     const { leaving, step } = film.scene;
     if (leaving === 0) return null;
     const k = film.playing.value ? (beat.value, film.shown.peek()) : film.shown.value;
@@ -70,44 +118,8 @@ export function Leaving({ film }: { film: Film }) {
     const all = emptied !== null && k >= emptied;
     return (
         <p class="note">
-            {film.frames.curve("left")[k]} of {leaving} have left, at {time(k)}. {/* Only the end is told to those who do not see it. */}
+            {all ? "" : `${film.frames.curve("left")[k]} of ${leaving} have left.`} {/* Only the end is told to those who do not see it. */}
             <strong role="status">{all && `All ${leaving} have left after ${time(emptied)}.`}</strong>
         </p>
-    );
-}
-
-/** What the colours mean. Their upper end follows the run, until it is fixed. */
-export function Legend({ film }: { film: Film }) {
-    if (film.playing.value) beat.value;
-    else film.computed.value;
-    const { colour, most } = plan.value;
-    const scale = scaleOf(film, colour);
-    const fixed = most[colour] !== null;
-    const clipped = fixed && largest(film, colour) > scale.most;
-    const fix = (value: number | null) => change({ most: { ...most, [colour]: value } });
-    const number = (value: number) => `${Number(digits(value, 3)).toLocaleString("en")}${scale.unit && ` ${scale.unit}`}`;
-    return (
-        <div class="legend">
-            <Choice label="Colour" value={colour} choices={COLOURED} onChange={(next) => change({ colour: next })} />
-            {colour === "squeeze" && <span class="note">{meanWords(film)}</span>}
-            <span class="scale">
-                0
-                <svg class="ramp" viewBox="0 0 100 10" preserveAspectRatio="none" aria-hidden="true">
-                    <linearGradient id="ramp">
-                        {COLOURS.map((shade, k) => (
-                            <stop key={shade} offset={k / (COLOURS.length - 1)} stop-color={shade} />
-                        ))}
-                    </linearGradient>
-                    <rect width="100" height="10" fill="url(#ramp)" />
-                </svg>
-                {number(scale.most)}
-                {clipped && " and more"}
-            </span>
-            <Check label="Fix this scale" value={fixed} onChange={(on) => fix(on ? scale.most : null)} />
-            {fixed && (
-                <NumberField label="Upper end" unit={scale.unit} value={scale.most} min={1e-3} max={1e7} step={scale.least} onChange={fix} />
-            )}
-            {clipped && <span class="note">The largest value so far is {number(largest(film, colour))}.</span>}
-        </div>
     );
 }

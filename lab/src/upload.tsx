@@ -1,8 +1,9 @@
 // Files that the user opens: a zip or a folder, chosen or dropped. They stay on this machine.
 
 import { MOST } from "./forms";
-import { change, keysInUse, plan } from "./plan";
-import { attempt, choose, said } from "./session";
+import { keysInUse, plan } from "./plan";
+import { open } from "./scenes";
+import { attempt, said } from "./session";
 import { joined, keep, remove } from "./store";
 
 const MOST_BYTES = 50e6;
@@ -36,9 +37,8 @@ export async function openTrial(given: Given[]) {
         said.value = `${name} was not opened: another scene was chosen meanwhile.`;
         return remove(key);
     }
-    change({ line: null });
     const files = given.map(({ path, file }) => [path, file.size] as [string, number]);
-    choose({ base: { kind: "upload", name, files, key }, edits: [], motion: { kind: "own" } }, false, plan.value.crowd);
+    open(name, { base: { kind: "upload", name, files, key }, edits: [], motion: { kind: "own" } }, false, plan.value.crowd, true);
 }
 
 interface FileProps {

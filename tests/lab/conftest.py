@@ -12,13 +12,13 @@ from collections.abc import Iterator
 
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
-from visit import LEMONS, ROOT
+from visit import LEMONS, PATIENCE, ROOT
 
 # What tests/fmpy uses, too.
 sys.path.insert(0, str(ROOT / "tests/common"))
 
-# In ms. A machine may have much else to do.
-expect.set_options(timeout=180_000)
+# In ms.
+expect.set_options(timeout=1000 * PATIENCE)
 
 
 @pytest.fixture(scope="session")

@@ -120,5 +120,6 @@ def test_a_zip_is_opened_where_it_is_dropped(page: Page, tmp_path: Path) -> None
     # It is the same Trial, with its drive.
     before = held(trial)
     assert "drive.csv" in before and held(download(page, "Trial (zip)", tmp_path)) == before
-    page.get_by_role("button", name="Undo").click()
+    tab(page, "Start")
+    page.get_by_role("list", name="Your scenes").get_by_role("button", name="A crowd").first.click()
     expect(page.get_by_role("row", name="People 3")).to_be_visible()

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 from shapely import LineString, MultiLineString, Point, Polygon
-from visit import Picture, becomes, download, fill, held, lemons, make, places, plan, play_until, rows, same_table, tab, wait
+from visit import Picture, becomes, download, fill, held, lemons, live, make, places, plan, play_until, rows, same_table, tab, wait
 
 OUTLINE = [(0.0, 0.0), (4.0, 0.0), (4.0, 2.5), (2.5, 4.0), (0.5, 3.5)]
 BLOCK = [(1.0, 1.0), (1.5, 1.0), (1.5, 1.8), (1.0, 1.8)]
@@ -78,7 +78,7 @@ def test_a_room_is_drawn_with_the_mouse(page: Page, tmp_path: Path) -> None:
 
     tab(page, "Crowd")
     fill(page, "People", 15)
-    button("Make this crowd").click()
+    live(page)
     expect(page.get_by_text("15 people placed in")).to_be_visible()
     play_until(page, 0.5)
     shown = download(page, "Trajectories (CSV)", tmp_path)

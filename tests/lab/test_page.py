@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
-from visit import ROOT, download, example, fill, link, make, plan, play_until, seconds, tab, wait
+from visit import ROOT, Picture, download, example, fill, link, make, plan, play_until, seconds, tab, wait
 
 AXE = ROOT / "lab/node_modules/axe-core/axe.min.js"
 
@@ -124,20 +124,9 @@ def test_a_person_is_moved_by_hand_and_overlaps_are_marked(page: Page) -> None:
 def test_a_person_is_dragged_with_the_mouse(page: Page) -> None:
     make(page, 2, 400, 400)
     page.get_by_role("combobox", name="Person").select_option(label="0")
-    canvas = page.locator("canvas").first
-    box = canvas.bounding_box()
-    assert box
+    picture = Picture(page)
     before = {axis: float(page.get_by_role("spinbutton", name=f"Person, {axis}").input_value()) for axis in "xy"}
-
-    # 4 m of walls, with a margin, fill the height: the middle of the room is the middle of the picture.
-    def pixel(x: float, y: float) -> tuple[float, float]:
-        scale = box["height"] / 470
-        return box["x"] + box["width"] / 2 + scale * (x - 200), box["y"] + box["height"] / 2 - scale * (y - 200)
-
-    page.mouse.move(*pixel(before["x"], before["y"]))
-    page.mouse.down()
-    page.mouse.move(*pixel(200, 200), steps=5)
-    page.mouse.up()
+    picture.drag((before["x"] / 100, before["y"] / 100), (2, 2))
     wait(page, lambda: len(plan(page)["made"]["edits"]) == 1)
     after = {axis: float(page.get_by_role("spinbutton", name=f"Person, {axis}").input_value()) for axis in "xy"}
     assert abs(after["x"] - 200) < 25 and abs(after["y"] - 200) < 25, (before, after)

@@ -29,12 +29,18 @@ def painted(picture: Picture, at: tuple[float, float]) -> list[int]:
     return picture.canvas.evaluate(read, [round(along) for along in at])
 
 
-def wanted(page: Page, value: float) -> list[float]:
-    """As viridis has it, up to the end of the scale."""
-    end = re.search(r"([\d.,]+)( N| m/s|)$", page.locator(".scale").inner_text().strip())
-    assert end
-    shade = matplotlib.colormaps["viridis"](value / float(end[1].replace(",", "")))
-    return [255 * part for part in shade[:3]]
+def wanted(page: Page, colour: str, value: float) -> list[float]:
+    """As viridis has it, up to the end of the scale; squeeze as a warm grey and magma."""
+    numbers = re.findall(r"[\d.,]+", page.locator(".scale").inner_text())
+    low, high = (float(number.replace(",", "")) for number in numbers)
+    share = min(1, max(0, (value - low) / (high - low)))
+    if colour != "Squeeze":
+        return [255 * part for part in matplotlib.colormaps["viridis"](share)[:3]]
+    assert low == 200 and high >= 400
+    magma = lambda place: [255 * part for part in matplotlib.colormaps["magma"](0.844 - 0.0531 * (place - 1))[:3]]
+    if (place := 15 * share) >= 1:
+        return magma(place)
+    return [grey + place * (first - grey) for grey, first in zip((220, 214, 203), magma(1), strict=True)]
 
 
 def test_scrubbing_shows_what_the_command_computes(page: Page, tmp_path: Path) -> None:
@@ -73,7 +79,7 @@ def test_scrubbing_shows_what_the_command_computes(page: Page, tmp_path: Path) -
             # Behind the mark of where they look.
             x, y, turn = (number(frame, pressed[0], column) for column in ("x", "y", "theta"))
             at = picture.pixel(x - 0.05 * math.cos(turn), y - 0.05 * math.sin(turn))
-            wait(page, lambda: painted(picture, at) == pytest.approx(wanted(page, value), abs=12), 20)
+            wait(page, lambda: painted(picture, at) == pytest.approx(wanted(page, colour, value), abs=14), 20)
 
 
 def test_feet_are_drawn_where_they_are(page: Page, tmp_path: Path) -> None:
@@ -85,6 +91,8 @@ def test_feet_are_drawn_where_they_are(page: Page, tmp_path: Path) -> None:
     fill(page, "Push 1, radius", 60)
     fill(page, "Push 1, greatest force", 900)
     page.get_by_label("Balance of those who stand").select_option(label="Pendulum")
+    # White, as no colour of this scale is.
+    page.get_by_label("Colour").select_option(label="Speed")
     play_until(page, EARLY / 100)
     scrub(page, EARLY)
     table = tmp_path / "run.csv"
@@ -96,7 +104,7 @@ def test_feet_are_drawn_where_they_are(page: Page, tmp_path: Path) -> None:
         x, y = row["legs_x"] - aside * math.sin(row["theta"]), row["legs_y"] + aside * math.cos(row["theta"])
         return min(painted(picture, picture.pixel(x, y)))
 
-    # White, as no colour of the scale is. The line of who leans may be over one of two feet.
+    # The line of who leans may be over one of two feet.
     wait(page, lambda: all(max(light(row, aside) for aside in (-0.09, 0.09)) > 170 for row in now), 20)
 
 
@@ -105,7 +113,9 @@ def test_trails_and_forces_are_drawn(page: Page) -> None:
     page.get_by_label("Pace").select_option(label="2 ×")
     play_until(page, 1)
     # Frames that are still computed would stretch the scale.
+    page.get_by_text("About this scale").click()
     page.get_by_label("Fix this scale").check()
+    page.get_by_text("About this scale").click()
     scrub(page, 90)
     plain = pixels(page)
     note = page.get_by_text("The widest is")

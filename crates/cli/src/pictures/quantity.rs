@@ -63,6 +63,11 @@ impl Quantity {
         matches!(self, Quantity::Squeeze | Quantity::GreatestSqueeze)
     }
 
+    /// Returns whether it is a sum of normal forces.
+    pub fn is_squeeze(self) -> bool {
+        self.label().1 == "N"
+    }
+
     /// Returns whether it depends on all that was before.
     pub fn is_of_the_past(self) -> bool {
         matches!(self, Quantity::GreatestSqueeze | Quantity::Unbalanced)
@@ -151,7 +156,9 @@ impl Shown {
     }
 
     pub fn map(&self) -> ColourMap {
-        if self.quantity.is_of_contacts() || self.quantity.is_of_legs() {
+        if self.quantity.is_squeeze() {
+            ColourMap::FromGrey
+        } else if self.quantity.is_of_contacts() || self.quantity.is_of_legs() {
             ColourMap::FromPaper
         } else {
             ColourMap::Viridis

@@ -21,6 +21,8 @@ const TRAIL_STEP: f64 = 0.005;
 const AGREEMENT: (f64, f64) = (1e-3, 1.0);
 /// The colour bar ends at this quantile of the values that are not zero.
 const CLIP: f64 = 0.98;
+/// \[N\] Up to how much squeeze people are grey, and what the upper end does not go below.
+const NOTHING: (f64, f64) = (200.0, 400.0);
 
 #[derive(clap::Args)]
 #[command(next_help_heading = "Look")]
@@ -35,8 +37,9 @@ pub struct StyleArguments {
     /// at first. Default: over one communication step, in which single collisions count
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub over: Option<f64>,
-    /// Values at the two ends of the colour bar. Default: 0 and the 98 % quantile of the values that are
-    /// not 0 (the bar says ≥ if there are greater ones); for areas, the least and the greatest
+    /// Values at the two ends of the colour bar. Default: 0 (of squeeze 200 N, up to which bodies are grey)
+    /// and the 98 % quantile of the values that are not 0 (of squeeze at least 400 N; the bar says ≥ if
+    /// there are greater ones); for areas, the least and the greatest
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     pub range: Option<(f64, f64)>,
     /// Draw contacts as lines whose width shows the normal force
@@ -259,7 +262,10 @@ impl<'r> Scenes<'r> {
                     Fill::Values(Values { quantile, beyond, map: shown.map(), ..values })
                 }
             },
-            range: arguments.range.or(clipped.map(|(high, _)| (0.0, high))),
+            range: arguments.range.or(clipped.map(|(high, _)| match &scenes.shown {
+                Some(shown) if shown.quantity.is_squeeze() => (NOTHING.0, high.max(NOTHING.1)),
+                _ => (0.0, high),
+            })),
             theme: arguments.theme(),
             ids: arguments.ids,
             orientation: !arguments.no_orientation,

@@ -1,0 +1,91 @@
+// The legend of the colours, and what squeeze is.
+
+import { meanWords, QUANTILE, type Scale, scaleOf } from "./colour";
+import type { Film } from "./film";
+import { beat } from "./layout";
+import { Check, Choice, digits, NumberField } from "./parts";
+import { type Colour, change, plan } from "./plan";
+
+const COLOURED: [Colour, string][] = [
+    ["speed", "Speed"],
+    ["squeeze", "Squeeze"],
+    ["contacts", "Contacts"],
+];
+const MEANS: [string, string][] = [
+    ["0.1", "0.1 s"],
+    ["1", "1 s"],
+];
+
+/** A number and its unit; a large one is rounded. */
+export function shown(value: number, unit: string) {
+    return `${Number(digits(value, 3)).toLocaleString("en")}${unit && ` ${unit}`}`;
+}
+
+/** What the colours mean. Their upper end follows the run, until it is fixed. */
+export function Legend({ film }: { film: Film }) {
+    if (film.playing.value) beat.value;
+    else film.computed.value;
+    const { colour, most, smooth } = plan.value;
+    const scale = scaleOf(film, colour);
+    const fixed = most[colour] !== null;
+    const fix = (value: number | null) => change({ most: { ...most, [colour]: value } });
+    const more = scale.largest > scale.high;
+    return (
+        <div class="legend">
+            <Choice label="Colour" value={colour} choices={COLOURED} onChange={(next) => change({ colour: next })} />
+            {colour === "squeeze" && <Choice label="mean of" value={String(smooth)} choices={MEANS} onChange={(next) => change({ smooth: Number(next) })} />}
+            <span class="scale">
+                {scale.low > 0 ? `up to ${shown(scale.low, scale.unit)}` : 0}
+                <Bar scale={scale} />
+                {shown(scale.high, scale.unit)}
+                {more && " and more"}
+            </span>
+            {/* Opened, it lies over the picture and moves nothing. */}
+            <details class="about">
+                <summary>About this scale</summary>
+                <div>
+                    <p>
+                        {fixed ? "You have fixed this scale." : `The scale ends at the ${100 * QUANTILE} % quantile of all values that are not 0, of people and steps so far.`} The
+                        greatest value so far is {shown(scale.largest, scale.unit)}.
+                    </p>
+                    <Check label="Fix this scale" value={fixed} onChange={(on) => fix(on ? scale.high : null)} />
+                    {fixed && <NumberField label="Upper end" unit={scale.unit} value={scale.high} min={1e-3} max={1e7} step={1e-3} onChange={fix} />}
+                    {colour === "squeeze" && <Squeeze film={film} />}
+                </div>
+            </details>
+        </div>
+    );
+}
+
+function Bar({ scale: { ramp } }: { scale: Scale }) {
+    return (
+        <svg class="ramp" viewBox="0 0 100 10" preserveAspectRatio="none" aria-hidden="true">
+            <linearGradient id="ramp">
+                {ramp.map((shade, k) => (
+                    <stop key={shade} offset={k / (ramp.length - 1)} stop-color={shade} />
+                ))}
+            </linearGradient>
+            <rect width="100" height="10" fill="url(#ramp)" />
+        </svg>
+    );
+}
+
+/** What squeeze is and is not. */
+function Squeeze({ film }: { film: Film }) {
+    return (
+        <>
+            <p>
+                Squeeze is the sum of the normal forces on a person, from all sides; the colours show its {meanWords(film)}, the charts its mean over each
+                communication step. Disks with stiff springs touch here, so short impacts have higher peaks than soft bodies would.
+            </p>
+            <p>
+                Measured of people, and none of it a squeeze: men tolerated 623 N against a flat bar 100 mm wide (Evans and Hayden 1971, as reported by Lee and
+                Hughes 2006); 1112 N for 4 to 6 minutes are estimated to be fatal (Hopkins et al. 1993, ibid.).
+            </p>
+            <p>
+                It is no pressure on the chest: a force that enters at one side leaves at the other, and both are counted. What a person bears depends on where, how
+                long and how evenly the force acts, and differs from person to person. No number here says who is hurt.
+            </p>
+        </>
+    );
+}

@@ -1,0 +1,126 @@
+// One scene, always live: people are placed again when the forms of the room or of the crowd change. What moves them stays
+// as far as it still fits.
+
+import { effect, signal } from "@preact/signals";
+import { ready, shape } from "./drawn";
+import type { KeptCrowd } from "./forms";
+import { change, plan } from "./plan";
+import { cornersOf } from "./places";
+import type { Motion, Place, Point, Room } from "./protocol";
+import { rename } from "./scenes";
+import { choose, film } from "./session";
+
+/** Milliseconds without a further change. */
+const PAUSE = 300;
+/** How far beyond a room exits and ways may lie, in m. */
+const BEYOND = 5;
+
+/** What was placed last, or could not be. */
+let tried = "";
+/** Doors of exits that lie beyond doors, by the exits' names: until the lines beyond the new doors are known. */
+const following = signal<{ doors: Map<string, number>; before: unknown } | null>(null);
+
+/** Whether people stand as the forms say. */
+export function isPlaced() {
+    const { made, crowd } = plan.value;
+    if (made.base.kind !== "crowd") return false;
+    const { kind: _, ...placed } = made.base;
+    return JSON.stringify(placed) === JSON.stringify(crowd);
+}
+
+/** Begins to place people when the forms change, if the scene is of a crowd. */
+export function follow() {
+    effect(() => {
+        const { made, crowd } = plan.value;
+        const wanted = JSON.stringify(crowd);
+        if (made.base.kind !== "crowd" || isPlaced()) {
+            tried = "";
+            return;
+        }
+        if (wanted === tried || !ready()) return;
+        const timer = setTimeout(() => {
+            tried = wanted;
+            place(false);
+        }, PAUSE);
+        return () => clearTimeout(timer);
+    });
+    effect(() => {
+        const shown = film.value;
+        const wanted = following.value;
+        if (!shown || !wanted || shown === wanted.before) return;
+        following.value = null;
+        const { made } = plan.peek();
+        const lines = shown.scene.beyond_doors;
+        const moved = (exit: Place): Place => {
+            const line = lines[wanted.doors.get(exit.name) ?? -1];
+            return line ? { ...exit, line, polygon: null } : exit;
+        };
+        const { motion } = made;
+        if (motion.kind !== "go") return;
+        const exits = motion.wishes.exits.map(moved);
+        if (JSON.stringify(exits) !== JSON.stringify(motion.wishes.exits)) {
+            change({ made: { ...made, motion: { kind: "go", wishes: { ...motion.wishes, exits } } } }, false);
+        }
+    });
+}
+
+/** Places the people of the forms. Other people stand there then: what was done to single ones by hand is over. */
+export function place(asStep: boolean) {
+    const { crowd, made } = plan.value;
+    const before = made.base.kind === "crowd" ? made.base.room : null;
+    const { motion, gone } = kept(made.motion, before, crowd);
+    if (made.edits.length > 0) gone.push("changes by hand");
+    const words = gone.length > 0 ? `Not there any more: ${gone.join(", ")}. Undo brings them back.` : "";
+    if (asStep) rename("A crowd");
+    choose({ base: { kind: "crowd", ...crowd }, edits: [], motion }, !asStep && (film.value?.playing.value ?? false), crowd, words, asStep);
+}
+
+/** The place of each old door among the new ones. */
+function doorAfter(before: Room, after: Room, door: number): number {
+    if (before.doors.length <= after.doors.length) return door;
+    const text = JSON.stringify(before.doors[door]);
+    return after.doors.findIndex((one) => JSON.stringify(one) === text);
+}
+
+/** What moves people, without what lies elsewhere now, which is told. */
+function kept(motion: Motion, before: Room | null, { room }: KeptCrowd): { motion: Motion; gone: string[] } {
+    const [width, height, left, low] = shape(room.outline).bounds;
+    const near = ([x, y]: Point) => x >= left - BEYOND && x <= left + width + BEYOND && y >= low - BEYOND && y <= low + height + BEYOND;
+    const gone: string[] = [];
+    const stays = <T>(parts: T[], fits: (part: T) => boolean, name: (k: number) => string): T[] =>
+        parts.filter((part, k) => {
+            const fit = fits(part);
+            if (!fit) gone.push(name(k));
+            return fit;
+        });
+    following.value = null;
+    if (motion.kind === "push") {
+        const pushes = stays(motion.pushes, ({ at, radius }) => at[0] > left - radius && at[0] < left + width + radius && at[1] > low - radius && at[1] < low + height + radius, (k) => `push ${k + 1}`);
+        return { motion: pushes.length > 0 ? { ...motion, pushes } : { kind: "none" }, gone };
+    }
+    if (motion.kind === "walk") {
+        const ways = stays(motion.ways, (way) => way.every(({ x, y }) => near([x, y])), (k) => `way ${k + 1}`);
+        return { motion: ways.length > 0 ? { ...motion, ways } : { kind: "none" }, gone };
+    }
+    if (motion.kind !== "go") return { motion, gone };
+    const { wishes } = motion;
+    const lines = (film.value?.scene.beyond_doors ?? []).map((line) => JSON.stringify(line));
+    const doors = new Map<string, number>();
+    const exits = stays(
+        wishes.exits,
+        (exit) => {
+            const door = lines.indexOf(JSON.stringify(exit.line));
+            if (door < 0 || !before) return cornersOf(exit).every(near);
+            const now = doorAfter(before, room, door);
+            doors.set(exit.name, now);
+            return now >= 0;
+        },
+        (k) => JSON.stringify(wishes.exits[k]!.name),
+    );
+    const goals = stays(wishes.goals, (goal) => cornersOf(goal).every(near), (k) => JSON.stringify(wishes.goals[k]!.name));
+    if (exits.length + goals.length === 0) return { motion: { kind: "none" }, gone };
+    const names = [...exits, ...goals].map(({ name }) => name);
+    const agents = Object.entries(wishes.agents).filter(([, { exit, goal }]) => names.includes(exit ?? goal ?? ""));
+    following.value = { doors, before: film.value };
+    return { motion: { kind: "go", wishes: { ...wishes, exits, goals, agents: Object.fromEntries(agents) } }, gone };
+}

@@ -1,0 +1,30 @@
+// A small plan of a scene's room.
+
+import type { KeptBase } from "./forms";
+import type { Point } from "./protocol";
+
+export function Sketch({ base }: { base: KeptBase }) {
+    if (base.kind !== "crowd") {
+        return (
+            <svg class="sketch" viewBox="-0.2 -0.2 5.4 2" aria-hidden="true">
+                {[0, 1, 2, 3, 4].map((k) => (
+                    <ellipse key={k} cx={k + 0.9} cy="0.8" rx="0.3" ry="0.5" class="crowded" />
+                ))}
+                <path d="M-.1 .8h.5m-.2-.15l.2.15l-.2.15" class="outline" />
+            </svg>
+        );
+    }
+    const { room, region } = base;
+    const path = (corners: Point[]) => `M${corners.map(([x, y]) => `${x} ${-y}`).join("L")}Z`;
+    const [xs, ys] = [0, 1].map((axis) => room.outline.map((corner) => corner[axis as 0 | 1])) as [number[], number[]];
+    const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+    return (
+        <svg class="sketch" viewBox={`${left - 0.3} ${-high - 0.3} ${right - left + 0.6} ${high - low + 0.6}`} aria-hidden="true">
+            <path d={path(region ?? room.outline)} class="crowded" />
+            <path d={[room.outline, ...room.obstacles].map(path).join("")} class="outline" />
+            {room.doors.map(({ at: [x, y], width }) => (
+                <path key={`${x} ${y}`} d={`M${x} ${-y - width / 2}v${width}`} class="gap" />
+            ))}
+        </svg>
+    );
+}

@@ -1,0 +1,50 @@
+// Tools beside the picture: each opens the forms that it belongs to, and draws.
+
+import { kindOf, setKind } from "./motion";
+import { begin as beginMotion, mode as motionMode, type Mode as MotionMode } from "./motionstate";
+import { change, plan } from "./plan";
+import type { Motion } from "./protocol";
+import { begin as beginRoom, mode as roomMode, type Mode as RoomMode } from "./roomtool";
+
+type ToolOf = { name: string; title: string } & ({ room: RoomMode } | { motion: MotionMode; kind: Motion["kind"] });
+
+const TOOLS: ToolOf[] = [
+    { name: "Door", title: "Put a door into a wall", room: "door" },
+    { name: "Obstacle", title: "Draw an obstacle: a rectangle from corner to corner", room: "rectangle" },
+    { name: "People", title: "Draw where people stand: a rectangle from corner to corner", room: "region" },
+    { name: "Push", title: "Draw a push: from the middle of its circle to the tip of its arrow", motion: "push", kind: "push" },
+    { name: "Exit", title: "Draw an exit: click both ends of its line", motion: "exit line", kind: "go" },
+];
+
+export function Tools() {
+    // Rooms are drawn for crowds of this page.
+    const there = TOOLS.filter((tool) => "motion" in tool || plan.value.made.base.kind === "crowd");
+    return (
+        <div class="together" role="group" aria-label="Draw">
+            {there.map((tool) => {
+                const on = "room" in tool ? plan.value.tab === "room" && roomMode.value === tool.room : plan.value.tab === "motion" && motionMode.value === tool.motion;
+                return (
+                    <button key={tool.name} type="button" title={tool.title} aria-pressed={on} onClick={() => (on ? end() : take(tool))}>
+                        {tool.name}
+                    </button>
+                );
+            })}
+        </div>
+    );
+}
+
+function end() {
+    beginRoom("change");
+    beginMotion("change");
+}
+
+function take(tool: ToolOf) {
+    end();
+    if ("room" in tool) {
+        change({ tab: "room" });
+        return beginRoom(tool.room);
+    }
+    if (kindOf() !== tool.kind) setKind(tool.kind);
+    change({ tab: "motion" });
+    beginMotion(tool.motion);
+}
