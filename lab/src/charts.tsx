@@ -6,7 +6,7 @@ import { useEffect, useMemo } from "preact/hooks";
 import type { Client } from "./client";
 import type { Film } from "./film";
 import { Flow } from "./flow";
-import { Choice, digits } from "./parts";
+import { brief, Choice, digits } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import { grouped, groups, type Line, Plot } from "./plot";
 import type { Point } from "./protocol";
@@ -56,15 +56,20 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
     const end = lastOf(film) * scene.step;
     const shown = Math.min(film.shown.peek(), frames.count - 1);
     const agent = selected !== null && selected < scene.agents.length ? selected : null;
-    const name = agent !== null ? `Person ${scene.agents[agent]!.id}` : "";
-    const speed = (k: number) => Math.hypot(frames.number(k, agent!, 3), frames.number(k, agent!, 4));
-    const squeeze = (k: number) => frames.number(k, agent!, 6);
+    const name = agent !== null ? `Person ${brief(scene.agents[agent]!.id)}` : "";
+    const there = (k: number) => !Number.isNaN(frames.number(k, agent!, 0));
+    const speed = (k: number) => (there(k) ? Math.hypot(frames.number(k, agent!, 3), frames.number(k, agent!, 4)) : NaN);
+    const squeeze = (k: number) => (there(k) ? frames.number(k, agent!, 6) : NaN);
     const whole = `over ${digits(seconds.at(-1)!, 3)} s`;
 
     const curves = (title: string, unit: string, decimals: number, given: [Line, (k: number) => number, "mean" | "greatest"][]) => {
         const rows = given.map(([, value, kind]) => grouped(value, ends, kind));
-        const now = given.map(([, value]) => value(shown).toFixed(decimals));
-        const range = (row: number[]) => `${Math.min(...row).toFixed(decimals)} to ${Math.max(...row).toFixed(decimals)} ${unit}`;
+        const fixed = (value: number) => (Number.isNaN(value) ? "–" : value < 1e9 ? value.toFixed(decimals) : digits(value, 3));
+        const now = given.map(([, value]) => fixed(value(shown)));
+        const range = (row: (number | null)[]) => {
+            const known = row.filter((value) => value !== null);
+            return `${fixed(Math.min(...known))} to ${fixed(Math.max(...known))} ${unit}`;
+        };
         const words = given.map(([{ label }], k) => `${label}: now ${now[k]} ${unit}, ${range(rows[k]!)} ${whole}`);
         return (
             <Plot
@@ -98,13 +103,13 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
         left: () => scene.leaving > 0 && curves("Have left", "people", 0, [[{ label: "People", colour: "--one" }, of("left"), "greatest"]]),
         flow: () => line && <FlowChart film={film} line={line} client={client} ends={ends} end={end} />,
     };
-    const there = CHARTS.filter(([key]) => (key === "left" ? scene.leaving > 0 : key !== "flow" || line));
+    const offered = CHARTS.filter(([key]) => (key === "left" ? scene.leaving > 0 : key !== "flow" || line));
     const chosen = plan.value.chart;
-    const one = there.some(([key]) => key === chosen);
+    const one = offered.some(([key]) => key === chosen);
     return (
         <section class="charts" aria-label="Charts">
-            <Choice label="Chart" value={one || chosen === "all" ? chosen : "greatest"} choices={[...there, ["all", "All of them"]]} onChange={(chart) => change({ chart })} />
-            {chosen === "all" ? there.map(([key]) => <Fragment key={key}>{charts[key]()}</Fragment>) : charts[one ? chosen : "greatest"]()}
+            <Choice label="Chart" value={one || chosen === "all" ? chosen : "greatest"} choices={[...offered, ["all", "All of them"]]} onChange={(chart) => change({ chart })} />
+            {chosen === "all" ? offered.map(([key]) => <Fragment key={key}>{charts[key]()}</Fragment>) : charts[one ? chosen : "greatest"]()}
         </section>
     );
 }
@@ -128,9 +133,10 @@ function FlowChart({ film, line, client, ends, end }: { film: Film; line: [Point
     const ways = [1, -1] as const;
     const rows = ways.map((way) => flow.counts(way, there));
     const now = ways.map((way) => String(flow.counts(way, [Math.min(film.shown.peek(), counted - 1)])[0]));
+    const until = Math.min(film.shown.peek(), counted - 1);
     const words = ways.map((way) => {
-        const mean = flow.mean(way);
-        const total = flow.crossings[way].length;
+        const mean = flow.mean(way, until);
+        const total = flow.counts(way, [until])[0]!;
         return `${flow.arrow(way)} ${total} people${mean === null ? "" : `, ${digits(mean, 3)} per second`}`;
     });
     return (
@@ -143,9 +149,9 @@ function FlowChart({ film, line, client, ends, end }: { film: Film; line: [Point
                 data={[there.map((k) => k * step), ...rows]}
                 end={end}
                 now={now}
-                summary={`People who crossed the line in ${digits(counted * step, 3)} s: ${words.join("; ")}.`}
+                summary={`People who crossed the line in ${digits(until * step, 3)} s: ${words.join("; ")}.`}
             />
-            <p class="note">{words.join("; ")} (mean flow from the first to the last of them)</p>
+            <p class="note">{words.join("; ")} (until {digits(until * step, 3)} s; mean flow from the first to the last of them)</p>
         </div>
     );
 }

@@ -19,7 +19,9 @@ export class Film {
     /** As `shown`, with the fraction of a frame: `frameAt` moves smoothly with it. */
     readonly place = signal(0);
     readonly computed = signal(1);
-    readonly advanced = signal<Advanced | null>(null);
+    /** Of each frame: deepest overlap until then in m, and how many of those who walk have arrived or left. */
+    readonly overlaps: number[];
+    readonly arrived = [0];
     /** The first frame in which all have left who have an exit; null: none yet. */
     readonly emptied = signal<number | null>(null);
     /** Processor time for a communication step. */
@@ -45,6 +47,7 @@ export class Film {
         readonly scene: Scene,
         first: ArrayBuffer,
     ) {
+        this.overlaps = [scene.overlap];
         this.frames = new Frames(scene.agents.length);
         this.frames.add(new Float64Array(first), 1);
         this.#generation = client.generation;
@@ -123,8 +126,9 @@ export class Film {
             const { value, bytes, seconds } = await this.client.ask<Advanced>({ ask: "advance", run: this.scene.run, steps });
             if (this.over) return;
             this.frames.add(new Float64Array(bytes), steps);
+            this.overlaps.push(...value.overlaps);
+            this.arrived.push(...value.arrived);
             batch(() => {
-                this.advanced.value = value;
                 this.cost.value = seconds / steps;
                 this.computed.value = this.frames.count;
                 this.#look();

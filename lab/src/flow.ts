@@ -57,9 +57,9 @@ export class Flow {
         });
     }
 
-    /** People per second from the first to the last crossing; null for fewer than two. */
-    mean(way: Way): number | null {
-        const crossings = this.crossings[way];
+    /** People per second from the first to the last crossing up to a frame; null for fewer than two. */
+    mean(way: Way, until: number): number | null {
+        const crossings = this.crossings[way].filter((frame) => frame <= until);
         const seconds = ((crossings.at(-1) ?? 0) - (crossings[0] ?? 0)) * this.film.scene.step;
         return seconds > 0 ? (crossings.length - 1) / seconds : null;
     }

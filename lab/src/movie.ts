@@ -2,6 +2,7 @@
 
 import type { Film } from "./film";
 import { compose } from "./picture";
+import { withDuration } from "./webm";
 
 const KINDS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
 const BITS_PER_SECOND = 8e6;
@@ -53,22 +54,30 @@ export class Movie {
             recorder.onerror = () => failed(new Error("the browser could not record the movie"));
         });
         // No pictures come while the page is hidden.
+        let [recorded, since] = [0, 0];
         const hidden = () => {
-            if (document.hidden && recorder.state === "recording") recorder.pause();
-            else if (!document.hidden && recorder.state === "paused") recorder.resume();
+            if (document.hidden && recorder.state === "recording") {
+                recorder.pause();
+                recorded += performance.now() - since;
+            } else if (!document.hidden && recorder.state === "paused") {
+                recorder.resume();
+                since = performance.now();
+            }
         };
         document.addEventListener("visibilitychange", hidden);
         recorder.start(1000);
+        since = performance.now();
         try {
             await this.#play(paint);
             if (!this.#stopped) await new Promise((done) => setTimeout(done, 1000 * STAY));
         } finally {
             document.removeEventListener("visibilitychange", hidden);
+            if (recorder.state === "recording") recorded += performance.now() - since;
             if (recorder.state !== "inactive") recorder.stop();
             for (const track of stream.getTracks()) track.stop();
         }
         await ended;
-        return this.#stopped || this.film.over ? null : new Blob(parts, { type: "video/webm" });
+        return this.#stopped || this.film.over ? null : withDuration(new Blob(parts, { type: "video/webm" }), recorded / 1000);
     }
 
     async #play(paint: () => void) {

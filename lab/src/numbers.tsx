@@ -5,7 +5,7 @@ import { meanWords, smooth } from "./colour";
 import type { Film } from "./film";
 import { beat } from "./layout";
 import { LineFields } from "./line";
-import { digits, Facts, length } from "./parts";
+import { brief, digits, Facts, length } from "./parts";
 import { plan } from "./plan";
 import { COLUMNS, FEET, isThere } from "./protocol";
 import { selected } from "./session";
@@ -17,7 +17,7 @@ export function Numbers({ film }: { film: Film }) {
     return (
         <section class="numbers" aria-label="Numbers">
             <h2>Run</h2>
-            <Facts rows={ofRun(film, playing, k)} />
+            <Facts rows={ofRun(film, k)} />
             <details>
                 <summary>Steps and cost</summary>
                 <Facts rows={details(film, playing)} />
@@ -32,31 +32,35 @@ export function Numbers({ film }: { film: Film }) {
     );
 }
 
-function ofRun(film: Film, playing: boolean, k: number): [string, ComponentChildren][] {
+function ofRun(film: Film, k: number): [string, ComponentChildren][] {
     const { scene } = film;
-    const advanced = playing ? film.advanced.peek() : film.advanced.value;
     const rows: [string, ComponentChildren][] = [
         ["People", String(scene.agents.length)],
-        ["Deepest overlap so far", advanced ? `${digits(1000 * advanced.overlap, 2)} mm` : "–"],
+        ["Deepest overlap so far", `${digits(1000 * film.overlaps[k]!, 2)} mm`],
     ];
     if (scene.pushed.length > 0) rows.push(["Pushed", people(scene.pushed.length)]);
-    if (scene.ways.length + scene.targets.length > 0 && scene.leaving < scene.agents.length) rows.push(["Arrived or left", `${advanced?.arrived ?? 0} of ${scene.agents.length}`]);
+    if (scene.ways.length + scene.targets.length > 0 && scene.leaving < scene.agents.length) rows.push(["Arrived or left", `${film.arrived[k]} of ${scene.agents.length}`]);
     if (scene.leaving > 0) rows.push(["Have left", `${film.frames.curve("left")[k]} of ${scene.leaving}`]);
     return rows;
 }
 
 function details(film: Film, playing: boolean): [string, ComponentChildren][] {
     const { scene } = film;
-    const advanced = playing ? film.advanced.peek() : film.advanced.value;
+    const computed = (playing ? film.computed.peek() : film.computed.value) > 1;
     const cost = film.cost.peek();
     const perStep = (1e9 * cost * (scene.mechanical_step / scene.step)) / Math.max(1, scene.agents.length);
     return [
         ["Communication step", `${scene.step} s`],
         ["Mechanical step", scene.stable ? `${scene.mechanical_step} s (stable up to ${digits(scene.stable, 2)} s)` : `${scene.mechanical_step} s`],
         ["Shown pace", playing ? `${film.pace.peek().toFixed(2)} s per second` : "paused"],
-        ["Time to compute a step", advanced ? `${digits(1000 * cost, 2)} ms` : "–"],
-        ["… per person and mechanical step", advanced ? `${digits(perStep, 2)} ns` : "–"],
+        ["Time to compute a step", computed ? `${digits(1000 * cost, 2)} ms` : "–"],
+        ["… per person and mechanical step", computed ? `${digits(perStep, 2)} ns` : "–"],
     ];
+}
+
+/** Whole newtons, as long as they can be read. */
+function newtons(value: number) {
+    return `${value < 1e9 ? Math.round(value).toLocaleString("en") : digits(value, 3)} N`;
 }
 
 function people(count: number) {
@@ -70,17 +74,23 @@ function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren]
     const frame = film.frame(k);
     const of = (column: number) => frame[COLUMNS * a + column]!;
     const person = film.scene.people?.[a];
+    const there = isThere(frame, a);
     const rows: [string, ComponentChildren][] = [
-        ["Id", agent.id],
+        ["Id", brief(agent.id, 200)],
         ["Mass", `${digits(agent.mass, 3)} kg`],
-        ["Place", isThere(frame, a) ? `x ${length(of(0), unit)}, y ${length(of(1), unit)}` : "has left"],
-        ["Speed", `${Math.hypot(of(3), of(4)).toFixed(2)} m/s`],
-        [`Squeeze, ${meanWords(film, k)}`, `${Math.round(film.squeezeMean(k, smooth())[a]!).toLocaleString("en")} N`],
-        ["Contacts", String(of(7))],
+        ["Place", there ? `x ${length(of(0), unit)}, y ${length(of(1), unit)}` : "has left"],
     ];
-    if (isThere(frame, a) && !Number.isNaN(of(FEET))) rows.push(["Lean", length(Math.hypot(of(0) - of(FEET), of(1) - of(FEET + 1)), unit)]);
-    const byWalls = Math.round(film.wallMean(k, smooth(), a));
-    if (byWalls > 0) rows.splice(5, 0, ["Of it by walls", `${byWalls.toLocaleString("en")} N`]);
+    // Who has left has no numbers: 0 would be one.
+    if (there) {
+        rows.push(
+            ["Speed", `${Math.hypot(of(3), of(4)).toFixed(2)} m/s`],
+            [`Squeeze, ${meanWords(film, k)}`, newtons(film.squeezeMean(k, smooth())[a]!)],
+        );
+        const byWalls = film.wallMean(k, smooth(), a);
+        if (byWalls >= 0.5) rows.push(["Of it by walls", newtons(byWalls)]);
+        rows.push(["Contacts", String(of(7))]);
+        if (!Number.isNaN(of(FEET))) rows.push(["Lean", length(Math.hypot(of(0) - of(FEET), of(1) - of(FEET + 1)), unit)]);
+    }
     if (person) {
         const sizes = `${length(person.breadth, unit)} × ${length(person.depth, unit)}, ${length(person.stature, unit)} tall`;
         rows.push(["Body", `${person.sex === "male" ? "man" : "woman"}, ${sizes}`]);
@@ -102,7 +112,7 @@ function Who({ film }: { film: Film }) {
                 <option value="">nobody</option>
                 {film.scene.agents.map(({ id }, a) => (
                     <option key={id} value={String(a)}>
-                        {id}
+                        {brief(id)}
                     </option>
                 ))}
             </select>

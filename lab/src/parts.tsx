@@ -167,8 +167,14 @@ export function SpaceCanvas({ canvas, missing, label, children, ...hands }: Spac
 /** A number with this many significant digits. */
 export function digits(value: number, count: number) {
     if (value === 0) return "0";
+    if (!Number.isFinite(value)) return String(value);
     const size = Math.floor(Math.log10(Math.abs(value)));
-    return size < -4 ? value.toExponential(count - 1) : value.toFixed(Math.max(0, count - 1 - size));
+    return size < -4 || size > 8 ? value.toExponential(count - 1) : value.toFixed(Math.max(0, count - 1 - size));
+}
+
+/** A name from outside, which may have any length. */
+export function brief(name: string, most = 24) {
+    return name.length > most ? `${name.slice(0, most)}…` : name;
 }
 
 /** Gives a file to the user. */

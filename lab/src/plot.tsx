@@ -46,17 +46,20 @@ export function groups(count: number, most = 1000): { size: number; ends: number
 }
 
 /** A number for each group: of its frames the greatest, or the mean. */
-export function grouped(value: (k: number) => number, ends: number[], kind: "mean" | "greatest"): number[] {
+export function grouped(value: (k: number) => number, ends: number[], kind: "mean" | "greatest"): (number | null)[] {
     let k = 0;
     return ends.map((end) => {
-        let [sum, greatest] = [0, 0];
-        const from = k;
+        let [sum, greatest, count] = [0, 0, 0];
         for (; k <= end; k++) {
             const one = value(k);
+            // Of who has left, there is no number.
+            if (Number.isNaN(one)) continue;
             sum += one;
+            count += 1;
             if (one > greatest) greatest = one;
         }
-        return kind === "mean" ? sum / (end - from + 1) : greatest;
+        if (count === 0) return null;
+        return kind === "mean" ? sum / count : greatest;
     });
 }
 

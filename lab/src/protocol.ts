@@ -287,12 +287,12 @@ export interface Bodies {
     estimated: boolean;
 }
 
+/** Of each step. */
 export interface Advanced {
-    time: number;
     /** Deepest overlap so far. */
-    overlap: number;
+    overlaps: number[];
     /** How many of those who walk have arrived or left. */
-    arrived: number;
+    arrived: number[];
 }
 
 /** Numbers of an agent in a frame: x, y, theta, vx, vy, omega, mean squeeze of the step, contacts, the part of the

@@ -139,7 +139,16 @@ function InSpace({ film }: { film: Film }) {
             });
     }, []);
     const Found = stage3d.value;
-    if (missing.value) return <p role="alert">{missing.value}</p>;
+    if (missing.value) {
+        return (
+            <p role="alert">
+                {missing.value}{" "}
+                <button type="button" onClick={() => location.reload()}>
+                    Load the page again
+                </button>
+            </p>
+        );
+    }
     if (!Found) return <p role="status">3D is loaded …</p>;
     return (
         <Found

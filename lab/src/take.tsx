@@ -8,10 +8,12 @@ import { type Client, Stopped } from "./client";
 import { scaleOf, values } from "./colour";
 import type { Film } from "./film";
 import { Movie, whyNoMovie } from "./movie";
-import { digits, NumberField, save } from "./parts";
+import { curvesCsv, leavingCsv, perExit } from "./csv";
+import { brief, digits, NumberField, save } from "./parts";
 import { png } from "./picture";
 import { plan } from "./plan";
 import type { Wanted } from "./protocol";
+import { selected } from "./session";
 
 interface TakeProps {
     film: Film;
@@ -65,6 +67,8 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
     const run = scene.run;
     /** A Trial with ways needs a second FMU: the crowd alone would not walk. */
     const decided = scene.walk;
+    /** The name of a file about the frame that is shown. */
+    const timed = (name: string) => name.replace(/\.\w+$/, (ending) => `-${Number((film.shown.peek() * scene.step).toFixed(6))}s${ending}`);
     const shown = () => film.frames.copy(film.shown.peek(), film.shown.peek() + 1);
 
     /** What the lab makes and takes long, the page shows and stops (busy.tsx). */
@@ -81,11 +85,12 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
         }
     };
     /** A file that the lab makes. */
-    const take = (what: string, wanted: Wanted, bytes?: () => Uint8Array) =>
+    const take = (what: string, wanted: Wanted, bytes?: () => Uint8Array, of = (name: string) => name) =>
         making(what, async () => {
             const answer = await client.ask<{ name: string }>({ ask: "take", run, wanted }, bytes?.());
-            save(answer.value.name, answer.bytes);
-            return answer.value.name;
+            const name = of(answer.value.name);
+            save(name, answer.bytes);
+            return name;
         });
 
     const fmu = (version: 2 | 3) =>
@@ -102,14 +107,15 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
         const { low, high, largest, label, unit } = scaleOf(film, plan.value.colour);
         const k = film.shown.peek();
         const wanted: Wanted = { file: "svg", range: [low, high], beyond: largest > high, from_grey: plan.value.colour === "squeeze", label, unit, time: k * scene.step, forces: plan.value.forces };
-        return take("Picture (SVG)", wanted, () => joined([shown(), bytesOf(values(film, k, plan.value.colour))]));
+        return take("Picture (SVG)", wanted, () => joined([shown(), bytesOf(values(film, k, plan.value.colour))]), timed);
     };
     const picture = () =>
         making("Picture (PNG)", async () => {
             const from = canvas();
             if (!from) throw new Error("the stage shows no picture");
-            save(`${scene.name}.png`, await png(from, film));
-            return `${scene.name}.png`;
+            const name = timed(`${scene.name}.png`);
+            save(name, await png(from, film));
+            return name;
         });
     const record = () =>
         making("Movie (WebM)", async () => {
@@ -121,6 +127,13 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             save(`${scene.name}.webm`, blob);
             return `${scene.name}.webm`;
         });
+    const text = (what: string, name: string, content: string) =>
+        making(what, async () => {
+            save(`${scene.name}-${name}`, content);
+            return `${scene.name}-${name}`;
+        });
+    const size = (each: number) => `${Math.ceil(each * scene.agents.length)} MB`;
+    const leaves = perExit(film).map(({ name, count, flow }) => `${brief(name)}: ${count} ${count === 1 ? "person" : "people"}${flow === null ? "" : `, ${digits(flow, 3)} per second`}`);
     const end = until.value ?? film.reached.value * scene.step;
     const steps = Math.max(1, Math.round(end / scene.step));
     const trajectories = () => take("Trajectories (CSV)", { file: "trajectories", steps });
@@ -195,13 +208,13 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             <ul>
                 {item(
                     "Bodies (OBJ)",
-                    () => take("Bodies (OBJ)", { file: "mesh", format: "obj" }, shown),
-                    "Everybody's body in the frame that is shown, each part with a name: Blender and MeshLab read it.",
+                    () => take("Bodies (OBJ)", { file: "mesh", format: "obj" }, shown, timed),
+                    `Everybody's body in the frame that is shown, each part with a name: Blender and MeshLab read it. About ${size(0.45)}.`,
                 )}
                 {item(
                     "Bodies (STL)",
-                    () => take("Bodies (STL)", { file: "mesh", format: "stl" }, shown),
-                    "The same as bare triangles: for printing and for CAD.",
+                    () => take("Bodies (STL)", { file: "mesh", format: "stl" }, shown, timed),
+                    `The same as bare triangles: for printing and for CAD. About ${size(0.68)}.`,
                 )}
             </ul>
             <h2>Tables</h2>
@@ -230,6 +243,17 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                             until.value = value;
                         }}
                     />,
+                )}
+                {item(
+                    "Curves (CSV)",
+                    async () => text("Curves (CSV)", "curves.csv", curvesCsv(film, selected.value)),
+                    "What the charts show, for each communication step up to the last one that was shown or asked for: mean speed, squeeze, contacts, how many have left; of the selected person, too.",
+                )}
+                {item(
+                    "Who left when (CSV)",
+                    async () => text("Who left when (CSV)", "leaving.csv", leavingCsv(film)),
+                    leaves.length > 0 ? `So far, until the end of what is computed: ${leaves.join("; ")}.` : "When each person left, and by which exit.",
+                    scene.leaving === 0 ? "Nobody leaves in this scene." : "",
                 )}
                 {item(
                     "People (CSV)",

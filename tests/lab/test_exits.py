@@ -1,5 +1,6 @@
 """Exits and goals that are drawn on the picture: who leaves, when, and that the Trial says the same."""
 
+import math
 import re
 import tomllib
 from pathlib import Path
@@ -104,6 +105,21 @@ def test_everybody_leaves_by_an_exit_that_is_drawn(page: Page, browser: Browser,
     poses = rows(table)
     assert float(poses[-1]["t"]) == pytest.approx(end) and {row["active"] for row in poses if row["t"] == poses[-1]["t"]} == {"0"}
     assert {row["active"] for row in poses if float(row["t"]) < end - 0.015} == {"0", "1"}
+    # When each has left, and what the charts show.
+    first: dict[str, float] = {}
+    for row in poses:
+        if row["active"] == "0":
+            first.setdefault(row["id"], float(row["t"]))
+    leaving = rows(download(page, "Who left when (CSV)", tmp_path))
+    assert {row["id"]: float(row["left [s]"]) for row in leaving} == pytest.approx(first) and len(leaving) == 12
+    assert {row["exit"] for row in leaving} == {"to the street"}
+    curves = rows(download(page, "Curves (CSV)", tmp_path))
+    now = [row for row in poses if row["t"] == poses[len(poses) // 2]["t"] and row["active"] == "1"]
+    shown = next(row for row in curves if math.isclose(float(row["t [s]"]), float(now[0]["t"])))
+    speeds = [math.hypot(float(row["vx"]), float(row["vy"])) for row in now]
+    assert float(shown["mean_speed [m/s]"]) == pytest.approx(sum(speeds) / len(now), rel=1e-5)
+    greatest = max(float(row["mean_normal_force"]) for row in now)
+    assert float(shown["greatest_squeeze [N]"]) == pytest.approx(greatest, rel=1e-5) and shown["left"] == str(12 - len(now))
 
 
 def test_exits_beyond_doors_goals_and_shares(page: Page, tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Files that the page takes and gives: dropped zips, long tables, movies."""
 
+import struct
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from visit import download, fill, held, make, play_until, rows, tab
 #: Elements of Matroska that hold others: EBML header, segment, information, tracks, track, video, cluster, group.
 HOLDING = {0x1A45DFA3, 0x18538067, 0x1549A966, 0x1654AE6B, 0xAE, 0xE0, 0x1F43B675, 0xA0}
 SEGMENT, CLUSTER, TIMESTAMP, SIMPLE_BLOCK, BLOCK = 0x18538067, 0x1F43B675, 0xE7, 0xA3, 0xA1
-DOC_TYPE, TIMESTAMP_SCALE, CODEC, WIDTH, HEIGHT = 0x4282, 0x2AD7B1, 0x86, 0xB0, 0xBA
+DOC_TYPE, TIMESTAMP_SCALE, CODEC, WIDTH, HEIGHT, DURATION = 0x4282, 0x2AD7B1, 0x86, 0xB0, 0xBA, 0x4489
 
 
 def elements(data: bytes, start: int = 0, end: int | None = None) -> Iterator[tuple[int, bytes]]:
@@ -43,7 +44,7 @@ def test_a_movie_lasts_as_long_as_the_run(page: Page, tmp_path: Path) -> None:
     page.get_by_label("Take away").get_by_role("button", name="Stop").click()
     expect(page.get_by_text("Stopped.")).to_be_visible()
     page.get_by_label("Pace").select_option(label="0.5 ×")
-    scale, cluster, times = 0, 0, []
+    scale, cluster, duration, times = 0, 0, 0.0, []
     kinds: dict[int, str] = {}
     sizes: dict[int, int] = {}
     for name, content in elements(download(page, "Movie (WebM)", tmp_path).read_bytes()):
@@ -54,6 +55,8 @@ def test_a_movie_lasts_as_long_as_the_run(page: Page, tmp_path: Path) -> None:
             sizes[name] = number
         elif name == TIMESTAMP_SCALE:
             scale = number
+        elif name == DURATION:
+            (duration,) = struct.unpack(">d", content)
         elif name == TIMESTAMP:
             cluster = number
         elif name in (SIMPLE_BLOCK, BLOCK):
@@ -65,6 +68,8 @@ def test_a_movie_lasts_as_long_as_the_run(page: Page, tmp_path: Path) -> None:
     assert box and sizes[WIDTH] >= 0.9 * box["width"] and sizes[HEIGHT] >= 0.9 * box["height"], (sizes, box)
     # More pictures than a slide show, in order. A slow machine takes longer, never less.
     assert len(times) > 10 and times == sorted(times) and times[-1] - times[0] > 1.1, times
+    # Recorders write none: players could not seek.
+    assert abs(duration * scale / 1e9 - times[-1]) < 1, (duration, scale, times)
 
 
 def test_a_long_table_is_stopped_and_the_page_goes_on(page: Page, tmp_path: Path) -> None:

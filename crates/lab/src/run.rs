@@ -81,8 +81,8 @@ impl Run {
         Ok(())
     }
 
-    /// Advances by communication steps. Returns time, deepest overlap since the beginning, how many have arrived, and all
-    /// frames, one after the other.
+    /// Advances by communication steps. Returns, of each, the deepest overlap since the beginning and how many have arrived,
+    /// and all frames, one after the other.
     ///
     /// # Errors
     /// Too many steps, or the engine refuses one; the run is then where it was before that one.
@@ -93,14 +93,14 @@ impl Run {
             format!("{steps} steps of {people} people at once have more than 100 MB")
         })?;
         self.check_work()?;
-        let mut bytes = Vec::new();
+        let (mut bytes, mut overlaps, mut arrived) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..steps {
             self.step()?;
             bytes.extend(self.frame());
+            overlaps.push(self.overlap);
+            arrived.push(self.simulation.arrived()?);
         }
-        let arrived = self.simulation.arrived()?;
-        let value = json!({ "time": self.time_at(self.steps), "overlap": self.overlap, "arrived": arrived });
-        Ok(Reply { value, bytes })
+        Ok(Reply { value: json!({ "overlaps": overlaps, "arrived": arrived }), bytes })
     }
 
     /// Checks that a communication step is not too much work for a page.

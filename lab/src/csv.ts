@@ -1,0 +1,92 @@
+// Tables of what the page itself knows of a run.
+
+import type { Film } from "./film";
+import { COLUMNS, type Point } from "./protocol";
+
+/** As `lemons run` writes times: without the rounding of products. */
+function time(film: Film, k: number) {
+    return Number((k * film.scene.step).toPrecision(12));
+}
+
+function quoted(text: string) {
+    return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+}
+
+function table(rows: (string | number)[][]) {
+    return rows.map((row) => `${row.map((cell) => (typeof cell === "string" ? quoted(cell) : Number.isNaN(cell) ? "" : cell)).join(",")}\n`).join("");
+}
+
+/** The curves of the charts, a row for each frame up to the last one that was shown or asked for. */
+export function curvesCsv(film: Film, agent: number | null): string {
+    const { frames } = film;
+    const [speed, squeeze, greatest, contacts, left] = (["speed", "squeeze", "greatest", "contacts", "left"] as const).map((name) => frames.curve(name)) as [
+        Float32Array,
+        Float32Array,
+        Float32Array,
+        Float32Array,
+        Float32Array,
+    ];
+    const id = agent === null ? "" : film.scene.agents[agent]!.id;
+    const own = agent === null ? [] : [`speed_of_${id} [m/s]`, `squeeze_of_${id} [N]`];
+    const rows: (string | number)[][] = [["t [s]", "mean_speed [m/s]", "mean_squeeze [N]", "greatest_squeeze [N]", "mean_contacts", "left", ...own]];
+    for (let k = 0; k <= film.reached.value; k++) {
+        const row = [time(film, k), speed[k]!, squeeze[k]!, greatest[k]!, contacts[k]!, left[k]!];
+        if (agent !== null) {
+            const there = !Number.isNaN(frames.number(k, agent, 0));
+            row.push(there ? Math.hypot(frames.number(k, agent, 3), frames.number(k, agent, 4)) : NaN, there ? frames.number(k, agent, 6) : NaN);
+        }
+        rows.push(row);
+    }
+    return table(rows);
+}
+
+/** From a point to a line through corners; 0 inside of an area. */
+function away([x, y]: Point, corners: Point[]): number {
+    const area = corners.length > 2;
+    let [least, inside] = [Infinity, false];
+    for (let k = area ? 0 : 1; k < corners.length; k++) {
+        const [[ax, ay], [bx, by]] = [corners.at(k - 1)!, corners[k]!];
+        const share = Math.max(0, Math.min(1, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2 || 1)));
+        least = Math.min(least, Math.hypot(ax + share * (bx - ax) - x, ay + share * (by - ay) - y));
+        if (ay > y !== by > y && x < ax + ((y - ay) / (by - ay)) * (bx - ax)) inside = !inside;
+    }
+    return area && inside ? 0 : least;
+}
+
+/** In the order of their leaving: who, in which frame for the first time not there, and the exit that was nearest before. */
+function leavings(film: Film): { agent: number; frame: number; exit: string }[] {
+    const { frames, scene } = film;
+    const left = frames.curve("left");
+    const exits = scene.targets.filter(({ stay }) => !stay);
+    const gone = new Set<number>();
+    const found = [];
+    for (let k = 1; k < frames.count; k++) {
+        if (!(left[k]! > left[k - 1]!)) continue;
+        const [before, now] = [frames.frame(k - 1).slice(), frames.frame(k)];
+        for (let agent = 0; agent < scene.agents.length; agent++) {
+            if (gone.has(agent) || !Number.isNaN(now[COLUMNS * agent]!)) continue;
+            gone.add(agent);
+            const at: Point = [before[COLUMNS * agent]!, before[COLUMNS * agent + 1]!];
+            const near = exits.reduce((best, exit) => (away(at, exit.corners) < away(at, best.corners) ? exit : best), exits[0]!);
+            found.push({ agent, frame: k, exit: near?.name ?? "" });
+        }
+    }
+    return found;
+}
+
+export function leavingCsv(film: Film): string {
+    const rows = leavings(film).map(({ agent, frame, exit }) => [film.scene.agents[agent]!.id, time(film, frame), exit]);
+    return table([["id", "left [s]", "exit"], ...rows]);
+}
+
+/** How many have left by each exit, and people per second from the first to the last of them. */
+export function perExit(film: Film): { name: string; count: number; flow: number | null }[] {
+    const all = leavings(film);
+    return film.scene.targets
+        .filter(({ stay }) => !stay)
+        .map(({ name }) => {
+            const frames = all.filter(({ exit }) => exit === name).map(({ frame }) => frame);
+            const seconds = frames.length > 1 ? (frames.at(-1)! - frames[0]!) * film.scene.step : 0;
+            return { name, count: frames.length, flow: seconds > 0 ? (frames.length - 1) / seconds : null };
+        });
+}
