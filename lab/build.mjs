@@ -1,6 +1,7 @@
 // Bundles the page into dist/, or into another folder. `build.sh` makes the WebAssembly before.
 import { build } from "esbuild";
-import { cp, mkdir, rm } from "node:fs/promises";
+import { createHash } from "node:crypto";
+import { cp, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 import { resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -26,6 +27,18 @@ await build({
     legalComments: "linked",
     absWorkingDir: here,
 });
-for (const file of ["index.html", "icon.svg", "style.css"]) await cp(`${here}src/${file}`, out + file);
+for (const file of ["index.html", "icon.svg", "style.css", "offline.js"]) await cp(`${here}src/${file}`, out + file);
 await cp(wasm, `${out}lemons_lab.wasm`);
 await cp(licences, `${out}licences.txt`);
+
+// The build is part of addresses: a browser cannot mix two of them.
+const files = (await readdir(out)).sort();
+const hash = createHash("sha256");
+for (const file of files) hash.update(await readFile(out + file));
+const stamp = hash.digest("hex").slice(0, 16);
+const named = ["page.js", "page.css", "style.css", "worker.js", "lemons_lab.wasm"];
+const addresses = ["./", ...files.filter((file) => !["index.html", "offline.js"].includes(file)).map((file) => (named.includes(file) ? `${file}?${stamp}` : file))];
+for (const file of files.filter((name) => /\.(html|js)$/.test(name))) {
+    const text = await readFile(out + file, "utf8");
+    await writeFile(out + file, text.replaceAll("__BUILD__", stamp).replaceAll("__FILES__", addresses.join(" ")));
+}

@@ -52,7 +52,7 @@ export class Client {
     broken = (_why: string) => {};
 
     #start() {
-        const worker = new Worker("worker.js", { type: "module" });
+        const worker = new Worker("worker.js?__BUILD__", { type: "module" });
         // What an ended worker still says does not count.
         const hear = (told: Told) => {
             if (worker === this.#worker) this.#hear(told);

@@ -7,7 +7,7 @@ import { problem } from "./session";
 import { answer, type Lab, load } from "./wasm";
 
 const lab = signal<Lab | null>(null);
-load(() => 0).then(
+load(() => 0, "?__BUILD__").then(
     (loaded) => (lab.value = loaded),
     // Then the worker's may fail, too, which matters more.
     (error) => (problem.value ||= `Rooms cannot be drawn (${error}). Load this page again.`),

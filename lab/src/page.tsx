@@ -190,6 +190,8 @@ addEventListener("drop", (event) => {
     });
 });
 
+// `lemons lab` gives the page on another port each time: nothing would be found again there.
+if (location.hostname !== "127.0.0.1") navigator.serviceWorker?.register("offline.js").catch(() => {});
 begin();
 follow();
 keepScenes();

@@ -245,7 +245,7 @@ function found(): { id: string | null; read: Read; former: boolean } {
 const given = linked();
 const before = found();
 const first = given.kept ?? before.read.kept ?? { name: "A push through a row", changed: 0, plan: FIRST, past: [], future: [] };
-const page = read(storage("localStorage")?.getItem(PAGE) ?? null, "").kept?.plan ?? FIRST;
+const page = read(storage("localStorage")?.getItem(PAGE) ?? null, "the page").kept?.plan ?? FIRST;
 const own = given.kept || !storage("sessionStorage")?.getItem(TAB) ? { ...page, tab: "start" as const } : first.plan;
 export const plan = signal<Plan>({ ...own, ...sceneOf(first.plan) });
 /** The scene on the stage: its Id if it is kept, and its name. */

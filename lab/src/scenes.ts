@@ -115,7 +115,7 @@ export function remove(id: string) {
     const from = storage("localStorage");
     const text = from?.getItem(SCENE + id);
     if (!from || !text) return;
-    deleted.value = { id, text, name: read(text, "").kept?.name ?? "" };
+    deleted.value = { id, text, name: read(text, "it").kept?.name ?? "" };
     from.removeItem(SCENE + id);
     // On the stage it stays, as a copy.
     if (scene.value.id === id) scene.value = { ...scene.value, id: null };

@@ -11,9 +11,9 @@ export interface Lab {
 
 type Watch = (stage: number, iteration: number, limit: number, overlap: number, density: number) => number;
 
-/** `lab_progress` is called during long work; it returns whether to stop. */
-export async function load(lab_progress: Watch): Promise<Lab> {
-    const file = await fetch("lemons_lab.wasm");
+/** `lab_progress` is called during long work; it returns whether to stop. `build` ends the address: that of this page. */
+export async function load(lab_progress: Watch, build: string): Promise<Lab> {
+    const file = await fetch(`lemons_lab.wasm${build}`);
     if (!file.ok) throw new Error(`lemons_lab.wasm: the host answers ${file.status}`);
     // Some hosts give another type, which only the slower way takes.
     const typed = file.headers.get("Content-Type")?.startsWith("application/wasm");

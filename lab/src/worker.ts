@@ -21,7 +21,7 @@ function lab_progress(stage: number, iteration: number, limit: number, overlap: 
     return 0;
 }
 
-const lab = load(lab_progress);
+const lab = load(lab_progress, location.search);
 
 onmessage = async ({ data }: MessageEvent<Asked>) => {
     try {

@@ -1,0 +1,185 @@
+"""What a visitor has made is not lost: names, tabs, links, reloads, a full storage, no network."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, expect
+from visit import becomes, example, fill, link, make, plan, tab, wait
+
+
+@pytest.fixture
+def context(browser: Browser) -> Any:
+    context = browser.new_context(viewport={"width": 1280, "height": 860}, accept_downloads=True)
+    yield context
+    context.close()
+
+
+def visit(context: BrowserContext, url: str) -> Page:
+    page = context.new_page()
+    page.goto(url)
+    page.wait_for_selector("canvas")
+    return page
+
+
+def names(page: Page) -> list[str]:
+    """Of the scenes that are kept, the latest first."""
+    tab(page, "Start")
+    return page.get_by_role("list", name="Your scenes").locator("strong").all_inner_texts()
+
+
+def people(page: Page, count: int) -> None:
+    expect(page.get_by_role("row", name=f"People {count}", exact=True)).to_be_visible()
+
+
+def rename(page: Page, name: str) -> None:
+    field = page.get_by_label("Name of the scene")
+    field.fill(name)
+    field.press("Enter")
+
+
+def test_examples_and_links_write_nothing_over(context: BrowserContext, url: str) -> None:
+    page = visit(context, url)
+    assert names(page) == []
+    make(page, 12, 400, 400)
+    rename(page, "Twelve")
+    expect(page.get_by_text("saved", exact=True)).to_be_visible()
+    mine = plan(page)
+    example(page, "The door", 70)
+    expect(page.get_by_text("a copy", exact=True)).to_be_visible()
+    assert names(page) == ["Twelve"]
+    # It is kept when it is changed.
+    tab(page, "Crowd")
+    fill(page, "People", 20)
+    becomes(page, lambda: names(page), ["The door", "Twelve"])
+    # A link is a copy, too, and does not bring the tab of who sent it.
+    other = visit(context, link(url, {**mine, "name": "Sent", "tab": "take"}))
+    people(other, 12)
+    expect(other.get_by_role("navigation").get_by_role("button", name="Start")).to_have_attribute("aria-current", "page")
+    assert names(other) == ["The door", "Twelve"] and other.get_by_label("Name of the scene").input_value() == "Sent"
+    page.get_by_role("list", name="Your scenes").get_by_role("button", name="Twelve").first.click()
+    people(page, 12)
+
+
+def test_undo_survives_a_reload(context: BrowserContext, url: str) -> None:
+    page = visit(context, url)
+    make(page, 5, 400, 400)
+    for count in (6, 7, 8):
+        fill(page, "People", count)
+        people(page, count)
+    page.reload()
+    people(page, 8)
+    for count in (7, 6, 5):
+        page.get_by_role("button", name="Undo").click()
+        people(page, count)
+    page.reload()
+    page.get_by_role("button", name="Redo").click()
+    people(page, 6)
+    # A damaged step is left out, and nothing else.
+    page.evaluate("() => { const kept = JSON.parse(sessionStorage['lemons-lab tab']); kept.past.push('{'); sessionStorage['lemons-lab tab'] = JSON.stringify(kept); }")
+    page.reload()
+    people(page, 6)
+    page.get_by_role("button", name="Undo").click()
+    people(page, 6)
+    page.get_by_role("button", name="Undo").click()
+    people(page, 5)
+
+
+def test_two_tabs_know_of_each_other(context: BrowserContext, url: str) -> None:
+    one = visit(context, url)
+    make(one, 9, 400, 400)
+    rename(one, "Nine")
+    other = visit(context, url)
+    people(other, 9)
+    assert names(other) == ["Nine"] and names(one) == ["Nine"]
+    tab(other, "Crowd")
+    fill(other, "People", 10)
+    people(other, 10)
+    # This tab has what it had, and writes nothing over the other one's.
+    expect(one.get_by_text("Nine was changed in another tab.")).to_be_visible()
+    people(one, 9)
+    tab(one, "Crowd")
+    fill(one, "People", 11)
+    becomes(one, lambda: names(one), ["Nine (copy)", "Nine"])
+    assert names(other) == ["Nine (copy)", "Nine"]
+    people(other, 10)
+
+
+def test_what_is_deleted_comes_back(context: BrowserContext, url: str) -> None:
+    page = visit(context, url)
+    make(page, 4, 400, 400)
+    rename(page, "Four")
+    tab(page, "Start")
+    page.get_by_role("button", name="Copy Four").click()
+    assert names(page) == ["Four (copy)", "Four"]
+    page.get_by_role("button", name="Delete Four", exact=True).click()
+    assert names(page) == ["Four (copy)"]
+    people(page, 4)
+    page.get_by_role("button", name="Bring it back").click()
+    assert names(page) == ["Four (copy)", "Four"]
+
+
+FULL = "Storage.prototype.setItem = () => { throw new DOMException('full', 'QuotaExceededError'); };"
+FORBIDDEN = "Object.defineProperty(window, 'localStorage', { get() { throw new DOMException('no', 'SecurityError'); } });"
+
+
+@pytest.mark.parametrize(("script", "words"), [(FULL, "storage is full"), (FORBIDDEN, "allows no storage")])
+def test_it_is_told_when_nothing_can_be_kept(context: BrowserContext, url: str, tmp_path: Path, script: str, words: str) -> None:
+    page = context.new_page()
+    page.add_init_script(script)
+    page.goto(url)
+    page.wait_for_selector("canvas")
+    tab(page, "Crowd")
+    fill(page, "People", 6)
+    page.get_by_role("button", name="Make this crowd").click()
+    people(page, 6)
+    expect(page.get_by_text("not saved", exact=True)).to_be_visible()
+    tab(page, "Start")
+    expect(page.get_by_text(words)).to_be_visible()
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Save the scene as a file").click()
+    path = tmp_path / waiting.value.suggested_filename
+    waiting.value.save_as(path)
+    # Another browser opens it.
+    other = visit(context, url)
+    tab(other, "Start")
+    other.get_by_label("Open a scene's file").set_input_files(path)
+    people(other, 6)
+    assert names(other) == ["A crowd"]
+    bad = tmp_path / "bad.json"
+    bad.write_text("[")
+    other.get_by_label("Open a scene's file").set_input_files(bad)
+    expect(other.get_by_role("alert")).to_contain_text("Bad.json cannot be read")
+    people(other, 6)
+
+
+def test_an_earlier_visit_is_taken_over(context: BrowserContext, url: str) -> None:
+    page = visit(context, url)
+    make(page, 7, 400, 400)
+    kept = json.dumps(plan(page))
+    page.evaluate("kept => { localStorage.clear(); sessionStorage.clear(); localStorage['lemons-lab plan 2'] = kept; }", kept)
+    # What is hostile among the scenes does no harm.
+    page.evaluate("() => { localStorage['lemons-lab scene x'] = '[[['; localStorage['lemons-lab scene y'] = '7'; localStorage['lemons-lab page'] = '{'; }")
+    page.close()
+    page = visit(context, url)
+    people(page, 7)
+    assert names(page) == ["Of an earlier visit"]
+    assert page.evaluate("localStorage['lemons-lab plan 2'] === undefined")
+
+
+def test_the_page_opens_without_a_network(context: BrowserContext, url: str) -> None:
+    here = url.replace("127.0.0.1", "localhost")
+    page = visit(context, here)
+    page.evaluate("() => navigator.serviceWorker.ready")
+    wait(page, lambda: page.evaluate("() => navigator.serviceWorker.controller !== null"))
+    make(page, 8, 400, 400)
+    context.set_offline(True)
+    page.reload()
+    people(page, 8)
+    other = visit(context, here)
+    people(other, 8)
+    # Files carry their build.
+    addresses = other.evaluate("() => [...document.scripts].map(script => script.src)")
+    assert all("?" in address for address in addresses)
+    context.set_offline(False)
