@@ -43,6 +43,9 @@ export interface Picture {
     faint: boolean;
 }
 
+/** Half the side of the largest square that is drawn instead of a circle, in pixels of the canvas. */
+const SQUARE = 2.5;
+
 export class Painter {
     #paths: Path2D[];
 
@@ -76,8 +79,14 @@ export class Painter {
                 context.fillStyle = wider ? shades[a]!.rim : shades[a]!.fill;
                 for (const [dx, dy, radius] of disks) {
                     const [right, down] = [x + cos * dx - sin * dy, y - sin * dx - cos * dy];
+                    const half = view.scale * radius + wider;
+                    // So small, a square looks the same.
+                    if (half < SQUARE) {
+                        context.fillRect(right - half, down - half, 2 * half, 2 * half);
+                        continue;
+                    }
                     context.beginPath();
-                    context.arc(right, down, view.scale * radius + wider, 0, 2 * Math.PI);
+                    context.arc(right, down, half, 0, 2 * Math.PI);
                     context.fill();
                 }
             }
