@@ -3,10 +3,11 @@
 import { type KeptCrowd } from "./forms";
 import { FIRST_WISHES } from "./places";
 import { FIRST, type Made, rectangle } from "./plan";
-import type { Motion, Point, Push } from "./protocol";
+import type { Model, Motion, Point, Push } from "./protocol";
 
 export interface Example {
     name: string;
+    question: string;
     sentence: string;
     made: Made;
 }
@@ -15,15 +16,10 @@ function crowd(part: Partial<KeptCrowd>, motion: Motion): Made {
     return { base: { kind: "crowd", ...FIRST.crowd, speed: 0, ...part }, edits: [], motion };
 }
 
-/** Ways as x, y and radius of their points. */
-function walk(...ways: [number, number, number][][]): Motion {
-    return { kind: "walk", speed: 1.3, ways: ways.map((way) => way.map(([x, y, radius]) => ({ x, y, radius }))) };
-}
-
 /** Exits that are lines. */
-function leave(lines: Record<string, [Point, Point]>): Motion {
+function leave(lines: Record<string, [Point, Point]>, model: Model = "rotational"): Motion {
     const exits = Object.entries(lines).map(([name, line]) => ({ name, line, polygon: null, share: null }));
-    return { kind: "go", wishes: { ...FIRST_WISHES, exits } };
+    return { kind: "go", wishes: { ...FIRST_WISHES, model, exits } };
 }
 
 const shove: Omit<Push, "at"> = { radius: 0.75, direction: 0, force: 600, start: 0.2, duration: 0.6 };
@@ -54,21 +50,9 @@ const vomitory: Point[] = [
 
 export const EXAMPLES: Example[] = [
     {
-        name: "A push through a row",
-        sentence: "The last of five people in a row is pushed, and the push travels from back to back.",
-        made: FIRST.made,
-    },
-    {
-        name: "A dense square",
-        sentence: "180 people stand on 5 m × 5 m, more than 7 per m². Those at the left are pushed, and a wave of pressure runs to the right.",
-        made: crowd(
-            { number: 180, room: { outline: rectangle(5, 5), obstacles: [], doors: [] }, direction: null },
-            { kind: "push", pushes: [0.8, 2.5, 4.2].map((y) => ({ ...shove, at: [0.4, y] })), balance: "none" },
-        ),
-    },
-    {
         name: "The door",
-        sentence: "70 people walk to a door 0.9 m wide. Some get out; then those behind press each other and block it.",
+        question: "How long do 70 people need through a door?",
+        sentence: "They walk to a door 0.9 m wide, an arch forms before it, and they leave one by one.",
         made: crowd(
             {
                 number: 70,
@@ -76,12 +60,42 @@ export const EXAMPLES: Example[] = [
                 room: { outline: rectangle(8, 6), obstacles: [], doors: [{ at: [8, 3], width: 0.9 }] },
                 region: rectangle(5.5, 5.4, 0.3, 0.3),
             },
-            walk([[8.8, 3, 0.5], [12.5, 3, 2]]),
+            leave({ "door 1": [[9, 3.95], [9, 2.05]] }),
+        ),
+    },
+    {
+        name: "Pressing to the door",
+        question: "What if nobody waits?",
+        sentence: "The same room and people, who go straight on whoever is in the way, as in the paper. They press each other and may block the door.",
+        made: crowd(
+            {
+                number: 70,
+                seed: 8,
+                room: { outline: rectangle(8, 6), obstacles: [], doors: [{ at: [8, 3], width: 0.9 }] },
+                region: rectangle(5.5, 5.4, 0.3, 0.3),
+            },
+            leave({ "door 1": [[9, 3.95], [9, 2.05]] }, "straight"),
+        ),
+    },
+    {
+        name: "A push through a row",
+        question: "How far does a push go?",
+        sentence: "The last of five people in a row is pushed, and the push travels from back to back.",
+        made: FIRST.made,
+    },
+    {
+        name: "A dense square",
+        question: "What does a push do in a packed crowd?",
+        sentence: "180 people stand on 5 m × 5 m, more than 7 per m². Those at the left are pushed, and a wave of pressure runs to the right.",
+        made: crowd(
+            { number: 180, room: { outline: rectangle(5, 5), obstacles: [], doors: [] }, direction: null },
+            { kind: "push", pushes: [0.8, 2.5, 4.2].map((y) => ({ ...shove, at: [0.4, y] })), balance: "none" },
         ),
     },
     {
         name: "Two exits",
-        sentence: "60 people go round a pillar and leave, each by the exit that is nearer on foot. The page counts them.",
+        question: "Which exit do people take?",
+        sentence: "60 people go round a pillar and leave, each by the exit by which they expect to be out first.",
         made: crowd(
             {
                 number: 60,
@@ -93,7 +107,8 @@ export const EXAMPLES: Example[] = [
     },
     {
         name: "A bottleneck",
-        sentence: "60 people walk along a corridor that narrows from 5 m to 1.2 m. With another seed they may block it.",
+        question: "Is faster slower?",
+        sentence: "60 people walk along a corridor that narrows from 5 m to 1.2 m. Move the desired speed.",
         made: crowd(
             {
                 number: 60,
@@ -101,11 +116,12 @@ export const EXAMPLES: Example[] = [
                 room: { outline: bottleneck, obstacles: [], doors: [{ at: [14, 2.5], width: 1.2 }] },
                 region: rectangle(6.5, 4.6, 0.2, 0.2),
             },
-            walk([[13, 2.5, 0.6], [18, 2.5, 2]]),
+            leave({ "door 1": [[15, 3.6], [15, 1.4]] }),
         ),
     },
     {
         name: "A stadium's vomitory",
+        question: "Where do spectators press?",
         sentence: "130 spectators go round a pillar and leave through a tunnel, 2.5 m wide and 8 m long.",
         made: crowd(
             {
@@ -113,7 +129,7 @@ export const EXAMPLES: Example[] = [
                 room: { outline: vomitory, obstacles: [rectangle(0.6, 1.6, 9.4, 3.2)], doors: [{ at: [20, 4], width: 2.5 }] },
                 region: rectangle(7, 7.4, 0.3, 0.3),
             },
-            walk([[9.8, 2.3, 0.8], [12.5, 3.6, 0.7], [24, 3.6, 2.2]], [[9.8, 5.7, 0.8], [12.5, 4.4, 0.7], [24, 4.4, 2.2]]),
+            leave({ "door 1": [[21, 5.75], [21, 2.25]] }),
         ),
     },
 ];

@@ -9,6 +9,7 @@ import type { Film } from "./film";
 import { Hints } from "./hints";
 import { Chains, paintTrails, trailsNote } from "./layers";
 import { beat, type Layers, show } from "./layout";
+import { Beside, kept, Now } from "./kept";
 import { Legend } from "./legend";
 import { LineButton } from "./line";
 import { Check, Choice, digits, LengthField, length } from "./parts";
@@ -45,11 +46,17 @@ export function Stage({ film }: { film: Film }) {
         <section class="stage" aria-label="Stage">
             <LayerControls />
             {view === "section" && <Altitude film={film} sections={sections} />}
-            <div class="frame">
+            <div class={kept.value && view !== "3d" ? "frame two" : "frame"}>
+                {kept.value && view !== "3d" && <Beside now={film} />}
                 {view === "3d" ? <InSpace film={film} /> : <Picture film={film} chains={chains} sections={sections} />}
                 {view !== "3d" && <Zoom />}
                 <div class="over">
                     <Hints film={film} />
+                    {kept.value && kept.value.film !== film && (
+                        <p class="note">
+                            <Now film={film} of={film} />
+                        </p>
+                    )}
                     {view !== "3d" && <Widest chains={chains} />}
                     {view !== "3d" && plan.value.trails && trailsNote(film) && <p class="note">{trailsNote(film)}</p>}
                     {film.failed.value && <p role="alert">{film.failed.value}</p>}

@@ -1,23 +1,30 @@
 // Where a visit begins: ready scenes, or the user's own files.
 
 import { EXAMPLES, type Example } from "./examples";
-import { plan } from "./plan";
+import { Keep } from "./kept";
+import { scene } from "./plan";
 import { Scenes } from "./scenelist";
 import { open } from "./scenes";
 import { Sketch } from "./sketch";
+import { Sliders } from "./sliders";
 import { FileInput, openTrial } from "./upload";
 
 export function StartTab() {
-    const { made } = plan.value;
-    const now = JSON.stringify(made);
+    const { name } = scene.value;
     return (
         <section class="panel" aria-label="Start">
-            <h2>Start from an example</h2>
+            <p class="note">People in dense crowds, as bodies that touch and press. Choose a question, move a slider, and watch; or draw your own room.</p>
+            <h2>{EXAMPLES.find((example) => example.name === name)?.question ?? name}</h2>
+            <Sliders />
+            <Keep />
+            <h2>Questions</h2>
             {EXAMPLES.map((example) => (
-                <button key={example.name} type="button" class="card" aria-pressed={now === JSON.stringify(example.made)} onClick={() => begin(example)}>
+                <button key={example.name} type="button" class="card" aria-pressed={name === example.name} onClick={() => begin(example)}>
                     <Sketch base={example.made.base} />
                     <strong>{example.name}</strong>
-                    <span>{example.sentence}</span>
+                    <span>
+                        {example.question} {example.sentence}
+                    </span>
                 </button>
             ))}
             <Scenes />

@@ -1,0 +1,117 @@
+// Side by side: a run that is kept beside the one that is changed, with the same clock.
+
+import { effect, signal } from "@preact/signals";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import { scaleOf, shade, values } from "./colour";
+import { inksOf, Painter, paintBar } from "./draw";
+import { paintPlaces } from "./drawplaces";
+import type { Film } from "./film";
+import { beat } from "./layout";
+import { digits } from "./parts";
+import { plan, scene } from "./plan";
+import { film } from "./session";
+import { fitting } from "./view";
+
+/** The run, and what distinguishes it. */
+export const kept = signal<{ film: Film; words: string } | null>(null);
+
+/** What is shown of the scene in a few words. */
+function words(): string {
+    const { crowd, made } = plan.value;
+    const parts = [scene.value.name];
+    if (made.base.kind === "crowd") {
+        parts.push(crowd.number === null ? `${crowd.density} people per m²` : `${crowd.number} people`);
+        for (const { width } of crowd.room.doors) parts.push(`door ${Number(width.toFixed(3))} m`);
+        if (crowd.men !== 0.5) parts.push(`${Math.round(100 * crowd.men)} % men`);
+    }
+    if (made.motion.kind === "go") parts.push(`${made.motion.wishes.desired_speed} m/s`, made.motion.wishes.model);
+    if (made.motion.kind === "push" && made.motion.pushes[0]) parts.push(`${made.motion.pushes[0].force} N`);
+    return parts.join(", ");
+}
+
+export function Keep() {
+    const now = film.value;
+    return (
+        <div class="buttons">
+            {now && now !== kept.value?.film && (
+                <button type="button" title="Keeps this run beside what you change next, with the same clock" onClick={() => (kept.value = { film: now, words: words() })}>
+                    Keep this run to compare
+                </button>
+            )}
+            {kept.value && (
+                <button type="button" onClick={() => (kept.value = null)}>
+                    End the comparison
+                </button>
+            )}
+        </div>
+    );
+}
+
+/** The frame of the run that is kept at the time of another one; its last one after its end. */
+export function frameOf(other: Film, place: number, run: Film): number {
+    return Math.min(run.frames.count - 1, (place * other.scene.step) / run.scene.step);
+}
+
+/** The picture of the run that is kept, and its numbers at the shown time. */
+export function Beside({ now }: { now: Film }) {
+    const element = useRef<HTMLCanvasElement>(null);
+    const run = kept.value!.film;
+    const painter = useMemo(() => new Painter(run.scene), [run]);
+    useEffect(() => {
+        const on = element.current!;
+        const size = signal(0);
+        const paint = effect(() => {
+            size.value;
+            if (on.width === 0) return;
+            const context = on.getContext("2d")!;
+            const { colour, unit } = plan.value;
+            const place = frameOf(now, now.place.value, run);
+            const view = fitting(run.scene, run.frame(0), run.scene.targets.flatMap(({ corners }) => corners), on.width, on.height);
+            const inks = inksOf(on);
+            // Both have the colours of the one that is changed.
+            const scale = scaleOf(now, colour);
+            const shades = Array.from(values(run, Math.floor(place), colour), (value) => shade(scale, value));
+            context.setTransform(1, 0, 0, 1, 0, 0);
+            context.clearRect(0, 0, on.width, on.height);
+            painter.walls(context, view, inks);
+            painter.people(context, { frame: run.frameAt(place), shades, paths: null, selected: null, overlapping: [], faint: false }, view, inks);
+            paintPlaces(context, run.scene.targets, view, inks);
+            paintBar(context, view, unit, inks);
+        });
+        const observer = new ResizeObserver(() => {
+            [on.width, on.height] = [Math.round(on.clientWidth * devicePixelRatio), Math.round(on.clientHeight * devicePixelRatio)];
+            size.value += 1;
+        });
+        observer.observe(on);
+        return () => {
+            observer.disconnect();
+            paint();
+        };
+    }, [run, now]);
+    return (
+        <div class="beside">
+            <canvas ref={element} role="img" aria-label={`The run that is kept: ${kept.value!.words}`} />
+            <p class="note">
+                Kept: {kept.value!.words}. <Now film={run} of={now} />
+            </p>
+        </div>
+    );
+}
+
+/** Numbers of a run at the time of another one. */
+export function Now({ film: run, of }: { film: Film; of: Film }) {
+    if (of.playing.value) beat.value;
+    const shown = of.playing.value ? of.shown.peek() : of.shown.value;
+    const wanted = (shown * of.scene.step) / run.scene.step;
+    const k = Math.floor(frameOf(of, shown, run));
+    const { leaving, step } = run.scene;
+    const curve = (name: "left" | "squeeze" | "greatest") => run.frames.curve(name)[k]!;
+    const all = run.emptied.value;
+    return (
+        <>
+            {wanted > run.frames.count - 1 && `(only computed up to ${((run.frames.count - 1) * step).toFixed(1)} s) `}
+            {leaving > 0 && (all !== null && k >= all ? `All ${leaving} have left after ${(all * step).toFixed(2)} s. ` : `${curve("left")} of ${leaving} have left. `)}
+            Squeeze: mean {digits(curve("squeeze"), 3)} N, greatest {digits(curve("greatest"), 3)} N.
+        </>
+    );
+}
