@@ -4,8 +4,10 @@ import { effect, signal } from "@preact/signals";
 import { type ComponentChildren, Fragment } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Client } from "./client";
+import { averaged, meanWords } from "./colour";
 import type { Film } from "./film";
 import { Flow } from "./flow";
+import { SQUEEZE } from "./frames";
 import { brief, Choice, digits } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import { grouped, groups, type Line, Plot } from "./plot";
@@ -59,7 +61,8 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
     const name = agent !== null ? `Person ${brief(scene.agents[agent]!.id)}` : "";
     const there = (k: number) => !Number.isNaN(frames.number(k, agent!, 0));
     const speed = (k: number) => (there(k) ? Math.hypot(frames.number(k, agent!, 3), frames.number(k, agent!, 4)) : NaN);
-    const squeeze = (k: number) => (there(k) ? frames.number(k, agent!, 6) : NaN);
+    const last = averaged(film);
+    const squeeze = (k: number) => (there(k) ? frames.meanOf(k, last, agent!, SQUEEZE) : NaN);
     const whole = `over ${digits(seconds.at(-1)!, 3)} s`;
 
     const curves = (title: string, unit: string, decimals: number, given: [Line, (k: number) => number, "mean" | "greatest"][]) => {
@@ -95,11 +98,13 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
                 ...(agent === null ? [] : [[{ label: name, colour: "--three" }, speed, "mean"] as [Line, typeof speed, "mean"]]),
             ]),
         mean: () => curves("Mean squeeze", "N", 0, [[{ label: "Of all", colour: "--one" }, of("squeeze"), "mean"]]),
-        greatest: () =>
-            curves("Greatest squeeze", "N", 0, [
-                [{ label: "Of all", colour: "--two" }, of("greatest"), "greatest"],
-                ...(agent === null ? [] : [[{ label: name, colour: "--three" }, squeeze, "mean"] as [Line, typeof squeeze, "mean"]]),
-            ]),
+        greatest: () => {
+            const greatest = frames.greatestMean(last);
+            return curves(`Greatest squeeze (${meanWords(film)})`, "N", 0, [
+                [{ label: "Of all", colour: "--two" }, (k) => greatest[k]!, "greatest"],
+                ...(agent === null ? [] : [[{ label: name, colour: "--three" }, squeeze, "greatest"] as [Line, typeof squeeze, "greatest"]]),
+            ]);
+        },
         left: () => scene.leaving > 0 && curves("Have left", "people", 0, [[{ label: "People", colour: "--one" }, of("left"), "greatest"]]),
         flow: () => line && <FlowChart film={film} line={line} client={client} ends={ends} end={end} />,
     };

@@ -68,16 +68,15 @@ export function shade({ low, high, ramp }: Scale, value: number): Shade {
     return shadesOf(ramp)[Math.round(Math.max(0, Math.min(1, share)) * FINE)]!;
 }
 
-/** Squeeze is the mean over a time, in s: single communication steps flicker. */
-export function smooth() {
-    return plan.value.smooth;
+/** Frames over which squeeze is a mean: single communication steps flicker. */
+export function averaged({ scene: { step } }: Film) {
+    return Math.max(1, Math.round(plan.value.smooth / step));
 }
 
 /** Over what the squeeze is a mean really: whole communication steps, at the start of a run fewer. */
 export function meanWords(film: Film, k = Infinity) {
-    const { step } = film.scene;
-    const steps = Math.max(1, Math.min(k, Math.round(smooth() / step)));
-    const seconds = `${Number((steps * step).toPrecision(6))} s`;
+    const steps = Math.max(1, Math.min(k, averaged(film)));
+    const seconds = `${Number((steps * film.scene.step).toPrecision(6))} s`;
     return steps === 1 ? `mean of 1 step (${seconds})` : `mean of ${seconds}`;
 }
 
@@ -101,7 +100,7 @@ export function round(value: number) {
 
 /** What is coloured of each person, in a frame. */
 export function values(film: Film, k: number, colour: Colour): Float64Array {
-    if (colour === "squeeze") return film.squeezeMean(k, smooth());
+    if (colour === "squeeze") return film.frames.squeezeMean(k, averaged(film));
     const frame = film.frame(k);
     const count = film.scene.agents.length;
     const found = new Float64Array(count);
@@ -148,7 +147,7 @@ const spreads = new WeakMap<Film, Map<string, Spread>>();
 function spreadOf(film: Film, colour: Colour): Spread {
     const of = spreads.get(film) ?? new Map<string, Spread>();
     spreads.set(film, of);
-    const key = `${colour} ${colour === "squeeze" ? smooth() : ""}`;
+    const key = `${colour} ${colour === "squeeze" ? plan.value.smooth : ""}`;
     const spread = of.get(key) ?? new Spread();
     of.set(key, spread);
     spread.add(film, colour, film.computed.value);

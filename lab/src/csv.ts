@@ -1,5 +1,6 @@
 // Tables of what the page itself knows of a run.
 
+import { averaged } from "./colour";
 import type { Film } from "./film";
 import { COLUMNS, type Point } from "./protocol";
 
@@ -26,11 +27,13 @@ export function curvesCsv(film: Film, agent: number | null): string {
         Float32Array,
         Float32Array,
     ];
+    const means = frames.greatestMean(averaged(film));
+    const over = Number((averaged(film) * film.scene.step).toPrecision(6));
     const id = agent === null ? "" : film.scene.agents[agent]!.id;
     const own = agent === null ? [] : [`speed_of_${id} [m/s]`, `squeeze_of_${id} [N]`];
-    const rows: (string | number)[][] = [["t [s]", "mean_speed [m/s]", "mean_squeeze [N]", "greatest_squeeze [N]", "mean_contacts", "left", ...own]];
+    const rows: (string | number)[][] = [["t [s]", "mean_speed [m/s]", "mean_squeeze [N]", "greatest_squeeze [N]", `greatest_mean_of_${over}_s [N]`, "mean_contacts", "left", ...own]];
     for (let k = 0; k <= film.reached.value; k++) {
-        const row = [time(film, k), speed[k]!, squeeze[k]!, greatest[k]!, contacts[k]!, left[k]!];
+        const row = [time(film, k), speed[k]!, squeeze[k]!, greatest[k]!, means[k]!, contacts[k]!, left[k]!];
         if (agent !== null) {
             const there = !Number.isNaN(frames.number(k, agent, 0));
             row.push(there ? Math.hypot(frames.number(k, agent, 3), frames.number(k, agent, 4)) : NaN, there ? frames.number(k, agent, 6) : NaN);

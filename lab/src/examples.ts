@@ -1,9 +1,10 @@
 // Ready scenes to start from.
 
-import { type KeptCrowd } from "./forms";
+import { FIRST_CROWD, type KeptCrowd } from "./forms";
 import { FIRST_WISHES } from "./places";
-import { FIRST, type Made, rectangle } from "./plan";
+import type { Made } from "./plan";
 import type { Model, Motion, Point, Push } from "./protocol";
+import { rectangle } from "./roomshape";
 
 export interface Example {
     name: string;
@@ -13,7 +14,7 @@ export interface Example {
 }
 
 function crowd(part: Partial<KeptCrowd>, motion: Motion): Made {
-    return { base: { kind: "crowd", ...FIRST.crowd, speed: 0, ...part }, edits: [], motion };
+    return { base: { kind: "crowd", ...FIRST_CROWD, speed: 0, ...part }, edits: [], motion };
 }
 
 /** Exits that are lines. */
@@ -51,7 +52,7 @@ const vomitory: Point[] = [
 export const EXAMPLES: Example[] = [
     {
         name: "The door",
-        question: "How long do 70 people need through a door?",
+        question: "How long do 70 people need to leave?",
         sentence: "They walk to a door 0.9 m wide, an arch forms before it, and they leave one by one.",
         made: crowd(
             {
@@ -64,9 +65,9 @@ export const EXAMPLES: Example[] = [
         ),
     },
     {
-        name: "Pressing to the door",
+        name: "Nobody waits",
         question: "What if nobody waits?",
-        sentence: "The same room and people, who go straight on whoever is in the way, as in the paper. They press each other and may block the door.",
+        sentence: "The same room and people, who go straight on whoever is in the way, as in the paper. They press each other, and may block the way.",
         made: crowd(
             {
                 number: 70,
@@ -81,7 +82,7 @@ export const EXAMPLES: Example[] = [
         name: "A push through a row",
         question: "How far does a push go?",
         sentence: "The last of five people in a row is pushed, and the push travels from back to back.",
-        made: FIRST.made,
+        made: { base: { kind: "example", name: "push" }, edits: [], motion: { kind: "own" } },
     },
     {
         name: "A dense square",

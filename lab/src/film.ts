@@ -69,16 +69,6 @@ export class Film {
         return this.frames.at(place);
     }
 
-    /** For each agent the mean squeeze over the last seconds up to frame `k`; valid until the next call. */
-    squeezeMean(k: number, seconds: number): Float64Array {
-        return this.frames.squeezeMean(k, Math.max(1, Math.round(seconds / this.scene.step)));
-    }
-
-    /** The part of that mean of an agent by walls. */
-    wallMean(k: number, seconds: number, agent: number): number {
-        return this.frames.wallMean(k, Math.max(1, Math.round(seconds / this.scene.step)), agent);
-    }
-
     get most() {
         return Math.floor(MOST_BYTES / this.frames.bytes);
     }

@@ -2,6 +2,7 @@
 
 import { type Check, dictionary, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
 import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, MODELS, type Motion, type Normal, type People, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
+import { rectangle } from "./roomshape";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
 interface Kept {
@@ -53,6 +54,20 @@ const inCrowd = record<KeptCrowd>({
     speed: number,
     material: one("human_naked", "human_clothes", "human_soft"),
 });
+/** The forms of a crowd at first. */
+export const FIRST_CROWD: KeptCrowd = {
+    number: 40,
+    density: null,
+    seed: 1,
+    room: { outline: rectangle(4, 4), obstacles: [], doors: [] },
+    region: null,
+    people: { kind: "survey" },
+    men: 0.5,
+    direction: 0,
+    speed: 1,
+    material: "human_naked",
+};
+
 /** Former pages kept whether people wear clothes, and no material. */
 export const crowd: Check<KeptCrowd> = (given) => {
     const kept = given as { clothes?: unknown };

@@ -5,9 +5,9 @@ import { COLUMNS } from "./protocol";
 
 /** Frames lie in blocks, so that long runs neither copy nor allocate for each frame. */
 const BLOCK_BYTES = 4e6;
-const SQUEEZE = 6;
+export const SQUEEZE = 6;
 const CONTACTS = 7;
-const BY_WALLS = 8;
+export const BY_WALLS = 8;
 
 /** Of the whole crowd, one number for each frame. */
 export const CURVES = ["speed", "squeeze", "greatest", "contacts", "left"] as const;
@@ -25,6 +25,8 @@ export class Frames {
     #last: { k: number; numbers: Float32Array } = { k: -1, numbers: new Float32Array() };
     readonly #between: Float32Array;
     readonly #means: Float64Array;
+    /** Sums over the last frames, for the greatest mean of each frame. */
+    #running = { last: 0, sums: new Float64Array(), greatest: [] as number[] };
     /** Of which frame and how many before it. */
     #meansOf: [number, number] = [-1, 0];
 
@@ -140,12 +142,32 @@ export class Frames {
         return means;
     }
 
-    /** The part of that mean of an agent by walls. */
-    wallMean(k: number, last: number, agent: number): number {
+    /** Of one agent such a mean of its squeeze, or of the part by walls. */
+    meanOf(k: number, last: number, agent: number, column: typeof SQUEEZE | typeof BY_WALLS): number {
         const from = Math.min(k, Math.max(1, k - last + 1));
         let sum = 0;
-        for (let j = from; j <= k; j++) sum += this.number(j, agent, BY_WALLS);
+        for (let j = from; j <= k; j++) sum += this.number(j, agent, column);
         return sum / (k - from + 1);
+    }
+
+    /** In each frame the greatest of these means. */
+    greatestMean(last: number): Float32Array {
+        if (this.#running.last !== last) this.#running = { last, sums: new Float64Array(this.agents), greatest: [] };
+        const { sums, greatest } = this.#running;
+        for (let k = greatest.length; k < this.count; k++) {
+            // The first frame, without a step, is in no mean but its own.
+            const gone = k - last >= 1 ? this.frame(k - last) : k === 1 ? this.frame(0) : null;
+            const come = this.frame(k);
+            let most = 0;
+            for (let a = 0; a < this.agents; a++) {
+                const at = COLUMNS * a + SQUEEZE;
+                sums[a]! += come[at]! - (gone ? gone[at]! : 0);
+                // Who has left is pressed by nobody.
+                if (sums[a]! > most && !Number.isNaN(come[COLUMNS * a]!)) most = sums[a]!;
+            }
+            greatest.push(most / Math.max(1, Math.min(k, last)));
+        }
+        return Float32Array.from(greatest);
     }
 
     /** A copy of frames, from one to before another, as the lab reads them. */

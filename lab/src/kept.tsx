@@ -2,7 +2,7 @@
 
 import { effect, signal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import { scaleOf, shade, values } from "./colour";
+import { averaged, meanWords, scaleOf, shade, values } from "./colour";
 import { inksOf, Painter, paintBar } from "./draw";
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
@@ -105,13 +105,13 @@ export function Now({ film: run, of }: { film: Film; of: Film }) {
     const wanted = (shown * of.scene.step) / run.scene.step;
     const k = Math.floor(frameOf(of, shown, run));
     const { leaving, step } = run.scene;
-    const curve = (name: "left" | "squeeze" | "greatest") => run.frames.curve(name)[k]!;
+    const curve = (name: "left" | "squeeze") => run.frames.curve(name)[k]!;
     const all = run.emptied.value;
     return (
         <>
             {wanted > run.frames.count - 1 && `(only computed up to ${((run.frames.count - 1) * step).toFixed(1)} s) `}
             {leaving > 0 && (all !== null && k >= all ? `All ${leaving} have left after ${(all * step).toFixed(2)} s. ` : `${curve("left")} of ${leaving} have left. `)}
-            Squeeze: mean {digits(curve("squeeze"), 3)} N, greatest {digits(curve("greatest"), 3)} N.
+            Squeeze: mean {digits(curve("squeeze"), 3)} N, greatest {digits(run.frames.greatestMean(averaged(run))[k]!, 3)} N ({meanWords(run, k)}).
         </>
     );
 }

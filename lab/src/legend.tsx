@@ -75,8 +75,8 @@ function Squeeze({ film }: { film: Film }) {
     return (
         <>
             <p>
-                Squeeze is the sum of the normal forces on a person, from all sides; the colours show its {meanWords(film)}, the charts its mean over each
-                communication step. Disks with stiff springs touch here, so short impacts have higher peaks than soft bodies would.
+                Squeeze is the sum of the normal forces on a person, from all sides; the colours and the chart of the greatest squeeze show its {meanWords(film)}.
+                Disks with stiff springs touch here, so short impacts have higher peaks than soft bodies would.
             </p>
             <p>
                 Measured of people, and none of it a squeeze: men tolerated 623 N against a flat bar 100 mm wide (Evans and Hayden 1971, as reported by Lee and

@@ -4,7 +4,7 @@
 import { effect, signal } from "@preact/signals";
 import { ready, shape } from "./drawn";
 import type { KeptCrowd } from "./forms";
-import { change, plan } from "./plan";
+import { change, crowdOf, plan } from "./plan";
 import { cornersOf } from "./places";
 import type { Motion, Place, Point, Room } from "./protocol";
 import { rename } from "./scenes";
@@ -23,9 +23,7 @@ const following = signal<{ doors: Map<string, number>; before: unknown } | null>
 /** Whether people stand as the forms say. */
 export function isPlaced() {
     const { made, crowd } = plan.value;
-    if (made.base.kind !== "crowd") return false;
-    const { kind: _, ...placed } = made.base;
-    return JSON.stringify(placed) === JSON.stringify(crowd);
+    return JSON.stringify(crowdOf(made.base)) === JSON.stringify(crowd);
 }
 
 /** Begins to place people when the forms change, if the scene is of a crowd. */

@@ -1,8 +1,9 @@
 // Numbers beside the picture: of the run, and of the person that is selected.
 
 import type { ComponentChildren } from "preact";
-import { meanWords, smooth } from "./colour";
+import { averaged, meanWords } from "./colour";
 import type { Film } from "./film";
+import { BY_WALLS } from "./frames";
 import { beat } from "./layout";
 import { LineFields } from "./line";
 import { brief, digits, Facts, length } from "./parts";
@@ -84,9 +85,9 @@ function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren]
     if (there) {
         rows.push(
             ["Speed", `${Math.hypot(of(3), of(4)).toFixed(2)} m/s`],
-            [`Squeeze, ${meanWords(film, k)}`, newtons(film.squeezeMean(k, smooth())[a]!)],
+            [`Squeeze, ${meanWords(film, k)}`, newtons(film.frames.squeezeMean(k, averaged(film))[a]!)],
         );
-        const byWalls = film.wallMean(k, smooth(), a);
+        const byWalls = film.frames.meanOf(k, averaged(film), a, BY_WALLS);
         if (byWalls >= 0.5) rows.push(["Of it by walls", newtons(byWalls)]);
         rows.push(["Contacts", String(of(7))]);
         if (!Number.isNaN(of(FEET))) rows.push(["Lean", length(Math.hypot(of(0) - of(FEET), of(1) - of(FEET + 1)), unit)]);

@@ -2,7 +2,8 @@
 
 import { batch, computed, effect, signal } from "@preact/signals";
 import { flag, list, nullable, number, one, patched, record, text, tuple, Unfit, within } from "./check";
-import { base, crowd, edit, type KeptBase, type KeptCrowd, MOST, motion, point } from "./forms";
+import { EXAMPLES } from "./examples";
+import { base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, MOST, motion, point } from "./forms";
 import type { Edit, Motion, PersonWanted, Point } from "./protocol";
 
 /** What is on the stage. */
@@ -41,30 +42,10 @@ export interface Plan {
     line: [Point, Point] | null;
 }
 
-export function rectangle(width: number, height: number, x = 0, y = 0): Point[] {
-    return [
-        [x, y],
-        [x + width, y],
-        [x + width, y + height],
-        [x, y + height],
-    ];
-}
-
 export const FIRST: Plan = {
     tab: "start",
     made: { base: { kind: "example", name: "push" }, edits: [], motion: { kind: "own" } },
-    crowd: {
-        number: 40,
-        density: null,
-        seed: 1,
-        room: { outline: rectangle(4, 4), obstacles: [], doors: [] },
-        region: null,
-        people: { kind: "survey" },
-        men: 0.5,
-        direction: 0,
-        speed: 1,
-        material: "human_naked",
-    },
+    crowd: FIRST_CROWD,
     person: { sex: "female", breadth: null, depth: null, stature: null, mass: null, altitude: null },
     unit: "cm",
     colour: "squeeze",
@@ -217,6 +198,13 @@ export function storage(kind: "localStorage" | "sessionStorage"): Storage | null
     }
 }
 
+/** The forms that say it, if it is made by forms. */
+export function crowdOf(base: KeptBase): KeptCrowd | null {
+    if (base.kind !== "crowd") return null;
+    const { kind: _, ...crowd } = base;
+    return crowd;
+}
+
 /** The scenes that this browser keeps, the latest first. */
 export function keptScenes(): { id: string; kept: Kept }[] {
     const from = storage("localStorage");
@@ -244,7 +232,10 @@ function found(): { id: string | null; read: Read; former: boolean } {
 
 const given = linked();
 const before = found();
-const first = given.kept ?? before.read.kept ?? { name: "A push through a row", changed: 0, plan: FIRST, past: [], future: [] };
+/** Whether there is nothing of a former visit, and no link. */
+export const isNew = !given.kept && !before.read.kept;
+const { name: called, made } = EXAMPLES[0]!;
+const first = given.kept ?? before.read.kept ?? { name: called, changed: 0, plan: { ...FIRST, made, crowd: crowdOf(made.base) ?? FIRST_CROWD }, past: [], future: [] };
 const page = read(storage("localStorage")?.getItem(PAGE) ?? null, "the page").kept?.plan ?? FIRST;
 const own = given.kept || !storage("sessionStorage")?.getItem(TAB) ? { ...page, tab: "start" as const } : first.plan;
 export const plan = signal<Plan>({ ...own, ...sceneOf(first.plan) });

@@ -5,10 +5,10 @@ import { MakeCrowd } from "./crowd";
 import { edited, ready, shape } from "./drawn";
 import { LengthField, length } from "./parts";
 import { roomFits, type KeptCrowd, MOST } from "./forms";
-import { change, plan, rectangle } from "./plan";
+import { change, plan } from "./plan";
 import type { Outline, Point, Room } from "./protocol";
 import { begin, insert, type Mode, mode, remove, roomTool, setRoom } from "./roomtool";
-import { rings } from "./roomshape";
+import { rectangle, rings } from "./roomshape";
 import { client, made, notes } from "./session";
 import { useTool } from "./tool";
 import { FileInput, type Given } from "./upload";
@@ -95,8 +95,14 @@ function Size({ room }: { room: Room }) {
             </p>
         );
     }
-    const [width, height] = bounds;
-    const set = (width: number, height: number) => setRoom(edited(room, { do: "stretch", width, height }));
+    const [width, height, left, low] = bounds;
+    const set = (wide: number, high: number) => {
+        const { crowd } = plan.value;
+        // The part of the room where people stand stays the same part of it.
+        const stretched = ([x, y]: Point): Point => [left + ((x - left) * wide) / width, low + ((y - low) * high) / height];
+        const region = crowd.region?.map((corner) => stretched(corner).map((place) => Number(place.toFixed(3))) as Point) ?? null;
+        change({ crowd: { ...crowd, room: edited(room, { do: "stretch", width: wide, height: high }), region } });
+    };
     return (
         <div class="row">
             <LengthField label="Room width" value={width} min={0.1} max={FAR} onChange={(value) => set(value, height)} />

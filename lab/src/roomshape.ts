@@ -34,3 +34,7 @@ export function spanned(a: Point, b: Point): Point[] {
         [left, high],
     ];
 }
+
+export function rectangle(width: number, height: number, x = 0, y = 0): Point[] {
+    return spanned([x, y], [x + width, y + height]);
+}

@@ -4,7 +4,7 @@ import { batch, computed, effect, signal, untracked } from "@preact/signals";
 import { Client, Stopped } from "./client";
 import { Film } from "./film";
 import { type KeptBase } from "./forms";
-import { change, FIRST, follow, keysInUse, type Made as Planned, plan, settle, unread } from "./plan";
+import { change, FIRST, follow, isNew, keysInUse, type Made as Planned, plan, settle, unread } from "./plan";
 import type { Base, Made, Opened } from "./protocol";
 import { kept, remove } from "./store";
 
@@ -23,8 +23,8 @@ export const bases = signal(0);
 
 /** What the film shows. */
 let present: Planned | null = null;
-/** Whether the next one plays at once. The first example does when the page is opened. */
-let plays = plan.value.made.base.kind === "example" && plan.value.tab === "start";
+/** Whether the next one plays at once. The first scene does, and the example with files of its own. */
+let plays = isNew || (plan.value.made.base.kind === "example" && plan.value.tab === "start");
 
 /** What is said when the next scene is there. */
 let sayNext = "";

@@ -2,7 +2,7 @@
 
 import { EXAMPLES, type Example } from "./examples";
 import { Keep } from "./kept";
-import { scene } from "./plan";
+import { crowdOf, scene } from "./plan";
 import { Scenes } from "./scenelist";
 import { open } from "./scenes";
 import { Sketch } from "./sketch";
@@ -37,10 +37,7 @@ export function StartTab() {
 }
 
 function begin({ name, made }: Example) {
-    const { base } = made;
-    if (base.kind !== "crowd") return open(name, made, true);
-    const { kind: _, ...crowd } = base;
     // The forms say what is on the stage, to go on from there.
-    open(name, made, true, crowd);
+    open(name, made, true, crowdOf(made.base) ?? undefined);
 }
 

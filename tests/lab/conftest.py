@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
-from visit import LEMONS, PATIENCE, ROOT
+from visit import LEMONS, PATIENCE, ROOT, link
 
 # What tests/fmpy uses, too.
 sys.path.insert(0, str(ROOT / "tests/common"))
@@ -53,13 +53,13 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture
 def page(browser: Browser, url: str) -> Iterator[Page]:
-    """A new visitor. Nothing may be refused by the policy for contents, or fail in the background."""
+    """A visitor who follows a link to the push through a row. Nothing may be refused by the policy for contents, or fail in the background."""
     context = browser.new_context(viewport={"width": 1280, "height": 860}, accept_downloads=True)
     page = context.new_page()
     said: list[str] = []
     page.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
     page.on("pageerror", lambda error: said.append(str(error)))
-    page.goto(url)
+    page.goto(link(url, {"name": "A push through a row"}))
     page.wait_for_selector("canvas")
     yield page
     context.close()

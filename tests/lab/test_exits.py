@@ -6,6 +6,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, expect
 from visit import Picture, becomes, download, fill, held, lemons, link, make, plan, rows, same_table, tab, wait
@@ -120,6 +121,11 @@ def test_everybody_leaves_by_an_exit_that_is_drawn(page: Page, browser: Browser,
     assert float(shown["mean_speed [m/s]"]) == pytest.approx(sum(speeds) / len(now), rel=1e-5)
     greatest = max(float(row["mean_normal_force"]) for row in now)
     assert float(shown["greatest_squeeze [N]"]) == pytest.approx(greatest, rel=1e-5) and shown["left"] == str(12 - len(now))
+    # Of those who are there, the greatest mean of the last ten steps.
+    squeezes = np.array([float(row["mean_normal_force"]) for row in poses]).reshape(-1, 12)
+    there = np.array([row["active"] == "1" for row in poses]).reshape(-1, 12)
+    means = [np.max(squeezes[max(1, k - 9) : k + 1].mean(axis=0) * there[k]) for k in range(1, len(squeezes))]
+    assert [float(row["greatest_mean_of_0.1_s [N]"]) for row in curves[1:]] == pytest.approx(means, rel=1e-5, abs=1e-3)
 
 
 def test_exits_beyond_doors_goals_and_shares(page: Page, tmp_path: Path) -> None:
