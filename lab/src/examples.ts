@@ -17,7 +17,7 @@ function crowd(part: Partial<KeptCrowd>, motion: Motion): Made {
     return { base: { kind: "crowd", ...FIRST_CROWD, speed: 0, ...part }, edits: [], motion };
 }
 
-/** Exits that are lines. */
+/** Exits as the page puts them beyond doors: 1 m away and 2 m longer. */
 function leave(lines: Record<string, [Point, Point]>, model: Model = "rotational"): Motion {
     const exits = Object.entries(lines).map(([name, line]) => ({ name, line, polygon: null, share: null }));
     return { kind: "go", wishes: { ...FIRST_WISHES, model, exits } };
@@ -61,7 +61,7 @@ export const EXAMPLES: Example[] = [
                 room: { outline: rectangle(8, 6), obstacles: [], doors: [{ at: [8, 3], width: 0.9 }] },
                 region: rectangle(5.5, 5.4, 0.3, 0.3),
             },
-            leave({ "door 1": [[9, 3.95], [9, 2.05]] }),
+            leave({ "door 1": [[9, 1.55], [9, 4.45]] }),
         ),
     },
     {
@@ -75,7 +75,7 @@ export const EXAMPLES: Example[] = [
                 room: { outline: rectangle(8, 6), obstacles: [], doors: [{ at: [8, 3], width: 0.9 }] },
                 region: rectangle(5.5, 5.4, 0.3, 0.3),
             },
-            leave({ "door 1": [[9, 3.95], [9, 2.05]] }, "straight"),
+            leave({ "door 1": [[9, 1.55], [9, 4.45]] }, "straight"),
         ),
     },
     {
@@ -117,7 +117,7 @@ export const EXAMPLES: Example[] = [
                 room: { outline: bottleneck, obstacles: [], doors: [{ at: [14, 2.5], width: 1.2 }] },
                 region: rectangle(6.5, 4.6, 0.2, 0.2),
             },
-            leave({ "door 1": [[15, 3.6], [15, 1.4]] }),
+            leave({ "door 1": [[15, 0.9], [15, 4.1]] }),
         ),
     },
     {
@@ -130,7 +130,7 @@ export const EXAMPLES: Example[] = [
                 room: { outline: vomitory, obstacles: [rectangle(0.6, 1.6, 9.4, 3.2)], doors: [{ at: [20, 4], width: 2.5 }] },
                 region: rectangle(7, 7.4, 0.3, 0.3),
             },
-            leave({ "door 1": [[21, 5.75], [21, 2.25]] }),
+            leave({ "door 1": [[21, 1.75], [21, 6.25]] }),
         ),
     },
 ];

@@ -4,7 +4,7 @@
 import { effect, signal } from "@preact/signals";
 import { ready, shape } from "./drawn";
 import type { KeptCrowd } from "./forms";
-import { change, crowdOf, plan } from "./plan";
+import { crowdOf, plan } from "./plan";
 import { cornersOf } from "./places";
 import type { Motion, Place, Point, Room } from "./protocol";
 import { rename } from "./scenes";
@@ -57,7 +57,7 @@ export function follow() {
         if (motion.kind !== "go") return;
         const exits = motion.wishes.exits.map(moved);
         if (JSON.stringify(exits) !== JSON.stringify(motion.wishes.exits)) {
-            change({ made: { ...made, motion: { kind: "go", wishes: { ...motion.wishes, exits } } } }, false);
+            choose({ motion: { kind: "go", wishes: { ...motion.wishes, exits } } }, shown.playing.peek(), plan.peek().crowd, "", false);
         }
     });
 }

@@ -102,6 +102,9 @@ async function open(wanted: Planned, number: number) {
     present = wanted;
     opening = false;
     const next = new Film(client, value.scene, first);
+    // What follows from the new film may already want the next one.
+    const playing = plays && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    plays = false;
     batch(() => {
         notes.value = value.notes;
         made.value = value.made;
@@ -111,10 +114,9 @@ async function open(wanted: Planned, number: number) {
         sayNext = "";
         selected.value = place < 0 ? null : place;
         film.value = next;
-        next.playing.value = plays && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+        next.playing.value = playing;
         if (other) bases.value += 1;
     });
-    plays = false;
 }
 
 /** Opens it; if that fails, what was there before is what the plan says. */
