@@ -105,13 +105,12 @@ export function Now({ film: run, of }: { film: Film; of: Film }) {
     const wanted = (shown * of.scene.step) / run.scene.step;
     const k = Math.floor(frameOf(of, shown, run));
     const { leaving, step } = run.scene;
-    const curve = (name: "left" | "squeeze") => run.frames.curve(name)[k]!;
     const all = run.emptied.value;
     return (
         <>
             {wanted > run.frames.count - 1 && `(only computed up to ${((run.frames.count - 1) * step).toFixed(1)} s) `}
-            {leaving > 0 && (all !== null && k >= all ? `All ${leaving} have left after ${(all * step).toFixed(2)} s. ` : `${curve("left")} of ${leaving} have left. `)}
-            Squeeze: mean {digits(curve("squeeze"), 3)} N, greatest {digits(run.frames.greatestMean(averaged(run))[k]!, 3)} N ({meanWords(run, k)}).
+            {leaving > 0 && (all !== null && k >= all ? `All ${leaving} have left after ${(all * step).toFixed(2)} s. ` : `${run.frames.curve("left")[k]} of ${leaving} have left. `)}
+            Greatest squeeze: {digits(run.frames.greatestMean(averaged(run))[k]!, 3)} N ({meanWords(run, k)}).
         </>
     );
 }

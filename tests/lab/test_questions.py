@@ -62,7 +62,7 @@ def test_two_widths_side_by_side_have_the_numbers_of_the_command(page: Page, tmp
     # A wider door lets more out.
     assert 0 < left[0] < left[1]
     for count in left:
-        expect(page.get_by_text(f"{count} of 70 have left. Squeeze")).to_be_visible()
+        expect(page.get_by_text(f"{count} of 70 have left. Greatest squeeze")).to_be_visible()
     expect(page.get_by_role("img", name="The run that is kept")).to_be_visible()
     tab(page, "Start")
     page.get_by_role("button", name="End the comparison").click()

@@ -37,9 +37,10 @@ pub struct StyleArguments {
     /// at first. Default: over one communication step, in which single collisions count
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub over: Option<f64>,
-    /// Values at the two ends of the colour bar. Default: 0 (of squeeze 200 N, up to which bodies are grey)
-    /// and the 98 % quantile of the values that are not 0 (of squeeze at least 400 N; the bar says ≥ if
-    /// there are greater ones); for areas, the least and the greatest
+    /// Values at the two ends of the colour bar. Default: 0 and the 98 % quantile
+    /// of the values that are not 0 (the bar says ≥ if there are greater ones); of squeeze, 200 N, up to
+    /// which bodies are grey, and this quantile or 400 N if it is less; for areas, the least and the
+    /// greatest
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     pub range: Option<(f64, f64)>,
     /// Draw contacts as lines whose width shows the normal force
