@@ -118,6 +118,12 @@ export class Client {
         return this.#worker !== null;
     }
 
+    /** Ends the worker and whatever it does, for good. */
+    close(why: string) {
+        this.#crashes = MOST_CRASHES;
+        this.stop(why);
+    }
+
     /** Ends the worker and whatever it does, and starts another one. */
     stop(why: string) {
         this.#worker?.terminate();

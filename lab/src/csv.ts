@@ -13,7 +13,7 @@ function quoted(text: string) {
     return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
 
-function table(rows: (string | number)[][]) {
+export function table(rows: (string | number)[][]) {
     return rows.map((row) => `${row.map((cell) => (typeof cell === "string" ? quoted(cell) : Number.isNaN(cell) ? "" : cell)).join(",")}\n`).join("");
 }
 

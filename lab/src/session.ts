@@ -57,7 +57,7 @@ export async function attempt(what: () => Promise<void>) {
 }
 
 /** Without what only the page needs, and the files' contents. */
-async function sent(base: KeptBase): Promise<[Base, Uint8Array | undefined]> {
+export async function sent(base: KeptBase): Promise<[Base, Uint8Array | undefined]> {
     if (base.kind === "example") return [base, undefined];
     if (base.kind === "crowd") {
         const { people } = base;

@@ -7,6 +7,7 @@ import { Scenes } from "./scenelist";
 import { open } from "./scenes";
 import { Sketch } from "./sketch";
 import { Sliders } from "./sliders";
+import { SweepForm } from "./sweepform";
 import { FileInput, openTrial } from "./upload";
 
 export function StartTab() {
@@ -17,6 +18,7 @@ export function StartTab() {
             <h2>{EXAMPLES.find((example) => example.name === name)?.question ?? name}</h2>
             <Sliders />
             <Keep />
+            <SweepForm />
             <h2>Questions</h2>
             {EXAMPLES.map((example) => (
                 <button key={example.name} type="button" class="card" aria-pressed={name === example.name} onClick={() => begin(example)}>

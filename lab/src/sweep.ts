@@ -1,0 +1,182 @@
+// A sweep: the scene with many values of a parameter and many seeds, in workers of its own.
+
+import { signal } from "@preact/signals";
+import { Client, Stopped } from "./client";
+import { table } from "./csv";
+import { Frames } from "./frames";
+import { type Made, plan, scene } from "./plan";
+import type { Advanced, Motion, Opened } from "./protocol";
+import { film, sent } from "./session";
+import type { Parameter } from "./sliders";
+
+/** Seconds that an answer should take, so that a sweep can be stopped. */
+const ANSWER = 0.2;
+const MOST_WORKERS = 8;
+
+/** Measures of a run: NaN where there is none. */
+export const MEASURES = {
+    all_left: ["Time until all have left", "s"],
+    left: ["Have left", "people"],
+    flow: ["Mean flow", "1/s"],
+    greatest_mean_of_1_s: ["Greatest squeeze, mean of 1 s", "N"],
+    "greatest_mean_of_0.1_s": ["Greatest squeeze, mean of 0.1 s", "N"],
+    mean_squeeze: ["Mean squeeze", "N"],
+    deepest_overlap: ["Deepest overlap", "mm"],
+} as const;
+export type Measure = keyof typeof MEASURES;
+
+export interface Run {
+    value: number;
+    seed: number;
+    /** What ran. */
+    made: Made;
+    measures: Record<Measure, number>;
+}
+
+export interface Sweep {
+    /** Of which scene. */
+    scene: string;
+    made: Made;
+    parameter: Parameter;
+    until: number;
+    wanted: number;
+    runs: Run[];
+    failed: string[];
+    stopped: boolean;
+}
+
+/** The latest one. */
+export const sweep = signal<Sweep | null>(null);
+
+let clients: Client[] = [];
+
+export function stop() {
+    for (const client of clients) client.close("stopped");
+    if (sweep.value) sweep.value = { ...sweep.value, stopped: true };
+}
+
+/** The scene with a value and the k-th seed after its own. */
+function variant(made: Made, parameter: Parameter, value: number, k: number): { made: Made; seed: number } {
+    const other = parameter.with(value);
+    const base = made.base.kind === "crowd" ? { ...made.base, ...("crowd" in other ? other.crowd : {}), seed: made.base.seed + k } : made.base;
+    let motion = "motion" in other ? other.motion : made.motion;
+    if (motion.kind === "go") motion = { kind: "go", wishes: { ...motion.wishes, seed: motion.wishes.seed + k } };
+    // Changes by hand are of the people of one seed.
+    const seed = base.kind === "crowd" ? base.seed : motion.kind === "go" ? motion.wishes.seed : 0;
+    return { made: { base, motion, edits: base.kind === "crowd" ? [] : made.edits }, seed };
+}
+
+/** Exits beyond doors, where the doors are others. */
+export function beyond(motion: Motion, before: unknown[], after: Opened["scene"]["beyond_doors"]): Motion {
+    if (motion.kind !== "go") return motion;
+    const lines = before.map((line) => JSON.stringify(line));
+    const exits = motion.wishes.exits.map((exit) => {
+        const line = after[lines.indexOf(JSON.stringify(exit.line))];
+        return line ? { ...exit, line } : exit;
+    });
+    return { kind: "go", wishes: { ...motion.wishes, exits } };
+}
+
+async function run(client: Client, made: Made, doors: unknown[], until: number): Promise<Pick<Run, "made" | "measures">> {
+    const [base, bytes] = await sent(made.base);
+    const show = (motion: Motion) => client.ask<Opened>({ ask: "show", base, edits: made.edits, motion }, bytes);
+    let opened = await show(made.motion);
+    const motion = beyond(made.motion, doors, opened.value.scene.beyond_doors);
+    if (JSON.stringify(motion) !== JSON.stringify(made.motion)) opened = await show(motion);
+    const { agents, leaving, step, run, overlap } = opened.value.scene;
+    const frames = new Frames(agents.length);
+    frames.add(new Float64Array(opened.bytes), 1);
+    let [deepest, at_once] = [overlap, 1];
+    const last = Math.round(until / step);
+    const left = () => frames.curve("left");
+    while (frames.count <= last && !(leaving > 0 && left().at(-1)! >= leaving)) {
+        const steps = Math.min(at_once, last + 1 - frames.count);
+        const { value, bytes, seconds } = await client.ask<Advanced>({ ask: "advance", run, steps });
+        frames.add(new Float64Array(bytes), steps);
+        deepest = value.overlaps.at(-1)!;
+        at_once = Math.max(1, Math.min(1000, Math.round((ANSWER * steps) / Math.max(seconds, 1e-4))));
+    }
+    const count = left();
+    const [first, all] = [count.findIndex((one) => one > 0), count.findIndex((one) => leaving > 0 && one >= leaving)];
+    // Answers are longer than needed.
+    const end = all >= 0 ? all + 1 : frames.count;
+    const total = count[end - 1]!;
+    const until_last = total > 0 ? count.findIndex((one) => one >= total) - first : 0;
+    const greatest = (seconds: number) => frames.greatestMean(Math.max(1, Math.round(seconds / step))).subarray(0, end).reduce((one, other) => Math.max(one, other), 0);
+    const squeezes = frames.curve("squeeze").subarray(1, all >= 0 ? all : end);
+    return {
+        made: { ...made, motion },
+        measures: {
+            all_left: all >= 0 ? all * step : NaN,
+            left: total,
+            flow: until_last > 0 ? (total - count[first]!) / (until_last * step) : NaN,
+            greatest_mean_of_1_s: greatest(1),
+            "greatest_mean_of_0.1_s": greatest(0.1),
+            mean_squeeze: squeezes.reduce((sum, one) => sum + one, 0) / Math.max(1, squeezes.length),
+            deepest_overlap: 1000 * deepest,
+        },
+    };
+}
+
+/** The values and seeds that a sweep may have together. */
+export const MOST_RUNS = 1000;
+
+/** Begins one of the scene on the stage; what ran before is ended. */
+export function begin(parameter: Parameter, values: number[], seeds: number, until: number) {
+    stop();
+    const { made } = plan.peek();
+    const doors = film.peek()?.scene.beyond_doors ?? [];
+    const waiting = values.flatMap((value) => Array.from({ length: seeds }, (_, k) => ({ value, ...variant(made, parameter, value, k) })));
+    sweep.value = { scene: scene.peek().name, made, parameter, until, wanted: waiting.length, runs: [], failed: [], stopped: false };
+    const workers = Math.max(1, Math.min(MOST_WORKERS, (navigator.hardwareConcurrency || 2) - 1, waiting.length));
+    const mine = Array.from({ length: workers }, () => new Client());
+    clients = mine;
+    for (const client of mine) {
+        void (async () => {
+            for (let next = waiting.shift(); next; next = waiting.shift()) {
+                const { value, seed } = next;
+                try {
+                    const ran = await run(client, next.made, doors, until);
+                    if (clients !== mine) return;
+                    const runs = [...sweep.value!.runs, { value, seed, ...ran }].sort((one, other) => one.value - other.value || one.seed - other.seed);
+                    sweep.value = { ...sweep.value!, runs };
+                } catch (error) {
+                    if (clients !== mine || (error instanceof Stopped && error.message === "stopped")) return;
+                    sweep.value = { ...sweep.value!, failed: [...sweep.value!.failed, `${value}, seed ${seed}: ${(error as Error).message}`] };
+                }
+            }
+            client.close("done");
+        })();
+    }
+}
+
+/** Of sorted numbers, between two of them in proportion: as NumPy and R (type 7) do it. */
+export function quantile(sorted: number[], share: number): number {
+    const at = share * (sorted.length - 1);
+    const low = sorted[Math.floor(at)]!;
+    return low + (at - Math.floor(at)) * (sorted[Math.ceil(at)]! - low);
+}
+
+export interface Row {
+    value: number;
+    runs: Run[];
+    /** Sorted; fewer than runs, if some have none. */
+    numbers: number[];
+}
+
+/** Of each value, in order, the numbers of a measure. */
+export function rows({ runs }: Sweep, measure: Measure): Row[] {
+    return [...new Set(runs.map(({ value }) => value))].map((value) => {
+        const mine = runs.filter((run) => run.value === value);
+        const numbers = mine.map(({ measures }) => measures[measure]).filter((number) => !Number.isNaN(number));
+        return { value, runs: mine, numbers: numbers.sort((one, other) => one - other) };
+    });
+}
+
+/** All runs as a table. */
+export function csv({ runs, parameter }: Sweep): string {
+    const keys = Object.keys(MEASURES) as Measure[];
+    const unit = (name: string, unit: string) => (unit ? `${name} [${unit}]` : name);
+    const head = [unit(parameter.label, parameter.unit), "seed", ...keys.map((key) => unit(key, MEASURES[key][1]))];
+    return table([head, ...runs.map(({ value, seed, measures }) => [value, seed, ...keys.map((key) => measures[key])])]);
+}

@@ -1,0 +1,183 @@
+// A sweep as a form, a chart and a table.
+
+import { useSignal } from "@preact/signals";
+import { Choice, digits, NumberField, save } from "./parts";
+import { crowdOf, plan } from "./plan";
+import { open } from "./scenes";
+import { film } from "./session";
+import { type Parameter, parameters } from "./sliders";
+import { begin, csv, type Measure, MEASURES, MOST_RUNS, quantile, type Row, rows, type Run, stop, type Sweep, sweep } from "./sweep";
+
+const MOST_SEEDS = 100;
+const QUANTILES = [0.1, 0.5, 0.9] as const;
+
+export function SweepForm() {
+    const chosen = useSignal("");
+    const typed = useSignal<string | null>(null);
+    const seeds = useSignal(3);
+    const found = parameters();
+    const parameter = found.find(({ label }) => label === chosen.value) ?? found.find(({ label }) => label.startsWith("Width")) ?? found[0];
+    if (!parameter || !film.value) return null;
+    const text = typed.value ?? proposal(parameter);
+    const [values, wrong] = parsed(text, parameter, seeds.value);
+    const now = sweep.value;
+    const running = now !== null && !now.stopped && now.runs.length + now.failed.length < now.wanted;
+    return (
+        <details>
+            <summary>A sweep: many values, many seeds</summary>
+            <div class="panel">
+                <Choice
+                    label="Parameter"
+                    value={parameter.label}
+                    choices={found.map(({ label, unit }) => [label, unit ? `${label} [${unit}]` : label] as const)}
+                    onChange={(label) => {
+                        chosen.value = label;
+                        typed.value = null;
+                    }}
+                />
+                <label class="field">
+                    <span>Values{parameter.unit && ` [${parameter.unit}]`}, with commas between</span>
+                    <input type="text" value={text} aria-invalid={wrong !== ""} onInput={(event) => (typed.value = event.currentTarget.value)} />
+                </label>
+                {wrong && (
+                    <p class="note" role="alert">
+                        {wrong}
+                    </p>
+                )}
+                <NumberField label="Seeds for each value" value={seeds.value} min={1} max={MOST_SEEDS} step={1} onChange={(count) => (seeds.value = count)} />
+                <p class="note">
+                    Each run has other people and other places, and ends when all have left or at the end of the timeline ({plan.value.end} s). Runs are computed beside what you see.
+                </p>
+                <div class="buttons">
+                    <button type="button" class="main" disabled={wrong !== ""} onClick={() => begin(parameter, values, seeds.value, plan.value.end)}>
+                        Begin the sweep
+                    </button>
+                    {running && (
+                        <button type="button" onClick={stop}>
+                            Stop the sweep
+                        </button>
+                    )}
+                </div>
+                {now && <Results of={now} running={running} />}
+            </div>
+        </details>
+    );
+}
+
+/** Some values around the present one. */
+function proposal({ value, range: [min, max, step] }: Parameter) {
+    const near = [0.75, 1, 1.25, 1.5].map((factor) => Number((Math.round((factor * value) / step) * step).toFixed(6)));
+    return [...new Set(near.map((one) => Math.max(min, Math.min(max, one))))].join(", ");
+}
+
+/** The values, and what is wrong with them. */
+function parsed(text: string, { range: [min, max, step] }: Parameter, seeds: number): [number[], string] {
+    const parts = text.split(/[,;\s]+/).filter((part) => part !== "");
+    const values = [...new Set(parts.map(Number))].sort((one, other) => one - other);
+    const bad = parts.find((part) => !(Number(part) >= min && Number(part) <= max) || (step === 1 && !Number.isInteger(Number(part))));
+    if (bad !== undefined) return [values, `${bad.slice(0, 20)}: ${step === 1 ? "whole numbers, " : ""}${min} to ${max}`];
+    if (values.length === 0) return [values, "At least one value"];
+    if (values.length * seeds > MOST_RUNS) return [values, `${values.length * seeds} runs: at most ${MOST_RUNS}`];
+    return [values, ""];
+}
+
+function Results({ of, running }: { of: Sweep; running: boolean }) {
+    const chosen = useSignal<Measure | null>(null);
+    const measure = chosen.value ?? (of.runs.some(({ measures }) => measures.left > 0) ? "all_left" : "greatest_mean_of_1_s");
+    const found = rows(of, measure);
+    const [label, unit] = MEASURES[measure];
+    const { parameter, wanted, runs, failed } = of;
+    const name = parameter.unit ? `${parameter.label} [${parameter.unit}]` : parameter.label;
+    const show = ({ value, seed, made }: Run) => open(`${of.scene}, ${parameter.label} ${value}, seed ${seed}`, made, true, crowdOf(made.base) ?? undefined);
+    return (
+        <section aria-label="Results of the sweep">
+            <p role="status" class="note">
+                {of.scene}: {runs.length} of {wanted} runs until {of.until} s{of.stopped && ", stopped"}.
+            </p>
+            {running && <progress aria-label="Sweep" max={wanted} value={runs.length + failed.length} />}
+            {failed.length > 0 && <p class="warning">{failed.slice(0, 3).join("; ")}{failed.length > 3 && `; and ${failed.length - 3} more`}</p>}
+            {runs.length > 0 && (
+                <>
+                    <Choice label="Measure" value={measure} choices={Object.entries(MEASURES).map(([key, [words, unit]]) => [key as Measure, `${words} [${unit}]`] as const)} onChange={(next) => (chosen.value = next)} />
+                    <Chart found={found} measure={measure} words={`${label} against ${parameter.label}`} onShow={show} />
+                    <table class="sweep">
+                        <caption>
+                            {label} [{unit}]: quantiles of the runs
+                        </caption>
+                        <thead>
+                            <tr>
+                                <th scope="col">{name}</th>
+                                <th scope="col">runs</th>
+                                {QUANTILES.map((share) => (
+                                    <th key={share} scope="col">
+                                        {100 * share} %
+                                    </th>
+                                ))}
+                            </tr>
+                        </thead>
+                        <tbody>
+                            {found.map(({ value, runs, numbers }) => (
+                                <tr key={value}>
+                                    <th scope="row">
+                                        <button type="button" title="Shows its first run on the stage" onClick={() => show(runs[0]!)}>
+                                            {value}
+                                        </button>
+                                    </th>
+                                    <td>{numbers.length === runs.length ? runs.length : `${numbers.length} of ${runs.length}`}</td>
+                                    {QUANTILES.map((share) => (
+                                        <td key={share}>{numbers.length > 0 ? digits(quantile(numbers, share), 3) : "–"}</td>
+                                    ))}
+                                </tr>
+                            ))}
+                        </tbody>
+                    </table>
+                    <button type="button" onClick={() => save(`${of.scene}-sweep.csv`, csv(of))}>
+                        Runs of the sweep (CSV)
+                    </button>
+                </>
+            )}
+        </section>
+    );
+}
+
+const [WIDE, HIGH, LEFT, LOW] = [260, 150, 40, 20];
+
+/** Each run as a point, the line of the medians, and the band between the outer quantiles. */
+function Chart({ found, measure, words, onShow }: { found: Row[]; measure: Measure; words: string; onShow(run: Run): void }) {
+    const all = found.flatMap(({ numbers }) => numbers);
+    if (all.length === 0) return <p class="note">No run has this measure.</p>;
+    const most = Math.max(...all) * 1.05 || 1;
+    const [first, last] = [found[0]!.value, found.at(-1)!.value];
+    const x = (value: number) => (last > first ? LEFT + 12 + ((WIDE - LEFT - 24) * (value - first)) / (last - first) : (WIDE + LEFT) / 2);
+    const y = (number: number) => HIGH - LOW - ((HIGH - LOW - 8) * number) / most;
+    const with_numbers = found.filter(({ numbers }) => numbers.length > 0);
+    const line = (share: number) => with_numbers.map(({ value, numbers }) => `${x(value)},${y(quantile(numbers, share))}`);
+    return (
+        <svg class="runs" viewBox={`0 0 ${WIDE} ${HIGH}`} role="img" aria-label={words}>
+            <polygon points={[...line(QUANTILES[0]), ...line(QUANTILES[2]).reverse()].join(" ")} class="band" />
+            <polyline points={line(0.5).join(" ")} class="median" />
+            {[0, most / 2.1, most / 1.05].map((number) => (
+                <g key={number}>
+                    <line x1={LEFT} x2={WIDE} y1={y(number)} y2={y(number)} class="grid" />
+                    <text x={LEFT - 4} y={y(number) + 4} text-anchor="end">
+                        {digits(number, 2)}
+                    </text>
+                </g>
+            ))}
+            {found.map(({ value, runs }) => (
+                <g key={value}>
+                    <text x={x(value)} y={HIGH - 5} text-anchor="middle">
+                        {value}
+                    </text>
+                    {runs.map((run) =>
+                        Number.isNaN(run.measures[measure]) ? null : (
+                            <circle key={run.seed} cx={x(value)} cy={y(run.measures[measure])} r={3.5} onClick={() => onShow(run)}>
+                                <title>{`seed ${run.seed}: ${digits(run.measures[measure], 4)}`}</title>
+                            </circle>
+                        ),
+                    )}
+                </g>
+            ))}
+        </svg>
+    );
+}

@@ -1,0 +1,98 @@
+"""Sweeps of the page beside `lemons run` and NumPy."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page, expect
+from visit import download, fill, lemons, make, plan, rows, tab, wait
+
+
+def room(page: Page) -> None:
+    """Sixteen people who leave by a door."""
+    tab(page, "Room")
+    page.get_by_text("Doors (0)").click()
+    page.get_by_role("button", name="Add a door by numbers").click()
+    make(page, 16, 400, 300)
+    tab(page, "Motion")
+    page.get_by_label("What moves them").select_option(label="All walk to exits and goals")
+    page.get_by_role("button", name="Put an exit beyond each door").click()
+    wait(page, lambda: len(plan(page)["made"]["motion"]["wishes"]["exits"]) == 1)
+    tab(page, "Start")
+    page.get_by_text("A sweep: many values").click()
+
+
+def of_table(table: Path) -> dict[str, float]:
+    """Measures of a run that `lemons run` has written."""
+    found = rows(table)
+    count = len({row["id"] for row in found})
+    squeeze = np.array([float(row["mean_normal_force"]) for row in found]).reshape(-1, count)
+    there = np.array([row["active"] == "1" for row in found]).reshape(-1, count)
+    times = np.array([float(row["t"]) for row in found]).reshape(-1, count)[:, 0]
+    left = count - there.sum(axis=1)
+    leavings = times[np.flatnonzero(np.diff(left) > 0) + 1]
+    greatest = lambda last: max(np.max(squeeze[max(1, k - last + 1) : k + 1].mean(axis=0) * there[k]) for k in range(1, len(times)))
+    first = np.argmax(left > 0)
+    return {
+        "all_left [s]": times[np.argmax(left == count)],
+        "left [people]": left[-1],
+        "flow [1/s]": (left[-1] - left[first]) / (leavings[-1] - leavings[0]),
+        "greatest_mean_of_1_s [N]": greatest(100),
+        "greatest_mean_of_0.1_s [N]": greatest(10),
+        "mean_squeeze [N]": np.mean([squeeze[k][there[k]].mean() for k in range(1, len(times)) if there[k].any()]),
+    }
+
+
+def test_its_runs_have_the_numbers_of_the_command_and_the_quantiles_of_numpy(page: Page, tmp_path: Path) -> None:
+    room(page)
+    page.get_by_role("combobox", name="Parameter").select_option(label="Width of the door [m]")
+    page.get_by_label("Values [m]").fill("0.9, 1.5")
+    fill(page, "Seeds for each value", 3)
+    page.get_by_role("button", name="Begin the sweep").click()
+    expect(page.get_by_text("6 of 6 runs until 30 s.")).to_be_visible()
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Runs of the sweep (CSV)").click()
+    path = tmp_path / "sweep.csv"
+    waiting.value.save_as(path)
+    runs = rows(path)
+    assert [(row["Width of the door [m]"], row["seed"]) for row in runs] == [(width, str(seed)) for width in ("0.9", "1.5") for seed in (1, 2, 3)]
+    # What the table shows.
+    page.get_by_role("combobox", name="Measure").select_option(label="Time until all have left [s]")
+    for k, cells in enumerate(page.locator("table.sweep tbody tr").all()):
+        times = [float(row["all_left [s]"]) for row in runs[3 * k : 3 * k + 3]]
+        shown = [float(cell) for cell in cells.get_by_role("cell").all_inner_texts()]
+        assert shown == pytest.approx([3, *np.quantile(times, [0.1, 0.5, 0.9])], rel=5e-3)
+    expect(page.locator("svg.runs circle")).to_have_count(6)
+    # The second run of the wider door, on the stage and with the command.
+    page.locator("svg.runs circle").nth(4).click()
+    expect(page.get_by_label("Name of the scene")).to_have_value("A crowd, Width of the door 1.5, seed 2")
+    wait(page, lambda: plan(page)["made"]["base"]["seed"] == 2)
+    trial = download(page, "Trial (zip)", tmp_path)
+    table = tmp_path / "run.csv"
+    lemons("run", trial, "--until", "left", "-o", table)
+    wanted = of_table(table)
+    assert {name: float(runs[4][name]) for name in wanted} == pytest.approx(wanted, rel=1e-5)
+
+
+def test_it_can_be_stopped_and_says_what_cannot_be_swept(page: Page) -> None:
+    room(page)
+    values = page.get_by_label("Values [m]")
+    begin = page.get_by_role("button", name="Begin the sweep")
+    for text, words in (("0.9, x", "x: 0.5 to 3"), ("", "At least one value"), ("7", "7: 0.5 to 3"), (",".join(str(0.5 + k / 100) for k in range(250)), "at most 1000")):
+        values.fill(text)
+        fill(page, "Seeds for each value", 5)
+        expect(page.get_by_role("alert").filter(has_text=words)).to_be_visible()
+        expect(begin).to_be_disabled()
+    values.fill("0.9")
+    fill(page, "Seeds for each value", 100)
+    begin.click()
+    # The page is heard meanwhile.
+    page.get_by_role("button", name="Play").click()
+    expect(page.get_by_text(re.compile(r"^A crowd: [1-9]\d* of 100 runs"))).to_be_visible()
+    page.get_by_role("button", name="Stop the sweep").click()
+    stopped = page.get_by_text(re.compile(r"of 100 runs until 30 s, stopped"))
+    expect(stopped).to_be_visible()
+    count = stopped.inner_text()
+    page.wait_for_timeout(1500)
+    assert stopped.inner_text() == count
