@@ -17,6 +17,16 @@ export function show(on: HTMLCanvasElement): () => void {
 /** Changes some times in a second while a run plays: what is read need not change with each picture. */
 export const beat = signal(0);
 
+/** Whether the stage is shown alone, to an audience. */
+export const presents = signal(false);
+
+/** Fills the screen, where the browser allows it. */
+export function present(on: boolean) {
+    presents.value = on;
+    if (on) document.documentElement.requestFullscreen?.().catch(() => {});
+    else if (document.fullscreenElement) void document.exitFullscreen();
+}
+
 /** What is drawn besides people and walls. */
 export interface Layers {
     below(context: CanvasRenderingContext2D, view: View): void;

@@ -4,13 +4,13 @@ import { signal } from "@preact/signals";
 import { render } from "preact";
 import { Busy } from "./busy";
 import { CrowdTab } from "./crowd";
-import { canvas } from "./layout";
+import { canvas, present, presents } from "./layout";
 import { follow } from "./live";
 import { MotionTab } from "./motion";
 import { Numbers } from "./numbers";
-import { Icon } from "./parts";
+import { copy, Icon } from "./parts";
 import { PersonTab } from "./person";
-import { canRedo, canUndo, change, link, type Plan, plan, redo, undo, unlinked } from "./plan";
+import { canRedo, canUndo, change, embedded, link, type Plan, plan, redo, scene, undo, unlinked } from "./plan";
 import { RoomTab } from "./room";
 import { Title } from "./scenelist";
 import { begin as keepScenes, openFile } from "./scenes";
@@ -28,6 +28,26 @@ const TABS: [Plan["tab"], string][] = [
     ["person", "Person"],
     ["take", "Take away"],
 ];
+
+/** Above the stage alone. */
+function Bare() {
+    return (
+        <header class="bare">
+            <h1>{scene.value.name}</h1>
+            <div class="tools">
+                {embedded ? (
+                    <a href={link()} target="_blank" rel="noopener">
+                        Open in the LEMONS lab
+                    </a>
+                ) : (
+                    <button type="button" onClick={() => present(false)}>
+                        End the presentation
+                    </button>
+                )}
+            </div>
+        </header>
+    );
+}
 
 function Header() {
     const { tab, unit } = plan.value;
@@ -55,6 +75,9 @@ function Header() {
                 <button type="button" aria-label={`${unit}: show lengths in ${unit === "m" ? "cm" : "m"}`} title={`Show lengths in ${unit === "m" ? "cm" : "m"}`} onClick={() => change({ unit: unit === "m" ? "cm" : "m" })}>
                     {unit}
                 </button>
+                <button type="button" title="Shows the stage alone (F); Escape ends it" onClick={() => present(true)}>
+                    Present
+                </button>
                 <button type="button" onClick={() => void attempt(copyLink)}>
                     Copy link
                 </button>
@@ -70,8 +93,7 @@ function go(tab: Plan["tab"]) {
 }
 
 async function copyLink() {
-    if (!navigator.clipboard) throw new Error(`This browser copies nothing from such a page; the link is ${link()}`);
-    await navigator.clipboard.writeText(link());
+    await copy(link());
     const files = unlinked(plan.value).join(" and ");
     said.value = files ? `The link is copied. It does not hold ${files}: who opens it elsewhere needs the file.` : "The link is copied. It holds the whole scene.";
 }
@@ -101,25 +123,28 @@ const sheet = signal<"forms" | "numbers" | null>(null);
 function Page() {
     const { tab } = plan.value;
     const shown = film.value;
+    const alone = embedded || presents.value;
     const open = (which: "forms" | "numbers") => (sheet.value === which ? "sheet open" : "sheet");
     return (
         <>
-            <Header />
-            {tab === "person" ? (
+            {alone ? <Bare /> : <Header />}
+            {tab === "person" && !alone ? (
                 <main class="whole">
                     <PersonTab client={client} />
                 </main>
             ) : (
-                <main class="columns">
-                    <div class={open("forms")}>
-                        <Panel />
-                    </div>
+                <main class={alone ? "columns alone" : "columns"}>
+                    {!alone && (
+                        <div class={open("forms")}>
+                            <Panel />
+                        </div>
+                    )}
                     {shown ? <Stage key="stage" film={shown} /> : <p role="status">{problem.value ? "" : "One moment …"}</p>}
-                    <div class={open("numbers")}>{shown && <Numbers film={shown} />}</div>
+                    {!alone && <div class={open("numbers")}>{shown && <Numbers film={shown} />}</div>}
                 </main>
             )}
             <News />
-            <footer>
+            <footer hidden={alone}>
                 <p role="status">{said.value}</p>
                 <Busy />
                 <span class="unit">
@@ -161,11 +186,15 @@ function News() {
 
 addEventListener("keydown", (event) => {
     // In a field they are the field's own.
-    const typing = event.target instanceof HTMLInputElement && event.target.type === "number";
+    const { target } = event;
+    const typing = target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && ["number", "text"].includes(target.type));
     if (typing) return;
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !event.shiftKey) undo();
     else if ((event.ctrlKey || event.metaKey) && (event.key === "y" || event.key.toLowerCase() === "z")) redo();
+    else if (event.key === "Escape" && presents.value) present(false);
+    else if (event.key.toLowerCase() === "f" && !event.ctrlKey && !event.metaKey && !event.altKey) present(!presents.value);
 });
+document.addEventListener("fullscreenchange", () => (presents.value = document.fullscreenElement !== null));
 addEventListener("dragover", (event) => {
     if (!event.dataTransfer?.types.includes("Files")) return;
     event.preventDefault();
@@ -191,7 +220,7 @@ addEventListener("drop", (event) => {
 });
 
 // `lemons lab` gives the page on another port each time: nothing would be found again there.
-if (location.hostname !== "127.0.0.1") navigator.serviceWorker?.register("offline.js").catch(() => {});
+if (location.hostname !== "127.0.0.1" && !embedded) navigator.serviceWorker?.register("offline.js").catch(() => {});
 begin();
 follow();
 keepScenes();

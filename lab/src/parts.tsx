@@ -186,3 +186,14 @@ export function save(name: string, content: BlobPart) {
     anchor.click();
     setTimeout(() => URL.revokeObjectURL(url), 60_000);
 }
+
+/** Puts a text into the clipboard. */
+export async function copy(text: string) {
+    if (!navigator.clipboard) throw new Error(`This browser copies nothing from such a page; this was to be copied: ${text}`);
+    await navigator.clipboard.writeText(text);
+}
+
+/** A text as the value of an attribute in HTML. */
+export function attribute(text: string) {
+    return text.replaceAll("&", "&amp;").replaceAll('"', "&quot;").replaceAll("<", "&lt;");
+}

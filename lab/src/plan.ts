@@ -189,8 +189,12 @@ export const FORMER = "lemons-lab plan 2";
 /** Before the Id of a scene. */
 export const SCENE = "lemons-lab scene ";
 
+/** Whether another page shows the stage alone (`?embed`). Then nothing of the visitor's is read or written. */
+export const embedded = new URLSearchParams(location.search).has("embed");
+
 /** The browser's storage; none where it is forbidden. */
 export function storage(kind: "localStorage" | "sessionStorage"): Storage | null {
+    if (embedded) return null;
     try {
         return window[kind];
     } catch {
@@ -316,8 +320,9 @@ function go(from: typeof past, to: typeof past) {
 export const undo = () => go(past, future);
 export const redo = () => go(future, past);
 
-export function link() {
-    return `${location.origin}${location.pathname}#${encodeURIComponent(JSON.stringify({ name: scene.value.name, ...sceneOf(plan.value) }))}`;
+/** The scene as a link: to the whole page, or to the stage alone. */
+export function link(query = "") {
+    return `${location.origin}${location.pathname}${query}#${encodeURIComponent(JSON.stringify({ name: scene.value.name, ...sceneOf(plan.value) }))}`;
 }
 
 /** Takes a link that was put into the open page. Returns what of it does not fit. */

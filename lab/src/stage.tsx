@@ -8,12 +8,12 @@ import { Charts } from "./charts";
 import type { Film } from "./film";
 import { Hints } from "./hints";
 import { Chains, paintTrails, trailsNote } from "./layers";
-import { beat, type Layers, show } from "./layout";
+import { beat, type Layers, presents, show } from "./layout";
 import { Beside, kept, Now } from "./kept";
 import { Legend } from "./legend";
 import { LineButton } from "./line";
 import { Check, Choice, digits, LengthField, length } from "./parts";
-import { change, type Plan, plan } from "./plan";
+import { change, embedded, type Plan, plan } from "./plan";
 import { client, selected } from "./session";
 import { Sections } from "./sections";
 import type { Stage3dProps } from "./three";
@@ -42,9 +42,10 @@ export function Stage({ film }: { film: Film }) {
     const chains = useMemo(() => new Chains(client, film), [film]);
     const sections = useMemo(() => new Sections(client, film), [film]);
     const { view, line } = plan.value;
+    const alone = embedded || presents.value;
     return (
         <section class="stage" aria-label="Stage">
-            <LayerControls />
+            {!alone && <LayerControls />}
             {view === "section" && <Altitude film={film} sections={sections} />}
             <div class={kept.value && view !== "3d" ? "frame two" : "frame"}>
                 {kept.value && view !== "3d" && <Beside now={film} />}
@@ -67,7 +68,7 @@ export function Stage({ film }: { film: Film }) {
             </p>
             <Legend film={film} />
             <Transport film={film} />
-            <Charts film={film} selected={selected.value} line={line} client={client} />
+            {!embedded && <Charts film={film} selected={selected.value} line={line} client={client} />}
         </section>
     );
 }

@@ -9,17 +9,22 @@ import { type Parameter, parameters } from "./sliders";
 import { begin, csv, type Measure, MEASURES, MOST_RUNS, quantile, type Row, rows, type Run, stop, type Sweep, sweep } from "./sweep";
 
 const MOST_SEEDS = 100;
+/** In s: so long people may need to leave. */
+const PATIENCE = 120;
 const QUANTILES = [0.1, 0.5, 0.9] as const;
 
 export function SweepForm() {
     const chosen = useSignal("");
     const typed = useSignal<string | null>(null);
     const seeds = useSignal(3);
+    const longest = useSignal<number | null>(null);
     const found = parameters();
     const parameter = found.find(({ label }) => label === chosen.value) ?? found.find(({ label }) => label.startsWith("Width")) ?? found[0];
     if (!parameter || !film.value) return null;
     const text = typed.value ?? proposal(parameter);
     const [values, wrong] = parsed(text, parameter, seeds.value);
+    const { end } = plan.value;
+    const until = longest.value ?? (film.value.scene.leaving > 0 ? Math.max(PATIENCE, end) : end);
     const now = sweep.value;
     const running = now !== null && !now.stopped && now.runs.length + now.failed.length < now.wanted;
     return (
@@ -45,11 +50,10 @@ export function SweepForm() {
                     </p>
                 )}
                 <NumberField label="Seeds for each value" value={seeds.value} min={1} max={MOST_SEEDS} step={1} onChange={(count) => (seeds.value = count)} />
-                <p class="note">
-                    Each run has other people and other places, and ends when all have left or at the end of the timeline ({plan.value.end} s). Runs are computed beside what you see.
-                </p>
+                <NumberField label="Until all have left, at most" unit="s" value={until} min={0.1} max={1e5} step={5} onChange={(seconds) => (longest.value = seconds)} />
+                <p class="note">Each seed has other people at other places. Runs are computed beside what you see.</p>
                 <div class="buttons">
-                    <button type="button" class="main" disabled={wrong !== ""} onClick={() => begin(parameter, values, seeds.value, plan.value.end)}>
+                    <button type="button" class="main" disabled={wrong !== ""} onClick={() => begin(parameter, values, seeds.value, until)}>
                         Begin the sweep
                     </button>
                     {running && (

@@ -9,11 +9,11 @@ import { scaleOf, values } from "./colour";
 import type { Film } from "./film";
 import { Movie, whyNoMovie } from "./movie";
 import { curvesCsv, leavingCsv, perExit } from "./csv";
-import { brief, digits, NumberField, save } from "./parts";
+import { attribute, brief, copy, digits, NumberField, save } from "./parts";
 import { png } from "./picture";
-import { plan } from "./plan";
+import { link, plan, scene as kept } from "./plan";
 import type { Wanted } from "./protocol";
-import { selected } from "./session";
+import { attempt, selected } from "./session";
 
 interface TakeProps {
     film: Film;
@@ -192,6 +192,16 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             </ul>
             <h2>To look at</h2>
             <ul>
+                {item(
+                    "Copy code to embed",
+                    () =>
+                        attempt(async () => {
+                            await copy(`<iframe src="${attribute(link("?embed"))}" title="${attribute(kept.peek().name)}" width="800" height="600" allow="fullscreen"></iframe>`);
+                            said("The code is copied.");
+                        }),
+                    "An element of HTML that shows the stage, alone and alive, in a page of yours. It holds the scene, but no files.",
+                    location.hostname === "127.0.0.1" ? "Only of a page on a web host: this one is on your machine." : "",
+                )}
                 {item("Picture (SVG)", svg, "The frame that is shown, as lines and shapes: for papers, and for Inkscape. It shows people from above.")}
                 {item("Picture (PNG)", picture, "What the stage shows now, as pixels: for slides and messages.")}
                 {item(

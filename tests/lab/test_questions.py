@@ -1,5 +1,9 @@
 """Scenes to start from: a question, sliders that act while it runs, and a run that is kept beside another one."""
 
+import functools
+import http.server
+import re
+import threading
 from pathlib import Path
 
 from playwright.sync_api import Browser, Page, expect
@@ -67,3 +71,45 @@ def test_two_widths_side_by_side_have_the_numbers_of_the_command(page: Page, tmp
     tab(page, "Start")
     page.get_by_role("button", name="End the comparison").click()
     expect(page.get_by_text("Kept:")).to_have_count(0)
+
+
+def test_another_page_shows_the_stage_alone(browser: Browser, url: str, tmp_path: Path) -> None:
+    here = url.replace("127.0.0.1", "localhost")
+    context = browser.new_context(permissions=["clipboard-read", "clipboard-write"])
+    other = context.new_page()
+    other.goto(here)
+    expect(other.get_by_text("70 people placed in")).to_be_visible()
+    tab(other, "Take away")
+    other.get_by_role("button", name="Copy code to embed").click()
+    expect(other.get_by_text("The code is copied.")).to_be_visible()
+    code = other.evaluate("() => navigator.clipboard.readText()")
+    address = re.search(r'src="([^"]*)"', code)
+    assert address and code.startswith("<iframe ") and address[1].startswith(f"{here}?embed#")
+    kept = other.evaluate("() => JSON.stringify(localStorage)")
+    # A page of another server holds the code.
+    (tmp_path / "index.html").write_text(f"<!doctype html><title>Talk</title>{code}")
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(http.server.SimpleHTTPRequestHandler, directory=tmp_path))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    other.goto(f"http://localhost:{server.server_port}/")
+    frame = other.frame_locator("iframe")
+    expect(frame.get_by_role("heading", name="The door")).to_be_visible()
+    frame.get_by_role("button", name="Play").click()
+    wait(other, lambda: float(frame.locator(".time").inner_text().split()[0]) > 0.5)
+    assert frame.get_by_role("navigation").count() == 0 and frame.get_by_role("spinbutton", name="People").count() == 0
+    expect(frame.get_by_role("link", name="Open in the LEMONS lab")).to_have_attribute("href", re.compile("^" + re.escape(here) + "#"))
+    other.goto(here)
+    assert other.evaluate("() => JSON.stringify(localStorage)") == kept
+    context.close()
+    server.shutdown()
+
+
+def test_the_stage_is_presented_alone(page: Page) -> None:
+    page.locator("canvas").first.press("f")
+    expect(page.get_by_role("button", name="End the presentation")).to_be_visible()
+    assert page.get_by_role("navigation").count() == 0
+    page.get_by_role("button", name="End the presentation").click()
+    expect(page.get_by_role("navigation")).to_be_visible()
+    page.get_by_role("button", name="Present", exact=True).click()
+    wait(page, lambda: page.evaluate("document.fullscreenElement !== null"))
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("navigation")).to_be_visible()

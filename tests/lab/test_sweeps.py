@@ -50,7 +50,7 @@ def test_its_runs_have_the_numbers_of_the_command_and_the_quantiles_of_numpy(pag
     page.get_by_label("Values [m]").fill("0.9, 1.5")
     fill(page, "Seeds for each value", 3)
     page.get_by_role("button", name="Begin the sweep").click()
-    expect(page.get_by_text("6 of 6 runs until 30 s.")).to_be_visible()
+    expect(page.get_by_text("6 of 6 runs until 120 s.")).to_be_visible()
     with page.expect_download() as waiting:
         page.get_by_role("button", name="Runs of the sweep (CSV)").click()
     path = tmp_path / "sweep.csv"
@@ -91,7 +91,7 @@ def test_it_can_be_stopped_and_says_what_cannot_be_swept(page: Page) -> None:
     page.get_by_role("button", name="Play").click()
     expect(page.get_by_text(re.compile(r"^A crowd: [1-9]\d* of 100 runs"))).to_be_visible()
     page.get_by_role("button", name="Stop the sweep").click()
-    stopped = page.get_by_text(re.compile(r"of 100 runs until 30 s, stopped"))
+    stopped = page.get_by_text(re.compile(r"of 100 runs until 120 s, stopped"))
     expect(stopped).to_be_visible()
     count = stopped.inner_text()
     page.wait_for_timeout(1500)
