@@ -2,18 +2,20 @@
 
 import { effect, signal, untracked } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import { scaleOf, shade, values } from "./colour";
+import { averaged, scaleOf, shade, values } from "./colour";
 import { type Inks, inksOf, label, Painter, paintBar, paintPush, paintWays } from "./draw";
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { throughWalls } from "./hints";
-import { canvas, type Layers, show } from "./layout";
+import { canvas, hovered, type Layers, show } from "./layout";
 import { paintLine } from "./line";
+import { menu, openMenu } from "./menu";
+import { brief, digits } from "./parts";
 import { plan } from "./plan";
 import { COLUMNS, isThere, type Point } from "./protocol";
 import { bases, film, selected } from "./session";
 import { lineTool, type Pointer, type Tool, tool } from "./tool";
-import { fitting, inMetres, toMetres, type View, zoomed } from "./view";
+import { fitting, inMetres, toMetres, toPixels, type View, zoomed } from "./view";
 
 const view = signal<View>({ scale: 1, x: 0, y: 0 });
 /** All is kept visible until the user zooms or moves the picture. */
@@ -72,6 +74,8 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
     };
     // Painted again when something changes that it reads. It has captured this film and these layers.
     useEffect(() => effect(paint), [film, layers]);
+    // Who is under the mouse is somebody else now.
+    useEffect(() => () => (hovered.value = menu.value = null), [film]);
 
     useEffect(() => {
         const on = element.current!;
@@ -105,7 +109,7 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
     return (
         <canvas
             ref={element}
-            class={active()?.draws?.() ? "draws" : undefined}
+            class={active()?.draws?.() ? "draws" : hovered.value !== null ? "over-person" : undefined}
             tabIndex={0}
             role="application"
             aria-label={`${count} ${count === 1 ? "person" : "people"} from above`}
@@ -154,11 +158,36 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     paintPlaces(context, scene.targets, now, inks);
     if (motion.kind === "push") for (const push of motion.pushes) paintPush(context, push, time, now, inks);
     if (line) paintLine(context, line, now, inks);
+    const under = hovered.value;
+    if (under !== null && isThere(frame, under)) label(context, told(film, under), [frame[COLUMNS * under]!, frame[COLUMNS * under + 1]! + 0.45], now, inks);
     if (helper?.paint) {
         inMetres(context, now);
         helper.paint(context, now, inks);
     }
     paintBar(context, now, unit, inks);
+}
+
+/** Of the person under the mouse. */
+function told(film: Film, agent: number): string {
+    const k = film.shown.value;
+    const of = (column: number) => film.frames.number(k, agent, column);
+    const squeeze = film.frames.squeezeMean(k, averaged(film))[agent]!;
+    const contacts = of(7);
+    return `${brief(film.scene.agents[agent]!.id)}: ${Math.hypot(of(3), of(4)).toFixed(2)} m/s, ${digits(squeeze, 3)} N, ${contacts} ${contacts === 1 ? "contact" : "contacts"}`;
+}
+
+/** Opens the menu of a place. */
+function openAt(on: HTMLCanvasElement, at: Point, agent: number | null) {
+    const [x, y] = toPixels(view.value, at);
+    openMenu({ left: Math.min(x / devicePixelRatio, on.clientWidth - 230), top: Math.min(y / devicePixelRatio, on.clientHeight - 130), at, agent });
+}
+
+/** The menu of who is selected, for those who have no mouse. */
+function openByKey(on: HTMLCanvasElement, film: Film) {
+    const frame = film.frame(film.shown.value);
+    const agent = selected.value !== null && isThere(frame, selected.value) ? selected.value : null;
+    const at: Point = agent === null ? toMetres(view.value, on.width / 2, on.height / 2) : [frame[COLUMNS * agent]!, frame[COLUMNS * agent + 1]!];
+    openAt(on, at, agent);
 }
 
 /** Selects with arrows, N and P. */
@@ -187,6 +216,7 @@ function key(event: KeyboardEvent, film: Film) {
     else if (event.key === "0") fit();
     else if (event.key === "Escape") selected.value = null;
     else if (event.key === " ") film.playing.value = !film.playing.value;
+    else if (event.key === "ContextMenu" || (event.key === "F10" && event.shiftKey)) openByKey(event.currentTarget as HTMLCanvasElement, film);
     else return;
     event.preventDefault();
 }
@@ -265,7 +295,12 @@ function useHands(agentAt: (at: Point) => number | null) {
     const onPointerMove = (event: PointerEvent) => {
         const at = pixel(event);
         const before = state.fingers.get(event.pointerId);
-        if (!before) return active()?.move?.(pointer(event), false);
+        if (!before) {
+            const where = pointer(event);
+            hovered.value = event.pointerType === "mouse" ? where.agent : null;
+            return active()?.move?.(where, false);
+        }
+        hovered.value = null;
         if (state.mode === "pinch" && state.fingers.size === 2) {
             const from = pair();
             state.fingers.set(event.pointerId, at);
@@ -290,9 +325,18 @@ function useHands(agentAt: (at: Point) => number | null) {
         else if (state.mode === "ground" && whole) selected.value = pointer(event).agent;
         if (state.fingers.size === 0) state.mode = "none";
     };
+    const onContextMenu = (event: MouseEvent) => {
+        event.preventDefault();
+        // That of the keyboard has no place: `openByKey`.
+        if ((event as PointerEvent).pointerType === "") return;
+        const where = pointer(event as PointerEvent);
+        openAt(event.currentTarget as HTMLCanvasElement, where.at, where.agent);
+    };
     return {
+        onContextMenu,
         onPointerDown,
         onPointerMove,
+        onPointerLeave: () => (hovered.value = null),
         onPointerUp: (event: PointerEvent) => end(event, true),
         onPointerCancel: (event: PointerEvent) => end(event, false),
     };

@@ -3,7 +3,7 @@
 import { ready } from "./drawn";
 import { Hand } from "./hand";
 import { Check, Choice, digits, NumberField } from "./parts";
-import { type KeptCrowd } from "./forms";
+import { frictionOf, type KeptCrowd } from "./forms";
 import { isPlaced, place } from "./live";
 import { change, plan } from "./plan";
 import { People } from "./people";
@@ -83,8 +83,10 @@ export function CrowdTab() {
                         ["human_clothes", "Clothes"],
                         ["human_soft", "A softer chest"],
                     ]}
-                    onChange={(material) => set({ material })}
+                    onChange={(material) => set({ material, friction: null })}
                 />
+                <NumberField label="Friction" value={frictionOf(crowd)} min={0} max={2} step={0.05} onChange={(friction) => set({ friction })} />
+                <Check label="Round bodies: one disk each, of the same area" value={crowd.round} onChange={(round) => set({ round })} />
                 <MakeCrowd />
             </form>
             <Hand />

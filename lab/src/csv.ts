@@ -3,6 +3,7 @@
 import { averaged } from "./colour";
 import type { Film } from "./film";
 import { COLUMNS, type Point } from "./protocol";
+import { away } from "./roomshape";
 
 /** As `lemons run` writes times: without the rounding of products. */
 function time(film: Film, k: number) {
@@ -41,19 +42,6 @@ export function curvesCsv(film: Film, agent: number | null): string {
         rows.push(row);
     }
     return table(rows);
-}
-
-/** From a point to a line through corners; 0 inside of an area. */
-function away([x, y]: Point, corners: Point[]): number {
-    const area = corners.length > 2;
-    let [least, inside] = [Infinity, false];
-    for (let k = area ? 0 : 1; k < corners.length; k++) {
-        const [[ax, ay], [bx, by]] = [corners.at(k - 1)!, corners[k]!];
-        const share = Math.max(0, Math.min(1, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2 || 1)));
-        least = Math.min(least, Math.hypot(ax + share * (bx - ax) - x, ay + share * (by - ay) - y));
-        if (ay > y !== by > y && x < ax + ((y - ay) / (by - ay)) * (bx - ax)) inside = !inside;
-    }
-    return area && inside ? 0 : least;
 }
 
 /** In the order of their leaving: who, in which frame for the first time not there, and the exit that was nearest before. */

@@ -79,6 +79,20 @@ export const EXAMPLES: Example[] = [
         ),
     },
     {
+        name: "Round and real bodies",
+        question: "What do round bodies miss?",
+        sentence: "40 people go straight to a narrow gap. Keep the run, make bodies round, and compare; or set friction to 0.05.",
+        made: crowd(
+            {
+                number: 40,
+                seed: 3,
+                room: { outline: rectangle(5, 5), obstacles: [], doors: [{ at: [5, 2.5], width: 0.8 }] },
+                region: rectangle(3.5, 4.4, 0.3, 0.3),
+            },
+            leave({ "door 1": [[6, 1.1], [6, 3.9]] }, "straight"),
+        ),
+    },
+    {
         name: "A push through a row",
         question: "How far does a push go?",
         sentence: "The last of five people in a row is pushed, and the push travels from back to back.",

@@ -221,19 +221,21 @@ function Own({ wishes }: { wishes: Wishes }) {
     const own = wishes.agents[id];
     const places = placesOf(wishes);
     const chosen = places.findIndex(({ name }, k) => (kindOf(wishes, k) === "exit" ? own?.exit : own?.goal) === name);
-    const set = (key: string) => {
-        const { [id]: _, ...agents } = wishes.agents;
-        const place = places[Number(key)];
-        if (key === "" || !place) return setWishes({ ...wishes, agents });
-        const exit = kindOf(wishes, Number(key)) === "exit";
-        setWishes({ ...wishes, agents: { ...agents, [id]: { exit: exit ? place.name : null, goal: exit ? null : place.name } } });
-    };
     return (
         <Choice
             label={`Person ${id} goes to`}
             value={chosen < 0 ? "" : String(chosen)}
             choices={[["", "where the others go"], ...places.map(({ name }, k): [string, string] => [String(k), `${kindOf(wishes, k)} ${JSON.stringify(name)}`])]}
-            onChange={set}
+            onChange={(key) => send(wishes, id, key === "" ? null : Number(key))}
         />
     );
+}
+
+/** Sends a person to one of the places; null: where the others go. */
+export function send(wishes: Wishes, id: string, k: number | null) {
+    const { [id]: _, ...agents } = wishes.agents;
+    const place = k === null ? undefined : placesOf(wishes)[k];
+    if (k === null || !place) return setWishes({ ...wishes, agents });
+    const exit = kindOf(wishes, k) === "exit";
+    setWishes({ ...wishes, agents: { ...agents, [id]: { exit: exit ? place.name : null, goal: exit ? null : place.name } } });
 }

@@ -1,7 +1,7 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
-import { type Check, dictionary, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
-import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, MODELS, type Motion, type Normal, type People, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
+import { type Check, dictionary, flag, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
+import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, MODELS, type Motion, type Normal, type People, type PersonWanted, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
 import { rectangle } from "./roomshape";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
@@ -53,7 +53,13 @@ const inCrowd = record<KeptCrowd>({
     direction: nullable(number),
     speed: number,
     material: one("human_naked", "human_clothes", "human_soft"),
+    friction: nullable(number),
+    round: flag,
 });
+/** Kinetic friction of people, where it is not changed: as crates/people has it. */
+export function frictionOf({ friction, material }: Pick<KeptCrowd, "friction" | "material">): number {
+    return friction ?? (material === "human_clothes" ? 0.5 : 0.4);
+}
 /** The forms of a crowd at first. */
 export const FIRST_CROWD: KeptCrowd = {
     number: 40,
@@ -66,21 +72,32 @@ export const FIRST_CROWD: KeptCrowd = {
     direction: 0,
     speed: 1,
     material: "human_naked",
+    friction: null,
+    round: false,
 };
 
-/** Former pages kept whether people wear clothes, and no material. */
+/** Former pages kept whether people wear clothes, no material, no friction, and no round bodies. */
 export const crowd: Check<KeptCrowd> = (given) => {
     const kept = given as { clothes?: unknown };
-    return inCrowd({ material: kept?.clothes === true ? "human_clothes" : "human_naked", ...kept });
+    return inCrowd({ material: kept?.clothes === true ? "human_clothes" : "human_naked", friction: null, round: false, ...kept });
 };
 export const base = tagged<"kind", KeptBase>("kind", {
     example: record({ name: one("push") }),
     crowd,
     upload: record({ name: text(MOST.name), files: list(tuple<[string, number]>(text(MOST.path), number), MOST.files, 1), key: text() }),
 });
+export const person = record<PersonWanted>({
+    sex: one("male", "female"),
+    breadth: nullable(number),
+    depth: nullable(number),
+    stature: nullable(number),
+    mass: nullable(number),
+    altitude: nullable(within(0, 3)),
+});
 export const edit = tagged<"do", Edit>("do", {
     move: record({ id: text(), x: number, y: number, theta: number }),
     copy: record({ id: text(), as: text(), x: number, y: number, theta: number }),
+    put: record({ id: text(), person, x: number, y: number, theta: number }),
     delete: record({ id: text() }),
 });
 /** A circle of a negative radius cannot even be drawn. */

@@ -4,7 +4,8 @@ import { computed, signal } from "@preact/signals";
 import { digits } from "./parts";
 import { MOST } from "./forms";
 import { plan } from "./plan";
-import { COLUMNS, type Edit, isThere, type Overlaps, type Point } from "./protocol";
+import { COLUMNS, type Edit, isThere, type Overlaps, type PersonWanted, type Point, type Scene } from "./protocol";
+import { away, distance } from "./roomshape";
 import { choose, client, film, problem, selected, selectNext } from "./session";
 import type { Pointer, Tool } from "./tool";
 import { inMetres } from "./view";
@@ -92,13 +93,18 @@ function clean(value: number) {
     return Number(value.toFixed(4));
 }
 
+/** Whether an edit adds the person with this Id. */
+function isNew(edit: Edit, id: string) {
+    return (edit.do === "copy" && edit.as === id) || (edit.do === "put" && edit.id === id);
+}
+
 /** Where somebody stood before the last of several moves does not matter, nor do copies that are deleted. */
 function edited(edits: Edit[], next: Edit): Edit[] {
-    if (next.do === "copy") return [...edits, next];
+    if (next.do === "copy" || next.do === "put") return [...edits, next];
     const stays = edits.filter(({ do: what, id }) => !(what === "move" && id === next.id));
-    const copied = stays.some((edit) => edit.do === "copy" && edit.as === next.id);
+    const copied = stays.some((edit) => isNew(edit, next.id));
     const copies = stays.some((edit) => edit.do === "copy" && edit.id === next.id);
-    if (next.do === "delete" && copied && !copies) return stays.filter((edit) => !(edit.do === "copy" && edit.as === next.id));
+    if (next.do === "delete" && copied && !copies) return stays.filter((edit) => !isNew(edit, next.id));
     return [...stays, next];
 }
 
@@ -122,16 +128,47 @@ export function put(to: Pose) {
     act({ do: "move", id: idOf(to.agent), x: clean(to.x), y: clean(to.y), theta: clean(to.theta) });
 }
 
-export function copy({ agent, x, y, theta }: Pose) {
+/** An Id that nobody has. */
+function newId(): string {
     // Also not one of an earlier edit: a later one would mean somebody else.
     const edited = plan.value.made.edits.flatMap((edit) => (edit.do === "copy" ? [edit.id, edit.as] : [edit.id]));
     const present = film.value!.scene.agents.map(({ id }) => id);
     const ids = [...present, ...edited].map(Number).filter(Number.isSafeInteger);
-    const as = String(Math.max(-1, ...ids) + 1);
+    return String(Math.max(-1, ...ids) + 1);
+}
+
+export function copy({ agent, x, y, theta }: Pose) {
+    const as = newId();
     selectNext(as);
     // Beside it: the copy is dragged to its place.
     const [right, up] = [Math.sin(theta), -Math.cos(theta)];
     act({ do: "copy", id: idOf(agent), as, x: clean(x + 0.6 * right), y: clean(y + 0.6 * up), theta: clean(theta) });
+}
+
+/** Somebody more, at a place or where most room is among the people, facing like the first one. */
+export function add(person: PersonWanted, at: Point | null) {
+    const frame = film.value!.frame(0);
+    const [x, y] = at ?? roomiest(film.value!.scene, frame);
+    const id = newId();
+    selectNext(id);
+    act({ do: "put", id, person: { ...person, altitude: null }, x: clean(x), y: clean(y), theta: clean(frame[2]!) });
+}
+
+/** Of a grid over the people, the point that is farthest from everybody and from walls. */
+function roomiest({ agents, walls }: Scene, frame: Float32Array): Point {
+    const there = agents.flatMap((_, a): Point[] => (isThere(frame, a) ? [[frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!]] : []));
+    const [xs, ys] = [0, 1].map((k) => there.map((at) => at[k]!)) as [number[], number[]];
+    const [left, low] = [Math.min(...xs), Math.min(...ys)];
+    const [width, height] = [Math.max(...xs) - left, Math.max(...ys) - low];
+    const pieces = walls.flatMap(({ corners }) => corners.slice(1).map((corner, k) => [corners[k]!, corner]));
+    const count = 40;
+    let [best, most]: [Point, number] = [[left, low], -Infinity];
+    for (let k = 0; k < count * count; k++) {
+        const at: Point = [left + (width * (k % count)) / count, low + (height * Math.floor(k / count)) / count];
+        const free = Math.min(...there.map((other) => distance(at, other)), ...pieces.map((piece) => away(at, piece)));
+        if (free > most) [best, most] = [at, free];
+    }
+    return best;
 }
 
 export function drop({ agent }: Pose) {

@@ -6,6 +6,7 @@ import { averaged, meanWords, scaleOf, shade, values } from "./colour";
 import { inksOf, Painter, paintBar } from "./draw";
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
+import { frictionOf } from "./forms";
 import { beat } from "./layout";
 import { digits } from "./parts";
 import { plan, scene } from "./plan";
@@ -22,6 +23,7 @@ function words(): string {
     if (made.base.kind === "crowd") {
         parts.push(crowd.number === null ? `${crowd.density} people per m²` : `${crowd.number} people`);
         for (const { width } of crowd.room.doors) parts.push(`door ${Number(width.toFixed(3))} m`);
+        parts.push(`friction ${frictionOf(crowd)}`, crowd.round ? "round bodies" : "real bodies");
         if (crowd.men !== 0.5) parts.push(`${Math.round(100 * crowd.men)} % men`);
     }
     if (made.motion.kind === "go") parts.push(`${made.motion.wishes.desired_speed} m/s`, made.motion.wishes.model);

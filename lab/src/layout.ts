@@ -27,6 +27,9 @@ export function present(on: boolean) {
     else if (document.fullscreenElement) void document.exitFullscreen();
 }
 
+/** The person under the mouse. */
+export const hovered = signal<number | null>(null);
+
 /** What is drawn besides people and walls. */
 export interface Layers {
     below(context: CanvasRenderingContext2D, view: View): void;

@@ -71,7 +71,7 @@ function Bar({ scale: { ramp } }: { scale: Scale }) {
 }
 
 /** What squeeze is and is not. */
-function Squeeze({ film }: { film: Film }) {
+export function Squeeze({ film }: { film: Film }) {
     return (
         <>
             <p>

@@ -1,14 +1,17 @@
 // Numbers beside the picture: of the run, and of the person that is selected.
 
+import { signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
+import { useEffect } from "preact/hooks";
 import { averaged, meanWords } from "./colour";
+import { capital } from "./distribution";
 import type { Film } from "./film";
 import { BY_WALLS } from "./frames";
 import { beat } from "./layout";
 import { LineFields } from "./line";
 import { brief, digits, Facts, length } from "./parts";
-import { plan } from "./plan";
-import { COLUMNS, FEET, isThere } from "./protocol";
+import { change, plan } from "./plan";
+import { COLUMNS, FEET, isThere, type Measure, type Person, type PersonWanted } from "./protocol";
 import { selected } from "./session";
 
 export function Numbers({ film }: { film: Film }) {
@@ -28,6 +31,7 @@ export function Numbers({ film }: { film: Film }) {
             <Who film={film} />
             {selected.value === null && <p class="note">Choose one here, or on the picture.</p>}
             {selected.value !== null && <Facts rows={ofPerson(film, k, selected.value)} />}
+            {selected.value !== null && <InSurvey film={film} agent={selected.value} />}
             {plan.value.view !== "3d" && <LineFields />}
         </section>
     );
@@ -97,6 +101,33 @@ function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren]
         rows.push(["Body", `${person.sex === "male" ? "man" : "woman"}, ${sizes}`]);
     }
     return rows;
+}
+
+const ranks = signal<{ of: string; measures: Measure[] } | null>(null);
+
+/** Where the selected person stands in the survey. Of the people of a Trial only the disks are known. */
+function InSurvey({ film, agent }: { film: Film; agent: number }) {
+    const person = film.scene.people?.[agent];
+    const asked: PersonWanted | null = person ? { ...person, sex: person.sex === "male" ? "male" : "female", altitude: null } : null;
+    const of = JSON.stringify(asked);
+    useEffect(() => {
+        if (!asked) return;
+        film.client
+            .ask<Person>({ ask: "person", ...asked })
+            .then(({ value }) => (ranks.value = { of, measures: value.measures }))
+            // Who is outside of what is possible has no place there.
+            .catch(() => (ranks.value = null));
+    }, [of]);
+    if (!asked) return <p class="note">Of this person only disks, mass and height are known.</p>;
+    const found = ranks.value?.of === of ? ranks.value.measures : [];
+    return (
+        <>
+            <Facts rows={found.map(({ name, rank }) => [capital(name), `more than ${(100 * rank).toFixed(0)} % of the ${asked.sex === "male" ? "men" : "women"}`])} />
+            <button type="button" onClick={() => change({ person: asked, tab: "person" })}>
+                Show in the tab Person
+            </button>
+        </>
+    );
 }
 
 function Who({ film }: { film: Film }) {

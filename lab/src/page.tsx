@@ -11,6 +11,7 @@ import { Numbers } from "./numbers";
 import { copy, Icon } from "./parts";
 import { PersonTab } from "./person";
 import { canRedo, canUndo, change, embedded, link, type Plan, plan, redo, scene, undo, unlinked } from "./plan";
+import { Report, report } from "./report";
 import { RoomTab } from "./room";
 import { Title } from "./scenelist";
 import { begin as keepScenes, openFile } from "./scenes";
@@ -18,6 +19,7 @@ import { attempt, begin, client, film, notes, problem, said } from "./session";
 import { Stage } from "./stage";
 import { StartTab } from "./start";
 import { TakeTab } from "./take";
+import { Tour } from "./tour";
 import { dropped, openTrial } from "./upload";
 
 const TABS: [Plan["tab"], string][] = [
@@ -128,7 +130,9 @@ function Page() {
     return (
         <>
             {alone ? <Bare /> : <Header />}
-            {tab === "person" && !alone ? (
+            {report.value && shown ? (
+                <Report film={shown} />
+            ) : tab === "person" && !alone ? (
                 <main class="whole">
                     <PersonTab client={client} />
                 </main>
@@ -144,6 +148,7 @@ function Page() {
                 </main>
             )}
             <News />
+            <Tour />
             <footer hidden={alone}>
                 <p role="status">{said.value}</p>
                 <Busy />

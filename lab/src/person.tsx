@@ -6,11 +6,13 @@ import { useEffect } from "preact/hooks";
 import "./person.css";
 import type { Client } from "./client";
 import { capital, Distribution } from "./distribution";
+import { add } from "./handtool";
 import { Latest } from "./latest";
 import { Drawing, extents, Gaze, pathOf } from "./outline";
 import { Choice, digits, Facts, length, NumberField } from "./parts";
 import { change, plan } from "./plan";
 import type { Bicycle, Measure, Person, PersonWanted, Surface } from "./protocol";
+import { film } from "./session";
 import type { TurningProps } from "./turning";
 
 const person = signal<Person | null>(null);
@@ -151,11 +153,23 @@ function MeasureFields({ is, asked }: { is: Person; asked: PersonWanted }) {
                     {refused.value}. The drawings show the last person that is possible.
                 </p>
             )}
-            <button type="button" onClick={() => set(MEDIANS)}>
-                Medians of the survey
-            </button>
+            <div class="buttons">
+                <button type="button" onClick={() => set(MEDIANS)}>
+                    Medians of the survey
+                </button>
+                {film.value && !refused.value && (
+                    <button type="button" title="One person more on the stage, where most room is: drag it from there" onClick={() => putThere(asked)}>
+                        Put into the crowd
+                    </button>
+                )}
+            </div>
         </>
     );
+}
+
+function putThere(asked: PersonWanted) {
+    change({ tab: "crowd" });
+    add(asked, null);
 }
 
 function Shape({ is, asked }: { is: Person; asked: PersonWanted }) {

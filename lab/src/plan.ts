@@ -3,7 +3,7 @@
 import { batch, computed, effect, signal } from "@preact/signals";
 import { flag, list, nullable, number, one, patched, record, text, tuple, Unfit, within } from "./check";
 import { EXAMPLES } from "./examples";
-import { base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, MOST, motion, point } from "./forms";
+import { base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, MOST, motion, person, point } from "./forms";
 import type { Edit, Motion, PersonWanted, Point } from "./protocol";
 
 /** What is on the stage. */
@@ -66,14 +66,7 @@ const upper = within(1e-3, 1e7);
 const undoables = {
     made: record<Made>({ base, edits: list(edit, MOST.edits), motion }),
     crowd,
-    person: record<PersonWanted>({
-        sex: one("male", "female"),
-        breadth: nullable(number),
-        depth: nullable(number),
-        stature: nullable(number),
-        mass: nullable(number),
-        altitude: nullable(within(0, 3)),
-    }),
+    person,
 };
 const undone = record<Pick<Plan, keyof typeof undoables>>(undoables);
 const whole = patched<Plan>(

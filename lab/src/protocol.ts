@@ -40,6 +40,10 @@ export interface CrowdWanted {
     direction: number | null;
     speed: number;
     material: Material;
+    /** Instead of the material's: kinetic friction of people with each other and with walls. */
+    friction: number | null;
+    /** Each body is one disk, of the same area. */
+    round: boolean;
 }
 
 export type Material = "human_naked" | "human_clothes" | "human_soft";
@@ -53,6 +57,8 @@ export type Base =
 export type Edit =
     | { do: "move"; id: string; x: number; y: number; theta: number }
     | { do: "copy"; id: string; as: string; x: number; y: number; theta: number }
+    /** Somebody more, with measures. */
+    | { do: "put"; id: string; person: PersonWanted; x: number; y: number; theta: number }
     | { do: "delete"; id: string };
 
 /** A half-sine pulse on all whose centres lie in a circle. */

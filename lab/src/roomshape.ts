@@ -11,6 +11,19 @@ export function distance(a: Point, b: Point) {
     return Math.hypot(a[0] - b[0], a[1] - b[1]);
 }
 
+/** From a point to a line through corners; 0 inside of an area. */
+export function away([x, y]: Point, corners: Point[]): number {
+    const area = corners.length > 2;
+    let [least, inside] = [Infinity, false];
+    for (let k = area ? 0 : 1; k < corners.length; k++) {
+        const [[ax, ay], [bx, by]] = [corners.at(k - 1)!, corners[k]!];
+        const share = Math.max(0, Math.min(1, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2 || 1)));
+        least = Math.min(least, Math.hypot(ax + share * (bx - ax) - x, ay + share * (by - ay) - y));
+        if (ay > y !== by > y && x < ax + ((y - ay) / (by - ay)) * (bx - ax)) inside = !inside;
+    }
+    return area && inside ? 0 : least;
+}
+
 const SNAP = 0.05;
 
 /** Millimetres are enough. */

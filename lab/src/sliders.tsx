@@ -1,7 +1,8 @@
 // What can be asked of the scene at once: sliders that act while it runs. A sweep takes many values of one of them.
 
 import { edited } from "./drawn";
-import type { KeptCrowd } from "./forms";
+import { frictionOf, type KeptCrowd } from "./forms";
+import { Check } from "./parts";
 import { change, plan } from "./plan";
 import type { Motion, Wishes } from "./protocol";
 import { choose, film } from "./session";
@@ -31,6 +32,7 @@ function ofCrowd(crowd: KeptCrowd): Parameter[] {
             with: (width) => ({ crowd: { room: edited({ ...room, doors: [{ ...door, width }, ...room.doors.slice(1)] }, { do: "move", ring: 0, corner: 0, to: room.outline[0]! }) } }),
         });
     }
+    found.push({ label: "Friction", unit: "", value: frictionOf(crowd), range: [0, 1, 0.05], with: (friction) => ({ crowd: { friction } }) });
     found.push({ label: "Men", unit: "%", value: Math.round(100 * men), range: [0, 100, 5], with: (share) => ({ crowd: { men: share / 100 } }) });
     return found;
 }
@@ -77,6 +79,9 @@ export function Sliders() {
                     </label>
                 );
             })}
+            {plan.value.made.base.kind === "crowd" && (
+                <Check label="Round bodies: one disk each, of the same area" value={plan.value.crowd.round} onChange={(round) => change({ crowd: { ...plan.value.crowd, round } })} />
+            )}
         </div>
     );
 }

@@ -12,6 +12,7 @@ import { beat, type Layers, presents, show } from "./layout";
 import { Beside, kept, Now } from "./kept";
 import { Legend } from "./legend";
 import { LineButton } from "./line";
+import { Menu } from "./menu";
 import { Check, Choice, digits, LengthField, length } from "./parts";
 import { change, embedded, type Plan, plan } from "./plan";
 import { client, selected } from "./session";
@@ -51,6 +52,7 @@ export function Stage({ film }: { film: Film }) {
                 {kept.value && view !== "3d" && <Beside now={film} />}
                 {view === "3d" ? <InSpace film={film} /> : <Picture film={film} chains={chains} sections={sections} />}
                 {view !== "3d" && <Zoom />}
+                <Menu />
                 <div class="over">
                     <Hints film={film} />
                     {kept.value && kept.value.film !== film && (
@@ -64,7 +66,7 @@ export function Stage({ film }: { film: Film }) {
                 </div>
             </div>
             <p id="canvas-keys" class="hidden">
-                Arrow keys, N and P select people; plus and minus zoom, 0 shows all; the space bar plays.
+                Arrow keys, N and P select people; plus and minus zoom, 0 shows all; the space bar plays; Shift+F10 opens the menu of who is selected.
             </p>
             <Legend film={film} />
             <Transport film={film} />

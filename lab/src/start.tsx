@@ -8,6 +8,7 @@ import { open } from "./scenes";
 import { Sketch } from "./sketch";
 import { Sliders } from "./sliders";
 import { SweepForm } from "./sweepform";
+import { TourButton } from "./tour";
 import { FileInput, openTrial } from "./upload";
 
 export function StartTab() {
@@ -15,6 +16,7 @@ export function StartTab() {
     return (
         <section class="panel" aria-label="Start">
             <p class="note">People in dense crowds, as bodies that touch and press. Choose a question, move a slider, and watch; or draw your own room.</p>
+            <TourButton />
             <h2>{EXAMPLES.find((example) => example.name === name)?.question ?? name}</h2>
             <Sliders />
             <Keep />

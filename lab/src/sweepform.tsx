@@ -89,9 +89,8 @@ function Results({ of, running }: { of: Sweep; running: boolean }) {
     const chosen = useSignal<Measure | null>(null);
     const measure = chosen.value ?? (of.runs.some(({ measures }) => measures.left > 0) ? "all_left" : "greatest_mean_of_1_s");
     const found = rows(of, measure);
-    const [label, unit] = MEASURES[measure];
+    const [label] = MEASURES[measure];
     const { parameter, wanted, runs, failed } = of;
-    const name = parameter.unit ? `${parameter.label} [${parameter.unit}]` : parameter.label;
     const show = ({ value, seed, made }: Run) => open(`${of.scene}, ${parameter.label} ${value}, seed ${seed}`, made, true, crowdOf(made.base) ?? undefined);
     return (
         <section aria-label="Results of the sweep">
@@ -104,43 +103,56 @@ function Results({ of, running }: { of: Sweep; running: boolean }) {
                 <>
                     <Choice label="Measure" value={measure} choices={Object.entries(MEASURES).map(([key, [words, unit]]) => [key as Measure, `${words} [${unit}]`] as const)} onChange={(next) => (chosen.value = next)} />
                     <Chart found={found} measure={measure} words={`${label} against ${parameter.label}`} onShow={show} />
-                    <table class="sweep">
-                        <caption>
-                            {label} [{unit}]: quantiles of the runs
-                        </caption>
-                        <thead>
-                            <tr>
-                                <th scope="col">{name}</th>
-                                <th scope="col">runs</th>
-                                {QUANTILES.map((share) => (
-                                    <th key={share} scope="col">
-                                        {100 * share} %
-                                    </th>
-                                ))}
-                            </tr>
-                        </thead>
-                        <tbody>
-                            {found.map(({ value, runs, numbers }) => (
-                                <tr key={value}>
-                                    <th scope="row">
-                                        <button type="button" title="Shows its first run on the stage" onClick={() => show(runs[0]!)}>
-                                            {value}
-                                        </button>
-                                    </th>
-                                    <td>{numbers.length === runs.length ? runs.length : `${numbers.length} of ${runs.length}`}</td>
-                                    {QUANTILES.map((share) => (
-                                        <td key={share}>{numbers.length > 0 ? digits(quantile(numbers, share), 3) : "–"}</td>
-                                    ))}
-                                </tr>
-                            ))}
-                        </tbody>
-                    </table>
+                    <SweepTable of={of} measure={measure} onShow={show} />
                     <button type="button" onClick={() => save(`${of.scene}-sweep.csv`, csv(of))}>
                         Runs of the sweep (CSV)
                     </button>
                 </>
             )}
         </section>
+    );
+}
+
+/** Quantiles for each value. */
+export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measure; onShow?(run: Run): void }) {
+    const { label, unit } = of.parameter;
+    const [words, of_measure] = MEASURES[measure];
+    return (
+        <table class="sweep">
+            <caption>
+                {words} [{of_measure}]: quantiles of the runs
+            </caption>
+            <thead>
+                <tr>
+                    <th scope="col">{unit ? `${label} [${unit}]` : label}</th>
+                    <th scope="col">runs</th>
+                    {QUANTILES.map((share) => (
+                        <th key={share} scope="col">
+                            {100 * share} %
+                        </th>
+                    ))}
+                </tr>
+            </thead>
+            <tbody>
+                {rows(of, measure).map(({ value, runs, numbers }) => (
+                    <tr key={value}>
+                        <th scope="row">
+                            {onShow ? (
+                                <button type="button" title="Shows its first run on the stage" onClick={() => onShow(runs[0]!)}>
+                                    {value}
+                                </button>
+                            ) : (
+                                value
+                            )}
+                        </th>
+                        <td>{numbers.length === runs.length ? runs.length : `${numbers.length} of ${runs.length}`}</td>
+                        {QUANTILES.map((share) => (
+                            <td key={share}>{numbers.length > 0 ? digits(quantile(numbers, share), 3) : "–"}</td>
+                        ))}
+                    </tr>
+                ))}
+            </tbody>
+        </table>
     );
 }
 

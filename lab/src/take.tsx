@@ -13,6 +13,7 @@ import { attribute, brief, copy, digits, NumberField, save } from "./parts";
 import { png } from "./picture";
 import { link, plan, scene as kept } from "./plan";
 import type { Wanted } from "./protocol";
+import { makeReport } from "./report";
 import { attempt, selected } from "./session";
 
 interface TakeProps {
@@ -202,6 +203,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                     "An element of HTML that shows the stage, alone and alive, in a page of yours. It holds the scene, but no files.",
                     location.hostname === "127.0.0.1" ? "Only of a page on a web host: this one is on your machine." : "",
                 )}
+                {item("Report to print", async () => attempt(() => makeReport(film)), "The picture, what the scene assumes, its numbers up to the last frame that was shown, and what they do not say. The browser prints it, also as PDF.")}
                 {item("Picture (SVG)", svg, "The frame that is shown, as lines and shapes: for papers, and for Inkscape. It shows people from above.")}
                 {item("Picture (PNG)", picture, "What the stage shows now, as pixels: for slides and messages.")}
                 {item(

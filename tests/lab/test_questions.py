@@ -113,3 +113,47 @@ def test_the_stage_is_presented_alone(page: Page) -> None:
     wait(page, lambda: page.evaluate("document.fullscreenElement !== null"))
     page.keyboard.press("Escape")
     expect(page.get_by_role("navigation")).to_be_visible()
+
+
+def test_round_bodies_and_friction_are_in_the_files(page: Page, tmp_path: Path) -> None:
+    example(page, "Round and real bodies", 40)
+    page.get_by_role("button", name="Pause").click()
+    slide(page, "Friction", 0.05)
+    page.get_by_label("Round bodies").first.check()
+    becomes(page, lambda: [plan(page)["made"]["base"][key] for key in ("friction", "round")], [0.05, True])
+    files = held(download(page, "Trial (zip)", tmp_path))
+    assert files["Agents.xml"].count("<Shape ") == 40
+    assert {"0.05"} == set(re.findall(r'<Contact [^>]*human_naked[^>]*KineticFriction="([^"]*)"', files["Materials.xml"]))
+
+
+def test_the_report_has_the_numbers_of_the_run(page: Page, tmp_path: Path) -> None:
+    example(page, "The door", 70)
+    page.get_by_role("button", name="Pause").click()
+    show_at(page, 4)
+    trial = download(page, "Trial (zip)", tmp_path)
+    table = tmp_path / "run.csv"
+    lemons("run", trial, "--until", "4", "-o", table)
+    found = rows(table)
+    left = sum(row["active"] == "0" for row in found[-70:])
+    tab(page, "Take away")
+    page.get_by_role("button", name="Report to print").click()
+    report = page.get_by_role("main", name="Report")
+    expect(report.get_by_role("row", name=f"Have left {left} of 70", exact=True)).to_be_visible()
+    expect(report.get_by_role("row", name="Doors 90 cm", exact=True)).to_be_visible()
+    assert page.evaluate("document.querySelector('.report img').naturalWidth") > 300
+    expect(report.get_by_role("heading", name="What these numbers do not say")).to_be_visible()
+    pdf = page.pdf()
+    assert pdf.startswith(b"%PDF") and len(pdf) > 20_000
+    page.get_by_role("button", name="Back to the lab").click()
+    expect(page.get_by_role("navigation")).to_be_visible()
+
+
+def test_the_tour_has_four_steps(page: Page) -> None:
+    page.get_by_role("button", name="Tour in four steps").click()
+    tour = page.get_by_role("dialog", name="Tour")
+    for k, part in enumerate((".frame", ".transport", ".sliders", "header nav")):
+        expect(tour.get_by_role("heading")).to_contain_text(f"{k + 1} of 4")
+        expect(page.locator(f"{part}.toured")).to_have_count(1)
+        page.keyboard.press("Enter")
+    expect(tour).to_have_count(0)
+    expect(page.locator(".toured")).to_have_count(0)

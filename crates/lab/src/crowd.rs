@@ -3,14 +3,17 @@
 use crate::base::{Basis, Driven, split};
 use crate::room::{self, REGION};
 use crate::{Refused, require, within};
+use lemons_core::plane::Vec2;
+use lemons_core::trial::Contact;
 use lemons_people::placing::{self, Ended, Method, Orientation, Packing, Region, TOLERANCE, Watch};
 use lemons_people::room::Room;
 use lemons_people::{
-    Agent, CrowdStatistics, CustomMeasures, PAPER_BICYCLES, Population, Proportions, Sex, Source, Survey,
-    TrialSettings, TruncatedNormal, crowd_trial, heading,
+    Agent, CrowdStatistics, CustomMeasures, Disk, PAPER_BICYCLES, Population, Proportions, Sex, Shape,
+    Source, Survey, TrialSettings, TruncatedNormal, choose_mechanical_step, crowd_trial, heading,
 };
 use serde::Deserialize;
 use serde_json::json;
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Largest number of people: what a page can pack and show.
@@ -19,7 +22,7 @@ pub const MOST_PEOPLE: u32 = 5000;
 /// Largest seed: the largest integer that a page's numbers hold exactly.
 pub const LARGEST_SEED: u64 = (1 << 53) - 1;
 
-/// A crowd. The same one is made by `lemons crowd`, where it has the options.
+/// A crowd. `lemons crowd` makes the same one, with the material's friction and without round bodies.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct CrowdRequest {
     /// How many; 1 to [`MOST_PEOPLE`].
@@ -42,7 +45,16 @@ pub struct CrowdRequest {
     pub speed: f64,
     /// The material of everybody: one of [`lemons_people::SKINS`].
     pub material: String,
+    /// Instead of the material's: kinetic friction of people with each other and with walls, 0 to [`MOST_FRICTION`].
+    #[serde(default)]
+    pub friction: Option<f64>,
+    /// Whether each body is one disk, of the same area.
+    #[serde(default)]
+    pub round: bool,
 }
+
+/// Largest coefficient of kinetic friction.
+const MOST_FRICTION: f64 = 2.0;
 
 /// Whom people are drawn from.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -110,6 +122,12 @@ impl CrowdRequest {
     }
 }
 
+/// One disk of the same area.
+fn round(shape: &Shape) -> Shape {
+    let radius = (shape.moments().area / PI).sqrt();
+    Shape { disks: vec![Disk { centre: Vec2::ZERO, radius }] }
+}
+
 /// Draws people and places them without overlap, as `lemons crowd --seed` does.
 ///
 /// # Errors
@@ -125,7 +143,10 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
     };
     let number = wanted.number(&region)?;
     let agents: Vec<Agent> = wanted.population(bytes)?.agents(wanted.seed).take(number as usize).collect();
-    let shapes = agents.iter().map(Agent::shape).collect::<Result<Vec<_>, _>>()?;
+    let mut shapes = agents.iter().map(Agent::shape).collect::<Result<Vec<_>, _>>()?;
+    if wanted.round {
+        shapes = shapes.iter().map(round).collect();
+    }
     let orientation =
         wanted.direction.map_or(Orientation::Free, |angle| Orientation::Towards(angle.to_radians()));
     let placing = placing::Settings { orientation, seed: wanted.seed, ..placing::Settings::default() };
@@ -147,7 +168,26 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
     };
     let name = format!("crowd_{number}_seed_{}", wanted.seed);
     let placed: Vec<_> = agents.iter().copied().zip(packing.poses).collect();
-    let trial = crowd_trial(&name, &placed, geometry, &settings)?;
+    let mut trial = crowd_trial(&name, &placed, geometry, &settings)?;
+    if wanted.round {
+        for (agent, shape) in trial.agents.iter_mut().zip(&shapes) {
+            agent.moment_of_inertia = shape.inertia(agent.mass);
+            agent.shapes.truncate(1);
+            (agent.shapes[0].position, agent.shapes[0].radius) = (Vec2::ZERO, shape.disks[0].radius);
+        }
+        choose_mechanical_step(&mut trial);
+    }
+    if let Some(friction) = wanted.friction {
+        let friction = within("friction", friction, [0.0, MOST_FRICTION])?;
+        let theirs =
+            |contact: &&mut Contact| contact.id1 == wanted.material || contact.id2 == wanted.material;
+        trial
+            .materials
+            .binary
+            .iter_mut()
+            .filter(theirs)
+            .for_each(|contact| contact.kinetic_friction = friction);
+    }
     let people = agents.iter().copied().filter_map(Agent::pedestrian).collect();
     let made = json!({
         "density": packing.density, "area": region.area(), "iterations": packing.iterations,

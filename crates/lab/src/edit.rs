@@ -1,9 +1,11 @@
-//! Changes by hand: people are moved, copied, taken away.
+//! Changes by hand: people are moved, copied, put there, taken away.
 
 use crate::base::Driven;
+use crate::person::PersonRequest;
 use crate::{Refused, require, within};
 use lemons_core::plane::{Vec2, vec2};
-use lemons_core::trial::{Agent, AgentDynamics, Interactions};
+use lemons_core::trial::{Agent, AgentDynamics, Interactions, Trial};
+use lemons_people::{Disk, Person, Shape};
 use serde::Deserialize;
 
 /// Most changes of a Trial.
@@ -18,6 +20,8 @@ pub enum Edit {
     Move { id: String, x: f64, y: f64, theta: f64 },
     /// Another one with the same shape, at rest, with an Id of its own.
     Copy { id: String, r#as: String, x: f64, y: f64, theta: f64 },
+    /// A new one with these measures, of the material of the first one, driven like it.
+    Put { id: String, person: PersonRequest, x: f64, y: f64, theta: f64 },
     /// Away.
     Delete { id: String },
 }
@@ -25,46 +29,92 @@ pub enum Edit {
 /// Makes the changes one after the other. Contacts that the Trial remembers are forgotten if there are any.
 ///
 /// # Errors
-/// There is nobody with an Id, an Id is there already, nobody would be left, or a number is not finite.
+/// There is nobody with an Id, an Id is there already, nobody would be left, a measure is no person's, or a number is
+/// not finite.
 pub fn edited(mut driven: Driven, edits: &[Edit]) -> Result<Driven, Refused> {
     require(edits.len() <= MOST, || format!("{} changes by hand: at most {MOST}", edits.len()))?;
     for edit in edits {
-        let (Edit::Move { id, .. } | Edit::Copy { id, .. } | Edit::Delete { id }) = edit;
-        let place = driven.trial.agents.iter().position(|agent| agent.id == *id);
-        let place = place.ok_or_else(|| Refused(format!("there is nobody with the Id {id:?}")))?;
-        change(&mut driven, place, edit)?;
+        change(&mut driven, edit)?;
         driven.trial.interactions = Interactions::default();
     }
     require(!driven.trial.agents.is_empty(), || "nobody would be left".into())?;
     Ok(driven)
 }
 
-fn change(driven: &mut Driven, place: usize, edit: &Edit) -> Result<(), Refused> {
-    let (trial, people) = (&mut driven.trial, &mut driven.people);
+fn change(driven: &mut Driven, edit: &Edit) -> Result<(), Refused> {
+    let place_of = |id: &String| {
+        let place = driven.trial.agents.iter().position(|agent| agent.id == *id);
+        place.ok_or_else(|| Refused(format!("there is nobody with the Id {id:?}")))
+    };
     match edit {
-        Edit::Move { x, y, theta, .. } => {
-            let here = &mut trial.dynamics[place];
+        Edit::Move { id, x, y, theta } => {
+            let here = place_of(id)?;
+            let here = &mut driven.trial.dynamics[here];
             (here.position, here.theta) = pose(*x, *y, *theta)?;
         }
-        Edit::Copy { r#as: to, x, y, theta, .. } => {
-            let odd = to.trim().is_empty() || to.len() > 100 || to.chars().any(char::is_control);
-            let taken = trial.agents.iter().any(|agent| agent.id == *to);
-            require(!odd && !taken, || format!("the Id {to:?} is no short text, or there already"))?;
-            let (position, theta) = pose(*x, *y, *theta)?;
-            trial.agents.push(Agent { id: to.clone(), ..trial.agents[place].clone() });
-            let still = AgentDynamics { velocity: Vec2::ZERO, omega: 0.0, ..trial.dynamics[place].clone() };
-            trial.dynamics.push(AgentDynamics { position, theta, ..still });
-            if let Some(people) = people {
-                people.push(people[place]);
-            }
+        Edit::Copy { id, r#as: to, x, y, theta } => {
+            let place = place_of(id)?;
+            let here = pose(*x, *y, *theta)?;
+            let person = driven.people.as_ref().map(|people| people[place]);
+            let (agent, drive) = (driven.trial.agents[place].clone(), driven.trial.dynamics[place].clone());
+            put(driven, to, agent, person, drive, here)?;
         }
-        Edit::Delete { .. } => {
-            trial.agents.remove(place);
-            trial.dynamics.remove(place);
-            if let Some(people) = people {
+        Edit::Put { id, person, x, y, theta } => {
+            let (person, here) = (person.person()?, pose(*x, *y, *theta)?);
+            let (agent, drive) = measured(&driven.trial, &person)?;
+            put(driven, id, agent, Some(person), drive, here)?;
+        }
+        Edit::Delete { id } => {
+            let place = place_of(id)?;
+            driven.trial.agents.remove(place);
+            driven.trial.dynamics.remove(place);
+            if let Some(people) = &mut driven.people {
                 people.remove(place);
             }
         }
+    }
+    Ok(())
+}
+
+/// A person of the material of the first one, driven like it.
+fn measured(trial: &Trial, person: &Person) -> Result<(Agent, AgentDynamics), Refused> {
+    let first = trial.agents.first().zip(trial.dynamics.first());
+    let (first, drive) = first.ok_or_else(|| Refused("nobody would be left".into()))?;
+    let shape = Shape::of(person)?;
+    let material_id = &first.shapes[0].material_id;
+    let disk = |disk: &Disk| lemons_core::trial::Shape {
+        radius: disk.radius,
+        material_id: material_id.clone(),
+        position: disk.centre,
+    };
+    let agent = Agent {
+        mass: person.mass,
+        height: Some(person.stature),
+        moment_of_inertia: shape.inertia(person.mass),
+        shapes: shape.disks.iter().map(disk).collect(),
+        ..first.clone()
+    };
+    let drive = AgentDynamics { fp: drive.fp * (person.mass / first.mass), mp: 0.0, ..drive.clone() };
+    Ok((agent, drive))
+}
+
+/// Somebody more, at rest.
+fn put(
+    driven: &mut Driven,
+    id: &str,
+    agent: Agent,
+    person: Option<Person>,
+    drive: AgentDynamics,
+    (position, theta): (Vec2, f64),
+) -> Result<(), Refused> {
+    let trial = &mut driven.trial;
+    let odd = id.trim().is_empty() || id.len() > 100 || id.chars().any(char::is_control);
+    let taken = trial.agents.iter().any(|agent| agent.id == id);
+    require(!odd && !taken, || format!("the Id {id:?} is no short text, or there already"))?;
+    trial.agents.push(Agent { id: id.into(), ..agent });
+    trial.dynamics.push(AgentDynamics { position, theta, velocity: Vec2::ZERO, omega: 0.0, ..drive });
+    if let Some((people, person)) = driven.people.as_mut().zip(person) {
+        people.push(person);
     }
     Ok(())
 }

@@ -41,6 +41,6 @@ pub use shape::Shape;
 pub use survey::Survey;
 pub use table::{CrowdStatistics, KindStatistics, Summary, crowd_csv};
 pub use trial::{
-    SKINS, TRIAL_FILES, TrialSettings, crowd_trial, heading, materials, may_write, paper_materials, walls,
-    write_trial, write_trial_zip, zip_trial,
+    SKINS, TRIAL_FILES, TrialSettings, choose_mechanical_step, crowd_trial, heading, materials, may_write,
+    paper_materials, walls, write_trial, write_trial_zip, zip_trial,
 };

@@ -159,15 +159,17 @@ pub fn crowd_trial(
         dynamics,
         interactions: Interactions::default(),
     };
-    let proposed = Setup::of(&trial).proposed_step().unwrap_or(settings.time_step);
-    trial.parameters.time_step_mechanical = part_of(settings.time_step, proposed);
+    choose_mechanical_step(&mut trial);
     Ok(trial)
 }
 
-/// The longest step that divides `whole` and does not exceed `most`.
-fn part_of(whole: f64, most: f64) -> f64 {
+/// Gives a Trial the longest mechanical step that divides its communication step and does not exceed
+/// [`proposed_step`](Setup::proposed_step).
+pub fn choose_mechanical_step(trial: &mut Trial) {
+    let proposed = Setup::of(trial).proposed_step();
+    let Parameters { time_step, time_step_mechanical, .. } = &mut trial.parameters;
     // The tolerance is for a quotient that is an integer except for rounding.
-    whole / (whole / most - 1e-9).ceil().max(1.0)
+    *time_step_mechanical = *time_step / (*time_step / proposed.unwrap_or(*time_step) - 1e-9).ceil().max(1.0);
 }
 
 impl TrialSettings {

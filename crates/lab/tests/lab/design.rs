@@ -136,6 +136,44 @@ fn people_are_moved_copied_and_deleted_by_hand() {
 }
 
 #[test]
+fn a_person_of_given_measures_is_put_into_a_crowd() {
+    let mut lab = Lab::default();
+    let person = json!({"sex": "male", "breadth": 0.52, "depth": 0.29, "stature": 1.9, "mass": 95.0, "altitude": null});
+    let mut asked = person.clone();
+    asked["ask"] = json!("person");
+    let (alone, _) = ok(&mut lab, asked);
+    let mut edited = own(crowd(3, square(4.0, 4.0)));
+    let put = |id: &str| json!({"do": "put", "id": id, "person": person, "x": 3.0, "y": 2.0, "theta": 0.5});
+    edited["edits"] = json!([put("7")]);
+    let (made, frame) = ok(&mut lab, edited.clone());
+    let scene = &made["scene"];
+    assert_eq!(scene["agents"][3]["disks"], alone["disks"]);
+    assert_eq!((&scene["agents"][3]["id"], &scene["agents"][3]["mass"]), (&json!("7"), &json!(95.0)));
+    assert_eq!(scene["people"][3]["stature"], 1.9);
+    let frame = numbers(&frame);
+    assert_eq!(frame[3 * COLUMNS..3 * COLUMNS + 3], [3.0, 2.0, 0.5]);
+    // With the moment of inertia of these disks, in the files, too.
+    let (_, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
+    let agents = file_in(&zip, "static/Agents.xml");
+    let inertia = agents.split("MomentOfInertia=\"").nth(4).unwrap().split('"').next().unwrap();
+    let wanted = alone["inertia"].as_f64().unwrap();
+    assert!((inertia.parse::<f64>().unwrap() / wanted - 1.0).abs() < 1e-6, "{inertia} {wanted}");
+    let mut slim = put("8");
+    slim["person"]["mass"] = json!(-5.0);
+    for (edits, words) in [
+        (json!([put("1")]), "there already"),
+        (json!([slim]), "mass"),
+        (
+            json!([{"do": "delete", "id": "0"}, {"do": "delete", "id": "1"}, {"do": "delete", "id": "2"}, put("9")]),
+            "nobody",
+        ),
+    ] {
+        edited["edits"] = edits;
+        assert!(refused(&mut lab, edited.clone(), &[]).contains(words));
+    }
+}
+
+#[test]
 fn requests_that_are_none_are_refused() {
     let mut lab = Lab::default();
     for request in [&b""[..], b"\xff\xff\xff\x7f{}", b"\x02\0\0\0{}", b"\x03\0\0\0{]}"] {

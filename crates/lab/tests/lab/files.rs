@@ -146,8 +146,7 @@ fn pictures_bodies_and_measures_are_files() {
     let mut lab = Lab::default();
     let (_, frame) = ok(&mut lab, own(crowd(2, square(3.0, 3.0))));
     let values: Vec<u8> = [5.0_f64, 10.0].iter().flat_map(|value| value.to_le_bytes()).collect();
-    let look =
-        json!({"file": "svg", "most": 10.0, "label": "squeeze", "unit": "N", "time": 0.5, "forces": true});
+    let look = json!({"file": "svg", "range": [0.0, 10.0], "beyond": true, "from_grey": true, "label": "squeeze", "unit": "N", "time": 0.5, "forces": true});
     let look = take(1, look);
     let (name, svg) = ask(&mut lab, &look, &[frame.clone(), values].concat());
     let text = String::from_utf8(svg).unwrap();

@@ -1,6 +1,7 @@
 //! People: their shapes, bodies, sections, and crowds of them.
 
 use crate::*;
+use std::f64::consts::PI;
 
 #[test]
 fn a_person_has_the_breadth_and_depth_that_are_asked_for_and_a_rank() {
@@ -93,6 +94,50 @@ fn a_crowd_is_placed_without_overlap_with_progress_and_the_same_for_the_same_see
     });
     assert!(heard == 3 && String::from_utf8_lossy(&stopped).contains("the placing was stopped"));
     assert!(refused(&mut lab, take(0, json!({"file": "trial"})), &[]).contains("run 0 is over"));
+}
+
+#[test]
+fn bodies_may_be_round_and_people_have_another_friction() {
+    let mut lab = Lab::default();
+    let base = crowd(12, square(3.0, 3.0));
+    let (real, _) = ok(&mut lab, own(base.clone()));
+    let other = with(with(base.clone(), "round", json!(true)), "friction", json!(0.05));
+    let (made, _) = ok(&mut lab, own(other));
+    assert_eq!(made["scene"]["overlapping"], json!([]));
+    assert!(made["scene"]["mechanical_step"].as_f64() <= made["scene"]["stable"].as_f64());
+    let (_, zip) = ok(&mut lab, take(2, json!({"file": "trial"})));
+    let agents = file_in(&zip, "static/Agents.xml");
+    for (k, (round, real)) in made["scene"]["agents"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(real["scene"]["agents"].as_array().unwrap())
+        .enumerate()
+    {
+        let disks: Vec<[f64; 3]> = read(&round["disks"]);
+        let [[x, y, radius]] = disks[..] else { panic!("{round}") };
+        assert_eq!((x, y), (0.0, 0.0));
+        // The same person: the area of the five disks is that of the request "person".
+        let of = &made["scene"]["people"][k];
+        assert_eq!((of, &round["mass"]), (&made["scene"]["people"][k], &real["mass"]));
+        let mut asked = of.clone();
+        asked["ask"] = json!("person");
+        let area = ok(&mut lab, asked).0["area"].as_f64().unwrap();
+        assert!((PI * radius * radius / area - 1.0).abs() < 1e-9);
+        // That of a disk, m r² / 2.
+        let inertia = agents.split("MomentOfInertia=\"").nth(k + 1).unwrap().split('"').next().unwrap();
+        let wanted = 0.5 * round["mass"].as_f64().unwrap() * radius * radius;
+        assert!((inertia.parse::<f64>().unwrap() / wanted - 1.0).abs() < 1e-6);
+    }
+    let materials = file_in(&zip, "static/Materials.xml");
+    let contacts: Vec<&str> =
+        materials.lines().filter(|line| line.contains("<Contact") && line.contains("human_naked")).collect();
+    assert!(
+        !contacts.is_empty() && contacts.iter().all(|line| line.contains("KineticFriction=\"0.05\"")),
+        "{materials}"
+    );
+    let said = refused(&mut lab, own(with(base, "friction", json!(3))), &[]);
+    assert!(said.contains("friction") && said.contains('3'), "{said}");
 }
 
 #[test]

@@ -45,8 +45,7 @@ fn who_is_pushed_may_have_legs() {
     // The body leans, the feet wait.
     assert!(last[0] > first[0] + 0.02 && last[COLUMNS - 2] == first[0], "{last:?}");
     let shown = [last, &[0.0]].concat().into_iter().flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
-    let wanted =
-        json!({"file": "svg", "most": 1, "label": "speed", "unit": "m/s", "time": 0.2, "forces": false});
+    let wanted = json!({"file": "svg", "range": [0, 1], "beyond": false, "from_grey": false, "label": "speed", "unit": "m/s", "time": 0.2, "forces": false});
     let (_, svg) = ok_of(&mut lab, take(2, wanted), &shown);
     assert!(String::from_utf8(svg).unwrap().contains("class=\"leans\""));
 }
@@ -114,7 +113,7 @@ fn who_has_left_has_no_place() {
     let last = &frames[frames.len() - 8 * COLUMNS * 8..];
     let (_, forces) = ask(&mut lab, &json!({"ask": "forces", "run": 2}), last);
     assert!(numbers(&forces).iter().all(|number| number.is_finite()));
-    let look = json!({"file": "svg", "most": 1.0, "label": "", "unit": "", "time": 1.5, "forces": true});
+    let look = json!({"file": "svg", "range": [0.0, 1.0], "beyond": false, "from_grey": false, "label": "", "unit": "", "time": 1.5, "forces": true});
     let (_, picture) = ask(&mut lab, &take(2, look), &[last, &[0; 64]].concat());
     assert_eq!(String::from_utf8(picture).unwrap().matches("<title>").count(), 1 + 8 - end);
     let line = json!({"ask": "flow", "run": 2, "line": [[3.2, 0.0], [3.2, 3.0]]});

@@ -1,0 +1,116 @@
+// A report to print: the scene, what it assumes, its picture and numbers, and what they do not say.
+
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { perExit } from "./csv";
+import type { Film } from "./film";
+import { frictionOf } from "./forms";
+import { canvas } from "./layout";
+import { Squeeze } from "./legend";
+import { brief, digits, Facts, length } from "./parts";
+import { png } from "./picture";
+import { link, plan, scene } from "./plan";
+import { shape } from "./drawn";
+import { SweepTable } from "./sweepform";
+import { sweep } from "./sweep";
+
+/** The picture of the report that is shown, as an address. */
+export const report = signal<string | null>(null);
+
+export async function makeReport(film: Film) {
+    const from = canvas.value;
+    if (!from) throw new Error("the stage shows no picture");
+    report.value = URL.createObjectURL(await png(from, film));
+}
+
+const POPULATIONS = { survey: "survey ANSUR II", statistics: "statistics of one's own", table: "tables of measured people" };
+
+/** What was chosen, with names as in the forms. */
+function assumptions({ scene: shown }: Film): [string, string][] {
+    const { made, unit } = plan.value;
+    const { base, motion, edits } = made;
+    const rows: [string, string][] = [["People", String(shown.agents.length)]];
+    if (base.kind === "crowd") {
+        const [width, height] = shape(base.room.outline).bounds;
+        rows.push(
+            ["Room", `${length(width, unit)} × ${length(height, unit)}, ${base.room.obstacles.length} obstacles`],
+            ["Doors", base.room.doors.map((door) => length(door.width, unit)).join(", ") || "none"],
+            ["Drawn from", `${POPULATIONS[base.people.kind]}, ${Math.round(100 * base.men)} % men, seed ${base.seed}`],
+            ["Bodies", `${base.round ? "one disk" : "five disks"} each, ${base.material}, friction ${frictionOf(base)}`],
+        );
+    } else rows.push(["Trial", brief(base.name, 60)]);
+    if (edits.length > 0) rows.push(["Changes by hand", String(edits.length)]);
+    if (motion.kind === "go") {
+        const { model, desired_speed, push, seed } = motion.wishes;
+        rows.push(["They walk", `${model}, ${desired_speed} m/s, seed ${seed}${push === null ? "" : `, pushing ahead with at most ${push} N`}`]);
+    }
+    if (motion.kind === "walk") rows.push(["They walk", `on ${motion.ways.length} ways, ${motion.speed} m/s`]);
+    if (motion.kind === "push") rows.push(["Pushes", motion.pushes.map(({ force, duration }) => `${force} N over ${duration} s`).join("; ")]);
+    rows.push(["Steps", `communication ${shown.step} s, mechanical ${shown.mechanical_step} s`]);
+    return rows;
+}
+
+function numbers(film: Film): [string, string][] {
+    const { frames, scene: shown, emptied } = film;
+    const last = film.reached.value;
+    const time = (k: number) => `${(k * shown.step).toFixed(2)} s`;
+    const greatest = (seconds: number) => {
+        const means = frames.greatestMean(Math.max(1, Math.round(seconds / shown.step))).subarray(0, last + 1);
+        const most = means.reduce((one, other) => Math.max(one, other), 0);
+        return `${digits(most, 3)} N, at ${time(means.indexOf(most))}`;
+    };
+    const rows: [string, string][] = [
+        ["Computed", time(last)],
+        ["Greatest squeeze of anybody, mean of 0.1 s", greatest(0.1)],
+        ["Greatest squeeze of anybody, mean of 1 s", greatest(1)],
+        ["Deepest overlap", `${digits(1000 * film.overlaps[last]!, 2)} mm`],
+    ];
+    if (shown.leaving === 0) return rows;
+    const all = emptied.value !== null && emptied.value <= last;
+    rows.push(["Have left", all ? `all ${shown.leaving} after ${time(emptied.value!)}` : `${frames.curve("left")[last]} of ${shown.leaving}`]);
+    for (const { name, count, flow } of perExit(film)) rows.push([`By ${brief(name)}`, `${count} people${flow === null ? "" : `, ${digits(flow, 3)} per second from the first to the last`}`]);
+    return rows;
+}
+
+export function Report({ film }: { film: Film }) {
+    const picture = report.value!;
+    useEffect(() => () => URL.revokeObjectURL(picture), [picture]);
+    const swept = sweep.value;
+    return (
+        <main class="report" aria-label="Report">
+            <div class="buttons">
+                <button type="button" class="main" onClick={() => print()}>
+                    Print
+                </button>
+                <button type="button" onClick={() => (report.value = null)}>
+                    Back to the lab
+                </button>
+            </div>
+            <h1>{scene.value.name}</h1>
+            <p>
+                Made with the LEMONS lab on {new Date().toISOString().slice(0, 10)}: pedestrians as rigid bodies of disks with damped springs and friction, in two dimensions.{" "}
+                <a href={link()}>This scene as a link</a>.
+            </p>
+            <img src={picture} alt={`The scene at ${(film.shown.value * film.scene.step).toFixed(2)} s`} />
+            <h2>What was assumed</h2>
+            <Facts rows={assumptions(film)} />
+            <h2>What came out</h2>
+            <Facts rows={numbers(film)} />
+            {swept && swept.runs.length > 0 && (
+                <>
+                    <h2>Sweep of {swept.scene}</h2>
+                    <SweepTable of={swept} measure="all_left" />
+                    <SweepTable of={swept} measure="greatest_mean_of_1_s" />
+                </>
+            )}
+            <h2>What these numbers do not say</h2>
+            <ul>
+                <li>One run is one sample. Other seeds place other people: times and forces differ, and the greatest ones differ most. A sweep shows by how much.</li>
+                <li>The survey is of soldiers of 18 to 50 years. Children, the elderly, wheelchairs and luggage are not in it.</li>
+                <li>Bodies move on a plane. Nobody falls, climbs or bends, unless the scene says that those who stand may lose balance.</li>
+                <li>Times of leaving were compared with experiments for doors and corridors, without panic (docs/validation.md). They are no proof for a building.</li>
+            </ul>
+            <Squeeze film={film} />
+        </main>
+    );
+}

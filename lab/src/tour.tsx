@@ -1,0 +1,57 @@
+// A tour of four steps, for those who are here for the first time.
+
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { change } from "./plan";
+
+const STEPS: [string, string, string][] = [
+    [".frame", "The stage", "Each person is a body of five disks, which push each other by springs and friction. Grey people bear less than 200 N; the darker, the more. Click a person for numbers; the wheel zooms."],
+    [".transport", "The timeline", "Play, pause, or drag the time. Green marks are people who leave. The chart below has the same time: how hard the most squeezed person is squeezed, or what you choose."],
+    [".sliders", "The question", "Move a slider, and the scene runs again with the new value. Keep a run to see both side by side. A sweep runs many values with many crowds and shows the spread."],
+    ["header nav", "Your own", "Draw your room, place a crowd, say what moves it. Take away gives pictures, tables, a report, and files for other programs. All you change is saved in this browser."],
+];
+
+const step = signal<number | null>(null);
+
+export function TourButton() {
+    return (
+        <button
+            type="button"
+            onClick={() => {
+                change({ tab: "start" });
+                step.value = 0;
+            }}
+        >
+            Tour in four steps
+        </button>
+    );
+}
+
+export function Tour() {
+    const k = step.value;
+    useEffect(() => {
+        if (k === null) return;
+        const about = document.querySelector(STEPS[k]![0]);
+        about?.classList.add("toured");
+        return () => about?.classList.remove("toured");
+    }, [k]);
+    if (k === null) return null;
+    const [, title, words] = STEPS[k]!;
+    const last = k === STEPS.length - 1;
+    return (
+        <div class="tour" role="dialog" aria-label="Tour" onKeyDown={(event) => event.key === "Escape" && (step.value = null)}>
+            <h2>
+                {k + 1} of {STEPS.length}: {title}
+            </h2>
+            <p>{words}</p>
+            <div class="buttons">
+                <button key={k} type="button" class="main" ref={(button) => button?.focus()} onClick={() => (step.value = last ? null : k + 1)}>
+                    {last ? "Begin" : "Next"}
+                </button>
+                <button type="button" onClick={() => (step.value = null)}>
+                    Close
+                </button>
+            </div>
+        </div>
+    );
+}
