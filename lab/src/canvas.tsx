@@ -8,7 +8,7 @@ import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { throughWalls } from "./hints";
 import { canvas, hovered, type Layers, show } from "./layout";
-import { paintLine } from "./line";
+import { paintArea, paintLine } from "./line";
 import { menu, openMenu } from "./menu";
 import { brief, digits } from "./parts";
 import { plan } from "./plan";
@@ -129,7 +129,7 @@ function reach({ scene }: Film): Point[] {
 
 function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter, frame: Float32Array, layers: Layers, now: View, inks: Inks) {
     const { scene } = film;
-    const { tab, colour, unit, view: kind, line } = plan.value;
+    const { tab, colour, unit, view: kind, line, area } = plan.value;
     const helper = active();
     // While it plays, a picture follows anyway: none is needed because frames were computed.
     const scale = film.playing.value ? untracked(() => scaleOf(film, colour)) : scaleOf(film, colour);
@@ -158,6 +158,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     paintPlaces(context, scene.targets, now, inks);
     if (motion.kind === "push") for (const push of motion.pushes) paintPush(context, push, time, now, inks);
     if (line) paintLine(context, line, now, inks);
+    if (area) paintArea(context, area, now, inks);
     const under = hovered.value;
     if (under !== null && isThere(frame, under)) label(context, told(film, under), [frame[COLUMNS * under]!, frame[COLUMNS * under + 1]! + 0.45], now, inks);
     if (helper?.paint) {

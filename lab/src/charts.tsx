@@ -3,6 +3,7 @@
 import { effect, signal } from "@preact/signals";
 import { type ComponentChildren, Fragment } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
+import { Inside } from "./area";
 import type { Client } from "./client";
 import { averaged, meanWords } from "./colour";
 import type { Film } from "./film";
@@ -65,6 +66,11 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
     const squeeze = (k: number) => (there(k) ? frames.meanOf(k, last, agent!, SQUEEZE) : NaN);
     const whole = `over ${digits(seconds.at(-1)!, 3)} s`;
 
+    const { area } = plan.value;
+    const inside = useMemo(() => area && new Inside(film, area), [film, JSON.stringify(area)]);
+    inside?.follow();
+    const time = digits(shown * scene.step, 3);
+
     const curves = (title: string, unit: string, decimals: number, given: [Line, (k: number) => number, "mean" | "greatest"][]) => {
         const rows = given.map(([, value, kind]) => grouped(value, ends, kind));
         const fixed = (value: number) => (Number.isNaN(value) ? "–" : value < 1e9 ? value.toFixed(decimals) : digits(value, 3));
@@ -106,9 +112,17 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
             ]);
         },
         left: () => scene.leaving > 0 && curves("Have left", "people", 0, [[{ label: "People", colour: "--one" }, of("left"), "greatest"]]),
+        density: () => area && inside && (
+            <>
+                {curves("In the area", "per m²", 2, [[{ label: "People", colour: "--one" }, (k) => inside.counts[k]! / inside.size, "mean"]])}
+                <p class="note">
+                    {inside.counts[shown]} people on {digits(inside.size, 3)} m²{!Number.isNaN(inside.squeezes[shown]!) && `, their mean squeeze ${digits(inside.squeezes[shown]!, 3)} N`} (centres of mass inside; {time} s)
+                </p>
+            </>
+        ),
         flow: () => line && <FlowChart film={film} line={line} client={client} ends={ends} end={end} />,
     };
-    const offered = CHARTS.filter(([key]) => (key === "left" ? scene.leaving > 0 : key !== "flow" || line));
+    const offered = CHARTS.filter(([key]) => (key === "left" ? scene.leaving > 0 : key === "density" ? area : key !== "flow" || line));
     const chosen = plan.value.chart;
     const one = offered.some(([key]) => key === chosen);
     return (
@@ -126,6 +140,7 @@ const CHARTS: [Chart, string][] = [
     ["speed", "Speed [m/s]"],
     ["left", "Have left [people]"],
     ["flow", "Crossed the line"],
+    ["density", "In the area [people per m²]"],
 ];
 
 function FlowChart({ film, line, client, ends, end }: { film: Film; line: [Point, Point]; client: Client; ends: number[]; end: number }) {

@@ -1,46 +1,70 @@
-// The line over which people are counted: drawn, or written.
+// The line over which people are counted, and the area in which they are: drawn, or written.
 
 import { signal } from "@preact/signals";
+import { Fragment } from "preact";
 import type { Inks } from "./draw";
 import { label } from "./draw";
 import { LengthField } from "./parts";
-import { change, plan } from "./plan";
+import { change, type Plan, plan } from "./plan";
 import type { Point } from "./protocol";
 import { lineTool, type Tool } from "./tool";
 import { inMetres, type View } from "./view";
 
 type Line = [Point, Point];
+type Kind = "line" | "area";
 
 const drawn = signal<Line | null>(null);
 
-const drawing: Tool = {
-    draws: () => true,
-    down: ({ at }) => {
-        drawn.value = [at, at];
-        return true;
-    },
-    move: ({ at }, pressed) => {
-        if (pressed && drawn.value) drawn.value = [drawn.value[0], at];
-    },
-    cancel: () => {
-        drawn.value = null;
-    },
-    up: ({ at, reach }) => {
-        const line = drawn.value;
-        drawn.value = null;
-        if (!line || Math.hypot(at[0] - line[0][0], at[1] - line[0][1]) < reach) return;
-        lineTool.value = null;
-        change({ chart: "flow", line: [line[0], at].map(([x, y]) => [Number(x.toFixed(3)), Number(y.toFixed(3))]) as Line });
-    },
-    key: (event) => {
-        if (event.key !== "Escape") return false;
-        lineTool.value = null;
-        return true;
-    },
-    paint: (context, view, inks) => {
-        if (drawn.value) paintLine(context, drawn.value, view, inks);
-    },
-};
+/** Both are drawn from one point to another one: of an area, opposite corners. */
+function drawing(kind: Kind, paint: typeof paintLine): Tool {
+    return {
+        draws: () => true,
+        down: ({ at }) => {
+            drawn.value = [at, at];
+            return true;
+        },
+        move: ({ at }, pressed) => {
+            if (pressed && drawn.value) drawn.value = [drawn.value[0], at];
+        },
+        cancel: () => {
+            drawn.value = null;
+        },
+        up: ({ at, reach }) => {
+            const line = drawn.value;
+            drawn.value = null;
+            if (!line || Math.hypot(at[0] - line[0][0], at[1] - line[0][1]) < reach) return;
+            if (kind === "area" && Math.min(Math.abs(at[0] - line[0][0]), Math.abs(at[1] - line[0][1])) < reach) return;
+            lineTool.value = null;
+            put(kind, [line[0], at].map(([x, y]) => [Number(x.toFixed(3)), Number(y.toFixed(3))]) as Line);
+        },
+        key: (event) => {
+            if (event.key !== "Escape") return false;
+            lineTool.value = null;
+            return true;
+        },
+        paint: (context, view, inks) => {
+            if (drawn.value) paint(context, drawn.value, view, inks);
+        },
+    };
+}
+
+const TOOLS: Record<Kind, Tool> = { line: drawing("line", (...all) => paintLine(...all)), area: drawing("area", (...all) => paintArea(...all)) };
+const CHARTS: Record<Kind, Plan["chart"]> = { line: "flow", area: "density" };
+
+function put(kind: Kind, line: Line) {
+    change({ chart: CHARTS[kind], [kind]: line });
+}
+
+export function paintArea(context: CanvasRenderingContext2D, [from, to]: Line, view: View, inks: Inks) {
+    inMetres(context, view);
+    const pixel = devicePixelRatio / view.scale;
+    context.strokeStyle = inks.pick;
+    context.lineWidth = 2 * pixel;
+    context.setLineDash([8 * pixel, 5 * pixel]);
+    context.strokeRect(from[0], from[1], to[0] - from[0], to[1] - from[1]);
+    context.setLineDash([]);
+    label(context, "area", [(from[0] + to[0]) / 2, Math.max(from[1], to[1])], view, inks);
+}
 
 export function paintLine(context: CanvasRenderingContext2D, [from, to]: Line, view: View, inks: Inks) {
     inMetres(context, view);
@@ -57,49 +81,57 @@ export function paintLine(context: CanvasRenderingContext2D, [from, to]: Line, v
     label(context, "B", to, view, inks);
 }
 
-export function LineButton() {
-    const { line } = plan.value;
-    const on = lineTool.value !== null;
+const WORDS: Record<Kind, [string, string, string]> = {
+    line: ["Count over a line", "Draw the line anew", "Remove the line"],
+    area: ["Measure an area", "Draw the area anew", "Remove the area"],
+};
+
+export function MeasureButtons() {
     return (
         <>
-            <button
-                type="button"
-                aria-pressed={on}
-                onClick={() => {
-                    lineTool.value = on ? null : drawing;
-                }}
-            >
-                {line ? "Draw the line anew" : "Count over a line"}
-            </button>
-            {line && (
-                <button type="button" onClick={() => change({ line: null })}>
-                    Remove the line
-                </button>
-            )}
+            {(["line", "area"] as const).map((kind) => {
+                const there = plan.value[kind] !== null;
+                const on = lineTool.value === TOOLS[kind];
+                const [first, again, remove] = WORDS[kind];
+                return (
+                    <Fragment key={kind}>
+                        <button type="button" aria-pressed={on} onClick={() => (lineTool.value = on ? null : TOOLS[kind])}>
+                            {there ? again : first}
+                        </button>
+                        {there && (
+                            <button type="button" onClick={() => change({ [kind]: null })}>
+                                {remove}
+                            </button>
+                        )}
+                    </Fragment>
+                );
+            })}
         </>
     );
 }
 
-export function LineFields() {
-    const on = lineTool.value !== null;
-    const line = plan.value.line ?? (on ? ([[0, 0], [1, 0]] as Line) : null);
+/** The points of a line or an area as numbers. */
+export function MeasureFields({ kind }: { kind: Kind }) {
+    const on = lineTool.value === TOOLS[kind];
+    const line = plan.value[kind] ?? (on ? ([[0, 0], [1, kind === "area" ? 1 : 0]] as Line) : null);
     if (!line) return null;
     const set = (end: 0 | 1, axis: 0 | 1, value: number) => {
         const next: Line = [[...line[0]], [...line[1]]];
         next[end][axis] = value;
         lineTool.value = null;
-        change({ line: next });
+        put(kind, next);
     };
+    const [name, points] = kind === "line" ? ["Line", "from A to B"] : ["Area", "between two corners"];
     return (
         <fieldset class="fields four">
-            <legend>{on ? "Draw the line on the picture, or write where it is" : "Line from A to B"}</legend>
+            <legend>{on ? `Draw the ${kind} on the picture, or write where it is` : `${name} ${points}`}</legend>
             {([0, 1] as const).flatMap((end) =>
                 ([0, 1] as const).map((axis) => {
                     const short = `${"AB"[end]}, ${"xy"[axis]}`;
                     return (
                         <LengthField
                             key={short}
-                            label={`Line ${short}`}
+                            label={`${name} ${short}`}
                             short={short}
                             value={line[end][axis]}
                             min={-1000}

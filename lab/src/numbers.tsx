@@ -8,7 +8,7 @@ import { capital } from "./distribution";
 import type { Film } from "./film";
 import { BY_WALLS } from "./frames";
 import { beat } from "./layout";
-import { LineFields } from "./line";
+import { MeasureFields } from "./line";
 import { brief, digits, Facts, length } from "./parts";
 import { change, plan } from "./plan";
 import { COLUMNS, FEET, isThere, type Measure, type Person, type PersonWanted } from "./protocol";
@@ -32,7 +32,7 @@ export function Numbers({ film }: { film: Film }) {
             {selected.value === null && <p class="note">Choose one here, or on the picture.</p>}
             {selected.value !== null && <Facts rows={ofPerson(film, k, selected.value)} />}
             {selected.value !== null && <InSurvey film={film} agent={selected.value} />}
-            {plan.value.view !== "3d" && <LineFields />}
+            {plan.value.view !== "3d" && (["line", "area"] as const).map((kind) => <MeasureFields key={kind} kind={kind} />)}
         </section>
     );
 }

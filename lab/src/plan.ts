@@ -32,7 +32,7 @@ export interface Plan {
     pace: number;
     /** Where the timeline ends, in s. */
     end: number;
-    chart: "greatest" | "mean" | "speed" | "left" | "flow" | "all";
+    chart: "greatest" | "mean" | "speed" | "left" | "flow" | "density" | "all";
     view: "2d" | "3d" | "section";
     /** Of the section, in m. */
     altitude: number;
@@ -40,6 +40,8 @@ export interface Plan {
     forces: boolean;
     /** Who steps over it is counted. */
     line: [Point, Point] | null;
+    /** Two opposite corners: who is inside is counted. */
+    area: [Point, Point] | null;
 }
 
 export const FIRST: Plan = {
@@ -59,6 +61,7 @@ export const FIRST: Plan = {
     trails: false,
     forces: false,
     line: null,
+    area: null,
 };
 
 /** Of colours. */
@@ -79,18 +82,19 @@ const whole = patched<Plan>(
         most: record<Plan["most"]>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper) }),
         pace: within(0.01, 100),
         end: within(1e-3, 1e5),
-        chart: one("greatest", "mean", "speed", "left", "flow", "all"),
+        chart: one("greatest", "mean", "speed", "left", "flow", "density", "all"),
         view: one("2d", "3d", "section"),
         altitude: within(0, 3),
         trails: flag,
         forces: flag,
         line: nullable(tuple<[Point, Point]>(point, point)),
+        area: nullable(tuple<[Point, Point]>(point, point)),
     },
     FIRST,
 );
 
 /** What of a plan belongs to its scene, and goes with it into links and files. The rest belongs to the page. */
-const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "line"] as const;
+const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "line", "area"] as const;
 type Part = Pick<Plan, (typeof OF_SCENE)[number]>;
 
 export function sceneOf(plan: Plan): Part {
@@ -120,6 +124,7 @@ const PARTS: Partial<Record<keyof Plan, string>> = {
     crowd: "the forms of the room and the crowd",
     person: "the person",
     line: "the line",
+    area: "the area",
 };
 
 export interface Read {

@@ -87,9 +87,9 @@ function sameRest(one: string, other: string) {
 /** Shows a scene that is not the visitor's own yet, or an opened file at once as one. */
 export function open(called: string, part: Parameters<typeof choose>[0], playing: boolean, crowd = plan.value.crowd, own = false) {
     name = called.slice(0, NAME);
-    last = JSON.stringify({ ...sceneOf(plan.value), line: null, made: { ...plan.value.made, ...part }, crowd });
+    last = JSON.stringify({ ...sceneOf(plan.value), line: null, area: null, made: { ...plan.value.made, ...part }, crowd });
     batch(() => {
-        replace(null, { name, past: [], future: [], plan: { line: null } });
+        replace(null, { name, past: [], future: [], plan: { line: null, area: null } });
         choose(part, playing, crowd, "", false);
     });
     if (own) keep(newId());

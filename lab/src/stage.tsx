@@ -11,7 +11,7 @@ import { Chains, paintTrails, trailsNote } from "./layers";
 import { beat, type Layers, presents, show } from "./layout";
 import { Beside, kept, Now } from "./kept";
 import { Legend } from "./legend";
-import { LineButton } from "./line";
+import { MeasureButtons } from "./line";
 import { Menu } from "./menu";
 import { Check, Choice, digits, LengthField, length } from "./parts";
 import { change, embedded, type Plan, plan } from "./plan";
@@ -205,7 +205,7 @@ function LayerControls() {
                     <Tools />
                     <Check label="Forces" value={forces} onChange={(on) => change({ forces: on })} />
                     <Check label="Trails" value={trails} onChange={(on) => change({ trails: on })} />
-                    <LineButton />
+                    <MeasureButtons />
                 </>
             )}
         </div>

@@ -7,7 +7,7 @@ from pathlib import Path
 import matplotlib
 import pytest
 from playwright.sync_api import Page, expect
-from visit import Picture, download, fill, lemons, make, play_until, rows, tab, wait
+from visit import Picture, becomes, download, fill, lemons, make, plan, play_until, rows, show_at, tab, wait
 
 #: Frames in which everybody is looked at.
 EARLY, LATE = 60, 140
@@ -133,3 +133,27 @@ def test_trails_and_forces_are_drawn(page: Page) -> None:
     wait(page, lambda: pixels(page) != start, 20)
     page.get_by_role("button", name="Step back").click()
     wait(page, lambda: pixels(page) == start, 20)
+
+
+def test_an_area_has_the_density_of_the_table(page: Page, tmp_path: Path) -> None:
+    make(page, 30, 400, 400)
+    picture = Picture(page)
+    show_at(page, 1)
+    page.get_by_role("button", name="Measure an area").click()
+    picture.drag((3.5, 3), (1, 0.5))
+    wait(page, lambda: plan(page)["area"] is not None)
+    (x1, y1), (x2, y2) = plan(page)["area"]
+    assert (x1, y1, x2, y2) == pytest.approx((3.5, 3, 1, 0.5), abs=0.03)
+    trial = download(page, "Trial (zip)", tmp_path)
+    lemons("run", trial, "--until", "1", "-o", tmp_path / "run.csv")
+    inside = lambda row: x2 <= float(row["x"]) <= x1 and y2 <= float(row["y"]) <= y1
+    there = [row for row in rows(tmp_path / "run.csv") if float(row["t"]) == 1 and inside(row)]
+    size, squeeze = (x1 - x2) * (y1 - y2), sum(float(row["mean_normal_force"]) for row in there) / len(there)
+    note = page.get_by_text(re.compile(r"people on .* m², their mean squeeze"))
+    found = [float(number) for number in re.findall(r"[\d.]+(?= people| m²| N )", note.inner_text())]
+    assert found == pytest.approx([len(there), size, squeeze], rel=6e-3)
+    # Its corners as numbers; it goes with the scene.
+    fill(page, "Area A, x", 390)
+    becomes(page, lambda: plan(page)["area"][0][0], 3.9)
+    page.get_by_role("button", name="Remove the area").click()
+    expect(page.get_by_role("option", name="In the area")).to_have_count(0)
