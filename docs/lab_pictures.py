@@ -1,5 +1,5 @@
 """Makes the pictures of docs/lab.md again, in docs/ or in the directory that is given: lab_run.png, lab_3d.png, lab_room.png,
-lab_person.png, lab_exits.png. docs/pictures.sh calls it where Playwright, Chromium and the lab are. Everything in them is the
+lab_person.png, lab_exits.png, lab_compare.png, lab_sweep.png. docs/pictures.sh calls it where Playwright, Chromium and the lab are. Everything in them is the
 same each time, but for how long the computer took: `--places` prints where that is, and where other things are."""
 
 import argparse
@@ -17,7 +17,7 @@ from playwright.sync_api import Page, sync_playwright
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS.parent / "tests/lab"))
 
-from visit import LEMONS, example, fill, show_at, tab  # noqa: E402
+from visit import LEMONS, example, fill, link, plan, show_at, tab, wait  # noqa: E402
 
 # Letters of Matplotlib, which is on every machine that makes pictures.
 FONTS = f"""<?xml version="1.0"?>
@@ -33,7 +33,7 @@ FONTS = f"""<?xml version="1.0"?>
 </fontconfig>
 """
 # What depends on the computer's speed.
-CHANGING = "p:has-text('placed in'), tr:has-text('Time to compute') td, tr:has-text('per person and') td"
+CHANGING = "p:has-text('placed in')"
 THINGS = "button, select, input, canvas, svg, h1, h2, h3, legend, th, td, p"
 
 
@@ -70,7 +70,27 @@ def person(page: Page) -> None:
     page.wait_for_timeout(2000)
 
 
-PICTURES = {"run": run, "exits": exits, "3d": space, "room": room, "person": person}
+def compare(page: Page) -> None:
+    example(page, "The door", 70)
+    show_at(page, 10)
+    tab(page, "Start")
+    page.get_by_role("button", name="Keep this run to compare").click()
+    page.get_by_role("slider", name="Width of the door").fill("1.2")
+    wait(page, lambda: [[9, 1.4], [9, 4.6]] == sorted(plan(page)["made"]["motion"]["wishes"]["exits"][0]["line"]))
+    show_at(page, 10)
+
+
+def sweep(page: Page) -> None:
+    example(page, "The door", 70)
+    show_at(page, 0.2)
+    tab(page, "Start")
+    page.get_by_text("A sweep: many values").click()
+    page.get_by_role("button", name="Begin the sweep").click()
+    page.get_by_text("12 of 12 runs").wait_for(timeout=600_000)
+    page.get_by_role("button", name="Runs of the sweep (CSV)").scroll_into_view_if_needed()
+
+
+PICTURES = {"run": run, "exits": exits, "3d": space, "room": room, "person": person, "compare": compare, "sweep": sweep}
 
 
 def boxes(page: Page, selector: str) -> list[list[float]]:
@@ -79,11 +99,8 @@ def boxes(page: Page, selector: str) -> list[list[float]]:
     return [[box["x"], box["y"], box["width"], box["height"]] for box in found if box]
 
 
-def main(to: Path) -> dict[str, dict[str, list[list[float]]]]:
+def main(url: str, to: Path) -> dict[str, dict[str, list[list[float]]]]:
     """Returns, for each picture, where things are and where they change."""
-    command = subprocess.Popen([LEMONS, "lab", "--no-browser"], stdout=subprocess.PIPE, text=True)
-    assert command.stdout
-    url = command.stdout.readline().split()[4].rstrip(",")
     places = {}
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as scratch:
         fonts = Path(scratch) / "fonts.conf"
@@ -94,7 +111,7 @@ def main(to: Path) -> dict[str, dict[str, list[list[float]]]]:
         for name, show in PICTURES.items():
             # Nothing moves unless it is asked to.
             page = browser.new_page(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
-            page.goto(url)
+            page.goto(link(url, {"name": "A push through a row"}))
             page.wait_for_selector("canvas")
             show(page)
             page.mouse.move(0, 0)
@@ -103,7 +120,6 @@ def main(to: Path) -> dict[str, dict[str, list[list[float]]]]:
             places[name] = {"changing": boxes(page, CHANGING), "things": boxes(page, THINGS)}
             page.close()
         browser.close()
-    command.terminate()
     return places
 
 
@@ -112,6 +128,11 @@ if __name__ == "__main__":
     parser.add_argument("to", metavar="DIR", type=Path, nargs="?", default=DOCS)
     parser.add_argument("--places", action="store_true", help="print places in pixels, as JSON")
     given = parser.parse_args()
-    found = main(given.to)
+    command = subprocess.Popen([LEMONS, "lab", "--no-browser"], stdout=subprocess.PIPE, text=True)
+    assert command.stdout
+    try:
+        found = main(command.stdout.readline().split()[4].rstrip(","), given.to)
+    finally:
+        command.terminate()
     if given.places:
         print(json.dumps(found))

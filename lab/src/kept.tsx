@@ -13,11 +13,11 @@ import { plan, scene } from "./plan";
 import { film } from "./session";
 import { fitting } from "./view";
 
-/** The run, and what distinguishes it. */
-export const kept = signal<{ film: Film; words: string } | null>(null);
+/** The run, and facts of its scene. */
+export const kept = signal<{ film: Film; facts: string[] } | null>(null);
 
-/** What is shown of the scene in a few words. */
-function words(): string {
+/** The scene on the stage in a few words each. */
+function facts(): string[] {
     const { crowd, made } = plan.value;
     const parts = [scene.value.name];
     if (made.base.kind === "crowd") {
@@ -28,7 +28,17 @@ function words(): string {
     }
     if (made.motion.kind === "go") parts.push(`${made.motion.wishes.desired_speed} m/s`, made.motion.wishes.model);
     if (made.motion.kind === "push" && made.motion.pushes[0]) parts.push(`${made.motion.pushes[0].force} N`);
-    return parts.join(", ");
+    return parts;
+}
+
+/** What of some facts is not among the others. */
+function differing(some: string[], others: string[]): string {
+    return some.filter((fact) => !others.includes(fact)).join(", ");
+}
+
+/** What is different on the stage. */
+export function difference(): string {
+    return differing(facts(), kept.value!.facts);
 }
 
 export function Keep() {
@@ -36,7 +46,7 @@ export function Keep() {
     return (
         <div class="buttons">
             {now && now !== kept.value?.film && (
-                <button type="button" title="Keeps this run beside what you change next, with the same clock" onClick={() => (kept.value = { film: now, words: words() })}>
+                <button type="button" title="Keeps this run beside what you change next, with the same clock" onClick={() => (kept.value = { film: now, facts: facts() })}>
                     Keep this run to compare
                 </button>
             )}
@@ -90,11 +100,12 @@ export function Beside({ now }: { now: Film }) {
             paint();
         };
     }, [run, now]);
+    const { facts: all } = kept.value!;
     return (
         <div class="beside">
-            <canvas ref={element} role="img" aria-label={`The run that is kept: ${kept.value!.words}`} />
+            <canvas ref={element} role="img" aria-label={`The run that is kept: ${all.join(", ")}`} />
             <p class="note">
-                Kept: {kept.value!.words}. <Now film={run} of={now} />
+                Kept{all.length > 0 && `: ${differing(all, facts()) || all[0]}`}. <Now film={run} of={now} />
             </p>
         </div>
     );

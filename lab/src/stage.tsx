@@ -9,7 +9,7 @@ import type { Film } from "./film";
 import { Hints } from "./hints";
 import { Chains, paintTrails, trailsNote } from "./layers";
 import { beat, type Layers, presents, show } from "./layout";
-import { Beside, kept, Now } from "./kept";
+import { Beside, difference, kept, Now } from "./kept";
 import { Legend } from "./legend";
 import { MeasureButtons } from "./line";
 import { Menu } from "./menu";
@@ -57,6 +57,7 @@ export function Stage({ film }: { film: Film }) {
                     <Hints film={film} />
                     {kept.value && kept.value.film !== film && (
                         <p class="note">
+                            {difference() && `${difference()}. `}
                             <Now film={film} of={film} />
                         </p>
                     )}
