@@ -1,6 +1,7 @@
 // Draws a frame. Shapes are the disks that the engine uses, or the sections that it gives; only turning, moving and
 // scaling happens here.
 
+import { translated } from "./language";
 import type { Shade } from "./colour";
 import { COLUMNS, type Disk, FEET, isThere, type Point, type Push, type Scene, type Waypoint } from "./protocol";
 import { inMetres, toMetres, toPixels, type View } from "./view";
@@ -312,7 +313,8 @@ export function paintWays(context: CanvasRenderingContext2D, ways: Waypoint[][],
 }
 
 /** A short text on a ground of its own. */
-export function label(context: CanvasRenderingContext2D, text: string, at: Point, view: View, inks: Inks) {
+export function label(context: CanvasRenderingContext2D, english: string, at: Point, view: View, inks: Inks) {
+    const text = translated(english);
     const [place, y] = toPixels(view, at);
     const size = 12 * devicePixelRatio;
     context.setTransform(1, 0, 0, 1, 0, 0);

@@ -4,6 +4,7 @@ import { signal } from "@preact/signals";
 import { render } from "preact";
 import { Busy } from "./busy";
 import { CrowdTab } from "./crowd";
+import { choose, language, type Language, LANGUAGES, load } from "./language";
 import { canvas, present, presents } from "./layout";
 import { follow } from "./live";
 import { MotionTab } from "./motion";
@@ -77,7 +78,7 @@ function Header() {
                 <button type="button" aria-label={`${unit}: show lengths in ${unit === "m" ? "cm" : "m"}`} title={`Show lengths in ${unit === "m" ? "cm" : "m"}`} onClick={() => change({ unit: unit === "m" ? "cm" : "m" })}>
                     {unit}
                 </button>
-                <button type="button" title="Shows the stage alone (F); Escape ends it" onClick={() => present(true)}>
+                <button type="button" class="large" title="Shows the stage alone (F); Escape ends it" onClick={() => present(true)}>
                     Present
                 </button>
                 <button type="button" onClick={() => void attempt(copyLink)}>
@@ -152,6 +153,13 @@ function Page() {
             <footer hidden={alone}>
                 <p role="status">{said.value}</p>
                 <Busy />
+                <select aria-label="Language" value={language} onChange={(event) => choose(event.currentTarget.value as Language)}>
+                    {Object.entries(LANGUAGES).map(([key, name]) => (
+                        <option key={key} value={key} lang={key}>
+                            {name}
+                        </option>
+                    ))}
+                </select>
                 <span class="unit">
                     Computed in your browser: nothing that you open leaves this machine. <a href="licences.txt">Licences</a>
                 </span>
@@ -229,4 +237,6 @@ if (location.hostname !== "127.0.0.1" && !embedded) navigator.serviceWorker?.reg
 begin();
 follow();
 keepScenes();
-render(<Page />, document.getElementById("lab")!);
+load()
+    .catch((error: Error) => (problem.value = `The language could not be loaded: ${error.message}`))
+    .finally(() => render(<Page />, document.getElementById("lab")!));

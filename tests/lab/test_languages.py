@@ -1,0 +1,80 @@
+"""German and French: no text of the page stays English, and nothing breaks."""
+
+import re
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+from visit import wait
+
+#: With the name of a scene; times are written by the browser.
+NAMES = re.compile(r"^(Copy|Delete) The door$|^#[-/.]#")
+
+
+def visit(browser: Browser, url: str, locale: str, width: int = 1280) -> Page:
+    context = browser.new_context(viewport={"width": width, "height": 844}, locale=locale)
+    page = context.new_page()
+    page.goto(url)
+    page.wait_for_selector("canvas")
+    return page
+
+
+def english(page: Page) -> list[str]:
+    """Texts without a translation."""
+    return [text for text in page.evaluate("[...window.missing]") if not NAMES.match(text)]
+
+
+@pytest.mark.parametrize(("locale", "title", "people"), [("de-AT", "Die Tür", "70 Personen in"), ("fr-CA", "La porte", "70 personnes placées en")])
+def test_every_tab_is_in_the_language_of_the_browser(browser: Browser, url: str, locale: str, title: str, people: str) -> None:
+    page = visit(browser, url, locale)
+    expect(page.get_by_text(people)).to_be_visible()
+    assert page.evaluate("document.documentElement.lang") == locale[:2]
+    expect(page.get_by_text(title, exact=True)).to_be_visible()
+    # The numbers stay where they belong.
+    if locale.startswith("fr"):
+        words = "130 spectateurs contournent un pilier et sortent par un tunnel large de 2.5 m et long de 8 m."
+        expect(page.get_by_text(words)).to_be_visible()
+    tabs = page.locator("header nav button")
+    for k in range(6):
+        tabs.nth(k).click()
+        while (closed := page.locator(".sheet details:not([open]) > summary")).count():
+            closed.first.click()
+        page.wait_for_timeout(300)
+    tabs.nth(0).click()
+    page.locator(".about summary").click()
+    for card in page.locator("button.card").all():
+        card.click()
+        page.wait_for_timeout(300)
+    page.locator("button.card").first.click()
+    page.locator(".sheet .buttons button").first.click()
+    page.locator(".sliders input[type=range]").nth(1).fill("1.2")
+    page.locator(".frame canvas").last.press("n")
+    page.locator(".frame canvas").last.press("Shift+F10")
+    wait(page, lambda: page.get_by_role("menu").count() == 1)
+    page.keyboard.press("Escape")
+    tabs.nth(5).click()
+    page.locator(".take button").filter(has_text=re.compile("^(Bericht|Rapport)")).click()
+    page.locator("main.report").wait_for()
+    assert english(page) == []
+    page.context.close()
+
+
+def test_the_language_can_be_chosen_and_is_kept(browser: Browser, url: str) -> None:
+    page = visit(browser, url, "en-GB", 390)
+    page.get_by_role("combobox", name="Language").select_option(label="Français")
+    expect(page.get_by_role("button", name="Mouvement")).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    page.reload()
+    expect(page.get_by_role("button", name="Mouvement")).to_be_visible()
+    page.get_by_role("combobox", name="Langue").select_option(label="English")
+    expect(page.get_by_role("button", name="Motion")).to_be_visible()
+    page.context.close()
+
+
+def test_the_dictionary_has_each_text_once_and_its_numbers() -> None:
+    text = (Path(__file__).parents[2] / "lab/src/words.ts").read_text()
+    rows = re.findall(r'\[\s*"((?:[^"\\]|\\.)*)",\s*"((?:[^"\\]|\\.)*)",\s*"((?:[^"\\]|\\.)*)",?\s*\]', text)
+    assert len(rows) > 400
+    keys = [row[0] for row in rows]
+    assert sorted({key for key in keys if keys.count(key) > 1}) == []
+    assert [row for row in rows if len({one.count("#") for one in row}) > 1] == []
