@@ -45,7 +45,7 @@ pub struct CrowdRequest {
     pub speed: f64,
     /// The material of everybody: one of [`lemons_people::SKINS`].
     pub material: String,
-    /// Instead of the material's: kinetic friction of people with each other and with walls, 0 to [`MOST_FRICTION`].
+    /// Instead of the material's: kinetic friction of people with each other and with walls, 0 to 2.
     #[serde(default)]
     pub friction: Option<f64>,
     /// Whether each body is one disk, of the same area.
