@@ -55,6 +55,8 @@ def space(page: Page) -> None:
     show_at(page, 5)
     page.get_by_label("View").select_option(label="3D")
     page.wait_for_timeout(5000)
+    # It is coarse while it moves, on a slow machine.
+    wait(page, lambda: page.locator("canvas").first.evaluate("it => it.width >= Math.floor(it.clientWidth * devicePixelRatio)"))
 
 
 def room(page: Page) -> None:

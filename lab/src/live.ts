@@ -8,7 +8,7 @@ import { crowdOf, plan } from "./plan";
 import { cornersOf } from "./places";
 import type { Motion, Place, Point, Room } from "./protocol";
 import { rename } from "./scenes";
-import { choose, film } from "./session";
+import { choose, film, said } from "./session";
 
 /** Milliseconds without a further change. */
 const PAUSE = 300;
@@ -57,7 +57,7 @@ export function follow() {
         if (motion.kind !== "go") return;
         const exits = motion.wishes.exits.map(moved);
         if (JSON.stringify(exits) !== JSON.stringify(motion.wishes.exits)) {
-            choose({ motion: { kind: "go", wishes: { ...motion.wishes, exits } } }, shown.playing.peek(), plan.peek().crowd, "", false);
+            choose({ motion: { kind: "go", wishes: { ...motion.wishes, exits } } }, shown.playing.peek(), plan.peek().crowd, said.peek(), false);
         }
     });
 }

@@ -21,9 +21,11 @@ use std::process::{Command, Stdio};
 
 include!(concat!(env!("OUT_DIR"), "/lab.rs"));
 
-/// The policy of the page itself; and no other page may show this one in a frame.
+/// The policy of the page itself.
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; \
-     worker-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+     worker-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'none'";
+/// What is added but for the address `?embed`, which shows the stage alone: no other page may show this one in a frame.
+const NO_FRAME: &str = "; frame-ancestors 'none'";
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -86,7 +88,7 @@ fn libraries() -> Libraries {
 
 fn answer(request: &Request, address: SocketAddr, libraries: &Libraries) -> Answer {
     let here = [address.to_string(), format!("localhost:{}", address.port())];
-    let path = request.path.split(['?', '#']).next().unwrap_or_default();
+    let (path, query) = request.path.split_once('?').unwrap_or((request.path, ""));
     let path = if path == "/" { "index.html" } else { path.trim_start_matches('/') };
     let (status, kind, content): (_, _, Cow<'static, [u8]>) = if here.iter().all(|here| here != request.host)
     {
@@ -105,8 +107,9 @@ fn answer(request: &Request, address: SocketAddr, libraries: &Libraries) -> Answ
             _ => ("404 Not Found", "txt", b"there is no such file".into()),
         }
     };
+    let frame = if query == "embed" { "" } else { NO_FRAME };
     let head = format!(
-        "Content-Type: {}\r\nContent-Security-Policy: {POLICY}\r\nX-Content-Type-Options: nosniff\r\n\
+        "Content-Type: {}\r\nContent-Security-Policy: {POLICY}{frame}\r\nX-Content-Type-Options: nosniff\r\n\
          Referrer-Policy: no-referrer\r\nCache-Control: no-cache\r\n",
         kind_of(kind)
     );
