@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes pictures of README.md and docs/ again: docs/pictures.sh [DIRECTORY [NAME...]]
-# The directory is docs/ if none is given. The names are push balance crowd room guide physics measured flow turnstile lab;
+# The directory is docs/ if none is given. The names are push balance crowd people_kinds room guide physics measured flow turnstile lab;
 # all if none is given. Needs cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli; physics needs
 # cargo, too.
 # measured.png needs the measured push (../shared/data/push_wed), flow.png a Python with FMPy and Matplotlib (PYTHON, else
@@ -32,6 +32,11 @@ fi
 if wanted crowd; then
     "$lemons" crowd --number 150 --box 4.56x4.56 --speed 0.5 -o "$scratch/Trial_box" >/dev/null
     "$lemons" plot "$scratch/Trial_box" --at 2 --fill squeeze --forces --width 600 -o "$to/crowd.png" --force
+fi
+
+if wanted people_kinds; then
+    "$lemons" crowd --number 60 --box 10x8 --door 10,4,1.5 --seed 7 --png "$to/people_kinds.png" --force \
+        --mix adult=40,child=15,elderly=10,with-child=8,stroller=5,wheelchair=5,walker=5,suitcase=6,backpack=6 >/dev/null
 fi
 
 if wanted room; then

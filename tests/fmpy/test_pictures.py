@@ -32,7 +32,7 @@ BY_HAND = {f"docs/guide/physics_{name}.svg" for name in ("body", "contact", "law
 VALIDATION = ["rimea_6", "rimea_9", "rimea_12", "single_file", "corridor", "bottleneck", "faster", "peer"]
 # By picture: the file that makes it, and what this file says of it.
 MADE_BY = {
-    **{f"docs/{name}.png": ("docs/pictures.sh", f'"$to/{name}.png"') for name in ("push", "balance", "crowd", "room", "measured", "flow", "turnstile")},
+    **{f"docs/{name}.png": ("docs/pictures.sh", f'"$to/{name}.png"') for name in ("push", "balance", "crowd", "people_kinds", "room", "measured", "flow", "turnstile")},
     **{f"docs/guide/{name}.png": ("docs/pictures.sh", f'"$to/guide/{name}.png"') for name in GUIDE},
     # crates/people/tests/physics.rs compares them.
     **{f"docs/guide/physics_{name}.svg": ("crates/people/tests/physics.rs", f'"physics_{name}.svg"') for name in PHYSICS},
@@ -57,7 +57,7 @@ def test_every_picture_has_a_command_and_a_page():
         assert words in (REPOSITORY / file).read_text(), f"{file} does not make {picture}"
 
 
-@pytest.mark.parametrize("name", ["push", "balance", "crowd", "room", "guide", "measured", "flow", "turnstile"])
+@pytest.mark.parametrize("name", ["push", "balance", "crowd", "people_kinds", "room", "guide", "measured", "flow", "turnstile"])
 def test_a_picture_is_what_pictures_sh_draws(lemons, tmp_path, name):
     if name == "measured" and not (SHARED / "data/push_wed").is_dir():
         pytest.skip("../shared is absent")

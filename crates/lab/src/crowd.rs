@@ -167,7 +167,7 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
         ..TrialSettings::default()
     };
     let name = format!("crowd_{number}_seed_{}", wanted.seed);
-    let placed: Vec<_> = agents.iter().copied().zip(packing.poses).collect();
+    let placed: Vec<_> = agents.iter().cloned().zip(packing.poses).collect();
     let mut trial = crowd_trial(&name, &placed, geometry, &settings)?;
     if wanted.round {
         for (agent, shape) in trial.agents.iter_mut().zip(&shapes) {
@@ -188,7 +188,7 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
             .filter(theirs)
             .for_each(|contact| contact.kinetic_friction = friction);
     }
-    let people = agents.iter().copied().filter_map(Agent::pedestrian).collect();
+    let people = agents.iter().flat_map(Agent::people).map(|(person, _)| person).collect();
     let made = json!({
         "density": packing.density, "area": region.area(), "iterations": packing.iterations,
         "largest_overlap": largest_overlap, "statistics": CrowdStatistics::of(&agents),

@@ -15,6 +15,19 @@
 //!
 //! [bicycle]                       # wheel_width, length, handlebar, top_tube, mass
 //! length = { mean = 142, sd = 5, min = 100, max = 200 }
+//!
+//! [mix]                           # shares of kinds; without it, all are adults with nothing
+//! adult = 70
+//! cello = 5
+//!
+//! [kinds.cello]                   # a kind of one's own, as in data/kinds.toml, in m and kg
+//! speed = { min = 1.0, max = 1.3 }
+//! [[kinds.cello.parts]]
+//! name = "cello"
+//! material = "luggage"
+//! from = "back"
+//! disks = [[-0.15, 0, 0.2]]
+//! mass = { min = 5, max = 7 }
 //! ```
 //!
 //! Where the file gives no value, the paper's default is used. The default of `spearman`, the rank correlations in the
@@ -23,10 +36,12 @@
 use crate::bicycle::PAPER_BICYCLES;
 use crate::copula::Correlations;
 use crate::error::{PeopleError, Result};
+use crate::kinds::Kind;
 use crate::normal::TruncatedNormal;
 use crate::person::Sex;
 use crate::population::CustomMeasures;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// Custom statistics of people and bicycles, and the proportions of both.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +54,10 @@ pub struct Custom {
     pub men: Option<f64>,
     /// Fraction of the agents that are pedestrians, if the file gives it.
     pub pedestrians: Option<f64>,
+    /// Shares of kinds; empty: none.
+    pub mix: BTreeMap<String, f64>,
+    /// Kinds beside those of [`Kinds::built_in`](crate::Kinds::built_in).
+    pub kinds: BTreeMap<String, Kind>,
 }
 
 #[derive(Deserialize, Default)]
@@ -49,6 +68,8 @@ struct File {
     male: People,
     female: People,
     bicycle: Bicycles,
+    mix: BTreeMap<String, f64>,
+    kinds: BTreeMap<String, Kind>,
 }
 
 #[derive(Deserialize, Default)]
@@ -101,7 +122,7 @@ impl Custom {
     /// # Errors
     /// The text is not TOML, has unknown keys, or values of the wrong type; with line and column.
     pub fn from_toml(text: &str) -> Result<Custom> {
-        let File { men, pedestrians, male, female, bicycle } =
+        let File { men, pedestrians, male, female, bicycle, mix, kinds } =
             toml::from_str(text).map_err(|error| PeopleError::new(error.to_string()))?;
         let mut people = Sex::ALL.map(CustomMeasures::paper);
         for (custom, wanted) in people.iter_mut().zip([male, female]) {
@@ -112,7 +133,7 @@ impl Custom {
         let mut bicycles = PAPER_BICYCLES;
         let Bicycles { wheel_width, length, handlebar, top_tube, mass } = bicycle;
         replace(&mut bicycles, [wheel_width, length, handlebar, top_tube, mass]);
-        Ok(Custom { people, bicycles, men, pedestrians })
+        Ok(Custom { people, bicycles, men, pedestrians, mix, kinds })
     }
 }
 
@@ -143,6 +164,8 @@ mod tests {
         let mut custom = Custom::from_toml(&text.join("\n")).unwrap();
         let spearman = custom.people[0].spearman;
         assert_eq!((spearman[0][1], custom.men, custom.pedestrians), (0.7, Some(0.5), Some(1.0)));
+        assert_eq!(custom.mix["cello"], 5.0);
+        assert!(crate::Kinds::built_in().unwrap().with(custom.kinds.clone()).is_ok());
         custom.people[0].spearman = CustomMeasures::paper(Sex::Male).spearman;
         assert_eq!((custom.people, custom.bicycles), (Sex::ALL.map(CustomMeasures::paper), PAPER_BICYCLES));
     }

@@ -10,6 +10,8 @@ mod copula;
 mod custom;
 mod doors;
 mod error;
+mod growth;
+mod kinds;
 mod light_xml;
 mod normal;
 mod person;
@@ -32,6 +34,7 @@ pub use copula::Correlations;
 pub use custom::Custom;
 pub use doors::{Door, closed_walls, cut_doors, nearest_wall};
 pub use error::PeopleError;
+pub use kinds::{Body, BodyDisk, Distribution, From, Kind, Kinds, Member, Part as KindPart, Range};
 pub use lemons_core::plane::{Disk, Moments};
 pub use light_xml::light_xml;
 pub use normal::TruncatedNormal;
@@ -41,6 +44,6 @@ pub use shape::Shape;
 pub use survey::Survey;
 pub use table::{CrowdStatistics, KindStatistics, Summary, crowd_csv};
 pub use trial::{
-    SKINS, TRIAL_FILES, TrialSettings, choose_mechanical_step, crowd_trial, heading, materials, may_write,
-    paper_materials, walls, write_trial, write_trial_zip, zip_trial,
+    PART_MATERIALS, SKINS, TRIAL_FILES, TrialSettings, choose_mechanical_step, crowd_trial, heading,
+    materials, may_write, paper_materials, walls, write_trial, write_trial_zip, zip_trial,
 };

@@ -49,6 +49,7 @@ pub fn light_xml(crowd: &[(Agent, Pose)]) -> Result<String> {
 fn write_agent(out: &mut Out, id: usize, agent: &Agent, shape: &Shape, pose: &Pose) {
     let (kind, inertia) = match agent {
         Agent::Pedestrian(person) => ("pedestrian", shape.inertia(person.mass)),
+        Agent::Member(member) => ("pedestrian", member.inertia),
         Agent::Bicycle(bicycle) => ("bike", bicycle.inertia()),
     };
     out.text("type", kind);
@@ -57,12 +58,13 @@ fn write_agent(out: &mut Out, id: usize, agent: &Agent, shape: &Shape, pose: &Po
     out.text("FloorDamping", &number(FLOOR_DAMPING));
     out.text("AngularDamping", &number(FLOOR_DAMPING));
     out.element("Shapes", &[], |out| match agent {
-        Agent::Pedestrian(_) => {
+        Agent::Pedestrian(_) | Agent::Member(_) => {
+            let of_part = |place: usize| agent.member()?.disks[place].material.as_deref();
             for (place, Disk { radius, centre }) in shape.placed(pose).enumerate() {
                 out.element(&format!("disk{place}"), &[], |out| {
                     out.text("type", "disk");
                     out.text("radius", &number(radius));
-                    out.text("material", "human_naked");
+                    out.text("material", of_part(place).unwrap_or("human_naked"));
                     out.text("x", &number(centre.x));
                     out.text("y", &number(centre.y));
                 });

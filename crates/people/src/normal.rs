@@ -2,6 +2,7 @@
 //! library.
 
 use crate::error::{Result, require};
+use serde::Deserialize;
 
 /// The ratio of two polynomials, by Horner's rule; the constant coefficients are the last ones.
 fn ratio(coefficients: [[f64; 2]; 8], x: f64) -> f64 {
@@ -74,7 +75,8 @@ pub(crate) fn inverse(p: f64) -> f64 {
 }
 
 /// A normal distribution between two bounds, in the unit of the measure.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TruncatedNormal {
     /// Before truncation.
     pub mean: f64,

@@ -4,11 +4,14 @@ use crate::anthropometry::{SexStatistics, ansur};
 use crate::bicycle::{BICYCLE_MEASURES, Bicycle};
 use crate::copula::{Copula, Correlations};
 use crate::error::{Result, require};
+use crate::kinds::{Body, Kind, Member, draw_child};
 use crate::normal::TruncatedNormal;
 use crate::person::{Measure, Person, Sex};
 use crate::random::Random;
 use crate::shape::Shape;
 use crate::survey::Survey;
+use lemons_core::plane::Vec2;
+use std::sync::Arc;
 
 /// The source of the people of a [`Population`].
 #[derive(Debug, Clone, PartialEq)]
@@ -97,20 +100,32 @@ impl Default for Proportions {
 }
 
 /// An agent of a mixed crowd.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Agent {
     /// A pedestrian.
     Pedestrian(Person),
+    /// A person of some kind, with what goes along.
+    Member(Box<Member>),
     /// A bicycle with its rider.
     Bicycle(Bicycle),
 }
 
 impl Agent {
-    /// Returns the person who walks; `None` of a bicycle.
-    pub fn pedestrian(self) -> Option<Person> {
+    /// Returns the people who stand upright, with their places \[m\] from the centre of mass: none of a bicycle or a
+    /// wheelchair.
+    pub fn people(&self) -> Vec<(Person, Vec2)> {
         match self {
-            Agent::Pedestrian(person) => Some(person),
-            Agent::Bicycle(_) => None,
+            Agent::Pedestrian(person) => vec![(*person, Vec2::ZERO)],
+            Agent::Member(member) if !member.kind.seated => member.people.clone(),
+            Agent::Member(_) | Agent::Bicycle(_) => Vec::new(),
+        }
+    }
+
+    /// Returns the member, if the agent is of a kind.
+    pub fn member(&self) -> Option<&Member> {
+        match self {
+            Agent::Member(member) => Some(member),
+            Agent::Pedestrian(_) | Agent::Bicycle(_) => None,
         }
     }
 
@@ -121,6 +136,7 @@ impl Agent {
     pub fn shape(&self) -> Result<Shape> {
         match self {
             Agent::Pedestrian(person) => Shape::of(person),
+            Agent::Member(member) => Ok(member.shape()),
             // Both rectangles are about the centre, so their disks are too.
             Agent::Bicycle(bicycle) => Ok(Shape { disks: bicycle.covering_disks() }),
         }
@@ -211,6 +227,10 @@ pub struct Population {
     source: Source,
     proportions: Proportions,
     bicycles: [TruncatedNormal; 5],
+    /// Kinds and their shares, which sum up to 1; empty: adults with nothing.
+    mix: Vec<(Arc<Kind>, f64)>,
+    /// Of the stature and the mass of children, in the order of [`Sex::ALL`].
+    children: [Copula; 2],
 }
 
 impl Population {
@@ -244,7 +264,13 @@ impl Population {
         for ((measure, _), normal) in BICYCLE_MEASURES.into_iter().zip(bicycles) {
             normal.check().map_err(|error| error.of(format!("bicycle's {measure}")))?;
         }
-        Ok(Population { source, proportions, bicycles })
+        let [men, women] = Sex::ALL.map(|sex| Copula::new(&ansur(sex).spearman));
+        Ok(Population { source, proportions, bicycles, mix: Vec::new(), children: [men?, women?] })
+    }
+
+    /// Makes it a mix of kinds, as [`Kinds::mix`](crate::Kinds::mix) returns it.
+    pub fn mixed(self, mix: Vec<(Arc<Kind>, f64)>) -> Population {
+        Population { mix, ..self }
     }
 
     /// Returns whether bicycles can be drawn.
@@ -252,28 +278,54 @@ impl Population {
         self.proportions.pedestrians < 1.0
     }
 
-    /// Draws one person.
+    /// Draws one adult.
     fn draw(&self, random: &mut Random) -> Person {
-        // `inside_unit` excludes 0 and 1: a proportion of 0 or 1 excludes the other sex.
-        let mut sex = || if random.inside_unit() < self.proportions.men { Sex::Male } else { Sex::Female };
         match &self.source {
             Source::Fixed(person) => *person,
-            Source::Statistics(statistics) => statistics[sex() as usize].draw(random),
+            Source::Statistics(statistics) => statistics[self.sex(random) as usize].draw(random),
             Source::Survey(survey) => {
-                let people = survey.people(sex());
+                let people = survey.people(self.sex(random));
                 people[random.index(people.len())]
             }
         }
     }
 
-    /// Draws one agent: a pedestrian or a bicycle.
+    fn sex(&self, random: &mut Random) -> Sex {
+        // `inside_unit` excludes 0 and 1: a proportion of 0 or 1 excludes the other sex.
+        if random.inside_unit() < self.proportions.men { Sex::Male } else { Sex::Female }
+    }
+
+    /// Draws one child of an age between two \[years\].
+    fn draw_child(&self, ages: [f64; 2], random: &mut Random) -> Person {
+        let sex = self.sex(random);
+        let [_, _, stature, mass] = self.children[sex as usize].ranks(random);
+        draw_child(sex, ages, [stature, mass], random)
+    }
+
+    /// Draws a member of a kind.
+    fn draw_member(&self, kind: &Arc<Kind>, random: &mut Random) -> Agent {
+        let person = match (kind.person, kind.ages) {
+            (Body::Child, Some(ages)) => self.draw_child(ages, random),
+            _ => self.draw(random),
+        };
+        let companion = kind.companion.map(|ages| self.draw_child(ages, random));
+        Agent::Member(Box::new(kind.draw(person, companion, random)))
+    }
+
+    /// Draws one agent: a pedestrian, a member of the mix, or a bicycle.
     fn draw_agent(&self, random: &mut Random) -> Agent {
-        if random.inside_unit() < self.proportions.pedestrians {
-            return Agent::Pedestrian(self.draw(random));
+        if random.inside_unit() >= self.proportions.pedestrians {
+            let measures = self.bicycles.map(|normal| normal.quantile(random.inside_unit()));
+            return Agent::Bicycle(Bicycle::from_measures(measures));
         }
-        Agent::Bicycle(Bicycle::from_measures(
-            self.bicycles.map(|normal| normal.quantile(random.inside_unit())),
-        ))
+        let Some(last) = self.mix.last() else { return Agent::Pedestrian(self.draw(random)) };
+        let mut left = random.inside_unit();
+        let reached = |(_, share): &&(Arc<Kind>, f64)| {
+            left -= share;
+            left < 0.0
+        };
+        let (kind, _) = self.mix.iter().find(reached).unwrap_or(last);
+        self.draw_member(kind, random)
     }
 
     /// Returns an endless sequence of agents, the same for the same seed.
@@ -287,11 +339,12 @@ impl Population {
 mod tests {
     use super::*;
     use crate::bicycle::PAPER_BICYCLES;
+    use crate::kinds::Kinds;
     use std::path::Path;
 
     fn of(source: Source, men: f64, seed: u64, count: usize) -> Vec<Person> {
         let population = Population::new(source, Proportions { men, pedestrians: 1.0 }, PAPER_BICYCLES);
-        population.unwrap().agents(seed).take(count).filter_map(Agent::pedestrian).collect()
+        population.unwrap().agents(seed).take(count).map(|agent| agent.people()[0].0).collect()
     }
 
     fn ansur_source() -> Source {
@@ -398,6 +451,7 @@ mod tests {
             match agent {
                 Agent::Pedestrian(person) => people.push(*person),
                 Agent::Bicycle(bicycle) => bicycles.push(bicycle.measures()),
+                Agent::Member(_) => panic!("nobody is of a kind"),
             }
         }
         for (place, normal) in PAPER_BICYCLES.iter().enumerate() {
@@ -453,6 +507,41 @@ mod tests {
         bicycles[4].mean = 1e6;
         let said = message(ansur_source(), 0.5, 1.0, bicycles);
         assert!(said.starts_with("bicycle's mass: min = 10, max = 100: more than 6"), "{said}");
+    }
+
+    #[test]
+    fn a_mix_has_its_shares_ages_and_speeds() {
+        let shares = [("adult", 60.0), ("child", 25.0), ("elderly", 15.0)];
+        let shares = shares.map(|(name, share)| (name.to_owned(), share)).into();
+        let mix = Kinds::built_in().unwrap().mix(&shares).unwrap();
+        let population = Population::new(ansur_source(), Proportions::default(), PAPER_BICYCLES).unwrap();
+        let population = population.mixed(mix);
+        let drawn: Vec<Agent> = population.agents(9).take(20_000).collect();
+        assert_eq!(drawn, population.agents(9).take(20_000).collect::<Vec<Agent>>());
+        let of = |name: &str| -> Vec<&Member> {
+            drawn.iter().filter_map(Agent::member).filter(|of| of.kind.name == name).collect()
+        };
+        let part = |name: &str| of(name).len() as f64 / drawn.len() as f64;
+        // Three standard deviations of the counts.
+        for (name, share) in [("adult", 0.60), ("child", 0.25), ("elderly", 0.15)] {
+            assert!((part(name) - share).abs() < 3.0 * (share * (1.0 - share) / 2e4).sqrt(), "{name}");
+        }
+        let children = of("child");
+        let statures: Vec<f64> = children.iter().map(|child| child.people[0].0.stature).collect();
+        // The mean of the medians of boys (1.353 m) and girls (1.332 m) from 2 to 17 years, by trapezoids.
+        let (mean, _) = mean_and_sd(&statures);
+        assert!((mean - 1.343).abs() < 0.01, "{mean}");
+        assert!(statures.iter().all(|stature| (0.73..2.05).contains(stature)));
+        let pairs: Vec<f64> =
+            children.iter().map(|child| child.mass / child.people[0].0.stature.powi(2)).collect();
+        // Body mass index \[kg/m²\]: 16 at 6 years, 21 at 17.
+        assert!((16.5..19.0).contains(&mean_and_sd(&pairs).0));
+        for elder in of("elderly") {
+            let [low, high] = if elder.people[0].0.sex == Sex::Male { [0.84, 1.4] } else { [0.56, 0.94] };
+            assert!((low..=high).contains(&elder.speed));
+        }
+        let (mean, sd) = mean_and_sd(&of("adult").iter().map(|adult| adult.speed).collect::<Vec<f64>>());
+        assert!((mean - 1.34).abs() < 0.01 && (sd - 0.256).abs() < 0.01, "{mean} {sd}");
     }
 
     #[test]

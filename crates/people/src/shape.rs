@@ -68,6 +68,12 @@ impl Shape {
         bounds(self.disks.iter().copied()).size().x
     }
 
+    /// Returns how far \[m\] it reaches ahead of the origin, and behind it (negative).
+    pub(crate) fn ends(&self) -> (f64, f64) {
+        let around = bounds(self.disks.iter().copied());
+        (around.high.x, around.low.x)
+    }
+
     /// Returns area, centroid and second moment of the union, exact.
     pub fn moments(&self) -> Moments {
         union(&self.disks)

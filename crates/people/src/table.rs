@@ -1,10 +1,11 @@
 //! Tables of a crowd: its agents as CSV, and its statistics.
 
 use crate::bicycle::BICYCLE_MEASURES;
-use crate::person::Measure;
+use crate::person::{Measure, Person};
 use crate::population::Agent;
 use lemons_core::xml::number;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// Statistics of one measure over some agents.
@@ -27,8 +28,8 @@ pub struct Summary {
 /// Statistics of one kind of agents.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct KindStatistics {
-    /// "male", "female" or "bicycle".
-    pub kind: &'static str,
+    /// "male", "female", the name of a kind, or "bicycle".
+    pub kind: String,
     /// Number of agents.
     pub count: usize,
     /// Fraction of the whole crowd, 0…1.
@@ -37,7 +38,7 @@ pub struct KindStatistics {
     pub measures: Vec<Summary>,
 }
 
-/// Statistics of each kind that a crowd has: men, women, bicycles.
+/// Statistics of each kind that a crowd has: men, women, kinds of people in the order of their names, bicycles.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct CrowdStatistics(pub Vec<KindStatistics>);
 
@@ -45,8 +46,12 @@ impl CrowdStatistics {
     /// Computes the statistics of agents.
     pub fn of(agents: &[Agent]) -> CrowdStatistics {
         let people = Measure::ALL.map(|measure| (measure.name(), measure.unit()));
-        let kinds = [("male", &people[..]), ("female", &people[..]), ("bicycle", &BICYCLE_MEASURES[..])];
-        let statistics = kinds.into_iter().filter_map(|(kind, names)| {
+        let of_kinds = [&people[..], &[("mass of all", "kg"), ("desired speed", "m/s")]].concat();
+        let names: BTreeSet<&str> =
+            agents.iter().filter_map(Agent::member).map(|of| &*of.kind.name).collect();
+        let all = [("male", &people[..]), ("female", &people[..])].into_iter();
+        let all = all.chain(names.into_iter().map(|name| (name, &of_kinds[..])));
+        let statistics = all.chain([("bicycle", &BICYCLE_MEASURES[..])]).filter_map(|(kind, names)| {
             let members: Vec<Vec<f64>> =
                 agents.iter().map(kind_and_measures).filter(|of| of.0 == kind).map(|of| of.1).collect();
             let column = |place: usize| members.iter().map(|member| member[place]).collect::<Vec<f64>>();
@@ -54,7 +59,7 @@ impl CrowdStatistics {
             let measures = measures.map(|(place, (name, unit))| summary(name, unit, &column(place)));
             let proportion = members.len() as f64 / agents.len() as f64;
             (!members.is_empty()).then(|| KindStatistics {
-                kind,
+                kind: kind.to_owned(),
                 count: members.len(),
                 proportion,
                 measures: measures.collect(),
@@ -64,8 +69,12 @@ impl CrowdStatistics {
     }
 }
 
-fn kind_and_measures(agent: &Agent) -> (&'static str, Vec<f64>) {
+fn kind_and_measures(agent: &Agent) -> (&str, Vec<f64>) {
     match agent {
+        Agent::Member(member) => {
+            let (person, _) = member.people[0];
+            (&member.kind.name, [&person.measures()[..], &[member.mass, member.speed]].concat())
+        }
         Agent::Pedestrian(person) => (person.sex.name(), person.measures().to_vec()),
         Agent::Bicycle(bicycle) => ("bicycle", bicycle.measures().to_vec()),
     }
@@ -109,40 +118,52 @@ fn summary(measure: &'static str, unit: &'static str, values: &[f64]) -> Summary
     }
 }
 
-/// Columns of [`crowd_csv`].
+/// Columns of [`crowd_csv`], without those of kinds.
 const COLUMNS: &str = "id,type,sex,bideltoid_breadth_m,chest_depth_m,stature_m,mass_kg,wheel_width_m,length_m,\
                        handlebar_m,top_tube_m";
 
+/// Columns of members of kinds, where there are any.
+const OF_KINDS: [&str; 2] = ["mass_of_all_kg", "desired_speed_m_per_s"];
+
 /// Returns the agents as CSV, one per line with its index from 0. Cells for measures of the other kind are empty.
+/// Of a member of a kind, the measures are its person's; two more columns have the mass of all and the desired speed.
 /// Lengths are in m, masses in kg, as the shortest decimals that are read back as the same doubles.
 pub fn crowd_csv(agents: &[Agent]) -> String {
     // Writing rows of one length into memory cannot fail, so the results are dropped.
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let _ = writer.write_record(COLUMNS.split(','));
+    let of_kinds = if agents.iter().any(|agent| agent.member().is_some()) { &OF_KINDS[..] } else { &[] };
+    let _ = writer.write_record(COLUMNS.split(',').chain(of_kinds.iter().copied()));
     for (id, agent) in agents.iter().enumerate() {
         let (kind, sex, cells) = match agent {
-            Agent::Pedestrian(person) => {
-                let [breadth, depth, stature, mass] = person.measures().map(Some);
-                let cells = [breadth, depth, stature, mass, None, None, None, None];
-                ("pedestrian", person.sex.name(), cells)
+            Agent::Pedestrian(person) => ("pedestrian", person.sex.name(), cells(person)),
+            Agent::Member(member) => {
+                let (person, _) = &member.people[0];
+                (&*member.kind.name, person.sex.name(), cells(person))
             }
             Agent::Bicycle(bicycle) => {
                 let [wheel_width, length, handlebar, top_tube, mass] = bicycle.measures().map(Some);
                 ("bicycle", "", [None, None, None, mass, wheel_width, length, handlebar, top_tube])
             }
         };
-        let row = [id.to_string(), kind.to_owned(), sex.to_owned()];
-        let _ = writer
-            .write_record(row.into_iter().chain(cells.map(|cell| cell.map_or_else(String::new, number))));
+        let row = [id.to_string(), kind.to_owned(), sex.to_owned()].into_iter();
+        let more = agent.member().map(|member| [member.mass, member.speed]);
+        let more = (0..of_kinds.len()).map(|place| Some(more?[place]));
+        let numbers = cells.into_iter().chain(more).map(|cell| cell.map_or_else(String::new, number));
+        let _ = writer.write_record(row.chain(numbers));
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+}
+
+fn cells(person: &Person) -> [Option<f64>; 8] {
+    let [breadth, depth, stature, mass] = person.measures().map(Some);
+    [breadth, depth, stature, mass, None, None, None, None]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::bicycle::Bicycle;
-    use crate::person::{Person, Sex};
+    use crate::person::Sex;
 
     fn person(sex: Sex, breadth: f64, mass: f64) -> Agent {
         Agent::Pedestrian(Person { sex, breadth, depth: 0.25, stature: 1.75, mass })
@@ -172,6 +193,25 @@ mod tests {
             "{shown}"
         );
         assert_eq!(CrowdStatistics::of(&[]), CrowdStatistics::default());
+    }
+
+    #[test]
+    fn a_kind_has_its_own_row_and_columns() {
+        let kinds = crate::Kinds::built_in().unwrap();
+        let (suitcase, _) = kinds.mix(&[("suitcase".to_owned(), 1.0)].into()).unwrap().remove(0);
+        let man = Person { sex: Sex::Male, breadth: 0.5, depth: 0.25, stature: 1.75, mass: 80.0 };
+        let member = suitcase.draw(man, None, &mut crate::random::Random::new(1));
+        let (mass, speed) = (member.mass, member.speed);
+        let agents = [person(Sex::Female, 0.4, 50.5), Agent::Member(Box::new(member))];
+        let text = crowd_csv(&agents);
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].ends_with(",top_tube_m,mass_of_all_kg,desired_speed_m_per_s"));
+        assert_eq!(lines[1], "0,pedestrian,female,0.4,0.25,1.75,50.5,,,,,,");
+        assert_eq!(lines[2], format!("1,suitcase,male,0.5,0.25,1.75,80.0,,,,,{mass},{speed}"));
+        let statistics = CrowdStatistics::of(&agents);
+        let [women, suitcases] = &statistics.0[..] else { panic!("{statistics:?}") };
+        assert_eq!((&*women.kind, &*suitcases.kind, suitcases.measures.len()), ("female", "suitcase", 6));
+        assert_eq!((suitcases.measures[4].mean, suitcases.measures[5].mean), (mass, speed));
     }
 
     #[test]

@@ -5,14 +5,16 @@
 //! doubles.
 
 use crate::error::{Result, require};
+use crate::kinds::BodyDisk;
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
 use lemons_core::files::source::Memory;
 use lemons_core::files::{Staged, WriteError};
-use lemons_core::plane::{Disk, Motion, Pose, Ring, Rotation, Vec2, vec2};
+use lemons_core::plane::{Motion, Pose, Ring, Rotation, Vec2, vec2};
 use lemons_core::trial::{
     Agent, AgentDynamics, Contact, Geometry, Interactions, Material, Materials, Parameters, Trial, Wall,
 };
+use std::collections::HashSet;
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -59,7 +61,16 @@ pub const SKINS: [&str; 3] = ["human_naked", "human_clothes", SOFT];
 /// Id of the material of people with a softer chest. Only a Trial that uses it has it in its `Materials.xml`.
 const SOFT: &str = "human_soft";
 
-/// Returns the materials that people and walls can have: [`paper_materials`] and `human_soft`.
+/// Ids of the [`materials`] of what goes along with people.
+pub const PART_MATERIALS: [&str; 2] = [FRAME, LUGGAGE];
+const FRAME: &str = "frame";
+const LUGGAGE: &str = "luggage";
+
+/// Returns the materials that people, walls and things can have: [`paper_materials`], `human_soft`, `frame`, `luggage`.
+///
+/// `frame` (wheelchairs, walkers, strollers) and `luggage` are assumptions, no source gives them: a frame on its tyres
+/// is as stiff as the paper's people without clothes, and luggage ten times softer; both have the damping of clothes.
+/// docs/people.md says how much results depend on it.
 ///
 /// E and G of `human_soft` are the paper's for people without clothes, divided by 138: k_n is 18.2 kN/m between two
 /// people, as soft as two chests, and a weak push runs through a row of people of 80 kg and 25 cm at 0.25 m √(k_n/m) =
@@ -77,13 +88,20 @@ pub fn materials() -> Materials {
         ("human_naked", 1200.0, 0.4),
         (SOFT, 600.0, 0.4),
     ];
-    binary.extend(others.map(|(other, gamma, kinetic_friction)| Contact {
-        id1: other.into(),
-        id2: SOFT.into(),
+    let contact = |one: &str, other: &str, gamma, kinetic_friction| Contact {
+        id1: one.into(),
+        id2: other.into(),
         gamma_normal: gamma,
         gamma_tangential: gamma,
         kinetic_friction,
-    }));
+    };
+    binary.extend(others.map(|(other, gamma, friction)| contact(other, SOFT, gamma, friction)));
+    for (id, young_modulus, shear_modulus) in [(FRAME, 4e6, 1_379_310.3), (LUGGAGE, 4e5, 137_931.03)] {
+        for other in intrinsic.iter().map(|material| &*material.id).chain([id]) {
+            binary.push(contact(other, id, 1300.0, if other == "concrete" { 0.5 } else { 0.4 }));
+        }
+        intrinsic.push(Material { id: id.into(), young_modulus, shear_modulus });
+    }
     Materials { intrinsic, binary }
 }
 
@@ -123,25 +141,10 @@ pub fn crowd_trial(
     settings.check(&geometry)?;
     let (mut agents, mut dynamics) = (Vec::new(), Vec::new());
     for (id, (agent, pose)) in crowd.iter().enumerate() {
-        let Some(person) = agent.pedestrian() else { continue };
-        let shape = Shape::of(&person)?;
-        let disk = |disk: &Disk| lemons_core::trial::Shape {
-            radius: disk.radius,
-            material_id: settings.people.clone(),
-            position: disk.centre,
-        };
-        agents.push(Agent {
-            kind: Some("pedestrian".into()),
-            id: id.to_string(),
-            mass: person.mass,
-            height: Some(person.stature),
-            moment_of_inertia: shape.inertia(person.mass),
-            floor_damping: FLOOR_DAMPING,
-            angular_damping: FLOOR_DAMPING,
-            shapes: shape.disks.iter().map(disk).collect(),
-        });
+        let Some(body) = body(agent, id, settings)? else { continue };
         let at_rest = AgentDynamics::of(&Motion { pose: *pose, ..Motion::default() });
-        let fp = settings.desired_velocity * (person.mass * FLOOR_DAMPING);
+        let fp = settings.desired_velocity * (body.mass * FLOOR_DAMPING);
+        agents.push(body);
         dynamics.push(AgentDynamics { fp, ..at_rest });
     }
     let mut trial = Trial {
@@ -153,7 +156,7 @@ pub fn crowd_trial(
             time_step: settings.time_step,
             time_step_mechanical: settings.time_step,
         },
-        materials: settings.materials(&geometry),
+        materials: settings.materials(&geometry, &agents),
         geometry,
         agents,
         dynamics,
@@ -161,6 +164,45 @@ pub fn crowd_trial(
     };
     choose_mechanical_step(&mut trial);
     Ok(trial)
+}
+
+/// The body of an agent in `Agents.xml`; none of a bicycle.
+fn body(agent: &crate::Agent, id: usize, settings: &TrialSettings) -> Result<Option<Agent>> {
+    let (kind, stature, mass, inertia, disks) = match agent {
+        crate::Agent::Bicycle(_) => return Ok(None),
+        crate::Agent::Pedestrian(person) => {
+            let shape = Shape::of(person)?;
+            let inertia = shape.inertia(person.mass);
+            let disks = shape.disks.into_iter().map(|disk| BodyDisk { disk, material: None }).collect();
+            (None, person.stature, person.mass, inertia, disks)
+        }
+        crate::Agent::Member(member) => {
+            let (person, _) = member.people[0];
+            (
+                Some(member.kind.name.clone()),
+                person.stature,
+                member.mass,
+                member.inertia,
+                member.disks.clone(),
+            )
+        }
+    };
+    let shape = |BodyDisk { disk, material }: BodyDisk| lemons_core::trial::Shape {
+        radius: disk.radius,
+        material_id: material.unwrap_or_else(|| settings.people.clone()),
+        position: disk.centre,
+    };
+    Ok(Some(Agent {
+        agent_type: Some("pedestrian".into()),
+        kind,
+        id: id.to_string(),
+        mass,
+        height: Some(stature),
+        moment_of_inertia: inertia,
+        floor_damping: FLOOR_DAMPING,
+        angular_damping: FLOOR_DAMPING,
+        shapes: disks.into_iter().map(shape).collect(),
+    }))
 }
 
 /// Gives a Trial the longest mechanical step that divides its communication step and does not exceed
@@ -173,10 +215,17 @@ pub fn choose_mechanical_step(trial: &mut Trial) {
 }
 
 impl TrialSettings {
-    /// Returns the paper's materials, and the softer one where somebody or a wall has it.
-    fn materials(&self, geometry: &Geometry) -> Materials {
-        let soft = self.people == SOFT || geometry.walls.iter().any(|wall| wall.material_id == SOFT);
-        if soft { materials() } else { paper_materials() }
+    /// Returns the paper's materials, and the others that somebody or a wall has.
+    fn materials(&self, geometry: &Geometry, agents: &[Agent]) -> Materials {
+        let of_walls = geometry.walls.iter().map(|wall| &wall.material_id);
+        let of_disks = agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &disk.material_id);
+        let used: HashSet<&String> = of_walls.chain(of_disks).chain([&self.people]).collect();
+        let paper = paper_materials().intrinsic;
+        let has = |id: &String| used.contains(id) || paper.iter().any(|material| material.id == *id);
+        let Materials { mut intrinsic, mut binary } = materials();
+        intrinsic.retain(|material| has(&material.id));
+        binary.retain(|contact| has(&contact.id1) && has(&contact.id2));
+        Materials { intrinsic, binary }
     }
 
     /// Checks that people and walls are of known materials; each of these has contacts with all others.
@@ -339,10 +388,40 @@ mod tests {
     }
 
     #[test]
+    fn a_wheelchair_is_of_metal_and_says_its_kind() {
+        let mix = crate::Kinds::built_in().unwrap().mix(&[("wheelchair".to_owned(), 1.0)].into()).unwrap();
+        let source = crate::Source::ansur().unwrap();
+        let population =
+            crate::Population::new(source, crate::Proportions::default(), crate::PAPER_BICYCLES).unwrap();
+        let agents: Vec<crate::Agent> = population.mixed(mix).agents(1).take(2).collect();
+        let member = agents[0].member().unwrap().clone();
+        let pose = |x| Pose { position: vec2(x, 1.0), orientation: 0.0 };
+        let crowd = [(agents[0].clone(), pose(1.0)), (agents[1].clone(), pose(3.0))];
+        let trial = crowd_trial("two", &crowd, walls(&[], "concrete"), &TrialSettings::default()).unwrap();
+        let directory = TempDir::new().unwrap();
+        let path = directory.path().join("two");
+        write_trial(&trial, &[], &path, false).unwrap();
+        let (read, warnings) = crowd_mechanics::setup::read(&path).unwrap();
+        assert!(warnings.is_empty(), "{warnings}");
+        let agent = &read.agents[0];
+        assert_eq!((agent.kind.as_deref(), agent.mass), (Some("wheelchair"), member.mass));
+        assert_eq!(agent.moment_of_inertia, member.inertia);
+        assert!(agent.shapes.iter().all(|disk| disk.material_id == "frame"));
+        let ids: Vec<&str> = read.materials.intrinsic.iter().map(|material| &*material.id).collect();
+        assert_eq!(ids, ["concrete", "human_clothes", "human_naked", "frame"]);
+        // Each pair of these, once.
+        assert_eq!(read.materials.binary.len(), 4 * 5 / 2);
+    }
+
+    #[test]
     fn the_softer_chest_is_there_on_request() {
         let people = SOFT.to_owned();
         let soft = two(&TrialSettings { people, ..TrialSettings::default() }).unwrap();
-        assert_eq!(soft.materials, materials());
+        let Materials { mut intrinsic, mut binary } = materials();
+        let is_part = |id: &String| PART_MATERIALS.contains(&&**id);
+        intrinsic.retain(|material| !is_part(&material.id));
+        binary.retain(|contact| !is_part(&contact.id1) && !is_part(&contact.id2));
+        assert_eq!(soft.materials, Materials { intrinsic, binary });
         assert_eq!(soft.parameters.time_step_mechanical, 5e-4);
         assert_eq!(two(&TrialSettings::default()).unwrap().materials, paper_materials());
     }

@@ -14,7 +14,7 @@ fn people() -> Vec<Person> {
         };
         let proportions = Proportions { men, pedestrians: 1.0 };
         let population = Population::new(Source::ansur().unwrap(), proportions, PAPER_BICYCLES).unwrap();
-        let people = population.agents(2012).filter_map(Agent::pedestrian);
+        let people = population.agents(2012).flat_map(|agent| agent.people()).map(|(person, _)| person);
         people.filter(usual).take(100).collect::<Vec<_>>()
     };
     Sex::ALL.into_iter().flat_map(drawn).collect()

@@ -40,6 +40,8 @@ pub(crate) struct Body {
     pub front: f64,
     /// SVG path of the outline of the union of the disks \[m\].
     pub outline: String,
+    /// Kind of person, if the Trial says it.
+    pub kind: Option<String>,
 }
 
 impl Body {
@@ -60,6 +62,7 @@ impl Body {
             reach: disks.iter().map(|d| d.centre.norm() + d.radius).fold(0.0, f64::max),
             front: disks.iter().filter_map(ahead).fold(0.0, f64::max),
             outline: outline(&disks),
+            kind: agent.kind.clone(),
             middle,
             disks,
         }

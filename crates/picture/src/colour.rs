@@ -141,6 +141,12 @@ impl Palette {
         Palette { paper, ink, wall, outline, faint }
     }
 
+    /// Returns the colour of a kind of people: after seven, paler ones follow.
+    pub fn kind(&self, place: usize) -> Colour {
+        let colour = self.series(place);
+        if place < 7 { colour } else { colour.mixed(self.paper, 0.5) }
+    }
+
     /// Returns the colour of an agent, after M. Okabe and K. Ito (2008): distinguishable for colour-blind people. Their
     /// yellow is left out because it is hard to see on white; their black is the ink.
     pub fn series(&self, place: usize) -> Colour {

@@ -8,7 +8,7 @@ use crate::page::{
     BAND_GAP, CAP_HEIGHT, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, footer_height, page_width,
 };
 use crate::scene::Scene;
-use crate::style::{Colouring, Style};
+use crate::style::{Colouring, Fill, Style, kinds};
 use crate::text::{in_units, round_below};
 use crate::world::{CUT_BORDER, FORCE_HALO, TRAIL_STROKE, drawable_forces, is_cut, mean, measured, world};
 use lemons_core::plane::{Bounds, Vec2, vec2};
@@ -199,6 +199,14 @@ fn forces_and_legend(scenes: &[&Scene], style: &Style, unit: f64, scale: f64) ->
             halo: Some((palette.outline, FORCE_HALO * unit)),
             dashed: false,
         });
+    }
+    if style.fill == Fill::Kind {
+        let halo = Some((palette.outline, FORCE_HALO * unit));
+        let entry = |(place, kind): (usize, &str)| {
+            let (label, colour, width) = (kind.to_owned(), palette.kind(place), BICYCLE_STROKE * unit);
+            Entry { class: "kind", label, colour, width, halo, dashed: false }
+        };
+        legend.extend(kinds(scenes.iter().copied()).into_iter().enumerate().map(entry));
     }
     (force_scale, legend)
 }

@@ -1,8 +1,10 @@
 //! Settings of a drawing, and the colours of the bodies that follow from them.
 
-use crate::colour::{Colour, ColourMap, Ramp, Theme};
+use crate::body::Body;
+use crate::colour::{Colour, ColourMap, Palette, Ramp, Theme};
 use crate::scene::Scene;
 use crate::text::short;
+use std::collections::BTreeSet;
 
 /// Settings of a drawing. Lines and letters scale with the width.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,6 +53,8 @@ pub enum Fill {
     Single(Colour),
     /// Colours by the area of each body.
     BodyArea,
+    /// A colour for each kind of people, with a legend.
+    Kind,
     /// Colours by one number for each agent.
     Values(Values),
 }
@@ -87,6 +91,8 @@ pub(crate) struct Colouring {
     pub single: Colour,
     pub scale: Option<Scale>,
     pub values: Vec<f64>,
+    /// Of each agent, where colours say kinds.
+    kinds: Vec<Colour>,
 }
 
 /// The meaning of the colour map.
@@ -169,7 +175,7 @@ impl Colouring {
         let [(first, style), ..] = panels else { return Vec::new() };
         let values = |(scene, style): &(&Scene, &Style)| match (&scene.density, &style.fill) {
             (Some(map), _) => Some(Values::of(map.values(), "density", "1/m²")),
-            (None, Fill::Single(_)) => None,
+            (None, Fill::Single(_) | Fill::Kind) => None,
             (None, Fill::BodyArea) => {
                 Some(Values::of(scene.bodies.iter().map(|body| body.area).collect(), "body area", "m²"))
             }
@@ -186,7 +192,16 @@ impl Colouring {
                 _ => Colour::MISSING,
             };
             let values = shown.iter().filter(|_| scene.density.is_none()).flat_map(|of| &of.values);
-            Colouring { single, scale, values: values.copied().collect() }
+            let kinds =
+                if style.fill == Fill::Kind { kinds(panels.iter().map(|panel| panel.0)) } else { Vec::new() };
+            let palette = Palette::of(style.theme);
+            let of_kind = |body: &Body| {
+                let place = kinds.iter().position(|kind| Some(*kind) == body.kind.as_deref());
+                place.map_or(single, |place| palette.kind(place))
+            };
+            let kinds =
+                if kinds.is_empty() { Vec::new() } else { scene.bodies.iter().map(of_kind).collect() };
+            Colouring { single, scale, values: values.copied().collect(), kinds }
         };
         shown.iter().zip(panels).map(colouring).collect()
     }
@@ -194,10 +209,16 @@ impl Colouring {
     /// Returns the colour of the body of an agent.
     pub fn of(&self, agent: usize) -> Colour {
         match &self.scale {
-            None => self.single,
+            None => self.kinds.get(agent).copied().unwrap_or(self.single),
             Some(scale) => self.values.get(agent).map_or(self.single, |value| scale.of(*value)),
         }
     }
+}
+
+/// Returns the kinds of people in scenes, in the order of their names.
+pub(crate) fn kinds<'a>(scenes: impl Iterator<Item = &'a Scene<'a>>) -> Vec<&'a str> {
+    let all = scenes.flat_map(|scene| scene.bodies.iter()).filter_map(|body| body.kind.as_deref());
+    all.collect::<BTreeSet<&str>>().into_iter().collect()
 }
 
 /// Returns the name of a quantity with its unit, which may be empty: "speed (m/s)".

@@ -3,8 +3,10 @@
 use super::outputs::Outputs;
 use crate::interrupt::Interrupt;
 use anyhow::Result;
-use lemons_core::plane::Pose;
-use lemons_people::{Agent, Body3d, CrowdSection, section, write_geojson, write_obj, write_stl, write_wkt};
+use lemons_core::plane::{Pose, Rotation, Vec2};
+use lemons_people::{
+    Agent, Body3d, CrowdSection, Person, section, write_geojson, write_obj, write_stl, write_wkt,
+};
 use std::io::Write;
 
 /// Writes sections at altitudes \[m\], if they are wanted, and meshes, until Ctrl-C. The shapes cover `covered` \[m²\] of the
@@ -20,8 +22,14 @@ pub fn write(
 ) -> Result<()> {
     let bodies = || {
         let wanted = crowd.iter().enumerate().take_while(|_| !interrupt.pressed());
-        wanted
-            .filter_map(|(place, (agent, pose))| Some((place, Body3d::of(&agent.pedestrian()?).ok()?, *pose)))
+        wanted.flat_map(|(place, (agent, pose))| {
+            let placed = move |(person, at): (Person, Vec2)| {
+                let turned = at.rotated(Rotation::by(pose.orientation));
+                let pose = Pose { position: pose.position + turned, ..*pose };
+                Some((place, Body3d::of(&person).ok()?, pose))
+            };
+            agent.people().into_iter().filter_map(placed)
+        })
     };
     if let Some(altitudes) = altitudes {
         // Bicycles have no outlines.
@@ -30,13 +38,13 @@ pub fn write(
         for (place, body, pose) in bodies() {
             for all in &mut sections {
                 let one = section(&[(&body, pose)], all.altitude);
-                all.bodies[place] = one.bodies.into_iter().flatten().collect();
+                all.bodies[place].extend(one.bodies.into_iter().flatten());
             }
         }
         interrupt.check()?;
         // The paper's comparison: what the shapes of all cover, and what planes cut of the bodies of people.
         let (all, people) =
-            (crowd.len(), crowd.iter().filter(|(agent, _)| agent.pedestrian().is_some()).count());
+            (crowd.len(), crowd.iter().filter(|(agent, _)| !agent.people().is_empty()).count());
         let share = |area: f64| 100.0 * area / ground;
         writeln!(out, "\naltitude      people cut     covered   of the ground")?;
         for section in &sections {
@@ -46,7 +54,11 @@ pub fn write(
         }
         writeln!(out, "2D shapes  {all:>6}           {covered:>7.3} m² {:>9.1} %", share(covered))?;
         if people < all {
-            writeln!(out, "(the {} bicycles have no three-dimensional bodies)", all - people)?;
+            writeln!(
+                out,
+                "(the {} bicycles and wheelchairs have no three-dimensional bodies)",
+                all - people
+            )?;
         }
         writeln!(out)?;
         outputs.fill("--sections-geojson", |file| write_geojson(&sections, file))?;

@@ -140,7 +140,8 @@ fn altitude(text: &str) -> Result<Altitude, String> {
 
 /// \[m\] For the word torso those of the lowest, the mean and the highest one; none where nobody has a torso.
 fn altitudes(wanted: &[Altitude], agents: &[Agent]) -> Vec<f64> {
-    let statures: Vec<f64> = agents.iter().filter_map(|agent| Some(agent.pedestrian()?.stature)).collect();
+    let statures: Vec<f64> =
+        agents.iter().flat_map(Agent::people).map(|(person, _)| person.stature).collect();
     let mean = statures.iter().sum::<f64>() / statures.len() as f64;
     let (low, high) = statures.iter().fold((mean, mean), |(low, high), &s| (low.min(s), high.max(s)));
     let torsos = [low, mean, high].map(|stature| TORSO_ALTITUDE * stature);
@@ -199,7 +200,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let ground = if place.is_plane() { shapes.len() as f64 / packing.density } else { place.area() };
     // Of a bicycle the two rectangles, not the disks that keep others off them.
     let area = |(agent, shape): (&Agent, &Shape)| match agent {
-        Agent::Pedestrian(_) => shape.moments().area,
+        Agent::Pedestrian(_) | Agent::Member(_) => shape.moments().area,
         Agent::Bicycle(bicycle) => bicycle.area(),
     };
     let covered: f64 = agents.iter().zip(&shapes).map(area).sum();
@@ -225,7 +226,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     writeln!(out, "{}", line("density", packing.density, &share))?;
     writeln!(out, "{}", line("largest overlap", 1e3 * packing.largest_overlap, "mm"))?;
 
-    let crowd: Vec<(Agent, Pose)> = agents.iter().copied().zip(packing.poses).collect();
+    let crowd: Vec<(Agent, Pose)> = agents.iter().cloned().zip(packing.poses).collect();
     outputs.fill("--population", |file| file.write_all(crowd_csv(&agents).as_bytes()))?;
     if let Some(output) = outputs.of("--light-xml") {
         let text = light_xml(&crowd)?;
@@ -243,7 +244,11 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
             writeln!(out, "mechanical step    {step:>10} {note}")?;
             let ways = placing.ways_out(&place, &crowd);
-            let wishes = leaving.is_wanted().then(|| leaving.text(&ways, trial.speed));
+            // Of kinds, each has its own, unless all have the same.
+            let own = agents
+                .iter()
+                .map(|agent| agent.member().map(|of| of.speed).filter(|_| trial.speed.is_none()));
+            let wishes = leaving.is_wanted().then(|| leaving.text(&ways, trial.speed, own));
             if let Some(text) = &wishes {
                 // A run would refuse it.
                 let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
@@ -330,7 +335,9 @@ impl OtherArguments {
     /// Checks that the bodies that are wanted can be made.
     fn check_bodies(&self, agents: &[Agent]) -> Result<()> {
         if !self.sections.is_empty() || self.obj.is_some() || self.stl.is_some() {
-            let people = agents.iter().enumerate().filter_map(|(k, agent)| Some((k, agent.pedestrian()?)));
+            let people = agents.iter().map(Agent::people).enumerate();
+            let people =
+                people.flat_map(|(k, people)| people.into_iter().map(move |(person, _)| (k, person)));
             for (k, person) in people {
                 Body3d::possible(&person).with_context(|| format!("agent {k}"))?;
             }

@@ -82,8 +82,14 @@ impl LeaveArguments {
     }
 
     /// The text of `decision.toml`: people leave by doors, with these lines \[m\] behind them, and by the exits.
-    /// Without a speed \[m/s\] it is a usual one. Of several exits, people choose by the expected time.
-    pub fn text(&self, doors: &[[Vec2; 2]], speed: Option<f64>) -> String {
+    /// Without a speed \[m/s\] it is a usual one, but for those who have one of their own. Of several exits, people
+    /// choose by the expected time.
+    pub fn text(
+        &self,
+        doors: &[[Vec2; 2]],
+        speed: Option<f64>,
+        own: impl Iterator<Item = Option<f64>>,
+    ) -> String {
         let balance = self.balance.iter().map(|model| format!("balance = {model:?}\n")).collect::<String>();
         if !self.leave {
             return balance;
@@ -108,6 +114,10 @@ impl LeaveArguments {
                 let _ = writeln!(text, "  {{ name = \"{kind} {k}\", line = {line} }},   # [m]");
             }
         }
-        text + "]\n"
+        text += "]\n";
+        for (id, speed) in own.enumerate().filter_map(|(id, own)| Some((id, own?))) {
+            let _ = writeln!(text, "[agents.{id}]\ndesired_speed = {speed:.3}");
+        }
+        text
     }
 }

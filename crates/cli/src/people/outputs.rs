@@ -87,7 +87,11 @@ pub fn of_crowd<'a>(trial: &'a Trial, crowd: &[(Agent, Pose)]) -> (Scene<'a>, St
             scene.bicycles.push(Drawn { id: place.to_string(), pose: *pose, wheels, rider });
         }
     }
-    let fill = if trial.agents.is_empty() { Fill::Single(Colour::BODY) } else { Fill::BodyArea };
+    let fill = match trial.agents.iter().any(|agent| agent.kind.is_some()) {
+        true => Fill::Kind,
+        false if trial.agents.is_empty() => Fill::Single(Colour::BODY),
+        false => Fill::BodyArea,
+    };
     (scene, Style { width: PICTURE_WIDTH.into(), fill, ..Style::default() })
 }
 

@@ -4,7 +4,10 @@ use super::{measure, person};
 use crate::numbers::within;
 use anyhow::{Context, Result};
 use lemons_core::files::input;
-use lemons_people::{Custom, Measure, PAPER_BICYCLES, Person, Population, Proportions, Sex, Source, Survey};
+use lemons_people::{
+    Custom, Kinds, Measure, PAPER_BICYCLES, Person, Population, Proportions, Sex, Source, Survey,
+};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -17,6 +20,12 @@ pub struct SourceArguments {
     /// Default: 1
     #[arg(long, value_name = "PART", value_parser = within(0.0, 1.0, ""))]
     pedestrians: Option<f64>,
+    /// Shares of kinds of people, as in adult=70,child=15,elderly=10,wheelchair=5; they need not sum up to
+    /// 100. Kinds: adult, backpack, child, elderly, powered-wheelchair, stroller, suitcase, walker,
+    /// wheelchair, with-child, and those of --custom (docs/people.md). With --leave, each has the desired
+    /// speed of its kind
+    #[arg(long, value_name = "KIND=SHARE", value_delimiter = ',', value_parser = share)]
+    mix: Vec<Share>,
     /// Your own statistics, see below
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["ansur_male", "ansur_female", "fixed"])]
     custom: Option<PathBuf>,
@@ -33,6 +42,15 @@ pub struct SourceArguments {
 }
 
 pub const CUSTOM_HELP: &str = include_str!("../help/custom.txt");
+
+/// The share of a kind, by its name.
+type Share = (String, f64);
+
+fn share(text: &str) -> Result<Share, String> {
+    let (name, share) = text.split_once('=').ok_or("must be KIND=SHARE, as in adult=70,child=30")?;
+    let share = within(0.0, 1e6, "")(share.trim()).map_err(|fault| format!("{name} {fault}"))?;
+    Ok((name.trim().to_owned(), share))
+}
 
 fn fixed(text: &str) -> Result<Person, String> {
     let cells: Vec<&str> = text.split(',').map(str::trim).collect();
@@ -53,6 +71,7 @@ impl SourceArguments {
     pub fn population(&self) -> Result<Population> {
         let mut proportions = Proportions::default();
         let mut bicycles = PAPER_BICYCLES;
+        let (mut mix, mut kinds) = (BTreeMap::new(), Kinds::built_in()?);
         let named =
             || self.custom.iter().map(|path| format!("--custom {}", path.display())).collect::<String>();
         let source = if let Some(path) = &self.custom {
@@ -61,6 +80,8 @@ impl SourceArguments {
             proportions.men = custom.men.unwrap_or(proportions.men);
             proportions.pedestrians = custom.pedestrians.unwrap_or(proportions.pedestrians);
             bicycles = custom.bicycles;
+            mix = custom.mix;
+            kinds = kinds.with(custom.kinds).with_context(named)?;
             Source::custom(&custom.people).with_context(named)?
         } else if self.ansur_male.is_some() || self.ansur_female.is_some() {
             // Of one table alone come its people alone.
@@ -77,6 +98,14 @@ impl SourceArguments {
         };
         proportions.men = self.men.unwrap_or(proportions.men);
         proportions.pedestrians = self.pedestrians.unwrap_or(proportions.pedestrians);
-        Population::new(source, proportions, bicycles).with_context(named)
+        let population = Population::new(source, proportions, bicycles).with_context(named)?;
+        let mut from = named();
+        if !self.mix.is_empty() {
+            (mix, from) = (self.mix.iter().cloned().collect(), "--mix".to_owned());
+        }
+        if mix.is_empty() {
+            return Ok(population);
+        }
+        Ok(population.mixed(kinds.mix(&mix).context(from)?))
     }
 }

@@ -27,7 +27,7 @@ const NOTHING: (f64, f64) = (200.0, 400.0);
 #[derive(clap::Args)]
 #[command(next_help_heading = "Look")]
 pub struct StyleArguments {
-    /// Colour of the bodies: area, speed, contacts, squeeze (mean over the communication step that ends
+    /// Colour of the bodies: area, kind, speed, contacts, squeeze (mean over the communication step that ends
     /// at this time, or --over), greatest-squeeze (the greatest such mean until this time), peak-squeeze
     /// (largest value within that step), one colour such as #8cb4de; where people have legs also lean,
     /// unbalanced (for how long until this time), steps, fallen
@@ -86,15 +86,17 @@ pub enum Filling {
 }
 
 fn filling(text: &str) -> Result<Filling, String> {
-    if text == "area" {
-        return Ok(Filling::Other(Fill::BodyArea));
+    match text {
+        "area" => return Ok(Filling::Other(Fill::BodyArea)),
+        "kind" => return Ok(Filling::Other(Fill::Kind)),
+        _ => {}
     }
     if let Some(colour) = colour(text) {
         return Ok(Filling::Other(Fill::Single(colour)));
     }
     match Quantity::from_str(text, false) {
         Ok(quantity) if !matches!(quantity, Quantity::X | Quantity::Y) => Ok(Filling::Of(quantity)),
-        _ => Err("must be area, speed, contacts, squeeze, greatest-squeeze, peak-squeeze, lean, unbalanced, steps, fallen or a \
+        _ => Err("must be area, kind, speed, contacts, squeeze, greatest-squeeze, peak-squeeze, lean, unbalanced, steps, fallen or a \
                 colour as in #8cb4de"
             .into()),
     }

@@ -17,6 +17,7 @@ static AGENT: Schema = Schema {
         ("MomentOfInertia", Value::Positive),
         ("FloorDamping", Value::NotNegative),
         ("AngularDamping", Value::NotNegative),
+        ("Kind", Value::Text),
     ],
     children: &[&SHAPE],
 };
@@ -35,6 +36,8 @@ static SHAPE: Schema = Schema {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Agent {
     /// `Type`, as written ("pedestrian").
+    pub agent_type: Option<String>,
+    /// `Kind`: what kind of person it is, such as "wheelchair"; not used by the mechanics.
     pub kind: Option<String>,
     /// Id, unique among the agents.
     pub id: String,
@@ -78,15 +81,16 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Vec<Agent>
     let (mut agents, mut lines) = (Vec::new(), HashMap::new());
     for element in root.children("Agent") {
         let id = read_id(element, &mut lines);
-        let kind = element.node.optional("Type").map(str::to_owned);
-        if kind.as_deref().is_some_and(|kind| kind != "pedestrian") {
+        let agent_type = element.node.optional("Type").map(str::to_owned);
+        if agent_type.as_deref().is_some_and(|name| name != "pedestrian") {
             element.wrong("Type", format!("agent {}: the mechanics takes pedestrians only", quoted(&id)));
             // Its other attributes are another kind's, but the other files name it.
-            agents.push(Agent { kind, id, ..Agent::default() });
+            agents.push(Agent { agent_type, id, ..Agent::default() });
             continue;
         }
         let agent = Agent {
-            kind,
+            agent_type,
+            kind: element.node.has("Kind").then(|| element.text("Kind")),
             id,
             mass: element.number("Mass"),
             height: element.node.has("Height").then(|| element.number("Height")),
@@ -121,7 +125,8 @@ pub(crate) fn xml(agents: &[Agent]) -> String {
             let numbers = [agent.moment_of_inertia, agent.floor_damping, agent.angular_damping];
             let [inertia, floor, angular] = numbers.map(|value| Some(number(value)));
             let (id, mass, height) = (agent.id.clone(), number(agent.mass), agent.height.map(number));
-            let values = [agent.kind.clone(), Some(id), Some(mass), height, inertia, floor, angular];
+            let (name, kind) = (agent.agent_type.clone(), agent.kind.clone());
+            let values = [name, Some(id), Some(mass), height, inertia, floor, angular, kind];
             out.element("Agent", &AGENT.values(&values.each_ref().map(Option::as_deref)), |out| {
                 for Shape { radius, material_id, position } in &agent.shapes {
                     empty(out, &SHAPE, &["disk", &number(*radius), material_id, &vector(*position)]);

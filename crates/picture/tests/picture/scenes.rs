@@ -49,6 +49,24 @@ fn a_line_is_as_wide_as_its_force() {
     assert_eq!(labels(&Document::parse(&none).unwrap(), "entry"), ["2 kN"]);
 }
 
+#[test]
+fn each_kind_has_a_colour_and_a_legend() {
+    let mut t = row(0..3);
+    for (agent, kind) in t.agents.iter_mut().zip(["wheelchair", "child"]) {
+        agent.kind = Some(kind.into());
+    }
+    let text = svg(&Scene::at_start(&t), &Style { fill: Fill::Kind, orientation: false, ..Style::default() });
+    let document = Document::parse(&text).unwrap();
+    assert_eq!(labels(&document, "entry"), ["child", "wheelchair"]);
+    let samples = class(&document, "kind");
+    let colours: Vec<&str> = samples.iter().map(|line| line.attribute("stroke").unwrap()).collect();
+    let [bodies] = class(&document, "bodies")[..] else { panic!("one group") };
+    let fills: Vec<&str> = bodies.descendants().filter_map(|body| body.attribute("fill")).collect();
+    // Grey is the group's: the third one's kind is not known.
+    assert_eq!(fills, ["#a8a8a8", colours[1], colours[0]]);
+    assert_ne!(colours[0], colours[1]);
+}
+
 fn trail(measured: bool, points: &[(f64, f64)]) -> Trail {
     Trail { agent: 0, measured, points: points.iter().map(|(x, y)| vec2(*x, *y)).collect() }
 }

@@ -1,0 +1,510 @@
+//! Kinds of people: children, the elderly, people with luggage, strollers, wheelchairs. A table says of each kind whose
+//! body it is, what goes along with it, and how fast it walks: `data/kinds.toml`, with the source of each number.
+
+use crate::anthropometry::ansur;
+use crate::error::{PeopleError, Result, require};
+use crate::growth::{AGES, child};
+use crate::normal::{TruncatedNormal, inverse};
+use crate::person::{Person, Sex};
+use crate::random::Random;
+use crate::shape::Shape;
+use crate::trial::PART_MATERIALS;
+use lemons_core::plane::{Disk, Vec2, union, vec2};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// \[m\] Gap between an adult and the child at its hand.
+const HAND: f64 = 0.05;
+/// Most disks of all parts of a kind.
+const MOST_DISKS: usize = 50;
+/// \[m\] Largest number of a part: nothing that goes along with a person is farther away.
+const FARTHEST: f64 = 5.0;
+
+/// A distribution of one number.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum Distribution {
+    /// A normal distribution between two bounds.
+    Normal(TruncatedNormal),
+    /// Each number between two bounds is as likely.
+    Uniform(Range),
+}
+
+/// The bounds of a uniform distribution.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Range {
+    /// Lower bound.
+    pub min: f64,
+    /// Upper bound.
+    pub max: f64,
+}
+
+impl Distribution {
+    fn check(&self) -> Result<()> {
+        match self {
+            Distribution::Normal(normal) => normal.check(),
+            Distribution::Uniform(Range { min, max }) => {
+                require(0.0 < *min && min < max && max.is_finite(), || {
+                    format!(
+                        "min = {min}, max = {max}: both must be positive and finite, and min less than max"
+                    )
+                })
+            }
+        }
+    }
+
+    /// Returns the value below which the fraction `rank` (0…1) lies.
+    pub fn quantile(&self, rank: f64) -> f64 {
+        match self {
+            Distribution::Normal(normal) => normal.quantile(rank),
+            Distribution::Uniform(Range { min, max }) => min + rank * (max - min),
+        }
+    }
+}
+
+/// Whose statistics give the body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Body {
+    /// The population's adults.
+    #[default]
+    Adult,
+    /// The growth charts (CDC 2000), for the ages of the kind.
+    Child,
+}
+
+/// From where the disks of a [`Part`] are measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum From {
+    /// The centroid of the person's shape.
+    #[default]
+    Centre,
+    /// The foremost point of the person's shape, on the axis of the gaze.
+    Front,
+    /// The hindmost one.
+    Back,
+}
+
+/// What goes along with a person, rigidly.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// Name of the thing.
+    pub name: String,
+    /// Id of its material: one of [`PART_MATERIALS`].
+    pub material: String,
+    /// From where its disks are measured.
+    #[serde(default)]
+    pub from: From,
+    /// \[m\] Centre ahead and to the left, and radius of each disk.
+    pub disks: Vec<[f64; 3]>,
+    /// \[kg\] Its mass.
+    pub mass: Distribution,
+}
+
+/// A kind of people.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Kind {
+    /// Name of the kind: its key in the table.
+    #[serde(skip)]
+    pub name: String,
+    /// Whose body it is.
+    #[serde(default)]
+    pub person: Body,
+    /// \[years\] The youngest and the oldest child; each age between is as likely.
+    pub ages: Option<[f64; 2]>,
+    /// \[years\] The same of a child at the person's hand.
+    pub companion: Option<[f64; 2]>,
+    /// Whether the person sits within the parts, and has no disks of its own.
+    #[serde(default)]
+    pub seated: bool,
+    /// \[m/s\] Desired speed; of a child, times the square root of its stature by the adults' mean.
+    pub speed: Distribution,
+    /// \[m/s\] That of women, if it differs.
+    pub speed_women: Option<Distribution>,
+    /// What goes along.
+    #[serde(default)]
+    pub parts: Vec<Part>,
+    /// The source of each number, or that it is an assumption.
+    #[serde(default)]
+    pub sources: Vec<String>,
+}
+
+/// The kinds that a crowd can have, by name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kinds(BTreeMap<String, Arc<Kind>>);
+
+impl Kinds {
+    /// Returns the kinds of the table `data/kinds.toml`.
+    ///
+    /// # Errors
+    /// None: a test reads the table.
+    pub fn built_in() -> Result<Kinds> {
+        let table: BTreeMap<String, Kind> = toml::from_str(include_str!("../data/kinds.toml"))
+            .map_err(|error| PeopleError::new(error.to_string()))?;
+        Kinds(BTreeMap::new()).with(table)
+    }
+
+    /// Adds kinds; one with the name of another replaces it.
+    ///
+    /// # Errors
+    /// A number of a kind is impossible.
+    pub fn with(mut self, kinds: BTreeMap<String, Kind>) -> Result<Kinds> {
+        for (name, kind) in kinds {
+            kind.check().map_err(|error| error.of(format!("kind {name:?}")))?;
+            self.0.insert(name.clone(), Arc::new(Kind { name, ..kind }));
+        }
+        Ok(self)
+    }
+
+    /// Returns all kinds, in the order of their names.
+    pub fn iter(&self) -> impl Iterator<Item = &Kind> {
+        self.0.values().map(|kind| &**kind)
+    }
+
+    /// Returns a mix of kinds with their shares, which need not sum up to 1.
+    ///
+    /// # Errors
+    /// There is no such kind, a share is negative or not finite, or all are 0.
+    pub fn mix(&self, shares: &BTreeMap<String, f64>) -> Result<Vec<(Arc<Kind>, f64)>> {
+        let sum: f64 = shares.values().sum();
+        require(sum > 0.0 && sum.is_finite(), || "mix: the shares must sum up to more than 0".to_owned())?;
+        let one = |(name, &share): (&String, &f64)| {
+            require(share >= 0.0, || format!("mix: the share of {name:?} = {share}: must not be negative"))?;
+            let kind = self.0.get(name).ok_or_else(|| {
+                let known: Vec<&str> = self.0.keys().map(String::as_str).collect();
+                PeopleError::new(format!("mix: there is no kind {name:?}; kinds are {}", known.join(", ")))
+            })?;
+            Ok((kind.clone(), share / sum))
+        };
+        shares.iter().map(one).collect()
+    }
+}
+
+impl Kind {
+    fn check(&self) -> Result<()> {
+        for (name, speed) in [("speed", Some(&self.speed)), ("speed_women", self.speed_women.as_ref())] {
+            speed.map_or(Ok(()), Distribution::check).map_err(|error| error.of(name))?;
+        }
+        require(self.ages.is_some() == (self.person == Body::Child), || {
+            "ages: of children there must be ages, and of adults there are none".to_owned()
+        })?;
+        for (name, ages) in [("ages", self.ages), ("companion", self.companion)] {
+            let Some([from, to]) = ages else { continue };
+            require(AGES[0] <= from && from < to && to <= AGES[1], || {
+                format!("{name} = [{from}, {to}]: must be from 2 to 18 years, the lower one first")
+            })?;
+        }
+        require(!self.seated || self.disks() > 0, || "seated: there are no parts to sit in".to_owned())?;
+        require(self.disks() <= MOST_DISKS, || format!("{} disks: at most {MOST_DISKS}", self.disks()))?;
+        self.parts
+            .iter()
+            .try_for_each(|part| part.check().map_err(|error| error.of(format!("part {:?}", part.name))))
+    }
+
+    /// Number of disks of all parts.
+    fn disks(&self) -> usize {
+        self.parts.iter().map(|part| part.disks.len()).sum()
+    }
+
+    /// Draws what the person, whose body is known, does not say by itself.
+    fn speed(&self, person: &Person, random: &mut Random) -> f64 {
+        let of_women = self.speed_women.as_ref().filter(|_| person.sex == Sex::Female);
+        let speed = of_women.unwrap_or(&self.speed).quantile(random.inside_unit());
+        match self.person {
+            Body::Adult => speed,
+            Body::Child => speed * froude(person),
+        }
+    }
+
+    /// Returns the member that a person, who has a shape, is with a child at its hand.
+    pub(crate) fn draw(
+        self: &Arc<Kind>,
+        person: Person,
+        companion: Option<Person>,
+        random: &mut Random,
+    ) -> Member {
+        let mut speed = self.speed(&person, random);
+        let shape = Shape::fit(person.breadth, person.depth);
+        let (front, back) = shape.ends();
+        let mut pieces = Pieces::default();
+        let own: &[Disk] = if self.seated { &[] } else { &shape.disks };
+        pieces.body(&shape, Vec2::ZERO, person.mass, own);
+        for part in &self.parts {
+            let from = match part.from {
+                From::Centre => 0.0,
+                From::Front => front,
+                From::Back => back,
+            };
+            let disk = |&[x, y, radius]: &[f64; 3]| Disk { radius, centre: vec2(from + x, y) };
+            let disks = Shape { disks: part.disks.iter().map(disk).collect() };
+            pieces.part(&disks, part.mass.quantile(random.inside_unit()), &part.material);
+        }
+        let beside = companion.map(|child| {
+            let side = if random.inside_unit() < 0.5 { 1.0 } else { -1.0 };
+            (child, vec2(0.0, side * (0.5 * (person.breadth + child.breadth) + HAND)))
+        });
+        if let Some((child, at)) = beside {
+            speed = speed.min(self.speed.quantile(random.inside_unit()) * froude(&child));
+            let shape = Shape::fit(child.breadth, child.depth);
+            let disks: Vec<Disk> =
+                shape.disks.iter().map(|disk| Disk { centre: disk.centre + at, ..*disk }).collect();
+            pieces.body(&shape, at, child.mass, &disks);
+        }
+        pieces.member(self.clone(), person, beside, speed)
+    }
+}
+
+/// The speed of a child by that of an adult who walks at the same Froude number v²/(g l), l proportional to the stature.
+fn froude(child: &Person) -> f64 {
+    let [_, _, stature, _] = ansur(child.sex).measures.each_ref().map(|measure| measure.mean);
+    (child.stature / stature).sqrt()
+}
+
+/// Draws a child of an age between two \[years\].
+pub(crate) fn draw_child(sex: Sex, [from, to]: [f64; 2], ranks: [f64; 2], random: &mut Random) -> Person {
+    child(sex, from + (to - from) * random.inside_unit(), ranks.map(inverse))
+}
+
+impl Part {
+    fn check(&self) -> Result<()> {
+        require(PART_MATERIALS.contains(&&*self.material), || {
+            format!("material = {:?}: must be one of {}", self.material, PART_MATERIALS.join(", "))
+        })?;
+        self.mass.check().map_err(|error| error.of("mass"))?;
+        require(!self.disks.is_empty(), || "disks: there are none".to_owned())?;
+        self.disks.iter().try_for_each(|disk| {
+            let good = disk[2] >= 0.01 && disk.iter().all(|value| value.abs() <= FARTHEST);
+            require(good, || {
+                format!("disk {disk:?}: must be within {FARTHEST} m, with a radius of at least 0.01 m")
+            })
+        })
+    }
+}
+
+/// A disk of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyDisk {
+    /// \[m\] Relative to the body's centre of mass.
+    pub disk: Disk,
+    /// Id of the material of a part; `None`: the people's.
+    pub material: Option<String>,
+}
+
+/// A member of a mixed crowd: a person of some kind with what goes along with it, one rigid body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Member {
+    /// Its kind.
+    pub kind: Arc<Kind>,
+    /// The people it consists of, and their places \[m\] from the centre of mass: the person, and a child at its hand.
+    pub people: Vec<(Person, Vec2)>,
+    /// The disks: the first one at the left, the last one at the right of the same person or thing.
+    pub disks: Vec<BodyDisk>,
+    /// \[kg\] mass of all.
+    pub mass: f64,
+    /// \[kg m²\] moment of inertia about the centre of mass.
+    pub inertia: f64,
+    /// \[m/s\] desired speed.
+    pub speed: f64,
+}
+
+impl Member {
+    /// Returns the shape that is placed.
+    pub fn shape(&self) -> Shape {
+        Shape { disks: self.disks.iter().map(|part| part.disk).collect() }
+    }
+}
+
+/// What a member is made of, while it is put together: relative to the person's centroid.
+#[derive(Default)]
+struct Pieces {
+    disks: Vec<BodyDisk>,
+    /// Mass, centroid, and moment of inertia about the centroid.
+    masses: Vec<(f64, Vec2, f64)>,
+}
+
+impl Pieces {
+    /// Adds disks between those that are there: the first and the last one say where the body looks.
+    fn add(&mut self, disks: impl Iterator<Item = Disk>, material: Option<&str>) {
+        let new = disks.map(|disk| BodyDisk { disk, material: material.map(str::to_owned) });
+        let place = self.disks.len().min(1);
+        self.disks.splice(place..place, new);
+    }
+
+    fn body(&mut self, shape: &Shape, at: Vec2, mass: f64, disks: &[Disk]) {
+        self.add(disks.iter().copied(), None);
+        self.masses.push((mass, at, shape.inertia(mass)));
+    }
+
+    fn part(&mut self, shape: &Shape, mass: f64, material: &str) {
+        self.add(shape.disks.iter().copied(), Some(material));
+        let moments = union(&shape.disks);
+        self.masses.push((mass, moments.centroid, mass * moments.polar / moments.area));
+    }
+
+    fn member(self, kind: Arc<Kind>, person: Person, beside: Option<(Person, Vec2)>, speed: f64) -> Member {
+        let mass: f64 = self.masses.iter().map(|part| part.0).sum();
+        let centre = self.masses.iter().fold(Vec2::ZERO, |sum, part| sum + part.1 * part.0) * (1.0 / mass);
+        let inertia = self.masses.iter().map(|part| part.2 + part.0 * (part.1 - centre).norm_squared()).sum();
+        let moved = |part: BodyDisk| BodyDisk {
+            disk: Disk { centre: part.disk.centre - centre, ..part.disk },
+            ..part
+        };
+        let people = std::iter::once((person, Vec2::ZERO)).chain(beside);
+        Member {
+            kind,
+            people: people.map(|(person, at)| (person, at - centre)).collect(),
+            disks: self.disks.into_iter().map(moved).collect(),
+            mass,
+            inertia,
+            speed,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lemons_core::plane::shown_orientation;
+    use std::path::Path;
+
+    const MAN: Person = Person { sex: Sex::Male, breadth: 0.5, depth: 0.25, stature: 1.75, mass: 80.0 };
+
+    fn member(name: &str) -> Member {
+        let kind = Kinds::built_in().unwrap().0[name].clone();
+        let companion = kind.companion.map(|_| child(Sex::Female, 5.0, [0.0; 2]));
+        kind.draw(MAN, companion, &mut Random::new(3))
+    }
+
+    #[test]
+    fn each_kind_of_the_table_is_a_body_that_looks_ahead() {
+        let kinds = Kinds::built_in().unwrap();
+        assert_eq!(kinds.iter().count(), 10);
+        for kind in kinds.iter() {
+            assert!(
+                !kind.sources.is_empty() && kind.sources.iter().all(|line| line.contains(": ")),
+                "{}",
+                kind.name
+            );
+            let Member { people, disks, mass, inertia, speed, .. } = member(&kind.name);
+            let ends = [&disks[0], &disks[disks.len() - 1]].map(|part| part.disk.centre);
+            assert!(shown_orientation(ends[0], ends[1]).abs() < 1e-12, "{}", kind.name);
+            assert!(mass >= 80.0 && inertia > 1.0 && (0.1..2.2).contains(&speed), "{}", kind.name);
+            // The masses balance about the origin: people and one part at most.
+            let sum = people.iter().fold(Vec2::ZERO, |sum, (person, at)| sum + *at * person.mass);
+            let luggage = mass - people.iter().map(|(person, _)| person.mass).sum::<f64>();
+            match kind.parts.len() {
+                0 => assert!(sum.norm() < 1e-12 && luggage.abs() < 1e-12, "{}: {sum:?}", kind.name),
+                _ => assert!(luggage > 1.0 && sum.norm() > 0.01, "{}: {sum:?}", kind.name),
+            }
+        }
+    }
+
+    /// The table of docs/people.md. `KINDS_TABLE=write cargo test -p lemons-people kinds` writes it.
+    #[test]
+    fn the_page_has_the_table() {
+        let range = |[from, to]: [f64; 2]| format!("{from} to {to} years");
+        let speed = |speed: &Distribution| match speed {
+            Distribution::Normal(TruncatedNormal { mean, sd, min, max }) => {
+                format!("{mean} ± {sd} ({min} to {max})")
+            }
+            Distribution::Uniform(Range { min, max }) => format!("{min} to {max}"),
+        };
+        let mut table = String::from(
+            "| kind | person | disks | speed m/s | sources |\n| --- | --- | --- | --- | --- |\n",
+        );
+        for kind in Kinds::built_in().unwrap().iter() {
+            let who = match (kind.ages, kind.companion, kind.seated) {
+                (Some(ages), ..) => range(ages),
+                (_, Some(ages), _) => format!("adult, and a child of {}", range(ages)),
+                (_, _, true) => "adult, seated".to_owned(),
+                _ => "adult".to_owned(),
+            };
+            let own = if kind.seated { 0 } else { 5 * (1 + usize::from(kind.companion.is_some())) };
+            let women = kind.speed_women.as_ref().map(|women| format!("; women {}", speed(women)));
+            let speed = speed(&kind.speed) + &women.unwrap_or_default();
+            let (disks, sources) = (own + kind.disks(), kind.sources.join("; "));
+            table += &format!("| {} | {who} | {disks} | {speed} | {sources} |\n", kind.name);
+        }
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/people.md");
+        let page = std::fs::read_to_string(&path).unwrap();
+        let start = page.find("| kind | person |").unwrap();
+        let length = page[start..].find("\n\n").unwrap() + 1;
+        if std::env::var_os("KINDS_TABLE").is_some_and(|what| what == "write") {
+            let page = format!("{}{table}{}", &page[..start], &page[start + length..]);
+            std::fs::write(&path, page).unwrap();
+            return;
+        }
+        let again = "write it again: KINDS_TABLE=write cargo test -p lemons-people kinds";
+        assert_eq!(page[start..start + length], table, "{again}");
+    }
+
+    /// ISO 7193: 1.2 m long, 0.7 m broad.
+    #[test]
+    fn a_wheelchair_has_the_size_of_the_standard() {
+        let chair = member("wheelchair");
+        let shape = chair.shape();
+        assert!((shape.depth() - 1.2).abs() < 1e-12 && (shape.breadth() - 0.7).abs() < 1e-12);
+        assert!(chair.disks.iter().all(|part| part.material.as_deref() == Some("frame")));
+        // Of a rectangle of the same mass, 98 kg (1.2² + 0.7²) m²/12 = 15.8 kg m², most mass is in the middle.
+        assert!((2.0..15.0).contains(&chair.inertia), "{}", chair.inertia);
+    }
+
+    #[test]
+    fn a_load_moves_the_centre_of_mass_and_adds_inertia() {
+        let kinds = Kinds::built_in().unwrap();
+        let mut kind = (*kinds.0["suitcase"]).clone();
+        kind.parts[0].mass = Distribution::Uniform(Range { min: 20.0, max: 20.0 + 1e-9 });
+        kind.parts[0].disks = vec![[-0.42, -0.15, 0.22]];
+        let member = Arc::new(kind).draw(MAN, None, &mut Random::new(1));
+        let shape = Shape::of(&MAN).unwrap();
+        let at = vec2(shape.ends().1 - 0.42, -0.15);
+        let centre = at * 0.2;
+        assert!((member.people[0].1 + centre).norm() < 1e-9 && (member.mass - 100.0).abs() < 1e-6);
+        // Steiner, and a disk's m r²/2.
+        let wanted =
+            shape.inertia(80.0) + 0.5 * 20.0 * 0.22f64.powi(2) + 80.0 * 20.0 / 100.0 * at.norm_squared();
+        assert!((member.inertia / wanted - 1.0).abs() < 1e-9, "{} {wanted}", member.inertia);
+    }
+
+    #[test]
+    fn impossible_kinds_are_refused() {
+        let refused = |text: &str| {
+            let table: BTreeMap<String, Kind> = toml::from_str(text).unwrap();
+            Kinds::built_in().unwrap().with(table).unwrap_err().to_string()
+        };
+        let speed = "speed = { min = 1, max = 2 }\n";
+        for (text, said) in [
+            ("speed = { min = 2, max = 1 }\n", "speed: min = 2, max = 1: both must be"),
+            ("speed = { min = 1, max = 2 }\nperson = \"child\"", "ages: of children there must be ages"),
+            (
+                "speed = { min = 1, max = 2 }\ncompanion = [1, 3]",
+                "companion = [1, 3]: must be from 2 to 18 years",
+            ),
+            ("speed = { min = 1, max = 2 }\nseated = true", "seated: there are no parts to sit in"),
+        ] {
+            let message = refused(&format!("[x]\n{text}"));
+            assert!(message.starts_with("kind \"x\": ") && message.contains(said), "{message}");
+        }
+        let part = "[[x.parts]]\nname = \"b\"\nmass = { min = 1, max = 2 }\n";
+        let message = refused(&format!("[x]\n{speed}{part}material = \"gold\"\ndisks = [[0, 0, 1]]"));
+        assert!(
+            message.contains("part \"b\": material = \"gold\": must be one of frame, luggage"),
+            "{message}"
+        );
+        let message = refused(&format!("[x]\n{speed}{part}material = \"frame\"\ndisks = [[0, 0, 0]]"));
+        assert!(message.contains("disk [0.0, 0.0, 0.0]: must be within 5 m"), "{message}");
+        let mix = |text: &[(&str, f64)]| {
+            let shares = text.iter().map(|(name, share)| ((*name).to_owned(), *share)).collect();
+            Kinds::built_in().unwrap().mix(&shares)
+        };
+        assert!(mix(&[("adlt", 1.0)]).unwrap_err().to_string().contains("kinds are adult, backpack, child"));
+        assert!(mix(&[("adult", 0.0)]).is_err() && mix(&[("adult", -1.0), ("child", 2.0)]).is_err());
+        let half = mix(&[("adult", 3.0), ("child", 3.0)]).unwrap();
+        assert!(half.iter().all(|(_, share)| *share == 0.5));
+    }
+}
