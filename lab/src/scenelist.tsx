@@ -1,8 +1,8 @@
 // The visitor's scenes as a list, and the name of the one on the stage.
 
 import { save } from "./parts";
-import { canUndo, NAME, scene } from "./plan";
-import { bringBack, deleted, duplicate, file, openFile, openKept, remove, rename, scenes, unkept } from "./scenes";
+import { canUndo, deleted, NAME, scene } from "./plan";
+import { bringBack, duplicate, file, openFile, openKept, remove, rename, scenes, unkept } from "./scenes";
 import { Sketch } from "./sketch";
 import { FileInput } from "./upload";
 
