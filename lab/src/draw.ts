@@ -1,7 +1,6 @@
 // Draws a frame. Shapes are the disks that the engine uses, or the sections that it gives; only turning, moving and
 // scaling happens here.
 
-import { translated } from "./language";
 import type { Shade } from "./colour";
 import { COLUMNS, type Disk, FEET, isThere, type Point, type Push, type Scene, type Waypoint } from "./protocol";
 import { inMetres, toMetres, toPixels, type View } from "./view";
@@ -313,8 +312,7 @@ export function paintWays(context: CanvasRenderingContext2D, ways: Waypoint[][],
 }
 
 /** A short text on a ground of its own. */
-export function label(context: CanvasRenderingContext2D, english: string, at: Point, view: View, inks: Inks) {
-    const text = translated(english);
+export function label(context: CanvasRenderingContext2D, text: string, at: Point, view: View, inks: Inks) {
     const [place, y] = toPixels(view, at);
     const size = 12 * devicePixelRatio;
     context.setTransform(1, 0, 0, 1, 0, 0);

@@ -25,8 +25,8 @@ export class Frames {
     #last: { k: number; numbers: Float32Array } = { k: -1, numbers: new Float32Array() };
     readonly #between: Float32Array;
     readonly #means: Float64Array;
-    /** Sums over the last frames, for the greatest mean of each frame. */
-    #running = { last: 0, sums: new Float64Array(), greatest: [] as number[] };
+    /** Sums over so many of the last frames, for the greatest mean of each frame. */
+    #running = new Map<number, { sums: Float64Array; greatest: number[] }>();
     /** Of which frame and how many before it. */
     #meansOf: [number, number] = [-1, 0];
 
@@ -152,8 +152,13 @@ export class Frames {
 
     /** In each frame the greatest of these means. */
     greatestMean(last: number): Float32Array {
-        if (this.#running.last !== last) this.#running = { last, sums: new Float64Array(this.agents), greatest: [] };
-        const { sums, greatest } = this.#running;
+        return Float32Array.from(this.#greatest(last));
+    }
+
+    #greatest(last: number): number[] {
+        const running = this.#running.get(last) ?? { sums: new Float64Array(this.agents), greatest: [] };
+        this.#running.set(last, running);
+        const { sums, greatest } = running;
         for (let k = greatest.length; k < this.count; k++) {
             // The first frame, without a step, is in no mean but its own.
             const gone = k - last >= 1 ? this.frame(k - last) : k === 1 ? this.frame(0) : null;
@@ -167,7 +172,14 @@ export class Frames {
             }
             greatest.push(most / Math.max(1, Math.min(k, last)));
         }
-        return Float32Array.from(greatest);
+        return greatest;
+    }
+
+    /** Frees frames of which only the curves and the greatest of these means will be asked for. */
+    forget(means: number[]) {
+        for (const last of means) this.#greatest(last);
+        const unneeded = Math.floor((this.count - Math.max(...means)) / this.#perBlock);
+        if (unneeded > 0) this.#blocks.fill(new Float32Array(), 0, unneeded);
     }
 
     /** A copy of frames, from one to before another, as the lab reads them. */

@@ -48,7 +48,7 @@ export const chosen = computed<Pose | null>(() => {
     return { agent, x: frame[COLUMNS * agent]!, y: frame[COLUMNS * agent + 1]!, theta: frame[COLUMNS * agent + 2]! };
 });
 
-/** In words, while somebody is dragged. */
+/** Says whom the dragged person overlaps. */
 export const said = computed(() => {
     const found = overlaps.value;
     if (!pose.value || !found) return "";

@@ -17,8 +17,21 @@ function crossing(a: Point, b: Point, c: Point, d: Point): Point | null {
     return [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
 }
 
+interface Crossing {
+    way: number;
+    at: Point;
+}
+
+const known = new WeakMap<Scene, Crossing[]>();
+
 /** Where ways cross walls, with the numbers of the ways. People walk straight from point to point. */
-export function throughWalls({ ways, walls }: Pick<Scene, "ways" | "walls">): { way: number; at: Point }[] {
+export function throughWalls(scene: Scene): Crossing[] {
+    const found = known.get(scene) ?? crossings(scene);
+    known.set(scene, found);
+    return found;
+}
+
+function crossings({ ways, walls }: Scene): Crossing[] {
     return ways.flatMap((way, w) =>
         way.slice(1).flatMap((to, k) =>
             walls.flatMap(({ corners }) =>

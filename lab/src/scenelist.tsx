@@ -46,14 +46,14 @@ export function Scenes() {
                     <li key={id}>
                         <button type="button" class="card" aria-pressed={scene.value.id === id} onClick={() => openKept(id, kept)}>
                             <Sketch base={kept.plan.made.base} />
-                            <strong>{kept.name}</strong>
-                            <span>{new Date(kept.changed).toLocaleString()}</span>
+                            <strong translate={false}>{kept.name}</strong>
+                            <span translate={false}>{new Date(kept.changed).toLocaleString()}</span>
                         </button>
                         <div class="buttons">
-                            <button type="button" aria-label={`Copy ${kept.name}`} onClick={() => duplicate(kept)}>
+                            <button type="button" aria-label={`Copy "${kept.name}"`} onClick={() => duplicate(kept)}>
                                 Copy
                             </button>
-                            <button type="button" aria-label={`Delete ${kept.name}`} onClick={() => remove(id)}>
+                            <button type="button" aria-label={`Delete "${kept.name}"`} onClick={() => remove(id)}>
                                 Delete
                             </button>
                         </div>
@@ -62,7 +62,7 @@ export function Scenes() {
             </ul>
             {deleted.value && (
                 <p class="note">
-                    {deleted.value.name} is deleted.{" "}
+                    {`"${deleted.value.name}" is deleted.`}{" "}
                     <button type="button" onClick={bringBack}>
                         Bring it back
                     </button>

@@ -83,7 +83,7 @@ export function begin() {
         const copy = newValue === null ? called : `${called} (copy)`.slice(-NAME);
         name = copy;
         scene.value = { id: null, name: copy };
-        said.value = newValue === null ? `${called} was deleted in another tab. Here it is a copy, which is kept when you change it.` : `${called} was changed in another tab. Here it is a copy, which is kept when you change it.`;
+        said.value = newValue === null ? `"${called}" was deleted in another tab. Here it is a copy, which is kept when you change it.` : `"${called}" was changed in another tab. Here it is a copy, which is kept when you change it.`;
     });
 }
 

@@ -71,7 +71,7 @@ export async function sent(base: KeptBase): Promise<[Base, Uint8Array | undefine
 
 async function contents(key: string, name: string): Promise<Uint8Array> {
     const bytes = await kept(key);
-    if (!bytes) throw new Error(`${name} is not kept in this browser: a link holds no files. Open it here.`);
+    if (!bytes) throw new Error(`"${name}" is not kept in this browser: a link holds no files. Open it here.`);
     return bytes;
 }
 
@@ -79,7 +79,7 @@ function words(opened: Opened, base: KeptBase, seconds: number): string {
     const count = opened.scene.agents.length;
     const people = count === 1 ? "person" : "people";
     if (base.kind === "crowd") return `${count} ${people} placed in ${seconds.toFixed(2)} s`;
-    if (base.kind === "upload") return `${base.name}: ${count} ${people}`;
+    if (base.kind === "upload") return `"${base.name}": ${count} ${people}`;
     return "";
 }
 

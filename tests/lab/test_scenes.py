@@ -97,7 +97,7 @@ def test_two_tabs_know_of_each_other(context: BrowserContext, url: str) -> None:
     fill(other, "People", 10)
     people(other, 10)
     # This tab has what it had, and writes nothing over the other one's.
-    expect(one.get_by_text("Nine was changed in another tab.")).to_be_visible()
+    expect(one.get_by_text('"Nine" was changed in another tab.')).to_be_visible()
     people(one, 9)
     tab(one, "Crowd")
     fill(one, "People", 11)
@@ -111,9 +111,9 @@ def test_what_is_deleted_comes_back(context: BrowserContext, url: str) -> None:
     make(page, 4, 400, 400)
     rename(page, "Four")
     tab(page, "Start")
-    page.get_by_role("button", name="Copy Four").click()
+    page.get_by_role("button", name='Copy "Four"').click()
     assert names(page) == ["Four (copy)", "Four"]
-    page.get_by_role("button", name="Delete Four", exact=True).click()
+    page.get_by_role("button", name='Delete "Four"', exact=True).click()
     assert names(page) == ["Four (copy)"]
     people(page, 4)
     page.get_by_role("button", name="Bring it back").click()
@@ -221,7 +221,7 @@ def test_a_scene_that_cannot_be_shown_is_not_written_over(context: BrowserContex
     expect(page.get_by_text("Stopped. What was there before")).to_be_visible()
     back()
     scenes.get_by_role("button", name="Gone").first.click()
-    expect(page.get_by_role("alert")).to_contain_text("gone.zip is not kept in this browser")
+    expect(page.get_by_role("alert")).to_contain_text('"gone.zip" is not kept in this browser')
     back()
     # A file that is no Trial becomes no scene.
     bad = tmp_path / "bad.zip"
@@ -232,7 +232,7 @@ def test_a_scene_that_cannot_be_shown_is_not_written_over(context: BrowserContex
     # What this tab finds again when it is loaded is not written over, either.
     page.evaluate("() => { sessionStorage['lemons-lab tab'] = JSON.stringify({ ...JSON.parse(localStorage['lemons-lab scene gone']), id: 'gone' }); }")
     page.reload()
-    expect(page.get_by_role("alert")).to_contain_text("gone.zip is not kept in this browser")
+    expect(page.get_by_role("alert")).to_contain_text('"gone.zip" is not kept in this browser')
     people(page, 5)
     assert stored(page) == before
 
@@ -248,7 +248,7 @@ def test_what_is_said_about_saving_is_of_the_scene_on_the_stage(context: Browser
     scenes.get_by_role("button", name="Five").first.click()
     people(page, 5)
     # A copy that cannot be made is none of the scene on the stage.
-    page.get_by_role("button", name="Copy Four").click()
+    page.get_by_role("button", name='Copy "Four"').click()
     expect(page.get_by_role("alert")).to_contain_text("storage is full")
     expect(page.get_by_text("saved", exact=True)).to_be_visible()
     page.get_by_role("button", name="Close this message").click()
@@ -259,7 +259,7 @@ def test_what_is_said_about_saving_is_of_the_scene_on_the_stage(context: Browser
     # Where there is room again, it is kept without a further change.
     page.evaluate("() => window.mend()")
     tab(page, "Start")
-    page.get_by_role("button", name="Delete Four", exact=True).click()
+    page.get_by_role("button", name='Delete "Four"', exact=True).click()
     expect(page.get_by_text("saved", exact=True)).to_be_visible()
     page.reload()
     people(page, 7)
