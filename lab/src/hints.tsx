@@ -59,7 +59,7 @@ export function Hints({ film }: { film: Film }) {
             {isMotionless(film) && <p class="note">Nobody moves here: the tab Motion says what moves them.</p>}
             {ways.length > 0 && (
                 <p class="warning">
-                    {ways.length === 1 ? "Way" : "Ways"} {ways.join(", ")} {ways.length === 1 ? "goes" : "go"} through a wall, where the cross is: people walk straight from point to point.
+                    {`${ways.length === 1 ? "Way goes" : "Ways go"} through a wall: ${ways.join(", ")}. The cross shows where: people walk straight from point to point.`}
                 </p>
             )}
         </>

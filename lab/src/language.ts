@@ -24,9 +24,10 @@ let words: Map<string, string> | null = null;
 const missing = new Set<string>();
 Object.assign(window, { missing });
 
-/** The entry for a text, or those of its parts. */
+/** The entry for a text, with or without its full stop, or those of its parts. */
 function entry(key: string): string | undefined {
-    const found = words!.get(key);
+    const sentence = key.endsWith(".") ? words!.get(key.slice(0, -1)) : undefined;
+    const found = words!.get(key) ?? (sentence && `${sentence}.`);
     if (found !== undefined || !/[a-z]{2}/i.test(key)) return found ?? key;
     const [whole, first, between, rest] = /^(.*?)(, |: |; |\. )(.*)$/s.exec(key) ?? [];
     if (whole === undefined) return undefined;

@@ -158,7 +158,7 @@ function Overlapping({ film: { scene } }: { film: Film }) {
     if (count === 0) return null;
     return (
         <p class="warning">
-            At the start {people(count)} {count === 1 ? "overlaps" : "overlap"}, by up to {digits(1000 * scene.overlap, 2)} mm. They are hatched.
+            {`At the start ${people(count)} ${count === 1 ? "overlaps" : "overlap"}, by up to ${digits(1000 * scene.overlap, 2)} mm. They are hatched.`}
         </p>
     );
 }
