@@ -42,7 +42,7 @@ effect(() => {
     fits.value = true;
 });
 
-/** Of the line, while it is drawn; else of the tab. */
+/** The tool of the line, while it is drawn; else that of the tab. */
 function active(): Tool | null {
     return lineTool.value ?? tool.value;
 }

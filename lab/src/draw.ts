@@ -14,7 +14,7 @@ export function outline(disks: Disk[]): Path2D {
     return path;
 }
 
-/** Of the style sheet. */
+/** Colours of the style sheet. */
 export interface Inks {
     ink: string;
     paper: string;
@@ -33,7 +33,7 @@ export function inksOf(canvas: HTMLCanvasElement): Inks {
 
 export interface Picture {
     frame: Float32Array;
-    /** Of each person. */
+    /** Colours of each person. */
     shades: Shade[];
     /** Instead of the disks. */
     paths: Path2D[] | null;

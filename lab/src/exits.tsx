@@ -86,7 +86,7 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
     );
 }
 
-/** Of the rotational model: name, unit, the least, the step. */
+/** Constants of the rotational model: name, unit, the least, the step. */
 const CONSTANTS: [keyof Rotational, string, string, number, number][] = [
     ["time_gap", "Time gap", "s", 0.05, 0.05],
     ["standstill_gap", "Gap of those who stand", "m", 0, 0.01],

@@ -9,7 +9,7 @@ export const SQUEEZE = 6;
 const CONTACTS = 7;
 export const BY_WALLS = 8;
 
-/** Of the whole crowd, one number for each frame. */
+/** Curves of the whole crowd, one number for each frame. */
 export const CURVES = ["speed", "squeeze", "greatest", "contacts", "left"] as const;
 export type Curve = (typeof CURVES)[number];
 
@@ -27,7 +27,7 @@ export class Frames {
     readonly #means: Float64Array;
     /** Sums over so many of the last frames, for the greatest mean of each frame. */
     #running = new Map<number, { sums: Float64Array; greatest: number[] }>();
-    /** Of which frame and how many before it. */
+    /** The frame of these means, and how many before it they are over. */
     #meansOf: [number, number] = [-1, 0];
 
     constructor(readonly agents: number) {
@@ -85,7 +85,7 @@ export class Frames {
         this.#curves.left[k] = this.agents - there;
     }
 
-    /** Of those who have not left: mean speed, mean and greatest squeeze, mean number of contacts of a person; and how
+    /** A curve of those who have not left: mean speed, mean and greatest squeeze, mean number of contacts of a person; and how
      * many have left. `count` of each. */
     curve(name: Curve): Float32Array {
         return this.#curves[name].subarray(0, this.count);
@@ -142,7 +142,7 @@ export class Frames {
         return means;
     }
 
-    /** Of one agent such a mean of its squeeze, or of the part by walls. */
+    /** Such a mean of one agent's squeeze, or of the part by walls. */
     meanOf(k: number, last: number, agent: number, column: typeof SQUEEZE | typeof BY_WALLS): number {
         const from = Math.min(k, Math.max(1, k - last + 1));
         let sum = 0;

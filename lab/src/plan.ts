@@ -34,7 +34,7 @@ export interface Plan {
     end: number;
     chart: "greatest" | "mean" | "speed" | "left" | "flow" | "density" | "all";
     view: "2d" | "3d" | "section";
-    /** Of the section, in m. */
+    /** Altitude of the section, in m. */
     altitude: number;
     trails: boolean;
     forces: boolean;
@@ -178,11 +178,11 @@ function linked(): Read {
     return found.kept ? { ...found, kept: { ...found.kept, name: found.kept.name || "From a link", past: [], future: [] } } : found;
 }
 
-/** Of this tab, which it finds again after a reload: also a scene that is not kept. */
+/** Key of what this tab has, which it finds again after a reload: also a scene that is not kept. */
 const TAB = "lemons-lab tab";
 /** What belongs to the page, for the next visit. */
 const PAGE = "lemons-lab page";
-/** Of earlier versions of the page: the one scene. */
+/** Key of the one scene of earlier versions of the page. */
 export const FORMER = "lemons-lab plan 2";
 /** Before the Id of a scene. */
 export const SCENE = "lemons-lab scene ";

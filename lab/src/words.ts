@@ -1,5 +1,5 @@
-// Texts of the page in English, German and French. Numbers are #. A text of several parts (", ", ": ", "; ", ". " between
-// them) needs no entry if each part has one, nor does a text with a full stop if it has one without.
+// Texts of the page in English, German and French. Numbers, and names in quotes, are #. A text of several parts (", ", ": ",
+// "; ", ". " between them) needs no entry if each part has one, nor does a text with a full stop if it has one without.
 
 export const WORDS: [english: string, german: string, french: string][] = [
     // Everywhere.
