@@ -69,8 +69,8 @@ def test_every_tab_is_in_the_language_of_the_browser(browser: Browser, url: str,
     for k in range(30):
         page.mouse.move(x + 3 * k, y)
         page.wait_for_timeout(30)
-    words = page.locator("section.panel .note[role=status]").last
-    assert re.search("berlapp|recouvre", words.text_content() or "")
+    overlap = page.locator("section.panel .note[role=status]").last
+    assert re.search("berlapp|recouvre", overlap.text_content() or "")
     page.mouse.up()
     expect(page.get_by_text(re.compile("Änderung von Hand|changement à la main"))).to_be_visible()
     # Names of the visitor's own stay as they are, also where they are words of the page.

@@ -197,9 +197,9 @@ def test_a_scene_that_cannot_be_shown_is_not_written_over(context: BrowserContex
     expect(page.get_by_text("saved", exact=True)).to_be_visible()
     mine = plan(page)
     crowd = {**mine["crowd"], "number": 5000, "region": None, "room": {"outline": [[0, 0], [24, 0], [24, 24], [0, 24]], "obstacles": [], "doors": []}}
-    upload = {"kind": "upload", "name": "gone.zip", "files": [["gone.zip", 9]], "key": "gone"}
+    upload: dict[str, Any] = {"kind": "upload", "name": "gone.zip", "files": [["gone.zip", 9]], "key": "gone"}
     for key, name, base in (("large", "Large", {"kind": "crowd", **crowd}), ("gone", "Gone", upload)):
-        made = {"base": base, "edits": [], "motion": {"kind": "own"}}
+        made: dict[str, Any] = {"base": base, "edits": [], "motion": {"kind": "own"}}
         text = json.dumps({**mine, "name": name, "made": made, "crowd": crowd, "past": []})
         page.evaluate("([key, text]) => localStorage.setItem('lemons-lab scene ' + key, text)", [key, text])
     before = stored(page)
