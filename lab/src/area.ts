@@ -5,7 +5,7 @@ import { SQUEEZE } from "./frames";
 import { COLUMNS, type Point } from "./protocol";
 
 export class Inside {
-    /** Of each frame: how many centres are inside, and the mean squeeze of these people. */
+    /** Number of centres inside in each frame, and the mean squeeze of these people. */
     readonly counts: number[] = [];
     readonly squeezes: number[] = [];
     /** In m². */

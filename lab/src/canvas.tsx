@@ -7,6 +7,7 @@ import { type Inks, inksOf, label, Painter, paintBar, paintPush, paintWays } fro
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { throughWalls } from "./hints";
+import { translated } from "./language";
 import { canvas, hovered, type Layers, show } from "./layout";
 import { paintArea, paintLine } from "./line";
 import { menu, openMenu } from "./menu";
@@ -41,7 +42,7 @@ effect(() => {
     fits.value = true;
 });
 
-/** Of the line, while it is drawn; else of the tab. */
+/** The tool of the line, while it is drawn; else that of the tab. */
 function active(): Tool | null {
     return lineTool.value ?? tool.value;
 }
@@ -154,7 +155,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     const { motion } = plan.value.made;
     const time = film.place.value * scene.step;
     paintWays(context, scene.ways, now, inks, null, tab === "motion");
-    for (const { at } of throughWalls(scene)) label(context, "✕ wall", at, now, inks);
+    for (const { at } of throughWalls(scene)) label(context, translated("✕ wall"), at, now, inks);
     paintPlaces(context, scene.targets, now, inks);
     if (motion.kind === "push") for (const push of motion.pushes) paintPush(context, push, time, now, inks);
     if (line) paintLine(context, line, now, inks);
@@ -168,19 +169,21 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     paintBar(context, now, unit, inks);
 }
 
-/** Of the person under the mouse. */
+/** The numbers of the person under the mouse. */
 function told(film: Film, agent: number): string {
     const k = film.shown.value;
     const of = (column: number) => film.frames.number(k, agent, column);
     const squeeze = film.frames.squeezeMean(k, averaged(film))[agent]!;
     const contacts = of(7);
-    return `${brief(film.scene.agents[agent]!.id)}: ${Math.hypot(of(3), of(4)).toFixed(2)} m/s, ${digits(squeeze, 3)} N, ${contacts} ${contacts === 1 ? "contact" : "contacts"}`;
+    const touching = translated(`${contacts} ${contacts === 1 ? "contact" : "contacts"}`);
+    return `${brief(film.scene.agents[agent]!.id)}: ${Math.hypot(of(3), of(4)).toFixed(2)} m/s, ${digits(squeeze, 3)} N, ${touching}`;
 }
 
 /** Opens the menu of a place. */
 function openAt(on: HTMLCanvasElement, at: Point, agent: number | null) {
     const [x, y] = toPixels(view.value, at);
-    openMenu({ left: Math.min(x / devicePixelRatio, on.clientWidth - 230), top: Math.min(y / devicePixelRatio, on.clientHeight - 130), at, agent });
+    // Side by side, it is not at the corner of the frame in which the menu lies.
+    openMenu({ left: on.offsetLeft + Math.min(x / devicePixelRatio, on.clientWidth - 230), top: on.offsetTop + Math.min(y / devicePixelRatio, on.clientHeight - 130), at, agent });
 }
 
 /** The menu of who is selected, for those who have no mouse. */

@@ -9,7 +9,7 @@ import { averaged, meanWords } from "./colour";
 import type { Film } from "./film";
 import { Flow } from "./flow";
 import { SQUEEZE } from "./frames";
-import { brief, Choice, digits } from "./parts";
+import { Choice, digits, named } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import { grouped, groups, type Line, Plot } from "./plot";
 import type { Point } from "./protocol";
@@ -59,7 +59,7 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
     const end = lastOf(film) * scene.step;
     const shown = Math.min(film.shown.peek(), frames.count - 1);
     const agent = selected !== null && selected < scene.agents.length ? selected : null;
-    const name = agent !== null ? `Person ${brief(scene.agents[agent]!.id)}` : "";
+    const name = agent !== null ? `Person ${named(scene.agents[agent]!.id)}` : "";
     const there = (k: number) => !Number.isNaN(frames.number(k, agent!, 0));
     const speed = (k: number) => (there(k) ? Math.hypot(frames.number(k, agent!, 3), frames.number(k, agent!, 4)) : NaN);
     const last = averaged(film);

@@ -26,7 +26,6 @@ interface Waiting {
     progress: Progress | null;
     done(answer: Answer<never>): void;
     failed(error: Error): void;
-    watch?(progress: Progress): void;
 }
 
 /** It broke as often as this at the same kind of request: it would be started again and again. */
@@ -73,8 +72,7 @@ export class Client {
         if (!waiting) return;
         if ("progress" in told) {
             waiting.progress = told.progress;
-            this.#look();
-            return waiting.watch?.(told.progress);
+            return this.#look();
         }
         this.#waiting.delete(told.id);
         if (waiting.ask === this.#crashedAt) this.#crashes = 0;
@@ -101,12 +99,12 @@ export class Client {
         else if (this.slow.value) this.slow.value = null;
     }
 
-    ask<T>(request: Request, bytes?: Uint8Array, watch?: (progress: Progress) => void): Promise<Answer<T>> {
+    ask<T>(request: Request, bytes?: Uint8Array): Promise<Answer<T>> {
         const id = ++this.#last;
         const worker = this.#worker;
         if (!worker) return Promise.reject(new Refused("nothing is computed any more, because the computation ended too often: load this page again"));
         return new Promise<Answer<T>>((done, failed) => {
-            this.#waiting.set(id, { ask: request.ask, since: performance.now(), progress: null, done, failed, watch });
+            this.#waiting.set(id, { ask: request.ask, since: performance.now(), progress: null, done, failed });
             const asked: Asked = { id, request, bytes };
             worker.postMessage(asked);
             setTimeout(() => this.#waiting.has(id) && this.#look(), 1000 * PATIENCE + 10);

@@ -73,7 +73,7 @@ export function averaged({ scene: { step } }: Film) {
     return Math.max(1, Math.round(plan.value.smooth / step));
 }
 
-/** Over what the squeeze is a mean really: whole communication steps, at the start of a run fewer. */
+/** The time over which the squeeze is a mean really: whole communication steps, at the start of a run fewer. */
 export function meanWords(film: Film, k = Infinity) {
     const steps = Math.max(1, Math.min(k, averaged(film)));
     const seconds = `${Number((steps * film.scene.step).toPrecision(6))} s`;
@@ -86,7 +86,7 @@ const SCALES: Record<Colour, [string, string, number, number]> = {
     squeeze: ["Squeeze", "N", 200, 400],
     contacts: ["Contacts", "", 0, 4],
 };
-/** Of a frame. */
+/** The column of a frame. */
 const CONTACTS = 7;
 /** The automatic scale ends at this quantile of all values that are not 0, of people and frames. */
 export const QUANTILE = 0.98;

@@ -2,6 +2,7 @@
 
 import { averaged } from "./colour";
 import type { Film } from "./film";
+import { meanFlow } from "./flow";
 import { COLUMNS, type Point } from "./protocol";
 import { away } from "./roomshape";
 
@@ -44,25 +45,38 @@ export function curvesCsv(film: Film, agent: number | null): string {
     return table(rows);
 }
 
-/** In the order of their leaving: who, in which frame for the first time not there, and the exit that was nearest before. */
-function leavings(film: Film): { agent: number; frame: number; exit: string }[] {
+interface Leaving {
+    agent: number;
+    /** The first one in which the person is not there. */
+    frame: number;
+    /** The exit that was nearest before. */
+    exit: string;
+}
+
+/** What was found of a film, up to a frame. */
+const found = new WeakMap<Film, { k: number; all: Leaving[]; gone: Set<number> }>();
+
+/** Who has left, in this order, up to the last frame that was shown or asked for. */
+function leavings(film: Film): Leaving[] {
     const { frames, scene } = film;
+    const last = film.reached.value;
     const left = frames.curve("left");
     const exits = scene.targets.filter(({ stay }) => !stay);
-    const gone = new Set<number>();
-    const found = [];
-    for (let k = 1; k < frames.count; k++) {
+    const known = found.get(film) ?? { k: 0, all: [], gone: new Set<number>() };
+    found.set(film, known);
+    while (known.k < last) {
+        const k = (known.k += 1);
         if (!(left[k]! > left[k - 1]!)) continue;
         const [before, now] = [frames.frame(k - 1).slice(), frames.frame(k)];
         for (let agent = 0; agent < scene.agents.length; agent++) {
-            if (gone.has(agent) || !Number.isNaN(now[COLUMNS * agent]!)) continue;
-            gone.add(agent);
+            if (known.gone.has(agent) || !Number.isNaN(now[COLUMNS * agent]!)) continue;
+            known.gone.add(agent);
             const at: Point = [before[COLUMNS * agent]!, before[COLUMNS * agent + 1]!];
             const near = exits.reduce((best, exit) => (away(at, exit.corners) < away(at, best.corners) ? exit : best), exits[0]!);
-            found.push({ agent, frame: k, exit: near?.name ?? "" });
+            known.all.push({ agent, frame: k, exit: near?.name ?? "" });
         }
     }
-    return found;
+    return known.all.filter(({ frame }) => frame <= last);
 }
 
 export function leavingCsv(film: Film): string {
@@ -77,7 +91,6 @@ export function perExit(film: Film): { name: string; count: number; flow: number
         .filter(({ stay }) => !stay)
         .map(({ name }) => {
             const frames = all.filter(({ exit }) => exit === name).map(({ frame }) => frame);
-            const seconds = frames.length > 1 ? (frames.at(-1)! - frames[0]!) * film.scene.step : 0;
-            return { name, count: frames.length, flow: seconds > 0 ? (frames.length - 1) / seconds : null };
+            return { name, count: frames.length, flow: meanFlow(frames.length, frames[0] ?? 0, frames.at(-1) ?? 0, film.scene.step) };
         });
 }

@@ -1,7 +1,6 @@
 // Draws a frame. Shapes are the disks that the engine uses, or the sections that it gives; only turning, moving and
 // scaling happens here.
 
-import { translated } from "./language";
 import type { Shade } from "./colour";
 import { COLUMNS, type Disk, FEET, isThere, type Point, type Push, type Scene, type Waypoint } from "./protocol";
 import { inMetres, toMetres, toPixels, type View } from "./view";
@@ -15,7 +14,7 @@ export function outline(disks: Disk[]): Path2D {
     return path;
 }
 
-/** Of the style sheet. */
+/** Colours of the style sheet. */
 export interface Inks {
     ink: string;
     paper: string;
@@ -34,7 +33,7 @@ export function inksOf(canvas: HTMLCanvasElement): Inks {
 
 export interface Picture {
     frame: Float32Array;
-    /** Of each person. */
+    /** Colours of each person. */
     shades: Shade[];
     /** Instead of the disks. */
     paths: Path2D[] | null;
@@ -313,8 +312,7 @@ export function paintWays(context: CanvasRenderingContext2D, ways: Waypoint[][],
 }
 
 /** A short text on a ground of its own. */
-export function label(context: CanvasRenderingContext2D, english: string, at: Point, view: View, inks: Inks) {
-    const text = translated(english);
+export function label(context: CanvasRenderingContext2D, text: string, at: Point, view: View, inks: Inks) {
     const [place, y] = toPixels(view, at);
     const size = 12 * devicePixelRatio;
     context.setTransform(1, 0, 0, 1, 0, 0);

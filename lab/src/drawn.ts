@@ -36,7 +36,7 @@ export function edited(room: Room, edit: RoomEdit): Room {
     return { outline, obstacles, doors: doors.map(({ at, width }) => ({ at, width })) };
 }
 
-/** Of an outline alone. */
+/** The shape of an outline alone. */
 export function shape(outline: Point[]): Outline {
     return drawn({ outline, obstacles: [], doors: [] }).rings[0]!;
 }

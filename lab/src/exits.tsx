@@ -5,7 +5,7 @@ import { middleOf } from "./drawplaces";
 import { begin, mode as now, type Mode, picked } from "./motionstate";
 import { MOST } from "./forms";
 import { remove, setWishes } from "./exittool";
-import { Check, Choice, LengthField, NumberField } from "./parts";
+import { Check, Choice, LengthField, named, NumberField } from "./parts";
 import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, ROTATIONAL, shaped } from "./places";
 import type { Balance, Model, Place, Point, Rotational, Wishes } from "./protocol";
 import { film, selected } from "./session";
@@ -86,7 +86,7 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
     );
 }
 
-/** Of the rotational model: name, unit, the least, the step. */
+/** Constants of the rotational model: name, unit, the least, the step. */
 const CONSTANTS: [keyof Rotational, string, string, number, number][] = [
     ["time_gap", "Time gap", "s", 0.05, 0.05],
     ["standstill_gap", "Gap of those who stand", "m", 0, 0.01],
@@ -223,7 +223,7 @@ function Own({ wishes }: { wishes: Wishes }) {
     const chosen = places.findIndex(({ name }, k) => (kindOf(wishes, k) === "exit" ? own?.exit : own?.goal) === name);
     return (
         <Choice
-            label={`Person ${id} goes to`}
+            label={`Person ${named(id)} goes to`}
             value={chosen < 0 ? "" : String(chosen)}
             choices={[["", "where the others go"], ...places.map(({ name }, k): [string, string] => [String(k), `${kindOf(wishes, k)} ${JSON.stringify(name)}`])]}
             onChange={(key) => send(wishes, id, key === "" ? null : Number(key))}

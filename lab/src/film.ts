@@ -19,7 +19,7 @@ export class Film {
     /** As `shown`, with the fraction of a frame: `frameAt` moves smoothly with it. */
     readonly place = signal(0);
     readonly computed = signal(1);
-    /** Of each frame: deepest overlap until then in m, and how many of those who walk have arrived or left. */
+    /** Deepest overlap until each frame in m, and how many of those who walk have arrived or left. */
     readonly overlaps: number[];
     readonly arrived = [0];
     /** The first frame in which all have left who have an exit; null: none yet. */

@@ -8,6 +8,12 @@ import type { Flow as Counted, Point } from "./protocol";
 /** Bytes of frames that are sent at once. */
 const MOST_BYTES = 20e6;
 
+/** People per second between the first and the last of so many (frames), as docs/measure.md defines it; null for fewer than
+ * two, or all at once. */
+export function meanFlow(people: number, first: number, last: number, step: number): number | null {
+    return people > 1 && last > first ? (people - 1) / ((last - first) * step) : null;
+}
+
 /** Frames of the crossings in one direction, ascending. */
 export type Way = 1 | -1;
 
@@ -60,8 +66,7 @@ export class Flow {
     /** People per second from the first to the last crossing up to a frame; null for fewer than two. */
     mean(way: Way, until: number): number | null {
         const crossings = this.crossings[way].filter((frame) => frame <= until);
-        const seconds = ((crossings.at(-1) ?? 0) - (crossings[0] ?? 0)) * this.film.scene.step;
-        return seconds > 0 ? (crossings.length - 1) / seconds : null;
+        return meanFlow(crossings.length, crossings[0] ?? 0, crossings.at(-1) ?? 0, this.film.scene.step);
     }
 
     /** An arrow that shows the direction on the page. */

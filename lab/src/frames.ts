@@ -9,7 +9,7 @@ export const SQUEEZE = 6;
 const CONTACTS = 7;
 export const BY_WALLS = 8;
 
-/** Of the whole crowd, one number for each frame. */
+/** Curves of the whole crowd, one number for each frame. */
 export const CURVES = ["speed", "squeeze", "greatest", "contacts", "left"] as const;
 export type Curve = (typeof CURVES)[number];
 
@@ -25,9 +25,9 @@ export class Frames {
     #last: { k: number; numbers: Float32Array } = { k: -1, numbers: new Float32Array() };
     readonly #between: Float32Array;
     readonly #means: Float64Array;
-    /** Sums over the last frames, for the greatest mean of each frame. */
-    #running = { last: 0, sums: new Float64Array(), greatest: [] as number[] };
-    /** Of which frame and how many before it. */
+    /** Sums over so many of the last frames, for the greatest mean of each frame. */
+    #running = new Map<number, { sums: Float64Array; greatest: number[] }>();
+    /** The frame of these means, and how many before it they are over. */
     #meansOf: [number, number] = [-1, 0];
 
     constructor(readonly agents: number) {
@@ -85,7 +85,7 @@ export class Frames {
         this.#curves.left[k] = this.agents - there;
     }
 
-    /** Of those who have not left: mean speed, mean and greatest squeeze, mean number of contacts of a person; and how
+    /** A curve of those who have not left: mean speed, mean and greatest squeeze, mean number of contacts of a person; and how
      * many have left. `count` of each. */
     curve(name: Curve): Float32Array {
         return this.#curves[name].subarray(0, this.count);
@@ -142,7 +142,7 @@ export class Frames {
         return means;
     }
 
-    /** Of one agent such a mean of its squeeze, or of the part by walls. */
+    /** Such a mean of one agent's squeeze, or of the part by walls. */
     meanOf(k: number, last: number, agent: number, column: typeof SQUEEZE | typeof BY_WALLS): number {
         const from = Math.min(k, Math.max(1, k - last + 1));
         let sum = 0;
@@ -152,8 +152,13 @@ export class Frames {
 
     /** In each frame the greatest of these means. */
     greatestMean(last: number): Float32Array {
-        if (this.#running.last !== last) this.#running = { last, sums: new Float64Array(this.agents), greatest: [] };
-        const { sums, greatest } = this.#running;
+        return Float32Array.from(this.#greatest(last));
+    }
+
+    #greatest(last: number): number[] {
+        const running = this.#running.get(last) ?? { sums: new Float64Array(this.agents), greatest: [] };
+        this.#running.set(last, running);
+        const { sums, greatest } = running;
         for (let k = greatest.length; k < this.count; k++) {
             // The first frame, without a step, is in no mean but its own.
             const gone = k - last >= 1 ? this.frame(k - last) : k === 1 ? this.frame(0) : null;
@@ -167,7 +172,14 @@ export class Frames {
             }
             greatest.push(most / Math.max(1, Math.min(k, last)));
         }
-        return Float32Array.from(greatest);
+        return greatest;
+    }
+
+    /** Frees frames of which only the curves and the greatest of these means will be asked for. */
+    forget(means: number[]) {
+        for (const last of means) this.#greatest(last);
+        const unneeded = Math.floor((this.count - Math.max(...means)) / this.#perBlock);
+        if (unneeded > 0) this.#blocks.fill(new Float32Array(), 0, unneeded);
     }
 
     /** A copy of frames, from one to before another, as the lab reads them. */

@@ -49,7 +49,7 @@ function Chosen() {
     return (
         <>
             <p class="note">
-                Person {scene.agents[now.agent]!.id}. Drag it, or the handle before it to turn it. Keys on the picture: Shift with arrows moves by 5 cm, Delete removes.
+                Person <span translate={false}>{scene.agents[now.agent]!.id}</span>. Drag it, or the handle before it to turn it. Keys on the picture: Shift with arrows moves by 5 cm, Delete removes.
             </p>
             <div class="row">
                 <LengthField label="Person, x" short="x" value={now.x} min={-1000} max={1000} onChange={(x) => put({ ...(chosen.peek() ?? now), x })} />

@@ -17,7 +17,7 @@ export interface Pose {
     theta: number;
 }
 
-/** Of the handle that turns, from the middle of the person, in m. */
+/** Distance of the handle that turns from the middle of the person, in m. */
 const ARM = 0.5;
 
 /** Where somebody is dragged to; it stays until the scene with it is there. */
@@ -48,7 +48,7 @@ export const chosen = computed<Pose | null>(() => {
     return { agent, x: frame[COLUMNS * agent]!, y: frame[COLUMNS * agent + 1]!, theta: frame[COLUMNS * agent + 2]! };
 });
 
-/** In words, while somebody is dragged. */
+/** Says whom the dragged person overlaps. */
 export const said = computed(() => {
     const found = overlaps.value;
     if (!pose.value || !found) return "";
@@ -154,7 +154,7 @@ export function add(person: PersonWanted, at: Point | null) {
     act({ do: "put", id, person: { ...person, altitude: null }, x: clean(x), y: clean(y), theta: clean(frame[2]!) });
 }
 
-/** Of a grid over the people, the point that is farthest from everybody and from walls. */
+/** The point of a grid over the people that is farthest from everybody and from walls. */
 function roomiest({ agents, walls }: Scene, frame: Float32Array): Point {
     const there = agents.flatMap((_, a): Point[] => (isThere(frame, a) ? [[frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!]] : []));
     const [xs, ys] = [0, 1].map((k) => there.map((at) => at[k]!)) as [number[], number[]];

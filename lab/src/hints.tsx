@@ -17,8 +17,21 @@ function crossing(a: Point, b: Point, c: Point, d: Point): Point | null {
     return [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
 }
 
+interface Crossing {
+    way: number;
+    at: Point;
+}
+
+const known = new WeakMap<Scene, Crossing[]>();
+
 /** Where ways cross walls, with the numbers of the ways. People walk straight from point to point. */
-export function throughWalls({ ways, walls }: Pick<Scene, "ways" | "walls">): { way: number; at: Point }[] {
+export function throughWalls(scene: Scene): Crossing[] {
+    const found = known.get(scene) ?? crossings(scene);
+    known.set(scene, found);
+    return found;
+}
+
+function crossings({ ways, walls }: Scene): Crossing[] {
     return ways.flatMap((way, w) =>
         way.slice(1).flatMap((to, k) =>
             walls.flatMap(({ corners }) =>
@@ -46,7 +59,7 @@ export function Hints({ film }: { film: Film }) {
             {isMotionless(film) && <p class="note">Nobody moves here: the tab Motion says what moves them.</p>}
             {ways.length > 0 && (
                 <p class="warning">
-                    {ways.length === 1 ? "Way" : "Ways"} {ways.join(", ")} {ways.length === 1 ? "goes" : "go"} through a wall, where the cross is: people walk straight from point to point.
+                    {`${ways.length === 1 ? "Way goes" : "Ways go"} through a wall: ${ways.join(", ")}. The cross shows where: people walk straight from point to point.`}
                 </p>
             )}
         </>

@@ -19,7 +19,7 @@ export const kept = signal<{ film: Film; facts: string[] } | null>(null);
 /** The scene on the stage in a few words each. */
 function facts(): string[] {
     const { crowd, made } = plan.value;
-    const parts = [scene.value.name];
+    const parts = [`"${scene.value.name}"`];
     if (made.base.kind === "crowd") {
         parts.push(crowd.number === null ? `${crowd.density} people per m²` : `${crowd.number} people`);
         for (const { width } of crowd.room.doors) parts.push(`door ${Number(width.toFixed(3))} m`);

@@ -1,5 +1,6 @@
 // The language of the page. Texts are English in the code; another language has them in a dictionary, which is looked into
-// where elements are made. Numbers in a text are # in its key, so that one entry holds for all.
+// where elements are made. Numbers in a text, and names in quotes, are # in its key, so that one entry holds for all. An
+// element that holds what the visitor or a file says is not to be translated (`translate={false}`).
 
 import { Fragment, options, type VNode } from "preact";
 import { storage } from "./plan";
@@ -23,9 +24,10 @@ let words: Map<string, string> | null = null;
 const missing = new Set<string>();
 Object.assign(window, { missing });
 
-/** The entry for a text, or those of its parts. */
+/** The entry for a text, with or without its full stop, or those of its parts. */
 function entry(key: string): string | undefined {
-    const found = words!.get(key);
+    const sentence = key.endsWith(".") ? words!.get(key.slice(0, -1)) : undefined;
+    const found = words!.get(key) ?? (sentence && `${sentence}.`);
     if (found !== undefined || !/[a-z]{2}/i.test(key)) return found ?? key;
     const [whole, first, between, rest] = /^(.*?)(, |: |; |\. )(.*)$/s.exec(key) ?? [];
     if (whole === undefined) return undefined;
@@ -37,9 +39,9 @@ function entry(key: string): string | undefined {
 export function translated(text: string): string {
     const inner = text.trim();
     if (!words || !/[a-z]{2}/i.test(inner)) return text;
-    const numbers: string[] = [];
-    const key = inner.replace(/\d+(\.\d+)?/g, (number) => {
-        numbers.push(number);
+    const given: string[] = [];
+    const key = inner.replace(/"[^"]*"|\d+(\.\d+)?/g, (one) => {
+        given.push(one);
         return "#";
     });
     const found = entry(key);
@@ -47,13 +49,14 @@ export function translated(text: string): string {
         missing.add(key);
         return text;
     }
-    return text.replace(inner, () => found.replace(/#/g, () => numbers.shift() ?? ""));
+    return text.replace(inner, () => found.replace(/#/g, () => given.shift() ?? ""));
 }
 
 const SAID = ["title", "aria-label", "aria-valuetext", "placeholder", "alt"];
 
 function translate(vnode: VNode) {
     const props = vnode.props as Record<string, unknown>;
+    if (props.translate === false) return;
     const child = (one: unknown): unknown => (typeof one === "string" ? translated(one) : one);
     if (typeof props.children === "string") props.children = translated(props.children);
     else if (Array.isArray(props.children)) props.children = props.children.map(child);

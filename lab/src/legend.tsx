@@ -18,7 +18,7 @@ const MEANS: [string, string][] = [
 
 /** A number and its unit; a large one is rounded. */
 export function shown(value: number, unit: string) {
-    return `${Number(digits(value, 3)).toLocaleString("en")}${unit && ` ${unit}`}`;
+    return `${Number(digits(value, 3))}${unit && ` ${unit}`}`;
 }
 
 /** What the colours mean. Their upper end follows the run, until it is fixed. */

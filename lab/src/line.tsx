@@ -4,9 +4,12 @@ import { signal } from "@preact/signals";
 import { Fragment } from "preact";
 import type { Inks } from "./draw";
 import { label } from "./draw";
+import { translated } from "./language";
+import { begin as beginMotion } from "./motionstate";
 import { LengthField } from "./parts";
 import { change, type Plan, plan } from "./plan";
 import type { Point } from "./protocol";
+import { begin as beginRoom } from "./roomtool";
 import { lineTool, type Tool } from "./tool";
 import { inMetres, type View } from "./view";
 
@@ -63,7 +66,7 @@ export function paintArea(context: CanvasRenderingContext2D, [from, to]: Line, v
     context.setLineDash([8 * pixel, 5 * pixel]);
     context.strokeRect(from[0], from[1], to[0] - from[0], to[1] - from[1]);
     context.setLineDash([]);
-    label(context, "area", [(from[0] + to[0]) / 2, Math.max(from[1], to[1])], view, inks);
+    label(context, translated("area"), [(from[0] + to[0]) / 2, Math.max(from[1], to[1])], view, inks);
 }
 
 export function paintLine(context: CanvasRenderingContext2D, [from, to]: Line, view: View, inks: Inks) {
@@ -95,7 +98,12 @@ export function MeasureButtons() {
                 const [first, again, remove] = WORDS[kind];
                 return (
                     <Fragment key={kind}>
-                        <button type="button" aria-pressed={on} onClick={() => (lineTool.value = on ? null : TOOLS[kind])}>
+                        <button type="button" aria-pressed={on} onClick={() => {
+                                // Two tools cannot draw at once.
+                                beginRoom("change");
+                                beginMotion("change");
+                                lineTool.value = on ? null : TOOLS[kind];
+                            }}>
                             {there ? again : first}
                         </button>
                         {there && (

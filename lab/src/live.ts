@@ -5,8 +5,8 @@ import { effect, signal } from "@preact/signals";
 import { ready, shape } from "./drawn";
 import type { KeptCrowd } from "./forms";
 import { crowdOf, plan } from "./plan";
-import { cornersOf } from "./places";
-import type { Motion, Place, Point, Room } from "./protocol";
+import { beyond, cornersOf } from "./places";
+import type { Motion, Point, Room } from "./protocol";
 import { rename } from "./scenes";
 import { choose, film, said } from "./session";
 
@@ -18,7 +18,7 @@ const BEYOND = 5;
 /** What was placed last, or could not be. */
 let tried = "";
 /** Doors of exits that lie beyond doors, by the exits' names: until the lines beyond the new doors are known. */
-const following = signal<{ doors: Map<string, number>; before: unknown } | null>(null);
+const following = signal<{ doors: Map<string, number>; before: unknown; base: string } | null>(null);
 
 /** Whether people stand as the forms say. */
 export function isPlaced() {
@@ -47,18 +47,11 @@ export function follow() {
         const wanted = following.value;
         if (!shown || !wanted || shown === wanted.before) return;
         following.value = null;
-        const { made } = plan.peek();
-        const lines = shown.scene.beyond_doors;
-        const moved = (exit: Place): Place => {
-            const line = lines[wanted.doors.get(exit.name) ?? -1];
-            return line ? { ...exit, line, polygon: null } : exit;
-        };
-        const { motion } = made;
-        if (motion.kind !== "go") return;
-        const exits = motion.wishes.exits.map(moved);
-        if (JSON.stringify(exits) !== JSON.stringify(motion.wishes.exits)) {
-            choose({ motion: { kind: "go", wishes: { ...motion.wishes, exits } } }, shown.playing.peek(), plan.peek().crowd, said.peek(), false);
-        }
+        const { base, motion } = plan.peek().made;
+        // The placing failed, and this is another one.
+        if (JSON.stringify(base) !== wanted.base) return;
+        const next = beyond(motion, ({ name }) => wanted.doors.get(name), shown.scene.beyond_doors);
+        if (JSON.stringify(next) !== JSON.stringify(motion)) choose({ motion: next }, shown.playing.peek(), plan.peek().crowd, said.peek(), false);
     });
 }
 
@@ -81,7 +74,8 @@ function doorAfter(before: Room, after: Room, door: number): number {
 }
 
 /** What moves people, without what lies elsewhere now, which is told. */
-function kept(motion: Motion, before: Room | null, { room }: KeptCrowd): { motion: Motion; gone: string[] } {
+function kept(motion: Motion, before: Room | null, crowd: KeptCrowd): { motion: Motion; gone: string[] } {
+    const { room } = crowd;
     const [width, height, left, low] = shape(room.outline).bounds;
     const near = ([x, y]: Point) => x >= left - BEYOND && x <= left + width + BEYOND && y >= low - BEYOND && y <= low + height + BEYOND;
     const gone: string[] = [];
@@ -119,6 +113,6 @@ function kept(motion: Motion, before: Room | null, { room }: KeptCrowd): { motio
     if (exits.length + goals.length === 0) return { motion: { kind: "none" }, gone };
     const names = [...exits, ...goals].map(({ name }) => name);
     const agents = Object.entries(wishes.agents).filter(([, { exit, goal }]) => names.includes(exit ?? goal ?? ""));
-    following.value = { doors, before: film.value };
+    following.value = { doors, before: film.value, base: JSON.stringify({ kind: "crowd", ...crowd }) };
     return { motion: { kind: "go", wishes: { ...wishes, exits, goals, agents: Object.fromEntries(agents) } }, gone };
 }

@@ -4,14 +4,14 @@ import { signal } from "@preact/signals";
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { send } from "./exits";
 import { add, chosen, copy, drop, movable } from "./handtool";
-import { brief } from "./parts";
+import { named } from "./parts";
 import { change, plan } from "./plan";
 import { placesOf } from "./places";
 import type { Point } from "./protocol";
 import { film, selected } from "./session";
 
 interface Place {
-    /** In pixels of the page, from the corner of the picture. */
+    /** In pixels of the page, from the corner of the frame around the pictures. */
     left: number;
     top: number;
     /** In m. */
@@ -33,7 +33,7 @@ function items({ at, agent }: Place): Item[] {
         if (movable.value && shown.scene.agents.length > 1) found.push(["Delete", () => drop(chosen.value!)]);
         if (motion.kind === "go") {
             const { wishes } = motion;
-            placesOf(wishes).forEach(({ name }, k) => found.push([`Send to ${brief(name)}`, () => send(wishes, id, k)]));
+            placesOf(wishes).forEach(({ name }, k) => found.push([`Send to ${named(name)}`, () => send(wishes, id, k)]));
             if (wishes.agents[id]) found.push(["Send where the others go", () => send(wishes, id, null)]);
         }
     }
@@ -51,7 +51,7 @@ export function Menu() {
     useLayoutEffect(() => list.current?.querySelector("button")?.focus(), [now]);
     if (!now || !film.value) return null;
     const close = () => (menu.value = null);
-    const title = now.agent === null ? "The floor" : `Person ${brief(film.value.scene.agents[now.agent]?.id ?? "")}`;
+    const title = now.agent === null ? "The floor" : `Person ${named(film.value.scene.agents[now.agent]?.id ?? "")}`;
     const step = (by: number) => {
         const buttons = [...list.current!.querySelectorAll("button")];
         const at = buttons.indexOf(document.activeElement as HTMLButtonElement);

@@ -5,7 +5,7 @@ import { plan } from "./plan";
 import type { Motion, Point } from "./protocol";
 import { snapped } from "./roomshape";
 import { bases, choose } from "./session";
-import type { Pointer } from "./tool";
+import { lineTool, type Pointer } from "./tool";
 
 /** What the next presses do. */
 export type Mode = "change" | "push" | "way" | "exit line" | "exit area" | "goal line" | "goal area";
@@ -40,6 +40,7 @@ export function setMotion(next: Motion) {
 
 export function begin(next: Mode) {
     mode.value = next;
+    if (next !== "change") lineTool.value = null;
     sketch.value = [];
     dragged.value = null;
     clicks.held = null;

@@ -65,7 +65,7 @@ function details(film: Film, playing: boolean): [string, ComponentChildren][] {
 
 /** Whole newtons, as long as they can be read. */
 function newtons(value: number) {
-    return `${value < 1e9 ? Math.round(value).toLocaleString("en") : digits(value, 3)} N`;
+    return `${value < 1e9 ? Math.round(value) : digits(value, 3)} N`;
 }
 
 function people(count: number) {
@@ -81,7 +81,7 @@ function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren]
     const person = film.scene.people?.[a];
     const there = isThere(frame, a);
     const rows: [string, ComponentChildren][] = [
-        ["Id", brief(agent.id, 200)],
+        ["Id", <span translate={false}>{brief(agent.id, 200)}</span>],
         ["Mass", `${digits(agent.mass, 3)} kg`],
         ["Place", there ? `x ${length(of(0), unit)}, y ${length(of(1), unit)}` : "has left"],
     ];
@@ -143,7 +143,7 @@ function Who({ film }: { film: Film }) {
             >
                 <option value="">nobody</option>
                 {film.scene.agents.map(({ id }, a) => (
-                    <option key={id} value={String(a)}>
+                    <option key={id} value={String(a)} translate={false}>
                         {brief(id)}
                     </option>
                 ))}
@@ -158,7 +158,7 @@ function Overlapping({ film: { scene } }: { film: Film }) {
     if (count === 0) return null;
     return (
         <p class="warning">
-            At the start {people(count)} {count === 1 ? "overlaps" : "overlap"}, by up to {digits(1000 * scene.overlap, 2)} mm. They are hatched.
+            {`At the start ${people(count)} ${count === 1 ? "overlaps" : "overlap"}, by up to ${digits(1000 * scene.overlap, 2)} mm. They are hatched.`}
         </p>
     );
 }

@@ -12,7 +12,7 @@ export function pathOf(polygons: Point[][]): string {
     return polygons.map((polygon) => `M${polygon.map(place).join("L")}Z`).join("");
 }
 
-/** Of a drawing, in the body's frame, in m. */
+/** Extents of a drawing, in the body's frame, in m. */
 export interface Extents {
     back: number;
     front: number;
@@ -20,7 +20,7 @@ export interface Extents {
     left: number;
 }
 
-/** Of points, each with a margin around it. */
+/** Extents of points, each with a margin around it. */
 export function extents(points: [x: number, y: number, margin: number][]): Extents {
     const least = (k: 0 | 1) => Math.min(...points.map((point) => point[k] - point[2]));
     const most = (k: 0 | 1) => Math.max(...points.map((point) => point[k] + point[2]));

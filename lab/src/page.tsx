@@ -36,7 +36,7 @@ const TABS: [Plan["tab"], string][] = [
 function Bare() {
     return (
         <header class="bare">
-            <h1>{scene.value.name}</h1>
+            <h1 translate={false}>{scene.value.name}</h1>
             <div class="tools">
                 {embedded ? (
                     <a href={link()} target="_blank" rel="noopener">
@@ -92,12 +92,13 @@ function Header() {
 /** Chosen again, its sheet is closed. */
 function go(tab: Plan["tab"]) {
     sheet.value = sheet.value === "forms" && plan.value.tab === tab ? null : "forms";
+    report.value = null;
     change({ tab });
 }
 
 async function copyLink() {
     await copy(link());
-    const files = unlinked(plan.value).join(" and ");
+    const files = unlinked(plan.value).map((name) => `"${name}"`).join(" and ");
     said.value = files ? `The link is copied. It does not hold ${files}: who opens it elsewhere needs the file.` : "The link is copied. It holds the whole scene.";
 }
 

@@ -177,6 +177,11 @@ export function brief(name: string, most = 24) {
     return name.length > most ? `${name.slice(0, most)}…` : name;
 }
 
+/** A name from outside in a sentence: in quotes, unless it is a number (language.ts). */
+export function named(name: string) {
+    return /^\d+$/.test(name) ? name : `"${brief(name)}"`;
+}
+
 /** Gives a file to the user. */
 export function save(name: string, content: BlobPart) {
     const url = URL.createObjectURL(new Blob([content]));

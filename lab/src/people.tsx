@@ -59,7 +59,7 @@ export function People({ people, onChange }: { people: KeptPeople; onChange(peop
             {kind === "table" && (
                 <>
                     <p class="note">
-                        {people.kind === "table" ? `They are drawn from ${people.files.map(([, name]) => name).join(" and ")}.` : "Until a table is chosen, people are as in the survey."} Tables
+                        {people.kind === "table" ? `They are drawn from ${people.files.map(([, name]) => `"${name}"`).join(" and ")}.` : "Until a table is chosen, people are as in the survey."} Tables
                         have the columns of ANSUR_II_MALE_Public.csv and ANSUR_II_FEMALE_Public.csv; FEMALE or MALE in the name says whom they hold.
                     </p>
                     <FileInput

@@ -2,6 +2,7 @@
 
 import { scaleOf } from "./colour";
 import type { Film } from "./film";
+import { translated } from "./language";
 import { digits } from "./parts";
 import { plan } from "./plan";
 
@@ -39,7 +40,7 @@ export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: 
         context.fillStyle = colour;
         context.fillRect(right + (k * ramp) / colours.length, middle - 6 * pixel, ramp / colours.length + 1, 12 * pixel);
     });
-    const begin = `${label}: ${low > 0 ? `≤ ${low}` : 0}`;
+    const begin = `${translated(label)}: ${low > 0 ? `≤ ${low}` : 0}`;
     context.fillStyle = ink;
     right -= context.measureText(begin).width + 8 * pixel;
     if (right > context.measureText(time).width + 20 * pixel) context.fillText(begin, right, middle);

@@ -1,6 +1,6 @@
 // Exits and goals of a plan: added, changed, removed. They are numbered together, exits before goals.
 
-import type { Place, Point, Rotational, Wishes } from "./protocol";
+import type { Motion, Place, Point, Rotational, Wishes } from "./protocol";
 
 /** The model that `lemons crowd --leave` writes, and its speed. */
 export const FIRST_WISHES: Wishes = { model: "rotational", rotational: null, balance: "none", push: null, desired_speed: 1.34, seed: 1, exits: [], goals: [], agents: {} };
@@ -26,6 +26,16 @@ export function shaped(place: Place, corners: Point[]): Place {
     const [from, to, ...more] = corners;
     const line: [Point, Point] | null = from && to && more.length === 0 ? [from, to] : null;
     return { ...place, line, polygon: line ? null : corners };
+}
+
+/** Moves exits to lines beyond doors: each to the one whose number it has, if there is one. */
+export function beyond(motion: Motion, door: (exit: Place) => number | undefined, lines: [Point, Point][]): Motion {
+    if (motion.kind !== "go") return motion;
+    const exits = motion.wishes.exits.map((exit) => {
+        const line = lines[door(exit) ?? -1];
+        return line ? { ...exit, line, polygon: null } : exit;
+    });
+    return { kind: "go", wishes: { ...motion.wishes, exits } };
 }
 
 /** Shares are for all exits or for none. */

@@ -34,7 +34,7 @@ export interface Plan {
     end: number;
     chart: "greatest" | "mean" | "speed" | "left" | "flow" | "density" | "all";
     view: "2d" | "3d" | "section";
-    /** Of the section, in m. */
+    /** Altitude of the section, in m. */
     altitude: number;
     trails: boolean;
     forces: boolean;
@@ -64,7 +64,7 @@ export const FIRST: Plan = {
     area: null,
 };
 
-/** Of colours. */
+/** Checks the upper end of a colour scale. */
 const upper = within(1e-3, 1e7);
 const undoables = {
     made: record<Made>({ base, edits: list(edit, MOST.edits), motion }),
@@ -178,11 +178,11 @@ function linked(): Read {
     return found.kept ? { ...found, kept: { ...found.kept, name: found.kept.name || "From a link", past: [], future: [] } } : found;
 }
 
-/** Of this tab, which it finds again after a reload: also a scene that is not kept. */
+/** Key of what this tab has, which it finds again after a reload: also a scene that is not kept. */
 const TAB = "lemons-lab tab";
 /** What belongs to the page, for the next visit. */
 const PAGE = "lemons-lab page";
-/** Of earlier versions of the page: the one scene. */
+/** Key of the one scene of earlier versions of the page. */
 export const FORMER = "lemons-lab plan 2";
 /** Before the Id of a scene. */
 export const SCENE = "lemons-lab scene ";
@@ -244,7 +244,7 @@ export const plan = signal<Plan>({ ...own, ...sceneOf(first.plan) });
 /** The scene on the stage: its Id if it is kept, and its name. */
 export const scene = signal<{ id: string | null; name: string }>({ id: given.kept ? null : before.id, name: first.name || "A scene" });
 /** Whether it is of an earlier version of the page. */
-export const former = !given.kept && before.former;
+export const isFormer = !given.kept && before.former;
 /** What could not be read when the page was opened. */
 export const unread = [given.left, before.read.left].filter(Boolean).join(" ");
 
@@ -274,14 +274,35 @@ effect(() => {
     }
 });
 
-/** Puts another scene on the stage. */
-export function replace(id: string | null, kept: Pick<Kept, "name" | "past" | "future"> & { plan: Partial<Part> }) {
+type Wanted = Pick<Kept, "name" | "past" | "future"> & { plan: Partial<Part> };
+
+/** Counts the scenes that were put on the stage, also those that were put back. */
+export const opened = signal(0);
+/** Which of them is shown. */
+export const arrived = signal(-1);
+/** The scene to go back to if the one that is opened cannot be shown; at first an example. Null once it is shown. */
+let former: { id: string | null; kept: Wanted } | null = { id: null, kept: { name: "A push through a row", past: [], future: [], plan: { made: FIRST.made } } };
+
+function put(id: string | null, kept: Wanted) {
     batch(() => {
+        opened.value += 1;
         scene.value = { id, name: kept.name || "A scene" };
         past.value = kept.past;
         future.value = kept.future;
         plan.value = { ...plan.value, ...kept.plan };
     });
+}
+
+/** Puts another scene on the stage. */
+export function replace(id: string | null, kept: Wanted) {
+    former ??= { id: scene.value.id, kept: { name: scene.value.name, past: past.value, future: future.value, plan: sceneOf(plan.value) } };
+    put(id, kept);
+}
+
+/** Tells that the scene on the stage is shown. */
+export function arrive() {
+    former = null;
+    arrived.value = opened.value;
 }
 
 /** A change; of what is made, it can be undone, unless it only completes the change before. */
@@ -295,8 +316,14 @@ export function change(part: Partial<Plan>, asStep = true) {
     plan.value = after;
 }
 
-/** Puts back what could be made, after something else could not. It is no step of its own. */
+/** Puts back what could be made, after something else could not: with its scene, if another one was opened. It is no step of
+ * its own. */
 export function settle(made: Made) {
+    if (former) {
+        const { id, kept } = former;
+        former = null;
+        return put(id, { ...kept, plan: { ...kept.plan, made } });
+    }
     plan.value = { ...plan.value, made };
     // Undo should not bring back what is there already.
     if (past.value.at(-1) === undoable(plan.value)) past.value = past.value.slice(0, -1);
@@ -330,7 +357,10 @@ export function follow(): string {
     return left;
 }
 
-/** Files that a scene needs, or that undo and redo bring back. */
+/** The scene that was deleted last, to bring it back. */
+export const deleted = signal<{ id: string; text: string; name: string } | null>(null);
+
+/** Files that a scene needs, or that undo, redo and "Bring it back" do. */
 export function keysInUse(): Set<string> {
     const keys = new Set<string>();
     const see = ({ made: { base }, crowd: form }: Pick<Plan, "made" | "crowd">) => {
@@ -338,7 +368,8 @@ export function keysInUse(): Set<string> {
         if (base.kind === "crowd" && base.people.kind === "table") keys.add(base.people.key);
         if (form.people.kind === "table") keys.add(form.people.key);
     };
-    const all = [{ plan: plan.value, past: past.value, future: future.value }, ...keptScenes().map(({ kept }) => kept)];
+    const gone = deleted.value && read(deleted.value.text, "it").kept;
+    const all = [{ plan: plan.value, past: past.value, future: future.value }, ...keptScenes().map(({ kept }) => kept), ...(former ? [{ ...former.kept, plan: { ...plan.value, ...former.kept.plan } }] : []), ...(gone ? [gone] : [])];
     for (const { plan, past, future } of all) {
         see(plan);
         for (const step of [...past, ...future]) {

@@ -24,7 +24,7 @@ interface PlotProps {
     data: uPlot.AlignedData;
     /** Where the axis of time ends, in s: as the timeline's. */
     end: number;
-    /** Of each line at the shown time. */
+    /** Value of each line at the shown time. */
     now: string[];
     /** All of it in words. */
     summary: string;

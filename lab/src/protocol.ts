@@ -14,7 +14,7 @@ export interface PersonWanted {
     altitude: number | null;
 }
 
-/** Of a normal distribution: mean, standard deviation, smallest, largest value. */
+/** A normal distribution: mean, standard deviation, smallest, largest value. */
 export type Normal = [number, number, number, number];
 export type Four = Record<"breadth" | "depth" | "stature" | "mass", Normal>;
 
@@ -240,7 +240,7 @@ export interface Scene {
     people: { sex: string; breadth: number; depth: number; stature: number; mass: number }[] | null;
 }
 
-/** Of one measure of all people of a kind. */
+/** Statistics of one measure of all people of a kind. */
 export interface Summary {
     measure: string;
     unit: string;
@@ -293,7 +293,7 @@ export interface Bodies {
     estimated: boolean;
 }
 
-/** Of each step. */
+/** Numbers of each step. */
 export interface Advanced {
     /** Deepest overlap so far. */
     overlaps: number[];

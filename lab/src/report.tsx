@@ -1,21 +1,28 @@
 // A report to print: the scene, what it assumes, its picture and numbers, and what they do not say.
 
-import { signal } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { perExit } from "./csv";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
 import { canvas } from "./layout";
 import { Squeeze } from "./legend";
-import { brief, digits, Facts, length } from "./parts";
+import { brief, digits, Facts, length, named } from "./parts";
 import { png } from "./picture";
 import { link, plan, scene } from "./plan";
 import { shape } from "./drawn";
+import { film } from "./session";
 import { SweepTable } from "./sweepform";
 import { sweep } from "./sweep";
 
 /** The picture of the report that is shown, as an address. */
 export const report = signal<string | null>(null);
+
+// It has the picture of one run.
+effect(() => {
+    film.value;
+    report.value = null;
+});
 
 export async function makeReport(film: Film) {
     const from = canvas.value;
@@ -38,7 +45,7 @@ function assumptions({ scene: shown }: Film): [string, string][] {
             ["Drawn from", `${POPULATIONS[base.people.kind]}, ${Math.round(100 * base.men)} % men, seed ${base.seed}`],
             ["Bodies", `${base.round ? "one disk" : "five disks"} each, ${base.material}, friction ${frictionOf(base)}`],
         );
-    } else rows.push(["Trial", brief(base.name, 60)]);
+    } else rows.push(["Trial", `"${brief(base.name, 60)}"`]);
     if (edits.length > 0) rows.push(["Changes by hand", String(edits.length)]);
     if (motion.kind === "go") {
         const { model, desired_speed, push, seed } = motion.wishes;
@@ -68,7 +75,7 @@ function numbers(film: Film): [string, string][] {
     if (shown.leaving === 0) return rows;
     const all = emptied.value !== null && emptied.value <= last;
     rows.push(["Have left", all ? `all ${shown.leaving} after ${time(emptied.value!)}` : `${frames.curve("left")[last]} of ${shown.leaving}`]);
-    for (const { name, count, flow } of perExit(film)) rows.push([`By ${brief(name)}`, `${count} people${flow === null ? "" : `, ${digits(flow, 3)} per second from the first to the last`}`]);
+    for (const { name, count, flow } of perExit(film)) rows.push([`By ${named(name)}`, `${count} ${count === 1 ? "person" : "people"}${flow === null ? "" : `, ${digits(flow, 3)} per second from the first to the last`}`]);
     return rows;
 }
 
@@ -86,7 +93,7 @@ export function Report({ film }: { film: Film }) {
                     Back to the lab
                 </button>
             </div>
-            <h1>{scene.value.name}</h1>
+            <h1 translate={false}>{scene.value.name}</h1>
             <p>
                 Made with the LEMONS lab on {new Date().toISOString().slice(0, 10)}: pedestrians as rigid bodies of disks with damped springs and friction, in two dimensions.{" "}
                 <a href={link()}>This scene as a link</a>.
@@ -98,7 +105,7 @@ export function Report({ film }: { film: Film }) {
             <Facts rows={numbers(film)} />
             {swept && swept.runs.length > 0 && (
                 <>
-                    <h2>Sweep of {swept.scene}</h2>
+                    <h2>{`Sweep of "${swept.scene}"`}</h2>
                     <SweepTable of={swept} measure="all_left" />
                     <SweepTable of={swept} measure="greatest_mean_of_1_s" />
                 </>

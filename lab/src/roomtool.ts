@@ -8,7 +8,7 @@ import { type KeptCrowd, MOST } from "./forms";
 import { change, plan } from "./plan";
 import type { Point, Room } from "./protocol";
 import { distance, rings, snapped, spanned, squared } from "./roomshape";
-import type { Pointer, Tool } from "./tool";
+import { lineTool, type Pointer, type Tool } from "./tool";
 import { inMetres, type View } from "./view";
 
 /** What the next presses do. */
@@ -39,6 +39,7 @@ export function setRoom(room: Room) {
 
 export function begin(next: Mode) {
     mode.value = next;
+    if (next !== "change") lineTool.value = null;
     sketch.value = [];
     hover.value = null;
     dragged.value = null;

@@ -40,6 +40,6 @@ export interface Outline {
     bounds: [number, number, number, number];
     /** Whether it is this rectangle. */
     upright: boolean;
-    /** Of its sides. */
+    /** Middles of its sides. */
     middles: Point[];
 }

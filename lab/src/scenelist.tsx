@@ -1,8 +1,8 @@
 // The visitor's scenes as a list, and the name of the one on the stage.
 
 import { save } from "./parts";
-import { canUndo, NAME, scene } from "./plan";
-import { bringBack, deleted, duplicate, file, openFile, openKept, remove, rename, scenes, unkept } from "./scenes";
+import { canUndo, deleted, NAME, scene } from "./plan";
+import { bringBack, duplicate, file, openFile, openKept, remove, rename, scenes, unkept } from "./scenes";
 import { Sketch } from "./sketch";
 import { FileInput } from "./upload";
 
@@ -46,14 +46,14 @@ export function Scenes() {
                     <li key={id}>
                         <button type="button" class="card" aria-pressed={scene.value.id === id} onClick={() => openKept(id, kept)}>
                             <Sketch base={kept.plan.made.base} />
-                            <strong>{kept.name}</strong>
-                            <span>{new Date(kept.changed).toLocaleString()}</span>
+                            <strong translate={false}>{kept.name}</strong>
+                            <span translate={false}>{new Date(kept.changed).toLocaleString()}</span>
                         </button>
                         <div class="buttons">
-                            <button type="button" aria-label={`Copy ${kept.name}`} onClick={() => duplicate(kept)}>
+                            <button type="button" aria-label={`Copy "${kept.name}"`} onClick={() => duplicate(kept)}>
                                 Copy
                             </button>
-                            <button type="button" aria-label={`Delete ${kept.name}`} onClick={() => remove(id)}>
+                            <button type="button" aria-label={`Delete "${kept.name}"`} onClick={() => remove(id)}>
                                 Delete
                             </button>
                         </div>
@@ -62,7 +62,7 @@ export function Scenes() {
             </ul>
             {deleted.value && (
                 <p class="note">
-                    {deleted.value.name} is deleted.{" "}
+                    {`"${deleted.value.name}" is deleted.`}{" "}
                     <button type="button" onClick={bringBack}>
                         Bring it back
                     </button>

@@ -2,8 +2,8 @@
 // or a link is a copy: it is kept when it is changed. Storage is localStorage, not IndexedDB: it is written before the page can
 // be closed, and tells other tabs.
 
-import { batch, computed, effect, signal } from "@preact/signals";
-import { canRedo, canUndo, FORMER, former, type Kept, keptScenes, NAME, plan, read, replace, SCENE, scene, sceneOf, storage, toKeep } from "./plan";
+import { batch, computed, effect, signal, untracked } from "@preact/signals";
+import { arrived, canRedo, canUndo, deleted, FORMER, isFormer, type Kept, keptScenes, NAME, opened, plan, read, replace, SCENE, scene, sceneOf, storage, toKeep } from "./plan";
 import { choose, problem, said } from "./session";
 
 /** Changes when scenes in the browser do. */
@@ -11,30 +11,29 @@ const turn = signal(0);
 export const scenes = computed(() => (turn.value, keptScenes()));
 /** Why the scene on the stage cannot be kept; empty if it is or need not be. */
 export const unkept = signal("");
-/** What was deleted last, to bring it back. */
-export const deleted = signal<{ id: string; text: string; name: string } | null>(null);
 
 /** The scene as it was opened or kept last. */
 let last = JSON.stringify(sceneOf(plan.value));
 /** Also its name and what can be undone, as it was written last. */
 let written = "";
+/** Which opening is of a file: once it is shown, it is kept. */
+let ofFile: number | null = null;
 
 function newId() {
     return `${Date.now().toString(36)}${Math.random().toString(36).slice(2, 8)}`;
 }
 
-/** Returns whether it is kept. */
-function write(id: string, text: string): boolean {
+/** Returns why it is not kept; empty if it is. */
+function write(id: string, text: string): string {
     try {
         const to = storage("localStorage");
         if (!to) throw new Error("this browser allows no storage here");
         to.setItem(SCENE + id, text);
         turn.value += 1;
-        return true;
+        return "";
     } catch (error) {
         const full = (error as Error).name === "QuotaExceededError";
-        unkept.value = full ? "this browser's storage is full: delete scenes that you do not need" : (error as Error).message;
-        return false;
+        return full ? "this browser's storage is full: delete scenes that you do not need" : (error as Error).message;
     }
 }
 
@@ -42,16 +41,16 @@ function write(id: string, text: string): boolean {
 function keep(id: string) {
     const now = toKeep();
     written = JSON.stringify({ ...now, changed: Date.now() });
-    if (!write(id, written)) return;
-    unkept.value = "";
-    if (scene.peek().id !== id) scene.value = { ...scene.peek(), id };
+    unkept.value = write(id, written);
+    if (!unkept.value && scene.peek().id !== id) scene.value = { ...scene.peek(), id };
 }
 
 let name = scene.value.name;
+let opening = opened.value;
 
 /** Keeps each change, and what an earlier version of the page kept. */
 export function begin() {
-    if (former) {
+    if (isFormer) {
         keep(newId());
         if (!unkept.value) storage("localStorage")?.removeItem(FORMER);
     }
@@ -60,11 +59,21 @@ export function begin() {
         const { id, name: called } = scene.value;
         const named = called !== name;
         name = called;
+        const other = opened.value !== opening;
+        opening = opened.value;
+        if (other) {
+            unkept.value = "";
+            last = now;
+            return;
+        }
         // What only completes the scene as it was opened is no change of the visitor's.
-        const opened = id === null && !canUndo.value && !canRedo.value && sameRest(now, last);
+        const completed = id === null && !canUndo.value && !canRedo.value && sameRest(now, last);
         if (now === last && !named) return;
         last = now;
-        if (!opened || named) keep(id ?? newId());
+        if (!completed || named) keep(id ?? newId());
+    });
+    effect(() => {
+        if (arrived.value === ofFile) untracked(() => keep(scene.value.id ?? newId()));
     });
     addEventListener("storage", ({ key, newValue }) => {
         turn.value += 1;
@@ -74,7 +83,7 @@ export function begin() {
         const copy = newValue === null ? called : `${called} (copy)`.slice(-NAME);
         name = copy;
         scene.value = { id: null, name: copy };
-        said.value = newValue === null ? `${called} was deleted in another tab. Here it is a copy, which is kept when you change it.` : `${called} was changed in another tab. Here it is a copy, which is kept when you change it.`;
+        said.value = newValue === null ? `"${called}" was deleted in another tab. Here it is a copy, which is kept when you change it.` : `"${called}" was changed in another tab. Here it is a copy, which is kept when you change it.`;
     });
 }
 
@@ -86,18 +95,14 @@ function sameRest(one: string, other: string) {
 
 /** Shows a scene that is not the visitor's own yet, or an opened file at once as one. */
 export function open(called: string, part: Parameters<typeof choose>[0], playing: boolean, crowd = plan.value.crowd, own = false) {
-    name = called.slice(0, NAME);
-    last = JSON.stringify({ ...sceneOf(plan.value), line: null, area: null, made: { ...plan.value.made, ...part }, crowd });
     batch(() => {
-        replace(null, { name, past: [], future: [], plan: { line: null, area: null } });
+        replace(null, { name: called.slice(0, NAME), past: [], future: [], plan: { line: null, area: null } });
         choose(part, playing, crowd, "", false);
+        if (own) ofFile = opened.value;
     });
-    if (own) keep(newId());
 }
 
 export function openKept(id: string, kept: Kept) {
-    last = JSON.stringify(sceneOf(kept.plan));
-    name = kept.name;
     replace(id, { ...kept, plan: sceneOf(kept.plan) });
 }
 
@@ -106,9 +111,13 @@ export function rename(called: string) {
     if (next) scene.value = { ...scene.value, name: next };
 }
 
+function tell(why: string) {
+    if (why) problem.value = `Not saved: ${why}.`;
+}
+
 /** Another scene with the same contents. */
 export function duplicate({ name: called, plan: from, past, future }: Kept) {
-    write(newId(), JSON.stringify({ name: `${called} (copy)`.slice(-NAME), ...sceneOf(from), past, future, changed: Date.now() }));
+    tell(write(newId(), JSON.stringify({ name: `${called} (copy)`.slice(-NAME), ...sceneOf(from), past, future, changed: Date.now() })));
 }
 
 export function remove(id: string) {
@@ -119,12 +128,17 @@ export function remove(id: string) {
     from.removeItem(SCENE + id);
     // On the stage it stays, as a copy.
     if (scene.value.id === id) scene.value = { ...scene.value, id: null };
+    // Now there may be room for what was changed.
+    else if (unkept.value) keep(scene.value.id ?? newId());
     turn.value += 1;
 }
 
 export function bringBack() {
     const was = deleted.value;
-    if (was && write(was.id, was.text)) deleted.value = null;
+    if (!was) return;
+    const why = write(was.id, was.text);
+    if (!why) deleted.value = null;
+    tell(why);
 }
 
 /** The scene on the stage as a file. */
@@ -137,9 +151,9 @@ export async function openFile(given: File) {
     if (given.size > 4e6) throw new Error(`${given.name} is too large for a scene`);
     const { kept, left } = read(await given.text(), given.name);
     if (!kept) throw new Error(left);
-    last = JSON.stringify(sceneOf(kept.plan));
-    name = kept.name || given.name.slice(0, NAME);
-    replace(null, { name, past: [], future: [], plan: sceneOf(kept.plan) });
-    keep(newId());
+    batch(() => {
+        replace(null, { name: kept.name || given.name.slice(0, NAME), past: [], future: [], plan: sceneOf(kept.plan) });
+        ofFile = opened.value;
+    });
     problem.value = left;
 }

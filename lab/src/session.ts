@@ -4,7 +4,7 @@ import { batch, computed, effect, signal, untracked } from "@preact/signals";
 import { Client, Stopped } from "./client";
 import { Film } from "./film";
 import { type KeptBase } from "./forms";
-import { change, FIRST, follow, isNew, keysInUse, type Made as Planned, plan, settle, unread } from "./plan";
+import { arrive, change, FIRST, follow, isNew, keysInUse, type Made as Planned, opened, plan, settle, unread } from "./plan";
 import type { Base, Made, Opened } from "./protocol";
 import { kept, remove } from "./store";
 
@@ -37,8 +37,8 @@ export function selectNext(id: string) {
 
 /** Scenes are asked for one after the other; only the latest counts. */
 let latest = 0;
-/** Whether it is still waited for. */
-let opening = false;
+/** What is waited for. */
+let opening: Planned | null = null;
 
 const same = (one: unknown, other: unknown) => JSON.stringify(one) === JSON.stringify(other);
 
@@ -71,7 +71,7 @@ export async function sent(base: KeptBase): Promise<[Base, Uint8Array | undefine
 
 async function contents(key: string, name: string): Promise<Uint8Array> {
     const bytes = await kept(key);
-    if (!bytes) throw new Error(`${name} is not kept in this browser: a link holds no files. Open it here.`);
+    if (!bytes) throw new Error(`"${name}" is not kept in this browser: a link holds no files. Open it here.`);
     return bytes;
 }
 
@@ -79,7 +79,7 @@ function words(opened: Opened, base: KeptBase, seconds: number): string {
     const count = opened.scene.agents.length;
     const people = count === 1 ? "person" : "people";
     if (base.kind === "crowd") return `${count} ${people} placed in ${seconds.toFixed(2)} s`;
-    if (base.kind === "upload") return `${base.name}: ${count} ${people}`;
+    if (base.kind === "upload") return `"${base.name}": ${count} ${people}`;
     return "";
 }
 
@@ -100,7 +100,7 @@ async function open(wanted: Planned, number: number) {
     const place = value.scene.agents.findIndex(({ id }) => id === chosen);
     film.value?.end();
     present = wanted;
-    opening = false;
+    opening = null;
     const next = new Film(client, value.scene, first);
     // What follows from the new film may already want the next one.
     const playing = plays && !matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -115,6 +115,7 @@ async function open(wanted: Planned, number: number) {
         selected.value = place < 0 ? null : place;
         film.value = next;
         next.playing.value = playing;
+        arrive();
         if (other) bases.value += 1;
     });
 }
@@ -124,13 +125,13 @@ async function show(wanted: Planned) {
     const number = ++latest;
     // Nobody waits any more for what is still being placed.
     if (opening && client.slow.peek()?.ask === "show") client.stop("another scene is wanted");
-    opening = true;
+    opening = wanted;
     problem.value = "";
     try {
         await open(wanted, number);
     } catch (error) {
         if (number !== latest) return;
-        opening = false;
+        opening = null;
         plays = false;
         nextId = undefined;
         // Who ended the worker opens what was there again.
@@ -149,10 +150,12 @@ const wanted = computed(() => JSON.stringify(plan.value.made));
 /** Begins to show what the plan says, now and whenever it changes. */
 export function begin() {
     effect(() => {
+        opened.value;
         const next = JSON.parse(wanted.value) as Planned;
+        if (opening && same(opening, next)) return;
         // Also when it is brought back: by undo, a link, the browser's storage.
         const shown = !opening && film.peek() && !film.peek()!.over && same(present, next);
-        if (!shown) untracked(() => void show(next));
+        untracked(() => (shown ? arrive() : void show(next)));
     });
     problem.value = unread;
     addEventListener("hashchange", () => {
@@ -177,8 +180,10 @@ export function choose(next: Partial<Planned>, playing: boolean, crowd = plan.va
 function back() {
     const before = present ?? FIRST.made;
     plays = false;
-    if (same(plan.value.made, before)) void show(before);
-    else settle(before);
+    opening = null;
+    // What follows from it may show it already.
+    settle(before);
+    if (!opening) void show(before);
 }
 
 /** Ends whatever is computed. */

@@ -1,7 +1,16 @@
 // A small plan of a scene's room.
 
 import type { KeptBase } from "./forms";
-import type { Point } from "./protocol";
+import type { Point, Room } from "./protocol";
+import { away, distance, rings } from "./roomshape";
+
+/** The direction of the wall that is nearest to a point. */
+function along(room: Room, at: Point): Point {
+    const walls = rings(room).flatMap((ring) => ring.map((corner, k): [Point, Point] => [ring.at(k - 1)!, corner]));
+    const [from, to] = walls.reduce((best, wall) => (away(at, wall) < away(at, best) ? wall : best));
+    const length = distance(from, to) || 1;
+    return [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
+}
 
 export function Sketch({ base }: { base: KeptBase }) {
     if (base.kind !== "crowd") {
@@ -22,9 +31,10 @@ export function Sketch({ base }: { base: KeptBase }) {
         <svg class="sketch" viewBox={`${left - 0.3} ${-high - 0.3} ${right - left + 0.6} ${high - low + 0.6}`} aria-hidden="true">
             <path d={path(region ?? room.outline)} class="crowded" />
             <path d={[room.outline, ...room.obstacles].map(path).join("")} class="outline" />
-            {room.doors.map(({ at: [x, y], width }) => (
-                <path key={`${x} ${y}`} d={`M${x} ${-y - width / 2}v${width}`} class="gap" />
-            ))}
+            {room.doors.map(({ at: [x, y], width }) => {
+                const [dx, dy] = along(room, [x, y]).map((part) => (part * width) / 2) as Point;
+                return <path key={`${x} ${y}`} d={`M${x - dx} ${dy - y}L${x + dx} ${-dy - y}`} class="gap" />;
+            })}
         </svg>
     );
 }

@@ -57,11 +57,15 @@ export function parameters(): Parameter[] {
     return [...(made.base.kind === "crowd" ? ofCrowd(crowd) : []), ...ofMotion(made.motion)];
 }
 
+/** Whether a slider is being moved: the whole way is one step of Undo. */
+let sliding = false;
+
 /** Gives one of them another value on the stage. */
-export function set(parameter: Parameter, value: number) {
+function slide(parameter: Parameter, value: number) {
     const other = parameter.with(value);
-    if ("crowd" in other) change({ crowd: { ...plan.value.crowd, ...other.crowd } });
-    else choose(other, film.value?.playing.value ?? false);
+    if ("crowd" in other) change({ crowd: { ...plan.value.crowd, ...other.crowd } }, !sliding);
+    else choose(other, film.value?.playing.value ?? false, plan.value.crowd, "", !sliding);
+    sliding = true;
 }
 
 export function Sliders() {
@@ -75,7 +79,15 @@ export function Sliders() {
                         <span>
                             {label}: <strong>{Number(value.toFixed(2))}</strong> {unit}
                         </span>
-                        <input type="range" min={min} max={Math.max(max, value)} step={step} value={value} onInput={(event) => set(parameter, event.currentTarget.valueAsNumber)} />
+                        <input
+                            type="range"
+                            min={min}
+                            max={Math.max(max, value)}
+                            step={step}
+                            value={value}
+                            onInput={(event) => slide(parameter, event.currentTarget.valueAsNumber)}
+                            onChange={() => (sliding = false)}
+                        />
                     </label>
                 );
             })}

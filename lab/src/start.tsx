@@ -13,11 +13,12 @@ import { FileInput, openTrial } from "./upload";
 
 export function StartTab() {
     const { name } = scene.value;
+    const known = EXAMPLES.find((example) => example.name === name);
     return (
         <section class="panel" aria-label="Start">
             <p class="note">People in dense crowds, as bodies that touch and press. Choose a question, move a slider, and watch; or draw your own room.</p>
             <TourButton />
-            <h2>{EXAMPLES.find((example) => example.name === name)?.question ?? name}</h2>
+            {known ? <h2>{known.question}</h2> : <h2 translate={false}>{name}</h2>}
             <Sliders />
             <Keep />
             <SweepForm />

@@ -3,7 +3,9 @@
 import { signal } from "@preact/signals";
 import { Client, Stopped } from "./client";
 import { table } from "./csv";
+import { meanFlow } from "./flow";
 import { Frames } from "./frames";
+import { beyond } from "./places";
 import { type Made, plan, scene } from "./plan";
 import type { Advanced, Motion, Opened } from "./protocol";
 import { film, sent } from "./session";
@@ -34,7 +36,7 @@ export interface Run {
 }
 
 export interface Sweep {
-    /** Of which scene. */
+    /** Name of the scene. */
     scene: string;
     made: Made;
     parameter: Parameter;
@@ -66,52 +68,46 @@ function variant(made: Made, parameter: Parameter, value: number, k: number): { 
     return { made: { base, motion, edits: base.kind === "crowd" ? [] : made.edits }, seed };
 }
 
-/** Exits beyond doors, where the doors are others. */
-export function beyond(motion: Motion, before: unknown[], after: Opened["scene"]["beyond_doors"]): Motion {
-    if (motion.kind !== "go") return motion;
-    const lines = before.map((line) => JSON.stringify(line));
-    const exits = motion.wishes.exits.map((exit) => {
-        const line = after[lines.indexOf(JSON.stringify(exit.line))];
-        return line ? { ...exit, line } : exit;
-    });
-    return { kind: "go", wishes: { ...motion.wishes, exits } };
-}
-
 async function run(client: Client, made: Made, doors: unknown[], until: number): Promise<Pick<Run, "made" | "measures">> {
     const [base, bytes] = await sent(made.base);
     const show = (motion: Motion) => client.ask<Opened>({ ask: "show", base, edits: made.edits, motion }, bytes);
     let opened = await show(made.motion);
-    const motion = beyond(made.motion, doors, opened.value.scene.beyond_doors);
+    const lines = doors.map((line) => JSON.stringify(line));
+    const motion = beyond(made.motion, ({ line }) => lines.indexOf(JSON.stringify(line)), opened.value.scene.beyond_doors);
     if (JSON.stringify(motion) !== JSON.stringify(made.motion)) opened = await show(motion);
     const { agents, leaving, step, run, overlap } = opened.value.scene;
     const frames = new Frames(agents.length);
     frames.add(new Float64Array(opened.bytes), 1);
-    let [deepest, at_once] = [overlap, 1];
-    const last = Math.round(until / step);
+    const [last, ofTenth, ofSecond] = [until, 0.1, 1].map((seconds) => Math.max(1, Math.round(seconds / step))) as [number, number, number];
     const left = () => frames.curve("left");
-    while (frames.count <= last && !(leaving > 0 && left().at(-1)! >= leaving)) {
-        const steps = Math.min(at_once, last + 1 - frames.count);
+    const ended = () => frames.count > last || (leaving > 0 && left().at(-1)! >= leaving);
+    let [deepest, atOnce] = [overlap, 1];
+    while (!ended()) {
+        const steps = Math.min(atOnce, last + 1 - frames.count);
         const { value, bytes, seconds } = await client.ask<Advanced>({ ask: "advance", run, steps });
-        frames.add(new Float64Array(bytes), steps);
-        deepest = value.overlaps.at(-1)!;
-        at_once = Math.max(1, Math.min(1000, Math.round((ANSWER * steps) / Math.max(seconds, 1e-4))));
+        const numbers = new Float64Array(bytes);
+        // Answers may be longer than needed: how long depends on the machine.
+        for (let k = 0; k < steps && !ended(); k++) {
+            frames.add(numbers.subarray(k * frames.length), 1);
+            deepest = value.overlaps[k]!;
+        }
+        frames.forget([ofTenth, ofSecond]);
+        atOnce = Math.max(1, Math.min(1000, Math.round((ANSWER * steps) / Math.max(seconds, 1e-4))));
     }
     const count = left();
-    const [first, all] = [count.findIndex((one) => one > 0), count.findIndex((one) => leaving > 0 && one >= leaving)];
-    // Answers are longer than needed.
-    const end = all >= 0 ? all + 1 : frames.count;
-    const total = count[end - 1]!;
-    const until_last = total > 0 ? count.findIndex((one) => one >= total) - first : 0;
-    const greatest = (seconds: number) => frames.greatestMean(Math.max(1, Math.round(seconds / step))).subarray(0, end).reduce((one, other) => Math.max(one, other), 0);
-    const squeezes = frames.curve("squeeze").subarray(1, all >= 0 ? all : end);
+    const total = count.at(-1)!;
+    const all = leaving > 0 && total >= leaving;
+    const flow = meanFlow(total, count.findIndex((one) => one > 0), count.indexOf(total), step);
+    const greatest = (mean: number) => frames.greatestMean(mean).reduce((one, other) => Math.max(one, other), 0);
+    const squeezes = frames.curve("squeeze").subarray(1, all ? -1 : undefined);
     return {
         made: { ...made, motion },
         measures: {
-            all_left: all >= 0 ? all * step : NaN,
+            all_left: all ? (count.length - 1) * step : NaN,
             left: total,
-            flow: until_last > 0 ? (total - count[first]!) / (until_last * step) : NaN,
-            greatest_mean_of_1_s: greatest(1),
-            "greatest_mean_of_0.1_s": greatest(0.1),
+            flow: flow ?? NaN,
+            greatest_mean_of_1_s: greatest(ofSecond),
+            "greatest_mean_of_0.1_s": greatest(ofTenth),
             mean_squeeze: squeezes.reduce((sum, one) => sum + one, 0) / Math.max(1, squeezes.length),
             deepest_overlap: 1000 * deepest,
         },
@@ -150,7 +146,7 @@ export function begin(parameter: Parameter, values: number[], seeds: number, unt
     }
 }
 
-/** Of sorted numbers, between two of them in proportion: as NumPy and R (type 7) do it. */
+/** A quantile of sorted numbers, between two of them in proportion: as NumPy and R (type 7) do it. */
 export function quantile(sorted: number[], share: number): number {
     const at = share * (sorted.length - 1);
     const low = sorted[Math.floor(at)]!;
@@ -164,7 +160,7 @@ export interface Row {
     numbers: number[];
 }
 
-/** Of each value, in order, the numbers of a measure. */
+/** The numbers of a measure, for each value in order. */
 export function rows({ runs }: Sweep, measure: Measure): Row[] {
     return [...new Set(runs.map(({ value }) => value))].map((value) => {
         const mine = runs.filter((run) => run.value === value);

@@ -95,14 +95,14 @@ function Results({ of, running }: { of: Sweep; running: boolean }) {
     return (
         <section aria-label="Results of the sweep">
             <p role="status" class="note">
-                {of.scene}: {runs.length} of {wanted} runs until {of.until} s{of.stopped && ", stopped"}.
+                {`"${of.scene}": ${runs.length} of ${wanted} runs until ${of.until} s${of.stopped ? ", stopped" : ""}.`}
             </p>
             {running && <progress aria-label="Sweep" max={wanted} value={runs.length + failed.length} />}
             {failed.length > 0 && <p class="warning">{failed.slice(0, 3).join("; ")}{failed.length > 3 && `; and ${failed.length - 3} more`}</p>}
             {runs.length > 0 && (
                 <>
                     <Choice label="Measure" value={measure} choices={Object.entries(MEASURES).map(([key, [words, unit]]) => [key as Measure, `${words} [${unit}]`] as const)} onChange={(next) => (chosen.value = next)} />
-                    <Chart found={found} measure={measure} words={`${label} against ${parameter.label}`} onShow={show} />
+                    <Chart found={found} measure={measure} words={`${label}: ${parameter.label}`} onShow={show} />
                     <SweepTable of={of} measure={measure} onShow={show} />
                     <button type="button" onClick={() => save(`${of.scene}-sweep.csv`, csv(of))}>
                         Runs of the sweep (CSV)
@@ -116,11 +116,11 @@ function Results({ of, running }: { of: Sweep; running: boolean }) {
 /** Quantiles for each value. */
 export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measure; onShow?(run: Run): void }) {
     const { label, unit } = of.parameter;
-    const [words, of_measure] = MEASURES[measure];
+    const [words, unitOf] = MEASURES[measure];
     return (
         <table class="sweep">
             <caption>
-                {words} [{of_measure}]: quantiles of the runs
+                {words} [{unitOf}]: quantiles of the runs
             </caption>
             <thead>
                 <tr>
@@ -166,8 +166,8 @@ function Chart({ found, measure, words, onShow }: { found: Row[]; measure: Measu
     const [first, last] = [found[0]!.value, found.at(-1)!.value];
     const x = (value: number) => (last > first ? LEFT + 12 + ((WIDE - LEFT - 24) * (value - first)) / (last - first) : (WIDE + LEFT) / 2);
     const y = (number: number) => HIGH - LOW - ((HIGH - LOW - 8) * number) / most;
-    const with_numbers = found.filter(({ numbers }) => numbers.length > 0);
-    const line = (share: number) => with_numbers.map(({ value, numbers }) => `${x(value)},${y(quantile(numbers, share))}`);
+    const measured = found.filter(({ numbers }) => numbers.length > 0);
+    const line = (share: number) => measured.map(({ value, numbers }) => `${x(value)},${y(quantile(numbers, share))}`);
     return (
         <svg class="runs" viewBox={`0 0 ${WIDE} ${HIGH}`} role="img" aria-label={words}>
             <polygon points={[...line(QUANTILES[0]), ...line(QUANTILES[2]).reverse()].join(" ")} class="band" />

@@ -9,7 +9,7 @@ import { scaleOf, values } from "./colour";
 import type { Film } from "./film";
 import { Movie, whyNoMovie } from "./movie";
 import { curvesCsv, leavingCsv, perExit } from "./csv";
-import { attribute, brief, copy, digits, NumberField, save } from "./parts";
+import { attribute, copy, digits, named, NumberField, save } from "./parts";
 import { png } from "./picture";
 import { link, plan, scene as kept } from "./plan";
 import type { Wanted } from "./protocol";
@@ -78,7 +78,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
         busy.value = true;
         try {
             const name = await make();
-            said(name ? `${name} is made.` : "Stopped.");
+            said(name ? `"${name}" is made.` : "Stopped.");
         } catch (error) {
             if (!(error instanceof Stopped)) problem.value = `${what}: ${(error as Error).message}`;
         } finally {
@@ -134,7 +134,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             return `${scene.name}-${name}`;
         });
     const size = (each: number) => `${Math.ceil(each * scene.agents.length)} MB`;
-    const leaves = perExit(film).map(({ name, count, flow }) => `${brief(name)}: ${count} ${count === 1 ? "person" : "people"}${flow === null ? "" : `, ${digits(flow, 3)} per second`}`);
+    const leaves = perExit(film).map(({ name, count, flow }) => `${named(name)}: ${count} ${count === 1 ? "person" : "people"}${flow === null ? "" : `, ${digits(flow, 3)} per second`}`);
     const end = until.value ?? film.reached.value * scene.step;
     const steps = Math.max(1, Math.round(end / scene.step));
     const trajectories = () => take("Trajectories (CSV)", { file: "trajectories", steps });
@@ -264,7 +264,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                 {item(
                     "Who left when (CSV)",
                     async () => text("Who left when (CSV)", "leaving.csv", leavingCsv(film)),
-                    leaves.length > 0 ? `So far, until the end of what is computed: ${leaves.join("; ")}.` : "When each person left, and by which exit.",
+                    leaves.length > 0 ? `Up to the last frame that was shown or asked for: ${leaves.join("; ")}.` : "When each person left, and by which exit.",
                     scene.leaving === 0 ? "Nobody leaves in this scene." : "",
                 )}
                 {item(

@@ -41,7 +41,7 @@ export interface Tool {
     draws?(): boolean;
 }
 
-/** Of the present tab. */
+/** The tool of the present tab. */
 export const tool = signal<Tool | null>(null);
 /** It is the tool while the component is there. What a former tab leaves may be tidied up only after this tab began. */
 export function useTool(own: Tool) {

@@ -34,7 +34,7 @@ export async function openTrial(given: Given[]) {
     const { made } = plan.value;
     const key = await taken(given.map(({ file }) => file));
     if (plan.value.made !== made) {
-        said.value = `${name} was not opened: another scene was chosen meanwhile.`;
+        said.value = `"${name}" was not opened: another scene was chosen meanwhile.`;
         return remove(key);
     }
     const files = given.map(({ path, file }) => [path, file.size] as [string, number]);

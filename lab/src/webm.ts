@@ -5,7 +5,7 @@ const [HEAD, SEGMENT, INFO, SCALE, DURATION] = [0x1a45dfa3, 0x18538067, 0x1549a9
 
 interface Element {
     id: number;
-    /** Of its content; to the end of the file where its size is not known. */
+    /** Bounds of its content; to the end of the file where its size is not known. */
     from: number;
     to: number;
 }

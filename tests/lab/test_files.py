@@ -119,7 +119,7 @@ def test_a_zip_is_opened_where_it_is_dropped(page: Page, tmp_path: Path) -> None
     expect(page.get_by_role("alert")).to_contain_text("holiday.zip: it is no zip")
     expect(page.get_by_role("row", name="People 3")).to_be_visible()
     drop("mine.zip", trial.read_bytes())
-    expect(page.get_by_text("mine.zip: 5 people")).to_be_visible()
+    expect(page.get_by_text('"mine.zip": 5 people')).to_be_visible()
     expect(page.get_by_role("row", name="People 5")).to_be_visible()
     expect(page.get_by_role("alert")).to_have_count(0)
     # It is the same Trial, with its drive.

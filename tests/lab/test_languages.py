@@ -5,14 +5,11 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
-from visit import wait
-
-#: With the name of a scene; times are written by the browser.
-NAMES = re.compile(r"^(Copy|Delete) The door$|^#[-/.]#")
+from visit import becomes, plan, wait
 
 
 def visit(browser: Browser, url: str, locale: str, width: int = 1280) -> Page:
-    context = browser.new_context(viewport={"width": width, "height": 844}, locale=locale)
+    context = browser.new_context(viewport={"width": width, "height": 844}, locale=locale, permissions=["clipboard-read", "clipboard-write"])
     page = context.new_page()
     page.goto(url)
     page.wait_for_selector("canvas")
@@ -21,7 +18,8 @@ def visit(browser: Browser, url: str, locale: str, width: int = 1280) -> Page:
 
 def english(page: Page) -> list[str]:
     """Texts without a translation."""
-    return [text for text in page.evaluate("[...window.missing]") if not NAMES.match(text)]
+    found: list[str] = page.evaluate("[...window.missing]")
+    return found
 
 
 @pytest.mark.parametrize(("locale", "title", "people"), [("de-AT", "Die Tür", "70 Personen in"), ("fr-CA", "La porte", "70 personnes placées en")])
@@ -48,14 +46,55 @@ def test_every_tab_is_in_the_language_of_the_browser(browser: Browser, url: str,
     page.locator("button.card").first.click()
     page.locator(".sheet .buttons button").first.click()
     page.locator(".sliders input[type=range]").nth(1).fill("1.2")
+    # The people of the wider door are there.
+    becomes(page, lambda: plan(page)["made"]["base"]["room"]["doors"][0]["width"], 1.2)
+    page.wait_for_timeout(500)
     page.locator(".frame canvas").last.press("n")
     page.locator(".frame canvas").last.press("Shift+F10")
     wait(page, lambda: page.get_by_role("menu").count() == 1)
     page.keyboard.press("Escape")
+    # What is said of a person under the mouse, who is dragged onto others.
+    tabs.nth(2).click()
+    page.locator(".about summary").click()
+    page.locator(".transport button").first.click()
+    box = page.locator(".frame canvas").last.bounding_box()
+    assert box
+    for k in range(200):
+        x, y = box["x"] + (0.1 + 0.02 * (k % 40)) * box["width"], box["y"] + (0.35 + 0.07 * (k // 40)) * box["height"]
+        page.mouse.move(x, y)
+        page.wait_for_timeout(50)
+        if page.locator("canvas.over-person").count():
+            break
+    page.mouse.down()
+    for k in range(30):
+        page.mouse.move(x + 3 * k, y)
+        page.wait_for_timeout(30)
+    overlap = page.locator("section.panel .note[role=status]").last
+    assert re.search("berlapp|recouvre", overlap.text_content() or "")
+    page.mouse.up()
+    expect(page.get_by_text(re.compile("Änderung von Hand|changement à la main"))).to_be_visible()
+    # Names of the visitor's own stay as they are, also where they are words of the page.
+    page.locator(".name input").fill("Room")
+    page.locator(".name input").press("Enter")
+    tabs.nth(3).click()
+    name = page.locator("fieldset input[type=text]").first
+    name.fill("right")
+    name.press("Enter")
+    page.locator(".tools button").last.click()
+    wait(page, lambda: bool(page.locator("footer p").first.text_content()))
     tabs.nth(5).click()
+    with page.expect_download():
+        page.locator(".take button").filter(has_text="PNG").click()
     page.locator(".take button").filter(has_text=re.compile("^(Bericht|Rapport)")).click()
     page.locator("main.report").wait_for()
-    assert english(page) == []
+    assert page.locator("main.report h1").text_content() == "Room"
+    assert page.locator("main.report").get_by_text('"right"').count() == 1
+    tabs.nth(0).click()
+    page.locator(".scenes button").nth(1).click()
+    page.locator(".scenes button").nth(2).click()
+    page.wait_for_timeout(300)
+    assert page.locator(".scenes strong").first.text_content() == "Room"
+    assert "; ".join(english(page)) == ""
     page.context.close()
 
 

@@ -34,17 +34,17 @@ def test_a_broken_trial_is_named_with_file_and_attribute(page: Page, tmp_path: P
     upload.set_input_files({"name": "no.zip", "mimeType": "application/zip", "buffer": b"no zip"})
     expect(alert).to_contain_text("no.zip: it is no zip")
     upload.set_input_files(good)
-    expect(page.get_by_text("push.zip: 5 people")).to_be_visible()
+    expect(page.get_by_text('"push.zip": 5 people')).to_be_visible()
     expect(alert).to_have_count(0)
     # A reload keeps it, as it was opened.
     page.reload()
-    expect(page.get_by_text("push.zip: 5 people")).to_be_visible()
+    expect(page.get_by_text('"push.zip": 5 people')).to_be_visible()
 
 
 def test_a_folder_is_opened_too(page: Page) -> None:
     tab(page, "Start")
     page.get_by_label("Open a folder").set_input_files(ROOT / "resources/Trial_door")
-    expect(page.get_by_text("Trial_door: 30 people")).to_be_visible()
+    expect(page.get_by_text('"Trial_door": 30 people')).to_be_visible()
 
 
 def test_a_reload_and_a_link_bring_all_back_and_undo_takes_it_away(page: Page, browser: Browser, url: str) -> None:

@@ -7,7 +7,7 @@ import threading
 from pathlib import Path
 
 from playwright.sync_api import Browser, Page, expect
-from visit import becomes, download, example, held, lemons, places, plan, rows, seconds, show_at, tab, wait
+from visit import becomes, download, example, fill, held, lemons, link, places, plan, play_until, rows, seconds, show_at, tab, wait
 
 
 def slide(page: Page, name: str, value: float) -> None:
@@ -23,7 +23,11 @@ def test_a_new_visitor_sees_people_leave_by_a_door(browser: Browser, url: str) -
     expect(page.get_by_role("heading", name="How long do 70 people need to leave?")).to_be_visible()
     wait(page, lambda: seconds(page) > 0.5)
     # Nothing of it is kept before it is changed.
-    assert page.get_by_role("list", name="Your scenes").get_by_role("listitem").count() == 0
+    scenes = page.get_by_role("list", name="Your scenes")
+    expect(scenes).to_have_count(1)
+    assert scenes.get_by_role("listitem").count() == 0
+    slide(page, "People", 30)
+    expect(scenes.get_by_role("listitem")).to_have_count(1)
     context.close()
 
 
@@ -43,6 +47,48 @@ def test_a_slider_changes_the_room_while_it_runs_and_the_exit_follows(page: Page
     trial = download(page, "Trial (zip)", tmp_path)
     assert len(places(trial)) == 30 and "desired_speed = 0.8" in held(trial)["decision.toml"]
     assert "no problem" in lemons("check", trial)
+
+
+def test_a_slider_that_is_dragged_is_one_step_of_undo(page: Page) -> None:
+    example(page, "The door", 70)
+    box = page.get_by_role("slider", name="People").bounding_box()
+    assert box
+    page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + box["height"] / 2)
+    page.mouse.down()
+    for k in range(10):
+        page.mouse.move(box["x"] + (0.4 - 0.02 * k) * box["width"], box["y"] + box["height"] / 2)
+        # Some of the values on the way are placed.
+        page.wait_for_timeout(100 if k != 5 else 1500)
+    page.mouse.up()
+    wait(page, lambda: plan(page)["made"]["base"]["number"] == plan(page)["crowd"]["number"] != 70)
+    assert len(plan(page)["past"]) == 1
+    slide(page, "Desired speed", 0.8)
+    assert len(plan(page)["past"]) == 2
+    for _ in range(2):
+        page.get_by_role("button", name="Undo", exact=True).click()
+    expect(page.get_by_role("row", name="People 70", exact=True)).to_be_visible()
+
+
+def test_an_exit_does_not_follow_a_door_that_could_not_be_made(page: Page, url: str) -> None:
+    example(page, "The door", 70)
+    page.get_by_role("button", name="Pause").click()
+    before = plan(page)
+    tab(page, "Crowd")
+    fill(page, "People", 4000)
+    expect(page.get_by_role("alert")).to_contain_text("without overlap")
+    # Another scene, with an exit of this name elsewhere.
+    other = {**before, "name": "Elsewhere"}
+    (far,) = other["made"]["motion"]["wishes"]["exits"]
+    assert far["name"] == "door 1"
+    far["line"] = [[x + 1, y] for x, y in far["line"]]
+    page.evaluate("address => { location.href = address; }", link(url, other))
+    expect(page.get_by_label("Name of the scene")).to_have_value("Elsewhere")
+    expect(page.get_by_role("row", name="People 70", exact=True)).to_be_visible()
+    tab(page, "Motion")
+    fill(page, "Desired speed", 1)
+    becomes(page, lambda: plan(page)["made"]["motion"]["wishes"]["desired_speed"], 1)
+    page.wait_for_timeout(500)
+    assert plan(page)["made"]["motion"]["wishes"]["exits"] == [far]
 
 
 def test_two_widths_side_by_side_have_the_numbers_of_the_command(page: Page, tmp_path: Path) -> None:
@@ -128,24 +174,33 @@ def test_round_bodies_and_friction_are_in_the_files(page: Page, tmp_path: Path) 
 
 def test_the_report_has_the_numbers_of_the_run(page: Page, tmp_path: Path) -> None:
     example(page, "The door", 70)
-    page.get_by_role("button", name="Pause").click()
-    show_at(page, 4)
+    # Much more is computed than was shown.
+    computed = page.get_by_text(re.compile(r"^computed: [\d.]+ s$"))
+    wait(page, lambda: float(computed.inner_text().split()[1]) > 12)
+    play_until(page, 4)
+    end = seconds(page)
+    assert end < 10
     trial = download(page, "Trial (zip)", tmp_path)
     table = tmp_path / "run.csv"
-    lemons("run", trial, "--until", "4", "-o", table)
+    lemons("run", trial, "--until", end, "-o", table)
     found = rows(table)
     left = sum(row["active"] == "0" for row in found[-70:])
-    tab(page, "Take away")
+    assert left > 1 and len(rows(download(page, "Who left when (CSV)", tmp_path))) == left
+    expect(page.get_by_text(f'Up to the last frame that was shown or asked for: "door 1": {left} people')).to_be_visible()
     page.get_by_role("button", name="Report to print").click()
     report = page.get_by_role("main", name="Report")
     expect(report.get_by_role("row", name=f"Have left {left} of 70", exact=True)).to_be_visible()
+    expect(report.get_by_role("row", name=re.compile(rf'^By "door 1" {left} people, '))).to_be_visible()
     expect(report.get_by_role("row", name="Doors 90 cm", exact=True)).to_be_visible()
     assert page.evaluate("document.querySelector('.report img').naturalWidth") > 300
     expect(report.get_by_role("heading", name="What these numbers do not say")).to_be_visible()
     pdf = page.pdf()
     assert pdf.startswith(b"%PDF") and len(pdf) > 20_000
     page.get_by_role("button", name="Back to the lab").click()
-    expect(page.get_by_role("navigation")).to_be_visible()
+    expect(report).to_have_count(0)
+    page.get_by_role("button", name="Report to print").click()
+    tab(page, "Crowd")
+    expect(report).to_have_count(0)
 
 
 def test_the_tour_has_four_steps(page: Page) -> None:

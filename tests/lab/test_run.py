@@ -111,7 +111,7 @@ def test_measured_people_are_drawn_from_their_tables(page: Page, tmp_path: Path)
     tab(page, "Crowd")
     page.get_by_label("Who they are").select_option(label="From tables of measured people")
     page.get_by_label("Choose tables").set_input_files(files)
-    expect(page.get_by_text("They are drawn from Team_Male.csv and Team_FEMALE.csv")).to_be_visible()
+    expect(page.get_by_text('They are drawn from "Team_Male.csv" and "Team_FEMALE.csv"')).to_be_visible()
     make(page, 40, 400, 400)
     people = same_crowd(page, tmp_path, "--ansur-male", files[0], "--ansur-female", files[1])
     # They are there after a reload, too.
@@ -122,7 +122,7 @@ def test_measured_people_are_drawn_from_their_tables(page: Page, tmp_path: Path)
     wrong = b"bideltoidbreadth,chestdepth,stature,weightkg\n520,255,tall,871\n"
     tab(page, "Crowd")
     page.get_by_label("Choose tables").set_input_files({"name": "male.csv", "mimeType": "text/csv", "buffer": wrong})
-    expect(page.get_by_text("They are drawn from male.csv")).to_be_visible()
+    expect(page.get_by_text('They are drawn from "male.csv"')).to_be_visible()
     expect(page.get_by_role("alert")).to_contain_text("male.csv:2: stature")
 
 
@@ -149,7 +149,7 @@ def test_those_who_leave_by_a_door_are_gone(page: Page, tmp_path: Path) -> None:
     lemons("crowd", "-n", 20, "--box", "5x4", "--door", "5,2,1", "--leave", "--zip", trial)
     tab(page, "Start")
     page.get_by_label("Open a zip").set_input_files(trial)
-    expect(page.get_by_text("room.zip: 20 people")).to_be_visible()
+    expect(page.get_by_text('"room.zip": 20 people')).to_be_visible()
     page.get_by_label("Pace").select_option(label="4 ×")
     table = tmp_path / "run.csv"
     lemons("run", trial, "--until", "15", "-o", table, "--outputs", tmp_path / "outputs.csv")

@@ -97,7 +97,7 @@ def test_two_tabs_know_of_each_other(context: BrowserContext, url: str) -> None:
     fill(other, "People", 10)
     people(other, 10)
     # This tab has what it had, and writes nothing over the other one's.
-    expect(one.get_by_text("Nine was changed in another tab.")).to_be_visible()
+    expect(one.get_by_text('"Nine" was changed in another tab.')).to_be_visible()
     people(one, 9)
     tab(one, "Crowd")
     fill(one, "People", 11)
@@ -111,9 +111,9 @@ def test_what_is_deleted_comes_back(context: BrowserContext, url: str) -> None:
     make(page, 4, 400, 400)
     rename(page, "Four")
     tab(page, "Start")
-    page.get_by_role("button", name="Copy Four").click()
+    page.get_by_role("button", name='Copy "Four"').click()
     assert names(page) == ["Four (copy)", "Four"]
-    page.get_by_role("button", name="Delete Four", exact=True).click()
+    page.get_by_role("button", name='Delete "Four"', exact=True).click()
     assert names(page) == ["Four (copy)"]
     people(page, 4)
     page.get_by_role("button", name="Bring it back").click()
@@ -182,3 +182,84 @@ def test_the_page_opens_without_a_network(context: BrowserContext, url: str) -> 
     addresses = other.evaluate("() => [...document.scripts].map(script => script.src)")
     assert all("?" in address for address in addresses)
     context.set_offline(False)
+
+
+def stored(page: Page) -> dict[str, str]:
+    """The scenes in the browser, as text."""
+    found: dict[str, str] = page.evaluate("({ ...localStorage })")
+    return {key: text for key, text in found.items() if key.startswith("lemons-lab scene ")}
+
+
+def test_a_scene_that_cannot_be_shown_is_not_written_over(context: BrowserContext, url: str, tmp_path: Path) -> None:
+    page = visit(context, url)
+    make(page, 6, 400, 400)
+    rename(page, "Six")
+    expect(page.get_by_text("saved", exact=True)).to_be_visible()
+    mine = plan(page)
+    crowd = {**mine["crowd"], "number": 5000, "region": None, "room": {"outline": [[0, 0], [24, 0], [24, 24], [0, 24]], "obstacles": [], "doors": []}}
+    upload: dict[str, Any] = {"kind": "upload", "name": "gone.zip", "files": [["gone.zip", 9]], "key": "gone"}
+    for key, name, base in (("large", "Large", {"kind": "crowd", **crowd}), ("gone", "Gone", upload)):
+        made: dict[str, Any] = {"base": base, "edits": [], "motion": {"kind": "own"}}
+        text = json.dumps({**mine, "name": name, "made": made, "crowd": crowd, "past": []})
+        page.evaluate("([key, text]) => localStorage.setItem('lemons-lab scene ' + key, text)", [key, text])
+    before = stored(page)
+    page.reload()
+    people(page, 6)
+    undos = plan(page)["past"]
+    assert len(before) == 3 and undos
+
+    def back() -> None:
+        people(page, 6)
+        expect(page.get_by_label("Name of the scene")).to_have_value("Six")
+        expect(page.get_by_text("saved", exact=True)).to_be_visible()
+        assert plan(page)["past"] == undos and stored(page) == before
+
+    tab(page, "Start")
+    scenes = page.get_by_role("list", name="Your scenes")
+    scenes.get_by_role("button", name="Large").first.click()
+    page.get_by_role("button", name="Stop", exact=True).click()
+    expect(page.get_by_text("Stopped. What was there before")).to_be_visible()
+    back()
+    scenes.get_by_role("button", name="Gone").first.click()
+    expect(page.get_by_role("alert")).to_contain_text('"gone.zip" is not kept in this browser')
+    back()
+    # A file that is no Trial becomes no scene.
+    bad = tmp_path / "bad.zip"
+    bad.write_bytes(b"PK\3\4")
+    page.get_by_label("Open a zip").set_input_files(bad)
+    expect(page.get_by_role("alert")).to_contain_text("bad.zip")
+    back()
+    # What this tab finds again when it is loaded is not written over, either.
+    page.evaluate("() => { sessionStorage['lemons-lab tab'] = JSON.stringify({ ...JSON.parse(localStorage['lemons-lab scene gone']), id: 'gone' }); }")
+    page.reload()
+    expect(page.get_by_role("alert")).to_contain_text('"gone.zip" is not kept in this browser')
+    people(page, 5)
+    assert stored(page) == before
+
+
+def test_what_is_said_about_saving_is_of_the_scene_on_the_stage(context: BrowserContext, url: str) -> None:
+    page = visit(context, url)
+    for count, name in ((4, "Four"), (5, "Five")):
+        make(page, count, 400, 400)
+        rename(page, name)
+        example(page, "The door", 70)
+    page.evaluate("() => { const own = Storage.prototype.setItem; window.mend = () => (Storage.prototype.setItem = own); Storage.prototype.setItem = () => { throw new DOMException('full', 'QuotaExceededError'); }; }")
+    scenes = page.get_by_role("list", name="Your scenes")
+    scenes.get_by_role("button", name="Five").first.click()
+    people(page, 5)
+    # A copy that cannot be made is none of the scene on the stage.
+    page.get_by_role("button", name='Copy "Four"').click()
+    expect(page.get_by_role("alert")).to_contain_text("storage is full")
+    expect(page.get_by_text("saved", exact=True)).to_be_visible()
+    page.get_by_role("button", name="Close this message").click()
+    tab(page, "Crowd")
+    fill(page, "People", 7)
+    people(page, 7)
+    expect(page.get_by_text("not saved", exact=True)).to_be_visible()
+    # Where there is room again, it is kept without a further change.
+    page.evaluate("() => window.mend()")
+    tab(page, "Start")
+    page.get_by_role("button", name='Delete "Four"', exact=True).click()
+    expect(page.get_by_text("saved", exact=True)).to_be_visible()
+    page.reload()
+    people(page, 7)

@@ -157,3 +157,12 @@ def test_an_area_has_the_density_of_the_table(page: Page, tmp_path: Path) -> Non
     becomes(page, lambda: plan(page)["area"][0][0], 3.9)
     page.get_by_role("button", name="Remove the area").click()
     expect(page.get_by_role("option", name="In the area")).to_have_count(0)
+
+
+def test_one_tool_draws_at_a_time(page: Page) -> None:
+    make(page, 3, 400, 300)
+    area, door = (page.get_by_role("button", name=name, exact=True) for name in ("Measure an area", "Door"))
+    for one, other in ((area, door), (door, area), (area, door)):
+        one.click()
+        expect(one).to_have_attribute("aria-pressed", "true")
+        expect(other).to_have_attribute("aria-pressed", "false")

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
-from visit import download, fill, lemons, make, plan, rows, tab, wait
+from visit import download, example, fill, lemons, make, plan, rows, tab, wait
 
 
 def room(page: Page) -> None:
@@ -33,11 +33,10 @@ def of_table(table: Path) -> dict[str, float]:
     left = count - there.sum(axis=1)
     leavings = times[np.flatnonzero(np.diff(left) > 0) + 1]
     greatest = lambda last: max(np.max(squeeze[max(1, k - last + 1) : k + 1].mean(axis=0) * there[k]) for k in range(1, len(times)))
-    first = np.argmax(left > 0)
     return {
         "all_left [s]": times[np.argmax(left == count)],
         "left [people]": left[-1],
-        "flow [1/s]": (left[-1] - left[first]) / (leavings[-1] - leavings[0]),
+        "flow [1/s]": (left[-1] - 1) / (leavings[-1] - leavings[0]),
         "greatest_mean_of_1_s [N]": greatest(100),
         "greatest_mean_of_0.1_s [N]": greatest(10),
         "mean_squeeze [N]": np.mean([squeeze[k][there[k]].mean() for k in range(1, len(times)) if there[k].any()]),
@@ -73,6 +72,50 @@ def test_its_runs_have_the_numbers_of_the_command_and_the_quantiles_of_numpy(pag
     lemons("run", trial, "--until", "left", "-o", table)
     wanted = of_table(table)
     assert {name: float(runs[4][name]) for name in wanted} == pytest.approx(wanted, rel=1e-5)
+    # How deep people overlap, the stage says.
+    expect(page.get_by_role("row", name="Have left 16 of 16", exact=True)).to_be_visible()
+    words = page.get_by_role("row", name=re.compile("^Deepest overlap so far")).inner_text()
+    assert float(runs[4]["deepest_overlap [mm]"]) == pytest.approx(float(words.split()[-2]), rel=0.06)
+
+
+def test_a_long_run_of_many_people_keeps_few_frames(page: Page, tmp_path: Path) -> None:
+    example(page, "The door", 70)
+    page.get_by_role("button", name="Pause").click()
+    trial = download(page, "Trial (zip)", tmp_path)
+    tab(page, "Start")
+    page.get_by_text("A sweep: many values").click()
+    page.get_by_label("Values [m]").fill("0.9")
+    fill(page, "Seeds for each value", 1)
+    fill(page, "Until all have left, at most", 300)
+    # Frames lie in blocks of 4 MB.
+    page.evaluate(
+        """() => {
+            window.blocks = [];
+            window.Float32Array = new Proxy(Float32Array, {
+                construct(type, given, target) {
+                    const made = Reflect.construct(type, given, target);
+                    if (given[0] > 9e5) window.blocks.push(new WeakRef(made));
+                    return made;
+                },
+            });
+        }"""
+    )
+    page.get_by_role("button", name="Begin the sweep").click()
+    tools = page.context.new_cdp_session(page)
+    most = 0
+    while not page.get_by_text("1 of 1 runs").count():
+        tools.send("HeapProfiler.collectGarbage")
+        most = max(most, page.evaluate("window.blocks.filter(block => block.deref()).length"))
+    count = page.evaluate("window.blocks.length")
+    assert count >= 3 and most <= 2, (count, most)
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Runs of the sweep (CSV)").click()
+    waiting.value.save_as(tmp_path / "sweep.csv")
+    table = tmp_path / "run.csv"
+    lemons("run", trial, "--until", "left", "-o", table)
+    wanted = of_table(table)
+    (found,) = rows(tmp_path / "sweep.csv")
+    assert {name: float(found[name]) for name in wanted} == pytest.approx(wanted, rel=1e-5)
 
 
 def test_it_can_be_stopped_and_says_what_cannot_be_swept(page: Page) -> None:
@@ -89,7 +132,7 @@ def test_it_can_be_stopped_and_says_what_cannot_be_swept(page: Page) -> None:
     begin.click()
     # The page is heard meanwhile.
     page.get_by_role("button", name="Play").click()
-    expect(page.get_by_text(re.compile(r"^A crowd: [1-9]\d* of 100 runs"))).to_be_visible()
+    expect(page.get_by_text(re.compile(r'^"A crowd": [1-9]\d* of 100 runs'))).to_be_visible()
     page.get_by_role("button", name="Stop the sweep").click()
     stopped = page.get_by_text(re.compile(r"of 100 runs until 120 s, stopped"))
     expect(stopped).to_be_visible()

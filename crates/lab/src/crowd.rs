@@ -45,7 +45,7 @@ pub struct CrowdRequest {
     pub speed: f64,
     /// The material of everybody: one of [`lemons_people::SKINS`].
     pub material: String,
-    /// Instead of the material's: kinetic friction of people with each other and with walls, 0 to 2.
+    /// Kinetic friction of people with each other and with walls instead of the material's, 0 to 2.
     #[serde(default)]
     pub friction: Option<f64>,
     /// Whether each body is one disk, of the same area.
@@ -123,7 +123,7 @@ impl CrowdRequest {
 }
 
 /// One disk of the same area.
-fn round(shape: &Shape) -> Shape {
+pub(crate) fn round(shape: &Shape) -> Shape {
     let radius = (shape.moments().area / PI).sqrt();
     Shape { disks: vec![Disk { centre: Vec2::ZERO, radius }] }
 }
@@ -136,6 +136,7 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
     within("seed", wanted.seed as f64, [0.0, LARGEST_SEED as f64])?;
     let direction = within("direction [°]", wanted.direction.unwrap_or(0.0), [-360.0, 360.0])?;
     let speed = within("speed [m/s]", wanted.speed, [0.0, 20.0])?;
+    within("friction", wanted.friction.unwrap_or(0.0), [0.0, MOST_FRICTION])?;
     let (whole, geometry) = room::built(&wanted.room)?;
     let region = match &wanted.region {
         Some(corners) => room::part(&whole, corners)?,
@@ -178,7 +179,6 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
         choose_mechanical_step(&mut trial);
     }
     if let Some(friction) = wanted.friction {
-        let friction = within("friction", friction, [0.0, MOST_FRICTION])?;
         let theirs =
             |contact: &&mut Contact| contact.id1 == wanted.material || contact.id2 == wanted.material;
         trial

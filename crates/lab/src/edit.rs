@@ -1,11 +1,12 @@
 //! Changes by hand: people are moved, copied, put there, taken away.
 
-use crate::base::Driven;
+use crate::base::{Base, Driven};
+use crate::crowd;
 use crate::person::PersonRequest;
 use crate::{Refused, require, within};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Interactions, Trial};
-use lemons_people::{Disk, Person, Shape};
+use lemons_people::{Disk, Person, Shape, choose_mechanical_step};
 use serde::Deserialize;
 
 /// Most changes of a Trial.
@@ -22,26 +23,30 @@ pub enum Edit {
     Copy { id: String, r#as: String, x: f64, y: f64, theta: f64 },
     /// A new one with these measures, of the material of the first one, driven like it.
     Put { id: String, person: PersonRequest, x: f64, y: f64, theta: f64 },
-    /// Away.
+    /// Nobody any more.
     Delete { id: String },
 }
 
-/// Makes the changes one after the other. Contacts that the Trial remembers are forgotten if there are any.
+/// Makes the changes one after the other. Contacts that the Trial remembers are forgotten if there are any. A crowd's
+/// mechanical step is chosen again: whoever is lighter than the others needs a shorter one.
 ///
 /// # Errors
 /// There is nobody with an Id, an Id is there already, nobody would be left, a measure is no person's, or a number is
 /// not finite.
-pub fn edited(mut driven: Driven, edits: &[Edit]) -> Result<Driven, Refused> {
+pub fn edited(mut driven: Driven, edits: &[Edit], base: &Base) -> Result<Driven, Refused> {
     require(edits.len() <= MOST, || format!("{} changes by hand: at most {MOST}", edits.len()))?;
     for edit in edits {
-        change(&mut driven, edit)?;
+        change(&mut driven, edit, base)?;
         driven.trial.interactions = Interactions::default();
     }
     require(!driven.trial.agents.is_empty(), || "nobody would be left".into())?;
+    if matches!(base, Base::Crowd(_)) && !edits.is_empty() {
+        choose_mechanical_step(&mut driven.trial);
+    }
     Ok(driven)
 }
 
-fn change(driven: &mut Driven, edit: &Edit) -> Result<(), Refused> {
+fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> {
     let place_of = |id: &String| {
         let place = driven.trial.agents.iter().position(|agent| agent.id == *id);
         place.ok_or_else(|| Refused(format!("there is nobody with the Id {id:?}")))
@@ -61,7 +66,8 @@ fn change(driven: &mut Driven, edit: &Edit) -> Result<(), Refused> {
         }
         Edit::Put { id, person, x, y, theta } => {
             let (person, here) = (person.person()?, pose(*x, *y, *theta)?);
-            let (agent, drive) = measured(&driven.trial, &person)?;
+            let round = matches!(base, Base::Crowd(wanted) if wanted.round);
+            let (agent, drive) = measured(&driven.trial, &person, round)?;
             put(driven, id, agent, Some(person), drive, here)?;
         }
         Edit::Delete { id } => {
@@ -77,10 +83,13 @@ fn change(driven: &mut Driven, edit: &Edit) -> Result<(), Refused> {
 }
 
 /// A person of the material of the first one, driven like it.
-fn measured(trial: &Trial, person: &Person) -> Result<(Agent, AgentDynamics), Refused> {
+fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, AgentDynamics), Refused> {
     let first = trial.agents.first().zip(trial.dynamics.first());
     let (first, drive) = first.ok_or_else(|| Refused("nobody would be left".into()))?;
-    let shape = Shape::of(person)?;
+    let mut shape = Shape::of(person)?;
+    if round {
+        shape = crowd::round(&shape);
+    }
     let material_id = &first.shapes[0].material_id;
     let disk = |disk: &Disk| lemons_core::trial::Shape {
         radius: disk.radius,

@@ -168,7 +168,8 @@ impl Lab {
             _ => (shown.base.clone(), shown.base.basis(bytes, watch)?),
         };
         let (base, _, basis) = &*self.basis.insert((base, digest, basis));
-        let driven = motion::driven(edit::edited(basis.driven.clone(), &shown.edits)?, &shown.motion)?;
+        let edited = edit::edited(basis.driven.clone(), &shown.edits, base)?;
+        let driven = motion::driven(edited, &shown.motion)?;
         let notes: Vec<String> = basis.notes.iter().cloned().chain(motion::missed(&driven)).collect();
         let run = run::Run::begin(driven)?;
         let mut value = scene::of(&run);

@@ -158,6 +158,18 @@ fn a_person_of_given_measures_is_put_into_a_crowd() {
     let inertia = agents.split("MomentOfInertia=\"").nth(4).unwrap().split('"').next().unwrap();
     let wanted = alone["inertia"].as_f64().unwrap();
     assert!((inertia.parse::<f64>().unwrap() / wanted - 1.0).abs() < 1e-6, "{inertia} {wanted}");
+    // A light one needs a shorter step, which the engine proposes; a round crowd gets one disk more, of the same area.
+    let mut round = crowd(3, square(4.0, 4.0));
+    round["round"] = json!(true);
+    let mut edited_round = own(round);
+    let mut light = put("7");
+    light["person"] = json!({"sex": "female", "breadth": null, "depth": null, "stature": null, "mass": 15.0, "altitude": null});
+    let before = ok(&mut lab, edited_round.clone()).0["scene"].take();
+    edited_round["edits"] = json!([light]);
+    let after = ok(&mut lab, edited_round).0["scene"].take();
+    assert_eq!(after["agents"][3]["disks"].as_array().unwrap().len(), 1);
+    let (step, least) = (&after["mechanical_step"], &before["mechanical_step"]);
+    assert!(step.as_f64() < least.as_f64(), "{step} {least}");
     let mut slim = put("8");
     slim["person"]["mass"] = json!(-5.0);
     for (edits, words) in [
