@@ -16,6 +16,7 @@ DECISION, SWEEP = "docs/reference/decision.md", "docs/reference/sweep.md"
 # Values of other types, by the first words of a type.
 OTHER = {
     "number": ['"fast"', "true", "nan", "inf", "[1]"],
+    "number or distribution": ['"fast"', "true", "nan", "[1]", "{ min = 1.0 }", "{ min = 2.0, max = 1.0 }"],
     "whole number": ['"7"', "1.5", "-1", "true"],
     "text": ["5", "true", "[]"],
     "path": ["5", "[]"],

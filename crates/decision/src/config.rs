@@ -17,6 +17,7 @@ use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
 use crate::person::Person;
 use crate::rule::{Motivation, Waypoint};
+use crate::spread::Spread;
 use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModel};
 use lemons_core::files::words;
 use serde::de::Error as _;
@@ -60,7 +61,8 @@ pub enum BalanceName {
 pub struct DecisionConfig {
     pub(crate) model: Option<WalkingModelName>,
     pub(crate) balance: Option<BalanceName>,
-    pub(crate) desired_speed: Option<f64>,
+    pub(crate) desired_speed: Option<Spread>,
+    pub(crate) start: Option<Spread>,
     pub(crate) push: Option<f64>,
     pub(crate) push_sd: Option<f64>,
     pub(crate) seed: Option<u64>,
@@ -87,6 +89,7 @@ pub struct DecisionConfig {
 #[serde(deny_unknown_fields)]
 pub(crate) struct AgentConfig {
     pub desired_speed: Option<f64>,
+    pub start: Option<f64>,
     pub time_gap: Option<f64>,
     pub standstill_gap: Option<f64>,
     pub reaction_time: Option<f64>,
@@ -172,7 +175,8 @@ impl DecisionConfig {
                 agents.insert(id.clone(), AgentConfig { waypoints: nearest, ..AgentConfig::default() });
             }
         }
-        Some(DecisionConfig { desired_speed: Some(speed), waypoints, agents, ..DecisionConfig::default() })
+        let desired_speed = Some(Spread::Same(speed));
+        Some(DecisionConfig { desired_speed, waypoints, agents, ..DecisionConfig::default() })
     }
 
     /// Returns whether people who stand have legs.

@@ -246,6 +246,9 @@ impl Decision {
         for motivation in self.plan.motivation.iter().filter(|motivation| due(motivation.time)) {
             self.agents.iter_mut().for_each(|agent| agent.walker.motivate(motivation));
         }
+        if self.agents.iter().any(|agent| due(agent.walker.start)) {
+            (self.wanted, self.aims) = (None, None);
+        }
         Ok(())
     }
 
@@ -267,7 +270,8 @@ impl Decision {
         let Some(Some(ways)) = self.ways.clone().filter(|_| self.plan.chooses_by_time()) else { return };
         let targets = &self.plan.targets;
         let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
-        let here: Vec<usize> = (0..self.agents.len()).filter(|i| !self.agents[*i].left).collect();
+        let here = |i: &usize| !self.agents[*i].left && self.has_started(*i);
+        let here: Vec<usize> = (0..self.agents.len()).filter(here).collect();
         for &i in &here {
             if self.destination(i) == Destination::NearestExit {
                 let far = |k: &usize| self.to_go(i, Destination::Target(*k));
@@ -346,6 +350,11 @@ impl Decision {
         self.ways().filter(|_| there)?.arrived(self.plan.agents[i].destination, agent.from(), agent.at())
     }
 
+    /// Returns whether an agent walks by now. A rounding error is not a time.
+    fn has_started(&self, i: usize) -> bool {
+        self.time >= self.agents[i].walker.start - 1e-9
+    }
+
     /// Destination of an agent: the exit that it has chosen, if it chooses one.
     fn destination(&self, i: usize) -> Destination {
         self.agents[i].choice.exit.map_or(self.plan.agents[i].destination, Destination::Target)
@@ -360,6 +369,9 @@ impl Decision {
     fn find_aim(&self, i: usize) -> Aim {
         let (agent, destination, arrival) = (&self.agents[i], self.destination(i), self.arrival(i));
         let nowhere = Aim { arrival, goes: None, to_go: 0.0 };
+        if !self.has_started(i) {
+            return Aim { to_go: self.to_go(i, destination), ..nowhere };
+        }
         if let Some(waypoint) = agent.walker.waypoints.get(agent.next()) {
             let way = (vec2(waypoint.x, waypoint.y) - agent.at()).unit(0.0);
             let goes = way.map(|direction| (direction, agent.walker.desired_speed));
@@ -413,7 +425,8 @@ impl Decision {
         self.find_ways()?;
         let agent = &self.agents[i];
         // Towards way-points, the paper's rule as it is.
-        if agent.next() < agent.walker.waypoints.len() && !self.plan.walking_model.sees_others() {
+        let started = self.has_started(i);
+        if started && agent.next() < agent.walker.waypoints.len() && !self.plan.walking_model.sees_others() {
             return Ok(agent.walker.drive(agent.next(), agent.pose));
         }
         let DesiredMotion { velocity, force, facing, .. } = self.intent(i);
@@ -719,6 +732,49 @@ mod tests {
         other.restore(&decision.save()).unwrap();
         assert_eq!(other.save(), decision.save());
         assert_eq!(now(&decision.anew()), before);
+    }
+
+    #[test]
+    fn who_has_not_started_stands() {
+        for model in ["straight", "rotational", "collision-free-speed", "social-force"] {
+            let mut decision = decision(&format!(
+                "model = \"{model}\"\nwaypoints = [{{ x = 5, y = 0 }}]\nstart = 0.1\n[agents.1]\nstart = 0"
+            ));
+            // Not where the other one is.
+            decision.set(Quantity::Position, 1, 4.0, Phase::StepComplete);
+            let mut seen = Vec::new();
+            for _ in 0..4 {
+                let [one, other] = [0, 2].map(|element| decision.number(Quantity::Fp, element).unwrap());
+                seen.push((one.abs() > 1.0, other.abs() > 1.0));
+                decision.pass(0.05).unwrap();
+            }
+            assert_eq!(seen, [(false, true), (false, true), (true, true), (true, true)], "{model}");
+        }
+    }
+
+    #[test]
+    fn speeds_and_starts_are_drawn_with_the_seed() {
+        let drawn = |seed: u32| {
+            let decision = decision(&format!(
+                "seed = {seed}\nwaypoints = [{{ x = 5, y = 0 }}]\nstart = {{ min = 10, max = 100 }}\n\
+                 desired_speed = {{ mean = 1.34, sd = 0.26, min = 0.5, max = 2 }}\n[agents.1]\nstart = 3"
+            ));
+            let [one, other] = [0, 1].map(|i| &decision.agents[i].walker);
+            (one.start, other.start, one.desired_speed, other.desired_speed)
+        };
+        let (start, own, one, other) = drawn(1);
+        assert!((10.0..100.0).contains(&start) && own == 3.0 && one != other && (0.5..2.0).contains(&one));
+        assert!(drawn(1) == drawn(1) && drawn(1) != drawn(2));
+        let refused = |text: &str| {
+            let wishes =
+                DecisionConfig::from_toml(&format!("waypoints = [{{ x = 5, y = 0 }}]\n{text}")).unwrap();
+            Plan::among(std::iter::empty(), &[], &wishes, 0.05).unwrap_err().to_string()
+        };
+        let said = refused("start = { min = 2, max = 1 }");
+        assert_eq!(said, "everybody: start = 1.0: must be more than min, as max");
+        let said = refused("desired_speed = { mean = 9, sd = 1, min = 1, max = 2 }");
+        assert!(said.contains("within three standard deviations"), "{said}");
+        assert!(refused("start = -1").contains("from 0 to 1e9"));
     }
 
     #[test]

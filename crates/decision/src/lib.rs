@@ -22,6 +22,7 @@
 //! - [`balance`]: legs under those who stand
 //! - [`person`]: the people of a Trial
 //! - [`walking_model`]: how people walk among others
+//! - [`spread`]: numbers that differ from person to person
 //! - [`config`]: a user's `decision.toml`
 //! - [`plan`]: the data before the start, of everybody
 //! - [`decision`]: the model of the FMU; [`decision::quantities`]: its variables
@@ -39,6 +40,7 @@ pub mod pack;
 pub mod person;
 pub mod plan;
 pub mod rule;
+pub mod spread;
 pub mod stuck;
 pub mod target;
 pub mod walking_model;

@@ -26,6 +26,9 @@ const DEFAULT_SPEED: f64 = 1.34;
 
 /// Draw of a person that is that of the push; those of walking begin at 0.
 const PUSH_DRAW: u64 = u64::MAX / 2;
+/// The first of those of the desired speed and of the start.
+const SPEED_DRAW: u64 = u64::MAX / 4;
+const START_DRAW: u64 = u64::MAX / 8;
 
 /// An agent of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -119,6 +122,8 @@ impl Plan {
             moderate("everybody", "push_sd", deviation)?;
             moderate("everybody", "push", config.push.ok_or(PlanError::NoPush)?)?;
         }
+        config.desired_speed.map_or(Ok(()), |speed| speed.check("desired_speed"))?;
+        config.start.map_or(Ok(()), |start| start.check("start"))?;
         let (walking_model, balance) = (config.walking_model()?, config.balance()?);
         let targets = targets_of(config)?;
         let destinations = destinations(people, config, &targets)?;
@@ -150,7 +155,12 @@ impl Plan {
                     moment_of_inertia: person.moment_of_inertia,
                     floor_damping: person.floor_damping,
                     angular_damping: person.angular_damping,
-                    desired_speed: own.desired_speed.or(config.desired_speed).unwrap_or(DEFAULT_SPEED),
+                    desired_speed: own.desired_speed.unwrap_or_else(|| {
+                        config.desired_speed.map_or(DEFAULT_SPEED, |speed| speed.of(seed, i, SPEED_DRAW))
+                    }),
+                    start: own
+                        .start
+                        .unwrap_or_else(|| config.start.map_or(0.0, |start| start.of(seed, i, START_DRAW))),
                     time_gap: own.time_gap.unwrap_or(walking_model.time_gap()),
                     standstill_gap: own.standstill_gap.unwrap_or(walking_model.standstill_gap()),
                     reaction_time: own.reaction_time.unwrap_or(walking_model.reaction_time()),

@@ -62,6 +62,9 @@ pub struct Walker {
     pub angular_damping: f64,
     /// \[m/s\] desired speed v₀.
     pub desired_speed: f64,
+    /// \[s\] Time from which on it walks; it stands before.
+    #[serde(default)]
+    pub start: f64,
     /// \[s\] Time gap T to who is ahead.
     pub time_gap: f64,
     /// \[m\] Gap to who is ahead when standing.
@@ -183,6 +186,7 @@ mod tests {
             floor_damping: 2.0,
             angular_damping: 4.0,
             desired_speed: 1.3,
+            start: 0.0,
             time_gap: 1.0,
             standstill_gap: 0.0,
             reaction_time: 0.0,

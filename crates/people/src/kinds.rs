@@ -23,7 +23,7 @@ const FARTHEST: f64 = 5.0;
 
 /// A distribution of one number.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "must be { mean, sd, min, max } or { min, max }")]
 pub enum Distribution {
     /// A normal distribution between two bounds.
     Normal(TruncatedNormal),

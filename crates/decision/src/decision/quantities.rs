@@ -37,6 +37,7 @@ pub enum Quantity {
     TimeGap,
     StandstillGap,
     ReactionTime,
+    Start,
     Push,
     Waypoint,
     WaypointRadius,
@@ -56,7 +57,7 @@ const WAYPOINTS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1)];
 const WAYPOINT_VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Size(1), Dimension::Fixed(2)];
 
 /// The table.
-pub static QUANTITIES: [Variable<Quantity>; 26] = {
+pub static QUANTITIES: [Variable<Quantity>; 27] = {
     use Domain::*;
     use Kind::*;
     use Quantity::*;
@@ -90,6 +91,8 @@ pub static QUANTITIES: [Variable<Quantity>; 26] = {
             .parameter(NonNegative, "gap to who is ahead when standing"),
         row(ReactionTime, "ReactionTime", AGENTS, Real(DURATION))
             .parameter(NonNegative, "reaction time to gaps that change"),
+        row(Start, "Start", AGENTS, Real(DURATION))
+            .parameter(NonNegative, "time from which on it walks; it stands before"),
         row(Push, "Push", AGENTS, Real(FORCE))
             .parameter(NonNegative, "greatest force with which it pushes ahead; 1e9 or more: no limit"),
         row(Waypoint, "Waypoint", WAYPOINT_VECTORS, Real(POSITION))
@@ -122,7 +125,7 @@ impl Quantity {
             // Counted in steps.
             _ if matches!(self, Steps | Fallen) => false,
             _ if matches!(self, Legs | Lean | Balanced) => on == Position,
-            Position | Waypoint | WaypointRadius => true,
+            Position | Waypoint | WaypointRadius | Start => true,
             Mass | FloorDamping | DesiredSpeed | Velocity | Push => self == Fp,
             Theta | MomentOfInertia | AngularDamping => self == Mp,
             _ => false,
@@ -165,6 +168,7 @@ impl Decision {
             Quantity::TimeGap => &mut walker.time_gap,
             Quantity::StandstillGap => &mut walker.standstill_gap,
             Quantity::ReactionTime => &mut walker.reaction_time,
+            Quantity::Start => &mut walker.start,
             Quantity::Push => &mut walker.push,
             Quantity::Waypoint if x => &mut walker.waypoints.get_mut(k / 2)?.x,
             Quantity::Waypoint => &mut walker.waypoints.get_mut(k / 2)?.y,
@@ -218,7 +222,7 @@ impl Decision {
         let seen = |on: Quantity| {
             use Quantity::*;
             let of_motion = matches!(on, Theta | Velocity | FloorDamping | DesiredSpeed);
-            let counts = of_motion || matches!(on, TimeGap | StandstillGap | ReactionTime);
+            let counts = of_motion || matches!(on, TimeGap | StandstillGap | ReactionTime | Start);
             let extrapolates = matches!(self.plan.balance, Some(Balance::Pendulum(_))) && output == Balanced;
             self.needs_all(output) && counts || extrapolates && on == Velocity
         };

@@ -81,6 +81,7 @@ impl Plan {
             positive(&place, "time_gap", walker.time_gap)?;
             not_negative(&place, "standstill_gap", walker.standstill_gap)?;
             not_negative(&place, "reaction_time", walker.reaction_time)?;
+            moderate(&place, "start", walker.start)?;
             not_negative(&place, "push", walker.push)?;
             number(
                 &place,
