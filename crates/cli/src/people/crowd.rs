@@ -162,8 +162,10 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     }
     let Arguments { placing, trial, leaving, others, seed, .. } = &arguments;
     let written = trial.output.is_some() || trial.zip.is_some();
-    leaving.check(placing.doors.len(), written, trial.speed.is_some())?;
+    // Known before a drawing is read.
+    leaving.check(placing.doors.len() + usize::from(placing.is_drawing()), written, trial.speed.is_some())?;
     let place = placing.place()?;
+    leaving.check(placing.doors.len() + place.exits(), written, trial.speed.is_some())?;
     let numbers = placing.numbers(&place, arguments.number, arguments.density)?;
     // People who leave are driven by nothing else.
     let speed = trial.speed.filter(|_| !leaving.leave).unwrap_or(0.0);
@@ -210,7 +212,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     writeln!(out, "\nseed               {seed:>10}")?;
     let of = if place.is_plane() { "convex hull of all" } else { &place.name };
     writeln!(out, "{}", line("ground", ground, &format!("m²   ({of})")))?;
-    if !placing.regions.is_empty() {
+    if place.has_regions {
         for (k, (ground, density)) in place.grounds.iter().zip(&densities).enumerate() {
             let people = format!("m²   {} people, {density:.3} /m²", numbers[k]);
             writeln!(out, "{}", line(&format!("  region {k}"), ground.free.region.area(), &people))?;
@@ -243,7 +245,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
             writeln!(out, "mechanical step    {step:>10} {note}")?;
             let ways = placing.ways_out(&place, &crowd);
-            let wishes = leaving.is_wanted().then(|| leaving.text(&ways, trial.speed));
+            let wishes = leaving.is_wanted().then(|| leaving.text(&ways, place.drawn.as_ref(), trial.speed));
             if let Some(text) = &wishes {
                 // A run would refuse it.
                 let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
