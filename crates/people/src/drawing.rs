@@ -11,10 +11,12 @@ mod geojson;
 mod join;
 mod plan;
 mod svg;
+#[cfg(test)]
+mod tests;
 mod wkt;
 mod write;
 
-pub use join::Joined;
+pub use join::{Joined, WIDEST_GAP};
 pub use plan::{Place, Plan, Role, Settings as PlanSettings};
 pub use write::{write_plan, written_formats};
 

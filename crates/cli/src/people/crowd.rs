@@ -5,6 +5,7 @@ use super::leave::LeaveArguments;
 use super::outputs::{Outputs, of_crowd, say};
 use super::placing::PlacingArguments;
 use super::regions::{REGION_HELP, described};
+use super::room::marks;
 use super::source::{CUSTOM_HELP, SourceArguments};
 use super::{line, read};
 use crate::binary::CROWD;
@@ -165,7 +166,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     // Known before a drawing is read.
     leaving.check(placing.doors.len() + usize::from(placing.is_drawing()), written, trial.speed.is_some())?;
     let place = placing.place()?;
-    leaving.check(placing.doors.len() + place.exits(), written, trial.speed.is_some())?;
+    leaving.check(place.ways_out(), written, trial.speed.is_some())?;
     let numbers = placing.numbers(&place, arguments.number, arguments.density)?;
     // People who leave are driven by nothing else.
     let speed = trial.speed.filter(|_| !leaving.leave).unwrap_or(0.0);
@@ -238,7 +239,8 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let mut done = Ok(());
     if makeable.is_ok() {
         let made = crowd_trial(&arguments.name(), &crowd, place.geometry.clone(), &settings)?;
-        let (scene, style) = of_crowd(&made, &crowd);
+        let (mut scene, style) = of_crowd(&made, &crowd);
+        scene.marks = place.drawn.as_ref().map_or(Vec::new(), |drawn| marks(&drawn.plan));
         outputs.draw(&scene, &style)?;
         if !population.has_bicycles() {
             let step = made.parameters.time_step_mechanical;

@@ -91,14 +91,16 @@ pub struct Place {
     pub name: String,
     /// Whether the grounds are regions.
     pub has_regions: bool,
-    /// The drawing that it is from.
+    /// The drawing that it is from; exits on its walls are doors.
     pub drawn: Option<Read>,
+    /// Doors that were cut.
+    pub doors: Vec<Door>,
 }
 
 impl Place {
-    /// The number of exits in the drawing.
-    pub fn exits(&self) -> usize {
-        self.drawn.as_ref().map_or(0, |drawn| drawn.plan.exits.len())
+    /// The number of doors, and of exits in the drawing.
+    pub fn ways_out(&self) -> usize {
+        self.doors.len() + self.drawn.as_ref().map_or(0, |drawn| drawn.plan.exits.len())
     }
 
     pub fn is_plane(&self) -> bool {
@@ -190,13 +192,14 @@ impl PlacingArguments {
             grounds(&regions, &geometry, &name)?
         };
         let closed = closed_walls(&geometry);
-        if !self.doors.is_empty() && closed.is_empty() {
+        let doors = self.all_doors(drawn.as_mut());
+        if !doors.is_empty() && closed.is_empty() {
             bail!(Misused(format!("--door: there is no closed wall in {name}: {DOORS}")));
         }
         let uncut = geometry.clone();
-        let geometry = cut_doors(geometry, &self.doors).context("--door")?;
+        let geometry = cut_doors(geometry, &doors).context("--door")?;
         let free = || grounds.iter().map(|ground| &ground.free);
-        for (number, door) in self.doors.iter().enumerate() {
+        for (number, door) in doors.iter().enumerate() {
             // People would walk into a pillar.
             if let Some(Wall { id, .. }) = door.wall(&uncut)
                 && free().any(|free| free.obstacles.contains(id))
@@ -221,7 +224,19 @@ impl PlacingArguments {
                 );
             }
         }
-        Ok(Place { grounds, geometry, closed, name, has_regions: !regions.is_empty(), drawn })
+        Ok(Place { grounds, geometry, closed, name, has_regions: !regions.is_empty(), drawn, doors })
+    }
+
+    /// Those that were given, and those for the exits of a drawing that lie on its walls.
+    fn all_doors(&self, drawn: Option<&mut Read>) -> Vec<Door> {
+        let mut doors = self.doors.clone();
+        let Some(Read { plan, .. }) = drawn else { return doors };
+        let new = plan.doors();
+        doors.extend(new.iter().map(|(_, door)| *door));
+        for (exit, _) in new.iter().rev() {
+            plan.exits.remove(*exit);
+        }
+        doors
     }
 
     /// The regions that were given, else those of the drawing.
@@ -247,7 +262,7 @@ impl PlacingArguments {
     /// Lines \[m\] behind the doors, where people \[m\] have left.
     pub fn ways_out(&self, place: &Place, crowd: &[(Agent, Pose)]) -> Vec<[Vec2; 2]> {
         let people = crowd.iter().map(|(_, pose)| pose.position);
-        self.doors.iter().filter_map(|door| door.exit(&place.closed, people.clone())).collect()
+        place.doors.iter().filter_map(|door| door.exit(&place.closed, people.clone())).collect()
     }
 
     /// How many stand on each ground, from --number and --density.

@@ -1,6 +1,6 @@
 //! `lemons room`: a room from a drawing; and what `lemons crowd` takes from one.
 
-use super::outputs::Outputs;
+use super::outputs::{Outputs, PICTURE_WIDTH};
 use crate::error::and_then;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
@@ -10,12 +10,14 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use lemons_core::files::input;
 use lemons_core::plane::{Bounds, Vec2};
-use lemons_core::trial::Geometry;
+use lemons_core::trial::{Geometry, Trial};
 use lemons_people::PeopleError;
 use lemons_people::drawing::{
     DEVIATION, Drawing, Format, LARGEST_DRAWING, Place, Plan, PlanSettings, Reading, UNITS, UnitFrom,
-    write_plan,
+    WIDEST_GAP, write_plan,
 };
+use lemons_people::{TrialSettings, crowd_trial};
+use lemons_picture::{Mark, MarkKind, Scene, Style};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -196,6 +198,16 @@ impl Read {
                 said.push((what, named(places)));
             }
         }
+        for (exit, door) in plan.doors() {
+            let name = &plan.exits[exit].name;
+            said.push((
+                "door",
+                format!(
+                    "{} m wide where exit {name:?} lies on a closed wall: lemons crowd cuts it",
+                    door.width
+                ),
+            ));
+        }
         for ((layer, kind), count) in &plan.left_out {
             let layer = if layer.is_empty() { String::new() } else { format!(" on layer {layer:?}") };
             said.push(("left out", format!("{count} {kind}{layer}")));
@@ -234,6 +246,16 @@ impl Read {
             };
             said.push(("gaps closed", format!("{}{largest}", joined.gaps)));
         }
+        if joined.left > 0 {
+            said.push((
+                "gaps left",
+                format!(
+                    "{}, of at most {} cm, between ends of lines: --close joins them",
+                    joined.left,
+                    100.0 * WIDEST_GAP
+                ),
+            ));
+        }
         if *doubles > 0 {
             said.push(("doubles", format!("{doubles} lines lay on others, and are left out")));
         }
@@ -264,6 +286,7 @@ pub fn room(arguments: &Arguments) -> Result<()> {
     let interrupt = Interrupt::watch();
     let read = reading.read(drawing)?;
     let geometry = read.plan.geometry(MATERIAL);
+    outputs.draw(&scene_of(&bare(drawing, &geometry)?, &read.plan), &style())?;
     let mut out = Vec::new();
     for (what, how) in read.said(drawing) {
         writeln!(out, "{what:<18} {how}")?;
@@ -281,6 +304,33 @@ pub fn room(arguments: &Arguments) -> Result<()> {
     let done = outputs.persist(|| interrupt.check(), &mut out);
     let told = print::out().write_all(&out);
     and_then(done, told.map_err(Into::into))
+}
+
+/// Walls and nobody, for the picture.
+fn bare(path: &Path, geometry: &Geometry) -> Result<Trial> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    Ok(crowd_trial(&name, &[], geometry.clone(), &TrialSettings::default())?)
+}
+
+fn scene_of<'a>(trial: &'a Trial, plan: &Plan) -> Scene<'a> {
+    let mut scene = Scene::at_start(trial);
+    scene.marks = marks(plan);
+    scene
+}
+
+fn style() -> Style {
+    Style { width: PICTURE_WIDTH.into(), ..Style::default() }
+}
+
+/// Exits, distributions and way-points, for the picture.
+pub fn marks(plan: &Plan) -> Vec<Mark> {
+    let kinds = [
+        (MarkKind::Exit, &plan.exits),
+        (MarkKind::Distribution, &plan.distributions),
+        (MarkKind::Waypoint, &plan.waypoints),
+    ];
+    let mark = |kind, place: &Place| Mark { kind, name: place.name.clone(), corners: place.corners.clone() };
+    kinds.into_iter().flat_map(|(kind, places)| places.iter().map(move |place| mark(kind, place))).collect()
 }
 
 /// The format of an output; `None` is Geometry.xml.

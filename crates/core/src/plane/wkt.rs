@@ -106,7 +106,7 @@ impl<'a> Text<'a> {
             _ => {
                 let begin: String = begin.chars().take(40).collect();
                 return Err(format!(
-                    "{begin:?} is no geometry in well-known text, such as POLYGON ((0 0, 4 0, 4 3, 0 0))"
+                    "{begin:?} is not a POLYGON or another geometry in well-known text, such as POLYGON ((0 0, 4 0, 4 3, 0 0))"
                 ));
             }
         }
@@ -223,4 +223,57 @@ fn ring(corners: Vec<Vec2>) -> Result<Ring, String> {
         ));
     }
     Ring::through(corners).ok_or_else(|| "a ring has no corners".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(corners: &[[f64; 2]]) -> Ring {
+        Ring::through(corners.iter().map(|corner| Vec2::from(*corner)).collect()).unwrap()
+    }
+
+    #[test]
+    fn geometries_are_read_as_shapely_and_postgis_write_them() {
+        let triangle = || Polygon { outer: ring(&[[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]), holes: Vec::new() };
+        let hole = ring(&[[1.0, 0.5], [2.0, 0.5], [2.0, 1.0]]);
+        let with_hole = Polygon { holes: vec![hole], ..triangle() };
+        for (text, expected) in [
+            ("POLYGON ((0 0, 4 0, 4 3, 0 0))", vec![Shape::Polygon(triangle())]),
+            ("SRID=25832;POLYGON((0 0,4 0,4 3,0 0))\n", vec![Shape::Polygon(triangle())]),
+            ("polygon z((0 0 7, 4 0 7, 4 3 7, 0 0 7))", vec![Shape::Polygon(triangle())]),
+            ("POLYGON ZM ((0 0 7 1, 4 0 7 1, 4 3 7 1, 0 0 7 1))", vec![Shape::Polygon(triangle())]),
+            (
+                "MULTIPOLYGON (((0 0, 4 0, 4 3, 0 0), (1 0.5, 2 0.5, 2 1, 1 0.5)), ((0 0, 4 0, 4 3, 0 0)))",
+                vec![Shape::Polygon(with_hole), Shape::Polygon(triangle())],
+            ),
+            (
+                "GEOMETRYCOLLECTION (POINT (1 2), GEOMETRYCOLLECTION (LINESTRING (0 0, 1e1 -1)), POINT EMPTY)",
+                vec![Shape::Point(vec2(1.0, 2.0)), Shape::Line(vec![vec2(0.0, 0.0), vec2(10.0, -1.0)])],
+            ),
+            ("MULTIPOINT (1 2, 3 4)", vec![Shape::Point(vec2(1.0, 2.0)), Shape::Point(vec2(3.0, 4.0))]),
+            ("MULTIPOINT ((1 2), (3 4))", vec![Shape::Point(vec2(1.0, 2.0)), Shape::Point(vec2(3.0, 4.0))]),
+            ("POINT (1 2)\nPOINT (3 4);", vec![Shape::Point(vec2(1.0, 2.0)), Shape::Point(vec2(3.0, 4.0))]),
+            ("MULTILINESTRING EMPTY", vec![]),
+        ] {
+            assert_eq!(shapes_from_wkt(text).as_ref(), Ok(&expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_none_is_refused() {
+        let deep = "GEOMETRYCOLLECTION (".repeat(40);
+        for (text, expected) in [
+            ("CURVE (0 0)", "\"CURVE (0 0)\" is not a POLYGON or another geometry"),
+            ("LINESTRING (0 0)", "a LINESTRING needs two corners"),
+            ("LINESTRING (0 0, 1)", "\"1\" is not a corner"),
+            ("LINESTRING (0 0, 1 1", "separated by commas, at the end of the text"),
+            ("POLYGON (0 0, 1 1)", "each ring of a POLYGON must be in parentheses"),
+            ("MULTIPOLYGON ((0 0, 1 1))", "each ring of a POLYGON must be in parentheses"),
+            (&deep, "more than 32 collections"),
+        ] {
+            let said = shapes_from_wkt(text).unwrap_err();
+            assert!(said.contains(expected), "{text}: {said}");
+        }
+    }
 }

@@ -16,6 +16,7 @@ const DEEPEST: usize = 16;
 struct Pair<'a> {
     code: i32,
     value: &'a str,
+    /// Of the value.
     line: u32,
 }
 
@@ -87,7 +88,7 @@ fn pairs(text: &str) -> Result<Vec<Pair<'_>>> {
         })?;
         // Comments are between any others.
         if code != 999 {
-            pairs.push(Pair { code, value, line });
+            pairs.push(Pair { code, value, line: line + 1 });
         }
     }
     Ok(pairs)

@@ -7,6 +7,8 @@ use std::collections::{HashMap, HashSet};
 
 /// \[m\] Places nearer than this are one.
 pub(super) const SAME: f64 = 1e-6;
+/// \[m\] Ends of lines that are nearer than this are probably meant to meet.
+pub const WIDEST_GAP: f64 = 0.1;
 /// More pairs of ends that are near each other are a mistake.
 const MOST_PAIRS: usize = 4_000_000;
 
@@ -17,8 +19,8 @@ pub struct Joined {
     pub gaps: usize,
     /// \[m\] The largest of them.
     pub largest: f64,
-    /// \[m\] The smallest gap between ends that is left, up to a few times the largest that was asked for.
-    pub left: Option<f64>,
+    /// Number of gaps of at most [`WIDEST_GAP`] that are left.
+    pub left: usize,
 }
 
 type Cell = (i64, i64);
@@ -72,17 +74,38 @@ pub(super) fn join(lines: Vec<Line>, gap: Option<f64>) -> Result<(Vec<Line>, Joi
     }
     let mut joined = Joined::default();
     if let Some(gap) = gap {
-        let open = |end: &usize| ends[*end].is_some() && links[*end].is_none() && !crossing[*end];
-        let pairs = pairs(&ends, (0..ends.len()).filter(open).collect(), gap)?;
-        for (distance, a, b) in pairs {
-            if links[a].is_none() && links[b].is_none() && may_close(&lines, a, b) {
-                (links[a], links[b]) = (Some(b), Some(a));
-                joined.gaps += 1;
-                joined.largest = joined.largest.max(distance);
-            }
+        for (distance, a, b) in nearest_pairs(&lines, &ends, &links, &crossing, gap)? {
+            (links[a], links[b]) = (Some(b), Some(a));
+            joined.gaps += 1;
+            joined.largest = joined.largest.max(distance);
         }
     }
+    // A hint only: where there are too many, there is none.
+    joined.left = nearest_pairs(&lines, &ends, &links, &crossing, WIDEST_GAP).map_or(0, |pairs| pairs.len());
     Ok((chains(lines, &links), joined))
+}
+
+type Pair = (f64, usize, usize);
+
+/// Pairs of ends that are at most `gap` apart, the nearest first, each end in one of them at most.
+fn nearest_pairs(
+    lines: &[Line],
+    ends: &[Option<Vec2>],
+    links: &[Option<usize>],
+    crossing: &[bool],
+    gap: f64,
+) -> Result<Vec<Pair>> {
+    let open = |end: &usize| ends[*end].is_some() && links[*end].is_none() && !crossing[*end];
+    let mut all = pairs(ends, (0..ends.len()).filter(open).collect(), gap)?;
+    let mut taken = HashSet::new();
+    all.retain(|(_, a, b)| {
+        let free = !taken.contains(a) && !taken.contains(b) && may_close(lines, *a, *b);
+        if free {
+            taken.extend([*a, *b]);
+        }
+        free
+    });
+    Ok(all)
 }
 
 /// Of an open line.
@@ -99,7 +122,7 @@ fn may_close(lines: &[Line], a: usize, b: usize) -> bool {
 }
 
 /// All pairs that are at most `gap` apart, the nearest first.
-fn pairs(ends: &[Option<Vec2>], open: Vec<usize>, gap: f64) -> Result<Vec<(f64, usize, usize)>> {
+fn pairs(ends: &[Option<Vec2>], open: Vec<usize>, gap: f64) -> Result<Vec<Pair>> {
     let at = |end: usize| ends[end].unwrap_or(Vec2::ZERO);
     let near = Near::of(open.iter().map(|end| (*end, at(*end))), gap);
     let (mut pairs, mut looked_at) = (Vec::new(), 0);
@@ -164,6 +187,14 @@ fn chain(lines: &[Line], links: &[Option<usize>], begin: usize, used: &mut [bool
             Some(next) if !used[next / 2] => end = next,
             _ => break,
         }
+    }
+    // Where a third line ends, it may go round all the same.
+    if let [first, _, _, .., last] = line.corners[..]
+        && !line.closed
+        && (last - first).norm() <= SAME
+    {
+        line.closed = true;
+        line.corners.pop();
     }
     (place, line)
 }

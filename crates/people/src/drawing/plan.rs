@@ -4,6 +4,7 @@ use super::join::{Joined, join, without_doubles};
 use super::{Drawing, Line};
 use crate::error::{PeopleError, Result, require};
 use crate::placing::Region;
+use crate::{Door, closed_walls};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
@@ -13,6 +14,8 @@ use std::collections::BTreeMap;
 
 /// \[m²\] What is smaller has no inside.
 const SMALLEST_AREA: f64 = 1e-6;
+/// \[m\] An exit that is nowhere further from a wall lies on it.
+const ON_A_WALL: f64 = 0.05;
 
 /// What is on a layer, as its name says: `walkablearea-…`, `obstacles-…`, `exits-…`, `distributions-…`, `waypoints-…`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -246,6 +249,43 @@ impl Plan {
     pub fn area(&self) -> Option<f64> {
         let outline = &self.walls[self.outline?];
         Some(Region::free_space(outline, &self.geometry(""), &[]).ok()?.region.area())
+    }
+
+    /// Makes the plan of the walls of a Trial, with exits.
+    pub fn of_geometry(geometry: &Geometry, exits: Vec<Place>) -> Plan {
+        let mut plan = Plan {
+            walls: geometry.walls.iter().map(|wall| wall.corners.clone()).collect(),
+            outline: None,
+            exits,
+            distributions: Vec::new(),
+            waypoints: Vec::new(),
+            joined: Joined::default(),
+            doubles: 0,
+            on_others: 0,
+            origin: Vec2::ZERO,
+            left_out: BTreeMap::new(),
+            united: false,
+        };
+        plan.outline = plan.largest();
+        plan
+    }
+
+    /// Returns doors for the exits that are lines on a closed wall, with the numbers of these exits: nobody gets there if
+    /// the wall is not open.
+    pub fn doors(&self) -> Vec<(usize, Door)> {
+        let closed = closed_walls(&self.geometry(""));
+        let on_a_wall = |line: &[Vec2]| match *line {
+            [a, b] => {
+                let places = [a, (a + b) * 0.5, b];
+                closed
+                    .iter()
+                    .any(|wall| places.iter().all(|place| wall.nearest(*place).distance <= ON_A_WALL))
+            }
+            _ => false,
+        };
+        let exits = self.exits.iter().enumerate().filter(|(_, exit)| on_a_wall(&exit.corners));
+        let door = |line: &[Vec2]| Door { at: (line[0] + line[1]) * 0.5, width: (line[1] - line[0]).norm() };
+        exits.map(|(k, exit)| (k, door(&exit.corners))).filter(|(_, door)| door.width > 0.0).collect()
     }
 
     /// Returns the way-points, if their names end in numbers that say their order.
