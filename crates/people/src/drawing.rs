@@ -233,7 +233,8 @@ impl Tracer {
         }
         self.corners += line.corners.len();
         require(self.corners <= MOST, || format!("there are more than {MOST} corners: too many"))?;
-        if let Some(Vec2 { x, y }) = line.corners.iter().find(|c| !(c.x.abs().max(c.y.abs()) <= FARTHEST)) {
+        let is_near = |corner: &&Vec2| corner.x.abs() <= FARTHEST && corner.y.abs() <= FARTHEST;
+        if let Some(Vec2 { x, y }) = line.corners.iter().find(|corner| !is_near(corner)) {
             return Err(PeopleError::new(format!(
                 "{}: a corner at ({x:?}, {y:?}) m is not within {FARTHEST} m of the origin",
                 line.named()

@@ -21,6 +21,8 @@ use lemons_picture::{Mark, MarkKind, Scene, Style};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// More kinds of what is left out are only counted.
+const MOST_LEFT_OUT: usize = 100;
 /// The material of walls from a drawing.
 pub const MATERIAL: &str = "concrete";
 
@@ -188,7 +190,9 @@ impl Read {
         }
         self.changes(&mut said);
         let named = |places: &[Place]| {
-            let names: Vec<&str> = places.iter().map(|place| &*place.name).collect();
+            // Names may hold anything.
+            let names: Vec<String> =
+                places.iter().map(|place| place.name.escape_debug().to_string()).collect();
             format!("{}: {}", names.len(), names.join(", "))
         };
         for (what, places) in
@@ -208,9 +212,13 @@ impl Read {
                 ),
             ));
         }
-        for ((layer, kind), count) in &plan.left_out {
+        let kinds = plan.left_out.len();
+        for ((layer, kind), count) in plan.left_out.iter().take(MOST_LEFT_OUT) {
             let layer = if layer.is_empty() { String::new() } else { format!(" on layer {layer:?}") };
             said.push(("left out", format!("{count} {kind}{layer}")));
+        }
+        if kinds > MOST_LEFT_OUT {
+            said.push(("left out", format!("{} more kinds", kinds - MOST_LEFT_OUT)));
         }
         said
     }

@@ -1,5 +1,6 @@
 //! Curves -> straight pieces that are nowhere further from the curve than a length.
 
+use super::MOST;
 use crate::error::{Result, require};
 use lemons_core::plane::{Vec2, vec2};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
@@ -88,12 +89,18 @@ impl Arc {
         let (p, q) = (self.u.norm_squared(), self.v.norm_squared());
         let longer = (0.5 * (p + q + libm::hypot(p - q, 2.0 * self.u.dot(self.v)))).sqrt();
         let step = (2.0 * libm::acos((1.0 - deviation / longer).max(-1.0))).clamp(0.0, FRAC_PI_4);
+        require(longer.is_finite(), || "a curve is too large".to_owned())?;
         let pieces = pieces(((self.to - self.from).abs() / step).ceil(), longer, deviation)?;
+        check_length(to.len() + pieces)?;
         to.extend(
             (1..=pieces).map(|k| self.at(self.from + (self.to - self.from) * k as f64 / pieces as f64)),
         );
         Ok(())
     }
+}
+
+pub(super) fn check_length(corners: usize) -> Result<()> {
+    require(corners <= MOST, || format!("it has more than {MOST} corners: too many"))
 }
 
 /// Refuses what is not a number, too.
@@ -174,6 +181,7 @@ impl Spline {
                 let second = (high - low) * (high - low) * self.second_derivative(span);
                 pieces((second / (8.0 * deviation)).sqrt().ceil(), second, deviation)?
             };
+            check_length(to.len() + pieces)?;
             to.extend((1..=pieces).map(|k| self.at(low + (high - low) * k as f64 / pieces as f64, span)));
         }
         Ok(())

@@ -60,8 +60,9 @@ pub(super) fn join(lines: Vec<Line>, gap: Option<f64>) -> Result<(Vec<Line>, Joi
     let mut crossing = vec![false; ends.len()];
     let near = Near::of(there(), SAME);
     for (end, place) in there() {
+        // Of more, some may be missed: they are not joined.
         let mut others =
-            near.around(place).filter(|other| *other != end && (at(*other) - place).norm() <= SAME);
+            near.around(place).take(64).filter(|other| *other != end && (at(*other) - place).norm() <= SAME);
         match (others.next(), others.next()) {
             (Some(other), None) if may_close(&lines, end, other) => links[end] = Some(other),
             (Some(_), Some(_)) => crossing[end] = true,

@@ -14,6 +14,11 @@ use std::collections::BTreeMap;
 
 /// \[m²\] What is smaller has no inside.
 const SMALLEST_AREA: f64 = 1e-6;
+/// Largest number of exits, of distributions, of way-points.
+const MOST_PLACES: usize = 1000;
+/// Largest number of corners of areas that may meet, and of walls of which the area is calculated: some of it takes the
+/// square of this. People are placed among no more.
+const MOST_CORNERS: usize = 10_000;
 /// \[m\] An exit that is nowhere further from a wall lies on it.
 const ON_A_WALL: f64 = 0.05;
 
@@ -53,9 +58,10 @@ impl Role {
     /// Returns the role that a layer's name says, in any case, and the rest of the name. Singular words are meant only
     /// alone, or before a number: a layer of exit signs has no exits.
     pub fn of(layer: &str) -> Option<(Role, String)> {
-        let lower = layer.trim().to_lowercase();
+        let layer = layer.trim();
         let rest = |word: &str| {
-            let rest = lower.strip_prefix(word)?;
+            let begin = layer.get(..word.len()).filter(|begin| begin.eq_ignore_ascii_case(word))?;
+            let rest = &layer[begin.len()..];
             let named = rest.trim_start_matches(['-', '_', ' ', '.', ':']);
             let parted = named.len() < rest.len()
                 || named.is_empty()
@@ -166,6 +172,11 @@ impl Plan {
                 _ => walls.push(line),
             }
         }
+        for (role, places) in &places {
+            require(places.len() <= MOST_PLACES, || {
+                format!("{} {}: at most {MOST_PLACES} are allowed", places.len(), role.layer())
+            })?;
+        }
         let (walls, doubles, on_others) = without_doubles(walls);
         let (walls, joined) = join(walls, settings.close)?;
         let named = |role: Role, enough: usize, closed: bool, leave_out: &mut dyn FnMut(&Line, &str)| {
@@ -203,7 +214,7 @@ impl Plan {
         };
         plan.outline = plan.largest();
         if settings.to_origin {
-            plan.to_origin();
+            plan.move_to_origin();
         }
         Ok(plan)
     }
@@ -218,7 +229,7 @@ impl Plan {
         all.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
     }
 
-    fn to_origin(&mut self) {
+    fn move_to_origin(&mut self) {
         let Some(bounds) = self.bounds() else { return };
         self.origin = bounds.low;
         let places = self.exits.iter_mut().chain(&mut self.distributions).chain(&mut self.waypoints);
@@ -248,6 +259,12 @@ impl Plan {
     /// nothing is left.
     pub fn area(&self) -> Option<f64> {
         let outline = &self.walls[self.outline?];
+        if self.walls.iter().map(Vec::len).sum::<usize>() > MOST_CORNERS {
+            return None;
+        }
+        if let Ok(region) = Region::from_walls(&self.geometry("")) {
+            return Some(region.area());
+        }
         Some(Region::free_space(outline, &self.geometry(""), &[]).ok()?.region.area())
     }
 
@@ -336,6 +353,13 @@ fn named<'a>(lines: impl Iterator<Item = &'a (String, Line)>) -> Vec<Place> {
 fn areas(lines: Vec<Line>) -> Result<(Vec<Vec<Vec2>>, bool)> {
     let (closed, open): (Vec<Line>, Vec<Line>) =
         lines.into_iter().partition(|line| line.closed && line.corners.len() > 2);
+    let corners_of_all: usize = closed.iter().map(|line| line.corners.len()).sum();
+    require(corners_of_all <= MOST_CORNERS, || {
+        format!(
+            "walkable areas and obstacles have {corners_of_all} corners; at most {MOST_CORNERS} are allowed (a larger \
+             deviation of curves gives fewer)"
+        )
+    })?;
     let is_outline = |line: &Line| Role::of(&line.layer).is_some_and(|(role, _)| role == Role::WalkableArea);
     let mut rings: Vec<Ring> = Vec::new();
     for line in &closed {

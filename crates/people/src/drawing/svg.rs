@@ -1,6 +1,6 @@
 //! SVG -> lines. Groups are layers; the y axis is turned upwards, the lower left corner of the page is the origin.
 
-use super::curve::{Affine, Arc, bezier, by_ends};
+use super::curve::{Affine, Arc, bezier, by_ends, check_length};
 use super::plan::Role;
 use super::{Line, Reading, Tracer};
 use crate::error::{PeopleError, Result, require};
@@ -184,6 +184,7 @@ impl<'a> Walk<'a, '_> {
             lines: Vec::new(),
             last: Vec2::ZERO,
             curved: false,
+            curved_corners: 0,
         };
         let kind = element.name();
         let number = |attribute: &str| length(element, attribute, 0.0);
@@ -341,6 +342,8 @@ struct Trace<'t> {
     /// Where the line ends, in the element's own coordinates.
     last: Vec2,
     curved: bool,
+    /// Of all its curves.
+    curved_corners: usize,
 }
 
 impl Trace<'_> {
@@ -376,7 +379,7 @@ impl Trace<'_> {
             std::iter::once(&*from).chain(control).map(|point| self.into.of(*point)).collect();
         let mut corners = Vec::new();
         bezier(&all, self.deviation, &mut corners)?;
-        self.curve(corners, control[control.len() - 1]);
+        self.curve(corners, control[control.len() - 1])?;
         *from = self.last;
         Ok(())
     }
@@ -385,18 +388,20 @@ impl Trace<'_> {
         let mut corners = Vec::new();
         arc.mapped(self.into).trace(self.deviation, &mut corners)?;
         let end = self.last;
-        self.curve(corners, end);
-        Ok(())
+        self.curve(corners, end)
     }
 
     /// Ends exactly at `to`.
-    fn curve(&mut self, mut corners: Vec<Vec2>, to: Vec2) {
+    fn curve(&mut self, mut corners: Vec<Vec2>, to: Vec2) -> Result<()> {
+        self.curved_corners += corners.len();
+        check_length(self.curved_corners)?;
         corners.pop();
         if let Some((line, _)) = self.lines.last_mut() {
             line.extend(corners);
         }
         self.to(to);
         self.curved = true;
+        Ok(())
     }
 
     fn by_ends(&mut self, to: Vec2, radii: Vec2, degrees: f64, large: bool, sweep: bool) -> Result<()> {
@@ -406,7 +411,6 @@ impl Trace<'_> {
         };
         let mut corners = Vec::new();
         arc.mapped(self.into).trace(self.deviation, &mut corners)?;
-        self.curve(corners, to);
-        Ok(())
+        self.curve(corners, to)
     }
 }

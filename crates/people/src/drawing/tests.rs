@@ -191,7 +191,11 @@ fn what_is_wrong_is_said_with_line_entity_layer_and_value() {
             "0 SPLINE 8 A 71 3 10 0 20 0",
             "line 18: SPLINE on layer \"A\": 1 control points are too few for degree 3",
         ),
-        ("0 CIRCLE 8 A 10 0 20 0 40 1e300", "line 18: CIRCLE on layer \"A\": a curve of size 1e300 m"),
+        ("0 CIRCLE 8 A 10 0 20 0 40 1e300", "line 18: CIRCLE on layer \"A\": a curve is too large"),
+        (
+            "0 CIRCLE 8 A 10 0 20 0 40 1e20",
+            "line 18: CIRCLE on layer \"A\": a curve of size 1",
+        ),
         (
             "0 LINE 8 A 10 0 20 0 11 2e9 21 0",
             "LINE in line 18 on layer \"A\": a corner at (2000000000.0, 0.0) m is not within",
@@ -350,7 +354,7 @@ fn damaged_files_do_no_harm() {
             }
         }
     }
-    assert!(read > 300, "{read} were read: most damage is too great to test much");
+    assert!(read > 100, "{read} were read: most damage is too great to test much");
 }
 
 fn plan_of(name: &str, format: Format, reading: Reading, close: Option<f64>) -> Plan {
@@ -406,12 +410,11 @@ fn the_examples_have_their_areas() {
 
 #[test]
 fn layers_say_what_lines_are() {
-    let role = |layer| Role::of(layer).map(|(role, name)| (role, name));
     for (layer, expected) in [
         ("walkablearea-0", Some((Role::WalkableArea, "0"))),
         ("WalkableArea", Some((Role::WalkableArea, ""))),
         ("walkable_area_hall", Some((Role::WalkableArea, "hall"))),
-        ("OBSTACLES-Columns", Some((Role::Obstacle, "columns"))),
+        ("OBSTACLES-Columns", Some((Role::Obstacle, "Columns"))),
         ("obstacle", Some((Role::Obstacle, ""))),
         ("exit 2", Some((Role::Exit, "2"))),
         ("exits-", Some((Role::Exit, ""))),
@@ -421,7 +424,7 @@ fn layers_say_what_lines_are() {
         ("A-WALL", None),
         ("", None),
     ] {
-        assert_eq!(role(layer), expected.map(|(role, name)| (role, name.to_owned())), "{layer}");
+        assert_eq!(Role::of(layer), expected.map(|(role, name)| (role, name.to_owned())), "{layer}");
     }
 }
 
@@ -512,6 +515,12 @@ fn what_is_written_is_read_back() {
         }
     }
     assert_eq!(write_plan(&hall, Format::Svg), None);
+    // Names are of other programs, too.
+    let mut named = hall.clone();
+    named.exits[0].name = "Süd\n  0\nEOF".into();
+    let text = write_plan(&named, Format::Dxf).unwrap();
+    let again = Drawing::read(Format::Dxf, text.as_bytes(), &Reading::default()).unwrap();
+    assert_eq!(Plan::of(again, &PlanSettings::default()).unwrap().exits[0].name, "Süd_  0_EOF");
 }
 
 /// The crates wkt and geojson read the same.

@@ -101,6 +101,7 @@ fn dxf(plan: &Plan) -> String {
         "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n",
     );
     for Written { layer, corners, closed, .. } in lines(plan) {
+        let layer = plain(&layer);
         // Writing to a string does not fail.
         let _ = match corners {
             [at] => write!(text, "0\nPOINT\n8\n{layer}\n10\n{}\n20\n{}\n30\n0.0\n", at.x, at.y),
@@ -118,4 +119,14 @@ fn dxf(plan: &Plan) -> String {
         }
     }
     text + "0\nENDSEC\n0\nEOF\n"
+}
+
+/// A name of a layer on one line, in ASCII: \U+00E4 is ä.
+fn plain(name: &str) -> String {
+    let letter = |letter: char| match u32::from(letter) {
+        0x20..=0x7e => letter.to_string(),
+        code @ 0xa0..=0xffff => format!("\\U+{code:04X}"),
+        _ => "_".to_owned(),
+    };
+    name.chars().map(letter).collect()
 }
