@@ -399,6 +399,12 @@ fn areas(lines: Vec<Line>) -> Result<(Vec<Vec<Vec2>>, bool)> {
         let obstacles: Vec<_> =
             (0..closed.len()).filter(|k| !is_outline(&closed[*k])).map(|k| turned(k, true)).collect();
         let left = areas.overlay(&obstacles, OverlayRule::Difference, FillRule::NonZero);
+        let made: usize = left.iter().flatten().map(Vec::len).sum();
+        require(made <= 10 * MOST_CORNERS, || {
+            format!(
+                "walkable areas without obstacles have {made} corners: too many; do they cross each other?"
+            )
+        })?;
         let ring = |ring: &Vec<[f64; 2]>| Ring::through(ring.iter().map(|[x, y]| vec2(*x, *y)).collect());
         let rings = left.iter().flatten().filter_map(ring).filter(|ring| ring.area() >= SMALLEST_AREA);
         rings.map(|ring| ring.closed().to_vec()).collect()

@@ -192,10 +192,7 @@ fn what_is_wrong_is_said_with_line_entity_layer_and_value() {
             "line 18: SPLINE on layer \"A\": 1 control points are too few for degree 3",
         ),
         ("0 CIRCLE 8 A 10 0 20 0 40 1e300", "line 18: CIRCLE on layer \"A\": a curve is too large"),
-        (
-            "0 CIRCLE 8 A 10 0 20 0 40 1e20",
-            "line 18: CIRCLE on layer \"A\": a curve of size 1",
-        ),
+        ("0 CIRCLE 8 A 10 0 20 0 40 1e20", "line 18: CIRCLE on layer \"A\": a curve of size 1"),
         (
             "0 LINE 8 A 10 0 20 0 11 2e9 21 0",
             "LINE in line 18 on layer \"A\": a corner at (2000000000.0, 0.0) m is not within",
