@@ -11,6 +11,7 @@ use lemons_core::files::input;
 use lemons_core::trial::Trial;
 use lemons_decision::{DECISION_FILE, DecisionConfig, Person, Plan};
 use lemons_master::{FileType, Fmu, TrialInput};
+use lemons_people::drawing::{self, write_plan};
 use lemons_results::{
     Area, Record, chaos, chaos_files, given_area, jupedsim, pedpy, series, series_files, trial_at_end,
     walkable_area,
@@ -22,13 +23,13 @@ use std::sync::Arc;
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Results of a run: the table of lemons run (CSV or Parquet), or an OutputDirectory of
-    /// AgentDynamics and AgentInteractions files
-    #[arg(value_name = "TABLE or SERIES")]
+    /// AgentDynamics and AgentInteractions files. For geojson, wkt and dxf: a Trial or an FMU
+    #[arg(value_name = "TABLE, SERIES or TRIAL")]
     source: PathBuf,
     /// Format to write
     #[arg(long, value_name = "FORMAT")]
     to: Format,
-    /// Where to write: a file for jupedsim and pedpy, a directory for the other formats
+    /// Where to write: a directory for chaos, series and trial, a file for the other formats
     #[arg(value_name = "OUT")]
     out: PathBuf,
     /// The Trial or FMU of the run. Default for an OutputDirectory: the Trial that contains it. A table
@@ -62,12 +63,33 @@ enum Format {
     Chaos,
     /// The paper's AgentDynamics files for each time; from an OutputDirectory also AgentInteractions
     Series,
+    /// The room of a Trial as GeoJSON: its walls, and the exits of its decision.toml. lemons room reads it
+    Geojson,
+    /// The walls of a Trial as well-known text
+    Wkt,
+    /// The room of a Trial as DXF, in m, for programs that draw
+    Dxf,
     /// A Trial that continues from the end of the run, with those who are there and its decision.toml; from an OutputDirectory, if nobody can leave, with contact springs
     Trial,
 }
 
+impl Format {
+    /// The format of a drawing.
+    fn drawing(self) -> Option<drawing::Format> {
+        match self {
+            Format::Geojson => Some(drawing::Format::GeoJson),
+            Format::Wkt => Some(drawing::Format::Wkt),
+            Format::Dxf => Some(drawing::Format::Dxf),
+            _ => None,
+        }
+    }
+}
+
 pub fn export(arguments: &Arguments) -> Result<()> {
     let Arguments { source, to, out, every, memory, .. } = arguments;
+    if let Some(format) = to.drawing() {
+        return arguments.write_room(format);
+    }
     arguments.check()?;
     let trial = trial_of(source, arguments.trial.as_deref(), memory.as_deref())?;
     if *to == Format::Jupedsim && trial.is_none() && arguments.area.is_none() {
@@ -112,6 +134,8 @@ pub fn export(arguments: &Arguments) -> Result<()> {
                     .into()
             }));
         }
+        // Written above: there is no run.
+        Format::Geojson | Format::Wkt | Format::Dxf => return Ok(()),
         Format::Trial => {
             let agents = arguments.write_trial_at_end(&run, need()?, end)?;
             return Ok(say!("{}: {agents} agents as at t = {end:?} s", out.display())?);
@@ -155,18 +179,45 @@ impl Arguments {
         tables.into_iter().try_for_each(|path| expect_table(path))
     }
 
+    /// Writes walls and exits of a Trial as a drawing.
+    fn write_room(&self, format: drawing::Format) -> Result<()> {
+        let Arguments { source, out, memory, .. } = self;
+        if self.every != 1 || !self.more.is_empty() || self.area.is_some() {
+            bail!(Misused("--every, --more and --area are for runs, not for the room of a Trial".into()));
+        }
+        let given = self.trial.as_deref().unwrap_or(source);
+        let own = if memory.is_some() { self.trial.as_deref() } else { Some(given) };
+        let trial =
+            trial_of(source, own, memory.as_deref())?.with_context(|| source.display().to_string())?;
+        let mut exits = Vec::new();
+        if let Some((config, _)) = wishes_of(given)? {
+            let plan =
+                Plan::of(&trial, &config).with_context(|| given.join(DECISION_FILE).display().to_string())?;
+            let leaving = plan.targets.into_iter().filter(|target| !target.stay);
+            exits = leaving
+                .map(|target| drawing::Place {
+                    name: target.name,
+                    corners: target.corners.into_iter().map(Into::into).collect(),
+                })
+                .collect();
+        }
+        let room = drawing::Plan::of_geometry(&trial.geometry, exits);
+        let text = write_plan(&room, format).context("this format is not written")?;
+        let mut file = Output::open(out)?;
+        file.fill(|file| file.write_all(text.as_bytes()))?;
+        file.persist()?;
+        let (walls, exits) = (room.walls.len(), room.exits.len());
+        let left = if format == drawing::Format::Wkt && exits > 0 { "; exits are not in it" } else { "" };
+        Ok(say!("{}: {walls} walls, {exits} exits{left}", out.display())?)
+    }
+
     /// Writes the Trial that continues from the end of a run of `before`, with the `decision.toml` of those who are there.
     /// Returns the number of its agents.
     fn write_trial_at_end(&self, run: &Record, before: &Trial, end: f64) -> Result<usize> {
         let (source, out) = (self.source.display(), &self.out);
         let given = self.trial.as_deref().unwrap_or(&before.directory);
         let named = || given.join(DECISION_FILE).display().to_string();
-        let input = TrialInput::find(given)?;
-        let mut wishes = None;
-        if let Some(path) = input.as_ref().and_then(TrialInput::wishes) {
-            let text = input::read_text(&path, input::LARGEST_SETTINGS).with_context(named)?;
-            wishes = Some((DecisionConfig::from_toml(&text).with_context(named)?, text));
-        }
+        let wishes = wishes_of(given)?;
         let plan = wishes.as_ref().map(|(config, _)| Plan::of(before, config).with_context(named));
         let plan = plan.transpose()?;
         let leaves = plan.as_ref().is_some_and(|plan| plan.leaving().contains(&true));
@@ -219,6 +270,15 @@ impl Arguments {
         );
         Ok(trial.agents.len())
     }
+}
+
+/// The `decision.toml` of a Trial, read and as text.
+fn wishes_of(given: &Path) -> Result<Option<(DecisionConfig, String)>> {
+    let named = || given.join(DECISION_FILE).display().to_string();
+    let input = TrialInput::find(given)?;
+    let Some(path) = input.as_ref().and_then(TrialInput::wishes) else { return Ok(None) };
+    let text = input::read_text(&path, input::LARGEST_SETTINGS).with_context(named)?;
+    Ok(Some((DecisionConfig::from_toml(&text).with_context(named)?, text)))
 }
 
 /// Checks that a file can be the table of a run; what is in it is read later.

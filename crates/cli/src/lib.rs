@@ -62,6 +62,8 @@ enum Command {
     Lab(lab::Arguments),
     /// Make a crowd from anthropometric data: as a Trial, an FMU, tables, pictures or meshes
     Crowd(Box<people::crowd::Arguments>),
+    /// Read a room from a drawing (DXF, GeoJSON, WKT, SVG), say what is in it, draw and write it
+    Room(Box<people::room::Arguments>),
     /// Print the shape of one person, and write the body as a mesh or a picture
     Person(people::person::Arguments),
     /// Pack one or more Trials into an FMU
@@ -158,6 +160,7 @@ fn execute(command: Command) -> Result<()> {
     match command {
         Command::Lab(arguments) => lab::lab(&arguments),
         Command::Crowd(arguments) => people::crowd::crowd(*arguments),
+        Command::Room(arguments) => people::room::room(&arguments),
         Command::Person(arguments) => people::person::person(&arguments),
         Command::Pack(arguments) => pack::pack(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),

@@ -7,6 +7,7 @@ mod outputs;
 pub mod person;
 mod placing;
 mod regions;
+pub mod room;
 mod source;
 
 use crate::error::TrialHasErrors;

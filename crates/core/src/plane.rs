@@ -11,6 +11,7 @@ mod segment;
 mod simple;
 mod union;
 mod vec2;
+mod wkt;
 
 pub use bounds::Bounds;
 pub use hull::convex_hull;
@@ -21,3 +22,4 @@ pub use segment::{nearest_on_segment, ray_crosses, segments_cross, segments_touc
 pub use simple::sides_that_meet;
 pub use union::{Arc, Disk, Moments, boundary, union};
 pub use vec2::{Rotation, SMALL_TURN, Vec2, vec2};
+pub use wkt::{Shape, shapes_from_wkt};

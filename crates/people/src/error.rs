@@ -20,6 +20,14 @@ pub enum PeopleError {
         /// \[m\] last corner.
         last: (f64, f64),
     },
+    /// A drawing that does not say how long its unit is.
+    #[error("the drawing does not say how long its unit is")]
+    NoUnit {
+        /// Width and height in its units, if something is in it.
+        size: Option<[f64; 2]>,
+        /// Whether a unit is any length, as in SVG.
+        scale: bool,
+    },
     /// A file that cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),

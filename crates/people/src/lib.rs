@@ -9,6 +9,7 @@ mod body3d;
 mod copula;
 mod custom;
 mod doors;
+pub mod drawing;
 mod error;
 mod growth;
 mod kinds;

@@ -29,6 +29,28 @@ pub struct Trail {
     pub points: Vec<Vec2>,
 }
 
+/// What a mark is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum MarkKind {
+    /// Where people leave.
+    Exit,
+    /// Where people are placed.
+    Distribution,
+    /// Where people go to.
+    Waypoint,
+}
+
+/// A place of a plan, drawn above the walls and below the bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// It selects the colour.
+    pub kind: MarkKind,
+    /// The title of its path.
+    pub name: String,
+    /// \[m\] One is a point, two are a line, more are an area.
+    pub corners: Vec<Vec2>,
+}
+
 /// Walls, and bodies at poses.
 ///
 /// For a movie: make one scene, fix [`Scene::view`] at the first frame, and set new `poses` for every frame.
@@ -51,6 +73,8 @@ pub struct Scene<'a> {
     pub density: Option<DensityMap>,
     /// Bicycles, which a Trial cannot contain.
     pub bicycles: Vec<Bicycle>,
+    /// Exits, and other places of a plan.
+    pub marks: Vec<Mark>,
     pub(crate) bodies: Vec<Body>,
 }
 
@@ -67,6 +91,7 @@ impl<'a> Scene<'a> {
             trails: Vec::new(),
             density: None,
             bicycles: Vec::new(),
+            marks: Vec::new(),
             bodies,
         }
     }
@@ -78,13 +103,14 @@ impl<'a> Scene<'a> {
         Scene::new(trial, poses)
     }
 
-    /// Returns the smallest rectangle around all walls, bodies, feet, bicycles and trails; a metre about the origin if
+    /// Returns the smallest rectangle around all walls, marks, bodies, feet, bicycles and trails; a metre about the origin if
     /// there are none.
     pub fn extent(&self) -> Bounds {
         let corners = self.trial.geometry.walls.iter().flat_map(|wall| &wall.corners);
         let trails = self.trails.iter().flat_map(|trail| &trail.points);
         let feet = self.drawn_feet().map(|(_, feet)| feet);
-        let lines = corners.chain(trails).copied().filter(|p| near(*p)).chain(feet);
+        let marks = self.marks.iter().flat_map(|mark| &mark.corners);
+        let lines = corners.chain(trails).chain(marks).copied().filter(|p| near(*p)).chain(feet);
         let disks = self.drawn().flat_map(|(_, pose, body)| body.disks_at(pose));
         let rims = disks.flat_map(|d| [-1.0, 1.0].map(|s| d.centre + vec2(d.radius, d.radius) * s));
         let bicycles = self.drawn_bicycles().flat_map(Bicycle::corners);

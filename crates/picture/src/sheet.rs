@@ -7,11 +7,14 @@ use crate::glyphs::{self, START};
 use crate::page::{
     BAND_GAP, CAP_HEIGHT, Entry, Header, MARGIN, NOMINAL_WIDTH, Page, footer_height, page_width,
 };
-use crate::scene::Scene;
+use crate::scene::{MarkKind, Scene};
 use crate::style::{Colouring, Fill, Style, kinds};
 use crate::text::{in_units, round_below};
-use crate::world::{CUT_BORDER, FORCE_HALO, TRAIL_STROKE, drawable_forces, is_cut, mean, measured, world};
+use crate::world::{
+    CUT_BORDER, FORCE_HALO, MARK_STROKE, TRAIL_STROKE, drawable_forces, is_cut, mean, measured, world,
+};
 use lemons_core::plane::{Bounds, Vec2, vec2};
+use std::collections::BTreeSet;
 
 /// \[px\] Distance between two panels.
 const GUTTER: f64 = 14.0;
@@ -63,7 +66,8 @@ impl Frame {
 
 /// Returns the scene as SVG.
 ///
-/// Groups, from the lowest: `density`, `walls`, `bodies` (one group for each agent, in their order, with the agent's Id
+/// Groups, from the lowest: `density`, `walls`, `marks` (paths of class `exit`, `distribution` and `way-point`, with their names
+/// as titles), `bodies` (one group for each agent, in their order, with the agent's Id
 /// as title), `bicycles`, `feet`, `leans`, `trails` (paths of class `simulated` and `measured`; below the bodies if none is measured),
 /// `forces`, `ids`. Outside the scene, in pixels: `time`, `legend`, `scale-bar`, `colour-bar`.
 pub fn svg(scene: &Scene, style: &Style) -> String {
@@ -208,5 +212,10 @@ fn forces_and_legend(scenes: &[&Scene], style: &Style, unit: f64, scale: f64) ->
         };
         legend.extend(kinds(scenes.iter().copied()).into_iter().enumerate().map(entry));
     }
+    let kinds: BTreeSet<MarkKind> = scenes.iter().flat_map(|s| &s.marks).map(|mark| mark.kind).collect();
+    legend.extend(kinds.into_iter().map(|kind| {
+        let (class, colour) = (kind.class(), kind.colour(&palette));
+        Entry { class, label: class.to_owned(), colour, width: MARK_STROKE * unit, halo: None, dashed: false }
+    }));
     (force_scale, legend)
 }

@@ -6,7 +6,7 @@ use crate::colour::{Colour, Palette};
 use crate::density::density;
 use crate::glyphs::{self, PEN, Place, START};
 use crate::page::{CASING, MARGIN, Page, dashes, path};
-use crate::scene::{Force, Scene, Trail};
+use crate::scene::{Force, Mark, MarkKind, Scene, Trail};
 use crate::sheet::Frame;
 use crate::style::{Colouring, Style};
 use crate::text::{PX, escaped, text_of};
@@ -47,6 +47,23 @@ const WIDEST_LEAN: f64 = 0.03;
 const LEAST_LEAN: f64 = 0.01;
 /// Number of shades of a trail.
 const AGES: usize = 8;
+
+/// \[px\] Width of the rim of a mark.
+pub(crate) const MARK_STROKE: f64 = 2.0;
+
+impl MarkKind {
+    pub(crate) fn class(self) -> &'static str {
+        match self {
+            MarkKind::Exit => "exit",
+            MarkKind::Distribution => "distribution",
+            MarkKind::Waypoint => "way-point",
+        }
+    }
+
+    pub(crate) fn colour(self, palette: &Palette) -> Colour {
+        palette.series(self as usize)
+    }
+}
 
 /// Returns whether the view cuts anything. Clipping makes rasterizing slow.
 pub(crate) fn is_cut(scene: &Scene, frame: &Frame) -> bool {
@@ -96,6 +113,7 @@ pub(crate) fn world(
     }
     let mut world = World { out: &mut *out, palette, scene, style, frame, colouring: &colouring, px };
     world.walls();
+    world.marks();
     if !compared {
         world.aging_trails();
     }
@@ -172,6 +190,30 @@ impl<'a> World<'a> {
                 }
             });
         }
+    }
+
+    fn marks(&mut self) {
+        if self.scene.marks.is_empty() {
+            return;
+        }
+        let width = text_of(MARK_STROKE * self.px, 6);
+        let look = format!("class=\"marks\" stroke-width=\"{width}\" fill-opacity=\".18\"");
+        self.group(&look, |world| {
+            for Mark { kind, name, corners } in &world.scene.marks {
+                let corners: Vec<Vec2> = corners.iter().copied().filter(|corner| near(*corner)).collect();
+                let is_area = corners.len() > 2;
+                let (class, colour) = (kind.class(), kind.colour(world.palette));
+                let fill = if is_area { colour.to_string() } else { "none".to_owned() };
+                *world.out += &format!("<path class=\"{class}\" fill=\"{fill}\" stroke=\"{colour}\" d=\"");
+                match corners[..] {
+                    [] => (),
+                    [at] => polyline(world.out, &[at, at]),
+                    _ => polyline(world.out, &corners),
+                }
+                let end = if is_area { "Z" } else { "" };
+                *world.out += &format!("{end}\"><title>{}</title></path>\n", escaped(name));
+            }
+        });
     }
 
     fn bodies(&mut self) {

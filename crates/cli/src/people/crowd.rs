@@ -5,6 +5,7 @@ use super::leave::LeaveArguments;
 use super::outputs::{Outputs, of_crowd, say};
 use super::placing::PlacingArguments;
 use super::regions::{REGION_HELP, described};
+use super::room::marks;
 use super::source::{CUSTOM_HELP, SourceArguments};
 use super::{line, read};
 use crate::binary::CROWD;
@@ -163,8 +164,10 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     }
     let Arguments { placing, trial, leaving, others, seed, .. } = &arguments;
     let written = trial.output.is_some() || trial.zip.is_some();
-    leaving.check(placing.doors.len(), written, trial.speed.is_some())?;
+    // Known before a drawing is read.
+    leaving.check(placing.doors.len() + usize::from(placing.is_drawing()), written, trial.speed.is_some())?;
     let place = placing.place()?;
+    leaving.check(place.ways_out(), written, trial.speed.is_some())?;
     let numbers = placing.numbers(&place, arguments.number, arguments.density)?;
     // People who leave are driven by nothing else.
     let speed = trial.speed.filter(|_| !leaving.leave).unwrap_or(0.0);
@@ -211,7 +214,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     writeln!(out, "\nseed               {seed:>10}")?;
     let of = if place.is_plane() { "convex hull of all" } else { &place.name };
     writeln!(out, "{}", line("ground", ground, &format!("m²   ({of})")))?;
-    if !placing.regions.is_empty() {
+    if place.has_regions {
         for (k, (ground, density)) in place.grounds.iter().zip(&densities).enumerate() {
             let people = format!("m²   {} people, {density:.3} /m²", numbers[k]);
             writeln!(out, "{}", line(&format!("  region {k}"), ground.free.region.area(), &people))?;
@@ -237,7 +240,8 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let mut done = Ok(());
     if makeable.is_ok() {
         let made = crowd_trial(&arguments.name(), &crowd, place.geometry.clone(), &settings)?;
-        let (scene, style) = of_crowd(&made, &crowd);
+        let (mut scene, style) = of_crowd(&made, &crowd);
+        scene.marks = place.drawn.as_ref().map_or(Vec::new(), |drawn| marks(&drawn.plan));
         outputs.draw(&scene, &style)?;
         if !population.has_bicycles() {
             let step = made.parameters.time_step_mechanical;
@@ -248,7 +252,8 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             let own = agents
                 .iter()
                 .map(|agent| agent.member().map(|of| of.speed).filter(|_| trial.speed.is_none()));
-            let wishes = leaving.is_wanted().then(|| leaving.text(&ways, trial.speed, own));
+            let wishes =
+                leaving.is_wanted().then(|| leaving.text(&ways, place.drawn.as_ref(), trial.speed, own));
             if let Some(text) = &wishes {
                 // A run would refuse it.
                 let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));

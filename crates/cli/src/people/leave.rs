@@ -1,9 +1,11 @@
 //! `--leave`, `--balance`, `--push`: the `decision.toml` of a crowd.
 
+use super::room::Read;
 use crate::error::Misused;
 use crate::numbers::array;
 use anyhow::{Result, bail};
 use lemons_core::plane::{Vec2, vec2};
+use lemons_people::drawing;
 use std::fmt::Write;
 
 /// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).
@@ -13,7 +15,8 @@ const SPEED: f64 = 1.34;
 #[command(next_help_heading = "Leaving and standing (with -o or --zip)")]
 pub struct LeaveArguments {
     /// Everybody leaves: write the Trial's decision.toml, in which people walk through the doors to a line
-    /// 1 m behind them, or to an --exit; of several, to the quickest by distance and queue
+    /// 1 m behind them, to an --exit, or, without --exit, to the exits of the drawing (--geometry); of
+    /// several, to the quickest by distance and queue
     #[arg(long)]
     pub leave: bool,
     /// A line where people have left, from X1,Y1 to X2,Y2, in m. Can be given several times
@@ -87,6 +90,7 @@ impl LeaveArguments {
     pub fn text(
         &self,
         doors: &[[Vec2; 2]],
+        drawn: Option<&Read>,
         speed: Option<f64>,
         own: impl Iterator<Item = Option<f64>>,
     ) -> String {
@@ -103,7 +107,10 @@ impl LeaveArguments {
                 let _ = writeln!(text, "push_sd = {deviation:?}               # [N]");
             }
         }
-        if doors.len() + self.exits.len() > 1 {
+        let drawn = drawn.map(|read| &read.plan);
+        text += &drawn.map_or(String::new(), way);
+        let drawn = drawn.filter(|_| self.exits.is_empty()).map_or(&[][..], |plan| &plan.exits);
+        if doors.len() + self.exits.len() + drawn.len() > 1 {
             text += "exit_choice = \"time\"           # by distance and queue\n";
         }
         text += "exits = [\n";
@@ -114,10 +121,54 @@ impl LeaveArguments {
                 let _ = writeln!(text, "  {{ name = \"{kind} {k}\", line = {line} }},   # [m]");
             }
         }
+        drawn.iter().for_each(|place| text += &drawn_exit(place));
         text += "]\n";
         for (id, speed) in own.enumerate().filter_map(|(id, own)| Some((id, own?))) {
             let _ = writeln!(text, "[agents.{id}]\ndesired_speed = {speed:.3}");
         }
         text
     }
+}
+
+/// A name as TOML has it.
+fn quoted(name: &str) -> toml::Value {
+    toml::Value::String(name.to_owned())
+}
+
+fn drawn_exit(drawing::Place { name, corners }: &drawing::Place) -> String {
+    let corners: Vec<String> =
+        corners.iter().map(|corner| format!("[{:?}, {:?}]", corner.x, corner.y)).collect();
+    let shape = if corners.len() == 2 { "line" } else { "polygon" };
+    format!("  {{ name = {}, {shape} = [{}] }},   # [m]\n", quoted(name), corners.join(", "))
+}
+
+/// The way-points of a drawing, if their names say their order.
+fn way(plan: &drawing::Plan) -> String {
+    let Some(way) = plan.way() else {
+        if !plan.waypoints.is_empty() {
+            note!(
+                "note: way-points of the drawing are not used: their names end in no numbers that say an order"
+            );
+        }
+        return String::new();
+    };
+    let mut text = String::from("waypoints = [\n");
+    for place in &way {
+        let (middle, radius) = place.middle();
+        let radius = radius.map_or(String::new(), |radius| format!(", radius = {radius:?}"));
+        let _ = writeln!(
+            text,
+            "  {{ x = {:?}, y = {:?}{radius} }},   # [m] {}",
+            middle.x,
+            middle.y,
+            comment(&place.name)
+        );
+    }
+    note!("note: everybody goes to the {} way-points of the drawing first", way.len());
+    text + "]\n"
+}
+
+/// A name without what could end a comment.
+fn comment(name: &str) -> String {
+    name.chars().filter(|c| !c.is_control()).collect()
 }

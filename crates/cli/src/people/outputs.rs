@@ -13,7 +13,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// \[px\]
-const PICTURE_WIDTH: u32 = 1200;
+pub const PICTURE_WIDTH: u32 = 1200;
 
 /// Files that appear when all is done.
 pub struct Outputs(Vec<File>);

@@ -1,6 +1,7 @@
 //! Where a crowd stands: the region, the placer, its progress.
 
 use super::regions::{Ground, RegionArgument, door, grounds, numbers, region};
+use super::room::{DrawingArguments, MATERIAL, Read};
 use super::{named, read};
 use crate::error::Misused;
 use crate::interrupt::{Interrupt, Interrupted};
@@ -11,12 +12,13 @@ use clap::ValueEnum;
 use lemons_core::files::source::Disk;
 use lemons_core::plane::{Bounds, Pose, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
+use lemons_people::drawing::Format;
 use lemons_people::placing::{
     Ended, FreeSpace, Method, Orientation, Packing, Progress, Region, Settings, Stage,
 };
 use lemons_people::{Agent, Door, PeopleError, Shape, closed_walls, cut_doors, walls};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 #[derive(clap::Args)]
@@ -26,9 +28,10 @@ pub struct PlacingArguments {
     /// origin
     #[arg(long = "box", value_name = "LXxLY", value_parser = sides, allow_hyphen_values = true, group = "region")]
     sides: Option<Vec2>,
-    /// Place people inside the closed walls of this Geometry.xml: the largest wall is the outline, the
-    /// others are holes. With --region, its walls may have openings
-    #[arg(long, value_name = "FILE.xml", group = "region")]
+    /// Place people inside the closed walls of this Geometry.xml, or of a drawing (.dxf, .geojson, .wkt,
+    /// .svg: see lemons room): the largest wall is the outline, the others are holes. With --region, its
+    /// walls may have openings. Without --region, people stand on the distributions of a drawing
+    #[arg(long, value_name = "FILE", group = "region")]
     geometry: Option<PathBuf>,
     /// Place people in the open, without walls (default)
     #[arg(long, group = "region")]
@@ -37,7 +40,7 @@ pub struct PlacingArguments {
     /// corners of a polygon, as in "0,0 8,0 8,6". Can be given several times, each with its own number or
     /// density, as in "0,0,4,6; number=40" and "4,0,8,6; density=3"; see below
     #[arg(long = "region", value_name = "REGION", value_parser = region, allow_hyphen_values = true)]
-    pub regions: Vec<RegionArgument>,
+    regions: Vec<RegionArgument>,
     /// Cut a door into the nearest closed wall: a gap of this width, in m, whose middle is the wall's
     /// nearest point. People are placed before. A door in an obstacle is refused: nobody stands inside it.
     /// Can be given several times
@@ -58,6 +61,8 @@ pub struct PlacingArguments {
     /// Write the crowd even if some people overlap
     #[arg(long)]
     allow_overlap: bool,
+    #[command(flatten)]
+    drawing: DrawingArguments,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -84,9 +89,20 @@ pub struct Place {
     pub closed: Vec<Ring>,
     /// As the user named it.
     pub name: String,
+    /// Whether the grounds are regions.
+    pub has_regions: bool,
+    /// The drawing that it is from; exits on its walls are doors.
+    pub drawn: Option<Read>,
+    /// Doors that were cut.
+    pub doors: Vec<Door>,
 }
 
 impl Place {
+    /// The number of doors, and of exits in the drawing.
+    pub fn ways_out(&self) -> usize {
+        self.doors.len() + self.drawn.as_ref().map_or(0, |drawn| drawn.plan.exits.len())
+    }
+
     pub fn is_plane(&self) -> bool {
         self.grounds[0].free.region.is_plane()
     }
@@ -105,12 +121,43 @@ const DOORS: &str = "a door is in a closed wall of the room where people stand (
 const NARROW: f64 = 0.5;
 
 impl PlacingArguments {
+    /// Whether the geometry is a drawing.
+    pub fn is_drawing(&self) -> bool {
+        self.geometry.as_deref().and_then(Format::of).is_some()
+    }
+
+    /// Reads the drawing, and says what was understood.
+    fn drawn(&self, path: &Path) -> Result<Read> {
+        let read = self.drawing.read(path)?;
+        let said = read.said(path);
+        let (left_out, said): (Vec<_>, Vec<_>) = said.into_iter().partition(|(what, _)| *what == "left out");
+        said.iter().for_each(|(what, how)| note!("{what}: {how}"));
+        if !left_out.is_empty() {
+            let path = path.display();
+            note!(
+                "left out: {} kinds of lines, texts and others (lemons room {path} lists them)",
+                left_out.len()
+            );
+        }
+        Ok(read)
+    }
+
     pub fn place(&self) -> Result<Place> {
+        if let Some(option) = self.drawing.given().filter(|_| !self.is_drawing()) {
+            bail!(Misused(format!("{option} is for drawings: --geometry FILE.dxf, .geojson, .wkt or .svg")));
+        }
+        let mut drawn = None;
         let (geometry, name, whole) = match (self.sides, &self.geometry) {
             (Some(sides), _) => {
                 let region = Region::rectangle(Vec2::ZERO, sides).context("--box")?;
                 let name = format!("a box of {} m x {} m", sides.x, sides.y);
                 (walls(region.rings(), "concrete"), name, Ok(region))
+            }
+            (None, Some(path)) if self.is_drawing() => {
+                let read = drawn.insert(self.drawn(path)?);
+                let geometry = read.plan.geometry(MATERIAL);
+                let region = Region::from_walls(&geometry);
+                (geometry, path.display().to_string(), region)
             }
             (None, Some(path)) => {
                 let geometry = read(Geometry::read_from(&Disk, path))?;
@@ -119,7 +166,14 @@ impl PlacingArguments {
             }
             (None, None) => (walls(&[], ""), "the open".to_owned(), Ok(Region::plane())),
         };
-        let grounds = if self.regions.is_empty() {
+        let regions = self.regions_of(drawn.as_ref());
+        // A drawing has open walls, too.
+        let outline = drawn.as_ref().and_then(|drawn| Some(&drawn.plan.walls[drawn.plan.outline?]));
+        let grounds = if let (Some(outline), Err(_), true) = (outline, &whole, regions.is_empty()) {
+            let free =
+                Region::free_space(outline, &geometry, &[]).with_context(|| format!("--geometry {name}"))?;
+            vec![Ground { free, name: name.clone(), amount: (None, None) }]
+        } else if regions.is_empty() {
             let region = whole.map_err(|error| match error {
                 PeopleError::OpenWall { .. } => anyhow!("{error}; {}", self.advice(&geometry)),
                 error => error.into(),
@@ -135,16 +189,17 @@ impl PlacingArguments {
             let free = FreeSpace { region, rooms, obstacles, walls: Vec::new() };
             vec![Ground { free, name: name.clone(), amount: (None, None) }]
         } else {
-            grounds(&self.regions, &geometry, &name)?
+            grounds(&regions, &geometry, &name)?
         };
         let closed = closed_walls(&geometry);
-        if !self.doors.is_empty() && closed.is_empty() {
+        let doors = self.all_doors(drawn.as_mut());
+        if !doors.is_empty() && closed.is_empty() {
             bail!(Misused(format!("--door: there is no closed wall in {name}: {DOORS}")));
         }
         let uncut = geometry.clone();
-        let geometry = cut_doors(geometry, &self.doors).context("--door")?;
+        let geometry = cut_doors(geometry, &doors).context("--door")?;
         let free = || grounds.iter().map(|ground| &ground.free);
-        for (number, door) in self.doors.iter().enumerate() {
+        for (number, door) in doors.iter().enumerate() {
             // People would walk into a pillar.
             if let Some(Wall { id, .. }) = door.wall(&uncut)
                 && free().any(|free| free.obstacles.contains(id))
@@ -169,7 +224,28 @@ impl PlacingArguments {
                 );
             }
         }
-        Ok(Place { grounds, geometry, closed, name })
+        Ok(Place { grounds, geometry, closed, name, has_regions: !regions.is_empty(), drawn, doors })
+    }
+
+    /// Those that were given, and those for the exits of a drawing that lie on its walls.
+    fn all_doors(&self, drawn: Option<&mut Read>) -> Vec<Door> {
+        let mut doors = self.doors.clone();
+        let Some(Read { plan, .. }) = drawn else { return doors };
+        let new = plan.doors();
+        doors.extend(new.iter().map(|(_, door)| *door));
+        for (exit, _) in new.iter().rev() {
+            plan.exits.remove(*exit);
+        }
+        doors
+    }
+
+    /// The regions that were given, else those of the drawing.
+    fn regions_of(&self, drawn: Option<&Read>) -> Vec<RegionArgument> {
+        let Some(drawn) = drawn.filter(|_| self.regions.is_empty()) else { return self.regions.clone() };
+        for (k, place) in drawn.plan.distributions.iter().enumerate() {
+            note!("region {k}: distribution {:?} of the drawing", place.name);
+        }
+        drawn.plan.distributions.iter().map(|place| RegionArgument::of(place.corners.clone())).collect()
     }
 
     /// What to do about a wall that is open.
@@ -186,7 +262,7 @@ impl PlacingArguments {
     /// Lines \[m\] behind the doors, where people \[m\] have left.
     pub fn ways_out(&self, place: &Place, crowd: &[(Agent, Pose)]) -> Vec<[Vec2; 2]> {
         let people = crowd.iter().map(|(_, pose)| pose.position);
-        self.doors.iter().filter_map(|door| door.exit(&place.closed, people.clone())).collect()
+        place.doors.iter().filter_map(|door| door.exit(&place.closed, people.clone())).collect()
     }
 
     /// How many stand on each ground, from --number and --density.

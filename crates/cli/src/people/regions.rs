@@ -24,6 +24,13 @@ pub struct RegionArgument {
     amount: Amount,
 }
 
+impl RegionArgument {
+    /// A polygon \[m\], with as many people as --number and --density say.
+    pub fn of(corners: Vec<Vec2>) -> RegionArgument {
+        RegionArgument { corners, amount: (None, None) }
+    }
+}
+
 /// Where people stand together.
 pub struct Ground {
     pub free: FreeSpace,

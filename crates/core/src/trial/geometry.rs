@@ -26,6 +26,11 @@ impl Geometry {
     pub fn read_from(files: &dyn Source, path: &Path) -> Checked<Geometry> {
         read_alone(files, path, &GEOMETRY, |root| read(root, None))
     }
+
+    /// Returns the text of a `Geometry.xml`. Every number is read back as the same double.
+    pub fn to_xml(&self) -> String {
+        xml(self)
+    }
 }
 
 /// `<Wall>`: a polyline without thickness, which acts on both sides.

@@ -1,0 +1,370 @@
+//! `lemons room`: a room from a drawing; and what `lemons crowd` takes from one.
+
+use super::outputs::{Outputs, PICTURE_WIDTH};
+use crate::error::and_then;
+use crate::files::Force;
+use crate::interrupt::Interrupt;
+use crate::numbers::positive;
+use crate::print;
+use anyhow::{Context, Result, anyhow, bail};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use lemons_core::files::input;
+use lemons_core::plane::{Bounds, Vec2};
+use lemons_core::trial::{Geometry, Trial};
+use lemons_people::PeopleError;
+use lemons_people::drawing::{
+    DEVIATION, Drawing, Format, LARGEST_DRAWING, Place, Plan, PlanSettings, Reading, UNITS, UnitFrom,
+    WIDEST_GAP, write_plan,
+};
+use lemons_people::{TrialSettings, crowd_trial};
+use lemons_picture::{Mark, MarkKind, Scene, Style};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// More kinds of what is left out are only counted.
+const MOST_LEFT_OUT: usize = 100;
+/// The material of walls from a drawing.
+pub const MATERIAL: &str = "concrete";
+
+pub const ROOM_HELP: &str = include_str!("../help/room.txt");
+
+#[derive(clap::Args)]
+#[command(after_help = ROOM_HELP)]
+pub struct Arguments {
+    /// Drawing: .dxf, .geojson, .wkt or .svg
+    #[arg(value_name = "FILE")]
+    drawing: PathBuf,
+    /// Write the walls as Geometry.xml (.xml), or walls, exits, distributions and way-points as a drawing in
+    /// metres (.geojson, .dxf; .wkt: walls only)
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    reading: DrawingArguments,
+    /// Draw what was understood as SVG
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+    /// Draw what was understood as PDF
+    #[arg(long, value_name = "FILE.pdf")]
+    pdf: Option<PathBuf>,
+    /// Draw what was understood as PNG, 1200 pixels wide
+    #[arg(long, value_name = "FILE.png")]
+    png: Option<PathBuf>,
+    #[command(flatten)]
+    _force: Force,
+}
+
+#[derive(clap::Args)]
+#[command(next_help_heading = "Drawings (DXF, GeoJSON, well-known text, SVG)")]
+pub struct DrawingArguments {
+    /// Unit of the drawing. Default: that in the file ($INSUNITS of DXF); GeoJSON and well-known text
+    /// are in m
+    #[arg(long, value_parser = unit(), conflicts_with = "scale")]
+    unit: Option<f64>,
+    /// Metres of a unit of the drawing, for example 0.05
+    #[arg(long, value_name = "METRES", value_parser = positive)]
+    scale: Option<f64>,
+    /// Join ends of lines that are at most so far apart, for example 5cm
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    close: Option<f64>,
+    /// Largest distance of the straight pieces of a curve from it. Default: 1cm
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    deviation: Option<f64>,
+    /// Move the lower left corner of all walls to 0,0
+    #[arg(long)]
+    origin: bool,
+    /// Only these layers are walls, if no layer is a walkable area or an obstacle
+    #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
+    walls: Vec<String>,
+}
+
+fn unit() -> impl TypedValueParser<Value = f64> {
+    let parser = PossibleValuesParser::new(UNITS.map(|(name, _)| name));
+    parser.map(|said| UNITS.iter().find(|(name, _)| *name == said).map_or(1.0, |(_, metres)| *metres))
+}
+
+/// A positive length: 5cm, 0.05m, 0.05.
+fn length(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let name = &text[number.len()..];
+    let unit = UNITS.iter().find(|(unit, _)| *unit == name || name.is_empty());
+    let value = unit.and_then(|(_, metres)| Some(number.trim().parse::<f64>().ok()? * metres));
+    value
+        .filter(|length| (1e-6..=100.0).contains(length))
+        .ok_or_else(|| "must be a length up to 100 m, as in 5cm or 0.05".into())
+}
+
+/// A drawing that was read.
+pub struct Read {
+    pub plan: Plan,
+    format: Format,
+    unit: f64,
+    unit_from: UnitFrom,
+    curves: usize,
+    deviation: f64,
+    close: Option<f64>,
+}
+
+impl DrawingArguments {
+    /// Returns whether one of the options is given, by its name.
+    pub fn given(&self) -> Option<&'static str> {
+        let all = [
+            ("--unit", self.unit.is_some()),
+            ("--scale", self.scale.is_some()),
+            ("--close", self.close.is_some()),
+            ("--deviation", self.deviation.is_some()),
+            ("--origin", self.origin),
+            ("--walls", !self.walls.is_empty()),
+        ];
+        all.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
+    }
+
+    /// Reads a drawing, and says what is in it.
+    ///
+    /// # Errors
+    /// It cannot be read, or there are no walls in it. The message names the file.
+    pub fn read(&self, path: &Path) -> Result<Read> {
+        let format = Format::of(path).with_context(|| {
+            format!(
+                "{}: is no drawing: its name must end in .dxf, .geojson, .json, .wkt, .txt or .svg",
+                path.display()
+            )
+        })?;
+        self.of_format(path, format).with_context(|| path.display().to_string())
+    }
+
+    fn of_format(&self, path: &Path, format: Format) -> Result<Read> {
+        let bytes = input::read(path, LARGEST_DRAWING)?;
+        let deviation = self.deviation.unwrap_or(DEVIATION);
+        let reading = Reading { unit: self.unit.or(self.scale), deviation };
+        let drawing = Drawing::read(format, &bytes, &reading).map_err(explained)?;
+        let &Drawing { unit, unit_from, curves, .. } = &drawing;
+        let settings = PlanSettings { close: self.close, to_origin: self.origin, walls: self.walls.clone() };
+        let plan = Plan::of(drawing, &settings)?;
+        Ok(Read { plan, format, unit, unit_from, curves, deviation, close: self.close })
+    }
+}
+
+/// What to do where the unit is not known.
+fn explained(error: PeopleError) -> anyhow::Error {
+    let PeopleError::NoUnit { size, scale } = error else { return error.into() };
+    let options = if scale {
+        "a unit of SVG can be any length: give --unit m, cm, mm, in or ft, or --scale METRES"
+    } else {
+        "the drawing does not say what its unit is ($INSUNITS): give --unit m, cm, mm, in or ft"
+    };
+    let size = size.map(|[width, height]| {
+        let all =
+            UNITS.map(|(name, metres)| format!("{name}: {:.2} m x {:.2} m", width * metres, height * metres));
+        format!("; it is {width:.2} x {height:.2} units, which would be {}", all.join(", "))
+    });
+    anyhow!("{options}{}", size.unwrap_or_default())
+}
+
+impl Read {
+    /// Says what was understood, a line each: what, and how much of it.
+    pub fn said(&self, path: &Path) -> Vec<(&'static str, String)> {
+        let Read { plan, format, unit, unit_from, .. } = self;
+        let from = match unit_from {
+            UnitFrom::User => "as asked for",
+            UnitFrom::File => "$INSUNITS",
+            UnitFrom::Format => "by custom",
+        };
+        let mut said =
+            vec![("drawing", format!("{}: {}, unit {unit} m ({from})", path.display(), format.name()))];
+        if let Some(Bounds { low, high }) = plan.bounds() {
+            let size = high - low;
+            let Vec2 { x, y } = low;
+            said.push((
+                "size",
+                format!("{:.3} m x {:.3} m, lower left corner at {x:.3},{y:.3}", size.x, size.y),
+            ));
+        }
+        if plan.origin != Vec2::ZERO {
+            let Vec2 { x, y } = plan.origin;
+            said.push(("moved", format!("by {:?},{:?} m (--origin)", -x, -y)));
+        }
+        said.push(("walls", self.walls()));
+        if let Some(area) = plan.area() {
+            said.push(("ground", format!("{area:.3} m² within the outline, without obstacles")));
+        }
+        self.changes(&mut said);
+        let named = |places: &[Place]| {
+            // Names may hold anything.
+            let names: Vec<String> =
+                places.iter().map(|place| place.name.escape_debug().to_string()).collect();
+            format!("{}: {}", names.len(), names.join(", "))
+        };
+        for (what, places) in
+            [("exits", &plan.exits), ("distributions", &plan.distributions), ("way-points", &plan.waypoints)]
+        {
+            if !places.is_empty() {
+                said.push((what, named(places)));
+            }
+        }
+        for (exit, door) in plan.doors() {
+            let name = &plan.exits[exit].name;
+            said.push((
+                "door",
+                format!(
+                    "{} m wide where exit {name:?} lies on a closed wall: lemons crowd cuts it",
+                    door.width
+                ),
+            ));
+        }
+        let kinds = plan.left_out.len();
+        for ((layer, kind), count) in plan.left_out.iter().take(MOST_LEFT_OUT) {
+            let layer = if layer.is_empty() { String::new() } else { format!(" on layer {layer:?}") };
+            said.push(("left out", format!("{count} {kind}{layer}")));
+        }
+        if kinds > MOST_LEFT_OUT {
+            said.push(("left out", format!("{} more kinds", kinds - MOST_LEFT_OUT)));
+        }
+        said
+    }
+
+    fn walls(&self) -> String {
+        let walls = &self.plan.walls;
+        let closed = walls.iter().filter(|wall| wall.len() > 3 && wall.first() == wall.last()).count();
+        let outline = match self.plan.outline {
+            Some(outline) => format!("the outline is wall {outline}"),
+            None => "none of them is an outline".to_owned(),
+        };
+        format!("{}: {closed} closed, {} open; {outline}", walls.len(), walls.len() - closed)
+    }
+
+    /// What is other than in the drawing.
+    fn changes(&self, said: &mut Vec<(&'static str, String)>) {
+        let Plan { joined, doubles, on_others, united, .. } = &self.plan;
+        if self.curves > 0 {
+            said.push((
+                "curves",
+                format!(
+                    "{} in straight pieces, at most {} mm away from them",
+                    self.curves,
+                    1e3 * self.deviation
+                ),
+            ));
+        }
+        if self.close.is_some() {
+            let largest = if joined.gaps > 0 {
+                format!(", the largest {:.1} mm", 1e3 * joined.largest)
+            } else {
+                String::new()
+            };
+            said.push(("gaps closed", format!("{}{largest}", joined.gaps)));
+        }
+        if joined.left > 0 {
+            said.push((
+                "gaps left",
+                format!(
+                    "{}, of at most {} cm, between ends of lines: --close joins them",
+                    joined.left,
+                    100.0 * WIDEST_GAP
+                ),
+            ));
+        }
+        if *doubles > 0 {
+            said.push(("doubles", format!("{doubles} lines lay on others, and are left out")));
+        }
+        if *on_others > 0 {
+            said.push((
+                "on each other",
+                format!("{on_others} pieces of walls lie on other walls, and push twice"),
+            ));
+        }
+        if *united {
+            said.push((
+                "united",
+                "areas that meet: the walls are the rim of areas without obstacles".to_owned(),
+            ));
+        }
+    }
+}
+
+pub fn room(arguments: &Arguments) -> Result<()> {
+    let Arguments { drawing, output, reading, .. } = arguments;
+    let kind = output.as_deref().map(written).transpose()?;
+    let mut outputs = Outputs::open(&[
+        ("-o", "room", output),
+        ("--svg", "picture", &arguments.svg),
+        ("--pdf", "picture", &arguments.pdf),
+        ("--png", "picture", &arguments.png),
+    ])?;
+    let interrupt = Interrupt::watch();
+    let read = reading.read(drawing)?;
+    let geometry = read.plan.geometry(MATERIAL);
+    outputs.draw(&scene_of(&bare(drawing, &geometry)?, &read.plan), &style())?;
+    let mut out = Vec::new();
+    for (what, how) in read.said(drawing) {
+        writeln!(out, "{what:<18} {how}")?;
+    }
+    if let Some(kind) = kind {
+        let text =
+            kind.map_or_else(|| Some(geometry_xml(&geometry)), |format| write_plan(&read.plan, format));
+        let text = text.unwrap_or_default();
+        outputs.fill("-o", |file| file.write_all(text.as_bytes()))?;
+        not_written(&read.plan, kind);
+    }
+    if outputs.is_empty() {
+        writeln!(out, "nothing was written: give -o FILE, --svg, --pdf or --png (lemons room --help)")?;
+    }
+    let done = outputs.persist(|| interrupt.check(), &mut out);
+    let told = print::out().write_all(&out);
+    and_then(done, told.map_err(Into::into))
+}
+
+/// Walls and nobody, for the picture.
+fn bare(path: &Path, geometry: &Geometry) -> Result<Trial> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    Ok(crowd_trial(&name, &[], geometry.clone(), &TrialSettings::default())?)
+}
+
+fn scene_of<'a>(trial: &'a Trial, plan: &Plan) -> Scene<'a> {
+    let mut scene = Scene::at_start(trial);
+    scene.marks = marks(plan);
+    scene
+}
+
+fn style() -> Style {
+    Style { width: PICTURE_WIDTH.into(), ..Style::default() }
+}
+
+/// Exits, distributions and way-points, for the picture.
+pub fn marks(plan: &Plan) -> Vec<Mark> {
+    let kinds = [
+        (MarkKind::Exit, &plan.exits),
+        (MarkKind::Distribution, &plan.distributions),
+        (MarkKind::Waypoint, &plan.waypoints),
+    ];
+    let mark = |kind, place: &Place| Mark { kind, name: place.name.clone(), corners: place.corners.clone() };
+    kinds.into_iter().flat_map(|(kind, places)| places.iter().map(move |place| mark(kind, place))).collect()
+}
+
+/// The format of an output; `None` is Geometry.xml.
+fn written(path: &Path) -> Result<Option<Format>> {
+    let is_xml = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("xml"));
+    match Format::of(path) {
+        _ if is_xml => Ok(None),
+        Some(format) if format != Format::Svg => Ok(Some(format)),
+        _ => bail!(crate::error::Misused(format!(
+            "-o {}: its name must end in .xml, .geojson, .wkt or .dxf (a Trial needs people: lemons crowd --geometry FILE \
+             makes one of a drawing)",
+            path.display()
+        ))),
+    }
+}
+
+fn geometry_xml(geometry: &Geometry) -> String {
+    geometry.to_xml()
+}
+
+fn not_written(plan: &Plan, kind: Option<Format>) {
+    let places = plan.exits.len() + plan.distributions.len() + plan.waypoints.len();
+    if places > 0 && matches!(kind, None | Some(Format::Wkt)) {
+        note!(
+            "note: exits, distributions and way-points are not in this file: lemons crowd --geometry takes them from the \
+             drawing, or from a .geojson or .dxf that is written here"
+        );
+    }
+}

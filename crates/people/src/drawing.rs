@@ -1,0 +1,257 @@
+//! Rooms from drawings of other programs: DXF, GeoJSON, well-known text, SVG.
+//!
+//! [`Drawing::read`] turns a file into [`Line`]s in metres, each on a layer; curves become straight pieces. [`Plan::of`]
+//! says what they mean: walls, exits, where people stand, way-points. [`write_plan`] writes a plan back.
+//!
+//! The group codes of DXF are read by our own code (DESIGN.md, "Libraries", says why).
+
+mod curve;
+mod dxf;
+mod geojson;
+mod join;
+mod plan;
+mod svg;
+#[cfg(test)]
+mod tests;
+mod wkt;
+mod write;
+
+pub use join::{Joined, WIDEST_GAP};
+pub use plan::{Place, Plan, Role, Settings as PlanSettings};
+pub use write::{write_plan, written_formats};
+
+use crate::error::{PeopleError, Result, require};
+use curve::Affine;
+use lemons_core::files::input;
+use lemons_core::plane::{Bounds, Vec2};
+use lemons_core::trial::FARTHEST;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// \[m\] Largest deviation of straight pieces from their curve, if nothing else is said.
+pub const DEVIATION: f64 = 0.01;
+/// \[byte\] Largest file that is read.
+pub const LARGEST_DRAWING: u64 = input::LARGEST_SETTINGS;
+/// Largest number of corners of a drawing, and of the entities that are looked at: blocks in blocks grow fast.
+const MOST: usize = 1_000_000;
+
+/// A format of drawings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Drawing Exchange Format of AutoCAD, as text.
+    Dxf,
+    /// RFC 7946, but in a plane.
+    GeoJson,
+    /// Well-known text (OGC Simple Features).
+    Wkt,
+    /// Scalable Vector Graphics.
+    Svg,
+}
+
+impl Format {
+    /// Returns the format that the name of a file says; `None` for any other name.
+    pub fn of(path: &Path) -> Option<Format> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        Some(match extension.as_str() {
+            "dxf" => Format::Dxf,
+            "geojson" | "json" => Format::GeoJson,
+            "wkt" | "txt" => Format::Wkt,
+            "svg" => Format::Svg,
+            _ => return None,
+        })
+    }
+
+    /// Returns its name, for messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Format::Dxf => "DXF",
+            Format::GeoJson => "GeoJSON",
+            Format::Wkt => "well-known text",
+            Format::Svg => "SVG",
+        }
+    }
+}
+
+/// Units that a user can name, and how many metres each is.
+pub const UNITS: [(&str, f64); 5] = [("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254), ("ft", 0.3048)];
+
+/// How a drawing is read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// \[m\] Length of a unit of the drawing; `None`: as the file says.
+    pub unit: Option<f64>,
+    /// \[m\] Largest deviation of straight pieces from their curve, positive.
+    pub deviation: f64,
+}
+
+impl Default for Reading {
+    fn default() -> Reading {
+        Reading { unit: None, deviation: DEVIATION }
+    }
+}
+
+/// Why a unit of the drawing has its length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UnitFrom {
+    /// The user says so.
+    User,
+    /// The file says so: `$INSUNITS`.
+    File,
+    /// The format is in metres by custom.
+    Format,
+}
+
+/// A polyline of a drawing, or a point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// As the file has it; empty if there is none.
+    pub layer: String,
+    /// A name that the file gives this one.
+    pub name: Option<String>,
+    /// What it is, as messages call it, with its place in the file: `LINE in line 12`.
+    pub entity: String,
+    /// \[m\] One corner is a point. The first one is not repeated where the line is closed.
+    pub corners: Vec<Vec2>,
+    /// Whether a side goes from the last corner to the first.
+    pub closed: bool,
+    /// Whether it is a hole of the polygon before.
+    pub hole: bool,
+}
+
+/// A drawing, in metres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawing {
+    /// The format that it was in.
+    pub format: Format,
+    /// In the order of the file; blocks are resolved.
+    pub lines: Vec<Line>,
+    /// \[m\] Length of a unit.
+    pub unit: f64,
+    /// Who says so.
+    pub unit_from: UnitFrom,
+    /// Number of curves that are straight pieces now.
+    pub curves: usize,
+    /// What was left out: layer and kind, with the number of each.
+    pub left_out: BTreeMap<(String, String), usize>,
+}
+
+impl Drawing {
+    /// Reads the content of a file.
+    ///
+    /// # Errors
+    /// It is not of this format, is too large, or does not say its unit. The message names line, entity and value, but
+    /// not the file.
+    pub fn read(format: Format, bytes: &[u8], reading: &Reading) -> Result<Drawing> {
+        let tracer = match format {
+            Format::Dxf => dxf::read(bytes, reading)?,
+            Format::GeoJson => geojson::read(text(bytes)?, reading)?,
+            Format::Wkt => wkt::read(text(bytes)?, reading)?,
+            Format::Svg => svg::read(bytes, reading)?,
+        };
+        let size = || Bounds::of(tracer.lines.iter().flat_map(|line| line.corners.iter().copied()));
+        let Some((unit, unit_from)) = tracer.unit else {
+            let size = size().map(|bounds| bounds.size());
+            return Err(PeopleError::NoUnit { size: size.map(Into::into), scale: format == Format::Svg });
+        };
+        require(!tracer.lines.is_empty(), || {
+            let what: Vec<String> = tracer.left_out.iter().map(left_out).collect();
+            let what = if what.is_empty() { "nothing is in it".to_owned() } else { what.join(", ") };
+            format!("there are no lines in this {}: {what}", format.name())
+        })?;
+        let Tracer { lines, curves, left_out, .. } = tracer;
+        Ok(Drawing { format, lines, unit, unit_from, curves, left_out })
+    }
+
+    /// Returns the lowest and the highest coordinates \[m\].
+    pub fn bounds(&self) -> Option<Bounds> {
+        Bounds::of(self.lines.iter().flat_map(|line| line.corners.iter().copied()))
+    }
+}
+
+/// Says what was left out: `3 TEXT on layer "A"`.
+pub(crate) fn left_out(((layer, kind), count): (&(String, String), &usize)) -> String {
+    let layer = if layer.is_empty() { String::new() } else { format!(" on layer {layer:?}") };
+    format!("{count} {kind}{layer}")
+}
+
+fn text(bytes: &[u8]) -> Result<&str> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let before = bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
+        PeopleError::new(format!("line {}: is not UTF-8 text", before + 1))
+    })?;
+    Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
+}
+
+/// What a reader has found so far.
+struct Tracer {
+    lines: Vec<Line>,
+    /// Where the length of a unit is known.
+    unit: Option<(f64, UnitFrom)>,
+    /// \[m\]
+    deviation: f64,
+    curves: usize,
+    left_out: BTreeMap<(String, String), usize>,
+    corners: usize,
+    looked_at: usize,
+}
+
+impl Tracer {
+    /// Without a unit, curves get few corners: only the size is asked for.
+    fn new(unit: Option<(f64, UnitFrom)>, reading: &Reading) -> Tracer {
+        let deviation = if unit.is_some() { reading.deviation } else { f64::INFINITY };
+        let (lines, left_out) = (Vec::new(), BTreeMap::new());
+        Tracer { lines, unit, deviation, curves: 0, left_out, corners: 0, looked_at: 0 }
+    }
+
+    /// Of the user, else as the format has it.
+    fn unit_of(reading: &Reading, otherwise: Option<(f64, UnitFrom)>) -> Option<(f64, UnitFrom)> {
+        reading.unit.map(|unit| (unit, UnitFrom::User)).or(otherwise)
+    }
+
+    /// From units of the drawing to metres.
+    fn scale(&self) -> Affine {
+        Affine::scale(self.unit.map_or(1.0, |(unit, _)| unit))
+    }
+
+    fn leave_out(&mut self, layer: &str, kind: &str) {
+        *self.left_out.entry((layer.to_owned(), kind.to_owned())).or_default() += 1;
+    }
+
+    /// Counts an entity that is looked at.
+    fn look(&mut self) -> Result<()> {
+        self.looked_at += 1;
+        require(self.looked_at <= MOST, || {
+            format!("there are more than {MOST} entities, those of blocks counted each time: too many")
+        })
+    }
+
+    /// Takes a line. Corners that repeat the one before are left out.
+    fn take(&mut self, mut line: Line) -> Result<()> {
+        line.corners.dedup();
+        while line.closed && line.corners.len() > 1 && line.corners.first() == line.corners.last() {
+            line.corners.pop();
+        }
+        self.corners += line.corners.len();
+        require(self.corners <= MOST, || format!("there are more than {MOST} corners: too many"))?;
+        let is_near = |corner: &&Vec2| corner.x.abs() <= FARTHEST && corner.y.abs() <= FARTHEST;
+        if let Some(Vec2 { x, y }) = line.corners.iter().find(|corner| !is_near(corner)) {
+            return Err(PeopleError::new(format!(
+                "{}: a corner at ({x:?}, {y:?}) m is not within {FARTHEST} m of the origin",
+                line.named()
+            )));
+        }
+        self.lines.push(line);
+        Ok(())
+    }
+}
+
+impl Line {
+    /// Says what it is, and on which layer.
+    pub fn named(&self) -> String {
+        if self.layer.is_empty() {
+            self.entity.clone()
+        } else {
+            format!("{} on layer {:?}", self.entity, self.layer)
+        }
+    }
+}

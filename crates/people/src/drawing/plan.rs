@@ -1,0 +1,415 @@
+//! What lines of a drawing mean: walls, exits, where people stand, way-points.
+
+use super::join::{Joined, join, without_doubles};
+use super::{Drawing, Line};
+use crate::error::{PeopleError, Result, require};
+use crate::placing::Region;
+use crate::{Door, closed_walls};
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::float::single::SingleFloatOverlay;
+use lemons_core::plane::{Bounds, Ring, Vec2, sides_that_meet, vec2};
+use lemons_core::trial::{Geometry, Wall};
+use std::collections::BTreeMap;
+
+/// \[m²\] What is smaller has no inside.
+const SMALLEST_AREA: f64 = 1e-6;
+/// Largest number of exits, of distributions, of way-points.
+const MOST_PLACES: usize = 1000;
+/// Largest number of corners of areas that may meet, and of walls of which the area is calculated: some of it takes the
+/// square of this. People are placed among no more.
+const MOST_CORNERS: usize = 10_000;
+/// \[m\] An exit that is nowhere further from a wall lies on it.
+const ON_A_WALL: f64 = 0.05;
+
+/// What is on a layer, as its name says: `walkablearea-…`, `obstacles-…`, `exits-…`, `distributions-…`, `waypoints-…`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Role {
+    /// Outlines of where people walk.
+    WalkableArea,
+    /// What stands there.
+    Obstacle,
+    /// Lines or areas where people leave.
+    Exit,
+    /// Areas where people are placed.
+    Distribution,
+    /// Places to go to.
+    Waypoint,
+}
+
+const PLURALS: [(&str, Role); 8] = [
+    ("walkablearea", Role::WalkableArea),
+    ("walkable_area", Role::WalkableArea),
+    ("walkable-area", Role::WalkableArea),
+    ("walkable area", Role::WalkableArea),
+    ("obstacles", Role::Obstacle),
+    ("exits", Role::Exit),
+    ("distributions", Role::Distribution),
+    ("waypoints", Role::Waypoint),
+];
+const SINGULARS: [(&str, Role); 4] = [
+    ("obstacle", Role::Obstacle),
+    ("exit", Role::Exit),
+    ("distribution", Role::Distribution),
+    ("waypoint", Role::Waypoint),
+];
+
+impl Role {
+    /// Returns the role that a layer's name says, in any case, and the rest of the name. Singular words are meant only
+    /// alone, or before a number: a layer of exit signs has no exits.
+    pub fn of(layer: &str) -> Option<(Role, String)> {
+        let layer = layer.trim();
+        let rest = |word: &str| {
+            let begin = layer.get(..word.len()).filter(|begin| begin.eq_ignore_ascii_case(word))?;
+            let rest = &layer[begin.len()..];
+            let named = rest.trim_start_matches(['-', '_', ' ', '.', ':']);
+            let parted = named.len() < rest.len()
+                || named.is_empty()
+                || named.starts_with(|c: char| c.is_ascii_digit());
+            parted.then(|| named.to_owned())
+        };
+        let plural = PLURALS.iter().find_map(|(word, role)| Some((*role, rest(word)?)));
+        let number = |name: &String| name.chars().all(|c| c.is_ascii_digit());
+        plural.or_else(|| SINGULARS.iter().find_map(|(word, role)| Some((*role, rest(word).filter(number)?))))
+    }
+
+    /// Returns the beginning of the layers' names.
+    pub fn layer(self) -> &'static str {
+        match self {
+            Role::WalkableArea => "walkablearea",
+            Role::Obstacle => "obstacles",
+            Role::Exit => "exits",
+            Role::Distribution => "distributions",
+            Role::Waypoint => "waypoints",
+        }
+    }
+}
+
+/// How a drawing becomes a plan.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Settings {
+    /// \[m\] Ends of lines that are at most so far apart are joined.
+    pub close: Option<f64>,
+    /// Whether the lower left corner of everything goes to the origin.
+    pub to_origin: bool,
+    /// Layers whose lines are walls, where none is named as a walkable area; empty: all.
+    pub walls: Vec<String>,
+}
+
+/// A place with a name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// No two of a kind have the same.
+    pub name: String,
+    /// \[m\] One is a point, two are a line, more are an area.
+    pub corners: Vec<Vec2>,
+}
+
+impl Place {
+    /// Returns its middle \[m\], and how far its sides are from there; none of a point.
+    pub fn middle(&self) -> (Vec2, Option<f64>) {
+        let bounds = Bounds::of(self.corners.iter().copied()).unwrap_or(Bounds::UNIT);
+        let middle = (bounds.low + bounds.high) * 0.5;
+        let ring = Ring::through(self.corners.clone()).filter(|_| self.corners.len() > 2);
+        let Some(ring) = ring else { return (middle, None) };
+        let middle = if ring.contains(middle) { middle } else { ring.corners()[0] };
+        (middle, Some(ring.nearest(middle).distance))
+    }
+}
+
+/// A room, and what is in it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// \[m\] Walls; the first corner of a closed one is repeated at its end.
+    pub walls: Vec<Vec<Vec2>>,
+    /// The wall around the walkable area, or else around most; none where no wall is closed.
+    pub outline: Option<usize>,
+    /// Lines and areas.
+    pub exits: Vec<Place>,
+    /// Areas.
+    pub distributions: Vec<Place>,
+    /// Points and areas.
+    pub waypoints: Vec<Place>,
+    /// Gaps that were closed.
+    pub joined: Joined,
+    /// Number of lines that lay on others, and were left out.
+    pub doubles: usize,
+    /// Number of pieces of walls that lie on pieces of other walls, and stay.
+    pub on_others: usize,
+    /// \[m\] What was subtracted from all coordinates.
+    pub origin: Vec2,
+    /// What was left out: layer and kind, with the number of each.
+    pub left_out: BTreeMap<(String, String), usize>,
+    /// Whether outlines and obstacles met, and what people can walk on was calculated.
+    pub united: bool,
+}
+
+impl Plan {
+    /// Says what the lines of a drawing mean.
+    ///
+    /// # Errors
+    /// There are no walls, or an area crosses itself.
+    pub fn of(drawing: Drawing, settings: &Settings) -> Result<Plan> {
+        let Drawing { lines, mut left_out, .. } = drawing;
+        let of_role: Vec<Option<(Role, String)>> = lines.iter().map(|line| Role::of(&line.layer)).collect();
+        let says = |role: Role| of_role.iter().flatten().any(|(of, _)| *of == role);
+        let has_areas = says(Role::WalkableArea) || says(Role::Obstacle);
+        let (mut walls, mut places) = (Vec::new(), BTreeMap::<Role, Vec<(String, Line)>>::new());
+        let mut leave_out = |line: &Line, why: &str| {
+            let kind = line.entity.split(" in line").next().unwrap_or("").split(" at ").next().unwrap_or("");
+            *left_out.entry((line.layer.clone(), format!("{kind}{why}"))).or_default() += 1;
+        };
+        for (line, role) in lines.into_iter().zip(of_role) {
+            match role {
+                Some((role @ (Role::Exit | Role::Distribution | Role::Waypoint), name)) => {
+                    places.entry(role).or_default().push((line.name.clone().unwrap_or(name), line));
+                }
+                None if has_areas => leave_out(&line, " (layer without a meaning)"),
+                None if !settings.walls.is_empty() && !settings.walls.contains(&line.layer) => {
+                    leave_out(&line, " (layer not asked for)");
+                }
+                _ if line.corners.len() < 2 => leave_out(&line, " (no length)"),
+                _ => walls.push(line),
+            }
+        }
+        for (role, places) in &places {
+            require(places.len() <= MOST_PLACES, || {
+                format!("{} {}: at most {MOST_PLACES} are allowed", places.len(), role.layer())
+            })?;
+        }
+        let (walls, doubles, on_others) = without_doubles(walls);
+        let (walls, joined) = join(walls, settings.close)?;
+        let named = |role: Role, enough: usize, closed: bool, leave_out: &mut dyn FnMut(&Line, &str)| {
+            let lines = places.get(&role).into_iter().flatten();
+            let used = lines.filter(|(_, line)| {
+                let used = line.corners.len() >= enough && (line.closed || !closed);
+                if !used {
+                    leave_out(line, if closed { " (not closed)" } else { " (no length)" });
+                }
+                used && !line.hole
+            });
+            named(used)
+        };
+        let exits = named(Role::Exit, 2, false, &mut leave_out);
+        let distributions = named(Role::Distribution, 3, true, &mut leave_out);
+        let waypoints = named(Role::Waypoint, 1, false, &mut leave_out);
+        require(!walls.is_empty(), || {
+            let what: Vec<String> = left_out.iter().map(super::left_out).collect();
+            format!("there are no walls in this drawing; left out: {}", what.join(", "))
+        })?;
+        let (walls, united) =
+            if has_areas { areas(walls)? } else { (walls.into_iter().map(corners).collect(), false) };
+        let mut plan = Plan {
+            outline: None,
+            walls,
+            exits,
+            distributions,
+            waypoints,
+            joined,
+            doubles,
+            on_others,
+            origin: Vec2::ZERO,
+            left_out,
+            united,
+        };
+        plan.outline = plan.largest();
+        if settings.to_origin {
+            plan.move_to_origin();
+        }
+        Ok(plan)
+    }
+
+    fn largest(&self) -> Option<usize> {
+        let area = |(k, wall): (usize, &Vec<Vec2>)| {
+            let closed = wall.len() > 3 && wall.first() == wall.last();
+            let area = Ring::through(wall.clone())?.area();
+            (closed && area >= SMALLEST_AREA).then_some((k, area))
+        };
+        let all = self.walls.iter().enumerate().filter_map(area);
+        all.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
+    }
+
+    fn move_to_origin(&mut self) {
+        let Some(bounds) = self.bounds() else { return };
+        self.origin = bounds.low;
+        let places = self.exits.iter_mut().chain(&mut self.distributions).chain(&mut self.waypoints);
+        let lists = self.walls.iter_mut().chain(places.map(|place| &mut place.corners));
+        lists.flatten().for_each(|corner| *corner -= bounds.low);
+    }
+
+    /// Returns the lowest and the highest coordinates of walls \[m\].
+    pub fn bounds(&self) -> Option<Bounds> {
+        Bounds::of(self.walls.iter().flatten().copied())
+    }
+
+    /// Returns the walls of a material. Ids count from 0.
+    pub fn geometry(&self, material: &str) -> Geometry {
+        let wall = |(id, corners): (usize, &Vec<Vec2>)| Wall {
+            id: id.to_string(),
+            material_id: material.to_owned(),
+            corners: corners.clone(),
+        };
+        Geometry {
+            dimensions: self.bounds().map(|bounds| bounds.size()),
+            walls: self.walls.iter().enumerate().map(wall).collect(),
+        }
+    }
+
+    /// Returns the area \[m²\] inside the outline, without the closed walls in it. `None` if there is no outline, or
+    /// nothing is left.
+    pub fn area(&self) -> Option<f64> {
+        let outline = &self.walls[self.outline?];
+        if self.walls.iter().map(Vec::len).sum::<usize>() > MOST_CORNERS {
+            return None;
+        }
+        if let Ok(region) = Region::from_walls(&self.geometry("")) {
+            return Some(region.area());
+        }
+        Some(Region::free_space(outline, &self.geometry(""), &[]).ok()?.region.area())
+    }
+
+    /// Makes the plan of the walls of a Trial, with exits.
+    pub fn of_geometry(geometry: &Geometry, exits: Vec<Place>) -> Plan {
+        let mut plan = Plan {
+            walls: geometry.walls.iter().map(|wall| wall.corners.clone()).collect(),
+            outline: None,
+            exits,
+            distributions: Vec::new(),
+            waypoints: Vec::new(),
+            joined: Joined::default(),
+            doubles: 0,
+            on_others: 0,
+            origin: Vec2::ZERO,
+            left_out: BTreeMap::new(),
+            united: false,
+        };
+        plan.outline = plan.largest();
+        plan
+    }
+
+    /// Returns doors for the exits that are lines on a closed wall, with the numbers of these exits: nobody gets there if
+    /// the wall is not open.
+    pub fn doors(&self) -> Vec<(usize, Door)> {
+        let closed = closed_walls(&self.geometry(""));
+        let on_a_wall = |line: &[Vec2]| match *line {
+            [a, b] => {
+                let places = [a, (a + b) * 0.5, b];
+                closed
+                    .iter()
+                    .any(|wall| places.iter().all(|place| wall.nearest(*place).distance <= ON_A_WALL))
+            }
+            _ => false,
+        };
+        let exits = self.exits.iter().enumerate().filter(|(_, exit)| on_a_wall(&exit.corners));
+        let door = |line: &[Vec2]| Door { at: (line[0] + line[1]) * 0.5, width: (line[1] - line[0]).norm() };
+        exits.map(|(k, exit)| (k, door(&exit.corners))).filter(|(_, door)| door.width > 0.0).collect()
+    }
+
+    /// Returns the way-points, if their names end in numbers that say their order.
+    pub fn way(&self) -> Option<Vec<&Place>> {
+        let number = |place: &Place| {
+            let digits = place.name.len() - place.name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+            place.name[place.name.len() - digits..].parse::<u64>().ok()
+        };
+        let mut way: Vec<(u64, &Place)> =
+            self.waypoints.iter().map(|place| Some((number(place)?, place))).collect::<Option<_>>()?;
+        way.sort_by_key(|(number, _)| *number);
+        let differ = way.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        (differ && !way.is_empty()).then(|| way.into_iter().map(|(_, place)| place).collect())
+    }
+}
+
+fn corners(line: Line) -> Vec<Vec2> {
+    let mut corners = line.corners;
+    if line.closed && corners.len() > 2 {
+        corners.push(corners[0]);
+    }
+    corners
+}
+
+/// Names of which no two are equal: those that are, or that are missing, get a number.
+fn named<'a>(lines: impl Iterator<Item = &'a (String, Line)>) -> Vec<Place> {
+    let mut places: Vec<Place> = Vec::new();
+    for (name, line) in lines {
+        let corners = line.corners.clone();
+        let corners = if line.closed || corners.len() < 3 {
+            corners
+        } else {
+            vec![corners[0], corners[corners.len() - 1]]
+        };
+        let is_new = |name: &String| !places.iter().any(|place| place.name == *name);
+        let numbered = |k: usize| if name.is_empty() { k.to_string() } else { format!("{name} {k}") };
+        let name = if !name.is_empty() && is_new(name) {
+            name.clone()
+        } else {
+            (places.len()..).map(numbered).find(is_new).unwrap_or_default()
+        };
+        places.push(Place { name, corners });
+    }
+    places
+}
+
+/// Walls around what people can walk on: outlines without obstacles. Where none of them meet, they stay as they are.
+fn areas(lines: Vec<Line>) -> Result<(Vec<Vec<Vec2>>, bool)> {
+    let (closed, open): (Vec<Line>, Vec<Line>) =
+        lines.into_iter().partition(|line| line.closed && line.corners.len() > 2);
+    let corners_of_all: usize = closed.iter().map(|line| line.corners.len()).sum();
+    require(corners_of_all <= MOST_CORNERS, || {
+        format!(
+            "walkable areas and obstacles have {corners_of_all} corners; at most {MOST_CORNERS} are allowed (a larger \
+             deviation of curves gives fewer)"
+        )
+    })?;
+    let is_outline = |line: &Line| Role::of(&line.layer).is_some_and(|(role, _)| role == Role::WalkableArea);
+    let mut rings: Vec<Ring> = Vec::new();
+    for line in &closed {
+        let ring = Ring::through(line.corners.clone()).filter(Ring::is_simple);
+        rings.push(ring.ok_or_else(|| {
+            PeopleError::new(format!("{}: its sides cross or touch each other", line.named()))
+        })?);
+    }
+    let outlines: Vec<usize> =
+        (0..closed.len()).filter(|k| is_outline(&closed[*k]) && !closed[*k].hole).collect();
+    let rest = || (0..closed.len()).filter(|k| !outlines.contains(k));
+    let apart = |outline: usize| {
+        let within = |k: usize| {
+            let corner = rings[k].corners()[0];
+            rings[outline].contains(corner)
+                && !rest().any(|other| other != k && rings[other].contains(corner))
+        };
+        sides_that_meet(&rings).is_none() && rest().all(within)
+    };
+    let as_drawn = match outlines[..] {
+        [] => true,
+        [outline] => apart(outline),
+        _ => false,
+    };
+    let mut walls: Vec<Vec<Vec2>> = if as_drawn {
+        rings.iter().map(|ring| ring.closed().to_vec()).collect()
+    } else {
+        let turned = |k: usize, left: bool| {
+            let ring = rings[k].clone();
+            let ring = if (ring.signed_area() > 0.0) == left { ring } else { ring.reversed() };
+            vec![ring.corners().iter().map(|corner| [corner.x, corner.y]).collect::<Vec<[f64; 2]>>()]
+        };
+        let areas: Vec<_> = (0..closed.len())
+            .filter(|k| is_outline(&closed[*k]))
+            .map(|k| turned(k, !closed[k].hole))
+            .collect();
+        let obstacles: Vec<_> =
+            (0..closed.len()).filter(|k| !is_outline(&closed[*k])).map(|k| turned(k, true)).collect();
+        let left = areas.overlay(&obstacles, OverlayRule::Difference, FillRule::NonZero);
+        let made: usize = left.iter().flatten().map(Vec::len).sum();
+        require(made <= 10 * MOST_CORNERS, || {
+            format!(
+                "walkable areas without obstacles have {made} corners: too many; do they cross each other?"
+            )
+        })?;
+        let ring = |ring: &Vec<[f64; 2]>| Ring::through(ring.iter().map(|[x, y]| vec2(*x, *y)).collect());
+        let rings = left.iter().flatten().filter_map(ring).filter(|ring| ring.area() >= SMALLEST_AREA);
+        rings.map(|ring| ring.closed().to_vec()).collect()
+    };
+    walls.extend(open.into_iter().map(corners));
+    require(!walls.is_empty(), || "obstacles cover the walkable area".to_owned())?;
+    Ok((walls, !as_drawn))
+}

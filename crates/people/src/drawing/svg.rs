@@ -1,0 +1,416 @@
+//! SVG -> lines. Groups are layers; the y axis is turned upwards, the lower left corner of the page is the origin.
+
+use super::curve::{Affine, Arc, bezier, by_ends, check_length};
+use super::plan::Role;
+use super::{Line, Reading, Tracer};
+use crate::error::{PeopleError, Result, require};
+use lemons_core::plane::{Vec2, vec2};
+use lemons_core::xml::{Document, Element};
+use std::collections::HashMap;
+use std::path::Path;
+use svgtypes::{Length, LengthUnit, PathParser, PathSegment, PointsParser, Transform};
+
+const LARGEST: usize = 16_000_000;
+const MOST_NODES: u32 = 1_000_000;
+/// More elements within each other are a mistake.
+const DEEPEST: usize = 100;
+/// What draws nothing where it stands.
+const SILENT: [&str; 15] = [
+    "defs",
+    "symbol",
+    "clipPath",
+    "mask",
+    "pattern",
+    "marker",
+    "metadata",
+    "namedview",
+    "style",
+    "title",
+    "desc",
+    "script",
+    "linearGradient",
+    "radialGradient",
+    "filter",
+];
+
+pub(super) fn read(bytes: &[u8], reading: &Reading) -> Result<Tracer> {
+    require(bytes.len() <= LARGEST, || {
+        format!("is larger than {} MB, the limit of SVG", LARGEST / 1_000_000)
+    })?;
+    let document = Document::parse(Path::new(""), bytes, MOST_NODES).map_err(said)?;
+    let root = document.root("svg").map_err(said)?;
+    let mut tracer = Tracer::new(Tracer::unit_of(reading, None), reading);
+    let into = tracer.scale().after(&upright(root)?);
+    let mut by_id = HashMap::new();
+    let mut below = vec![root];
+    while let Some(element) = below.pop() {
+        below.extend(element.elements());
+        if let Some(id) = element.optional("id") {
+            by_id.insert(id, element);
+        }
+    }
+    let mut walk = Walk { tracer: &mut tracer, by_id };
+    for element in root.elements() {
+        walk.element(element, &into, Layer::default(), 0)?;
+    }
+    Ok(tracer)
+}
+
+fn said(error: impl ToString) -> PeopleError {
+    PeopleError::new(error.to_string())
+}
+
+/// From the page's coordinates to those with y upwards.
+fn upright(root: Element) -> Result<Affine> {
+    let numbers = |text: &str| -> Option<[f64; 4]> {
+        let all: Option<Vec<f64>> =
+            text.split([' ', ',']).filter(|word| !word.is_empty()).map(|word| word.parse().ok()).collect();
+        all?.try_into().ok()
+    };
+    let (x, low) = match root.optional("viewBox") {
+        Some(text) => {
+            let [x, y, _, height] =
+                numbers(text).ok_or_else(|| said(root.wrong("viewBox", "must be four numbers")))?;
+            (x, y + height)
+        }
+        None if root.optional("height").is_some_and(|height| !height.contains('%')) => {
+            (0.0, length(root, "height", 0.0)?)
+        }
+        None => (0.0, 0.0),
+    };
+    Ok(Affine::new([1.0, 0.0, 0.0, -1.0, -x, low]))
+}
+
+/// A length in user units: 96 of them are an inch.
+fn length(element: Element, attribute: &str, otherwise: f64) -> Result<f64> {
+    let Some(text) = element.optional(attribute) else { return Ok(otherwise) };
+    let wrong = |must: &str| said(element.wrong(attribute, must));
+    let Length { number, unit } = text.trim().parse().map_err(|_| wrong("must be a length"))?;
+    let scale = match unit {
+        LengthUnit::None | LengthUnit::Px => 1.0,
+        LengthUnit::In => 96.0,
+        LengthUnit::Cm => 96.0 / 2.54,
+        LengthUnit::Mm => 96.0 / 25.4,
+        LengthUnit::Pt => 96.0 / 72.0,
+        LengthUnit::Pc => 16.0,
+        LengthUnit::Em | LengthUnit::Ex | LengthUnit::Percent => {
+            return Err(wrong("must be a number, or a length in px, mm, cm, in, pt or pc"));
+        }
+    };
+    if number.is_finite() { Ok(number * scale) } else { Err(wrong("must be finite")) }
+}
+
+/// Names of an element, or of groups around it.
+#[derive(Default, Clone, Copy)]
+struct Layer<'a> {
+    name: &'a str,
+    has_role: bool,
+}
+
+impl<'a> Layer<'a> {
+    fn within(self, element: Element<'a>) -> Layer<'a> {
+        let label =
+            element.attributes().find(|attribute| attribute.name() == "label").map(|label| label.value());
+        let names = label.into_iter().chain(element.optional("id"));
+        let mut names = names.chain(element.optional("class").into_iter().flat_map(str::split_whitespace));
+        if let Some(name) = names.clone().find(|name| Role::of(name).is_some()) {
+            return Layer { name, has_role: true };
+        }
+        let is_group = element.name() == "g";
+        match names.next() {
+            Some(name) if is_group && !self.has_role => Layer { name, has_role: false },
+            _ => self,
+        }
+    }
+}
+
+struct Walk<'a, 't> {
+    tracer: &'t mut Tracer,
+    by_id: HashMap<&'a str, Element<'a>>,
+}
+
+impl<'a> Walk<'a, '_> {
+    fn element(&mut self, element: Element<'a>, into: &Affine, layer: Layer<'a>, depth: usize) -> Result<()> {
+        self.tracer.look()?;
+        let kind = element.name();
+        require(depth < DEEPEST, || {
+            format!("line {}: <{kind}> is within more than {DEEPEST} elements", element.line())
+        })?;
+        if SILENT.contains(&kind) {
+            return Ok(());
+        }
+        let layer = layer.within(element);
+        let style: String = element.optional("style").unwrap_or("").split_whitespace().collect();
+        if element.optional("display") == Some("none") || style.split(';').any(|part| part == "display:none")
+        {
+            self.tracer.leave_out(layer.name, &format!("<{kind}> (hidden)"));
+            return Ok(());
+        }
+        let into = match element.optional("transform") {
+            Some(text) => into
+                .after(&transform(text).ok_or_else(|| {
+                    said(element.wrong("transform", "must be a list of finite transforms"))
+                })?),
+            None => *into,
+        };
+        match kind {
+            "g" | "a" | "switch" => {
+                element.elements().try_for_each(|inner| self.element(inner, &into, layer, depth + 1))
+            }
+            "use" => self.again(element, &into, layer, depth),
+            _ => self.shape(element, &into, layer),
+        }
+    }
+
+    /// `<use>` draws another element again.
+    fn again(&mut self, element: Element<'a>, into: &Affine, layer: Layer<'a>, depth: usize) -> Result<()> {
+        let href =
+            element.attributes().find(|attribute| attribute.name() == "href").map_or("", |href| href.value());
+        let Some(of) = href.strip_prefix('#').and_then(|id| self.by_id.get(id)).copied() else {
+            self.tracer.leave_out(layer.name, "<use> of what is not in the file");
+            return Ok(());
+        };
+        let into = into.after(&Affine::shift(vec2(length(element, "x", 0.0)?, length(element, "y", 0.0)?)));
+        if of.name() == "symbol" {
+            return of.elements().try_for_each(|inner| self.element(inner, &into, layer, depth + 1));
+        }
+        self.element(of, &into, layer, depth + 1)
+    }
+
+    fn shape(&mut self, element: Element<'a>, into: &Affine, layer: Layer<'a>) -> Result<()> {
+        let mut trace = Trace {
+            into,
+            deviation: self.tracer.deviation,
+            lines: Vec::new(),
+            last: Vec2::ZERO,
+            curved: false,
+            curved_corners: 0,
+        };
+        let kind = element.name();
+        let number = |attribute: &str| length(element, attribute, 0.0);
+        match kind {
+            "line" => {
+                trace.begin(vec2(number("x1")?, number("y1")?));
+                trace.to(vec2(number("x2")?, number("y2")?));
+            }
+            "polyline" | "polygon" => points(element, &mut trace)?,
+            "rect" => rectangle(element, &mut trace)?,
+            "circle" | "ellipse" => {
+                let centre = vec2(number("cx")?, number("cy")?);
+                let r = length(element, "r", 0.0)?;
+                let radii = vec2(length(element, "rx", r)?, length(element, "ry", r)?);
+                let arc = Arc { u: vec2(radii.x, 0.0), v: vec2(0.0, radii.y), ..Arc::circle(centre, 1.0) };
+                trace.begin(centre + arc.u);
+                trace.arc(&arc).map_err(|error| placed(element, error))?;
+                trace.close();
+            }
+            "path" => path(element, &mut trace)?,
+            _ => {
+                self.tracer.leave_out(layer.name, &format!("<{kind}>"));
+                return Ok(());
+            }
+        }
+        let Trace { lines, curved, .. } = trace;
+        self.tracer.curves += usize::from(curved);
+        for (corners, closed) in lines.into_iter().filter(|(corners, _)| corners.len() > 1) {
+            let id = element.optional("id").map(str::to_owned);
+            let entity = format!("<{kind}> in line {}", element.line());
+            let layer = layer.name.to_owned();
+            let name = id.filter(|id| *id != layer && layer.is_empty());
+            self.tracer.take(Line { layer, name, entity, corners, closed, hole: false })?;
+        }
+        Ok(())
+    }
+}
+
+fn placed(element: Element, error: PeopleError) -> PeopleError {
+    said(element.problem(error.to_string()))
+}
+
+fn transform(text: &str) -> Option<Affine> {
+    let Transform { a, b, c, d, e, f } = text.parse().ok()?;
+    let numbers = [a, b, c, d, e, f];
+    numbers.iter().all(|number| number.is_finite()).then(|| Affine::new(numbers))
+}
+
+fn points(element: Element, trace: &mut Trace) -> Result<()> {
+    let text = element.optional("points").unwrap_or("");
+    let mut points = PointsParser::from(text).map(|(x, y)| vec2(x, y));
+    let Some(first) = points.next() else { return Ok(()) };
+    trace.begin(first);
+    points.for_each(|point| trace.to(point));
+    if element.name() == "polygon" {
+        trace.close();
+    }
+    Ok(())
+}
+
+fn rectangle(element: Element, trace: &mut Trace) -> Result<()> {
+    let number = |attribute: &str| length(element, attribute, 0.0);
+    let (low, size) = (vec2(number("x")?, number("y")?), vec2(number("width")?, number("height")?));
+    if size.x <= 0.0 || size.y <= 0.0 {
+        return Ok(());
+    }
+    let rx = length(element, "rx", length(element, "ry", 0.0)?)?.clamp(0.0, 0.5 * size.x);
+    let ry = length(element, "ry", rx)?.clamp(0.0, 0.5 * size.y);
+    let high = low + size;
+    trace.begin(vec2(low.x + rx, low.y));
+    let corner = |trace: &mut Trace, from: Vec2, to: Vec2| {
+        trace.to(from);
+        trace.by_ends(to, vec2(rx, ry), 0.0, false, true).map_err(|error| placed(element, error))
+    };
+    corner(trace, vec2(high.x - rx, low.y), vec2(high.x, low.y + ry))?;
+    corner(trace, vec2(high.x, high.y - ry), vec2(high.x - rx, high.y))?;
+    corner(trace, vec2(low.x + rx, high.y), vec2(low.x, high.y - ry))?;
+    corner(trace, vec2(low.x, low.y + ry), vec2(low.x + rx, low.y))?;
+    trace.close();
+    Ok(())
+}
+
+fn path(element: Element, trace: &mut Trace) -> Result<()> {
+    use PathSegment::*;
+    let (mut at, mut begin) = (Vec2::ZERO, Vec2::ZERO);
+    // What smooth curves continue: the control point before, of a cubic or of a quadratic one.
+    let (mut cubic, mut quadratic) = (None, None);
+    let mut is_open = false;
+    for segment in PathParser::from(element.optional("d").unwrap_or("")) {
+        let segment = segment.map_err(|error| said(element.wrong("d", format!("is not a path: {error}"))))?;
+        let origin = if segment.is_abs() { Vec2::ZERO } else { at };
+        let place = |x: f64, y: f64| origin + vec2(x, y);
+        if !is_open && !matches!(segment, MoveTo { .. } | ClosePath { .. }) {
+            trace.begin(at);
+            (begin, is_open) = (at, true);
+        }
+        let (before_cubic, before_quadratic) = (std::mem::take(&mut cubic), std::mem::take(&mut quadratic));
+        let mirrored = |control: Option<Vec2>| control.map_or(at, |control| at * 2.0 - control);
+        let traced = match segment {
+            MoveTo { x, y, .. } => {
+                at = place(x, y);
+                trace.begin(at);
+                (begin, is_open) = (at, true);
+                continue;
+            }
+            ClosePath { .. } => {
+                if is_open {
+                    trace.close();
+                }
+                (at, is_open) = (begin, false);
+                continue;
+            }
+            LineTo { x, y, .. } => trace.line(&mut at, place(x, y)),
+            HorizontalLineTo { x, .. } => {
+                let to = vec2(origin.x + x, at.y);
+                trace.line(&mut at, to)
+            }
+            VerticalLineTo { y, .. } => {
+                let to = vec2(at.x, origin.y + y);
+                trace.line(&mut at, to)
+            }
+            CurveTo { x1, y1, x2, y2, x, y, .. } => {
+                cubic = Some(place(x2, y2));
+                trace.bezier(&mut at, &[place(x1, y1), place(x2, y2), place(x, y)])
+            }
+            SmoothCurveTo { x2, y2, x, y, .. } => {
+                cubic = Some(place(x2, y2));
+                let first = mirrored(before_cubic);
+                trace.bezier(&mut at, &[first, place(x2, y2), place(x, y)])
+            }
+            Quadratic { x1, y1, x, y, .. } => {
+                quadratic = Some(place(x1, y1));
+                trace.bezier(&mut at, &[place(x1, y1), place(x, y)])
+            }
+            SmoothQuadratic { x, y, .. } => {
+                let control = mirrored(before_quadratic);
+                quadratic = Some(control);
+                trace.bezier(&mut at, &[control, place(x, y)])
+            }
+            EllipticalArc { rx, ry, x_axis_rotation, large_arc, sweep, x, y, .. } => {
+                at = place(x, y);
+                trace.by_ends(at, vec2(rx, ry), x_axis_rotation, large_arc, sweep)
+            }
+        };
+        traced.map_err(|error| placed(element, error))?;
+    }
+    Ok(())
+}
+
+/// Lines of one element; corners are in metres, places that are given are in its own coordinates.
+struct Trace<'t> {
+    into: &'t Affine,
+    deviation: f64,
+    lines: Vec<(Vec<Vec2>, bool)>,
+    /// Where the line ends, in the element's own coordinates.
+    last: Vec2,
+    curved: bool,
+    /// Of all its curves.
+    curved_corners: usize,
+}
+
+impl Trace<'_> {
+    fn begin(&mut self, at: Vec2) {
+        // A move without a line draws nothing.
+        self.lines.retain(|(corners, _)| corners.len() > 1);
+        self.lines.push((vec![self.into.of(at)], false));
+        self.last = at;
+    }
+
+    fn to(&mut self, at: Vec2) {
+        let place = self.into.of(at);
+        if let Some((corners, _)) = self.lines.last_mut() {
+            corners.push(place);
+        }
+        self.last = at;
+    }
+
+    fn line(&mut self, from: &mut Vec2, to: Vec2) -> Result<()> {
+        *from = to;
+        self.to(to);
+        Ok(())
+    }
+
+    fn close(&mut self) {
+        if let Some((_, closed)) = self.lines.last_mut() {
+            *closed = true;
+        }
+    }
+
+    fn bezier(&mut self, from: &mut Vec2, control: &[Vec2]) -> Result<()> {
+        let all: Vec<Vec2> =
+            std::iter::once(&*from).chain(control).map(|point| self.into.of(*point)).collect();
+        let mut corners = Vec::new();
+        bezier(&all, self.deviation, &mut corners)?;
+        self.curve(corners, control[control.len() - 1])?;
+        *from = self.last;
+        Ok(())
+    }
+
+    fn arc(&mut self, arc: &Arc) -> Result<()> {
+        let mut corners = Vec::new();
+        arc.mapped(self.into).trace(self.deviation, &mut corners)?;
+        let end = self.last;
+        self.curve(corners, end)
+    }
+
+    /// Ends exactly at `to`.
+    fn curve(&mut self, mut corners: Vec<Vec2>, to: Vec2) -> Result<()> {
+        self.curved_corners += corners.len();
+        check_length(self.curved_corners)?;
+        corners.pop();
+        if let Some((line, _)) = self.lines.last_mut() {
+            line.extend(corners);
+        }
+        self.to(to);
+        self.curved = true;
+        Ok(())
+    }
+
+    fn by_ends(&mut self, to: Vec2, radii: Vec2, degrees: f64, large: bool, sweep: bool) -> Result<()> {
+        let Some(arc) = by_ends(self.last, to, radii, degrees, large, sweep) else {
+            self.to(to);
+            return Ok(());
+        };
+        let mut corners = Vec::new();
+        arc.mapped(self.into).trace(self.deviation, &mut corners)?;
+        self.curve(corners, to)
+    }
+}

@@ -1,0 +1,39 @@
+//! Well-known text -> lines.
+
+use super::{Line, Reading, Tracer, UnitFrom};
+use crate::error::{PeopleError, Result, require};
+use lemons_core::plane::{Shape, Vec2, shapes_from_wkt};
+
+/// \[byte\] A corner takes four times as much memory as its text.
+const LARGEST: usize = 16_000_000;
+
+pub(super) fn read(text: &str, reading: &Reading) -> Result<Tracer> {
+    require(text.len() <= LARGEST, || {
+        format!("is larger than {} MB, the limit of well-known text", LARGEST / 1_000_000)
+    })?;
+    let mut tracer = Tracer::new(Tracer::unit_of(reading, Some((1.0, UnitFrom::Format))), reading);
+    let scale = tracer.scale();
+    for (number, shape) in shapes_from_wkt(text).map_err(PeopleError::new)?.into_iter().enumerate() {
+        let mut take = |corners: &[Vec2], kind: &str, closed: bool, hole: bool| {
+            tracer.look()?;
+            tracer.take(Line {
+                layer: String::new(),
+                name: None,
+                entity: format!("{kind} {number}"),
+                corners: corners.iter().map(|corner| scale.of(*corner)).collect(),
+                closed,
+                hole,
+            })
+        };
+        match shape {
+            Shape::Point(at) => take(&[at], "POINT", false, false)?,
+            Shape::Line(corners) => take(&corners, "LINESTRING", false, false)?,
+            Shape::Polygon(polygon) => {
+                for (k, ring) in polygon.rings().enumerate() {
+                    take(ring.corners(), "POLYGON", true, k > 0)?;
+                }
+            }
+        }
+    }
+    Ok(tracer)
+}

@@ -1,0 +1,132 @@
+//! A plan -> GeoJSON, well-known text or DXF, as [`Drawing::read`](super::Drawing::read) reads them.
+
+use super::Format;
+use super::plan::{Place, Plan, Role};
+use lemons_core::plane::Vec2;
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// Returns the formats that are written.
+pub fn written_formats() -> [Format; 3] {
+    [Format::GeoJson, Format::Wkt, Format::Dxf]
+}
+
+/// The layer of walls: no role, all of them are walls.
+const WALLS: &str = "walls";
+
+/// Writes walls, exits, distributions and way-points, in metres. Well-known text has walls only. `None` for a format that
+/// is not written.
+pub fn write_plan(plan: &Plan, format: Format) -> Option<String> {
+    match format {
+        Format::GeoJson => Some(geojson(plan)),
+        Format::Wkt => Some(wkt(plan)),
+        Format::Dxf => Some(dxf(plan)),
+        Format::Svg => None,
+    }
+}
+
+/// A line with its layer.
+struct Written<'p> {
+    layer: String,
+    name: Option<&'p str>,
+    corners: &'p [Vec2],
+    closed: bool,
+}
+
+fn lines(plan: &Plan) -> Vec<Written<'_>> {
+    let mut all = Vec::new();
+    for wall in &plan.walls {
+        let closed = is_closed(wall);
+        let corners = &wall[..wall.len() - usize::from(closed)];
+        all.push(Written { layer: WALLS.to_owned(), name: None, corners, closed });
+    }
+    let kinds = [
+        (Role::Exit, &plan.exits),
+        (Role::Distribution, &plan.distributions),
+        (Role::Waypoint, &plan.waypoints),
+    ];
+    for (role, places) in kinds {
+        for Place { name, corners } in places {
+            let layer = format!("{}-{name}", role.layer());
+            all.push(Written { layer, name: Some(name), corners, closed: corners.len() > 2 });
+        }
+    }
+    all
+}
+
+fn is_closed(wall: &[Vec2]) -> bool {
+    wall.len() > 3 && wall.first() == wall.last()
+}
+
+fn geojson(plan: &Plan) -> String {
+    let point = |corner: &Vec2| json!([corner.x, corner.y]);
+    let feature = |Written { layer, name, corners, closed }: Written| {
+        let mut points: Vec<Value> = corners.iter().map(point).collect();
+        if closed {
+            points.extend(corners.first().map(point));
+        }
+        let geometry = match (closed, &points[..]) {
+            (true, _) => json!({"type": "Polygon", "coordinates": [points]}),
+            (false, [point]) => json!({"type": "Point", "coordinates": point}),
+            (false, _) => json!({"type": "LineString", "coordinates": points}),
+        };
+        let properties =
+            name.map_or_else(|| json!({"layer": layer}), |name| json!({"layer": layer, "name": name}));
+        json!({"type": "Feature", "properties": properties, "geometry": geometry})
+    };
+    let features: Vec<String> = lines(plan).into_iter().map(|line| format!("  {}", feature(line))).collect();
+    format!("{{\"type\": \"FeatureCollection\", \"features\": [\n{}\n]}}\n", features.join(",\n"))
+}
+
+fn wkt(plan: &Plan) -> String {
+    let mut parts = Vec::new();
+    for wall in &plan.walls {
+        let corners: Vec<String> = wall.iter().map(|corner| format!("{} {}", corner.x, corner.y)).collect();
+        let corners = corners.join(", ");
+        parts.push(if is_closed(wall) {
+            format!("POLYGON (({corners}))")
+        } else {
+            format!("LINESTRING ({corners})")
+        });
+    }
+    match &parts[..] {
+        [one] => format!("{one}\n"),
+        _ => format!("GEOMETRYCOLLECTION ({})\n", parts.join(",\n  ")),
+    }
+}
+
+/// Release 12, which every program reads: POLYLINE with VERTEX. The unit is that of later releases, in the header.
+fn dxf(plan: &Plan) -> String {
+    let mut text = String::from(
+        "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n",
+    );
+    for Written { layer, corners, closed, .. } in lines(plan) {
+        let layer = plain(&layer);
+        // Writing to a string does not fail.
+        let _ = match corners {
+            [at] => write!(text, "0\nPOINT\n8\n{layer}\n10\n{}\n20\n{}\n30\n0.0\n", at.x, at.y),
+            _ => write!(
+                text,
+                "0\nPOLYLINE\n8\n{layer}\n66\n1\n10\n0.0\n20\n0.0\n30\n0.0\n70\n{}\n",
+                i32::from(closed)
+            ),
+        };
+        for corner in corners.iter().filter(|_| corners.len() > 1) {
+            let _ = write!(text, "0\nVERTEX\n8\n{layer}\n10\n{}\n20\n{}\n30\n0.0\n", corner.x, corner.y);
+        }
+        if corners.len() > 1 {
+            let _ = write!(text, "0\nSEQEND\n8\n{layer}\n");
+        }
+    }
+    text + "0\nENDSEC\n0\nEOF\n"
+}
+
+/// A name of a layer on one line, in ASCII: \U+00E4 is ä.
+fn plain(name: &str) -> String {
+    let letter = |letter: char| match u32::from(letter) {
+        0x20..=0x7e => letter.to_string(),
+        code @ 0xa0..=0xffff => format!("\\U+{code:04X}"),
+        _ => "_".to_owned(),
+    };
+    name.chars().map(letter).collect()
+}
