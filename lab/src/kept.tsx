@@ -132,7 +132,7 @@ export function Now({ film: run, of }: { film: Film; of: Film }) {
         <>
             {wanted > run.frames.count - 1 && `(only computed up to ${((run.frames.count - 1) * step).toFixed(1)} s) `}
             {leaving > 0 && (over ? `All ${leaving} have left after ${(all * step).toFixed(2)} s. ` : `${run.frames.curve("left")[k]} of ${leaving} have left. `)}
-            Greatest squeeze: {over || `${digits(squeezes[k]!, 3)} N now,`} {digits(squeezes.reduce((one, other) => Math.max(one, other), 0), 3)} N so far ({meanWords(run, k)}).
+            Greatest squeeze:{over || ` ${digits(squeezes[k]!, 3)} N now,`} {digits(squeezes.reduce((one, other) => Math.max(one, other), 0), 3)} N so far ({meanWords(run, k)}).
         </>
     );
 }

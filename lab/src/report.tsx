@@ -28,15 +28,14 @@ export async function makeReport(film: Film) {
     const from = canvas.value;
     if (!from) throw new Error("the stage shows no picture");
     const before = film.place.peek();
-    // At the end there may be nobody.
-    const means = greatest(film, SHORT);
-    const most = means.k > 0 ? means.k : before;
-    await film.show(most);
+    // At the end there may be nobody; at the start all are there.
+    const { k } = greatest(film, SHORT);
+    await film.show(k);
     // The effects of what is shown draw, those of the page after the next picture.
-    for (let k = 0; k < 2; k++) await new Promise((done) => requestAnimationFrame(done));
+    for (let pictures = 0; pictures < 2; pictures++) await new Promise((done) => requestAnimationFrame(done));
     const picture = URL.createObjectURL(await png(canvas.value ?? from, film));
     await film.show(before);
-    report.value = { picture, time: most * film.scene.step };
+    report.value = { picture, time: k * film.scene.step };
 }
 
 /** In s: over so long the squeeze is a mean. */

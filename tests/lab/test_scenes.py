@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
-from visit import becomes, example, fill, link, make, plan, tab, wait
+from visit import becomes, example, fill, link, make, people, plan, tab, wait
 
 
 @pytest.fixture
@@ -27,10 +27,6 @@ def names(page: Page) -> list[str]:
     """Of the scenes that are kept, the latest first."""
     tab(page, "Start")
     return page.get_by_role("list", name="Your scenes").locator("strong").all_inner_texts()
-
-
-def people(page: Page, count: int) -> None:
-    expect(page.get_by_role("row", name=f"People {count}", exact=True)).to_be_visible()
 
 
 def rename(page: Page, name: str) -> None:
