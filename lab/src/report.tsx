@@ -79,17 +79,18 @@ function numbers(film: Film): [string, string][] {
     const { frames, scene: shown, emptied } = film;
     const last = film.reached.value;
     const time = (k: number) => `${(k * shown.step).toFixed(2)} s`;
-    if (last === 0) return [["Computed", "nothing yet: play the run first"]];
     const squeeze = (seconds: number) => {
         const { most, k } = greatest(film, seconds);
         return `${digits(most, 3)} N, at ${time(k)}`;
     };
-    const rows: [string, string][] = [
-        ["Computed", time(last)],
-        ["Greatest squeeze of anybody, mean of 0.1 s", squeeze(SHORT)],
-        ["Greatest squeeze of anybody, mean of 1 s", squeeze(1)],
-        ["Deepest overlap", `${digits(1000 * film.overlaps[last]!, 2)} mm`],
-    ];
+    const rows: [string, string][] = [["Computed", last > 0 ? time(last) : "nothing yet: play the run first"]];
+    if (last > 0) {
+        rows.push(
+            ["Greatest squeeze of anybody, mean of 0.1 s", squeeze(SHORT)],
+            ["Greatest squeeze of anybody, mean of 1 s", squeeze(1)],
+            ["Deepest overlap", `${digits(1000 * film.overlaps[last]!, 2)} mm`],
+        );
+    }
     if (shown.leaving === 0) return rows;
     const all = emptied.value !== null && emptied.value <= last;
     rows.push(["Have left", all ? `all ${shown.leaving} after ${time(emptied.value!)}` : `${frames.curve("left")[last]} of ${shown.leaving}`]);
