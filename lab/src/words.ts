@@ -35,7 +35,7 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["Name of the scene", "Name der Szene", "Nom de la scène"],
     ["saved", "gespeichert", "enregistré"],
     ["not saved", "nicht gespeichert", "non enregistré"],
-    ["a copy, not saved yet", "eine Kopie, noch nicht gespeichert", "une copie, pas encore enregistrée"],
+    ["not saved yet", "noch nicht gespeichert", "pas encore enregistré"],
     ["Saved in this browser.", "In diesem Browser gespeichert.", "Enregistré dans ce navigateur."],
     ["It is saved in this browser when you change it.", "Sie wird in diesem Browser gespeichert, sobald Sie sie ändern.", "Elle est enregistrée dans ce navigateur dès que vous la modifiez."],
     ["Close", "Schließen", "Fermer"],

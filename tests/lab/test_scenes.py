@@ -43,7 +43,7 @@ def test_examples_and_links_write_nothing_over(context: BrowserContext, url: str
     expect(page.get_by_text("saved", exact=True)).to_be_visible()
     mine = plan(page)
     example(page, "The door", 70)
-    expect(page.get_by_text("a copy, not saved yet")).to_be_visible()
+    expect(page.get_by_text("not saved yet", exact=True)).to_be_visible()
     assert names(page) == ["Twelve"]
     # It is kept when it is changed.
     tab(page, "Crowd")
