@@ -117,7 +117,8 @@ function Status({ film }: { film: Film }) {
     return (
         <p class="note status">
             <span>{`computed: ${((computed - 1) * step).toFixed(1)} s`}</span>
-            {leaving === 0 || all ? "" : `${film.frames.curve("left")[k]} of ${leaving} have left.`} {/* Only the end is told to those who do not see it. */}
+            {leaving > 0 && !all && <span>{`${film.frames.curve("left")[k]} of ${leaving} have left.`}</span>}
+            {/* Only the end is told to those who do not see it. */}
             <strong role="status">{all && `All ${leaving} have left after ${time(emptied)}.`}</strong>
         </p>
     );
