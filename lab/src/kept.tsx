@@ -128,11 +128,12 @@ export function Now({ film: run, of }: { film: Film; of: Film }) {
     const all = run.emptied.value;
     const over = all !== null && k >= all;
     const squeezes = run.frames.greatestMean(averaged(run)).subarray(0, k + 1);
+    const most = digits(squeezes.reduce((one, other) => Math.max(one, other), 0), 3);
     return (
         <>
             {wanted > run.frames.count - 1 && `(only computed up to ${((run.frames.count - 1) * step).toFixed(1)} s) `}
             {leaving > 0 && (over ? `All ${leaving} have left after ${(all * step).toFixed(2)} s. ` : `${run.frames.curve("left")[k]} of ${leaving} have left. `)}
-            Greatest squeeze:{over || ` ${digits(squeezes[k]!, 3)} N now,`} {digits(squeezes.reduce((one, other) => Math.max(one, other), 0), 3)} N so far ({meanWords(run, k)}).
+            {over ? `Greatest squeeze so far: ${most} N` : `Greatest squeeze: ${digits(squeezes[k]!, 3)} N, so far ${most} N`} ({meanWords(run, k)}).
         </>
     );
 }

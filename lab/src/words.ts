@@ -161,9 +161,9 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["# % men", "# % Männer", "# % d'hommes"],
     ["# people per m²", "# Personen je m²", "# personnes par m²"],
     ["# of # have left.", "# von # sind draußen.", "# sur # sont sorties."],
-    ["Greatest squeeze:", "Größte Druckkraft:", "Compression maximale :"],
-    ["# N now,", "# N jetzt,", "# N maintenant,"],
-    ["N so far (", "N bisher (", "N jusqu'ici ("],
+    ["Greatest squeeze", "Größte Druckkraft", "Compression maximale"],
+    ["Greatest squeeze so far", "Bisher größte Druckkraft", "Compression maximale jusqu'ici"],
+    ["so far # N", "bisher # N", "jusqu'ici # N"],
     // Sliders and sweeps.
     ["People", "Personen", "Personnes"],
     ["Width of the door", "Breite der Tür", "Largeur de la porte"],
