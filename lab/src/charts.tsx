@@ -97,21 +97,24 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
         const numbers = frames.curve(curve);
         return (k: number) => numbers[k]!;
     };
+    const left = of("left");
+    /** Nothing of nobody. */
+    const ofThose = (value: (k: number) => number) => (k: number) => (left(k) < scene.agents.length ? value(k) : NaN);
     const charts: Record<Chart, () => ComponentChildren> = {
         speed: () =>
             curves("Speed", "m/s", 2, [
-                [{ label: "Mean of all", colour: "--one" }, of("speed"), "mean"],
+                [{ label: "Mean of all", colour: "--one" }, ofThose(of("speed")), "mean"],
                 ...(agent === null ? [] : [[{ label: name, colour: "--three" }, speed, "mean"] as [Line, typeof speed, "mean"]]),
             ]),
-        mean: () => curves("Mean squeeze", "N", 0, [[{ label: "Of all", colour: "--one" }, of("squeeze"), "mean"]]),
+        mean: () => curves("Mean squeeze", "N", 0, [[{ label: "Of all", colour: "--one" }, ofThose(of("squeeze")), "mean"]]),
         greatest: () => {
             const greatest = frames.greatestMean(last);
             return curves(`Greatest squeeze (${meanWords(film)})`, "N", 0, [
-                [{ label: "Of all", colour: "--two" }, (k) => greatest[k]!, "greatest"],
+                [{ label: "Of all", colour: "--two" }, ofThose((k) => greatest[k]!), "greatest"],
                 ...(agent === null ? [] : [[{ label: name, colour: "--three" }, squeeze, "greatest"] as [Line, typeof squeeze, "greatest"]]),
             ]);
         },
-        left: () => scene.leaving > 0 && curves("Have left", "people", 0, [[{ label: "People", colour: "--one" }, of("left"), "greatest"]]),
+        left: () => scene.leaving > 0 && curves("Have left", "people", 0, [[{ label: "People", colour: "--one" }, left, "greatest"]]),
         density: () => area && inside && (
             <>
                 {curves("In the area", "per m²", 2, [[{ label: "People", colour: "--one" }, (k) => inside.counts[k]! / inside.size, "mean"]])}

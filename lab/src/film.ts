@@ -36,6 +36,8 @@ export class Film {
     readonly #seen = signal(0);
     /** The last frame that was shown or asked for: tables and movies end there. What is computed ahead depends on the machine. */
     readonly reached = computed(() => Math.max(this.#seen.value, Math.min(this.wanted.value, this.computed.value - 1)));
+    /** The frame up to which it plays, even if all have left before: a run beside it takes longer. */
+    least = 0;
     /** The place that is to be shown. */
     #sought = 0;
     #computing: Promise<void> | null = null;
@@ -81,12 +83,18 @@ export class Film {
         this.emptied.value = left.findIndex((count) => count >= leaving);
     }
 
+    /** The frame at which it stops; null: none yet. */
+    get #end(): number | null {
+        return this.emptied.value === null ? null : Math.max(this.emptied.value, this.least);
+    }
+
     /** Frames that are to be computed now: up to what was asked for and, while it plays, some time ahead of what is shown. */
     #goal(): number {
-        const { emptied, place, scene } = this;
-        // Who plays it beyond the moment at which all have left sees how it goes on.
-        const ends = emptied.value !== null && place.value < emptied.value;
-        const played = this.playing.value && !ends ? place.value + AHEAD / scene.step : 0;
+        const end = this.#end;
+        const ahead = this.place.value + AHEAD / this.scene.step;
+        // Who plays it beyond its end sees how it goes on.
+        const ends = end !== null && this.place.value < end;
+        const played = !this.playing.value ? 0 : ends ? Math.min(end, ahead) : ahead;
         return Math.min(this.most, 1 + Math.ceil(Math.max(this.wanted.value, this.#sought, played)));
     }
 
@@ -133,10 +141,10 @@ export class Film {
     tick(seconds: number, pace: number) {
         const from = this.place.value;
         const wanted = from + (seconds * pace) / this.scene.step;
-        const emptied = this.emptied.value;
-        if (emptied !== null && from < emptied && wanted >= emptied) {
+        const end = this.#end;
+        if (end !== null && from < end && wanted >= end) {
             // The run ends here. Who plays it again sees how it goes on.
-            return void this.show(emptied);
+            return void this.show(end);
         }
         const there = this.frames.count - 1;
         const smooth = 0.9;

@@ -16,6 +16,13 @@ import { fitting } from "./view";
 /** The run, and facts of its scene. */
 export const kept = signal<{ film: Film; facts: string[] } | null>(null);
 
+// The clock stops when the later one of both has ended.
+effect(() => {
+    const now = film.value;
+    const other = kept.value?.film;
+    if (now) now.least = other ? Math.round(((other.emptied.value ?? 0) * other.scene.step) / now.scene.step) : 0;
+});
+
 /** The scene on the stage in a few words each. */
 function facts(): string[] {
     const { crowd, made } = plan.value;
@@ -119,11 +126,14 @@ export function Now({ film: run, of }: { film: Film; of: Film }) {
     const k = Math.floor(frameOf(of, shown, run));
     const { leaving, step } = run.scene;
     const all = run.emptied.value;
+    const over = all !== null && k >= all;
+    const squeezes = run.frames.greatestMean(averaged(run)).subarray(0, k + 1);
+    const most = digits(squeezes.reduce((one, other) => Math.max(one, other), 0), 3);
     return (
         <>
             {wanted > run.frames.count - 1 && `(only computed up to ${((run.frames.count - 1) * step).toFixed(1)} s) `}
-            {leaving > 0 && (all !== null && k >= all ? `All ${leaving} have left after ${(all * step).toFixed(2)} s. ` : `${run.frames.curve("left")[k]} of ${leaving} have left. `)}
-            Greatest squeeze: {digits(run.frames.greatestMean(averaged(run))[k]!, 3)} N ({meanWords(run, k)}).
+            {leaving > 0 && (over ? `All ${leaving} have left after ${(all * step).toFixed(2)} s. ` : `${run.frames.curve("left")[k]} of ${leaving} have left. `)}
+            {over ? `Greatest squeeze so far: ${most} N` : `Greatest squeeze: ${digits(squeezes[k]!, 3)} N, so far ${most} N`} ({meanWords(run, k)}).
         </>
     );
 }

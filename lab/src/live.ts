@@ -8,7 +8,7 @@ import { crowdOf, plan } from "./plan";
 import { beyond, cornersOf } from "./places";
 import type { Motion, Point, Room } from "./protocol";
 import { rename } from "./scenes";
-import { choose, film, said } from "./session";
+import { choose, film, playsOn, said } from "./session";
 
 /** Milliseconds without a further change. */
 const PAUSE = 300;
@@ -55,15 +55,22 @@ export function follow() {
     });
 }
 
-/** Places the people of the forms. Other people stand there then: what was done to single ones by hand is over. */
+/** Places the people of the forms. If other people stand there then, what was done to single ones by hand is over. */
 export function place(asStep: boolean) {
     const { crowd, made } = plan.value;
     const before = made.base.kind === "crowd" ? made.base.room : null;
     const { motion, gone } = kept(made.motion, before, crowd);
-    if (made.edits.length > 0) gone.push("changes by hand");
+    const edits = made.base.kind === "crowd" && same(made.base, crowd) ? made.edits : [];
+    if (edits.length < made.edits.length) gone.push("changes by hand");
     const words = gone.length > 0 ? `Not there any more: ${gone.join(", ")}. Undo brings them back.` : "";
     if (asStep) rename("A crowd");
-    choose({ base: { kind: "crowd", ...crowd }, edits: [], motion }, !asStep && (film.value?.playing.value ?? false), crowd, words, asStep);
+    choose({ base: { kind: "crowd", ...crowd }, edits, motion }, !asStep && playsOn(), crowd, words, asStep);
+}
+
+/** Whether the same people stand at the same places in both crowds. */
+function same(one: KeptCrowd, other: KeptCrowd): boolean {
+    const [a, b] = [one, other].map(({ room: { outline, obstacles }, seed, number, density, region, people, men, direction, round }) => JSON.stringify([outline, obstacles, seed, number, density, region, people, men, direction, round]));
+    return a === b;
 }
 
 /** The place of each old door among the new ones. */

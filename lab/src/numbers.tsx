@@ -11,7 +11,7 @@ import { beat } from "./layout";
 import { MeasureFields } from "./line";
 import { brief, digits, Facts, length } from "./parts";
 import { change, plan } from "./plan";
-import { COLUMNS, FEET, isThere, type Measure, type Person, type PersonWanted } from "./protocol";
+import { COLUMNS, FEET, isChild, isThere, type Measure, type Person, type PersonWanted } from "./protocol";
 import { selected } from "./session";
 
 export function Numbers({ film }: { film: Film }) {
@@ -98,7 +98,7 @@ function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren]
     }
     if (person) {
         const sizes = `${length(person.breadth, unit)} × ${length(person.depth, unit)}, ${length(person.stature, unit)} tall`;
-        rows.push(["Body", `${person.sex === "male" ? "man" : "woman"}, ${sizes}`]);
+        rows.push(["Body", `${isChild(person) ? "child" : person.sex === "male" ? "man" : "woman"}, ${sizes}`]);
     }
     return rows;
 }

@@ -11,7 +11,7 @@ import { MotionTab } from "./motion";
 import { Numbers } from "./numbers";
 import { copy, Icon } from "./parts";
 import { PersonTab } from "./person";
-import { canRedo, canUndo, change, embedded, link, type Plan, plan, redo, scene, undo, unlinked } from "./plan";
+import { canRedo, canUndo, change, embedded, link, onlyHere, type Plan, plan, redo, scene, undo, unlinked } from "./plan";
 import { Report, report } from "./report";
 import { RoomTab } from "./room";
 import { Title } from "./scenelist";
@@ -99,7 +99,8 @@ function go(tab: Plan["tab"]) {
 async function copyLink() {
     await copy(link());
     const files = unlinked(plan.value).map((name) => `"${name}"`).join(" and ");
-    said.value = files ? `The link is copied. It does not hold ${files}: who opens it elsewhere needs the file.` : "The link is copied. It holds the whole scene.";
+    const holds = files ? `It does not hold ${files}: who opens it elsewhere needs the file.` : "It holds the whole scene.";
+    said.value = ["The link is copied.", holds, onlyHere].filter(Boolean).join(" ");
 }
 
 function Panel() {
@@ -141,7 +142,7 @@ function Page() {
             ) : (
                 <main class={alone ? "columns alone" : "columns"}>
                     {!alone && (
-                        <div class={open("forms")}>
+                        <div key={tab} class={open("forms")}>
                             <Panel />
                         </div>
                     )}

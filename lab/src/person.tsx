@@ -11,7 +11,7 @@ import { Latest } from "./latest";
 import { Drawing, extents, Gaze, pathOf } from "./outline";
 import { Choice, digits, Facts, length, NumberField } from "./parts";
 import { change, plan } from "./plan";
-import type { Bicycle, Measure, Person, PersonWanted, Surface } from "./protocol";
+import { type Bicycle, isChild, type Measure, type Person, type PersonWanted, type Surface } from "./protocol";
 import { film } from "./session";
 import type { TurningProps } from "./turning";
 
@@ -31,9 +31,12 @@ const surfaceOf = computed(() => JSON.stringify({ ...plan.value.person, altitude
 
 const KEYS = ["breadth", "depth", "stature", "mass"] as const;
 const MEDIANS = { breadth: null, depth: null, stature: null, mass: null };
+/** A child of about six years. */
+const CHILD = { breadth: 0.29, depth: 0.16, stature: 1.2, mass: 23 };
 const KINDS = [
     ["female", "Woman"],
     ["male", "Man"],
+    ["child", "Child"],
     ["bicycle", "Bicycle"],
 ] as const;
 
@@ -83,16 +86,18 @@ export function PersonTab({ client }: { client: Client }) {
     });
     const { person: asked } = plan.value;
     const is = person.value;
+    const kind = isChild(asked) ? "child" : asked.sex;
     return (
         <div class="persons">
             <form class="panel" aria-label="Measures" onSubmit={(event) => event.preventDefault()}>
                 <Choice
                     label="Who"
-                    value={riding.value ? "bicycle" : asked.sex}
+                    value={riding.value ? "bicycle" : kind}
                     choices={KINDS}
-                    onChange={(kind) => {
-                        riding.value = kind === "bicycle";
-                        if (kind !== "bicycle" && kind !== asked.sex) change({ person: { ...asked, ...MEDIANS, sex: kind } });
+                    onChange={(next) => {
+                        riding.value = next === "bicycle";
+                        if (next === "bicycle" || next === kind) return;
+                        change({ person: { ...asked, ...(next === "child" ? CHILD : { ...MEDIANS, sex: next }) } });
                     }}
                 />
                 {!riding.value && is && <MeasureFields is={is} asked={asked} />}
@@ -261,7 +266,7 @@ function Survey({ is }: { is: Person }) {
             <div>
                 <h2>In the survey</h2>
                 <p>
-                    ANSUR II: {is.surveyed} {people} of the US Army, measured in 2012. The line is this {is.sex === "male" ? "man" : "woman"}.
+                    ANSUR II: {is.surveyed} {people} of the US Army, measured in 2012. The line is this {isChild(plan.value.person) ? "child" : is.sex === "male" ? "man" : "woman"}.
                 </p>
             </div>
             {is.measures.map((measure) => {

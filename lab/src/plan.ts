@@ -350,6 +350,9 @@ export function link(query = "") {
     return `${location.origin}${location.pathname}${query}#${encodeURIComponent(JSON.stringify({ name: scene.value.name, ...sceneOf(plan.value) }))}`;
 }
 
+/** What is said of a link where the page is on the visitor's own machine. */
+export const onlyHere = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname) ? "It works on this machine only: for others, put the page on a web host (docs/lab.md says how)." : "";
+
 /** Takes a link that was put into the open page. Returns what of it does not fit. */
 export function follow(): string {
     const { kept, left } = linked();

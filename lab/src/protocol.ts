@@ -14,6 +14,11 @@ export interface PersonWanted {
     altitude: number | null;
 }
 
+/** Whether somebody is as tall as children only are: nobody in the survey is. */
+export function isChild({ stature }: Pick<PersonWanted, "stature">): boolean {
+    return stature !== null && stature < 1.35;
+}
+
 /** A normal distribution: mean, standard deviation, smallest, largest value. */
 export type Normal = [number, number, number, number];
 export type Four = Record<"breadth" | "depth" | "stature" | "mass", Normal>;

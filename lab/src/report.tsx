@@ -15,8 +15,8 @@ import { film } from "./session";
 import { SweepTable } from "./sweepform";
 import { sweep } from "./sweep";
 
-/** The picture of the report that is shown, as an address. */
-export const report = signal<string | null>(null);
+/** The picture of the report that is shown, as an address, and its time in s. */
+export const report = signal<{ picture: string; time: number } | null>(null);
 
 // It has the picture of one run.
 effect(() => {
@@ -27,7 +27,25 @@ effect(() => {
 export async function makeReport(film: Film) {
     const from = canvas.value;
     if (!from) throw new Error("the stage shows no picture");
-    report.value = URL.createObjectURL(await png(from, film));
+    const before = film.place.peek();
+    // At the end there may be nobody; at the start all are there.
+    const { k } = greatest(film, SHORT);
+    await film.show(k);
+    // The effects of what is shown draw, those of the page after the next picture.
+    for (let pictures = 0; pictures < 2; pictures++) await new Promise((done) => requestAnimationFrame(done));
+    const picture = URL.createObjectURL(await png(canvas.value ?? from, film));
+    await film.show(before);
+    report.value = { picture, time: k * film.scene.step };
+}
+
+/** In s: over so long the squeeze is a mean. */
+const SHORT = 0.1;
+
+/** The greatest squeeze of anybody up to the last frame that was shown, and in which frame it is. */
+function greatest({ frames, scene, reached }: Film, seconds: number): { most: number; k: number } {
+    const means = frames.greatestMean(Math.max(1, Math.round(seconds / scene.step))).subarray(0, reached.peek() + 1);
+    const most = means.reduce((one, other) => Math.max(one, other), 0);
+    return { most, k: Math.max(0, means.indexOf(most)) };
 }
 
 const POPULATIONS = { survey: "survey ANSUR II", statistics: "statistics of one's own", table: "tables of measured people" };
@@ -61,17 +79,18 @@ function numbers(film: Film): [string, string][] {
     const { frames, scene: shown, emptied } = film;
     const last = film.reached.value;
     const time = (k: number) => `${(k * shown.step).toFixed(2)} s`;
-    const greatest = (seconds: number) => {
-        const means = frames.greatestMean(Math.max(1, Math.round(seconds / shown.step))).subarray(0, last + 1);
-        const most = means.reduce((one, other) => Math.max(one, other), 0);
-        return `${digits(most, 3)} N, at ${time(means.indexOf(most))}`;
+    const squeeze = (seconds: number) => {
+        const { most, k } = greatest(film, seconds);
+        return `${digits(most, 3)} N, at ${time(k)}`;
     };
-    const rows: [string, string][] = [
-        ["Computed", time(last)],
-        ["Greatest squeeze of anybody, mean of 0.1 s", greatest(0.1)],
-        ["Greatest squeeze of anybody, mean of 1 s", greatest(1)],
-        ["Deepest overlap", `${digits(1000 * film.overlaps[last]!, 2)} mm`],
-    ];
+    const rows: [string, string][] = [["Computed", last > 0 ? time(last) : "nothing yet: play the run first"]];
+    if (last > 0) {
+        rows.push(
+            ["Greatest squeeze of anybody, mean of 0.1 s", squeeze(SHORT)],
+            ["Greatest squeeze of anybody, mean of 1 s", squeeze(1)],
+            ["Deepest overlap", `${digits(1000 * film.overlaps[last]!, 2)} mm`],
+        );
+    }
     if (shown.leaving === 0) return rows;
     const all = emptied.value !== null && emptied.value <= last;
     rows.push(["Have left", all ? `all ${shown.leaving} after ${time(emptied.value!)}` : `${frames.curve("left")[last]} of ${shown.leaving}`]);
@@ -80,7 +99,7 @@ function numbers(film: Film): [string, string][] {
 }
 
 export function Report({ film }: { film: Film }) {
-    const picture = report.value!;
+    const { picture, time } = report.value!;
     useEffect(() => () => URL.revokeObjectURL(picture), [picture]);
     const swept = sweep.value;
     return (
@@ -98,7 +117,8 @@ export function Report({ film }: { film: Film }) {
                 Made with the LEMONS lab on {new Date().toISOString().slice(0, 10)}: pedestrians as rigid bodies of disks with damped springs and friction, in two dimensions.{" "}
                 <a href={link()}>This scene as a link</a>.
             </p>
-            <img src={picture} alt={`The scene at ${(film.shown.value * film.scene.step).toFixed(2)} s`} />
+            <img src={picture} alt={`The scene at ${time.toFixed(2)} s`} />
+            <p class="note">{`The scene at ${time.toFixed(2)} s`}{time > 0 && ", the moment of the greatest squeeze"}</p>
             <h2>What was assumed</h2>
             <Facts rows={assumptions(film)} />
             <h2>What came out</h2>

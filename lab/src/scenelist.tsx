@@ -9,7 +9,7 @@ import { FileInput } from "./upload";
 /** The name of the scene, and whether it is kept. */
 export function Title() {
     const { id, name } = scene.value;
-    const state = unkept.value ? "not saved" : id !== null ? "saved" : canUndo.value ? "not saved" : "a copy";
+    const state = unkept.value ? "not saved" : id !== null ? "saved" : canUndo.value ? "not saved" : "not saved yet";
     const words = unkept.value ? `Not saved: ${unkept.value}.` : id !== null ? "Saved in this browser." : "It is saved in this browser when you change it.";
     return (
         <div class="name">

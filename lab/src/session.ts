@@ -164,6 +164,14 @@ export function begin() {
     });
 }
 
+/** Whether a run that takes the place of the present one plays: that one does, or it has ended. */
+export function playsOn(): boolean {
+    const now = film.peek();
+    if (!now) return false;
+    const ended = now.emptied.peek();
+    return now.playing.peek() || (ended !== null && now.shown.peek() >= ended);
+}
+
 /** Makes it the present run; from its start again, if it is. */
 export function choose(next: Partial<Planned>, playing: boolean, crowd = plan.value.crowd, saying = "", asStep = true) {
     const before = plan.value.made;

@@ -5,7 +5,7 @@ import { frictionOf, type KeptCrowd } from "./forms";
 import { Check } from "./parts";
 import { change, plan } from "./plan";
 import type { Motion, Wishes } from "./protocol";
-import { choose, film } from "./session";
+import { choose, playsOn } from "./session";
 
 /** A number of the scene. */
 export interface Parameter {
@@ -64,7 +64,7 @@ let sliding = false;
 function slide(parameter: Parameter, value: number) {
     const other = parameter.with(value);
     if ("crowd" in other) change({ crowd: { ...plan.value.crowd, ...other.crowd } }, !sliding);
-    else choose(other, film.value?.playing.value ?? false, plan.value.crowd, "", !sliding);
+    else choose(other, playsOn(), plan.value.crowd, "", !sliding);
     sliding = true;
 }
 

@@ -2,7 +2,7 @@
 
 import { EXAMPLES, type Example } from "./examples";
 import { Keep } from "./kept";
-import { crowdOf, scene } from "./plan";
+import { canUndo, crowdOf, scene } from "./plan";
 import { Scenes } from "./scenelist";
 import { open } from "./scenes";
 import { Sketch } from "./sketch";
@@ -24,7 +24,7 @@ export function StartTab() {
             <SweepForm />
             <h2>Questions</h2>
             {EXAMPLES.map((example) => (
-                <button key={example.name} type="button" class="card" aria-pressed={name === example.name} onClick={() => begin(example)}>
+                <button key={example.name} type="button" class="card" aria-pressed={name === example.name && !canUndo.value} onClick={() => begin(example)}>
                     <Sketch base={example.made.base} />
                     <strong>{example.name}</strong>
                     <span>

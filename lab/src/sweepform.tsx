@@ -1,8 +1,8 @@
 // A sweep as a form, a chart and a table.
 
-import { useSignal } from "@preact/signals";
+import { signal, useSignal } from "@preact/signals";
 import { Choice, digits, NumberField, save } from "./parts";
-import { crowdOf, plan } from "./plan";
+import { crowdOf, opened, plan } from "./plan";
 import { open } from "./scenes";
 import { film } from "./session";
 import { type Parameter, parameters } from "./sliders";
@@ -13,20 +13,28 @@ const MOST_SEEDS = 100;
 const PATIENCE = 120;
 const QUANTILES = [0.1, 0.5, 0.9] as const;
 
+/** The values that the user typed or ran: for which scene and parameter. They stay when sliders move and tabs change. */
+const typed = signal({ of: "", text: "" });
+
 export function SweepForm() {
     const chosen = useSignal("");
-    const typed = useSignal<string | null>(null);
     const seeds = useSignal(3);
     const longest = useSignal<number | null>(null);
     const found = parameters();
     const parameter = found.find(({ label }) => label === chosen.value) ?? found.find(({ label }) => label.startsWith("Width")) ?? found[0];
     if (!parameter || !film.value) return null;
-    const text = typed.value ?? proposal(parameter);
+    const of = `${opened.value} ${parameter.label}`;
+    const text = typed.value.of === of ? typed.value.text : proposal(parameter);
     const [values, wrong] = parsed(text, parameter, seeds.value);
     const { end } = plan.value;
     const until = longest.value ?? (film.value.scene.leaving > 0 ? Math.max(PATIENCE, end) : end);
     const now = sweep.value;
     const running = now !== null && !now.stopped && now.runs.length + now.failed.length < now.wanted;
+    const start = () => {
+        typed.value = { of, text };
+        begin(parameter, values, seeds.value, until);
+    };
+    const { base, edits } = plan.value.made;
     return (
         <details>
             <summary>A sweep: many values, many seeds</summary>
@@ -35,14 +43,11 @@ export function SweepForm() {
                     label="Parameter"
                     value={parameter.label}
                     choices={found.map(({ label, unit }) => [label, unit ? `${label} [${unit}]` : label] as const)}
-                    onChange={(label) => {
-                        chosen.value = label;
-                        typed.value = null;
-                    }}
+                    onChange={(label) => (chosen.value = label)}
                 />
                 <label class="field">
                     <span>Values{parameter.unit && ` [${parameter.unit}]`}, with commas between</span>
-                    <input type="text" value={text} aria-invalid={wrong !== ""} onInput={(event) => (typed.value = event.currentTarget.value)} />
+                    <input type="text" value={text} aria-invalid={wrong !== ""} onInput={(event) => (typed.value = { of, text: event.currentTarget.value })} />
                 </label>
                 {wrong && (
                     <p class="note" role="alert">
@@ -52,8 +57,9 @@ export function SweepForm() {
                 <NumberField label="Seeds for each value" value={seeds.value} min={1} max={MOST_SEEDS} step={1} onChange={(count) => (seeds.value = count)} />
                 <NumberField label="Until all have left, at most" unit="s" value={until} min={0.1} max={1e5} step={5} onChange={(seconds) => (longest.value = seconds)} />
                 <p class="note">Each seed has other people at other places. Runs are computed beside what you see.</p>
+                {base.kind === "crowd" && edits.length > 0 && <p class="note">Changes by hand are not in a sweep: they are of the people on the stage.</p>}
                 <div class="buttons">
-                    <button type="button" class="main" disabled={wrong !== ""} onClick={() => begin(parameter, values, seeds.value, until)}>
+                    <button type="button" class="main" disabled={wrong !== ""} onClick={start}>
                         Begin the sweep
                     </button>
                     {running && (

@@ -11,7 +11,7 @@ import { Movie, whyNoMovie } from "./movie";
 import { curvesCsv, leavingCsv, perExit } from "./csv";
 import { attribute, copy, digits, named, NumberField, save } from "./parts";
 import { png } from "./picture";
-import { link, plan, scene as kept } from "./plan";
+import { link, onlyHere, plan, scene as kept } from "./plan";
 import type { Wanted } from "./protocol";
 import { makeReport } from "./report";
 import { attempt, selected } from "./session";
@@ -198,12 +198,13 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                     () =>
                         attempt(async () => {
                             await copy(`<iframe src="${attribute(link("?embed"))}" title="${attribute(kept.peek().name)}" width="800" height="600" allow="fullscreen"></iframe>`);
-                            said("The code is copied.");
+                            said(["The code is copied.", onlyHere].filter(Boolean).join(" "));
                         }),
-                    "An element of HTML that shows the stage, alone and alive, in a page of yours. It holds the scene, but no files.",
-                    location.hostname === "127.0.0.1" ? "Only of a page on a web host: this one is on your machine." : "",
+                    <>
+                        An element of HTML that shows the stage, alone and alive, in a page of yours. It holds the scene, but no files. <strong>{onlyHere}</strong>
+                    </>,
                 )}
-                {item("Report to print", async () => attempt(() => makeReport(film)), "The picture, what the scene assumes, its numbers up to the last frame that was shown, and what they do not say. The browser prints it, also as PDF.")}
+                {item("Report to print", async () => attempt(() => makeReport(film)), "A picture of the moment of the greatest squeeze, what the scene assumes, its numbers up to the last frame that was shown, and what they do not say. The browser prints it, also as PDF.")}
                 {item("Picture (SVG)", svg, "The frame that is shown, as lines and shapes: for papers, and for Inkscape. It shows people from above.")}
                 {item("Picture (PNG)", picture, "What the stage shows now, as pixels: for slides and messages.")}
                 {item(

@@ -30,8 +30,8 @@ export function Transport({ film }: { film: Film }) {
                 {button("Step", "step", () => void film.show(film.shown.value + 1))}
                 <Choice label="Pace" value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
                 <Compute film={film} />
-                <Leaving film={film} />
             </div>
+            <Status film={film} />
             <Timeline film={film} />
         </div>
     );
@@ -55,7 +55,6 @@ function Compute({ film }: { film: Film }) {
             <button type="button" disabled={there >= last} onClick={() => void film.compute(computing ? null : last)}>
                 {computing ? "Stop computing" : "Compute it"}
             </button>
-            <span class="note">{`computed: ${(there * step).toFixed(1)} s`}</span>
         </>
     );
 }
@@ -108,17 +107,18 @@ function leavings({ frames, scene }: Film, computed: number): number[] {
     return found;
 }
 
-/** How many have left in the frame that is shown. */
-function Leaving({ film }: { film: Film }) {
+/** How far it is computed, and how many have left in the frame that is shown: a line of its own, which moves nothing. */
+function Status({ film }: { film: Film }) {
     const { leaving, step } = film.scene;
-    if (leaving === 0) return null;
-    const k = film.playing.value ? (beat.value, film.shown.peek()) : film.shown.value;
+    const [k, computed] = film.playing.value ? (beat.value, [film.shown.peek(), film.computed.peek()]) : [film.shown.value, film.computed.value];
     const time = (frame: number) => `${(frame * step).toFixed(2)} s`;
     const emptied = film.emptied.value;
     const all = emptied !== null && k >= emptied;
     return (
-        <p class="note">
-            {all ? "" : `${film.frames.curve("left")[k]} of ${leaving} have left.`} {/* Only the end is told to those who do not see it. */}
+        <p class="note status">
+            <span>{`computed: ${((computed - 1) * step).toFixed(1)} s`}</span>
+            {leaving > 0 && !all && <span>{`${film.frames.curve("left")[k]} of ${leaving} have left.`}</span>}
+            {/* Only the end is told to those who do not see it. */}
             <strong role="status">{all && `All ${leaving} have left after ${time(emptied)}.`}</strong>
         </p>
     );

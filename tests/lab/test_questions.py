@@ -7,7 +7,7 @@ import threading
 from pathlib import Path
 
 from playwright.sync_api import Browser, Page, expect
-from visit import becomes, download, example, fill, held, lemons, link, places, plan, play_until, rows, seconds, show_at, tab, wait
+from visit import becomes, download, example, fill, held, lemons, link, people, places, plan, play_until, rows, seconds, show_at, tab, wait
 
 
 def slide(page: Page, name: str, value: float) -> None:
@@ -119,6 +119,43 @@ def test_two_widths_side_by_side_have_the_numbers_of_the_command(page: Page, tmp
     expect(page.get_by_text("Kept:")).to_have_count(0)
 
 
+def test_both_runs_go_on_to_the_later_end(page: Page) -> None:
+    example(page, "The door", 70)
+    slide(page, "People", 5)
+    people(page, 5)
+    page.get_by_label("Pace").select_option("4")
+    expect(page.get_by_text("All 5 have left after")).to_be_visible()
+    end = seconds(page)
+    page.get_by_role("button", name="Keep this run to compare").click()
+    # A run that has ended plays again with another value.
+    slide(page, "Desired speed", 2.5)
+    expect(page.get_by_text(re.compile(rf"^Kept: 1.34 m/s. All 5 have left after {end:.2f} s. Greatest squeeze so far: \d+ N"))).to_be_visible()
+    expect(page.get_by_text(re.compile(r"^2.5 m/s. All 5 have left after [\d.]+ s. Greatest squeeze so far: \d+ N"))).to_be_visible()
+    expect(page.get_by_role("button", name="Play")).to_be_visible()
+    assert seconds(page) == end
+    # Nobody is squeezed any more.
+    expect(page.locator(".chart .number")).to_have_text("–")
+
+
+def test_who_is_put_into_the_crowd_stays_there(page: Page) -> None:
+    example(page, "The door", 70)
+    tab(page, "Person")
+    page.get_by_label("Who").select_option(label="Child")
+    expect(page.get_by_role("spinbutton", name="Stature")).to_have_value("120")
+    page.get_by_role("button", name="Put into the crowd").click()
+    people(page, 71)
+    tab(page, "Start")
+    slide(page, "Width of the door", 1.2)
+    slide(page, "Friction", 0.3)
+    becomes(page, lambda: [plan(page)["made"]["base"]["room"]["doors"][0]["width"], plan(page)["made"]["base"]["friction"]], [1.2, 0.3])
+    people(page, 71)
+    assert [edit["do"] for edit in plan(page)["made"]["edits"]] == ["put"]
+    # Other people stand elsewhere.
+    slide(page, "People", 60)
+    people(page, 60)
+    expect(page.get_by_text("Not there any more: changes by hand.")).to_be_visible()
+
+
 def test_another_page_shows_the_stage_alone(browser: Browser, url: str, tmp_path: Path) -> None:
     here = url.replace("127.0.0.1", "localhost")
     context = browser.new_context(permissions=["clipboard-read", "clipboard-write"])
@@ -193,6 +230,8 @@ def test_the_report_has_the_numbers_of_the_run(page: Page, tmp_path: Path) -> No
     expect(report.get_by_role("row", name=re.compile(rf'^By "door 1" {left} people, '))).to_be_visible()
     expect(report.get_by_role("row", name="Doors 90 cm", exact=True)).to_be_visible()
     assert page.evaluate("document.querySelector('.report img').naturalWidth") > 300
+    squeeze = report.get_by_role("row", name="Greatest squeeze of anybody, mean of 0.1 s").inner_text()
+    expect(report.get_by_text(f"The scene at {squeeze.split()[-2]} s, the moment of the greatest squeeze")).to_be_visible()
     expect(report.get_by_role("heading", name="What these numbers do not say")).to_be_visible()
     pdf = page.pdf()
     assert pdf.startswith(b"%PDF") and len(pdf) > 20_000

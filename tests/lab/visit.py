@@ -56,6 +56,10 @@ def example(page: Page, name: str, number: int) -> None:
     expect(page.get_by_text(f"{number} people placed in")).to_be_visible(timeout=1000 * PATIENCE)
 
 
+def people(page: Page, count: int) -> None:
+    expect(page.get_by_role("row", name=f"People {count}", exact=True)).to_be_visible()
+
+
 def download(page: Page, name: str, to: Path) -> Path:
     tab(page, "Take away")
     with page.expect_download(timeout=1000 * PATIENCE) as waiting:

@@ -3,7 +3,7 @@
 use lemons_core::plane::{Bounds, Pose, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use lemons_people::placing::{
-    Ended, Orientation, Packing, Progress, Region, Settings, Stage, TOLERANCE, dense, grid, paper,
+    Ended, Method, Orientation, Packing, Progress, Region, Settings, Stage, TOLERANCE, dense, grid, paper,
 };
 use lemons_people::{Agent, Disk, PAPER_BICYCLES, PeopleError, Population, Proportions, Shape, Source};
 use std::ops::ControlFlow;
@@ -127,6 +127,22 @@ fn dense_in_rooms() {
                 }
             }
         }
+    }
+}
+
+/// Two rows of desks, beside which strips of 0.15 m are too narrow: who begins there is moved elsewhere.
+#[test]
+fn dense_among_desks() {
+    let desk = |x: f64, y: f64| vec![vec2(x, y), vec2(x + 1.2, y), vec2(x + 1.2, y + 0.5), vec2(x, y + 0.5)];
+    let desks = [1.5, 3.5, 5.5].map(|y| [desk(1.0, y), desk(3.0, y)]).concat();
+    let outer = [(0.225, 0.4), (4.35, 0.4), (4.35, 7.6), (0.225, 7.6)].map(|(x, y)| vec2(x, y));
+    let region = Region::polygon(&outer, &desks).unwrap();
+    for (number, seed) in [(10, 8), (14, 8), (17, 8), (20, 8), (28, 8), (28, 1), (60, 8), (80, 8)] {
+        let shapes = people(number, seed);
+        let settings = Settings { orientation: Orientation::Towards(0.0), ..seeded(seed) };
+        let packing = Method::Dense.place(&shapes, &region, &settings, &mut go).unwrap();
+        assert!(packing.complete, "{number} people, seed {seed}: {packing:?}");
+        assert_clear(&shapes, &region, &packing);
     }
 }
 

@@ -398,9 +398,9 @@ impl Packer<'_, '_> {
     }
 }
 
-/// Returns whether only some shapes overlap, in a region where some places are too narrow.
+/// Returns whether only some shapes of a region overlap: between its walls, some places may be too narrow for anybody.
 fn a_few(disks: &mut SoftDisks) -> bool {
-    let Boundary::Region(region) = disks.boundary else { return false };
     let stuck = |loads: Vec<(f64, f64)>| loads.iter().filter(|load| load.1 > PAD).count() as f64;
-    region.is_left() && stuck(disks.loads()) <= (A_FEW * disks.bodies.len() as f64).max(2.0)
+    matches!(disks.boundary, Boundary::Region(_))
+        && stuck(disks.loads()) <= (A_FEW * disks.bodies.len() as f64).max(2.0)
 }

@@ -24,8 +24,6 @@ pub struct Region {
     edges: Vec<Edge>,
     /// Number of edges of the rings.
     of_rings: usize,
-    /// True of what walls left of a polygon: some places in it may be too narrow for anybody.
-    is_left: bool,
     area: f64,
     slabs: Vec<Slab>,
 }
@@ -161,12 +159,12 @@ impl Region {
         let sides = rings.iter().flat_map(Ring::sides);
         let edges: Vec<Edge> = sides.map(|(start, end)| Edge::new(start, end, false)).collect();
         let (of_rings, slabs) = (edges.len(), slabs(&edges));
-        Region { rings, edges, of_rings, is_left: false, area, slabs }
+        Region { rings, edges, of_rings, area, slabs }
     }
 
     /// Makes what walls left of a polygon: rings with the inside to their left, walls in it, and its area \[m²\].
     pub(super) fn left(rings: Vec<Ring>, walls: &[(Vec2, Vec2)], area: f64) -> Region {
-        let mut left = Region { is_left: true, ..Region::of_sides(rings, area) };
+        let mut left = Region::of_sides(rings, area);
         left.edges.extend(walls.iter().map(|(start, end)| Edge::new(*start, *end, true)));
         left
     }
@@ -210,10 +208,6 @@ impl Region {
 
     pub(super) fn edges(&self) -> &[Edge] {
         &self.edges
-    }
-
-    pub(super) fn is_left(&self) -> bool {
-        self.is_left
     }
 
     /// Returns whether a wall in it is between two points.
