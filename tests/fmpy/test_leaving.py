@@ -74,6 +74,23 @@ def test_everybody_gets_out(lemons, tmp_path):
     assert len(table) == 24 and (table["ended"] < 120).all() and table["squeeze"].nunique() > 12
 
 
+def test_people_stand_until_their_start(lemons, tmp_path):
+    """As RiMEA test 5 asks for: starts between two times, and nobody moves before."""
+    subprocess.run([lemons, "crowd", "-n", "10", "--box", "8x5", "--door", "8,2.5,1.2", "--leave", "-o", "T"], check=True, capture_output=True, cwd=tmp_path)
+    plan = tmp_path / "T/decision.toml"
+    plan.write_text("start = { min = 1, max = 10 }\n" + plan.read_text() + "[agents.3]\nstart = 4\n")
+    subprocess.run([lemons, "run", "T", "--until", "11", "--every", "10", "-o", "T.csv"], check=True, capture_output=True, cwd=tmp_path)
+    table = pd.read_csv(tmp_path / "T.csv")
+    began = {}
+    for agent, rows in table.groupby("agent"):
+        way = np.hypot(rows["x"] - rows["x"].iloc[0], rows["y"] - rows["y"].iloc[0])
+        began[agent] = rows["t"][way > 0.02].min()
+    times = np.array(sorted(began.values()))
+    # Of those whom nobody has pushed before: a walk of 2 cm takes 0.2 s at a relaxation time of 0.22 s.
+    assert 3.9 < began[3] < 4.5 and times[0] > 1 and times[-1] < 10.8
+    assert len(set(times)) > 7 and times[-1] - times[0] > 4
+
+
 def test_several_crowds_all_leave(lemons, tmp_path):
     """Two rooms in one SSP: the run ends as the last one of both has left."""
 

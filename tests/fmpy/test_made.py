@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+import tomllib
 import zipfile
 from xml.etree import ElementTree
 
@@ -32,6 +33,23 @@ def test_a_crowd_is_that_of_the_command(lemons, tmp_path):
     assert repr(made) == f"<Trial 'crowd': 12 people, {made.masses.sum():.0f} kg>"
     del made
     assert not temporary.exists() and len(saved) == len(Trial(there)) == 12
+
+
+def test_a_mix_has_kinds_with_masses_and_speeds_of_their_own(tmp_path):
+    made = make(number=60, box=(10, 8), door=(10, 4, 1.5), leave=True, mix={"adult": 50, "child": 30, "wheelchair": 20}, output=tmp_path / "mix")
+    agents = ElementTree.parse(made.directory / "static/Agents.xml").getroot()
+    kinds = [agent.get("Kind") for agent in agents]
+    assert set(kinds) == {"adult", "child", "wheelchair"}
+    speeds = tomllib.loads((made.directory / "decision.toml").read_text())["agents"]
+    for k, (kind, mass) in enumerate(zip(kinds, made.masses, strict=True)):
+        speed = speeds[str(k)]["desired_speed"]
+        # Boyce and others 1999; a child of 2 years walks as it has the stature of one.
+        low, high = {"adult": (0.56, 2.12), "child": (0.35, 2.12), "wheelchair": (0.13, 1.35)}[kind]
+        assert low <= speed <= high
+        assert mass > 50 if kind == "wheelchair" else mass > 9
+    assert {shape.get("MaterialId") for agent in agents if agent.get("Kind") == "wheelchair" for shape in agent} == {"frame"}
+    with pytest.raises(CommandError, match='there is no kind "unicycle"; kinds are adult, backpack, child'):
+        make(number=2, box=(3, 3), mix={"unicycle": 1})
 
 
 def test_arrays_are_people_who_do_not_overlap(tmp_path):
