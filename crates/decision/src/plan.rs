@@ -26,7 +26,7 @@ const DEFAULT_SPEED: f64 = 1.34;
 
 /// Draw of a person that is that of the push; those of walking begin at 0.
 const PUSH_DRAW: u64 = u64::MAX / 2;
-/// The first of those of the desired speed and of the start.
+/// Those of the desired speed and of the start.
 const SPEED_DRAW: u64 = u64::MAX / 4;
 const START_DRAW: u64 = u64::MAX / 8;
 

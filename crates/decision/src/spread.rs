@@ -1,7 +1,7 @@
 //! Numbers that differ from person to person: one for all, or drawn from a distribution.
 
 use crate::error::{PlanError, moderate, number};
-use crate::stuck::{normal, share};
+use crate::stuck::share;
 use serde::{Deserialize, Serialize};
 
 /// A number of everybody.
@@ -36,10 +36,30 @@ pub struct Between {
     pub max: f64,
 }
 
-/// \[standard deviations\] Bounds further from the mean on the same side are refused: hardly a draw would lie between.
+/// \[standard deviations\] Bounds further from the mean on the same side are refused as a mistake.
 const FARTHEST: f64 = 3.0;
-/// Draws until one lies between the bounds: with the bounds above, all fail less often than once in 10¹⁰ people.
-const MOST_DRAWS: u64 = 20_000;
+/// Halvings of the range in which a quantile is looked for: to the precision of doubles.
+const HALVINGS: u32 = 60;
+
+/// Returns the probability that a standard normal variable is below `z`.
+fn cumulative(z: f64) -> f64 {
+    0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2)
+}
+
+impl NormalBetween {
+    /// Returns the value below which the fraction `rank` (0…1) lies, by bisection.
+    fn quantile(&self, rank: f64) -> f64 {
+        let &NormalBetween { mean, sd, min, max } = self;
+        let [from, to] = [min, max].map(|bound| cumulative((bound - mean) / sd));
+        let wanted = from + rank * (to - from);
+        let (mut low, mut high) = (min, max);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if cumulative((middle - mean) / sd) < wanted { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+}
 
 impl Spread {
     /// Checks a setting for everybody; numbers are 0 to 1e9.
@@ -62,17 +82,13 @@ impl Spread {
         }
     }
 
-    /// Returns the number of a person: the same for the same seed. `first` is the first of its draws.
-    pub(crate) fn of(&self, seed: u64, person: usize, first: u64) -> f64 {
-        let person = person as u64;
-        match *self {
-            Spread::Same(value) => value,
-            Spread::Uniform(Between { min, max }) => min + (max - min) * share(seed, person, first),
-            Spread::Normal(NormalBetween { mean, sd, min, max }) => {
-                let draw = |k: u64| mean + sd * normal(seed, person, first + k);
-                let mut drawn = (0..MOST_DRAWS).map(draw);
-                drawn.find(|value| (min..=max).contains(value)).unwrap_or_else(|| mean.clamp(min, max))
-            }
+    /// Returns the number of a person: the same for the same seed. `draw` is the number of its draw.
+    pub(crate) fn of(&self, seed: u64, person: usize, draw: u64) -> f64 {
+        let rank = share(seed, person as u64, draw);
+        match self {
+            Spread::Same(value) => *value,
+            Spread::Uniform(Between { min, max }) => min + (max - min) * rank,
+            Spread::Normal(normal) => normal.quantile(rank),
         }
     }
 }
@@ -104,5 +120,10 @@ mod tests {
         let half = NormalBetween { mean: 5.0, sd: 2.0, min: 5.0, max: 1e3 };
         let (mean, ..) = moments(&Spread::Normal(half));
         assert!((mean - 5.0 - 2.0 * (2.0 / std::f64::consts::PI).sqrt()).abs() < 0.03, "{mean}");
+        // Between bounds that are near to each other, it is nearly uniform.
+        let narrow = NormalBetween { mean: 0.0, sd: 1e6, min: 0.0, max: 60.0 };
+        let (mean, sd, [low, high]) = moments(&Spread::Normal(narrow));
+        assert!((mean - 30.0).abs() < 0.4 && (sd - 60.0 / 12f64.sqrt()).abs() < 0.3, "{mean} {sd}");
+        assert!(low >= 0.0 && high <= 60.0);
     }
 }

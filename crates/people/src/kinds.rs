@@ -16,6 +16,8 @@ use std::sync::Arc;
 
 /// \[m\] Gap between an adult and the child at its hand.
 const HAND: f64 = 0.05;
+/// Names in tables that are no kinds.
+const OTHERS: [&str; 4] = ["male", "female", "pedestrian", "bicycle"];
 /// Most disks of all parts of a kind.
 const MOST_DISKS: usize = 50;
 /// \[m\] Largest number of a part: nothing that goes along with a person is farther away.
@@ -155,6 +157,9 @@ impl Kinds {
     /// A number of a kind is impossible.
     pub fn with(mut self, kinds: BTreeMap<String, Kind>) -> Result<Kinds> {
         for (name, kind) in kinds {
+            require(!name.trim().is_empty() && !OTHERS.contains(&&*name), || {
+                format!("kind {name:?}: this name means something else; give it another one")
+            })?;
             kind.check().map_err(|error| error.of(format!("kind {name:?}")))?;
             self.0.insert(name.clone(), Arc::new(Kind { name, ..kind }));
         }
@@ -200,10 +205,25 @@ impl Kind {
             })?;
         }
         require(!self.seated || self.disks() > 0, || "seated: there are no parts to sit in".to_owned())?;
+        require(!self.seated || self.companion.is_none(), || {
+            "companion: nobody holds the hand of somebody who is seated".to_owned()
+        })?;
+        require(!self.seated || self.looks_ahead(), || {
+            "seated: the first disk must be the leftmost one, and the last one opposite: they say where it looks"
+                .to_owned()
+        })?;
         require(self.disks() <= MOST_DISKS, || format!("{} disks: at most {MOST_DISKS}", self.disks()))?;
         self.parts
             .iter()
             .try_for_each(|part| part.check().map_err(|error| error.of(format!("part {:?}", part.name))))
+    }
+
+    /// Whether the first and the last disk of parts in which somebody sits are left and right, or there is one disk.
+    /// Later parts come between the first disk and the others.
+    fn looks_ahead(&self) -> bool {
+        let Some(part) = self.parts.first() else { return false };
+        let [first, .., last] = part.disks[..] else { return self.disks() == 1 };
+        first[0] == last[0] && first[1] > last[1]
     }
 
     /// Number of disks of all parts.
@@ -211,7 +231,7 @@ impl Kind {
         self.parts.iter().map(|part| part.disks.len()).sum()
     }
 
-    /// Draws what the person, whose body is known, does not say by itself.
+    /// Draws the desired speed \[m/s\] of a person.
     fn speed(&self, person: &Person, random: &mut Random) -> f64 {
         let of_women = self.speed_women.as_ref().filter(|_| person.sex == Sex::Female);
         let speed = of_women.unwrap_or(&self.speed).quantile(random.inside_unit());
@@ -394,13 +414,14 @@ mod tests {
             let ends = [&disks[0], &disks[disks.len() - 1]].map(|part| part.disk.centre);
             assert!(shown_orientation(ends[0], ends[1]).abs() < 1e-12, "{}", kind.name);
             assert!(mass >= 80.0 && inertia > 1.0 && (0.1..2.2).contains(&speed), "{}", kind.name);
-            // The masses balance about the origin: people and one part at most.
-            let sum = people.iter().fold(Vec2::ZERO, |sum, (person, at)| sum + *at * person.mass);
+            // The masses balance about the origin: those of people, and of the part, where its disks are.
             let luggage = mass - people.iter().map(|(person, _)| person.mass).sum::<f64>();
-            match kind.parts.len() {
-                0 => assert!(sum.norm() < 1e-12 && luggage.abs() < 1e-12, "{}: {sum:?}", kind.name),
-                _ => assert!(luggage > 1.0 && sum.norm() > 0.01, "{}: {sum:?}", kind.name),
-            }
+            let of_part = disks.iter().filter(|part| part.material.is_some()).map(|part| part.disk);
+            let of_part: Vec<Disk> = of_part.collect();
+            let at = if of_part.is_empty() { Vec2::ZERO } else { union(&of_part).centroid };
+            let sum = people.iter().fold(at * luggage, |sum, (person, at)| sum + *at * person.mass);
+            assert!(sum.norm() < 1e-9, "{}: {sum:?}", kind.name);
+            assert_eq!(luggage.abs() > 1.0, !kind.parts.is_empty(), "{}", kind.name);
         }
     }
 
@@ -486,10 +507,18 @@ mod tests {
                 "companion = [1, 3]: must be from 2 to 18 years",
             ),
             ("speed = { min = 1, max = 2 }\nseated = true", "seated: there are no parts to sit in"),
+            (
+                "speed = { min = 1, max = 2 }\nseated = true\n[[x.parts]]\nname = \"b\"\nmaterial = \"frame\"\n\
+                 mass = { min = 1, max = 2 }\ndisks = [[0, 0, 0.3], [0.5, 0, 0.3]]",
+                "seated: the first disk must be the leftmost one",
+            ),
         ] {
             let message = refused(&format!("[x]\n{text}"));
             assert!(message.starts_with("kind \"x\": ") && message.contains(said), "{message}");
         }
+        let table: BTreeMap<String, Kind> = toml::from_str(&format!("[bicycle]\n{speed}")).unwrap();
+        let message = Kinds::built_in().unwrap().with(table).unwrap_err().to_string();
+        assert!(message.starts_with("kind \"bicycle\": this name means something else"), "{message}");
         let part = "[[x.parts]]\nname = \"b\"\nmass = { min = 1, max = 2 }\n";
         let message = refused(&format!("[x]\n{speed}{part}material = \"gold\"\ndisks = [[0, 0, 1]]"));
         assert!(

@@ -124,7 +124,7 @@ impl LeaveArguments {
         drawn.iter().for_each(|place| text += &drawn_exit(place));
         text += "]\n";
         for (id, speed) in own.enumerate().filter_map(|(id, own)| Some((id, own?))) {
-            let _ = writeln!(text, "[agents.{id}]\ndesired_speed = {speed:.3}");
+            let _ = writeln!(text, "[agents.{id}]\ndesired_speed = {speed:?}");
         }
         text
     }

@@ -1,8 +1,9 @@
 //! Whom a crowd is drawn from.
 
 use super::{measure, person};
+use crate::error::Misused;
 use crate::numbers::within;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use lemons_core::files::input;
 use lemons_people::{
     Custom, Kinds, Measure, PAPER_BICYCLES, Person, Population, Proportions, Sex, Source, Survey,
@@ -102,6 +103,9 @@ impl SourceArguments {
         let mut from = named();
         if !self.mix.is_empty() {
             (mix, from) = (self.mix.iter().cloned().collect(), "--mix".to_owned());
+            if mix.len() < self.mix.len() {
+                bail!(Misused("--mix: a kind is there twice".into()));
+            }
         }
         if mix.is_empty() {
             return Ok(population);
