@@ -1,6 +1,7 @@
 //! Ends of lines that meet, joined; lines that are drawn twice, left out.
 
 use super::Line;
+use super::plan::Role;
 use crate::error::{Result, require};
 use lemons_core::plane::Vec2;
 use std::collections::{HashMap, HashSet};
@@ -222,15 +223,23 @@ fn close(corners: &mut Vec<Vec2>) {
 type Piece = [Cell; 2];
 
 /// Returns the lines without those that lie on others, corner by corner; how many these are; and how many pieces of those
-/// that are left lie on each other.
-pub(super) fn without_doubles(lines: Vec<Line>) -> (Vec<Line>, usize, usize) {
+/// that are left lie on each other. With `areas`, closed lines are left out only where the same one is there: an area between
+/// others has all its sides on theirs, and counts all the same.
+pub(super) fn without_doubles(lines: Vec<Line>, areas: bool) -> (Vec<Line>, usize, usize) {
     let pieces: Vec<Vec<Piece>> = lines.iter().map(pieces_of).collect();
+    let is_area = |line: &Line| areas && goes_round(line);
     // A line may be a piece of another, which is longer.
-    let mut order: Vec<usize> = (0..lines.len()).collect();
+    let mut order: Vec<usize> = (0..lines.len()).filter(|&k| !is_area(&lines[k])).collect();
     order.sort_by_key(|&k| (std::cmp::Reverse(pieces[k].len()), k));
     let mut known: HashSet<Piece> = HashSet::new();
     let mut keep = vec![true; lines.len()];
     let mut on_others = 0;
+    let mut same = HashSet::new();
+    for (k, line) in lines.iter().enumerate().filter(|(_, line)| is_area(line)) {
+        let mut sides = pieces[k].clone();
+        sides.sort_unstable();
+        keep[k] = same.insert((Role::of(&line.layer).map(|(role, _)| role), line.hole, sides));
+    }
     for k in order {
         let there = pieces[k].iter().filter(|piece| known.contains(*piece)).count();
         if there == pieces[k].len() {
@@ -243,6 +252,12 @@ pub(super) fn without_doubles(lines: Vec<Line>) -> (Vec<Line>, usize, usize) {
     let doubles = keep.iter().filter(|keep| !**keep).count();
     let kept = lines.into_iter().zip(&keep).filter(|(_, keep)| **keep).map(|(line, _)| line).collect();
     (kept, doubles, on_others)
+}
+
+/// Whether a line is closed, or ends where it begins.
+fn goes_round(line: &Line) -> bool {
+    let [first, _, _, .., last] = line.corners[..] else { return line.closed };
+    line.closed || (last - first).norm() <= SAME
 }
 
 fn pieces_of(line: &Line) -> Vec<Piece> {

@@ -23,7 +23,7 @@ const MOST_CORNERS: usize = 10_000;
 const ON_A_WALL: f64 = 0.05;
 
 /// What is on a layer, as its name says: `walkablearea-…`, `obstacles-…`, `exits-…`, `distributions-…`, `waypoints-…`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// Outlines of where people walk.
     WalkableArea,
@@ -177,7 +177,7 @@ impl Plan {
                 format!("{} {}: at most {MOST_PLACES} are allowed", places.len(), role.layer())
             })?;
         }
-        let (walls, doubles, on_others) = without_doubles(walls);
+        let (walls, doubles, on_others) = without_doubles(walls, has_areas);
         let (walls, joined) = join(walls, settings.close)?;
         let named = |role: Role, enough: usize, closed: bool, leave_out: &mut dyn FnMut(&Line, &str)| {
             let lines = places.get(&role).into_iter().flatten();

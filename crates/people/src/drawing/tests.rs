@@ -464,6 +464,28 @@ fn areas_that_meet_are_united_and_obstacles_cut() {
 }
 
 #[test]
+fn an_area_between_others_is_no_double() {
+    // A grid of 3 x 3 squares, the middle one last: all its sides are on those of others.
+    let places = [(0, 0), (1, 0), (2, 0), (0, 1), (2, 1), (0, 2), (1, 2), (2, 2), (1, 1)];
+    let square = |(x, y): (i32, i32)| {
+        let (right, top) = (x + 1, y + 1);
+        format!("10 {x} 20 {y} 10 {right} 20 {y} 10 {right} 20 {top} 10 {x} 20 {top}")
+    };
+    let closed: String =
+        places.iter().map(|at| format!("0 LWPOLYLINE 8 walkablearea 70 1 {} ", square(*at))).collect();
+    // The same, open, with the first corner repeated.
+    let open: String = places
+        .iter()
+        .map(|at| format!("0 LWPOLYLINE 8 walkablearea {} 10 {} 20 {} ", square(*at), at.0, at.1))
+        .collect();
+    for entities in [closed, open] {
+        let plan = plan(Format::Dxf, &dxf_of("9 $INSUNITS 70 6", "", &entities));
+        assert_eq!((plan.walls.len(), plan.doubles), (1, 0));
+        assert!((plan.area().unwrap() - 9.0).abs() < 1e-6);
+    }
+}
+
+#[test]
 fn lines_that_meet_are_one_wall_where_no_third_one_ends() {
     let lines = |all: &[[f64; 4]]| {
         let line = |[a, b, c, d]: &[f64; 4]| format!("0 LINE 8 A 10 {a} 20 {b} 11 {c} 21 {d} ");
