@@ -34,6 +34,8 @@ pub const DEVIATION: f64 = 0.01;
 pub const LARGEST_DRAWING: u64 = input::LARGEST_SETTINGS;
 /// Largest number of corners of a drawing, and of the entities that are looked at: blocks in blocks grow fast.
 const MOST: usize = 1_000_000;
+/// Largest number of letters of a name in a drawing: each line has a copy of its own.
+const MOST_LETTERS: usize = 255;
 
 /// A format of drawings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -172,6 +174,14 @@ impl Drawing {
 pub(crate) fn left_out(((layer, kind), count): (&(String, String), &usize)) -> String {
     let layer = if layer.is_empty() { String::new() } else { format!(" on layer {layer:?}") };
     format!("{count} {kind}{layer}")
+}
+
+/// Refuses a name that is too long.
+fn check_name(name: &str) -> Result<()> {
+    require(name.chars().nth(MOST_LETTERS).is_none(), || {
+        let begin: String = name.chars().take(40).collect();
+        format!("the name that begins with {begin:?} has more than {MOST_LETTERS} characters: too many")
+    })
 }
 
 fn text(bytes: &[u8]) -> Result<&str> {

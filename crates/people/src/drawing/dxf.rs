@@ -1,7 +1,7 @@
 //! DXF as text -> lines. The file is a list of pairs, each a group code and a value on a line of its own.
 
 use super::curve::{Affine, Arc, Spline, sweep};
-use super::{Line, Reading, Tracer, UnitFrom};
+use super::{Line, MOST_LETTERS, Reading, Tracer, UnitFrom, check_name};
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::{Vec2, vec2};
 use std::borrow::Cow;
@@ -189,11 +189,17 @@ impl<'a> Entity<'a> {
     }
 
     fn wrong(self, Pair { code, value, line }: &Pair, must: &str) -> PeopleError {
-        let (kind, layer) = (self.kind(), self.layer());
+        let (kind, layer) = self.called();
         let value: String = value.chars().take(40).collect();
         PeopleError::new(format!(
             "line {line}: {kind} on layer {layer:?}: group code {code} = {value:?}: must be {must}"
         ))
+    }
+
+    /// Returns its kind and its layer for a message, neither of them endless.
+    fn called(self) -> (String, String) {
+        let short = |text: &str| text.chars().take(MOST_LETTERS).collect();
+        (short(self.kind()), short(&self.layer()))
     }
 
     fn number_of(self, pair: &Pair) -> Result<f64> {
@@ -214,7 +220,8 @@ impl<'a> Entity<'a> {
     }
 
     fn about(self, what: &str) -> PeopleError {
-        PeopleError::new(format!("line {}: {} on layer {:?}: {what}", self.line(), self.kind(), self.layer()))
+        let (kind, layer) = self.called();
+        PeopleError::new(format!("line {}: {kind} on layer {layer:?}: {what}", self.line()))
     }
 
     fn numbers(self, code: i32) -> Result<Vec<f64>> {
@@ -325,6 +332,8 @@ impl<'f> Walk<'f, '_> {
         let own = entity.layer();
         let layer = of_block.filter(|_| own == "0").map_or(own, str::to_owned);
         let kind = entity.kind();
+        let names = [kind, &layer, entity.text(2).filter(|_| kind == "INSERT").unwrap_or("")];
+        names.iter().try_for_each(|name| check_name(name)).map_err(|error| entity.placed(error))?;
         if kind == "SEQEND" || kind == "VIEWPORT" {
             return Ok(());
         }

@@ -2,7 +2,7 @@
 
 use super::curve::{Affine, Arc, bezier, by_ends, check_length};
 use super::plan::Role;
-use super::{Line, Reading, Tracer};
+use super::{Line, Reading, Tracer, check_name};
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::xml::{Document, Element};
@@ -140,6 +140,8 @@ impl<'a> Walk<'a, '_> {
             return Ok(());
         }
         let layer = layer.within(element);
+        let names = [kind, layer.name, element.optional("id").unwrap_or("")];
+        names.iter().try_for_each(|name| check_name(name)).map_err(|error| placed(element, error))?;
         let style: String = element.optional("style").unwrap_or("").split_whitespace().collect();
         if element.optional("display") == Some("none") || style.split(';').any(|part| part == "display:none")
         {

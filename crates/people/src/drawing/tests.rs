@@ -247,6 +247,29 @@ fn what_is_wrong_is_said_with_line_entity_layer_and_value() {
 }
 
 #[test]
+fn long_names_are_refused() {
+    let refused = |format: Format, text: &str| {
+        let error = Drawing::read(format, text.as_bytes(), &METRES).unwrap_err().to_string();
+        assert!(error.contains("has more than 255 characters"), "{error}");
+    };
+    let (long, fits) = ("ä".repeat(256), "ä".repeat(255));
+    refused(Format::Dxf, &dxf_of("", "", &format!("0 LINE 8 {long} 10 0 20 0 11 1 21 0")));
+    refused(Format::Dxf, &dxf_of("", "", &format!("0 INSERT 8 A 2 {long} 10 0 20 0")));
+    assert_eq!(lines_of(&format!("0 LINE 8 {fits} 10 0 20 0 11 1 21 0"))[0].layer, fits);
+    for key in ["layer", "name"] {
+        let geometry = r#"{"type": "LineString", "coordinates": [[0, 0], [1, 0]]}"#;
+        let text =
+            format!(r#"{{"type": "Feature", "geometry": {geometry}, "properties": {{"{key}": "{long}"}}}}"#);
+        refused(Format::GeoJson, &text);
+    }
+    for inner in
+        [format!("<g id='{long}'><path d='M0 0 H1'/></g>"), format!("<path id='{long}' d='M0 0 H1'/>")]
+    {
+        refused(Format::Svg, &format!("<svg viewBox='0 0 9 9'>{inner}</svg>"));
+    }
+}
+
+#[test]
 fn blocks_that_grow_without_end_are_refused() {
     let read = |blocks: &str, entities: &str| {
         let text = dxf_of("", blocks, entities);
