@@ -34,6 +34,8 @@ pub const DEVIATION: f64 = 0.01;
 pub const LARGEST_DRAWING: u64 = input::LARGEST_SETTINGS;
 /// Largest number of corners of a drawing, and of the entities that are looked at: blocks in blocks grow fast.
 const MOST: usize = 1_000_000;
+/// Largest sum of the sizes of entities that are looked at, those of blocks counted each time: pairs of DXF, bytes of SVG.
+const MOST_WORK: usize = 100_000_000;
 /// Largest number of letters of a name in a drawing: each line has a copy of its own.
 const MOST_LETTERS: usize = 255;
 
@@ -203,6 +205,8 @@ struct Tracer {
     left_out: BTreeMap<(String, String), usize>,
     corners: usize,
     looked_at: usize,
+    /// Sum of their sizes.
+    work: usize,
 }
 
 impl Tracer {
@@ -210,7 +214,7 @@ impl Tracer {
     fn new(unit: Option<(f64, UnitFrom)>, reading: &Reading) -> Tracer {
         let deviation = if unit.is_some() { reading.deviation } else { f64::INFINITY };
         let (lines, left_out) = (Vec::new(), BTreeMap::new());
-        Tracer { lines, unit, deviation, curves: 0, left_out, corners: 0, looked_at: 0 }
+        Tracer { lines, unit, deviation, curves: 0, left_out, corners: 0, looked_at: 0, work: 0 }
     }
 
     /// Of the user, else as the format has it.
@@ -227,9 +231,13 @@ impl Tracer {
         *self.left_out.entry((layer.to_owned(), kind.to_owned())).or_default() += 1;
     }
 
-    /// Counts an entity that is looked at.
-    fn look(&mut self) -> Result<()> {
+    /// Counts an entity that is looked at, of a size in pairs or bytes.
+    fn look(&mut self, size: usize) -> Result<()> {
         self.looked_at += 1;
+        self.work = self.work.saturating_add(size);
+        require(self.work <= MOST_WORK, || {
+            format!("entities, those of blocks counted each time, have more than {MOST_WORK} parts: too many")
+        })?;
         require(self.looked_at <= MOST, || {
             format!("there are more than {MOST} entities, those of blocks counted each time: too many")
         })

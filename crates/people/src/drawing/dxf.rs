@@ -170,6 +170,11 @@ impl<'a> Entity<'a> {
         self.0[0].line
     }
 
+    /// Returns the number of its pairs, long values counted as more.
+    fn size(self) -> usize {
+        self.0.iter().map(|pair| 1 + pair.value.len() / 32).sum()
+    }
+
     /// Values of a group code, in their order. What programs append (1000 and above) and what 102 encloses have codes of
     /// their own.
     fn all(self, code: i32) -> impl Iterator<Item = &'a Pair<'a>> {
@@ -309,13 +314,14 @@ impl<'f> Walk<'f, '_> {
     ) -> Result<()> {
         let mut rest = entities;
         while let Some((entity, others)) = rest.split_first() {
-            self.tracer.look()?;
+            self.tracer.look(entity.size())?;
             // Those that belong to it follow, up to SEQEND.
             let parts = match entity.kind() {
                 "POLYLINE" => others.iter().position(|part| part.kind() != "VERTEX").unwrap_or(others.len()),
                 _ => 0,
             };
             rest = &others[parts..];
+            others[..parts].iter().try_for_each(|part| self.tracer.look(part.size()))?;
             self.one(*entity, &others[..parts], into, layer, depth)?;
         }
         Ok(())
@@ -392,7 +398,7 @@ impl<'f> Walk<'f, '_> {
         let (dx, dy) = (number(44, 0.0)?, number(45, 0.0)?);
         for row in 0..rows {
             for column in 0..columns {
-                self.tracer.look()?;
+                self.tracer.look(1)?;
                 let step = Affine::shift(vec2(dx * column as f64, dy * row as f64));
                 let into = into.after(&place).after(&step).after(&own);
                 self.all(&block.entities, &into, Some(layer), depth + 1)?;

@@ -38,7 +38,7 @@ struct Walk<'t> {
 impl Walk<'_> {
     /// `at` is the place in the file, as in features\[3\].geometry.
     fn object(&mut self, value: &Value, at: &str, properties: &Value) -> Result<()> {
-        self.tracer.look()?;
+        self.tracer.look(1)?;
         let kind = value["type"]
             .as_str()
             .ok_or_else(|| wrong(at, "type", value, "the name of a geometry or feature"))?;
@@ -99,7 +99,7 @@ impl Walk<'_> {
         properties: &Value,
         hole: bool,
     ) -> Result<()> {
-        self.tracer.look()?;
+        self.tracer.look(1)?;
         let texts = ["layer", "name", "type"].map(|key| properties[key].as_str());
         for name in texts.into_iter().flatten() {
             check_name(name).map_err(|error| PeopleError::new(format!("{at}: {error}")))?;

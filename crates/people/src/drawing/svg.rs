@@ -131,7 +131,7 @@ struct Walk<'a, 't> {
 
 impl<'a> Walk<'a, '_> {
     fn element(&mut self, element: Element<'a>, into: &Affine, layer: Layer<'a>, depth: usize) -> Result<()> {
-        self.tracer.look()?;
+        self.tracer.look(element.attributes().map(|attribute| 1 + attribute.value().len()).sum())?;
         let kind = element.name();
         require(depth < DEEPEST, || {
             format!("line {}: <{kind}> is within more than {DEEPEST} elements", element.line())

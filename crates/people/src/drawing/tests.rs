@@ -247,6 +247,20 @@ fn what_is_wrong_is_said_with_line_entity_layer_and_value() {
 }
 
 #[test]
+fn large_entities_that_are_repeated_are_refused() {
+    let refused = |format: Format, text: &str| {
+        let error = Drawing::read(format, text.as_bytes(), &METRES).unwrap_err().to_string();
+        assert!(error.contains("have more than 100000000 parts"), "{error}");
+    };
+    // A text of 20 000 pairs in a block, 10 000 times.
+    let block = format!("0 BLOCK 2 B 0 TEXT 8 A {} 0 ENDBLK", "1 x ".repeat(20_000));
+    refused(Format::Dxf, &dxf_of("", &block, "0 INSERT 8 A 2 B 10 0 20 0 70 100 71 100"));
+    let style = format!("<path id='p' style='{}' d='M0 0 H1'/>", " ".repeat(100_000));
+    let uses = "<use href='#p'/>".repeat(1001);
+    refused(Format::Svg, &format!("<svg viewBox='0 0 9 9'>{style}{uses}</svg>"));
+}
+
+#[test]
 fn long_names_are_refused() {
     let refused = |format: Format, text: &str| {
         let error = Drawing::read(format, text.as_bytes(), &METRES).unwrap_err().to_string();
