@@ -186,14 +186,14 @@ impl<'a> Walk<'a, '_> {
             lines: Vec::new(),
             last: Vec2::ZERO,
             curved: false,
-            curved_corners: 0,
+            corners: 0,
         };
         let kind = element.name();
         let number = |attribute: &str| length(element, attribute, 0.0);
         match kind {
             "line" => {
                 trace.begin(vec2(number("x1")?, number("y1")?));
-                trace.to(vec2(number("x2")?, number("y2")?));
+                trace.to(vec2(number("x2")?, number("y2")?))?;
             }
             "polyline" | "polygon" => points(element, &mut trace)?,
             "rect" => rectangle(element, &mut trace)?,
@@ -240,7 +240,7 @@ fn points(element: Element, trace: &mut Trace) -> Result<()> {
     let mut points = PointsParser::from(text).map(|(x, y)| vec2(x, y));
     let Some(first) = points.next() else { return Ok(()) };
     trace.begin(first);
-    points.for_each(|point| trace.to(point));
+    points.try_for_each(|point| trace.to(point)).map_err(|error| placed(element, error))?;
     if element.name() == "polygon" {
         trace.close();
     }
@@ -258,8 +258,8 @@ fn rectangle(element: Element, trace: &mut Trace) -> Result<()> {
     let high = low + size;
     trace.begin(vec2(low.x + rx, low.y));
     let corner = |trace: &mut Trace, from: Vec2, to: Vec2| {
-        trace.to(from);
-        trace.by_ends(to, vec2(rx, ry), 0.0, false, true).map_err(|error| placed(element, error))
+        let arc = trace.to(from).and_then(|()| trace.by_ends(to, vec2(rx, ry), 0.0, false, true));
+        arc.map_err(|error| placed(element, error))
     };
     corner(trace, vec2(high.x - rx, low.y), vec2(high.x, low.y + ry))?;
     corner(trace, vec2(high.x, high.y - ry), vec2(high.x - rx, high.y))?;
@@ -344,30 +344,32 @@ struct Trace<'t> {
     /// Where the line ends, in the element's own coordinates.
     last: Vec2,
     curved: bool,
-    /// Of all its curves.
-    curved_corners: usize,
+    /// Number of corners of all its lines.
+    corners: usize,
 }
 
 impl Trace<'_> {
     fn begin(&mut self, at: Vec2) {
         // A move without a line draws nothing.
-        self.lines.retain(|(corners, _)| corners.len() > 1);
+        self.lines.pop_if(|(corners, _)| corners.len() < 2);
         self.lines.push((vec![self.into.of(at)], false));
         self.last = at;
     }
 
-    fn to(&mut self, at: Vec2) {
+    fn to(&mut self, at: Vec2) -> Result<()> {
+        self.corners += 1;
+        check_length(self.corners)?;
         let place = self.into.of(at);
         if let Some((corners, _)) = self.lines.last_mut() {
             corners.push(place);
         }
         self.last = at;
+        Ok(())
     }
 
     fn line(&mut self, from: &mut Vec2, to: Vec2) -> Result<()> {
         *from = to;
-        self.to(to);
-        Ok(())
+        self.to(to)
     }
 
     fn close(&mut self) {
@@ -395,21 +397,19 @@ impl Trace<'_> {
 
     /// Ends exactly at `to`.
     fn curve(&mut self, mut corners: Vec<Vec2>, to: Vec2) -> Result<()> {
-        self.curved_corners += corners.len();
-        check_length(self.curved_corners)?;
         corners.pop();
+        self.corners += corners.len();
+        check_length(self.corners)?;
         if let Some((line, _)) = self.lines.last_mut() {
             line.extend(corners);
         }
-        self.to(to);
         self.curved = true;
-        Ok(())
+        self.to(to)
     }
 
     fn by_ends(&mut self, to: Vec2, radii: Vec2, degrees: f64, large: bool, sweep: bool) -> Result<()> {
         let Some(arc) = by_ends(self.last, to, radii, degrees, large, sweep) else {
-            self.to(to);
-            return Ok(());
+            return self.to(to);
         };
         let mut corners = Vec::new();
         arc.mapped(self.into).trace(self.deviation, &mut corners)?;
