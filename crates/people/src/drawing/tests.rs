@@ -605,6 +605,25 @@ fn other_readers_agree() {
 }
 
 #[test]
+fn the_middle_of_an_area_is_inside() {
+    let middle = |corners: &[(f64, f64)]| {
+        let corners = corners.iter().map(|(x, y)| vec2(*x, *y)).collect();
+        Place { name: String::new(), corners }.middle()
+    };
+    assert_eq!(middle(&[(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (0.0, 2.0)]), (vec2(2.0, 1.0), Some(1.0)));
+    // Two L, the middle outside, or on a corner.
+    for width in [1.0, 2.0] {
+        let l = [(0.0, 0.0), (4.0, 0.0), (4.0, width), (width, width), (width, 4.0), (0.0, 4.0)];
+        let (at, radius) = middle(&l);
+        let radius = radius.unwrap();
+        assert!(radius > 0.4 * width && radius < 0.6 * width, "{at:?} {radius}");
+        assert!(at.x >= radius && at.y >= radius && (at.x < width || at.y < width));
+    }
+    // Without an inside, it is a point.
+    assert_eq!(middle(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]).1, None);
+}
+
+#[test]
 fn way_points_have_an_order_if_their_names_say_one() {
     let of = |layers: [&str; 2]| {
         let entities = format!(
