@@ -544,7 +544,11 @@ fn polyline(
     to.push(into.of(*first));
     let ends = vertices.iter().skip(1).chain(closed.then_some(&vertices[0]));
     for (&(from, bulge), &(next, _)) in vertices.iter().zip(ends) {
-        if bulge != 0.0 && from != next {
+        // How far the arc is from its chord; without a unit, only what is next to nothing is straight.
+        let height = into.direction((next - from).perp() * (0.5 * bulge)).norm();
+        let chord = into.direction(next - from).norm();
+        let straight = if deviation.is_finite() { deviation } else { 1e-6 * chord };
+        if from != next && height > straight {
             Arc::bulge(from, next, bulge).mapped(into).trace(deviation, to)?;
             // Exactly there.
             to.pop();

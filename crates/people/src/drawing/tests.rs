@@ -120,6 +120,11 @@ fn bulges_are_arcs() {
     assert!((area(&quarter[0]) - (4.0 - (0.5 * PI - 1.0))).abs() < 0.02);
     assert_eq!(quarter[0].corners[0], Vec2::ZERO);
     assert!(quarter[0].corners.contains(&vec2(2.0, 0.0)), "ends of arcs are exact");
+    // What is as good as straight is so.
+    for bulge in ["1e-12", "-1e-300", "0.0099"] {
+        let flat = lines_of(&format!("0 LWPOLYLINE 8 A 10 0 20 0 42 {bulge} 10 2 20 0")).remove(0);
+        assert_eq!(flat.corners, [Vec2::ZERO, vec2(2.0, 0.0)]);
+    }
 }
 
 #[test]
