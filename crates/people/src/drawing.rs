@@ -252,7 +252,9 @@ impl Tracer {
         self.corners += line.corners.len();
         require(self.corners <= MOST, || format!("there are more than {MOST} corners: too many"))?;
         let is_near = |corner: &&Vec2| corner.x.abs() <= FARTHEST && corner.y.abs() <= FARTHEST;
-        if let Some(Vec2 { x, y }) = line.corners.iter().find(|corner| !is_near(corner)) {
+        // Without a unit, these are no metres.
+        let far = line.corners.iter().find(|corner| !is_near(corner)).filter(|_| self.unit.is_some());
+        if let Some(Vec2 { x, y }) = far {
             return Err(PeopleError::new(format!(
                 "{}: a corner at ({x:?}, {y:?}) m is not within {FARTHEST} m of the origin",
                 line.named()

@@ -32,7 +32,8 @@ struct Block<'a> {
 
 #[derive(Default)]
 struct File<'a> {
-    unit: Option<i64>,
+    /// The last one, with its variables.
+    header: Option<Entity<'a>>,
     /// In upper case, as names are compared.
     blocks: HashMap<String, Block<'a>>,
     /// Layers that are switched off or frozen, in upper case.
@@ -44,7 +45,10 @@ pub(super) fn read(bytes: &[u8], reading: &Reading) -> Result<Tracer> {
     let text = decoded(bytes)?;
     let pairs = pairs(&text)?;
     let file = File::of(&pairs)?;
-    let own = file.unit.map(metres).transpose()?.flatten().map(|unit| (unit, UnitFrom::File));
+    // What the file says is not looked at if the user says it.
+    let header = file.header.filter(|_| reading.unit.is_none());
+    let code = header.map(Entity::header_unit).transpose()?.flatten();
+    let own = code.map(metres).transpose()?.flatten().map(|unit| (unit, UnitFrom::File));
     let mut tracer = Tracer::new(Tracer::unit_of(reading, own), reading);
     let scale = tracer.scale();
     Walk { file: &file, tracer: &mut tracer }.all(&file.entities, &scale, None, 0)?;
@@ -128,7 +132,7 @@ impl<'a> File<'a> {
                 ("SECTION", _) => {
                     section = entity.text(2).unwrap_or("");
                     if section == "HEADER" {
-                        file.unit = entity.header_unit()?;
+                        file.header = Some(entity);
                     }
                 }
                 ("ENDSEC", _) => section = "",

@@ -177,6 +177,22 @@ fn units_are_those_of_the_file_or_of_the_user() {
 }
 
 #[test]
+fn the_user_overrides_a_unit_that_is_not_known() {
+    let read = |unit: Option<f64>, code: &str, x: &str| {
+        let header = format!("9 $INSUNITS 70 {code}");
+        let text = dxf_of(&header, "", &format!("0 LINE 8 A 10 0 20 0 11 {x} 21 0"));
+        Drawing::read(Format::Dxf, text.as_bytes(), &Reading { unit, ..METRES })
+    };
+    for code in ["99", "x"] {
+        assert!(read(None, code, "1").unwrap_err().to_string().contains("$INSUNITS"));
+        assert_eq!(read(Some(0.001), code, "1").unwrap().unit_from, UnitFrom::User);
+    }
+    // What is far is known only with a unit.
+    assert!(matches!(read(None, "0", "2e9").unwrap_err(), PeopleError::NoUnit { .. }));
+    assert!(read(Some(0.001), "0", "2e9").is_ok() && read(Some(1.0), "0", "2e9").is_err());
+}
+
+#[test]
 fn what_is_wrong_is_said_with_line_entity_layer_and_value() {
     let said = |entities: &str| {
         let text = dxf_of("", "", entities);
