@@ -210,19 +210,19 @@ struct Tracer {
 }
 
 impl Tracer {
-    /// Without a unit, curves get few corners: only the size is asked for.
+    /// Makes one without lines. Without a unit, curves get few corners: only the size is asked for.
     fn new(unit: Option<(f64, UnitFrom)>, reading: &Reading) -> Tracer {
         let deviation = if unit.is_some() { reading.deviation } else { f64::INFINITY };
         let (lines, left_out) = (Vec::new(), BTreeMap::new());
         Tracer { lines, unit, deviation, curves: 0, left_out, corners: 0, looked_at: 0, work: 0 }
     }
 
-    /// Of the user, else as the format has it.
+    /// Returns the unit that the user gives, else that of the file or format.
     fn unit_of(reading: &Reading, otherwise: Option<(f64, UnitFrom)>) -> Option<(f64, UnitFrom)> {
         reading.unit.map(|unit| (unit, UnitFrom::User)).or(otherwise)
     }
 
-    /// From units of the drawing to metres.
+    /// Returns the map from units of the drawing to metres.
     fn scale(&self) -> Affine {
         Affine::scale(self.unit.map_or(1.0, |(unit, _)| unit))
     }

@@ -55,7 +55,7 @@ pub(super) fn read(bytes: &[u8], reading: &Reading) -> Result<Tracer> {
     Ok(tracer)
 }
 
-/// UTF-8, else Latin-1: text that is not ASCII is only in names.
+/// Decodes UTF-8, else Latin-1: text that is not ASCII is only in names.
 fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>> {
     require(!bytes.starts_with(b"AutoCAD Binary DXF"), || {
         "is a binary DXF: save it as a DXF in text form (ASCII)".to_owned()
@@ -98,7 +98,7 @@ fn pairs(text: &str) -> Result<Vec<Pair<'_>>> {
     Ok(pairs)
 }
 
-/// `$INSUNITS` in m; none where it says that there is none.
+/// Returns the length of a unit of `$INSUNITS` \[m\]; none where it says that there is none.
 fn metres(code: i64) -> Result<Option<f64>> {
     Ok(Some(match code {
         0 => return Ok(None),
@@ -261,8 +261,8 @@ impl<'a> Entity<'a> {
         unit.map(Some)
     }
 
-    /// From the entity's own coordinates to those of the drawing: mirrored if it is seen from below. `None` if it does not
-    /// lie in the plane.
+    /// Returns the map from the entity's own coordinates to those of the drawing: mirrored if it is seen from below. `None`
+    /// if it does not lie in the plane.
     fn seen_from(self) -> Result<Option<Affine>> {
         let normal = [self.number(210)?.unwrap_or(0.0), self.number(220)?.unwrap_or(0.0)];
         let up = self.number(230)?.unwrap_or(1.0);
@@ -272,7 +272,7 @@ impl<'a> Entity<'a> {
         Ok(Some(Affine::new([up.signum(), 0.0, 0.0, 1.0, 0.0, 0.0])))
     }
 
-    /// Corners with their bulges.
+    /// Returns corners with their bulges.
     fn vertices(self) -> Result<Vec<(Vec2, f64)>> {
         let mut vertices: Vec<(Vec2, f64)> = Vec::new();
         for pair in self.0 {
@@ -287,7 +287,7 @@ impl<'a> Entity<'a> {
     }
 }
 
-/// `\U+00E4` is ä.
+/// Decodes letters that are written as numbers: `\U+00E4` is ä.
 fn unescaped(text: &str) -> String {
     let mut parts = text.split("\\U+");
     let mut all = parts.next().unwrap_or("").to_owned();
@@ -308,7 +308,7 @@ struct Walk<'f, 't> {
 }
 
 impl<'f> Walk<'f, '_> {
-    /// `into` leads to metres; `layer` is that of the block, which those on layer 0 take.
+    /// Takes entities. `into` leads to metres; `layer` is that of the block, which those on layer 0 take.
     fn all(
         &mut self,
         entities: &[Entity<'f>],
@@ -438,7 +438,7 @@ fn known(kind: &str) -> bool {
     )
 }
 
-/// Why [`trace`] took nothing.
+/// Says why [`trace`] took nothing.
 fn unused(kind: &str) -> &'static str {
     match kind {
         "SPLINE" => "it has fit points only",

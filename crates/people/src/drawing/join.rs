@@ -89,7 +89,7 @@ pub(super) fn join(lines: Vec<Line>, gap: Option<f64>) -> Result<(Vec<Line>, Joi
 
 type Pair = (f64, usize, usize);
 
-/// Pairs of ends that are at most `gap` apart, the nearest first, each end in one of them at most.
+/// Returns pairs of ends that are at most `gap` apart, the nearest first, each end in one of them at most.
 fn nearest_pairs(
     lines: &[Line],
     ends: &[Option<Vec2>],
@@ -110,7 +110,7 @@ fn nearest_pairs(
     Ok(all)
 }
 
-/// Of an open line.
+/// Returns the first and the last corner of an open line; none of others.
 fn ends_of(line: &Line) -> [Option<Vec2>; 2] {
     match line.corners[..] {
         [first, .., last] if !line.closed => [Some(first), Some(last)],
@@ -118,12 +118,12 @@ fn ends_of(line: &Line) -> [Option<Vec2>; 2] {
     }
 }
 
-/// A line is closed only if it has an inside.
+/// Returns whether two ends may be joined: a line is closed only if it gets an inside.
 fn may_close(lines: &[Line], a: usize, b: usize) -> bool {
     a / 2 != b / 2 || lines[a / 2].corners.len() > 3
 }
 
-/// All pairs that are at most `gap` apart, the nearest first.
+/// Returns all pairs that are at most `gap` apart, the nearest first.
 fn pairs(ends: &[Option<Vec2>], open: Vec<usize>, gap: f64) -> Result<Vec<Pair>> {
     let at = |end: usize| ends[end].unwrap_or(Vec2::ZERO);
     let near = Near::of(open.iter().map(|end| (*end, at(*end))), gap);
@@ -254,7 +254,7 @@ pub(super) fn without_doubles(lines: Vec<Line>, areas: bool) -> (Vec<Line>, usiz
     (kept, doubles, on_others)
 }
 
-/// Whether a line is closed, or ends where it begins.
+/// Returns whether a line is closed, or ends where it begins.
 fn goes_round(line: &Line) -> bool {
     let [first, _, _, .., last] = line.corners[..] else { return line.closed };
     line.closed || (last - first).norm() <= SAME

@@ -12,7 +12,7 @@ use lemons_core::plane::{Bounds, Ring, Vec2, sides_that_meet, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use std::collections::BTreeMap;
 
-/// \[m²\] What is smaller has no inside.
+/// \[m²\] Smallest area of a wall around something.
 const SMALLEST_AREA: f64 = 1e-6;
 /// Largest number of exits, of distributions, of way-points.
 const MOST_PLACES: usize = 1000;
@@ -356,7 +356,7 @@ fn corners(line: Line) -> Vec<Vec2> {
     corners
 }
 
-/// Names of which no two are equal: those that are, or that are missing, get a number.
+/// Returns places with names of which no two are equal: those that are, or that are missing, get a number.
 fn named<'a>(lines: impl Iterator<Item = &'a (String, Line)>) -> Vec<Place> {
     let mut places: Vec<Place> = Vec::new();
     for (name, line) in lines {
@@ -378,7 +378,7 @@ fn named<'a>(lines: impl Iterator<Item = &'a (String, Line)>) -> Vec<Place> {
     places
 }
 
-/// Walls around what people can walk on: outlines without obstacles. Where none of them meet, they stay as they are.
+/// Returns walls around what people can walk on: outlines without obstacles. Where none of them meet, they stay as they are.
 fn areas(lines: Vec<Line>) -> Result<(Vec<Vec<Vec2>>, bool)> {
     let (closed, open): (Vec<Line>, Vec<Line>) =
         lines.into_iter().partition(|line| line.closed && line.corners.len() > 2);

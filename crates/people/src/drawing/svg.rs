@@ -60,7 +60,7 @@ fn said(error: impl ToString) -> PeopleError {
     PeopleError::new(error.to_string())
 }
 
-/// From the page's coordinates to those with y upwards.
+/// Returns the map from the page's coordinates to those with y upwards.
 fn upright(root: Element) -> Result<Affine> {
     let numbers = |text: &str| -> Option<[f64; 4]> {
         let all: Option<Vec<f64>> =
@@ -81,7 +81,7 @@ fn upright(root: Element) -> Result<Affine> {
     Ok(Affine::new([1.0, 0.0, 0.0, -1.0, -x, low]))
 }
 
-/// A length in user units: 96 of them are an inch.
+/// Returns a length in user units: 96 of them are an inch.
 fn length(element: Element, attribute: &str, otherwise: f64) -> Result<f64> {
     let Some(text) = element.optional(attribute) else { return Ok(otherwise) };
     let wrong = |must: &str| said(element.wrong(attribute, must));
@@ -164,7 +164,7 @@ impl<'a> Walk<'a, '_> {
         }
     }
 
-    /// `<use>` draws another element again.
+    /// Takes what a `<use>` draws again.
     fn again(&mut self, element: Element<'a>, into: &Affine, layer: Layer<'a>, depth: usize) -> Result<()> {
         let href =
             element.attributes().find(|attribute| attribute.name() == "href").map_or("", |href| href.value());
@@ -395,7 +395,7 @@ impl Trace<'_> {
         self.curve(corners, end)
     }
 
-    /// Ends exactly at `to`.
+    /// Appends corners of a curve, the last one exactly at `to`.
     fn curve(&mut self, mut corners: Vec<Vec2>, to: Vec2) -> Result<()> {
         corners.pop();
         self.corners += corners.len();
