@@ -173,7 +173,7 @@ impl Drawing {
 }
 
 /// Says what was left out: `3 TEXT on layer "A"`.
-pub(crate) fn left_out(((layer, kind), count): (&(String, String), &usize)) -> String {
+pub fn left_out(((layer, kind), count): (&(String, String), &usize)) -> String {
     let layer = if layer.is_empty() { String::new() } else { format!(" on layer {layer:?}") };
     format!("{count} {kind}{layer}")
 }
