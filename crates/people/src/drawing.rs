@@ -34,6 +34,10 @@ pub const DEVIATION: f64 = 0.01;
 pub const LARGEST_DRAWING: u64 = input::LARGEST_SETTINGS;
 /// Largest number of corners of a drawing, and of the entities that are looked at: blocks in blocks grow fast.
 const MOST: usize = 1_000_000;
+/// Largest sum of the sizes of entities that are looked at, those of blocks counted each time: pairs of DXF, bytes of SVG.
+const MOST_WORK: usize = 100_000_000;
+/// Largest number of letters of a name in a drawing: each line has a copy of its own.
+const MOST_LETTERS: usize = 255;
 
 /// A format of drawings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -169,9 +173,17 @@ impl Drawing {
 }
 
 /// Says what was left out: `3 TEXT on layer "A"`.
-pub(crate) fn left_out(((layer, kind), count): (&(String, String), &usize)) -> String {
+pub fn left_out(((layer, kind), count): (&(String, String), &usize)) -> String {
     let layer = if layer.is_empty() { String::new() } else { format!(" on layer {layer:?}") };
     format!("{count} {kind}{layer}")
+}
+
+/// Refuses a name that is too long.
+fn check_name(name: &str) -> Result<()> {
+    require(name.chars().nth(MOST_LETTERS).is_none(), || {
+        let begin: String = name.chars().take(40).collect();
+        format!("the name that begins with {begin:?} has more than {MOST_LETTERS} characters: too many")
+    })
 }
 
 fn text(bytes: &[u8]) -> Result<&str> {
@@ -193,22 +205,24 @@ struct Tracer {
     left_out: BTreeMap<(String, String), usize>,
     corners: usize,
     looked_at: usize,
+    /// Sum of their sizes.
+    work: usize,
 }
 
 impl Tracer {
-    /// Without a unit, curves get few corners: only the size is asked for.
+    /// Makes one without lines. Without a unit, curves get few corners: only the size is asked for.
     fn new(unit: Option<(f64, UnitFrom)>, reading: &Reading) -> Tracer {
         let deviation = if unit.is_some() { reading.deviation } else { f64::INFINITY };
         let (lines, left_out) = (Vec::new(), BTreeMap::new());
-        Tracer { lines, unit, deviation, curves: 0, left_out, corners: 0, looked_at: 0 }
+        Tracer { lines, unit, deviation, curves: 0, left_out, corners: 0, looked_at: 0, work: 0 }
     }
 
-    /// Of the user, else as the format has it.
+    /// Returns the unit that the user gives, else that of the file or format.
     fn unit_of(reading: &Reading, otherwise: Option<(f64, UnitFrom)>) -> Option<(f64, UnitFrom)> {
         reading.unit.map(|unit| (unit, UnitFrom::User)).or(otherwise)
     }
 
-    /// From units of the drawing to metres.
+    /// Returns the map from units of the drawing to metres.
     fn scale(&self) -> Affine {
         Affine::scale(self.unit.map_or(1.0, |(unit, _)| unit))
     }
@@ -217,9 +231,13 @@ impl Tracer {
         *self.left_out.entry((layer.to_owned(), kind.to_owned())).or_default() += 1;
     }
 
-    /// Counts an entity that is looked at.
-    fn look(&mut self) -> Result<()> {
+    /// Counts an entity that is looked at, of a size in pairs or bytes.
+    fn look(&mut self, size: usize) -> Result<()> {
         self.looked_at += 1;
+        self.work = self.work.saturating_add(size);
+        require(self.work <= MOST_WORK, || {
+            format!("entities, those of blocks counted each time, have more than {MOST_WORK} parts: too many")
+        })?;
         require(self.looked_at <= MOST, || {
             format!("there are more than {MOST} entities, those of blocks counted each time: too many")
         })
@@ -234,7 +252,9 @@ impl Tracer {
         self.corners += line.corners.len();
         require(self.corners <= MOST, || format!("there are more than {MOST} corners: too many"))?;
         let is_near = |corner: &&Vec2| corner.x.abs() <= FARTHEST && corner.y.abs() <= FARTHEST;
-        if let Some(Vec2 { x, y }) = line.corners.iter().find(|corner| !is_near(corner)) {
+        // Without a unit, these are no metres.
+        let far = line.corners.iter().find(|corner| !is_near(corner)).filter(|_| self.unit.is_some());
+        if let Some(Vec2 { x, y }) = far {
             return Err(PeopleError::new(format!(
                 "{}: a corner at ({x:?}, {y:?}) m is not within {FARTHEST} m of the origin",
                 line.named()

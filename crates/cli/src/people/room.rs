@@ -14,7 +14,7 @@ use lemons_core::trial::{Geometry, Trial};
 use lemons_people::PeopleError;
 use lemons_people::drawing::{
     DEVIATION, Drawing, Format, LARGEST_DRAWING, Place, Plan, PlanSettings, Reading, UNITS, UnitFrom,
-    WIDEST_GAP, write_plan,
+    WIDEST_GAP, left_out, write_plan,
 };
 use lemons_people::{TrialSettings, crowd_trial};
 use lemons_picture::{Mark, MarkKind, Scene, Style};
@@ -213,10 +213,7 @@ impl Read {
             ));
         }
         let kinds = plan.left_out.len();
-        for ((layer, kind), count) in plan.left_out.iter().take(MOST_LEFT_OUT) {
-            let layer = if layer.is_empty() { String::new() } else { format!(" on layer {layer:?}") };
-            said.push(("left out", format!("{count} {kind}{layer}")));
-        }
+        said.extend(plan.left_out.iter().take(MOST_LEFT_OUT).map(|kind| ("left out", left_out(kind))));
         if kinds > MOST_LEFT_OUT {
             said.push(("left out", format!("{} more kinds", kinds - MOST_LEFT_OUT)));
         }

@@ -161,7 +161,7 @@ impl<'a> Text<'a> {
         Ok(corners)
     }
 
-    /// With or without parentheses of its own.
+    /// Reads the points of a MULTIPOINT, each with or without parentheses of its own.
     fn points(&mut self, to: &mut Vec<Shape>) -> Result<(), String> {
         self.parts("MULTIPOINT", |text| {
             if text.0.starts_with('(') {

@@ -30,7 +30,7 @@ impl Affine {
         Affine { origin: by, ..Affine::scale(1.0) }
     }
 
-    /// Counter-clockwise. Quarters of a turn are exact.
+    /// Returns the turn by an angle, counter-clockwise. Quarters of a turn are exact.
     pub fn turn(degrees: f64) -> Affine {
         let x = crate::heading(degrees);
         Affine { x, y: x.perp(), origin: Vec2::ZERO }
@@ -40,12 +40,12 @@ impl Affine {
         self.origin + self.direction(p)
     }
 
-    /// Of a difference of two points.
+    /// Maps a difference of two points.
     pub fn direction(&self, p: Vec2) -> Vec2 {
         self.x * p.x + self.y * p.y
     }
 
-    /// First the other, then this one.
+    /// Returns the map that does `first`, then this one.
     pub fn after(&self, first: &Affine) -> Affine {
         Affine { x: self.direction(first.x), y: self.direction(first.y), origin: self.of(first.origin) }
     }
@@ -66,7 +66,7 @@ impl Arc {
         Arc { centre, u: vec2(radius, 0.0), v: vec2(0.0, radius), from: 0.0, to: TAU }
     }
 
-    /// From `a` to `b`; `bulge` is the tangent of a quarter of the angle, positive counter-clockwise.
+    /// Returns the arc from `a` to `b`; `bulge` is the tangent of a quarter of the angle, positive counter-clockwise.
     pub fn bulge(a: Vec2, b: Vec2, bulge: f64) -> Arc {
         let centre = (a + b) * 0.5 + (b - a).perp() * ((1.0 - bulge * bulge) / (4.0 * bulge));
         let u = a - centre;
@@ -103,7 +103,7 @@ pub(super) fn check_length(corners: usize) -> Result<()> {
     require(corners <= MOST, || format!("it has more than {MOST} corners: too many"))
 }
 
-/// Refuses what is not a number, too.
+/// Returns a number of pieces, at least 1. Refuses too many, and what is not a number.
 fn pieces(wanted: f64, size: f64, deviation: f64) -> Result<usize> {
     require(wanted <= MOST_PIECES, || {
         format!(
@@ -212,7 +212,7 @@ impl Spline {
         (span - p..=span - 2).map(second).fold(0.0, f64::max)
     }
 
-    /// Twice as many pieces until three places of each are near enough.
+    /// Returns the number of pieces of a span: doubles it until three places of each are near enough.
     fn measured(&self, span: usize, deviation: f64) -> Result<usize> {
         let (low, high) = (self.knots[span], self.knots[span + 1]);
         let mut count = 4;
@@ -290,7 +290,7 @@ pub(super) fn by_ends(
     Some(Arc { centre, u, v, from, to: from + sweep })
 }
 
-/// Degrees -> radians; a whole turn where the ends are the same.
+/// Returns the ends of an arc \[rad\] such that it goes counter-clockwise; a whole turn where they are the same.
 pub(super) fn sweep(from: f64, to: f64) -> [f64; 2] {
     let (from, to) = (from.rem_euclid(TAU), to.rem_euclid(TAU));
     [from, if to <= from + 1e-12 * PI { to + TAU } else { to }]

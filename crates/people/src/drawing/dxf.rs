@@ -1,7 +1,7 @@
 //! DXF as text -> lines. The file is a list of pairs, each a group code and a value on a line of its own.
 
 use super::curve::{Affine, Arc, Spline, sweep};
-use super::{Line, Reading, Tracer, UnitFrom};
+use super::{Line, MOST_LETTERS, Reading, Tracer, UnitFrom, check_name};
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::{Vec2, vec2};
 use std::borrow::Cow;
@@ -32,7 +32,8 @@ struct Block<'a> {
 
 #[derive(Default)]
 struct File<'a> {
-    unit: Option<i64>,
+    /// The last one, with its variables.
+    header: Option<Entity<'a>>,
     /// In upper case, as names are compared.
     blocks: HashMap<String, Block<'a>>,
     /// Layers that are switched off or frozen, in upper case.
@@ -44,14 +45,17 @@ pub(super) fn read(bytes: &[u8], reading: &Reading) -> Result<Tracer> {
     let text = decoded(bytes)?;
     let pairs = pairs(&text)?;
     let file = File::of(&pairs)?;
-    let own = file.unit.map(metres).transpose()?.flatten().map(|unit| (unit, UnitFrom::File));
+    // What the file says is not looked at if the user says it.
+    let header = file.header.filter(|_| reading.unit.is_none());
+    let code = header.map(Entity::header_unit).transpose()?.flatten();
+    let own = code.map(metres).transpose()?.flatten().map(|unit| (unit, UnitFrom::File));
     let mut tracer = Tracer::new(Tracer::unit_of(reading, own), reading);
     let scale = tracer.scale();
     Walk { file: &file, tracer: &mut tracer }.all(&file.entities, &scale, None, 0)?;
     Ok(tracer)
 }
 
-/// UTF-8, else Latin-1: text that is not ASCII is only in names.
+/// Decodes UTF-8, else Latin-1: text that is not ASCII is only in names.
 fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>> {
     require(!bytes.starts_with(b"AutoCAD Binary DXF"), || {
         "is a binary DXF: save it as a DXF in text form (ASCII)".to_owned()
@@ -94,7 +98,7 @@ fn pairs(text: &str) -> Result<Vec<Pair<'_>>> {
     Ok(pairs)
 }
 
-/// `$INSUNITS` in m; none where it says that there is none.
+/// Returns the length of a unit of `$INSUNITS` \[m\]; none where it says that there is none.
 fn metres(code: i64) -> Result<Option<f64>> {
     Ok(Some(match code {
         0 => return Ok(None),
@@ -128,7 +132,7 @@ impl<'a> File<'a> {
                 ("SECTION", _) => {
                     section = entity.text(2).unwrap_or("");
                     if section == "HEADER" {
-                        file.unit = entity.header_unit()?;
+                        file.header = Some(entity);
                     }
                 }
                 ("ENDSEC", _) => section = "",
@@ -170,6 +174,11 @@ impl<'a> Entity<'a> {
         self.0[0].line
     }
 
+    /// Returns the number of its pairs, long values counted as more.
+    fn size(self) -> usize {
+        self.0.iter().map(|pair| 1 + pair.value.len() / 32).sum()
+    }
+
     /// Values of a group code, in their order. What programs append (1000 and above) and what 102 encloses have codes of
     /// their own.
     fn all(self, code: i32) -> impl Iterator<Item = &'a Pair<'a>> {
@@ -189,11 +198,17 @@ impl<'a> Entity<'a> {
     }
 
     fn wrong(self, Pair { code, value, line }: &Pair, must: &str) -> PeopleError {
-        let (kind, layer) = (self.kind(), self.layer());
+        let (kind, layer) = self.called();
         let value: String = value.chars().take(40).collect();
         PeopleError::new(format!(
             "line {line}: {kind} on layer {layer:?}: group code {code} = {value:?}: must be {must}"
         ))
+    }
+
+    /// Returns its kind and its layer for a message, neither of them endless.
+    fn called(self) -> (String, String) {
+        let short = |text: &str| text.chars().take(MOST_LETTERS).collect();
+        (short(self.kind()), short(&self.layer()))
     }
 
     fn number_of(self, pair: &Pair) -> Result<f64> {
@@ -214,7 +229,8 @@ impl<'a> Entity<'a> {
     }
 
     fn about(self, what: &str) -> PeopleError {
-        PeopleError::new(format!("line {}: {} on layer {:?}: {what}", self.line(), self.kind(), self.layer()))
+        let (kind, layer) = self.called();
+        PeopleError::new(format!("line {}: {kind} on layer {layer:?}: {what}", self.line()))
     }
 
     fn numbers(self, code: i32) -> Result<Vec<f64>> {
@@ -245,8 +261,8 @@ impl<'a> Entity<'a> {
         unit.map(Some)
     }
 
-    /// From the entity's own coordinates to those of the drawing: mirrored if it is seen from below. `None` if it does not
-    /// lie in the plane.
+    /// Returns the map from the entity's own coordinates to those of the drawing: mirrored if it is seen from below. `None`
+    /// if it does not lie in the plane.
     fn seen_from(self) -> Result<Option<Affine>> {
         let normal = [self.number(210)?.unwrap_or(0.0), self.number(220)?.unwrap_or(0.0)];
         let up = self.number(230)?.unwrap_or(1.0);
@@ -256,7 +272,7 @@ impl<'a> Entity<'a> {
         Ok(Some(Affine::new([up.signum(), 0.0, 0.0, 1.0, 0.0, 0.0])))
     }
 
-    /// Corners with their bulges.
+    /// Returns corners with their bulges.
     fn vertices(self) -> Result<Vec<(Vec2, f64)>> {
         let mut vertices: Vec<(Vec2, f64)> = Vec::new();
         for pair in self.0 {
@@ -271,7 +287,7 @@ impl<'a> Entity<'a> {
     }
 }
 
-/// `\U+00E4` is ä.
+/// Decodes letters that are written as numbers: `\U+00E4` is ä.
 fn unescaped(text: &str) -> String {
     let mut parts = text.split("\\U+");
     let mut all = parts.next().unwrap_or("").to_owned();
@@ -292,7 +308,7 @@ struct Walk<'f, 't> {
 }
 
 impl<'f> Walk<'f, '_> {
-    /// `into` leads to metres; `layer` is that of the block, which those on layer 0 take.
+    /// Takes entities. `into` leads to metres; `layer` is that of the block, which those on layer 0 take.
     fn all(
         &mut self,
         entities: &[Entity<'f>],
@@ -302,13 +318,14 @@ impl<'f> Walk<'f, '_> {
     ) -> Result<()> {
         let mut rest = entities;
         while let Some((entity, others)) = rest.split_first() {
-            self.tracer.look()?;
+            self.tracer.look(entity.size())?;
             // Those that belong to it follow, up to SEQEND.
             let parts = match entity.kind() {
                 "POLYLINE" => others.iter().position(|part| part.kind() != "VERTEX").unwrap_or(others.len()),
                 _ => 0,
             };
             rest = &others[parts..];
+            others[..parts].iter().try_for_each(|part| self.tracer.look(part.size()))?;
             self.one(*entity, &others[..parts], into, layer, depth)?;
         }
         Ok(())
@@ -325,6 +342,8 @@ impl<'f> Walk<'f, '_> {
         let own = entity.layer();
         let layer = of_block.filter(|_| own == "0").map_or(own, str::to_owned);
         let kind = entity.kind();
+        let names = [kind, &layer, entity.text(2).filter(|_| kind == "INSERT").unwrap_or("")];
+        names.iter().try_for_each(|name| check_name(name)).map_err(|error| entity.placed(error))?;
         if kind == "SEQEND" || kind == "VIEWPORT" {
             return Ok(());
         }
@@ -383,7 +402,7 @@ impl<'f> Walk<'f, '_> {
         let (dx, dy) = (number(44, 0.0)?, number(45, 0.0)?);
         for row in 0..rows {
             for column in 0..columns {
-                self.tracer.look()?;
+                self.tracer.look(1)?;
                 let step = Affine::shift(vec2(dx * column as f64, dy * row as f64));
                 let into = into.after(&place).after(&step).after(&own);
                 self.all(&block.entities, &into, Some(layer), depth + 1)?;
@@ -419,7 +438,7 @@ fn known(kind: &str) -> bool {
     )
 }
 
-/// Why [`trace`] took nothing.
+/// Says why [`trace`] took nothing.
 fn unused(kind: &str) -> &'static str {
     match kind {
         "SPLINE" => "it has fit points only",
@@ -529,7 +548,11 @@ fn polyline(
     to.push(into.of(*first));
     let ends = vertices.iter().skip(1).chain(closed.then_some(&vertices[0]));
     for (&(from, bulge), &(next, _)) in vertices.iter().zip(ends) {
-        if bulge != 0.0 && from != next {
+        // How far the arc is from its chord; without a unit, only what is next to nothing is straight.
+        let height = into.direction((next - from).perp() * (0.5 * bulge)).norm();
+        let chord = into.direction(next - from).norm();
+        let straight = if deviation.is_finite() { deviation } else { 1e-6 * chord };
+        if from != next && height > straight {
             Arc::bulge(from, next, bulge).mapped(into).trace(deviation, to)?;
             // Exactly there.
             to.pop();

@@ -2,7 +2,7 @@
 
 use super::curve::Affine;
 use super::plan::Role;
-use super::{Line, Reading, Tracer, UnitFrom};
+use super::{Line, Reading, Tracer, UnitFrom, check_name};
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::{Vec2, vec2};
 use serde_json::Value;
@@ -38,7 +38,7 @@ struct Walk<'t> {
 impl Walk<'_> {
     /// `at` is the place in the file, as in features\[3\].geometry.
     fn object(&mut self, value: &Value, at: &str, properties: &Value) -> Result<()> {
-        self.tracer.look()?;
+        self.tracer.look(1)?;
         let kind = value["type"]
             .as_str()
             .ok_or_else(|| wrong(at, "type", value, "the name of a geometry or feature"))?;
@@ -99,8 +99,11 @@ impl Walk<'_> {
         properties: &Value,
         hole: bool,
     ) -> Result<()> {
-        self.tracer.look()?;
+        self.tracer.look(1)?;
         let texts = ["layer", "name", "type"].map(|key| properties[key].as_str());
+        for name in texts.into_iter().flatten() {
+            check_name(name).map_err(|error| PeopleError::new(format!("{at}: {error}")))?;
+        }
         let with_role = texts.into_iter().flatten().find(|text| Role::of(text).is_some());
         let layer = with_role.or(texts.into_iter().flatten().next()).unwrap_or("").to_owned();
         let name = texts[1].filter(|name| *name != layer).map(str::to_owned);

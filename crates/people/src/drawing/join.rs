@@ -1,6 +1,7 @@
 //! Ends of lines that meet, joined; lines that are drawn twice, left out.
 
 use super::Line;
+use super::plan::Role;
 use crate::error::{Result, require};
 use lemons_core::plane::Vec2;
 use std::collections::{HashMap, HashSet};
@@ -88,7 +89,7 @@ pub(super) fn join(lines: Vec<Line>, gap: Option<f64>) -> Result<(Vec<Line>, Joi
 
 type Pair = (f64, usize, usize);
 
-/// Pairs of ends that are at most `gap` apart, the nearest first, each end in one of them at most.
+/// Returns pairs of ends that are at most `gap` apart, the nearest first, each end in one of them at most.
 fn nearest_pairs(
     lines: &[Line],
     ends: &[Option<Vec2>],
@@ -109,7 +110,7 @@ fn nearest_pairs(
     Ok(all)
 }
 
-/// Of an open line.
+/// Returns the first and the last corner of an open line; none of others.
 fn ends_of(line: &Line) -> [Option<Vec2>; 2] {
     match line.corners[..] {
         [first, .., last] if !line.closed => [Some(first), Some(last)],
@@ -117,12 +118,12 @@ fn ends_of(line: &Line) -> [Option<Vec2>; 2] {
     }
 }
 
-/// A line is closed only if it has an inside.
+/// Returns whether two ends may be joined: a line is closed only if it gets an inside.
 fn may_close(lines: &[Line], a: usize, b: usize) -> bool {
     a / 2 != b / 2 || lines[a / 2].corners.len() > 3
 }
 
-/// All pairs that are at most `gap` apart, the nearest first.
+/// Returns all pairs that are at most `gap` apart, the nearest first.
 fn pairs(ends: &[Option<Vec2>], open: Vec<usize>, gap: f64) -> Result<Vec<Pair>> {
     let at = |end: usize| ends[end].unwrap_or(Vec2::ZERO);
     let near = Near::of(open.iter().map(|end| (*end, at(*end))), gap);
@@ -222,15 +223,23 @@ fn close(corners: &mut Vec<Vec2>) {
 type Piece = [Cell; 2];
 
 /// Returns the lines without those that lie on others, corner by corner; how many these are; and how many pieces of those
-/// that are left lie on each other.
-pub(super) fn without_doubles(lines: Vec<Line>) -> (Vec<Line>, usize, usize) {
+/// that are left lie on each other. With `areas`, closed lines are left out only where the same one is there: an area between
+/// others has all its sides on theirs, and counts all the same.
+pub(super) fn without_doubles(lines: Vec<Line>, areas: bool) -> (Vec<Line>, usize, usize) {
     let pieces: Vec<Vec<Piece>> = lines.iter().map(pieces_of).collect();
+    let is_area = |line: &Line| areas && goes_round(line);
     // A line may be a piece of another, which is longer.
-    let mut order: Vec<usize> = (0..lines.len()).collect();
+    let mut order: Vec<usize> = (0..lines.len()).filter(|&k| !is_area(&lines[k])).collect();
     order.sort_by_key(|&k| (std::cmp::Reverse(pieces[k].len()), k));
     let mut known: HashSet<Piece> = HashSet::new();
     let mut keep = vec![true; lines.len()];
     let mut on_others = 0;
+    let mut same = HashSet::new();
+    for (k, line) in lines.iter().enumerate().filter(|(_, line)| is_area(line)) {
+        let mut sides = pieces[k].clone();
+        sides.sort_unstable();
+        keep[k] = same.insert((Role::of(&line.layer).map(|(role, _)| role), line.hole, sides));
+    }
     for k in order {
         let there = pieces[k].iter().filter(|piece| known.contains(*piece)).count();
         if there == pieces[k].len() {
@@ -243,6 +252,12 @@ pub(super) fn without_doubles(lines: Vec<Line>) -> (Vec<Line>, usize, usize) {
     let doubles = keep.iter().filter(|keep| !**keep).count();
     let kept = lines.into_iter().zip(&keep).filter(|(_, keep)| **keep).map(|(line, _)| line).collect();
     (kept, doubles, on_others)
+}
+
+/// Returns whether a line is closed, or ends where it begins.
+fn goes_round(line: &Line) -> bool {
+    let [first, _, _, .., last] = line.corners[..] else { return line.closed };
+    line.closed || (last - first).norm() <= SAME
 }
 
 fn pieces_of(line: &Line) -> Vec<Piece> {

@@ -12,7 +12,7 @@ use lemons_core::plane::{Bounds, Ring, Vec2, sides_that_meet, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use std::collections::BTreeMap;
 
-/// \[m²\] What is smaller has no inside.
+/// \[m²\] Smallest area of a wall around something.
 const SMALLEST_AREA: f64 = 1e-6;
 /// Largest number of exits, of distributions, of way-points.
 const MOST_PLACES: usize = 1000;
@@ -23,7 +23,7 @@ const MOST_CORNERS: usize = 10_000;
 const ON_A_WALL: f64 = 0.05;
 
 /// What is on a layer, as its name says: `walkablearea-…`, `obstacles-…`, `exits-…`, `distributions-…`, `waypoints-…`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// Outlines of where people walk.
     WalkableArea,
@@ -106,15 +106,44 @@ pub struct Place {
 }
 
 impl Place {
-    /// Returns its middle \[m\], and how far its sides are from there; none of a point.
+    /// Returns its middle \[m\], and how far its sides are from there; none of a point. Where the middle of an area lies
+    /// outside, or close to a side, it is another place inside.
     pub fn middle(&self) -> (Vec2, Option<f64>) {
         let bounds = Bounds::of(self.corners.iter().copied()).unwrap_or(Bounds::UNIT);
         let middle = (bounds.low + bounds.high) * 0.5;
         let ring = Ring::through(self.corners.clone()).filter(|_| self.corners.len() > 2);
         let Some(ring) = ring else { return (middle, None) };
-        let middle = if ring.contains(middle) { middle } else { ring.corners()[0] };
-        (middle, Some(ring.nearest(middle).distance))
+        let distance = |at: Vec2| if ring.contains(at) { ring.nearest(at).distance } else { 0.0 };
+        let best = |a: (Vec2, f64), b: (Vec2, f64)| if b.1 > a.1 { b } else { a };
+        let inner = inner_places(&ring).map(|at| (at, distance(at))).fold((middle, 0.0), best);
+        let own = (middle, distance(middle));
+        let (middle, distance) = if own.1 > 0.2 * inner.1 { own } else { inner };
+        (middle, (distance > 0.0).then_some(distance))
     }
+}
+
+/// Returns places inside a ring: of lines through it in both directions, the middle of the longest part inside.
+fn inner_places(ring: &Ring) -> impl Iterator<Item = Vec2> {
+    const LINES: u32 = 32;
+    let Bounds { low, high } = ring.bounds();
+    let parts = (0..LINES).map(|k| (f64::from(k) + 0.5) / f64::from(LINES));
+    let lines = parts.flat_map(|part| [(part, false), (part, true)]);
+    lines.filter_map(move |(part, upright)| {
+        // Along the line, and across it.
+        let split = |p: Vec2| if upright { (p.y, p.x) } else { (p.x, p.y) };
+        let (from, to) = (split(low).1, split(high).1);
+        let level = from + (to - from) * part;
+        let crossing = |(a, b): (Vec2, Vec2)| {
+            let ((a, from), (b, to)) = (split(a), split(b));
+            ((from > level) != (to > level)).then(|| a + (b - a) * ((level - from) / (to - from)))
+        };
+        let mut places: Vec<f64> = ring.sides().filter_map(crossing).collect();
+        places.sort_by(f64::total_cmp);
+        let inside = places.chunks_exact(2).map(|ends| (ends[0], ends[1]));
+        let (a, b) = inside.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))?;
+        let along = 0.5 * (a + b);
+        Some(if upright { vec2(level, along) } else { vec2(along, level) })
+    })
 }
 
 /// A room, and what is in it.
@@ -177,7 +206,7 @@ impl Plan {
                 format!("{} {}: at most {MOST_PLACES} are allowed", places.len(), role.layer())
             })?;
         }
-        let (walls, doubles, on_others) = without_doubles(walls);
+        let (walls, doubles, on_others) = without_doubles(walls, has_areas);
         let (walls, joined) = join(walls, settings.close)?;
         let named = |role: Role, enough: usize, closed: bool, leave_out: &mut dyn FnMut(&Line, &str)| {
             let lines = places.get(&role).into_iter().flatten();
@@ -327,7 +356,7 @@ fn corners(line: Line) -> Vec<Vec2> {
     corners
 }
 
-/// Names of which no two are equal: those that are, or that are missing, get a number.
+/// Returns places with names of which no two are equal: those that are, or that are missing, get a number.
 fn named<'a>(lines: impl Iterator<Item = &'a (String, Line)>) -> Vec<Place> {
     let mut places: Vec<Place> = Vec::new();
     for (name, line) in lines {
@@ -349,7 +378,7 @@ fn named<'a>(lines: impl Iterator<Item = &'a (String, Line)>) -> Vec<Place> {
     places
 }
 
-/// Walls around what people can walk on: outlines without obstacles. Where none of them meet, they stay as they are.
+/// Returns walls around what people can walk on: outlines without obstacles. Where none of them meet, they stay as they are.
 fn areas(lines: Vec<Line>) -> Result<(Vec<Vec<Vec2>>, bool)> {
     let (closed, open): (Vec<Line>, Vec<Line>) =
         lines.into_iter().partition(|line| line.closed && line.corners.len() > 2);

@@ -2,7 +2,7 @@
 
 use super::curve::{Affine, Arc, bezier, by_ends, check_length};
 use super::plan::Role;
-use super::{Line, Reading, Tracer};
+use super::{Line, Reading, Tracer, check_name};
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::xml::{Document, Element};
@@ -60,7 +60,7 @@ fn said(error: impl ToString) -> PeopleError {
     PeopleError::new(error.to_string())
 }
 
-/// From the page's coordinates to those with y upwards.
+/// Returns the map from the page's coordinates to those with y upwards.
 fn upright(root: Element) -> Result<Affine> {
     let numbers = |text: &str| -> Option<[f64; 4]> {
         let all: Option<Vec<f64>> =
@@ -81,7 +81,7 @@ fn upright(root: Element) -> Result<Affine> {
     Ok(Affine::new([1.0, 0.0, 0.0, -1.0, -x, low]))
 }
 
-/// A length in user units: 96 of them are an inch.
+/// Returns a length in user units: 96 of them are an inch.
 fn length(element: Element, attribute: &str, otherwise: f64) -> Result<f64> {
     let Some(text) = element.optional(attribute) else { return Ok(otherwise) };
     let wrong = |must: &str| said(element.wrong(attribute, must));
@@ -131,7 +131,7 @@ struct Walk<'a, 't> {
 
 impl<'a> Walk<'a, '_> {
     fn element(&mut self, element: Element<'a>, into: &Affine, layer: Layer<'a>, depth: usize) -> Result<()> {
-        self.tracer.look()?;
+        self.tracer.look(element.attributes().map(|attribute| 1 + attribute.value().len()).sum())?;
         let kind = element.name();
         require(depth < DEEPEST, || {
             format!("line {}: <{kind}> is within more than {DEEPEST} elements", element.line())
@@ -140,6 +140,8 @@ impl<'a> Walk<'a, '_> {
             return Ok(());
         }
         let layer = layer.within(element);
+        let names = [kind, layer.name, element.optional("id").unwrap_or("")];
+        names.iter().try_for_each(|name| check_name(name)).map_err(|error| placed(element, error))?;
         let style: String = element.optional("style").unwrap_or("").split_whitespace().collect();
         if element.optional("display") == Some("none") || style.split(';').any(|part| part == "display:none")
         {
@@ -162,7 +164,7 @@ impl<'a> Walk<'a, '_> {
         }
     }
 
-    /// `<use>` draws another element again.
+    /// Takes what a `<use>` draws again.
     fn again(&mut self, element: Element<'a>, into: &Affine, layer: Layer<'a>, depth: usize) -> Result<()> {
         let href =
             element.attributes().find(|attribute| attribute.name() == "href").map_or("", |href| href.value());
@@ -184,14 +186,14 @@ impl<'a> Walk<'a, '_> {
             lines: Vec::new(),
             last: Vec2::ZERO,
             curved: false,
-            curved_corners: 0,
+            corners: 0,
         };
         let kind = element.name();
         let number = |attribute: &str| length(element, attribute, 0.0);
         match kind {
             "line" => {
                 trace.begin(vec2(number("x1")?, number("y1")?));
-                trace.to(vec2(number("x2")?, number("y2")?));
+                trace.to(vec2(number("x2")?, number("y2")?))?;
             }
             "polyline" | "polygon" => points(element, &mut trace)?,
             "rect" => rectangle(element, &mut trace)?,
@@ -238,7 +240,7 @@ fn points(element: Element, trace: &mut Trace) -> Result<()> {
     let mut points = PointsParser::from(text).map(|(x, y)| vec2(x, y));
     let Some(first) = points.next() else { return Ok(()) };
     trace.begin(first);
-    points.for_each(|point| trace.to(point));
+    points.try_for_each(|point| trace.to(point)).map_err(|error| placed(element, error))?;
     if element.name() == "polygon" {
         trace.close();
     }
@@ -256,8 +258,8 @@ fn rectangle(element: Element, trace: &mut Trace) -> Result<()> {
     let high = low + size;
     trace.begin(vec2(low.x + rx, low.y));
     let corner = |trace: &mut Trace, from: Vec2, to: Vec2| {
-        trace.to(from);
-        trace.by_ends(to, vec2(rx, ry), 0.0, false, true).map_err(|error| placed(element, error))
+        let arc = trace.to(from).and_then(|()| trace.by_ends(to, vec2(rx, ry), 0.0, false, true));
+        arc.map_err(|error| placed(element, error))
     };
     corner(trace, vec2(high.x - rx, low.y), vec2(high.x, low.y + ry))?;
     corner(trace, vec2(high.x, high.y - ry), vec2(high.x - rx, high.y))?;
@@ -342,30 +344,32 @@ struct Trace<'t> {
     /// Where the line ends, in the element's own coordinates.
     last: Vec2,
     curved: bool,
-    /// Of all its curves.
-    curved_corners: usize,
+    /// Number of corners of all its lines.
+    corners: usize,
 }
 
 impl Trace<'_> {
     fn begin(&mut self, at: Vec2) {
         // A move without a line draws nothing.
-        self.lines.retain(|(corners, _)| corners.len() > 1);
+        self.lines.pop_if(|(corners, _)| corners.len() < 2);
         self.lines.push((vec![self.into.of(at)], false));
         self.last = at;
     }
 
-    fn to(&mut self, at: Vec2) {
+    fn to(&mut self, at: Vec2) -> Result<()> {
+        self.corners += 1;
+        check_length(self.corners)?;
         let place = self.into.of(at);
         if let Some((corners, _)) = self.lines.last_mut() {
             corners.push(place);
         }
         self.last = at;
+        Ok(())
     }
 
     fn line(&mut self, from: &mut Vec2, to: Vec2) -> Result<()> {
         *from = to;
-        self.to(to);
-        Ok(())
+        self.to(to)
     }
 
     fn close(&mut self) {
@@ -391,23 +395,21 @@ impl Trace<'_> {
         self.curve(corners, end)
     }
 
-    /// Ends exactly at `to`.
+    /// Appends corners of a curve, the last one exactly at `to`.
     fn curve(&mut self, mut corners: Vec<Vec2>, to: Vec2) -> Result<()> {
-        self.curved_corners += corners.len();
-        check_length(self.curved_corners)?;
         corners.pop();
+        self.corners += corners.len();
+        check_length(self.corners)?;
         if let Some((line, _)) = self.lines.last_mut() {
             line.extend(corners);
         }
-        self.to(to);
         self.curved = true;
-        Ok(())
+        self.to(to)
     }
 
     fn by_ends(&mut self, to: Vec2, radii: Vec2, degrees: f64, large: bool, sweep: bool) -> Result<()> {
         let Some(arc) = by_ends(self.last, to, radii, degrees, large, sweep) else {
-            self.to(to);
-            return Ok(());
+            return self.to(to);
         };
         let mut corners = Vec::new();
         arc.mapped(self.into).trace(self.deviation, &mut corners)?;

@@ -120,6 +120,11 @@ fn bulges_are_arcs() {
     assert!((area(&quarter[0]) - (4.0 - (0.5 * PI - 1.0))).abs() < 0.02);
     assert_eq!(quarter[0].corners[0], Vec2::ZERO);
     assert!(quarter[0].corners.contains(&vec2(2.0, 0.0)), "ends of arcs are exact");
+    // What is as good as straight is so.
+    for bulge in ["1e-12", "-1e-300", "0.0099"] {
+        let flat = lines_of(&format!("0 LWPOLYLINE 8 A 10 0 20 0 42 {bulge} 10 2 20 0")).remove(0);
+        assert_eq!(flat.corners, [Vec2::ZERO, vec2(2.0, 0.0)]);
+    }
 }
 
 #[test]
@@ -169,6 +174,22 @@ fn units_are_those_of_the_file_or_of_the_user() {
             .to_string()
             .starts_with("$INSUNITS = 12: must be 1 (in)")
     );
+}
+
+#[test]
+fn the_user_overrides_a_unit_that_is_not_known() {
+    let read = |unit: Option<f64>, code: &str, x: &str| {
+        let header = format!("9 $INSUNITS 70 {code}");
+        let text = dxf_of(&header, "", &format!("0 LINE 8 A 10 0 20 0 11 {x} 21 0"));
+        Drawing::read(Format::Dxf, text.as_bytes(), &Reading { unit, ..METRES })
+    };
+    for code in ["99", "x"] {
+        assert!(read(None, code, "1").unwrap_err().to_string().contains("$INSUNITS"));
+        assert_eq!(read(Some(0.001), code, "1").unwrap().unit_from, UnitFrom::User);
+    }
+    // What is far is known only with a unit.
+    assert!(matches!(read(None, "0", "2e9").unwrap_err(), PeopleError::NoUnit { .. }));
+    assert!(read(Some(0.001), "0", "2e9").is_ok() && read(Some(1.0), "0", "2e9").is_err());
 }
 
 #[test]
@@ -243,6 +264,43 @@ fn what_is_wrong_is_said_with_line_entity_layer_and_value() {
     ] {
         let said = read(format, text);
         assert!(said.starts_with(expected), "{text}: {said}");
+    }
+}
+
+#[test]
+fn large_entities_that_are_repeated_are_refused() {
+    let refused = |format: Format, text: &str| {
+        let error = Drawing::read(format, text.as_bytes(), &METRES).unwrap_err().to_string();
+        assert!(error.contains("have more than 100000000 parts"), "{error}");
+    };
+    // A text of 20 000 pairs in a block, 10 000 times.
+    let block = format!("0 BLOCK 2 B 0 TEXT 8 A {} 0 ENDBLK", "1 x ".repeat(20_000));
+    refused(Format::Dxf, &dxf_of("", &block, "0 INSERT 8 A 2 B 10 0 20 0 70 100 71 100"));
+    let style = format!("<path id='p' style='{}' d='M0 0 H1'/>", " ".repeat(100_000));
+    let uses = "<use href='#p'/>".repeat(1001);
+    refused(Format::Svg, &format!("<svg viewBox='0 0 9 9'>{style}{uses}</svg>"));
+}
+
+#[test]
+fn long_names_are_refused() {
+    let refused = |format: Format, text: &str| {
+        let error = Drawing::read(format, text.as_bytes(), &METRES).unwrap_err().to_string();
+        assert!(error.contains("has more than 255 characters"), "{error}");
+    };
+    let (long, fits) = ("ä".repeat(256), "ä".repeat(255));
+    refused(Format::Dxf, &dxf_of("", "", &format!("0 LINE 8 {long} 10 0 20 0 11 1 21 0")));
+    refused(Format::Dxf, &dxf_of("", "", &format!("0 INSERT 8 A 2 {long} 10 0 20 0")));
+    assert_eq!(lines_of(&format!("0 LINE 8 {fits} 10 0 20 0 11 1 21 0"))[0].layer, fits);
+    for key in ["layer", "name"] {
+        let geometry = r#"{"type": "LineString", "coordinates": [[0, 0], [1, 0]]}"#;
+        let text =
+            format!(r#"{{"type": "Feature", "geometry": {geometry}, "properties": {{"{key}": "{long}"}}}}"#);
+        refused(Format::GeoJson, &text);
+    }
+    for inner in
+        [format!("<g id='{long}'><path d='M0 0 H1'/></g>"), format!("<path id='{long}' d='M0 0 H1'/>")]
+    {
+        refused(Format::Svg, &format!("<svg viewBox='0 0 9 9'>{inner}</svg>"));
     }
 }
 
@@ -464,6 +522,28 @@ fn areas_that_meet_are_united_and_obstacles_cut() {
 }
 
 #[test]
+fn an_area_between_others_is_no_double() {
+    // A grid of 3 x 3 squares, the middle one last: all its sides are on those of others.
+    let places = [(0, 0), (1, 0), (2, 0), (0, 1), (2, 1), (0, 2), (1, 2), (2, 2), (1, 1)];
+    let square = |(x, y): (i32, i32)| {
+        let (right, top) = (x + 1, y + 1);
+        format!("10 {x} 20 {y} 10 {right} 20 {y} 10 {right} 20 {top} 10 {x} 20 {top}")
+    };
+    let closed: String =
+        places.iter().map(|at| format!("0 LWPOLYLINE 8 walkablearea 70 1 {} ", square(*at))).collect();
+    // The same, open, with the first corner repeated.
+    let open: String = places
+        .iter()
+        .map(|at| format!("0 LWPOLYLINE 8 walkablearea {} 10 {} 20 {} ", square(*at), at.0, at.1))
+        .collect();
+    for entities in [closed, open] {
+        let plan = plan(Format::Dxf, &dxf_of("9 $INSUNITS 70 6", "", &entities));
+        assert_eq!((plan.walls.len(), plan.doubles), (1, 0));
+        assert!((plan.area().unwrap() - 9.0).abs() < 1e-6);
+    }
+}
+
+#[test]
 fn lines_that_meet_are_one_wall_where_no_third_one_ends() {
     let lines = |all: &[[f64; 4]]| {
         let line = |[a, b, c, d]: &[f64; 4]| format!("0 LINE 8 A 10 {a} 20 {b} 11 {c} 21 {d} ");
@@ -543,6 +623,25 @@ fn other_readers_agree() {
         let corners: Vec<Vec2> = polygon.rings()[0].coords().iter().map(|c| vec2(c.x, c.y)).collect();
         assert_eq!(corners, *wall);
     }
+}
+
+#[test]
+fn the_middle_of_an_area_is_inside() {
+    let middle = |corners: &[(f64, f64)]| {
+        let corners = corners.iter().map(|(x, y)| vec2(*x, *y)).collect();
+        Place { name: String::new(), corners }.middle()
+    };
+    assert_eq!(middle(&[(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (0.0, 2.0)]), (vec2(2.0, 1.0), Some(1.0)));
+    // Two L, the middle outside, or on a corner.
+    for width in [1.0, 2.0] {
+        let l = [(0.0, 0.0), (4.0, 0.0), (4.0, width), (width, width), (width, 4.0), (0.0, 4.0)];
+        let (at, radius) = middle(&l);
+        let radius = radius.unwrap();
+        assert!(radius > 0.4 * width && radius < 0.6 * width, "{at:?} {radius}");
+        assert!(at.x >= radius && at.y >= radius && (at.x < width || at.y < width));
+    }
+    // Without an inside, it is a point.
+    assert_eq!(middle(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]).1, None);
 }
 
 #[test]

@@ -15,7 +15,7 @@ pub(super) fn read(text: &str, reading: &Reading) -> Result<Tracer> {
     let scale = tracer.scale();
     for (number, shape) in shapes_from_wkt(text).map_err(PeopleError::new)?.into_iter().enumerate() {
         let mut take = |corners: &[Vec2], kind: &str, closed: bool, hole: bool| {
-            tracer.look()?;
+            tracer.look(1)?;
             tracer.take(Line {
                 layer: String::new(),
                 name: None,
