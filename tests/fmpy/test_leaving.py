@@ -82,7 +82,7 @@ def test_people_stand_until_their_start(lemons, tmp_path):
     subprocess.run([lemons, "run", "T", "--until", "11", "--every", "10", "-o", "T.csv"], check=True, capture_output=True, cwd=tmp_path)
     table = pd.read_csv(tmp_path / "T.csv")
     began = {}
-    for agent, rows in table.groupby("agent"):
+    for agent, rows in table.groupby("id"):
         way = np.hypot(rows["x"] - rows["x"].iloc[0], rows["y"] - rows["y"].iloc[0])
         began[agent] = rows["t"][way > 0.02].min()
     times = np.array(sorted(began.values()))
