@@ -73,32 +73,53 @@ enum Format {
     Trial,
 }
 
+/// What a run is written as.
+#[derive(Clone, Copy, PartialEq)]
+enum Runs {
+    Jupedsim,
+    Pedpy,
+    Chaos,
+    Series,
+    Trial,
+}
+
+/// What is written: a room, or a run.
+enum What {
+    Room(drawing::Format),
+    Run(Runs),
+}
+
 impl Format {
-    /// The format of a drawing.
-    fn drawing(self) -> Option<drawing::Format> {
+    /// Returns what it is a format of.
+    fn what(self) -> What {
         match self {
-            Format::Geojson => Some(drawing::Format::GeoJson),
-            Format::Wkt => Some(drawing::Format::Wkt),
-            Format::Dxf => Some(drawing::Format::Dxf),
-            _ => None,
+            Format::Jupedsim => What::Run(Runs::Jupedsim),
+            Format::Pedpy => What::Run(Runs::Pedpy),
+            Format::Chaos => What::Run(Runs::Chaos),
+            Format::Series => What::Run(Runs::Series),
+            Format::Trial => What::Run(Runs::Trial),
+            Format::Geojson => What::Room(drawing::Format::GeoJson),
+            Format::Wkt => What::Room(drawing::Format::Wkt),
+            Format::Dxf => What::Room(drawing::Format::Dxf),
         }
     }
 }
 
 pub fn export(arguments: &Arguments) -> Result<()> {
     let Arguments { source, to, out, every, memory, .. } = arguments;
-    if let Some(format) = to.drawing() {
-        return arguments.write_room(format);
-    }
+    let to = match to.what() {
+        What::Room(format) => return arguments.write_room(format),
+        What::Run(to) => to,
+    };
     arguments.check()?;
     let trial = trial_of(source, arguments.trial.as_deref(), memory.as_deref())?;
-    if *to == Format::Jupedsim && trial.is_none() && arguments.area.is_none() {
+    if to == Runs::Jupedsim && trial.is_none() && arguments.area.is_none() {
         bail!(
             "{}: its walls are not known: give the Trial or FMU of the run with --trial, or the walkable area with --area",
             source.display()
         );
     }
-    if matches!(to, Format::Jupedsim | Format::Pedpy) {
+    if matches!(to, Runs::Jupedsim | Runs::Pedpy) {
         files::claim_and_try(out)?;
     } else {
         files::claim_directory(out)?;
@@ -115,17 +136,17 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     let (first, end) = (run.times().next().unwrap_or_default(), run.times().last().unwrap_or_default());
     let mut notes = Vec::new();
     match to {
-        Format::Jupedsim => {
+        Runs::Jupedsim => {
             let area = area(&run, ("--area", arguments.area.as_deref()), trial.as_ref())?;
             jupedsim(&run, &area, out)?;
             notes = area.said;
         }
-        Format::Pedpy => pedpy(&run, files::open(out)?, out)?,
-        Format::Chaos => {
+        Runs::Pedpy => pedpy(&run, files::open(out)?, out)?,
+        Runs::Chaos => {
             claim_all(chaos_files(&run).iter().map(|name| out.join(name)))?;
             chaos(&run, out)?;
         }
-        Format::Series => {
+        Runs::Series => {
             claim_all(series_files(&run).iter().map(|name| out.join(name)))?;
             series(&run, need()?, out)?;
             notes.extend((!run.contacts()).then(|| {
@@ -134,14 +155,12 @@ pub fn export(arguments: &Arguments) -> Result<()> {
                     .into()
             }));
         }
-        // Written above: there is no run.
-        Format::Geojson | Format::Wkt | Format::Dxf => return Ok(()),
-        Format::Trial => {
+        Runs::Trial => {
             let agents = arguments.write_trial_at_end(&run, need()?, end)?;
             return Ok(say!("{}: {agents} agents as at t = {end:?} s", out.display())?);
         }
     }
-    if matches!(to, Format::Jupedsim | Format::Pedpy) && run.numeric_ids().is_none() {
+    if matches!(to, Runs::Jupedsim | Runs::Pedpy) && run.numeric_ids().is_none() {
         notes
             .push("Ids are not whole numbers: agents are numbered from 0, in the order of the source".into());
     }
