@@ -58,6 +58,8 @@ pub struct Agent {
     next: usize,
     /// Whether the agent has left by an exit, at the last step or before.
     left: bool,
+    /// \[s\] How long it has waited at the next way-point.
+    waited: f64,
     /// \[m\] Where the agent was at the last step.
     last: Option<[f64; 2]>,
     stuck: StuckState,
@@ -75,7 +77,13 @@ pub struct Agent {
 impl Agent {
     /// Index of the next way-point, seen from the present pose.
     fn next(&self) -> usize {
-        self.walker.next(self.next, self.pose)
+        self.walker.next(self.next, self.waited, self.pose)
+    }
+
+    /// Whether it stands at a way-point, to wait.
+    fn waits(&self) -> bool {
+        let next = self.next();
+        self.walker.waits(next, if next == self.next { self.waited } else { 0.0 }, self.pose)
     }
 
     fn at(&self) -> Vec2 {
@@ -146,6 +154,7 @@ impl Decision {
             walker: agent.walker.clone(),
             next: 0,
             left: false,
+            waited: 0.0,
             last: None,
             stuck: StuckState::default(),
             steering: 0.0,
@@ -210,6 +219,7 @@ impl Decision {
         let (seed, speed_noise) = (self.plan.seed, self.plan.walking_model.speed_noise());
         let (turned, kept) = (-libm::expm1(-step / STEERING_TIME), libm::exp(-step / NOISE_TIME));
         self.pass_legs(step);
+        let mut goes_on = false;
         for i in 0..self.agents.len() {
             let arrival = self.arrival(i);
             let leaves = arrival == Some(Arrival::Leaves);
@@ -235,7 +245,11 @@ impl Decision {
                 agent.noise = kept * agent.noise + speed_noise * (1.0 - kept * kept).sqrt() * drawn;
                 agent.draws += 1;
             }
+            let waits = agent.waits();
+            let waited = if next == agent.next { agent.waited } else { 0.0 };
             (agent.next, agent.left, agent.last) = (next, leaves, Some([at.x, at.y]));
+            agent.waited = if waits { waited + step } else { waited };
+            goes_on |= waits && !agent.waits();
         }
         self.aims = None;
         self.choose_exits(step);
@@ -246,7 +260,7 @@ impl Decision {
         for motivation in self.plan.motivation.iter().filter(|motivation| due(motivation.time)) {
             self.agents.iter_mut().for_each(|agent| agent.walker.motivate(motivation));
         }
-        if self.agents.iter().any(|agent| due(agent.walker.start)) {
+        if goes_on || self.agents.iter().any(|agent| due(agent.walker.start)) {
             (self.wanted, self.aims) = (None, None);
         }
         Ok(())
@@ -369,7 +383,7 @@ impl Decision {
     fn find_aim(&self, i: usize) -> Aim {
         let (agent, destination, arrival) = (&self.agents[i], self.destination(i), self.arrival(i));
         let nowhere = Aim { arrival, goes: None, to_go: 0.0 };
-        if !self.has_started(i) {
+        if !self.has_started(i) || agent.waits() {
             return Aim { to_go: self.to_go(i, destination), ..nowhere };
         }
         if let Some(waypoint) = agent.walker.waypoints.get(agent.next()) {
@@ -425,8 +439,8 @@ impl Decision {
         self.find_ways()?;
         let agent = &self.agents[i];
         // Towards way-points, the paper's rule as it is.
-        let started = self.has_started(i);
-        if started && agent.next() < agent.walker.waypoints.len() && !self.plan.walking_model.sees_others() {
+        let walks = self.has_started(i) && !agent.waits();
+        if walks && agent.next() < agent.walker.waypoints.len() && !self.plan.walking_model.sees_others() {
             return Ok(agent.walker.drive(agent.next(), agent.pose));
         }
         let DesiredMotion { velocity, force, facing, .. } = self.intent(i);
@@ -749,6 +763,35 @@ mod tests {
                 decision.pass(0.05).unwrap();
             }
             assert_eq!(seen, [(false, true), (false, true), (true, true), (true, true)], "{model}");
+        }
+    }
+
+    #[test]
+    fn people_wait_at_way_points_and_a_saved_run_goes_on_alike() {
+        for model in ["straight", "rotational"] {
+            let mut decision = decision(&format!(
+                "model = \"{model}\"\nwaypoints = [{{ x = 0.2, y = 0, wait = 0.2 }}, {{ x = 5, y = 0 }}]\n\
+                 [agents.1]\nwaypoints = [{{ x = 0, y = 9 }}]"
+            ));
+            decision.set(Quantity::Position, 3, 4.0, Phase::StepComplete);
+            let mut seen = Vec::new();
+            let mut other = decision.anew();
+            for k in 0..6 {
+                // Pushed away while it waits: it has been there.
+                if k == 2 {
+                    decision.set(Quantity::Position, 0, -1.0, Phase::StepComplete);
+                    other.restore(&decision.save()).unwrap();
+                }
+                let next = decision.number(Quantity::NextWaypoint, 0).unwrap();
+                seen.push((next, decision.number(Quantity::Fp, 0).unwrap() > 1.0));
+                decision.pass(0.05).unwrap();
+                if k >= 2 {
+                    other.pass(0.05).unwrap();
+                }
+            }
+            let (waits, walks) = ((0.0, false), (1.0, true));
+            assert_eq!(seen, [waits, waits, waits, waits, walks, walks], "{model}");
+            assert!(other.save() == decision.save());
         }
     }
 

@@ -17,6 +17,20 @@ pub struct Waypoint {
     /// \[m\] Radius, ≥ 0: the way-point is reached when the centre of mass is within it.
     #[serde(default = "usual_radius")]
     pub radius: f64,
+    /// \[s\] Time for which a person stands there before it goes on.
+    #[serde(default)]
+    pub wait: f64,
+}
+
+impl Waypoint {
+    fn contains(&self, pose: Pose) -> bool {
+        libm::hypot(self.x - pose.x, self.y - pose.y) <= self.radius
+    }
+
+    /// Whether somebody who has `waited` \[s\] waits longer. A rounding error is not a time.
+    fn holds(&self, waited: f64) -> bool {
+        self.wait - waited > 1e-9
+    }
 }
 
 /// \[m\] Radius of a way-point that gives none.
@@ -119,17 +133,25 @@ impl Walker {
         self.push = by.push.unwrap_or(self.push);
     }
 
-    /// Returns the index of the next way-point at a pose, if it was `next` before; the number of way-points after the
-    /// last one.
-    pub fn next(&self, mut next: usize, pose: Pose) -> usize {
+    /// Returns the index of the next way-point at a pose, if it was `next` before, and the person has `waited` \[s\]
+    /// there; the number of way-points after the last one.
+    pub fn next(&self, mut next: usize, mut waited: f64, pose: Pose) -> usize {
         while let Some(waypoint) = self.waypoints.get(next) {
-            let distance = libm::hypot(waypoint.x - pose.x, waypoint.y - pose.y);
-            if distance.is_nan() || distance > waypoint.radius {
+            // Who waits and is pushed away has been there.
+            let reached = waited > 0.0 || waypoint.contains(pose);
+            if !reached || waypoint.holds(waited) {
                 break;
             }
-            next += 1;
+            (next, waited) = (next + 1, 0.0);
         }
         next
+    }
+
+    /// Returns whether a person who has `waited` \[s\] at the way-point `next` stands there.
+    pub fn waits(&self, next: usize, waited: f64, pose: Pose) -> bool {
+        let stands =
+            |waypoint: &Waypoint| waypoint.holds(waited) && (waited > 0.0 || waypoint.contains(pose));
+        self.waypoints.get(next).is_some_and(stands)
     }
 
     /// Returns the propulsion of eq. 4 towards the way-point `next`; zero after the last one.
@@ -192,7 +214,7 @@ mod tests {
             reaction_time: 0.0,
             push: UNLIMITED,
             stature: usual_stature(),
-            waypoints: waypoints.iter().map(|&(x, y, radius)| Waypoint { x, y, radius }).collect(),
+            waypoints: waypoints.iter().map(|&(x, y, radius)| Waypoint { x, y, radius, wait: 0.0 }).collect(),
         }
     }
 
@@ -234,12 +256,12 @@ mod tests {
     fn waypoints_are_reached_one_after_the_other_and_some_at_once() {
         let walker = walker(&[(1.0, 0.0, 0.2), (1.1, 0.0, 0.3), (5.0, 0.0, 0.5)]);
         let at = |x| Pose { x, ..Pose::default() };
-        assert_eq!(walker.next(0, at(0.0)), 0);
-        assert_eq!(walker.next(0, at(0.85)), 2, "the second is near as well");
-        assert_eq!(walker.next(2, at(0.0)), 2, "what was reached stays so");
-        assert_eq!(walker.next(2, at(4.6)), 3);
+        assert_eq!(walker.next(0, 0.0, at(0.0)), 0);
+        assert_eq!(walker.next(0, 0.0, at(0.85)), 2, "the second is near as well");
+        assert_eq!(walker.next(2, 0.0, at(0.0)), 2, "what was reached stays so");
+        assert_eq!(walker.next(2, 0.0, at(4.6)), 3);
         assert_eq!(walker.drive(3, at(4.6)), Propulsion::default());
-        assert_eq!(walker.next(0, at(f64::NAN)), 0);
+        assert_eq!(walker.next(0, 0.0, at(f64::NAN)), 0);
     }
 
     #[test]
@@ -247,6 +269,6 @@ mod tests {
         let walker = walker(&[(1.0, 2.0, 0.0)]);
         let there = Pose { x: 1.0, y: 2.0, theta: 0.3 };
         assert_eq!(walker.drive(0, there), Propulsion::default());
-        assert_eq!(walker.next(0, there), 1);
+        assert_eq!(walker.next(0, 0.0, there), 1);
     }
 }

@@ -129,7 +129,7 @@ fn drive(trial: &Trial, pushes: &[Push]) -> Result<String, Refused> {
 /// decision.toml: the ways of everybody.
 fn wishes(trial: &Trial, speed: f64, ways: &[Vec<Waypoint>]) -> Result<String, Refused> {
     within("desired speed [m/s]", speed, [0.0, 20.0])?;
-    for Waypoint { x, y, radius } in ways.iter().flatten() {
+    for Waypoint { x, y, radius, .. } in ways.iter().flatten() {
         within("x of a way-point [m]", *x, [-1e4, 1e4])?;
         within("y of a way-point [m]", *y, [-1e4, 1e4])?;
         within("radius of a way-point [m]", *radius, [0.01, 1000.0])?;

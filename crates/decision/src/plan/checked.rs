@@ -98,6 +98,7 @@ impl Plan {
                 coordinate(&place, "x", waypoint.x)?;
                 coordinate(&place, "y", waypoint.y)?;
                 not_negative(&place, "radius", waypoint.radius)?;
+                moderate(&place, "wait", waypoint.wait)?;
             }
         }
         Ok(self)
