@@ -64,6 +64,8 @@ enum Command {
     Crowd(Box<people::crowd::Arguments>),
     /// Read a room from a drawing (DXF, GeoJSON, WKT, SVG), say what is in it, draw and write it
     Room(Box<people::room::Arguments>),
+    /// Print disks that cover a drawn outline, for bodies of any shape
+    Shape(people::shape::Arguments),
     /// Print the shape of one person, and write the body as a mesh or a picture
     Person(people::person::Arguments),
     /// Pack one or more Trials into an FMU
@@ -161,6 +163,7 @@ fn execute(command: Command) -> Result<()> {
         Command::Lab(arguments) => lab::lab(&arguments),
         Command::Crowd(arguments) => people::crowd::crowd(*arguments),
         Command::Room(arguments) => people::room::room(&arguments),
+        Command::Shape(arguments) => people::shape::shape(&arguments),
         Command::Person(arguments) => people::person::person(&arguments),
         Command::Pack(arguments) => pack::pack(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),

@@ -8,6 +8,7 @@ pub mod person;
 mod placing;
 mod regions;
 pub mod room;
+pub mod shape;
 mod source;
 
 use crate::error::TrialHasErrors;

@@ -7,6 +7,7 @@ mod anthropometry;
 mod bicycle;
 mod body3d;
 mod copula;
+mod cover;
 mod custom;
 mod doors;
 pub mod drawing;
@@ -32,6 +33,7 @@ pub use body3d::{
     write_stl, write_wkt,
 };
 pub use copula::Correlations;
+pub use cover::{Cover, MOST_COVERING, cover};
 pub use custom::Custom;
 pub use doors::{Door, closed_walls, cut_doors, nearest_wall};
 pub use error::PeopleError;
