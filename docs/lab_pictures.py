@@ -97,7 +97,12 @@ PICTURES = {"run": run, "exits": exits, "3d": space, "room": room, "person": per
 
 def boxes(page: Page, selector: str) -> list[list[float]]:
     """Left, top, width and height of what is visible [pixel]."""
-    found = [each.bounding_box() for each in page.locator(selector).all() if each.is_visible()]
+    seen = """it => {
+        const { x, y, width, height } = it.getBoundingClientRect();
+        const top = document.elementFromPoint(x + width / 2, y + height / 2);
+        return top !== null && (it.contains(top) || top.contains(it));
+    }"""
+    found = [each.bounding_box() for each in page.locator(selector).all() if each.is_visible() and each.evaluate(seen)]
     return [[box["x"], box["y"], box["width"], box["height"]] for box in found if box]
 
 

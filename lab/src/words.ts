@@ -770,6 +770,7 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["Sex and measures are not known", "Geschlecht und Maße sind nicht bekannt", "Sexe et mesures ne sont pas connus"],
     ["bodies that fit the disks, height and mass", "Körper, die zu Scheiben, Größe und Masse passen", "des corps qui vont avec les disques, la taille et la masse"],
     ["these are bodies that fit the disks, height and mass", "dies sind Körper, die zu Scheiben, Größe und Masse passen", "ce sont des corps qui vont avec les disques, la taille et la masse"],
+    ["(only computed up to # s)", "(nur bis # s gerechnet)", "(calculé seulement jusqu'à # s)"],
     // What takes long.
     ["Progress", "Fortschritt", "Progression"],
     ["People grow to full size …", "Menschen wachsen zu voller Größe …", "Les personnes prennent leur taille …"],
