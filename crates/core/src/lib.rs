@@ -3,8 +3,10 @@
 //! - [`plane`]: geometry of the plane
 //! - [`xml`]: XML, parsed safely and written
 //! - [`trial`]: the documents of a Trial
+//! - [`distribution`]: distributions of one number, the same draws on every machine
 //! - [`files`]: files read with limits, written whole or not at all
 
+pub mod distribution;
 pub mod files;
 pub mod plane;
 pub mod trial;

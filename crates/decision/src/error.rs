@@ -32,6 +32,8 @@ pub enum PlanError {
     OtherModel { key: &'static str },
     #[error("[{key}]: the balance is another one: say `balance = \"{key}\"`, or leave this section out")]
     OtherBalance { key: &'static str },
+    #[error("everybody: {key}: {problem}")]
+    Distribution { key: &'static str, problem: String },
     #[error("push_sd: give the mean as `push`, too")]
     NoPush,
     #[error("{place}: give a `line` or a `polygon`, one of the two")]

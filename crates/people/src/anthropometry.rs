@@ -4,8 +4,8 @@
 //! `data/make_ansur.py` wrote them into `data/ansur.txt`.
 
 use crate::copula::Correlations;
-use crate::normal::bisected;
 use crate::person::{Measure, Sex};
+use lemons_core::distribution::bisected;
 use std::sync::LazyLock;
 
 /// Number of cells of the quantile tables; each is 0.5 % wide.

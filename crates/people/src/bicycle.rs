@@ -2,7 +2,7 @@
 //! arbitrary shapes"). They can be placed and written to files. The mechanics does not simulate them; neither does the
 //! paper's.
 
-use crate::normal::TruncatedNormal;
+use lemons_core::distribution::TruncatedNormal;
 use lemons_core::plane::{Disk, vec2};
 
 /// A bicycle and its rider: two rectangles with the same centre. Lengths are along the gaze (direction of travel).

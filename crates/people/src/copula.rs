@@ -1,8 +1,8 @@
 //! The Gaussian copula: draws measures with given rank correlations (Spearman's), whatever the distribution of each.
 
 use crate::error::{Result, require};
-use crate::normal::{bisected, cumulative};
 use crate::random::Random;
+use lemons_core::distribution::{bisected, cumulative};
 
 /// Number of correlated measures: those of [`crate::Measure::ALL`].
 const N: usize = 4;

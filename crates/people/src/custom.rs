@@ -37,9 +37,9 @@ use crate::bicycle::PAPER_BICYCLES;
 use crate::copula::Correlations;
 use crate::error::{PeopleError, Result};
 use crate::kinds::Kind;
-use crate::normal::TruncatedNormal;
 use crate::person::Sex;
 use crate::population::CustomMeasures;
+use lemons_core::distribution::TruncatedNormal;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

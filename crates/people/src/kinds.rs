@@ -4,11 +4,11 @@
 use crate::anthropometry::ansur;
 use crate::error::{PeopleError, Result, require};
 use crate::growth::{AGES, child};
-use crate::normal::{TruncatedNormal, inverse};
 use crate::person::{Person, Sex};
 use crate::random::Random;
 use crate::shape::Shape;
 use crate::trial::PART_MATERIALS;
+use lemons_core::distribution::{Distribution, inverse};
 use lemons_core::plane::{Disk, Vec2, union, vec2};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -23,49 +23,6 @@ const MOST_DISKS: usize = 50;
 /// \[m\] Largest number of a part: nothing that goes along with a person is farther away.
 const FARTHEST: f64 = 5.0;
 
-/// A distribution of one number.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(untagged, expecting = "must be { mean, sd, min, max } or { min, max }")]
-pub enum Distribution {
-    /// A normal distribution between two bounds.
-    Normal(TruncatedNormal),
-    /// Each number between two bounds is as likely.
-    Uniform(Range),
-}
-
-/// The bounds of a uniform distribution.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Range {
-    /// Lower bound.
-    pub min: f64,
-    /// Upper bound.
-    pub max: f64,
-}
-
-impl Distribution {
-    fn check(&self) -> Result<()> {
-        match self {
-            Distribution::Normal(normal) => normal.check(),
-            Distribution::Uniform(Range { min, max }) => {
-                require(0.0 < *min && min < max && max.is_finite(), || {
-                    format!(
-                        "min = {min}, max = {max}: both must be positive and finite, and min less than max"
-                    )
-                })
-            }
-        }
-    }
-
-    /// Returns the value below which the fraction `rank` (0…1) lies.
-    pub fn quantile(&self, rank: f64) -> f64 {
-        match self {
-            Distribution::Normal(normal) => normal.quantile(rank),
-            Distribution::Uniform(Range { min, max }) => min + rank * (max - min),
-        }
-    }
-}
-
 /// Whose statistics give the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -77,10 +34,10 @@ pub enum Body {
     Child,
 }
 
-/// From where the disks of a [`Part`] are measured.
+/// Origin from which the disks of a [`Part`] are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum From {
+pub enum Origin {
     /// The centroid of the person's shape.
     #[default]
     Centre,
@@ -98,9 +55,9 @@ pub struct Part {
     pub name: String,
     /// Id of its material: one of [`PART_MATERIALS`].
     pub material: String,
-    /// From where its disks are measured.
+    /// Origin of its disks.
     #[serde(default)]
-    pub from: From,
+    pub from: Origin,
     /// \[m\] Centre ahead and to the left, and radius of each disk.
     pub disks: Vec<[f64; 3]>,
     /// \[kg\] Its mass.
@@ -193,7 +150,7 @@ impl Kinds {
 impl Kind {
     fn check(&self) -> Result<()> {
         for (name, speed) in [("speed", Some(&self.speed)), ("speed_women", self.speed_women.as_ref())] {
-            speed.map_or(Ok(()), Distribution::check).map_err(|error| error.of(name))?;
+            speed.map_or(Ok(()), Distribution::check).map_err(|error| PeopleError::new(error).of(name))?;
         }
         require(self.ages.is_some() == (self.person == Body::Child), || {
             "ages: of children there must be ages, and of adults there are none".to_owned()
@@ -256,9 +213,9 @@ impl Kind {
         pieces.body(&shape, Vec2::ZERO, person.mass, own);
         for part in &self.parts {
             let from = match part.from {
-                From::Centre => 0.0,
-                From::Front => front,
-                From::Back => back,
+                Origin::Centre => 0.0,
+                Origin::Front => front,
+                Origin::Back => back,
             };
             let disk = |&[x, y, radius]: &[f64; 3]| Disk { radius, centre: vec2(from + x, y) };
             let disks = Shape { disks: part.disks.iter().map(disk).collect() };
@@ -295,7 +252,7 @@ impl Part {
         require(PART_MATERIALS.contains(&&*self.material), || {
             format!("material = {:?}: must be one of {}", self.material, PART_MATERIALS.join(", "))
         })?;
-        self.mass.check().map_err(|error| error.of("mass"))?;
+        self.mass.check().map_err(|error| PeopleError::new(error).of("mass"))?;
         require(!self.disks.is_empty(), || "disks: there are none".to_owned())?;
         self.disks.iter().try_for_each(|disk| {
             let good = disk[2] >= 0.01 && disk.iter().all(|value| value.abs() <= FARTHEST);
@@ -389,6 +346,7 @@ impl Pieces {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lemons_core::distribution::{Range, TruncatedNormal};
     use lemons_core::plane::shown_orientation;
     use std::path::Path;
 
@@ -500,7 +458,7 @@ mod tests {
         };
         let speed = "speed = { min = 1, max = 2 }\n";
         for (text, said) in [
-            ("speed = { min = 2, max = 1 }\n", "speed: min = 2, max = 1: both must be"),
+            ("speed = { min = 2, max = 1 }\n", "speed: min = 2, max = 1: min must be below max"),
             ("speed = { min = 1, max = 2 }\nperson = \"child\"", "ages: of children there must be ages"),
             (
                 "speed = { min = 1, max = 2 }\ncompanion = [1, 3]",

@@ -3,13 +3,13 @@
 use crate::anthropometry::{SexStatistics, ansur};
 use crate::bicycle::{BICYCLE_MEASURES, Bicycle};
 use crate::copula::{Copula, Correlations};
-use crate::error::{Result, require};
+use crate::error::{PeopleError, Result, require};
 use crate::kinds::{Body, Kind, Member, draw_child};
-use crate::normal::TruncatedNormal;
 use crate::person::{Measure, Person, Sex};
 use crate::random::Random;
 use crate::shape::Shape;
 use crate::survey::Survey;
+use lemons_core::distribution::TruncatedNormal;
 use lemons_core::plane::Vec2;
 use std::sync::Arc;
 
@@ -173,7 +173,9 @@ impl Statistics {
         let name = sex.name();
         for (measure, normal) in Measure::ALL.into_iter().zip(custom.measures) {
             let (what, unit) = (measure.name(), measure.unit());
-            normal.check().map_err(|error| error.of(format!("{name} statistics, {what}")))?;
+            normal
+                .check()
+                .map_err(|error| PeopleError::new(error).of(format!("{name} statistics, {what}")))?;
             let [least, most] = measure.possible();
             for (limit, value) in [("min", normal.min), ("max", normal.max)] {
                 require((least..=most).contains(&value), || {
@@ -262,7 +264,7 @@ impl Population {
             Source::Fixed(person) => person.check().map_err(|error| error.of("the fixed person"))?,
         }
         for ((measure, _), normal) in BICYCLE_MEASURES.into_iter().zip(bicycles) {
-            normal.check().map_err(|error| error.of(format!("bicycle's {measure}")))?;
+            normal.check().map_err(|error| PeopleError::new(error).of(format!("bicycle's {measure}")))?;
         }
         let [men, women] = Sex::ALL.map(|sex| Copula::new(&ansur(sex).spearman));
         Ok(Population { source, proportions, bicycles, mix: Vec::new(), children: [men?, women?] })

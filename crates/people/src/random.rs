@@ -1,8 +1,8 @@
 //! Random numbers: the same for the same seed on every machine.
 
-use crate::normal::inverse;
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
+use lemons_core::distribution::inverse;
 use lemons_core::plane::{Vec2, vec2};
 
 /// The generator behind every draw of this crate: ChaCha8.

@@ -407,6 +407,9 @@ mod tests {
         assert_eq!((agent.kind.as_deref(), agent.mass), (Some("wheelchair"), member.mass));
         assert_eq!(agent.moment_of_inertia, member.inertia);
         assert!(agent.shapes.iter().all(|disk| disk.material_id == "frame"));
+        // The chair is no part of the person in it.
+        let fitting = Person::fitting(agent);
+        assert!((0.4..0.6).contains(&fitting.breadth) && fitting.depth < 0.3, "{fitting:?}");
         let ids: Vec<&str> = read.materials.intrinsic.iter().map(|material| &*material.id).collect();
         assert_eq!(ids, ["concrete", "human_clothes", "human_naked", "frame"]);
         // Each pair of these, once.

@@ -1,6 +1,6 @@
 //! Closed outlines: ovals about a centre, and their girths.
 
-use crate::normal::bisected;
+use lemons_core::distribution::bisected;
 use lemons_core::plane::{Vec2, vec2};
 use std::f64::consts::PI;
 

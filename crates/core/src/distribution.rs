@@ -1,8 +1,7 @@
-//! The normal distribution. Results are the same bits on every machine because it uses `libm`, never the platform's
+//! Distributions of one number. Results are the same bits on every machine because it uses `libm`, never the platform's
 //! library.
 
-use crate::error::{Result, require};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// The ratio of two polynomials, by Horner's rule; the constant coefficients are the last ones.
 fn ratio(coefficients: [[f64; 2]; 8], x: f64) -> f64 {
@@ -12,11 +11,7 @@ fn ratio(coefficients: [[f64; 2]; 8], x: f64) -> f64 {
 }
 
 /// Halves a range so many times: `is_low` holds below the wanted number, and not above it. Returns the ends.
-pub(crate) fn bisected(
-    [mut low, mut high]: [f64; 2],
-    times: u32,
-    is_low: impl Fn(f64) -> bool,
-) -> (f64, f64) {
+pub fn bisected([mut low, mut high]: [f64; 2], times: u32, is_low: impl Fn(f64) -> bool) -> (f64, f64) {
     for _ in 0..times {
         let middle = 0.5 * (low + high);
         if is_low(middle) { low = middle } else { high = middle }
@@ -25,13 +20,13 @@ pub(crate) fn bisected(
 }
 
 /// Returns the probability that a standard normal variable is below `z`.
-pub(crate) fn cumulative(z: f64) -> f64 {
+pub fn cumulative(z: f64) -> f64 {
     0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2)
 }
 
 /// Inverse of [`cumulative`], relative error about 1e-16: Wichura's algorithm AS 241 (Applied Statistics 37, 1988).
 #[allow(clippy::excessive_precision)] // the digits as published
-pub(crate) fn inverse(p: f64) -> f64 {
+pub fn inverse(p: f64) -> f64 {
     const CENTRE: [[f64; 2]; 8] = [
         [2.509_080_928_730_122_672_7e3, 5.226_495_278_852_854_561e3],
         [3.343_057_558_358_812_810_5e4, 2.872_908_573_572_194_267_4e4],
@@ -75,7 +70,7 @@ pub(crate) fn inverse(p: f64) -> f64 {
 }
 
 /// A normal distribution between two bounds, in the unit of the measure.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TruncatedNormal {
     /// Before truncation.
@@ -100,19 +95,18 @@ impl From<[f64; 4]> for TruncatedNormal {
 const FARTHEST: f64 = 6.0;
 
 impl TruncatedNormal {
-    /// Checks that values can be drawn from it. Measures must be positive.
+    /// Checks that values can be drawn from it. They must not be negative.
     ///
     /// # Errors
-    /// A number is not finite; the deviation or the minimum is not positive; min ≥ max; the bounds are too far from the
-    /// mean.
-    pub fn check(&self) -> Result<()> {
+    /// A number is not finite; the deviation is not positive; the minimum is negative; min ≥ max; the bounds are too far
+    /// from the mean.
+    pub fn check(&self) -> Result<(), String> {
         let &TruncatedNormal { mean, sd, min, max } = self;
         for (field, value) in [("mean", mean), ("standard deviation", sd), ("min", min), ("max", max)] {
             require(value.is_finite(), || format!("{field} = {value}: must be a finite number"))?;
         }
         require(sd > 0.0, || format!("the standard deviation = {sd}: must be positive"))?;
-        require(min > 0.0, || format!("min = {min}: must be positive"))?;
-        require(min < max, || format!("min = {min}, max = {max}: min must be below max"))?;
+        Range { min, max }.check()?;
         require(min <= mean + FARTHEST * sd && max >= mean - FARTHEST * sd, || {
             format!(
                 "min = {min}, max = {max}: more than {FARTHEST} standard deviations ({sd}) away from the mean {mean}"
@@ -133,6 +127,71 @@ impl TruncatedNormal {
         // This only corrects rounding.
         (self.mean + self.sd * z).clamp(self.min, self.max)
     }
+}
+
+/// The bounds of a uniform distribution.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Range {
+    /// Lower bound.
+    pub min: f64,
+    /// Upper bound.
+    pub max: f64,
+}
+
+impl Range {
+    fn check(&self) -> Result<(), String> {
+        let Range { min, max } = self;
+        require(min.is_finite() && max.is_finite(), || {
+            format!("min = {min}, max = {max}: must be finite numbers")
+        })?;
+        require(*min >= 0.0, || format!("min = {min}: must not be negative"))?;
+        require(min < max, || format!("min = {min}, max = {max}: min must be below max"))
+    }
+}
+
+/// A distribution of one number.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "must be { mean, sd, min, max } or { min, max }")]
+pub enum Distribution {
+    /// A normal distribution between two bounds.
+    Normal(TruncatedNormal),
+    /// Each number between two bounds is as likely.
+    Uniform(Range),
+}
+
+impl Distribution {
+    /// Checks that values can be drawn from it. They must not be negative.
+    ///
+    /// # Errors
+    /// A number is impossible.
+    pub fn check(&self) -> Result<(), String> {
+        match self {
+            Distribution::Normal(normal) => normal.check(),
+            Distribution::Uniform(range) => range.check(),
+        }
+    }
+
+    /// Returns the value below which the fraction `rank` (0…1) lies.
+    pub fn quantile(&self, rank: f64) -> f64 {
+        match self {
+            Distribution::Normal(normal) => normal.quantile(rank),
+            Distribution::Uniform(Range { min, max }) => min + rank * (max - min),
+        }
+    }
+
+    /// Returns the upper bound.
+    pub fn max(&self) -> f64 {
+        match self {
+            Distribution::Normal(TruncatedNormal { max, .. }) | Distribution::Uniform(Range { max, .. }) => {
+                *max
+            }
+        }
+    }
+}
+
+fn require(holds: bool, otherwise: impl FnOnce() -> String) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(otherwise()) }
 }
 
 #[cfg(test)]
@@ -191,14 +250,14 @@ mod tests {
         for (wrong, message) in [
             (TruncatedNormal { sd: 0.0, ..right }, "the standard deviation = 0: must be positive"),
             (TruncatedNormal { min: 65.0, ..right }, "min = 65, max = 65: min must be below max"),
-            (TruncatedNormal { min: -1.0, ..right }, "min = -1: must be positive"),
+            (TruncatedNormal { min: -1.0, ..right }, "min = -1: must not be negative"),
             (TruncatedNormal { max: f64::INFINITY, ..right }, "max = inf: must be a finite number"),
             (
                 TruncatedNormal { mean: 100.0, ..right },
                 "min = 30, max = 65: more than 6 standard deviations (2) away from the mean 100",
             ),
         ] {
-            assert_eq!(wrong.check().unwrap_err().to_string(), message);
+            assert_eq!(wrong.check().unwrap_err(), message);
         }
         right.check().unwrap();
     }
