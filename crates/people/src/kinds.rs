@@ -9,6 +9,7 @@ use crate::random::Random;
 use crate::shape::Shape;
 use crate::trial::PART_MATERIALS;
 use lemons_core::distribution::{Distribution, inverse};
+use lemons_core::files::words;
 use lemons_core::plane::{Disk, Vec2, union, vec2};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -134,12 +135,14 @@ impl Kinds {
     /// There is no such kind, a share is negative or not finite, or all are 0.
     pub fn mix(&self, shares: &BTreeMap<String, f64>) -> Result<Vec<(Arc<Kind>, f64)>> {
         let sum: f64 = shares.values().sum();
-        require(sum > 0.0 && sum.is_finite(), || "mix: the shares must sum up to more than 0".to_owned())?;
+        require(sum > 0.0 && sum.is_finite(), || "the shares must sum up to more than 0".to_owned())?;
         let one = |(name, &share): (&String, &f64)| {
-            require(share >= 0.0, || format!("mix: the share of {name:?} = {share}: must not be negative"))?;
+            require(share >= 0.0, || format!("the share of {name:?} = {share}: must not be negative"))?;
             let kind = self.0.get(name).ok_or_else(|| {
                 let known: Vec<&str> = self.0.keys().map(String::as_str).collect();
-                PeopleError::new(format!("mix: there is no kind {name:?}; kinds are {}", known.join(", ")))
+                let meant = words::meant(name, known.iter().copied());
+                let meant = meant.map_or(String::new(), |meant| format!(" (did you mean {meant:?}?)"));
+                PeopleError::new(format!("there is no kind {name:?}{meant}; kinds are {}", known.join(", ")))
             })?;
             Ok((kind.clone(), share / sum))
         };
@@ -489,7 +492,12 @@ mod tests {
             let shares = text.iter().map(|(name, share)| ((*name).to_owned(), *share)).collect();
             Kinds::built_in().unwrap().mix(&shares)
         };
-        assert!(mix(&[("adlt", 1.0)]).unwrap_err().to_string().contains("kinds are adult, backpack, child"));
+        let said = mix(&[("adlt", 1.0)]).unwrap_err().to_string();
+        assert!(
+            said.starts_with(
+                "there is no kind \"adlt\" (did you mean \"adult\"?); kinds are adult, backpack"
+            )
+        );
         assert!(mix(&[("adult", 0.0)]).is_err() && mix(&[("adult", -1.0), ("child", 2.0)]).is_err());
         let half = mix(&[("adult", 3.0), ("child", 3.0)]).unwrap();
         assert!(half.iter().all(|(_, share)| *share == 0.5));

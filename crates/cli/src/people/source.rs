@@ -100,7 +100,7 @@ impl SourceArguments {
         proportions.men = self.men.unwrap_or(proportions.men);
         proportions.pedestrians = self.pedestrians.unwrap_or(proportions.pedestrians);
         let population = Population::new(source, proportions, bicycles).with_context(named)?;
-        let mut from = named();
+        let mut from = format!("{}, [mix]", named());
         if !self.mix.is_empty() {
             (mix, from) = (self.mix.iter().cloned().collect(), "--mix".to_owned());
             if mix.len() < self.mix.len() {
