@@ -125,7 +125,7 @@ fn a_drawing_becomes_a_room_with_exits() {
     assert!(close(hall["area"].as_f64().unwrap(), how("ground")[..7].parse().unwrap(), 5e-4));
     let office = plan("office.dxf");
     let said = refused(&mut lab, drawn("office.dxf"), &office);
-    assert!(said.contains("office.dxf: it does not say") && said.contains("mm: 8.00 m x 6.00 m"), "{said}");
+    assert!(said.contains("office.dxf: it does not say") && said.contains("mm: 9.00 m x 8.00 m"), "{said}");
     let in_mm = with(with(drawn("office.dxf"), "unit", json!(0.001)), "origin", json!(true));
     let (apart, _) = ok_of(&mut lab, in_mm.clone(), &office);
     let (joined, _) = ok_of(&mut lab, with(in_mm, "close", json!(0.05)), &office);
