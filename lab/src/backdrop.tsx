@@ -11,7 +11,7 @@ import { change, keysInUse, plan } from "./plan";
 import type { Point } from "./protocol";
 import { distance, rings } from "./roomshape";
 import { begin as beginRoom, room } from "./roomtool";
-import { attempt, said } from "./session";
+import { said } from "./session";
 import { brief, keep, kept } from "./store";
 import { lineTool, type Tool } from "./tool";
 import { FileInput } from "./upload";
@@ -217,7 +217,7 @@ export function BackdropForms() {
             {absent.value && (
                 <>
                     <p class="warning">This picture is not kept in this browser: a link or a file of a scene holds no pictures. Open it again here.</p>
-                    <FileInput label="Open the picture again" accept=".png,.jpg,.jpeg,.webp,.svg" onFiles={async ([given]) => given && attempt(() => setPicture(given.file))} />
+                    <FileInput label="Open the picture again" accept=".png,.jpg,.jpeg,.webp,.svg" onFiles={async ([given]) => given && setPicture(given.file)} />
                 </>
             )}
             <div class="buttons">

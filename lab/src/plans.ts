@@ -19,12 +19,15 @@ export function isPlan({ name }: File): boolean {
 
 /** A picture lies under the room; of a drawing it is told what it holds. A scene's own file is opened as such. */
 export async function openPlan(file: File) {
-    change({ tab: "room" });
-    if (isPicture(file.name)) return setPicture(file);
+    if (isPicture(file.name)) {
+        change({ tab: "room" });
+        return setPicture(file);
+    }
     if (!DRAWINGS.test(file.name)) throw new Error(`"${file.name}" is no plan: its name must end in .dxf, .geojson, .wkt, .svg or .xml`);
     if (file.size > MOST_BYTES) throw new Error(`"${file.name}" has more than ${MOST_BYTES / 1e6} MB`);
     const bytes = new Uint8Array(await file.arrayBuffer());
     if (/\.json$/i.test(file.name) && !isGeoJson(bytes)) return openFile(file);
+    change({ tab: "room" });
     await understand({ file, bytes });
 }
 

@@ -47,6 +47,10 @@ export function aim(at: "trial" | "forms") {
 effect(() => {
     bases.value;
     chosen.value = null;
+});
+// What is drawn belongs to one of both.
+effect(() => {
+    target.value;
     begin("change");
 });
 
@@ -229,7 +233,8 @@ const STEPS: Record<string, Point> = { ArrowLeft: [-0.05, 0], ArrowRight: [0.05,
 /** What is marked is moved by a key. */
 function step(part: Part, [dx, dy]: Point) {
     const now = room.value;
-    const moved = ([x, y]: Point): Point => [Number((x + dx).toFixed(4)), Number((y + dy).toFixed(4))];
+    const sum = (at: number, by: number) => (by ? Number((at + by).toFixed(4)) : at);
+    const moved = ([x, y]: Point): Point => [sum(x, dx), sum(y, dy)];
     if (part.kind === "door") setRoom({ ...now, doors: now.doors.map((door, k) => (k === part.k ? { ...door, at: moved(door.at) } : door)) });
     else setRoom(edited(now, { do: "move", ring: part.ring, corner: part.k, to: moved(rings(now)[part.ring]![part.k]!) }));
     picked.value = part;
