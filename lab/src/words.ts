@@ -439,7 +439,6 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["another length", "eine andere Länge", "une autre longueur"],
     ["in", "Zoll", "pouce"],
     ["ft", "Fuß", "pied"],
-    ["mm", "mm", "mm"],
     ["Length of a unit", "Länge einer Einheit", "Longueur d'une unité"],
     ["Close gaps up to", "Lücken schließen bis", "Fermer les ouvertures jusqu'à"],
     ["Lower left corner at #, #", "Linke untere Ecke bei #, #", "Coin inférieur gauche à #, #"],
