@@ -19,6 +19,8 @@ use std::sync::Arc;
 const HAND: f64 = 0.05;
 /// Names in tables that are no kinds.
 const OTHERS: [&str; 4] = ["male", "female", "pedestrian", "bicycle"];
+/// \[1/s\] Largest rate at which a floor brakes.
+const MOST_DAMPING: f64 = 1000.0;
 /// Most disks of all parts of a kind.
 const MOST_DISKS: usize = 50;
 /// \[m\] Largest number of a part: nothing that goes along with a person is farther away.
@@ -86,6 +88,8 @@ pub struct Kind {
     pub speed: Distribution,
     /// \[m/s\] That of women, if it differs.
     pub speed_women: Option<Distribution>,
+    /// \[1/s\] Rate at which the floor brakes it across the gaze, if that is not as along: of wheels.
+    pub floor_damping_across: Option<f64>,
     /// What goes along.
     #[serde(default)]
     pub parts: Vec<Part>,
@@ -171,6 +175,9 @@ impl Kind {
         require(!self.seated || self.looks_ahead(), || {
             "seated: the first disk must be the leftmost one, and the last one opposite: they say where it looks"
                 .to_owned()
+        })?;
+        require(self.floor_damping_across.is_none_or(|rate| (0.0..=MOST_DAMPING).contains(&rate)), || {
+            format!("floor_damping_across: must be from 0 to {MOST_DAMPING} 1/s")
         })?;
         require(self.disks() <= MOST_DISKS, || format!("{} disks: at most {MOST_DISKS}", self.disks()))?;
         self.parts

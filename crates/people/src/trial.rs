@@ -179,7 +179,7 @@ fn body(agent: &crate::Agent, id: usize, settings: &TrialSettings) -> Result<Opt
         crate::Agent::Member(member) => {
             let (person, _) = member.people[0];
             (
-                Some(member.kind.name.clone()),
+                Some(&member.kind),
                 person.stature,
                 member.mass,
                 member.inertia,
@@ -194,12 +194,13 @@ fn body(agent: &crate::Agent, id: usize, settings: &TrialSettings) -> Result<Opt
     };
     Ok(Some(Agent {
         agent_type: Some("pedestrian".into()),
-        kind,
+        kind: kind.map(|kind| kind.name.clone()),
         id: id.to_string(),
         mass,
         height: Some(stature),
         moment_of_inertia: inertia,
         floor_damping: FLOOR_DAMPING,
+        floor_damping_across: kind.and_then(|kind| kind.floor_damping_across),
         angular_damping: FLOOR_DAMPING,
         shapes: disks.into_iter().map(shape).collect(),
     }))
