@@ -21,7 +21,7 @@ const DOING: Record<Request["ask"], string> = {
     bicycle: "The bicycle is made",
     show: "The scene is made",
     room: "The room is drawn",
-    geometry: "The room is read",
+    drawing: "The room is read",
     overlaps: "Overlaps are looked for",
     advance: "The run is computed",
     forces: "Forces are computed",

@@ -2,6 +2,7 @@
 
 import { effect, signal, untracked } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
+import { paintBackdrop, reachOfBackdrop } from "./backdrop";
 import { averaged, scaleOf, shade, values } from "./colour";
 import { type Inks, inksOf, label, Painter, paintBar, paintPush, paintWays } from "./draw";
 import { paintPlaces } from "./drawplaces";
@@ -125,6 +126,7 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
  * ways. Circles may be much larger than the room. */
 function reach({ scene }: Film): Point[] {
     const places = scene.targets.flatMap(({ corners }) => corners);
+    if (plan.value.tab === "room") return [...places, ...reachOfBackdrop()];
     return plan.value.tab === "motion" ? [...places, ...scene.ways.flat().map(({ x, y }): Point => [x, y])] : places;
 }
 
@@ -136,6 +138,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     const scale = film.playing.value ? untracked(() => scaleOf(film, colour)) : scaleOf(film, colour);
     const shades = Array.from(values(film, film.shown.value, colour), (value) => shade(scale, value));
     const atStart = film.place.value === 0 ? scene.overlapping : [];
+    paintBackdrop(context, now);
     layers.below(context, now);
     painter.walls(context, now, inks);
     painter.people(

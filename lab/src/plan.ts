@@ -3,7 +3,7 @@
 import { batch, computed, effect, signal } from "@preact/signals";
 import { flag, list, nullable, number, one, patched, record, text, tuple, Unfit, within } from "./check";
 import { EXAMPLES } from "./examples";
-import { base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, MOST, motion, person, point } from "./forms";
+import { backdrop, type Backdrop, base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, MOST, motion, person, point } from "./forms";
 import type { Edit, Motion, PersonWanted, Point } from "./protocol";
 
 /** What is on the stage. */
@@ -42,6 +42,8 @@ export interface Plan {
     line: [Point, Point] | null;
     /** Two opposite corners: who is inside is counted. */
     area: [Point, Point] | null;
+    /** The picture under the room. */
+    backdrop: Backdrop | null;
 }
 
 export const FIRST: Plan = {
@@ -62,6 +64,7 @@ export const FIRST: Plan = {
     forces: false,
     line: null,
     area: null,
+    backdrop: null,
 };
 
 /** Checks the upper end of a colour scale. */
@@ -70,6 +73,7 @@ const undoables = {
     made: record<Made>({ base, edits: list(edit, MOST.edits), motion }),
     crowd,
     person,
+    backdrop,
 };
 const undone = record<Pick<Plan, keyof typeof undoables>>(undoables);
 const whole = patched<Plan>(
@@ -94,7 +98,7 @@ const whole = patched<Plan>(
 );
 
 /** What of a plan belongs to its scene, and goes with it into links and files. The rest belongs to the page. */
-const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "line", "area"] as const;
+const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "line", "area", "backdrop"] as const;
 type Part = Pick<Plan, (typeof OF_SCENE)[number]>;
 
 export function sceneOf(plan: Plan): Part {
@@ -125,6 +129,7 @@ const PARTS: Partial<Record<keyof Plan, string>> = {
     person: "the person",
     line: "the line",
     area: "the area",
+    backdrop: "the picture under the room",
 };
 
 export interface Read {
@@ -249,8 +254,8 @@ export const isFormer = !given.kept && before.former;
 export const unread = [given.left, before.read.left].filter(Boolean).join(" ");
 
 /** What can be undone. */
-function undoable({ made, crowd, person }: Plan) {
-    return JSON.stringify({ made, crowd, person });
+function undoable({ made, crowd, person, backdrop }: Plan) {
+    return JSON.stringify({ made, crowd, person, backdrop });
 }
 
 const past = signal<string[]>(first.past);
@@ -345,9 +350,9 @@ function go(from: typeof past, to: typeof past) {
 export const undo = () => go(past, future);
 export const redo = () => go(future, past);
 
-/** The scene as a link: to the whole page, or to the stage alone. */
+/** The scene as a link: to the whole page, or to the stage alone. It holds no picture. */
 export function link(query = "") {
-    return `${location.origin}${location.pathname}${query}#${encodeURIComponent(JSON.stringify({ name: scene.value.name, ...sceneOf(plan.value) }))}`;
+    return `${location.origin}${location.pathname}${query}#${encodeURIComponent(JSON.stringify({ name: scene.value.name, ...sceneOf(plan.value), backdrop: undefined }))}`;
 }
 
 /** What is said of a link where the page is on the visitor's own machine. */
@@ -366,7 +371,8 @@ export const deleted = signal<{ id: string; text: string; name: string } | null>
 /** Files that a scene needs, or that undo, redo and "Bring it back" do. */
 export function keysInUse(): Set<string> {
     const keys = new Set<string>();
-    const see = ({ made: { base }, crowd: form }: Pick<Plan, "made" | "crowd">) => {
+    const see = ({ made: { base }, crowd: form, backdrop }: Pick<Plan, "made" | "crowd" | "backdrop">) => {
+        if (backdrop) keys.add(backdrop.key);
         if (base.kind === "upload") keys.add(base.key);
         if (base.kind === "crowd" && base.people.kind === "table") keys.add(base.people.key);
         if (form.people.kind === "table") keys.add(form.people.key);
@@ -387,8 +393,9 @@ export function keysInUse(): Set<string> {
 }
 
 /** Names of files that the plan needs but a link cannot hold. */
-export function unlinked({ made: { base } }: Plan): string[] {
-    if (base.kind === "upload") return [base.name];
-    if (base.kind === "crowd" && base.people.kind === "table") return base.people.files.map(([, name]) => name);
-    return [];
+export function unlinked({ made: { base }, backdrop }: Plan): string[] {
+    const picture = backdrop ? [backdrop.name] : [];
+    if (base.kind === "upload") return [base.name, ...picture];
+    if (base.kind === "crowd" && base.people.kind === "table") return [...base.people.files.map(([, name]) => name), ...picture];
+    return picture;
 }

@@ -64,7 +64,9 @@ export type Edit =
     | { do: "copy"; id: string; as: string; x: number; y: number; theta: number }
     /** Somebody more, with measures. */
     | { do: "put"; id: string; person: PersonWanted; x: number; y: number; theta: number }
-    | { do: "delete"; id: string };
+    | { do: "delete"; id: string }
+    /** Other walls in place of a Trial's. */
+    | { do: "room"; room: Room };
 
 /** A half-sine pulse on all whose centres lie in a circle. */
 export interface Push {
@@ -166,8 +168,8 @@ export type Request =
     | ({ ask: "show" } & Shown)
     /** A room after an edit, and its wall near to a place. */
     | { ask: "room"; room: Room; edit: RoomEdit | null; near: Point | null }
-    /** The room of a Geometry.xml, which is the bytes. */
-    | { ask: "geometry"; name: string }
+    /** The room in a Geometry.xml or a drawing, which is the bytes. */
+    | ({ ask: "drawing" } & DrawingWanted)
     | { ask: "overlaps"; run: number; agent: number; x: number; y: number; theta: number }
     | { ask: "advance"; run: number; steps: number }
     /** With a frame. The answer's bytes: x1, y1, x2, y2, force for each two that touch. */
@@ -177,6 +179,34 @@ export type Request =
     | { ask: "sections"; run: number; altitude: number }
     | { ask: "bodies"; run: number }
     | { ask: "take"; run: number; wanted: Wanted };
+
+/** How a drawing is understood. */
+export interface DrawingWanted {
+    /** Of the file: it says the format. */
+    name: string;
+    /** In m; null: as the file says. */
+    unit: number | null;
+    /** In m: ends of lines that are so near are joined. */
+    close: number | null;
+    origin: boolean;
+    /** Layers; none: all. */
+    walls: string[];
+}
+
+/** What is in a drawing. */
+export interface Understood {
+    room: Room;
+    exits: { name: string; corners: Point[] }[];
+    /** Where people stand. */
+    distributions: Point[][];
+    waypoints: number;
+    /** In m². */
+    area: number | null;
+    /** As `lemons room` says it: what, and how. */
+    said: [string, string][];
+    /** Those of which some can be chosen as walls. */
+    layers: string[];
+}
 
 export interface Measure {
     name: string;

@@ -1,5 +1,6 @@
 //! Where a Trial comes from, what is known of its people, and what drives them.
 
+use crate::edit::{self, Edit};
 use crate::{Refused, crowd, upload};
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::Plan;
@@ -72,10 +73,13 @@ impl Base {
         }
     }
 
-    /// Lines \[m\] beyond the doors of a crowd's room, for the people who are there.
-    pub fn beyond_doors(&self, trial: &Trial) -> Vec<[[f64; 2]; 2]> {
-        let Base::Crowd(wanted) = self else { return Vec::new() };
-        wanted.room.exits(trial.dynamics.iter().map(|here| here.position))
+    /// Lines \[m\] beyond the doors of a crowd's room, or of walls that were changed, for the people who are there.
+    pub fn beyond_doors(&self, edits: &[Edit], trial: &Trial) -> Vec<[[f64; 2]; 2]> {
+        let room = match self {
+            Base::Crowd(wanted) => Some(&wanted.room),
+            _ => edit::room_of(edits),
+        };
+        room.map_or_else(Vec::new, |room| room.exits(trial.dynamics.iter().map(|here| here.position)))
     }
 }
 

@@ -139,7 +139,7 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
     within("friction", wanted.friction.unwrap_or(0.0), [0.0, MOST_FRICTION])?;
     let (whole, geometry) = room::built(&wanted.room)?;
     let region = match &wanted.region {
-        Some(corners) => room::part(&whole, corners)?,
+        Some(corners) => room::part(&wanted.room, &whole, corners)?,
         None => whole.clone(),
     };
     let number = wanted.number(&region)?;

@@ -1,18 +1,19 @@
-//! Changes by hand: people are moved, copied, put there, taken away.
+//! Changes by hand: people are moved, copied, put there, taken away; the walls of a Trial are others.
 
 use crate::base::{Base, Driven};
 use crate::crowd;
 use crate::person::PersonRequest;
-use crate::{Refused, require, within};
+use crate::{Refused, require, room, within};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Interactions, Trial};
+use lemons_people::room::Room;
 use lemons_people::{Disk, Person, Shape, choose_mechanical_step};
 use serde::Deserialize;
 
 /// Most changes of a Trial.
 const MOST: usize = 10_000;
 
-/// A change of one person: whom it is, and to where \[m, rad\].
+/// A change of one person: whom it is, and to where \[m, rad\]; or of the walls.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(missing_docs)] // as said
@@ -25,6 +26,8 @@ pub enum Edit {
     Put { id: String, person: PersonRequest, x: f64, y: f64, theta: f64 },
     /// Nobody any more.
     Delete { id: String },
+    /// The walls of a Trial that is no crowd of the page.
+    Room { room: Box<Room> },
 }
 
 /// Makes the changes one after the other. Contacts that the Trial remembers are forgotten if there are any. A crowd's
@@ -46,12 +49,24 @@ pub fn edited(mut driven: Driven, edits: &[Edit], base: &Base) -> Result<Driven,
     Ok(driven)
 }
 
+/// Returns the room that was drawn last, if one was.
+pub fn room_of(edits: &[Edit]) -> Option<&Room> {
+    edits.iter().rev().find_map(|edit| match edit {
+        Edit::Room { room } => Some(&**room),
+        _ => None,
+    })
+}
+
 fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> {
     let place_of = |id: &String| {
         let place = driven.trial.agents.iter().position(|agent| agent.id == *id);
         place.ok_or_else(|| Refused(format!("there is nobody with the Id {id:?}")))
     };
     match edit {
+        Edit::Room { room } => {
+            require(!matches!(base, Base::Crowd(_)), || "a crowd has its room already".into())?;
+            driven.trial.geometry = room::replacing(room, &driven.trial)?;
+        }
         Edit::Move { id, x, y, theta } => {
             let here = place_of(id)?;
             let here = &mut driven.trial.dynamics[here];

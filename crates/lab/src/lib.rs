@@ -50,8 +50,8 @@ pub enum Request {
     Show(Box<Shown>),
     /// A room that is drawn.
     Room(room::RoomRequest),
-    /// The room in a Geometry.xml (the bytes) of this name.
-    Geometry { name: String },
+    /// The room in a Geometry.xml or a drawing (the bytes).
+    Drawing(room::DrawingRequest),
     /// Whom an agent, by its place in the Trial, would overlap elsewhere.
     Overlaps { run: u32, agent: usize, x: f64, y: f64, theta: f64 },
     /// Further communication steps, at most [`run::MOST_STEPS`].
@@ -138,7 +138,7 @@ impl Lab {
             Request::Bicycle {} => Ok(person::bicycle()),
             Request::Show(shown) => self.show(shown, bytes, watch),
             Request::Room(wanted) => room::drawn(wanted),
-            Request::Geometry { name } => room::upload(name, bytes),
+            Request::Drawing(wanted) => room::read(wanted, bytes),
             Request::Overlaps { run, agent, x, y, theta } => {
                 frame::overlaps(&self.present(*run)?.driven.trial, *agent, [*x, *y, *theta])
             }
@@ -170,12 +170,15 @@ impl Lab {
         let (base, _, basis) = &*self.basis.insert((base, digest, basis));
         let edited = edit::edited(basis.driven.clone(), &shown.edits, base)?;
         let driven = motion::driven(edited, &shown.motion)?;
-        let notes: Vec<String> = basis.notes.iter().cloned().chain(motion::missed(&driven)).collect();
+        let mut notes: Vec<String> = basis.notes.iter().cloned().chain(motion::missed(&driven)).collect();
+        if edit::room_of(&shown.edits).is_some() {
+            notes.extend(room::unfit(&basis.driven.trial, &driven.trial));
+        }
         let run = run::Run::begin(driven)?;
         let mut value = scene::of(&run);
         self.runs += 1;
         value["run"] = self.runs.into();
-        value["beyond_doors"] = json!(base.beyond_doors(&run.driven.trial));
+        value["beyond_doors"] = json!(base.beyond_doors(&shown.edits, &run.driven.trial));
         let bytes = run.frame();
         self.open = Some(run);
         Ok(Reply { value: json!({ "scene": value, "notes": notes, "made": basis.made }), bytes })
