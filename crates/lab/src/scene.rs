@@ -4,12 +4,13 @@ use crate::frame::overlapping;
 use crate::run::Run;
 use crowd_mechanics::setup::Setup;
 use lemons_core::trial::{Agent, Wall};
-use lemons_people::Person;
+use lemons_people::{Person, mechanical_step_for};
 use serde_json::{Value, json};
 
 /// Returns the walls' corners \[m\]; each agent's Id, mass \[kg\] and disks (x, y, radius \[m\], in the body's frame), and
 /// measures where they are known; who overlaps; who is pushed; ways, exits and goals of those who walk, and how many
-/// leave; the steps. Of a run at its start; [`crate::Lab`] adds its number, and lines beyond doors.
+/// leave; the steps, materials and contacts. Of a run at its start; [`crate::Lab`] adds its number, warnings, and lines beyond
+/// doors.
 pub fn of(run: &Run) -> Value {
     let driven = &run.driven;
     let trial = &driven.trial;
@@ -33,6 +34,10 @@ pub fn of(run: &Run) -> Value {
     let targets = plan.map_or(&[][..], |plan| &plan.targets);
     let mut pushed: Vec<&str> = driven.table.agents().collect();
     pushed.sort_unstable();
+    let materials = trial.materials.intrinsic.iter().map(
+        |of| json!({ "id": of.id, "young_modulus": of.young_modulus, "shear_modulus": of.shear_modulus }),
+    );
+    let contacts = trial.materials.binary.iter().map(|of| json!({ "id1": of.id1, "id2": of.id2, "gamma_normal": of.gamma_normal, "gamma_tangential": of.gamma_tangential, "kinetic_friction": of.kinetic_friction }));
     let steps = Setup::of(trial).steps();
     let steps = steps.as_ref();
     let (overlapping, _, overlap) = overlapping(run.world(), None);
@@ -43,7 +48,10 @@ pub fn of(run: &Run) -> Value {
         "step": trial.parameters.time_step,
         "mechanical_step": trial.parameters.time_step_mechanical,
         "stable": steps.map(|steps| steps.stable()),
+        "longest": steps.map(|steps| steps.longest()),
+        "advised": steps.map(|_| mechanical_step_for(trial)),
         "error": steps.map(|steps| steps.error(trial.parameters.time_step_mechanical)),
+        "materials": materials.collect::<Vec<_>>(), "contacts": contacts.collect::<Vec<_>>(),
         "pushed": pushed, "walk": plan.is_some(), "ways": ways, "targets": targets, "leaving": plan.map_or(0, |plan| plan.leaving().into_iter().filter(|leaves| *leaves).count()),
         "people": people, "overlapping": overlapping, "overlap": overlap,
     })
