@@ -98,7 +98,12 @@ export class ByPlace {
             const k = this.#next + j * stride;
             const squeeze = this.quantity === "squeeze" ? frames.squeezeMean(k, averaged(this.film)) : null;
             const frame = frames.frame(k);
-            for (let a = 0; a < people; a++) numbers.set([frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!, squeeze?.[a] ?? 0], 3 * (j * people + a));
+            for (let a = 0; a < people; a++) {
+                const at = 3 * (j * people + a);
+                numbers[at] = frame[COLUMNS * a]!;
+                numbers[at + 1] = frame[COLUMNS * a + 1]!;
+                numbers[at + 2] = squeeze?.[a] ?? 0;
+            }
         }
         const { value, bytes } = await this.client.ask<Grid>({ ask: "map", run: scene.run, of: this.quantity, fresh }, new Uint8Array(numbers.buffer));
         this.#next += count * stride;

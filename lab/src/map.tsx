@@ -4,11 +4,11 @@ import { useEffect } from "preact/hooks";
 import { type ByPlace, type Kind, NAMES, pointed } from "./byplace";
 import { valueAt } from "./canvas";
 import type { Film } from "./film";
-import { beat, canvas } from "./layout";
+import { beat, canvas, presents } from "./layout";
 import { Bar, shown } from "./legend";
 import { Check, NumberField, save } from "./parts";
 import { png } from "./picture";
-import { change, plan, scene } from "./plan";
+import { change, embedded, plan, scene } from "./plan";
 import { attempt } from "./session";
 
 interface MapProps {
@@ -21,12 +21,8 @@ export function MapLegend({ film, places, kind }: MapProps) {
     if (film.playing.value) beat.value;
     else film.computed.value;
     useEffect(() => void places.follow());
-    const { step } = film.scene;
-    const [from, to] = plan.value.span;
-    const computed = Number(((film.computed.peek() - 1) * step).toPrecision(9));
     const there = places.filled.value !== null;
     const scale = places.scale(kind);
-    const name = `${scene.value.name}-${NAMES[kind].toLowerCase().replace(" ", "-")}`;
     return (
         <section class="legend" aria-label="Map">
             <span class="scale">
@@ -34,15 +30,7 @@ export function MapLegend({ film, places, kind }: MapProps) {
                 <Bar scale={scale} />
                 {shown(scale.high, scale.unit)}
             </span>
-            <NumberField label="Map from" short="from" unit="s" value={from ?? 0} min={0} max={to ?? 1e5} step={0.5} onChange={(next) => change({ span: [next || null, to] })} />
-            {to !== null && <NumberField label="Map to" short="to" unit="s" value={to} min={from ?? 0} max={1e5} step={0.5} onChange={(next) => change({ span: [from, next] })} />}
-            <Check label="to what is computed" value={to === null} onChange={(on) => change({ span: [from, on ? null : Math.max(computed, from ?? 0)] })} />
-            <button type="button" disabled={!there} onClick={() => save(`${name}.csv`, places.csv())}>
-                Map (CSV)
-            </button>
-            <button type="button" disabled={!there} onClick={() => void attempt(async () => save(`${name}.png`, await png(canvas.value!, film)))}>
-                Map (PNG)
-            </button>
+            {!embedded && !presents.value && <Controls film={film} places={places} kind={kind} />}
             <p class="note" aria-busy={places.busy.value}>
                 {`${places.words()}. ${there ? `Greatest value: ${shown(scale.largest, scale.unit)}` : ""}`}
             </p>
@@ -50,5 +38,26 @@ export function MapLegend({ film, places, kind }: MapProps) {
             <p class="hidden">{pointed.value && valueAt(pointed.value)}</p>
             {places.refused.value && <p role="alert">{places.refused.value}</p>}
         </section>
+    );
+}
+
+/** Of which time it is, and its files. */
+function Controls({ film, places, kind }: MapProps) {
+    const [from, to] = plan.value.span;
+    const computed = () => Number(((film.computed.peek() - 1) * film.scene.step).toPrecision(9));
+    const there = places.filled.value !== null;
+    const name = `${scene.value.name}-${NAMES[kind].toLowerCase().replace(" ", "-")}`;
+    return (
+        <>
+            <NumberField label="Map from" short="from" unit="s" value={from ?? 0} min={0} max={to ?? 1e5} step={0.5} onChange={(next) => change({ span: [next || null, to] })} />
+            {to !== null && <NumberField label="Map to" short="to" unit="s" value={to} min={from ?? 0} max={1e5} step={0.5} onChange={(next) => change({ span: [from, next] })} />}
+            <Check label="to what is computed" value={to === null} onChange={(on) => change({ span: [from, on ? null : Math.max(computed(), from ?? 0)] })} />
+            <button type="button" disabled={!there} onClick={() => save(`${name}.csv`, places.csv())}>
+                Map (CSV)
+            </button>
+            <button type="button" disabled={!there} onClick={() => void attempt(async () => save(`${name}.png`, await png(canvas.value!, film)))}>
+                Map (PNG)
+            </button>
+        </>
     );
 }
