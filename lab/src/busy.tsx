@@ -26,6 +26,7 @@ const DOING: Record<Request["ask"], string> = {
     advance: "The run is computed",
     forces: "Forces are computed",
     flow: "People are counted",
+    map: "The map is computed",
     sections: "Bodies are cut",
     bodies: "Bodies are made",
     take: "The file is made",

@@ -9,10 +9,10 @@ import { COLUMNS } from "./protocol";
 export type Ramp = readonly string[];
 
 /** viridis (Smith, van der Walt). */
-const VIRIDIS: Ramp = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
+export const VIRIDIS: Ramp = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
 /** A warm grey, then magma by the same authors; on dark ground from its dark part to its bright end. As crates/picture has
  * them: a test there compares. */
-const FROM_GREY: Record<"light" | "dark", Ramp> = {
+export const FROM_GREY: Record<"light" | "dark", Ramp> = {
     light: ["#dcd6cb", "#feb57d", "#fd9c6c", "#fa8461", "#f46b5d", "#e95562", "#d8466b", "#c43c74", "#af357b", "#992e80", "#832682", "#6e1e81", "#5a167e", "#441074", "#2e1161", "#1a1042"],
     dark: ["#7a7268", "#d4446d", "#df4c68", "#e95562", "#f0615f", "#f56e5d", "#f97c5f", "#fb8b63", "#fd996a", "#fea873", "#feb67d", "#fec489", "#fed395", "#fde1a2", "#fdefb1", "#fcfdbf"],
 };

@@ -1,7 +1,7 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
 import { type Check, dictionary, flag, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
-import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, type Further, MODELS, type Motion, type Normal, type People, type PersonWanted, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
+import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, type Material2d, type Mechanics, MODELS, type Motion, type Normal, type People, type PersonWanted, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
 import { rectangle } from "./roomshape";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
@@ -122,6 +122,15 @@ export const edit = tagged<"do", Edit>("do", {
     delete: record({ id: text() }),
     room: record({ room: ofTrial }),
 });
+const id = text(MOST.name);
+const changed = record<Mechanics>({
+    time_step: nullable(number),
+    time_step_mechanical: nullable(number),
+    materials: list(record<Material2d>({ id, young_modulus: number, shear_modulus: number }), MOST.edits),
+    contacts: list(record<Mechanics["contacts"][number]>({ id1: id, id2: id, gamma_normal: number, gamma_tangential: number, kinetic_friction: nullable(number) }), MOST.edits),
+});
+/** Most scenes change none of it, and older links do not know it. */
+export const mechanics: Check<Mechanics | undefined> = (given) => (given === undefined ? undefined : changed(given));
 /** A circle of a negative radius cannot even be drawn. */
 const radius = within(0, 1e6);
 const push = record<Push>({ at: point, radius, direction: number, force: number, start: number, duration: number });

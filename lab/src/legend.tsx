@@ -1,16 +1,19 @@
 // The legend of the colours, and what squeeze is.
 
+import { useId } from "preact/hooks";
+import { type Kind, NAMES } from "./byplace";
 import { meanWords, QUANTILE, type Scale, scaleOf } from "./colour";
 import type { Film } from "./film";
 import { beat } from "./layout";
 import { Check, Choice, digits, NumberField } from "./parts";
-import { type Colour, change, plan } from "./plan";
+import { type Colour, change, type Plan, plan } from "./plan";
 
 const COLOURED: [Colour, string][] = [
     ["speed", "Speed"],
     ["squeeze", "Squeeze"],
     ["contacts", "Contacts"],
 ];
+const MAPS: [Plan["map"], string][] = [["none", "none"], ...(Object.entries(NAMES) as [Kind, string][])];
 const MEANS: [string, string][] = [
     ["0.1", "0.1 s"],
     ["1", "1 s"],
@@ -25,7 +28,7 @@ export function shown(value: number, unit: string) {
 export function Legend({ film }: { film: Film }) {
     if (film.playing.value) beat.value;
     else film.computed.value;
-    const { colour, most, smooth } = plan.value;
+    const { colour, most, smooth, map, view } = plan.value;
     const scale = scaleOf(film, colour);
     const fixed = most[colour] !== null;
     const fix = (value: number | null) => change({ most: { ...most, [colour]: value } });
@@ -33,7 +36,8 @@ export function Legend({ film }: { film: Film }) {
     return (
         <div class="legend">
             <Choice label="Colour" value={colour} choices={COLOURED} onChange={(next) => change({ colour: next })} />
-            {colour === "squeeze" && <Choice label="mean of" value={String(smooth)} choices={MEANS} onChange={(next) => change({ smooth: Number(next) })} />}
+            {view !== "3d" && <Choice label="Map" value={map} choices={MAPS} onChange={(next) => change({ map: next })} />}
+            {(colour === "squeeze" || map === "mean" || map === "greatest") && <Choice label="mean of" value={String(smooth)} choices={MEANS} onChange={(next) => change({ smooth: Number(next) })} />}
             <span class="scale">
                 {scale.low > 0 ? `up to ${shown(scale.low, scale.unit)}` : 0}
                 <Bar scale={scale} />
@@ -57,15 +61,16 @@ export function Legend({ film }: { film: Film }) {
     );
 }
 
-function Bar({ scale: { ramp } }: { scale: Scale }) {
+export function Bar({ scale: { ramp } }: { scale: Scale }) {
+    const id = useId();
     return (
         <svg class="ramp" viewBox="0 0 100 10" preserveAspectRatio="none" aria-hidden="true">
-            <linearGradient id="ramp">
+            <linearGradient id={id}>
                 {ramp.map((shade, k) => (
                     <stop key={shade} offset={k / (ramp.length - 1)} stop-color={shade} />
                 ))}
             </linearGradient>
-            <rect width="100" height="10" fill="url(#ramp)" />
+            <rect width="100" height="10" fill={`url(#${id})`} />
         </svg>
     );
 }

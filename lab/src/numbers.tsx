@@ -9,6 +9,7 @@ import type { Film } from "./film";
 import { BY_WALLS } from "./frames";
 import { beat } from "./layout";
 import { MeasureFields } from "./line";
+import { MechanicsForm } from "./mechanics";
 import { brief, digits, Facts, length } from "./parts";
 import { change, plan } from "./plan";
 import { COLUMNS, FEET, isChild, isThere, type Measure, type Person, type PersonWanted } from "./protocol";
@@ -25,6 +26,10 @@ export function Numbers({ film }: { film: Film }) {
             <details>
                 <summary>Steps and cost</summary>
                 <Facts rows={details(film, playing)} />
+            </details>
+            <details>
+                <summary>Materials and steps</summary>
+                <MechanicsForm film={film} />
             </details>
             <Overlapping film={film} />
             <h2>Person</h2>

@@ -143,9 +143,37 @@ export type Motion =
     /** They go around walls to exits, where they leave, and to goals, where they stay. */
     | { kind: "go"; wishes: Wishes };
 
+/** A material: both moduli in N/m. */
+export interface Material2d {
+    id: string;
+    young_modulus: number;
+    shear_modulus: number;
+}
+
+/** What two materials do where they touch: dampings in kg/s. */
+export interface Contact {
+    id1: string;
+    id2: string;
+    gamma_normal: number;
+    gamma_tangential: number;
+    kinetic_friction: number;
+}
+
+/** Changed materials and steps. What is null or not there is as the scene has it. */
+export interface Mechanics {
+    /** In s. */
+    time_step: number | null;
+    time_step_mechanical: number | null;
+    materials: Material2d[];
+    contacts: (Omit<Contact, "kinetic_friction"> & { kinetic_friction: number | null })[];
+}
+
 export interface Shown {
     base: Base;
     edits: Edit[];
+    /** Whether changes by hand that do not fit are left out. */
+    fitting?: boolean;
+    mechanics?: Mechanics;
     motion: Motion;
 }
 
@@ -176,6 +204,8 @@ export type Request =
     | { ask: "forces"; run: number }
     /** With frames. */
     | { ask: "flow"; run: number; line: [Point, Point] }
+    /** With x, y and squeeze of everybody in frames: they are added to the run's map, or to a new one. */
+    | { ask: "map"; run: number; of: "density" | "squeeze"; fresh: boolean }
     | { ask: "sections"; run: number; altitude: number }
     | { ask: "bodies"; run: number }
     | { ask: "take"; run: number; wanted: Wanted };
@@ -253,8 +283,15 @@ export interface Scene {
     mechanical_step: number;
     /** The longest stable mechanical step; null if nothing can touch. */
     stable: number | null;
+    /** The longest mechanical step without a warning, and the one that a crowd gets. */
+    longest: number | null;
+    advised: number | null;
     /** About how large errors of positions are with the mechanical step. */
     error: number | null;
+    /** Of changed materials and steps. */
+    warnings: string[];
+    materials: Material2d[];
+    contacts: Contact[];
     /** Agents that overlap others or walls at the start, by more than 0.1 mm. */
     overlapping: number[];
     /** The deepest overlap at the start. */
@@ -298,6 +335,8 @@ export interface Opened {
     scene: Scene;
     notes: string[];
     made: Made | null;
+    /** Changes by hand that do not fit: their places, and why. */
+    left_out: [number, string][];
 }
 
 export interface Overlaps {
@@ -309,6 +348,16 @@ export interface Overlaps {
 export interface Flow {
     /** Place of the later frame, agent, 1 from left to right of the line or -1. */
     crossings: [number, number, 1 | -1][];
+}
+
+/** Cells of a map. The bytes: density of each as float64, or mean squeeze, then greatest, then the number of values; row by
+ * row from the lowest. */
+export interface Grid {
+    /** The middle of the lowest cell on the left. */
+    low: Point;
+    cell: Point;
+    columns: number;
+    rows: number;
 }
 
 export interface Sections {

@@ -2,13 +2,16 @@
 
 use crate::base::{Base, Driven};
 use crate::crowd;
+use crate::frame::overlapping;
 use crate::person::PersonRequest;
 use crate::{Refused, require, room, within};
+use crowd_mechanics::setup::Setup;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Interactions, Trial};
 use lemons_people::room::Room;
 use lemons_people::{Disk, Person, Shape, choose_mechanical_step};
 use serde::Deserialize;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Most changes of a Trial.
 const MOST: usize = 10_000;
@@ -55,6 +58,57 @@ pub fn room_of(edits: &[Edit]) -> Option<&Room> {
         Edit::Room { room } => Some(&**room),
         _ => None,
     })
+}
+
+/// Makes those of the changes that fit: of people who are there, to places where they overlap neither others nor walls. Returns
+/// which others there are, and why they do not fit. Whoever overlaps stays as without changes: first the one who overlaps most.
+///
+/// # Errors
+/// Nobody would be left, or too many people are at one place.
+pub fn fitting(
+    before: &Driven,
+    edits: &[Edit],
+    base: &Base,
+) -> Result<(Driven, BTreeMap<usize, String>), Refused> {
+    let mut left_out = BTreeMap::new();
+    loop {
+        let mut made = Vec::new();
+        let mut driven = before.clone();
+        for (k, edit) in edits.iter().enumerate() {
+            if left_out.contains_key(&k) {
+                continue;
+            }
+            // What is impossible changes nothing.
+            match change(&mut driven, edit, base) {
+                Ok(()) => made.push(edit.clone()),
+                Err(Refused(why)) => _ = left_out.insert(k, why),
+            }
+        }
+        let driven = edited(before.clone(), &made, base)?;
+        let world = Setup::of(&driven.trial).world()?;
+        let put: BTreeSet<&str> = made.iter().filter_map(Edit::put).collect();
+        let agents = driven.trial.agents.iter().enumerate().filter(|(_, agent)| put.contains(&*agent.id));
+        let depths = agents.map(|(place, agent)| (overlapping(&world, Some(place)), &agent.id));
+        let deepest = depths.max_by(|((_, _, one), _), ((_, _, other), _)| one.total_cmp(other));
+        let Some(((_, wall, depth), id)) = deepest.filter(|((_, _, depth), _)| *depth > 0.0) else {
+            return Ok((driven, left_out));
+        };
+        let whom = if wall { "a wall or somebody" } else { "somebody" };
+        let why = format!("person {id:?} would overlap {whom} by {:.1} mm", 1e3 * depth);
+        for (k, _) in edits.iter().enumerate().filter(|(_, edit)| edit.put() == Some(id)) {
+            left_out.entry(k).or_insert_with(|| why.clone());
+        }
+    }
+}
+
+impl Edit {
+    /// Whom it puts somewhere.
+    fn put(&self) -> Option<&str> {
+        match self {
+            Edit::Move { id, .. } | Edit::Copy { r#as: id, .. } | Edit::Put { id, .. } => Some(id),
+            Edit::Delete { .. } | Edit::Room { .. } => None,
+        }
+    }
 }
 
 fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> {

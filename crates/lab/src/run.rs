@@ -3,6 +3,7 @@
 use crate::base::Driven;
 use crate::body;
 use crate::frame::{self, COLUMNS};
+use crate::map::Map;
 use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::{PairForce, World};
 use lemons_core::plane::Pose;
@@ -31,6 +32,8 @@ pub struct Run {
     overlap: f64,
     /// Everybody's body, once somebody has asked for it: a hundredth of a second each.
     bodies: OnceCell<Vec<Option<Body3d>>>,
+    /// The map that a page has asked for last.
+    pub map: Option<Map>,
 }
 
 impl Run {
@@ -44,7 +47,7 @@ impl Run {
         let documents = Documents { trial, drive: table, plan };
         let mut simulation = Simulation::new(documents, Algorithm::Jacobi)?;
         simulation.begin(0.0, None)?;
-        Ok(Run { driven, simulation, steps: 0, overlap: 0.0, bodies: OnceCell::new() })
+        Ok(Run { driven, simulation, steps: 0, overlap: 0.0, bodies: OnceCell::new(), map: None })
     }
 
     /// Everybody's body in three dimensions.

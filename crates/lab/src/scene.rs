@@ -3,13 +3,15 @@
 use crate::frame::overlapping;
 use crate::run::Run;
 use crowd_mechanics::setup::Setup;
-use lemons_core::trial::{Agent, Wall};
-use lemons_people::Person;
+use lemons_core::trial::{Agent, Contact, Material, Wall};
+use lemons_people::{Person, mechanical_step_for};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 
 /// Returns the walls' corners \[m\]; each agent's Id, mass \[kg\] and disks (x, y, radius \[m\], in the body's frame), and
 /// measures where they are known; who overlaps; who is pushed; ways, exits and goals of those who walk, and how many
-/// leave; the steps. Of a run at its start; [`crate::Lab`] adds its number, and lines beyond doors.
+/// leave; the steps, materials and contacts. Of a run at its start; [`crate::Lab`] adds its number, warnings, and lines beyond
+/// doors.
 pub fn of(run: &Run) -> Value {
     let driven = &run.driven;
     let trial = &driven.trial;
@@ -33,6 +35,25 @@ pub fn of(run: &Run) -> Value {
     let targets = plan.map_or(&[][..], |plan| &plan.targets);
     let mut pushed: Vec<&str> = driven.table.agents().collect();
     pushed.sort_unstable();
+    let of_people: BTreeSet<&str> =
+        trial.agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &*disk.material_id).collect();
+    let of_walls = trial.geometry.walls.iter().map(|wall| &*wall.material_id);
+    let used: BTreeSet<&str> = of_people.iter().copied().chain(of_walls).collect();
+    let materials = trial.materials.intrinsic.iter().filter(|of| used.contains(&*of.id));
+    let material = |of: &Material| {
+        let Material { id, young_modulus, shear_modulus } = of;
+        json!({ "id": id, "young_modulus": young_modulus, "shear_modulus": shear_modulus })
+    };
+    let contacts = trial.materials.binary.iter().filter(|of| {
+        let pair = [&*of.id1, &*of.id2];
+        pair.iter().all(|id| used.contains(id)) && pair.iter().any(|id| of_people.contains(id))
+    });
+    let contact = |of: &Contact| {
+        json!({
+            "id1": of.id1, "id2": of.id2, "gamma_normal": of.gamma_normal,
+            "gamma_tangential": of.gamma_tangential, "kinetic_friction": of.kinetic_friction,
+        })
+    };
     let steps = Setup::of(trial).steps();
     let steps = steps.as_ref();
     let (overlapping, _, overlap) = overlapping(run.world(), None);
@@ -43,7 +64,10 @@ pub fn of(run: &Run) -> Value {
         "step": trial.parameters.time_step,
         "mechanical_step": trial.parameters.time_step_mechanical,
         "stable": steps.map(|steps| steps.stable()),
+        "longest": steps.map(|steps| steps.longest()),
+        "advised": steps.and_then(|steps| steps.proposed()).map(|_| mechanical_step_for(trial)),
         "error": steps.map(|steps| steps.error(trial.parameters.time_step_mechanical)),
+        "materials": materials.map(material).collect::<Vec<_>>(), "contacts": contacts.map(contact).collect::<Vec<_>>(),
         "pushed": pushed, "walk": plan.is_some(), "ways": ways, "targets": targets, "leaving": plan.map_or(0, |plan| plan.leaving().into_iter().filter(|leaves| *leaves).count()),
         "people": people, "overlapping": overlapping, "overlap": overlap,
     })

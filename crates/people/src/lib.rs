@@ -47,5 +47,6 @@ pub use survey::Survey;
 pub use table::{CrowdStatistics, KindStatistics, Summary, crowd_csv};
 pub use trial::{
     PART_MATERIALS, SKINS, TRIAL_FILES, TrialSettings, choose_mechanical_step, crowd_trial, heading,
-    materials, may_write, paper_materials, walls, write_trial, write_trial_zip, zip_trial,
+    materials, may_write, mechanical_step_for, paper_materials, walls, write_trial, write_trial_zip,
+    zip_trial,
 };

@@ -206,13 +206,17 @@ fn body(agent: &crate::Agent, id: usize, settings: &TrialSettings) -> Result<Opt
     }))
 }
 
-/// Gives a Trial the longest mechanical step that divides its communication step and does not exceed
+/// \[s\] Returns the longest mechanical step that divides a Trial's communication step and does not exceed
 /// [`proposed_step`](Setup::proposed_step).
-pub fn choose_mechanical_step(trial: &mut Trial) {
-    let proposed = Setup::of(trial).proposed_step();
-    let Parameters { time_step, time_step_mechanical, .. } = &mut trial.parameters;
+pub fn mechanical_step_for(trial: &Trial) -> f64 {
+    let (step, proposed) = (trial.parameters.time_step, Setup::of(trial).proposed_step());
     // The tolerance is for a quotient that is an integer except for rounding.
-    *time_step_mechanical = *time_step / (*time_step / proposed.unwrap_or(*time_step) - 1e-9).ceil().max(1.0);
+    step / (step / proposed.unwrap_or(step) - 1e-9).ceil().max(1.0)
+}
+
+/// Gives a Trial [this mechanical step](mechanical_step_for).
+pub fn choose_mechanical_step(trial: &mut Trial) {
+    trial.parameters.time_step_mechanical = mechanical_step_for(trial);
 }
 
 impl TrialSettings {
