@@ -21,7 +21,7 @@ fn person(id: usize, x: f64, y: f64) -> Person {
     }
 }
 
-const FAR: &str = "exits = [{ line = [[100, -20], [100, 20]] }]\n";
+const FAR: &str = "exits = [{ line = [[45, -10], [45, 10]] }]\n";
 
 fn plan(walls: &[Vec<Vec2>], people: &[Person], config: &str) -> Plan {
     let config = DecisionConfig::from_toml(config).unwrap();
@@ -97,9 +97,9 @@ fn a_group_walks_side_by_side_at_the_speed_of_the_slowest() {
              [agents.1]\ndesired_speed = 1.6"
         );
         let people = [person(0, 0.0, 0.0), person(1, 2.5, 0.8), person(2, 0.5, 1.6), person(3, 0.0, -9.0)];
-        let places = walk(plan(&[], &people, &config), 60.0);
+        let places = walk(plan(&[], &people, &config), 30.0);
         let [half, end] = [places.len() / 2, places.len() - 1];
-        let speed = |who: usize| (places[end][who].x - places[half][who].x) / 30.0;
+        let speed = |who: usize| (places[end][who].x - places[half][who].x) / 15.0;
         for who in 0..3 {
             assert!((0.65..0.91).contains(&speed(who)), "{model}: {who} {}", speed(who));
             // Attraction begins at 1 m from the centre.
