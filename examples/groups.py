@@ -26,6 +26,8 @@ import pandas as pd
 LEMONS = os.environ.get("LEMONS", "lemons")
 #: [m/s] Weidmann 1993, cut at three standard deviations.
 SPEEDS = "{ mean = 1.34, sd = 0.26, min = 0.56, max = 2.12 }"
+#: Rows are written each so many steps of 0.01 s.
+EVERY = 20
 #: [m] Where the speed is measured in the corridor.
 FROM, TO = 25.0, 55.0
 
@@ -59,7 +61,7 @@ def members(trial: Path, settings: Path) -> list[list[int]]:
 
 def run(trial: Path, settings: Path) -> pd.DataFrame:
     table = settings.with_suffix(".csv")
-    lemons("run", trial, "--plan", settings, "--until", "left", "--every", "0.2", "-o", table, "--force")
+    lemons("run", trial, "--plan", settings, "--until", "left", "--every", EVERY, "-o", table, "--force")
     return pd.read_csv(table, comment="#").query("active == 1")
 
 
@@ -108,7 +110,7 @@ def main() -> None:
             settings = plan(trial, seed, f"part_{part}", f"groups = {{ share = {part} }}")
             walk = run(trial, settings)
             groups = members(trial, settings)
-            row = {"part": part, "last": walk["t"].max() + 0.2}
+            row = {"part": part, "last": walk["t"].max() + 0.01 * EVERY}
             if groups:
                 row |= {"together": apart(walk, groups), "without": apart(run(trial, plan(trial, seed, "alone")), groups)}
             rows.append(row)

@@ -131,7 +131,7 @@ class DecisionReader(Reader):
             file["model"] = model
         for balance in {heading, key} & {"pendulum", "two-level"}:
             file["balance"] = balance
-        for exit in file["exits"] if key == "share" else []:
+        for exit in file["exits"] if (heading, key) == ("An exit or a goal", "share") else []:
             exit["share"] = 1
         if key == "push_sd":
             file["push"] = 100.0

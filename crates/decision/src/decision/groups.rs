@@ -6,7 +6,7 @@
 //! metres; and β₃ away from a member who is nearer than d₀. Here they change the desired velocity by what they make of it in
 //! the relaxation time τ, for any model of walking. Of ours are: they begin gradually, so that nobody jitters; nobody walks
 //! back, or faster than their own desired speed; who is behind a wall, or far away, counts by the way that each has to go;
-//! and who holds others up goes on slowly.
+//! and who holds others up walks on as if alone, so that groups do not block doors.
 
 use super::{Aim, Decision};
 use crate::cells::sees;
@@ -30,8 +30,8 @@ const SOFT: [f64; 3] = [0.3, 0.5, 0.3];
 const ASIDE: f64 = 0.5;
 /// \[m\] Who is further away is where the way says.
 const SIGHT: f64 = 10.0;
-/// \[m\] Who has others this close behind goes on, with this part of the desired speed.
-const HELD_UP: (f64, f64) = (1.0, 0.25);
+/// \[m\] Who has others this close behind does not slow down for the group.
+const HELD_UP: f64 = 1.0;
 
 impl Decision {
     /// Returns the group of an agent, if it is in one.
@@ -47,12 +47,18 @@ impl Decision {
 
     /// Changes where those in groups want to go, so that they stay together.
     pub(super) fn keep_together(&self, aims: &mut [Aim]) {
+        if self.plan.groups.is_empty() {
+            return;
+        }
+        let mut by_x: Vec<(f64, usize)> = (0..aims.len()).map(|i| (self.agents[i].at().x, i)).collect();
+        by_x.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for group in &self.plan.groups {
             let there = group.iter().copied().filter(|&i| aims[i].arrival != Some(Arrival::Leaves));
             let there: Vec<usize> = there.collect();
             let speeds = there.iter().map(|&i| self.agents[i].walker.desired_speed);
             let slowest = speeds.fold(f64::INFINITY, f64::min);
-            let goes: Vec<_> = there.iter().map(|&i| self.with_group(i, &there, slowest, aims)).collect();
+            let goes: Vec<_> =
+                there.iter().map(|&i| self.with_group(i, &there, slowest, aims, &by_x)).collect();
             for (&i, goes) in there.iter().zip(goes) {
                 aims[i].goes = goes;
             }
@@ -60,7 +66,14 @@ impl Decision {
     }
 
     /// Returns where an agent goes with those of its group who are there, the slowest of whom has this speed \[m/s\].
-    fn with_group(&self, i: usize, there: &[usize], slowest: f64, aims: &[Aim]) -> Option<(Vec2, f64)> {
+    fn with_group(
+        &self,
+        i: usize,
+        there: &[usize],
+        slowest: f64,
+        aims: &[Aim],
+        by_x: &[(f64, usize)],
+    ) -> Option<(Vec2, f64)> {
         let (way, own) = aims[i].goes?;
         if there.len() < 2 || own == 0.0 {
             return Some((way, own));
@@ -90,22 +103,23 @@ impl Decision {
         let far = ((distance - 0.5 * (there.len() - 1) as f64) / SOFT[1]).clamp(0.0, 1.0);
         let pull = towards * (ATTRACTION * far) + push;
         let wanted = (way * speed + pull * RELAXATION) * (1.0 / (1.0 + RELAXATION * VISION * angle));
-        let least = HELD_UP.1 * speed;
-        let ahead = wanted.dot(way).min(own);
-        let ahead = if ahead < least && self.holds_up(i, there, way, aims) { least } else { ahead.max(0.0) };
+        let ahead = wanted.dot(way).max(0.0).min(own);
+        let ahead = if ahead < speed && self.holds_up(i, there, way, aims, by_x) { speed } else { ahead };
         let most = ASIDE * speed;
-        let velocity = way * ahead + way.perp() * wanted.dot(way.perp()).clamp(-most, most);
+        let velocity = way * ahead + way.perp() * wanted.dot(way.perp()).max(-most).min(most);
         Some((velocity.unit(1e-9).unwrap_or(way), velocity.norm().min(own)))
     }
 
-    /// Returns whether somebody else is close behind an agent and goes the same way.
-    fn holds_up(&self, i: usize, group: &[usize], way: Vec2, aims: &[Aim]) -> bool {
+    /// Returns whether somebody else is close behind an agent and goes the same way. All are given in the order of x \[m\].
+    fn holds_up(&self, i: usize, group: &[usize], way: Vec2, aims: &[Aim], by_x: &[(f64, usize)]) -> bool {
         let at = self.agents[i].at();
-        let behind = |j: usize| {
+        let first = by_x.partition_point(|(x, _)| *x < at.x - HELD_UP);
+        let mut near = by_x[first..].iter().take_while(|(x, _)| *x <= at.x + HELD_UP);
+        let behind = |&(_, j): &(f64, usize)| {
             let to = self.agents[j].at() - at;
             let same = aims[j].goes.is_some_and(|(direction, _)| direction.dot(way) > 0.0);
-            same && to.dot(way) < 0.0 && to.dot(to) < HELD_UP.0 * HELD_UP.0 && !group.contains(&j)
+            same && to.dot(way) < 0.0 && to.dot(to) < HELD_UP * HELD_UP && !group.contains(&j)
         };
-        (0..self.agents.len()).any(behind)
+        near.any(behind)
     }
 }
