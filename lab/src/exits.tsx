@@ -61,6 +61,8 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
             <BalanceChoice value={wishes.balance} onChange={(balance) => setWishes({ ...wishes, balance })} />
             <Check label="Limit how hard people push ahead" value={wishes.push !== null} onChange={(on) => setWishes({ ...wishes, push: on ? 100 : null })} />
             {wishes.push !== null && <NumberField label="Greatest push" unit="N" value={wishes.push} min={0} max={1e5} step={10} onChange={(push) => setWishes({ ...wishes, push })} />}
+            <Check label="Some walk in groups, such as families" value={wishes.groups !== null} onChange={(on) => setWishes({ ...wishes, groups: on ? { share: 0.5 } : null })} />
+            {wishes.groups !== null && <NumberField label="People in groups" unit="%" value={Math.round(100 * wishes.groups.share)} min={0} max={100} step={5} onChange={(percent) => setWishes({ ...wishes, groups: { share: percent / 100 } })} />}
             <div class="row">
                 <NumberField label="Desired speed" unit="m/s" value={wishes.desired_speed} min={0} max={20} step={0.1} onChange={(desired_speed) => setWishes({ ...wishes, desired_speed })} />
                 <NumberField label="Seed" value={wishes.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => setWishes({ ...wishes, seed })} />

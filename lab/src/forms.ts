@@ -150,6 +150,7 @@ const wishes = record<Wishes>({
     rotational: (given) => rotational(given ?? null),
     balance: balance,
     push: (given) => nullable(number)(given ?? null),
+    groups: (given) => nullable(record<NonNullable<Wishes["groups"]>>({ share: within(0, 1) }))(given ?? null),
     desired_speed: number,
     seed: number,
     exits: list(place, MOST.places),

@@ -124,8 +124,10 @@ export interface Wishes {
     balance: Balance;
     /** In N: greatest force with which people push ahead; null for no limit. */
     push: number | null;
+    /** Part of the people who are in groups that stay together; null for nobody. */
+    groups: { share: number } | null;
     desired_speed: number;
-    /** Chooses who takes which exit by shares, and what people do who are stuck. */
+    /** Chooses who takes which exit by shares, who is in a group, and what people do who are stuck. */
     seed: number;
     exits: Place[];
     goals: Place[];

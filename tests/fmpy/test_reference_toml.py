@@ -22,6 +22,9 @@ OTHER = {
     "path": ["5", "[]"],
     "list of tables": ["5", '"x"', "[5]"],
     "list of texts": ["5", '"0"', "[0]"],
+    "list of lists": ["5", '"0"', "[0]", '["0", "1"]', "[[0, 1]]", '[["0"]]', '[["0", "0"]]', '[["0", "99"]]'],
+    "list of pairs": ["5", "[]", "[5, 6]", "[[5]]", "[[6, 5]]", "[[1, 3], [2, 4]]", "[[-1, 2]]"],
+    "list of numbers": ["5", "[]", '["x"]', "[-1]", "[0]"],
     "table": ["5", '"x"'],
     "tables": ["5", '"x"'],
     "two places": ["[9, 1]", "[[9, 1]]", '"x"', "5"],
@@ -111,6 +114,8 @@ class DecisionReader(Reader):
         "For everybody": lambda file: file,
         "A change of motivation": lambda file: file["motivation"][0],
         "A way-point": lambda file: file["waypoints"][0],
+        "One of several ways": lambda file: file["ways"][0],
+        "Groups": lambda file: file.setdefault("groups", {}),
         "An exit or a goal": lambda file: file["exits"][0],
         "collision-free-speed": lambda file: file.setdefault("collision-free-speed", {}),
         "social-force": lambda file: file.setdefault("social-force", {}),
@@ -126,10 +131,19 @@ class DecisionReader(Reader):
             file["model"] = model
         for balance in {heading, key} & {"pendulum", "two-level"}:
             file["balance"] = balance
-        for exit in file["exits"] if key == "share" else []:
+        for exit in file["exits"] if (heading, key) == ("An exit or a goal", "share") else []:
             exit["share"] = 1
         if key == "push_sd":
             file["push"] = 100.0
+        if heading == "One of several ways" or key == "ways":
+            del file["waypoints"]
+            file["ways"] = [{"waypoints": [{"x": x, "y": 2.0}]} for x in (2.0, 3.0)]
+        if (heading, key) == ("One of several ways", "share"):
+            file["ways"][1]["share"] = 1
+        if (heading, key) == ("Groups", "sizes"):
+            file["groups"] = {"share": 1.0}
+        if key == "time_factor":
+            file["exit_choice"] = "time"
         if key == "polygon":
             file["exits"].reverse()
         if key in ("exits", "goals"):
