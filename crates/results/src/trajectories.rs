@@ -29,8 +29,8 @@ const MOST_PER_SECOND: f64 = 1e6;
 /// What a file of trajectories may leave unsaid, and how velocities are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Told {
-    /// \[m\] Length of a unit of a text; `None`: the text says it.
-    pub unit: Option<f64>,
+    /// How many units of a text are a metre: 1, or 100 of centimetres; `None`: the text says it.
+    pub per_metre: Option<f64>,
     /// \[1/s\] Frames per second; `None`: the file says it.
     pub rate: Option<f64>,
     /// \[s\] Time between the two positions whose difference is the velocity between them.
@@ -42,7 +42,7 @@ pub const VELOCITY_OVER: f64 = 0.4;
 
 impl Default for Told {
     fn default() -> Told {
-        Told { unit: None, rate: None, velocity_over: VELOCITY_OVER }
+        Told { per_metre: None, rate: None, velocity_over: VELOCITY_OVER }
     }
 }
 
@@ -126,7 +126,9 @@ impl<'a> Rows<'a> {
             if !(value.abs() <= FARTHEST) {
                 return Err(self.wrong(
                     n,
-                    format!("column {name}: {value:?} m is not a number up to {FARTHEST:e} m from the origin"),
+                    format!(
+                        "column {name}: {value:?} m is not a number up to {FARTHEST:e} m from the origin"
+                    ),
                 ));
             }
         }
@@ -201,7 +203,10 @@ impl Record {
             (_, Some(true)) => sqlite::read(path, told)?,
             #[cfg(not(feature = "sqlite"))]
             (_, Some(true)) => {
-                return Err(RecordError::wrong(path, "this build has no SQLite: build with --features sqlite"));
+                return Err(RecordError::wrong(
+                    path,
+                    "this build has no SQLite: build with --features sqlite",
+                ));
             }
             (_, None) => {
                 let message = "holds no trajectories: it is neither JuPedSim's database nor a text with lines \
@@ -218,9 +223,13 @@ fn of_found(path: &Path, found: Found, velocity_over: f64) -> Result<Record, Rec
     let Found { what, mut rows, rate, frames, oriented, geometry } = found;
     let wrong = |message: String| RecordError::wrong(path, message);
     rows.sort_unstable_by_key(|row| (row.id, row.frame, row.n));
-    if let Some(pair) = rows.windows(2).find(|pair| (pair[0].id, pair[0].frame) == (pair[1].id, pair[1].frame)) {
+    if let Some(pair) =
+        rows.windows(2).find(|pair| (pair[0].id, pair[0].frame) == (pair[1].id, pair[1].frame))
+    {
         let (Row { id, frame, n, .. }, before) = (pair[1], pair[0].n);
-        return Err(wrong(format!("{what} {n}: id {id} stands twice in frame {frame}, also in {what} {before}")));
+        return Err(wrong(format!(
+            "{what} {n}: id {id} stands twice in frame {frame}, also in {what} {before}"
+        )));
     }
     let (Some(first), Some(last)) =
         (rows.iter().map(|row| row.frame).min(), rows.iter().map(|row| row.frame).max())
@@ -256,7 +265,8 @@ fn of_found(path: &Path, found: Found, velocity_over: f64) -> Result<Record, Rec
     }
     let appear = rows.len() as u64 != count * ids.len() as u64;
     rows.sort_unstable_by_key(|row| (row.frame, row.person));
-    let (start, ids): (f64, Vec<String>) = (first as f64 / step as f64, ids.iter().map(i64::to_string).collect());
+    let (start, ids): (f64, Vec<String>) =
+        (first as f64 / step as f64, ids.iter().map(i64::to_string).collect());
     let pass = move |each: &mut Each<'_>| {
         let (mut agents, mut rows) = (agents.clone(), rows.as_slice());
         let mut active = vec![false; ids.len()];

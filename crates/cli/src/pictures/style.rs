@@ -2,7 +2,7 @@
 
 use super::measured::{Measured, Origin};
 use super::quantity::{Quantity, Shown, longest_gap};
-use super::trial_run::{CrowdState, TrialRun};
+use super::trial_run::{Bodies, CrowdState, TrialRun};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use crate::numbers::{array, number, positive};
@@ -214,6 +214,12 @@ impl<'r> Scenes<'r> {
         times: &[f64],
         interrupt: &Interrupt,
     ) -> Result<Scenes<'r>> {
+        if arguments.forces && run.bodies != Bodies::Known {
+            bail!(
+                "{}: --forces: these are positions only, without bodies and forces",
+                run.run.source.display()
+            );
+        }
         let shown = arguments.quantity().map(|of| Shown::of(of, &run.run, arguments.over)).transpose()?;
         let mut scenes = Scenes {
             arguments,
@@ -271,7 +277,7 @@ impl<'r> Scenes<'r> {
             })),
             theme: arguments.theme(),
             ids: arguments.ids,
-            orientation: !arguments.no_orientation,
+            orientation: !arguments.no_orientation && run.bodies != (Bodies::Assumed { oriented: false }),
             forces: widest,
             time_decimals: decimals(times),
             ..Style::default()

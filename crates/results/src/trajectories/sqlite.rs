@@ -43,14 +43,16 @@ pub(super) fn read(path: &Path, told: &Told) -> Result<Found, RecordError> {
     let version = metadata(&database, "version").map_err(broken)?;
     match version.as_deref() {
         Some(known) if VERSIONS.contains(&known) => {}
-        Some(other) => return Err(wrong(format!("metadata: version is {other:?}: versions 1 and 2 are read"))),
+        Some(other) => {
+            return Err(wrong(format!("metadata: version is {other:?}: versions 1 and 2 are read")));
+        }
         None => return Err(wrong("metadata: there is no version".into())),
     }
     let rate = metadata(&database, "fps").map_err(broken)?.map(|text| {
         text.trim().parse().map_err(|_| wrong(format!("metadata: fps is {text:?}, which is not a number")))
     });
     let rate = rate_of(path, rate.transpose()?, told.rate)?;
-    if told.unit.is_some_and(|unit| unit != 1.0) {
+    if told.per_metre.is_some_and(|units| units != 1.0) {
         return Err(wrong("a database is in m: --unit is for texts".into()));
     }
     let geometry = if table("geometry") { geometries(&database).map_err(broken)? } else { Vec::new() };
@@ -75,7 +77,8 @@ fn open(path: &Path) -> rusqlite::Result<Connection> {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/-_.~".contains(&byte);
     let escaped = |byte: u8| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
     let uri: String = text.trim_start_matches('/').bytes().map(escaped).collect();
-    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
+    let flags =
+        OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
     let database = Connection::open_with_flags(format!("file:///{uri}?immutable=1"), flags)?;
     // Nothing that a schema of others defines is run.
     database.set_db_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
@@ -88,7 +91,8 @@ fn open(path: &Path) -> rusqlite::Result<Connection> {
 
 /// Returns the names of tables that have rows of their own: no views and no virtual tables.
 fn tables(database: &Connection) -> rusqlite::Result<Vec<String>> {
-    let mut tables = database.prepare("SELECT name FROM sqlite_schema WHERE type = 'table' AND rootpage > 0")?;
+    let mut tables =
+        database.prepare("SELECT name FROM sqlite_schema WHERE type = 'table' AND rootpage > 0")?;
     tables.query_map([], |row| row.get(0))?.collect()
 }
 
@@ -126,8 +130,10 @@ fn rows<'a>(
     path: &'a Path,
     broken: impl Fn(rusqlite::Error) -> RecordError,
 ) -> Result<(Rows<'a>, bool), RecordError> {
-    let mut known = database.prepare("SELECT name FROM pragma_table_info('trajectory_data')").map_err(&broken)?;
-    let known: rusqlite::Result<Vec<String>> = known.query_map([], |row| row.get(0)).and_then(Iterator::collect);
+    let mut known =
+        database.prepare("SELECT name FROM pragma_table_info('trajectory_data')").map_err(&broken)?;
+    let known: rusqlite::Result<Vec<String>> =
+        known.query_map([], |row| row.get(0)).and_then(Iterator::collect);
     let known = known.map_err(&broken)?;
     if let Some(missing) = COLUMNS.iter().find(|column| !known.iter().any(|name| name == *column)) {
         return Err(RecordError::wrong(path, format!("trajectory_data: there is no column {missing:?}")));

@@ -17,8 +17,8 @@ const LONGEST_LINE: u64 = 65_536;
 /// What comments say.
 #[derive(Default)]
 struct Said {
-    /// \[m\]
-    unit: Option<f64>,
+    /// Units in a metre.
+    per_metre: Option<f64>,
     /// \[1/s\]
     rate: Option<f64>,
 }
@@ -30,16 +30,18 @@ impl Said {
         if let Some((_, rest)) = comment.split_once("framerate") {
             let rest = rest.trim_start_matches(|c: char| c == ':' || c == '=' || c.is_whitespace());
             let end = rest.find(|c: char| !matches!(c, '0'..='9' | '.' | '-' | '+')).unwrap_or(rest.len());
-            let rate = rest[..end].parse().map_err(|_| format!("framerate: {rest:?} begins with no number"))?;
+            let rate =
+                rest[..end].parse().map_err(|_| format!("framerate: {rest:?} begins with no number"))?;
             same(&mut self.rate, rate, "frame rates")?;
         }
-        let words: Vec<&str> = comment.split_whitespace().map(|word| word.trim_matches(['(', ')', ',', ';', '.'])).collect();
+        let words: Vec<&str> =
+            comment.split_whitespace().map(|word| word.trim_matches(['(', ')', ',', ';', '.'])).collect();
         for (k, word) in words.iter().enumerate() {
             let after = if k > 0 && words[k - 1] == "in" { Some(*word) } else { None };
             let bracket = word.strip_prefix("x[").and_then(|word| word.strip_suffix(']'));
             match word.strip_prefix("x/").or(bracket).or(after) {
-                Some("cm") => same(&mut self.unit, 0.01, "units")?,
-                Some("m") => same(&mut self.unit, 1.0, "units")?,
+                Some("cm") => same(&mut self.per_metre, 100.0, "units")?,
+                Some("m") => same(&mut self.per_metre, 1.0, "units")?,
                 _ => {}
             }
         }
@@ -83,9 +85,11 @@ pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, Record
                 return Err(rows.wrong(n, format!("has {count} columns: it must have id, frame, x, y")));
             }
         };
-        let unit = match head {
-            Some(unit) => unit,
-            None => *head.insert(unit_of(&said, told).map_err(|wrong| rows.wrong(n, format!("x = {x}: {wrong}")))?),
+        let per_metre = match head {
+            Some(per_metre) => per_metre,
+            None => *head.insert(
+                per_metre_of(&said, told).map_err(|wrong| rows.wrong(n, format!("x = {x}: {wrong}")))?,
+            ),
         };
         let whole = |name, text: &str| {
             // Some programs write all numbers as real ones.
@@ -98,7 +102,7 @@ pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, Record
             number.ok_or_else(|| rows.wrong(n, format!("column {name}: {text:?} is not a finite number")))
         };
         let (id, frame) = (whole("id", id)?, whole("frame", frame)?);
-        let position = vec2(number("x", x)? * unit, number("y", y)? * unit);
+        let position = vec2(number("x", x)? / per_metre, number("y", y)? / per_metre);
         rows.add(n, id, frame, position, f64::NAN)?;
     }
     let rate = rate_of(path, said.rate, told.rate)?;
@@ -106,13 +110,16 @@ pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, Record
     Ok(Found { what, rows, rate, frames: None, oriented: false, geometry: Vec::new() })
 }
 
-/// Returns the length of a unit \[m\].
-fn unit_of(said: &Said, told: &Told) -> Result<f64, String> {
-    match (said.unit, told.unit) {
-        (Some(own), Some(told)) if own != told => Err("the file says another unit than is told (--unit)".into()),
+/// Returns how many units are a metre.
+fn per_metre_of(said: &Said, told: &Told) -> Result<f64, String> {
+    match (said.per_metre, told.per_metre) {
+        (Some(own), Some(told)) if own != told => {
+            Err("the file says another unit than is told (--unit)".into())
+        }
         (Some(unit), _) | (None, Some(unit)) => Ok(unit),
         (None, None) => {
-            Err("no comment before it says the unit of lengths (x/m or x/cm): tell it (--unit m or cm)".into())
+            Err("no comment before it says the unit of lengths (x/m or x/cm): tell it (--unit m or cm)"
+                .into())
         }
     }
 }

@@ -1,7 +1,9 @@
 //! Trajectories of others: what is read of texts and databases, and what is refused.
 
 use lemons_core::files::Staged;
-use lemons_results::{Area, Frame, KeptFrames, Record, Run, Told, given_area, holds_trajectories, jupedsim, pedpy};
+use lemons_results::{
+    Area, Frame, KeptFrames, Record, Run, Told, given_area, holds_trajectories, jupedsim, pedpy,
+};
 use rusqlite::Connection;
 use std::fs::write;
 use std::path::{Path, PathBuf};
@@ -39,7 +41,10 @@ fn people_appear_and_vanish_and_velocities_are_central_differences() {
     assert!(holds_trajectories(&path).unwrap());
     let (record, run) = read(&path, &Told { velocity_over: 1.0, ..Told::default() }).unwrap();
     let about = record.trajectories().unwrap();
-    assert_eq!((about.rate, about.velocity_frames, about.velocity_over(), about.oriented), (4.0, 2, 1.0, false));
+    assert_eq!(
+        (about.rate, about.velocity_frames, about.velocity_over(), about.oriented),
+        (4.0, 2, 1.0, false)
+    );
     assert_eq!(run.ids, ["3", "7"]);
     assert_eq!(record.times().collect::<Vec<_>>(), (0..9).map(|k| f64::from(k) / 4.0).collect::<Vec<_>>());
     let there = |agent: usize| run.frames.iter().map(|frame| x(frame, agent)).collect::<Vec<_>>();
@@ -64,20 +69,23 @@ fn people_appear_and_vanish_and_velocities_are_central_differences() {
 fn a_text_without_a_head_is_told_its_unit_and_rate() {
     let at = directory();
     let path = file(&at, "1 10 1.5 2\n1 15 2 2\n1 20 2.5 2\n");
-    let told = Told { unit: Some(1.0), rate: Some(25.0), ..Told::default() };
+    let told = Told { per_metre: Some(1.0), rate: Some(25.0), ..Told::default() };
     let (record, run) = read(&path, &told).unwrap();
     // Every fifth frame is there.
     assert_eq!(record.times().collect::<Vec<_>>(), [0.4, 0.6, 0.8]);
     assert_eq!((record.frame_rate().unwrap(), run.frames[1].agents[0].twist.velocity.x), (5.0, 2.5));
     assert!(run.frames[0].active.is_none(), "all are always there");
     let said = |told: &Told| read(&path, told).err().unwrap();
-    assert!(said(&Told { unit: None, ..told }).contains("walk.txt: line 1: x = 1.5: no comment before it says the unit"));
+    assert!(
+        said(&Told { per_metre: None, ..told })
+            .contains("walk.txt: line 1: x = 1.5: no comment before it says the unit")
+    );
     assert!(said(&Told { rate: None, ..told }).contains("does not say how many frames per second"));
     assert!(said(&Told { rate: Some(f64::NAN), ..told }).contains("NaN frames per second: must be above 0"));
     let path = file(&at, TWO);
     let said = |told: &Told| read(&path, told).err().unwrap();
     assert!(said(&told).contains("another unit than is told"));
-    assert!(said(&Told { unit: None, ..told }).contains("says 4.0 frames per second, not 25.0"));
+    assert!(said(&Told { per_metre: None, ..told }).contains("says 4.0 frames per second, not 25.0"));
 }
 
 #[test]
@@ -101,7 +109,10 @@ fn a_text_says_what_is_wrong_in_it() {
         ("# framerate: fast", "begins with no number"),
     ] {
         let said = read(&file(&at, &format!("{head}{rows}")), &Told::default()).err().unwrap();
-        assert!(said.starts_with(&at.path().display().to_string()) && said.contains(expected), "{rows:?}: {said}");
+        assert!(
+            said.starts_with(&at.path().display().to_string()) && said.contains(expected),
+            "{rows:?}: {said}"
+        );
     }
     let said = |text: &[u8]| {
         let path = at.path().join("bytes");
@@ -162,19 +173,37 @@ fn databases_of_both_versions_are_read() {
 fn a_database_says_what_is_wrong_in_it() {
     let at = directory();
     for (change, expected) in [
-        ("DROP TABLE trajectory_data", "is a database, but not of JuPedSim: it has no table \"trajectory_data\""),
+        (
+            "DROP TABLE trajectory_data",
+            "is a database, but not of JuPedSim: it has no table \"trajectory_data\"",
+        ),
         ("DROP TABLE metadata", "it has no table \"metadata\""),
-        ("UPDATE metadata SET value = '3' WHERE key = 'version'", "metadata: version is \"3\": versions 1 and 2"),
+        (
+            "UPDATE metadata SET value = '3' WHERE key = 'version'",
+            "metadata: version is \"3\": versions 1 and 2",
+        ),
         ("DELETE FROM metadata WHERE key = 'version'", "metadata: there is no version"),
         ("DELETE FROM metadata WHERE key = 'fps'", "does not say how many frames per second"),
-        ("UPDATE metadata SET value = 'x' WHERE key = 'fps'", "metadata: fps is \"x\", which is not a number"),
+        (
+            "UPDATE metadata SET value = 'x' WHERE key = 'fps'",
+            "metadata: fps is \"x\", which is not a number",
+        ),
         ("UPDATE metadata SET value = '0' WHERE key = 'fps'", "0.0 frames per second: must be above 0"),
         ("DELETE FROM trajectory_data", "holds no row"),
         ("UPDATE trajectory_data SET pos_x = NULL WHERE id = 5", "row 3: column pos_x: NULL is not a number"),
-        ("UPDATE trajectory_data SET pos_y = 1e300 WHERE id = 5", "row 3: column y: 1e300 m is not a number up to"),
-        ("UPDATE trajectory_data SET id = 'Ann' WHERE id = 5", "row 3: column id: \"Ann\" is not a whole number"),
+        (
+            "UPDATE trajectory_data SET pos_y = 1e300 WHERE id = 5",
+            "row 3: column y: 1e300 m is not a number up to",
+        ),
+        (
+            "UPDATE trajectory_data SET id = 'Ann' WHERE id = 5",
+            "row 3: column id: \"Ann\" is not a whole number",
+        ),
         ("UPDATE trajectory_data SET id = -2 WHERE id = 5", "row 3: column id: -2 is below 0"),
-        ("UPDATE trajectory_data SET id = 4", "row 3: id 4 stands twice in frame 3, also in trajectory_data: row 2"),
+        (
+            "UPDATE trajectory_data SET id = 4",
+            "row 3: id 4 stands twice in frame 3, also in trajectory_data: row 2",
+        ),
         ("ALTER TABLE trajectory_data DROP COLUMN ori_y", "there is no column \"ori_y\""),
         (
             "DROP TABLE trajectory_data; CREATE VIEW trajectory_data AS WITH RECURSIVE n(k) AS (SELECT 1 UNION ALL \
@@ -210,7 +239,8 @@ fn exports_come_back() {
     let told = Told { velocity_over: 0.5, ..Told::default() };
     let (record, run) = read(&file(&at, TWO), &told).unwrap();
     let positions = record.positions().unwrap();
-    let area: Area = given_area("POLYGON ((0 -1, 10 -1, 10 1, 0 1, 0 -1))", positions.iter().copied()).unwrap();
+    let area: Area =
+        given_area("POLYGON ((0 -1, 10 -1, 10 1, 0 1, 0 -1))", positions.iter().copied()).unwrap();
     let (text, sqlite) = (at.path().join("again.txt"), at.path().join("again.sqlite"));
     let later = record.clone().every(2);
     for (record, every) in [(&record, 1), (&later, 2)] {
