@@ -129,7 +129,9 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
         if !arguments.above.is_empty() {
             bail!("--above: {}: {why}", source.path.display());
         }
-        note!("exposure to squeeze is left out: {why}");
+        if record.trajectories().is_none() {
+            note!("exposure to squeeze is left out: {why}");
+        }
     }
     let pieces: Vec<_> = trial.iter().flat_map(segments).collect();
     if arguments.walls && seen.walls.as_ref().is_none_or(|walls| walls.len() != pieces.len()) {

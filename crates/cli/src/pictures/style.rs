@@ -15,6 +15,8 @@ use lemons_results::{Observed, Run};
 use lemons_sim::Replay;
 use std::path::PathBuf;
 
+/// Colour of circles that stand for bodies.
+const PLAIN: Colour = Colour(0x8c, 0xb4, 0xde);
 /// \[m\] A trail's points are not nearer than this to each other.
 const TRAIL_STEP: f64 = 0.005;
 /// \[1\], \[N\] Recorded and computed squeezes agree to this.
@@ -263,6 +265,8 @@ impl<'r> Scenes<'r> {
         scenes.style = Style {
             width: f64::from(arguments.width),
             fill: match (&arguments.fill, &scenes.shown) {
+                // All circles have the same area.
+                (Filling::Other(Fill::BodyArea), _) if run.bodies != Bodies::Known => Fill::Single(PLAIN),
                 (Filling::Other(fill), _) => fill.clone(),
                 (Filling::Of(_), None) => Fill::BodyArea,
                 (Filling::Of(_), Some(shown)) => {
