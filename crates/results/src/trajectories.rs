@@ -19,12 +19,16 @@ use std::path::Path;
 const SQLITE: &[u8; 16] = b"SQLite format 3\0";
 /// Largest number of rows: 1.3 GB of memory.
 const MOST_ROWS: usize = 20_000_000;
+/// Largest number of a frame: its time is a double, too.
+const LAST_FRAME: i64 = 1_000_000_000_000;
+/// Largest number of frames.
+const MOST_FRAMES: u64 = 10_000_000;
 /// Largest number of frames times people: each frame has a place for everybody.
 const MOST_PLACES: u64 = 100_000_000;
 /// A velocity that is not known.
 const UNKNOWN: Vec2 = vec2(f64::NAN, f64::NAN);
-/// \[1/s\] More is a mistake.
-const MOST_PER_SECOND: f64 = 1e6;
+/// \[1/s\] Less and more are a mistake.
+const RATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
 /// What a file of trajectories may leave unsaid, and how velocities are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,6 +126,9 @@ impl<'a> Rows<'a> {
                 return Err(self.wrong(n, format!("column {name}: {value} is below 0")));
             }
         }
+        if frame > LAST_FRAME {
+            return Err(self.wrong(n, format!("column frame: {frame} is above {LAST_FRAME:e}")));
+        }
         for (name, value) in [("x", p.x), ("y", p.y)] {
             if !(value.abs() <= FARTHEST) {
                 return Err(self.wrong(
@@ -143,10 +150,10 @@ impl<'a> Rows<'a> {
 
 /// Checks a frame rate \[1/s\].
 fn check_rate(rate: f64) -> Result<f64, String> {
-    if rate > 0.0 && rate <= MOST_PER_SECOND {
+    if RATES.contains(&rate) {
         Ok(rate)
     } else {
-        Err(format!("{rate:?} frames per second: must be above 0, and at most {MOST_PER_SECOND:e}"))
+        Err(format!("{rate:?} frames per second: must be from 1e-6 to 1e6"))
     }
 }
 
@@ -248,10 +255,10 @@ fn of_found(path: &Path, found: Found, velocity_over: f64) -> Result<Record, Rec
         row.frame = (row.frame - first) / step;
     }
     let count = ((last - first) / step) as u64 + 1;
-    if count.saturating_mul(ids.len() as u64) > MOST_PLACES {
+    if count > MOST_FRAMES || count * ids.len() as u64 > MOST_PLACES {
         return Err(wrong(format!(
-            "from frame {first} to {last} there are {count} frames, with places for {} people: frames times people are \
-             more than {MOST_PLACES:e}",
+            "from frame {first} to {last} there are {count} frames, with places for {} people: there may be 1e7 frames, \
+             and 1e8 frames times people",
             ids.len()
         )));
     }

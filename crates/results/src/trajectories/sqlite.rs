@@ -1,6 +1,6 @@
 //! `JuPedSim`'s trajectories: an SQLite database of version 1 or 2.
 
-use super::{Found, Rows, Told, rate_of};
+use super::{Found, LAST_FRAME, Rows, Told, rate_of};
 use crate::error::RecordError;
 use lemons_core::plane::vec2;
 use rusqlite::config::DbConfig;
@@ -61,8 +61,10 @@ pub(super) fn read(path: &Path, told: &Told) -> Result<Found, RecordError> {
     }
     // Frames without anybody are only there.
     let frames = if table("frame_data") { frames(&database).map_err(broken)? } else { None };
-    if let Some((first, _)) = frames.filter(|(first, _)| *first < 0) {
-        return Err(wrong(format!("frame_data: column frame: {first} is below 0")));
+    if let Some((first, last)) = frames.filter(|(first, last)| *first < 0 || *last > LAST_FRAME) {
+        return Err(wrong(format!(
+            "frame_data: column frame: from {first} to {last}: must be from 0 to {LAST_FRAME:e}"
+        )));
     }
     let (rows, oriented) = rows(&database, path, broken)?;
     let what = rows.what;

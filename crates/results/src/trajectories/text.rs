@@ -29,7 +29,8 @@ impl Said {
         let comment = comment.to_ascii_lowercase();
         if let Some((_, rest)) = comment.split_once("framerate") {
             let rest = rest.trim_start_matches(|c: char| c == ':' || c == '=' || c.is_whitespace());
-            let end = rest.find(|c: char| !matches!(c, '0'..='9' | '.' | '-' | '+')).unwrap_or(rest.len());
+            let end =
+                rest.find(|c: char| !matches!(c, '0'..='9' | '.' | 'e' | '-' | '+')).unwrap_or(rest.len());
             let rate =
                 rest[..end].parse().map_err(|_| format!("framerate: {rest:?} begins with no number"))?;
             same(&mut self.rate, rate, "frame rates")?;
@@ -41,7 +42,7 @@ impl Said {
             let bracket = word.strip_prefix("x[").and_then(|word| word.strip_suffix(']'));
             match word.strip_prefix("x/").or(bracket).or(after) {
                 Some("cm") => same(&mut self.per_metre, 100.0, "units")?,
-                Some("m") => same(&mut self.per_metre, 1.0, "units")?,
+                Some("m" | "meters" | "metres") => same(&mut self.per_metre, 1.0, "units")?,
                 _ => {}
             }
         }

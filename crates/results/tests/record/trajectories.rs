@@ -81,7 +81,9 @@ fn a_text_without_a_head_is_told_its_unit_and_rate() {
             .contains("walk.txt: line 1: x = 1.5: no comment before it says the unit")
     );
     assert!(said(&Told { rate: None, ..told }).contains("does not say how many frames per second"));
-    assert!(said(&Told { rate: Some(f64::NAN), ..told }).contains("NaN frames per second: must be above 0"));
+    assert!(
+        said(&Told { rate: Some(f64::NAN), ..told }).contains("NaN frames per second: must be from 1e-6")
+    );
     let path = file(&at, TWO);
     let said = |told: &Told| read(&path, told).err().unwrap();
     assert!(said(&told).contains("another unit than is told"));
@@ -100,9 +102,13 @@ fn a_text_says_what_is_wrong_in_it() {
         ("1 0\n", "line 3: has 2 columns"),
         ("-1 1 0 0", "line 3: column id: -1 is below 0"),
         ("1 -1 0 0", "line 3: column frame: -1 is below 0"),
+        ("1 1000000000001 0 0", "line 3: column frame: 1000000000001 is above 1e12"),
         ("99999999999999999999 1 0 0", "line 3: column id: \"99999999999999999999\" is not a whole number"),
         ("1 1 0 0\n2 1 0 0\n1 1 0 1", "line 5: id 1 stands twice in frame 1, also in line 3"),
-        ("1 1 0 0\n1 2 0 0\n1 1000000000 0 0", "from frame 1 to 1000000000 there are 1000000000 frames"),
+        (
+            "1 1 0 0\n1 2 0 0\n1 1000000000 0 0",
+            "from frame 1 to 1000000000 there are 1000000000 frames, with places for 1",
+        ),
         ("", "holds no row"),
         ("# framerate: 12", "line 3: there are two frame rates"),
         ("# in cm", "line 3: there are two units"),
@@ -122,7 +128,9 @@ fn a_text_says_what_is_wrong_in_it() {
     assert!(said(b"# x/m\n1 1 \xff 0\n").contains("line 2: is not UTF-8 text"));
     assert!(said(&[b'1'; 100_000]).contains("line 1: is longer than 65536 bytes"));
     assert!(said(b"t,id,x,y\n").contains("holds no trajectories"));
-    assert!(said(b"# framerate: -25\n# x/m\n1 1 0 0\n").contains("-25.0 frames per second: must be above 0"));
+    assert!(
+        said(b"# framerate: -25\n# x/m\n1 1 0 0\n").contains("-25.0 frames per second: must be from 1e-6")
+    );
     // A frame far away is no many frames.
     let alone = file(&at, &format!("{head}9000000000000000000 1000000000 0 0\n"));
     assert_eq!(read(&alone, &Told::default()).unwrap().0.times().collect::<Vec<_>>(), [1e8]);
@@ -188,7 +196,7 @@ fn a_database_says_what_is_wrong_in_it() {
             "UPDATE metadata SET value = 'x' WHERE key = 'fps'",
             "metadata: fps is \"x\", which is not a number",
         ),
-        ("UPDATE metadata SET value = '0' WHERE key = 'fps'", "0.0 frames per second: must be above 0"),
+        ("UPDATE metadata SET value = '0' WHERE key = 'fps'", "0.0 frames per second: must be from 1e-6"),
         ("DELETE FROM trajectory_data", "holds no row"),
         ("UPDATE trajectory_data SET pos_x = NULL WHERE id = 5", "row 3: column pos_x: NULL is not a number"),
         (
@@ -212,7 +220,7 @@ fn a_database_says_what_is_wrong_in_it() {
         ),
         (
             "CREATE TABLE frame_data (frame INTEGER, geometry_hash INTEGER); INSERT INTO frame_data VALUES (-1, 1)",
-            "frame_data: column frame: -1 is below 0",
+            "frame_data: column frame: from -1 to -1: must be from 0",
         ),
     ] {
         let said = read(&database(&at, change), &Told::default()).err().unwrap();
