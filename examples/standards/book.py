@@ -54,11 +54,11 @@ def rounded(value):
 
 
 def shown(text, numbers):
-    """A text with the numbers of a scene in it. A list is shown with commas, each as its format says."""
+    """A text with the numbers of a scene in it. A list is shown with commas, each as its format says; a mean of nothing is "none"."""
 
     class Listed(list):
         def __format__(self, form):
-            return ", ".join(format(each, form) for each in self)
+            return ", ".join("none" if each != each else format(each, form) for each in self)
 
     return text.format(**{name: Listed(value) if isinstance(value, list) else value for name, value in numbers.items()})
 

@@ -314,7 +314,7 @@ def counterflow(work, oncoming=(0, 10, 50, 100), seeds=2):
     cases = [(against, seed) for against in sorted(oncoming, reverse=True) for seed in range(1, seeds + 1)]
     by = pd.Series(at_once(once, cases), index=pd.MultiIndex.from_tuples(cases))
     means = np.array([by[against].mean() for against in oncoming])
-    return {"oncoming": np.array(oncoming), "times": means, "stuck": int(by.isna().sum()), "least_growth": np.diff(means).min()}
+    return {"oncoming": np.array(oncoming), "times": means, "stuck": int(by.isna().sum()), "least_growth": np.diff(means[np.isfinite(means)]).min()}
 
 
 def wheelchair(work, seeds=5):
