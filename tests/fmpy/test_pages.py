@@ -46,6 +46,8 @@ NOT_RUN = {
     ("docs/balance.md", "python examples/waves.py"): "takes half an hour; test_balance.py runs a small square",
     ("docs/calibration.md", "python examples/calibrate.py"): "needs measured data, and minutes; test_sweep.py runs its parts",
     ("docs/validation.md", "python examples/validation.py"): "takes minutes; test_walking_models.py runs its quick cases",
+    ("docs/standards.md", "python examples/standards/book.py"): "takes minutes; test_standards.py runs the quick scenes",
+    ("docs/scenes.md", "python examples/scenes/scenes.py all"): "test_pictures.py draws them; the other commands of the page are run",
     ("docs/walking.md", "python examples/door_width.py"): "takes minutes; test_pictures.py makes fewer rooms",
     ("docs/guide/squeeze.md", "cargo test --release -p lemons-people"): COMPILES,
     ("docs/guide/squeeze.md", "python examples/soft_chest.py"): "takes minutes; test_numbers.py makes fewer rooms",
