@@ -69,7 +69,7 @@ export function place(asStep: boolean) {
 
 /** Whether the same people stand at the same places in both crowds. */
 function same(one: KeptCrowd, other: KeptCrowd): boolean {
-    const [a, b] = [one, other].map(({ room: { outline, obstacles }, seed, number, density, region, people, men, direction, round }) => JSON.stringify([outline, obstacles, seed, number, density, region, people, men, direction, round]));
+    const [a, b] = [one, other].map(({ room: { outline, obstacles }, seed, number, density, region, people, mix, men, direction, round }) => JSON.stringify([outline, obstacles, seed, number, density, region, people, mix, men, direction, round]));
     return a === b;
 }
 

@@ -3,6 +3,7 @@
 import { scaleOf } from "./colour";
 import type { Film } from "./film";
 import { translated } from "./language";
+import { kindWords } from "./kindwords";
 import { digits } from "./parts";
 import { plan } from "./plan";
 
@@ -30,7 +31,8 @@ export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: 
     context.fillStyle = ink;
     const time = `${(film.place.value * film.scene.step).toFixed(2)} s`;
     context.fillText(time, 10 * pixel, middle);
-    const { label, unit, low, high: most, largest, ramp: colours } = scaleOf(film, plan.value.colour);
+    const { label, unit, low, high: most, largest, ramp: colours, kinds } = scaleOf(film, plan.value.colour);
+    if (kinds) return paintKinds(context, kinds.map(({ name, shade }) => [translated(kindWords(name)), shade.fill]), width - 10 * pixel, middle, context.measureText(time).width + 20 * pixel, pixel, ink);
     const end = `${largest > most ? "≥ " : ""}${digits(most, 3)} ${unit}`.trim();
     let right = width - 10 * pixel - context.measureText(end).width;
     context.fillText(end, right, middle);
@@ -44,6 +46,19 @@ export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: 
     context.fillStyle = ink;
     right -= context.measureText(begin).width + 8 * pixel;
     if (right > context.measureText(time).width + 20 * pixel) context.fillText(begin, right, middle);
+}
+
+/** Names of kinds with their colours, from the right; those for which there is room. */
+function paintKinds(context: CanvasRenderingContext2D, kinds: [string, string][], right: number, middle: number, least: number, pixel: number, ink: string) {
+    for (const [name, colour] of kinds.toReversed()) {
+        const wide = context.measureText(name).width + 22 * pixel;
+        if (right - wide < least) return;
+        right -= wide;
+        context.fillStyle = colour;
+        context.fillRect(right, middle - 5 * pixel, 10 * pixel, 10 * pixel);
+        context.fillStyle = ink;
+        context.fillText(name, right + 14 * pixel, middle);
+    }
 }
 
 export async function png(from: HTMLCanvasElement, film: Film): Promise<Blob> {

@@ -157,6 +157,15 @@ impl DecisionConfig {
         (fewer != *self).then_some(fewer)
     }
 
+    /// Returns the same with desired speeds \[m/s\] of agents, by their Ids; of those who have one already it stays.
+    #[must_use]
+    pub fn with_speeds(mut self, speeds: impl IntoIterator<Item = (String, f64)>) -> DecisionConfig {
+        for (id, speed) in speeds {
+            self.agents.entry(id).or_default().desired_speed.get_or_insert(speed);
+        }
+        self
+    }
+
     /// Makes settings in which nobody goes anywhere, with legs of a model.
     pub fn standing(balance: BalanceName) -> DecisionConfig {
         DecisionConfig { balance: Some(balance), ..DecisionConfig::default() }

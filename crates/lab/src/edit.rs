@@ -6,7 +6,7 @@ use crate::person::PersonRequest;
 use crate::{Refused, require, within};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Interactions, Trial};
-use lemons_people::{Disk, Person, Shape, choose_mechanical_step};
+use lemons_people::{Disk, PART_MATERIALS, Person, SKINS, Shape, choose_mechanical_step};
 use serde::Deserialize;
 
 /// Most changes of a Trial.
@@ -60,7 +60,7 @@ fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> 
         Edit::Copy { id, r#as: to, x, y, theta } => {
             let place = place_of(id)?;
             let here = pose(*x, *y, *theta)?;
-            let person = driven.people.as_ref().map(|people| people[place]);
+            let person = driven.people.as_ref().map(|people| people[place].clone());
             let (agent, drive) = (driven.trial.agents[place].clone(), driven.trial.dynamics[place].clone());
             put(driven, to, agent, person, drive, here)?;
         }
@@ -68,7 +68,7 @@ fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> 
             let (person, here) = (person.person()?, pose(*x, *y, *theta)?);
             let round = matches!(base, Base::Crowd(wanted) if wanted.round);
             let (agent, drive) = measured(&driven.trial, &person, round)?;
-            put(driven, id, agent, Some(person), drive, here)?;
+            put(driven, id, agent, Some(lemons_people::Agent::Pedestrian(person)), drive, here)?;
         }
         Edit::Delete { id } => {
             let place = place_of(id)?;
@@ -90,10 +90,13 @@ fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, Agent
     if round {
         shape = crowd::round(&shape);
     }
-    let material_id = &first.shapes[0].material_id;
+    let materials = trial.agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &disk.material_id);
+    let own = materials.clone().find(|id| !PART_MATERIALS.contains(&&***id));
+    // Where all sit in wheelchairs, nobody has a material.
+    let material_id = own.map_or(SKINS[0], |id| id);
     let disk = |disk: &Disk| lemons_core::trial::Shape {
         radius: disk.radius,
-        material_id: material_id.clone(),
+        material_id: material_id.to_owned(),
         position: disk.centre,
     };
     let agent = Agent {
@@ -101,6 +104,7 @@ fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, Agent
         height: Some(person.stature),
         moment_of_inertia: shape.inertia(person.mass),
         shapes: shape.disks.iter().map(disk).collect(),
+        kind: None,
         ..first.clone()
     };
     let drive = AgentDynamics { fp: drive.fp * (person.mass / first.mass), mp: 0.0, ..drive.clone() };
@@ -112,7 +116,7 @@ fn put(
     driven: &mut Driven,
     id: &str,
     agent: Agent,
-    person: Option<Person>,
+    person: Option<lemons_people::Agent>,
     drive: AgentDynamics,
     (position, theta): (Vec2, f64),
 ) -> Result<(), Refused> {

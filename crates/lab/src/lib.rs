@@ -9,6 +9,7 @@
 //! people) -> [`run`]. The parts:
 //!
 //! - [`person`], [`body`]: one person; bodies in three dimensions, and sections
+//! - [`kinds`]: kinds of people, and what goes along with them
 //! - [`room`], [`crowd`], [`upload`]: where a Trial comes from
 //! - [`scene`]: what a page draws of it
 //! - [`frame`]: what it keeps of a run, and asks of it
@@ -21,6 +22,7 @@ pub mod crowd;
 pub mod edit;
 pub mod files;
 pub mod frame;
+pub mod kinds;
 pub mod motion;
 pub mod person;
 pub mod room;
@@ -46,6 +48,8 @@ pub enum Request {
     Body(person::PersonRequest),
     /// The bicycle that others are drawn around.
     Bicycle {},
+    /// The kinds of people that a crowd may have.
+    Kinds {},
     /// A crowd, an example or an upload, as it is to be run.
     Show(Box<Shown>),
     /// A room that is drawn.
@@ -136,6 +140,7 @@ impl Lab {
             Request::Person(wanted) => person::person(wanted),
             Request::Body(wanted) => body::of_person(&wanted.person()?),
             Request::Bicycle {} => Ok(person::bicycle()),
+            Request::Kinds {} => kinds::all(),
             Request::Show(shown) => self.show(shown, bytes, watch),
             Request::Room(wanted) => room::drawn(wanted),
             Request::Geometry { name } => room::upload(name, bytes),

@@ -23,6 +23,10 @@ const OTHERS: [&str; 4] = ["male", "female", "pedestrian", "bicycle"];
 const MOST_DISKS: usize = 50;
 /// \[m\] Largest number of a part: nothing that goes along with a person is farther away.
 const FARTHEST: f64 = 5.0;
+/// \[m\] Height of a seat (assumption).
+const SEAT: f64 = 0.48;
+/// Most solids of a part.
+const MOST_SOLIDS: usize = 100;
 
 /// Whose statistics give the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -63,6 +67,29 @@ pub struct Part {
     pub disks: Vec<[f64; 3]>,
     /// \[kg\] Its mass.
     pub mass: Distribution,
+    /// \[m\] Its lowest and its highest place above the floor, in three dimensions.
+    #[serde(default = "usual_height")]
+    pub height: [f64; 2],
+    /// What it looks like in three dimensions; empty: its disks as cylinders.
+    #[serde(default)]
+    pub solids: Vec<Solid>,
+}
+
+/// \[m\] Of a thing of which nothing is said (assumption).
+fn usual_height() -> [f64; 2] {
+    [0.0, 1.0]
+}
+
+/// A plain solid: how a part of a thing looks. x and y \[m\] are those of its disks, z is above the floor.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Solid {
+    /// From and to, along x, y and z.
+    Box([[f64; 2]; 3]),
+    /// From a point to another one, and how thick it is.
+    Bar([f64; 3], [f64; 3], f64),
+    /// Its middle, its radius and its width, along y.
+    Wheel([f64; 5]),
 }
 
 /// A kind of people.
@@ -82,6 +109,9 @@ pub struct Kind {
     /// Whether the person sits within the parts, and has no disks of its own.
     #[serde(default)]
     pub seated: bool,
+    /// \[m\] Height of its seat, in three dimensions.
+    #[serde(default = "usual_seat")]
+    pub seat: f64,
     /// \[m/s\] Desired speed; of a child, times the square root of its stature by the adults' mean.
     pub speed: Distribution,
     /// \[m/s\] That of women, if it differs.
@@ -92,6 +122,10 @@ pub struct Kind {
     /// The source of each number, or that it is an assumption.
     #[serde(default)]
     pub sources: Vec<String>,
+}
+
+fn usual_seat() -> f64 {
+    SEAT
 }
 
 /// The kinds that a crowd can have, by name.
@@ -122,6 +156,11 @@ impl Kinds {
             self.0.insert(name.clone(), Arc::new(Kind { name, ..kind }));
         }
         Ok(self)
+    }
+
+    /// Returns the kind of a name.
+    pub fn get(&self, name: &str) -> Option<&Arc<Kind>> {
+        self.0.get(name)
     }
 
     /// Returns all kinds, in the order of their names.
@@ -172,6 +211,7 @@ impl Kind {
             "seated: the first disk must be the leftmost one, and the last one opposite: they say where it looks"
                 .to_owned()
         })?;
+        require((0.0..=2.0).contains(&self.seat), || format!("seat = {} m: must be from 0 to 2 m", self.seat))?;
         require(self.disks() <= MOST_DISKS, || format!("{} disks: at most {MOST_DISKS}", self.disks()))?;
         self.parts
             .iter()
@@ -257,12 +297,41 @@ impl Part {
         })?;
         self.mass.check().map_err(|error| PeopleError::new(error).of("mass"))?;
         require(!self.disks.is_empty(), || "disks: there are none".to_owned())?;
+        let [from, to] = self.height;
+        require(0.0 <= from && from < to && to <= FARTHEST, || {
+            format!("height = [{from}, {to}]: must be from 0 to {FARTHEST} m, the lower one first")
+        })?;
+        require(self.solids.len() <= MOST_SOLIDS, || {
+            format!("{} solids: at most {MOST_SOLIDS}", self.solids.len())
+        })?;
+        self.solids.iter().try_for_each(|solid| {
+            require(solid.is_possible(), || {
+                format!("solid {solid:?}: must be within {FARTHEST} m, not below the floor, from the smaller to the larger")
+            })
+        })?;
         self.disks.iter().try_for_each(|disk| {
             let good = disk[2] >= 0.01 && disk.iter().all(|value| value.abs() <= FARTHEST);
             require(good, || {
                 format!("disk {disk:?}: must be within {FARTHEST} m, with a radius of at least 0.01 m")
             })
         })
+    }
+}
+
+impl Solid {
+    fn is_possible(&self) -> bool {
+        let near = |values: &[f64]| values.iter().all(|value| value.abs() <= FARTHEST);
+        match self {
+            Solid::Box(sides) => {
+                near(sides.as_flattened()) && sides.iter().all(|[from, to]| from < to) && sides[2][0] >= 0.0
+            }
+            Solid::Bar(from, to, thick) => {
+                near(from) && near(to) && from != to && from[2].min(to[2]) >= 0.0 && (0.001..=1.0).contains(thick)
+            }
+            Solid::Wheel([x, y, z, radius, width]) => {
+                near(&[*x, *y, *z]) && *radius >= 0.005 && *z >= *radius && near(&[*radius]) && (0.001..=1.0).contains(width)
+            }
+        }
     }
 }
 
