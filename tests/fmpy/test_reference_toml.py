@@ -24,6 +24,8 @@ OTHER = {
     "list of texts": ["5", '"0"', "[0]"],
     "table": ["5", '"x"'],
     "tables": ["5", '"x"'],
+    "two numbers": ["5", '"x"', "[1.0]", "[1.0, -1.0]"],
+    "list of doors": ["5", '"x"', "[5]", "[[1.0, 2.0]]"],
     "two places": ["[9, 1]", "[[9, 1]]", '"x"', "5"],
     "three places": ["[[9, 1], [9, 5]]", "[9, 1, 9, 5, 10, 5]", "5"],
 }
@@ -178,6 +180,7 @@ class SweepReader(Reader):
         "The file": lambda file: file,
         "Parameters": lambda file: file["parameters"]["TimeStepMechanical"],
         "stop": lambda file: file["stop"],
+        "population": lambda file: file["population"],
     }
 
     def base(self, heading, key):
@@ -185,6 +188,9 @@ class SweepReader(Reader):
         if heading == "Parameters":
             # Without a count, whole numbers: of threads.
             file["parameters"] = {"TimeStepMechanical": {"from": 1e-5, "to": 1e-4, "count": 2}}
+        if heading == "population":
+            del file["trial"]
+            file["population"] = {"number": 4, "box": [6.0, 5.0], "doors": [[6.0, 2.5, 1.0]]}
         if heading == "stop":
             file["stop"] = {"of": "speed", "at_least": 1}
         if heading in self.MEASURES:
@@ -197,7 +203,7 @@ class SweepReader(Reader):
 READERS = {DECISION: DecisionReader, SWEEP: SweepReader}
 # Of these two, one must be there, and the other must not.
 EITHER = [("line", "polygon"), ("trial", "fmu"), ("parameters", "table"), ("at_least", "at_most")]
-NOT_BOTH = [*EITHER, ("exit", "goal")]
+NOT_BOTH = [*EITHER, ("exit", "goal"), ("trial", "population"), ("fmu", "population")]
 
 
 @pytest.fixture(scope="module")

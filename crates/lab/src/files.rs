@@ -177,7 +177,8 @@ fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused
     }
     let map = if wanted.from_grey { ColourMap::FromGrey } else { ColourMap::Viridis };
     let of = Values::of(numbers(values), &wanted.label, &wanted.unit);
-    let fill = if wanted.by_kind { Fill::Kind } else { Fill::Values(Values { map, beyond: wanted.beyond, ..of }) };
+    let fill =
+        if wanted.by_kind { Fill::Kind } else { Fill::Values(Values { map, beyond: wanted.beyond, ..of }) };
     let [low, high] = wanted.range;
     let range = Some((low, high)).filter(|_| low < high);
     let style = Style { width: 800.0, fill, range, time: Some(wanted.time), ..Style::default() };

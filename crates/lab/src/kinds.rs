@@ -4,7 +4,8 @@ use crate::{Refused, Reply};
 use lemons_core::plane::{Disk, Vec2};
 use lemons_core::trial::{Agent, Trial};
 use lemons_people::{
-    Kind, Kinds, Member, PAPER_BICYCLES, PART_MATERIALS, Person, Population, Proportions, Shape, Source, people_fitting,
+    Kind, Kinds, Member, PAPER_BICYCLES, PART_MATERIALS, Person, Population, Proportions, Shape, Source,
+    people_fitting,
 };
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};

@@ -32,7 +32,9 @@ pub fn of(run: &Run) -> Value {
     };
     let person = |agent: &lemons_people::Agent| {
         let Person { sex, breadth, depth, stature, mass } = *agent.everybody().first()?;
-        Some(json!({ "sex": sex.name(), "breadth": breadth, "depth": depth, "stature": stature, "mass": mass }))
+        Some(
+            json!({ "sex": sex.name(), "breadth": breadth, "depth": depth, "stature": stature, "mass": mass }),
+        )
     };
     let people = driven.people.as_ref().map(|people| people.iter().map(person).collect::<Vec<_>>());
     let plan = driven.plan.as_ref();

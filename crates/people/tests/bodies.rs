@@ -376,8 +376,9 @@ fn people_of_all_kinds_and_their_things_are_closed_solids_in_their_outline() {
     let kinds = Kinds::built_in().unwrap();
     for kind in kinds.iter() {
         let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into()).unwrap();
-        let population =
-            Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES).unwrap().mixed(mix);
+        let population = Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES)
+            .unwrap()
+            .mixed(mix);
         for agent in population.agents(7).take(3) {
             let member = agent.member().unwrap();
             let figure = Figure::of(&agent).unwrap();
@@ -395,8 +396,8 @@ fn people_of_all_kinds_and_their_things_are_closed_solids_in_their_outline() {
                 assert!(*z >= 0.0 && off < 0.1, "{}: {x} {y} {z} {off}", kind.name);
             }
             let places = || bodies.iter().flat_map(|part| &part.vertices);
-            let (low, high) =
-                places().fold((f64::MAX, f64::MIN), |(low, high), place| (low.min(place[2]), high.max(place[2])));
+            let (low, high) = places()
+                .fold((f64::MAX, f64::MIN), |(low, high), place| (low.min(place[2]), high.max(place[2])));
             let stature = member.people[0].0.stature;
             if kind.seated {
                 // The sitting height is 0.52 of the stature (ANSUR II: 0.918 m of 1.756 m), above a seat of 0.48 m.
@@ -431,17 +432,21 @@ fn figures_that_fit_a_trial_are_those_of_its_kinds() {
     let kinds = Kinds::built_in().unwrap();
     for kind in kinds.iter() {
         let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into()).unwrap();
-        let population =
-            Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES).unwrap().mixed(mix);
+        let population = Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES)
+            .unwrap()
+            .mixed(mix);
         let agents: Vec<Agent> = population.agents(3).take(3).collect();
-        let crowd: Vec<(Agent, Pose)> = agents.iter().cloned().map(|agent| (agent, Pose::default())).collect();
+        let crowd: Vec<(Agent, Pose)> =
+            agents.iter().cloned().map(|agent| (agent, Pose::default())).collect();
         let trial = crowd_trial("t", &crowd, walls(&[], "concrete"), &TrialSettings::default()).unwrap();
         for (agent, read) in agents.iter().zip(&trial.agents) {
             let [known, fitting] = [Figure::of(agent).unwrap(), Figure::fitting(read).unwrap()];
             let things = [&known, &fitting].map(Figure::things);
             let bodies = [&known, &fitting].map(|figure| figure.bodies(false));
             assert_eq!((things[0].len(), bodies[0].len()), (things[1].len(), bodies[1].len()));
-            for (one, other) in things[0].iter().zip(&things[1]).flat_map(|(a, b)| a.vertices.iter().zip(&b.vertices)) {
+            for (one, other) in
+                things[0].iter().zip(&things[1]).flat_map(|(a, b)| a.vertices.iter().zip(&b.vertices))
+            {
                 assert!((0..3).all(|k| (one[k] - other[k]).abs() < 1e-9), "{}: {one:?} {other:?}", kind.name);
             }
             let middle = |of: usize, part: usize| {

@@ -172,7 +172,8 @@ fn people_of(kind: &Kind, agent: &lemons_core::trial::Agent) -> Option<Vec<(Pers
         // The child is between the first disk of the adult and the others.
         (Some([from, to]), 10) => {
             let small = of(&own[1..6], fitting);
-            let ages = (0..=100).map(|k| child(Sex::Female, from + 0.01 * f64::from(k) * (to - from), [0.0; 2]));
+            let ages =
+                (0..=100).map(|k| child(Sex::Female, from + 0.01 * f64::from(k) * (to - from), [0.0; 2]));
             let off = |one: &Person| (one.breadth - small.0.breadth).abs();
             let like = ages.min_by(|one, other| off(one).total_cmp(&off(other)))?;
             let beside = (Person { breadth: small.0.breadth, depth: small.0.depth, ..like }, small.1);
@@ -200,7 +201,8 @@ fn sit(parts: &mut [MeshPart], stature: f64, seat: f64) {
     for arm in arms {
         let elbow = ELBOWS * stature + seat - low;
         let Limb { top, axis, .. } = Limb::of(arm);
-        Bend { start: vec2(axis, top), straight: top - elbow, radius: 0.06 * size, down: true, angle: BENT }.apply(arm);
+        Bend { start: vec2(axis, top), straight: top - elbow, radius: 0.06 * size, down: true, angle: BENT }
+            .apply(arm);
     }
     for leg in [left, right] {
         let Limb { top, axis, back } = Limb::of(leg);
@@ -223,7 +225,9 @@ struct Limb {
 impl Limb {
     fn of(part: &MeshPart) -> Limb {
         let top = part.vertices.iter().fold(f64::MIN, |top, place| top.max(place[2]));
-        let near = |depth: f64| part.vertices.iter().filter(move |place| place[2] > top - depth).map(|place| place[0]);
+        let near = |depth: f64| {
+            part.vertices.iter().filter(move |place| place[2] > top - depth).map(|place| place[0])
+        };
         let (low, high) = near(0.05).fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
         let axis = 0.5 * (low + high);
         Limb { top, axis, back: axis - near(0.2).fold(f64::MAX, f64::min) }
@@ -262,7 +266,8 @@ impl Bend {
             let (s, off) = (top - place[2], place[0] - axis);
             let by = ((s - first) / radius).clamp(0.0, angle);
             let beyond = if s < first { s - first } else { (s - first - radius * angle).max(0.0) };
-            let at = middle - turned(inwards, by) * radius + turned(along, by) * beyond + turned(ahead, by) * off;
+            let at =
+                middle - turned(inwards, by) * radius + turned(along, by) * beyond + turned(ahead, by) * off;
             (place[0], place[2]) = (at.x, at.y);
         }
     }
