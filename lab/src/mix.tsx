@@ -77,7 +77,7 @@ function Share({ kind, share, onChange }: { kind: string; share: number; onChang
         if (Number.isFinite(value)) onChange(Math.max(0, Math.min(100, Math.round(value))));
     };
     return (
-        <div class="share" title={found?.sources.join("; ")}>
+        <div class="share" title={found?.sources.join("; ")} translate={false}>
             <FromAbove kind={found} />
             <span class="name">
                 <KindName kind={kind} />

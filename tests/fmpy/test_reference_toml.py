@@ -336,11 +336,13 @@ def test_what_a_measure_may_be_of_and_take(readers, lemons):
 @pytest.mark.parametrize("page", READERS)
 def test_the_example_is_taken(readers, page):
     reader = readers[page]
-    (block,) = (block for block in pages.blocks(page) if block.language == "toml")
-    file = tomllib.loads(block.text)
-    if page == SWEEP:
-        file |= {"trial": str(REPOSITORY / file["trial"]), "until": 0.1}
-    assert not reader.refusal(file)
+    files = [tomllib.loads(block.text) for block in pages.blocks(page) if block.language == "toml"]
+    assert len(files) == (2 if page == SWEEP else 1)
+    for file in files:
+        if page == SWEEP:
+            file |= {"trial": str(REPOSITORY / file["trial"])} if "trial" in file else {}
+            file["until"] = 0.1
+        assert not reader.refusal(file)
     if page == DECISION:
         (most,) = map(int, re.findall(r"at most (\d+) exits and goals", pages.text_of(DECISION)))
         exit = {"line": file["exits"][0]["line"]}

@@ -157,7 +157,7 @@ def grey(page: Page, path: Path) -> float:
 def test_wheelchairs_are_there_in_three_dimensions_also_of_an_opened_trial(page: Page, tmp_path: Path) -> None:
     make(page, 12, 500, 500)
     tab(page, "Crowd")
-    page.get_by_label("3D").check() if page.get_by_label("3D").count() else page.get_by_role("button", name="3D").click()
+    page.get_by_label("View").select_option(label="3D")
     page.wait_for_timeout(1500)
     before = grey(page, tmp_path / "adults.png")
     page.get_by_label("Children, elderly, luggage, wheelchairs").check()
