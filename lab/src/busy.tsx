@@ -18,6 +18,7 @@ const AGAIN = 5;
 const DOING: Record<Request["ask"], string> = {
     person: "The person is made",
     body: "The body is made",
+    kinds: "The kinds of people are read",
     bicycle: "The bicycle is made",
     show: "The scene is made",
     room: "The room is drawn",

@@ -67,6 +67,7 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
                 <NumberField label="Desired speed" unit="m/s" value={wishes.desired_speed} min={0} max={20} step={0.1} onChange={(desired_speed) => setWishes({ ...wishes, desired_speed })} />
                 <NumberField label="Seed" value={wishes.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => setWishes({ ...wishes, seed })} />
             </div>
+            <KindSpeeds />
             {places.length < MOST.places && <Draw wishes={wishes} middle={middle} />}
             <p class="note" role="status">
                 {hint ? `${hint} Esc ends it without a change. Hold Shift for right angles.` : "Drag corners on the picture, or all of it by its name; Delete removes what is marked."}
@@ -86,6 +87,12 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
             {places.length > 1 && <Own wishes={wishes} />}
         </>
     );
+}
+
+/** Who has another desired speed. */
+export function KindSpeeds() {
+    const kinds = film.value?.scene.people && film.value.scene.agents.some(({ kind }) => kind !== null);
+    return kinds ? <p class="note">People of kinds have the desired speed of their kind (click one for it). This one is for those whom you put there by hand.</p> : null;
 }
 
 /** Constants of the rotational model: name, unit, the least, the step. */

@@ -16,7 +16,7 @@ export type KeptCrowd = Omit<CrowdWanted, "people"> & { people: KeptPeople };
 export type KeptBase = Extract<Base, { kind: "example" }> | ({ kind: "crowd" } & KeptCrowd) | (Upload & Kept);
 
 /** Most corners of an area and of a wall, most walls, most parts of another kind, and most letters of a name and of a path. */
-export const MOST = { corners: 200, outline: 2000, walls: 500, all: 5000, parts: 50, places: 50, ways: 20, points: 50, edits: 1000, name: 200, path: 400, files: 1000 };
+export const MOST = { corners: 200, outline: 2000, walls: 500, all: 5000, parts: 50, places: 50, ways: 20, points: 50, edits: 1000, name: 200, path: 400, files: 1000, kinds: 50 };
 
 export const point: Check<Point> = tuple<Point>(number, number);
 const corners = list(point, MOST.corners, 3);
@@ -55,6 +55,7 @@ const inCrowd = record<KeptCrowd>({
     room,
     region: nullable(corners),
     people,
+    mix: dictionary(within(0, 1e6), MOST.kinds),
     men: number,
     direction: nullable(number),
     speed: number,
@@ -74,6 +75,7 @@ export const FIRST_CROWD: KeptCrowd = {
     room: { outline: rectangle(4, 4), obstacles: [], doors: [] },
     region: null,
     people: { kind: "survey" },
+    mix: {},
     men: 0.5,
     direction: 0,
     speed: 1,
@@ -82,10 +84,10 @@ export const FIRST_CROWD: KeptCrowd = {
     round: false,
 };
 
-/** Former pages kept whether people wear clothes, no material, no friction, and no round bodies. */
+/** Former pages kept whether people wear clothes, no material, no friction, no round bodies, and no kinds. */
 export const crowd: Check<KeptCrowd> = (given) => {
     const kept = given as { clothes?: unknown };
-    return inCrowd({ material: kept?.clothes === true ? "human_clothes" : "human_naked", friction: null, round: false, ...kept });
+    return inCrowd({ material: kept?.clothes === true ? "human_clothes" : "human_naked", friction: null, round: false, mix: {}, ...kept });
 };
 export const base = tagged<"kind", KeptBase>("kind", {
     example: record({ name: one("push") }),

@@ -4,6 +4,7 @@ import { byPlace, mapKind } from "./byplace";
 import { type Scale, scaleOf } from "./colour";
 import type { Film } from "./film";
 import { translated } from "./language";
+import { kindWords } from "./kindwords";
 import { digits } from "./parts";
 import { plan } from "./plan";
 
@@ -37,10 +38,11 @@ export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: 
     if (map) row(context, translated(map.words()), map.scale(kind!), width, line(1), ink);
 }
 
-/** A line below the picture: words, and a scale. */
-function row(context: CanvasRenderingContext2D, words: string, { label, unit, low, high: most, largest, ramp: colours }: Scale, width: number, middle: number, ink: string) {
+/** A line below the picture: words, and a scale or kinds. */
+function row(context: CanvasRenderingContext2D, words: string, { label, unit, low, high: most, largest, ramp: colours, kinds }: Scale, width: number, middle: number, ink: string) {
     const pixel = devicePixelRatio;
     context.fillText(words, 10 * pixel, middle);
+    if (kinds) return paintKinds(context, kinds.map(({ name, shade }) => [translated(kindWords(name)), shade.fill]), width - 10 * pixel, middle, context.measureText(words).width + 20 * pixel, pixel, ink);
     const end = `${largest > most ? "≥ " : ""}${digits(most, 3)} ${unit}`.trim();
     let right = width - 10 * pixel - context.measureText(end).width;
     context.fillText(end, right, middle);
@@ -54,6 +56,19 @@ function row(context: CanvasRenderingContext2D, words: string, { label, unit, lo
     context.fillStyle = ink;
     right -= context.measureText(begin).width + 8 * pixel;
     if (right > context.measureText(words).width + 20 * pixel) context.fillText(begin, right, middle);
+}
+
+/** Names of kinds with their colours, from the right; those for which there is room. */
+function paintKinds(context: CanvasRenderingContext2D, kinds: [string, string][], right: number, middle: number, least: number, pixel: number, ink: string) {
+    for (const [name, colour] of kinds.toReversed()) {
+        const wide = context.measureText(name).width + 22 * pixel;
+        if (right - wide < least) return;
+        right -= wide;
+        context.fillStyle = colour;
+        context.fillRect(right, middle - 5 * pixel, 10 * pixel, 10 * pixel);
+        context.fillStyle = ink;
+        context.fillText(name, right + 14 * pixel, middle);
+    }
 }
 
 export async function png(from: HTMLCanvasElement, film: Film): Promise<Blob> {

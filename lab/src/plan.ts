@@ -15,7 +15,7 @@ export interface Made {
     mechanics?: Mechanics;
 }
 
-export type Colour = "speed" | "squeeze" | "contacts";
+export type Colour = "speed" | "squeeze" | "contacts" | "kind";
 export const TABS = ["start", "room", "crowd", "motion", "person", "take"] as const;
 
 export interface Plan {
@@ -59,7 +59,7 @@ export const FIRST: Plan = {
     unit: "cm",
     colour: "squeeze",
     smooth: 0.1,
-    most: { speed: null, squeeze: null, contacts: null },
+    most: { speed: null, squeeze: null, contacts: null, kind: null },
     pace: 1,
     end: 30,
     chart: "greatest",
@@ -88,9 +88,9 @@ const whole = patched<Plan>(
         tab: one(...TABS),
         ...undoables,
         unit: one("m", "cm"),
-        colour: one("speed", "squeeze", "contacts"),
+        colour: one("speed", "squeeze", "contacts", "kind"),
         smooth: within(0.01, 10),
-        most: record<Plan["most"]>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper) }),
+        most: record<Plan["most"]>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper), kind: () => null }),
         pace: within(0.01, 100),
         end: within(1e-3, 1e5),
         chart: one("greatest", "mean", "speed", "left", "flow", "density", "all"),

@@ -39,6 +39,8 @@ export interface CrowdWanted {
     /** Where people are placed; null: in the whole room. */
     region: Point[] | null;
     people: People;
+    /** Shares of kinds of people, by their names; empty: adults with nothing. */
+    mix: Record<string, number>;
     /** Share of men among the people. */
     men: number;
     /** In degrees; null: each another one. */
@@ -183,7 +185,7 @@ export type Wanted =
     | { file: "trial" }
     | { file: "fmu"; version: 2 | 3; binaries: [string, number][] }
     /** With a frame, then a number for each agent as float64: what its colour shows (as on the stage). `range` is that of the colours. */
-    | { file: "svg"; range: [number, number]; beyond: boolean; from_grey: boolean; label: string; unit: string; time: number; forces: boolean }
+    | { file: "svg"; range: [number, number]; beyond: boolean; from_grey: boolean; label: string; unit: string; time: number; forces: boolean; by_kind: boolean }
     | { file: "population" }
     /** With a frame. */
     | { file: "mesh"; format: "obj" | "stl" }
@@ -195,6 +197,8 @@ export type Request =
     /** The surface of a person's body: vertices and triangles. */
     | ({ ask: "body" } & PersonWanted)
     | { ask: "bicycle" }
+    /** All kinds of people: `KindShown[]`. */
+    | { ask: "kinds" }
     | ({ ask: "show" } & Shown)
     /** A room after an edit, and its wall near to a place. */
     | { ask: "room"; room: Room; edit: RoomEdit | null; near: Point | null }
@@ -275,11 +279,41 @@ export interface Bicycle {
     measures: { name: string; unit: string; value: number }[];
 }
 
+/** What things are made of: of each disk, null where it is of a body. */
+export type Thing = "frame" | "luggage" | null;
+
+/** A kind of people, with somebody of it as an example. */
+export interface KindShown {
+    kind: string;
+    disks: Disk[];
+    things: Thing[];
+    /** The disks of who sits in a wheelchair: they are drawn, and nothing of the mechanics. */
+    seated: Disk[] | null;
+    /** Where the numbers of the kind are from. */
+    sources: string[];
+}
+
+export interface Agent {
+    id: string;
+    /** Of all, with what goes along. */
+    mass: number;
+    disks: Disk[];
+    /** What it is of, if its Trial says so. */
+    kind: string | null;
+    /** Desired speed, if somebody says it, in m/s. */
+    speed: number | null;
+    /** As those of `KindShown`; null if nothing goes along. */
+    things: Thing[] | null;
+    seated: Disk[] | null;
+}
+
 export interface Scene {
     /** The number of its run. */
     run: number;
     name: string;
-    agents: { id: string; mass: number; disks: Disk[] }[];
+    agents: Agent[];
+    /** What goes along with people of each kind. */
+    kinds: Record<string, string[]>;
     walls: { id: string; corners: Point[] }[];
     step: number;
     mechanical_step: number;
@@ -376,6 +410,10 @@ export interface Sections {
 /** Numbers of vertices and triangles of each. The bytes: for each, coordinates as float32, then corners as uint32. */
 export interface Bodies {
     agents: [number, number][];
+    /** The same of what goes along, after all agents. */
+    things: [number, number][];
+    /** How many have none, because none fits the disks. */
+    without: number;
     estimated: boolean;
 }
 

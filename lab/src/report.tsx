@@ -1,5 +1,6 @@
 // A report to print: the scene, what it assumes, its picture and numbers, and what they do not say.
 
+import { isOwn, kindWords } from "./kindwords";
 import { effect, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { perExit } from "./csv";
@@ -61,6 +62,7 @@ function assumptions({ scene: shown }: Film): [string, string][] {
             ["Room", `${length(width, unit)} × ${length(height, unit)}, ${base.room.obstacles.length} obstacles`],
             ["Doors", base.room.doors.map((door) => length(door.width, unit)).join(", ") || "none"],
             ["Drawn from", `${POPULATIONS[base.people.kind]}, ${Math.round(100 * base.men)} % men, seed ${base.seed}`],
+            ...(Object.keys(base.mix).length > 0 ? [["Kinds", Object.entries(base.mix).map(([kind, share]) => `${isOwn(kind) ? `"${brief(kind)}"` : kindWords(kind)} ${share}`).join(", ")] as [string, string]] : []),
             ["Bodies", `${base.round ? "one disk" : "five disks"} each, ${base.material}, friction ${frictionOf(base)}`],
         );
     } else rows.push(["Trial", `"${brief(base.name, 60)}"`]);

@@ -27,6 +27,8 @@ OTHER = {
     "list of numbers": ["5", "[]", '["x"]', "[-1]", "[0]"],
     "table": ["5", '"x"'],
     "tables": ["5", '"x"'],
+    "two numbers": ["5", '"x"', "[1.0]", "[1.0, -1.0]"],
+    "list of doors": ["5", '"x"', "[5]", "[[1.0, 2.0]]"],
     "two places": ["[9, 1]", "[[9, 1]]", '"x"', "5"],
     "three places": ["[[9, 1], [9, 5]]", "[9, 1, 9, 5, 10, 5]", "5"],
 }
@@ -192,6 +194,7 @@ class SweepReader(Reader):
         "The file": lambda file: file,
         "Parameters": lambda file: file["parameters"]["TimeStepMechanical"],
         "stop": lambda file: file["stop"],
+        "population": lambda file: file["population"],
     }
 
     def base(self, heading, key):
@@ -199,6 +202,9 @@ class SweepReader(Reader):
         if heading == "Parameters":
             # Without a count, whole numbers: of threads.
             file["parameters"] = {"TimeStepMechanical": {"from": 1e-5, "to": 1e-4, "count": 2}}
+        if heading == "population":
+            del file["trial"]
+            file["population"] = {"number": 4, "box": [6.0, 5.0], "doors": [[6.0, 2.5, 1.0]]}
         if heading == "stop":
             file["stop"] = {"of": "speed", "at_least": 1}
         if heading in self.MEASURES:
@@ -211,7 +217,7 @@ class SweepReader(Reader):
 READERS = {DECISION: DecisionReader, SWEEP: SweepReader}
 # Of these two, one must be there, and the other must not.
 EITHER = [("line", "polygon"), ("trial", "fmu"), ("parameters", "table"), ("at_least", "at_most")]
-NOT_BOTH = [*EITHER, ("exit", "goal")]
+NOT_BOTH = [*EITHER, ("exit", "goal"), ("trial", "population"), ("fmu", "population")]
 
 
 @pytest.fixture(scope="module")
@@ -344,11 +350,13 @@ def test_what_a_measure_may_be_of_and_take(readers, lemons):
 @pytest.mark.parametrize("page", READERS)
 def test_the_example_is_taken(readers, page):
     reader = readers[page]
-    (block,) = (block for block in pages.blocks(page) if block.language == "toml")
-    file = tomllib.loads(block.text)
-    if page == SWEEP:
-        file |= {"trial": str(REPOSITORY / file["trial"]), "until": 0.1}
-    assert not reader.refusal(file)
+    files = [tomllib.loads(block.text) for block in pages.blocks(page) if block.language == "toml"]
+    assert len(files) == (2 if page == SWEEP else 1)
+    for file in files:
+        if page == SWEEP:
+            file |= {"trial": str(REPOSITORY / file["trial"])} if "trial" in file else {}
+            file["until"] = 0.1
+        assert not reader.refusal(file)
     if page == DECISION:
         (most,) = map(int, re.findall(r"at most (\d+) exits and goals", pages.text_of(DECISION)))
         exit = {"line": file["exits"][0]["line"]}

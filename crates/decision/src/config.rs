@@ -189,6 +189,34 @@ impl DecisionConfig {
         (fewer != *self).then_some(fewer)
     }
 
+    /// Returns the same with desired speeds \[m/s\] of agents, by their Ids; of those who have one already it stays.
+    #[must_use]
+    pub fn with_speeds(mut self, speeds: impl IntoIterator<Item = (String, f64)>) -> DecisionConfig {
+        for (id, speed) in speeds {
+            self.agents.entry(id).or_default().desired_speed.get_or_insert(speed);
+        }
+        self
+    }
+
+    /// Makes settings in which everybody leaves by lines \[m\] with names, at one speed \[m/s\]; of several, people choose by
+    /// the expected time.
+    pub fn leaving(
+        model: WalkingModelName,
+        speed: f64,
+        exits: impl IntoIterator<Item = (String, [[f64; 2]; 2])>,
+    ) -> DecisionConfig {
+        let exit =
+            |(name, line)| TargetConfig { name: Some(name), line: Some(line), polygon: None, share: None };
+        let exits: Vec<TargetConfig> = exits.into_iter().map(exit).collect();
+        DecisionConfig {
+            model: Some(model),
+            desired_speed: Some(Spread::Same(speed)),
+            exit_choice: (exits.len() > 1).then_some(ExitChoice::Time),
+            exits: Some(exits),
+            ..DecisionConfig::default()
+        }
+    }
+
     /// Makes settings in which nobody goes anywhere, with legs of a model.
     pub fn standing(balance: BalanceName) -> DecisionConfig {
         DecisionConfig { balance: Some(balance), ..DecisionConfig::default() }

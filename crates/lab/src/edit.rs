@@ -9,7 +9,7 @@ use crowd_mechanics::setup::Setup;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Interactions, Trial};
 use lemons_people::room::Room;
-use lemons_people::{Disk, Person, Shape, choose_mechanical_step};
+use lemons_people::{Disk, PART_MATERIALS, Person, SKINS, Shape, choose_mechanical_step};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -129,7 +129,7 @@ fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> 
         Edit::Copy { id, r#as: to, x, y, theta } => {
             let place = place_of(id)?;
             let here = pose(*x, *y, *theta)?;
-            let person = driven.people.as_ref().map(|people| people[place]);
+            let person = driven.people.as_ref().map(|people| people[place].clone());
             let (agent, drive) = (driven.trial.agents[place].clone(), driven.trial.dynamics[place].clone());
             put(driven, to, agent, person, drive, here)?;
         }
@@ -137,7 +137,7 @@ fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> 
             let (person, here) = (person.person()?, pose(*x, *y, *theta)?);
             let round = matches!(base, Base::Crowd(wanted) if wanted.round);
             let (agent, drive) = measured(&driven.trial, &person, round)?;
-            put(driven, id, agent, Some(person), drive, here)?;
+            put(driven, id, agent, Some(lemons_people::Agent::Pedestrian(person)), drive, here)?;
         }
         Edit::Delete { id } => {
             let place = place_of(id)?;
@@ -159,10 +159,13 @@ fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, Agent
     if round {
         shape = crowd::round(&shape);
     }
-    let material_id = &first.shapes[0].material_id;
+    let materials = trial.agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &disk.material_id);
+    let own = materials.clone().find(|id| !PART_MATERIALS.contains(&&***id));
+    // Where all sit in wheelchairs, nobody has a material.
+    let material_id = own.map_or(SKINS[0], |id| id);
     let disk = |disk: &Disk| lemons_core::trial::Shape {
         radius: disk.radius,
-        material_id: material_id.clone(),
+        material_id: material_id.to_owned(),
         position: disk.centre,
     };
     let agent = Agent {
@@ -170,6 +173,7 @@ fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, Agent
         height: Some(person.stature),
         moment_of_inertia: shape.inertia(person.mass),
         shapes: shape.disks.iter().map(disk).collect(),
+        kind: None,
         ..first.clone()
     };
     let drive = AgentDynamics { fp: drive.fp * (person.mass / first.mass), mp: 0.0, ..drive.clone() };
@@ -181,7 +185,7 @@ fn put(
     driven: &mut Driven,
     id: &str,
     agent: Agent,
-    person: Option<Person>,
+    person: Option<lemons_people::Agent>,
     drive: AgentDynamics,
     (position, theta): (Vec2, f64),
 ) -> Result<(), Refused> {

@@ -9,6 +9,7 @@
 //! and steps) -> [`motion`] (what drives people) -> [`run`]. The parts:
 //!
 //! - [`person`], [`body`]: one person; bodies in three dimensions, and sections
+//! - [`kinds`]: kinds of people, and what goes along with them
 //! - [`room`], [`crowd`], [`upload`]: where a Trial comes from
 //! - [`scene`]: what a page draws of it
 //! - [`frame`]: what it keeps of a run, and asks of it; [`map`]: by place
@@ -21,6 +22,7 @@ pub mod crowd;
 pub mod edit;
 pub mod files;
 pub mod frame;
+pub mod kinds;
 pub mod map;
 pub mod mechanics;
 pub mod motion;
@@ -49,6 +51,8 @@ pub enum Request {
     Body(person::PersonRequest),
     /// The bicycle that others are drawn around.
     Bicycle {},
+    /// The kinds of people that a crowd may have.
+    Kinds {},
     /// A crowd, an example or an upload, as it is to be run.
     Show(Box<Shown>),
     /// A room that is drawn.
@@ -147,6 +151,7 @@ impl Lab {
             Request::Person(wanted) => person::person(wanted),
             Request::Body(wanted) => body::of_person(&wanted.person()?),
             Request::Bicycle {} => Ok(person::bicycle()),
+            Request::Kinds {} => kinds::all(),
             Request::Show(shown) => self.show(shown, bytes, watch),
             Request::Room(wanted) => room::drawn(wanted),
             Request::Drawing(wanted) => room::read(wanted, bytes),
