@@ -1,7 +1,7 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
 import { type Check, dictionary, flag, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
-import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, type Material2d, type Mechanics, MODELS, type Motion, type Normal, type People, type PersonWanted, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
+import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, type Further, type Material2d, type Mechanics, MODELS, type Motion, type Normal, type People, type PersonWanted, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
 import { rectangle } from "./roomshape";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */

@@ -72,6 +72,7 @@ function variant(made: Made, parameter: Parameter, value: number, k: number): { 
 
 /** What a change by hand is called. */
 function named(edit: Edit): string {
+    if (edit.do === "room") return "walls";
     const verb = { move: "moved", copy: "copied", put: "put in", delete: "deleted" }[edit.do];
     return `person "${edit.id}" ${verb}`;
 }
