@@ -5,7 +5,7 @@ import { BackdropForms } from "./backdrop";
 import { MakeCrowd } from "./crowd";
 import { DrawingPanel } from "./drawing";
 import { edited, ready, shape } from "./drawn";
-import { Choice, LengthField, length, named } from "./parts";
+import { brief, Choice, LengthField, length } from "./parts";
 import { type KeptCrowd, MOST } from "./forms";
 import { change, plan } from "./plan";
 import { openPlan, PLANS } from "./plans";
@@ -57,7 +57,7 @@ function Forms() {
                 />
             )}
             {target.value === "trial" ? <TrialForms /> : <CrowdForms />}
-            <h3>Plans and pictures</h3>
+            <h2>Plans and pictures</h2>
             <p class="note">A plan (DXF, GeoJSON, WKT, SVG, Geometry.xml) becomes a room; a picture (PNG, JPEG, WebP, SVG) lies under it.</p>
             <FileInput label="Open a plan or a picture" accept={PLANS} onFiles={async ([given]) => given && openPlan(given.file)} />
             <DrawingPanel />
@@ -207,7 +207,7 @@ function Ring({ title, name, room, ring }: { title: string; name: string; room: 
     return (
         <details onToggle={(event) => setOpen(event.currentTarget.open)}>
             <summary>
-                {title} {wall?.of != null && <span translate={false}>{named(wall.of)} </span>}
+                {title} {wall?.of != null && <span translate={false}>"{brief(wall.of)}" </span>}
                 <span class="unit">({corners.length}{ring > 0 && " corners"})</span>
             </summary>
             {open &&

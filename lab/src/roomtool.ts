@@ -350,6 +350,8 @@ function paintDoor(context: CanvasRenderingContext2D, course: Point[], pixel: nu
 function handles(context: CanvasRenderingContext2D, room: Room, pixel: number, inks: Inks) {
     for (const [ring, corners] of rings(room).entries()) {
         corners.forEach(([x, y], k) => {
+            // Of a small column, not each corner has room for one.
+            if (k > 0 && distance([x, y], corners[k - 1]!) < 8 * pixel && !isPicked("corner", k, ring)) return;
             const half = (isPicked("corner", k, ring) ? 7 : 5) * pixel;
             context.fillStyle = isPicked("corner", k, ring) ? inks.mark : inks.paper;
             context.strokeStyle = inks.pick;
