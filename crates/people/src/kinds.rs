@@ -547,7 +547,10 @@ mod tests {
         let mut all = [Vec::new(), Vec::new()];
         for sex in Sex::ALL {
             for k in 0..4000 {
-                let (age, z) = (from + (to - from) * (f64::from(k / 100) + 0.5) / 40.0, inverse((f64::from(k % 100) + 0.5) / 100.0));
+                let (age, z) = (
+                    from + (to - from) * (f64::from(k / 100) + 0.5) / 40.0,
+                    inverse((f64::from(k % 100) + 0.5) / 100.0),
+                );
                 let one = child(sex, age, [z; 2]);
                 all[0].push(one.stature);
                 all[1].push(one.mass);
@@ -571,25 +574,40 @@ mod tests {
         let kinds = Kinds::built_in().unwrap();
         for kind in kinds.iter() {
             let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into()).unwrap();
-            let population = Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES).unwrap().mixed(mix);
+            let population =
+                Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES)
+                    .unwrap()
+                    .mixed(mix);
             let drawn: Vec<Agent> = population.agents(1).take(2000).collect();
             let of = |value: &dyn Fn(&Member) -> f64| {
                 spread(&drawn.iter().filter_map(Agent::member).map(value).collect::<Vec<f64>>())
             };
-            let measures: [[f64; 2]; 4] = std::array::from_fn(|k| of(&|member| member.people[0].0.measures()[k]));
+            let measures: [[f64; 2]; 4] =
+                std::array::from_fn(|k| of(&|member| member.people[0].0.measures()[k]));
             let [breadth, depth, stature, mass] = measures;
-            let (whole, length, width) =
-                (of(&|member| member.mass), of(&|member| member.shape().depth()), of(&|member| member.shape().breadth()));
+            let (whole, length, width) = (
+                of(&|member| member.mass),
+                of(&|member| member.shape().depth()),
+                of(&|member| member.shape().breadth()),
+            );
             let speed = of(&|member| member.speed);
             let drawn = [
-                shown(stature, 2), shown(mass, 1), shown(breadth, 3), shown(depth, 3), shown(whole, 1),
-                format!("{:.2} × {:.2}", length[0], width[0]), shown(speed, 2),
+                shown(stature, 2),
+                shown(mass, 1),
+                shown(breadth, 3),
+                shown(depth, 3),
+                shown(whole, 1),
+                format!("{:.2} × {:.2}", length[0], width[0]),
+                shown(speed, 2),
             ];
             table += &format!("| {} | drawn | {} |\n", kind.name, drawn.join(" | "));
             let none = || "assumed".to_owned();
             let iso = kind.sources.iter().any(|source| source.contains("ISO 7193"));
             // Of a child at a hand the walk is of the slower of two; of children it is by Froude's number.
-            let assumed = kind.sources.iter().any(|source| source.starts_with("speed: assumption") || source.contains("(assumption)") && source.starts_with("speed"));
+            let assumed = kind.sources.iter().any(|source| {
+                source.starts_with("speed: assumption")
+                    || source.contains("(assumption)") && source.starts_with("speed")
+            });
             let says = match kind.speed_women.as_ref() {
                 _ if assumed || kind.companion.is_some() => none(),
                 Some(women) => shown(of_both([of_speed(&kind.speed), of_speed(women)]), 2),
@@ -600,7 +618,11 @@ mod tests {
                 Some(ages) => {
                     let [stature, mass] = charted(ages);
                     for (source, ours, off) in [(stature, measures[2], 0.02), (mass, measures[3], 0.03)] {
-                        assert!((ours[0] / source[0] - 1.0).abs() < off && (ours[1] / source[1] - 1.0).abs() < 0.08, "{source:?} {ours:?}");
+                        assert!(
+                            (ours[0] / source[0] - 1.0).abs() < off
+                                && (ours[1] / source[1] - 1.0).abs() < 0.08,
+                            "{source:?} {ours:?}"
+                        );
                     }
                     [shown(stature, 2), shown(mass, 1), none(), none()]
                 }
@@ -608,7 +630,10 @@ mod tests {
                     let [breadth, depth, stature, mass] = surveyed();
                     // Four standard deviations of the mean of 2000, and of the standard deviation.
                     for (source, ours) in surveyed().into_iter().zip(measures) {
-                        assert!((ours[0] - source[0]).abs() < 4.0 * source[1] / 2000f64.sqrt(), "{source:?} {ours:?}");
+                        assert!(
+                            (ours[0] - source[0]).abs() < 4.0 * source[1] / 2000f64.sqrt(),
+                            "{source:?} {ours:?}"
+                        );
                         assert!((ours[1] / source[1] - 1.0).abs() < 0.08, "{source:?} {ours:?}");
                     }
                     let all = [shown(stature, 2), shown(mass, 1), shown(breadth, 3), shown(depth, 3)];
@@ -617,7 +642,8 @@ mod tests {
             };
             let size = if iso { "at most 1.20 × 0.70".to_owned() } else { none() };
             let alone = kind.parts.is_empty() && kind.companion.is_none();
-            let (whole, size) = if alone { ("as the person".to_owned(), "as the person".to_owned()) } else { (none(), size) };
+            let (whole, size) =
+                if alone { ("as the person".to_owned(), "as the person".to_owned()) } else { (none(), size) };
             table += &format!("| | source | {} | {whole} | {size} | {says} |\n", people.join(" | "));
         }
         assert_page_has("| kind | | stature", &table);

@@ -19,6 +19,8 @@ use std::ops::ControlFlow;
 
 /// Before the name of a key of the population, as a parameter.
 pub(crate) const PREFIX: &str = "population.";
+/// Part of the ground that shapes never cover without overlap.
+const FULL: f64 = 0.97;
 /// Most people.
 const MOST: u32 = 1_000_000;
 /// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).
@@ -218,8 +220,15 @@ impl Population {
             self.direction.map_or(Orientation::Free, |angle| Orientation::Towards(angle.to_radians()));
         let settings = Settings { orientation, seed: self.seed, ..Settings::default() };
         let mut watch = |_: &_| ControlFlow::Continue(());
-        let packing = Method::Dense.place(&shapes, &region, &settings, &mut watch).map_err(wrong)?;
-        ensure(packing.complete, || {
+        // Of those who have more area than the ground, the first ones say how many fit.
+        let mut covered = 0.0;
+        let mut fits = |shape: &&Shape| {
+            covered += shape.moments().area;
+            covered <= FULL * region.area()
+        };
+        let tried = shapes.iter().take_while(&mut fits).count().max(1);
+        let packing = Method::Dense.place(&shapes[..tried], &region, &settings, &mut watch).map_err(wrong)?;
+        ensure(packing.complete && tried == shapes.len(), || {
             let Population { number, sides: [width, height], .. } = self;
             let about = (packing.clear_density * width * height).floor();
             format!(

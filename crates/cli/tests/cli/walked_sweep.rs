@@ -60,8 +60,20 @@ squeeze = { of = "peak_squeeze", take = "max" }
     assert_eq!(rows.len(), 4);
     for (k, row) in rows.iter().enumerate() {
         let (chairs, seed) = (number(row, "population.mix.wheelchair"), &row["population.seed"]);
-        let (trial, mix) = (format!("T_{k}"), format!("adult={},child=20,suitcase=10,wheelchair={chairs}", 70.0 - chairs));
-        let crowd = ["crowd", "--number", "16", "--box", "6x5", "--door", "6,2.5,1.5", "--door", "0,2.5,1.2", "--leave"];
+        let (trial, mix) =
+            (format!("T_{k}"), format!("adult={},child=20,suitcase=10,wheelchair={chairs}", 70.0 - chairs));
+        let crowd = [
+            "crowd",
+            "--number",
+            "16",
+            "--box",
+            "6x5",
+            "--door",
+            "6,2.5,1.5",
+            "--door",
+            "0,2.5,1.2",
+            "--leave",
+        ];
         done(at, &[&crowd[..], &["--mix", &mix, "--seed", seed, "-o", &trial]].concat());
         let sweep = format!(
             "trial = \"{trial}\"\nplan = true\nuntil = 4\n[parameters]\nMostMechanicalSteps = [1e6]\n{}",
@@ -81,13 +93,37 @@ squeeze = { of = "peak_squeeze", take = "max" }
     fs::write(at.join("sweep.toml"), &other).unwrap();
     assert!(refused(at, &["sweep", "sweep.toml", "-o", "table.csv"]).contains("table.csv"));
     for (part, to, said) in [
-        ("child = 20", "adlt = 20", "sweep.toml: population: mix: there is no kind \"adlt\" (did you mean \"adult\"?)"),
-        ("child = 20", "child = 95", "population: mix: the others have 105 together: nothing of 100 is left for the \"rest\""),
+        (
+            "child = 20",
+            "adlt = 20",
+            "sweep.toml: population: mix: there is no kind \"adlt\" (did you mean \"adult\"?)",
+        ),
+        (
+            "child = 20",
+            "child = 95",
+            "population: mix: the others have 105 together: nothing of 100 is left for the \"rest\"",
+        ),
         ("number = 16", "number = 0", "population: number = 0: must be from 1"),
-        ("number = 16", "number = 600", "population: number = 600: so many people do not fit into box = [6, 5]; about "),
-        ("mix.wheelchair\" = [0, 20]", "men\" = [0, 20]", "parameters: population.men: men = 20: must be from 0 to 1"),
-        ("mix.wheelchair\" = [0, 20]", "mix.car\" = [0, 20]", "parameters: population.mix.car: mix: there is no kind \"car\""),
-        ("mix.wheelchair\" = [0, 20]", "wheels\" = [0, 20]", "parameters: population.wheels: there is no such parameter"),
+        (
+            "number = 16",
+            "number = 600",
+            "population: number = 600: so many people do not fit into box = [6, 5]; about ",
+        ),
+        (
+            "mix.wheelchair\" = [0, 20]",
+            "men\" = [0, 20]",
+            "parameters: population.men: men = 20: must be from 0 to 1",
+        ),
+        (
+            "mix.wheelchair\" = [0, 20]",
+            "mix.car\" = [0, 20]",
+            "parameters: population.mix.car: mix: there is no kind \"car\"",
+        ),
+        (
+            "mix.wheelchair\" = [0, 20]",
+            "wheels\" = [0, 20]",
+            "parameters: population.wheels: there is no such parameter",
+        ),
         ("until = 4", "until = 4\nplan = false", "plan: is not for a [population]"),
         ("until = 4", "until = 4\ntrial = \"T_0\"", "give one of the keys trial and fmu, or [population]"),
     ] {
