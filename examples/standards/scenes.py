@@ -477,7 +477,7 @@ def rooms_in_a_row(trial, seed, width=1.0, length=0.2, goal=10.0, second=False, 
     return walk(trial, *words)
 
 
-def goal_distance(work, distances=(0, 2.5, 5, 7.5, 10), seeds=1):
+def goal_distance(work, distances=(0, 2.5, 5, 7.5, 10), seeds=3):
     """The distance of the goal from the bottleneck."""
     cases = [(distance, seed) for distance in distances for seed in range(1, seeds + 1)]
     last = at_once(lambda case: rooms_in_a_row(work / "goal_{}_{}".format(*case), case[1], goal=case[0])[0]["left"]["last"], cases)
