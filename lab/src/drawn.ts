@@ -31,9 +31,10 @@ export function drawn(room: Room, near: Point | null = null): Drawn {
 }
 
 export function edited(room: Room, edit: RoomEdit): Room {
-    const { outline, obstacles, doors } = ask(room, edit, null).room;
-    // Plans are compared as text: parts have an order.
-    return { outline, obstacles, doors: doors.map(({ at, width }) => ({ at, width })) };
+    const { outline, obstacles, walls, doors } = ask(room, edit, null).room;
+    // Plans are compared as text: parts have an order, and what is not there is left out.
+    const further = walls?.map(({ corners, of }) => ({ corners, of }));
+    return { outline, obstacles, ...(further && { walls: further }), doors: doors.map(({ at, width }) => ({ at, width })) };
 }
 
 /** The shape of an outline alone. */

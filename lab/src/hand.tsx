@@ -12,7 +12,9 @@ export function Hand() {
     useEffect(() => forget, []);
     const shown = film.value;
     useEffect(forget, [shown]);
-    const { edits } = plan.value.made;
+    const all = plan.value.made.edits;
+    // Walls belong to the tab Room.
+    const edits = all.filter((edit) => edit.do !== "room");
     if (!shown) return null;
     return (
         <section class="panel" aria-label="By hand">
@@ -21,7 +23,7 @@ export function Hand() {
             {edits.length > 0 && (
                 <p class="note">
                     {edits.length} {edits.length === 1 ? "change" : "changes"} by hand.{" "}
-                    <button type="button" onClick={() => choose({ edits: [] }, false)}>
+                    <button type="button" onClick={() => choose({ edits: all.filter((edit) => edit.do === "room") }, false)}>
                         Take all back
                     </button>
                 </p>

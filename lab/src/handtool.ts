@@ -98,17 +98,19 @@ function isNew(edit: Edit, id: string) {
     return (edit.do === "copy" && edit.as === id) || (edit.do === "put" && edit.id === id);
 }
 
+type OfPerson = Exclude<Edit, { do: "room" }>;
+
 /** Where somebody stood before the last of several moves does not matter, nor do copies that are deleted. */
-function edited(edits: Edit[], next: Edit): Edit[] {
+function edited(edits: Edit[], next: OfPerson): Edit[] {
     if (next.do === "copy" || next.do === "put") return [...edits, next];
-    const stays = edits.filter(({ do: what, id }) => !(what === "move" && id === next.id));
+    const stays = edits.filter((edit) => !(edit.do === "move" && edit.id === next.id));
     const copied = stays.some((edit) => isNew(edit, next.id));
     const copies = stays.some((edit) => edit.do === "copy" && edit.id === next.id);
     if (next.do === "delete" && copied && !copies) return stays.filter((edit) => !isNew(edit, next.id));
     return [...stays, next];
 }
 
-function act(edit: Edit) {
+function act(edit: OfPerson) {
     const { edits } = plan.value.made;
     const after = edited(edits, edit);
     if (after.length > MOST.edits) {
@@ -131,7 +133,7 @@ export function put(to: Pose) {
 /** An Id that nobody has. */
 function newId(): string {
     // Also not one of an earlier edit: a later one would mean somebody else.
-    const edited = plan.value.made.edits.flatMap((edit) => (edit.do === "copy" ? [edit.id, edit.as] : [edit.id]));
+    const edited = plan.value.made.edits.flatMap((edit) => (edit.do === "copy" ? [edit.id, edit.as] : edit.do === "room" ? [] : [edit.id]));
     const present = film.value!.scene.agents.map(({ id }) => id);
     const ids = [...present, ...edited].map(Number).filter(Number.isSafeInteger);
     return String(Math.max(-1, ...ids) + 1);

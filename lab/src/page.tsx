@@ -12,15 +12,17 @@ import { Numbers } from "./numbers";
 import { copy, Icon } from "./parts";
 import { PersonTab } from "./person";
 import { canRedo, canUndo, change, embedded, link, onlyHere, type Plan, plan, redo, scene, undo, unlinked } from "./plan";
+import { isPlan, openPlan } from "./plans";
 import { Report, report } from "./report";
 import { RoomTab } from "./room";
 import { Title } from "./scenelist";
-import { begin as keepScenes, openFile } from "./scenes";
+import { begin as keepScenes } from "./scenes";
 import { attempt, begin, client, film, notes, problem, said } from "./session";
 import { Stage } from "./stage";
 import { StartTab } from "./start";
 import { TakeTab } from "./take";
 import { Tour } from "./tour";
+import { Compute } from "./transport";
 import { dropped, openTrial } from "./upload";
 
 const TABS: [Plan["tab"], string][] = [
@@ -143,6 +145,12 @@ function Page() {
                 <main class={alone ? "columns alone" : "columns"}>
                     {!alone && (
                         <div key={tab} class={open("forms")}>
+                            {/* The sheet lies over that of the stage. */}
+                            {shown && (
+                                <div class="phone act">
+                                    <Compute film={shown} />
+                                </div>
+                            )}
                             <Panel />
                         </div>
                     )}
@@ -166,7 +174,7 @@ function Page() {
                     Computed in your browser: nothing that you open leaves this machine. <a href="licences.txt">Licences</a>
                 </span>
             </footer>
-            {over.value && <p class="drop">Drop a zip or a folder with a Trial</p>}
+            {over.value && <p class="drop">Drop a zip or a folder with a Trial, a plan, or a picture</p>}
         </>
     );
 }
@@ -229,8 +237,8 @@ addEventListener("drop", (event) => {
     void attempt(async () => {
         const given = await files;
         const [first] = given;
-        // A scene's own file, or else a Trial.
-        await (given.length === 1 && first!.path.endsWith(".json") ? openFile(first!.file) : openTrial(given));
+        // A plan, a picture or a scene's own file; or else a Trial.
+        await (given.length === 1 && isPlan(first!.file) ? openPlan(first!.file) : openTrial(given));
     });
 });
 

@@ -3,17 +3,19 @@
 import { batch, computed, effect, signal } from "@preact/signals";
 import { flag, list, nullable, number, one, patched, record, text, tuple, Unfit, within } from "./check";
 import { EXAMPLES } from "./examples";
-import { base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, MOST, motion, person, point } from "./forms";
-import type { Edit, Motion, PersonWanted, Point } from "./protocol";
+import { backdrop, type Backdrop, base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, mechanics, MOST, motion, person, point } from "./forms";
+import type { Edit, Mechanics, Motion, PersonWanted, Point } from "./protocol";
 
 /** What is on the stage. */
 export interface Made {
     base: KeptBase;
     edits: Edit[];
     motion: Motion;
+    /** Changed materials and steps. */
+    mechanics?: Mechanics;
 }
 
-export type Colour = "speed" | "squeeze" | "contacts";
+export type Colour = "speed" | "squeeze" | "contacts" | "kind";
 export const TABS = ["start", "room", "crowd", "motion", "person", "take"] as const;
 
 export interface Plan {
@@ -38,10 +40,15 @@ export interface Plan {
     altitude: number;
     trails: boolean;
     forces: boolean;
+    /** What is shown by place, and the time over which: null for the start, and for as far as is computed. */
+    map: "none" | "density" | "mean" | "greatest";
+    span: [number | null, number | null];
     /** Who steps over it is counted. */
     line: [Point, Point] | null;
     /** Two opposite corners: who is inside is counted. */
     area: [Point, Point] | null;
+    /** The picture under the room. */
+    backdrop: Backdrop | null;
 }
 
 export const FIRST: Plan = {
@@ -52,7 +59,7 @@ export const FIRST: Plan = {
     unit: "cm",
     colour: "squeeze",
     smooth: 0.1,
-    most: { speed: null, squeeze: null, contacts: null },
+    most: { speed: null, squeeze: null, contacts: null, kind: null },
     pace: 1,
     end: 30,
     chart: "greatest",
@@ -60,16 +67,20 @@ export const FIRST: Plan = {
     altitude: 1.3,
     trails: false,
     forces: false,
+    map: "none",
+    span: [null, null],
     line: null,
     area: null,
+    backdrop: null,
 };
 
 /** Checks the upper end of a colour scale. */
 const upper = within(1e-3, 1e7);
 const undoables = {
-    made: record<Made>({ base, edits: list(edit, MOST.edits), motion }),
+    made: record<Made>({ base, edits: list(edit, MOST.edits), motion, mechanics }),
     crowd,
     person,
+    backdrop,
 };
 const undone = record<Pick<Plan, keyof typeof undoables>>(undoables);
 const whole = patched<Plan>(
@@ -77,9 +88,9 @@ const whole = patched<Plan>(
         tab: one(...TABS),
         ...undoables,
         unit: one("m", "cm"),
-        colour: one("speed", "squeeze", "contacts"),
+        colour: one("speed", "squeeze", "contacts", "kind"),
         smooth: within(0.01, 10),
-        most: record<Plan["most"]>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper) }),
+        most: record<Plan["most"]>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper), kind: () => null }),
         pace: within(0.01, 100),
         end: within(1e-3, 1e5),
         chart: one("greatest", "mean", "speed", "left", "flow", "density", "all"),
@@ -87,6 +98,8 @@ const whole = patched<Plan>(
         altitude: within(0, 3),
         trails: flag,
         forces: flag,
+        map: one("none", "density", "mean", "greatest"),
+        span: tuple<[number | null, number | null]>(nullable(within(0, 1e5)), nullable(within(0, 1e5))),
         line: nullable(tuple<[Point, Point]>(point, point)),
         area: nullable(tuple<[Point, Point]>(point, point)),
     },
@@ -94,7 +107,7 @@ const whole = patched<Plan>(
 );
 
 /** What of a plan belongs to its scene, and goes with it into links and files. The rest belongs to the page. */
-const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "line", "area"] as const;
+const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "map", "span", "line", "area", "backdrop"] as const;
 type Part = Pick<Plan, (typeof OF_SCENE)[number]>;
 
 export function sceneOf(plan: Plan): Part {
@@ -125,6 +138,7 @@ const PARTS: Partial<Record<keyof Plan, string>> = {
     person: "the person",
     line: "the line",
     area: "the area",
+    backdrop: "the picture under the room",
 };
 
 export interface Read {
@@ -249,8 +263,8 @@ export const isFormer = !given.kept && before.former;
 export const unread = [given.left, before.read.left].filter(Boolean).join(" ");
 
 /** What can be undone. */
-function undoable({ made, crowd, person }: Plan) {
-    return JSON.stringify({ made, crowd, person });
+function undoable({ made, crowd, person, backdrop }: Plan) {
+    return JSON.stringify({ made, crowd, person, backdrop });
 }
 
 const past = signal<string[]>(first.past);
@@ -345,9 +359,9 @@ function go(from: typeof past, to: typeof past) {
 export const undo = () => go(past, future);
 export const redo = () => go(future, past);
 
-/** The scene as a link: to the whole page, or to the stage alone. */
+/** The scene as a link: to the whole page, or to the stage alone. It holds no picture. */
 export function link(query = "") {
-    return `${location.origin}${location.pathname}${query}#${encodeURIComponent(JSON.stringify({ name: scene.value.name, ...sceneOf(plan.value) }))}`;
+    return `${location.origin}${location.pathname}${query}#${encodeURIComponent(JSON.stringify({ name: scene.value.name, ...sceneOf(plan.value), backdrop: undefined }))}`;
 }
 
 /** What is said of a link where the page is on the visitor's own machine. */
@@ -366,7 +380,8 @@ export const deleted = signal<{ id: string; text: string; name: string } | null>
 /** Files that a scene needs, or that undo, redo and "Bring it back" do. */
 export function keysInUse(): Set<string> {
     const keys = new Set<string>();
-    const see = ({ made: { base }, crowd: form }: Pick<Plan, "made" | "crowd">) => {
+    const see = ({ made: { base }, crowd: form, backdrop }: Pick<Plan, "made" | "crowd" | "backdrop">) => {
+        if (backdrop) keys.add(backdrop.key);
         if (base.kind === "upload") keys.add(base.key);
         if (base.kind === "crowd" && base.people.kind === "table") keys.add(base.people.key);
         if (form.people.kind === "table") keys.add(form.people.key);
@@ -387,8 +402,9 @@ export function keysInUse(): Set<string> {
 }
 
 /** Names of files that the plan needs but a link cannot hold. */
-export function unlinked({ made: { base } }: Plan): string[] {
-    if (base.kind === "upload") return [base.name];
-    if (base.kind === "crowd" && base.people.kind === "table") return base.people.files.map(([, name]) => name);
-    return [];
+export function unlinked({ made: { base }, backdrop }: Plan): string[] {
+    const picture = backdrop ? [backdrop.name] : [];
+    if (base.kind === "upload") return [base.name, ...picture];
+    if (base.kind === "crowd" && base.people.kind === "table") return [...base.people.files.map(([, name]) => name), ...picture];
+    return picture;
 }

@@ -1,28 +1,38 @@
-// The room of a crowd: drawn on the picture, or written as numbers.
+// Rooms: that of a crowd, and the walls of an opened Trial. Drawn on the picture, or written as numbers.
 
-import { useEffect } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
+import { BackdropForms } from "./backdrop";
 import { MakeCrowd } from "./crowd";
+import { DrawingPanel } from "./drawing";
 import { edited, ready, shape } from "./drawn";
-import { LengthField, length } from "./parts";
-import { roomFits, type KeptCrowd, MOST } from "./forms";
+import { Choice, LengthField, length, named } from "./parts";
+import { type KeptCrowd, MOST } from "./forms";
 import { change, plan } from "./plan";
+import { openPlan, PLANS } from "./plans";
 import type { Outline, Point, Room } from "./protocol";
-import { begin, insert, type Mode, mode, remove, roomTool, setRoom } from "./roomtool";
-import { rectangle, rings } from "./roomshape";
-import { client, made, notes } from "./session";
+import { aim, begin, clear, fixed, insert, isChanged, type Mode, mode, picked, remove, room as present, roomTool, setRoom, takeBack, target } from "./roomtool";
+import { canLose, closes, rectangle, rings, wallAt } from "./roomshape";
+import { made } from "./session";
 import { useTool } from "./tool";
-import { FileInput, type Given } from "./upload";
+import { FileInput } from "./upload";
 
-/** The largest coordinate and side, in m. */
+/** The largest coordinate and side of a drawn room, and the largest coordinate of a Trial's, in m. */
 const FAR = 1000;
+const FARTHEST = 1e6;
+/** Of more walls, only the fields of the one that is marked are shown. */
+const MANY = 50;
 
+const ENDS = "Enter, a double click or a click on the first corner ends it.";
 const MODES: [Mode, string, string][] = [
-    ["outline", "Draw the outline", "Click the corners of the room. Enter, a double click or a click on the first corner ends it."],
+    ["outline", "Draw the outline", `Click the corners of the room. ${ENDS}`],
     ["rectangle", "Draw an obstacle", "Press at one corner of a rectangle and draw to the other one."],
-    ["polygon", "Draw an obstacle of any shape", "Click its corners. Enter, a double click or a click on the first corner ends it."],
+    ["polygon", "Draw an obstacle of any shape", `Click its corners. ${ENDS}`],
+    ["wall", "Draw a wall", `Click its corners. ${ENDS}`],
     ["door", "Put a door", "Click on a wall."],
     ["region", "Draw where people stand", "Press at one corner of a rectangle and draw to the other one."],
 ];
+/** Those that a Trial's walls are changed with. */
+const OF_TRIAL: Mode[] = ["rectangle", "polygon", "wall", "door"];
 
 export function RoomTab() {
     return ready() ? <Forms /> : <p role="status">One moment …</p>;
@@ -31,16 +41,39 @@ export function RoomTab() {
 function Forms() {
     useEffect(() => () => begin("change"), []);
     useTool(roomTool);
-    const { crowd, made: planned, unit } = plan.value;
-    const { room } = crowd;
-    const hint = MODES.find(([key]) => key === mode.value)?.[2];
-    const same = planned.base.kind === "crowd" && JSON.stringify(planned.base.room) === JSON.stringify(room);
+    const { base } = plan.value.made;
     return (
         <section class="panel" aria-label="Room">
             <h2>Room</h2>
-            <Size room={room} />
+            {base.kind !== "crowd" && (
+                <Choice
+                    label="What is changed"
+                    value={target.value}
+                    choices={[
+                        ["trial", "The walls of this Trial"],
+                        ["forms", "A new room, for a new crowd"],
+                    ]}
+                    onChange={aim}
+                />
+            )}
+            {target.value === "trial" ? <TrialForms /> : <CrowdForms />}
+            <h3>Plans and pictures</h3>
+            <p class="note">A plan (DXF, GeoJSON, WKT, SVG, Geometry.xml) becomes a room; a picture (PNG, JPEG, WebP, SVG) lies under it.</p>
+            <FileInput label="Open a plan or a picture" accept={PLANS} onFiles={async ([given]) => given && openPlan(given.file)} />
+            <DrawingPanel />
+            <BackdropForms />
+        </section>
+    );
+}
+
+/** Buttons of the tools, and what they do. */
+function Draw({ modes }: { modes: typeof MODES }) {
+    const hint = modes.find(([key]) => key === mode.value)?.[2];
+    const corners = ["outline", "polygon", "wall"].includes(mode.value);
+    return (
+        <>
             <div class="buttons" role="group" aria-label="Draw on the picture">
-                {MODES.map(([key, words]) => (
+                {modes.map(([key, words]) => (
                     <button key={key} type="button" aria-pressed={mode.value === key} onClick={() => begin(mode.value === key ? "change" : key)}>
                         {words}
                     </button>
@@ -48,39 +81,82 @@ function Forms() {
             </div>
             <p class="note" role="status">
                 {hint
-                    ? `${hint} Esc ends it without a change.${mode.value === "outline" || mode.value === "polygon" ? " Hold Shift for right angles." : ""}`
+                    ? `${hint} Esc ends it without a change.${corners ? " Hold Shift for right angles." : ""}`
                     : "Drag corners and doors on the picture. A click on a wall makes a corner; the Delete key removes what is marked."}
             </p>
-            <Ring title="Corners" name="Corner" room={room} ring={0} />
+            {!hint && <p class="note">Shift and Delete remove all of an obstacle or a wall; Shift and arrows move what is marked by 5 cm.</p>}
+        </>
+    );
+}
+
+/** The lines of a room as forms, the outline first if there is one. */
+function Lines({ room }: { room: Room }) {
+    const first = room.outline.length > 0 ? 0 : 1;
+    const all = rings(room).map((_, ring) => ring).slice(first);
+    const marked = picked.value?.kind === "corner" ? picked.value.ring : null;
+    const many = all.length > MANY;
+    const title = (ring: number) => {
+        const k = ring - room.obstacles.length;
+        return ring === 0 ? ["Corners", "Corner"] : k <= 0 ? [`Obstacle ${ring}`, `Obstacle ${ring}, corner`] : [`Wall ${k}`, `Wall ${k}, corner`];
+    };
+    return (
+        <>
+            {many && <p class="note">{`There are ${all.length} walls. Mark a corner on the picture to see the numbers of its wall.`}</p>}
+            {all
+                .filter((ring) => !many || ring === marked)
+                .map((ring) => {
+                    const [words, name] = title(ring);
+                    // They have no names but their places.
+                    return <Ring key={ring} title={words!} name={name!} room={room} ring={ring} />;
+                })}
+        </>
+    );
+}
+
+/** The walls of the Trial on the stage. */
+function TrialForms() {
+    const room = present.value;
+    if (fixed.value) return <p class="warning">{fixed.value}</p>;
+    return (
+        <>
+            <p class="note">People, materials and what moves people stay as they are. New walls are of the material of the first one.</p>
+            <Draw modes={MODES.filter(([key]) => OF_TRIAL.includes(key))} />
             <Doors room={room} />
-            {room.obstacles.map((_, k) => (
-                // Obstacles have no names but their places.
-                <Ring key={k} title={`Obstacle ${k + 1}`} name={`Obstacle ${k + 1}, corner`} room={room} ring={k + 1} />
-            ))}
+            <Lines room={room} />
+            {isChanged.value ? (
+                <p class="note">
+                    The walls are changed.{" "}
+                    <button type="button" onClick={takeBack}>
+                        Take the walls of the Trial again
+                    </button>
+                </p>
+            ) : (
+                <p class="note">The walls are those of the Trial.</p>
+            )}
+        </>
+    );
+}
+
+function CrowdForms() {
+    const { crowd, made: planned, unit } = plan.value;
+    const { room } = crowd;
+    const same = planned.base.kind === "crowd" && JSON.stringify(planned.base.room) === JSON.stringify(room);
+    return (
+        <>
+            <Size room={room} />
+            <Draw modes={MODES} />
+            <Doors room={room} />
+            <Lines room={room} />
             <Region crowd={crowd} />
-            <FileInput label="Take the room of a Geometry.xml" accept=".xml" onFiles={geometry} />
             {made.value && same && (
                 <p class="note">
                     The free ground has {made.value.area.toFixed(2)} m²{crowd.region && " where people stand"}.
                 </p>
             )}
             <MakeCrowd />
-            <p class="note">Outlines of up to {MOST.corners} corners; corners snap to {length(0.05, unit)}.</p>
-        </section>
+            <p class="note">Walls of up to {MOST.outline} corners; corners snap to {length(0.05, unit)}.</p>
+        </>
     );
-}
-
-async function geometry([given]: Given[]) {
-    if (!given) return;
-    if (given.file.size > 5e6) throw new Error(`${given.path} has more than 5 MB`);
-    const bytes = new Uint8Array(await given.file.arrayBuffer());
-    const { value } = await client.ask<Room & { notes: string[] }>({ ask: "geometry", name: given.path }, bytes);
-    const { outline, obstacles, doors } = value;
-    if (!roomFits({ outline, obstacles, doors })) {
-        throw new Error(`${given.path}: this page takes outlines of up to ${MOST.corners} corners, up to ${MOST.parts} obstacles and up to ${MOST.parts} doors; this room has more`);
-    }
-    change({ crowd: { ...plan.value.crowd, room: { outline, obstacles, doors }, region: null } });
-    notes.value = value.notes;
 }
 
 function Size({ room }: { room: Room }) {
@@ -112,35 +188,43 @@ function Size({ room }: { room: Room }) {
 }
 
 function PointFields({ name, at, onChange }: { name: string; at: Point; onChange(at: Point): void }) {
+    const far = target.value === "trial" ? FARTHEST : FAR;
     return (
         <>
-            <LengthField label={`${name}, x`} short="x" value={at[0]} min={-FAR} max={FAR} onChange={(x) => onChange([x, at[1]])} />
-            <LengthField label={`${name}, y`} short="y" value={at[1]} min={-FAR} max={FAR} onChange={(y) => onChange([at[0], y])} />
+            <LengthField label={`${name}, x`} short="x" value={at[0]} min={-far} max={far} onChange={(x) => onChange([x, at[1]])} />
+            <LengthField label={`${name}, y`} short="y" value={at[1]} min={-far} max={far} onChange={(y) => onChange([at[0], y])} />
         </>
     );
 }
 
 function Ring({ title, name, room, ring }: { title: string; name: string; room: Room; ring: number }) {
-    const corners = rings(room)[ring]!;
+    // Many fields take long to make.
+    const [open, setOpen] = useState(false);
+    const all = rings(room)[ring]!;
+    const wall = wallAt(room, ring);
+    // The last corner of a closed wall is the first one.
+    const corners = wall && closes(all) ? all.slice(0, -1) : all;
     return (
-        <details>
+        <details onToggle={(event) => setOpen(event.currentTarget.open)}>
             <summary>
-                {title} <span class="unit">({corners.length}{ring > 0 && " corners"})</span>
+                {title} {wall?.of != null && <span translate={false}>{named(wall.of)} </span>}
+                <span class="unit">({corners.length}{ring > 0 && " corners"})</span>
             </summary>
-            {corners.map((at, k) => (
-                <div class="row" key={k}>
-                    <span class="which">{k + 1}</span>
-                    <PointFields name={`${name} ${k + 1}`} at={at} onChange={(to) => setRoom(edited(room, { do: "move", ring, corner: k, to }))} />
-                    <button type="button" aria-label={`Insert a corner after ${name.toLowerCase()} ${k + 1}`} onClick={() => setRoom(insert(room, ring, k))}>
-                        +
-                    </button>
-                    <button type="button" aria-label={`Delete ${name.toLowerCase()} ${k + 1}`} disabled={corners.length <= 3} onClick={() => remove({ kind: "corner", ring, k })}>
-                        ×
-                    </button>
-                </div>
-            ))}
+            {open &&
+                corners.map((at, k) => (
+                    <div class="row" key={k}>
+                        <span class="which">{k + 1}</span>
+                        <PointFields name={`${name} ${k + 1}`} at={at} onChange={(to) => setRoom(edited(room, { do: "move", ring, corner: k, to }))} />
+                        <button type="button" aria-label={`Insert a corner after ${name.toLowerCase()} ${k + 1}`} disabled={k + 1 >= all.length && wall !== undefined} onClick={() => setRoom(insert(room, ring, k))}>
+                            +
+                        </button>
+                        <button type="button" aria-label={`Delete ${name.toLowerCase()} ${k + 1}`} disabled={!canLose(room, ring)} onClick={() => remove({ kind: "corner", ring, k })}>
+                            ×
+                        </button>
+                    </div>
+                ))}
             {ring > 0 && (
-                <button type="button" onClick={() => setRoom(edited(room, { do: "clear", ring }))}>
+                <button type="button" onClick={() => clear(ring)}>
                     Delete {title.toLowerCase()}
                 </button>
             )}
@@ -151,7 +235,11 @@ function Ring({ title, name, room, ring }: { title: string; name: string; room: 
 function Doors({ room }: { room: Room }) {
     const { doors } = room;
     const set = (k: number, part: Partial<Room["doors"][number]>) => setRoom({ ...room, doors: doors.map((door, j) => (j === k ? { ...door, ...part } : door)) });
-    const add = () => setRoom({ ...room, doors: [...doors, { at: shape(room.outline).middles[1]!, width: 1 }] });
+    const some = room.outline.length > 0 ? room.outline : room.walls?.[0]?.corners;
+    const add = (wall: Point[]) => {
+        const { middles } = shape(wall);
+        setRoom({ ...room, doors: [...doors, { at: middles[1] ?? middles[0]!, width: 1 }] });
+    };
     return (
         <details open={doors.length > 0}>
             <summary>
@@ -167,8 +255,8 @@ function Doors({ room }: { room: Room }) {
                     </button>
                 </div>
             ))}
-            {doors.length < MOST.parts && (
-                <button type="button" onClick={add}>
+            {some && doors.length < MOST.parts && (
+                <button type="button" onClick={() => add(some)}>
                     Add a door by numbers
                 </button>
             )}

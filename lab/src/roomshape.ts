@@ -1,10 +1,28 @@
 // Places as they are clicked: what of a room is near, snapping, and what a sketch shows before it is a room.
 
-import type { Point, Room } from "./protocol";
+import type { Further, Point, Room } from "./protocol";
 
-/** The outline is ring 0; obstacles follow. */
-export function rings({ outline, obstacles }: Room): Point[][] {
-    return [outline, ...obstacles];
+/** The outline is ring 0; obstacles and further walls follow. */
+export function rings({ outline, obstacles, walls = [] }: Room): Point[][] {
+    return [outline, ...obstacles, ...walls.map(({ corners }) => corners)];
+}
+
+/** The further wall of a ring. */
+export function wallAt({ obstacles, walls = [] }: Room, ring: number): Further | undefined {
+    return walls[ring - 1 - obstacles.length];
+}
+
+/** Whether a polyline ends where it begins. */
+export function closes(corners: Point[]): boolean {
+    const [first, last] = [corners[0], corners.at(-1)];
+    return corners.length > 3 && first![0] === last![0] && first![1] === last![1];
+}
+
+/** Whether a ring can lose a corner: a closed wall has three, an open one two. */
+export function canLose(room: Room, ring: number): boolean {
+    const corners = rings(room)[ring]!;
+    const closed = closes(corners);
+    return corners.length - (closed ? 1 : 0) > (wallAt(room, ring) && !closed ? 2 : 3);
 }
 
 export function distance(a: Point, b: Point) {

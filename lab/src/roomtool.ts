@@ -1,18 +1,19 @@
 // Drawing and changing a room by pointer and keys.
 
-import { computed, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
 import { type Inks, label } from "./draw";
 import { drawn, edited } from "./drawn";
 import { length } from "./parts";
-import { type KeptCrowd, MOST } from "./forms";
+import { MOST, roomFits } from "./forms";
 import { change, plan } from "./plan";
 import type { Point, Room } from "./protocol";
-import { distance, rings, snapped, spanned, squared } from "./roomshape";
+import { canLose, closes, distance, rings, snapped, spanned, squared, wallAt } from "./roomshape";
+import { bases, choose, problem, trialWalls } from "./session";
 import { lineTool, type Pointer, type Tool } from "./tool";
 import { inMetres, type View } from "./view";
 
 /** What the next presses do. */
-export type Mode = "change" | "outline" | "polygon" | "rectangle" | "door" | "region";
+export type Mode = "change" | "outline" | "polygon" | "rectangle" | "wall" | "door" | "region";
 export const mode = signal<Mode>("change");
 
 /** Width of a new door, in m. */
@@ -26,16 +27,73 @@ const sketch = signal<Point[]>([]);
 /** Where the pointer is, snapped. */
 const hover = signal<Point | null>(null);
 /** While something is dragged. */
-const dragged = signal<KeptCrowd | null>(null);
+const dragged = signal<Room | null>(null);
 /** The room as it was pressed on. */
 let pressed: Room | null = null;
 
-export const draft = computed(() => dragged.value ?? plan.value.crowd);
-const courses = computed(() => drawn(draft.value.room).doors);
+/** Whether the walls of the Trial on the stage are changed, or the room of the forms; null: whichever is nearer at hand. */
+const chosen = signal<"trial" | "forms" | null>(null);
+export const target = computed(() => {
+    const { kind } = plan.value.made.base;
+    if (kind === "crowd") return "forms";
+    return chosen.value ?? (kind === "upload" ? "trial" : "forms");
+});
 
-export function setRoom(room: Room) {
-    change({ crowd: { ...plan.value.crowd, room } });
+export function aim(at: "trial" | "forms") {
+    begin("change");
+    chosen.value = at;
 }
+
+effect(() => {
+    bases.value;
+    chosen.value = null;
+});
+// What is drawn belongs to one of both.
+effect(() => {
+    target.value;
+    begin("change");
+});
+
+const NOTHING: Room = { outline: [], obstacles: [], doors: [] };
+
+/** The Trial's walls as they are changed, or else as its files have them; null until they are known. */
+const ofTrial = computed((): Room | null => {
+    const { base, edits } = plan.value.made;
+    const changed = edits.find((edit) => edit.do === "room");
+    if (changed) return changed.room;
+    const own = trialWalls.value;
+    if (own?.base !== JSON.stringify(base)) return null;
+    return { outline: [], obstacles: [], walls: own.walls.map(({ id, corners }) => ({ corners, of: id })), doors: [] };
+});
+
+/** Why the walls of the Trial cannot be changed; empty if they can. */
+export const fixed = computed(() => {
+    const walls = ofTrial.value;
+    if (!walls) return "One moment …";
+    const corners = rings(walls).flat().length;
+    if (corners <= MOST.all && roomFits(walls)) return "";
+    return `These walls can be seen, but not be changed here: there are ${rings(walls).length - 1} with ${corners} corners. This page changes up to ${MOST.walls} walls with up to ${MOST.all} corners.`;
+});
+
+/** Whether the walls of the Trial on the stage were changed. */
+export const isChanged = computed(() => plan.value.made.edits.some((edit) => edit.do === "room"));
+
+/** The room that is changed. */
+export const room = computed(() => (target.value === "forms" ? plan.value.crowd.room : fixed.value ? NOTHING : ofTrial.value!));
+export const draft = computed(() => dragged.value ?? room.value);
+const courses = computed(() => drawn(draft.value).doors);
+
+export function setRoom(next: Room) {
+    if (target.peek() === "forms") return change({ crowd: { ...plan.value.crowd, room: next } });
+    setTrial({ do: "room", room: next });
+}
+
+function setTrial(...of: { do: "room"; room: Room }[]) {
+    choose({ edits: [...plan.value.made.edits.filter((edit) => edit.do !== "room"), ...of] }, false);
+}
+
+/** The Trial has the walls of its files again. */
+export const takeBack = () => setTrial();
 
 export function begin(next: Mode) {
     mode.value = next;
@@ -51,62 +109,85 @@ function finish() {
     const corners = sketch.value;
     const { crowd } = plan.value;
     const kind = mode.value;
+    const now = room.value;
     begin("change");
-    if (corners.length < 3) return;
-    if (kind === "outline") change({ crowd: { ...crowd, room: { outline: corners, obstacles: [], doors: [] }, region: null } });
-    else if (kind === "region") change({ crowd: { ...crowd, region: corners } });
-    else setRoom({ ...crowd.room, obstacles: [...crowd.room.obstacles, corners].slice(-MOST.parts) });
+    if (corners.length < (kind === "wall" ? 2 : 3)) return;
+    if (kind === "outline") return change({ crowd: { ...crowd, room: { outline: corners, obstacles: [], doors: [] }, region: null } });
+    if (kind === "region") return change({ crowd: { ...crowd, region: corners } });
+    if (rings(now).length > MOST.walls) {
+        problem.value = `There are ${MOST.walls} walls already.`;
+        return;
+    }
+    const open = kind === "wall" && !closes(corners);
+    const further = (wall: Point[]): Room => ({ outline: now.outline, obstacles: now.obstacles, walls: [...(now.walls ?? []), { corners: wall, of: null }], doors: now.doors });
+    if (open) setRoom(further(corners));
+    // A Trial has no obstacles but walls that are closed.
+    else if (target.value === "trial") setRoom(further(kind === "wall" ? corners : [...corners, corners[0]!]));
+    else setRoom({ ...now, obstacles: [...now.obstacles, kind === "wall" ? corners.slice(0, -1) : corners] });
 }
 
 export function remove(part: Part) {
-    const { room } = plan.value.crowd;
+    const now = room.value;
     picked.value = null;
-    if (part.kind === "door") return setRoom({ ...room, doors: room.doors.filter((_, k) => k !== part.k) });
+    if (part.kind === "door") return setRoom({ ...now, doors: now.doors.filter((_, k) => k !== part.k) });
     const { ring, k: corner } = part;
-    // Three corners are the fewest; an obstacle goes with them.
-    if (rings(room)[ring]!.length > 3) setRoom(edited(room, { do: "remove", ring, corner }));
-    else if (ring > 0) setRoom(edited(room, { do: "clear", ring }));
+    if (canLose(now, ring)) setRoom(edited(now, { do: "remove", ring, corner }));
+    else if (ring > 0) clear(ring);
+}
+
+/** An obstacle or a wall goes away with its last corners. */
+export function clear(ring: number) {
+    picked.value = null;
+    setRoom(edited(room.value, { do: "clear", ring }));
 }
 
 /** A corner on a side, or in its middle. */
-export function insert(room: Room, ring: number, side: number, at?: Point): Room {
-    if (rings(room)[ring]!.length >= MOST.corners) return room;
-    return edited(room, { do: "insert", ring, side, at: snapped(at ?? drawn(room).rings[ring]!.middles[side]!) });
+export function insert(into: Room, ring: number, side: number, at?: Point): Room {
+    if (rings(into)[ring]!.length >= MOST.outline) return into;
+    return edited(into, { do: "insert", ring, side, at: snapped(at ?? drawn(into).rings[ring]!.middles[side]!) });
 }
 
 /** The part under the pointer: doors first, then corners, then a wall, which gets a corner. */
 function grab({ at, reach }: Pointer): { part: Part; room: Room } | null {
-    const { room } = plan.value.crowd;
-    const door = room.doors.findIndex((given) => distance(given.at, at) < Math.max(reach, given.width / 3));
-    if (door >= 0) return { part: { kind: "door", k: door }, room };
-    for (const [ring, corners] of rings(room).entries()) {
+    const now = room.value;
+    const door = now.doors.findIndex((given) => distance(given.at, at) < Math.max(reach, given.width / 3));
+    if (door >= 0) return { part: { kind: "door", k: door }, room: now };
+    for (const [ring, corners] of rings(now).entries()) {
         const k = corners.findIndex((corner) => distance(corner, at) < reach);
-        if (k >= 0) return { part: { kind: "corner", ring, k }, room };
+        if (k >= 0) return { part: { kind: "corner", ring, k }, room: now };
     }
-    const { near } = drawn(room, at);
-    if (!near || near.away >= reach || rings(room)[near.ring]!.length >= MOST.corners) return null;
-    return { part: { kind: "corner", ring: near.ring, k: near.side + 1 }, room: insert(room, near.ring, near.side, at) };
+    const { near } = drawn(now, at);
+    if (!near || near.away >= reach || rings(now)[near.ring]!.length >= MOST.outline) return null;
+    return { part: { kind: "corner", ring: near.ring, k: near.side + 1 }, room: insert(now, near.ring, near.side, at) };
 }
 
-function dragTo({ at, shift }: Pointer) {
+/** A corner of a wall that is near: those of a Trial lie on no grid. */
+function cornerNear({ at, reach }: Pointer, but?: { ring: number; k: number }): Point | undefined {
+    if (target.value !== "trial" && mode.value !== "wall") return undefined;
+    const others = rings(room.value).flatMap((corners, ring) => (ring === but?.ring ? [] : corners));
+    return others.find((corner) => distance(corner, at) < reach);
+}
+
+function dragTo(pointer: Pointer) {
     const part = picked.value;
-    const crowd = dragged.value;
-    const room = pressed;
-    if (!part || !crowd || !room) return;
+    const now = pressed;
+    if (!part || !dragged.value || !now) return;
+    const { at, shift } = pointer;
     if (part.kind === "door") {
-        const { near } = drawn(room, at);
-        const doors = room.doors.map((door, k) => (k === part.k && near ? { ...door, at: snapped(near.at) } : door));
-        dragged.value = { ...crowd, room: { ...room, doors } };
+        const { near } = drawn(now, at);
+        dragged.value = { ...now, doors: now.doors.map((door, k) => (k === part.k && near ? { ...door, at: snapped(near.at) } : door)) };
         return;
     }
     const { ring, k: corner } = part;
-    const before = rings(room)[ring]!.at(corner - 1)!;
-    dragged.value = { ...crowd, room: edited(room, { do: "move", ring, corner, to: snapped(shift ? squared(at, before) : at) }) };
+    const corners = rings(now)[ring]!;
+    // The last corner of a closed wall is the first one.
+    const before = corners.at(corner === 0 && closes(corners) ? -2 : corner - 1)!;
+    dragged.value = edited(now, { do: "move", ring, corner, to: cornerNear(pointer, part) ?? snapped(shift ? squared(at, before) : at) });
 }
 
-function next({ at, shift }: Pointer): Point {
+function next(pointer: Pointer): Point {
     const last = sketch.value.at(-1);
-    return snapped(shift && last ? squared(at, last) : at);
+    return cornerNear(pointer) ?? snapped(pointer.shift && last ? squared(pointer.at, last) : pointer.at);
 }
 
 /** A click that draws counts when it ends: a second finger may make it a pinch. */
@@ -120,7 +201,7 @@ function press(pointer: Pointer): boolean {
         picked.value = found?.part ?? null;
         if (!found) return false;
         pressed = found.room;
-        dragged.value = { ...plan.value.crowd, room: pressed };
+        dragged.value = pressed;
         return true;
     }
     if (kind === "rectangle" || kind === "region") sketch.value = [next(pointer)];
@@ -131,18 +212,32 @@ function press(pointer: Pointer): boolean {
 /** A click while a door or corners are drawn. */
 function click(pointer: Pointer) {
     if (mode.value === "door") {
-        const { room } = plan.value.crowd;
-        const { near } = drawn(room, pointer.at);
-        if (near && near.away < 3 * pointer.reach && room.doors.length < MOST.parts) {
-            setRoom({ ...room, doors: [...room.doors, { at: snapped(near.at), width: DOOR }] });
+        const now = room.value;
+        const { near } = drawn(now, pointer.at);
+        if (near && near.away < 3 * pointer.reach && now.doors.length < MOST.parts) {
+            setRoom({ ...now, doors: [...now.doors, { at: snapped(near.at), width: DOOR }] });
             mode.value = "change";
-            picked.value = { kind: "door", k: room.doors.length };
+            picked.value = { kind: "door", k: now.doors.length };
         }
         return;
     }
-    const closes = sketch.value.length >= 3 && distance(pointer.at, sketch.value[0]!) < 1.5 * pointer.reach;
-    if (pointer.double || closes || sketch.value.length >= MOST.corners) finish();
+    const first = sketch.value[0];
+    const round = sketch.value.length >= 3 && distance(pointer.at, first!) < 1.5 * pointer.reach;
+    if (round && mode.value === "wall") sketch.value = [...sketch.value, first!];
+    if (pointer.double || round || sketch.value.length >= MOST.corners) finish();
     else sketch.value = [...sketch.value, next(pointer)];
+}
+
+const STEPS: Record<string, Point> = { ArrowLeft: [-0.05, 0], ArrowRight: [0.05, 0], ArrowUp: [0, 0.05], ArrowDown: [0, -0.05] };
+
+/** What is marked is moved by a key. */
+function step(part: Part, [dx, dy]: Point) {
+    const now = room.value;
+    const sum = (at: number, by: number) => (by ? Number((at + by).toFixed(4)) : at);
+    const moved = ([x, y]: Point): Point => [sum(x, dx), sum(y, dy)];
+    if (part.kind === "door") setRoom({ ...now, doors: now.doors.map((door, k) => (k === part.k ? { ...door, at: moved(door.at) } : door)) });
+    else setRoom(edited(now, { do: "move", ring: part.ring, corner: part.k, to: moved(rings(now)[part.ring]![part.k]!) }));
+    picked.value = part;
 }
 
 export const roomTool: Tool = {
@@ -169,31 +264,39 @@ export const roomTool: Tool = {
             sketch.value = spanned(from, to);
             return finish();
         }
-        const crowd = dragged.value;
+        const moved = dragged.value;
         dragged.value = null;
-        if (crowd) change({ crowd });
+        // A press that moved nothing is no change.
+        if (moved && JSON.stringify(moved) !== JSON.stringify(room.value)) setRoom(moved);
     },
     key(event) {
         const drawing = mode.value !== "change";
         if (event.key === "Escape" && drawing) begin("change");
         else if (event.key === "Enter" && drawing) finish();
         else if (event.key === "Backspace" && drawing) sketch.value = sketch.value.slice(0, -1);
-        else if ((event.key === "Delete" || event.key === "Backspace") && picked.value) remove(picked.value);
+        else if ((event.key === "Delete" || event.key === "Backspace") && picked.value) {
+            const { kind, ring } = { ring: 0, ...picked.value };
+            // All of an obstacle or a wall.
+            if (event.shiftKey && kind === "corner" && ring > 0) clear(ring);
+            else remove(picked.value);
+        } else if (event.shiftKey && STEPS[event.key] && picked.value) step(picked.value, STEPS[event.key]!);
         else return false;
         return true;
     },
-    extent: () => rings(plan.value.crowd.room).flat(),
+    extent: () => rings(room.value).flat(),
     faint: () => {
         const { base } = plan.value.made;
-        return base.kind !== "crowd" || JSON.stringify(base.room) !== JSON.stringify(draft.value.room);
+        if (target.value === "trial") return dragged.value !== null;
+        return base.kind !== "crowd" || JSON.stringify(base.room) !== JSON.stringify(draft.value);
     },
     paint(context, view, inks) {
-        const { room, region } = draft.value;
+        const room = draft.value;
+        const region = target.value === "forms" ? plan.value.crowd.region : null;
         const pixel = devicePixelRatio / view.scale;
         if (region) paintRegion(context, region, pixel, inks);
         context.strokeStyle = inks.pick;
         context.lineWidth = 3 * pixel;
-        for (const corners of rings(room)) trace(context, corners, true);
+        for (const [ring, corners] of rings(room).entries()) trace(context, corners, !wallAt(room, ring));
         for (const [k, course] of courses.value.entries()) paintDoor(context, course, pixel, inks, isPicked("door", k));
         if (mode.value === "change") handles(context, room, pixel, inks);
         else paintSketch(context, view, pixel, inks);
@@ -266,8 +369,8 @@ function paintSketch(context: CanvasRenderingContext2D, view: View, pixel: numbe
     context.lineWidth = 2.5 * pixel;
     if (!to) return;
     if (mode.value === "door") {
-        const [course] = drawn({ ...draft.value.room, doors: [{ at: to, width: DOOR }] }).doors;
-        return paintDoor(context, course!, pixel, inks, true);
+        const [course] = drawn({ ...draft.value, doors: [{ at: to, width: DOOR }] }).doors;
+        return course?.length ? paintDoor(context, course, pixel, inks, true) : undefined;
     }
     context.beginPath();
     context.arc(...to, 4 * pixel, 0, 2 * Math.PI);

@@ -8,19 +8,29 @@ export interface Door {
     width: number;
 }
 
+/** A wall that need not be closed: a closed one repeats its first corner. */
+export interface Further {
+    corners: Point[];
+    /** The Id of the Trial's wall that it was: it keeps Id and material. */
+    of: string | null;
+}
+
 /** Outlines do not repeat their first corner. */
 export interface Room {
+    /** Without corners where the walls of a Trial are changed. */
     outline: Point[];
     obstacles: Point[][];
+    walls?: Further[];
     doors: Door[];
 }
 
-/** A change of a room. Ring 0 is its outline, obstacles follow; side 0 begins at corner 0. Doors stay on their walls. */
+/** A change of a room. Ring 0 is its outline, obstacles and further walls follow; side 0 begins at corner 0. Doors stay on
+ * their walls. */
 export type RoomEdit =
     | { do: "move"; ring: number; corner: number; to: Point }
     | { do: "insert"; ring: number; side: number; at: Point }
     | { do: "remove"; ring: number; corner: number }
-    /** An obstacle goes away, with its doors. */
+    /** An obstacle or a further wall goes away, with its doors. */
     | { do: "clear"; ring: number }
     /** The outline gets this size; its left and low ends stay. */
     | { do: "stretch"; width: number; height: number };

@@ -5,7 +5,7 @@ import { Client, Stopped } from "./client";
 import { Film } from "./film";
 import { type KeptBase } from "./forms";
 import { arrive, change, FIRST, follow, isNew, keysInUse, type Made as Planned, opened, plan, settle, unread } from "./plan";
-import type { Base, Made, Opened } from "./protocol";
+import type { Base, Made, Opened, Scene } from "./protocol";
 import { kept, remove } from "./store";
 
 export const client = new Client();
@@ -23,6 +23,8 @@ export const bases = signal(0);
 
 /** What the film shows. */
 let present: Planned | null = null;
+/** The walls of an opened Trial as its files have them, and which Trial it is (its base as text). */
+export const trialWalls = signal<{ base: string; walls: Scene["walls"] } | null>(null);
 /** Whether the next one plays at once. The first scene does, and the example with files of its own. */
 let plays = isNew || (plan.value.made.base.kind === "example" && plan.value.tab === "start");
 
@@ -84,10 +86,10 @@ function words(opened: Opened, base: KeptBase, seconds: number): string {
 }
 
 async function open(wanted: Planned, number: number) {
-    const { edits, motion } = wanted;
+    const { edits, motion, mechanics } = wanted;
     const [base, bytes] = await sent(wanted.base);
     if (number !== latest) return;
-    const { value, bytes: first, seconds } = await client.ask<Opened>({ ask: "show", base, edits, motion }, bytes);
+    const { value, bytes: first, seconds } = await client.ask<Opened>({ ask: "show", base, edits, mechanics, motion }, bytes);
     // The lab has this scene now and not the one that is shown, which is opened again if the later one fails.
     if (number !== latest) {
         film.value?.end();
@@ -114,6 +116,7 @@ async function open(wanted: Planned, number: number) {
         sayNext = "";
         selected.value = place < 0 ? null : place;
         film.value = next;
+        if (!wanted.edits.some((edit) => edit.do === "room")) trialWalls.value = { base: JSON.stringify(wanted.base), walls: value.scene.walls };
         next.playing.value = playing;
         arrive();
         if (other) bases.value += 1;

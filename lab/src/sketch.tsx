@@ -24,13 +24,15 @@ export function Sketch({ base }: { base: KeptBase }) {
         );
     }
     const { room, region } = base;
-    const path = (corners: Point[]) => `M${corners.map(([x, y]) => `${x} ${-y}`).join("L")}Z`;
+    const line = (corners: Point[]) => `M${corners.map(([x, y]) => `${x} ${-y}`).join("L")}`;
+    const path = (corners: Point[]) => `${line(corners)}Z`;
     const [xs, ys] = [0, 1].map((axis) => room.outline.map((corner) => corner[axis as 0 | 1])) as [number[], number[]];
     const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
     return (
         <svg class="sketch" viewBox={`${left - 0.3} ${-high - 0.3} ${right - left + 0.6} ${high - low + 0.6}`} aria-hidden="true">
             <path d={path(region ?? room.outline)} class="crowded" />
             <path d={[room.outline, ...room.obstacles].map(path).join("")} class="outline" />
+            {room.walls && <path d={room.walls.map(({ corners }) => line(corners)).join("")} class="wall" />}
             {room.doors.map(({ at: [x, y], width }) => {
                 const [dx, dy] = along(room, [x, y]).map((part) => (part * width) / 2) as Point;
                 return <path key={`${x} ${y}`} d={`M${x - dx} ${dy - y}L${x + dx} ${-dy - y}`} class="gap" />;

@@ -12,6 +12,9 @@ interface Entry {
 /** What was opened since the page was; also where the browser keeps nothing. */
 const here = new Map<string, Uint8Array>();
 
+/** Keys of what lasts until the page is closed: the browser keeps nothing, or has no room. */
+export const brief = new Set<string>();
+
 function finished<T>(request: IDBRequest<T>): Promise<T> {
     return new Promise((done, failed) => {
         request.onsuccess = () => done(request.result);
@@ -45,7 +48,7 @@ export async function keep(bytes: Uint8Array, used: Set<string>): Promise<string
         const keys = (await finished(store.getAllKeys())) as string[];
         for (const old of unneeded(keys, used)) store.delete(old);
     } catch {
-        // It lasts until the page is closed.
+        brief.add(key);
     }
     return key;
 }

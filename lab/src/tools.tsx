@@ -4,12 +4,13 @@ import { kindOf, setKind } from "./motion";
 import { begin as beginMotion, mode as motionMode, type Mode as MotionMode } from "./motionstate";
 import { change, plan } from "./plan";
 import type { Motion } from "./protocol";
-import { begin as beginRoom, mode as roomMode, type Mode as RoomMode } from "./roomtool";
+import { aim, begin as beginRoom, mode as roomMode, type Mode as RoomMode } from "./roomtool";
 
 type ToolOf = { name: string; title: string } & ({ room: RoomMode } | { motion: MotionMode; kind: Motion["kind"] });
 
 const TOOLS: ToolOf[] = [
     { name: "Door", title: "Put a door into a wall", room: "door" },
+    { name: "Wall", title: "Draw a wall: click its corners", room: "wall" },
     { name: "Obstacle", title: "Draw an obstacle: a rectangle from corner to corner", room: "rectangle" },
     { name: "People", title: "Draw where people stand: a rectangle from corner to corner", room: "region" },
     { name: "Push", title: "Draw a push: from the middle of its circle to the tip of its arrow", motion: "push", kind: "push" },
@@ -17,8 +18,8 @@ const TOOLS: ToolOf[] = [
 ];
 
 export function Tools() {
-    // Rooms are drawn for crowds of this page.
-    const there = TOOLS.filter((tool) => "motion" in tool || plan.value.made.base.kind === "crowd");
+    // People are placed in crowds of this page only.
+    const there = TOOLS.filter((tool) => "motion" in tool || tool.room !== "region" || plan.value.made.base.kind === "crowd");
     return (
         <div class="together" role="group" aria-label="Draw">
             {there.map((tool) => {
@@ -41,6 +42,7 @@ function end() {
 function take(tool: ToolOf) {
     end();
     if ("room" in tool) {
+        if (plan.value.made.base.kind !== "crowd") aim("trial");
         change({ tab: "room" });
         return beginRoom(tool.room);
     }

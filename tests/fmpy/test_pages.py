@@ -53,6 +53,7 @@ NOT_RUN = {
     ("docs/guide/squeeze.md", "python examples/soft_chest.py"): "takes minutes; test_numbers.py makes fewer rooms",
     ("docs/guide/controller.md", "python examples/turnstile.py"): "takes minutes; test_turnstile.py makes one crowd",
     ("docs/walking.md", "python examples/evacuations.py"): "takes minutes; test_leaving.py makes fewer rooms",
+    ("docs/walking.md", "python examples/groups.py"): "takes minutes; test_leaving.py makes fewer crowds",
     ("docs/command.md", "cargo run -p lemons-cli --example reference"): "crates/cli/tests/cli/reference.rs does it",
     ("examples/notebooks/README.md", "jupyter lab"): "opens a browser; test_notebooks.py runs the notebooks",
     ("examples/sweep_cluster.md", "dask"): "starts servers; test_sweep.py starts them so",
@@ -100,6 +101,14 @@ FILES = {
         "lemons crowd --number 20 --box 8x6 --door 8,3,1 --door 0,3,1 -o two_doors",
         "lemons check two_doors && lemons run two_doors --until 0.1 -o two_doors.csv",
         {},
+    ),
+    ("docs/walking.md", "exits = ["): ("times.toml", "", "lemons run two_doors --plan times.toml --until 0.1 -o times.csv", {}),
+    ("docs/walking.md", "ways = ["): ("stairs.toml", "", "lemons run two_doors --plan stairs.toml --until 0.1 -o stairs.csv", {}),
+    ("docs/walking.md", 'groups = { members = [["0", "1"], ["4", "5", "6"]], share = 0.5 }'): (
+        "families.toml",
+        "",
+        "lemons run two_doors --plan families.toml --until 0.1 -o families.csv",
+        {"share = 0.5 }": "share = 0.5 }\nwaypoints = [{ x = 1.0, y = 1.0 }]"},
     ),
     ("docs/coupling.md", "desired_speed = 1.34                               # [m/s]; default 1.34"): (
         "ways.toml",

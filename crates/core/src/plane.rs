@@ -17,7 +17,7 @@ pub use bounds::Bounds;
 pub use hull::convex_hull;
 pub use polygon::Polygon;
 pub use pose::{Motion, Pose, Twist, shown_orientation};
-pub use ring::{Foot, Ring};
+pub use ring::{Foot, Ring, nearest_on_line};
 pub use segment::{nearest_on_segment, ray_crosses, segments_cross, segments_touch, turn};
 pub use simple::sides_that_meet;
 pub use union::{Arc, Disk, Moments, boundary, union};

@@ -1,9 +1,10 @@
 //! Where a Trial comes from, what is known of its people, and what drives them.
 
+use crate::edit::{self, Edit};
 use crate::{Refused, crowd, upload};
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::Plan;
-use lemons_people::Person;
+use lemons_people::Agent;
 use lemons_people::placing::Watch;
 use serde::Deserialize;
 use serde_json::Value;
@@ -26,8 +27,8 @@ pub enum Base {
 pub struct Driven {
     /// The Trial.
     pub trial: Trial,
-    /// Everybody's measures, if the lab has made them.
-    pub people: Option<Vec<Person>>,
+    /// Everybody, if the lab has made them.
+    pub people: Option<Vec<Agent>>,
     /// The text of its drive.csv; empty if it has none.
     pub drive: String,
     /// The same, read.
@@ -51,7 +52,7 @@ pub struct Basis {
 
 impl Driven {
     /// A Trial that only its AgentDynamics.xml drives.
-    pub fn alone(trial: Trial, people: Option<Vec<Person>>) -> Driven {
+    pub fn alone(trial: Trial, people: Option<Vec<Agent>>) -> Driven {
         let (drive, wishes) = (String::new(), String::new());
         Driven { trial, people, drive, table: DriveTable::default(), wishes, plan: None }
     }
@@ -72,10 +73,13 @@ impl Base {
         }
     }
 
-    /// Lines \[m\] beyond the doors of a crowd's room, for the people who are there.
-    pub fn beyond_doors(&self, trial: &Trial) -> Vec<[[f64; 2]; 2]> {
-        let Base::Crowd(wanted) = self else { return Vec::new() };
-        wanted.room.exits(trial.dynamics.iter().map(|here| here.position))
+    /// Lines \[m\] beyond the doors of a crowd's room, or of walls that were changed, for the people who are there.
+    pub fn beyond_doors(&self, edits: &[Edit], trial: &Trial) -> Vec<[[f64; 2]; 2]> {
+        let room = match self {
+            Base::Crowd(wanted) => Some(&wanted.room),
+            _ => edit::room_of(edits),
+        };
+        room.map_or_else(Vec::new, |room| room.exits(trial.dynamics.iter().map(|here| here.position)))
     }
 }
 

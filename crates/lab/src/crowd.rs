@@ -8,11 +8,12 @@ use lemons_core::trial::Contact;
 use lemons_people::placing::{self, Ended, Method, Orientation, Packing, Region, TOLERANCE, Watch};
 use lemons_people::room::Room;
 use lemons_people::{
-    Agent, CrowdStatistics, CustomMeasures, Disk, PAPER_BICYCLES, Population, Proportions, Sex, Shape,
+    Agent, CrowdStatistics, CustomMeasures, Disk, Kinds, PAPER_BICYCLES, Population, Proportions, Sex, Shape,
     Source, Survey, TrialSettings, TruncatedNormal, choose_mechanical_step, crowd_trial, heading,
 };
 use serde::Deserialize;
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -37,6 +38,9 @@ pub struct CrowdRequest {
     pub region: Option<Vec<[f64; 2]>>,
     /// Whom they are drawn from.
     pub people: People,
+    /// Shares of kinds of people, which need not sum up to 100; empty: adults with nothing.
+    #[serde(default)]
+    pub mix: BTreeMap<String, f64>,
     /// Probability that a person is a man.
     pub men: f64,
     /// \[°\] Which way people face at first, -360 to 360; `None`: any.
@@ -104,7 +108,12 @@ impl CrowdRequest {
             }
         };
         let proportions = Proportions { men: self.men, ..Proportions::default() };
-        Ok(Population::new(source, proportions, PAPER_BICYCLES)?)
+        let population = Population::new(source, proportions, PAPER_BICYCLES)?;
+        if self.mix.is_empty() {
+            return Ok(population);
+        }
+        let mix = Kinds::built_in()?.mix(&self.mix);
+        Ok(population.mixed(mix.map_err(|error| Refused(format!("the mix of kinds: {error}")))?))
     }
 
     fn number(&self, region: &Region) -> Result<u32, Refused> {
@@ -137,9 +146,12 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
     let direction = within("direction [°]", wanted.direction.unwrap_or(0.0), [-360.0, 360.0])?;
     let speed = within("speed [m/s]", wanted.speed, [0.0, 20.0])?;
     within("friction", wanted.friction.unwrap_or(0.0), [0.0, MOST_FRICTION])?;
+    require(!wanted.round || wanted.mix.is_empty(), || {
+        "round bodies are of adults with nothing: take no mix of kinds, or no round bodies".into()
+    })?;
     let (whole, geometry) = room::built(&wanted.room)?;
     let region = match &wanted.region {
-        Some(corners) => room::part(&whole, corners)?,
+        Some(corners) => room::part(&wanted.room, &whole, corners)?,
         None => whole.clone(),
     };
     let number = wanted.number(&region)?;
@@ -155,7 +167,10 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
     require(packing.ended != Ended::Cancelled, || "the placing was stopped".into())?;
     require(packing.complete, || {
         let (area, clear) = (region.area(), packing.clear_density);
-        format!("{number} people do not fit on {area:.2} m² without overlap; about {clear:.1} per m² do")
+        let about = (area * clear).floor();
+        format!(
+            "{number} people do not fit on {area:.2} m² without overlap; about {about} of them do, {clear:.1} per m²"
+        )
     })?;
     let largest_overlap =
         Packing::of(&shapes, &whole, packing.poses.clone(), packing.ended, 0).largest_overlap;
@@ -188,10 +203,9 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
             .filter(theirs)
             .for_each(|contact| contact.kinetic_friction = friction);
     }
-    let people = agents.iter().flat_map(Agent::people).map(|(person, _)| person).collect();
     let made = json!({
         "density": packing.density, "area": region.area(), "iterations": packing.iterations,
         "largest_overlap": largest_overlap, "statistics": CrowdStatistics::of(&agents),
     });
-    Ok(Basis { driven: Driven::alone(trial, Some(people)), notes: Vec::new(), made })
+    Ok(Basis { driven: Driven::alone(trial, Some(agents)), notes: Vec::new(), made })
 }

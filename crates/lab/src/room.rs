@@ -1,21 +1,28 @@
-//! Rooms: an outline, obstacles, doors. While they are drawn, when they are made, and from a file.
+//! Rooms: an outline, obstacles, further walls, doors. While they are drawn, when they are made, in place of a Trial's
+//! walls, and from a file.
 
 use crate::{Refused, Reply, require, within};
+use crowd_mechanics::setup::Setup;
+use lemons_core::files::source::Memory;
 use lemons_core::plane::{Bounds, Ring, Vec2};
-use lemons_core::trial::Geometry;
+use lemons_core::trial::{Contact, FARTHEST, Geometry, Trial};
+use lemons_people::drawing::{Format, LARGEST_DRAWING, Place, Plan, PlanSettings, Read, Reading, sizes};
 use lemons_people::placing::Region;
 use lemons_people::room::{Edit, Room};
-use lemons_people::{Door, nearest_wall};
+use lemons_people::{Door, PeopleError, nearest_wall};
 use serde::Deserialize;
 use serde_json::json;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Most corners of all walls of a room together.
-const MOST_CORNERS: usize = 2000;
+const MOST_CORNERS: usize = 5000;
+/// The material of walls.
+const CONCRETE: &str = "concrete";
 /// In messages.
 pub const REGION: &str = "the region where people are placed";
-/// \[m\] Range of coordinates.
-const REACH: [f64; 2] = [-1000.0, 1000.0];
+/// \[m\] Largest coordinate of a room that is drawn.
+const REACH: f64 = 1000.0;
 
 /// A question about a room that is drawn.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -30,30 +37,33 @@ pub struct RoomRequest {
 }
 
 /// Returns the room after the edit. It may have walls that cross, and any size: it is not made yet. With it, of each door
-/// its way along the wall; of each ring, width, height, left and low of the rectangle around it, whether it is that
+/// its way along the wall; of each line, width, height, left and low of the rectangle around it, whether it is that
 /// rectangle, and the middles of its sides; and the nearest wall.
 ///
 /// # Errors
-/// The edit is of something that is not there, or an outline has no corners.
+/// The edit is of something that is not there, or an obstacle has no corners.
 pub fn drawn(RoomRequest { room, edit, near }: &RoomRequest) -> Result<Reply, Refused> {
     let mut room = room.clone();
     if let Some(edit) = edit {
         room.change(*edit)?;
     }
-    let rings = room.rings()?;
-    let course = |door: &Door| points(&door.course(&rings));
-    let shape = |ring: &Ring| {
-        let (Bounds { low, .. }, size) = (ring.bounds(), ring.bounds().size());
-        let middles: Vec<Vec2> = ring.sides().map(|(start, end)| (start + end) * 0.5).collect();
+    let lines = room.lines()?;
+    let course = |door: &Door| points(&door.course(&lines));
+    let shape = |line: &Vec<Vec2>| {
+        let Bounds { low, high } = Bounds::of(line.iter().copied()).unwrap_or(Bounds::UNIT);
+        let size = high - low;
+        let middles: Vec<Vec2> = line.windows(2).map(|side| (side[0] + side[1]) * 0.5).collect();
         let bounds = [size.x, size.y, low.x, low.y];
-        json!({ "bounds": bounds, "upright": ring.is_upright(), "middles": points(&middles) })
+        let closed = line.len() > 2 && line.first() == line.last();
+        let ring = Ring::through(line.clone()).filter(|_| closed);
+        json!({ "bounds": bounds, "upright": ring.is_some_and(|ring| ring.is_upright()), "middles": points(&middles) })
     };
-    let near = near.and_then(|place| nearest_wall(&rings, place.into()));
+    let near = near.and_then(|place| nearest_wall(&lines, place.into()));
     let near = near.map(|(ring, foot)| {
         json!({ "ring": ring, "side": foot.side, "at": <[f64; 2]>::from(foot.place), "away": foot.distance })
     });
     let doors: Vec<_> = room.doors.iter().map(course).collect();
-    let rings: Vec<_> = rings.iter().map(shape).collect();
+    let rings: Vec<_> = lines.iter().map(shape).collect();
     Ok(Reply::of(json!({ "room": room, "doors": doors, "rings": rings, "near": near })))
 }
 
@@ -61,11 +71,20 @@ fn points(of: &[Vec2]) -> Vec<[f64; 2]> {
     of.iter().map(|point| [point.x, point.y]).collect()
 }
 
-fn check<'a>(corners: impl IntoIterator<Item = &'a Vec2>) -> Result<(), Refused> {
+fn check<'a>(corners: impl IntoIterator<Item = &'a Vec2>, reach: f64) -> Result<(), Refused> {
     corners.into_iter().try_for_each(|corner| {
-        within("x of a corner [m]", corner.x, REACH)?;
-        within("y of a corner [m]", corner.y, REACH).map(|_| ())
+        within("x of a corner [m]", corner.x, [-reach, reach])?;
+        within("y of a corner [m]", corner.y, [-reach, reach]).map(|_| ())
     })
+}
+
+/// Checks how many corners a room has, and how far they are.
+fn check_room(room: &Room, reach: f64) -> Result<(), Refused> {
+    let further = || room.walls.iter().flat_map(|wall| &wall.corners);
+    let corners = || room.outline.iter().chain(room.obstacles.iter().flatten()).chain(further());
+    let count = corners().count();
+    require(count <= MOST_CORNERS, || format!("{count} corners: at most {MOST_CORNERS} are allowed"))?;
+    check(corners(), reach)
 }
 
 /// Returns the room's inside, and its walls with doors.
@@ -73,35 +92,125 @@ fn check<'a>(corners: impl IntoIterator<Item = &'a Vec2>) -> Result<(), Refused>
 /// # Errors
 /// It is too large, walls cross, an obstacle is not inside, or a door is not at a wall.
 pub fn built(room: &Room) -> Result<(Region, Geometry), Refused> {
-    let corners = || room.outline.iter().chain(room.obstacles.iter().flatten());
-    let count = corners().count();
-    require(count <= MOST_CORNERS, || format!("{count} corners: at most {MOST_CORNERS} are allowed"))?;
-    check(corners())?;
-    Ok(room.built("concrete")?)
+    check_room(room, REACH)?;
+    Ok(room.built(CONCRETE)?)
 }
 
 /// Returns a part of a room: where people are placed.
 ///
 /// # Errors
 /// Its sides cross, or it goes beyond the room.
-pub fn part(whole: &Region, corners: &[[f64; 2]]) -> Result<Region, Refused> {
+pub fn part(room: &Room, whole: &Region, corners: &[[f64; 2]]) -> Result<Region, Refused> {
     let corners: Vec<Vec2> = corners.iter().copied().map(Vec2::from).collect();
-    check(&corners)?;
-    whole.part(&corners).map_err(|error| Refused(format!("{REGION}: {error}")))
+    check(&corners, REACH)?;
+    room.part(whole, &corners).map_err(|error| Refused(format!("{REGION}: {error}")))
 }
 
-/// Returns the room in a Geometry.xml: the largest wall is its outline, the others are obstacles.
+/// Returns the walls that a room has in place of a Trial's. New ones are of the material of its first wall, else of one that
+/// has a contact with everybody's, concrete before others.
 ///
 /// # Errors
-/// The file has errors, or its walls are not closed.
-pub fn upload(name: &str, bytes: &[u8]) -> Result<Reply, Refused> {
-    let mut files = lemons_core::files::source::Memory::default();
-    files.put(Path::new(name), bytes.to_vec());
-    let (geometry, warnings) = Geometry::read_from(&files, Path::new(name))?;
-    let region = Region::from_walls(&geometry).map_err(|error| Refused(format!("{name}: {error}")))?;
-    let mut rings = region.rings().iter().map(|ring| points(ring.corners()));
-    let outline = rings.next();
-    let notes: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    let obstacles: Vec<_> = rings.collect();
-    Ok(Reply::of(json!({ "outline": outline, "obstacles": obstacles, "doors": [], "notes": notes })))
+/// There are too many corners, a wall is none that a Trial may have, a door is not at a wall, or there is no material.
+pub fn replacing(room: &Room, trial: &Trial) -> Result<Geometry, Refused> {
+    check_room(room, FARTHEST)?;
+    let of_people: BTreeSet<&str> =
+        trial.agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &*disk.material_id).collect();
+    let touches = |one: &str, other: &str| {
+        trial
+            .materials
+            .binary
+            .iter()
+            .any(|Contact { id1, id2, .. }| (id1 == one && id2 == other) || (id1 == other && id2 == one))
+    };
+    let mut known: Vec<&str> = trial.materials.intrinsic.iter().map(|material| &*material.id).collect();
+    known.sort_by_key(|id| *id != CONCRETE);
+    let usable = || known.iter().copied().find(|wall| of_people.iter().all(|other| touches(wall, other)));
+    let material = trial.geometry.walls.first().map(|wall| &*wall.material_id).or_else(usable);
+    let none =
+        || Refused("no material of this Trial has a contact with everybody's: no wall can be added".into());
+    Ok(room.replacing(&trial.geometry, material.ok_or_else(none)?)?)
+}
+
+/// Says what is odd about a Trial with other walls and was not before: people in walls or pillars, or outside.
+pub fn unfit(before: &Trial, after: &Trial) -> Vec<String> {
+    let said = |trial: &Trial| -> Vec<String> {
+        let advice = Setup::of(trial).advice_as_edited().into_iter();
+        advice.map(|problem| problem.message).collect()
+    };
+    let before = said(before);
+    said(after).into_iter().filter(|message| !before.contains(message)).collect()
+}
+
+/// A drawing, or a Geometry.xml, and how it is understood.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DrawingRequest {
+    /// The file's name, which says the format.
+    pub name: String,
+    /// \[m\] Length of a unit of the drawing; `None`: as the file says.
+    pub unit: Option<f64>,
+    /// \[m\] Ends of lines that are at most so far apart are joined.
+    pub close: Option<f64>,
+    /// Whether the lower left corner of all walls goes to the origin.
+    pub origin: bool,
+    /// The layers that are walls, where none is named as a walkable area; empty: all.
+    pub walls: Vec<String>,
+}
+
+/// Returns the room in a file; its exits, with lines behind those that are doors; where people are placed; its layers; its
+/// area \[m²\]; and what was understood, as `lemons room` says it.
+///
+/// # Errors
+/// The file has errors, does not say its unit, is no drawing, or none of its walls is closed.
+pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
+    let DrawingRequest { name, unit, close, origin, walls } = wanted;
+    let wrong = |why: String| Refused(format!("{name}: {why}"));
+    let (plan, said, layers) = if let Some(format) = Format::of(Path::new(name)) {
+        within("length of a unit [m]", unit.unwrap_or(1.0), [1e-6, 1e6])?;
+        within("width of a gap [m]", close.unwrap_or(1.0), [1e-6, 100.0])?;
+        require(bytes.len() as u64 <= LARGEST_DRAWING, || {
+            format!("{name}: more than {} MB", LARGEST_DRAWING / 1_000_000)
+        })?;
+        let reading = Reading { unit: *unit, ..Reading::default() };
+        let settings = PlanSettings { close: *close, to_origin: *origin, walls: walls.clone() };
+        let read = Read::of(format, bytes, &reading, &settings).map_err(|error| wrong(explained(error)))?;
+        let said = read.said(name).into_iter().map(|(what, how)| (what.to_owned(), how)).collect();
+        (read.plan, said, read.layers)
+    } else {
+        let mut files = Memory::default();
+        files.put(Path::new(name), bytes.to_vec());
+        let (geometry, warnings) = Geometry::read_from(&files, Path::new(name))?;
+        let said: Vec<_> =
+            warnings.iter().map(|warning| ("warning".to_owned(), warning.to_string())).collect();
+        (Plan::of_geometry(&geometry, Vec::new()), said, Vec::new())
+    };
+    let none = || {
+        let advice = "close gaps, or take it as a picture and draw the outline over it";
+        wrong(format!("none of its {} walls is closed, so nothing is inside: {advice}", plan.walls.len()))
+    };
+    let room = Room::of(&plan).ok_or_else(none)?;
+    let lines = room.lines()?;
+    let doors: BTreeMap<usize, Door> = plan.doors().into_iter().collect();
+    let exit = |(k, Place { name, corners }): (usize, &Place)| {
+        let beyond = doors.get(&k).and_then(|door| door.exit(&lines, std::iter::empty()));
+        let corners = beyond.map_or_else(|| corners.clone(), |line| line.to_vec());
+        json!({ "name": name, "corners": points(&corners) })
+    };
+    let exits: Vec<_> = plan.exits.iter().enumerate().map(exit).collect();
+    let places = |of: &[Place]| of.iter().map(|place| points(&place.corners)).collect::<Vec<_>>();
+    Ok(Reply::of(json!({
+        "room": room, "exits": exits, "distributions": places(&plan.distributions), "area": plan.area(),
+        "waypoints": plan.waypoints.len(), "said": said, "layers": layers,
+    })))
+}
+
+/// What to do where the unit is not known.
+fn explained(error: PeopleError) -> String {
+    match error {
+        PeopleError::NoUnit { size, .. } => {
+            let size = size.map(|size| format!("; {}", sizes(size))).unwrap_or_default();
+            format!("it does not say what its unit is: choose the unit{size}")
+        }
+        error => error.to_string(),
+    }
 }

@@ -1,7 +1,7 @@
-//! Doors: gaps in closed walls where people can pass, and the lines behind them where people have left.
+//! Doors: gaps in walls where people can pass, and the lines behind them where people have left.
 
 use crate::error::{PeopleError, Result, require};
-use lemons_core::plane::{Foot, Ring, Vec2};
+use lemons_core::plane::{Foot, Ring, Vec2, nearest_on_line};
 use lemons_core::trial::{Geometry, Wall};
 use serde::{Deserialize, Serialize};
 
@@ -26,9 +26,9 @@ pub struct Door {
     pub width: f64,
 }
 
-/// A gap along a ring: from and to \[m\] from its first corner, going round.
+/// A gap along a wall: from and to \[m\] from its first corner, going round if it is closed.
 struct Gap {
-    ring: usize,
+    line: usize,
     from: f64,
     to: f64,
 }
@@ -49,20 +49,34 @@ pub(crate) fn is_closed(wall: &Wall) -> bool {
 /// # Errors
 /// A door is far from all closed walls, has no positive width, or leaves nothing of its wall.
 pub fn cut_doors(geometry: Geometry, doors: &[Door]) -> Result<Geometry> {
-    let rings = closed_walls(&geometry);
-    let gaps = doors.iter().enumerate().map(|(number, door)| gap(&rings, number, *door));
+    cut(geometry, doors, is_closed, "closed wall")
+}
+
+/// Cuts doors as [`cut_doors`] does, also into open walls.
+///
+/// # Errors
+/// As [`cut_doors`], of all walls.
+pub fn cut_doors_in_all(geometry: Geometry, doors: &[Door]) -> Result<Geometry> {
+    cut(geometry, doors, |_| true, "wall")
+}
+
+/// Cuts doors into the walls that `may` have them, which messages call `kind`.
+fn cut(geometry: Geometry, doors: &[Door], may: fn(&Wall) -> bool, kind: &str) -> Result<Geometry> {
+    let lines: Vec<Vec<Vec2>> =
+        geometry.walls.iter().filter(|wall| may(wall)).map(|wall| wall.corners.clone()).collect();
+    let gaps = doors.iter().enumerate().map(|(number, door)| gap(&lines, number, *door, kind));
     let gaps = gaps.collect::<Result<Vec<_>>>()?;
     let known: Vec<String> = geometry.walls.iter().map(|wall| wall.id.clone()).collect();
     let mut free = (0u64..).map(|number| number.to_string()).filter(|id| !known.contains(id));
-    let (mut walls, mut closed) = (Vec::new(), 0..);
+    let (mut walls, mut places) = (Vec::new(), 0..);
     for wall in geometry.walls {
-        let ring = if is_closed(&wall) { closed.next() } else { None };
-        let own: Vec<_> = gaps.iter().filter(|gap| Some(gap.ring) == ring).collect();
+        let line = if may(&wall) { places.next() } else { None };
+        let own: Vec<_> = gaps.iter().filter(|gap| Some(gap.line) == line).collect();
         if own.is_empty() {
             walls.push(wall);
             continue;
         }
-        for (place, corners) in pieces(&rings[own[0].ring], &own).into_iter().enumerate() {
+        for (place, corners) in pieces(&wall.corners, &own).into_iter().enumerate() {
             let id = if place == 0 { Some(wall.id.clone()) } else { free.next() };
             let material_id = wall.material_id.clone();
             walls.push(Wall { id: id.unwrap_or_default(), material_id, corners });
@@ -71,53 +85,62 @@ pub fn cut_doors(geometry: Geometry, doors: &[Door]) -> Result<Geometry> {
     Ok(Geometry { walls, ..geometry })
 }
 
-/// The door's place along the ring whose wall is nearest.
-fn gap(rings: &[Ring], number: usize, door: Door) -> Result<Gap> {
+/// The door's place along the line that is nearest.
+fn gap(lines: &[Vec<Vec2>], number: usize, door: Door, kind: &str) -> Result<Gap> {
     let Door { at: at @ Vec2 { x, y }, width } = door;
     require(width > 0.0 && width.is_finite(), || {
         format!("door {number}: width = {width} m: must be positive and finite")
     })?;
-    let on = nearest_wall(rings, at);
+    let on = nearest_wall(lines, at);
     let distance = on.map_or(f64::INFINITY, |(_, foot)| foot.distance);
     // A place that is not a number is infinitely far.
-    let Some((ring, foot)) = on.filter(|_| distance <= FARTHEST) else {
+    let Some((line, foot)) = on.filter(|_| distance <= FARTHEST) else {
         return Err(PeopleError::new(format!(
-            "door {number} at ({x}, {y}) m is {distance:.2} m from the nearest closed wall; at most {FARTHEST} m is allowed"
+            "door {number} at ({x}, {y}) m is {distance:.2} m from the nearest {kind}; at most {FARTHEST} m is allowed"
         )));
     };
-    require(width < length(&rings[ring]), || {
+    require(width < length(&lines[line]), || {
         format!("door {number}: there is no wall left beside its {width} m")
     })?;
-    let middle = place(&rings[ring], foot);
-    Ok(Gap { ring, from: middle - 0.5 * width, to: middle + 0.5 * width })
+    let middle = place(&lines[line], foot);
+    Ok(Gap { line, from: middle - 0.5 * width, to: middle + 0.5 * width })
 }
 
-/// Returns the ring that is nearest to a point \[m\], and where on it; `None` without rings.
-pub fn nearest_wall(rings: &[Ring], at: Vec2) -> Option<(usize, Foot)> {
-    let feet = rings.iter().map(|ring| ring.nearest(at)).enumerate();
+/// Returns the wall that is nearest to a point \[m\], and where on it; `None` without walls. The first corner of a closed
+/// wall is repeated at its end.
+pub fn nearest_wall<L: AsRef<[Vec2]>>(lines: &[L], at: Vec2) -> Option<(usize, Foot)> {
+    let lines = lines.iter().map(AsRef::as_ref).enumerate().filter(|(_, line)| line.len() > 1);
+    let feet = lines.map(|(number, line)| (number, nearest_on_line(line, at)));
     feet.min_by(|a, b| a.1.distance.total_cmp(&b.1.distance))
 }
 
 impl Door {
-    /// Returns the way \[m\] along the wall from one end of the gap to the other: corners of the ring lie between them
-    /// where it goes round them. At most it goes once round. Empty without rings.
-    pub fn course(&self, rings: &[Ring]) -> Vec<Vec2> {
-        let Some((ring, foot)) = nearest_wall(rings, self.at) else { return Vec::new() };
-        let ring = &rings[ring];
-        let width = self.width.max(0.0).min(length(ring));
-        piece(ring, place(ring, foot) - 0.5 * width, 0.0, width)
+    /// Returns the way \[m\] along the wall from one end of the gap to the other: corners of the wall lie between them
+    /// where it goes round them. At most it goes once round, or from end to end. Empty without walls.
+    pub fn course<L: AsRef<[Vec2]>>(&self, lines: &[L]) -> Vec<Vec2> {
+        let Some((line, foot)) = nearest_wall(lines, self.at) else { return Vec::new() };
+        let line = lines[line].as_ref();
+        let width = self.width.max(0.0).min(length(line));
+        let from = place(line, foot) - 0.5 * width;
+        if goes_round(line) {
+            piece(line, from, 0.0, width)
+        } else {
+            piece(line, 0.0, from.max(0.0), (from + width).min(length(line)))
+        }
     }
 
     /// Returns the door after corners of its wall were moved: at the same share of the same side. Where its wall is as it
     /// was or has other corners, so is the door.
     #[must_use]
-    pub fn carried(self, before: &[Ring], after: &[Ring]) -> Door {
-        let Some((ring, Foot { side, along, .. })) = nearest_wall(before, self.at) else { return self };
-        let (old, Some(new)) = (&before[ring], after.get(ring)) else { return self };
-        if new == old || new.closed().len() != old.closed().len() {
+    pub fn carried<L: AsRef<[Vec2]>>(self, before: &[L], after: &[L]) -> Door {
+        let Some((line, Foot { side, along, .. })) = nearest_wall(before, self.at) else { return self };
+        let (old, Some(new)) = (before[line].as_ref(), after.get(line).map(AsRef::as_ref)) else {
+            return self;
+        };
+        if new == old || new.len() != old.len() {
             return self;
         }
-        let ends = |ring: &Ring| [ring.closed()[side], ring.closed()[side + 1]];
+        let ends = |line: &[Vec2]| [line[side], line[side + 1]];
         let ([from, to], [start, end]) = (ends(old), ends(new));
         let long = (to - from).norm();
         let share = if long > 0.0 { along / long } else { 0.0 };
@@ -130,19 +153,30 @@ impl Door {
         geometry.walls.iter().filter(|wall| is_closed(wall)).nth(place)
     }
 
-    /// Returns the line \[m\] that people cross when they have left by this door of closed walls: parallel to the wall,
-    /// 1 m behind it, and 2 m longer than the door is wide. Behind is the side of the wall where fewer of the `people`
-    /// are \[m\]. `None` without rings.
-    pub fn exit(&self, rings: &[Ring], people: impl Iterator<Item = Vec2>) -> Option<[Vec2; 2]> {
-        let (ring, foot) = nearest_wall(rings, self.at)?;
-        let ring = &rings[ring];
-        let (from, to) = ring.sides().nth(foot.side)?;
+    /// Returns the line \[m\] that people cross when they have left by this door: parallel to the wall, 1 m behind it, and
+    /// 2 m longer than the door is wide. Behind is the side of the wall where fewer of the `people` are \[m\]. `None`
+    /// without walls.
+    pub fn exit<L: AsRef<[Vec2]>>(
+        &self,
+        lines: &[L],
+        people: impl Iterator<Item = Vec2>,
+    ) -> Option<[Vec2; 2]> {
+        let (line, foot) = nearest_wall(lines, self.at)?;
+        let line = lines[line].as_ref();
+        let (from, to) = (*line.get(foot.side)?, *line.get(foot.side + 1)?);
         let along = (to - from) * (1.0 / (to - from).norm());
-        let mut balance = 0i64;
-        people.for_each(|place| balance += if ring.contains(place) { 1 } else { -1 });
-        // The outside of a counter-clockwise ring is to the right of its sides.
-        let right = -along.perp();
-        let out = if (balance >= 0) == (ring.signed_area() > 0.0) { right } else { -right };
+        let ring = Ring::through(line.to_vec()).filter(|_| goes_round(line));
+        let is_left = |place: Vec2| match &ring {
+            // The inside of a counter-clockwise ring is to the left of its sides.
+            Some(ring) => ring.contains(place) == (ring.signed_area() > 0.0),
+            None => along.perp().dot(place - from) > 0.0,
+        };
+        let mut left = 0i64;
+        people.for_each(|place| left += if is_left(place) { 1 } else { -1 });
+        // Of as many on both sides, those of a room are inside.
+        let inside_left = ring.as_ref().is_none_or(|ring| ring.signed_area() > 0.0);
+        let to_the_right = left > 0 || (left == 0 && inside_left);
+        let out = if to_the_right { -along.perp() } else { along.perp() };
         let middle = foot.place + out * BEHIND;
         let half = along * (0.5 * (self.width + LONGER));
         // The sum turns −0 into 0.
@@ -151,24 +185,37 @@ impl Door {
     }
 }
 
-/// \[m\] From the ring's first corner, going round.
-fn place(ring: &Ring, foot: Foot) -> f64 {
-    ring.sides().take(foot.side).map(|(start, end)| (end - start).norm()).sum::<f64>() + foot.along
+/// Returns whether a polyline ends where it begins.
+fn goes_round(line: &[Vec2]) -> bool {
+    line.len() > 2 && line.first() == line.last()
 }
 
-fn length(ring: &Ring) -> f64 {
-    ring.sides().map(|(start, end)| (end - start).norm()).sum()
+/// \[m\] From the line's first corner.
+fn place(line: &[Vec2], foot: Foot) -> f64 {
+    sides(line).take(foot.side).map(|(start, end)| (end - start).norm()).sum::<f64>() + foot.along
 }
 
-/// The pieces of a ring between gaps.
-fn pieces(ring: &Ring, gaps: &[&Gap]) -> Vec<Vec<Vec2>> {
-    let round = length(ring);
+fn length(line: &[Vec2]) -> f64 {
+    sides(line).map(|(start, end)| (end - start).norm()).sum()
+}
+
+fn sides(line: &[Vec2]) -> impl Iterator<Item = (Vec2, Vec2)> {
+    line.windows(2).map(|side| (side[0], side[1]))
+}
+
+/// The pieces of a line between gaps.
+fn pieces(line: &[Vec2], gaps: &[&Gap]) -> Vec<Vec<Vec2>> {
+    let (long, round) = (length(line), goes_round(line));
     // From the first gap's end on, once round: no piece goes over the beginning.
-    let origin = gaps[0].to;
+    let origin = if round { gaps[0].to } else { 0.0 };
+    let around = |gap: &&Gap| {
+        let (from, width) = ((gap.from - origin).rem_euclid(long), gap.to - gap.from);
+        [(from, from + width), (0.0, from + width - long)]
+    };
+    let along = |gap: &&Gap| [(gap.from, gap.to); 2];
     let mut closed: Vec<(f64, f64)> = gaps
         .iter()
-        .map(|gap| ((gap.from - origin).rem_euclid(round), gap.to - gap.from))
-        .flat_map(|(from, width)| [(from, from + width), (0.0, from + width - round)])
+        .flat_map(|gap| if round { around(gap) } else { along(gap) })
         .filter(|(from, to)| from < to)
         .collect();
     closed.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -176,44 +223,50 @@ fn pieces(ring: &Ring, gaps: &[&Gap]) -> Vec<Vec<Vec2>> {
     let mut from = 0.0;
     for (start, end) in closed {
         if start - from > SHORTEST {
-            pieces.push(piece(ring, origin, from, start));
+            pieces.push(piece(line, origin, from, start));
         }
         from = f64::max(from, end);
     }
-    if round - from > SHORTEST {
-        pieces.push(piece(ring, origin, from, round));
+    if long - from > SHORTEST {
+        pieces.push(piece(line, origin, from, long));
     }
     pieces
 }
 
-/// The part of a ring between two places \[m\] after an origin, which is itself a place after the first corner.
-fn piece(ring: &Ring, origin: f64, from: f64, to: f64) -> Vec<Vec2> {
-    let round = length(ring);
+/// The part of a line between two places \[m\] after an origin, which is itself a place after the first corner: 0 of an
+/// open line.
+fn piece(line: &[Vec2], origin: f64, from: f64, to: f64) -> Vec<Vec2> {
+    let (long, round) = (length(line), goes_round(line));
+    let turned = |place: f64| if round { place.rem_euclid(long) } else { place };
     let mut corners = Vec::new();
     let mut along = 0.0;
-    for (corner, next) in ring.sides() {
-        let place = (along - origin).rem_euclid(round);
+    for (corner, next) in sides(line) {
+        let place = turned(along - origin);
         if place > from && place < to {
             corners.push((place, corner));
         }
         along += (next - corner).norm();
     }
     corners.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let ends = [from, to].map(|place| point_at(ring, (origin + place).rem_euclid(round)));
+    let ends = [from, to].map(|place| point_at(line, turned(origin + place)));
     std::iter::once(ends[0]).chain(corners.into_iter().map(|(_, corner)| corner)).chain([ends[1]]).collect()
 }
 
 /// The point at a place \[m\] after the first corner.
-fn point_at(ring: &Ring, place: f64) -> Vec2 {
-    let mut left = place;
-    for (start, end) in ring.sides() {
+fn point_at(line: &[Vec2], place: f64) -> Vec2 {
+    let (mut left, last) = (place, line[line.len() - 1]);
+    // Not by sums, which are rounded.
+    if !goes_round(line) && place >= length(line) {
+        return last;
+    }
+    for (start, end) in sides(line) {
         let side = (end - start).norm();
         if left <= side && side > 0.0 {
             return start + (end - start) * (left / side);
         }
         left -= side;
     }
-    ring.corners()[0]
+    last
 }
 
 #[cfg(test)]
@@ -280,10 +333,44 @@ mod tests {
         // Wider than can be; far away.
         assert!((long(&course(2.0, 0.0, 99.0)) - 14.0).abs() < 1e-12);
         assert!(near(&course(9.0, 1.5, 1.0), &[vec2(4.0, 1.0), vec2(4.0, 2.0)]));
-        assert!(door(0.0, 0.0, 1.0).course(&[]).is_empty());
+        assert!(door(0.0, 0.0, 1.0).course::<Ring>(&[]).is_empty());
         let point = Ring::through(vec![vec2(1.0, 1.0); 3]).unwrap();
         let nothing = door(0.0, 0.0, 1.0).course(&[point]);
         assert!(nothing.iter().all(|end| *end == vec2(1.0, 1.0)), "{nothing:?}");
+    }
+
+    #[test]
+    fn open_walls_have_doors_too() {
+        let corners = vec![vec2(0.0, 0.0), vec2(3.0, 0.0), vec2(3.0, 4.0)];
+        let line = Wall { id: "partition".into(), material_id: "wood".into(), corners: corners.clone() };
+        let mut geometry = walls(&room(), "concrete");
+        geometry.walls.insert(1, line);
+        let cut = |doors: &[Door]| cut_doors_in_all(geometry.clone(), doors).unwrap().walls;
+        // 1 m about (3, 2), and 2 m that would go 0.5 m beyond the end.
+        let found = cut(&[door(3.1, 2.0, 1.0), door(3.0, 3.5, 2.0)]);
+        let of = |id: &str| found.iter().find(|wall| wall.id == id).map(|wall| wall.corners.clone());
+        assert!(near(&of("partition").unwrap(), &[corners[0], corners[1], vec2(3.0, 1.5)]));
+        // What is between them is no piece: 2.5 m to 2.5 m. Nothing is left behind the second.
+        assert_eq!(found.len(), 3, "{found:?}");
+        let found = cut(&[door(3.0, 2.0, 1.0)]);
+        let left: Vec<_> = found.iter().filter(|wall| wall.material_id == "wood").collect();
+        assert_eq!(left.iter().map(|wall| &*wall.id).collect::<Vec<_>>(), ["partition", "2"]);
+        // Ends that were not cut are those of the wall, to the last bit.
+        assert_eq!((left[0].corners[0], left[1].corners.last()), (corners[0], corners.last()));
+        let lines = std::slice::from_ref(&corners);
+        assert!(near(&door(0.0, 0.0, 1.0).course(lines), &[vec2(0.0, 0.0), vec2(0.5, 0.0)]));
+        assert!(near(&door(3.0, 0.0, 1.0).course(lines), &[vec2(2.5, 0.0), corners[1], vec2(3.0, 0.5)]));
+        // Behind it is where fewer people are.
+        let people = [vec2(1.0, 2.0), vec2(2.0, 2.0), vec2(4.0, 2.0)];
+        let exit = |people: &[Vec2]| door(3.0, 2.0, 1.0).exit(lines, people.iter().copied()).unwrap();
+        assert!(exit(&people).iter().all(|end| end.x == 4.0), "{:?}", exit(&people));
+        assert!(exit(&people[2..]).iter().all(|end| end.x == 2.0));
+        let refused = cut_doors_in_all(geometry.clone(), &[door(9.0, 9.0, 1.0)]).unwrap_err().to_string();
+        assert!(refused.contains("from the nearest wall"), "{refused}");
+        // Only closed ones, for those who ask for that.
+        assert_eq!(super::cut_doors(geometry.clone(), &[door(3.9, 2.0, 1.0)]).unwrap().walls.len(), 3);
+        let ids = |walls: Vec<Wall>| walls.into_iter().filter(|wall| wall.id == "partition").count();
+        assert_eq!(ids(super::cut_doors(geometry.clone(), &[door(3.9, 2.0, 1.0)]).unwrap().walls), 1);
     }
 
     #[test]
@@ -353,6 +440,6 @@ mod tests {
         let middle = vec2(1.5 + 0.8, 2.0 - 0.6);
         let off = [(a + b) * 0.5 - middle, (b - a) - vec2(3.0, 4.0)];
         assert!(off.iter().all(|off| off.norm() < 1e-8), "{a:?} {b:?}");
-        assert_eq!(door(0.0, 0.0, 1.0).exit(&[], std::iter::empty()), None);
+        assert_eq!(door(0.0, 0.0, 1.0).exit::<Ring>(&[], std::iter::empty()), None);
     }
 }

@@ -10,6 +10,7 @@ mod dxf;
 mod geojson;
 mod join;
 mod plan;
+mod read;
 mod svg;
 #[cfg(test)]
 mod tests;
@@ -18,6 +19,7 @@ mod write;
 
 pub use join::{Joined, WIDEST_GAP};
 pub use plan::{Place, Plan, Role, Settings as PlanSettings};
+pub use read::{Read, sizes};
 pub use write::{write_plan, written_formats};
 
 use crate::error::{PeopleError, Result, require};

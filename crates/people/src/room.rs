@@ -1,25 +1,46 @@
 //! A room as it is drawn: its corners and doors, changes that leave doors on their walls, and the walls in the end.
 
-use crate::error::{PeopleError, Result};
+use crate::drawing::Plan;
+use crate::error::{PeopleError, Result, require};
 use crate::placing::Region;
-use crate::{Door, cut_doors, nearest_wall, walls};
-use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
-use lemons_core::trial::Geometry;
+use crate::{Door, cut_doors_in_all, nearest_wall, walls};
+use lemons_core::plane::{Bounds, Vec2, vec2};
+use lemons_core::trial::{Geometry, Wall};
 use serde::{Deserialize, Serialize};
 
 /// A room. Outlines may go round in either direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Room {
-    /// \[m\] Corners, the first one not repeated.
+    /// \[m\] Corners, the first one not repeated; none where the walls of a Trial are changed.
     pub outline: Vec<Vec2>,
     /// \[m\] The corners of each.
     pub obstacles: Vec<Vec<Vec2>>,
+    /// Further walls, open ones too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub walls: Vec<Further>,
     /// Gaps in the walls.
     pub doors: Vec<Door>,
 }
 
-/// A change of a room. Ring 0 is its outline, obstacles follow; side 0 begins at corner 0.
+/// A wall that need not be closed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Further {
+    /// \[m\] Corners; the first one is repeated at the end of a closed wall.
+    pub corners: Vec<Vec2>,
+    /// The Id of the Trial's wall that it was: it keeps Id and material.
+    #[serde(default)]
+    pub of: Option<String>,
+}
+
+impl Further {
+    fn is_closed(&self) -> bool {
+        self.corners.len() > 3 && self.corners.first() == self.corners.last()
+    }
+}
+
+/// A change of a room. Line 0 is its outline, obstacles and further walls follow; side 0 begins at corner 0.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(missing_docs)] // places in m
@@ -30,23 +51,46 @@ pub enum Edit {
     Insert { ring: usize, side: usize, at: Vec2 },
     /// A corner goes away.
     Remove { ring: usize, corner: usize },
-    /// An obstacle goes away, with its doors.
+    /// An obstacle or a further wall goes away, with its doors.
     Clear { ring: usize },
     /// The outline gets this width and height \[m\]; its left and low ends stay.
     Stretch { width: f64, height: f64 },
 }
 
 impl Room {
-    /// Returns the outline, then the obstacles. Each has as many sides as corners, also if two of them lie on each other.
+    /// Returns the room of a plan. Closed walls are obstacles, if they lie side by side inside the outline; else they
+    /// stay as they are, and so do open ones. Exits on walls are doors. `None` without an outline.
+    pub fn of(plan: &Plan) -> Option<Room> {
+        let outline = plan.outline?;
+        let corners = |wall: &Further| wall.corners[..wall.corners.len() - 1].to_vec();
+        let wall = |corners: &Vec<Vec2>| Further { corners: corners.clone(), of: None };
+        let mut all: Vec<Further> = plan.walls.iter().map(wall).collect();
+        let outline = corners(&all.remove(outline));
+        let (closed, open): (Vec<Further>, Vec<Further>) = all.iter().cloned().partition(Further::is_closed);
+        let obstacles: Vec<Vec<Vec2>> = closed.iter().map(corners).collect();
+        let doors = plan.doors().into_iter().map(|(_, door)| door).collect();
+        Some(if Region::polygon(&outline, &obstacles).is_ok() {
+            Room { outline, obstacles, walls: open, doors }
+        } else {
+            Room { outline, obstacles: Vec::new(), walls: all, doors }
+        })
+    }
+
+    /// Returns the outline, the obstacles and the further walls, as lines: the first corner of a closed one is repeated at
+    /// its end. The line of an outline that is not there is empty.
     ///
     /// # Errors
-    /// One has no corners.
-    pub fn rings(&self) -> Result<Vec<Ring>> {
-        let ring = |corners: &Vec<Vec2>| {
-            Ring::through(corners.iter().chain(corners.first()).copied().collect())
-                .ok_or_else(|| PeopleError::new("the outline or an obstacle has no corners"))
-        };
-        std::iter::once(&self.outline).chain(&self.obstacles).map(ring).collect()
+    /// An obstacle or a wall has no corners, or the outline that obstacles are in.
+    pub fn lines(&self) -> Result<Vec<Vec<Vec2>>> {
+        let round = |corners: &Vec<Vec2>| corners.iter().chain(corners.first()).copied().collect();
+        let lines = std::iter::once(&self.outline).chain(&self.obstacles).map(round);
+        let lines: Vec<Vec<Vec2>> = lines.chain(self.walls.iter().map(|wall| wall.corners.clone())).collect();
+        let missing =
+            |(k, line): (usize, &Vec<Vec2>)| line.is_empty() && (k > 0 || !self.obstacles.is_empty());
+        require(!lines.iter().enumerate().any(missing), || {
+            "the outline or an obstacle has no corners".into()
+        })?;
+        Ok(lines)
     }
 
     /// Changes it. Where corners of a wall go elsewhere, so do its doors: to the same share of the same side, to the
@@ -55,28 +99,50 @@ impl Room {
     /// # Errors
     /// There is no such corner, or none would be left. The room is then of no use.
     pub fn change(&mut self, edit: Edit) -> Result<()> {
-        let before = self.rings()?;
+        let before = self.lines()?;
         match edit {
-            Edit::Move { ring, corner, to } => self.corners(ring, corner)?[corner] = to,
+            Edit::Move { ring, corner, to } => {
+                let closed = self.closed_wall(ring);
+                let corners = self.corners(ring, corner)?;
+                corners[corner] = to;
+                let last = corners.len() - 1;
+                if closed && (corner == 0 || corner == last) {
+                    (corners[0], corners[last]) = (to, to);
+                }
+            }
             Edit::Insert { ring, side, at } => self.corners(ring, side)?.insert(side + 1, at),
-            Edit::Remove { ring, corner } => drop(self.corners(ring, corner)?.remove(corner)),
+            Edit::Remove { ring, corner } => {
+                let closed = self.closed_wall(ring);
+                let corners = self.corners(ring, corner)?;
+                if closed {
+                    corners.pop();
+                    corners.remove(corner % corners.len());
+                    corners.extend(corners.first().copied());
+                } else {
+                    corners.remove(corner);
+                }
+            }
             Edit::Clear { ring } => {
                 self.corners(ring, 0)?.clear();
+                require(!self.outline.is_empty() || before[0].is_empty(), || {
+                    "the outline or an obstacle has no corners".into()
+                })?;
                 self.obstacles.retain(|obstacle| !obstacle.is_empty());
+                self.walls.retain(|wall| !wall.corners.is_empty());
                 let on = |door: &Door| nearest_wall(&before, door.at).is_some_and(|(on, _)| on == ring);
                 self.doors.retain(|door| !on(door));
                 // Others have another number now, but are where they were.
-                return self.rings().map(|_| ());
+                return Ok(());
             }
             Edit::Stretch { width, height } => {
-                let Bounds { low, high } = before[0].bounds();
+                let Some(Bounds { low, high }) = Bounds::of(before[0].iter().copied()) else { return Ok(()) };
                 for corner in &mut self.outline {
                     corner.x = stretched(corner.x, [low.x, high.x], width);
                     corner.y = stretched(corner.y, [low.y, high.y], height);
                 }
             }
         }
-        let after = self.rings()?;
+        let after = self.lines()?;
         for door in &mut self.doors {
             let carried = door.carried(&before, &after);
             if carried != *door {
@@ -87,33 +153,115 @@ impl Room {
         Ok(())
     }
 
-    /// The corners of a ring that has this one.
+    /// The corners of a line that has this one.
     fn corners(&mut self, ring: usize, corner: usize) -> Result<&mut Vec<Vec2>> {
-        let mut rings = std::iter::once(&mut self.outline).chain(&mut self.obstacles);
+        let further = self.walls.iter_mut().map(|wall| &mut wall.corners);
+        let mut rings = std::iter::once(&mut self.outline).chain(&mut self.obstacles).chain(further);
         let found = rings.nth(ring).filter(|corners| corner < corners.len());
         found.ok_or_else(|| PeopleError::new(format!("there is no corner {corner} of ring {ring}")))
+    }
+
+    /// Whether a line is a further wall that repeats its first corner.
+    fn closed_wall(&self, ring: usize) -> bool {
+        let place = ring.checked_sub(1 + self.obstacles.len());
+        place.and_then(|place| self.walls.get(place)).is_some_and(Further::is_closed)
     }
 
     /// Returns a line \[m\] behind each door, where people have left who are in the room now: [`Door::exit`]. Empty if
     /// the outline or an obstacle has no corners.
     pub fn exits(&self, people: impl Iterator<Item = Vec2> + Clone) -> Vec<[[f64; 2]; 2]> {
-        let rings = self.rings().unwrap_or_default();
-        let lines = self.doors.iter().filter_map(|door| door.exit(&rings, people.clone()));
+        let lines = self.lines().unwrap_or_default();
+        let lines = self.doors.iter().filter_map(|door| door.exit(&lines, people.clone()));
         lines.map(|line| line.map(Into::into)).collect()
     }
 
     /// Returns its inside, and its walls with doors, of a material.
     ///
     /// # Errors
-    /// Walls cross, an obstacle is not inside, or a door is not at a wall.
+    /// Walls cross, an obstacle is not inside, or a door is not at a wall. Further walls may cross.
     pub fn built(&self, material: &str) -> Result<(Region, Geometry)> {
         let inside = Region::polygon(&self.outline, &self.obstacles)
             .map_err(|error| PeopleError::new(format!("the room: {error} (the holes are obstacles)")))?;
-        let mut geometry = cut_doors(walls(inside.rings(), material), &self.doors)?;
+        let geometry = self.uncut(&inside, material)?;
+        let whole = if self.walls.is_empty() {
+            inside
+        } else {
+            Region::free_space(&self.outline, &geometry, &[])?.region
+        };
+        let mut geometry = cut_doors_in_all(geometry, &self.doors)?;
         for (id, wall) in geometry.walls.iter_mut().enumerate() {
             wall.id = id.to_string();
         }
-        Ok((inside, geometry))
+        Ok((whole, geometry))
+    }
+
+    /// The walls without doors.
+    fn uncut(&self, inside: &Region, material: &str) -> Result<Geometry> {
+        let mut geometry = walls(inside.rings(), material);
+        for Further { corners, .. } in &self.walls {
+            let id = geometry.walls.len().to_string();
+            geometry.walls.push(Wall { corners: checked(corners)?, ..wall(id, material) });
+        }
+        Ok(geometry)
+    }
+
+    /// Returns the part of its inside within a polygon \[m\]; `whole` is what [`Room::built`] returned.
+    ///
+    /// # Errors
+    /// Sides of the polygon cross, it goes beyond the room, or nothing is left of it.
+    pub fn part(&self, whole: &Region, polygon: &[Vec2]) -> Result<Region> {
+        if self.walls.is_empty() {
+            return whole.part(polygon);
+        }
+        let inside = Region::polygon(&self.outline, &self.obstacles)?;
+        Ok(Region::free_space(polygon, &self.uncut(&inside, "")?, &[])?.region)
+    }
+
+    /// Returns the walls of a Trial that this room takes the place of. Walls that were there before keep Id and material,
+    /// new ones are of a material.
+    ///
+    /// # Errors
+    /// Two walls are of one, or of none that is there, a wall has fewer than two corners or corners at one place, or a
+    /// door is not at a wall.
+    pub fn replacing(&self, before: &Geometry, material: &str) -> Result<Geometry> {
+        let known: Vec<&str> = before.walls.iter().map(|wall| &*wall.id).collect();
+        let mut free = (0u64..).map(|number| number.to_string()).filter(|id| !known.contains(&&**id));
+        let mut walls: Vec<Wall> = Vec::new();
+        for Further { corners, of } in &self.walls {
+            let old = match of {
+                Some(of) => {
+                    let place = known.iter().position(|id| id == of);
+                    let once = !walls.iter().any(|wall| wall.id == *of);
+                    let old = place.filter(|_| once).map(|place| &before.walls[place]);
+                    let wrong = || PeopleError::new(format!("wall {of:?}: it is not there, or there twice"));
+                    Wall { corners: Vec::new(), ..old.ok_or_else(wrong)?.clone() }
+                }
+                None => wall(free.next().unwrap_or_default(), material),
+            };
+            walls.push(Wall { corners: checked(corners)?, ..old });
+        }
+        let ring = |corners: &&Vec<Vec2>| !corners.is_empty();
+        for corners in std::iter::once(&self.outline).chain(&self.obstacles).filter(ring) {
+            let closed: Vec<Vec2> = corners.iter().chain(corners.first()).copied().collect();
+            let new = wall(free.next().unwrap_or_default(), material);
+            walls.push(Wall { corners: checked(&closed)?, ..new });
+        }
+        cut_doors_in_all(Geometry { walls, ..before.clone() }, &self.doors)
+    }
+}
+
+fn wall(id: String, material: &str) -> Wall {
+    Wall { id, material_id: material.to_owned(), corners: Vec::new() }
+}
+
+/// The corners of a wall, if a Trial may have such.
+fn checked(corners: &[Vec2]) -> Result<Vec<Vec2>> {
+    require(corners.len() > 1, || "a wall has fewer than two corners".into())?;
+    match corners.windows(2).find(|side| side[0] == side[1]) {
+        Some(&[Vec2 { x, y }, _]) => {
+            Err(PeopleError::new(format!("a wall has two corners in a row at ({x}, {y}) m")))
+        }
+        _ => Ok(corners.to_vec()),
     }
 }
 
@@ -136,6 +284,7 @@ mod tests {
         Room {
             outline: corners([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]]),
             obstacles: vec![corners([[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]])],
+            walls: Vec::new(),
             doors: vec![gap(4.0, 0.75), gap(0.0, 1.5), gap(1.5, 1.0)],
         }
     }
@@ -215,9 +364,91 @@ mod tests {
         assert!(room.exits(people.into_iter()).is_empty());
     }
 
+    /// A Trial's walls: an open one, and a closed one.
+    fn opened() -> (Geometry, Room) {
+        let open = corners([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0]]);
+        let closed = corners([[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 1.0]]);
+        let wall =
+            |id: &str, corners| Wall { id: id.into(), material_id: format!("material of {id}"), corners };
+        let geometry = Geometry {
+            dimensions: Some(vec2(5.0, 4.0)),
+            walls: vec![wall("a", open.clone()), wall("0", closed.clone())],
+        };
+        let further = |id: &str, corners| Further { corners, of: Some(id.into()) };
+        let walls = vec![further("a", open), further("0", closed)];
+        (geometry, Room { outline: Vec::new(), obstacles: Vec::new(), walls, doors: Vec::new() })
+    }
+
+    #[test]
+    fn the_walls_of_a_trial_are_changed_and_keep_ids_and_materials() {
+        let (before, mut room) = opened();
+        assert_eq!(room.replacing(&before, "new").unwrap(), before);
+        room.change(Edit::Move { ring: 1, corner: 2, to: vec2(5.5, 4.0) }).unwrap();
+        // The first corner of a closed wall is its last one, too.
+        room.change(Edit::Move { ring: 2, corner: 3, to: vec2(0.5, 0.5) }).unwrap();
+        room.change(Edit::Insert { ring: 1, side: 0, at: vec2(2.0, -1.0) }).unwrap();
+        room.walls.push(Further { corners: corners([[3.0, 3.0], [4.0, 3.0]]), of: None });
+        room.doors = vec![Door { at: vec2(3.5, 3.1), width: 0.4 }];
+        let after = room.replacing(&before, "new").unwrap();
+        assert_eq!(after.dimensions, before.dimensions);
+        let said: Vec<_> = after.walls.iter().map(|wall| (&*wall.id, &*wall.material_id)).collect();
+        let [a, b] = ["material of a", "material of 0"];
+        assert_eq!(said, [("a", a), ("0", b), ("1", "new"), ("2", "new")]);
+        assert_eq!(after.walls[0].corners, corners([[0.0, 0.0], [2.0, -1.0], [5.0, 0.0], [5.5, 4.0]]));
+        assert_eq!(after.walls[1].corners, corners([[0.5, 0.5], [2.0, 1.0], [2.0, 2.0], [0.5, 0.5]]));
+        assert_eq!(after.walls[2].corners[0], vec2(3.0, 3.0));
+        assert_eq!(after.walls[3].corners[1], vec2(4.0, 3.0));
+        // Doors of open walls go along with them.
+        room.change(Edit::Move { ring: 3, corner: 1, to: vec2(5.0, 3.0) }).unwrap();
+        assert_eq!(room.doors[0].at, vec2(4.0, 3.0));
+        room.change(Edit::Clear { ring: 3 }).unwrap();
+        assert!(room.walls.len() == 2 && room.doors.is_empty());
+        room.change(Edit::Remove { ring: 2, corner: 0 }).unwrap();
+        assert_eq!(room.walls[1].corners, corners([[2.0, 1.0], [2.0, 2.0], [2.0, 1.0]]));
+        room.change(Edit::Clear { ring: 2 }).unwrap();
+        room.change(Edit::Clear { ring: 1 }).unwrap();
+        assert!(room.replacing(&before, "new").unwrap().walls.is_empty());
+    }
+
+    #[test]
+    fn walls_that_no_trial_may_have_are_refused() {
+        let (before, room) = opened();
+        let refused = |walls: &[(&[Vec2], Option<&str>)]| {
+            let further = |&(corners, of): &(&[Vec2], Option<&str>)| Further {
+                corners: corners.to_vec(),
+                of: of.map(Into::into),
+            };
+            let room = Room { walls: walls.iter().map(further).collect(), ..room.clone() };
+            room.replacing(&before, "new").unwrap_err().to_string()
+        };
+        let line = corners([[0.0, 0.0], [1.0, 0.0]]);
+        assert_eq!(refused(&[(&line, Some("b"))]), "wall \"b\": it is not there, or there twice");
+        let twice = [(&line[..], Some("a")), (&line[..], Some("a"))];
+        assert_eq!(refused(&twice), "wall \"a\": it is not there, or there twice");
+        assert_eq!(refused(&[(&line[..1], None)]), "a wall has fewer than two corners");
+        let double = [line[0], line[1], line[1]];
+        assert_eq!(refused(&[(&double, None)]), "a wall has two corners in a row at (1, 0) m");
+    }
+
+    #[test]
+    fn people_stand_on_both_sides_of_an_open_wall_and_not_across_it() {
+        let mut room = Room { doors: Vec::new(), obstacles: Vec::new(), ..room() };
+        let (whole, _) = room.built("concrete").unwrap();
+        room.walls.push(Further { corners: corners([[2.0, 0.0], [2.0, 2.0]]), of: None });
+        room.doors.push(Door { at: vec2(2.0, 1.0), width: 0.5 });
+        let (parted, geometry) = room.built("concrete").unwrap();
+        assert_eq!((whole.area(), parted.area()), (12.0, 12.0));
+        assert_eq!((whole.depth(vec2(1.9, 1.5)), parted.depth(vec2(1.5, 1.5))), (1.5, 0.5));
+        // The outline, and the wall in two pieces.
+        assert_eq!(geometry.walls.len(), 3);
+        let left = corners([[0.0, 0.0], [2.5, 0.0], [2.5, 3.0], [0.0, 3.0]]);
+        let part = room.part(&parted, &left).unwrap();
+        assert_eq!((part.area(), part.depth(vec2(1.5, 1.5))), (7.5, 0.5));
+    }
+
     #[test]
     fn corners_on_each_other_keep_their_numbers() {
         let after = changed(Edit::Move { ring: 0, corner: 3, to: vec2(0.0, 0.0) });
-        assert_eq!(after.rings().unwrap()[0].sides().count(), 4);
+        assert_eq!(after.lines().unwrap()[0].len(), 5);
     }
 }

@@ -1,11 +1,10 @@
 //! `--leave`, `--balance`, `--push`: the `decision.toml` of a crowd.
 
-use super::room::Read;
 use crate::error::Misused;
 use crate::numbers::array;
 use anyhow::{Result, bail};
 use lemons_core::plane::{Vec2, vec2};
-use lemons_people::drawing;
+use lemons_people::drawing::{self, Read};
 use std::fmt::Write;
 
 /// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).

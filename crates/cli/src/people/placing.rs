@@ -1,7 +1,7 @@
 //! Where a crowd stands: the region, the placer, its progress.
 
 use super::regions::{Ground, RegionArgument, door, grounds, numbers, region};
-use super::room::{DrawingArguments, MATERIAL, Read};
+use super::room::{self, DrawingArguments, MATERIAL};
 use super::{named, read};
 use crate::error::Misused;
 use crate::interrupt::{Interrupt, Interrupted};
@@ -12,7 +12,7 @@ use clap::ValueEnum;
 use lemons_core::files::source::Disk;
 use lemons_core::plane::{Bounds, Pose, Ring, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
-use lemons_people::drawing::Format;
+use lemons_people::drawing::{Format, Read};
 use lemons_people::placing::{
     Ended, FreeSpace, Method, Orientation, Packing, Progress, Region, Settings, Stage,
 };
@@ -129,7 +129,7 @@ impl PlacingArguments {
     /// Reads the drawing, and says what was understood.
     fn drawn(&self, path: &Path) -> Result<Read> {
         let read = self.drawing.read(path)?;
-        let said = read.said(path);
+        let said = room::said(&read, path);
         let (left_out, said): (Vec<_>, Vec<_>) = said.into_iter().partition(|(what, _)| *what == "left out");
         said.iter().for_each(|(what, how)| note!("{what}: {how}"));
         if !left_out.is_empty() {

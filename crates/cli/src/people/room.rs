@@ -9,20 +9,16 @@ use crate::print;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use lemons_core::files::input;
-use lemons_core::plane::{Bounds, Vec2};
 use lemons_core::trial::{Geometry, Trial};
 use lemons_people::PeopleError;
 use lemons_people::drawing::{
-    DEVIATION, Drawing, Format, LARGEST_DRAWING, Place, Plan, PlanSettings, Reading, UNITS, UnitFrom,
-    WIDEST_GAP, left_out, write_plan,
+    DEVIATION, Format, LARGEST_DRAWING, Place, Plan, PlanSettings, Read, Reading, UNITS, sizes, write_plan,
 };
 use lemons_people::{TrialSettings, crowd_trial};
 use lemons_picture::{Mark, MarkKind, Scene, Style};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// More kinds of what is left out are only counted.
-const MOST_LEFT_OUT: usize = 100;
 /// The material of walls from a drawing.
 pub const MATERIAL: &str = "concrete";
 
@@ -94,17 +90,6 @@ fn length(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "must be a length up to 100 m, as in 5cm or 0.05".into())
 }
 
-/// A drawing that was read.
-pub struct Read {
-    pub plan: Plan,
-    format: Format,
-    unit: f64,
-    unit_from: UnitFrom,
-    curves: usize,
-    deviation: f64,
-    close: Option<f64>,
-}
-
 impl DrawingArguments {
     /// Returns whether one of the options is given, by its name.
     pub fn given(&self) -> Option<&'static str> {
@@ -137,11 +122,8 @@ impl DrawingArguments {
         let bytes = input::read(path, LARGEST_DRAWING)?;
         let deviation = self.deviation.unwrap_or(DEVIATION);
         let reading = Reading { unit: self.unit.or(self.scale), deviation };
-        let drawing = Drawing::read(format, &bytes, &reading).map_err(explained)?;
-        let &Drawing { unit, unit_from, curves, .. } = &drawing;
         let settings = PlanSettings { close: self.close, to_origin: self.origin, walls: self.walls.clone() };
-        let plan = Plan::of(drawing, &settings)?;
-        Ok(Read { plan, format, unit, unit_from, curves, deviation, close: self.close })
+        Read::of(format, &bytes, &reading, &settings).map_err(explained)
     }
 }
 
@@ -153,130 +135,22 @@ fn explained(error: PeopleError) -> anyhow::Error {
     } else {
         "the drawing does not say what its unit is ($INSUNITS): give --unit m, cm, mm, in or ft"
     };
-    let size = size.map(|[width, height]| {
-        let all =
-            UNITS.map(|(name, metres)| format!("{name}: {:.2} m x {:.2} m", width * metres, height * metres));
-        format!("; it is {width:.2} x {height:.2} units, which would be {}", all.join(", "))
-    });
+    let size = size.map(|size| format!("; {}", sizes(size)));
     anyhow!("{options}{}", size.unwrap_or_default())
 }
 
-impl Read {
-    /// Says what was understood, a line each: what, and how much of it.
-    pub fn said(&self, path: &Path) -> Vec<(&'static str, String)> {
-        let Read { plan, format, unit, unit_from, .. } = self;
-        let from = match unit_from {
-            UnitFrom::User => "as asked for",
-            UnitFrom::File => "$INSUNITS",
-            UnitFrom::Format => "by custom",
+/// Says what was understood, and with which option it would be otherwise.
+pub fn said(read: &Read, path: &Path) -> Vec<(&'static str, String)> {
+    let mut said = read.said(&path.display().to_string());
+    for (what, how) in &mut said {
+        *how += match *what {
+            "moved" => " (--origin)",
+            "gaps left" => ": --close joins them",
+            "door" => ": lemons crowd cuts it",
+            _ => "",
         };
-        let mut said =
-            vec![("drawing", format!("{}: {}, unit {unit} m ({from})", path.display(), format.name()))];
-        if let Some(Bounds { low, high }) = plan.bounds() {
-            let size = high - low;
-            let Vec2 { x, y } = low;
-            said.push((
-                "size",
-                format!("{:.3} m x {:.3} m, lower left corner at {x:.3},{y:.3}", size.x, size.y),
-            ));
-        }
-        if plan.origin != Vec2::ZERO {
-            let Vec2 { x, y } = plan.origin;
-            said.push(("moved", format!("by {:?},{:?} m (--origin)", -x, -y)));
-        }
-        said.push(("walls", self.walls()));
-        if let Some(area) = plan.area() {
-            said.push(("ground", format!("{area:.3} m² within the outline, without obstacles")));
-        }
-        self.changes(&mut said);
-        let named = |places: &[Place]| {
-            // Names may hold anything.
-            let names: Vec<String> =
-                places.iter().map(|place| place.name.escape_debug().to_string()).collect();
-            format!("{}: {}", names.len(), names.join(", "))
-        };
-        for (what, places) in
-            [("exits", &plan.exits), ("distributions", &plan.distributions), ("way-points", &plan.waypoints)]
-        {
-            if !places.is_empty() {
-                said.push((what, named(places)));
-            }
-        }
-        for (exit, door) in plan.doors() {
-            let name = &plan.exits[exit].name;
-            said.push((
-                "door",
-                format!(
-                    "{} m wide where exit {name:?} lies on a closed wall: lemons crowd cuts it",
-                    door.width
-                ),
-            ));
-        }
-        let kinds = plan.left_out.len();
-        said.extend(plan.left_out.iter().take(MOST_LEFT_OUT).map(|kind| ("left out", left_out(kind))));
-        if kinds > MOST_LEFT_OUT {
-            said.push(("left out", format!("{} more kinds", kinds - MOST_LEFT_OUT)));
-        }
-        said
     }
-
-    fn walls(&self) -> String {
-        let walls = &self.plan.walls;
-        let closed = walls.iter().filter(|wall| wall.len() > 3 && wall.first() == wall.last()).count();
-        let outline = match self.plan.outline {
-            Some(outline) => format!("the outline is wall {outline}"),
-            None => "none of them is an outline".to_owned(),
-        };
-        format!("{}: {closed} closed, {} open; {outline}", walls.len(), walls.len() - closed)
-    }
-
-    /// What is other than in the drawing.
-    fn changes(&self, said: &mut Vec<(&'static str, String)>) {
-        let Plan { joined, doubles, on_others, united, .. } = &self.plan;
-        if self.curves > 0 {
-            said.push((
-                "curves",
-                format!(
-                    "{} in straight pieces, at most {} mm away from them",
-                    self.curves,
-                    1e3 * self.deviation
-                ),
-            ));
-        }
-        if self.close.is_some() {
-            let largest = if joined.gaps > 0 {
-                format!(", the largest {:.1} mm", 1e3 * joined.largest)
-            } else {
-                String::new()
-            };
-            said.push(("gaps closed", format!("{}{largest}", joined.gaps)));
-        }
-        if joined.left > 0 {
-            said.push((
-                "gaps left",
-                format!(
-                    "{}, of at most {} cm, between ends of lines: --close joins them",
-                    joined.left,
-                    100.0 * WIDEST_GAP
-                ),
-            ));
-        }
-        if *doubles > 0 {
-            said.push(("doubles", format!("{doubles} lines lay on others, and are left out")));
-        }
-        if *on_others > 0 {
-            said.push((
-                "on each other",
-                format!("{on_others} pieces of walls lie on other walls, and push twice"),
-            ));
-        }
-        if *united {
-            said.push((
-                "united",
-                "areas that meet: the walls are the rim of areas without obstacles".to_owned(),
-            ));
-        }
-    }
+    said
 }
 
 pub fn room(arguments: &Arguments) -> Result<()> {
@@ -293,7 +167,7 @@ pub fn room(arguments: &Arguments) -> Result<()> {
     let geometry = read.plan.geometry(MATERIAL);
     outputs.draw(&scene_of(&bare(drawing, &geometry)?, &read.plan), &style())?;
     let mut out = Vec::new();
-    for (what, how) in read.said(drawing) {
+    for (what, how) in said(&read, drawing) {
         writeln!(out, "{what:<18} {how}")?;
     }
     if let Some(kind) = kind {

@@ -22,6 +22,13 @@ pub struct Foot {
     pub distance: f64,
 }
 
+/// Returns the corners \[m\]; the first is repeated at the end, as that of a closed wall.
+impl AsRef<[Vec2]> for Ring {
+    fn as_ref(&self) -> &[Vec2] {
+        &self.corners
+    }
+}
+
 impl Ring {
     /// Makes a ring through corners \[m\]; the first may be repeated at the end. Returns `None` without corners.
     pub fn through(mut corners: Vec<Vec2>) -> Option<Ring> {
@@ -87,16 +94,7 @@ impl Ring {
     /// Returns the place on the rim nearest to a point \[m\]: of several, that on the first side. A point that is not a
     /// number is infinitely far.
     pub fn nearest(&self, p: Vec2) -> Foot {
-        let far = Foot { side: 0, along: 0.0, place: self.corners[0], distance: f64::INFINITY };
-        self.sides().enumerate().fold(far, |best, (side, (start, end))| {
-            let place = nearest_on_segment(start, end, p);
-            let distance = (p - place).norm();
-            if distance < best.distance {
-                Foot { side, along: (place - start).norm(), place, distance }
-            } else {
-                best
-            }
-        })
+        nearest_on_line(&self.corners, p)
     }
 
     /// Returns whether it is a rectangle parallel to the axes, corner by corner.
@@ -112,6 +110,22 @@ impl Ring {
     pub fn touches(&self, other: &Ring) -> bool {
         self.sides().any(|(a, b)| other.sides().any(|(c, d)| segments_touch(a, b, c, d)))
     }
+}
+
+/// Returns the place on a polyline through corners \[m\] that is nearest to a point, as [`Ring::nearest`]; infinitely far
+/// without sides.
+pub fn nearest_on_line(corners: &[Vec2], p: Vec2) -> Foot {
+    let first = corners.first().copied().unwrap_or(Vec2::ZERO);
+    let far = Foot { side: 0, along: 0.0, place: first, distance: f64::INFINITY };
+    corners.windows(2).enumerate().fold(far, |best, (side, ends)| {
+        let place = nearest_on_segment(ends[0], ends[1], p);
+        let distance = (p - place).norm();
+        if distance < best.distance {
+            Foot { side, along: (place - ends[0]).norm(), place, distance }
+        } else {
+            best
+        }
+    })
 }
 
 #[cfg(test)]

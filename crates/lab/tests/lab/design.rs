@@ -1,6 +1,7 @@
 //! Rooms, changes by hand, and requests that are none.
 
 use crate::*;
+use lemons_verify::testing::repository;
 
 #[test]
 fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
@@ -80,17 +81,132 @@ fn a_drawn_room_is_seen_with_its_doors_bounds_and_the_nearest_wall() {
     assert_eq!(drawn(odd, Value::Null)["doors"].as_array().unwrap().len(), 1);
 }
 
+/// A request to read a drawing with no options.
+fn drawn(name: &str) -> Value {
+    json!({"ask": "drawing", "name": name, "unit": null, "close": null, "origin": false, "walls": []})
+}
+
 #[test]
 fn a_geometry_file_becomes_a_room() {
     let mut lab = Lab::default();
     ok(&mut lab, own(crowd(1, square(3.0, 2.0))));
     let (_, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
     let text = file_in(&zip, "static/Geometry.xml");
-    let (room, _) = ask(&mut lab, &json!({"ask": "geometry", "name": "Geometry.xml"}), text.as_bytes());
-    assert_eq!(room["ok"]["outline"], square(3.0, 2.0)["outline"], "{room}");
+    let (found, _) = ask(&mut lab, &drawn("Geometry.xml"), text.as_bytes());
+    assert_eq!(found["ok"]["room"]["outline"], square(3.0, 2.0)["outline"], "{found}");
     let broken = text.replacen("Coordinates=\"", "Coordinates=\"east \u{20}", 1);
-    let said = refused(&mut lab, json!({"ask": "geometry", "name": "Geometry.xml"}), broken.as_bytes());
+    let said = refused(&mut lab, drawn("Geometry.xml"), broken.as_bytes());
     assert!(said.contains("Geometry.xml") && said.contains("east"), "{said}");
+    // Open walls come along; a room needs a closed one.
+    let open = r#"<Wall Id="7" MaterialId="concrete"><Corner Coordinates="1.0,0.0"/><Corner Coordinates="1.0,1.0"/></Wall></Geometry>"#;
+    let both = text.replace("</Geometry>", open);
+    let (found, _) = ok_of(&mut lab, drawn("Geometry.xml"), both.as_bytes());
+    assert_eq!(found["room"]["walls"], json!([{"corners": [[1.0, 0.0], [1.0, 1.0]], "of": null}]));
+    let alone = format!("<?xml version=\"1.0\"?><Geometry>{open}");
+    let said = refused(&mut lab, drawn("Geometry.xml"), alone.as_bytes());
+    assert!(said.contains("none of its 1 walls is closed"), "{said}");
+}
+
+#[test]
+fn a_drawing_becomes_a_room_with_exits() {
+    let mut lab = Lab::default();
+    let plan = |name: &str| std::fs::read(repository().join("examples/plans").join(name)).unwrap();
+    let (hall, _) = ok_of(&mut lab, drawn("hall.dxf"), &plan("hall.dxf"));
+    let names = |of: &Value| -> Vec<String> {
+        of.as_array().unwrap().iter().map(|exit| read(&exit["name"])).collect()
+    };
+    assert_eq!(names(&hall["exits"]), ["north", "south"]);
+    assert_eq!((&hall["layers"], hall["distributions"].as_array().unwrap().len()), (&json!([]), 1));
+    // As many walls as `lemons room` says.
+    let said: Vec<[String; 2]> = read(&hall["said"]);
+    let how = |what: &str| said.iter().find(|line| line[0] == what).map(|line| line[1].clone()).unwrap();
+    assert!(how("walls").starts_with("8: 8 closed"), "{said:?}");
+    assert_eq!(hall["room"]["obstacles"].as_array().unwrap().len(), 7);
+    assert!(close(hall["area"].as_f64().unwrap(), how("ground")[..7].parse().unwrap(), 5e-4));
+    let office = plan("office.dxf");
+    let said = refused(&mut lab, drawn("office.dxf"), &office);
+    assert!(said.contains("office.dxf: it does not say") && said.contains("mm: 9.00 m x 8.00 m"), "{said}");
+    let in_mm = with(with(drawn("office.dxf"), "unit", json!(0.001)), "origin", json!(true));
+    let (apart, _) = ok_of(&mut lab, in_mm.clone(), &office);
+    let (joined, _) = ok_of(&mut lab, with(in_mm, "close", json!(0.05)), &office);
+    let walls = |room: &Value| {
+        let count = |key: &str| room["room"][key].as_array().map_or(0, Vec::len);
+        (count("obstacles"), count("walls"))
+    };
+    assert_eq!((walls(&apart), walls(&joined)), ((0, 3), (1, 1)));
+    assert_eq!(joined["room"]["outline"].as_array().unwrap().len(), 4);
+    // People stand in it, and none across the wall that is open.
+    let base = with(crowd(30, joined["room"].clone()), "speed", json!(0.0));
+    let (made, _) = ok(&mut lab, own(base));
+    assert_eq!(made["scene"]["overlapping"], json!([]));
+    assert_eq!(made["scene"]["walls"].as_array().unwrap().len(), 3);
+    // An exit on a wall is a door, and a line 1 m behind it.
+    let text = br#"{"type": "FeatureCollection", "features": [
+        {"type": "Feature", "properties": {"layer": "walkablearea"}, "geometry": {"type": "Polygon", "coordinates": [[[0, 0], [8, 0], [8, 6], [0, 6], [0, 0]]]}},
+        {"type": "Feature", "properties": {"layer": "exits-door"}, "geometry": {"type": "LineString", "coordinates": [[8, 2], [8, 3]]}}]}"#;
+    let (found, _) = ok_of(&mut lab, drawn("room.geojson"), text);
+    assert_eq!(found["room"]["doors"], json!([{"at": [8.0, 2.5], "width": 1.0}]));
+    assert_eq!(found["exits"], json!([{"name": "door", "corners": [[9.0, 1.0], [9.0, 4.0]]}]));
+    for (name, content, words) in [
+        ("a.dxf", &b"0\nSECTION\n2\nENTITIES\n0\nLINE\n10\nnorth\n"[..], "a.dxf: line"),
+        ("a.geojson", b"{}", "a.geojson: "),
+        ("a.wkt", b"POLYGON ((0 0, 1", "a.wkt: "),
+        ("a.svg", b"<!DOCTYPE svg [<!ENTITY a \"b\">]><svg/>", "a.svg: "),
+    ] {
+        let said = refused(&mut lab, drawn(name), content);
+        assert!(said.starts_with(words), "{said}");
+    }
+    let said = refused(&mut lab, with(drawn("a.dxf"), "unit", json!(-1.0)), b"");
+    assert!(said.contains("length of a unit [m] = -1"), "{said}");
+}
+
+#[test]
+fn the_walls_of_an_opened_trial_are_changed_and_nothing_else_is() {
+    let mut lab = Lab::default();
+    let base = json!({"kind": "example", "name": "push"});
+    let (before, _) = ok(&mut lab, own(base.clone()));
+    let (_, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
+    let walls = before["scene"]["walls"].as_array().unwrap();
+    let further = |wall: &Value| json!({"corners": wall["corners"], "of": wall["id"]});
+    let mut room = json!({"outline": [], "obstacles": [], "doors": [], "walls": walls.iter().map(further).collect::<Vec<_>>()});
+    let edited = |room: &Value| with(own(base.clone()), "edits", json!([{"do": "room", "room": room}]));
+    // Not changed, to the last bit.
+    ok(&mut lab, edited(&room));
+    assert_eq!(ok(&mut lab, take(2, json!({"file": "trial"}))).1, zip);
+    // A wall more, with a door; across the first person.
+    let at = [read::<f64>(&json!(numbers(&ok(&mut lab, own(base.clone())).1)[0])), 0.0];
+    let new = json!({"corners": [[at[0], -3.0], [at[0], 3.0]], "of": null});
+    room["walls"].as_array_mut().unwrap().push(new);
+    room["doors"] = json!([{"at": [at[0], 2.0], "width": 1.0}]);
+    let (after, _) = ok(&mut lab, edited(&room));
+    assert_eq!(after["scene"]["walls"].as_array().unwrap().len(), walls.len() + 2);
+    assert_eq!(after["scene"]["overlapping"], json!([0]));
+    let notes: Vec<String> = read(&after["notes"]);
+    assert!(notes.iter().any(|note| note.contains("disks and walls overlap at the start")), "{notes:?}");
+    assert_eq!(after["scene"]["beyond_doors"].as_array().unwrap().len(), 1);
+    let (_, changed) = ok(&mut lab, take(4, json!({"file": "trial"})));
+    for file in ["Agents.xml", "AgentDynamics.xml", "Materials.xml", "Parameters.xml", "drive.csv"] {
+        assert_eq!(file_in(&changed, file), file_in(&zip, file), "{file}");
+    }
+    let text = file_in(&changed, "Geometry.xml");
+    assert_eq!(text.matches("<Wall ").count(), walls.len() + 2, "{text}");
+    for (room, words) in [
+        (with(room.clone(), "walls", json!([{"corners": [[0.0, 0.0]], "of": null}])), "fewer than two"),
+        (
+            with(room.clone(), "walls", json!([{"corners": [[0.0, 0.0], [1.0, 0.0]], "of": "none"}])),
+            "not there",
+        ),
+        (with(room.clone(), "doors", json!([{"at": [900.0, 0.0], "width": 1.0}])), "from the nearest wall"),
+        (
+            with(room.clone(), "walls", json!([{"corners": [[0.0, 0.0], [1e10, 0.0]], "of": null}])),
+            "x of a corner",
+        ),
+    ] {
+        let said = refused(&mut lab, edited(&room), &[]);
+        assert!(said.contains(words), "{said}");
+    }
+    let of_crowd = with(own(crowd(2, square(3.0, 3.0))), "edits", json!([{"do": "room", "room": room}]));
+    assert!(refused(&mut lab, of_crowd, &[]).contains("has its room already"));
 }
 
 #[test]
@@ -201,4 +317,53 @@ fn requests_that_are_none_are_refused() {
     let said = refused(&mut lab, many, &[]);
     assert!(said.contains("40 shapes") && said.contains("without overlap"), "{said}");
     assert!(refused(&mut lab, own(json!({"kind": "example", "name": "moon"})), &[]).contains("moon"));
+}
+
+/// A person at rest at a place.
+fn moved(id: &str, x: f64, y: f64) -> Value {
+    json!({"do": "move", "id": id, "x": x, "y": y, "theta": 0.0})
+}
+
+#[test]
+fn changes_by_hand_that_do_not_fit_are_left_out_where_that_is_wanted() {
+    let mut lab = Lab::default();
+    let base = crowd(3, square(4.0, 4.0));
+    let (_, before) = ok(&mut lab, own(base.clone()));
+    let before = numbers(&before);
+    let at = |agent: usize| (before[COLUMNS * agent], before[COLUMNS * agent + 1]);
+    let mut wanted = own(base);
+    wanted["fitting"] = json!(true);
+    wanted["edits"] = json!([
+        moved("0", 3.5, 3.5),
+        moved("1", 0.02, 2.0),
+        {"do": "delete", "id": "9"},
+        {"do": "copy", "id": "2", "as": "2 b", "x": at(2).0 + 0.05, "y": at(2).1, "theta": 0.0},
+        moved("2 b", at(2).0 + 0.06, at(2).1),
+        // The place of the first, who has gone.
+        {"do": "copy", "id": "2", "as": "2 c", "x": at(0).0, "y": at(0).1, "theta": 0.0},
+    ]);
+    let (made, after) = ok(&mut lab, wanted.clone());
+    let after = numbers(&after);
+    let ids: Vec<&Value> =
+        made["scene"]["agents"].as_array().unwrap().iter().map(|agent| &agent["id"]).collect();
+    assert_eq!(ids, [&json!("0"), &json!("1"), &json!("2"), &json!("2 c")]);
+    assert_eq!(after[..2], [3.5, 3.5]);
+    // Who would stand in a wall stays where he was.
+    assert_eq!(after[COLUMNS..COLUMNS + 3], before[COLUMNS..COLUMNS + 3]);
+    assert_eq!(made["scene"]["overlapping"], json!([]));
+    let left_out: Vec<(usize, String)> = read(&made["left_out"]);
+    let words = [
+        "person \"1\" would overlap a wall",
+        "nobody with the Id \"9\"",
+        "\"2 b\" would overlap somebody",
+        "\"2 b\"",
+    ];
+    assert_eq!(left_out.iter().map(|(k, _)| *k).collect::<Vec<_>>(), [1, 2, 3, 4]);
+    for ((_, why), words) in left_out.iter().zip(words) {
+        assert!(why.contains(words), "{why} {words}");
+    }
+    // Those that fit are those that the scene has.
+    wanted["fitting"] = json!(false);
+    wanted["edits"] = json!([wanted["edits"][0], wanted["edits"][5]]);
+    assert_eq!(numbers(&ok(&mut lab, wanted).1), after);
 }

@@ -1,0 +1,160 @@
+//! A drawing that was read, and what is said of it.
+
+use super::{
+    Drawing, Format, Place, Plan, PlanSettings, Reading, Role, UNITS, UnitFrom, WIDEST_GAP, left_out,
+};
+use crate::error::Result;
+use lemons_core::plane::{Bounds, Vec2};
+use std::collections::BTreeMap;
+
+/// More kinds of what is left out are only counted.
+const MOST_LEFT_OUT: usize = 100;
+
+/// A drawing that was read: what it means, and how it was understood.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Read {
+    /// What its lines mean.
+    pub plan: Plan,
+    /// Layers without a meaning, of which [`PlanSettings::walls`] can choose; none where others have one.
+    pub layers: Vec<String>,
+    format: Format,
+    unit: f64,
+    unit_from: UnitFrom,
+    curves: usize,
+    deviation: f64,
+    close: Option<f64>,
+}
+
+/// Says how large a drawing would be in each of [`UNITS`]. Its width and height are in its own units.
+pub fn sizes([width, height]: [f64; 2]) -> String {
+    let all =
+        UNITS.map(|(name, metres)| format!("{name}: {:.2} m x {:.2} m", width * metres, height * metres));
+    format!("it is {width:.2} x {height:.2} units, which would be {}", all.join(", "))
+}
+
+impl Read {
+    /// Reads the content of a file.
+    ///
+    /// # Errors
+    /// Those of [`Drawing::read`] and [`Plan::of`].
+    pub fn of(format: Format, bytes: &[u8], reading: &Reading, settings: &PlanSettings) -> Result<Read> {
+        let drawing = Drawing::read(format, bytes, reading)?;
+        let &Drawing { unit, unit_from, curves, .. } = &drawing;
+        let mut layers: BTreeMap<String, Option<Role>> = BTreeMap::new();
+        for line in &drawing.lines {
+            layers.entry(line.layer.clone()).or_insert_with(|| Role::of(&line.layer).map(|(role, _)| role));
+        }
+        if layers.values().any(|role| matches!(role, Some(Role::WalkableArea | Role::Obstacle))) {
+            layers.clear();
+        }
+        let (deviation, close) = (reading.deviation, settings.close);
+        let plan = Plan::of(drawing, settings)?;
+        let layers = layers.into_iter().filter(|(_, role)| role.is_none()).map(|(layer, _)| layer).collect();
+        Ok(Read { plan, layers, format, unit, unit_from, curves, deviation, close })
+    }
+
+    /// Says what was understood, a line each: what, and how much of it. `name` is the drawing's.
+    pub fn said(&self, name: &str) -> Vec<(&'static str, String)> {
+        let Read { plan, format, unit, unit_from, .. } = self;
+        let from = match unit_from {
+            UnitFrom::User => "as asked for",
+            UnitFrom::File => "$INSUNITS",
+            UnitFrom::Format => "by custom",
+        };
+        let mut said = vec![("drawing", format!("{name}: {}, unit {unit} m ({from})", format.name()))];
+        if let Some(Bounds { low, high }) = plan.bounds() {
+            let size = high - low;
+            let Vec2 { x, y } = low;
+            said.push((
+                "size",
+                format!("{:.3} m x {:.3} m, lower left corner at {x:.3},{y:.3}", size.x, size.y),
+            ));
+        }
+        if plan.origin != Vec2::ZERO {
+            let Vec2 { x, y } = plan.origin;
+            said.push(("moved", format!("by {:?},{:?} m", -x, -y)));
+        }
+        said.push(("walls", self.walls()));
+        if let Some(area) = plan.area() {
+            said.push(("ground", format!("{area:.3} m² within the outline, without obstacles")));
+        }
+        self.changes(&mut said);
+        let named = |places: &[Place]| {
+            // Names may hold anything.
+            let names: Vec<String> =
+                places.iter().map(|place| place.name.escape_debug().to_string()).collect();
+            format!("{}: {}", names.len(), names.join(", "))
+        };
+        for (what, places) in
+            [("exits", &plan.exits), ("distributions", &plan.distributions), ("way-points", &plan.waypoints)]
+        {
+            if !places.is_empty() {
+                said.push((what, named(places)));
+            }
+        }
+        for (exit, door) in plan.doors() {
+            let name = &plan.exits[exit].name;
+            said.push(("door", format!("{} m wide where exit {name:?} lies on a closed wall", door.width)));
+        }
+        let kinds = plan.left_out.len();
+        said.extend(plan.left_out.iter().take(MOST_LEFT_OUT).map(|kind| ("left out", left_out(kind))));
+        if kinds > MOST_LEFT_OUT {
+            said.push(("left out", format!("{} more kinds", kinds - MOST_LEFT_OUT)));
+        }
+        said
+    }
+
+    fn walls(&self) -> String {
+        let walls = &self.plan.walls;
+        let closed = walls.iter().filter(|wall| wall.len() > 3 && wall.first() == wall.last()).count();
+        let outline = match self.plan.outline {
+            Some(outline) => format!("the outline is wall {outline}"),
+            None => "none of them is an outline".to_owned(),
+        };
+        format!("{}: {closed} closed, {} open; {outline}", walls.len(), walls.len() - closed)
+    }
+
+    /// What is other than in the drawing.
+    fn changes(&self, said: &mut Vec<(&'static str, String)>) {
+        let Plan { joined, doubles, on_others, united, .. } = &self.plan;
+        if self.curves > 0 {
+            said.push((
+                "curves",
+                format!(
+                    "{} in straight pieces, at most {} mm away from them",
+                    self.curves,
+                    1e3 * self.deviation
+                ),
+            ));
+        }
+        if self.close.is_some() {
+            let largest = if joined.gaps > 0 {
+                format!(", the largest {:.1} mm", 1e3 * joined.largest)
+            } else {
+                String::new()
+            };
+            said.push(("gaps closed", format!("{}{largest}", joined.gaps)));
+        }
+        if joined.left > 0 {
+            said.push((
+                "gaps left",
+                format!("{}, of at most {} cm, between ends of lines", joined.left, 100.0 * WIDEST_GAP),
+            ));
+        }
+        if *doubles > 0 {
+            said.push(("doubles", format!("{doubles} lines lay on others, and are left out")));
+        }
+        if *on_others > 0 {
+            said.push((
+                "on each other",
+                format!("{on_others} pieces of walls lie on other walls, and push twice"),
+            ));
+        }
+        if *united {
+            said.push((
+                "united",
+                "areas that meet: the walls are the rim of areas without obstacles".to_owned(),
+            ));
+        }
+    }
+}

@@ -1,0 +1,248 @@
+// A picture under the room, to draw over: a floor plan, a photograph. It is no part of the mechanics.
+
+import { computed, effect, signal } from "@preact/signals";
+import { type Inks, label } from "./draw";
+import { ready, shape } from "./drawn";
+import type { Backdrop } from "./forms";
+import { MOST } from "./forms";
+import { begin as beginMotion } from "./motionstate";
+import { LengthField, length } from "./parts";
+import { change, keysInUse, plan } from "./plan";
+import type { Point } from "./protocol";
+import { distance, rings } from "./roomshape";
+import { begin as beginRoom, room } from "./roomtool";
+import { said } from "./session";
+import { brief, keep, kept } from "./store";
+import { lineTool, type Tool } from "./tool";
+import { FileInput } from "./upload";
+import { inMetres, toPixels, type View } from "./view";
+
+/** In byte: the largest file; in pixels: the largest picture, its longest side as it is kept, and that of a drawing. */
+const MOST_BYTES = 20e6;
+const MOST_PIXELS = 100e6;
+const LONGEST = 4096;
+const DRAWN = 2048;
+/** How much of it is seen at first. */
+const FAINT = 0.5;
+
+const TYPES: Record<string, string> = { png: "image/png", jpg: "image/jpeg", jpeg: "image/jpeg", webp: "image/webp", svg: "image/svg+xml" };
+const typeOf = (name: string) => TYPES[name.toLowerCase().split(".").at(-1)!];
+
+/** Whether a file can be a picture only. */
+export function isPicture(name: string) {
+    return typeOf(name) !== undefined && !isVector(name);
+}
+
+export function isVector(name: string) {
+    return /\.svg$/i.test(name);
+}
+
+/** What is drawn, and why it is not. */
+const image = signal<ImageBitmap | null>(null);
+const absent = signal(false);
+const key = computed(() => plan.value.backdrop?.key ?? null);
+
+effect(() => {
+    const wanted = key.value;
+    image.value = null;
+    absent.value = false;
+    if (wanted !== null) void load(wanted);
+});
+
+async function load(wanted: string) {
+    const bytes = await kept(wanted);
+    const found = bytes && (await createImageBitmap(new Blob([bytes as Uint8Array<ArrayBuffer>])).catch(() => null));
+    if (key.peek() !== wanted) return;
+    image.value = found;
+    absent.value = !found;
+}
+
+/** Lays a picture under the room, in the place of the one that is there. Only pixels of it are kept: a drawing may hold
+ * scripts and addresses, which nobody runs or asks. */
+export async function setPicture(file: File) {
+    const { name } = file;
+    if (file.size > MOST_BYTES) throw new Error(`"${name}" has more than ${MOST_BYTES / 1e6} MB`);
+    if (name.length > MOST.name) throw new Error(`the name ${name.slice(0, 20)}… has more than ${MOST.name} letters`);
+    const url = URL.createObjectURL(new Blob([file], { type: typeOf(name) }));
+    try {
+        const picture = new Image();
+        await new Promise((done, failed) => {
+            picture.onload = done;
+            picture.onerror = () => failed(new Error(`"${name}" is no picture that this browser can show`));
+            picture.src = url;
+        });
+        const [width, height] = [picture.naturalWidth, picture.naturalHeight];
+        if (!(width > 0 && height > 0)) throw new Error(`"${name}" does not say how large it is`);
+        if (width * height > MOST_PIXELS) throw new Error(`"${name}" has ${width} × ${height} pixels: at most ${MOST_PIXELS / 1e6} million are allowed`);
+        const scale = isVector(name) ? DRAWN / Math.max(width, height) : Math.min(1, LONGEST / Math.max(width, height));
+        const whole = !isVector(name) && scale === 1;
+        const bytes = whole ? await file.arrayBuffer() : await pixels(picture, width * scale, height * scale, name);
+        lay(name, await keep(new Uint8Array(bytes), keysInUse()), height / width);
+    } finally {
+        URL.revokeObjectURL(url);
+    }
+}
+
+async function pixels(picture: HTMLImageElement, width: number, height: number, name: string): Promise<ArrayBuffer> {
+    const on = document.createElement("canvas");
+    [on.width, on.height] = [Math.max(1, Math.round(width)), Math.max(1, Math.round(height))];
+    on.getContext("2d")!.drawImage(picture, 0, 0, on.width, on.height);
+    const made = await new Promise<Blob | null>((done, failed) => {
+        try {
+            on.toBlob(done, "image/png");
+        } catch {
+            failed(new Error(`"${name}" holds parts that this browser does not give away as pixels`));
+        }
+    });
+    if (!made) throw new Error(`"${name}" is too large for a picture of this browser`);
+    return made.arrayBuffer();
+}
+
+function lay(name: string, key: string, aspect: number) {
+    const before = plan.value.backdrop;
+    // Another picture of the same plan lies as the one before.
+    const corners = rings(room.value).flat();
+    const [wide, , left, low] = corners.length > 0 && ready() ? shape(corners).bounds : [10, 10, 0, 0];
+    const place = before ? { at: before.at, width: before.width, opacity: before.opacity } : { at: [left, low] as Point, width: Math.max(1, wide), opacity: FAINT };
+    change({ backdrop: { name, key, ...place, aspect } });
+    said.value = brief.has(key) ? `"${name}" lies under the room. This browser's storage has no room for it: it is there until the page is closed.` : `"${name}" lies under the room. Set its scale.`;
+}
+
+/** While it is moved. */
+const moved = signal<Backdrop | null>(null);
+
+export function paintBackdrop(context: CanvasRenderingContext2D, view: View) {
+    const now = moved.value ?? plan.value.backdrop;
+    const picture = image.value;
+    if (!now || !picture) return;
+    const [x, y] = toPixels(view, [now.at[0], now.at[1] + now.width * now.aspect]);
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.globalAlpha = now.opacity;
+    context.drawImage(picture, x, y, now.width * view.scale, now.width * now.aspect * view.scale);
+    context.globalAlpha = 1;
+}
+
+/** Its corners, to be seen while rooms are drawn. */
+export function reachOfBackdrop(): Point[] {
+    const now = plan.value.backdrop;
+    return now ? [now.at, [now.at[0] + now.width, now.at[1] + now.width * now.aspect]] : [];
+}
+
+/** Ends of a line on the picture whose length is known. */
+const ends = signal<Point[]>([]);
+const pointer = signal<Point | null>(null);
+
+const measure: Tool = {
+    draws: () => true,
+    down: () => true,
+    move: ({ at }) => (pointer.value = at),
+    up: ({ at }) => (ends.value = ends.value.length === 1 ? [ends.value[0]!, at] : [at]),
+    key: (event) => event.key === "Escape" && end(),
+    paint(context, view, inks) {
+        const [from, to] = [ends.value[0], ends.value[1] ?? pointer.value];
+        if (from && to) paintMeasure(context, from, to, view, inks);
+    },
+};
+
+function paintMeasure(context: CanvasRenderingContext2D, from: Point, to: Point, view: View, inks: Inks) {
+    inMetres(context, view);
+    context.lineWidth = (3 * devicePixelRatio) / view.scale;
+    context.strokeStyle = inks.mark;
+    context.beginPath();
+    context.moveTo(...from);
+    context.lineTo(...to);
+    context.stroke();
+    label(context, length(distance(from, to), plan.value.unit), [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2], view, inks);
+}
+
+let held: { at: Point; from: Backdrop } | null = null;
+
+const move: Tool = {
+    draws: () => true,
+    down({ at }) {
+        const now = plan.value.backdrop;
+        held = now && { at, from: now };
+        return held !== null;
+    },
+    move({ at }, pressed) {
+        if (!pressed || !held) return;
+        const { from } = held;
+        moved.value = { ...from, at: [0, 1].map((k) => Number((from.at[k]! + at[k]! - held!.at[k]!).toFixed(3))) as Point };
+    },
+    up() {
+        const next = moved.value;
+        held = moved.value = null;
+        if (next) change({ backdrop: next });
+    },
+    cancel: () => void (held = moved.value = null),
+    key: (event) => event.key === "Escape" && end(),
+};
+
+function end(): true {
+    lineTool.value = null;
+    ends.value = [];
+    pointer.value = null;
+    return true;
+}
+
+function begin(tool: Tool) {
+    const on = lineTool.value === tool;
+    end();
+    // Two tools cannot draw at once.
+    beginRoom("change");
+    beginMotion("change");
+    if (!on) lineTool.value = tool;
+}
+
+/** The line gets this length; its first end stays where it is. */
+function setLength(now: Backdrop, known: number) {
+    const [from, to] = ends.value as [Point, Point];
+    const by = known / distance(from, to);
+    const at = [0, 1].map((k) => Number((from[k]! + by * (now.at[k]! - from[k]!)).toFixed(4))) as Point;
+    end();
+    change({ backdrop: { ...now, at, width: Number((by * now.width).toFixed(4)) } });
+}
+
+export function BackdropForms() {
+    const now = plan.value.backdrop;
+    if (!now) return null;
+    const set = (part: Partial<Backdrop>) => change({ backdrop: { ...now, ...part } });
+    const [from, to] = ends.value;
+    const measuring = lineTool.value === measure;
+    return (
+        <fieldset class="fields">
+            <legend>
+                Picture <span translate={false}>"{now.name}"</span>
+            </legend>
+            {absent.value && (
+                <>
+                    <p class="warning">This picture is not kept in this browser: a link or a file of a scene holds no pictures. Open it again here.</p>
+                    <FileInput label="Open the picture again" accept=".png,.jpg,.jpeg,.webp,.svg" onFiles={async ([given]) => given && setPicture(given.file)} />
+                </>
+            )}
+            <div class="buttons">
+                <button type="button" aria-pressed={measuring} onClick={() => begin(measure)}>
+                    Set the scale by a known length
+                </button>
+                <button type="button" aria-pressed={lineTool.value === move} onClick={() => begin(move)}>
+                    Move it with the mouse
+                </button>
+                <button type="button" onClick={() => (end(), change({ backdrop: null }))}>
+                    Remove the picture
+                </button>
+            </div>
+            {measuring && !to && <p class="note" role="status">{from ? "Click the other end of the line." : "Click one end of a line whose length you know."}</p>}
+            {measuring && from && to && <LengthField label="Real length of the line" value={distance(from, to)} min={0.01} max={10000} onChange={(known) => setLength(now, known)} />}
+            <LengthField label="Width of the picture" value={now.width} min={0.1} max={10000} onChange={(width) => set({ width })} />
+            <div class="row">
+                <LengthField label="Picture, left" short="left" value={now.at[0]} min={-1e6} max={1e6} onChange={(x) => set({ at: [x, now.at[1]] })} />
+                <LengthField label="Picture, low" short="low" value={now.at[1]} min={-1e6} max={1e6} onChange={(y) => set({ at: [now.at[0], y] })} />
+            </div>
+            <label class="scrub">
+                <span>How much of it is seen</span>
+                <input type="range" min={0.05} max={1} step={0.05} value={now.opacity} onChange={(event) => set({ opacity: event.currentTarget.valueAsNumber })} />
+            </label>
+            <p class="note">The picture is drawn under the room and changes nothing else. It is kept with the scene in this browser, and is in no link.</p>
+        </fieldset>
+    );
+}

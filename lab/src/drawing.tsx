@@ -1,0 +1,172 @@
+// A plan of another program: what was understood of it, with the options that matter, before it becomes a room.
+
+import { effect, signal } from "@preact/signals";
+import { Refused } from "./client";
+import { isVector, setPicture } from "./backdrop";
+import { MOST, roomFits } from "./forms";
+import { Check, Choice, NumberField } from "./parts";
+import { FIRST_WISHES, shaped } from "./places";
+import { plan } from "./plan";
+import type { DrawingWanted, Motion, Understood } from "./protocol";
+import { open } from "./scenes";
+import { attempt, client, film } from "./session";
+import { Sketch } from "./sketch";
+
+interface Given {
+    file: File;
+    bytes: Uint8Array;
+}
+
+interface Drawing {
+    given: Given;
+    wanted: DrawingWanted;
+    found: Understood | null;
+    /** Why nothing was understood. */
+    refused: string;
+}
+
+const drawing = signal<Drawing | null>(null);
+/** Whether exits of the plan become exits, and its people stand where it says. */
+const exits = signal(true);
+const region = signal(true);
+/** The base that is made of it. It is no longer shown when that is on the stage. */
+let making = "";
+
+effect(() => {
+    film.value;
+    if (making && JSON.stringify(plan.peek().made.base) === making && film.value) {
+        making = "";
+        drawing.value = null;
+    }
+});
+
+/** Asks what is in a plan. */
+export async function understand(given: Given, options: Partial<DrawingWanted> = {}) {
+    const wanted = { name: given.file.name, unit: null, close: null, origin: false, walls: [], ...options };
+    const now = { given, wanted, found: null, refused: "" };
+    try {
+        const { value } = await client.ask<Understood>({ ask: "drawing", ...wanted }, given.bytes);
+        drawing.value = { ...now, found: value };
+    } catch (error) {
+        if (!(error instanceof Refused)) throw error;
+        drawing.value = { ...now, refused: error.message };
+    }
+}
+
+function make({ given, found }: Drawing) {
+    if (!found) return;
+    const { room, distributions, area } = found;
+    if (!roomFits(room)) {
+        throw new Error(`"${given.file.name}": this page takes up to ${MOST.walls} walls, each with up to ${MOST.outline} corners, and up to ${MOST.parts} doors; this room has more`);
+    }
+    const { crowd } = plan.value;
+    // Not more than stand at ease.
+    const number = Math.max(1, Math.min(crowd.number ?? 40, Math.floor(area ?? 40)));
+    const next = { ...crowd, room, region: (region.value && distributions[0]) || null, number, density: null };
+    const places = exits.value ? found.exits.map(({ name, corners }) => shaped({ name: name.slice(0, MOST.name), line: null, polygon: null, share: null }, corners)) : [];
+    const large = places.length > MOST.places || places.some(({ polygon }) => (polygon?.length ?? 0) > MOST.corners);
+    if (large) throw new Error(`"${given.file.name}": this page takes up to ${MOST.places} exits with up to ${MOST.corners} corners: leave its exits out`);
+    const motion: Motion = places.length > 0 ? { kind: "go", wishes: { ...FIRST_WISHES, exits: places } } : { kind: "none" };
+    const base = { kind: "crowd" as const, ...next };
+    making = JSON.stringify(base);
+    open(given.file.name.replace(/\.\w+$/, ""), { base, edits: [], motion }, false, next, true);
+}
+
+const UNITS = [
+    ["", "as the file says"],
+    ["1", "m"],
+    ["0.01", "cm"],
+    ["0.001", "mm"],
+    ["0.0254", "in"],
+    ["0.3048", "ft"],
+    ["other", "another length"],
+] as const;
+
+export function DrawingPanel() {
+    const now = drawing.value;
+    if (!now) return null;
+    const { given, wanted, found, refused } = now;
+    const { name } = given.file;
+    const again = (options: Partial<DrawingWanted>) => void attempt(() => understand(given, { ...wanted, ...options }));
+    const unit = UNITS.find(([key]) => key === String(wanted.unit ?? ""))?.[0] ?? "other";
+    return (
+        <fieldset class="fields plan">
+            <legend>
+                Plan <span translate={false}>"{name}"</span>
+            </legend>
+            {refused && (
+                <p role="alert" translate={false}>
+                    {refused}
+                </p>
+            )}
+            {found && <Sketch base={{ kind: "crowd", ...plan.value.crowd, room: found.room, region: null }} />}
+            {found && (
+                <table class="facts" aria-label="What was understood">
+                    <tbody>
+                        {found.said.map(([what, how], k) => (
+                            // Several things can be left out.
+                            <tr key={k}>
+                                <th scope="row" translate={false}>
+                                    {what}
+                                </th>
+                                <td translate={false}>{how}</td>
+                            </tr>
+                        ))}
+                    </tbody>
+                </table>
+            )}
+            {!name.endsWith(".xml") && (
+                <>
+                    <Choice label="Unit of the plan" value={unit} choices={UNITS} onChange={(key) => again({ unit: key === "" ? null : key === "other" ? 0.05 : Number(key) })} />
+                    {unit === "other" && <NumberField label="Length of a unit" unit="m" value={wanted.unit!} min={1e-6} max={1e6} step={0.01} onChange={(length) => again({ unit: length })} />}
+                    <NumberField label="Close gaps up to" unit="cm" value={Number((100 * (wanted.close ?? 0)).toFixed(4))} min={0} max={1000} step={0.5} onChange={(gap) => again({ close: gap > 0 ? gap / 100 : null })} />
+                    <Check label="Lower left corner at 0, 0" value={wanted.origin} onChange={(origin) => again({ origin })} />
+                </>
+            )}
+            {found && found.layers.length > 1 && <Layers wanted={wanted} layers={found.layers} again={again} />}
+            {found && found.exits.length > 0 && <Check label={`Take its exits (${found.exits.length})`} value={exits.value} onChange={(on) => (exits.value = on)} />}
+            {found && found.distributions.length > 0 && <Check label="People stand where the plan says" value={region.value} onChange={(on) => (region.value = on)} />}
+            {found && found.distributions.length > 1 && <p class="note">{`The plan has ${found.distributions.length} areas where people stand; the page takes the first one.`}</p>}
+            {found && found.waypoints > 0 && <p class="note">Way-points of a plan are not used here.</p>}
+            <div class="buttons">
+                {found && (
+                    <button type="button" class="main" onClick={() => void attempt(async () => make(now))}>
+                        Make this room
+                    </button>
+                )}
+                {isVector(name) && (
+                    <button type="button" onClick={() => void attempt(() => setPicture(given.file).then(close))}>
+                        Lay it under the room as a picture
+                    </button>
+                )}
+                <button type="button" onClick={close}>
+                    Leave it
+                </button>
+            </div>
+        </fieldset>
+    );
+}
+
+function close() {
+    drawing.value = null;
+}
+
+/** Layers that are taken as walls: all of them at first. */
+function Layers({ wanted, layers, again }: { wanted: DrawingWanted; layers: string[]; again(options: Partial<DrawingWanted>): void }) {
+    const taken = wanted.walls.length > 0 ? wanted.walls : layers;
+    const set = (layer: string, on: boolean) => {
+        const next = layers.filter((one) => (one === layer ? on : taken.includes(one)));
+        if (next.length > 0) again({ walls: next.length === layers.length ? [] : next });
+    };
+    return (
+        <fieldset>
+            <legend>Layers with walls</legend>
+            {layers.map((layer) => (
+                <label class="check" key={layer}>
+                    <input type="checkbox" checked={taken.includes(layer)} onChange={(event) => set(layer, event.currentTarget.checked)} />
+                    <span translate={false}>{layer || "—"}</span>
+                </label>
+            ))}
+        </fieldset>
+    );
+}

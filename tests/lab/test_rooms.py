@@ -1,0 +1,344 @@
+"""Walls of an opened Trial, plans of other programs, and a picture under the room."""
+
+import struct
+import xml.etree.ElementTree as ElementTree
+import zlib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+from shapely import MultiLineString
+from visit import ROOT, Picture, becomes, download, fill, held, lemons, link, people, plan, tab, wait
+
+PLANS = ROOT / "examples/plans"
+#: Of the wall around the row of people that is pushed.
+LEFT, LOW, RIGHT, HIGH = -0.2, -0.57395, 1.752675, 0.54371
+
+
+def corners(geometry: str) -> list[list[tuple[float, float]]]:
+    """Of each wall, in m."""
+    walls = ElementTree.fromstring(geometry).iter("Wall")
+    return [[tuple(map(float, corner.attrib["Coordinates"].split(","))) for corner in wall] for wall in walls]
+
+
+def png(width: int, height: int, rgb: tuple[int, int, int] = (255, 0, 0), rows: int | None = None) -> bytes:
+    """Of one colour; its header may say more rows than there are."""
+
+    def chunk(name: bytes, content: bytes) -> bytes:
+        return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
+
+    row = b"\0" + bytes(rgb) * width
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    data = zlib.compress(row * (height if rows is None else rows))
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
+
+
+def give(page: Page, name: str, content: bytes) -> None:
+    """Opens a plan or a picture in the tab Room."""
+    tab(page, "Room")
+    field = page.get_by_label("Open a plan or a picture")
+    field.set_input_files({"name": name, "mimeType": "application/octet-stream", "buffer": content})
+
+
+def opened(page: Page, tmp_path: Path) -> dict[str, str]:
+    """The push through a row, as a Trial of the visitor's own."""
+    trial = download(page, "Trial (zip)", tmp_path)
+    tab(page, "Start")
+    page.get_by_label("Open a zip").set_input_files(trial)
+    expect(page.get_by_text(f'"{trial.name}": 5 people')).to_be_visible()
+    return held(trial)
+
+
+def edit(page: Page) -> dict[str, Any] | None:
+    edits = plan(page)["made"]["edits"]
+    return edits[0]["room"] if edits else None
+
+
+def test_the_walls_of_an_opened_trial_are_changed_with_the_mouse(page: Page, tmp_path: Path) -> None:
+    before = opened(page, tmp_path)
+    tab(page, "Room")
+    expect(page.get_by_text("The walls are those of the Trial.")).to_be_visible()
+    button = lambda name: page.get_by_role("button", name=name, exact=True)
+
+    def around() -> Picture:
+        """The stage with room around the walls."""
+        for _ in range(3):
+            button("Zoom out").click()
+        return Picture(page)
+
+    picture = around()
+    # A click that changes nothing.
+    picture.click(RIGHT, HIGH)
+    assert edit(page) is None
+    picture.drag((RIGHT, HIGH), (2.3, 0.93))
+    becomes(page, lambda: (room := edit(page)) and room["walls"][0]["corners"][2], [2.3, 0.95])
+    expect(page.get_by_text("The walls are changed.")).to_be_visible()
+    moved = [(LEFT, LOW), (RIGHT, LOW), (2.3, 0.95), (LEFT, HIGH), (LEFT, LOW)]
+    after = held(download(page, "Trial (zip)", tmp_path))
+    assert corners(after["Geometry.xml"]) == [moved]
+    # All others are the same text.
+    assert {name: text for name, text in after.items() if name != "Geometry.xml"} == {name: text for name, text in before.items() if name != "Geometry.xml"}
+    tab(page, "Room")
+    page.get_by_role("button", name="Undo", exact=True).click()
+    expect(page.get_by_text("The walls are those of the Trial.")).to_be_visible()
+    assert held(download(page, "Trial (zip)", tmp_path)) == before
+    page.get_by_role("button", name="Redo", exact=True).click()
+    becomes(page, lambda: (room := edit(page)) and room["walls"][0]["corners"][2], [2.3, 0.95])
+
+    tab(page, "Room")
+    picture = around()
+    # The first corner of a closed wall is its last one. Keys move what is marked.
+    picture.click(LEFT, LOW)
+    page.keyboard.press("Shift+ArrowLeft")
+    becomes(page, lambda: [edit(page)["walls"][0]["corners"][k] for k in (0, -1)], [[-0.25, LOW]] * 2)
+    page.get_by_role("button", name="Undo", exact=True).click()
+    becomes(page, lambda: edit(page)["walls"][0]["corners"][0], [LEFT, LOW])
+    # A door of 0.8 m in the wall below, and a wall that begins at a corner.
+    button("Put a door").click()
+    picture.click(0.8, LOW + 0.01)
+    becomes(page, lambda: [door["at"] for door in edit(page)["doors"]], [[0.8, -0.55]])
+    fill(page, "Door 1, width", 80)
+    button("Draw a wall").click()
+    picture.click(RIGHT + 0.02, LOW)
+    picture.click(2.3, -0.4)
+    page.keyboard.press("Enter")
+    becomes(page, lambda: edit(page)["walls"][1:], [{"corners": [[RIGHT, LOW], [2.3, -0.4]], "of": None}])
+    button("Draw an obstacle").click()
+    picture.drag((2.0, 0.1), (2.2, 0.3))
+    becomes(page, lambda: len(edit(page)["walls"]), 3)
+    after = corners(held(download(page, "Trial (zip)", tmp_path))["Geometry.xml"])
+    ring, line, block = after
+    assert ring[0] == pytest.approx((1.2, LOW)) and ring[-1] == pytest.approx((0.4, LOW))
+    assert ring[1:-1] == [(RIGHT, LOW), (2.3, 0.95), (LEFT, HIGH), (LEFT, LOW)]
+    assert line == [(RIGHT, LOW), (2.3, -0.4)]
+    assert block == [(2.0, 0.1), (2.2, 0.1), (2.2, 0.3), (2.0, 0.3), (2.0, 0.1)]
+    # All of the obstacle goes.
+    tab(page, "Room")
+    picture = around()
+    picture.click(2.2, 0.3)
+    page.keyboard.press("Shift+Delete")
+    becomes(page, lambda: len(edit(page)["walls"]), 2)
+    # Also after a reload.
+    page.reload()
+    expect(page.get_by_text("The walls are changed.")).to_be_visible()
+    button("Take the walls of the Trial again").click()
+    expect(page.get_by_text("The walls are those of the Trial.")).to_be_visible()
+    assert held(download(page, "Trial (zip)", tmp_path)) == before
+
+
+def test_who_is_in_a_wall_is_told_and_a_wall_on_an_exit_is_refused(page: Page, tmp_path: Path) -> None:
+    tab(page, "Room")
+    page.get_by_label("What is changed").select_option(label="The walls of this Trial")
+    picture = Picture(page)
+    page.get_by_role("button", name="Draw a wall", exact=True).click()
+    picture.click(0.6, -0.5)
+    picture.click(0.6, 0.5)
+    page.keyboard.press("Enter")
+    notes = page.get_by_role("list", name="Notes")
+    expect(notes).to_contain_text("disks and walls overlap at the start")
+    people(page, 5)
+    page.get_by_role("button", name="Undo", exact=True).click()
+    becomes(page, lambda: edit(page), None)
+    expect(notes).to_have_count(0)
+
+    trial = tmp_path / "leaving.zip"
+    lemons("crowd", "-n", 5, "--box", "5x4", "--door", "5,2,1", "--leave", "--zip", trial)
+    tab(page, "Start")
+    page.get_by_label("Open a zip").set_input_files(trial)
+    expect(page.get_by_text('"leaving.zip": 5 people')).to_be_visible()
+    tab(page, "Room")
+    picture = Picture(page)
+    page.get_by_role("button", name="Draw a wall", exact=True).click()
+    picture.click(5, 1.5)
+    picture.click(5, 2.5)
+    page.keyboard.press("Enter")
+    # Their way out is closed.
+    expect(page.get_by_role("alert")).to_contain_text("no way leads to")
+    becomes(page, lambda: edit(page), None)
+    people(page, 5)
+
+
+def test_plans_become_rooms_as_the_command_reads_them(page: Page, tmp_path: Path) -> None:
+    understood = page.get_by_role("table", name="What was understood")
+
+    def made(name: str, *options: str) -> dict[str, str]:
+        """The Trial of the page, after its walls were compared with those of the command."""
+        stem = name.split(".")[0]
+        page.get_by_role("button", name="Make this room", exact=True).click()
+        expect(page.get_by_text("people placed in")).to_be_visible()
+        expect(page.get_by_role("textbox", name="Name of the scene")).to_have_value(stem)
+        expect(understood).to_have_count(0)
+        mine = held(download(page, "Trial (zip)", tmp_path))
+        theirs = tmp_path / f"{stem}.xml"
+        said = lemons("room", PLANS / name, *options, "-o", theirs)
+        walls = [MultiLineString(corners(text)) for text in (mine["Geometry.xml"], theirs.read_text())]
+        assert walls[0].symmetric_difference(walls[1]).length < 1e-9 and walls[0].length > 10, said
+        return mine
+
+    give(page, "hall.dxf", (PLANS / "hall.dxf").read_bytes())
+    for line in lemons("room", PLANS / "hall.dxf").splitlines():
+        what, how = line[:18].strip(), line[19:]
+        if what not in ("drawing", "nothing was writte"):
+            expect(understood.get_by_role("row", name=f"{what} {how}", exact=True).first).to_be_visible()
+    wishes = made("hall.dxf")["decision.toml"]
+    assert "north" in wishes and "south" in wishes and plan(page)["crowd"]["region"] is not None
+    # They can go on: people leave.
+    page.get_by_role("button", name="Compute it").click()
+    wait(page, lambda: plan(page)["made"]["motion"]["kind"] == "go")
+
+    give(page, "office.dxf", (PLANS / "office.dxf").read_bytes())
+    expect(page.get_by_role("alert")).to_contain_text("it does not say what its unit is")
+    expect(page.get_by_role("alert")).to_contain_text("mm: 9.00 m x 8.00 m")
+    page.get_by_label("Unit of the plan").select_option(label="mm")
+    expect(understood).to_contain_text("2, of at most 10 cm, between ends of lines")
+    fill(page, "Close gaps up to", 5)
+    expect(understood).to_contain_text("2, the largest 30.0 mm")
+    page.get_by_label("Lower left corner at 0, 0").check()
+    made("office.dxf", "--unit", "mm", "--close", "5cm", "--origin")
+    assert len(plan(page)["crowd"]["room"]["walls"]) == 1
+
+    give(page, "platform.svg", (PLANS / "platform.svg").read_bytes())
+    page.get_by_label("Unit of the plan").select_option(label="cm")
+    expect(page.get_by_role("button", name="Lay it under the room as a picture")).to_be_visible()
+    made("platform.svg", "--scale", "0.01")
+
+
+def test_layers_are_chosen_and_exits_left_out(page: Page) -> None:
+    tab(page, "Room")
+    square = lambda layer, size: f'<g id="{layer}"><path d="M 0 0 H {size} V {size} H 0 Z"/></g>'
+    text = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9">{square("paper", 9)}{square("A-WALL", 6)}<path id="exits-a" d="M 7 1 V 5"/></svg>'
+    give(page, "two.svg", text.encode())
+    page.get_by_label("Unit of the plan").select_option(label="m")
+    understood = page.get_by_role("table", name="What was understood")
+    expect(understood).to_contain_text("9.000 m x 9.000 m")
+    page.get_by_label("paper").uncheck()
+    expect(understood).to_contain_text("6.000 m x 6.000 m")
+    expect(understood).to_contain_text("(layer not asked for)")
+    page.get_by_label("Take its exits (1)").uncheck()
+    page.get_by_role("button", name="Make this room", exact=True).click()
+    expect(page.get_by_text("36 people placed in")).to_be_visible()
+    kept = plan(page)
+    assert kept["made"]["motion"] == {"kind": "none"}
+    assert kept["crowd"]["room"] == {"outline": [[0, 9], [6, 9], [6, 3], [0, 3]], "obstacles": [], "doors": []}
+
+
+def test_a_crowd_stands_on_both_sides_of_an_open_wall(page: Page, tmp_path: Path) -> None:
+    tab(page, "Room")
+    picture = Picture(page)
+    page.get_by_role("button", name="Draw a wall", exact=True).click()
+    picture.click(2, 0)
+    picture.click(2, 3)
+    page.keyboard.press("Enter")
+    wall = {"corners": [[2, 0], [2, 3]], "of": None}
+    becomes(page, lambda: plan(page)["crowd"]["room"].get("walls"), [wall])
+    page.get_by_role("button", name="Put a door", exact=True).click()
+    picture.click(2.02, 1.5)
+    becomes(page, lambda: plan(page)["crowd"]["room"]["doors"], [{"at": [2, 1.5], "width": 1}])
+    page.get_by_role("button", name="Make this crowd").click()
+    expect(page.get_by_text("40 people placed in")).to_be_visible()
+    walls = corners(held(download(page, "Trial (zip)", tmp_path))["Geometry.xml"])
+    assert sorted(walls[1:]) == [[(2, 0), (2, 1)], [(2, 2), (2, 3)]] and len(walls) == 3
+    # By number, and away.
+    tab(page, "Room")
+    page.get_by_text("Wall 1", exact=False).first.click()
+    fill(page, "Wall 1, corner 2, y", 250)
+    becomes(page, lambda: plan(page)["crowd"]["room"]["walls"][0]["corners"][1], [2, 2.5])
+    page.get_by_role("button", name="Delete wall 1", exact=True).click()
+    becomes(page, lambda: "walls" in plan(page)["crowd"]["room"], False)
+
+
+def colour(page: Page, at: tuple[float, float]) -> list[int]:
+    """Of the stage, at a place of the canvas."""
+    script = "([x, y]) => [...document.querySelector('canvas').getContext('2d').getImageData(x * devicePixelRatio, y * devicePixelRatio, 1, 1).data]"
+    return page.evaluate(script, list(at))
+
+
+def test_a_picture_lies_under_the_room(page: Page, url: str) -> None:
+    give(page, "floor.png", png(40, 20))
+    expect(page.get_by_text('"floor.png" lies under the room. Set its scale.')).to_be_visible()
+    backdrop = lambda: plan(page)["backdrop"]
+    # As wide as the room of the forms at first, and as high as its pixels say.
+    becomes(page, lambda: [backdrop()[key] for key in ("at", "width", "aspect", "opacity")], [[0, 0], 4, 0.5, 0.5])
+    picture = Picture(page)
+    place = picture.pixel(2, 1.9)
+
+    def red() -> bool:
+        red, green, _, alpha = colour(page, place)
+        return red > green + 40 and alpha > 100
+
+    wait(page, red)
+    # What is 1 m long on it is 2.5 m in truth.
+    page.get_by_role("button", name="Set the scale by a known length").click()
+    picture.click(0, 0)
+    picture.click(1, 0)
+    fill(page, "Real length of the line", 250)
+    becomes(page, lambda: round(backdrop()["width"], 1), 10.0)
+    fill(page, "Width of the picture", 400)
+    picture = Picture(page)
+    page.get_by_role("button", name="Move it with the mouse").click()
+    picture.drag((1, 1), (1.5, 0.5))
+    becomes(page, lambda: [round(at, 1) for at in backdrop()["at"]], [0.5, -0.5])
+    page.get_by_label("How much of it is seen").fill("0.2")
+    becomes(page, lambda: backdrop()["opacity"], 0.2)
+    # Kept with the scene and in no link.
+    page.reload()
+    expect(page.get_by_role("spinbutton", name="Width of the picture")).to_have_value("400")
+    expect(page.get_by_text("This picture is not kept in this browser")).to_have_count(0)
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.get_by_role("button", name="Copy link").click()
+    expect(page.get_by_text('It does not hold "floor.png"')).to_be_visible()
+    assert "floor.png" not in page.evaluate("navigator.clipboard.readText()")
+    page.get_by_role("button", name="Remove the picture").click()
+    becomes(page, backdrop, None)
+    page.get_by_role("button", name="Undo", exact=True).click()
+    becomes(page, lambda: backdrop()["opacity"], 0.2)
+    # Walls are drawn over it as always, and it is no wall.
+    page.get_by_role("button", name="Draw the outline").click()
+    picture = Picture(page)
+    page.goto(link(url, {"name": "elsewhere", "backdrop": {**backdrop(), "key": "unknown"}}))
+    page.reload()
+    expect(page.get_by_text("This picture is not kept in this browser")).to_be_visible()
+
+
+def test_plans_and_pictures_that_are_none_are_refused(page: Page) -> None:
+    tab(page, "Room")
+    alert = page.get_by_role("alert")
+    for name, content, words in [
+        ("broken.dxf", b"0\nSECTION\n2\nENTITIES\n0\nLINE\n10\nnorth\n", "broken.dxf: line"),
+        ("empty.wkt", b"", "empty.wkt: "),
+        ("none.geojson", b'{"type": "Feature"', "none.geojson: "),
+        ("open.wkt", b"LINESTRING (0 0, 1 0, 1 1)", "none of its 1 walls is closed"),
+    ]:
+        give(page, name, content)
+        expect(alert).to_contain_text(words)
+        page.get_by_role("button", name="Leave it").click()
+    for name, content, words in [
+        ("text.png", b"no picture", '"text.png" is no picture that this browser can show'),
+        ("huge.png", png(12_000, 9_000, rows=1), "pixels: at most 100 million are allowed"),
+        ("scene.json", b'{"made": 5', '"scene.json'),
+    ]:
+        give(page, name, content)
+        expect(alert).to_contain_text(words) if name != "scene.json" else expect(alert).to_be_visible()
+        page.get_by_role("button", name="Close this message").click()
+    # 100 MB are not even read.
+    files = page.evaluate_handle("() => { const data = new DataTransfer(); data.items.add(new File([new Uint8Array(100e6)], 'large.jpg')); return data; }")
+    page.dispatch_event("canvas", "drop", {"dataTransfer": files})
+    expect(alert).to_contain_text('"large.jpg" has more than 20 MB')
+    assert plan(page)["backdrop"] is None
+
+
+def test_a_picture_runs_nothing_and_asks_nobody(page: Page) -> None:
+    tab(page, "Room")
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    text = """<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="40" height="20" onload="window.top.harm = 1">
+        <script>window.top.harm = 1; fetch("http://127.0.0.1:9/harm")</script><image href="http://127.0.0.1:9/harm.png" width="9" height="9"/>
+        <style>@import url("http://127.0.0.1:9/harm.css");</style><rect width="40" height="20" fill="red"/></svg>"""
+    give(page, "harm.svg", text.encode())
+    page.get_by_role("button", name="Lay it under the room as a picture").click()
+    becomes(page, lambda: (plan(page)["backdrop"] or {}).get("aspect"), 0.5)
+    picture = Picture(page)
+    wait(page, lambda: colour(page, picture.pixel(2, 1.9))[0] > colour(page, picture.pixel(2, 1.9))[1] + 40)
+    assert page.evaluate("window.harm") is None
+    assert not [url for url in asked if "harm" in url]
