@@ -33,10 +33,11 @@ def at_once(function, items):
 
 
 def plan(trial, exits, agents=(), speed=SPEED, model=MODEL, **others):
-    """Writes decision.toml. Exits: lines by name. Agents: a text of keys for each. Others: keys for everybody, as TOML."""
+    """Writes decision.toml. Exits: by name a line, and a text of other keys. Agents: a text of keys for each. Others: keys for
+    everybody, as TOML."""
     lines = [f'model = "{model}"', f"desired_speed = {speed}", *(f"{key} = {value}" for key, value in others.items()), "exits = ["]
-    for name, (a, b, *share) in exits.items():
-        lines.append(f'  {{ name = "{name}", line = [{list(a)}, {list(b)}]' + "".join(f", share = {part}" for part in share) + " },")
+    for name, (a, b, *keys) in exits.items():
+        lines.append(f'  {{ name = "{name}", line = [{list(a)}, {list(b)}]' + "".join(f", {key}" for key in keys) + " },")
     lines.append("]")
     for number, keys in enumerate(agents):
         lines += [f"[agents.{number}]", keys]
@@ -432,20 +433,58 @@ def choice(work, wide, high, xs, people=1000, seed=1):
 
 
 def familiar(work, people=100, seed=1):
-    """A room of 15 m x 10 m with exits of 1 m at both ends of a wall, as far from the middle. First both have the same share,
-    then the second one has four times as much."""
+    """A room of 15 m x 10 m with exits of 1 m at both ends of a wall, as far from the middle. People choose by the expected time. First
+    both exits are alike, then that of the second one counts half (`time_factor`)."""
 
-    def once(share):
-        trial = work / f"familiar_{share}"
+    def once(factor):
+        trial = work / f"familiar_{factor}"
         cut = [(2.5, 10), (12.5, 10)]
         make(trial, validation.walls_with_doors(15, 10, cut), people, (6, 1, 9, 6), seed)
-        exits = {name: ((x - 1.5, 11), (x + 1.5, 11), part) for name, (x, _), part in zip("AB", cut, (1, share))}
-        plan(trial, exits, each_speed(people, seed), seed=seed)
+        factors = zip("AB", cut, (1.0, factor))
+        exits = {name: ((x - 1.5, 11), (x + 1.5, 11), f"time_factor = {own}") for name, (x, _), own in factors}
+        plan(trial, exits, each_speed(people, seed), seed=seed, exit_choice='"time"')
         _, tables = walk(trial, *(line(name, (x + 0.5, 10), (x - 0.5, 10)) for name, (x, _) in zip("AB", cut)))
         return [len(crossed(tables, name)) for name in "AB"]
 
-    same, more = at_once(once, (1, 4))
-    return {"a": same[0], "b": same[1], "a4": more[0], "b4": more[1], "growth": more[1] - same[1], "stay": 2 * people - sum(same) - sum(more)}
+    same, more = at_once(once, (1.0, 0.5))
+    stay = 2 * people - sum(same) - sum(more)
+    return {"a": same[0], "b": same[1], "a2": more[0], "b2": more[1], "growth": more[1] - same[1], "stay": stay}
+
+
+def closing_exit(work, seed=1):
+    """A room of 10 m x 15 m with an exit of 1 m at the end of each long wall. One person stands at the short wall far from them, 0.1 m
+    nearer to the first exit. This one closes after 1 s."""
+    trial = work / "closing_exit"
+    walls = [[(0, 13.5), (0, 0), (10, 0), (10, 13.5)], [(0, 14.5), (0, 15), (10, 15), (10, 14.5)]]
+    make(trial, walls, 1, "4.6,0.3,5.3,1.2", seed, orientation="fixed", fixed="49,25,1.75,70")
+    pose = validation.poses_of(trial)
+    validation.move(trial, np.array([[4.9, 0.6, pose[0, 2]]]))
+    plan(trial, {"first": ((-1, 13), (-1, 15), "open = [[0, 1]]"), "second": ((11, 13), (11, 15))})
+    table = validation.run(trial, 40)
+    frames = validation.frames_of(table)
+    _, tables = validation.measured(trial, table, line("first", (0, 13.5), (0, 14.5)), line("second", (10, 14.5), (10, 13.5)))
+    used = {name: sum(len(crossed(tables, name, side)) for side in ("left", "right")) for name in ("first", "second")}
+    early = frames[frames["t"] <= 1.0]
+    return {**used, "aside": 4.9 - early["x"].iloc[-1], "time": frames["t"].max()}
+
+
+def groups(work, fast, slow, others, seed=1):
+    """A room of 15 m x 20 m with an exit of 1 m in the middle of a short wall. Five people at the other end are a group: four are
+    fast, one is slow. Ten others are half way to the exit. Then the five are no group."""
+    walls = [[(8, 0), (15, 0), (15, 20), (0, 20), (0, 0), (7, 0)]]
+
+    def once(together):
+        trial = work / f"groups_{fast}_{together}"
+        make(trial, walls, None, ["5,16,10,19.5; number=5", "2,8,13,12; number=10"], seed)
+        speeds = [fast] * 4 + [slow] + [others] * 10
+        more = {"groups": '{ members = [["0", "1", "2", "3", "4"]] }'} if together else {}
+        plan(trial, {"door": ((5, -1), (10, -1))}, [f"desired_speed = {speed}" for speed in speeds], seed=seed, **more)
+        times = crossed(walk(trial, line("door", (7, 0), (8, 0)))[1], "door")
+        own = times[times.index < 5]
+        return (own.max() - own.min() if len(own) == 5 else math.nan), own.max()
+
+    (spread, last), (alone, _) = at_once(once, (True, False))
+    return {"spread": spread, "alone": alone, "last": last}
 
 
 # ---- bottlenecks, a large corner ----
@@ -477,7 +516,7 @@ def rooms_in_a_row(trial, seed, width=1.0, length=0.2, goal=10.0, second=False, 
     return walk(trial, *words)
 
 
-def goal_distance(work, distances=(0, 2.5, 5, 7.5, 10), seeds=1):
+def goal_distance(work, distances=(0, 2.5, 5, 7.5, 10), seeds=3):
     """The distance of the goal from the bottleneck."""
     cases = [(distance, seed) for distance in distances for seed in range(1, seeds + 1)]
     last = at_once(lambda case: rooms_in_a_row(work / "goal_{}_{}".format(*case), case[1], goal=case[0])[0]["left"]["last"], cases)
@@ -549,6 +588,6 @@ SCENES = {
     function.__name__: function
     for function in (
         *(corridor, premovement, corner, speeds, ring, corridor_of_60, single_file, exit_flow, congestion, counterflow, wheelchair),
-        *(routes, doors, choice, familiar, goal_distance, neck_length, two_necks, neck_width, large_corner),
+        *(routes, doors, choice, familiar, closing_exit, groups, goal_distance, neck_length, two_necks, neck_width, large_corner),
     )
 }
