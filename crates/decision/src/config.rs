@@ -123,7 +123,7 @@ pub(crate) struct GroupsConfig {
 }
 
 /// An exit, where people leave, or a goal, where they stay.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TargetConfig {
     pub name: Option<String>,
@@ -206,7 +206,7 @@ impl DecisionConfig {
         exits: impl IntoIterator<Item = (String, [[f64; 2]; 2])>,
     ) -> DecisionConfig {
         let exit =
-            |(name, line)| TargetConfig { name: Some(name), line: Some(line), polygon: None, share: None };
+            |(name, line)| TargetConfig { name: Some(name), line: Some(line), ..TargetConfig::default() };
         let exits: Vec<TargetConfig> = exits.into_iter().map(exit).collect();
         DecisionConfig {
             model: Some(model),

@@ -178,13 +178,7 @@ fn body(agent: &crate::Agent, id: usize, settings: &TrialSettings) -> Result<Opt
         }
         crate::Agent::Member(member) => {
             let (person, _) = member.people[0];
-            (
-                Some(&member.kind),
-                person.stature,
-                member.mass,
-                member.inertia,
-                member.disks.clone(),
-            )
+            (Some(&member.kind), person.stature, member.mass, member.inertia, member.disks.clone())
         }
     };
     let shape = |BodyDisk { disk, material }: BodyDisk| lemons_core::trial::Shape {

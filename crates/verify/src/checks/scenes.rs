@@ -79,7 +79,8 @@ impl Placed {
 fn placed(mass: f64, inertia: f64, disks: &[(f64, f64, f64)]) -> Placed {
     let disk = |&(radius, x, y): &(f64, f64, f64)| DiskSpec { radius, position: vec2(x, y), material: 0 };
     let disks = disks.iter().map(disk).collect();
-    let body = BodySpec { mass, inertia, translation_rate: 0.0, across_rate: None, rotation_rate: 0.0, disks };
+    let body =
+        BodySpec { mass, inertia, translation_rate: 0.0, across_rate: None, rotation_rate: 0.0, disks };
     Placed { body, pose: Pose::default(), twist: Twist::default() }
 }
 
