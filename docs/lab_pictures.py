@@ -1,4 +1,4 @@
-"""Makes the pictures of docs/lab.md again, in docs/ or in the directory that is given: lab_run.png, lab_3d.png, lab_room.png,
+"""Makes the pictures of docs/lab.md again, in docs/ or in the directory that is given: lab_run.png, lab_3d.png, lab_kinds.png, lab_room.png,
 lab_person.png, lab_exits.png, lab_compare.png, lab_sweep.png. docs/pictures.sh calls it where Playwright, Chromium and the lab are. Everything in them is the
 same each time, but for how long the computer took: `--places` prints where that is, and where other things are."""
 
@@ -17,7 +17,7 @@ from playwright.sync_api import Page, sync_playwright
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS.parent / "tests/lab"))
 
-from visit import LEMONS, example, fill, link, plan, show_at, tab, wait  # noqa: E402
+from visit import LEMONS, example, fill, link, live, make, plan, show_at, tab, wait  # noqa: E402
 
 # Letters of Matplotlib, which is on every machine that makes pictures.
 FONTS = f"""<?xml version="1.0"?>
@@ -59,6 +59,18 @@ def space(page: Page) -> None:
     wait(page, lambda: page.locator("canvas").first.evaluate("it => it.width >= Math.floor(it.clientWidth * devicePixelRatio)"))
 
 
+def kinds(page: Page) -> None:
+    make(page, 30, 800, 600)
+    page.get_by_label("Children, elderly, luggage, wheelchairs").check()
+    for kind, percent in {"With a suitcase": 12, "With a stroller": 10, "With a walker": 8, "Wheelchair": 12, "With a child": 12, "With a backpack": 10}.items():
+        fill(page, f"{kind}, %", percent)
+    live(page)
+    page.get_by_label("Colour", exact=True).select_option(label="Kind")
+    page.get_by_label("View").select_option(label="3D")
+    page.wait_for_timeout(5000)
+    wait(page, lambda: page.locator("canvas").first.evaluate("it => it.width >= Math.floor(it.clientWidth * devicePixelRatio)"))
+
+
 def room(page: Page) -> None:
     example(page, "A stadium's vomitory", 130)
     show_at(page, 0.2)
@@ -92,7 +104,7 @@ def sweep(page: Page) -> None:
     page.get_by_role("button", name="Runs of the sweep (CSV)").scroll_into_view_if_needed()
 
 
-PICTURES = {"run": run, "exits": exits, "3d": space, "room": room, "person": person, "compare": compare, "sweep": sweep}
+PICTURES = {"run": run, "exits": exits, "3d": space, "kinds": kinds, "room": room, "person": person, "compare": compare, "sweep": sweep}
 
 
 def boxes(page: Page, selector: str) -> list[list[float]]:

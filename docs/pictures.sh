@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Makes pictures of README.md and docs/ again: docs/pictures.sh [DIRECTORY [NAME...]]
-# The directory is docs/ if none is given. The names are push balance crowd people_kinds room guide physics measured flow turnstile lab;
+# The directory is docs/ if none is given. The names are push balance crowd people_kinds scenes room guide physics measured flow turnstile lab;
 # all if none is given. Needs cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli; physics needs
 # cargo, too.
+# scene_*.png need Python (PYTHON, else .venv, else python3).
 # measured.png needs the measured push (../shared/data/push_wed), flow.png a Python with FMPy and Matplotlib (PYTHON, else
 # .venv), turnstile.png one with Matplotlib and a C compiler, lab_*.png also Playwright there, Chromium, and the lab in the
 # command (lab/build.sh). Each stays as it is without.
@@ -39,6 +40,12 @@ if wanted people_kinds; then
         --mix adult=40,child=15,elderly=10,with-child=8,stroller=5,wheelchair=5,walker=5,suitcase=6,backpack=6 >/dev/null
 fi
 
+python=${PYTHON:-$PWD/.venv/bin/python}
+if wanted scenes; then
+    # "$to/scene_concert.png" "$to/scene_platform.png" "$to/scene_stadium.png"
+    LEMONS=$lemons "$(command -v "$python" || echo python3)" examples/scenes/scenes.py all "$scratch/scenes" --pictures "$to" >/dev/null
+fi
+
 if wanted room; then
     "$lemons" crowd --number 80 --box 8x6 --door 8,3,1 --leave -o "$scratch/room" >/dev/null
     "$lemons" measure "$scratch/room" --until left --line door=8,2.5,8,3.5 --window 5 --above 1000 --plot "$to/room.png" --force >/dev/null
@@ -68,7 +75,6 @@ if wanted measured && [[ -d $push ]]; then
         --measured "$push/measured_head_trajectories.csv" --measured-from start -o "$to/measured.png" --force
 fi
 
-python=${PYTHON:-$PWD/.venv/bin/python}
 if wanted flow && "$python" -c 'import fmpy, matplotlib' 2>/dev/null; then
     "$lemons" decide resources/Trial_door -o "$scratch/decision.fmu" >/dev/null
     "$lemons" pack resources/Trial_door -o "$scratch/crowd.fmu" >/dev/null

@@ -91,15 +91,22 @@ def write_plan(trial, model, speeds, exits=(), waypoints=None, constants=""):
 
 
 def make(trial, walls, count, region=None, seed=1, **options):
-    """Makes a Trial of people who stand in a region, drawn from the survey, without a plan. Returns their poses."""
+    """Makes a Trial of people who stand in a region, drawn from the survey, without a plan. Returns their poses.
+
+    A region is a text for `lemons crowd` or its numbers. Several texts may have numbers of people of their own: then count is None.
+    """
     trial.parent.mkdir(parents=True, exist_ok=True)
-    words = ["crowd", "--number", count, "--seed", seed, "--time-step", STEP, "-o", trial, "--force"]
+    words = ["crowd", "--seed", seed, "--time-step", STEP, "-o", trial, "--force"]
+    if count is not None:
+        words += ["--number", count]
     if walls:
         geometry = trial.with_name(trial.name + ".xml")
         write_geometry(geometry, walls)
         words += ["--geometry", geometry]
-    if region:
-        words += ["--region", region if isinstance(region, str) else ",".join(map(str, region))]
+    if region and not isinstance(region, list):
+        region = [region if isinstance(region, str) else ",".join(map(str, region))]
+    for each in region or []:
+        words += ["--region", each]
     for name, value in options.items():
         words += [f"--{name}", value]
     lemons(*words)
@@ -188,16 +195,19 @@ def markdown(head, rows):
 # ---- RiMEA ----
 
 
+def walks_alone(trial, model, speed):
+    """The time [s] in which one person walks 40 m in a corridor 2 m wide, from x = 0 to x = 40 m."""
+    make(trial, [[(-2, 0), (44, 0)], [(-2, 2), (44, 2)]], 1, "-1.5,0.6,-0.5,1.4", orientation="fixed", fixed="49,25,1.75,70")
+    write_plan(trial, model, speed, exits=[((42, 0), (42, 2))])
+    summary, _ = measured(trial, run(trial), line("in", (0, 0), (0, 2)), line("out", (40, 0), (40, 2)))
+    start, end = (each["directions"][0]["first"] for each in summary["lines"])
+    return end - start
+
+
 def rimea_1(work, quick=False):
     """Test 1: one person walks 40 m in a corridor 2 m wide. The test is the time from x = 0 to x = 40 m."""
-    rows = []
-    for model in MODELS:
-        trial = work / f"rimea_1_{model}"
-        make(trial, [[(-2, 0), (44, 0)], [(-2, 2), (44, 2)]], 1, "-1.5,0.6,-0.5,1.4", orientation="fixed", fixed="49,25,1.75,70")
-        write_plan(trial, model, SPEED, exits=[((42, 0), (42, 2))])
-        summary, _ = measured(trial, run(trial), line("in", (0, 0), (0, 2)), line("out", (40, 0), (40, 2)))
-        start, end = (each["directions"][0]["first"] for each in summary["lines"])
-        rows.append((model, f"{end - start:.3f}", f"{40 / (end - start):.4f}"))
+    times = [(model, walks_alone(work / f"rimea_1_{model}", model, SPEED)) for model in MODELS]
+    rows = [(model, f"{time:.3f}", f"{40 / time:.4f}") for model, time in times]
     return [markdown(["model", "time [s]", "speed [m/s]"], [("closed form, 40 m / 1.34 m/s", f"{40 / SPEED:.3f}", SPEED), *rows])], None
 
 
@@ -230,20 +240,28 @@ def deepest_in_walls(rows, shapes, walls):
     return deepest
 
 
+CORNER_WALL = [(12, 12), (12, 0), (0, 0), (0, 2), (10, 2), (10, 12)]  # m
+
+
+def around_corner(trial, model, seed):
+    """Twenty people walk around a corner to the left. Returns the rows of the run, the number of places outside of the
+    walls, and how deep somebody is in a wall [mm]."""
+    make(trial, [CORNER_WALL], 20, "0,0,6,2", seed)
+    write_plan(trial, model, speeds_of(20, seed), exits=[((10, 11.5), (12, 11.5))])
+    frames = frames_of(run(trial))
+    outside = int((~inside(CORNER, frames[["x", "y"]].to_numpy())).sum())
+    return frames, outside, 1000 * deepest_in_walls(frames, shapes_of(trial), [CORNER_WALL])
+
+
 def rimea_6(work, quick=False):
     """Test 6: twenty people walk around a corner to the left: nobody may go through a wall."""
-    walls = [[(12, 12), (12, 0), (0, 0), (0, 2), (10, 2), (10, 12)]]
     rows, paths = [], {}
     for model in MODELS:
-        times, deepest, outside, speeds = [], [], 0, []
+        times, deepest, outside = [], [], 0
         for seed in range(1, 2 if quick else 6):
-            trial = work / f"rimea_6_{model}_{seed}"
-            make(trial, walls, 20, "0,0,6,2", seed)
-            write_plan(trial, model, speeds_of(20, seed), exits=[((10, 11.5), (12, 11.5))])
-            table = run(trial)
-            frames = frames_of(table)
-            outside += int((~inside(CORNER, frames[["x", "y"]].to_numpy())).sum())
-            deepest.append(1000 * deepest_in_walls(frames, shapes_of(trial), walls))
+            frames, places, depth = around_corner(work / f"rimea_6_{model}_{seed}", model, seed)
+            outside += places
+            deepest.append(depth)
             times.append(frames["t"].max())
             paths.setdefault(model, frames)
         rows.append((model, outside, f"{max(deepest):.2f}", mean_and_spread(times, 1)))
@@ -252,7 +270,7 @@ def rimea_6(work, quick=False):
     def draw(plt):
         figure, panels = plt.subplots(1, len(paths), figsize=(3 * len(paths), 3.3), sharey=True, layout="constrained")
         for panel, (model, frames) in zip(panels, paths.items()):
-            panel.plot(*zip(*walls[0]), color="black", linewidth=1.5)
+            panel.plot(*zip(*CORNER_WALL), color="black", linewidth=1.5)
             for _, own in frames.groupby("id"):
                 panel.plot(own["x"], own["y"], linewidth=0.6, color=COLOURS[model])
             panel.set(title=model, xlabel="x / m", aspect="equal")
@@ -260,6 +278,15 @@ def rimea_6(work, quick=False):
         return figure
 
     return tables, draw
+
+
+def walls_with_doors(wide, high, doors):
+    """A room with doors of 1 m in its lower and upper wall: x, y of the middle of each. Returns its walls."""
+    walls = []
+    for y in (0, high):
+        ends = [0, *(x + side for x, at in sorted(doors) if at == y for side in (-0.5, 0.5)), wide]
+        walls += [[(a, y), (b, y)] for a, b in zip(ends[::2], ends[1::2])]
+    return [*walls, [(0, 0), (0, high)], [(wide, 0), (wide, high)]]
 
 
 def rimea_9(work, quick=False):
@@ -274,14 +301,8 @@ def rimea_9(work, quick=False):
         ends = {}
         for doors in (4, 2):
             cut = [(x, y) for y in ((0, high) if doors == 4 else (0,)) for x in xs]
-            walls = []
-            for y in (0, high):
-                gaps = [x for x, at in cut if at == y]
-                ends_of = [0, *(x + side for x in gaps for side in (-0.5, 0.5)), wide]
-                walls += [[(a, y), (b, y)] for a, b in zip(ends_of[::2], ends_of[1::2])]
-            walls += [[(0, 0), (0, high)], [(wide, 0), (wide, high)]]
             trial = work / f"rimea_9_{model}_{doors}"
-            make(trial, walls, count, (0, 0, wide, high), 1)
+            make(trial, walls_with_doors(wide, high, cut), count, (0, 0, wide, high), 1)
             outer = [((x - 1.5, y - 1), (x + 1.5, y - 1)) if y == 0 else ((x - 1.5, y + 1), (x + 1.5, y + 1)) for x, y in cut]
             write_plan(trial, model, speeds_of(count, 1), exits=outer)
             frames = frames_of(run(trial))
@@ -390,30 +411,34 @@ def seyfried(speed):
     return 0.36 + 1.06 * speed
 
 
+def in_single_file(trial, model, count, until):
+    """People walk behind each other on a closed circle, at the same desired speed. Returns the mean speed [m/s] and
+    spacing [m] of the second half, along the circle on which they really walk."""
+    radius = SINGLE / (2 * math.pi)
+    # Without walls, people who turn aside do not stay in single file.
+    narrow = model == "rotational" or (model == "collision-free-speed" and count > 28)
+    walls = [circle(radius + NARROW / 2), circle(radius - NARROW / 2)] if narrow else []
+    # Any place is good: they are put elsewhere.
+    make(trial, [circle(20)], count, None, 1)
+    write_geometry(trial / "static" / "Geometry.xml", walls)
+    angles = 2 * math.pi * np.arange(count) / count
+    poses = np.column_stack([radius * np.cos(angles), radius * np.sin(angles), angles + math.pi / 2])
+    move(trial, poses)
+    write_plan(trial, model, SPEED, waypoints=[course(radius, angle, until * SPEED) for angle in angles])
+    speed, real = around(frames_of(run(trial, until)), (until / 2, until))
+    return speed.mean(), 2 * math.pi * real.mean() / count
+
+
 def single_file(work, quick=False):
     """Spacing against speed in single file, on a closed circle: all walk behind each other at the same desired speed."""
-    radius = SINGLE / (2 * math.pi)
     rows, points = [], {model: [] for model in MODELS}
     for model in MODELS:
         for count in (16, 28) if quick else (12, 14, 16, 18, 20, 24, 28, 32, 36):
-            trial = work / f"single_{model}_{count}"
-            # Without walls, people who turn aside do not stay in single file.
-            narrow = model == "rotational" or (model == "collision-free-speed" and count > 28)
-            walls = [circle(radius + NARROW / 2), circle(radius - NARROW / 2)] if narrow else []
-            # Any place is good: they are put elsewhere.
-            make(trial, [circle(20)], count, None, 1)
-            write_geometry(trial / "static" / "Geometry.xml", walls)
-            angles = 2 * math.pi * np.arange(count) / count
-            poses = np.column_stack([radius * np.cos(angles), radius * np.sin(angles), angles + math.pi / 2])
-            move(trial, poses)
-            until = 30 if quick else 60
-            write_plan(trial, model, SPEED, waypoints=[course(radius, angle, until * SPEED) for angle in angles])
-            speed, real = around(frames_of(run(trial, until)), (until / 2, until))
-            points[model].append((speed.mean(), 2 * math.pi * real.mean() / count, speed.std(), real.mean() - radius))
-            v, d, spread, off = points[model][-1]
+            v, d = in_single_file(work / f"single_{model}_{count}", model, count, 30 if quick else 60)
+            points[model].append((v, d))
             rows.append((model, count, f"{d:.3f}", f"{v:.3f}", f"{seyfried(v):.3f}" if 0.1 <= v <= 1 else "–"))
     head = ["model", "people", "spacing d [m]", "speed v [m/s]", "0.36 m + 1.06 s · v [m]"]
-    slope, start = np.polyfit(*np.array([(v, d) for v, d, *_ in points["collision-free-speed"] if v <= 1]).T, 1)
+    slope, start = np.polyfit(*np.array([(v, d) for v, d in points["collision-free-speed"] if v <= 1]).T, 1)
     fitted = f"A line through our points of collision-free-speed up to 1 m/s: d = {start:.2f} m + {slope:.2f} s · v."
 
     def draw(plt):

@@ -16,6 +16,7 @@
 //! let person = |mass| BodySpec {
 //!     mass,                  // [kg]
 //!     inertia: 1.5,          // [kg.m2]
+//!     across_rate: None,     // the same across the gaze
 //!     translation_rate: 0.0, // [1/s] a floor without friction; about 4.5 for people
 //!     rotation_rate: 0.0,
 //!     disks: vec![DiskSpec { radius: 0.2, position: vec2(0.0, 0.0), material: 0 }], // [m]; five for a person's shape

@@ -18,6 +18,7 @@ const AGAIN = 5;
 const DOING: Record<Request["ask"], string> = {
     person: "The person is made",
     body: "The body is made",
+    kinds: "The kinds of people are read",
     bicycle: "The bicycle is made",
     show: "The scene is made",
     room: "The room is drawn",
@@ -26,6 +27,7 @@ const DOING: Record<Request["ask"], string> = {
     advance: "The run is computed",
     forces: "Forces are computed",
     flow: "People are counted",
+    map: "The map is computed",
     sections: "Bodies are cut",
     bodies: "Bodies are made",
     take: "The file is made",

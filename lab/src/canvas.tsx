@@ -3,6 +3,7 @@
 import { effect, signal, untracked } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { paintBackdrop, reachOfBackdrop } from "./backdrop";
+import { byPlace, mapKind, NAMES, pointed } from "./byplace";
 import { averaged, scaleOf, shade, values } from "./colour";
 import { type Inks, inksOf, label, Painter, paintBar, paintPush, paintWays } from "./draw";
 import { paintPlaces } from "./drawplaces";
@@ -149,7 +150,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
             paths: kind === "section" ? layers.paths() : null,
             selected: selected.value,
             overlapping: helper?.overlapping?.() ?? atStart,
-            faint: helper?.faint?.() ?? false,
+            faint: helper?.faint?.() ?? mapKind.value !== null,
         },
         now,
         inks,
@@ -164,12 +165,26 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     if (line) paintLine(context, line, now, inks);
     if (area) paintArea(context, area, now, inks);
     const under = hovered.value;
+    const value = mapKind.value && pointed.value && under === null ? valueAt(pointed.value) : "";
+    if (value) label(context, value, toMetres(now, ...raised(toPixels(now, pointed.value!))), now, inks);
     if (under !== null && isThere(frame, under)) label(context, told(film, under), [frame[COLUMNS * under]!, frame[COLUMNS * under + 1]! + 0.45], now, inks);
     if (helper?.paint) {
         inMetres(context, now);
         helper.paint(context, now, inks);
     }
     paintBar(context, now, unit, inks);
+}
+
+/** What the map shows at a place. */
+export function valueAt(at: Point): string {
+    const [kind, places] = [mapKind.value, byPlace.value];
+    const value = kind && places ? places.at(kind, at) : NaN;
+    return Number.isNaN(value) ? "" : `${translated(NAMES[kind!])}: ${digits(value, 3)} ${translated(places!.scale(kind!).unit)}`;
+}
+
+/** Above the mouse. */
+function raised([x, y]: Point): Point {
+    return [x, y - 22 * devicePixelRatio];
 }
 
 /** The numbers of the person under the mouse. */
@@ -304,6 +319,7 @@ function useHands(agentAt: (at: Point) => number | null) {
         const before = state.fingers.get(event.pointerId);
         if (!before) {
             const where = pointer(event);
+            pointed.value = where.at;
             hovered.value = event.pointerType === "mouse" ? where.agent : null;
             return active()?.move?.(where, false);
         }
@@ -343,7 +359,7 @@ function useHands(agentAt: (at: Point) => number | null) {
         onContextMenu,
         onPointerDown,
         onPointerMove,
-        onPointerLeave: () => (hovered.value = null),
+        onPointerLeave: () => (hovered.value = pointed.value = null),
         onPointerUp: (event: PointerEvent) => end(event, true),
         onPointerCancel: (event: PointerEvent) => end(event, false),
     };

@@ -9,10 +9,10 @@ import { COLUMNS } from "./protocol";
 export type Ramp = readonly string[];
 
 /** viridis (Smith, van der Walt). */
-const VIRIDIS: Ramp = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
+export const VIRIDIS: Ramp = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
 /** A warm grey, then magma by the same authors; on dark ground from its dark part to its bright end. As crates/picture has
  * them: a test there compares. */
-const FROM_GREY: Record<"light" | "dark", Ramp> = {
+export const FROM_GREY: Record<"light" | "dark", Ramp> = {
     light: ["#dcd6cb", "#feb57d", "#fd9c6c", "#fa8461", "#f46b5d", "#e95562", "#d8466b", "#c43c74", "#af357b", "#992e80", "#832682", "#6e1e81", "#5a167e", "#441074", "#2e1161", "#1a1042"],
     dark: ["#7a7268", "#d4446d", "#df4c68", "#e95562", "#f0615f", "#f56e5d", "#f97c5f", "#fb8b63", "#fd996a", "#fea873", "#feb67d", "#fec489", "#fed395", "#fde1a2", "#fdefb1", "#fcfdbf"],
 };
@@ -38,7 +38,6 @@ function shadesOf(ramp: Ramp): Shade[] {
     const shades = Array.from({ length: FINE + 1 }, (_, k) => {
         const place = (k / FINE) * (ramp.length - 1);
         const low = Math.min(ramp.length - 2, Math.floor(place));
-        const part = (text: string, at: number) => Number.parseInt(text.slice(at, at + 2), 16);
         const mixed = [1, 3, 5].map((at) => {
             const [from, to] = [part(ramp[low]!, at), part(ramp[low + 1]!, at)];
             return Math.round(from + (place - low) * (to - from));
@@ -50,7 +49,45 @@ function shadesOf(ramp: Ramp): Shade[] {
     return shades;
 }
 
+/** Of a kind, and of what is of none, light and dark: as crates/picture has them (its `Palette`). */
+const KINDS: Record<"light" | "dark", { colours: string[]; paper: string; none: string }> = {
+    light: { colours: ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#3a4350"], paper: "#ffffff", none: "#b9c2cf" },
+    dark: { colours: ["#4095c8", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#c4ccd8"], paper: "#12161d", none: "#6a7482" },
+};
+
+const part = (text: string, at: number) => Number.parseInt(text.slice(at, at + 2), 16);
+
+function shadeOf(colour: string): Shade {
+    const [red, green, blue] = [1, 3, 5].map((at) => part(colour, at)) as [number, number, number];
+    return { fill: `rgb(${red} ${green} ${blue})`, rim: 0.299 * red + 0.587 * green + 0.114 * blue < 130 ? "#ffffff" : "#1b1b1b" };
+}
+
+/** The colour of the k-th kind: after seven, paler ones follow. Below 0: of no kind. */
+function kindShade(k: number): Shade {
+    const { colours, paper, none } = KINDS[dark.value ? "dark" : "light"];
+    if (k < 0) return shadeOf(none);
+    const colour = colours[k % colours.length]!;
+    if (k < colours.length) return shadeOf(colour);
+    const mixed = [1, 3, 5].map((at) => Math.round((part(colour, at) + part(paper, at)) / 2).toString(16).padStart(2, "0"));
+    return shadeOf(`#${mixed.join("")}`);
+}
+
+/** Things look the same whatever colours say of people: metal, and luggage. */
+export const THINGS: Record<"frame" | "luggage", string> = { frame: "#7d8794", luggage: "#946c43" };
+
+/** The kinds of the people of a scene, in the order of their names. */
+export function kindsOf({ scene }: Film): string[] {
+    return [...new Set(scene.agents.flatMap(({ kind }) => kind ?? []))].sort();
+}
+
+/** What is coloured: as chosen, unless there are no kinds. */
+export function colourOf(film: Film, colour: Colour): Colour {
+    return colour === "kind" && kindsOf(film).length === 0 ? "squeeze" : colour;
+}
+
 export interface Scale {
+    /** Kinds of people instead of numbers, with the colour of each. */
+    kinds?: { name: string; count: number; shade: Shade }[];
     label: string;
     unit: string;
     /** At and below it, people have the first colour. */
@@ -63,7 +100,8 @@ export interface Scale {
 }
 
 /** The colour of a value. */
-export function shade({ low, high, ramp }: Scale, value: number): Shade {
+export function shade({ low, high, ramp, kinds }: Scale, value: number): Shade {
+    if (kinds) return kinds[value]?.shade ?? kindShade(-1);
     const share = (value - low) / (high - low);
     return shadesOf(ramp)[Math.round(Math.max(0, Math.min(1, share)) * FINE)]!;
 }
@@ -81,7 +119,7 @@ export function meanWords(film: Film, k = Infinity) {
 }
 
 /** Name and unit, the low end, and what no automatic scale's high end goes below. */
-const SCALES: Record<Colour, [string, string, number, number]> = {
+const SCALES: Record<Exclude<Colour, "kind">, [string, string, number, number]> = {
     speed: ["Speed", "m/s", 0, 0.5],
     squeeze: ["Squeeze", "N", 200, 400],
     contacts: ["Contacts", "", 0, 4],
@@ -99,7 +137,12 @@ export function round(value: number) {
 }
 
 /** What is coloured of each person, in a frame. */
-export function values(film: Film, k: number, colour: Colour): Float64Array {
+export function values(film: Film, k: number, wanted: Colour): Float64Array {
+    const colour = colourOf(film, wanted);
+    if (colour === "kind") {
+        const kinds = kindsOf(film);
+        return Float64Array.from(film.scene.agents, ({ kind }) => (kind === null ? -1 : kinds.indexOf(kind)));
+    }
     if (colour === "squeeze") return film.frames.squeezeMean(k, averaged(film));
     const frame = film.frame(k);
     const count = film.scene.agents.length;
@@ -155,7 +198,13 @@ function spreadOf(film: Film, colour: Colour): Spread {
 }
 
 /** As the user has fixed it, or up to the quantile of the run so far. */
-export function scaleOf(film: Film, colour: Colour): Scale {
+export function scaleOf(film: Film, wanted: Colour): Scale {
+    const colour = colourOf(film, wanted);
+    if (colour === "kind") {
+        const count = (name: string) => film.scene.agents.filter(({ kind }) => kind === name).length;
+        const kinds = kindsOf(film).map((name, k) => ({ name, count: count(name), shade: kindShade(k) }));
+        return { kinds, label: "Kind", unit: "", low: 0, high: kinds.length, largest: 0, ramp: kinds.map(({ shade }) => shade.fill) };
+    }
     const [label, unit, low, least] = SCALES[colour];
     const spread = spreadOf(film, colour);
     const high = plan.value.most[colour] ?? round(Math.max(least, spread.quantile(QUANTILE)));

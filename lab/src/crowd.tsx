@@ -5,6 +5,7 @@ import { Hand } from "./hand";
 import { Check, Choice, digits, NumberField } from "./parts";
 import { frictionOf, type KeptCrowd } from "./forms";
 import { isPlaced, place } from "./live";
+import { KindName, MixForm } from "./mix";
 import { change, plan } from "./plan";
 import { People } from "./people";
 import type { Made } from "./protocol";
@@ -55,6 +56,7 @@ export function CrowdTab() {
                 />
                 {crowd.number !== null && <NumberField label="People" value={crowd.number} min={1} max={5000} step={1} onChange={(number) => set({ number })} />}
                 {crowd.density !== null && <NumberField label="Density" unit="1/m²" value={crowd.density} min={0.01} max={20} step={0.5} onChange={(density) => set({ density })} />}
+                <MixForm mix={crowd.mix} onChange={(mix) => set({ mix, ...(Object.keys(mix).length > 0 ? { round: false } : {}) })} />
                 <People people={crowd.people} onChange={(people) => set({ people })} />
                 <NumberField label="Men" unit="%" value={Number((100 * crowd.men).toFixed(2))} min={0} max={100} step={5} onChange={(men) => set({ men: men / 100 })} />
                 <div class="row">
@@ -86,7 +88,7 @@ export function CrowdTab() {
                     onChange={(material) => set({ material, friction: null })}
                 />
                 <NumberField label="Friction" value={frictionOf(crowd)} min={0} max={2} step={0.05} onChange={(friction) => set({ friction })} />
-                <Check label="Round bodies: one disk each, of the same area" value={crowd.round} onChange={(round) => set({ round })} />
+                {Object.keys(crowd.mix).length === 0 && <Check label="Round bodies: one disk each, of the same area" value={crowd.round} onChange={(round) => set({ round })} />}
                 <MakeCrowd />
             </form>
             <Hand />
@@ -129,7 +131,7 @@ function Kind({ kind, count, measures }: Made["statistics"][number]) {
         <tbody>
             <tr>
                 <th colSpan={5} scope="rowgroup" class="kind">
-                    {KINDS[kind] ?? kind} ({count})
+                    {KINDS[kind] ?? <KindName kind={kind} />} ({count})
                 </th>
             </tr>
             {measures.map(({ measure, unit, ...row }) => {

@@ -20,7 +20,7 @@ import {
     Vector2,
     Vector3,
 } from "three";
-import { type Scale, shade } from "./colour";
+import { type Scale, shade, THINGS } from "./colour";
 import { type Bodies, COLUMNS, isThere, type Scene } from "./protocol";
 import { free, setColour, type Space } from "./space";
 
@@ -135,6 +135,16 @@ export class Crowd3d {
             this.#bodies.push(body);
             this.space.scene.add(body);
         }
+        bodies.things.forEach(([vertices, triangles], a) => {
+            if (triangles === 0) return;
+            const material = this.scene.agents[a]?.things?.find((thing) => thing !== null) ?? "frame";
+            const colour = new Color();
+            setColour(colour, THINGS[material]);
+            // Its edges are sharp.
+            const flat = new MeshLambertMaterial({ color: colour, flatShading: true });
+            this.#bodies[a]!.add(new Mesh(surface(bytes, at, vertices, triangles), flat));
+            at += 12 * (vertices + triangles);
+        });
         this.#fills = this.#bodies.map(() => "");
     }
 
@@ -181,8 +191,9 @@ export class Crowd3d {
         ray.setFromCamera(new Vector2((2 * x) / canvas.clientWidth - 1, 1 - (2 * y) / canvas.clientHeight), camera);
         // It also finds what is not visible.
         const there = this.#bodies.filter(({ visible }) => visible);
-        const first = ray.intersectObjects(there, false)[0];
-        const place = this.#bodies.indexOf(first?.object as Mesh<BufferGeometry, MeshLambertMaterial>);
+        const first = ray.intersectObjects(there, true)[0]?.object;
+        // What goes along is part of its body.
+        const place = this.#bodies.findIndex((body) => body === first || body === first?.parent);
         return place < 0 ? null : place;
     }
 

@@ -1,8 +1,8 @@
 // Draws a frame. Shapes are the disks that the engine uses, or the sections that it gives; only turning, moving and
 // scaling happens here.
 
-import type { Shade } from "./colour";
-import { COLUMNS, type Disk, FEET, isThere, type Point, type Push, type Scene, type Waypoint } from "./protocol";
+import { type Shade, THINGS } from "./colour";
+import { type Agent, COLUMNS, type Disk, FEET, isThere, type Point, type Push, type Scene, type Waypoint } from "./protocol";
 import { inMetres, toMetres, toPixels, type View } from "./view";
 
 export function outline(disks: Disk[]): Path2D {
@@ -46,10 +46,26 @@ export interface Picture {
 /** Half the side of the largest square that is drawn instead of a circle, in pixels of the canvas. */
 const SQUARE = 2.5;
 
+interface Group {
+    disks: Disk[];
+    fill: string;
+}
+
+/** The disks of things of each material, with its colour. */
+export function thingsOf({ disks, things }: Pick<Agent, "disks" | "things">): Group[] | null {
+    if (!things) return null;
+    return (["frame", "luggage"] as const).map((material) => ({ disks: disks.filter((_, k) => things[k] === material), fill: THINGS[material] })).filter(({ disks }) => disks.length > 0);
+}
+
 export class Painter {
     #paths: Path2D[];
+    /** Disks of things and of bodies, of those with whom something goes along. */
+    #things: (Group[] | null)[];
+    #bodies: (Disk[] | null)[];
 
     constructor(readonly scene: Scene) {
+        this.#things = scene.agents.map(thingsOf);
+        this.#bodies = scene.agents.map(({ things, disks, seated }) => things && [...disks.filter((_, k) => things[k] === null), ...(seated ?? [])]);
         const known = new Map<string, Path2D>();
         this.#paths = scene.agents.map(({ disks }) => {
             const key = JSON.stringify(disks);
@@ -66,35 +82,49 @@ export class Painter {
         context.setTransform(cos, -sin, -sin, -cos, view.x + view.scale * x, view.y - view.scale * y);
     }
 
-    /** Twice filled, in pixels, each disk for itself: without a graphics card browsers take much longer for strokes, for
-     * arcs that are turned, and for paths of several arcs. */
-    #disks(context: CanvasRenderingContext2D, { frame, shades }: Picture, view: View, rim: number) {
+    /** Things first, then bodies, also those that sit in things. */
+    #disks(context: CanvasRenderingContext2D, { frame, shades }: Picture, view: View, rim: number, only: number | null = null) {
         context.setTransform(1, 0, 0, 1, 0, 0);
         this.scene.agents.forEach(({ disks }, a) => {
-            if (!isThere(frame, a)) return;
-            const [x, y] = [view.x + view.scale * frame[COLUMNS * a]!, view.y - view.scale * frame[COLUMNS * a + 1]!];
-            const turn = frame[COLUMNS * a + 2]!;
-            const [cos, sin] = [view.scale * Math.cos(turn), view.scale * Math.sin(turn)];
-            for (const wider of [rim, 0]) {
-                context.fillStyle = wider ? shades[a]!.rim : shades[a]!.fill;
-                for (const [dx, dy, radius] of disks) {
-                    const [right, down] = [x + cos * dx - sin * dy, y - sin * dx - cos * dy];
-                    const half = view.scale * radius + wider;
-                    // So small, a square looks the same.
-                    if (half < SQUARE) {
-                        context.fillRect(right - half, down - half, 2 * half, 2 * half);
-                        continue;
-                    }
-                    context.beginPath();
-                    context.arc(right, down, half, 0, 2 * Math.PI);
-                    context.fill();
-                }
-            }
+            if (!isThere(frame, a) || (only !== null && only !== a)) return;
+            for (const { disks: own, fill } of this.#things[a] ?? []) this.#fill(context, own, frame, a, view, rim, { fill, rim: "#1b1b1b" });
+            this.#fill(context, this.#bodies[a] ?? disks, frame, a, view, rim, shades[a]!);
         });
+    }
+
+    /** Twice filled, in pixels, each disk for itself: without a graphics card browsers take much longer for strokes, for
+     * arcs that are turned, and for paths of several arcs. */
+    #fill(context: CanvasRenderingContext2D, disks: Disk[], frame: Float32Array, a: number, view: View, rim: number, shade: Shade) {
+        const [x, y] = [view.x + view.scale * frame[COLUMNS * a]!, view.y - view.scale * frame[COLUMNS * a + 1]!];
+        const turn = frame[COLUMNS * a + 2]!;
+        const [cos, sin] = [view.scale * Math.cos(turn), view.scale * Math.sin(turn)];
+        for (const wider of [rim, 0]) {
+            context.fillStyle = wider ? shade.rim : shade.fill;
+            for (const [dx, dy, radius] of disks) {
+                const [right, down] = [x + cos * dx - sin * dy, y - sin * dx - cos * dy];
+                const half = view.scale * radius + wider;
+                // So small, a square looks the same.
+                if (half < SQUARE) {
+                    context.fillRect(right - half, down - half, 2 * half, 2 * half);
+                    continue;
+                }
+                context.beginPath();
+                context.arc(right, down, half, 0, 2 * Math.PI);
+                context.fill();
+            }
+        }
     }
 
     #sections(context: CanvasRenderingContext2D, paths: Path2D[], { frame, shades }: Picture, view: View, width: number) {
         context.lineWidth = width / view.scale;
+        // Things have no sections: they are there, but pale.
+        const alpha = context.globalAlpha;
+        context.globalAlpha = 0.3 * alpha;
+        context.setTransform(1, 0, 0, 1, 0, 0);
+        this.#things.forEach((things, a) => {
+            if (isThere(frame, a)) for (const { disks, fill } of things ?? []) this.#fill(context, disks, frame, a, view, width / 2, { fill, rim: "#1b1b1b" });
+        });
+        context.globalAlpha = alpha;
         paths.forEach((path, a) => {
             if (!isThere(frame, a)) return;
             this.#place(context, frame, a, view);
@@ -120,8 +150,10 @@ export class Painter {
             context.lineWidth = (5 * devicePixelRatio) / view.scale;
             context.strokeStyle = inks.pick;
             context.stroke(paths[selected]);
-            context.fillStyle = shades[selected]!.fill;
-            context.fill(paths[selected]);
+            if (picture.paths) {
+                context.fillStyle = shades[selected]!.fill;
+                context.fill(paths[selected]);
+            } else this.#disks(context, picture, view, rim, selected);
         }
         for (const a of picture.overlapping) if (paths[a] && isThere(frame, a)) this.#overlap(context, paths[a], frame, a, view, inks);
         context.globalAlpha = 1;

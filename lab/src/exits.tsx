@@ -61,10 +61,13 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
             <BalanceChoice value={wishes.balance} onChange={(balance) => setWishes({ ...wishes, balance })} />
             <Check label="Limit how hard people push ahead" value={wishes.push !== null} onChange={(on) => setWishes({ ...wishes, push: on ? 100 : null })} />
             {wishes.push !== null && <NumberField label="Greatest push" unit="N" value={wishes.push} min={0} max={1e5} step={10} onChange={(push) => setWishes({ ...wishes, push })} />}
+            <Check label="Some walk in groups, such as families" value={wishes.groups !== null} onChange={(on) => setWishes({ ...wishes, groups: on ? { share: 0.5 } : null })} />
+            {wishes.groups !== null && <NumberField label="People in groups" unit="%" value={Math.round(100 * wishes.groups.share)} min={0} max={100} step={5} onChange={(percent) => setWishes({ ...wishes, groups: { share: percent / 100 } })} />}
             <div class="row">
                 <NumberField label="Desired speed" unit="m/s" value={wishes.desired_speed} min={0} max={20} step={0.1} onChange={(desired_speed) => setWishes({ ...wishes, desired_speed })} />
                 <NumberField label="Seed" value={wishes.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => setWishes({ ...wishes, seed })} />
             </div>
+            <KindSpeeds />
             {places.length < MOST.places && <Draw wishes={wishes} middle={middle} />}
             <p class="note" role="status">
                 {hint ? `${hint} Esc ends it without a change. Hold Shift for right angles.` : "Drag corners on the picture, or all of it by its name; Delete removes what is marked."}
@@ -84,6 +87,12 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
             {places.length > 1 && <Own wishes={wishes} />}
         </>
     );
+}
+
+/** Who has another desired speed. */
+export function KindSpeeds() {
+    const kinds = film.value?.scene.people && film.value.scene.agents.some(({ kind }) => kind !== null);
+    return kinds ? <p class="note">People of kinds have the desired speed of their kind (click one for it). This one is for those whom you put there by hand.</p> : null;
 }
 
 /** Constants of the rotational model: name, unit, the least, the step. */

@@ -1,7 +1,7 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
 import { type Check, dictionary, flag, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
-import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, type Further, MODELS, type Motion, type Normal, type People, type PersonWanted, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
+import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, type Further, type Material2d, type Mechanics, MODELS, type Motion, type Normal, type People, type PersonWanted, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
 import { rectangle } from "./roomshape";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
@@ -16,7 +16,7 @@ export type KeptCrowd = Omit<CrowdWanted, "people"> & { people: KeptPeople };
 export type KeptBase = Extract<Base, { kind: "example" }> | ({ kind: "crowd" } & KeptCrowd) | (Upload & Kept);
 
 /** Most corners of an area and of a wall, most walls, most parts of another kind, and most letters of a name and of a path. */
-export const MOST = { corners: 200, outline: 2000, walls: 500, all: 5000, parts: 50, places: 50, ways: 20, points: 50, edits: 1000, name: 200, path: 400, files: 1000 };
+export const MOST = { corners: 200, outline: 2000, walls: 500, all: 5000, parts: 50, places: 50, ways: 20, points: 50, edits: 1000, name: 200, path: 400, files: 1000, kinds: 50 };
 
 export const point: Check<Point> = tuple<Point>(number, number);
 const corners = list(point, MOST.corners, 3);
@@ -55,6 +55,7 @@ const inCrowd = record<KeptCrowd>({
     room,
     region: nullable(corners),
     people,
+    mix: dictionary(within(0, 1e6), MOST.kinds),
     men: number,
     direction: nullable(number),
     speed: number,
@@ -74,6 +75,7 @@ export const FIRST_CROWD: KeptCrowd = {
     room: { outline: rectangle(4, 4), obstacles: [], doors: [] },
     region: null,
     people: { kind: "survey" },
+    mix: {},
     men: 0.5,
     direction: 0,
     speed: 1,
@@ -82,10 +84,10 @@ export const FIRST_CROWD: KeptCrowd = {
     round: false,
 };
 
-/** Former pages kept whether people wear clothes, no material, no friction, and no round bodies. */
+/** Former pages kept whether people wear clothes, no material, no friction, no round bodies, and no kinds. */
 export const crowd: Check<KeptCrowd> = (given) => {
     const kept = given as { clothes?: unknown };
-    return inCrowd({ material: kept?.clothes === true ? "human_clothes" : "human_naked", friction: null, round: false, ...kept });
+    return inCrowd({ material: kept?.clothes === true ? "human_clothes" : "human_naked", friction: null, round: false, mix: {}, ...kept });
 };
 export const base = tagged<"kind", KeptBase>("kind", {
     example: record({ name: one("push") }),
@@ -122,6 +124,15 @@ export const edit = tagged<"do", Edit>("do", {
     delete: record({ id: text() }),
     room: record({ room: ofTrial }),
 });
+const id = text(MOST.name);
+const changed = record<Mechanics>({
+    time_step: nullable(number),
+    time_step_mechanical: nullable(number),
+    materials: list(record<Material2d>({ id, young_modulus: number, shear_modulus: number }), MOST.edits),
+    contacts: list(record<Mechanics["contacts"][number]>({ id1: id, id2: id, gamma_normal: number, gamma_tangential: number, kinetic_friction: nullable(number) }), MOST.edits),
+});
+/** Most scenes change none of it, and older links do not know it. */
+export const mechanics: Check<Mechanics | undefined> = (given) => (given === undefined ? undefined : changed(given));
 /** A circle of a negative radius cannot even be drawn. */
 const radius = within(0, 1e6);
 const push = record<Push>({ at: point, radius, direction: number, force: number, start: number, duration: number });
@@ -141,6 +152,7 @@ const wishes = record<Wishes>({
     rotational: (given) => rotational(given ?? null),
     balance: balance,
     push: (given) => nullable(number)(given ?? null),
+    groups: (given) => nullable(record<NonNullable<Wishes["groups"]>>({ share: within(0, 1) }))(given ?? null),
     desired_speed: number,
     seed: number,
     exits: list(place, MOST.places),

@@ -40,7 +40,7 @@ export function translated(text: string): string {
     const inner = text.trim();
     if (!words || !/[a-z]{2}/i.test(inner)) return text;
     const given: string[] = [];
-    const key = inner.replace(/"[^"]*"|\d+(\.\d+)?/g, (one) => {
+    const key = inner.replace(/"[^"]*"|(?:(?<![\w.])-)?\d+(\.\d+)?/g, (one) => {
         given.push(one);
         return "#";
     });

@@ -1,16 +1,21 @@
 // The legend of the colours, and what squeeze is.
 
-import { meanWords, QUANTILE, type Scale, scaleOf } from "./colour";
+import { useId } from "preact/hooks";
+import { type Kind, NAMES } from "./byplace";
+import { colourOf, kindsOf, meanWords, QUANTILE, type Scale, scaleOf, THINGS } from "./colour";
 import type { Film } from "./film";
 import { beat } from "./layout";
+import { KindName } from "./mix";
 import { Check, Choice, digits, NumberField } from "./parts";
-import { type Colour, change, plan } from "./plan";
+import { type Colour, change, type Plan, plan } from "./plan";
 
 const COLOURED: [Colour, string][] = [
     ["speed", "Speed"],
     ["squeeze", "Squeeze"],
     ["contacts", "Contacts"],
+    ["kind", "Kind"],
 ];
+const MAPS: [Plan["map"], string][] = [["none", "none"], ...(Object.entries(NAMES) as [Kind, string][])];
 const MEANS: [string, string][] = [
     ["0.1", "0.1 s"],
     ["1", "1 s"],
@@ -25,23 +30,22 @@ export function shown(value: number, unit: string) {
 export function Legend({ film }: { film: Film }) {
     if (film.playing.value) beat.value;
     else film.computed.value;
-    const { colour, most, smooth } = plan.value;
+    const { most, smooth, map, view } = plan.value;
+    const colour = colourOf(film, plan.value.colour);
+    const choices = kindsOf(film).length > 0 ? COLOURED : COLOURED.filter(([key]) => key !== "kind");
     const scale = scaleOf(film, colour);
     const fixed = most[colour] !== null;
     const fix = (value: number | null) => change({ most: { ...most, [colour]: value } });
     const more = scale.largest > scale.high;
     return (
         <div class="legend">
-            <Choice label="Colour" value={colour} choices={COLOURED} onChange={(next) => change({ colour: next })} />
-            {colour === "squeeze" && <Choice label="mean of" value={String(smooth)} choices={MEANS} onChange={(next) => change({ smooth: Number(next) })} />}
-            <span class="scale">
-                {scale.low > 0 ? `up to ${shown(scale.low, scale.unit)}` : 0}
-                <Bar scale={scale} />
-                {shown(scale.high, scale.unit)}
-                {more && " and more"}
-            </span>
+            <Choice label="Colour" value={colour} choices={choices} onChange={(next) => change({ colour: next })} />
+            {view !== "3d" && <Choice label="Map" value={map} choices={MAPS} onChange={(next) => change({ map: next })} />}
+            {(colour === "squeeze" || map === "mean" || map === "greatest") && <Choice label="mean of" value={String(smooth)} choices={MEANS} onChange={(next) => change({ smooth: Number(next) })} />}
+            {scale.kinds ? <Kinds kinds={scale.kinds} /> : <Numeric scale={scale} more={more} />}
+            <Things film={film} />
             {/* Opened, it lies over the picture and moves nothing. */}
-            <details class="about">
+            {!scale.kinds && <details class="about">
                 <summary>About this scale</summary>
                 <div>
                     <p>
@@ -52,20 +56,63 @@ export function Legend({ film }: { film: Film }) {
                     {fixed && <NumberField label="Upper end" unit={scale.unit} value={scale.high} min={1e-3} max={1e7} step={1e-3} onChange={fix} />}
                     {colour === "squeeze" && <Squeeze film={film} />}
                 </div>
-            </details>
+            </details>}
         </div>
     );
 }
 
-function Bar({ scale: { ramp } }: { scale: Scale }) {
+/** From what to how much. */
+function Numeric({ scale, more }: { scale: Scale; more: boolean }) {
+    return (
+        <span class="scale">
+            {scale.low > 0 ? `up to ${shown(scale.low, scale.unit)}` : 0}
+            <Bar scale={scale} />
+            {shown(scale.high, scale.unit)}
+            {more && " and more"}
+        </span>
+    );
+}
+
+/** Kinds of people, with the colour and the number of each. */
+function Kinds({ kinds }: { kinds: NonNullable<Scale["kinds"]> }) {
+    return (
+        <ul class="kinds">
+            {kinds.map(({ name, count, shade }) => (
+                <li key={name}>
+                    <span class="swatch" style={{ background: shade.fill }} />
+                    <KindName kind={name} /> <span class="unit">({count})</span>
+                </li>
+            ))}
+        </ul>
+    );
+}
+
+/** What things look like, where there are some. */
+function Things({ film: { scene } }: { film: Film }) {
+    const there = (["frame", "luggage"] as const).filter((material) => scene.agents.some(({ things }) => things?.includes(material)));
+    if (there.length === 0) return null;
+    return (
+        <ul class="kinds">
+            {there.map((material) => (
+                <li key={material}>
+                    <span class="swatch" style={{ background: THINGS[material] }} />
+                    {material === "frame" ? "Frames" : "Luggage"}
+                </li>
+            ))}
+        </ul>
+    );
+}
+
+export function Bar({ scale: { ramp } }: { scale: Scale }) {
+    const id = useId();
     return (
         <svg class="ramp" viewBox="0 0 100 10" preserveAspectRatio="none" aria-hidden="true">
-            <linearGradient id="ramp">
+            <linearGradient id={id}>
                 {ramp.map((shade, k) => (
                     <stop key={shade} offset={k / (ramp.length - 1)} stop-color={shade} />
                 ))}
             </linearGradient>
-            <rect width="100" height="10" fill="url(#ramp)" />
+            <rect width="100" height="10" fill={`url(#${id})`} />
         </svg>
     );
 }

@@ -84,9 +84,10 @@ export function paintLine(context: CanvasRenderingContext2D, [from, to]: Line, v
     label(context, "B", to, view, inks);
 }
 
-const WORDS: Record<Kind, [string, string, string]> = {
-    line: ["Count over a line", "Draw the line anew", "Remove the line"],
-    area: ["Measure an area", "Draw the area anew", "Remove the area"],
+/** What is seen, and the whole names. */
+const WORDS: Record<Kind, [string, string, string, string]> = {
+    line: ["Line", "Count over a line", "Draw the line anew", "Remove the line"],
+    area: ["Area", "Measure an area", "Draw the area anew", "Remove the area"],
 };
 
 export function MeasureButtons() {
@@ -95,20 +96,21 @@ export function MeasureButtons() {
             {(["line", "area"] as const).map((kind) => {
                 const there = plan.value[kind] !== null;
                 const on = lineTool.value === TOOLS[kind];
-                const [first, again, remove] = WORDS[kind];
+                const [seen, first, again, remove] = WORDS[kind];
+                const name = there ? again : first;
                 return (
                     <Fragment key={kind}>
-                        <button type="button" aria-pressed={on} onClick={() => {
+                        <button type="button" aria-label={name} title={name} aria-pressed={on} onClick={() => {
                                 // Two tools cannot draw at once.
                                 beginRoom("change");
                                 beginMotion("change");
                                 lineTool.value = on ? null : TOOLS[kind];
                             }}>
-                            {there ? again : first}
+                            {seen}
                         </button>
                         {there && (
-                            <button type="button" onClick={() => change({ [kind]: null })}>
-                                {remove}
+                            <button type="button" aria-label={remove} title={remove} onClick={() => change({ [kind]: null })}>
+                                ×
                             </button>
                         )}
                     </Fragment>

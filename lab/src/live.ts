@@ -62,14 +62,17 @@ export function place(asStep: boolean) {
     const { motion, gone } = kept(made.motion, before, crowd);
     const edits = made.base.kind === "crowd" && same(made.base, crowd) ? made.edits : [];
     if (edits.length < made.edits.length) gone.push("changes by hand");
+    // Another material has other numbers.
+    const mechanics = made.base.kind === "crowd" && made.base.material === crowd.material ? made.mechanics : undefined;
+    if (made.mechanics && !mechanics) gone.push("changed materials and steps");
     const words = gone.length > 0 ? `Not there any more: ${gone.join(", ")}. Undo brings them back.` : "";
     if (asStep) rename("A crowd");
-    choose({ base: { kind: "crowd", ...crowd }, edits, motion }, !asStep && playsOn(), crowd, words, asStep);
+    choose({ base: { kind: "crowd", ...crowd }, edits, mechanics, motion }, !asStep && playsOn(), crowd, words, asStep);
 }
 
 /** Whether the same people stand at the same places in both crowds. */
-function same(one: KeptCrowd, other: KeptCrowd): boolean {
-    const [a, b] = [one, other].map(({ room: { outline, obstacles, walls }, seed, number, density, region, people, men, direction, round }) => JSON.stringify([outline, obstacles, walls, seed, number, density, region, people, men, direction, round]));
+export function same(one: KeptCrowd, other: KeptCrowd): boolean {
+    const [a, b] = [one, other].map(({ room: { outline, obstacles, walls }, seed, number, density, region, people, mix, men, direction, round }) => JSON.stringify([outline, obstacles, walls, seed, number, density, region, people, mix, men, direction, round]));
     return a === b;
 }
 

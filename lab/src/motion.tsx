@@ -3,7 +3,7 @@
 import { effect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
-import { BalanceChoice, Exits } from "./exits";
+import { BalanceChoice, Exits, KindSpeeds } from "./exits";
 import { exitTool } from "./exittool";
 import { MOST } from "./forms";
 import { begin, mode, motion, picked, setMotion } from "./motionstate";
@@ -195,6 +195,7 @@ function Walk({ speed, ways }: { speed: number; ways: Waypoint[][] }) {
     return (
         <>
             <NumberField label="Desired speed" unit="m/s" value={speed} min={0} max={20} step={0.1} onChange={(next) => setMotion({ kind: "walk", speed: next, ways })} />
+            <KindSpeeds />
             {ways.length < MOST.ways && (
                 <Drawing
                     kind="way"

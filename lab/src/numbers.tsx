@@ -9,6 +9,8 @@ import type { Film } from "./film";
 import { BY_WALLS } from "./frames";
 import { beat } from "./layout";
 import { MeasureFields } from "./line";
+import { MechanicsForm } from "./mechanics";
+import { KindName } from "./mix";
 import { brief, digits, Facts, length } from "./parts";
 import { change, plan } from "./plan";
 import { COLUMNS, FEET, isChild, isThere, type Measure, type Person, type PersonWanted } from "./protocol";
@@ -25,6 +27,10 @@ export function Numbers({ film }: { film: Film }) {
             <details>
                 <summary>Steps and cost</summary>
                 <Facts rows={details(film, playing)} />
+            </details>
+            <details>
+                <summary>Materials and steps</summary>
+                <MechanicsForm film={film} />
             </details>
             <Overlapping film={film} />
             <h2>Person</h2>
@@ -82,6 +88,7 @@ function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren]
     const there = isThere(frame, a);
     const rows: [string, ComponentChildren][] = [
         ["Id", <span translate={false}>{brief(agent.id, 200)}</span>],
+        ...ofKind(film, a),
         ["Mass", `${digits(agent.mass, 3)} kg`],
         ["Place", there ? `x ${length(of(0), unit)}, y ${length(of(1), unit)}` : "has left"],
     ];
@@ -100,6 +107,20 @@ function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren]
         const sizes = `${length(person.breadth, unit)} × ${length(person.depth, unit)}, ${length(person.stature, unit)} tall`;
         rows.push(["Body", `${isChild(person) ? "child" : person.sex === "male" ? "man" : "woman"}, ${sizes}`]);
     }
+    return rows;
+}
+
+/** The kind, what goes along, and the desired speed. */
+function ofKind({ scene }: Film, a: number): [string, ComponentChildren][] {
+    const { kind, things, speed, mass } = scene.agents[a]!;
+    const rows: [string, ComponentChildren][] = [];
+    if (kind !== null) rows.push(["Kind", <KindName kind={kind} />]);
+    const of = [...new Set(things?.flatMap((thing) => thing ?? []))].join(", ");
+    const parts = scene.kinds[kind ?? ""]?.map((part) => (of && part !== "child" ? `${part} (${of})` : part)).join(", ") || of;
+    if (parts) rows.push(["With", <>{parts}</>]);
+    const person = scene.people?.[a];
+    if (person && mass - person.mass > 0.05) rows.push(["Mass of the person", `${digits(person.mass, 3)} kg`]);
+    if (speed !== null) rows.push(["Desired speed", `${speed.toFixed(2)} m/s`]);
     return rows;
 }
 

@@ -22,6 +22,7 @@ import { Stage } from "./stage";
 import { StartTab } from "./start";
 import { TakeTab } from "./take";
 import { Tour } from "./tour";
+import { Compute } from "./transport";
 import { dropped, openTrial } from "./upload";
 
 const TABS: [Plan["tab"], string][] = [
@@ -144,6 +145,12 @@ function Page() {
                 <main class={alone ? "columns alone" : "columns"}>
                     {!alone && (
                         <div key={tab} class={open("forms")}>
+                            {/* The sheet lies over that of the stage. */}
+                            {shown && (
+                                <div class="phone act">
+                                    <Compute film={shown} />
+                                </div>
+                            )}
                             <Panel />
                         </div>
                     )}

@@ -1,8 +1,10 @@
 // The canvas of a run as a picture that explains itself: on paper, with the time and what the colours mean.
 
-import { scaleOf } from "./colour";
+import { byPlace, mapKind } from "./byplace";
+import { type Scale, scaleOf } from "./colour";
 import type { Film } from "./film";
 import { translated } from "./language";
+import { kindWords } from "./kindwords";
 import { digits } from "./parts";
 import { plan } from "./plan";
 
@@ -15,7 +17,9 @@ export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: 
     const pixel = devicePixelRatio;
     const even = (size: number) => 2 * Math.ceil(size / 2);
     const [wide, high] = [from.clientWidth * pixel, from.clientHeight * pixel];
-    const [width, height] = [even(wide), even(high + FOOT * pixel)];
+    const [kind, places] = [mapKind.value, byPlace.value];
+    const map = kind && places?.filled.value ? places : null;
+    const [width, height] = [even(wide), even(high + (map ? 2 : 1) * FOOT * pixel)];
     // Setting them clears the canvas and costs time.
     if (onto.width !== width || onto.height !== height) [onto.width, onto.height] = [width, height];
     const context = onto.getContext("2d")!;
@@ -24,13 +28,21 @@ export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: 
     context.fillStyle = paper;
     context.fillRect(0, 0, width, height);
     context.drawImage(from, 0, 0, wide, high);
-    const middle = high + (FOOT * pixel) / 2;
+    const line = (k: number) => high + (k + 0.5) * FOOT * pixel;
     context.font = `${13 * pixel}px system-ui, sans-serif`;
     context.textBaseline = "middle";
     context.fillStyle = ink;
     const time = `${(film.place.value * film.scene.step).toFixed(2)} s`;
-    context.fillText(time, 10 * pixel, middle);
-    const { label, unit, low, high: most, largest, ramp: colours } = scaleOf(film, plan.value.colour);
+    const { colour } = plan.value;
+    row(context, time, scaleOf(film, colour), width, line(0), ink);
+    if (map) row(context, translated(map.words()), map.scale(kind!), width, line(1), ink);
+}
+
+/** A line below the picture: words, and a scale or kinds. */
+function row(context: CanvasRenderingContext2D, words: string, { label, unit, low, high: most, largest, ramp: colours, kinds }: Scale, width: number, middle: number, ink: string) {
+    const pixel = devicePixelRatio;
+    context.fillText(words, 10 * pixel, middle);
+    if (kinds) return paintKinds(context, kinds.map(({ name, shade }) => [translated(kindWords(name)), shade.fill]), width - 10 * pixel, middle, context.measureText(words).width + 20 * pixel, pixel, ink);
     const end = `${largest > most ? "≥ " : ""}${digits(most, 3)} ${unit}`.trim();
     let right = width - 10 * pixel - context.measureText(end).width;
     context.fillText(end, right, middle);
@@ -43,7 +55,20 @@ export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: 
     const begin = `${translated(label)}: ${low > 0 ? `≤ ${low}` : 0}`;
     context.fillStyle = ink;
     right -= context.measureText(begin).width + 8 * pixel;
-    if (right > context.measureText(time).width + 20 * pixel) context.fillText(begin, right, middle);
+    if (right > context.measureText(words).width + 20 * pixel) context.fillText(begin, right, middle);
+}
+
+/** Names of kinds with their colours, from the right; those for which there is room. */
+function paintKinds(context: CanvasRenderingContext2D, kinds: [string, string][], right: number, middle: number, least: number, pixel: number, ink: string) {
+    for (const [name, colour] of kinds.toReversed()) {
+        const wide = context.measureText(name).width + 22 * pixel;
+        if (right - wide < least) return;
+        right -= wide;
+        context.fillStyle = colour;
+        context.fillRect(right, middle - 5 * pixel, 10 * pixel, 10 * pixel);
+        context.fillStyle = ink;
+        context.fillText(name, right + 14 * pixel, middle);
+    }
 }
 
 export async function png(from: HTMLCanvasElement, film: Film): Promise<Blob> {

@@ -3,17 +3,19 @@
 import { batch, computed, effect, signal } from "@preact/signals";
 import { flag, list, nullable, number, one, patched, record, text, tuple, Unfit, within } from "./check";
 import { EXAMPLES } from "./examples";
-import { backdrop, type Backdrop, base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, MOST, motion, person, point } from "./forms";
-import type { Edit, Motion, PersonWanted, Point } from "./protocol";
+import { backdrop, type Backdrop, base, crowd, edit, FIRST_CROWD, type KeptBase, type KeptCrowd, mechanics, MOST, motion, person, point } from "./forms";
+import type { Edit, Mechanics, Motion, PersonWanted, Point } from "./protocol";
 
 /** What is on the stage. */
 export interface Made {
     base: KeptBase;
     edits: Edit[];
     motion: Motion;
+    /** Changed materials and steps. */
+    mechanics?: Mechanics;
 }
 
-export type Colour = "speed" | "squeeze" | "contacts";
+export type Colour = "speed" | "squeeze" | "contacts" | "kind";
 export const TABS = ["start", "room", "crowd", "motion", "person", "take"] as const;
 
 export interface Plan {
@@ -38,6 +40,9 @@ export interface Plan {
     altitude: number;
     trails: boolean;
     forces: boolean;
+    /** What is shown by place, and the time over which: null for the start, and for as far as is computed. */
+    map: "none" | "density" | "mean" | "greatest";
+    span: [number | null, number | null];
     /** Who steps over it is counted. */
     line: [Point, Point] | null;
     /** Two opposite corners: who is inside is counted. */
@@ -54,7 +59,7 @@ export const FIRST: Plan = {
     unit: "cm",
     colour: "squeeze",
     smooth: 0.1,
-    most: { speed: null, squeeze: null, contacts: null },
+    most: { speed: null, squeeze: null, contacts: null, kind: null },
     pace: 1,
     end: 30,
     chart: "greatest",
@@ -62,6 +67,8 @@ export const FIRST: Plan = {
     altitude: 1.3,
     trails: false,
     forces: false,
+    map: "none",
+    span: [null, null],
     line: null,
     area: null,
     backdrop: null,
@@ -70,7 +77,7 @@ export const FIRST: Plan = {
 /** Checks the upper end of a colour scale. */
 const upper = within(1e-3, 1e7);
 const undoables = {
-    made: record<Made>({ base, edits: list(edit, MOST.edits), motion }),
+    made: record<Made>({ base, edits: list(edit, MOST.edits), motion, mechanics }),
     crowd,
     person,
     backdrop,
@@ -81,9 +88,9 @@ const whole = patched<Plan>(
         tab: one(...TABS),
         ...undoables,
         unit: one("m", "cm"),
-        colour: one("speed", "squeeze", "contacts"),
+        colour: one("speed", "squeeze", "contacts", "kind"),
         smooth: within(0.01, 10),
-        most: record<Plan["most"]>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper) }),
+        most: record<Plan["most"]>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper), kind: () => null }),
         pace: within(0.01, 100),
         end: within(1e-3, 1e5),
         chart: one("greatest", "mean", "speed", "left", "flow", "density", "all"),
@@ -91,6 +98,8 @@ const whole = patched<Plan>(
         altitude: within(0, 3),
         trails: flag,
         forces: flag,
+        map: one("none", "density", "mean", "greatest"),
+        span: tuple<[number | null, number | null]>(nullable(within(0, 1e5)), nullable(within(0, 1e5))),
         line: nullable(tuple<[Point, Point]>(point, point)),
         area: nullable(tuple<[Point, Point]>(point, point)),
     },
@@ -98,7 +107,7 @@ const whole = patched<Plan>(
 );
 
 /** What of a plan belongs to its scene, and goes with it into links and files. The rest belongs to the page. */
-const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "line", "area", "backdrop"] as const;
+const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "map", "span", "line", "area", "backdrop"] as const;
 type Part = Pick<Plan, (typeof OF_SCENE)[number]>;
 
 export function sceneOf(plan: Plan): Part {

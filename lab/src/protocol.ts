@@ -39,6 +39,8 @@ export interface CrowdWanted {
     /** Where people are placed; null: in the whole room. */
     region: Point[] | null;
     people: People;
+    /** Shares of kinds of people, by their names; empty: adults with nothing. */
+    mix: Record<string, number>;
     /** Share of men among the people. */
     men: number;
     /** In degrees; null: each another one. */
@@ -124,8 +126,10 @@ export interface Wishes {
     balance: Balance;
     /** In N: greatest force with which people push ahead; null for no limit. */
     push: number | null;
+    /** Part of the people who are in groups that stay together; null for nobody. */
+    groups: { share: number } | null;
     desired_speed: number;
-    /** Chooses who takes which exit by shares, and what people do who are stuck. */
+    /** Chooses who takes which exit by shares, who is in a group, and what people do who are stuck. */
     seed: number;
     exits: Place[];
     goals: Place[];
@@ -143,9 +147,37 @@ export type Motion =
     /** They go around walls to exits, where they leave, and to goals, where they stay. */
     | { kind: "go"; wishes: Wishes };
 
+/** A material: both moduli in N/m. */
+export interface Material2d {
+    id: string;
+    young_modulus: number;
+    shear_modulus: number;
+}
+
+/** What two materials do where they touch: dampings in kg/s. */
+export interface Contact {
+    id1: string;
+    id2: string;
+    gamma_normal: number;
+    gamma_tangential: number;
+    kinetic_friction: number;
+}
+
+/** Changed materials and steps. What is null or not there is as the scene has it. */
+export interface Mechanics {
+    /** In s. */
+    time_step: number | null;
+    time_step_mechanical: number | null;
+    materials: Material2d[];
+    contacts: (Omit<Contact, "kinetic_friction"> & { kinetic_friction: number | null })[];
+}
+
 export interface Shown {
     base: Base;
     edits: Edit[];
+    /** Whether changes by hand that do not fit are left out. */
+    fitting?: boolean;
+    mechanics?: Mechanics;
     motion: Motion;
 }
 
@@ -153,7 +185,7 @@ export type Wanted =
     | { file: "trial" }
     | { file: "fmu"; version: 2 | 3; binaries: [string, number][] }
     /** With a frame, then a number for each agent as float64: what its colour shows (as on the stage). `range` is that of the colours. */
-    | { file: "svg"; range: [number, number]; beyond: boolean; from_grey: boolean; label: string; unit: string; time: number; forces: boolean }
+    | { file: "svg"; range: [number, number]; beyond: boolean; from_grey: boolean; label: string; unit: string; time: number; forces: boolean; by_kind: boolean }
     | { file: "population" }
     /** With a frame. */
     | { file: "mesh"; format: "obj" | "stl" }
@@ -165,6 +197,8 @@ export type Request =
     /** The surface of a person's body: vertices and triangles. */
     | ({ ask: "body" } & PersonWanted)
     | { ask: "bicycle" }
+    /** All kinds of people: `KindShown[]`. */
+    | { ask: "kinds" }
     | ({ ask: "show" } & Shown)
     /** A room after an edit, and its wall near to a place. */
     | { ask: "room"; room: Room; edit: RoomEdit | null; near: Point | null }
@@ -176,6 +210,8 @@ export type Request =
     | { ask: "forces"; run: number }
     /** With frames. */
     | { ask: "flow"; run: number; line: [Point, Point] }
+    /** With x, y and squeeze of everybody in frames: they are added to the run's map, or to a new one. */
+    | { ask: "map"; run: number; of: "density" | "squeeze"; fresh: boolean }
     | { ask: "sections"; run: number; altitude: number }
     | { ask: "bodies"; run: number }
     | { ask: "take"; run: number; wanted: Wanted };
@@ -243,18 +279,55 @@ export interface Bicycle {
     measures: { name: string; unit: string; value: number }[];
 }
 
+/** What things are made of: of each disk, null where it is of a body. */
+export type Thing = "frame" | "luggage" | null;
+
+/** A kind of people, with somebody of it as an example. */
+export interface KindShown {
+    kind: string;
+    disks: Disk[];
+    things: Thing[];
+    /** The disks of who sits in a wheelchair: they are drawn, and nothing of the mechanics. */
+    seated: Disk[] | null;
+    /** Where the numbers of the kind are from. */
+    sources: string[];
+}
+
+export interface Agent {
+    id: string;
+    /** Of all, with what goes along. */
+    mass: number;
+    disks: Disk[];
+    /** What it is of, if its Trial says so. */
+    kind: string | null;
+    /** Desired speed, if somebody says it, in m/s. */
+    speed: number | null;
+    /** As those of `KindShown`; null if nothing goes along. */
+    things: Thing[] | null;
+    seated: Disk[] | null;
+}
+
 export interface Scene {
     /** The number of its run. */
     run: number;
     name: string;
-    agents: { id: string; mass: number; disks: Disk[] }[];
+    agents: Agent[];
+    /** What goes along with people of each kind. */
+    kinds: Record<string, string[]>;
     walls: { id: string; corners: Point[] }[];
     step: number;
     mechanical_step: number;
     /** The longest stable mechanical step; null if nothing can touch. */
     stable: number | null;
+    /** The longest mechanical step without a warning, and the one that a crowd gets. */
+    longest: number | null;
+    advised: number | null;
     /** About how large errors of positions are with the mechanical step. */
     error: number | null;
+    /** Of changed materials and steps. */
+    warnings: string[];
+    materials: Material2d[];
+    contacts: Contact[];
     /** Agents that overlap others or walls at the start, by more than 0.1 mm. */
     overlapping: number[];
     /** The deepest overlap at the start. */
@@ -298,6 +371,8 @@ export interface Opened {
     scene: Scene;
     notes: string[];
     made: Made | null;
+    /** Changes by hand that do not fit: their places, and why. */
+    left_out: [number, string][];
 }
 
 export interface Overlaps {
@@ -309,6 +384,16 @@ export interface Overlaps {
 export interface Flow {
     /** Place of the later frame, agent, 1 from left to right of the line or -1. */
     crossings: [number, number, 1 | -1][];
+}
+
+/** Cells of a map. The bytes: density of each as float64, or mean squeeze, then greatest, then the number of values; row by
+ * row from the lowest. */
+export interface Grid {
+    /** The middle of the lowest cell on the left. */
+    low: Point;
+    cell: Point;
+    columns: number;
+    rows: number;
 }
 
 export interface Sections {
@@ -325,6 +410,10 @@ export interface Sections {
 /** Numbers of vertices and triangles of each. The bytes: for each, coordinates as float32, then corners as uint32. */
 export interface Bodies {
     agents: [number, number][];
+    /** The same of what goes along, after all agents. */
+    things: [number, number][];
+    /** How many have none, because none fits the disks. */
+    without: number;
     estimated: boolean;
 }
 

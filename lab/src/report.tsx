@@ -1,5 +1,6 @@
 // A report to print: the scene, what it assumes, its picture and numbers, and what they do not say.
 
+import { isOwn, kindWords } from "./kindwords";
 import { effect, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { perExit } from "./csv";
@@ -53,7 +54,7 @@ const POPULATIONS = { survey: "survey ANSUR II", statistics: "statistics of one'
 /** What was chosen, with names as in the forms. */
 function assumptions({ scene: shown }: Film): [string, string][] {
     const { made, unit } = plan.value;
-    const { base, motion, edits } = made;
+    const { base, motion, edits, mechanics } = made;
     const rows: [string, string][] = [["People", String(shown.agents.length)]];
     if (base.kind === "crowd") {
         const [width, height] = shape(base.room.outline).bounds;
@@ -61,6 +62,7 @@ function assumptions({ scene: shown }: Film): [string, string][] {
             ["Room", `${length(width, unit)} × ${length(height, unit)}, ${base.room.obstacles.length} obstacles`],
             ["Doors", base.room.doors.map((door) => length(door.width, unit)).join(", ") || "none"],
             ["Drawn from", `${POPULATIONS[base.people.kind]}, ${Math.round(100 * base.men)} % men, seed ${base.seed}`],
+            ...(Object.keys(base.mix).length > 0 ? [["Kinds", Object.entries(base.mix).map(([kind, share]) => `${isOwn(kind) ? `"${brief(kind)}"` : kindWords(kind)} ${share}`).join(", ")] as [string, string]] : []),
             ["Bodies", `${base.round ? "one disk" : "five disks"} each, ${base.material}, friction ${frictionOf(base)}`],
         );
     } else rows.push(["Trial", `"${brief(base.name, 60)}"`]);
@@ -71,6 +73,12 @@ function assumptions({ scene: shown }: Film): [string, string][] {
     }
     if (motion.kind === "walk") rows.push(["They walk", `on ${motion.ways.length} ways, ${motion.speed} m/s`]);
     if (motion.kind === "push") rows.push(["Pushes", motion.pushes.map(({ force, duration }) => `${force} N over ${duration} s`).join("; ")]);
+    if (mechanics) {
+        const materials = mechanics.materials.map(({ id, young_modulus, shear_modulus }) => `"${id}": ${young_modulus} and ${shear_modulus} N/m`);
+        const contacts = mechanics.contacts.map(({ id1, id2, gamma_normal, gamma_tangential, kinetic_friction }) => `"${id1} – ${id2}": ${gamma_normal} and ${gamma_tangential} kg/s${kinetic_friction === null ? "" : `, friction ${kinetic_friction}`}`);
+        if (materials.length > 0) rows.push(["Changed moduli, Young and shear", materials.join("; ")]);
+        if (contacts.length > 0) rows.push(["Changed damping, normal and tangential", contacts.join("; ")]);
+    }
     rows.push(["Steps", `communication ${shown.step} s, mechanical ${shown.mechanical_step} s`]);
     return rows;
 }

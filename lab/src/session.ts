@@ -86,10 +86,10 @@ function words(opened: Opened, base: KeptBase, seconds: number): string {
 }
 
 async function open(wanted: Planned, number: number) {
-    const { edits, motion } = wanted;
+    const { edits, motion, mechanics } = wanted;
     const [base, bytes] = await sent(wanted.base);
     if (number !== latest) return;
-    const { value, bytes: first, seconds } = await client.ask<Opened>({ ask: "show", base, edits, motion }, bytes);
+    const { value, bytes: first, seconds } = await client.ask<Opened>({ ask: "show", base, edits, mechanics, motion }, bytes);
     // The lab has this scene now and not the one that is shown, which is opened again if the later one fails.
     if (number !== latest) {
         film.value?.end();

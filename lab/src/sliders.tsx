@@ -2,6 +2,8 @@
 
 import { edited } from "./drawn";
 import { frictionOf, type KeptCrowd } from "./forms";
+import { isOwn, kindWords } from "./kindwords";
+import { shared } from "./mix";
 import { Check } from "./parts";
 import { change, plan } from "./plan";
 import type { Motion, Wishes } from "./protocol";
@@ -37,6 +39,12 @@ function ofCrowd(crowd: KeptCrowd): Parameter[] {
     return found;
 }
 
+/** Shares of all kinds that are there but adults. */
+function ofKinds({ mix }: KeptCrowd): Parameter[] {
+    const kinds = Object.keys(mix).filter((kind) => kind !== "adult" && !isOwn(kind));
+    return kinds.map((kind) => ({ label: kindWords(kind), unit: "%", value: mix[kind]!, range: [0, 100, 1], with: (share) => ({ crowd: { mix: shared(mix, kind, share) } }) }));
+}
+
 function ofMotion(motion: Motion): Parameter[] {
     const speed = (value: number, set: (speed: number) => Motion): Parameter => ({ label: "Desired speed", unit: "m/s", value, range: [0, 3, 0.05], with: (speed) => ({ motion: set(speed) }) });
     if (motion.kind === "push" && motion.pushes[0]) {
@@ -54,7 +62,9 @@ function ofMotion(motion: Motion): Parameter[] {
 /** Those of the scene on the stage. */
 export function parameters(): Parameter[] {
     const { made, crowd } = plan.value;
-    return [...(made.base.kind === "crowd" ? ofCrowd(crowd) : []), ...ofMotion(made.motion)];
+    if (made.base.kind !== "crowd") return ofMotion(made.motion);
+    // Those of a kind have the desired speed of their kind.
+    return [...ofCrowd(crowd), ...ofKinds(crowd), ...ofMotion(made.motion).filter(({ label }) => label !== "Desired speed" || Object.keys(crowd.mix).length === 0)];
 }
 
 /** Whether a slider is being moved: the whole way is one step of Undo. */
@@ -91,7 +101,7 @@ export function Sliders() {
                     </label>
                 );
             })}
-            {plan.value.made.base.kind === "crowd" && (
+            {plan.value.made.base.kind === "crowd" && Object.keys(plan.value.crowd.mix).length === 0 && (
                 <Check label="Round bodies: one disk each, of the same area" value={plan.value.crowd.round} onChange={(round) => change({ crowd: { ...plan.value.crowd, round } })} />
             )}
         </div>

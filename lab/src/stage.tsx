@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals";
 import { type ComponentType } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
+import { ByPlace, byPlace, mapKind } from "./byplace";
 import { Canvas, fit, zoom } from "./canvas";
 import { Charts } from "./charts";
 import type { Film } from "./film";
@@ -11,6 +12,7 @@ import { Chains, paintTrails, trailsNote } from "./layers";
 import { beat, type Layers, presents, show } from "./layout";
 import { Beside, difference, kept, Now } from "./kept";
 import { Legend } from "./legend";
+import { MapLegend } from "./map";
 import { MeasureButtons } from "./line";
 import { Menu } from "./menu";
 import { Check, Choice, digits, LengthField, length } from "./parts";
@@ -43,6 +45,10 @@ export function Stage({ film }: { film: Film }) {
     const chains = useMemo(() => new Chains(client, film), [film]);
     const sections = useMemo(() => new Sections(client, film), [film]);
     const { view, line } = plan.value;
+    const kind = mapKind.value;
+    const quantity = kind && (kind === "density" ? kind : "squeeze");
+    const places = useMemo(() => quantity && new ByPlace(client, film, quantity), [film, quantity]);
+    useEffect(() => void (byPlace.value = places), [places]);
     const alone = embedded || presents.value;
     return (
         <section class="stage" aria-label="Stage">
@@ -70,6 +76,7 @@ export function Stage({ film }: { film: Film }) {
                 Arrow keys, N and P select people; plus and minus zoom, 0 shows all; the space bar plays; Shift+F10 opens the menu of who is selected.
             </p>
             <Legend film={film} />
+            {places && kind && <MapLegend film={film} places={places} kind={kind} />}
             <Transport film={film} />
             {!embedded && <Charts film={film} selected={selected.value} line={line} client={client} />}
         </section>
@@ -87,6 +94,7 @@ function Picture({ film, chains, sections }: PictureProps) {
     const layers = useMemo<Layers>(
         () => ({
             below: (context, now) => {
+                if (mapKind.value) byPlace.value?.paint(mapKind.value, context, now);
                 if (trails) paintTrails(context, film, film.shown.value, now);
             },
             above: (context, now) => {

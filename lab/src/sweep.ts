@@ -5,9 +5,10 @@ import { Client, Stopped } from "./client";
 import { table } from "./csv";
 import { meanFlow } from "./flow";
 import { Frames } from "./frames";
+import { same } from "./live";
 import { beyond } from "./places";
-import { type Made, plan, scene } from "./plan";
-import type { Advanced, Motion, Opened } from "./protocol";
+import { crowdOf, type Made, plan, scene } from "./plan";
+import type { Advanced, Edit, Motion, Opened } from "./protocol";
 import { film, sent } from "./session";
 import type { Parameter } from "./sliders";
 
@@ -32,6 +33,8 @@ export interface Run {
     seed: number;
     /** What ran. */
     made: Made;
+    /** Changes by hand that did not fit, in words. */
+    leftOut: string[];
     measures: Record<Measure, number>;
 }
 
@@ -63,15 +66,27 @@ function variant(made: Made, parameter: Parameter, value: number, k: number): { 
     const base = made.base.kind === "crowd" ? { ...made.base, ...("crowd" in other ? other.crowd : {}), seed: made.base.seed + k } : made.base;
     let motion = "motion" in other ? other.motion : made.motion;
     if (motion.kind === "go") motion = { kind: "go", wishes: { ...motion.wishes, seed: motion.wishes.seed + k } };
-    // Changes by hand are of the people of one seed.
     const seed = base.kind === "crowd" ? base.seed : motion.kind === "go" ? motion.wishes.seed : 0;
-    return { made: { base, motion, edits: base.kind === "crowd" ? [] : made.edits }, seed };
+    return { made: { ...made, base, motion }, seed };
 }
 
-async function run(client: Client, made: Made, doors: unknown[], until: number): Promise<Pick<Run, "made" | "measures">> {
+/** What a change by hand is called. */
+function named(edit: Edit): string {
+    if (edit.do === "room") return "walls";
+    const verb = { move: "moved", copy: "copied", put: "put in", delete: "deleted" }[edit.do];
+    return `person "${edit.id}" ${verb}`;
+}
+
+/** `from`: the scene that is swept. */
+async function run(client: Client, from: Made, made: Made, doors: unknown[], until: number): Promise<Pick<Run, "made" | "measures" | "leftOut">> {
     const [base, bytes] = await sent(made.base);
-    const show = (motion: Motion) => client.ask<Opened>({ ask: "show", base, edits: made.edits, motion }, bytes);
+    const [before, after] = [crowdOf(from.base), crowdOf(made.base)];
+    // People who were placed again are others: what was done by hand is done to whom it still fits.
+    const fitting = before !== null && after !== null && !same(before, after);
+    const show = (motion: Motion) => client.ask<Opened>({ ask: "show", base, edits: made.edits, fitting, mechanics: made.mechanics, motion }, bytes);
     let opened = await show(made.motion);
+    const out = new Map(opened.value.left_out);
+    const edits = made.edits.filter((_, k) => !out.has(k));
     const lines = doors.map((line) => JSON.stringify(line));
     const motion = beyond(made.motion, ({ line }) => lines.indexOf(JSON.stringify(line)), opened.value.scene.beyond_doors);
     if (JSON.stringify(motion) !== JSON.stringify(made.motion)) opened = await show(motion);
@@ -101,7 +116,8 @@ async function run(client: Client, made: Made, doors: unknown[], until: number):
     const greatest = (mean: number) => frames.greatestMean(mean).reduce((one, other) => Math.max(one, other), 0);
     const squeezes = frames.curve("squeeze").subarray(1, all ? -1 : undefined);
     return {
-        made: { ...made, motion },
+        made: { ...made, edits, motion },
+        leftOut: [...out].map(([k, why]) => `${named(made.edits[k]!)}: ${why}`),
         measures: {
             all_left: all ? (count.length - 1) * step : NaN,
             left: total,
@@ -132,7 +148,7 @@ export function begin(parameter: Parameter, values: number[], seeds: number, unt
             for (let next = waiting.shift(); next; next = waiting.shift()) {
                 const { value, seed } = next;
                 try {
-                    const ran = await run(client, next.made, doors, until);
+                    const ran = await run(client, made, next.made, doors, until);
                     if (clients !== mine) return;
                     const runs = [...sweep.value!.runs, { value, seed, ...ran }].sort((one, other) => one.value - other.value || one.seed - other.seed);
                     sweep.value = { ...sweep.value!, runs };
@@ -173,6 +189,6 @@ export function rows({ runs }: Sweep, measure: Measure): Row[] {
 export function csv({ runs, parameter }: Sweep): string {
     const keys = Object.keys(MEASURES) as Measure[];
     const unit = (name: string, unit: string) => (unit ? `${name} [${unit}]` : name);
-    const head = [unit(parameter.label, parameter.unit), "seed", ...keys.map((key) => unit(key, MEASURES[key][1]))];
-    return table([head, ...runs.map(({ value, seed, measures }) => [value, seed, ...keys.map((key) => measures[key])])]);
+    const head = [unit(parameter.label, parameter.unit), "seed", ...keys.map((key) => unit(key, MEASURES[key][1])), "changes_left_out"];
+    return table([head, ...runs.map(({ value, seed, measures, leftOut }) => [value, seed, ...keys.map((key) => measures[key]), leftOut.length])]);
 }

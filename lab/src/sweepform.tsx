@@ -11,6 +11,8 @@ import { begin, csv, type Measure, MEASURES, MOST_RUNS, quantile, type Row, rows
 const MOST_SEEDS = 100;
 /** In s: so long people may need to leave. */
 const PATIENCE = 120;
+/** Runs whose changes that did not fit are listed. */
+const MOST_LISTED = 50;
 const QUANTILES = [0.1, 0.5, 0.9] as const;
 
 /** The values that the user typed or ran: for which scene and parameter. They stay when sliders move and tabs change. */
@@ -57,8 +59,8 @@ export function SweepForm() {
                 <NumberField label="Seeds for each value" value={seeds.value} min={1} max={MOST_SEEDS} step={1} onChange={(count) => (seeds.value = count)} />
                 <NumberField label="Until all have left, at most" unit="s" value={until} min={0.1} max={1e5} step={5} onChange={(seconds) => (longest.value = seconds)} />
                 <p class="note">Each seed has other people at other places. Runs are computed beside what you see.</p>
-                {base.kind === "crowd" && edits.length > 0 && <p class="note">Changes by hand are not in a sweep: they are of the people on the stage.</p>}
-                <div class="buttons">
+                {base.kind === "crowd" && edits.length > 0 && <p class="note">Changes by hand stay where they fit: of people with these Ids, to places where they overlap nobody.</p>}
+                <div class="buttons act">
                     <button type="button" class="main" disabled={wrong !== ""} onClick={start}>
                         Begin the sweep
                     </button>
@@ -105,6 +107,7 @@ function Results({ of, running }: { of: Sweep; running: boolean }) {
             </p>
             {running && <progress aria-label="Sweep" max={wanted} value={runs.length + failed.length} />}
             {failed.length > 0 && <p class="warning">{failed.slice(0, 3).join("; ")}{failed.length > 3 && `; and ${failed.length - 3} more`}</p>}
+            <LeftOut of={of} />
             {runs.length > 0 && (
                 <>
                     <Choice label="Measure" value={measure} choices={Object.entries(MEASURES).map(([key, [words, unit]]) => [key as Measure, `${words} [${unit}]`] as const)} onChange={(next) => (chosen.value = next)} />
@@ -116,6 +119,23 @@ function Results({ of, running }: { of: Sweep; running: boolean }) {
                 </>
             )}
         </section>
+    );
+}
+
+/** Changes by hand that did not fit. */
+function LeftOut({ of: { parameter, runs } }: { of: Sweep }) {
+    const some = runs.filter(({ leftOut }) => leftOut.length > 0);
+    if (some.length === 0) return null;
+    return (
+        <details>
+            <summary>{`Not all changes by hand fit in ${some.length} of ${runs.length} runs`}</summary>
+            <ul class="notes" translate={false}>
+                {some.slice(0, MOST_LISTED).map(({ value, seed, leftOut }) => (
+                    <li key={`${value} ${seed}`}>{`${parameter.label} ${value}, seed ${seed}: ${leftOut.join("; ")}`}</li>
+                ))}
+                {some.length > MOST_LISTED && <li>…</li>}
+            </ul>
+        </details>
     );
 }
 

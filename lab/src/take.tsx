@@ -105,9 +105,9 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             return name;
         });
     const svg = () => {
-        const { low, high, largest, label, unit } = scaleOf(film, plan.value.colour);
+        const { low, high, largest, label, unit, kinds } = scaleOf(film, plan.value.colour);
         const k = film.shown.peek();
-        const wanted: Wanted = { file: "svg", range: [low, high], beyond: largest > high, from_grey: plan.value.colour === "squeeze", label, unit, time: k * scene.step, forces: plan.value.forces };
+        const wanted: Wanted = { file: "svg", range: [low, high], beyond: largest > high, from_grey: plan.value.colour === "squeeze", label, unit, time: k * scene.step, forces: plan.value.forces, by_kind: kinds !== undefined };
         return take("Picture (SVG)", wanted, () => joined([shown(), bytesOf(values(film, k, plan.value.colour))]), timed);
     };
     const picture = () =>

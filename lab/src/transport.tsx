@@ -29,6 +29,7 @@ export function Transport({ film }: { film: Film }) {
                 {button(playing ? "Pause" : "Play", playing ? "pause" : "play", () => (film.playing.value = !playing))}
                 {button("Step", "step", () => void film.show(film.shown.value + 1))}
                 <Choice label="Pace" value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
+                <NumberField label="End of the timeline" short="timeline" unit="s" value={plan.value.end} min={film.scene.step} max={1e5} step={5} onChange={(end) => change({ end })} />
                 <Compute film={film} />
             </div>
             <Status film={film} />
@@ -43,19 +44,14 @@ export function lastOf(film: Film): number {
 }
 
 /** Computes up to the end of the timeline without playing. */
-function Compute({ film }: { film: Film }) {
-    const { step } = film.scene;
-    const { end } = plan.value;
-    const last = Math.round(end / step);
+export function Compute({ film }: { film: Film }) {
+    const last = Math.round(plan.value.end / film.scene.step);
     const there = (film.playing.value ? (beat.value, film.computed.peek()) : film.computed.value) - 1;
     const computing = film.wanted.value > there && !film.failed.value;
     return (
-        <>
-            <NumberField label="End of the timeline" short="timeline" unit="s" value={end} min={step} max={1e5} step={5} onChange={(next) => change({ end: next })} />
-            <button type="button" disabled={there >= last} onClick={() => void film.compute(computing ? null : last)}>
-                {computing ? "Stop computing" : "Compute it"}
-            </button>
-        </>
+        <button type="button" disabled={there >= last} onClick={() => void film.compute(computing ? null : last)}>
+            {computing ? "Stop computing" : "Compute it"}
+        </button>
     );
 }
 

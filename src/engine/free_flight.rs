@@ -1,7 +1,7 @@
 //! The closed-form solution of a motion without contact: linear relaxation under a drive that is constant or changes
 //! linearly.
 
-use super::{Body, Pose, Scene, Twist, Wrench};
+use super::{Body, Pose, Rotation, Scene, Twist, Vec2, Wrench};
 
 /// The solution of `dv/dt = a − λ v`, `dr/dt = v` over a duration, for constant `a` and `λ ≥ 0`:
 /// `v = kept·v₀ + velocity_time·a` and `r = r₀ + velocity_time·v₀ + drive_time·a`.
@@ -37,6 +37,15 @@ impl FreeFlight {
         }
     }
 
+    /// Returns the difference of two flights.
+    fn minus(&self, other: &FreeFlight) -> FreeFlight {
+        FreeFlight {
+            kept: self.kept - other.kept,
+            velocity_time: self.velocity_time - other.velocity_time,
+            drive_time: self.drive_time - other.drive_time,
+        }
+    }
+
     /// \[s3\] `(t²/2 − drive_time)/λ`, for the same rate and duration as this flight.
     pub fn ramp_time(&self, rate: f64, duration: f64) -> f64 {
         let x = rate * duration;
@@ -51,19 +60,34 @@ impl FreeFlight {
 }
 
 /// The free flights of a body's translation and rotation over one duration.
+///
+/// Where the velocity across the gaze relaxes at another rate, the flight is exact for a body that does not turn. If it
+/// turns, the gaze is that in the middle of the turn: the error is of third order in the duration, and without a drive
+/// the speed does not grow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyFlight {
     /// Flight of the centre of mass.
     pub translation: FreeFlight,
+    /// What is added to it across the gaze, if the rate there is another one.
+    pub across: Option<FreeFlight>,
     /// Flight of the orientation.
     pub rotation: FreeFlight,
+}
+
+/// Returns the direction across the gaze, to the left, in the middle of a turn.
+#[inline]
+fn across(from: &Pose, to: &Pose) -> Vec2 {
+    let Rotation { sin, cos } = Rotation::by(0.5 * (from.orientation + to.orientation));
+    Vec2 { x: -sin, y: cos }
 }
 
 impl BodyFlight {
     /// Returns the flights over a duration \[s\].
     pub fn over(body: &Body, duration: f64) -> BodyFlight {
+        let translation = FreeFlight::over(body.translation_rate, duration);
         BodyFlight {
-            translation: FreeFlight::over(body.translation_rate, duration),
+            translation,
+            across: body.across_rate.map(|rate| FreeFlight::over(rate, duration).minus(&translation)),
             rotation: FreeFlight::over(body.rotation_rate, duration),
         }
     }
@@ -72,16 +96,22 @@ impl BodyFlight {
     #[inline]
     pub fn fly(&self, pose: Pose, twist: Twist, acceleration: Wrench) -> (Pose, Twist) {
         let (t, r) = (&self.translation, &self.rotation);
-        let pose = Pose {
+        let mut end = Pose {
             position: pose.position + twist.velocity * t.velocity_time + acceleration.force * t.drive_time,
             orientation: pose.orientation
                 + (twist.angular_velocity * r.velocity_time + acceleration.torque * r.drive_time),
         };
-        let twist = Twist {
+        let mut end_twist = Twist {
             velocity: twist.velocity * t.kept + acceleration.force * t.velocity_time,
             angular_velocity: twist.angular_velocity * r.kept + acceleration.torque * r.velocity_time,
         };
-        (pose, twist)
+        if let Some(added) = &self.across {
+            let side = across(&pose, &end);
+            let (speed, push) = (side.dot(twist.velocity), side.dot(acceleration.force));
+            end.position += side * (added.velocity_time * speed + added.drive_time * push);
+            end_twist.velocity += side * (added.kept * speed + added.velocity_time * push);
+        }
+        (end, end_twist)
     }
 }
 
@@ -92,6 +122,8 @@ pub(super) struct RampFlight {
     pub held: BodyFlight,
     /// \[s3\] [`FreeFlight::ramp_time`] of the translation.
     pub translation_ramp_time: f64,
+    /// \[s3\] What is added to it across the gaze, if the rate there is another one.
+    pub across_ramp_time: f64,
     /// \[s3\] The same for the rotation.
     pub rotation_ramp_time: f64,
 }
@@ -167,8 +199,13 @@ impl Course for Ramp {
 
     fn flight(body: &Body, duration: f64) -> RampFlight {
         let held = BodyFlight::over(body, duration);
+        let translation_ramp_time = held.translation.ramp_time(body.translation_rate, duration);
+        let across = body.across_rate.map_or(0.0, |rate| {
+            FreeFlight::over(rate, duration).ramp_time(rate, duration) - translation_ramp_time
+        });
         RampFlight {
-            translation_ramp_time: held.translation.ramp_time(body.translation_rate, duration),
+            translation_ramp_time,
+            across_ramp_time: across,
             rotation_ramp_time: held.rotation.ramp_time(body.rotation_rate, duration),
             held,
         }
@@ -176,17 +213,24 @@ impl Course for Ramp {
 
     #[inline]
     fn fly(self, flight: &RampFlight, pose: Pose, twist: Twist) -> (Pose, Twist) {
-        let (pose, twist) = flight.held.fly(pose, twist, self.start);
+        let (held, held_twist) = flight.held.fly(pose, twist, self.start);
         let (t, r) = (&flight.held.translation, &flight.held.rotation);
-        let pose = Pose {
-            position: pose.position + self.rate.force * flight.translation_ramp_time,
-            orientation: pose.orientation + self.rate.torque * flight.rotation_ramp_time,
+        let mut end = Pose {
+            position: held.position + self.rate.force * flight.translation_ramp_time,
+            orientation: held.orientation + self.rate.torque * flight.rotation_ramp_time,
         };
-        let twist = Twist {
-            velocity: twist.velocity + self.rate.force * t.drive_time,
-            angular_velocity: twist.angular_velocity + self.rate.torque * r.drive_time,
+        let mut end_twist = Twist {
+            velocity: held_twist.velocity + self.rate.force * t.drive_time,
+            angular_velocity: held_twist.angular_velocity + self.rate.torque * r.drive_time,
         };
-        (pose, twist)
+        if let Some(added) = &flight.held.across {
+            // The change of the drive turns the gaze by less than the error of the flight.
+            let side = across(&pose, &held);
+            let growth = side.dot(self.rate.force);
+            end.position += side * (flight.across_ramp_time * growth);
+            end_twist.velocity += side * (added.drive_time * growth);
+        }
+        (end, end_twist)
     }
 
     #[inline]
@@ -246,6 +290,7 @@ mod tests {
             inverse_mass: 1.0,
             inverse_inertia: 1.0,
             translation_rate,
+            across_rate: None,
             rotation_rate,
             flyer: 0,
             disks: 0..1,

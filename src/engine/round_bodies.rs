@@ -30,6 +30,7 @@ impl RoundBody {
             mass: self.mass,
             inertia: 1.0,
             translation_rate: self.relaxation,
+            across_rate: None,
             rotation_rate: 0.0,
             disks: vec![DiskSpec { radius: self.radius, position: Vec2::ZERO, material: 0 }],
         };

@@ -18,6 +18,9 @@ pub struct BodySpec {
     pub inertia: f64,
     /// \[1/s\] relaxation rate of the velocity, 1/t_transl ≥ 0.
     pub translation_rate: f64,
+    /// \[1/s\] relaxation rate ≥ 0 of the velocity across the gaze, if it is not the same: of wheels. The other one is
+    /// then that along the gaze.
+    pub across_rate: Option<f64>,
     /// \[1/s\] relaxation rate of the angular velocity, 1/t_rot ≥ 0.
     pub rotation_rate: f64,
     /// The disks, at least one, in order from the left shoulder to the right one.
@@ -100,9 +103,11 @@ pub struct Body {
     pub inverse_inertia: f64,
     /// \[1/s\]
     pub translation_rate: f64,
+    /// \[1/s\] across the gaze, if it is not the same.
+    pub across_rate: Option<f64>,
     /// \[1/s\]
     pub rotation_rate: f64,
-    /// Bodies with the same two relaxation rates share a flight: its place in [`Scene::flyers`].
+    /// Bodies with the same relaxation rates share a flight: its place in [`Scene::flyers`].
     pub(super) flyer: u32,
     /// Its disks, as places in [`Scene::disks`].
     pub disks: Range<usize>,
@@ -110,6 +115,16 @@ pub struct Body {
     pub bounding_radius: f64,
     /// \[m\] distance of the farthest disk's centre from the centre of mass.
     pub reach: f64,
+}
+
+impl Body {
+    /// \[m/s2\] Returns the acceleration by the floor, at an orientation \[rad\] and a velocity \[m/s\].
+    pub fn by_floor(&self, orientation: f64, velocity: Vec2) -> Vec2 {
+        let isotropic = velocity * -self.translation_rate;
+        let Some(across) = self.across_rate else { return isotropic };
+        let side = Vec2 { x: 0.0, y: 1.0 }.rotated(Rotation::by(orientation));
+        isotropic + side * (side.dot(velocity) * (self.translation_rate - across))
+    }
 }
 
 /// A disk of a body.
@@ -198,9 +213,12 @@ impl Scene {
     }
 
     /// `flyers` maps the bits of the rates to indices in [`Scene::flyers`].
-    fn add_body(&mut self, spec: &BodySpec, flyers: &mut HashMap<[u64; 2], u32>) {
+    fn add_body(&mut self, spec: &BodySpec, flyers: &mut HashMap<[Option<u64>; 3], u32>) {
         let body = BodyId::from(self.bodies.len());
-        let rates = [spec.translation_rate, spec.rotation_rate].map(f64::to_bits);
+        // Equal rates along and across are one: so the gaze need not be known.
+        let across_rate = spec.across_rate.filter(|&rate| rate != spec.translation_rate);
+        let rates = [Some(spec.translation_rate), across_rate, Some(spec.rotation_rate)];
+        let rates = rates.map(|rate| rate.map(f64::to_bits));
         let flyer = *flyers.entry(rates).or_insert_with(|| {
             self.flyers.push(body);
             (self.flyers.len() - 1) as u32
@@ -225,6 +243,7 @@ impl Scene {
             inverse_mass: 1.0 / spec.mass,
             inverse_inertia: 1.0 / spec.inertia,
             translation_rate: spec.translation_rate,
+            across_rate,
             rotation_rate: spec.rotation_rate,
             flyer,
             bounding_radius: own.iter().map(|disk| disk.offset.norm() + disk.radius).fold(0.0, f64::max),

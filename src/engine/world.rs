@@ -208,10 +208,11 @@ impl World {
     /// equations of motion).
     pub fn acceleration(&self, body: BodyId) -> Wrench {
         let b = body.index();
-        let (of, twist) = (&self.scene.bodies[b], &self.state.twists[b]);
+        let (of, pose, twist) = (&self.scene.bodies[b], &self.state.poses[b], &self.state.twists[b]);
         let (contacts, drive) = (&self.contacts.bodies[b].wrench, &self.drive[b]);
         Wrench {
-            force: (contacts.force + drive.force) * of.inverse_mass - twist.velocity * of.translation_rate,
+            force: (contacts.force + drive.force) * of.inverse_mass
+                + of.by_floor(pose.orientation, twist.velocity),
             torque: (contacts.torque + drive.torque) * of.inverse_inertia
                 - twist.angular_velocity * of.rotation_rate,
         }

@@ -161,7 +161,9 @@ impl Setup<'_> {
         for (b, (body, dynamics)) in scene.bodies.iter().zip(&self.dynamics).enumerate() {
             let for_so_long = |rate: f64| (1.0 / rate).min(DRIVEN_FOR);
             let speed = dynamics.velocity.norm()
-                + dynamics.fp.norm() * body.inverse_mass * for_so_long(body.translation_rate);
+                + dynamics.fp.norm()
+                    * body.inverse_mass
+                    * for_so_long(body.translation_rate.min(body.across_rate.unwrap_or(f64::INFINITY)));
             let spin = dynamics.omega.abs()
                 + dynamics.mp.abs() * body.inverse_inertia * for_so_long(body.rotation_rate);
             // The disk of the body that moves furthest relative to its size.

@@ -94,6 +94,11 @@ impl Usual {
             "FloorDamping" => {
                 agents(&|agent, _, of| Value { body: agent.mass, ..value(agent.floor_damping, of) })
             }
+            // One that is not there is usual.
+            "FloorDampingAcross" => agents(&|agent, _, of| Value {
+                body: agent.mass,
+                ..value(agent.floor_damping_across.unwrap_or(0.0), of)
+            }),
             "AngularDamping" => agents(&|agent, _, of| Value {
                 body: agent.moment_of_inertia,
                 ..value(agent.angular_damping, of)

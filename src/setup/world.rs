@@ -73,6 +73,7 @@ impl Setup<'_> {
             mass: agent.mass,
             inertia: agent.moment_of_inertia,
             translation_rate: agent.floor_damping,
+            across_rate: agent.floor_damping_across,
             rotation_rate: agent.angular_damping,
             disks: agent.shapes.iter().map(disk).collect(),
         };

@@ -91,6 +91,41 @@ def test_people_stand_until_their_start(lemons, tmp_path):
     assert len(set(times)) > 7 and times[-1] - times[0] > 4
 
 
+def test_an_exit_lets_people_go_while_it_is_open(lemons, tmp_path):
+    """In the mechanics, with a run that is stopped and goes on."""
+
+    def call(*words):
+        return subprocess.run([lemons, *words], check=True, capture_output=True, text=True, cwd=tmp_path)
+
+    call("crowd", "-n", "12", "--box", "6x5", "--door", "6,2.5,1.2", "--leave", "-o", "T")
+    plan = tmp_path / "T/decision.toml"
+    plan.write_text(plan.read_text().replace("]] },", "]], open = [[8, 10], [20, 99]] },"))
+    assert "open" in plan.read_text()
+    call("run", "T", "--until", "left", "-o", "whole.csv", "--outputs", "whole_outputs.csv")
+    table = pd.read_csv(tmp_path / "whole.csv", comment="#")
+    leave = np.sort(table[table["active"] == 1].groupby("id")["t"].max().to_numpy())
+    first, second = leave[leave < 15], leave[leave > 15]
+    assert len(first) > 1 and len(second) > 1 and len(leave) == 12
+    assert first.min() > 7.9 and first.max() < 10.1 and second.min() > 19.9
+    # Saved while it is closed, with people in front of it.
+    call("run", "T", "--until", "15", "--state", "half.run", "-o", "half.csv")
+    call("run", "T", "--until", "left", "--resume", "half.run", "-o", "rest.csv")
+    rest = pd.read_csv(tmp_path / "rest.csv", comment="#")
+    rest, same = (each[each["t"] > 15.01].reset_index(drop=True) for each in (rest, table))
+    assert rest[["t", "id", "x", "y", "active"]].equals(same[["t", "id", "x", "y", "active"]])
+
+
+def test_groups_of_the_example(lemons, tmp_path):
+    """docs/walking.md: a few of its crowds."""
+    command = [sys.executable, REPOSITORY / "examples/groups.py", "few", "--seeds", "1", "--sizes", "1", "2", "--parts", "0", "0.5"]
+    environment = {**os.environ, "LEMONS": str(lemons)}
+    said = subprocess.run(command, check=True, capture_output=True, text=True, cwd=tmp_path, env=environment).stdout
+    rows = {row[0]: [float(each) for each in row[1:]] for row in map(str.split, said.splitlines()) if row and row[0] in ("1", "2", "0.0", "0.5")}
+    # Slower than alone, and much nearer to each other than the same people without groups.
+    assert rows["2"][0] < rows["1"][0] and rows["2"][1] < 1.6 < rows["2"][2]
+    assert rows["0.5"][3] < rows["0.5"][4]
+
+
 def test_several_crowds_all_leave(lemons, tmp_path):
     """Two rooms in one SSP: the run ends as the last one of both has left."""
 

@@ -30,9 +30,13 @@ PHYSICS = ["collision", "speed"]
 # Drawings without numbers of a run: they are edited, not made.
 BY_HAND = {f"docs/guide/physics_{name}.svg" for name in ("body", "contact", "law", "step", "shortlist")}
 VALIDATION = ["rimea_6", "rimea_9", "rimea_12", "single_file", "corridor", "bottleneck", "faster", "peer"]
+SCENES = ["concert", "platform", "stadium"]
+STANDARDS = ["corner", "ring", "counterflow", "routes", "large_corner"]
 # By picture: the file that makes it, and what this file says of it.
 MADE_BY = {
     **{f"docs/{name}.png": ("docs/pictures.sh", f'"$to/{name}.png"') for name in ("push", "balance", "crowd", "people_kinds", "room", "measured", "flow", "turnstile")},
+    **{f"docs/scene_{name}.png": ("docs/pictures.sh", f'"$to/scene_{name}.png"') for name in SCENES},
+    **{f"docs/standards_{name}.svg": ("examples/standards/book.py", f"def draw_{name}(") for name in STANDARDS},
     **{f"docs/guide/{name}.png": ("docs/pictures.sh", f'"$to/guide/{name}.png"') for name in GUIDE},
     # crates/people/tests/physics.rs compares them.
     **{f"docs/guide/physics_{name}.svg": ("crates/people/tests/physics.rs", f'"physics_{name}.svg"') for name in PHYSICS},
@@ -57,7 +61,7 @@ def test_every_picture_has_a_command_and_a_page():
         assert words in (REPOSITORY / file).read_text(), f"{file} does not make {picture}"
 
 
-@pytest.mark.parametrize("name", ["push", "balance", "crowd", "people_kinds", "room", "guide", "measured", "flow", "turnstile"])
+@pytest.mark.parametrize("name", ["push", "balance", "crowd", "people_kinds", "scenes", "room", "guide", "measured", "flow", "turnstile"])
 def test_a_picture_is_what_pictures_sh_draws(lemons, tmp_path, name):
     if name == "measured" and not (SHARED / "data/push_wed").is_dir():
         pytest.skip("../shared is absent")
@@ -67,7 +71,8 @@ def test_a_picture_is_what_pictures_sh_draws(lemons, tmp_path, name):
     assert done.returncode == 0, done.stderr
     # Matplotlib draws letters with what a machine has; our own pictures do not.
     most = 0.01 if name in ("flow", "turnstile") else 0.0005
-    for file in [f"guide/{each}.png" for each in GUIDE] if name == "guide" else [f"{name}.png"]:
+    several = {"guide": [f"guide/{each}.png" for each in GUIDE], "scenes": [f"scene_{each}.png" for each in SCENES]}
+    for file in several.get(name, [f"{name}.png"]):
         part = differing(pixels(tmp_path / file), pixels(DOCS / file)).mean()
         assert part <= most, f"docs/{file} is old ({part:.2%} of its pixels differ): docs/pictures.sh docs {name}"
 
@@ -134,6 +139,9 @@ def test_pictures_that_take_minutes_are_of_what_they_were_drawn_from(lemons, tmp
     measured data: it may be old if its script or the mechanics has changed; that of waves, if its script, legs or the mechanics have.
     Those of the couplings need what is not everywhere, and a minute: they may be old if their scripts or the mechanics have changed."""
     of = {f"validation_{name}.svg": tables_of(name) for name in VALIDATION}
+    # A picture of the standards belongs to what the page says of its scene.
+    told = pages.text_of("docs/standards.md").splitlines()
+    of |= {f"standards_{name}.svg": "\n".join(line for line in told if f"(#{name.replace('_', '-')})" in line) for name in STANDARDS}
     of["calibration.png"] = (REPOSITORY / "examples/calibrate.py").read_text() + mechanics(lemons, tmp_path)
     legs = (REPOSITORY / "crates/decision/src").glob("balance*/*.rs")
     legs = [*legs, REPOSITORY / "crates/decision/src/balance.rs"]

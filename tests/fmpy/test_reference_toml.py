@@ -22,8 +22,13 @@ OTHER = {
     "path": ["5", "[]"],
     "list of tables": ["5", '"x"', "[5]"],
     "list of texts": ["5", '"0"', "[0]"],
+    "list of lists": ["5", '"0"', "[0]", '["0", "1"]', "[[0, 1]]", '[["0"]]', '[["0", "0"]]', '[["0", "99"]]'],
+    "list of pairs": ["5", "[]", "[5, 6]", "[[5]]", "[[6, 5]]", "[[1, 3], [2, 4]]", "[[-1, 2]]"],
+    "list of numbers": ["5", "[]", '["x"]', "[-1]", "[0]"],
     "table": ["5", '"x"'],
     "tables": ["5", '"x"'],
+    "two numbers": ["5", '"x"', "[1.0]", "[1.0, -1.0]"],
+    "list of doors": ["5", '"x"', "[5]", "[[1.0, 2.0]]"],
     "two places": ["[9, 1]", "[[9, 1]]", '"x"', "5"],
     "three places": ["[[9, 1], [9, 5]]", "[9, 1, 9, 5, 10, 5]", "5"],
 }
@@ -111,6 +116,8 @@ class DecisionReader(Reader):
         "For everybody": lambda file: file,
         "A change of motivation": lambda file: file["motivation"][0],
         "A way-point": lambda file: file["waypoints"][0],
+        "One of several ways": lambda file: file["ways"][0],
+        "Groups": lambda file: file.setdefault("groups", {}),
         "An exit or a goal": lambda file: file["exits"][0],
         "collision-free-speed": lambda file: file.setdefault("collision-free-speed", {}),
         "social-force": lambda file: file.setdefault("social-force", {}),
@@ -126,10 +133,19 @@ class DecisionReader(Reader):
             file["model"] = model
         for balance in {heading, key} & {"pendulum", "two-level"}:
             file["balance"] = balance
-        for exit in file["exits"] if key == "share" else []:
+        for exit in file["exits"] if (heading, key) == ("An exit or a goal", "share") else []:
             exit["share"] = 1
         if key == "push_sd":
             file["push"] = 100.0
+        if heading == "One of several ways" or key == "ways":
+            del file["waypoints"]
+            file["ways"] = [{"waypoints": [{"x": x, "y": 2.0}]} for x in (2.0, 3.0)]
+        if (heading, key) == ("One of several ways", "share"):
+            file["ways"][1]["share"] = 1
+        if (heading, key) == ("Groups", "sizes"):
+            file["groups"] = {"share": 1.0}
+        if key == "time_factor":
+            file["exit_choice"] = "time"
         if key == "polygon":
             file["exits"].reverse()
         if key in ("exits", "goals"):
@@ -178,6 +194,7 @@ class SweepReader(Reader):
         "The file": lambda file: file,
         "Parameters": lambda file: file["parameters"]["TimeStepMechanical"],
         "stop": lambda file: file["stop"],
+        "population": lambda file: file["population"],
     }
 
     def base(self, heading, key):
@@ -185,6 +202,9 @@ class SweepReader(Reader):
         if heading == "Parameters":
             # Without a count, whole numbers: of threads.
             file["parameters"] = {"TimeStepMechanical": {"from": 1e-5, "to": 1e-4, "count": 2}}
+        if heading == "population":
+            del file["trial"]
+            file["population"] = {"number": 4, "box": [6.0, 5.0], "doors": [[6.0, 2.5, 1.0]]}
         if heading == "stop":
             file["stop"] = {"of": "speed", "at_least": 1}
         if heading in self.MEASURES:
@@ -197,7 +217,7 @@ class SweepReader(Reader):
 READERS = {DECISION: DecisionReader, SWEEP: SweepReader}
 # Of these two, one must be there, and the other must not.
 EITHER = [("line", "polygon"), ("trial", "fmu"), ("parameters", "table"), ("at_least", "at_most")]
-NOT_BOTH = [*EITHER, ("exit", "goal")]
+NOT_BOTH = [*EITHER, ("exit", "goal"), ("trial", "population"), ("fmu", "population")]
 
 
 @pytest.fixture(scope="module")
@@ -330,11 +350,13 @@ def test_what_a_measure_may_be_of_and_take(readers, lemons):
 @pytest.mark.parametrize("page", READERS)
 def test_the_example_is_taken(readers, page):
     reader = readers[page]
-    (block,) = (block for block in pages.blocks(page) if block.language == "toml")
-    file = tomllib.loads(block.text)
-    if page == SWEEP:
-        file |= {"trial": str(REPOSITORY / file["trial"]), "until": 0.1}
-    assert not reader.refusal(file)
+    files = [tomllib.loads(block.text) for block in pages.blocks(page) if block.language == "toml"]
+    assert len(files) == (2 if page == SWEEP else 1)
+    for file in files:
+        if page == SWEEP:
+            file |= {"trial": str(REPOSITORY / file["trial"])} if "trial" in file else {}
+            file["until"] = 0.1
+        assert not reader.refusal(file)
     if page == DECISION:
         (most,) = map(int, re.findall(r"at most (\d+) exits and goals", pages.text_of(DECISION)))
         exit = {"line": file["exits"][0]["line"]}

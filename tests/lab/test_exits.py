@@ -157,10 +157,13 @@ def test_exits_beyond_doors_goals_and_shares(page: Page, tmp_path: Path) -> None
     rename(page, "Goal 1", "seat")
     page.get_by_label("How they walk among others").select_option(label="Straight on")
     fill(page, "Desired speed", 1)
-    becomes(page, lambda: [wishes(page)[key] for key in ("model", "desired_speed")], ["straight", 1])
+    page.get_by_label("Some walk in groups, such as families").check()
+    fill(page, "People in groups", 80)
+    becomes(page, lambda: [wishes(page)[key] for key in ("model", "desired_speed", "groups")], ["straight", 1, {"share": 0.8}])
     trial = download(page, "Trial (zip)", tmp_path)
     decision = tomllib.loads(held(trial)["decision.toml"])
     assert (decision["model"], decision["desired_speed"], decision["agents"]) == ("straight", 1, {"4": {"goal": "seat"}})
+    assert decision["groups"] == {"share": 0.8}
     assert [(exit["name"], exit["share"]) for exit in decision["exits"]] == [("door 1", 3), ("exit 1", 7)]
     assert decision["exits"][1]["polygon"] == corners and decision["goals"] == [{"name": "seat", "line": [[0.3, 0.5], [0.3, 2.5]]}]
     # Nine have an exit; who stands in the area has left at once. The command counts the same.

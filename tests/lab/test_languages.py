@@ -98,6 +98,17 @@ def test_every_tab_is_in_the_language_of_the_browser(browser: Browser, url: str,
     page.context.close()
 
 
+@pytest.mark.parametrize(("locale", "words"), [("de-AT", "3000 Personen passen nicht ohne Überlappung auf"), ("fr-CA", "3000 personnes ne tiennent pas sur")])
+def test_what_the_engine_refuses_is_in_the_language(browser: Browser, url: str, locale: str, words: str) -> None:
+    page = visit(browser, url, locale)
+    page.locator("header nav button").nth(2).click()
+    field = page.get_by_role("spinbutton", name=re.compile("^Person(en|nes)$"))
+    field.fill("3000")
+    field.press("Tab")
+    expect(page.get_by_role("alert").filter(has_text=words)).to_be_visible()
+    page.context.close()
+
+
 def test_the_language_can_be_chosen_and_is_kept(browser: Browser, url: str) -> None:
     page = visit(browser, url, "en-GB", 390)
     page.get_by_role("combobox", name="Language").select_option(label="Français")

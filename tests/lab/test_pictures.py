@@ -13,7 +13,7 @@ import pytest
 from drawn import differing, pixels
 from visit import LEMONS, ROOT
 
-NAMES = ["run", "exits", "3d", "room", "person"]
+NAMES = ["run", "exits", "3d", "kinds", "room", "person"]
 #: [pixel] Side of the blocks that are compared, and how many pixels of one may differ.
 BLOCK, MOST = 20, 12
 

@@ -1,12 +1,13 @@
 """Sweeps of the page beside `lemons run` and NumPy."""
 
+import math
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
-from visit import download, example, fill, lemons, make, plan, rows, tab, wait
+from visit import Picture, download, example, fill, lemons, make, places, plan, rows, tab, wait
 
 
 def room(page: Page) -> None:
@@ -139,3 +140,53 @@ def test_it_can_be_stopped_and_says_what_cannot_be_swept(page: Page) -> None:
     count = stopped.inner_text()
     page.wait_for_timeout(1500)
     assert stopped.inner_text() == count
+
+
+def test_changes_by_hand_stay_in_each_run_where_they_fit(page: Page, tmp_path: Path) -> None:
+    room(page)
+    tab(page, "Crowd")
+    picture = Picture(page)
+    page.get_by_role("button", name="To the start").click()
+    people = places(download(page, "Trial (zip)", tmp_path))
+    tab(page, "Crowd")
+    # One person to where nobody is in this crowd, one away.
+    free = max(((x / 10, y / 10) for x in range(5, 36) for y in range(5, 26)), key=lambda at: min(math.dist(at, pose[:2]) for pose in people.values()))
+    picture.drag(people["3"][:2], free)
+    wait(page, lambda: [edit["do"] for edit in plan(page)["made"]["edits"]] == ["move"])
+    picture.click(*people["5"][:2])
+    page.get_by_role("button", name="Delete person").click()
+    wait(page, lambda: len(plan(page)["made"]["edits"]) == 2)
+    edits = plan(page)["made"]["edits"]
+    tab(page, "Start")
+    page.get_by_text("A sweep: many values").click()
+    page.get_by_role("combobox", name="Parameter").select_option(label="Desired speed [m/s]")
+    page.get_by_label("Values [m/s]").fill("1, 1.5")
+    fill(page, "Seeds for each value", 4)
+    page.get_by_role("button", name="Begin the sweep").click()
+    expect(page.get_by_text("8 of 8 runs until 120 s.")).to_be_visible()
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="Runs of the sweep (CSV)").click()
+    waiting.value.save_as(tmp_path / "sweep.csv")
+    runs = rows(tmp_path / "sweep.csv")
+    # All who are left go out: the deleted one is in no run.
+    assert [row["left [people]"] for row in runs] == ["15"] * 8
+    out = [int(row["changes_left_out"]) for row in runs]
+    assert out[0] == out[4] == 0 and out[:4] == out[4:] and set(out) <= {0, 1}
+    # Where the place is free in the crowd of another seed: its own Trial says so.
+    for k, count in enumerate(out):
+        page.locator("svg.runs circle").nth(k).dispatch_event("click")
+        wait(page, lambda k=k: plan(page)["made"]["base"]["seed"] == int(runs[k]["seed"]) and plan(page)["made"]["motion"]["wishes"]["desired_speed"] == float(runs[k]["Desired speed [m/s]"]))
+        made = plan(page)["made"]["edits"]
+        assert made == (edits if count == 0 else edits[1:])
+        poses = places(download(page, "Trial (zip)", tmp_path))
+        assert "5" not in poses and (math.dist(poses["3"][:2], (edits[0]["x"], edits[0]["y"])) < 1e-9) == (count == 0)
+        expect(page.get_by_text("overlap, by up to")).to_have_count(0)
+        tab(page, "Start")
+        if not page.locator("svg.runs").is_visible():
+            page.get_by_text("A sweep: many values").click()
+    listed = page.get_by_text(re.compile(r"^Not all changes by hand fit in \d of 8 runs$"))
+    if sum(out):
+        listed.click()
+        expect(page.get_by_text(re.compile(r'seed \d: person "3" moved: person "3" would overlap')).first).to_be_visible()
+    else:
+        expect(listed).to_have_count(0)

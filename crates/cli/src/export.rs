@@ -4,17 +4,18 @@ use crate::embedded::InMemory;
 use crate::error::Misused;
 use crate::files::{self, Force};
 use crate::output::Output;
+use crate::trajectories::ReadingArguments;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use crowd_mechanics::setup;
 use lemons_core::files::input;
-use lemons_core::trial::Trial;
+use lemons_core::trial::{Trial, Wall};
 use lemons_decision::{DECISION_FILE, DecisionConfig, Person, Plan};
 use lemons_master::{FileType, Fmu, TrialInput};
 use lemons_people::drawing::{self, write_plan};
 use lemons_results::{
-    Area, Record, chaos, chaos_files, given_area, jupedsim, pedpy, series, series_files, trial_at_end,
-    walkable_area,
+    Area, Record, VELOCITY_OVER, chaos, chaos_files, given_area, jupedsim, pedpy, series, series_files,
+    trial_at_end, walkable_area,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -46,6 +47,8 @@ pub struct Arguments {
     /// Write only every N-th frame, beginning with the first
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
+    #[command(flatten)]
+    reading: ReadingArguments,
     #[command(flatten)]
     _force: Force,
     /// The run itself; the source is what messages call it.
@@ -112,8 +115,15 @@ pub fn export(arguments: &Arguments) -> Result<()> {
         What::Run(to) => to,
     };
     arguments.check()?;
+    let of_others = memory.is_none() && arguments.reading.is_for(source)?;
+    if of_others && matches!(to, Runs::Series | Runs::Trial) {
+        bail!(
+            "{}: --to series and --to trial are for runs of a Trial: these are positions only",
+            source.display()
+        );
+    }
     let trial = trial_of(source, arguments.trial.as_deref(), memory.as_deref())?;
-    if to == Runs::Jupedsim && trial.is_none() && arguments.area.is_none() {
+    if to == Runs::Jupedsim && !of_others && trial.is_none() && arguments.area.is_none() {
         bail!(
             "{}: its walls are not known: give the Trial or FMU of the run with --trial, or the walkable area with --area",
             source.display()
@@ -132,12 +142,22 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     if source.is_dir() && memory.is_none() {
         need()?;
     }
-    let run = recorded(source, &arguments.more, memory.as_deref(), trial.as_ref())?.every(*every as usize);
+    let run = if of_others {
+        arguments.reading.open(source, VELOCITY_OVER)?
+    } else {
+        recorded(source, &arguments.more, memory.as_deref(), trial.as_ref())?
+    };
+    let run = run.every(*every as usize);
     let (first, end) = (run.times().next().unwrap_or_default(), run.times().last().unwrap_or_default());
     let mut notes = Vec::new();
     match to {
         Runs::Jupedsim => {
-            let area = area(&run, ("--area", arguments.area.as_deref()), trial.as_ref())?;
+            let walls = trial.as_ref().map(|trial| trial.geometry.walls.clone());
+            let walls = match walls {
+                None if of_others => arguments.reading.walls(&run)?.walls,
+                walls => walls.unwrap_or_default(),
+            };
+            let area = area(&run, ("--area", arguments.area.as_deref()), &walls)?;
             jupedsim(&run, &area, out)?;
             notes = area.said;
         }
@@ -181,6 +201,14 @@ impl Arguments {
             (
                 to != Format::Jupedsim && self.area.is_some(),
                 "--area is for --to jupedsim: the other formats have no walkable area",
+            ),
+            (
+                to != Format::Jupedsim && self.reading.has_walls(),
+                "--geometry is for --to jupedsim: the other formats have no walls",
+            ),
+            (
+                !self.more.is_empty() && self.memory.is_none() && self.reading.is_for(&self.source)?,
+                "--more is for tables of lemons run",
             ),
             (
                 to != Format::Pedpy && files::is_standard_output(&self.out),
@@ -306,6 +334,7 @@ pub fn expect_table(path: &Path) -> Result<()> {
         FileType::TEXT,
         FileType::BINARY,
         FileType::PARQUET,
+        FileType::SQLITE,
         FileType::STREAM,
         FileType::TRIAL,
         FileType::DIRECTORY,
@@ -336,7 +365,7 @@ pub fn recorded(
 const LARGEST_AREA: u64 = 16 << 20;
 
 /// Returns the walkable area: given by an option, or from the walls.
-pub fn area(run: &Record, given: (&str, Option<&Path>), trial: Option<&Trial>) -> Result<Area> {
+pub fn area(run: &Record, given: (&str, Option<&Path>), walls: &[Wall]) -> Result<Area> {
     let positions = run.positions()?;
     let positions = positions.iter().copied();
     let (option, given) = given;
@@ -345,7 +374,7 @@ pub fn area(run: &Record, given: (&str, Option<&Path>), trial: Option<&Trial>) -
         let text = input::read_text(path, LARGEST_AREA).with_context(named)?;
         return given_area(&text, positions).map_err(|wrong| anyhow!("{}: {wrong}", named()));
     }
-    Ok(walkable_area(trial.map_or(&[][..], |trial| &trial.geometry.walls), positions))
+    Ok(walkable_area(walls, positions))
 }
 
 /// Claims files before one of them is written.

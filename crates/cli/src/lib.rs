@@ -32,6 +32,7 @@ mod pictures;
 mod replay;
 mod run;
 mod sweep;
+mod trajectories;
 mod verify;
 mod version;
 

@@ -46,7 +46,7 @@ pub struct Arguments {
     #[arg(long = "area", value_name = "[NAME=]X0,Y0,X1,Y1,…", value_parser = measuring_area, allow_hyphen_values = true)]
     areas: Vec<Named<MeasuringArea>>,
     /// Where people can be, which bounds Voronoi cells: a file with POLYGON ((x y, …), (hole), …) in
-    /// metres. Default: what the walls of the Trial or FMU enclose
+    /// metres. Default: what the walls of the Trial or FMU, or of --geometry, enclose
     #[arg(long, value_name = "FILE.wkt", requires = "areas")]
     walkable: Option<PathBuf>,
     /// For each person, the time with a mean squeeze above these, in newtons
@@ -129,13 +129,15 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
         if !arguments.above.is_empty() {
             bail!("--above: {}: {why}", source.path.display());
         }
-        note!("exposure to squeeze is left out: {why}");
+        if record.trajectories().is_none() {
+            note!("exposure to squeeze is left out: {why}");
+        }
     }
     let pieces: Vec<_> = trial.iter().flat_map(segments).collect();
     if arguments.walls && seen.walls.as_ref().is_none_or(|walls| walls.len() != pieces.len()) {
         bail!("--walls: {}: the results do not contain the forces on walls", source.path.display());
     }
-    let summary = Summary::of(arguments, record.ids(), pieces, &seen);
+    let summary = Summary::of(arguments, &record, pieces, &seen);
     let json = serde_json::to_string_pretty(&summary)? + "\n";
     let tables = tables::of(arguments, record.ids(), &summary, &seen)?;
     if let Some(directory) = output {
@@ -177,7 +179,8 @@ impl Arguments {
 
     /// Returns where people can be.
     fn room(&self, record: &Record, trial: Option<&Trial>) -> Result<Room> {
-        let area = area(record, ("--walkable", self.walkable.as_deref()), trial)?;
+        let walls = trial.map_or(&[][..], |trial| &trial.geometry.walls);
+        let area = area(record, ("--walkable", self.walkable.as_deref()), walls)?;
         for line in &area.said {
             // Here --area is something else.
             note!("{}", line.replace("--area", "--walkable"));

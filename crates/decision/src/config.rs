@@ -67,11 +67,13 @@ pub struct DecisionConfig {
     pub(crate) push_sd: Option<f64>,
     pub(crate) seed: Option<u64>,
     pub(crate) waypoints: Option<Vec<Waypoint>>,
+    pub(crate) ways: Option<Vec<WayConfig>>,
     pub(crate) exits: Option<Vec<TargetConfig>>,
     pub(crate) exit_choice: Option<ExitChoice>,
     pub(crate) goals: Option<Vec<TargetConfig>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) motivation: Vec<Motivation>,
+    pub(crate) groups: Option<GroupsConfig>,
     #[serde(rename = "collision-free-speed")]
     pub(crate) collision_free_speed: Option<CollisionFreeSpeed>,
     #[serde(rename = "social-force")]
@@ -99,8 +101,29 @@ pub(crate) struct AgentConfig {
     pub goal: Option<String>,
 }
 
-/// An exit, where people leave, or a goal, where they stay.
+/// One of several ways, and how many people take it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WayConfig {
+    pub waypoints: Vec<Waypoint>,
+    /// Part of the people who take it; the same for all ways if it is not said.
+    pub share: Option<f64>,
+}
+
+/// Groups of people who stay together.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GroupsConfig {
+    /// Ids of the members of each group.
+    pub members: Option<Vec<Vec<String>>>,
+    /// Part of the people who are in drawn groups.
+    pub share: Option<f64>,
+    /// Relative numbers of drawn groups of two, of three, and so on.
+    pub sizes: Option<Vec<f64>>,
+}
+
+/// An exit, where people leave, or a goal, where they stay.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TargetConfig {
     pub name: Option<String>,
@@ -112,6 +135,10 @@ pub(crate) struct TargetConfig {
     pub polygon: Option<Vec<[f64; 2]>>,
     /// Part of the people who take it, instead of the nearest.
     pub share: Option<f64>,
+    /// \[s\] Times from which to which people can leave by it.
+    pub open: Option<Vec<[f64; 2]>>,
+    /// Factor of the expected time.
+    pub time_factor: Option<f64>,
 }
 
 /// Arrays of TOML that are too long would be cut.
@@ -153,8 +180,41 @@ impl DecisionConfig {
     /// Returns the same without settings of those who are not among these people; `None` if there are none of others.
     pub fn without_others(&self, people: &[Person]) -> Option<DecisionConfig> {
         let mut fewer = self.clone();
-        fewer.agents.retain(|id, _| people.iter().any(|person| person.id == *id));
+        let is_there = |id: &String| people.iter().any(|person| person.id == *id);
+        fewer.agents.retain(|id, _| is_there(id));
+        if let Some(groups) = fewer.groups.as_mut().and_then(|groups| groups.members.as_mut()) {
+            groups.iter_mut().for_each(|group| group.retain(is_there));
+            groups.retain(|group| group.len() > 1);
+        }
         (fewer != *self).then_some(fewer)
+    }
+
+    /// Returns the same with desired speeds \[m/s\] of agents, by their Ids; of those who have one already it stays.
+    #[must_use]
+    pub fn with_speeds(mut self, speeds: impl IntoIterator<Item = (String, f64)>) -> DecisionConfig {
+        for (id, speed) in speeds {
+            self.agents.entry(id).or_default().desired_speed.get_or_insert(speed);
+        }
+        self
+    }
+
+    /// Makes settings in which everybody leaves by lines \[m\] with names, at one speed \[m/s\]; of several, people choose by
+    /// the expected time.
+    pub fn leaving(
+        model: WalkingModelName,
+        speed: f64,
+        exits: impl IntoIterator<Item = (String, [[f64; 2]; 2])>,
+    ) -> DecisionConfig {
+        let exit =
+            |(name, line)| TargetConfig { name: Some(name), line: Some(line), ..TargetConfig::default() };
+        let exits: Vec<TargetConfig> = exits.into_iter().map(exit).collect();
+        DecisionConfig {
+            model: Some(model),
+            desired_speed: Some(Spread::Same(speed)),
+            exit_choice: (exits.len() > 1).then_some(ExitChoice::Time),
+            exits: Some(exits),
+            ..DecisionConfig::default()
+        }
     }
 
     /// Makes settings in which nobody goes anywhere, with legs of a model.

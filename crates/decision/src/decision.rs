@@ -1,11 +1,11 @@
 //! The model of the FMU: poses are inputs, drives are outputs.
 
 use crate::balance::{Legs, Motion};
-use crate::exit_choice::{Choice, Queues};
+use crate::exit_choice::{Choice, ExitChoice, Offer, Queues};
 use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
 use crate::stuck::{StuckAction, StuckState, normal, share};
-use crate::target::{Arrival, Destination, Ways};
+use crate::target::{Arrival, Destination, Target, Ways};
 use crate::walking_model::{DesiredMotion, Walking, WalkingModel};
 use lemons_core::files::input;
 use lemons_core::plane::{Rotation, Vec2, vec2};
@@ -17,6 +17,7 @@ use std::f64::consts::TAU;
 use std::fmt::Display;
 use std::sync::Arc;
 
+mod groups;
 mod legs;
 pub mod quantities;
 
@@ -125,6 +126,8 @@ pub struct Decision {
     time: f64,
     /// Largest number of way-points of an agent, at least 1.
     most_waypoints: usize,
+    /// Group of each agent, if it is in one.
+    groups: Arc<Vec<Option<usize>>>,
     /// Of the walls.
     faces: Arc<Vec<[Vec2; 2]>>,
     /// Found when they are first needed; `None` inside if nobody needs any.
@@ -168,6 +171,10 @@ impl Decision {
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
         let most_waypoints = most.unwrap_or(0).max(1);
         let agents = agents.collect();
+        let mut groups = vec![None; plan.agents.len()];
+        for (group, members) in plan.groups.iter().enumerate() {
+            members.iter().for_each(|&i| groups[i] = Some(group));
+        }
         let walls = plan.polylines();
         let faces = walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]])).collect();
         let faces = Arc::new(faces);
@@ -177,6 +184,7 @@ impl Decision {
             plan,
             fingerprint,
             most_waypoints,
+            groups: Arc::new(groups),
             faces,
             ways: None,
             wanted: None,
@@ -260,6 +268,8 @@ impl Decision {
         for motivation in self.plan.motivation.iter().filter(|motivation| due(motivation.time)) {
             self.agents.iter_mut().for_each(|agent| agent.walker.motivate(motivation));
         }
+        let opens = |exit: &Target| exit.is_open(before) != exit.is_open(self.time);
+        goes_on |= self.plan.targets.iter().any(opens);
         if goes_on || self.agents.iter().any(|agent| due(agent.walker.start)) {
             (self.wanted, self.aims) = (None, None);
         }
@@ -279,25 +289,30 @@ impl Decision {
         Ok((0..self.agents.len()).filter(arrived).count())
     }
 
-    /// Everybody whose turn it is chooses an exit, if people choose by the expected time.
+    /// Everybody whose turn it is chooses an exit, as it is after a step \[s\], if people choose by more than where exits are.
     fn choose_exits(&mut self, step: f64) {
-        let Some(Some(ways)) = self.ways.clone().filter(|_| self.plan.chooses_by_time()) else { return };
-        let targets = &self.plan.targets;
-        let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
+        let Some(Some(ways)) = self.ways.clone().filter(|_| self.plan.chooses()) else { return };
+        let (now, by_time) = (self.time + step, self.plan.exit_choice == ExitChoice::Time);
         let here = |i: &usize| !self.agents[*i].left && self.has_started(*i);
         let here: Vec<usize> = (0..self.agents.len()).filter(here).collect();
         for &i in &here {
-            if self.destination(i) == Destination::NearestExit {
-                let far = |k: &usize| self.to_go(i, Destination::Target(*k));
-                let nearest = exits.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b)));
-                self.agents[i].choice.exit = nearest;
+            let own = self.agents[i].choice.exit;
+            if self.plan.agents[i].destination == Destination::NearestExit && !(by_time && own.is_some()) {
+                let nearest = self.nearest_exit(i, now);
+                match (own, nearest) {
+                    (Some(_), Some(exit)) => self.change_exit(i, exit),
+                    _ => self.agents[i].choice.exit = nearest,
+                }
             }
+        }
+        if !by_time {
+            return;
         }
         let heads = |i: &usize| match self.destination(*i) {
             Destination::Target(k) => Some((k, self.to_go(*i, Destination::Target(k)))),
             _ => None,
         };
-        let mut queues = Queues::new(targets.len(), here.iter().filter_map(heads));
+        let mut queues = Queues::new(self.plan.targets.len(), here.iter().filter_map(heads));
         let from = |i: &usize| {
             let agent = &self.agents[*i];
             let last = agent.walker.waypoints[agent.next()..].last();
@@ -305,23 +320,58 @@ impl Decision {
         };
         let from: Vec<Vec2> = here.iter().filter_map(from).collect();
         let widths: Vec<(usize, f64)> =
-            exits.into_iter().map(|k| (k, ways.width(k, from.iter().copied()))).collect();
+            self.exits().map(|k| (k, ways.width(k, from.iter().copied()))).collect();
         for i in here {
-            let Some(own) = self.agents[i].choice.exit else { continue };
+            let Some(own) = self.agents[i].choice.exit.filter(|_| self.leader(i) == i) else { continue };
             if !self.agents[i].choice.is_due(step) {
                 continue;
             }
-            let way = |&(k, width): &(usize, f64)| (k, self.to_go(i, Destination::Target(k)), width);
-            let all: Vec<(usize, f64, f64)> = widths.iter().map(way).collect();
-            let Some(exit) = queues.change(own, self.agents[i].walker.desired_speed, &all) else { continue };
-            let before = self.goes(i);
-            let choice = &mut self.agents[i].choice;
-            (choice.exit, choice.turn) = (Some(exit), 0.0);
-            // The direction of walking follows from the one before.
-            if let (Some((before, _)), Some((after, _))) = (before, self.goes(i)) {
-                self.agents[i].choice.turn = libm::atan2(after.cross(before), after.dot(before));
+            let offer = |&(target, width): &(usize, f64)| {
+                let distance = self.to_go(i, Destination::Target(target));
+                let Target { open, time_factor, .. } = &self.plan.targets[target];
+                Offer { target, distance, width, open, time_factor: *time_factor }
+            };
+            let all: Vec<Offer<'_>> = widths.iter().map(offer).collect();
+            let Some(exit) = queues.change(own, self.agents[i].walker.desired_speed, now, &all) else {
+                continue;
+            };
+            self.change_exit(i, exit);
+            let others = self.group(i).into_iter().flatten().copied();
+            for j in others.filter(|&j| j != i && !self.agents[j].left).collect::<Vec<_>>() {
+                let Some(own) = self.agents[j].choice.exit.filter(|own| *own != exit) else { continue };
+                let [before, after] = [own, exit].map(|k| (k, self.to_go(j, Destination::Target(k))));
+                queues.shift(before, after);
+                self.change_exit(j, exit);
             }
         }
+    }
+
+    /// Somebody takes another exit. The direction of walking follows from the one before.
+    fn change_exit(&mut self, i: usize, exit: usize) {
+        if self.agents[i].choice.exit == Some(exit) {
+            return;
+        }
+        let before = self.goes(i);
+        let choice = &mut self.agents[i].choice;
+        (choice.exit, choice.turn) = (Some(exit), 0.0);
+        if let (Some((before, _)), Some((after, _))) = (before, self.goes(i)) {
+            self.agents[i].choice.turn = libm::atan2(after.cross(before), after.dot(before));
+        }
+    }
+
+    fn exits(&self) -> impl Iterator<Item = usize> {
+        (0..self.plan.targets.len()).filter(|k| !self.plan.targets[*k].stay)
+    }
+
+    /// Returns the exit that is nearest on foot, of those that are open at a time \[s\]; if none is, of all. A group has that
+    /// of its first member.
+    fn nearest_exit(&self, i: usize, time: f64) -> Option<usize> {
+        let i = self.leader(i);
+        let far = |k: &usize| self.to_go(i, Destination::Target(*k));
+        let nearest = |wanted: &dyn Fn(&usize) -> bool| {
+            self.exits().filter(wanted).min_by(|a, b| far(a).total_cmp(&far(b)))
+        };
+        nearest(&|k| self.plan.targets[*k].is_open(time)).or_else(|| nearest(&|_| true))
     }
 
     /// The same at its start.
@@ -342,7 +392,9 @@ impl Decision {
     /// Computes the aims of all agents, unless that was done at these poses.
     fn find_aims(&mut self) {
         if self.aims.is_none() {
-            self.aims = Some((0..self.agents.len()).map(|i| self.find_aim(i)).collect());
+            let mut aims: Vec<Aim> = (0..self.agents.len()).map(|i| self.find_aim(i)).collect();
+            self.keep_together(&mut aims);
+            self.aims = Some(aims);
         }
     }
 
@@ -361,17 +413,29 @@ impl Decision {
             return Some(Arrival::Leaves);
         }
         let there = agent.next() == agent.walker.waypoints.len();
-        self.ways().filter(|_| there)?.arrived(self.plan.agents[i].destination, agent.from(), agent.at())
+        let open = |k: usize| self.plan.targets[k].is_open(self.time);
+        self.ways().filter(|_| there)?.arrived(
+            self.plan.agents[i].destination,
+            agent.from(),
+            agent.at(),
+            open,
+        )
     }
 
-    /// Returns whether an agent walks by now. A rounding error is not a time.
+    /// Returns whether an agent walks by now; a group starts when the last one of it does. A rounding error is not a time.
     fn has_started(&self, i: usize) -> bool {
-        self.time >= self.agents[i].walker.start - 1e-9
+        let starts = |i: usize| self.time >= self.agents[i].walker.start - 1e-9;
+        self.group(i).map_or_else(|| starts(i), |group| group.iter().all(|&j| starts(j)))
     }
 
     /// Destination of an agent: the exit that it has chosen, if it chooses one.
     fn destination(&self, i: usize) -> Destination {
-        self.agents[i].choice.exit.map_or(self.plan.agents[i].destination, Destination::Target)
+        let planned = self.plan.agents[i].destination;
+        let at_once = || {
+            let chooses = planned == Destination::NearestExit && self.plan.chooses_at_once();
+            if chooses { self.nearest_exit(i, self.time) } else { None }
+        };
+        self.agents[i].choice.exit.or_else(at_once).map_or(planned, Destination::Target)
     }
 
     /// Where an agent wants to go from its present pose: a unit vector, and the speed \[m/s\].
@@ -395,7 +459,9 @@ impl Decision {
             return nowhere;
         }
         let Some(ways) = self.ways() else { return nowhere };
-        let (leg, turn) = (ways.leg(destination, agent.at()), agent.choice.turn);
+        let closed =
+            matches!(destination, Destination::Target(k) if !self.plan.targets[k].is_open(self.time));
+        let (leg, turn) = (ways.leg(destination, agent.at(), closed), agent.choice.turn);
         // Without a change of the exit, not even rounding.
         let turned = |way: Vec2| if turn == 0.0 { way } else { way.rotated(Rotation::by(turn)) };
         let goes = leg.direction.map(|way| (turned(way), leg.share * agent.walker.desired_speed));
@@ -440,8 +506,12 @@ impl Decision {
         let agent = &self.agents[i];
         // Towards way-points, the paper's rule as it is.
         let walks = self.has_started(i) && !agent.waits();
-        if walks && agent.next() < agent.walker.waypoints.len() && !self.plan.walking_model.sees_others() {
+        let alone = !self.plan.walking_model.sees_others() && self.group(i).is_none();
+        if walks && agent.next() < agent.walker.waypoints.len() && alone {
             return Ok(agent.walker.drive(agent.next(), agent.pose));
+        }
+        if !self.plan.groups.is_empty() {
+            self.find_aims();
         }
         let DesiredMotion { velocity, force, facing, .. } = self.intent(i);
         let Agent { walker, pose, .. } = &self.agents[i];
@@ -541,7 +611,7 @@ impl Model for Decision {
     const DESCRIPTION: &'static str =
         "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
     const STOP_TIME: f64 = 30.0;
-    const STATE_VERSION: u32 = 7;
+    const STATE_VERSION: u32 = 8;
     const SIZES: &'static [Size] = &quantities::SIZES;
     const VARIABLES: &'static [Variable<Quantity>] = &quantities::QUANTITIES;
 

@@ -8,6 +8,8 @@ use thiserror::Error;
 pub(crate) const MOST_TARGETS: usize = 50;
 /// Largest number of way-points of an agent: each is some variables of the FMU.
 pub(crate) const MOST_WAYPOINTS: usize = 10_000;
+/// Largest number of members of a group: each looks at all others.
+pub(crate) const MOST_MEMBERS: usize = 20;
 /// Greatest speed or strength: products of a few of them are finite.
 const GREATEST: f64 = 1e9;
 
@@ -46,6 +48,31 @@ pub enum PlanError {
     Both(String),
     #[error("exits: give a `share` for each or for none")]
     SomeShares,
+    #[error(
+        "exits[{0}]: time_factor: has an effect only with `exit_choice = \"time\"`: say so, or leave it out"
+    )]
+    NotByTime(usize),
+    #[error(
+        "{place}: open = {value}: must be pairs [from, to] in s, from 0 to 1e9, each from below its to, in order, not overlapping"
+    )]
+    Open { place: String, value: String },
+    #[error("{place}: open: only exits have it: nobody leaves by a goal")]
+    OpenGoal { place: String },
+    #[error("ways: give `ways` or `waypoints` for everybody, one of the two")]
+    WaysAndWaypoints,
+    #[error("ways: give a `share` for each or for none")]
+    SomeWayShares,
+    #[error("groups: members[{group}]: {id:?}: {problem}")]
+    Member { group: usize, id: String, problem: &'static str },
+    #[error("groups: members[{group}] has {count} members; a group has 2 to {MOST_MEMBERS}")]
+    GroupSize { group: usize, count: usize },
+    #[error("groups: sizes: give 1 to {most} numbers: of groups of two, of three, and so on", most = MOST_MEMBERS - 1)]
+    GroupSizes,
+    #[error(
+        "agents.{one} and agents.{other} are in one group, and have different exits, goals or way-points: give one of \
+         the two"
+    )]
+    GroupParts { one: String, other: String },
     #[error("{0} exits and goals; at most {MOST_TARGETS} are allowed")]
     TooManyTargets(usize),
     #[error("{place}: lies on walls, or is shut in by them: nobody can reach it from anywhere")]

@@ -10,6 +10,9 @@
 //! those of Kretz, J. Stat. Mech. (2009) P03012; that people see queues and change to a quicker way, of Kemloh Wagoum,
 //! Seyfried, Holl, Adv. Complex Syst. 15 (2012) 1250029.
 //!
+//! If the exit is closed at times, the queue gets shorter only while it is open, and who is there waits until it is
+//! ([`passed`]). A person may prefer an exit: its time is multiplied by a factor.
+//!
 //! At first everybody has the nearest exit. Each reconsiders once a second, one after the other, and changes only if the
 //! gain is clear.
 
@@ -65,6 +68,39 @@ impl Choice {
     }
 }
 
+/// Returns after how many seconds somebody is through an exit who is there after `arrival` \[s\], and before whom people
+/// leave for `service` \[s\], if it is `open` from and to these times \[s\] and it is `now` \[s\]. Infinite if it closes
+/// before, for ever.
+pub fn passed(open: &[[f64; 2]], now: f64, arrival: f64, mut service: f64) -> f64 {
+    if open.is_empty() {
+        return arrival.max(service);
+    }
+    for &[from, to] in open {
+        let (from, to) = ((from - now).max(0.0), to - now);
+        let through = (from + service).max(arrival);
+        if through < to {
+            return through;
+        }
+        service = (service - (to - from).max(0.0)).max(0.0);
+    }
+    f64::INFINITY
+}
+
+/// An exit that somebody may choose.
+#[derive(Debug, Clone, Copy)]
+pub struct Offer<'a> {
+    /// Index of the target.
+    pub target: usize,
+    /// \[m\] How far it is on foot.
+    pub distance: f64,
+    /// \[m\] Width of the way to it.
+    pub width: f64,
+    /// See [`crate::target::Target`].
+    pub open: &'a [[f64; 2]],
+    /// See [`crate::target::Target`].
+    pub time_factor: f64,
+}
+
 /// Distances \[m\] to each target of those who head for it, sorted.
 #[derive(Debug, Clone)]
 pub struct Queues(Vec<Vec<f64>>);
@@ -82,28 +118,35 @@ impl Queues {
         self.0[target].partition_point(|other| *other < distance)
     }
 
-    /// Returns the target to which somebody changes, if it is clearly the quickest: of the targets with their distances
-    /// \[m\] and widths \[m\]. `own` is the present one, `speed` \[m/s\] the desired speed.
-    pub fn change(&mut self, own: usize, speed: f64, ways: &[(usize, f64, f64)]) -> Option<usize> {
-        let time = |&(target, distance, width): &(usize, f64, f64)| {
-            (distance / speed).max(self.ahead(target, distance) as f64 / (FLOW * width))
+    /// Returns the target to which somebody changes, if it is clearly the quickest of these. `own` is the present one, `speed`
+    /// \[m/s\] the desired speed, and it is `now` \[s\].
+    pub fn change(&mut self, own: usize, speed: f64, now: f64, offers: &[Offer<'_>]) -> Option<usize> {
+        let time = |offer: &Offer<'_>| {
+            let &Offer { target, distance, width, open, time_factor } = offer;
+            let service = self.ahead(target, distance) as f64 / (FLOW * width);
+            time_factor * passed(open, now, distance / speed, service)
         };
-        let present = ways.iter().find(|way| way.0 == own)?;
-        let best = ways.iter().min_by(|a, b| time(a).total_cmp(&time(b)))?;
+        let present = offers.iter().find(|offer| offer.target == own)?;
+        let best = offers.iter().min_by(|a, b| time(a).total_cmp(&time(b)))?;
         let (before, after) = (time(present), time(best));
         // Without a speed no time is finite, and nobody changes.
         let gains = before - after >= LEAST_GAIN.max(LEAST_SHARE * before);
         if !gains {
             return None;
         }
-        let place = self.ahead(own, present.1);
+        self.shift((own, present.distance), (best.target, best.distance));
+        Some(best.target)
+    }
+
+    /// Somebody heads for another target: targets with the distances \[m\].
+    pub fn shift(&mut self, from: (usize, f64), to: (usize, f64)) {
+        let place = self.ahead(from.0, from.1);
         // Also of numbers that are none.
-        if place < self.0[own].len() {
-            self.0[own].remove(place);
+        if place < self.0[from.0].len() {
+            self.0[from.0].remove(place);
         }
-        let place = self.ahead(best.0, best.1);
-        self.0[best.0].insert(place, best.1);
-        Some(best.0)
+        let place = self.ahead(to.0, to.1);
+        self.0[to.0].insert(place, to.1);
     }
 }
 
@@ -114,12 +157,13 @@ mod tests {
     /// The outside: the rule by hand. 32 people are ahead at a door of 1 m: 20 s; it is 13.4 m to the other one: 10 s.
     #[test]
     fn who_gains_enough_changes_and_the_next_one_sees_it() {
-        let ways = [(0, 5.0, 1.0), (1, 13.4, 2.0)];
+        let offer = |target, distance, width| Offer { target, distance, width, open: &[], time_factor: 1.0 };
+        let ways = [offer(0, 5.0, 1.0), offer(1, 13.4, 2.0)];
         let change = |ahead: usize, there: usize| {
             let people = [(0, 1.0, ahead), (1, 2.0, there), (0, 5.0, 1)].into_iter();
             let each = people.flat_map(|(target, distance, count)| vec![(target, distance); count]);
             let mut queues = Queues::new(2, each);
-            let changed = queues.change(0, 1.34, &ways);
+            let changed = queues.change(0, 1.34, 0.0, &ways);
             (changed, [queues.0[0].len(), queues.0[1].len()])
         };
         assert_eq!(change(32, 0), (Some(1), [32, 1]));
@@ -130,7 +174,37 @@ mod tests {
         assert_eq!((change(32, 51).0, change(32, 52).0), (Some(1), None));
         // Nobody who stands, and everybody who has no way.
         let mut queues = Queues::new(2, [(0, 5.0), (0, f64::INFINITY)].into_iter());
-        assert_eq!(queues.change(0, 0.0, &ways), None);
-        assert_eq!(queues.change(0, 1.34, &[(0, f64::INFINITY, 1.0), ways[1]]), Some(1));
+        assert_eq!(queues.change(0, 0.0, 0.0, &ways), None);
+        assert_eq!(queues.change(0, 1.34, 0.0, &[offer(0, f64::INFINITY, 1.0), ways[1]]), Some(1));
+    }
+
+    /// The outside: sums by hand. It is 7 s; the exit is open from 10 s to 15 s and from 30 s to 40 s.
+    #[test]
+    fn a_queue_gets_shorter_while_the_exit_is_open() {
+        let open = [[10.0, 15.0], [30.0, 40.0]];
+        let through = |arrival, service| passed(&open, 7.0, arrival, service);
+        // There before it opens; with a queue of 2 s; there later than the queue needs.
+        assert_eq!([through(1.0, 0.0), through(1.0, 2.0), through(6.0, 2.0)], [3.0, 5.0, 6.0]);
+        // Closed again at 8 s; of a queue of 7 s, 5 s are left over until 23 s; of 15 s nobody knows when.
+        assert_eq!([through(9.0, 0.0), through(1.0, 7.0), through(1.0, 15.0)], [23.0, 25.0, f64::INFINITY]);
+        assert_eq!([passed(&open, 12.0, 1.0, 0.5), passed(&open, 50.0, 0.0, 0.0)], [1.0, f64::INFINITY]);
+        assert_eq!(passed(&[], 3.0, 1.0, 2.0), 2.0);
+    }
+
+    /// The outside: by hand. 10 s on foot against an exit of 13.4 s that is preferred, and one that opens in 4 s.
+    #[test]
+    fn who_prefers_an_exit_or_waits_for_one_counts_it() {
+        let own = Offer { target: 0, distance: 13.4, width: 1.0, open: &[], time_factor: 1.0 };
+        let change = |speed_of_other: f64, other: Offer<'_>| {
+            let other = Offer { target: 1, distance: 1.34 * speed_of_other, ..other };
+            Queues::new(2, [(0, 13.4)].into_iter()).change(0, 1.34, 6.0, &[own, other])
+        };
+        let preferred = Offer { time_factor: 0.5, ..own };
+        assert_eq!(
+            (change(13.0, own), change(13.0, preferred), change(17.0, preferred)),
+            (None, Some(1), None)
+        );
+        let opens = |at: f64| change(1.0, Offer { open: &[[at, 100.0]], ..own });
+        assert_eq!((opens(12.0), opens(14.5), opens(5.0)), (Some(1), None, Some(1)));
     }
 }

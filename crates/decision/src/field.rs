@@ -146,6 +146,11 @@ impl Grid {
         }
     }
 
+    /// \[m\] Returns the distance of two nodes.
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
     fn place(&self, node: usize) -> Vec2 {
         let (row, column) = (node / self.columns, node % self.columns);
         self.origin + vec2(column as f64 * self.step, row as f64 * self.step)

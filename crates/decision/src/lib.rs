@@ -45,7 +45,7 @@ pub mod stuck;
 pub mod target;
 pub mod walking_model;
 
-pub use config::{BalanceName, DECISION_FILE, DecisionConfig};
+pub use config::{BalanceName, DECISION_FILE, DecisionConfig, WalkingModelName};
 pub use decision::Decision;
 pub use error::PlanError;
 pub use person::Person;

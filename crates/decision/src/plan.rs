@@ -4,6 +4,7 @@
 
 mod checked;
 mod destinations;
+mod groups;
 mod normalized;
 
 use crate::balance::Balance;
@@ -15,7 +16,7 @@ use crate::rule::{Motivation, Pose, UNLIMITED, Walker, Waypoint, usual_stature};
 use crate::stuck::normal;
 use crate::target::{Destination, Target, Ways};
 use crate::walking_model::WalkingModel;
-use destinations::{destinations, targets_of};
+use destinations::{destinations, targets_of, ways};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::Trial;
 pub use normalized::normalized;
@@ -75,6 +76,9 @@ pub struct Plan {
     /// \[m\] Corners (x, y) of each wall; none if nobody looks at them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub walls: Vec<Vec<[f64; 2]>>,
+    /// Groups that stay together: places of their members in `agents`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub groups: Vec<Vec<usize>>,
     /// Model of how people walk among others.
     #[serde(default, skip_serializing_if = "is_default")]
     pub walking_model: WalkingModel,
@@ -126,10 +130,17 @@ impl Plan {
         config.start.map_or(Ok(()), |start| start.check("start"))?;
         let (walking_model, balance) = (config.walking_model()?, config.balance()?);
         let targets = targets_of(config)?;
-        let destinations = destinations(people, config, &targets)?;
+        let walls: Vec<&[Vec2]> = walls.collect();
+        let faces = walls.iter().flat_map(|wall| wall.windows(2)).map(|ends| [ends[0], ends[1]]);
+        let groups = groups::groups(people, config, &faces.collect::<Vec<_>>())?;
+        let leads = groups::leads(people, config, &groups)?;
+        let destinations = destinations(people, config, &targets, &groups, &leads)?;
+        let chosen = ways(people.len(), config, &groups)?;
         let nothing = AgentConfig::default();
         let goes = |waypoints: &Option<Vec<Waypoint>>| waypoints.as_ref().is_some_and(|way| !way.is_empty());
-        let ways = goes(&config.waypoints) || config.agents.values().any(|own| goes(&own.waypoints));
+        let several = config.ways.as_ref().is_some_and(|ways| !ways.is_empty());
+        let ways =
+            several || goes(&config.waypoints) || config.agents.values().any(|own| goes(&own.waypoints));
         let only_stands = balance.is_some() && targets.is_empty() && !ways;
         let seed = config.seed.unwrap_or(0);
         let push = |i: usize| {
@@ -139,9 +150,12 @@ impl Plan {
         };
         let agents = people.iter().zip(destinations).enumerate().map(|(i, (person, destination))| {
             let own = config.agents.get(&person.id).unwrap_or(&nothing);
-            let waypoints = own.waypoints.as_ref().or(config.waypoints.as_ref()).cloned().unwrap_or_default();
+            let lead = config.agents.get(&people[leads[i]].id).unwrap_or(&nothing);
+            let chosen = chosen[i].map(|k| &config.ways.as_ref().expect("one was chosen")[k].waypoints);
+            let usual = chosen.or(config.waypoints.as_ref());
+            let waypoints = lead.waypoints.as_ref().or(usual).cloned().unwrap_or_default();
             // Who is said to have no way, in a crowd with legs, stands.
-            let stands = only_stands || balance.is_some() && own.waypoints.is_some();
+            let stands = only_stands || balance.is_some() && lead.waypoints.is_some();
             if waypoints.is_empty() && destination == Destination::None && !stands {
                 return Err(PlanError::NoWaypoint(person.id.clone()));
             }
@@ -172,12 +186,24 @@ impl Plan {
         });
         let agents = agents.collect::<Result<_, PlanError>>()?;
         // Who sees neither walls nor exits needs no copy of them.
-        let seen = walking_model.sees_others() || !targets.is_empty() || balance.is_some();
-        let walls = walls.filter(|_| seen).map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
+        let seen =
+            walking_model.sees_others() || !targets.is_empty() || balance.is_some() || !groups.is_empty();
+        let walls = walls.into_iter().filter(|_| seen);
+        let walls = walls.map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
         let exit_choice = config.exit_choice.unwrap_or_default();
         let motivation = config.motivation.clone();
-        let plan =
-            Plan { time_step, seed, walls, walking_model, balance, exit_choice, motivation, targets, agents };
+        let plan = Plan {
+            time_step,
+            seed,
+            walls,
+            groups,
+            walking_model,
+            balance,
+            exit_choice,
+            motivation,
+            targets,
+            agents,
+        };
         let plan = plan.checked()?;
         plan.check_ways()?;
         Ok(plan)
@@ -199,10 +225,16 @@ impl Plan {
         toml::to_string(self).map_err(|error| PlanError::Toml(error.to_string()))
     }
 
-    /// Returns whether somebody chooses an exit by the expected time.
-    pub(crate) fn chooses_by_time(&self) -> bool {
+    /// Returns whether somebody chooses an exit by more than where it is: by the expected time, by what is open, or with
+    /// others.
+    pub(crate) fn chooses(&self) -> bool {
         let chooses = |agent: &Planned| agent.destination == Destination::NearestExit;
-        self.exit_choice == ExitChoice::Time && self.agents.iter().any(chooses)
+        (self.exit_choice == ExitChoice::Time || self.chooses_at_once()) && self.agents.iter().any(chooses)
+    }
+
+    /// Returns whether those who choose do so before the first step.
+    pub(crate) fn chooses_at_once(&self) -> bool {
+        !self.groups.is_empty() || self.targets.iter().any(|target| !target.open.is_empty())
     }
 
     /// Returns whether they leave in the end, of everybody.
@@ -246,12 +278,16 @@ impl Plan {
             let further = agent.walker.waypoints.iter().map(|w| vec2(w.x, w.y));
             std::iter::once(own).chain(further).map(|at| (at, agent.destination))
         });
-        if !self.chooses_by_time() {
-            return Ways::new(&self.polylines(), &self.targets, places).map(Some);
+        let at_once =
+            |ways: Ways| if self.chooses_at_once() { ways.with_straight_last_steps() } else { ways };
+        if !self.chooses() {
+            return Ways::new(&self.polylines(), &self.targets, places).map(|ways| Some(at_once(ways)));
         }
         let exits = self.targets.iter().enumerate().filter(|(_, target)| !target.stay);
         let choices =
             exits.map(|(k, exit)| (vec2(exit.corners[0][0], exit.corners[0][1]), Destination::Target(k)));
-        Ways::new(&self.polylines(), &self.targets, places.chain(choices))?.with_widths().map(Some)
+        let ways = Ways::new(&self.polylines(), &self.targets, places.chain(choices))?;
+        let ways = if self.exit_choice == ExitChoice::Time { ways.with_widths()? } else { ways };
+        Ok(Some(at_once(ways)))
     }
 }

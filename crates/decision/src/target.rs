@@ -11,6 +11,8 @@ use std::collections::BTreeSet;
 const NEAR: f64 = 0.3;
 /// \[m\] Nearer than this to the line or the middle of a goal, people walk more and more slowly.
 const SLOW: f64 = 1.0;
+/// \[m\] Distance on foot at which people stand in front of an exit that is closed.
+const FRONT: f64 = 0.5;
 
 /// An exit or a goal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,6 +24,20 @@ pub struct Target {
     pub stay: bool,
     /// \[m\] The corners (x, y): two of a line, more of an area.
     pub corners: Vec<[f64; 2]>,
+    /// \[s\] Times from which to which people can leave by it, in order; always if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub open: Vec<[f64; 2]>,
+    /// Factor of the expected time by it, for those who choose an exit by time.
+    #[serde(default = "unchanged", skip_serializing_if = "is_unchanged")]
+    pub time_factor: f64,
+}
+
+fn unchanged() -> f64 {
+    1.0
+}
+
+fn is_unchanged(factor: &f64) -> bool {
+    *factor == unchanged()
 }
 
 /// Destination of an agent after the last way-point.
@@ -41,6 +57,12 @@ impl Target {
     /// Returns what it is, and its name, for messages.
     pub(crate) fn named(&self) -> String {
         format!("{} {:?}", if self.stay { "goal" } else { "exit" }, self.name)
+    }
+
+    /// Returns whether people can leave by it at a time \[s\]. A rounding error is not a time.
+    pub fn is_open(&self, time: f64) -> bool {
+        let time = time + 1e-9;
+        self.open.is_empty() || self.open.iter().any(|&[from, to]| (from..to).contains(&time))
     }
 
     fn points(&self) -> Vec<Vec2> {
@@ -145,6 +167,8 @@ pub struct Ways {
     to_nearest: Option<Field>,
     /// Free widths of the ways to each target, if they were measured.
     widths: Vec<Field>,
+    /// Whether the last steps to the line of an exit lead straight to it.
+    straight_last: bool,
 }
 
 /// Way that a destination asks of somebody.
@@ -183,7 +207,13 @@ impl Ways {
         let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
         let to_nearest = wanted.contains(&Destination::NearestExit).then(|| field(&exits));
         let stay = targets.iter().map(|target| target.stay).collect();
-        Ok(Ways { grid, shapes, stay, to_each, to_nearest, widths: Vec::new() })
+        Ok(Ways { grid, shapes, stay, to_each, to_nearest, widths: Vec::new(), straight_last: false })
+    }
+
+    /// Makes the last steps to the line of an exit lead straight to it. Distances fall from both sides of a line, so that in
+    /// the squares of the grid which it cuts, those who walk slowly would go to and fro.
+    pub fn with_straight_last_steps(self) -> Ways {
+        Ways { straight_last: true, ..self }
     }
 
     /// Measures how wide the ways to each target are.
@@ -246,14 +276,22 @@ impl Ways {
         self.field(to).map_or(f64::INFINITY, |field| self.grid.distance(field, at))
     }
 
-    /// Returns whether somebody who walked from one place to another has arrived; if it is an exit, to leave.
-    pub fn arrived(&self, to: Destination, from: Vec2, at: Vec2) -> Option<Arrival> {
-        let target = self.targets(to).find(|k| self.shapes[*k].holds(from, at, self.stay[*k]))?;
+    /// Returns whether somebody who walked from one place to another has arrived; if it is an exit that is `open`, to leave.
+    pub fn arrived(
+        &self,
+        to: Destination,
+        from: Vec2,
+        at: Vec2,
+        open: impl Fn(usize) -> bool,
+    ) -> Option<Arrival> {
+        let holds = |k: &usize| open(*k) && self.shapes[*k].holds(from, at, self.stay[*k]);
+        let target = self.targets(to).find(holds)?;
         Some(if self.stay[target] { Arrival::Stays } else { Arrival::Leaves })
     }
 
-    /// Returns which way to go. Where the grid knows none (behind a wall, or far outside), straight on.
-    pub fn leg(&self, to: Destination, at: Vec2) -> Leg {
+    /// Returns which way to go. Where the grid knows none (behind a wall, or far outside), straight on. In front of a `closed`
+    /// exit, people slow down and stand.
+    pub fn leg(&self, to: Destination, at: Vec2, closed: bool) -> Leg {
         let towards = |place: Vec2| (place - at).unit(1e-9);
         let goal = match to {
             Destination::Target(k) if self.stay[k] => Some(&self.shapes[k]),
@@ -265,10 +303,19 @@ impl Ways {
             Some(line @ Shape::Line(_)) => (line.nearest(at), NEAR),
             _ => (Vec2 { x: f64::INFINITY, y: 0.0 }, 0.0),
         };
+        let last = match to {
+            Destination::Target(k) if self.straight_last && !self.stay[k] => match &self.shapes[k] {
+                line @ Shape::Line(_) => Some(line.nearest(at)),
+                Shape::Area(..) => None,
+            },
+            _ => None,
+        };
+        let last = last.filter(|place| (*place - at).norm() < 1.5 * self.grid.step());
         let left = (rest - at).norm();
         let share = (left / SLOW).min(1.0);
         let way = self.field(to).map(|field| self.grid.way(field, at));
         let (distance, found) = way.unwrap_or((f64::INFINITY, None));
+        let share = if closed { ((distance - FRONT) / SLOW).clamp(0.0, 1.0) } else { share };
         if left <= near {
             return Leg { direction: towards(rest), share, distance };
         }
@@ -277,7 +324,8 @@ impl Ways {
             let nearest = nearest.min_by(|a, b| (*a - at).norm().total_cmp(&(*b - at).norm()))?;
             towards(nearest)
         };
-        Leg { direction: found.or_else(straight), share, distance }
+        let direction = last.and_then(towards).or(found).or_else(straight);
+        Leg { direction, share, distance }
     }
 }
 
@@ -297,11 +345,12 @@ mod tests {
     /// Everybody within its bounds had left at the start.
     #[test]
     fn who_stands_beside_a_slanted_exit_has_not_left() {
-        let exit = Target { name: "exit".into(), stay: false, corners: vec![[0.0, 0.0], [4.0, 4.0]] };
+        let (open, corners) = (Vec::new(), vec![[0.0, 0.0], [4.0, 4.0]]);
+        let exit = Target { name: "exit".into(), stay: false, corners, open, time_factor: 1.0 };
         let (beside, on) = (vec2(3.0, 1.0), vec2(2.0, 2.0));
         let people = [beside, on].map(|at| (at, Destination::NearestExit));
         let ways = Ways::new(&[], &[exit], people.into_iter()).unwrap();
-        let arrived = |at| ways.arrived(Destination::NearestExit, at, at);
+        let arrived = |at| ways.arrived(Destination::NearestExit, at, at, |_| true);
         assert_eq!((arrived(beside), arrived(on)), (None, Some(Arrival::Leaves)));
     }
 }

@@ -232,6 +232,87 @@ fn who_has_left_stays_away_and_is_not_seen() {
     assert!(!decision.acts().unwrap()[0].active);
 }
 
+/// The outside: straight lines. It is 3 m to the exit; in front of it, people stop at 0.5 m.
+#[test]
+fn people_wait_in_front_of_a_closed_exit_and_leave_when_it_opens() {
+    let config = "exits = [{ line = [[5, 0], [5, 4]], open = [[10, 12], [30, 40]] }]";
+    let people = [person(0, 2.0, 2.0), person(1, 5.0, 2.0), person(2, -20.0, 2.0)];
+    let ways = walk(plan(&[], &people, config).unwrap(), 1000);
+    let left: Vec<f64> = (0..3).map(|who| alone(&ways, who).len() as f64 * STEP).collect();
+    assert!((left[0] - 10.0 - 0.5 / 1.34).abs() < 0.2, "{left:?}");
+    // Who stands on the line leaves in the step in which it opens; who comes after it has closed waits for the next time.
+    assert!((left[1] - 10.0).abs() < 1.5 * STEP && (30.0..31.0).contains(&left[2]), "{left:?}");
+    let waits = ways[190][0].unwrap();
+    assert!((5.0 - waits.x - 0.5).abs() < 0.15 && (waits - ways[180][0].unwrap()).norm() < 0.01, "{waits:?}");
+}
+
+/// Two exits, the nearer one open for 2 s. With a state saved and restored at each step.
+#[test]
+fn those_on_their_way_to_an_exit_that_closes_turn_to_another() {
+    for choice in ["distance", "time"] {
+        let config = format!(
+            "exit_choice = \"{choice}\"\nexits = [{{ line = [[0, 0], [0, 4]], open = [[0, 2]] }}, {{ line = [[20, 0], [20, 4]] }}]"
+        );
+        let people = [person(0, 8.0, 2.0), person(1, 1.5, 2.0)];
+        let mut poses: Vec<Pose> = people.iter().map(|person| person.pose).collect();
+        let mut decision = Decision::new(plan(&[], &people, &config).unwrap());
+        let mut forces = Vec::new();
+        for step in 0..100 {
+            decision.see(poses.iter().copied().map(still));
+            let acts = decision.acts().unwrap();
+            let saved = decision.save();
+            decision.pass(STEP).unwrap();
+            let after = decision.save();
+            decision.restore(&saved).unwrap();
+            decision.pass(STEP).unwrap();
+            assert_eq!(decision.save(), after);
+            for (pose, act) in poses.iter_mut().zip(&acts).filter(|(_, act)| act.active) {
+                pose.x += STEP * act.drive.force[0] / 160.0;
+            }
+            forces.push(acts[0].drive.force[0]);
+            assert_eq!(acts[1].active, step < 23, "{choice} {step}");
+        }
+        // By distance people see what is closed; by time they know before.
+        let turns = forces.iter().position(|force| *force > 0.0).unwrap();
+        let expected = if choice == "time" { 0..25 } else { 38..50 };
+        assert!(
+            expected.contains(&turns) && forces[turns..].iter().all(|force| *force > 0.0),
+            "{choice} {turns}"
+        );
+    }
+}
+
+/// The outside: by hand. It is 4 s to the exit that opens after 8 s, and 11 s to the other one.
+#[test]
+fn who_chooses_by_time_waits_for_an_exit_that_opens_soon() {
+    let leaves_left = |opens: f64| {
+        let config = format!(
+            "exit_choice = \"time\"\nexits = [{{ line = [[0, 0], [0, 4]], open = [[{opens}, 99]] }}, {{ line = [[20, 0], [20, 4]] }}]"
+        );
+        let way = walk(plan(&[], &[person(0, 5.36, 2.0)], &config).unwrap(), 600);
+        alone(&way, 0).last().unwrap().x < 10.0
+    };
+    assert!(leaves_left(8.0) && !leaves_left(14.0));
+}
+
+#[test]
+fn as_many_people_take_a_way_as_its_share_says() {
+    let ways = "ways = [{ waypoints = [{ x = 0, y = 9 }], share = 7 }, { waypoints = [{ x = 9, y = 0 }], share = 3 }]";
+    let people: Vec<Person> = (0..50).map(|k| person(k, k as f64, 2.0)).collect();
+    let up = |seed: u32, more: &str| {
+        let agents = plan(&[], &people, &format!("seed = {seed}\n{ways}\n{more}")).unwrap().agents;
+        agents.iter().map(|agent| agent.walker.waypoints[0].y == 9.0).collect::<Vec<bool>>()
+    };
+    assert_eq!(up(1, "").iter().filter(|up| **up).count(), 35);
+    assert!(up(1, "") == up(1, "") && up(1, "") != up(2, ""));
+    // A way of somebody's own counts; a group has one way.
+    let own = "groups.members = [[\"1\", \"2\", \"3\"]]\nagents.0.waypoints = [{ x = 1, y = 1 }]";
+    for seed in 0..10 {
+        let up = up(seed, own);
+        assert!(!up[0] && up[1] == up[2] && up[2] == up[3]);
+    }
+}
+
 /// Way-points first, then the exit; and nobody who only has way-points leaves.
 #[test]
 fn waypoints_come_before_the_exit() {

@@ -4,7 +4,7 @@ use crate::edit::{self, Edit};
 use crate::{Refused, crowd, upload};
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::Plan;
-use lemons_people::Person;
+use lemons_people::Agent;
 use lemons_people::placing::Watch;
 use serde::Deserialize;
 use serde_json::Value;
@@ -27,8 +27,8 @@ pub enum Base {
 pub struct Driven {
     /// The Trial.
     pub trial: Trial,
-    /// Everybody's measures, if the lab has made them.
-    pub people: Option<Vec<Person>>,
+    /// Everybody, if the lab has made them.
+    pub people: Option<Vec<Agent>>,
     /// The text of its drive.csv; empty if it has none.
     pub drive: String,
     /// The same, read.
@@ -52,7 +52,7 @@ pub struct Basis {
 
 impl Driven {
     /// A Trial that only its AgentDynamics.xml drives.
-    pub fn alone(trial: Trial, people: Option<Vec<Person>>) -> Driven {
+    pub fn alone(trial: Trial, people: Option<Vec<Agent>>) -> Driven {
         let (drive, wishes) = (String::new(), String::new());
         Driven { trial, people, drive, table: DriveTable::default(), wishes, plan: None }
     }

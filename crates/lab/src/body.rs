@@ -3,7 +3,7 @@
 use crate::base::Driven;
 use crate::run::Run;
 use crate::{Refused, Reply, require, within};
-use lemons_people::{Body3d, Person, Polygon, packed};
+use lemons_people::{Body3d, Figure, MeshPart, Person, Polygon, packed};
 use serde_json::json;
 
 /// Most people whose bodies are shown: a quarter of a MB each.
@@ -32,21 +32,23 @@ fn outlines(polygons: &[Polygon]) -> Vec<Vec<[f64; 2]>> {
     polygons.iter().map(|polygon| polygon.points.iter().map(|p| [p.x, p.y]).collect()).collect()
 }
 
-/// Everybody's body; `None` of whom no body fits the disks.
+/// Everybody in three dimensions; `None` of whom no body fits the disks.
 ///
 /// # Errors
 /// There are too many people.
-pub fn of_everybody(of: &Driven) -> Result<Vec<Option<Body3d>>, Refused> {
+pub fn of_everybody(of: &Driven) -> Result<Vec<Option<Figure>>, Refused> {
     let agents = &of.trial.agents;
     let count = agents.len();
     require(count <= MOST, || format!("bodies of {count} people are too many: at most {MOST}"))?;
-    let person = |(k, agent)| of.people.as_ref().map_or_else(|| Person::fitting(agent), |people| people[k]);
-    Ok(agents.iter().enumerate().map(|one| Body3d::of(&person(one)).ok()).collect())
+    Ok(match &of.people {
+        Some(people) => people.iter().map(|agent| Figure::of(agent).ok()).collect(),
+        None => agents.iter().map(|agent| Figure::fitting(agent).ok()).collect(),
+    })
 }
 
 /// How many have no body.
-fn without(bodies: &[Option<Body3d>]) -> usize {
-    bodies.iter().filter(|body| body.is_none()).count()
+fn without(figures: &[Option<Figure>]) -> usize {
+    figures.iter().filter(|figure| figure.is_none()).count()
 }
 
 /// Returns everybody's outlines at an altitude \[m\], in the body's frame.
@@ -56,7 +58,7 @@ fn without(bodies: &[Option<Body3d>]) -> usize {
 pub fn sections(run: &Run, altitude: f64) -> Result<Reply, Refused> {
     let bodies = run.bodies()?;
     within("altitude [m]", altitude, [0.0, 3.0])?;
-    let slice = |body: &Option<Body3d>| body.as_ref().map_or(Vec::new(), |body| body.slice_at(altitude));
+    let slice = |of: &Option<Figure>| of.as_ref().map_or(Vec::new(), |figure| figure.slice_at(altitude));
     let slices: Vec<Vec<Polygon>> = bodies.iter().map(slice).collect();
     let area: f64 = slices.iter().flatten().map(Polygon::area).sum();
     let cut = slices.iter().filter(|polygons| !polygons.is_empty()).count();
@@ -66,19 +68,23 @@ pub fn sections(run: &Run, altitude: f64) -> Result<Reply, Refused> {
     })))
 }
 
-/// Returns everybody's surface, in the body's frame; less fine, because there are many.
+/// Returns everybody's surface, in the body's frame; less fine, because there are many. Then come the surfaces of things.
 ///
 /// # Errors
 /// There are too many people.
 pub fn surfaces(run: &Run) -> Result<Reply, Refused> {
-    let bodies = run.bodies()?;
-    let (mut agents, mut bytes) = (Vec::new(), Vec::new());
-    for body in bodies {
-        let (counts, surface) = packed(&body.as_ref().map_or(Vec::new(), Body3d::coarse_mesh));
-        agents.push(counts);
-        bytes.extend(surface);
-    }
-    let estimated = run.driven.people.is_none();
-    let value = json!({ "agents": agents, "estimated": estimated, "without": without(bodies) });
+    let figures = run.bodies()?;
+    let mut bytes = Vec::new();
+    let mut all = |parts: fn(&Figure) -> Vec<MeshPart>| -> Vec<[usize; 2]> {
+        let of_one = |figure: &Option<Figure>| {
+            let (counts, surface) = packed(&figure.as_ref().map_or(Vec::new(), parts));
+            bytes.extend(surface);
+            counts
+        };
+        figures.iter().map(of_one).collect()
+    };
+    let (agents, things) = (all(|figure| figure.bodies(false)), all(Figure::things));
+    let (estimated, without) = (run.driven.people.is_none(), without(figures));
+    let value = json!({ "agents": agents, "things": things, "estimated": estimated, "without": without });
     Ok(Reply { value, bytes })
 }

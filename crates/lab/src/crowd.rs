@@ -8,11 +8,12 @@ use lemons_core::trial::Contact;
 use lemons_people::placing::{self, Ended, Method, Orientation, Packing, Region, TOLERANCE, Watch};
 use lemons_people::room::Room;
 use lemons_people::{
-    Agent, CrowdStatistics, CustomMeasures, Disk, PAPER_BICYCLES, Population, Proportions, Sex, Shape,
+    Agent, CrowdStatistics, CustomMeasures, Disk, Kinds, PAPER_BICYCLES, Population, Proportions, Sex, Shape,
     Source, Survey, TrialSettings, TruncatedNormal, choose_mechanical_step, crowd_trial, heading,
 };
 use serde::Deserialize;
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -37,6 +38,9 @@ pub struct CrowdRequest {
     pub region: Option<Vec<[f64; 2]>>,
     /// Whom they are drawn from.
     pub people: People,
+    /// Shares of kinds of people, which need not sum up to 100; empty: adults with nothing.
+    #[serde(default)]
+    pub mix: BTreeMap<String, f64>,
     /// Probability that a person is a man.
     pub men: f64,
     /// \[°\] Which way people face at first, -360 to 360; `None`: any.
@@ -52,6 +56,9 @@ pub struct CrowdRequest {
     #[serde(default)]
     pub round: bool,
 }
+
+/// Part of the ground that shapes never cover without overlap.
+const FULL: f64 = 0.97;
 
 /// Largest coefficient of kinetic friction.
 const MOST_FRICTION: f64 = 2.0;
@@ -104,7 +111,12 @@ impl CrowdRequest {
             }
         };
         let proportions = Proportions { men: self.men, ..Proportions::default() };
-        Ok(Population::new(source, proportions, PAPER_BICYCLES)?)
+        let population = Population::new(source, proportions, PAPER_BICYCLES)?;
+        if self.mix.is_empty() {
+            return Ok(population);
+        }
+        let mix = Kinds::built_in()?.mix(&self.mix);
+        Ok(population.mixed(mix.map_err(|error| Refused(format!("the mix of kinds: {error}")))?))
     }
 
     fn number(&self, region: &Region) -> Result<u32, Refused> {
@@ -137,6 +149,9 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
     let direction = within("direction [°]", wanted.direction.unwrap_or(0.0), [-360.0, 360.0])?;
     let speed = within("speed [m/s]", wanted.speed, [0.0, 20.0])?;
     within("friction", wanted.friction.unwrap_or(0.0), [0.0, MOST_FRICTION])?;
+    require(!wanted.round || wanted.mix.is_empty(), || {
+        "round bodies are of adults with nothing: take no mix of kinds, or no round bodies".into()
+    })?;
     let (whole, geometry) = room::built(&wanted.room)?;
     let region = match &wanted.region {
         Some(corners) => room::part(&wanted.room, &whole, corners)?,
@@ -151,11 +166,21 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
     let orientation =
         wanted.direction.map_or(Orientation::Free, |angle| Orientation::Towards(angle.to_radians()));
     let placing = placing::Settings { orientation, seed: wanted.seed, ..placing::Settings::default() };
-    let packing = Method::Dense.place(&shapes, &region, &placing, watch)?;
+    // Of those who have more area than the ground, the first ones say how many fit.
+    let mut covered = 0.0;
+    let mut fits = |shape: &&Shape| {
+        covered += shape.moments().area;
+        covered <= FULL * region.area()
+    };
+    let tried = shapes.iter().take_while(&mut fits).count().max(1);
+    let packing = Method::Dense.place(&shapes[..tried], &region, &placing, watch)?;
     require(packing.ended != Ended::Cancelled, || "the placing was stopped".into())?;
-    require(packing.complete, || {
+    require(packing.complete && tried == shapes.len(), || {
         let (area, clear) = (region.area(), packing.clear_density);
-        format!("{number} people do not fit on {area:.2} m² without overlap; about {clear:.1} per m² do")
+        let about = (area * clear).floor();
+        format!(
+            "{number} people do not fit on {area:.2} m² without overlap; about {about} of them do, {clear:.1} per m²"
+        )
     })?;
     let largest_overlap =
         Packing::of(&shapes, &whole, packing.poses.clone(), packing.ended, 0).largest_overlap;
@@ -188,10 +213,9 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
             .filter(theirs)
             .for_each(|contact| contact.kinetic_friction = friction);
     }
-    let people = agents.iter().flat_map(Agent::people).map(|(person, _)| person).collect();
     let made = json!({
         "density": packing.density, "area": region.area(), "iterations": packing.iterations,
         "largest_overlap": largest_overlap, "statistics": CrowdStatistics::of(&agents),
     });
-    Ok(Basis { driven: Driven::alone(trial, Some(people)), notes: Vec::new(), made })
+    Ok(Basis { driven: Driven::alone(trial, Some(agents)), notes: Vec::new(), made })
 }

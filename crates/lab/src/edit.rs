@@ -2,13 +2,16 @@
 
 use crate::base::{Base, Driven};
 use crate::crowd;
+use crate::frame::overlapping;
 use crate::person::PersonRequest;
 use crate::{Refused, require, room, within};
+use crowd_mechanics::setup::Setup;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{Agent, AgentDynamics, Interactions, Trial};
 use lemons_people::room::Room;
-use lemons_people::{Disk, Person, Shape, choose_mechanical_step};
+use lemons_people::{Disk, PART_MATERIALS, Person, SKINS, Shape, choose_mechanical_step};
 use serde::Deserialize;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Most changes of a Trial.
 const MOST: usize = 10_000;
@@ -57,6 +60,57 @@ pub fn room_of(edits: &[Edit]) -> Option<&Room> {
     })
 }
 
+/// Makes those of the changes that fit: of people who are there, to places where they overlap neither others nor walls. Returns
+/// which others there are, and why they do not fit. Whoever overlaps stays as without changes: first the one who overlaps most.
+///
+/// # Errors
+/// Nobody would be left, or too many people are at one place.
+pub fn fitting(
+    before: &Driven,
+    edits: &[Edit],
+    base: &Base,
+) -> Result<(Driven, BTreeMap<usize, String>), Refused> {
+    let mut left_out = BTreeMap::new();
+    loop {
+        let mut made = Vec::new();
+        let mut driven = before.clone();
+        for (k, edit) in edits.iter().enumerate() {
+            if left_out.contains_key(&k) {
+                continue;
+            }
+            // What is impossible changes nothing.
+            match change(&mut driven, edit, base) {
+                Ok(()) => made.push(edit.clone()),
+                Err(Refused(why)) => _ = left_out.insert(k, why),
+            }
+        }
+        let driven = edited(before.clone(), &made, base)?;
+        let world = Setup::of(&driven.trial).world()?;
+        let put: BTreeSet<&str> = made.iter().filter_map(Edit::put).collect();
+        let agents = driven.trial.agents.iter().enumerate().filter(|(_, agent)| put.contains(&*agent.id));
+        let depths = agents.map(|(place, agent)| (overlapping(&world, Some(place)), &agent.id));
+        let deepest = depths.max_by(|((_, _, one), _), ((_, _, other), _)| one.total_cmp(other));
+        let Some(((_, wall, depth), id)) = deepest.filter(|((_, _, depth), _)| *depth > 0.0) else {
+            return Ok((driven, left_out));
+        };
+        let whom = if wall { "a wall or somebody" } else { "somebody" };
+        let why = format!("person {id:?} would overlap {whom} by {:.1} mm", 1e3 * depth);
+        for (k, _) in edits.iter().enumerate().filter(|(_, edit)| edit.put() == Some(id)) {
+            left_out.entry(k).or_insert_with(|| why.clone());
+        }
+    }
+}
+
+impl Edit {
+    /// Whom it puts somewhere.
+    fn put(&self) -> Option<&str> {
+        match self {
+            Edit::Move { id, .. } | Edit::Copy { r#as: id, .. } | Edit::Put { id, .. } => Some(id),
+            Edit::Delete { .. } | Edit::Room { .. } => None,
+        }
+    }
+}
+
 fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> {
     let place_of = |id: &String| {
         let place = driven.trial.agents.iter().position(|agent| agent.id == *id);
@@ -75,7 +129,7 @@ fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> 
         Edit::Copy { id, r#as: to, x, y, theta } => {
             let place = place_of(id)?;
             let here = pose(*x, *y, *theta)?;
-            let person = driven.people.as_ref().map(|people| people[place]);
+            let person = driven.people.as_ref().map(|people| people[place].clone());
             let (agent, drive) = (driven.trial.agents[place].clone(), driven.trial.dynamics[place].clone());
             put(driven, to, agent, person, drive, here)?;
         }
@@ -83,7 +137,7 @@ fn change(driven: &mut Driven, edit: &Edit, base: &Base) -> Result<(), Refused> 
             let (person, here) = (person.person()?, pose(*x, *y, *theta)?);
             let round = matches!(base, Base::Crowd(wanted) if wanted.round);
             let (agent, drive) = measured(&driven.trial, &person, round)?;
-            put(driven, id, agent, Some(person), drive, here)?;
+            put(driven, id, agent, Some(lemons_people::Agent::Pedestrian(person)), drive, here)?;
         }
         Edit::Delete { id } => {
             let place = place_of(id)?;
@@ -105,10 +159,13 @@ fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, Agent
     if round {
         shape = crowd::round(&shape);
     }
-    let material_id = &first.shapes[0].material_id;
+    let materials = trial.agents.iter().flat_map(|agent| &agent.shapes).map(|disk| &disk.material_id);
+    let own = materials.clone().find(|id| !PART_MATERIALS.contains(&&***id));
+    // Where all sit in wheelchairs, nobody has a material.
+    let material_id = own.map_or(SKINS[0], |id| id);
     let disk = |disk: &Disk| lemons_core::trial::Shape {
         radius: disk.radius,
-        material_id: material_id.clone(),
+        material_id: material_id.to_owned(),
         position: disk.centre,
     };
     let agent = Agent {
@@ -116,6 +173,7 @@ fn measured(trial: &Trial, person: &Person, round: bool) -> Result<(Agent, Agent
         height: Some(person.stature),
         moment_of_inertia: shape.inertia(person.mass),
         shapes: shape.disks.iter().map(disk).collect(),
+        kind: None,
         ..first.clone()
     };
     let drive = AgentDynamics { fp: drive.fp * (person.mass / first.mass), mp: 0.0, ..drive.clone() };
@@ -127,7 +185,7 @@ fn put(
     driven: &mut Driven,
     id: &str,
     agent: Agent,
-    person: Option<Person>,
+    person: Option<lemons_people::Agent>,
     drive: AgentDynamics,
     (position, theta): (Vec2, f64),
 ) -> Result<(), Refused> {

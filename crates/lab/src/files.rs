@@ -10,7 +10,7 @@ use lemons_core::files::source::Memory;
 use lemons_core::trial::DRIVE_FILE;
 use lemons_decision::DECISION_FILE;
 use lemons_people::placing::{Progress, Stage, Watch};
-use lemons_people::{Agent, MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
+use lemons_people::{MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
 use lemons_picture::{ColourMap, Fill, Force, Scene, Style, Values};
 use lemons_results::columns::{ALL, Groups};
 use lemons_results::{Content, FrameWriter, TableWriter};
@@ -62,6 +62,9 @@ pub struct PictureStyle {
     pub time: f64,
     /// True to draw who presses whom.
     pub forces: bool,
+    /// True for a colour for each kind of people, and none for the numbers.
+    #[serde(default)]
+    pub by_kind: bool,
 }
 
 /// A format of surfaces.
@@ -103,8 +106,7 @@ pub fn file(wanted: &FileRequest, run: &Run, bytes: &[u8], watch: &mut Watch) ->
             let people = people.as_ref().ok_or_else(|| {
                 Refused("only the measures of people that the lab has drawn are known: make a crowd".into())
             })?;
-            let agents: Vec<Agent> = people.iter().copied().map(Agent::Pedestrian).collect();
-            named("_people.csv", crowd_csv(&agents).into_bytes())
+            named("_people.csv", crowd_csv(people).into_bytes())
         }
         FileRequest::Mesh { format } => {
             let (parts, mut file) = (mesh(run, bytes)?, Vec::new());
@@ -155,10 +157,8 @@ fn mesh(run: &Run, bytes: &[u8]) -> Result<Vec<MeshPart>, Refused> {
     for (place, at) in frame.present() {
         let agent = &run.driven.trial.agents[place];
         let none = || Refused(format!("agent {}: no body fits its disks", agent.id));
-        let body = bodies[place].as_ref().ok_or_else(none)?;
-        // Names in these files have letters, digits and underscores.
-        let id: String = agent.id.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-        parts.extend(body.surfaces(&id, &at.pose));
+        let figure = bodies[place].as_ref().ok_or_else(none)?;
+        parts.extend(figure.surfaces(&agent.id, &at.pose));
     }
     Ok(parts)
 }
@@ -177,7 +177,8 @@ fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused
     }
     let map = if wanted.from_grey { ColourMap::FromGrey } else { ColourMap::Viridis };
     let of = Values::of(numbers(values), &wanted.label, &wanted.unit);
-    let fill = Fill::Values(Values { map, beyond: wanted.beyond, ..of });
+    let fill =
+        if wanted.by_kind { Fill::Kind } else { Fill::Values(Values { map, beyond: wanted.beyond, ..of }) };
     let [low, high] = wanted.range;
     let range = Some((low, high)).filter(|_| low < high);
     let style = Style { width: 800.0, fill, range, time: Some(wanted.time), ..Style::default() };

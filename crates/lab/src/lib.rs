@@ -5,13 +5,14 @@
 //! page itself while a room is drawn. All lengths are in m, masses in kg, angles in rad, times in s, unless it is said
 //! otherwise.
 //!
-//! A scene is made in one way: [`base`] (an example, a crowd, an upload) -> [`edit`] (by hand) -> [`motion`] (what drives
-//! people) -> [`run`]. The parts:
+//! A scene is made in one way: [`base`] (an example, a crowd, an upload) -> [`edit`] (by hand) -> [`mechanics`] (materials
+//! and steps) -> [`motion`] (what drives people) -> [`run`]. The parts:
 //!
 //! - [`person`], [`body`]: one person; bodies in three dimensions, and sections
+//! - [`kinds`]: kinds of people, and what goes along with them
 //! - [`room`], [`crowd`], [`upload`]: where a Trial comes from
 //! - [`scene`]: what a page draws of it
-//! - [`frame`]: what it keeps of a run, and asks of it
+//! - [`frame`]: what it keeps of a run, and asks of it; [`map`]: by place
 //! - [`files`]: files to keep
 
 pub mod base;
@@ -21,6 +22,9 @@ pub mod crowd;
 pub mod edit;
 pub mod files;
 pub mod frame;
+pub mod kinds;
+pub mod map;
+pub mod mechanics;
 pub mod motion;
 pub mod person;
 pub mod room;
@@ -32,6 +36,7 @@ use base::{Base, Basis};
 use lemons_people::placing::Watch;
 use serde::Deserialize;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// A request of a page. `run` is the number of the run that is meant: a page may still ask about one that another has
@@ -46,6 +51,8 @@ pub enum Request {
     Body(person::PersonRequest),
     /// The bicycle that others are drawn around.
     Bicycle {},
+    /// The kinds of people that a crowd may have.
+    Kinds {},
     /// A crowd, an example or an upload, as it is to be run.
     Show(Box<Shown>),
     /// A room that is drawn.
@@ -60,6 +67,8 @@ pub enum Request {
     Forces { run: u32 },
     /// Crossings of a line between successive frames (the bytes).
     Flow { run: u32, line: [[f64; 2]; 2] },
+    /// Frames (the bytes) more in the map of a quantity, or in a new one.
+    Map { run: u32, of: map::Quantity, fresh: bool },
     /// Everybody's section with a plane at this altitude.
     Sections { run: u32, altitude: f64 },
     /// Everybody's surface.
@@ -76,6 +85,12 @@ pub struct Shown {
     /// Changes by hand, in order.
     #[serde(default)]
     pub edits: Vec<edit::Edit>,
+    /// Whether changes by hand that do not fit are left out; else they are refused, or made.
+    #[serde(default)]
+    pub fitting: bool,
+    /// Changes of materials, contacts and steps.
+    #[serde(default)]
+    pub mechanics: Option<mechanics::Mechanics>,
     /// The drive of people.
     pub motion: motion::Motion,
 }
@@ -136,6 +151,7 @@ impl Lab {
             Request::Person(wanted) => person::person(wanted),
             Request::Body(wanted) => body::of_person(&wanted.person()?),
             Request::Bicycle {} => Ok(person::bicycle()),
+            Request::Kinds {} => kinds::all(),
             Request::Show(shown) => self.show(shown, bytes, watch),
             Request::Room(wanted) => room::drawn(wanted),
             Request::Drawing(wanted) => room::read(wanted, bytes),
@@ -145,6 +161,7 @@ impl Lab {
             Request::Advance { run, steps } => self.present(*run)?.advance(*steps),
             Request::Forces { run } => self.present(*run)?.forces(bytes),
             Request::Flow { run, line } => frame::flow(self.present(*run)?.people(), *line, bytes),
+            Request::Map { run, of, fresh } => map::add(self.present(*run)?, *of, *fresh, bytes),
             Request::Sections { run, altitude } => body::sections(self.present(*run)?, *altitude),
             Request::Bodies { run } => body::surfaces(self.present(*run)?),
             Request::Take { run, wanted } => files::file(wanted, self.present(*run)?, bytes, watch),
@@ -168,7 +185,13 @@ impl Lab {
             _ => (shown.base.clone(), shown.base.basis(bytes, watch)?),
         };
         let (base, _, basis) = &*self.basis.insert((base, digest, basis));
-        let edited = edit::edited(basis.driven.clone(), &shown.edits, base)?;
+        let before = basis.driven.clone();
+        let (mut edited, left_out) = match shown.fitting {
+            true => edit::fitting(&before, &shown.edits, base)?,
+            false => (edit::edited(before, &shown.edits, base)?, BTreeMap::new()),
+        };
+        let warnings =
+            shown.mechanics.as_ref().map(|mechanics| mechanics.change(&mut edited.trial)).transpose()?;
         let driven = motion::driven(edited, &shown.motion)?;
         let mut notes: Vec<String> = basis.notes.iter().cloned().chain(motion::missed(&driven)).collect();
         if edit::room_of(&shown.edits).is_some() {
@@ -178,9 +201,14 @@ impl Lab {
         let mut value = scene::of(&run);
         self.runs += 1;
         value["run"] = self.runs.into();
+        value["warnings"] = json!(warnings.unwrap_or_default());
         value["beyond_doors"] = json!(base.beyond_doors(&shown.edits, &run.driven.trial));
         let bytes = run.frame();
         self.open = Some(run);
-        Ok(Reply { value: json!({ "scene": value, "notes": notes, "made": basis.made }), bytes })
+        let left_out: Vec<_> = left_out.into_iter().collect();
+        Ok(Reply {
+            value: json!({ "scene": value, "notes": notes, "made": basis.made, "left_out": left_out }),
+            bytes,
+        })
     }
 }

@@ -1,4 +1,5 @@
-//! The drive of people: as the Trial says, nothing, pushes, ways to walk, or exits and goals.
+//! The drive of people: as the Trial says, nothing, pushes, ways to walk, or exits and goals. Those who walk and are of a
+//! kind have the desired speed of their kind.
 
 use crate::base::Driven;
 use crate::{Refused, within};
@@ -72,9 +73,13 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
                 driven.wishes = DecisionConfig::standing(*balance).to_toml()?;
             }
         }
-        Motion::Walk { speed, ways } => driven.wishes = wishes(&driven.trial, *speed, ways)?,
+        Motion::Walk { speed, ways } => {
+            driven.wishes =
+                wishes(&driven.trial, *speed, ways)?.with_speeds(own_speeds(&driven)).to_toml()?;
+        }
         Motion::Go { wishes } => {
-            driven.wishes = plan::normalized(&driven.trial, wishes).and_then(|all| all.to_toml())?;
+            let wishes = wishes.as_ref().clone().with_speeds(own_speeds(&driven));
+            driven.wishes = plan::normalized(&driven.trial, &wishes).and_then(|all| all.to_toml())?;
         }
     }
     let Driven { trial, drive, wishes, .. } = &driven;
@@ -126,8 +131,14 @@ fn drive(trial: &Trial, pushes: &[Push]) -> Result<String, Refused> {
         .map_err(|lost| Refused(format!("push {}: nobody stands in its circle", lost + 1)))
 }
 
+/// Ids and desired speeds \[m/s\] of those who are of a kind, as `lemons crowd --leave` writes them.
+fn own_speeds(of: &Driven) -> Vec<(String, f64)> {
+    let people = of.people.iter().flatten().zip(&of.trial.agents);
+    people.filter_map(|(agent, body)| Some((body.id.clone(), agent.member()?.speed))).collect()
+}
+
 /// decision.toml: the ways of everybody.
-fn wishes(trial: &Trial, speed: f64, ways: &[Vec<Waypoint>]) -> Result<String, Refused> {
+fn wishes(trial: &Trial, speed: f64, ways: &[Vec<Waypoint>]) -> Result<DecisionConfig, Refused> {
     within("desired speed [m/s]", speed, [0.0, 20.0])?;
     for Waypoint { x, y, radius, .. } in ways.iter().flatten() {
         within("x of a way-point [m]", *x, [-1e4, 1e4])?;
@@ -135,6 +146,5 @@ fn wishes(trial: &Trial, speed: f64, ways: &[Vec<Waypoint>]) -> Result<String, R
         within("radius of a way-point [m]", *radius, [0.01, 1000.0])?;
     }
     let wishes = DecisionConfig::nearest_of(&Person::all_of(trial), speed, ways);
-    let wishes = wishes.ok_or_else(|| Refused("nobody can walk: there is no way".into()))?;
-    Ok(wishes.to_toml()?)
+    wishes.ok_or_else(|| Refused("nobody can walk: there is no way".into()))
 }

@@ -3,10 +3,11 @@
 use crate::base::Driven;
 use crate::body;
 use crate::frame::{self, COLUMNS};
+use crate::map::Map;
 use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::{PairForce, World};
 use lemons_core::plane::Pose;
-use lemons_people::Body3d;
+use lemons_people::Figure;
 use lemons_results::Frame;
 use lemons_sim::{Algorithm, Documents, Replay, Simulation};
 use serde_json::json;
@@ -29,8 +30,10 @@ pub struct Run {
     steps: u64,
     /// \[m\] Deepest overlap so far.
     overlap: f64,
-    /// Everybody's body, once somebody has asked for it: a hundredth of a second each.
-    bodies: OnceCell<Vec<Option<Body3d>>>,
+    /// Everybody in three dimensions, once somebody has asked for it: a hundredth of a second each.
+    bodies: OnceCell<Vec<Option<Figure>>>,
+    /// The map that a page has asked for last.
+    pub map: Option<Map>,
 }
 
 impl Run {
@@ -44,14 +47,14 @@ impl Run {
         let documents = Documents { trial, drive: table, plan };
         let mut simulation = Simulation::new(documents, Algorithm::Jacobi)?;
         simulation.begin(0.0, None)?;
-        Ok(Run { driven, simulation, steps: 0, overlap: 0.0, bodies: OnceCell::new() })
+        Ok(Run { driven, simulation, steps: 0, overlap: 0.0, bodies: OnceCell::new(), map: None })
     }
 
-    /// Everybody's body in three dimensions.
+    /// Everybody in three dimensions, with what goes along.
     ///
     /// # Errors
     /// As those of [`body::of_everybody`].
-    pub fn bodies(&self) -> Result<&[Option<Body3d>], Refused> {
+    pub fn bodies(&self) -> Result<&[Option<Figure>], Refused> {
         if let Some(bodies) = self.bodies.get() {
             return Ok(bodies);
         }

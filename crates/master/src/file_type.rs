@@ -27,6 +27,9 @@ impl FileType {
     pub const SAVED_RUN: FileType = FileType("is a saved run");
     pub const ARCHIVE: FileType = FileType("is a zip archive");
     pub const PARQUET: FileType = FileType("is a table in Parquet");
+    /// `JuPedSim`'s trajectories are such.
+    pub const SQLITE: FileType = FileType("is an SQLite database");
+    const HDF5: FileType = FileType("is an HDF5 file");
     pub const LIBRARY: FileType = FileType("is a program or a library");
     pub const COMPONENT: FileType = FileType("is a WebAssembly component");
     pub const TEXT: FileType = FileType("is a text file");
@@ -73,6 +76,8 @@ impl FileType {
         let text = std::str::from_utf8(begin).map_or_else(|error| error.error_len().is_none(), |_| true);
         match text && !begin.contains(&0) {
             _ if begin.starts_with(b"PAR1") => FileType::PARQUET,
+            _ if begin.starts_with(b"SQLite format 3\0") => FileType::SQLITE,
+            _ if begin.starts_with(b"\x89HDF\r\n\x1a\n") => FileType::HDF5,
             _ if begin.starts_with(b"\0asm\x0d\0\x01\0") => FileType::COMPONENT,
             _ if LIBRARIES.iter().any(|magic| begin.starts_with(magic)) => FileType::LIBRARY,
             true => FileType::TEXT,
@@ -90,7 +95,11 @@ impl FileType {
             return Ok(());
         }
         let wanted = if kind == FileType::MISSING { String::new() } else { format!(", not {wanted}") };
-        let hint = if kind == FileType::SAVED_RUN { "; lemons run --resume continues it" } else { "" };
+        let hint = match kind {
+            FileType::SAVED_RUN => "; lemons run --resume continues it",
+            FileType::HDF5 => "; lemons_fmu reads those of the data archive in Python",
+            _ => "",
+        };
         Err(Error::new(format!("{}: {}{wanted}{hint}", path.display(), kind.0)))
     }
 }

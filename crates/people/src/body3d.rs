@@ -13,6 +13,7 @@
 //! the person, as in the paper.
 
 mod export;
+mod figure;
 mod landmarks;
 mod measures;
 mod mesh;
@@ -23,6 +24,7 @@ mod slices;
 mod template;
 
 pub use export::{write_geojson, write_obj, write_stl, write_wkt};
+pub use figure::{Figure, people_fitting};
 pub use landmarks::TORSO_ALTITUDE;
 pub use mesh::{MeshPart, packed};
 pub use sections::{CrowdSection, section};
@@ -76,6 +78,9 @@ impl Part {
 /// those of any custom statistics of the paper.
 const LIMITS: [(f64, f64); 4] = [(0.25, 0.8), (0.1, 0.5), (1.0, 2.5), (20.0, 250.0)];
 
+/// \[m\] Stature of the body that bodies of small children are like.
+const SMALL: f64 = 1.35;
+
 /// A person's body, standing upright with hanging arms.
 ///
 /// Its frame is that of the person's two-dimensional shape: gaze along +x, left is +y. The vertical axis goes through
@@ -124,6 +129,43 @@ impl Body3d {
         let Skins { trunk, arm, leg } = skins;
         let (right_arm, right_leg) = (other_side(&arm), other_side(&leg));
         Ok(Body3d { person: *person, rings: [trunk, arm, right_arm, leg, right_leg] }.about_torso())
+    }
+
+    /// Makes the body of a person, also of a small child: a body of 1.35 m whose measures are as many times larger, made
+    /// smaller. This is an assumption: the head of a small child is larger.
+    ///
+    /// # Errors
+    /// As those of [`Body3d::of`], of the larger body.
+    pub fn similar(person: &Person) -> Result<Body3d> {
+        let (larger, size) = Body3d::larger(person);
+        let mut body = Body3d::of(&larger)?;
+        if size < 1.0 {
+            body.person = *person;
+            for ring in body.rings.iter_mut().flatten() {
+                ring.z *= size;
+                ring.points = ring.points.map(|point| point * size);
+            }
+        }
+        Ok(body)
+    }
+
+    /// Checks that a person can have such a body.
+    ///
+    /// # Errors
+    /// As those of [`Body3d::similar`].
+    pub fn similar_possible(person: &Person) -> Result<()> {
+        Body3d::possible(&Body3d::larger(person).0)
+    }
+
+    /// The person itself, or, of a small child, the one whose body is made smaller; and by how much.
+    fn larger(person: &Person) -> (Person, f64) {
+        if Body3d::possible(person).is_ok() || !(0.3..SMALL).contains(&person.stature) {
+            return (*person, 1.0);
+        }
+        let size = person.stature / SMALL;
+        let Person { sex, breadth, depth, mass, .. } = *person;
+        let [breadth, depth, mass] = [breadth / size, depth / size, mass / (size * size * size)];
+        (Person { sex, breadth, depth, stature: SMALL, mass }, size)
     }
 
     /// Checks that a person can have a body.

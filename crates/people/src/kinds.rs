@@ -19,10 +19,16 @@ use std::sync::Arc;
 const HAND: f64 = 0.05;
 /// Names in tables that are no kinds.
 const OTHERS: [&str; 4] = ["male", "female", "pedestrian", "bicycle"];
+/// \[1/s\] Largest rate at which a floor brakes.
+const MOST_DAMPING: f64 = 1000.0;
 /// Most disks of all parts of a kind.
 const MOST_DISKS: usize = 50;
 /// \[m\] Largest number of a part: nothing that goes along with a person is farther away.
 const FARTHEST: f64 = 5.0;
+/// \[m\] Height of a seat (assumption).
+const SEAT: f64 = 0.48;
+/// Most solids of a part.
+const MOST_SOLIDS: usize = 100;
 
 /// Whose statistics give the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -63,6 +69,29 @@ pub struct Part {
     pub disks: Vec<[f64; 3]>,
     /// \[kg\] Its mass.
     pub mass: Distribution,
+    /// \[m\] Its lowest and its highest place above the floor, in three dimensions.
+    #[serde(default = "usual_height")]
+    pub height: [f64; 2],
+    /// What it looks like in three dimensions; empty: its disks as cylinders.
+    #[serde(default)]
+    pub solids: Vec<Solid>,
+}
+
+/// \[m\] Of a thing of which nothing is said (assumption).
+fn usual_height() -> [f64; 2] {
+    [0.0, 1.0]
+}
+
+/// A plain solid: how a part of a thing looks. x and y \[m\] are those of its disks, z is above the floor.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Solid {
+    /// From and to, along x, y and z.
+    Box([[f64; 2]; 3]),
+    /// From a point to another one, and how thick it is.
+    Bar([f64; 3], [f64; 3], f64),
+    /// Its middle, its radius and its width, along y.
+    Wheel([f64; 5]),
 }
 
 /// A kind of people.
@@ -82,16 +111,25 @@ pub struct Kind {
     /// Whether the person sits within the parts, and has no disks of its own.
     #[serde(default)]
     pub seated: bool,
+    /// \[m\] Height of its seat, in three dimensions.
+    #[serde(default = "usual_seat")]
+    pub seat: f64,
     /// \[m/s\] Desired speed; of a child, times the square root of its stature by the adults' mean.
     pub speed: Distribution,
     /// \[m/s\] That of women, if it differs.
     pub speed_women: Option<Distribution>,
+    /// \[1/s\] Rate at which the floor brakes it across the gaze, if that is not as along: of wheels.
+    pub floor_damping_across: Option<f64>,
     /// What goes along.
     #[serde(default)]
     pub parts: Vec<Part>,
     /// The source of each number, or that it is an assumption.
     #[serde(default)]
     pub sources: Vec<String>,
+}
+
+fn usual_seat() -> f64 {
+    SEAT
 }
 
 /// The kinds that a crowd can have, by name.
@@ -122,6 +160,11 @@ impl Kinds {
             self.0.insert(name.clone(), Arc::new(Kind { name, ..kind }));
         }
         Ok(self)
+    }
+
+    /// Returns the kind of a name.
+    pub fn get(&self, name: &str) -> Option<&Arc<Kind>> {
+        self.0.get(name)
     }
 
     /// Returns all kinds, in the order of their names.
@@ -171,6 +214,12 @@ impl Kind {
         require(!self.seated || self.looks_ahead(), || {
             "seated: the first disk must be the leftmost one, and the last one opposite: they say where it looks"
                 .to_owned()
+        })?;
+        require(self.floor_damping_across.is_none_or(|rate| (0.0..=MOST_DAMPING).contains(&rate)), || {
+            format!("floor_damping_across: must be from 0 to {MOST_DAMPING} 1/s")
+        })?;
+        require((0.0..=2.0).contains(&self.seat), || {
+            format!("seat = {} m: must be from 0 to 2 m", self.seat)
         })?;
         require(self.disks() <= MOST_DISKS, || format!("{} disks: at most {MOST_DISKS}", self.disks()))?;
         self.parts
@@ -257,12 +306,49 @@ impl Part {
         })?;
         self.mass.check().map_err(|error| PeopleError::new(error).of("mass"))?;
         require(!self.disks.is_empty(), || "disks: there are none".to_owned())?;
+        let [from, to] = self.height;
+        require(0.0 <= from && from < to && to <= FARTHEST, || {
+            format!("height = [{from}, {to}]: must be from 0 to {FARTHEST} m, the lower one first")
+        })?;
+        require(self.solids.len() <= MOST_SOLIDS, || {
+            format!("{} solids: at most {MOST_SOLIDS}", self.solids.len())
+        })?;
+        self.solids.iter().try_for_each(|solid| {
+            require(solid.is_possible(), || {
+                format!("solid {solid:?}: must be within {FARTHEST} m, not below the floor, from the smaller to the larger")
+            })
+        })?;
         self.disks.iter().try_for_each(|disk| {
             let good = disk[2] >= 0.01 && disk.iter().all(|value| value.abs() <= FARTHEST);
             require(good, || {
                 format!("disk {disk:?}: must be within {FARTHEST} m, with a radius of at least 0.01 m")
             })
         })
+    }
+}
+
+impl Solid {
+    fn is_possible(&self) -> bool {
+        let near = |values: &[f64]| values.iter().all(|value| value.abs() <= FARTHEST);
+        match self {
+            Solid::Box(sides) => {
+                near(sides.as_flattened()) && sides.iter().all(|[from, to]| from < to) && sides[2][0] >= 0.0
+            }
+            Solid::Bar(from, to, thick) => {
+                near(from)
+                    && near(to)
+                    && from != to
+                    && from[2].min(to[2]) >= 0.0
+                    && (0.001..=1.0).contains(thick)
+            }
+            Solid::Wheel([x, y, z, radius, width]) => {
+                near(&[*x, *y, *z])
+                    && *radius >= 0.005
+                    && *z >= *radius
+                    && near(&[*radius])
+                    && (0.001..=1.0).contains(width)
+            }
+        }
     }
 }
 
@@ -349,9 +435,12 @@ impl Pieces {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bicycle::PAPER_BICYCLES;
+    use crate::population::{Agent, Population, Proportions, Source};
     use lemons_core::distribution::{Range, TruncatedNormal};
     use lemons_core::plane::shown_orientation;
     use std::path::Path;
+    use std::sync::Mutex;
 
     const MAN: Person = Person { sex: Sex::Male, breadth: 0.5, depth: 0.25, stature: 1.75, mass: 80.0 };
 
@@ -386,6 +475,24 @@ mod tests {
         }
     }
 
+    /// Compares the table of docs/people.md that begins so, or writes it.
+    fn assert_page_has(begin: &str, table: &str) {
+        // Two tests write the page.
+        static PAGE: Mutex<()> = Mutex::new(());
+        let _alone = PAGE.lock();
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/people.md");
+        let page = std::fs::read_to_string(&path).unwrap();
+        let start = page.find(begin).unwrap();
+        let length = page[start..].find("\n\n").unwrap() + 1;
+        if std::env::var_os("KINDS_TABLE").is_some_and(|what| what == "write") {
+            let page = format!("{}{table}{}", &page[..start], &page[start + length..]);
+            std::fs::write(&path, page).unwrap();
+            return;
+        }
+        let again = "write it again: KINDS_TABLE=write cargo test -p lemons-people kinds";
+        assert_eq!(page[start..start + length], *table, "{again}");
+    }
+
     /// The table of docs/people.md. `KINDS_TABLE=write cargo test -p lemons-people kinds` writes it.
     #[test]
     fn the_page_has_the_table() {
@@ -412,17 +519,134 @@ mod tests {
             let (disks, sources) = (own + kind.disks(), kind.sources.join("; "));
             table += &format!("| {} | {who} | {disks} | {speed} | {sources} |\n", kind.name);
         }
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/people.md");
-        let page = std::fs::read_to_string(&path).unwrap();
-        let start = page.find("| kind | person |").unwrap();
-        let length = page[start..].find("\n\n").unwrap() + 1;
-        if std::env::var_os("KINDS_TABLE").is_some_and(|what| what == "write") {
-            let page = format!("{}{table}{}", &page[..start], &page[start + length..]);
-            std::fs::write(&path, page).unwrap();
-            return;
+        assert_page_has("| kind | person |", &table);
+    }
+
+    /// Mean and standard deviation.
+    fn spread(values: &[f64]) -> [f64; 2] {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        [mean, (squares / (values.len() - 1) as f64).sqrt()]
+    }
+
+    /// Mean and standard deviation of as many men as women.
+    fn of_both([[men, sd_men], [women, sd_women]]: [[f64; 2]; 2]) -> [f64; 2] {
+        let variance = 0.5 * (sd_men.powi(2) + sd_women.powi(2)) + 0.25 * (men - women).powi(2);
+        [0.5 * (men + women), variance.sqrt()]
+    }
+
+    /// What the sources say of adults' measures, in the order of [`Measure::ALL`](crate::Measure::ALL).
+    fn surveyed() -> [[f64; 2]; 4] {
+        let of = |sex, k: usize| [ansur(sex).measures[k].mean, ansur(sex).measures[k].sd];
+        std::array::from_fn(|k| of_both(Sex::ALL.map(|sex| of(sex, k))))
+    }
+
+    /// What the growth charts say of stature and mass: the mean over the ages of the medians of boys and girls, and the
+    /// standard deviation of all, from the charts' quantiles.
+    fn charted([from, to]: [f64; 2]) -> [[f64; 2]; 2] {
+        let mut all = [Vec::new(), Vec::new()];
+        for sex in Sex::ALL {
+            for k in 0..4000 {
+                let (age, z) = (
+                    from + (to - from) * (f64::from(k / 100) + 0.5) / 40.0,
+                    inverse((f64::from(k % 100) + 0.5) / 100.0),
+                );
+                let one = child(sex, age, [z; 2]);
+                all[0].push(one.stature);
+                all[1].push(one.mass);
+            }
         }
-        let again = "write it again: KINDS_TABLE=write cargo test -p lemons-people kinds";
-        assert_eq!(page[start..start + length], table, "{again}");
+        all.map(|values| spread(&values))
+    }
+
+    /// The second table of docs/people.md: what is drawn beside what the sources say. It is written as the first one.
+    #[test]
+    fn the_page_has_what_is_drawn_beside_the_sources() {
+        let shown = |[mean, sd]: [f64; 2], digits: usize| format!("{mean:.digits$} ± {sd:.digits$}");
+        let of_speed = |speed: &Distribution| match speed {
+            Distribution::Normal(TruncatedNormal { mean, sd, .. }) => [*mean, *sd],
+            Distribution::Uniform(Range { min, max }) => [0.5 * (min + max), (max - min) / 12.0f64.sqrt()],
+        };
+        let mut table = String::from(
+            "| kind | | stature m | mass kg | breadth m | depth m | mass of all kg | length × width of all m | speed m/s |\n\
+             | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+        );
+        let kinds = Kinds::built_in().unwrap();
+        for kind in kinds.iter() {
+            let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into()).unwrap();
+            let population =
+                Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES)
+                    .unwrap()
+                    .mixed(mix);
+            let drawn: Vec<Agent> = population.agents(1).take(2000).collect();
+            let of = |value: &dyn Fn(&Member) -> f64| {
+                spread(&drawn.iter().filter_map(Agent::member).map(value).collect::<Vec<f64>>())
+            };
+            let measures: [[f64; 2]; 4] =
+                std::array::from_fn(|k| of(&|member| member.people[0].0.measures()[k]));
+            let [breadth, depth, stature, mass] = measures;
+            let (whole, length, width) = (
+                of(&|member| member.mass),
+                of(&|member| member.shape().depth()),
+                of(&|member| member.shape().breadth()),
+            );
+            let speed = of(&|member| member.speed);
+            let drawn = [
+                shown(stature, 2),
+                shown(mass, 1),
+                shown(breadth, 3),
+                shown(depth, 3),
+                shown(whole, 1),
+                format!("{:.2} × {:.2}", length[0], width[0]),
+                shown(speed, 2),
+            ];
+            table += &format!("| {} | drawn | {} |\n", kind.name, drawn.join(" | "));
+            let none = || "assumed".to_owned();
+            let iso = kind.sources.iter().any(|source| source.contains("ISO 7193"));
+            // Of a child at a hand the walk is of the slower of two; of children it is by Froude's number.
+            let assumed = kind.sources.iter().any(|source| {
+                source.starts_with("speed: assumption")
+                    || source.contains("(assumption)") && source.starts_with("speed")
+            });
+            let says = match kind.speed_women.as_ref() {
+                _ if assumed || kind.companion.is_some() => none(),
+                Some(women) => shown(of_both([of_speed(&kind.speed), of_speed(women)]), 2),
+                None => shown(of_speed(&kind.speed), 2),
+            };
+            let body = kind.sources.iter().any(|source| source.starts_with("body: assumption"));
+            let people: [String; 4] = match kind.ages {
+                Some(ages) => {
+                    let [stature, mass] = charted(ages);
+                    for (source, ours, off) in [(stature, measures[2], 0.02), (mass, measures[3], 0.03)] {
+                        assert!(
+                            (ours[0] / source[0] - 1.0).abs() < off
+                                && (ours[1] / source[1] - 1.0).abs() < 0.08,
+                            "{source:?} {ours:?}"
+                        );
+                    }
+                    [shown(stature, 2), shown(mass, 1), none(), none()]
+                }
+                None => {
+                    let [breadth, depth, stature, mass] = surveyed();
+                    // Four standard deviations of the mean of 2000, and of the standard deviation.
+                    for (source, ours) in surveyed().into_iter().zip(measures) {
+                        assert!(
+                            (ours[0] - source[0]).abs() < 4.0 * source[1] / 2000f64.sqrt(),
+                            "{source:?} {ours:?}"
+                        );
+                        assert!((ours[1] / source[1] - 1.0).abs() < 0.08, "{source:?} {ours:?}");
+                    }
+                    let all = [shown(stature, 2), shown(mass, 1), shown(breadth, 3), shown(depth, 3)];
+                    if body { all.map(|text| format!("adults: {text}")) } else { all }
+                }
+            };
+            let size = if iso { "at most 1.20 × 0.70".to_owned() } else { none() };
+            let alone = kind.parts.is_empty() && kind.companion.is_none();
+            let (whole, size) =
+                if alone { ("as the person".to_owned(), "as the person".to_owned()) } else { (none(), size) };
+            table += &format!("| | source | {} | {whole} | {size} | {says} |\n", people.join(" | "));
+        }
+        assert_page_has("| kind | | stature", &table);
     }
 
     /// ISO 7193: 1.2 m long, 0.7 m broad.

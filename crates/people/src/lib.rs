@@ -28,15 +28,15 @@ mod trial;
 pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
 pub use bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES};
 pub use body3d::{
-    Body3d, CrowdSection, MeshPart, Part, Polygon, TORSO_ALTITUDE, packed, section, write_geojson, write_obj,
-    write_stl, write_wkt,
+    Body3d, CrowdSection, Figure, MeshPart, Part, Polygon, TORSO_ALTITUDE, packed, people_fitting, section,
+    write_geojson, write_obj, write_stl, write_wkt,
 };
 pub use copula::Correlations;
 pub use cover::{Cover, MOST_COVERING, cover};
 pub use custom::Custom;
 pub use doors::{Door, closed_walls, cut_doors, cut_doors_in_all, nearest_wall};
 pub use error::PeopleError;
-pub use kinds::{Body, BodyDisk, Kind, Kinds, Member, Origin, Part as KindPart};
+pub use kinds::{Body, BodyDisk, Kind, Kinds, Member, Origin, Part as KindPart, Solid};
 pub use lemons_core::distribution::{Distribution, Range, TruncatedNormal};
 pub use lemons_core::plane::{Disk, Moments};
 pub use light_xml::light_xml;
@@ -47,5 +47,6 @@ pub use survey::Survey;
 pub use table::{CrowdStatistics, KindStatistics, Summary, crowd_csv};
 pub use trial::{
     PART_MATERIALS, SKINS, TRIAL_FILES, TrialSettings, choose_mechanical_step, crowd_trial, heading,
-    materials, may_write, paper_materials, walls, write_trial, write_trial_zip, zip_trial,
+    materials, may_write, mechanical_step_for, paper_materials, walls, write_trial, write_trial_zip,
+    zip_trial,
 };

@@ -121,6 +121,15 @@ impl Agent {
         }
     }
 
+    /// Returns all people of it, also those who sit; nobody of a bicycle.
+    pub fn everybody(&self) -> Vec<Person> {
+        match self {
+            Agent::Pedestrian(person) => vec![*person],
+            Agent::Member(member) => member.people.iter().map(|(person, _)| *person).collect(),
+            Agent::Bicycle(_) => Vec::new(),
+        }
+    }
+
     /// Returns the member, if the agent is of a kind.
     pub fn member(&self) -> Option<&Member> {
         match self {

@@ -178,13 +178,7 @@ fn body(agent: &crate::Agent, id: usize, settings: &TrialSettings) -> Result<Opt
         }
         crate::Agent::Member(member) => {
             let (person, _) = member.people[0];
-            (
-                Some(member.kind.name.clone()),
-                person.stature,
-                member.mass,
-                member.inertia,
-                member.disks.clone(),
-            )
+            (Some(&member.kind), person.stature, member.mass, member.inertia, member.disks.clone())
         }
     };
     let shape = |BodyDisk { disk, material }: BodyDisk| lemons_core::trial::Shape {
@@ -194,24 +188,29 @@ fn body(agent: &crate::Agent, id: usize, settings: &TrialSettings) -> Result<Opt
     };
     Ok(Some(Agent {
         agent_type: Some("pedestrian".into()),
-        kind,
+        kind: kind.map(|kind| kind.name.clone()),
         id: id.to_string(),
         mass,
         height: Some(stature),
         moment_of_inertia: inertia,
         floor_damping: FLOOR_DAMPING,
+        floor_damping_across: kind.and_then(|kind| kind.floor_damping_across),
         angular_damping: FLOOR_DAMPING,
         shapes: disks.into_iter().map(shape).collect(),
     }))
 }
 
-/// Gives a Trial the longest mechanical step that divides its communication step and does not exceed
+/// \[s\] Returns the longest mechanical step that divides a Trial's communication step and does not exceed
 /// [`proposed_step`](Setup::proposed_step).
-pub fn choose_mechanical_step(trial: &mut Trial) {
-    let proposed = Setup::of(trial).proposed_step();
-    let Parameters { time_step, time_step_mechanical, .. } = &mut trial.parameters;
+pub fn mechanical_step_for(trial: &Trial) -> f64 {
+    let (step, proposed) = (trial.parameters.time_step, Setup::of(trial).proposed_step());
     // The tolerance is for a quotient that is an integer except for rounding.
-    *time_step_mechanical = *time_step / (*time_step / proposed.unwrap_or(*time_step) - 1e-9).ceil().max(1.0);
+    step / (step / proposed.unwrap_or(step) - 1e-9).ceil().max(1.0)
+}
+
+/// Gives a Trial [this mechanical step](mechanical_step_for).
+pub fn choose_mechanical_step(trial: &mut Trial) {
+    trial.parameters.time_step_mechanical = mechanical_step_for(trial);
 }
 
 impl TrialSettings {

@@ -369,3 +369,96 @@ fn bits_are_kept() {
     let sum = vertices.fold(0u64, |sum, value| sum.rotate_left(5) ^ value.to_bits());
     assert_eq!(sum, 0x437a_a0d1_4284_d3f4, "{sum:#x}: a change of shape is told in CHANGELOG");
 }
+
+/// Everything that a mix draws: closed, on the floor or above, within the outline that the mechanics has.
+#[test]
+fn people_of_all_kinds_and_their_things_are_closed_solids_in_their_outline() {
+    let kinds = Kinds::built_in().unwrap();
+    for kind in kinds.iter() {
+        let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into()).unwrap();
+        let population = Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES)
+            .unwrap()
+            .mixed(mix);
+        for agent in population.agents(7).take(3) {
+            let member = agent.member().unwrap();
+            let figure = Figure::of(&agent).unwrap();
+            let (bodies, things) = (figure.bodies(false), figure.things());
+            assert_eq!(bodies.len(), 5 * member.people.len(), "{}", kind.name);
+            assert_eq!(things.is_empty(), kind.parts.is_empty(), "{}", kind.name);
+            for part in bodies.iter().chain(&things) {
+                assert_closed(part.vertices.len(), &indices(part), &part.name);
+                assert!(signed_volume(&part.vertices, &indices(part)) > 0.0, "{} {}", kind.name, part.name);
+            }
+            // Solids are drawn, disks act: they differ by a corner of a suitcase or a handle.
+            for [x, y, z] in things.iter().flat_map(|part| &part.vertices) {
+                let off = |disk: &BodyDisk| (vec2(*x, *y) - disk.disk.centre).norm() - disk.disk.radius;
+                let off = member.disks.iter().map(off).fold(f64::MAX, f64::min);
+                assert!(*z >= 0.0 && off < 0.1, "{}: {x} {y} {z} {off}", kind.name);
+            }
+            let places = || bodies.iter().flat_map(|part| &part.vertices);
+            let (low, high) = places()
+                .fold((f64::MAX, f64::MIN), |(low, high), place| (low.min(place[2]), high.max(place[2])));
+            let stature = member.people[0].0.stature;
+            if kind.seated {
+                // The sitting height is 0.52 of the stature (ANSUR II: 0.918 m of 1.756 m), above a seat of 0.48 m.
+                assert!((high - 0.48 - 0.52 * stature).abs() < 0.03 * stature, "{high} of {stature}");
+                assert!((0.0..0.25).contains(&low), "{}: feet at {low}", kind.name);
+                let feet = places().map(|place| place[0]).fold(f64::MIN, f64::max);
+                assert!((0.4..0.95).contains(&(feet - member.people[0].1.x)), "{feet}");
+            } else {
+                assert!(low.abs() < 1e-9 && high >= stature - 1e-9, "{low} {high}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_small_child_has_a_body_of_its_measures() {
+    let child = Person { sex: Sex::Female, breadth: 0.25, depth: 0.14, stature: 0.87, mass: 12.4 };
+    assert!(Body3d::of(&child).is_err());
+    let body = Body3d::similar(&child).unwrap();
+    let torso = body.slice_at(body.torso_altitude());
+    assert!((extent(&torso, |p| p.y) - 0.25).abs() < 1e-3 && (extent(&torso, |p| p.x) - 0.14).abs() < 1e-3);
+    assert!((body.volume() / (12.4 / 985.0) - 1.0).abs() < 0.1, "{}", body.volume());
+    let man = mean_person(Sex::Male);
+    assert_eq!(Body3d::similar(&man).unwrap(), Body3d::of(&man).unwrap());
+    let said = Body3d::similar(&Person { stature: 0.1, ..child }).unwrap_err().to_string();
+    assert!(said.starts_with("stature = 0.1 m: must be from 1 to 2.5 m"), "{said}");
+}
+
+/// Of an opened Trial the disks are known, the kind and the height: people and things are where they were.
+#[test]
+fn figures_that_fit_a_trial_are_those_of_its_kinds() {
+    let kinds = Kinds::built_in().unwrap();
+    for kind in kinds.iter() {
+        let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into()).unwrap();
+        let population = Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES)
+            .unwrap()
+            .mixed(mix);
+        let agents: Vec<Agent> = population.agents(3).take(3).collect();
+        let crowd: Vec<(Agent, Pose)> =
+            agents.iter().cloned().map(|agent| (agent, Pose::default())).collect();
+        let trial = crowd_trial("t", &crowd, walls(&[], "concrete"), &TrialSettings::default()).unwrap();
+        for (agent, read) in agents.iter().zip(&trial.agents) {
+            let [known, fitting] = [Figure::of(agent).unwrap(), Figure::fitting(read).unwrap()];
+            let things = [&known, &fitting].map(Figure::things);
+            let bodies = [&known, &fitting].map(|figure| figure.bodies(false));
+            assert_eq!((things[0].len(), bodies[0].len()), (things[1].len(), bodies[1].len()));
+            for (one, other) in
+                things[0].iter().zip(&things[1]).flat_map(|(a, b)| a.vertices.iter().zip(&b.vertices))
+            {
+                assert!((0..3).all(|k| (one[k] - other[k]).abs() < 1e-9), "{}: {one:?} {other:?}", kind.name);
+            }
+            let middle = |of: usize, part: usize| {
+                let vertices: &Vec<[f64; 3]> = &bodies[of][part].vertices;
+                vertices.iter().map(|place| place[1]).sum::<f64>() / vertices.len() as f64
+            };
+            for part in (0..bodies[0].len()).step_by(5) {
+                let off = middle(0, part) - middle(1, part);
+                assert!(off.abs() < 0.01, "{} {part}: {off}", kind.name);
+            }
+        }
+        let plain = lemons_core::trial::Agent { kind: Some("elephant".into()), ..trial.agents[0].clone() };
+        assert!(Figure::fitting(&plain).unwrap().things().is_empty());
+    }
+}

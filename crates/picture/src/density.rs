@@ -134,6 +134,11 @@ impl DensityMap {
         )
     }
 
+    /// Returns the part of the plane \[m\] that the cells cover.
+    pub fn view(&self) -> Bounds {
+        self.view
+    }
+
     /// Returns the number of cells along x and along y.
     pub fn cells(&self) -> (usize, usize) {
         (self.columns, self.rows)

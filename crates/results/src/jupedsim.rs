@@ -48,8 +48,8 @@ fn fill(file: &Path, record: &Record, area: &Area, rate: f64, path: &Path) -> Re
     database.execute_batch(TABLES).map_err(cannot)?;
     let transaction = database.transaction().map_err(cannot)?;
     head(&transaction, area, rate).map_err(cannot)?;
-    let numbers = record.numbers();
-    record.each(|at, frame| insert(&transaction, at as i64, &frame, &numbers).map_err(cannot))?;
+    let (first, numbers) = (record.first_number(), record.numbers());
+    record.each(|at, frame| insert(&transaction, first + at as i64, &frame, &numbers).map_err(cannot))?;
     transaction.commit().map_err(cannot)?;
     database.close().map_err(|(_, error)| cannot(error))
 }
@@ -60,7 +60,9 @@ fn insert(database: &Connection, at: i64, frame: &Frame, numbers: &[i64]) -> rus
     let mut rows = database.prepare_cached("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)")?;
     for (place, agent) in frame.present() {
         let (number, Pose { position, orientation }) = (numbers[place], agent.pose);
-        let (sin, cos) = (libm::sin(orientation), libm::cos(orientation));
+        // No direction where none is known.
+        let known = orientation.is_finite();
+        let (sin, cos) = if known { (libm::sin(orientation), libm::cos(orientation)) } else { (0.0, 0.0) };
         rows.execute(params![at, number, position.x, position.y, cos, sin])?;
     }
     Ok(())

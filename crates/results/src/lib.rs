@@ -4,7 +4,8 @@
 //! A [`FrameWriter`] writes the [`Frame`]s of a crowd to a table in CSV or Parquet; a [`TableWriter`] writes a table
 //! with other columns. A [`Recorder`] keeps frames in memory instead. A [`Record`] reads frames again, one at a time,
 //! from a table ([`Record::table`]) or from the XML series of an `OutputDirectory` ([`Record::series`]); a [`Run`] is
-//! frames in memory. Both kinds are exported by [`chaos`], [`pedpy`], [`series`] and `jupedsim`; [`trial_at_end`] is the
+//! frames in memory. [`Record::of_others`] reads trajectories of experiments and of other simulators, which have no bodies and
+//! no forces. All are exported by [`chaos`], [`pedpy`], [`series`] and `jupedsim`; [`trial_at_end`] is the
 //! Trial that continues where a run ended. [`measure`] has what is measured of frames.
 //!
 //! Features, off by default: `parquet` (tables in Parquet; builds zstd, which is C) and `sqlite` (`jupedsim`; builds
@@ -25,6 +26,7 @@ mod series;
 mod shapes;
 mod table;
 mod text;
+mod trajectories;
 
 pub use area::{Area, MARGIN, THICKNESS, given_area, walkable_area};
 pub use cell::{Cell, CellType};
@@ -37,6 +39,7 @@ pub use run::{Frame, Observed, OfLegs, OfStep, OfWall, Run, Totals};
 pub use series::{series, series_files, series_in, trial_at_end};
 pub use table::{Content, Format, FrameWriter, TableWriter};
 pub use text::{chaos, chaos_files, pedpy};
+pub use trajectories::{Told, Trajectories, VELOCITY_OVER, holds_trajectories};
 
 /// As with the feature `sqlite`, without which there is no SQLite.
 ///

@@ -1,11 +1,12 @@
 //! What is measured of a run: who crosses a line and when ([`Line`], [`Passages`], [`Flow`]), how dense a crowd is in an
-//! area ([`Room`], [`MeasuringArea`]), how long and how hard people are squeezed ([`Exposure`], [`MovingMeans`]), how people
-//! keep their balance ([`Balance`]).
+//! area ([`Room`], [`MeasuringArea`]), how long and how hard people are squeezed ([`Exposure`], [`MovingMeans`]) and where
+//! ([`SqueezeMap`]), how people keep their balance ([`Balance`]).
 //!
 //! Frames are given one after the other, in the order of time; nothing here keeps them. docs/measure.md defines each
 //! number. SI units.
 
 mod balance;
+mod by_place;
 mod crossing;
 mod density;
 mod departures;
@@ -19,6 +20,7 @@ mod summary;
 mod voronoi;
 
 pub use balance::{Balance, Kept};
+pub use by_place::SqueezeMap;
 pub use crossing::{Line, Way};
 pub use density::{Density, MeasuringArea};
 pub use departures::{Departures, Left};

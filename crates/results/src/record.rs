@@ -2,6 +2,7 @@
 
 use crate::error::RecordError;
 use crate::run::{Frame, Run, order_of, sorted};
+use crate::trajectories::Trajectories;
 use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::Trial;
 use std::collections::BTreeSet;
@@ -28,6 +29,8 @@ pub struct Record {
     order: Vec<usize>,
     /// Only every so many frames count.
     every: usize,
+    /// If they are not of one of our runs.
+    trajectories: Option<Rc<Trajectories>>,
 }
 
 /// \[s\] Names of files hold nine decimals.
@@ -49,7 +52,17 @@ impl Record {
             Ok(())
         })?;
         let (source, pass, order) = (source.to_owned(), Rc::new(pass), (0..ids.len()).collect());
-        Ok(Record { source, pass, ids, times, first, contacts, order, every: 1 })
+        Ok(Record { source, pass, ids, times, first, contacts, order, every: 1, trajectories: None })
+    }
+
+    /// Says that they are not of one of our runs.
+    pub(crate) fn of_trajectories(self, about: Trajectories) -> Record {
+        Record { trajectories: Some(Rc::new(about)), ..self }
+    }
+
+    /// Returns what is known of trajectories that are not of one of our runs ([`Record::of_others`]).
+    pub fn trajectories(&self) -> Option<&Trajectories> {
+        self.trajectories.as_deref()
     }
 
     /// Returns the file or directory that it is read from.
@@ -155,6 +168,9 @@ impl Record {
     /// # Errors
     /// There is only one frame, or the times between frames are not equal.
     pub fn frame_rate(&self) -> Result<f64, RecordError> {
+        if let Some(trajectories) = &self.trajectories {
+            return Ok(trajectories.rate / self.every as f64);
+        }
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         let wrong = |message: String| Err(RecordError::wrong(&self.source, message));
         let Some(second) = self.times.get(1) else {
@@ -188,6 +204,14 @@ impl Record {
             return Ok(rate);
         }
         wrong(format!("the time between its frames is {step:?} s, which gives no usable frame rate"))
+    }
+
+    /// Returns the number of the first frame in files that number frames: 0 for a run of ours; for trajectories that of its
+    /// time, if this is a whole number.
+    pub(crate) fn first_number(&self) -> i64 {
+        let Some(trajectories) = &self.trajectories else { return 0 };
+        let number = self.times[0] * trajectories.rate / self.every as f64;
+        if (number - number.round()).abs() < 1e-6 { number.round() as i64 } else { 0 }
     }
 
     /// \[m\] Positions of everybody who is there, in the order of time and of agents.

@@ -16,7 +16,9 @@ pub fn pedpy(record: &Record, file: Staged, path: &Path) -> Result<(), RecordErr
     let mut out = BufWriter::new(file);
     let head = writeln!(out, "# framerate: {rate:?} fps\n# id frame x/m y/m z/m");
     head.map_err(WriteError::at(path))?;
+    let first = record.first_number();
     record.each(|k, frame| {
+        let k = first + k as i64;
         // Who has left has no more rows there.
         let written = frame.present().try_for_each(|(place, agent)| {
             let number = numbers[place];

@@ -12,6 +12,7 @@ mod measure;
 mod models;
 mod output;
 mod points;
+mod population;
 mod simulate;
 mod spec;
 mod summary;

@@ -32,6 +32,8 @@ pub struct Models {
     of_points: Option<Vec<usize>>,
     /// For each parameter, whether it only chooses.
     chooses: Vec<bool>,
+    /// The first point that has each of them.
+    first: Vec<usize>,
 }
 
 impl Models {
@@ -52,25 +54,50 @@ impl Models {
         let columns = 0..points.parameters.len();
         let chooses: Vec<bool> = columns.map(|column| path.uses(column) || of_plan(column)).collect();
         if !chooses.contains(&true) {
-            return Ok(Models { all: vec![model(0)], of_points: None, chooses });
+            return Ok(Models { all: vec![model(0)], of_points: None, chooses, first: vec![0] });
         }
-        let (mut all, mut known) = (Vec::new(), HashMap::new());
+        Models::among(points, chooses, model)
+    }
+
+    /// Finds the crowds that these points simulate, by the parameters that choose them.
+    ///
+    /// # Errors
+    /// There are too many.
+    pub fn of_crowds(points: &Points, chooses: Vec<bool>) -> Result<Models> {
+        let model = |point: usize| -> Model {
+            let chosen = points.parameters.iter().zip(&chooses).filter(|(_, chooses)| **chooses);
+            let values = chosen.map(|(parameter, _)| format!("{} = {}", parameter.name, parameter.at(point)));
+            let name = values.collect::<Vec<String>>().join(", ");
+            (PathBuf::from(if name.is_empty() { "population".to_owned() } else { name }), PlanChoice::Own)
+        };
+        Models::among(points, chooses.clone(), model)
+    }
+
+    /// Each different model once.
+    fn among(points: &Points, chooses: Vec<bool>, model: impl Fn(usize) -> Model) -> Result<Models> {
+        let (mut all, mut first, mut known) = (Vec::new(), Vec::new(), HashMap::new());
         let mut of_points = Vec::with_capacity(points.count);
         for point in 0..points.count {
             let place = *known.entry(model(point)).or_insert_with_key(|own: &Model| {
                 all.push(own.clone());
+                first.push(point);
                 all.len() - 1
             });
             of_points.push(place);
             let many = || format!("there are more than {MOST_MODELS} Trials, FMUs or plans");
             ensure(all.len() <= MOST_MODELS, many)?;
         }
-        Ok(Models { all, of_points: Some(of_points), chooses })
+        Ok(Models { all, of_points: Some(of_points), chooses, first })
     }
 
     /// Returns whether a parameter only chooses what is simulated, and is no variable of it.
     pub fn only_chooses(&self, parameter: usize) -> bool {
         self.chooses[parameter]
+    }
+
+    /// Returns the first point that has the model of a place.
+    pub(crate) fn first_point(&self, place: usize) -> usize {
+        self.first[place]
     }
 
     /// Returns the place of a point's own.

@@ -3,10 +3,10 @@
 use crate::accumulators::Accumulators;
 use crate::error::{Error, Place, Result};
 use crate::identity;
-use crate::models::{Model, Models};
+use crate::models::Models;
 use crate::points::Points;
 use crate::spec::{End, Event, Spec};
-use lemons_core::trial::Trial;
+use lemons_core::trial::{Problems, Trial};
 use lemons_master::{documents_of, ensure};
 use lemons_results::measure::{Leaving, Over};
 use lemons_sim::stop::places;
@@ -32,10 +32,10 @@ impl Job {
         let models = &spec.models;
         let (mut digests, mut warnings) = (Vec::new(), Vec::new());
         let mut identity = identity::of_spec(&spec);
-        for model in &models.all {
+        for (place, model) in models.all.iter().enumerate() {
             let path = model.0.display();
             // With several, a sentence about a parameter does not say of which one.
-            let loaded = match LoadedModel::open(&spec, model) {
+            let loaded = match LoadedModel::open(&spec, place) {
                 Err(error @ (Error::Spec(_) | Error::In { .. })) if models.all.len() > 1 => {
                     Err(error).place(|| path.to_string())?
                 }
@@ -55,7 +55,7 @@ impl Job {
 
     /// Loads one of the models again.
     fn load(&self, place: usize) -> Result<LoadedModel> {
-        let model = LoadedModel::open(&self.spec, &self.spec.models.all[place])?;
+        let model = LoadedModel::open(&self.spec, place)?;
         let same = identity::digest(&model.identity)? == self.digests[place];
         let path = self.spec.models.all[place].0.display();
         ensure(same, || format!("{path}: it was changed while the sweep was running"))?;
@@ -141,9 +141,17 @@ pub struct LoadedModel {
 }
 
 impl LoadedModel {
-    /// Loads it, and checks that it has all variables that are set and read.
-    fn open(spec: &Spec, (path, plan): &Model) -> Result<LoadedModel> {
-        let (documents, problems, walks) = documents_of(path, &spec.drive, plan)?;
+    /// Loads the model of a place, and checks that it has all variables that are set and read.
+    fn open(spec: &Spec, place: usize) -> Result<LoadedModel> {
+        let (path, plan) = &spec.models.all[place];
+        let (documents, problems, walks) = match &spec.population {
+            Some(population) => {
+                let own = population.at(&spec.points, spec.models.first_point(place));
+                let documents = own.and_then(|own| own.documents()).place(|| "population".into())?;
+                (documents, Problems::default(), None)
+            }
+            None => documents_of(path, &spec.drive, plan)?,
+        };
         let mut warnings: Vec<String> = problems.iter().map(ToString::to_string).collect();
         match walks {
             None if spec.needs_plan => {

@@ -6,6 +6,7 @@ use crate::measure::places::Places;
 use crate::models::{Models, Plan, Template};
 use crate::output::Stop;
 use crate::points::{Axis, OUTPUT_DIRECTORY, Points};
+use crate::population::Population;
 use crate::table::{ERROR, POINT, STATUS};
 use lemons_core::files::input;
 use lemons_core::trial::DriveChoice;
@@ -22,6 +23,8 @@ use std::path::{Path, PathBuf};
 pub struct Spec {
     /// The model that is simulated at each point.
     pub(crate) models: Models,
+    /// The people of the crowds that are the models, if these are made here.
+    pub(crate) population: Option<Population>,
     /// True if each Trial must have a `decision.toml`.
     pub(crate) needs_plan: bool,
     /// When a point ends.
@@ -83,6 +86,7 @@ impl End {
 struct Document {
     trial: Option<String>,
     fmu: Option<String>,
+    population: Option<Population>,
     until: End,
     stop: Option<Stop>,
     step: Option<f64>,
@@ -134,11 +138,19 @@ impl Spec {
         let document: Document = toml::from_str(text)?;
         let mut identity: Map<String, Value> = toml::from_str(text)?;
         identity.retain(|key, _| !ELSEWHERE.contains(&key.as_str()));
-        let (key, model) = match (document.trial, document.fmu) {
-            (Some(path), None) => ("trial", path),
-            (None, Some(path)) => ("fmu", path),
-            _ => return Err("give one of the keys trial and fmu".into()),
+        let population = document.population;
+        let (key, model) = match (document.trial, document.fmu, &population) {
+            (Some(path), None, None) => ("trial", path),
+            (None, Some(path), None) => ("fmu", path),
+            (None, None, Some(_)) => ("population", String::new()),
+            _ => return Err("give one of the keys trial and fmu, or [population]".into()),
         };
+        for (name, given) in [("plan", document.plan.is_some()), ("drive", document.drive.is_some())] {
+            ensure(!given || population.is_none(), || format!("{name}: is not for a [population]"))?;
+        }
+        if let Some(population) = &population {
+            population.check().place(|| "population".into())?;
+        }
         let plan_of_fmu = key == "fmu" && document.plan.is_some();
         ensure(!plan_of_fmu, || "plan: is for a trial, and not for an fmu")?;
         for (key, value) in [("until", Some(document.until.latest())), ("step", document.step)] {
@@ -189,6 +201,8 @@ impl Spec {
         }
         let template =
             |key: &str, text: &str| Template::read(text, directory, &points).place(|| key.to_owned());
+        let chosen = population.as_ref().map(|population| population.choosers(&points));
+        let chosen = chosen.transpose().place(|| "parameters".into())?;
         let model = template(key, &model)?;
         let needs_plan = matches!(document.plan, Some(FileText::Switch(true)));
         let plan = match &document.plan {
@@ -205,8 +219,11 @@ impl Spec {
             inputs.push(path.clone());
         }
         let Document { until, stop, step, algorithm, .. } = document;
-        let models = Models::of(&points, &model, &plan)?;
-        for (path, plan) in &models.all {
+        let models = match chosen {
+            Some(chosen) => Models::of_crowds(&points, chosen)?,
+            None => Models::of(&points, &model, &plan)?,
+        };
+        for (path, plan) in models.all.iter().filter(|_| population.is_none()) {
             inputs.push(path.clone());
             if let PlanChoice::File(path) = plan {
                 inputs.push(path.clone());
@@ -214,6 +231,7 @@ impl Spec {
         }
         Ok(Spec {
             models,
+            population,
             needs_plan,
             until,
             stop,

@@ -3,6 +3,7 @@
 //!
 //! A [`Check`] measures one figure: the largest difference that it finds. It passes if the figure is within its limit.
 
+mod across;
 mod collision;
 mod exposure;
 mod friction;
@@ -64,6 +65,7 @@ pub fn all() -> Vec<Check> {
         exposure::FIGURES,
         golden::FIGURES,
         ramp::FIGURES,
+        across::FIGURES,
         ledger::FIGURES,
         legs::FIGURES,
         symmetry::FIGURES,

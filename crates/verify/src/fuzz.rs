@@ -9,6 +9,7 @@
 //! - `decision_toml`: any text as wishes or as a plan
 //! - `drive_csv`: any bytes as a drive file
 //! - `table_csv`: any bytes as the table of a run
+//! - `trajectories`: any bytes as trajectories of others
 //! - `sweep_toml`: any text as a `sweep.toml`, any bytes as the table of points that it names
 //! - `run_file`: any bytes as a saved run, or as its `run.toml`
 
@@ -19,13 +20,13 @@ mod models;
 
 use calls::calls;
 use files::{decision_toml, fmu_archive, ssp_archive, trial_xml};
-use inputs::{drive_csv, run_file, sweep_toml, table_csv};
+use inputs::{drive_csv, run_file, sweep_toml, table_csv, trajectories};
 
 /// A fuzz target.
 pub type Target = fn(&[u8]);
 
 /// The targets, by the names of their fuzzers and of the directories of their inputs.
-pub const TARGETS: [(&str, Target); 9] = [
+pub const TARGETS: [(&str, Target); 10] = [
     ("calls", calls),
     ("trial_xml", trial_xml),
     ("fmu_archive", fmu_archive),
@@ -33,6 +34,7 @@ pub const TARGETS: [(&str, Target); 9] = [
     ("decision_toml", decision_toml),
     ("drive_csv", drive_csv),
     ("table_csv", table_csv),
+    ("trajectories", trajectories),
     ("sweep_toml", sweep_toml),
     ("run_file", run_file),
 ];

@@ -94,13 +94,6 @@ def call(words: Sequence[str | os.PathLike[str]], run: Run | None = None) -> Mad
     return made
 
 
-def operand(what: str | os.PathLike[str] | Run) -> tuple[str, Run | None]:
-    """Returns a path, or what a run is called, and the run."""
-    if isinstance(what, (str, os.PathLike)):
-        return os.fspath(what), None
-    return repr(what), what
-
-
 def _text(value: int | float | str | os.PathLike[str]) -> str:
     # Of numpy's numbers, too, as which `repr` would name their type.
     return os.fspath(value) if isinstance(value, (str, os.PathLike)) else f"{value}"

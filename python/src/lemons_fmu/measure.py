@@ -13,7 +13,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from .command import Option, call, operand, options
+from .command import Option, call, options
+from .hdf5 import source
 from .picture import Drawn
 
 #: Columns that are names, also where they look like numbers.
@@ -75,7 +76,8 @@ def measure(
 ) -> Measures:
     """Measures a run.
 
-    `what` is a Trial or an FMU, which is simulated first; the table of an earlier run; or a `Run`. `trial` is the Trial or
+    `what` is a Trial or an FMU, which is simulated first; the table of an earlier run; a `Run`; or trajectories of an experiment or of
+    another simulator: JuPedSim's SQLite, PedPy's text, HDF5 of the data archive (`pip install lemons-fmu[hdf5]`). `trial` is the Trial or
     FMU of a table: its walls bound Voronoi cells; a Run knows its own. `lines` are names and x1, y1, x2, y2 [m]; for who stands at the
     first point and looks at the second one, people cross to the right or to the left. `areas` are names and the lower left and the upper
     right corner of a rectangle, or three and more corners of a polygon [m]. `above` are squeezes [N]. All other
@@ -85,12 +87,15 @@ def measure(
     Raises:
         CommandError: something is refused; the message is that of the command.
     """
-    source, run = operand(what)
     given = [("--line", lines), ("--area", areas)]
     words = [f"{option}={name}={_joined(each)}" for option, all in given for name, each in (all or {}).items()]
     known: dict[str, Option] = {"trial": trial, "above": list(above) or None, **others}
-    made = call(["measure", *words, *options(known), "--", source], run)
-    return Measures(json.loads(made.summary), *(_table(text) for _, text in made.tables))
+    with source(what) as (path, run):
+        made = call(["measure", *words, *options(known), "--", path], run)
+    summary = json.loads(made.summary)
+    if isinstance(what, (str, os.PathLike)):
+        summary["source"] = os.fspath(what)
+    return Measures(summary, *(_table(text) for _, text in made.tables))
 
 
 def _joined(numbers: Sequence[float]) -> str:

@@ -6,12 +6,13 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, Union
 
-from .command import Option, call, operand, options
+from .command import Option, call, options
+from .hdf5 import source
 
 if TYPE_CHECKING:
     from .record import Run
 
-#: What can be drawn: a Trial, an FMU or a table, by its path, or a Run.
+#: What can be drawn: a Trial, an FMU, a table or trajectories, by its path, or a Run.
 Drawn = Union[str, "os.PathLike[str]", "Run"]
 
 
@@ -62,8 +63,8 @@ def movie(
         CommandError: something is refused; the message is that of the command.
         OSError: it cannot be written.
     """
-    source, run = operand(what)
-    call(["movie", "--force", f"--output={os.fspath(output)}", *options({"trial": trial, **others}), "--", source], run)
+    with source(what) as (path, run):
+        call(["movie", "--force", f"--output={os.fspath(output)}", *options({"trial": trial, **others}), "--", path], run)
     return Path(output)
 
 
@@ -76,7 +77,8 @@ def plot(
 ) -> Picture:
     """Draws what `lemons plot` draws: scenes, time series, a map of density.
 
-    `what` is a Trial or an FMU, which is simulated first as far as it is drawn; the table of an earlier run; or a `Run`. For
+    `what` is a Trial or an FMU, which is simulated first as far as it is drawn; the table of an earlier run; a `Run`; or trajectories, as for
+    `measure`. For
     the scenes of a table, `trial` is the Trial or FMU that was simulated, as there are no shapes and walls in it; a Run knows
     its own.
     All other options of the command have the same names here: `at=[0.5, 1.0]`, `fill="squeeze"`, `forces=True`,
@@ -85,6 +87,6 @@ def plot(
     Raises:
         CommandError: something is refused; the message is that of the command.
     """
-    source, run = operand(what)
-    words = ["plot", f"--output=picture.{format}", *options({"trial": trial, **others}), "--", source]
-    return Picture(call(words, run).picture, format)
+    with source(what) as (path, run):
+        words = ["plot", f"--output=picture.{format}", *options({"trial": trial, **others}), "--", path]
+        return Picture(call(words, run).picture, format)

@@ -75,7 +75,7 @@ impl<'a> Way<'a> {
             return Some(Way { agent, at, direction: to.unit(1e-9)?, length: to.norm() });
         }
         let (to, ways) = (agent.destination, ways?);
-        Some(Way { agent, at, direction: ways.leg(to, at).direction?, length: ways.distance(to, at) })
+        Some(Way { agent, at, direction: ways.leg(to, at, false).direction?, length: ways.distance(to, at) })
     }
 
     fn same_end(&self, other: &Way) -> bool {

@@ -99,7 +99,8 @@ pub fn pass<'a>(
     let mut moving = MovingMeans::over(OVER);
     let (mut exposures_by, mut splits) = (By::ALL.map(|by| (by, Exposure::new(people, &[], None))), true);
     let mut of_walls: Option<(Exposure, Vec<f64>)> = None;
-    let (mut departures, mut balance) = (Departures::of(people), Balance::of(people));
+    let departures = if record.trajectories().is_some() { Departures::of_appearing } else { Departures::of };
+    let (mut departures, mut balance) = (departures(people), Balance::of(people));
     record.each(|_, frame| {
         if stopped.is_ok() {
             stopped = interrupt.check();

@@ -4,6 +4,7 @@ use super::Arguments;
 use super::pass::{Seen, SeenArea, SeenLine};
 use lemons_core::trial::Wall;
 use lemons_results::measure::{Crossings, Density, Exposed, Kept, Left, MeanMax, SPANS, Way, quantile};
+use lemons_results::{Record, Trajectories};
 use serde::Serialize;
 
 /// SI units; null: not known.
@@ -16,6 +17,9 @@ pub struct Summary {
     pub until: f64,
     pub frames: usize,
     pub people: usize,
+    /// How velocities were calculated; not there for our runs, which have some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trajectories: Option<OfTrajectories>,
     /// Who has left, by any exit; null: nobody can leave.
     pub left: Option<Left>,
     pub lines: Vec<OfLine>,
@@ -26,6 +30,28 @@ pub struct Summary {
     pub walls: Option<Vec<Piece>>,
     /// How people kept their balance; null: they have no legs.
     pub balance: Option<OfBalance>,
+}
+
+/// What is known of trajectories that are not of our runs.
+#[derive(Serialize)]
+pub struct OfTrajectories {
+    /// \[1/s\]
+    pub frame_rate: f64,
+    /// \[s\] Time between the positions whose difference is the velocity.
+    pub velocity_over: f64,
+    /// Half of it in frames, as PedPy wants it.
+    pub frame_step: usize,
+}
+
+impl OfTrajectories {
+    fn of(known: &Trajectories) -> OfTrajectories {
+        let Trajectories { rate, velocity_frames, .. } = known;
+        OfTrajectories {
+            frame_rate: *rate,
+            velocity_over: known.velocity_over(),
+            frame_step: *velocity_frames,
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -170,13 +196,14 @@ pub struct OfPeople {
 }
 
 impl Summary {
-    /// Sums up what was seen of people with these Ids.
+    /// Sums up what was seen of the people of a record.
     pub fn of(
         arguments: &Arguments,
-        ids: &[String],
+        record: &Record,
         pieces: Vec<(&Wall, usize)>,
         seen: &Seen<'_>,
     ) -> Summary {
+        let ids = record.ids();
         let of_walls = |walls: &Vec<(Exposed, f64)>| {
             let each = (0..).zip(pieces).zip(walls);
             each.map(|((segment, piece), seen)| Piece::of(segment, piece, seen)).collect()
@@ -193,6 +220,7 @@ impl Summary {
             until: seen.times.1,
             frames: seen.frames,
             people: ids.len(),
+            trajectories: record.trajectories().map(OfTrajectories::of),
             left: seen.left,
             lines: seen.lines.iter().map(line).collect(),
             areas: seen.areas.iter().map(area).collect(),

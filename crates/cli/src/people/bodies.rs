@@ -5,7 +5,7 @@ use crate::interrupt::Interrupt;
 use anyhow::Result;
 use lemons_core::plane::{Pose, Rotation, Vec2};
 use lemons_people::{
-    Agent, Body3d, CrowdSection, Person, section, write_geojson, write_obj, write_stl, write_wkt,
+    Agent, Body3d, CrowdSection, Figure, Person, section, write_geojson, write_obj, write_stl, write_wkt,
 };
 use std::io::Write;
 
@@ -26,13 +26,13 @@ pub fn write(
             let placed = move |(person, at): (Person, Vec2)| {
                 let turned = at.rotated(Rotation::by(pose.orientation));
                 let pose = Pose { position: pose.position + turned, ..*pose };
-                Some((place, Body3d::of(&person).ok()?, pose))
+                Some((place, Body3d::similar(&person).ok()?, pose))
             };
             agent.people().into_iter().filter_map(placed)
         })
     };
     if let Some(altitudes) = altitudes {
-        // Bicycles have no outlines.
+        // Bicycles and people who sit have no outlines.
         let empty = |&altitude: &f64| CrowdSection { altitude, bodies: vec![Vec::new(); crowd.len()] };
         let mut sections: Vec<CrowdSection> = altitudes.iter().map(empty).collect();
         for (place, body, pose) in bodies() {
@@ -56,7 +56,7 @@ pub fn write(
         if people < all {
             writeln!(
                 out,
-                "(the {} bicycles and wheelchairs have no three-dimensional bodies)",
+                "(the {} bicycles and people in wheelchairs have no sections, and things have none)",
                 all - people
             )?;
         }
@@ -64,7 +64,12 @@ pub fn write(
         outputs.fill("--sections-geojson", |file| write_geojson(&sections, file))?;
         outputs.fill("--sections-wkt", |file| write_wkt(&sections, file))?;
     }
-    let parts = || bodies().flat_map(|(place, body, pose)| body.surfaces(&place.to_string(), &pose));
+    let parts = || {
+        let wanted = crowd.iter().enumerate().take_while(|_| !interrupt.pressed());
+        wanted.flat_map(|(place, (agent, pose))| {
+            Figure::of(agent).into_iter().flat_map(move |figure| figure.surfaces(&place.to_string(), pose))
+        })
+    };
     outputs.fill("--obj", |file| write_obj(parts(), file))?;
     // STL begins with the number of triangles, so all are made first.
     outputs.fill("--stl", |file| write_stl(&parts().collect::<Vec<_>>(), file))?;

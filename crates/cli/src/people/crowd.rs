@@ -340,11 +340,10 @@ impl OtherArguments {
     /// Checks that the bodies that are wanted can be made.
     fn check_bodies(&self, agents: &[Agent]) -> Result<()> {
         if !self.sections.is_empty() || self.obj.is_some() || self.stl.is_some() {
-            let people = agents.iter().map(Agent::people).enumerate();
-            let people =
-                people.flat_map(|(k, people)| people.into_iter().map(move |(person, _)| (k, person)));
-            for (k, person) in people {
-                Body3d::possible(&person).with_context(|| format!("agent {k}"))?;
+            for (k, agent) in agents.iter().enumerate() {
+                for person in agent.everybody() {
+                    Body3d::similar_possible(&person).with_context(|| format!("agent {k}"))?;
+                }
             }
         }
         Ok(())

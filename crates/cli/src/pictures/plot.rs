@@ -1,9 +1,9 @@
 //! `lemons plot`: scenes, time series, a map of density.
 
 use super::quantity::{Quantity, Shown};
-use super::source::{KeptFrames, Source};
+use super::source::{KeptFrames, Opened, Source};
 use super::style::{Scenes, StyleArguments};
-use super::trial_run::{TrialRun, nothing_between};
+use super::trial_run::{Bodies, TrialRun, nothing_between};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
@@ -197,15 +197,16 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
 /// Draws one panel for each quantity, one line for each agent; measured positions beside simulated ones.
 fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, style, .. } = arguments;
-    let (trial, run) = source.open(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
+    let Opened { trial, run, bodies } =
+        source.open(source.end(arguments.until)?, KeptFrames::All, interrupt)?;
     // What contacts do is recorded, or computed from the Trial's bodies.
     let run = match trial {
-        Some(trial) => TrialRun::new(trial, run)?.run,
+        Some(trial) => TrialRun::new(trial, run, bodies)?.run,
         None => run,
     };
     let recorded = run.frames.iter().all(|frame| frame.observed.is_some());
     let mut of_contacts = arguments.series.iter().filter(|quantity| quantity.is_of_contacts());
-    if let Some(quantity) = of_contacts.next().filter(|_| !recorded) {
+    if let Some(quantity) = of_contacts.next().filter(|_| !recorded && bodies == Bodies::Known) {
         let (name, _) = quantity.label();
         bail!(
             "{}: it does not contain the {name}: give the Trial or FMU of the run with --trial",

@@ -113,8 +113,14 @@ impl Shown {
     /// Takes what can be shown of a quantity from a run.
     ///
     /// # Errors
-    /// Means are over less than a communication step, or people have no legs.
+    /// Means are over less than a communication step, people have no legs, or nothing is known of contacts.
     pub fn of(quantity: Quantity, run: &Run, over: Option<f64>) -> Result<Shown> {
+        if quantity.is_of_contacts() && run.frames.iter().any(|frame| frame.observed.is_none()) {
+            let (source, (label, _)) = (run.source.display(), quantity.label());
+            bail!(
+                "{source}: it does not contain the {label}: these are positions only, without bodies and forces"
+            );
+        }
         let quantity = quantity.known_of(run);
         let over = over.filter(|_| quantity.is_mean());
         if let Some(over) = over {

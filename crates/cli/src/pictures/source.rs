@@ -1,11 +1,12 @@
 //! What `lemons plot` and `lemons movie` show, and `lemons measure` measures: a Trial, an FMU, or the record of a run.
 
-use super::trial_run::TrialRun;
+use super::trial_run::{Bodies, TrialRun};
 use crate::embedded::InMemory;
 use crate::error::Misused;
 use crate::export::{expect_table, recorded, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::run::{Inputs, Job, Target, Until, name_and_value, not_set, simulate};
+use crate::trajectories::TrajectoryArguments;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::plane::Motion;
@@ -20,8 +21,9 @@ use std::sync::Arc;
 #[derive(clap::Args)]
 pub struct Source {
     /// A Trial or an FMU, which is simulated first, as by lemons run; or the results of an earlier run:
-    /// its table, or an OutputDirectory of XML files
-    #[arg(value_name = "TRIAL, FILE.fmu, TABLE or SERIES")]
+    /// its table, or an OutputDirectory of XML files; or trajectories of an experiment or of another
+    /// simulator: JuPedSim's SQLite, or text as PedPy reads it
+    #[arg(value_name = "TRIAL, FILE.fmu, TABLE, SERIES or TRAJECTORIES")]
     pub path: PathBuf,
     /// Tables of the runs that went on from there (lemons run --resume), in the order of time
     #[arg(value_name = "MORE TABLES")]
@@ -36,6 +38,8 @@ pub struct Source {
     /// is needed for forces
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = name_and_value)]
     settings: Vec<(String, String)>,
+    #[command(flatten)]
+    others: TrajectoryArguments,
     /// The run itself; the path is what messages call it.
     #[arg(skip)]
     pub memory: Option<Arc<InMemory>>,
@@ -50,20 +54,36 @@ enum Found {
     Recorded(Record),
 }
 
+/// What is shown.
+pub struct Opened {
+    /// A table may come without.
+    pub trial: Option<Trial>,
+    pub run: Run,
+    pub bodies: Bodies,
+}
+
 impl Source {
-    /// Opens it: a Trial or an FMU is run until then; without an end it is shown as it begins. A table may come without a Trial.
-    pub fn open(
-        &self,
-        until: Option<Until>,
-        wanted: KeptFrames,
-        interrupt: &Interrupt,
-    ) -> Result<(Option<Trial>, Run)> {
+    /// Opens it: a Trial or an FMU is run until then; without an end it is shown as it begins.
+    pub fn open(&self, until: Option<Until>, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Opened> {
         let (trial, found) = self.find(until, wanted.clone(), interrupt)?;
-        let run = match found {
-            Found::Made(run) => run,
-            Found::Recorded(record) => record.read_wanted(wanted)?,
+        let (run, bodies) = match found {
+            Found::Made(run) => (run, Bodies::Known),
+            Found::Recorded(record) => {
+                let bodies = match record.trajectories() {
+                    Some(trajectories) if self.trial.is_some() && !trajectories.oriented => bail!(
+                        "{}: it does not say where people look, so bodies of --trial cannot be drawn: --geometry takes \
+                         the walls alone",
+                        self.path.display()
+                    ),
+                    Some(trajectories) if self.trial.is_none() => {
+                        Bodies::Assumed { oriented: trajectories.oriented }
+                    }
+                    _ => Bodies::Known,
+                };
+                (record.read_wanted(wanted)?, bodies)
+            }
         };
-        Ok((trial, run))
+        Ok(Opened { trial, run, bodies })
     }
 
     /// Opens it as [`Source::open`] with all frames; those of earlier results stay in their file.
@@ -93,7 +113,8 @@ impl Source {
                 "{path}: an SSP cannot be drawn: run it with lemons run, and give the trajectories.csv of this run"
             );
         }
-        if !self.more.is_empty() && (runs || self.path.is_dir()) {
+        let of_others = self.memory.is_none() && self.others.is_for(&self.path)?;
+        if !self.more.is_empty() && (runs || of_others || self.path.is_dir()) {
             bail!(Misused(format!("{path}: is no table: only tables of one run can be several")));
         }
         if !runs && self.memory.is_none() {
@@ -128,6 +149,7 @@ impl Source {
             (_, _, None) if self.path.is_dir() => bail!(
                 "{path}: is not a Trial (it has no Parameters.xml); for an OutputDirectory, give the Trial or FMU of the run with --trial"
             ),
+            _ if of_others => return self.find_of_others(trial),
             (_, _, trial) => {
                 let record = recorded(&self.path, &self.more, self.memory.as_deref(), trial.as_ref())?;
                 trial.iter().for_each(|trial| tell_other(&record, trial));
@@ -135,6 +157,20 @@ impl Source {
             }
         };
         Ok((trial, found))
+    }
+
+    /// Opens trajectories that are not of our runs, with the bodies of a Trial, or with circles.
+    fn find_of_others(&self, trial: Option<Trial>) -> Result<(Option<Trial>, Found)> {
+        let record = self.others.open(&self.path)?;
+        if let Some(trial) = trial {
+            let record = record.of_trial(&trial).context("--geometry takes the walls of a Trial alone")?;
+            return Ok((Some(trial), Found::Recorded(record)));
+        }
+        if !self.settings.is_empty() {
+            bail!(Misused("--set: trajectories of others have no parameters".into()));
+        }
+        let trial = self.others.reading.assumed_trial(&record, self.others.radius())?;
+        Ok((Some(trial), Found::Recorded(record)))
     }
 
     /// Returns the end of a run that is made now; `None` for earlier results, which have one.
@@ -158,14 +194,17 @@ impl Source {
         wanted: KeptFrames,
         interrupt: &Interrupt,
     ) -> Result<TrialRun> {
-        let (trial, run) = self.open(until, wanted, interrupt)?;
+        let Opened { trial, run, bodies } = self.open(until, wanted, interrupt)?;
         let Some(trial) = trial else {
             bail!(
                 "{}: it contains no shapes and no walls: give the Trial or FMU of the run with --trial",
                 self.path.display()
             );
         };
-        Ok(TrialRun::new(trial, run)?)
+        if let Bodies::Assumed { .. } = bodies {
+            note!("people are drawn as circles of radius {} m (--radius)", self.others.radius());
+        }
+        Ok(TrialRun::new(trial, run, bodies)?)
     }
 
     /// Returns whether it is something to run.

@@ -2,7 +2,7 @@
 
 use super::measured::{Measured, Origin};
 use super::quantity::{Quantity, Shown, longest_gap};
-use super::trial_run::{CrowdState, TrialRun};
+use super::trial_run::{Bodies, CrowdState, TrialRun};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use crate::numbers::{array, number, positive};
@@ -15,6 +15,8 @@ use lemons_results::{Observed, Run};
 use lemons_sim::Replay;
 use std::path::PathBuf;
 
+/// Colour of circles that stand for bodies.
+const PLAIN: Colour = Colour(0x8c, 0xb4, 0xde);
 /// \[m\] A trail's points are not nearer than this to each other.
 const TRAIL_STEP: f64 = 0.005;
 /// \[1\], \[N\] Recorded and computed squeezes agree to this.
@@ -214,6 +216,12 @@ impl<'r> Scenes<'r> {
         times: &[f64],
         interrupt: &Interrupt,
     ) -> Result<Scenes<'r>> {
+        if arguments.forces && run.bodies != Bodies::Known {
+            bail!(
+                "{}: --forces: these are positions only, without bodies and forces",
+                run.run.source.display()
+            );
+        }
         let shown = arguments.quantity().map(|of| Shown::of(of, &run.run, arguments.over)).transpose()?;
         let mut scenes = Scenes {
             arguments,
@@ -257,6 +265,8 @@ impl<'r> Scenes<'r> {
         scenes.style = Style {
             width: f64::from(arguments.width),
             fill: match (&arguments.fill, &scenes.shown) {
+                // All circles have the same area.
+                (Filling::Other(Fill::BodyArea), _) if run.bodies != Bodies::Known => Fill::Single(PLAIN),
                 (Filling::Other(fill), _) => fill.clone(),
                 (Filling::Of(_), None) => Fill::BodyArea,
                 (Filling::Of(_), Some(shown)) => {
@@ -271,7 +281,7 @@ impl<'r> Scenes<'r> {
             })),
             theme: arguments.theme(),
             ids: arguments.ids,
-            orientation: !arguments.no_orientation,
+            orientation: !arguments.no_orientation && run.bodies != (Bodies::Assumed { oriented: false }),
             forces: widest,
             time_decimals: decimals(times),
             ..Style::default()

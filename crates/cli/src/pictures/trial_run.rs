@@ -24,7 +24,13 @@ const NOWHERE: Pose = Pose { position: vec2(f64::NAN, f64::NAN), orientation: f6
 
 impl CrowdState<'_> {
     pub fn poses(&self) -> Vec<Pose> {
-        let pose = |(k, agent): (usize, &Motion)| if self.frame.is_there(k) { agent.pose } else { NOWHERE };
+        let turned = |pose: Pose| {
+            let known = pose.orientation.is_finite();
+            Pose { orientation: if known { pose.orientation } else { 0.0 }, ..pose }
+        };
+        let pose = |(k, agent): (usize, &Motion)| {
+            if self.frame.is_there(k) { turned(agent.pose) } else { NOWHERE }
+        };
         self.agents.iter().enumerate().map(pose).collect()
     }
 
@@ -39,21 +45,34 @@ impl CrowdState<'_> {
 /// \[s\] Times are sums of steps: rounding does not leave a frame out.
 const ROUNDING: f64 = 1e-9;
 
-/// A run of a Trial, whose frames all say what contacts do to each agent.
+/// Whose bodies are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bodies {
+    /// Those of the Trial that was simulated.
+    Known,
+    /// Circles, for people of whom only positions are known, and perhaps where they look.
+    Assumed { oriented: bool },
+}
+
+/// A run of a Trial. Its frames all say what contacts do to each agent, if bodies are known.
 pub struct TrialRun {
     pub trial: Trial,
     pub run: Run,
+    pub bodies: Bodies,
 }
 
 impl TrialRun {
     /// A run of the Trial's agents, in their order.
-    pub fn new(trial: Trial, mut run: Run) -> Result<TrialRun, WorldError> {
+    pub fn new(trial: Trial, mut run: Run, bodies: Bodies) -> Result<TrialRun, WorldError> {
+        if bodies != Bodies::Known {
+            return Ok(TrialRun { trial, run, bodies });
+        }
         let mut replay = Replay::new(&trial)?;
         for frame in run.frames.iter_mut().filter(|frame| frame.observed.is_none()) {
             replay.put(frame)?;
             frame.observed = Some(replay.observed());
         }
-        Ok(TrialRun { trial, run })
+        Ok(TrialRun { trial, run, bodies })
     }
 
     /// Checks that a time \[s\] is one of the run's.

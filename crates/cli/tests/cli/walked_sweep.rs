@@ -1,6 +1,6 @@
 //! `lemons sweep` of people who walk: its points are the runs of `lemons run TRIAL`.
 
-use crate::common::{Row, copy_tree, done, number, read_csv, root};
+use crate::common::{Row, assert_code, copy_tree, done, err, lemons, number, read_csv, root};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -26,6 +26,113 @@ x = { of = "x", take = "last", across = "max" }
 speed = { of = "speed", take = "max" }
 push = { of = "decision.agent[*].Fp.x", take = "max", agents = ["3"] }
 "#;
+
+/// What is said of a file that is refused.
+fn refused(at: &Path, arguments: &[&str]) -> String {
+    let output = lemons(at, arguments);
+    assert_code(&output, 1);
+    err(&output)
+}
+
+/// The crowds are those of `lemons crowd`, to the last bit, and their people walk at the speeds of their kinds.
+#[test]
+fn a_population_is_drawn_and_placed_as_the_command_does_it() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let text = r#"
+until = 4
+[population]
+number = 16
+box = [6, 5]
+doors = [[6, 2.5, 1.5], [0, 2.5, 1.2]]
+mix = { adult = "rest", child = 20, suitcase = 10 }
+[parameters]
+"population.mix.wheelchair" = [0, 20]
+"population.seed" = [3, 4]
+[measures]
+x = { of = "x", take = "last", agents = ["5"] }
+y = { of = "y", take = "max", across = "mean" }
+squeeze = { of = "peak_squeeze", take = "max" }
+"#;
+    fs::write(at.join("sweep.toml"), text).unwrap();
+    done(at, &["sweep", "sweep.toml", "-o", "table.csv"]);
+    let rows = read_csv(&at.join("table.csv"));
+    assert_eq!(rows.len(), 4);
+    for (k, row) in rows.iter().enumerate() {
+        let (chairs, seed) = (number(row, "population.mix.wheelchair"), &row["population.seed"]);
+        let (trial, mix) =
+            (format!("T_{k}"), format!("adult={},child=20,suitcase=10,wheelchair={chairs}", 70.0 - chairs));
+        let crowd = [
+            "crowd",
+            "--number",
+            "16",
+            "--box",
+            "6x5",
+            "--door",
+            "6,2.5,1.5",
+            "--door",
+            "0,2.5,1.2",
+            "--leave",
+        ];
+        done(at, &[&crowd[..], &["--mix", &mix, "--seed", seed, "-o", &trial]].concat());
+        let sweep = format!(
+            "trial = \"{trial}\"\nplan = true\nuntil = 4\n[parameters]\nMostMechanicalSteps = [1e6]\n{}",
+            &text[text.find("[measures]").unwrap()..]
+        );
+        fs::write(at.join("one.toml"), sweep).unwrap();
+        done(at, &["sweep", "one.toml", "-o", &format!("one_{k}.csv")]);
+        let one = read_csv(&at.join(format!("one_{k}.csv"))).remove(0);
+        for measure in ["x", "y", "squeeze"] {
+            assert_eq!(one[measure], row[measure], "{measure} of {mix}, seed {seed}");
+        }
+    }
+    assert!(rows[0]["x"] != rows[1]["x"] && rows[0]["x"] != rows[2]["x"]);
+    // It goes on, and does nothing again; another population is another sweep.
+    done(at, &["sweep", "sweep.toml", "-o", "table.csv"]);
+    let other = text.replace("child = 20", "child = 21");
+    fs::write(at.join("sweep.toml"), &other).unwrap();
+    assert!(refused(at, &["sweep", "sweep.toml", "-o", "table.csv"]).contains("table.csv"));
+    for (part, to, said) in [
+        (
+            "child = 20",
+            "adlt = 20",
+            "sweep.toml: population: mix: there is no kind \"adlt\" (did you mean \"adult\"?)",
+        ),
+        (
+            "child = 20",
+            "child = 95",
+            "population: mix: the others have 105 together: nothing of 100 is left for the \"rest\"",
+        ),
+        ("number = 16", "number = 0", "population: number = 0: must be from 1"),
+        (
+            "number = 16",
+            "number = 600",
+            "population: number = 600: so many people do not fit into box = [6, 5]; about ",
+        ),
+        (
+            "mix.wheelchair\" = [0, 20]",
+            "men\" = [0, 20]",
+            "parameters: population.men: men = 20: must be from 0 to 1",
+        ),
+        (
+            "mix.wheelchair\" = [0, 20]",
+            "mix.car\" = [0, 20]",
+            "parameters: population.mix.car: mix: there is no kind \"car\"",
+        ),
+        (
+            "mix.wheelchair\" = [0, 20]",
+            "wheels\" = [0, 20]",
+            "parameters: population.wheels: there is no such parameter",
+        ),
+        ("until = 4", "until = 4\nplan = false", "plan: is not for a [population]"),
+        ("until = 4", "until = 4\ntrial = \"T_0\"", "give one of the keys trial and fmu, or [population]"),
+    ] {
+        assert!(text.contains(part), "{part}");
+        fs::write(at.join("sweep.toml"), text.replace(part, to)).unwrap();
+        let message = refused(at, &["sweep", "sweep.toml", "-o", "new.csv"]);
+        assert!(message.contains(said) && !at.join("new.csv").exists(), "{to}: {message}");
+    }
+}
 
 #[test]
 fn a_point_is_what_a_run_of_its_trial_is() {

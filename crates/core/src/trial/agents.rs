@@ -18,6 +18,7 @@ static AGENT: Schema = Schema {
         ("FloorDamping", Value::NotNegative),
         ("AngularDamping", Value::NotNegative),
         ("Kind", Value::Text),
+        ("FloorDampingAcross", Value::NotNegative),
     ],
     children: &[&SHAPE],
 };
@@ -49,6 +50,9 @@ pub struct Agent {
     pub moment_of_inertia: f64,
     /// \[1/s\] relaxation rate 1/t_transl, ≥ 0.
     pub floor_damping: f64,
+    /// \[1/s\] `FloorDampingAcross`: relaxation rate of the velocity across the gaze, ≥ 0, if it is not
+    /// `floor_damping`.
+    pub floor_damping_across: Option<f64>,
     /// \[1/s\] relaxation rate 1/t_rot, ≥ 0.
     pub angular_damping: f64,
     /// The disks, at least one, in order from the left shoulder to the right one.
@@ -96,6 +100,8 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Vec<Agent>
             height: element.node.has("Height").then(|| element.number("Height")),
             moment_of_inertia: element.number("MomentOfInertia"),
             floor_damping: element.number("FloorDamping"),
+            floor_damping_across: (element.node.has("FloorDampingAcross"))
+                .then(|| element.number("FloorDampingAcross")),
             angular_damping: element.number("AngularDamping"),
             shapes: element.children("Shape").map(|shape| read_shape(shape, materials)).collect(),
         };
@@ -126,7 +132,8 @@ pub(crate) fn xml(agents: &[Agent]) -> String {
             let [inertia, floor, angular] = numbers.map(|value| Some(number(value)));
             let (id, mass, height) = (agent.id.clone(), number(agent.mass), agent.height.map(number));
             let (name, kind) = (agent.agent_type.clone(), agent.kind.clone());
-            let values = [name, Some(id), Some(mass), height, inertia, floor, angular, kind];
+            let across = agent.floor_damping_across.map(number);
+            let values = [name, Some(id), Some(mass), height, inertia, floor, angular, kind, across];
             out.element("Agent", &AGENT.values(&values.each_ref().map(Option::as_deref)), |out| {
                 for Shape { radius, material_id, position } in &agent.shapes {
                     empty(out, &SHAPE, &["disk", &number(*radius), material_id, &vector(*position)]);

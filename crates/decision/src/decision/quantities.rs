@@ -209,7 +209,8 @@ impl Decision {
 
     /// Returns whether an output depends on the inputs of all agents.
     fn needs_all(&self, output: Quantity) -> bool {
-        self.plan.walking_model.sees_others() && matches!(output, Quantity::Fp | Quantity::Mp)
+        let sees = self.plan.walking_model.sees_others() || !self.plan.groups.is_empty();
+        sees && matches!(output, Quantity::Fp | Quantity::Mp)
     }
 
     /// Returns the dependencies of an output on the inputs and parameters of the same agent; of the

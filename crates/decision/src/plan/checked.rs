@@ -3,7 +3,8 @@
 use super::Plan;
 use super::destinations::names;
 use crate::error::{
-    MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative, number, positive,
+    MOST_MEMBERS, MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative, number,
+    positive,
 };
 use crate::target::{Destination, Target};
 use lemons_core::plane::vec2;
@@ -55,6 +56,7 @@ impl Plan {
             motivation.push.map_or(Ok(()), |value| not_negative(&place, "push", value))?;
         }
         check_targets(&self.targets)?;
+        check_groups(&self.groups, self.agents.len())?;
         for agent in &self.agents {
             let (place, walker, pose) = (format!("agent {:?}", agent.id), &agent.walker, &agent.pose);
             if matches!(agent.destination, Destination::Target(k) if k >= self.targets.len()) {
@@ -105,7 +107,24 @@ impl Plan {
     }
 }
 
-/// Checks that each is a line or an area.
+/// Checks that everybody is in one group at most, of so many people.
+fn check_groups(groups: &[Vec<usize>], people: usize) -> Result<(), PlanError> {
+    let mut seen = vec![false; people];
+    for (k, group) in groups.iter().enumerate() {
+        if !(2..=MOST_MEMBERS).contains(&group.len()) {
+            return Err(PlanError::GroupSize { group: k, count: group.len() });
+        }
+        for &i in group {
+            if seen.get_mut(i).is_none_or(|seen| std::mem::replace(seen, true)) {
+                let problem = "is not there, or is in two groups";
+                return Err(PlanError::Member { group: k, id: i.to_string(), problem });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that each is a line or an area, and the times of exits.
 pub(super) fn check_targets(targets: &[Target]) -> Result<(), PlanError> {
     if targets.len() > MOST_TARGETS {
         return Err(PlanError::TooManyTargets(targets.len()));
@@ -118,6 +137,17 @@ pub(super) fn check_targets(targets: &[Target]) -> Result<(), PlanError> {
         if target.corners.len() < 2 {
             return Err(PlanError::LineOrPolygon { place });
         }
+        if target.stay && !target.open.is_empty() {
+            return Err(PlanError::OpenGoal { place });
+        }
+        let times: Vec<f64> = target.open.iter().flatten().copied().collect();
+        let known = times.iter().all(|time| (0.0..=1e9).contains(time));
+        let in_order = times.windows(2).all(|pair| pair[0] < pair[1]);
+        if !known || !in_order {
+            let value = format!("{:?}", target.open);
+            return Err(PlanError::Open { place, value });
+        }
+        positive(&place, "time_factor", target.time_factor)?;
         let flat = target.area().is_some_and(|ring| !(ring.area() > 0.0 && ring.is_simple()));
         let point = target.corners.iter().all(|corner| *corner == target.corners[0]);
         if flat || point {

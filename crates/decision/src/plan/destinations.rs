@@ -1,16 +1,23 @@
-//! Exits and goals, and who goes to which.
+//! Exits and goals, and who goes to which, and on which way.
 
 use crate::config::{DecisionConfig, TargetConfig};
 use crate::error::{PlanError, not_negative, positive};
+use crate::exit_choice::ExitChoice;
 use crate::person::Person;
 use crate::target::{Destination, Target};
+
+/// Draws of a person that are those of the exit and of the way.
+const EXIT_DRAW: u64 = u64::MAX;
+const WAY_DRAW: u64 = u64::MAX - 3;
 
 /// Returns the exits, then the goals.
 pub(super) fn targets_of(config: &DecisionConfig) -> Result<Vec<Target>, PlanError> {
     let mut targets: Vec<Target> = Vec::new();
+    let by = config.exit_choice;
     let kinds = [("exit", "exits", &config.exits, false), ("goal", "goals", &config.goals, true)];
     for (kind, key, wanted, stay) in kinds {
-        for (k, TargetConfig { name, line, polygon, share }) in wanted.iter().flatten().enumerate() {
+        for (k, config) in wanted.iter().flatten().enumerate() {
+            let TargetConfig { name, line, polygon, share, open, time_factor } = config;
             let place = format!("{key}[{k}]");
             let name = name.clone().unwrap_or_else(|| format!("{kind} {k}"));
             let corners = match (line, polygon) {
@@ -25,29 +32,50 @@ pub(super) fn targets_of(config: &DecisionConfig) -> Result<Vec<Target>, PlanErr
             if let Some(share) = share {
                 not_negative(&place, "share", *share)?;
             }
+            if open.as_ref().is_some_and(Vec::is_empty) {
+                return Err(PlanError::Open { place, value: "[]".into() });
+            }
+            if time_factor.is_some() && by != Some(ExitChoice::Time) {
+                return Err(PlanError::NotByTime(k));
+            }
             if targets.iter().any(|other| other.name == name) {
                 return Err(PlanError::SameName { place, name });
             }
-            targets.push(Target { name, stay, corners });
+            let (open, time_factor) = (open.clone().unwrap_or_default(), time_factor.unwrap_or(1.0));
+            targets.push(Target { name, stay, corners, open, time_factor });
         }
     }
     Ok(targets)
 }
 
-/// Returns where everybody goes: the own wish; else by the shares of exits; else the nearest exit; else the only goal.
+/// Returns where everybody goes: the own wish; else by the shares of exits; else the nearest exit; else the only goal. Of
+/// each person, the settings of one who `leads` count.
 pub(super) fn destinations(
     people: &[Person],
     config: &DecisionConfig,
     targets: &[Target],
+    groups: &[Vec<usize>],
+    leads: &[usize],
 ) -> Result<Vec<Destination>, PlanError> {
     let exits = targets.iter().filter(|target| !target.stay).count();
-    let shared = shared(people, config)?;
+    let shares: Vec<Option<f64>> = config.exits.iter().flatten().map(|exit| exit.share).collect();
+    let shares = all_or_none(&shares).ok_or(PlanError::SomeShares)?;
+    let shared = if let Some(shares) = shares {
+        positive("exits", "the sum of all shares", shares.iter().sum())?;
+        by_shares(&shares, people.len(), groups, config.seed.unwrap_or(0), EXIT_DRAW)
+            .into_iter()
+            .map(Some)
+            .collect()
+    } else {
+        vec![None; people.len()]
+    };
     let usual = match exits {
         0 if targets.len() == 1 => Destination::Target(0),
         0 => Destination::None,
         _ => Destination::NearestExit,
     };
-    let one = |(person, shared): (&Person, Option<usize>)| {
+    let one = |(lead, shared): (&usize, Option<usize>)| {
+        let person = &people[*lead];
         let own = config.agents.get(&person.id);
         let named = |key: &'static str, name: &String, stay: bool| {
             let found = targets.iter().position(|target| target.stay == stay && target.name == *name);
@@ -70,7 +98,7 @@ pub(super) fn destinations(
             _ => Ok(shared.map_or(usual, Destination::Target)),
         }
     };
-    people.iter().zip(shared).map(one).collect()
+    leads.iter().zip(shared).map(one).collect()
 }
 
 /// Returns the names of the exits, or of the goals.
@@ -80,29 +108,63 @@ pub(super) fn names(targets: &[Target], stay: bool) -> String {
     names.collect::<Vec<_>>().join(", ")
 }
 
-/// Returns the exit of everybody by shares: as many people for each as its share says, chosen by the seed.
-fn shared(people: &[Person], config: &DecisionConfig) -> Result<Vec<Option<usize>>, PlanError> {
-    let exits = config.exits.as_deref().unwrap_or_default();
-    let shares: Vec<f64> = exits.iter().filter_map(|exit| exit.share).collect();
-    if shares.is_empty() {
-        return Ok(vec![None; people.len()]);
+/// Returns the way of everybody, of several ways: as many people for each as its share says.
+pub(super) fn ways(
+    people: usize,
+    config: &DecisionConfig,
+    groups: &[Vec<usize>],
+) -> Result<Vec<Option<usize>>, PlanError> {
+    let Some(ways) = config.ways.as_ref().filter(|ways| !ways.is_empty()) else {
+        return Ok(vec![None; people]);
+    };
+    if config.waypoints.is_some() {
+        return Err(PlanError::WaysAndWaypoints);
     }
-    let sum: f64 = shares.iter().sum();
-    if shares.len() != exits.len() {
-        return Err(PlanError::SomeShares);
-    }
-    positive("exits", "the sum of all shares", sum)?;
-    let mut order: Vec<usize> = (0..people.len()).collect();
-    let seed = config.seed.unwrap_or(0);
-    order.sort_by_key(|&i| crate::stuck::draw(seed, i as u64, u64::MAX));
-    let (mut taken, mut next, mut chosen) = (0.0, 0, vec![None; people.len()]);
+    let shares: Vec<Option<f64>> = ways.iter().map(|way| way.share).collect();
+    let shares = all_or_none(&shares).ok_or(PlanError::SomeWayShares)?.unwrap_or(vec![1.0; ways.len()]);
     for (k, share) in shares.iter().enumerate() {
-        taken += share / sum;
-        let end = (taken * people.len() as f64).round() as usize;
-        while next < end.min(people.len()) {
-            chosen[order[next]] = Some(k);
-            next += 1;
+        not_negative(&format!("ways[{k}]"), "share", *share)?;
+    }
+    positive("ways", "the sum of all shares", shares.iter().sum())?;
+    let chosen = by_shares(&shares, people, groups, config.seed.unwrap_or(0), WAY_DRAW);
+    Ok(chosen.into_iter().map(Some).collect())
+}
+
+/// Returns all shares, or `Some(None)` if there is none; `None` if only some are there.
+fn all_or_none(shares: &[Option<f64>]) -> Option<Option<Vec<f64>>> {
+    if shares.iter().all(Option::is_none) {
+        return Some(None);
+    }
+    shares.iter().copied().collect::<Option<Vec<f64>>>().map(Some)
+}
+
+/// Returns the choice of everybody by shares with a sum above 0: as many people for each as its share says, chosen by the
+/// seed. A group chooses as one.
+fn by_shares(shares: &[f64], people: usize, groups: &[Vec<usize>], seed: u64, count: u64) -> Vec<usize> {
+    let sum: f64 = shares.iter().sum();
+    let mut taken = 0.0;
+    let ends: Vec<usize> = shares
+        .iter()
+        .map(|share| {
+            taken += share / sum;
+            (taken * people as f64).round() as usize
+        })
+        .collect();
+    let last = shares.iter().rposition(|share| *share > 0.0).unwrap_or(0);
+    let mut order: Vec<usize> = (0..people).collect();
+    order.sort_by_key(|&i| crate::stuck::draw(seed, i as u64, count));
+    let mut units: Vec<Option<&[usize]>> = vec![None; people];
+    for group in groups {
+        group.iter().for_each(|&i| units[i] = Some(group));
+    }
+    let (mut next, mut chosen) = (0, vec![usize::MAX; people]);
+    for i in order {
+        if chosen[i] == usize::MAX {
+            let k = ends.iter().position(|end| next < *end).unwrap_or(last);
+            let unit = units[i].unwrap_or(std::slice::from_ref(&i));
+            unit.iter().for_each(|&j| chosen[j] = k);
+            next += unit.len();
         }
     }
-    Ok(chosen)
+    chosen
 }

@@ -318,3 +318,52 @@ fn requests_that_are_none_are_refused() {
     assert!(said.contains("40 shapes") && said.contains("without overlap"), "{said}");
     assert!(refused(&mut lab, own(json!({"kind": "example", "name": "moon"})), &[]).contains("moon"));
 }
+
+/// A person at rest at a place.
+fn moved(id: &str, x: f64, y: f64) -> Value {
+    json!({"do": "move", "id": id, "x": x, "y": y, "theta": 0.0})
+}
+
+#[test]
+fn changes_by_hand_that_do_not_fit_are_left_out_where_that_is_wanted() {
+    let mut lab = Lab::default();
+    let base = crowd(3, square(4.0, 4.0));
+    let (_, before) = ok(&mut lab, own(base.clone()));
+    let before = numbers(&before);
+    let at = |agent: usize| (before[COLUMNS * agent], before[COLUMNS * agent + 1]);
+    let mut wanted = own(base);
+    wanted["fitting"] = json!(true);
+    wanted["edits"] = json!([
+        moved("0", 3.5, 3.5),
+        moved("1", 0.02, 2.0),
+        {"do": "delete", "id": "9"},
+        {"do": "copy", "id": "2", "as": "2 b", "x": at(2).0 + 0.05, "y": at(2).1, "theta": 0.0},
+        moved("2 b", at(2).0 + 0.06, at(2).1),
+        // The place of the first, who has gone.
+        {"do": "copy", "id": "2", "as": "2 c", "x": at(0).0, "y": at(0).1, "theta": 0.0},
+    ]);
+    let (made, after) = ok(&mut lab, wanted.clone());
+    let after = numbers(&after);
+    let ids: Vec<&Value> =
+        made["scene"]["agents"].as_array().unwrap().iter().map(|agent| &agent["id"]).collect();
+    assert_eq!(ids, [&json!("0"), &json!("1"), &json!("2"), &json!("2 c")]);
+    assert_eq!(after[..2], [3.5, 3.5]);
+    // Who would stand in a wall stays where he was.
+    assert_eq!(after[COLUMNS..COLUMNS + 3], before[COLUMNS..COLUMNS + 3]);
+    assert_eq!(made["scene"]["overlapping"], json!([]));
+    let left_out: Vec<(usize, String)> = read(&made["left_out"]);
+    let words = [
+        "person \"1\" would overlap a wall",
+        "nobody with the Id \"9\"",
+        "\"2 b\" would overlap somebody",
+        "\"2 b\"",
+    ];
+    assert_eq!(left_out.iter().map(|(k, _)| *k).collect::<Vec<_>>(), [1, 2, 3, 4]);
+    for ((_, why), words) in left_out.iter().zip(words) {
+        assert!(why.contains(words), "{why} {words}");
+    }
+    // Those that fit are those that the scene has.
+    wanted["fitting"] = json!(false);
+    wanted["edits"] = json!([wanted["edits"][0], wanted["edits"][5]]);
+    assert_eq!(numbers(&ok(&mut lab, wanted).1), after);
+}

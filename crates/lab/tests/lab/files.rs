@@ -163,3 +163,79 @@ fn pictures_bodies_and_measures_are_files() {
     assert_eq!(stl.len(), 84 + 50 * triangles);
     assert!(numbers(&frame).len() == 2 * COLUMNS);
 }
+
+#[test]
+fn materials_and_steps_are_changed_as_the_files_have_them() {
+    let mut lab = Lab::default();
+    let nothing = json!({"time_step": null, "time_step_mechanical": null, "materials": [], "contacts": []});
+    let (before, _) = ok(&mut lab, push());
+    let of = |scene: &Value, id: &str| {
+        scene["materials"].as_array().unwrap().iter().find(|of| of["id"] == id).unwrap().clone()
+    };
+    assert_eq!(of(&before["scene"], "human_naked")["young_modulus"], 4e6);
+    let mut wanted = push();
+    let with = |key: &str, value: Value| {
+        let mut mechanics = nothing.clone();
+        mechanics[key] = value;
+        mechanics
+    };
+    wanted["mechanics"] = json!({
+        "time_step": 0.02, "time_step_mechanical": 5e-5,
+        "materials": [{"id": "human_naked", "young_modulus": 8e6, "shear_modulus": 2.5e6}],
+        // Their order does not matter.
+        "contacts": [{"id1": "human_naked", "id2": "concrete", "gamma_normal": 10.0, "gamma_tangential": 20.0, "kinetic_friction": null}],
+    });
+    let (made, _) = ok(&mut lab, wanted.clone());
+    assert_eq!((&made["scene"]["step"], &made["scene"]["mechanical_step"]), (&json!(0.02), &json!(5e-5)));
+    assert!(made["scene"]["stable"].as_f64().unwrap() < before["scene"]["stable"].as_f64().unwrap());
+    let zip = ok(&mut lab, take(2, json!({"file": "trial"}))).1;
+    let materials = file_in(&zip, "Materials.xml");
+    assert!(materials.contains("YoungModulus=\"8000000\" ShearModulus=\"2500000\""), "{materials}");
+    assert!(
+        materials.contains("GammaNormal=\"10\" GammaTangential=\"20\" KineticFriction=\"0.5\""),
+        "{materials}"
+    );
+    let parameters = file_in(&zip, "Parameters.xml");
+    assert!(parameters.contains("TimeStep=\"0.02\" TimeStepMechanical=\"0.00005\""), "{parameters}");
+    // What is not changed stays to the last bit.
+    let unchanged = ok(&mut lab, {
+        wanted["mechanics"] = nothing.clone();
+        wanted.clone()
+    })
+    .0;
+    assert_eq!(unchanged["scene"]["materials"], before["scene"]["materials"]);
+    // A step that is too long is warned of in the words of `lemons check`.
+    wanted["mechanics"] = with("time_step_mechanical", json!(0.005));
+    let warned = ok(&mut lab, wanted.clone()).0["scene"].take();
+    let words = warned["warnings"][0].as_str().unwrap();
+    assert!(words.contains("TimeStepMechanical=\"0.005\"") && words.contains("unstable"), "{words}");
+    assert!(warned["longest"].as_f64() < Some(0.005) && warned["advised"] == 1e-4, "{warned}");
+    for (key, value, words) in [
+        ("time_step_mechanical", json!(0.5), "must be at most TimeStep"),
+        ("time_step_mechanical", json!(0.0), "Parameters.xml"),
+        (
+            "materials",
+            json!([{"id": "steel", "young_modulus": 1.0, "shear_modulus": 1.0}]),
+            "no material \"steel\"",
+        ),
+        (
+            "materials",
+            json!([{"id": "human_naked", "young_modulus": 4e6, "shear_modulus": 5e5}]),
+            "must be positive and finite",
+        ),
+        (
+            "contacts",
+            json!([{"id1": "concrete", "id2": "steel", "gamma_normal": 1.0, "gamma_tangential": 1.0, "kinetic_friction": null}]),
+            "no contact of \"concrete\" and \"steel\"",
+        ),
+        (
+            "contacts",
+            json!([{"id1": "concrete", "id2": "human_naked", "gamma_normal": -1.0, "gamma_tangential": 1.0, "kinetic_friction": null}]),
+            "GammaNormal=\"-1\"",
+        ),
+    ] {
+        wanted["mechanics"] = with(key, value);
+        let said = refused(&mut lab, wanted.clone(), &[]);
+        assert!(said.contains(words), "{said}");
+    }
+}

@@ -169,3 +169,98 @@ fn populations_are_the_survey_own_statistics_or_tables() {
     let said = refused(&mut lab, own(base(of, 0.0)), wrong.as_bytes());
     assert!(said.contains("t.csv") && said.contains("4000"), "{said}");
 }
+
+#[test]
+fn a_mix_of_kinds_is_drawn_shown_kept_and_walks_at_its_own_speeds() {
+    let mut lab = Lab::default();
+    let room = with(square(8.0, 6.0), "doors", json!([{"at": [8.0, 3.0], "width": 1.5}]));
+    let mix = json!({"adult": 40, "child": 20, "wheelchair": 20, "with-child": 10, "suitcase": 10});
+    let base = with(crowd(40, room.clone()), "mix", mix);
+    let exits = json!([{"name": "door", "line": [[9.0, 1.0], [9.0, 5.0]], "polygon": null, "share": null}]);
+    let wishes = json!({"model": "rotational", "desired_speed": 1.34, "exits": exits, "goals": []});
+    let walk = |base: &Value| show(base.clone(), json!({"kind": "go", "wishes": wishes}));
+    let (made, _) = ok(&mut lab, walk(&base));
+    let scene = &made["scene"];
+    assert_eq!(scene["overlapping"], json!([]));
+    let agents = scene["agents"].as_array().unwrap();
+    let of = |kind: &str| agents.iter().filter(|agent| agent["kind"] == kind).collect::<Vec<_>>();
+    let chairs = of("wheelchair");
+    assert!(!chairs.is_empty() && !of("child").is_empty(), "{agents:?}");
+    for chair in &chairs {
+        assert_eq!(
+            (chair["things"].as_array().unwrap().len(), chair["things"][0].as_str()),
+            (5, Some("frame"))
+        );
+        // Who sits there is between the wheels.
+        let seated: Vec<[f64; 3]> = read(&chair["seated"]);
+        assert!(seated.len() == 5 && seated.iter().all(|disk| disk[1].abs() + disk[2] < 0.35), "{seated:?}");
+        assert!((0.13..=1.35).contains(&chair["speed"].as_f64().unwrap()), "{chair}");
+    }
+    assert!(of("adult").iter().all(|adult| adult["things"].is_null() && adult["seated"].is_null()));
+    assert_eq!(scene["kinds"]["suitcase"], json!(["suitcase"]));
+    assert_eq!(scene["kinds"]["with-child"], json!(["child"]));
+    // Frames are lighter than people and as stiff: the step is shorter than that of adults.
+    assert_eq!((&scene["mechanical_step"], scene["people"].as_array().unwrap().len()), (&json!(5e-5), 40));
+    let (_, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
+    let (texts, wishes_kept) = (file_in(&zip, "Agents.xml"), file_in(&zip, "decision.toml"));
+    assert_eq!(texts.matches("Kind=\"wheelchair\"").count(), chairs.len());
+    assert_eq!(wishes_kept.matches("desired_speed").count(), 1 + 40, "{wishes_kept}");
+    let (_, table) = ok(&mut lab, take(1, json!({"file": "population"})));
+    assert!(String::from_utf8(table).unwrap().lines().next().unwrap().ends_with("desired_speed_m_per_s"));
+    // In three dimensions with chairs and suitcases, also of the Trial that was kept.
+    let bodies = |lab: &mut Lab, run: u64| {
+        let (counts, bytes) = ok(lab, json!({"ask": "bodies", "run": run}));
+        let (agents, things): (Vec<[usize; 2]>, Vec<[usize; 2]>) =
+            (read(&counts["agents"]), read(&counts["things"]));
+        let all = agents.iter().chain(&things).flatten().sum::<usize>();
+        assert_eq!((bytes.len(), counts["without"].as_u64()), (12 * all, Some(0)));
+        things
+    };
+    let things = bodies(&mut lab, 1);
+    assert_eq!(things.iter().filter(|counts| counts[0] > 0).count(), chairs.len() + of("suitcase").len());
+    let again = open(&mut lab, "kept.zip", &zip);
+    assert!(again["scene"]["people"].is_null() && again["scene"]["agents"][0]["kind"].is_string());
+    assert_eq!(bodies(&mut lab, 2), things);
+    // By hand: a copy keeps its kind and its speed, whoever is new is of no kind.
+    let first = &chairs[0]["id"];
+    let person = json!({"sex": "male", "breadth": null, "depth": null, "stature": null, "mass": null});
+    let edits = json!([
+        {"do": "copy", "id": first, "as": "twin", "x": 20, "y": 20, "theta": 0},
+        {"do": "put", "id": "new", "person": person, "x": 25, "y": 20, "theta": 0},
+    ]);
+    let (made, _) = ok(&mut lab, with(walk(&base), "edits", edits));
+    let agents = made["scene"]["agents"].as_array().unwrap();
+    let last = &agents[agents.len() - 2..];
+    assert_eq!((&last[0]["kind"], &last[0]["speed"]), (&json!("wheelchair"), &chairs[0]["speed"]));
+    assert_eq!(
+        (&last[1]["kind"], &last[1]["speed"], &last[1]["things"]),
+        (&Value::Null, &json!(1.34), &Value::Null)
+    );
+    // What cannot be.
+    for (mix, words) in [
+        (json!({"adlt": 1}), "the mix of kinds: there is no kind \"adlt\" (did you mean \"adult\"?)"),
+        (json!({"adult": 0}), "the mix of kinds: the shares must sum up to more than 0"),
+        (
+            json!({"adult": -1, "child": 2}),
+            "the mix of kinds: the share of \"adult\" = -1: must not be negative",
+        ),
+    ] {
+        let said = refused(&mut lab, walk(&with(base.clone(), "mix", mix)), &[]);
+        assert!(said.starts_with(words), "{said}");
+    }
+    let said = refused(&mut lab, walk(&with(base.clone(), "round", json!(true))), &[]);
+    assert!(said.contains("round bodies are of adults with nothing"), "{said}");
+    let full =
+        with(with(crowd(60, square(5.0, 5.0)), "mix", json!({"wheelchair": 1})), "region", Value::Null);
+    let said = refused(&mut lab, own(full), &[]);
+    // 60 chairs of 0.7 m² have more than 25 m²: about half of them fit.
+    let count: f64 =
+        said.split("about ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok()).unwrap();
+    assert!(said.starts_with("60 people do not fit on 25.00 m²") && (15.0..36.0).contains(&count), "{said}");
+    // All kinds, with a picture of each.
+    let (kinds, _) = ok(&mut lab, json!({"ask": "kinds"}));
+    let kinds = kinds.as_array().unwrap();
+    assert_eq!(kinds.len(), 10);
+    assert!(kinds.iter().all(|kind| kind["disks"].as_array().unwrap().len() >= 5));
+    assert_eq!(kinds.iter().filter(|kind| !kind["seated"].is_null()).count(), 2);
+}

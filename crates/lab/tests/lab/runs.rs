@@ -1,6 +1,9 @@
 //! Runs, and questions of pages about frames.
 
 use crate::*;
+use lemons_core::plane::{Bounds, Vec2, vec2};
+use lemons_core::trial::Wall;
+use lemons_picture::{DENSITY_KERNEL, DensityMap};
 
 #[test]
 fn a_pulse_gives_its_momentum_to_those_in_the_circle() {
@@ -159,4 +162,44 @@ fn forces_are_those_of_the_contacts_and_crossings_are_counted_once() {
     assert_eq!(ask(&mut lab, &crossing(90.0, 99.0), &all).0["ok"]["crossings"], json!([]));
     assert!(refused(&mut lab, crossing(0.0, 1.0), &all[1..]).contains("are not frames"));
     assert!(refused(&mut lab, json!({"ask": "forces", "run": 1}), &all).contains("a frame of 5 people"));
+}
+
+#[test]
+fn a_map_has_the_numbers_of_plots_and_goes_on() {
+    let mut lab = Lab::default();
+    let (made, first) = ok(&mut lab, own(crowd(6, square(3.0, 2.0))));
+    let run = made["scene"]["run"].as_u64().unwrap();
+    let rows = |frame: &[u8], squeeze: f64| -> Vec<u8> {
+        let row = |of: &[f64]| [of[0], of[1], squeeze];
+        numbers(frame).chunks(COLUMNS).flat_map(row).flat_map(f64::to_le_bytes).collect()
+    };
+    let wall = |of: &Value| Wall {
+        id: String::new(),
+        material_id: String::new(),
+        corners: read::<Vec<[f64; 2]>>(&of["corners"]).into_iter().map(Vec2::from).collect(),
+    };
+    let asked = |of: &str, fresh: bool| json!({"ask": "map", "run": run, "of": of, "fresh": fresh});
+    let one = rows(&first, 100.0);
+    let (grid, bytes) = ok_of(&mut lab, asked("density", true), &one);
+    assert_eq!(grid["columns"].as_u64().unwrap() * grid["rows"].as_u64().unwrap(), bytes.len() as u64 / 8);
+    // As `lemons plot --density` has it in the same part of the plane: 1 m around the walls.
+    let walls: Vec<Wall> = made["scene"]["walls"].as_array().unwrap().iter().map(wall).collect();
+    let view = Bounds { low: vec2(-1.0, -1.0), high: vec2(4.0, 3.0) };
+    let mut map = DensityMap::new(view, DENSITY_KERNEL, &walls);
+    map.add(numbers(&first).chunks(COLUMNS).map(|of| vec2(of[0], of[1])));
+    assert_eq!(numbers(&bytes), map.values());
+    // The second answer has both frames; a new map has one.
+    let (_, both) = ok_of(&mut lab, asked("squeeze", true), &one);
+    let more = ok_of(&mut lab, asked("squeeze", false), &rows(&first, 300.0)).1;
+    let third = |bytes: &[u8], k: usize| numbers(bytes).chunks(bytes.len() / 24).nth(k).unwrap().to_vec();
+    assert_eq!(third(&both, 2).iter().sum::<f64>(), 6.0);
+    assert_eq!(third(&more, 2).iter().sum::<f64>(), 12.0);
+    let there: Vec<f64> = third(&more, 0).into_iter().filter(|mean| !mean.is_nan()).collect();
+    assert!(there.iter().all(|mean| *mean == 200.0), "{there:?}");
+    assert!(third(&more, 1).into_iter().filter(|most| !most.is_nan()).all(|most| most == 300.0));
+    assert!(refused(&mut lab, asked("density", true), &one[..8]).contains("not frames of 6 people"));
+    assert!(
+        refused(&mut lab, json!({"ask": "map", "run": 99, "of": "density", "fresh": true}), &one)
+            .contains("over")
+    );
 }

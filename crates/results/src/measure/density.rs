@@ -24,7 +24,7 @@ pub struct Density {
     /// \[1/m²\] Of each person the part of the Voronoi cell that is in the area; the sum over the area. `None` without a
     /// room.
     pub voronoi_density: Option<f64>,
-    /// \[m/s\] Mean speed of those in the area; `None` without any.
+    /// \[m/s\] Mean speed of those in the area whose speed is known; `None` without any.
     pub speed: Option<f64>,
 }
 
@@ -58,6 +58,9 @@ impl MeasuringArea {
         let there: Vec<_> = (0..frame.agents.len()).filter_map(|agent| present(frame, agent)).collect();
         let inside = there.iter().filter(|motion| self.0.contains(motion.pose.position));
         let speeds: Vec<f64> = inside.map(|motion| motion.twist.velocity.norm()).collect();
+        let count = speeds.len();
+        // Of trajectories, the speed of somebody may not be known.
+        let speeds: Vec<f64> = speeds.into_iter().filter(|speed| !speed.is_nan()).collect();
         let people: Vec<Vec2> = there.iter().map(|motion| motion.pose.position).collect();
         let voronoi_density = room.map(|room| {
             let shape = vec![contour(&self.0)];
@@ -71,13 +74,12 @@ impl MeasuringArea {
             // A sum of nothing is -0.
             (0.0 + parts.sum::<f64>()) / self.area()
         });
-        let count = speeds.len();
         Density {
             time: frame.time,
             people: count,
             density: count as f64 / self.area(),
             voronoi_density,
-            speed: (count > 0).then(|| speeds.iter().sum::<f64>() / count as f64),
+            speed: (!speeds.is_empty()).then(|| speeds.iter().sum::<f64>() / speeds.len() as f64),
         }
     }
 }

@@ -13,6 +13,8 @@ pub struct Departures {
     places: Vec<Option<Vec2>>,
     /// Whether a frame says who is there.
     known: bool,
+    /// Whether who was seen in no frame has left before the first one.
+    unseen: bool,
 }
 
 /// Who has left, at all exits together.
@@ -33,7 +35,12 @@ pub struct Left {
 impl Departures {
     /// Begins, for so many people.
     pub fn of(people: usize) -> Departures {
-        Departures { times: vec![None; people], places: vec![None; people], known: false }
+        Departures { times: vec![None; people], places: vec![None; people], known: false, unseen: true }
+    }
+
+    /// Begins, for so many people who may also appear: who was not seen yet has not left.
+    pub fn of_appearing(people: usize) -> Departures {
+        Departures { unseen: false, ..Departures::of(people) }
     }
 
     /// Adds the next frame. Who comes back has not left.
@@ -49,7 +56,8 @@ impl Departures {
 
     /// Returns who has left; `None` if no frame says who is there.
     pub fn left(&self) -> Option<Left> {
-        let gone: Vec<f64> = self.times.iter().flatten().copied().collect();
+        let seen = self.times.iter().zip(&self.places).filter(|(_, place)| self.unseen || place.is_some());
+        let gone: Vec<f64> = seen.filter_map(|(time, _)| *time).collect();
         let last = gone.iter().copied().reduce(f64::max);
         let places = self.times.iter().zip(&self.places).filter_map(|(time, place)| time.and(*place));
         self.known.then(|| Left {
@@ -91,6 +99,20 @@ mod tests {
         let (first, last, last_seen) = (Some(1.0), Some(1.0), Some([[0.0, 2.0]; 2]));
         let one = Left { people: 1, first, last, evacuation_time: None, last_seen };
         assert_eq!(left(&[Some([here, here]), Some([here, gone]), Some([here, gone])]), Some(one));
+        // Who appears has not left before.
+        let frames = [[here, gone], [gone, gone]];
+        let mut appearing = Departures::of_appearing(2);
+        for (k, active) in (0..).zip(frames) {
+            let agents = vec![Motion::default(); 2];
+            appearing.add(&Frame {
+                time: f64::from(k),
+                active: Some(active.to_vec()),
+                agents,
+                ..Frame::default()
+            });
+        }
+        let seen = appearing.left().unwrap();
+        assert_eq!((seen.people, seen.last, seen.evacuation_time), (1, Some(1.0), None));
         // Who was gone before the first frame was seen nowhere.
         let before = left(&[Some([here, gone]), Some([gone, gone])]).unwrap();
         assert_eq!((before.people, before.last_seen), (2, Some([[0.0, 0.0]; 2])));

@@ -5,4 +5,5 @@
 mod columns;
 mod round_trip;
 mod table;
+mod trajectories;
 mod written;

@@ -10,6 +10,8 @@ pub(crate) const FIGURES: &[Figure] = &[
     || Ok(shortfall(&remainders(lasting)?, 2.0)),
     || remainder(passing),
     || Ok(shortfall(&remainders(passing)?, 1.0)),
+    || remainder(wheels),
+    || Ok(shortfall(&remainders(wheels)?, 2.0)),
 ];
 
 /// Makes a world with this mechanical step \[s\].
@@ -32,15 +34,26 @@ pub(crate) fn passing(mechanical_step: f64) -> World {
     world
 }
 
+/// Two that stand on wheels, pressed together, sticking, and turning.
+fn wheels(mechanical_step: f64) -> World {
+    let first = disk(80.0, 0.2).turned(0.4).moving(0.05, 0.0).spinning(2.0).relaxing(2.0, 2.0);
+    let second = disk(60.0, 0.25).at(0.449, 0.0).turned(-1.0).spinning(-1.6).relaxing(4.5, 2.0);
+    let people = [first.relaxing_across(40.0), second.relaxing_across(0.5)];
+    let mut world = world(&people, &[], PairLaw { friction: 5.0, ..BODIES }, mechanical_step);
+    world.drive[0] = Wrench { force: vec2(2000.0, 0.0), torque: 10.0 };
+    world.drive[1] = Wrench { force: vec2(-2000.0, 50.0), torque: 5.0 };
+    world
+}
+
 /// Powers \[W\] at an instant: of the drive, lost to the floor, lost in the dashpots.
 fn powers(world: &World) -> [f64; 3] {
     let scene = world.scene();
     let [mut drive, mut floor, mut damping] = [0.0; 3];
-    for ((body, twist), wrench) in scene.bodies.iter().zip(&world.state().twists).zip(&world.drive) {
-        let (v, w) = (twist.velocity, twist.angular_velocity);
+    for ((body, motion), wrench) in scene.bodies.iter().zip(motions(world)).zip(&world.drive) {
+        let (v, w) = (motion.twist.velocity, motion.twist.angular_velocity);
         drive += wrench.force.dot(v) + wrench.torque * w;
-        floor +=
-            body.translation_rate * body.mass * v.norm_squared() + body.rotation_rate * body.inertia * w * w;
+        floor -= body.by_floor(motion.pose.orientation, v).dot(v) * body.mass;
+        floor += body.rotation_rate * body.inertia * w * w;
     }
     for contact in &world.contacts().contacts {
         let law = law_of(scene, contact);

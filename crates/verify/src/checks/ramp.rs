@@ -18,13 +18,13 @@ pub(crate) const FIGURES: &[Figure] = &[
 ];
 
 /// Adds rate × time \[s\] to a drive.
-fn later(drive: Wrench, rate: Wrench, time: f64) -> Wrench {
+pub(crate) fn later(drive: Wrench, rate: Wrench, time: f64) -> Wrench {
     Wrench { force: drive.force + rate.force * time, torque: drive.torque + rate.torque * time }
 }
 
 /// Position and velocity at a time under the acceleration `a + j t` and a relaxation rate, computed from the steady
 /// motion to which the velocity relaxes.
-fn under_ramp(rate: f64, [r, v, a, j]: [f64; 4], t: f64) -> [f64; 2] {
+pub(crate) fn under_ramp(rate: f64, [r, v, a, j]: [f64; 4], t: f64) -> [f64; 2] {
     if rate == 0.0 {
         return [r + v * t + a * t * t / 2.0 + j * t.powi(3) / 6.0, v + a * t + j * t * t / 2.0];
     }

@@ -63,6 +63,12 @@ impl Placed {
         self
     }
 
+    /// Gives it another relaxation rate \[1/s\] of the velocity across the gaze.
+    pub fn relaxing_across(mut self, rate: f64) -> Placed {
+        self.body.across_rate = Some(rate);
+        self
+    }
+
     /// Gives it another moment of inertia \[kg.m2\].
     pub fn of_inertia(mut self, inertia: f64) -> Placed {
         self.body.inertia = inertia;
@@ -73,7 +79,8 @@ impl Placed {
 fn placed(mass: f64, inertia: f64, disks: &[(f64, f64, f64)]) -> Placed {
     let disk = |&(radius, x, y): &(f64, f64, f64)| DiskSpec { radius, position: vec2(x, y), material: 0 };
     let disks = disks.iter().map(disk).collect();
-    let body = BodySpec { mass, inertia, translation_rate: 0.0, rotation_rate: 0.0, disks };
+    let body =
+        BodySpec { mass, inertia, translation_rate: 0.0, across_rate: None, rotation_rate: 0.0, disks };
     Placed { body, pose: Pose::default(), twist: Twist::default() }
 }
 

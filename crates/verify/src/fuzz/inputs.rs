@@ -4,12 +4,13 @@ use crate::fuzz::files::{archive_of, directory};
 use crate::fuzz::models::small_trial;
 use crate::fuzz::show_panics;
 use lemons_core::files::Staged;
-use lemons_core::plane::Motion;
+use lemons_core::plane::{Motion, Vec2};
 use lemons_core::trial::{DriveChoice, DriveTable};
 use lemons_master::Saved;
 use lemons_results::columns::Groups;
 use lemons_results::{
-    Content, Format, FrameWriter, Observed, OfLegs, Record, RecordError, Run, TableWriter, Totals, pedpy,
+    Content, Format, FrameWriter, Observed, OfLegs, Record, RecordError, Run, TableWriter, Told, Totals,
+    pedpy,
 };
 use lemons_sim::Clock;
 use lemons_sweep::{Finished, Measured, Points, Spec, Table};
@@ -96,6 +97,44 @@ pub fn table_csv(data: &[u8]) {
     if let Err(error) = pedpy(&record, Staged::beside(&text).expect("a file"), &text) {
         assert!(names_file(&error, &path) && !text.exists(), "{error}");
     }
+}
+
+/// A text with trajectories of others (databases are read by SQLite): refused in words, or frames that are the same after
+/// they were written for PedPy and read again.
+pub fn trajectories(data: &[u8]) {
+    show_panics();
+    let directory = directory();
+    let (path, again) = (directory.path().join("walk"), directory.path().join("again"));
+    std::fs::write(&path, data).expect("a file");
+    for told in [Told::default(), Told { per_metre: Some(100.0), rate: Some(12.5), ..Told::default() }] {
+        let record = match Record::of_others(&path, &told) {
+            Ok(record) => record,
+            Err(error) => {
+                assert!(names_file(&error, &path), "{error}");
+                continue;
+            }
+        };
+        let times: Vec<f64> = record.times().collect();
+        assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "times go forward");
+        pedpy(&record, Staged::beside(&again).expect("a file"), &again)
+            .unwrap_or_else(|error| panic!("{error}"));
+        let copy = Record::of_others(&again, &Told { velocity_over: told.velocity_over, ..Told::default() })
+            .unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(copy.ids(), record.ids());
+        assert_eq!(places(&copy), places(&record));
+    }
+}
+
+/// Who was where, in the frames with anybody.
+fn places(record: &Record) -> Vec<Vec<(usize, Vec2)>> {
+    let mut all = Vec::new();
+    let read = record.each(|_, frame| {
+        let there: Vec<_> = frame.present().map(|(place, agent)| (place, agent.pose.position)).collect();
+        all.extend((!there.is_empty()).then_some(there));
+        Ok(())
+    });
+    read.unwrap_or_else(|error| panic!("{error}"));
+    all
 }
 
 fn names_file(error: &RecordError, path: &Path) -> bool {

@@ -1,0 +1,350 @@
+//! Figures: an agent in three dimensions, standing or seated, with the things that go along.
+//!
+//! A seated body is the standing one with bent knees and elbows: simple, an assumption. Things are the plain solids of
+//! `data/kinds.toml`. Closed surfaces may overlap here: thighs begin within the trunk, wheels in their axles.
+
+use super::{Body3d, MeshPart, Polygon};
+use crate::error::Result;
+use crate::growth::child;
+use crate::kinds::{Kind, Kinds, Origin, Part, Solid};
+use crate::person::{Person, Sex};
+use crate::population::Agent;
+use crate::shape::{Shape, bounds};
+use crate::trial::PART_MATERIALS;
+use lemons_core::plane::{Disk, Pose, Rotation, Vec2, vec2};
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::{Arc, LazyLock};
+
+/// Height of the middle of the knees by the stature (ANSUR II: 0.277).
+const KNEES: f64 = 0.277;
+/// Height of the elbows of somebody who stands, by the stature (assumption).
+const ELBOWS: f64 = 0.63;
+/// \[rad\] Angle by which the elbows of somebody who is seated are bent (assumption).
+const BENT: f64 = 1.3;
+/// Sides of a round solid.
+const SIDES: usize = 24;
+
+/// An agent in three dimensions, in its frame: origin at the centre of mass, on the floor; gaze along +x, left is +y.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Figure {
+    kind: Option<Arc<Kind>>,
+    /// The bodies, standing, and their places \[m\].
+    people: Vec<(Body3d, Vec2)>,
+    /// \[m\] Where the solids of each part of the kind are measured from.
+    origins: Vec<Vec2>,
+}
+
+impl Figure {
+    /// Makes the figure of an agent; that of a bicycle is empty.
+    ///
+    /// # Errors
+    /// As those of [`Body3d::similar`].
+    pub fn of(agent: &Agent) -> Result<Figure> {
+        match agent {
+            Agent::Pedestrian(person) => Figure::new(None, &[(*person, Vec2::ZERO)]),
+            Agent::Member(member) => Figure::new(Some(member.kind.clone()), &member.people),
+            Agent::Bicycle(_) => Ok(Figure::default()),
+        }
+    }
+
+    /// Makes a figure that fits an agent of a Trial: of [`people_fitting`], or, of no kind that there is, of
+    /// [`Person::fitting`].
+    ///
+    /// # Errors
+    /// No body fits the disks.
+    pub fn fitting(agent: &lemons_core::trial::Agent) -> Result<Figure> {
+        match people_fitting(agent) {
+            Some((kind, people)) => Figure::new(Some(kind), &people),
+            None => Figure::new(None, &[(Person::fitting(agent), Vec2::ZERO)]),
+        }
+    }
+
+    fn new(kind: Option<Arc<Kind>>, people: &[(Person, Vec2)]) -> Result<Figure> {
+        let mut origins = Vec::new();
+        if let (Some(kind), Some((person, at))) = (&kind, people.first()) {
+            let (front, back) = Shape::fit(person.breadth, person.depth).ends();
+            origins.extend(kind.parts.iter().map(|part| match part.from {
+                Origin::Centre => *at,
+                Origin::Front => *at + vec2(front, 0.0),
+                Origin::Back => *at + vec2(back, 0.0),
+            }));
+        }
+        let body = |(person, at): &(Person, Vec2)| Ok((Body3d::similar(person)?, *at));
+        Ok(Figure { kind, people: people.iter().map(body).collect::<Result<_>>()?, origins })
+    }
+
+    /// Returns the height \[m\] of the seat of somebody who is seated.
+    fn seat(&self) -> Option<f64> {
+        self.kind.as_ref().filter(|kind| kind.seated).map(|kind| kind.seat)
+    }
+
+    /// Returns the closed parts of the bodies: all, or less fine ones to be looked at ([`Body3d::coarse_mesh`]).
+    pub fn bodies(&self, fine: bool) -> Vec<MeshPart> {
+        let mut all = Vec::new();
+        for (k, (body, at)) in self.people.iter().enumerate() {
+            let mut parts = if fine { body.mesh() } else { body.coarse_mesh() };
+            if let Some(seat) = self.seat() {
+                sit(&mut parts, body.person.stature, seat);
+            }
+            for part in &mut parts {
+                if k > 0 {
+                    part.name = format!("child_{}", part.name);
+                }
+                shift(part, *at);
+            }
+            all.extend(parts);
+        }
+        all
+    }
+
+    /// Returns the closed parts of things.
+    pub fn things(&self) -> Vec<MeshPart> {
+        let parts = self.kind.iter().flat_map(|kind| &kind.parts).zip(&self.origins);
+        let moved = |(part, origin): (&Part, &Vec2)| {
+            let mut solids = solids(part);
+            solids.iter_mut().for_each(|solid| shift(solid, *origin));
+            solids
+        };
+        parts.flat_map(moved).collect()
+    }
+
+    /// Returns the outlines of the people who stand, at an altitude \[m\]; of who sits and of things there are none.
+    pub fn slice_at(&self, altitude: f64) -> Vec<Polygon> {
+        let standing = self.people.iter().filter(|_| self.seat().is_none());
+        let placed = |(body, at): &(Body3d, Vec2)| {
+            let pose = Pose { position: *at, orientation: 0.0 };
+            body.slice_at(altitude).into_iter().map(move |polygon| polygon.at(&pose))
+        };
+        standing.flat_map(placed).collect()
+    }
+
+    /// Returns all parts at a pose, in world coordinates; the names begin with the agent's Id.
+    pub fn surfaces(&self, id: &str, pose: &Pose) -> impl Iterator<Item = MeshPart> + use<> {
+        let (turn, position, id) = (Rotation::by(pose.orientation), pose.position, plain(id));
+        self.bodies(true).into_iter().chain(self.things()).map(move |mut part| {
+            for [x, y, _] in &mut part.vertices {
+                let point = vec2(*x, *y).rotated(turn) + position;
+                (*x, *y) = (point.x, point.y);
+            }
+            MeshPart { name: format!("agent_{id}_{}", part.name), ..part }
+        })
+    }
+}
+
+/// Names in files have letters, digits and underscores.
+fn plain(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+}
+
+/// Returns the kind of an agent of a Trial, and the people that fit its disks, with their places \[m\]: the person, whose
+/// measures are those of [`Person::fitting`], and a child at its hand. `None` if there is no such kind, or if the disks are
+/// not those of the kind.
+pub fn people_fitting(agent: &lemons_core::trial::Agent) -> Option<(Arc<Kind>, Vec<(Person, Vec2)>)> {
+    static KINDS: LazyLock<Option<Kinds>> = LazyLock::new(|| Kinds::built_in().ok());
+    let kind = KINDS.as_ref()?.get(agent.kind.as_ref()?)?;
+    Some((kind.clone(), people_of(kind, agent)?))
+}
+
+fn people_of(kind: &Kind, agent: &lemons_core::trial::Agent) -> Option<Vec<(Person, Vec2)>> {
+    let disks = agent.disks_facing_x().into_iter().zip(&agent.shapes);
+    let (things, own): (Vec<_>, Vec<_>) =
+        disks.partition(|(_, shape)| PART_MATERIALS.contains(&&*shape.material_id));
+    let [things, own] = [things, own].map(|disks| {
+        disks.into_iter().map(|((centre, radius), _)| Disk { radius, centre }).collect::<Vec<Disk>>()
+    });
+    let carried: f64 = kind.parts.iter().map(|part| part.mass.quantile(0.5)).sum();
+    let fitting = Person::fitting(agent);
+    let mass = (agent.mass - carried).max(0.5 * agent.mass);
+    if kind.seated {
+        let first = kind.parts.first()?.disks.first()?;
+        let at = things.first()?.centre - vec2(first[0], first[1]);
+        let all = kind.parts.iter().map(|part| part.disks.len()).sum::<usize>();
+        return (all == things.len() && own.is_empty()).then(|| vec![(Person { mass, ..fitting }, at)]);
+    }
+    let of = |disks: &[Disk], person: Person| {
+        let size = bounds(disks.iter().copied()).size();
+        let person = Person { breadth: size.y, depth: size.x.min(size.y), ..person };
+        let shape = Shape::fit(person.breadth, person.depth);
+        (person, disks[0].centre - shape.disks[0].centre)
+    };
+    match (kind.companion, own.len()) {
+        (None, 5) => Some(vec![of(&own, Person { mass, ..fitting })]),
+        // The child is between the first disk of the adult and the others.
+        (Some([from, to]), 10) => {
+            let small = of(&own[1..6], fitting);
+            let ages =
+                (0..=100).map(|k| child(Sex::Female, from + 0.01 * f64::from(k) * (to - from), [0.0; 2]));
+            let off = |one: &Person| (one.breadth - small.0.breadth).abs();
+            let like = ages.min_by(|one, other| off(one).total_cmp(&off(other)))?;
+            let beside = (Person { breadth: small.0.breadth, depth: small.0.depth, ..like }, small.1);
+            let adult = [&own[..1], &own[6..]].concat();
+            Some(vec![of(&adult, Person { mass: agent.mass - like.mass, ..fitting }), beside])
+        }
+        _ => None,
+    }
+}
+
+fn shift(part: &mut MeshPart, by: Vec2) {
+    for [x, y, _] in &mut part.vertices {
+        (*x, *y) = (*x + by.x, *y + by.y);
+    }
+}
+
+/// Bends the parts of a standing body, in the order of [`super::Part::ALL`], so that it sits at a height \[m\].
+fn sit(parts: &mut [MeshPart], stature: f64, seat: f64) {
+    let [trunk, arms @ .., left, right] = parts else { return };
+    let low = trunk.vertices.iter().fold(f64::MAX, |low, place| low.min(place[2]));
+    let size = stature / 1.75;
+    for part in std::iter::once(trunk).chain(arms.iter_mut()) {
+        part.vertices.iter_mut().for_each(|place| place[2] += seat - low);
+    }
+    for arm in arms {
+        let elbow = ELBOWS * stature + seat - low;
+        let Limb { top, axis, .. } = Limb::of(arm);
+        Bend { start: vec2(axis, top), straight: top - elbow, radius: 0.06 * size, down: true, angle: BENT }
+            .apply(arm);
+    }
+    for leg in [left, right] {
+        let Limb { top, axis, back } = Limb::of(leg);
+        // The back of the thighs lies on the seat.
+        let (start, straight) = (vec2(axis, seat + back), top - KNEES * stature);
+        Bend { start, straight, radius: 0.085 * size, down: false, angle: FRAC_PI_2 }.apply(leg);
+    }
+}
+
+/// A hanging limb.
+struct Limb {
+    /// \[m\] Its highest place.
+    top: f64,
+    /// \[m\] x of its middle there.
+    axis: f64,
+    /// \[m\] How far it reaches behind.
+    back: f64,
+}
+
+impl Limb {
+    fn of(part: &MeshPart) -> Limb {
+        let top = part.vertices.iter().fold(f64::MIN, |top, place| top.max(place[2]));
+        let near = |depth: f64| {
+            part.vertices.iter().filter(move |place| place[2] > top - depth).map(|place| place[0])
+        };
+        let (low, high) = near(0.05).fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
+        let axis = 0.5 * (low + high);
+        Limb { top, axis, back: axis - near(0.2).fold(f64::MAX, f64::min) }
+    }
+}
+
+/// A bend of a limb in the plane of x and z, ahead: its axis begins at a place, downwards or ahead, and turns after a
+/// straight piece.
+struct Bend {
+    /// \[m\] x and z.
+    start: Vec2,
+    /// \[m\] Along the axis to the middle of the bend.
+    straight: f64,
+    /// \[m\] Of the axis, in the bend.
+    radius: f64,
+    /// Whether the axis begins downwards and then goes ahead, as that of an arm.
+    down: bool,
+    /// \[rad\]
+    angle: f64,
+}
+
+impl Bend {
+    fn apply(&self, part: &mut MeshPart) {
+        let Limb { top, axis, .. } = Limb::of(part);
+        let Bend { start, straight, radius, down, angle } = *self;
+        // The directions of the axis, and of what was ahead of it; and towards the middle of the bend.
+        let (along, ahead, inwards) = if down {
+            (vec2(0.0, -1.0), vec2(1.0, 0.0), vec2(1.0, 0.0))
+        } else {
+            (vec2(1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0))
+        };
+        let turned = |of: Vec2, by: f64| of.rotated(Rotation::by(if down { by } else { -by }));
+        let first = (straight - 0.5 * radius * angle).max(0.0);
+        let middle = start + along * first + inwards * radius;
+        for place in &mut part.vertices {
+            let (s, off) = (top - place[2], place[0] - axis);
+            let by = ((s - first) / radius).clamp(0.0, angle);
+            let beyond = if s < first { s - first } else { (s - first - radius * angle).max(0.0) };
+            let at =
+                middle - turned(inwards, by) * radius + turned(along, by) * beyond + turned(ahead, by) * off;
+            (place[0], place[2]) = (at.x, at.y);
+        }
+    }
+}
+
+/// The solids of a thing, from its origin.
+fn solids(part: &Part) -> Vec<MeshPart> {
+    let name = plain(&part.name);
+    let [low, high] = part.height;
+    let cylinder = |&[x, y, radius]: &[f64; 3]| {
+        let (middle, half) = ([x, y, 0.5 * (low + high)], 0.5 * (high - low));
+        prism(middle, [[radius, 0.0, 0.0], [0.0, radius, 0.0], [0.0, 0.0, half]], SIDES)
+    };
+    let made: Vec<MeshPart> = match &part.solids[..] {
+        [] => part.disks.iter().map(cylinder).collect(),
+        solids => solids.iter().map(solid).collect(),
+    };
+    let named = |(k, one): (usize, MeshPart)| MeshPart { name: format!("{name}_{k}"), ..one };
+    made.into_iter().enumerate().map(named).collect()
+}
+
+fn solid(solid: &Solid) -> MeshPart {
+    match *solid {
+        Solid::Box(sides) => {
+            let [x, y, z] = sides.map(|[from, to]| 0.5 * (to - from));
+            let middle = sides.map(|[from, to]| 0.5 * (to + from));
+            let root = 2.0f64.sqrt();
+            prism(middle, [[x * root, 0.0, 0.0], [0.0, y * root, 0.0], [0.0, 0.0, z]], 4)
+        }
+        Solid::Wheel([x, y, z, radius, width]) => {
+            prism([x, y, z], [[0.0, 0.0, radius], [radius, 0.0, 0.0], [0.0, 0.5 * width, 0.0]], SIDES)
+        }
+        Solid::Bar(from, to, thick) => {
+            let (middle, half) = (add(from, to, 0.5, 0.5), add(to, from, 0.5, -0.5));
+            // Any direction that is not along the bar.
+            let helper = if half[2].abs() > 0.9 * length(half) { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] };
+            let across = cross(helper, half);
+            let across = scaled(across, 0.5 * thick / length(across));
+            let other = cross(half, across);
+            prism(middle, [across, scaled(other, 0.5 * thick / length(other)), half], 8)
+        }
+    }
+}
+
+/// A closed prism about a point: a polygon in the plane of the first two axes, along both directions of the third one.
+/// The axes are right-handed. A polygon of four corners has its sides, not its corners, along them.
+fn prism(middle: [f64; 3], [a, b, c]: [[f64; 3]; 3], sides: usize) -> MeshPart {
+    let mut part = MeshPart { name: String::new(), vertices: Vec::new(), triangles: Vec::new() };
+    for end in [-1.0, 1.0] {
+        let centre = add(middle, c, 1.0, end);
+        part.vertices.push(centre);
+        for k in 0..sides {
+            let (sin, cos) = (TAU * (k as f64 + 0.5) / sides as f64).sin_cos();
+            part.vertices.push(add(add(centre, a, 1.0, cos), b, 1.0, sin));
+        }
+    }
+    let ring = sides as u32 + 1;
+    for k in 0..sides as u32 {
+        let (one, next) = (1 + k, 1 + (k + 1) % sides as u32);
+        part.triangles.extend([[0, next, one], [ring, ring + one, ring + next]]);
+        part.triangles.extend([[one, next, ring + next], [one, ring + next, ring + one]]);
+    }
+    part
+}
+
+fn add(a: [f64; 3], b: [f64; 3], by_a: f64, by_b: f64) -> [f64; 3] {
+    std::array::from_fn(|k| by_a * a[k] + by_b * b[k])
+}
+
+fn scaled(a: [f64; 3], by: f64) -> [f64; 3] {
+    a.map(|value| by * value)
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn length(a: [f64; 3]) -> f64 {
+    a.iter().map(|value| value * value).sum::<f64>().sqrt()
+}

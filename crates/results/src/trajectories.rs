@@ -1,0 +1,330 @@
+//! Trajectories that are not of our runs, of experiments and of other simulators: positions of people at a constant frame
+//! rate, without bodies and forces. People may appear and vanish.
+
+#[cfg(feature = "sqlite")]
+mod sqlite;
+mod text;
+
+use crate::error::RecordError;
+use crate::record::{Each, Record};
+use crate::run::Frame;
+use crate::shapes::FARTHEST;
+use lemons_core::files::input;
+use lemons_core::plane::{Motion, Pose, Twist, Vec2, vec2};
+use std::fs::File;
+use std::io::{self, Read, Seek};
+use std::path::Path;
+
+/// What a database of SQLite begins with.
+const SQLITE: &[u8; 16] = b"SQLite format 3\0";
+/// Largest number of rows: 1.3 GB of memory.
+const MOST_ROWS: usize = 20_000_000;
+/// Largest number of a frame: its time is a double, too.
+const LAST_FRAME: i64 = 1_000_000_000_000;
+/// Largest number of frames.
+const MOST_FRAMES: u64 = 10_000_000;
+/// Largest number of frames times people: each frame has a place for everybody.
+const MOST_PLACES: u64 = 100_000_000;
+/// A velocity that is not known.
+const UNKNOWN: Vec2 = vec2(f64::NAN, f64::NAN);
+/// \[1/s\] Less and more are a mistake.
+const RATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+
+/// What a file of trajectories may leave unsaid, and how velocities are computed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Told {
+    /// How many units of a text are a metre: 1, or 100 of centimetres; `None`: the text says it.
+    pub per_metre: Option<f64>,
+    /// \[1/s\] Frames per second; `None`: the file says it.
+    pub rate: Option<f64>,
+    /// \[s\] Time between the two positions whose difference is the velocity between them.
+    pub velocity_over: f64,
+}
+
+/// \[s\] [`Told::velocity_over`], if nothing else is said: a stride takes about so long.
+pub const VELOCITY_OVER: f64 = 0.4;
+
+impl Default for Told {
+    fn default() -> Told {
+        Told { per_metre: None, rate: None, velocity_over: VELOCITY_OVER }
+    }
+}
+
+/// What is known of trajectories besides their frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectories {
+    /// \[1/s\] Frames per second.
+    pub rate: f64,
+    /// Number of frames before and after a frame between which velocities are differences: `frame_step` of PedPy's
+    /// `compute_individual_speed`, there with `SpeedCalculation.BORDER_SINGLE_SIDED`.
+    pub velocity_frames: usize,
+    /// Whether the file says where people look.
+    pub oriented: bool,
+    /// Where people can be: well-known text, in m, of each geometry that the file holds.
+    pub geometry: Vec<String>,
+}
+
+impl Trajectories {
+    /// \[s\] Returns the time over which velocities are differences.
+    pub fn velocity_over(&self) -> f64 {
+        (2 * self.velocity_frames) as f64 / self.rate
+    }
+}
+
+/// A person in a frame.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    /// Number of the frame in the file; later its place among all.
+    frame: i64,
+    id: i64,
+    /// Place of the person among all.
+    person: u32,
+    /// Number of the line or row in the file.
+    n: u32,
+    /// \[m\]
+    position: Vec2,
+    /// \[rad\] Not a number where the file does not say it.
+    orientation: f64,
+    /// \[m/s\]
+    velocity: Vec2,
+}
+
+/// What a reader finds in a file.
+struct Found {
+    /// What is counted in it: lines or rows.
+    what: &'static str,
+    rows: Vec<Row>,
+    /// \[1/s\]
+    rate: f64,
+    /// First and last frame, if the file names frames without anybody.
+    frames: Option<(i64, i64)>,
+    oriented: bool,
+    geometry: Vec<String>,
+}
+
+/// Takes rows of a file, and checks them.
+struct Rows<'a> {
+    path: &'a Path,
+    /// What is counted in the file: lines or rows.
+    what: &'static str,
+    rows: Vec<Row>,
+}
+
+impl<'a> Rows<'a> {
+    fn new(path: &'a Path, what: &'static str) -> Rows<'a> {
+        Rows { path, what, rows: Vec::new() }
+    }
+
+    fn wrong(&self, n: u64, message: impl std::fmt::Display) -> RecordError {
+        RecordError::wrong(self.path, format!("{} {n}: {message}", self.what))
+    }
+
+    /// Adds a row: number in the file, Id, frame, position \[m\], orientation \[rad\].
+    fn add(&mut self, n: u64, id: i64, frame: i64, p: Vec2, orientation: f64) -> Result<(), RecordError> {
+        for (name, value) in [("id", id), ("frame", frame)] {
+            if value < 0 {
+                return Err(self.wrong(n, format!("column {name}: {value} is below 0")));
+            }
+        }
+        if frame > LAST_FRAME {
+            return Err(self.wrong(n, format!("column frame: {frame} is above {LAST_FRAME:e}")));
+        }
+        for (name, value) in [("x", p.x), ("y", p.y)] {
+            if !(value.abs() <= FARTHEST) {
+                return Err(self.wrong(
+                    n,
+                    format!(
+                        "column {name}: {value:?} m is not a number up to {FARTHEST:e} m from the origin"
+                    ),
+                ));
+            }
+        }
+        if self.rows.len() == MOST_ROWS {
+            return Err(self.wrong(n, format!("there are more than {MOST_ROWS} rows: too many")));
+        }
+        let n = u32::try_from(n).unwrap_or(u32::MAX);
+        self.rows.push(Row { frame, id, person: 0, n, position: p, orientation, velocity: UNKNOWN });
+        Ok(())
+    }
+}
+
+/// Checks a frame rate \[1/s\].
+fn check_rate(rate: f64) -> Result<f64, String> {
+    if RATES.contains(&rate) {
+        Ok(rate)
+    } else {
+        Err(format!("{rate:?} frames per second: must be from 1e-6 to 1e6"))
+    }
+}
+
+/// Returns the frame rate that a file says \[1/s\], or else the one that is told.
+fn rate_of(path: &Path, own: Option<f64>, told: Option<f64>) -> Result<f64, RecordError> {
+    let rate = match (own, told) {
+        (Some(own), Some(told)) if own != told => {
+            Err(format!("says {own:?} frames per second, not {told:?}, which is told (--fps)"))
+        }
+        (Some(rate), _) | (None, Some(rate)) => check_rate(rate),
+        (None, None) => {
+            Err("does not say how many frames per second it has (framerate, fps): tell it (--fps)".into())
+        }
+    };
+    rate.map_err(|message| RecordError::wrong(path, message))
+}
+
+/// Opens a file, and returns whether it begins as a database; `None` if it holds no trajectories: a table of a run is
+/// neither a database nor does its first line begin with a number or with `#`.
+fn database_or_text(path: &Path) -> Result<(File, Option<bool>), RecordError> {
+    let cannot = |error: io::Error| RecordError::Read { path: path.to_owned(), error };
+    let mut file = input::open(path).map_err(cannot)?;
+    let mut begin = Vec::new();
+    file.by_ref().take(4096).read_to_end(&mut begin).map_err(cannot)?;
+    file.rewind().map_err(cannot)?;
+    let begin = begin.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&begin);
+    let first = begin.iter().find(|byte| !byte.is_ascii_whitespace());
+    let text = first.is_some_and(|byte| matches!(byte, b'#' | b'0'..=b'9' | b'-' | b'+' | b'.'));
+    let database = begin.starts_with(SQLITE);
+    Ok((file, (database || text).then_some(database)))
+}
+
+/// Returns whether a file begins as one of trajectories that are not of our runs: `JuPedSim`'s database, or a text with
+/// lines `id frame x y z`.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn holds_trajectories(path: &Path) -> Result<bool, RecordError> {
+    Ok(database_or_text(path)?.1.is_some())
+}
+
+impl Record {
+    /// Opens trajectories of an experiment or of another simulator, as [`holds_trajectories`] finds them: they are read
+    /// into memory. Velocities are differences of positions; where nobody was seen long enough they are not numbers, as
+    /// are orientations that the file does not have. Who is not in a frame is not active in it.
+    ///
+    /// # Errors
+    /// The file cannot be read, is neither of both, does not say its frame rate or unit, or something in it is wrong; the
+    /// message names line or row, column and value.
+    pub fn of_others(path: &Path, told: &Told) -> Result<Record, RecordError> {
+        let found = match database_or_text(path)? {
+            (file, Some(false)) => text::read(path, file, told)?,
+            #[cfg(feature = "sqlite")]
+            (_, Some(true)) => sqlite::read(path, told)?,
+            #[cfg(not(feature = "sqlite"))]
+            (_, Some(true)) => {
+                return Err(RecordError::wrong(
+                    path,
+                    "this build has no SQLite: build with --features sqlite",
+                ));
+            }
+            (_, None) => {
+                let message = "holds no trajectories: it is neither JuPedSim's database nor a text with lines \
+                               \"id frame x y z\"";
+                return Err(RecordError::wrong(path, message));
+            }
+        };
+        of_found(path, found, told.velocity_over)
+    }
+}
+
+/// Makes a record of what was found.
+fn of_found(path: &Path, found: Found, velocity_over: f64) -> Result<Record, RecordError> {
+    let Found { what, mut rows, rate, frames, oriented, geometry } = found;
+    let wrong = |message: String| RecordError::wrong(path, message);
+    rows.sort_unstable_by_key(|row| (row.id, row.frame, row.n));
+    if let Some(pair) =
+        rows.windows(2).find(|pair| (pair[0].id, pair[0].frame) == (pair[1].id, pair[1].frame))
+    {
+        let (Row { id, frame, n, .. }, before) = (pair[1], pair[0].n);
+        return Err(wrong(format!(
+            "{what} {n}: id {id} stands twice in frame {frame}, also in {what} {before}"
+        )));
+    }
+    let (Some(first), Some(last)) =
+        (rows.iter().map(|row| row.frame).min(), rows.iter().map(|row| row.frame).max())
+    else {
+        return Err(wrong("holds no row: nobody is in it".into()));
+    };
+    let (first, last) = frames.map_or((first, last), |(a, b)| (a.min(first), b.max(last)));
+    // A text may have every n-th frame only.
+    let step = rows.iter().map(|row| row.frame - first).chain([last - first]).fold(0, gcd).max(1);
+    let mut ids: Vec<i64> = Vec::new();
+    for row in &mut rows {
+        if ids.last() != Some(&row.id) {
+            ids.push(row.id);
+        }
+        row.person = ids.len() as u32 - 1;
+        row.frame = (row.frame - first) / step;
+    }
+    let count = ((last - first) / step) as u64 + 1;
+    if count > MOST_FRAMES || count * ids.len() as u64 > MOST_PLACES {
+        return Err(wrong(format!(
+            "from frame {first} to {last} there are {count} frames, with places for {} people: there may be 1e7 frames, \
+             and 1e8 frames times people",
+            ids.len()
+        )));
+    }
+    let rate = rate / step as f64;
+    let velocity_frames = ((0.5 * velocity_over * rate).round().max(1.0) as usize).min(MOST_ROWS);
+    differentiate(&mut rows, velocity_frames, rate);
+    // Before they appear, people stand where they will.
+    let mut agents = vec![Motion::default(); ids.len()];
+    for row in rows.iter().rev() {
+        agents[row.person as usize] = standing(row);
+    }
+    let appear = rows.len() as u64 != count * ids.len() as u64;
+    rows.sort_unstable_by_key(|row| (row.frame, row.person));
+    let (start, ids): (f64, Vec<String>) =
+        (first as f64 / step as f64, ids.iter().map(i64::to_string).collect());
+    let pass = move |each: &mut Each<'_>| {
+        let (mut agents, mut rows) = (agents.clone(), rows.as_slice());
+        let mut active = vec![false; ids.len()];
+        for k in 0..count as i64 {
+            let (seen, later) = rows.split_at(rows.partition_point(|row| row.frame == k));
+            rows = later;
+            for (agent, _) in agents.iter_mut().zip(&active).filter(|(_, was)| **was) {
+                agent.twist = Twist::default();
+            }
+            active.fill(false);
+            for row in seen {
+                let twist = Twist { velocity: row.velocity, angular_velocity: f64::NAN };
+                agents[row.person as usize] = Motion { twist, ..standing(row) };
+                active[row.person as usize] = true;
+            }
+            each(Frame {
+                time: (start + k as f64) / rate,
+                agents: agents.clone(),
+                active: appear.then(|| active.clone()),
+                place: format!("frame {}", first + k * step),
+                ..Frame::default()
+            })?;
+        }
+        Ok(ids.clone())
+    };
+    let about = Trajectories { rate, velocity_frames, oriented, geometry };
+    Ok(Record::new(path, pass)?.of_trajectories(about))
+}
+
+fn gcd(a: i64, b: i64) -> i64 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+fn standing(row: &Row) -> Motion {
+    let pose = Pose { position: row.position, orientation: row.orientation };
+    Motion { pose, twist: Twist::default() }
+}
+
+/// Sets velocities of rows that are sorted by person and frame: of each stretch of frames without a gap, the difference of
+/// the positions so many frames before and after; where one of them is missing, of the position in between and the other.
+fn differentiate(rows: &mut [Row], frames: usize, rate: f64) {
+    let next = |a: &Row, b: &Row| a.person == b.person && b.frame == a.frame + 1;
+    for stretch in rows.chunk_by_mut(next) {
+        for k in 0..stretch.len() {
+            let before = k.checked_sub(frames).unwrap_or(k);
+            let after = if k + frames < stretch.len() { k + frames } else { k };
+            if after > before {
+                let (way, time) =
+                    (stretch[after].position - stretch[before].position, (after - before) as f64 / rate);
+                stretch[k].velocity = way * (1.0 / time);
+            }
+        }
+    }
+}

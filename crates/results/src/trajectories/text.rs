@@ -1,0 +1,126 @@
+//! Texts as `PeTrack` and the data archive of Jülich have them, and as `PedPy` reads them: comments after `#`, among them
+//! the frame rate and the unit; then lines `id frame x y z`.
+
+use super::{Found, Rows, Told, rate_of};
+use crate::error::RecordError;
+use lemons_core::files::input::Bounded;
+use lemons_core::plane::vec2;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+/// \[bytes\] The largest text.
+const LARGEST: u64 = 4_000_000_000;
+/// \[bytes\] The longest line.
+const LONGEST_LINE: u64 = 65_536;
+
+/// What comments say.
+#[derive(Default)]
+struct Said {
+    /// Units in a metre.
+    per_metre: Option<f64>,
+    /// \[1/s\]
+    rate: Option<f64>,
+}
+
+impl Said {
+    /// Takes what a comment says of the frame rate and of the unit.
+    fn take(&mut self, comment: &str) -> Result<(), String> {
+        let comment = comment.to_ascii_lowercase();
+        if let Some((_, rest)) = comment.split_once("framerate") {
+            let rest = rest.trim_start_matches(|c: char| c == ':' || c == '=' || c.is_whitespace());
+            let end =
+                rest.find(|c: char| !matches!(c, '0'..='9' | '.' | 'e' | '-' | '+')).unwrap_or(rest.len());
+            let rate =
+                rest[..end].parse().map_err(|_| format!("framerate: {rest:?} begins with no number"))?;
+            same(&mut self.rate, rate, "frame rates")?;
+        }
+        let words: Vec<&str> =
+            comment.split_whitespace().map(|word| word.trim_matches(['(', ')', ',', ';', '.'])).collect();
+        for (k, word) in words.iter().enumerate() {
+            let after = if k > 0 && words[k - 1] == "in" { Some(*word) } else { None };
+            let bracket = word.strip_prefix("x[").and_then(|word| word.strip_suffix(']'));
+            match word.strip_prefix("x/").or(bracket).or(after) {
+                Some("cm") => same(&mut self.per_metre, 100.0, "units")?,
+                Some("m" | "meters" | "metres") => same(&mut self.per_metre, 1.0, "units")?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+fn same(own: &mut Option<f64>, new: f64, what: &str) -> Result<(), String> {
+    if own.is_some_and(|own| own != new) {
+        return Err(format!("there are two {what}"));
+    }
+    *own = Some(new);
+    Ok(())
+}
+
+pub(super) fn read(path: &Path, file: File, told: &Told) -> Result<Found, RecordError> {
+    let cannot = |error| RecordError::Read { path: path.to_owned(), error };
+    let mut file = BufReader::new(Bounded::new(file, LARGEST));
+    let (mut rows, mut said, mut head) = (Rows::new(path, "line"), Said::default(), None);
+    let mut bytes = Vec::new();
+    for n in 1.. {
+        bytes.clear();
+        if file.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut bytes).map_err(cannot)? == 0 {
+            break;
+        }
+        if bytes.len() as u64 == LONGEST_LINE {
+            return Err(rows.wrong(n, format!("is longer than {LONGEST_LINE} bytes")));
+        }
+        let line = std::str::from_utf8(&bytes).map_err(|_| rows.wrong(n, "is not UTF-8 text"))?;
+        let line = if n == 1 { line.trim_start_matches('\u{feff}') } else { line };
+        let (line, comment) = line.split_once('#').map_or((line, None), |(line, after)| (line, Some(after)));
+        if let (Some(comment), None) = (comment, head) {
+            said.take(comment).map_err(|wrong| rows.wrong(n, wrong))?;
+        }
+        let mut cells = line.split_whitespace();
+        let Some(first) = cells.next() else { continue };
+        let [id, frame, x, y] = match (cells.next(), cells.next(), cells.next()) {
+            (Some(frame), Some(x), Some(y)) => [first, frame, x, y],
+            _ => {
+                let count = line.split_whitespace().count();
+                return Err(rows.wrong(n, format!("has {count} columns: it must have id, frame, x, y")));
+            }
+        };
+        let per_metre = match head {
+            Some(per_metre) => per_metre,
+            None => *head.insert(
+                per_metre_of(&said, told).map_err(|wrong| rows.wrong(n, format!("x = {x}: {wrong}")))?,
+            ),
+        };
+        let whole = |name, text: &str| {
+            // Some programs write all numbers as real ones.
+            let real = || text.parse::<f64>().ok().filter(|value| value.fract() == 0.0 && value.abs() < 2e15);
+            let whole = text.parse().ok().or_else(|| Some(real()? as i64));
+            whole.ok_or_else(|| rows.wrong(n, format!("column {name}: {text:?} is not a whole number")))
+        };
+        let number = |name, text: &str| {
+            let number = text.parse().ok().filter(|value: &f64| value.is_finite());
+            number.ok_or_else(|| rows.wrong(n, format!("column {name}: {text:?} is not a finite number")))
+        };
+        let (id, frame) = (whole("id", id)?, whole("frame", frame)?);
+        let position = vec2(number("x", x)? / per_metre, number("y", y)? / per_metre);
+        rows.add(n, id, frame, position, f64::NAN)?;
+    }
+    let rate = rate_of(path, said.rate, told.rate)?;
+    let (what, rows) = (rows.what, rows.rows);
+    Ok(Found { what, rows, rate, frames: None, oriented: false, geometry: Vec::new() })
+}
+
+/// Returns how many units are a metre.
+fn per_metre_of(said: &Said, told: &Told) -> Result<f64, String> {
+    match (said.per_metre, told.per_metre) {
+        (Some(own), Some(told)) if own != told => {
+            Err("the file says another unit than is told (--unit)".into())
+        }
+        (Some(unit), _) | (None, Some(unit)) => Ok(unit),
+        (None, None) => {
+            Err("no comment before it says the unit of lengths (x/m or x/cm): tell it (--unit m or cm)"
+                .into())
+        }
+    }
+}

@@ -1,0 +1,26 @@
+// Names of kinds of people, in words. A kind of somebody's own keeps its name.
+
+const NAMES: Record<string, string> = {
+    adult: "Adult",
+    backpack: "With a backpack",
+    child: "Child",
+    elderly: "Elderly",
+    "powered-wheelchair": "Powered wheelchair",
+    stroller: "With a stroller",
+    suitcase: "With a suitcase",
+    walker: "With a walker",
+    wheelchair: "Wheelchair",
+    "with-child": "With a child",
+};
+
+/** The kinds of the program, adults first. */
+export const KINDS = Object.keys(NAMES);
+
+export function kindWords(kind: string): string {
+    return NAMES[kind] ?? kind;
+}
+
+/** Whether it is one of somebody's own. */
+export function isOwn(kind: string): boolean {
+    return !(kind in NAMES);
+}

@@ -1,0 +1,63 @@
+// What the colours of a map mean, of which time it is, and its files.
+
+import { useEffect } from "preact/hooks";
+import { type ByPlace, type Kind, NAMES, pointed } from "./byplace";
+import { valueAt } from "./canvas";
+import type { Film } from "./film";
+import { beat, canvas, presents } from "./layout";
+import { Bar, shown } from "./legend";
+import { Check, NumberField, save } from "./parts";
+import { png } from "./picture";
+import { change, embedded, plan, scene } from "./plan";
+import { attempt } from "./session";
+
+interface MapProps {
+    film: Film;
+    places: ByPlace;
+    kind: Kind;
+}
+
+export function MapLegend({ film, places, kind }: MapProps) {
+    if (film.playing.value) beat.value;
+    else film.computed.value;
+    useEffect(() => void places.follow());
+    const there = places.filled.value !== null;
+    const scale = places.scale(kind);
+    return (
+        <section class="legend" aria-label="Map">
+            <span class="scale">
+                {`${NAMES[kind]}: 0`}
+                <Bar scale={scale} />
+                {shown(scale.high, scale.unit)}
+            </span>
+            {!embedded && !presents.value && <Controls film={film} places={places} kind={kind} />}
+            <p class="note" aria-busy={places.busy.value}>
+                {`${places.words()}. ${there ? `Greatest value: ${shown(scale.largest, scale.unit)}` : ""}`}
+            </p>
+            {/* The picture shows it at the mouse. */}
+            <p class="hidden">{pointed.value && valueAt(pointed.value)}</p>
+            {places.refused.value && <p role="alert">{places.refused.value}</p>}
+        </section>
+    );
+}
+
+/** Of which time it is, and its files. */
+function Controls({ film, places, kind }: MapProps) {
+    const [from, to] = plan.value.span;
+    const computed = () => Number(((film.computed.peek() - 1) * film.scene.step).toPrecision(9));
+    const there = places.filled.value !== null;
+    const name = `${scene.value.name}-${NAMES[kind].toLowerCase().replace(" ", "-")}`;
+    return (
+        <>
+            <NumberField label="Map from" short="from" unit="s" value={from ?? 0} min={0} max={to ?? 1e5} step={0.5} onChange={(next) => change({ span: [next || null, to] })} />
+            {to !== null && <NumberField label="Map to" short="to" unit="s" value={to} min={from ?? 0} max={1e5} step={0.5} onChange={(next) => change({ span: [from, next] })} />}
+            <Check label="to what is computed" value={to === null} onChange={(on) => change({ span: [from, on ? null : Math.max(computed(), from ?? 0)] })} />
+            <button type="button" disabled={!there} onClick={() => save(`${name}.csv`, places.csv())}>
+                Map (CSV)
+            </button>
+            <button type="button" disabled={!there} onClick={() => void attempt(async () => save(`${name}.png`, await png(canvas.value!, film)))}>
+                Map (PNG)
+            </button>
+        </>
+    );
+}

@@ -1,0 +1,103 @@
+// Materials and steps of the scene, changed as numbers.
+
+import { frictionOf } from "./forms";
+import type { Film } from "./film";
+import { digits, NumberField } from "./parts";
+import { change, plan } from "./plan";
+import type { Contact, Material2d, Mechanics } from "./protocol";
+import { choose, playsOn } from "./session";
+
+const NOTHING: Mechanics = { time_step: null, time_step_mechanical: null, materials: [], contacts: [] };
+/** In s: longest communication step, shortest mechanical step; largest modulus in N/m, damping in kg/s, friction. The engine
+ * has no such ends. */
+const [LONGEST, SHORTEST, STIFFEST, MOST_DAMPING, MOST_FRICTION] = [10, 1e-9, 1e12, 1e9, 100];
+/** As crates/lab has it, of a crowd. */
+const MOST_OF_CROWD = 2;
+
+function set(part: Partial<Mechanics>) {
+    const next = { ...NOTHING, ...plan.value.made.mechanics, ...part };
+    const none = JSON.stringify(next) === JSON.stringify(NOTHING);
+    choose({ mechanics: none ? undefined : next }, playsOn());
+}
+
+/** The list with this one in place of the one of the same name. */
+function replaced<T>(all: T[], one: T, same: (other: T) => boolean): T[] {
+    return [...all.filter((other) => !same(other)), one];
+}
+
+function setMaterial(next: Material2d) {
+    const all = plan.value.made.mechanics?.materials ?? [];
+    set({ materials: replaced(all, next, ({ id }) => id === next.id) });
+}
+
+function setContact(next: Mechanics["contacts"][number]) {
+    const all = plan.value.made.mechanics?.contacts ?? [];
+    set({ contacts: replaced(all, next, ({ id1, id2 }) => id1 === next.id1 && id2 === next.id2) });
+}
+
+/** Six digits of a bound are enough to read. */
+const short = (bound: number) => Number(bound.toPrecision(6));
+
+export function MechanicsForm({ film: { scene } }: { film: Film }) {
+    const { made } = plan.value;
+    const { step, mechanical_step, stable, longest, advised, error, materials, contacts, warnings } = scene;
+    const coarse = longest !== null && mechanical_step > longest;
+    return (
+        <div class="panel">
+            <NumberField label="Communication step" unit="s" value={step} min={mechanical_step} max={LONGEST} step={0.01} onChange={(time_step) => set({ time_step })} />
+            <NumberField label="Mechanical step" unit="s" value={mechanical_step} min={SHORTEST} max={step} step={1e-5} onChange={(time_step_mechanical) => set({ time_step_mechanical })} />
+            {stable !== null && <p class={coarse ? "warning" : "note"}>{`${coarse ? "The mechanical step is too long. " : ""}Stable up to ${digits(stable, 2)} s, without a warning up to ${digits(longest!, 2)} s, accurate to about ${digits(1000 * error!, 2)} mm.`}</p>}
+            {warnings.length > 0 && (
+                <ul class="notes warning" translate={false}>
+                    {warnings.map((warning) => (
+                        <li key={warning}>{warning}</li>
+                    ))}
+                </ul>
+            )}
+            <div class="buttons">
+                {advised !== null && advised !== mechanical_step && (
+                    <button type="button" onClick={() => set({ time_step_mechanical: advised })}>
+                        {`Take the advised step: ${short(advised)} s`}
+                    </button>
+                )}
+                {made.mechanics && (
+                    <button type="button" onClick={() => choose({ mechanics: undefined }, playsOn())}>
+                        As the scene has them
+                    </button>
+                )}
+            </div>
+            {materials.map((material) => (
+                <fieldset key={material.id} class="fields">
+                    <legend translate={false}>{material.id}</legend>
+                    <NumberField label={`"${material.id}", Young modulus`} short="Young modulus" unit="N/m" value={material.young_modulus} min={1} max={short(4 * material.shear_modulus)} step={1e5} onChange={(young_modulus) => setMaterial({ ...material, young_modulus })} />
+                    <NumberField label={`"${material.id}", shear modulus`} short="shear modulus" unit="N/m" value={material.shear_modulus} min={short(material.young_modulus / 4)} max={STIFFEST} step={1e5} onChange={(shear_modulus) => setMaterial({ ...material, shear_modulus })} />
+                </fieldset>
+            ))}
+            {contacts.map((contact) => (
+                <ContactFields key={`${contact.id1} ${contact.id2}`} contact={contact} />
+            ))}
+        </div>
+    );
+}
+
+function ContactFields({ contact }: { contact: Contact }) {
+    const { crowd, made } = plan.value;
+    const { base } = made;
+    const { id1, id2 } = contact;
+    const name = id1 === id2 ? id1 : `${id1} – ${id2}`;
+    // Of a crowd, its form and the slider have the friction.
+    const ofCrowd = base.kind === "crowd" && [id1, id2].includes(base.material);
+    const damping = (part: Partial<Contact>) => setContact({ ...contact, ...part, kinetic_friction: ofCrowd ? null : (part.kinetic_friction ?? contact.kinetic_friction) });
+    return (
+        <fieldset class="fields">
+            <legend translate={false}>{name}</legend>
+            <NumberField label={`"${name}", normal damping`} short="normal damping" unit="kg/s" value={contact.gamma_normal} min={0} max={MOST_DAMPING} step={100} onChange={(gamma_normal) => damping({ gamma_normal })} />
+            <NumberField label={`"${name}", tangential damping`} short="tangential damping" unit="kg/s" value={contact.gamma_tangential} min={0} max={MOST_DAMPING} step={100} onChange={(gamma_tangential) => damping({ gamma_tangential })} />
+            {ofCrowd ? (
+                <NumberField label={`"${name}", friction`} short="friction" value={frictionOf(crowd)} min={0} max={MOST_OF_CROWD} step={0.05} onChange={(friction) => change({ crowd: { ...crowd, friction } })} />
+            ) : (
+                <NumberField label={`"${name}", friction`} short="friction" value={contact.kinetic_friction} min={0} max={MOST_FRICTION} step={0.05} onChange={(kinetic_friction) => damping({ kinetic_friction })} />
+            )}
+        </fieldset>
+    );
+}

@@ -1,0 +1,189 @@
+"""Kinds of people: the mix of the page is that of `lemons crowd --mix`; shares, links, colours, numbers, three dimensions."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from playwright.sync_api import Page, expect
+from test_languages import english, visit
+from visit import PATIENCE, Picture, becomes, download, fill, held, lemons, link, live, make, plan, rows, tab, wait
+
+FIRST = {"adult": 70, "child": 15, "elderly": 10, "wheelchair": 5}
+KINDS = ["Adult", "With a backpack", "Child", "Elderly", "Powered wheelchair", "With a stroller", "With a suitcase", "With a walker", "Wheelchair", "With a child"]
+
+
+def mixed(page: Page, number: int = 40, width: float = 800, height: float = 600) -> None:
+    """A crowd in a room, sizes in cm, of the kinds that the page begins with."""
+    make(page, number, width, height)
+    page.get_by_label("Children, elderly, luggage, wheelchairs").check()
+    live(page)
+
+
+def share(page: Page, kind: str, percent: float) -> None:
+    fill(page, f"{kind}, %", percent)
+
+
+def shares(page: Page) -> dict[str, float]:
+    return {kind: float(page.get_by_role("spinbutton", name=f"{kind}, %", exact=True).input_value()) for kind in KINDS}
+
+
+def options(mix: dict[str, float]) -> list[str]:
+    return ["--mix", ",".join(f"{kind}={part}" for kind, part in mix.items())]
+
+
+def test_the_mix_of_the_page_is_that_of_the_command(page: Page, tmp_path: Path) -> None:
+    mixed(page)
+    becomes(page, lambda: plan(page)["made"]["base"]["mix"], FIRST)
+    share(page, "With a suitcase", 20)
+    live(page)
+    mix = plan(page)["made"]["base"]["mix"]
+    assert sum(mix.values()) == 100 and mix["suitcase"] == 20
+    trial, people = download(page, "Trial (zip)", tmp_path), download(page, "People (CSV)", tmp_path)
+    theirs, table = tmp_path / "theirs.zip", tmp_path / "theirs.csv"
+    crowd = ["--number", 40, "--box", "8x6", "--seed", 1, "--direction", 0, *options(mix)]
+    lemons("crowd", *crowd, "--speed", 1, "--zip", theirs, "--population", table)
+    for name in ("Agents.xml", "Geometry.xml", "AgentDynamics.xml", "Materials.xml", "Parameters.xml"):
+        assert held(trial)[name] == held(theirs)[name], name
+    assert people.read_text() == table.read_text() and "desired_speed_m_per_s" in table.read_text()
+    # They leave at the speeds of their kinds, as the command says it, and the run is the same.
+    tab(page, "Motion")
+    page.get_by_label("What moves them").select_option(label="All walk to exits and goals")
+    page.get_by_role("button", name="An exit: Write numbers").click()
+    wait(page, lambda: plan(page)["made"]["motion"]["kind"] == "go")
+    expect(page.get_by_text("People of kinds have the desired speed of their kind")).to_be_visible()
+    decision = tomllib.loads(held(download(page, "Trial (zip)", tmp_path))["decision.toml"])
+    lemons("crowd", *crowd, "--door", "8,3,1", "--leave", "--zip", theirs, "--force")
+    wanted = tomllib.loads(held(theirs)["decision.toml"])["agents"]
+    assert len(wanted) == 40 and {id: own["desired_speed"] for id, own in decision["agents"].items()} == {id: own["desired_speed"] for id, own in wanted.items()}
+
+
+def test_shares_stay_at_a_hundred_and_kinds_have_pictures(page: Page) -> None:
+    mixed(page)
+    expect(page.locator(".share svg circle").first).to_be_visible()
+    assert all(picture.locator("circle").count() >= 10 for picture in page.locator(".share svg").all())
+    assert {kind: part for kind, part in shares(page).items() if part} == {"Adult": 70, "Child": 15, "Elderly": 10, "Wheelchair": 5}
+    share(page, "Wheelchair", 24)
+    # The others keep their proportions: 76 % of 95 are 0.8 of each.
+    becomes(page, lambda: {kind: part for kind, part in shares(page).items() if part}, {"Adult": 56, "Child": 12, "Elderly": 8, "Wheelchair": 24})
+    page.get_by_role("slider", name="With a stroller, share").fill("33")
+    becomes(page, lambda: sum(shares(page).values()), 100)
+    assert shares(page)["With a stroller"] == 33
+    for _ in range(3):
+        page.get_by_role("slider", name="Child, share").fill("7")
+        page.get_by_role("slider", name="Adult, share").fill("51")
+        becomes(page, lambda: (sum(shares(page).values()), shares(page)["Adult"]), (100, 51))
+    share(page, "Child", 100)
+    becomes(page, lambda: plan(page)["crowd"]["mix"], {"child": 100})
+    share(page, "Child", 40)
+    becomes(page, lambda: plan(page)["crowd"]["mix"], {"adult": 60, "child": 40})
+    # Round bodies are of adults with nothing.
+    expect(page.get_by_label("Round bodies")).to_have_count(0)
+    page.get_by_label("Children, elderly, luggage, wheelchairs").uncheck()
+    becomes(page, lambda: plan(page)["crowd"]["mix"], {})
+    expect(page.get_by_label("Round bodies")).to_be_visible()
+
+
+def test_too_many_wheelchairs_and_kinds_that_are_none_are_named(page: Page, url: str) -> None:
+    mixed(page, 40, 400, 400)
+    share(page, "Wheelchair", 100)
+    alert = page.get_by_role("alert").filter(has_text="do not fit")
+    expect(alert).to_contain_text(re.compile(r"40 people do not fit on 16\.00 m² without overlap; about (1\d|2\d) of them do"))
+    # The people who could be placed stay.
+    expect(page.get_by_text("The picture shows the people as they could be placed last")).to_be_visible()
+    count = int(alert.inner_text().split("about ")[1].split()[0])
+    fill(page, "People", count - 2)
+    live(page)
+    # What a link says may have any sum; kinds that there are not are named, and do no harm.
+    kept = plan(page)
+    kept["made"]["base"]["mix"] = {"adult": 3, "child": 1}
+    kept["crowd"]["mix"] = {"adult": 3, "child": 1}
+    page.goto("about:blank")
+    page.goto(link(url, kept))
+    tab(page, "Crowd")
+    becomes(page, lambda: (shares(page)["Adult"], shares(page)["Child"]), (75, 25))
+    for mix, said in (({"adult": 3, "elephant": 1}, 'there is no kind "elephant"'), ({"adult": 0}, "more than 0")):
+        kept["made"]["base"]["mix"] = mix
+        page.goto("about:blank")
+        page.goto(link(url, kept))
+        expect(page.get_by_role("alert")).to_contain_text(said)
+    for mix in ({"adult": -1}, {"adult": "many"}, [1], "adult"):
+        kept["made"]["base"]["mix"] = mix
+        page.goto("about:blank")
+        page.goto(link(url, kept))
+        expect(page.get_by_text("Left out: the scene")).to_be_visible()
+    page.wait_for_selector("canvas")
+
+
+def test_kinds_have_colours_and_the_inspector_says_what_goes_along(page: Page, tmp_path: Path) -> None:
+    mixed(page)
+    page.get_by_label("Colour", exact=True).select_option(label="Kind")
+    people = rows(download(page, "People (CSV)", tmp_path))
+    trial = download(page, "Trial (zip)", tmp_path)
+    legend = page.locator(".legend")
+    for kind, name in (("adult", "Adult"), ("child", "Child"), ("wheelchair", "Wheelchair")):
+        count = sum(row["type"] == kind for row in people)
+        expect(legend.get_by_role("listitem").filter(has_text=re.compile(rf"^{name} \({count}\)$"))).to_be_visible()
+    expect(legend.get_by_text("Frames")).to_be_visible()
+    # On the picture each has the colour of the legend: a wheelchair is grey, and who sits there is coloured.
+    lemons("check", trial)
+    chair = next(row for row in people if row["type"] == "wheelchair")
+    page.get_by_role("combobox", name="Person", exact=True).select_option(label=chair["id"])
+    numbers = page.get_by_role("region", name="Numbers")
+    for row in ("Kind Wheelchair", "With wheelchair (frame)", f"Mass {float(chair['mass_of_all_kg']):.3g} kg", f"Mass of the person {float(chair['mass_kg']):.3g} kg", f"Desired speed {float(chair['desired_speed_m_per_s']):.2f} m/s"):
+        expect(numbers.get_by_role("row", name=row, exact=True)).to_be_visible()
+    # The picture as a file has the same legend.
+    svg = download(page, "Picture (SVG)", tmp_path).read_text()
+    assert all(f">{kind}<" in svg for kind in ("adult", "child", "elderly", "wheelchair"))
+    # Colours of kinds are kept with the scene; where there are none, people have the usual colours.
+    page.reload()
+    expect(page.get_by_label("Colour", exact=True)).to_have_value("kind")
+    tab(page, "Crowd")
+    page.get_by_label("Children, elderly, luggage, wheelchairs").uncheck()
+    live(page)
+    expect(page.get_by_label("Colour", exact=True)).to_have_value("squeeze")
+
+
+def grey(page: Page, path: Path) -> float:
+    """Share of pixels of the canvas that have the hue of frames, in any light."""
+    page.locator("canvas").first.screenshot(path=path)
+    red, green, blue = np.asarray(Image.open(path).convert("RGB")).astype(float).transpose(2, 0, 1)
+    like = (abs(red / np.maximum(blue, 1) - 125 / 148) < 0.05) & (abs(green / np.maximum(blue, 1) - 135 / 148) < 0.05) & (blue > 60) & (blue < 200)
+    return float(like.mean())
+
+
+def test_wheelchairs_are_there_in_three_dimensions_also_of_an_opened_trial(page: Page, tmp_path: Path) -> None:
+    make(page, 12, 500, 500)
+    tab(page, "Crowd")
+    page.get_by_label("View").select_option(label="3D")
+    page.wait_for_timeout(1500)
+    before = grey(page, tmp_path / "adults.png")
+    page.get_by_label("Children, elderly, luggage, wheelchairs").check()
+    share(page, "Wheelchair", 50)
+    live(page)
+    wait(page, lambda: grey(page, tmp_path / "chairs.png") > before + 0.005)
+    mesh = download(page, "Bodies (OBJ)", tmp_path).read_text()
+    assert "_wheelchair_0\n" in mesh and "_trunk\n" in mesh
+    trial = download(page, "Trial (zip)", tmp_path)
+    tab(page, "Start")
+    page.set_input_files("input[type=file]", trial)
+    page.wait_for_timeout(1000)
+    wait(page, lambda: grey(page, tmp_path / "opened.png") > before + 0.005)
+
+
+@pytest.mark.parametrize(("locale", "chair"), [("de-AT", "Rollstuhl"), ("fr-CA", "Fauteuil roulant")])
+def test_kinds_have_names_in_the_language_of_the_page(browser, url: str, locale: str, chair: str) -> None:  # type: ignore[no-untyped-def]
+    page = visit(browser, url, locale)
+    page.locator("header nav button").nth(2).click()
+    page.locator(".mix input[type=checkbox]").check()
+    becomes(page, lambda: plan(page)["made"]["base"].get("mix"), FIRST)
+    expect(page.locator(".share .name", has_text=re.compile(rf"^{chair}$"))).to_be_visible()
+    page.locator(".legend select").first.select_option("kind")
+    expect(page.locator(".legend li", has_text=chair)).to_be_visible()
+    page.locator(".numbers select").first.select_option("0")
+    page.locator("header nav button").nth(3).click()
+    page.wait_for_timeout(500)
+    assert english(page) == []
+    page.context.close()

@@ -1,0 +1,108 @@
+"""Materials and steps changed in the page, as the Trial and the command have them."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+from visit import becomes, download, example, fill, held, lemons, link, make, plan, play_until, same_table, tab, wait
+
+
+def details(page: Page) -> None:
+    page.get_by_text("Materials and steps").click()
+
+
+def attributes(trial: Path, file: str, element: str) -> list[dict[str, str]]:
+    return [found.attrib for found in ElementTree.fromstring(held(trial)[file]).iter(element)]
+
+
+def test_changed_materials_and_steps_run_as_the_command_runs_them(page: Page, url: str, tmp_path: Path) -> None:
+    (tmp_path / "before").mkdir()
+    before = download(page, "Trial (zip)", tmp_path / "before")
+    old = held(before)
+    details(page)
+    fill(page, '"human_naked", Young modulus', 2e6)
+    fill(page, '"human_naked", shear modulus', 9e5)
+    fill(page, '"human_naked", normal damping', 900)
+    fill(page, '"human_naked", friction', 0.1)
+    fill(page, "Mechanical step", 5e-5)
+    fill(page, "Communication step", 0.02)
+    becomes(page, lambda: plan(page)["made"].get("mechanics", {}).get("time_step"), 0.02)
+    play_until(page, 3)
+    shown = download(page, "Trajectories (CSV)", tmp_path)
+    trial = download(page, "Trial (zip)", tmp_path)
+    material = next(one for one in attributes(trial, "Materials.xml", "Material") if one["Id"] == "human_naked")
+    assert (float(material["YoungModulus"]), float(material["ShearModulus"])) == (2e6, 9e5)
+    contact = next(one for one in attributes(trial, "Materials.xml", "Contact") if {one["Id1"], one["Id2"]} == {"human_naked"})
+    assert [float(contact[key]) for key in ("GammaNormal", "KineticFriction")] == [900, 0.1]
+    (times,) = attributes(trial, "Parameters.xml", "Times")
+    assert [float(times[key]) for key in ("TimeStep", "TimeStepMechanical")] == [0.02, 5e-5]
+    lemons("run", trial, "--until", "3", "-o", tmp_path / "run.csv")
+    same_table(shown, tmp_path / "run.csv")
+    lemons("run", before, "--until", "3", "-o", tmp_path / "before.csv")
+    assert (tmp_path / "before.csv").read_text() != (tmp_path / "run.csv").read_text()
+    # A link has them; Undo takes one step back, and the button all of them.
+    mechanics = plan(page)["made"]["mechanics"]
+    other = page.context.new_page()
+    other.goto(link(url, {"name": "Soft", **{key: plan(page)[key] for key in ("made", "crowd")}}))
+    other.wait_for_selector("canvas")
+    details(other)
+    expect(other.get_by_role("spinbutton", name='"human_naked", Young modulus')).to_have_value("2000000")
+    assert plan(other)["made"]["mechanics"] == mechanics
+    other.close()
+    page.get_by_role("button", name="Undo").click()
+    expect(page.get_by_role("spinbutton", name="Communication step")).to_have_value("0.05")
+    page.get_by_role("button", name="As the scene has them").click()
+    expect(page.get_by_role("spinbutton", name='"human_naked", Young modulus')).to_have_value("4000000")
+    assert held(download(page, "Trial (zip)", tmp_path)) == old
+
+
+def test_bounds_are_said_and_the_engine_s_advice_is_taken(page: Page, tmp_path: Path) -> None:
+    details(page)
+    for label, value, words in (
+        ("Mechanical step", 0.06, "Mechanical step: 1e-9 to 0.05 s"),
+        ("Communication step", 1e-6, "Communication step: 0.000002 to 10 s"),
+        ('"human_naked", Young modulus', 6e6, '"human_naked", Young modulus: 1 to 5517240 N/m'),
+        ('"human_naked", shear modulus', 1, '"human_naked", shear modulus: 1000000 to 1000000000000 N/m'),
+        ('"human_naked", normal damping', -1, '"human_naked", normal damping: 0 to 1000000000 kg/s'),
+    ):
+        fill(page, label, value)
+        expect(page.get_by_role("alert").filter(has_text=words)).to_be_visible()
+    assert "mechanics" not in plan(page)["made"]
+    fill(page, "Mechanical step", 0.005)
+    numbers = page.get_by_role("region", name="Numbers")
+    expect(numbers.get_by_text("The mechanical step is too long. Stable up to")).to_be_visible()
+    expect(numbers.get_by_text("is unstable, so collisions create energy")).to_be_visible()
+    said = lemons("check", download(page, "Trial (zip)", tmp_path))
+    assert "is unstable, so collisions create energy" in said
+    limit = re.search(r"A step of at most ([\d.e-]+) s", said)
+    assert limit
+    button = page.get_by_role("button", name="Take the advised step")
+    assert float(button.inner_text().split()[-2]) == float(limit[1])
+    button.click()
+    wait(page, lambda: plan(page)["made"]["mechanics"]["time_step_mechanical"] == pytest.approx(float(limit[1])))
+    expect(button).to_have_count(0)
+    assert "unstable" not in lemons("check", download(page, "Trial (zip)", tmp_path))
+
+
+def test_a_crowd_has_one_friction_and_keeps_its_materials(page: Page, tmp_path: Path) -> None:
+    example(page, "The door", 70)
+    page.get_by_role("button", name="Pause").click()
+    details(page)
+    fill(page, '"human_naked", friction', 0.2)
+    expect(page.get_by_role("slider", name="Friction")).to_have_value("0.2")
+    expect(page.get_by_role("spinbutton", name='"concrete – human_naked", friction')).to_have_value("0.2")
+    fill(page, '"human_naked", shear modulus', 1.2e6)
+    wait(page, lambda: "mechanics" in plan(page)["made"])
+    page.get_by_role("slider", name="Friction").fill("0.3")
+    becomes(page, lambda: plan(page)["made"]["base"]["friction"], 0.3)
+    trial = download(page, "Trial (zip)", tmp_path)
+    assert 1.2e6 in {float(one["ShearModulus"]) for one in attributes(trial, "Materials.xml", "Material")}
+    frictions = {float(one["KineticFriction"]) for one in attributes(trial, "Materials.xml", "Contact") if "human_naked" in one.values()}
+    assert frictions == {0.3}
+    # People of another material have its numbers.
+    tab(page, "Crowd")
+    page.get_by_label("Material").select_option(label="Clothes")
+    expect(page.get_by_text("Not there any more: changed materials and steps.")).to_be_visible()
+    assert "mechanics" not in plan(page)["made"]
