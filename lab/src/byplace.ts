@@ -34,6 +34,7 @@ export class ByPlace {
     readonly busy = signal(false);
     /** What a map that can go on was made of, and the frame that is next. */
     #of = "";
+    #wanted: Plan["span"] = [null, null];
     #next = 0;
     #asking = false;
     #image: { of: Float64Array; canvas: HTMLCanvasElement } | null = null;
@@ -47,7 +48,7 @@ export class ByPlace {
     /** Frames that are wanted and there; those of squeeze have steps before them. */
     #span(): [number, number] {
         const { step } = this.film.scene;
-        const [from, to] = plan.peek().span;
+        const [from, to] = this.#wanted;
         const first = Math.max(this.quantity === "density" ? 0 : 1, Math.ceil((from ?? 0) / step - 1e-6));
         const last = Math.min(this.film.frames.count - 1, to === null ? Infinity : Math.floor(to / step + 1e-6));
         return [first, last];
@@ -61,14 +62,15 @@ export class ByPlace {
     }
 
     /** Adds frames that came since; begins anew if another time is wanted. */
-    async follow() {
+    async follow(span: Plan["span"]) {
+        this.#wanted = span;
         if (this.#asking || this.refused.peek()) return;
         this.#asking = true;
         try {
             while (!this.film.over) {
                 const [first, last] = this.#span();
                 const stride = this.#stride(first, last);
-                const of = `${first} ${plan.peek().span[1]} ${stride} ${this.quantity === "squeeze" ? averaged(this.film) : ""}`;
+                const of = `${first} ${this.#wanted[1]} ${stride} ${this.quantity === "squeeze" ? averaged(this.film) : ""}`;
                 const fresh = of !== this.#of;
                 if (last < first) {
                     this.filled.value = null;

@@ -35,6 +35,14 @@ function setContact(next: Mechanics["contacts"][number]) {
     set({ contacts: replaced(all, next, ({ id1, id2 }) => id1 === next.id1 && id2 === next.id2) });
 }
 
+/** What is changed, in words: Young and shear modulus of materials, normal and tangential damping of pairs. */
+export function moduli({ materials }: Mechanics): string[] {
+    return materials.map(({ id, young_modulus, shear_modulus }) => `"${id}": ${young_modulus} and ${shear_modulus} N/m`);
+}
+export function dampings({ contacts }: Mechanics): string[] {
+    return contacts.map(({ id1, id2, gamma_normal, gamma_tangential, kinetic_friction: friction }) => `"${id1} – ${id2}": ${gamma_normal} and ${gamma_tangential} kg/s${friction === null ? "" : `, friction ${friction}`}`);
+}
+
 /** Six digits of a bound are enough to read. */
 const short = (bound: number) => Number(bound.toPrecision(6));
 

@@ -843,6 +843,7 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["Young and shear", "Elastizität und Schub", "Young et cisaillement"],
     ["Changed damping", "Geänderte Dämpfung", "Amortissement changé"],
     ["normal and tangential", "normal und tangential", "normal et tangentiel"],
+    ["steps of # s", "Schritte von # s", "pas de # s"],
     ["# and # N/m", "# und # N/m", "# et # N/m"],
     ["# and # kg/s", "# und # kg/s", "# et # kg/s"],
     ["Changes by hand", "Änderungen von Hand", "Changements à la main"],
