@@ -143,7 +143,7 @@ export class ByPlace {
         const time = (k: number) => Number((k * this.film.scene.step).toPrecision(6));
         const every = stride > 1 ? `, one of ${stride}` : "";
         const squeeze = this.quantity === "squeeze" ? `. Squeeze: ${meanWords(this.film)}` : "";
-        return `${frames} frames from ${time(first)} to ${time(last)} s${every}${squeeze}`;
+        return `${frames} ${frames === 1 ? "frame" : "frames"} from ${time(first)} to ${time(last)} s${every}${squeeze}`;
     }
 
     #painted(kind: Kind): HTMLCanvasElement | null {

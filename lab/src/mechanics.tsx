@@ -56,9 +56,11 @@ export function MechanicsForm({ film: { scene } }: { film: Film }) {
             <NumberField label="Mechanical step" unit="s" value={mechanical_step} min={SHORTEST} max={step} step={1e-5} onChange={(time_step_mechanical) => set({ time_step_mechanical })} />
             {stable !== null && <p class={coarse ? "warning" : "note"}>{`${coarse ? "The mechanical step is too long. " : ""}Stable up to ${digits(stable, 2)} s, without a warning up to ${digits(longest!, 2)} s, accurate to about ${digits(1000 * error!, 2)} mm.`}</p>}
             {warnings.length > 0 && (
-                <ul class="notes warning" translate={false}>
+                <ul class="notes warning">
                     {warnings.map((warning) => (
-                        <li key={warning}>{warning}</li>
+                        <li key={warning} translate={false}>
+                            {warning}
+                        </li>
                     ))}
                 </ul>
             )}

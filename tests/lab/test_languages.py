@@ -85,10 +85,11 @@ def test_every_tab_is_in_the_language_of_the_browser(browser: Browser, url: str,
     tabs.nth(5).click()
     with page.expect_download():
         page.locator(".take button").filter(has_text="PNG").click()
+    page.locator(".transport button").nth(3).click()
     # A map, and a mechanical step that is too long.
     for kind in ("mean", "density"):
         page.locator(".legend").first.locator("select").nth(1).select_option(kind)
-        expect(page.locator(".legend .note").first).to_have_text(re.compile(r"\d (Bilder von|images de) 0"))
+        expect(page.locator(".legend .note").first).to_have_text(re.compile(r"^\d (Bild|Bilder|image|images) (von|de) 0"))
     step = page.locator(".numbers .panel input").nth(1)
     step.fill("0.009")
     step.press("Tab")
