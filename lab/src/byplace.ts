@@ -14,6 +14,9 @@ const AT_ONCE = { density: 2000, squeeze: 50_000 };
 /** Places of people in a map of the density: with more, it has only every second frame, or every fourth, … */
 const MOST = 200_000;
 
+/** Colours of a map, besides the first one. */
+const SHADES = 128;
+
 export type Kind = Exclude<Plan["map"], "none">;
 
 interface Filled {
@@ -37,6 +40,8 @@ export class ByPlace {
     #wanted: Plan["span"] = [null, null];
     #next = 0;
     #asking = false;
+    /** The greatest number of these. */
+    #largest: { of: Float64Array; value: number } = { of: new Float64Array(), value: 0 };
     #image: { of: Float64Array; canvas: HTMLCanvasElement } | null = null;
 
     constructor(
@@ -121,7 +126,9 @@ export class ByPlace {
     }
 
     scale(kind: Kind): Scale {
-        const largest = this.numbers(kind).reduce((one, other) => (other > one ? other : one), 0);
+        const numbers = this.numbers(kind);
+        if (this.#largest.of !== numbers) this.#largest = { of: numbers, value: numbers.reduce((one, other) => (other > one ? other : one), 0) };
+        const largest = this.#largest.value;
         const density = kind === "density";
         return { label: NAMES[kind], unit: density ? "per m²" : "N", low: 0, high: round(largest || 1), largest, ramp: density ? VIRIDIS : FROM_GREY.light };
     }
@@ -157,16 +164,17 @@ export class ByPlace {
         const context = canvas.getContext("2d")!;
         const image = context.createImageData(columns, rows);
         const scale = this.scale(kind);
-        const known = new Map<string, number[]>();
-        values.forEach((value, k) => {
-            if (Number.isNaN(value)) return;
-            const { fill } = shade(scale, value);
-            const parts = known.get(fill) ?? fill.match(/\d+/g)!.map(Number);
-            known.set(fill, parts);
+        const ink = (share: number) => [...shade(scale, share * scale.high).fill.match(/\d+/g)!.map(Number), 255];
+        const inks = Array.from({ length: SHADES + 1 }, (_, k) => ink(k / SHADES));
+        const pixels = image.data;
+        for (let k = 0; k < values.length; k++) {
+            const value = values[k]!;
+            if (Number.isNaN(value)) continue;
+            const parts = inks[Math.round((value / scale.high) * SHADES)]!;
             // The first row of an image is the upper one.
             const at = 4 * ((rows - 1 - Math.floor(k / columns)) * columns + (k % columns));
-            image.data.set([...parts, 255], at);
-        });
+            for (let part = 0; part < 4; part++) pixels[at + part] = parts[part]!;
+        }
         context.putImageData(image, 0, 0);
         this.#image = { of: values, canvas };
         return canvas;
