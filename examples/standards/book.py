@@ -168,7 +168,10 @@ def draw_ring(panel, numbers, plt):
 
 def draw_counterflow(panel, numbers, plt):
     panel.plot(numbers["oncoming"], numbers["times"], "o-", color="#CC79A7", linewidth=0.8)
-    panel.set(xlabel="people who come against", ylabel="the last of 100 is through / s", ylim=(0, None))
+    for against, time in zip(numbers["oncoming"], numbers["times"]):
+        if time != time:
+            panel.text(against, 20, "stuck", ha="center")
+    panel.set(xlabel="people who come against", ylabel="the last of 100 is through / s", xlim=(-5, 108), ylim=(0, None))
 
 
 def draw_large_corner(panel, numbers, plt):

@@ -114,7 +114,7 @@ def premovement(work, distribution, given=False, seeds=10):
         make(trial, room(8, 5, 1, 2.5), 10, (0, 0, 8, 5), seed)
         exits = {"door": ((9, 1), (9, 4))}
         if given:
-            asked = continuous.rvs(10, random_state=seed)
+            asked = continuous.rvs(10, random_state=seed).round(3)
             plan(trial, exits, [f"start = {time:.3f}" for time in asked])
         else:
             plan(trial, exits, start=text, seed=seed)
@@ -133,7 +133,7 @@ def premovement(work, distribution, given=False, seeds=10):
         "moved": int(np.isfinite(started).sum()),
         "first": started.min(),
         "last": started.max(),
-        "earliest": np.nanmin(late),
+        "earliest": round(np.nanmin(late), 6) + 0.0,
         "latest": np.nanmax(late),
         "p": stats.kstest(started, continuous.cdf).pvalue,
     }
