@@ -130,6 +130,19 @@ def test_the_walls_of_an_opened_trial_are_changed_with_the_mouse(page: Page, tmp
     assert held(download(page, "Trial (zip)", tmp_path)) == before
 
 
+def test_an_opened_trial_has_its_own_steps_whatever_was_changed_before(page: Page, url: str, tmp_path: Path) -> None:
+    trial = download(page, "Trial (zip)", tmp_path)
+    mechanics = {"time_step": 0.1, "time_step_mechanical": None, "materials": [], "contacts": []}
+    made = {"base": {"kind": "example", "name": "push"}, "edits": [], "motion": {"kind": "own"}, "mechanics": mechanics}
+    page.goto(link(url, {"name": "changed", "made": made}))
+    becomes(page, lambda: plan(page)["made"].get("mechanics"), mechanics)
+    tab(page, "Start")
+    page.get_by_label("Open a zip").set_input_files(trial)
+    expect(page.get_by_text(f'"{trial.name}": 5 people')).to_be_visible()
+    assert "mechanics" not in plan(page)["made"]
+    assert held(download(page, "Trial (zip)", tmp_path)) == held(trial)
+
+
 def test_who_is_in_a_wall_is_told_and_a_wall_on_an_exit_is_refused(page: Page, tmp_path: Path) -> None:
     tab(page, "Room")
     page.get_by_label("What is changed").select_option(label="The walls of this Trial")
