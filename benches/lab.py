@@ -47,7 +47,7 @@ def scene(people: int) -> dict[str, object]:
         "room": {"outline": [[0, 0], [side, 0], [side, side], [0, side]], "obstacles": [], "doors": [{"at": [side, side / 2], "width": 3}]},
     }  # fmt: skip
     exit_ = {"name": "door", "line": [[side + 1, side / 2 - 2.5], [side + 1, side / 2 + 2.5]], "polygon": None, "share": None}
-    wishes = {"model": "rotational", "rotational": None, "balance": "none", "push": None, "desired_speed": 1.34, "seed": 1, "exits": [exit_], "goals": [], "agents": {}}
+    wishes: dict[str, object] = {"model": "rotational", "rotational": None, "balance": "none", "push": None, "desired_speed": 1.34, "seed": 1, "exits": [exit_], "goals": [], "agents": {}}
     made = {"base": {"kind": "crowd", **crowd}, "edits": [], "motion": {"kind": "go", "wishes": wishes}}
     return {"name": f"{people} people", "made": made, "crowd": crowd}
 

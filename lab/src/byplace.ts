@@ -14,6 +14,9 @@ const AT_ONCE = { density: 2000, squeeze: 50_000 };
 /** Places of people in a map of the density: with more, it has only every second frame, or every fourth, … */
 const MOST = 200_000;
 
+/** Colours of a map, besides the first one. */
+const SHADES = 128;
+
 export type Kind = Exclude<Plan["map"], "none">;
 
 interface Filled {
@@ -34,8 +37,11 @@ export class ByPlace {
     readonly busy = signal(false);
     /** What a map that can go on was made of, and the frame that is next. */
     #of = "";
+    #wanted: Plan["span"] = [null, null];
     #next = 0;
     #asking = false;
+    /** The greatest number of these. */
+    #largest: { of: Float64Array; value: number } = { of: new Float64Array(), value: 0 };
     #image: { of: Float64Array; canvas: HTMLCanvasElement } | null = null;
 
     constructor(
@@ -47,7 +53,7 @@ export class ByPlace {
     /** Frames that are wanted and there; those of squeeze have steps before them. */
     #span(): [number, number] {
         const { step } = this.film.scene;
-        const [from, to] = plan.peek().span;
+        const [from, to] = this.#wanted;
         const first = Math.max(this.quantity === "density" ? 0 : 1, Math.ceil((from ?? 0) / step - 1e-6));
         const last = Math.min(this.film.frames.count - 1, to === null ? Infinity : Math.floor(to / step + 1e-6));
         return [first, last];
@@ -61,14 +67,15 @@ export class ByPlace {
     }
 
     /** Adds frames that came since; begins anew if another time is wanted. */
-    async follow() {
+    async follow(span: Plan["span"]) {
+        this.#wanted = span;
         if (this.#asking || this.refused.peek()) return;
         this.#asking = true;
         try {
             while (!this.film.over) {
                 const [first, last] = this.#span();
                 const stride = this.#stride(first, last);
-                const of = `${first} ${plan.peek().span[1]} ${stride} ${this.quantity === "squeeze" ? averaged(this.film) : ""}`;
+                const of = `${first} ${this.#wanted[1]} ${stride} ${this.quantity === "squeeze" ? averaged(this.film) : ""}`;
                 const fresh = of !== this.#of;
                 if (last < first) {
                     this.filled.value = null;
@@ -119,7 +126,9 @@ export class ByPlace {
     }
 
     scale(kind: Kind): Scale {
-        const largest = this.numbers(kind).reduce((one, other) => (other > one ? other : one), 0);
+        const numbers = this.numbers(kind);
+        if (this.#largest.of !== numbers) this.#largest = { of: numbers, value: numbers.reduce((one, other) => (other > one ? other : one), 0) };
+        const largest = this.#largest.value;
         const density = kind === "density";
         return { label: NAMES[kind], unit: density ? "per m²" : "N", low: 0, high: round(largest || 1), largest, ramp: density ? VIRIDIS : FROM_GREY.light };
     }
@@ -141,7 +150,7 @@ export class ByPlace {
         const time = (k: number) => Number((k * this.film.scene.step).toPrecision(6));
         const every = stride > 1 ? `, one of ${stride}` : "";
         const squeeze = this.quantity === "squeeze" ? `. Squeeze: ${meanWords(this.film)}` : "";
-        return `${frames} frames from ${time(first)} to ${time(last)} s${every}${squeeze}`;
+        return `${frames} ${frames === 1 ? "frame" : "frames"} from ${time(first)} to ${time(last)} s${every}${squeeze}`;
     }
 
     #painted(kind: Kind): HTMLCanvasElement | null {
@@ -155,16 +164,17 @@ export class ByPlace {
         const context = canvas.getContext("2d")!;
         const image = context.createImageData(columns, rows);
         const scale = this.scale(kind);
-        const known = new Map<string, number[]>();
-        values.forEach((value, k) => {
-            if (Number.isNaN(value)) return;
-            const { fill } = shade(scale, value);
-            const parts = known.get(fill) ?? fill.match(/\d+/g)!.map(Number);
-            known.set(fill, parts);
+        const ink = (share: number) => [...shade(scale, share * scale.high).fill.match(/\d+/g)!.map(Number), 255];
+        const inks = Array.from({ length: SHADES + 1 }, (_, k) => ink(k / SHADES));
+        const pixels = image.data;
+        for (let k = 0; k < values.length; k++) {
+            const value = values[k]!;
+            if (Number.isNaN(value)) continue;
+            const parts = inks[Math.round((value / scale.high) * SHADES)]!;
             // The first row of an image is the upper one.
             const at = 4 * ((rows - 1 - Math.floor(k / columns)) * columns + (k % columns));
-            image.data.set([...parts, 255], at);
-        });
+            for (let part = 0; part < 4; part++) pixels[at + part] = parts[part]!;
+        }
         context.putImageData(image, 0, 0);
         this.#image = { of: values, canvas };
         return canvas;

@@ -8,6 +8,7 @@ import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
 import { beat } from "./layout";
+import { dampings, moduli } from "./mechanics";
 import { digits } from "./parts";
 import { plan, scene } from "./plan";
 import { film } from "./session";
@@ -26,6 +27,7 @@ effect(() => {
 /** The scene on the stage in a few words each. */
 function facts(): string[] {
     const { crowd, made } = plan.value;
+    const { mechanics } = made;
     const parts = [`"${scene.value.name}"`];
     if (made.base.kind === "crowd") {
         parts.push(crowd.number === null ? `${crowd.density} people per m²` : `${crowd.number} people`);
@@ -33,6 +35,8 @@ function facts(): string[] {
         parts.push(`friction ${frictionOf(crowd)}`, crowd.round ? "round bodies" : "real bodies");
         if (crowd.men !== 0.5) parts.push(`${Math.round(100 * crowd.men)} % men`);
     }
+    if (mechanics) parts.push(...moduli(mechanics), ...dampings(mechanics));
+    if (mechanics?.time_step_mechanical) parts.push(`steps of ${mechanics.time_step_mechanical} s`);
     if (made.motion.kind === "go") parts.push(`${made.motion.wishes.desired_speed} m/s`, made.motion.wishes.model);
     if (made.motion.kind === "push" && made.motion.pushes[0]) parts.push(`${made.motion.pushes[0].force} N`);
     return parts;

@@ -20,7 +20,8 @@ interface MapProps {
 export function MapLegend({ film, places, kind }: MapProps) {
     if (film.playing.value) beat.value;
     else film.computed.value;
-    useEffect(() => void places.follow());
+    const { span } = plan.value;
+    useEffect(() => void places.follow(span));
     const there = places.filled.value !== null;
     const scale = places.scale(kind);
     return (

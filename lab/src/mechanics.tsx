@@ -35,6 +35,14 @@ function setContact(next: Mechanics["contacts"][number]) {
     set({ contacts: replaced(all, next, ({ id1, id2 }) => id1 === next.id1 && id2 === next.id2) });
 }
 
+/** What is changed, in words: Young and shear modulus of materials, normal and tangential damping of pairs. */
+export function moduli({ materials }: Mechanics): string[] {
+    return materials.map(({ id, young_modulus, shear_modulus }) => `"${id}": ${young_modulus} and ${shear_modulus} N/m`);
+}
+export function dampings({ contacts }: Mechanics): string[] {
+    return contacts.map(({ id1, id2, gamma_normal, gamma_tangential, kinetic_friction: friction }) => `"${id1} – ${id2}": ${gamma_normal} and ${gamma_tangential} kg/s${friction === null ? "" : `, friction ${friction}`}`);
+}
+
 /** Six digits of a bound are enough to read. */
 const short = (bound: number) => Number(bound.toPrecision(6));
 
@@ -48,9 +56,11 @@ export function MechanicsForm({ film: { scene } }: { film: Film }) {
             <NumberField label="Mechanical step" unit="s" value={mechanical_step} min={SHORTEST} max={step} step={1e-5} onChange={(time_step_mechanical) => set({ time_step_mechanical })} />
             {stable !== null && <p class={coarse ? "warning" : "note"}>{`${coarse ? "The mechanical step is too long. " : ""}Stable up to ${digits(stable, 2)} s, without a warning up to ${digits(longest!, 2)} s, accurate to about ${digits(1000 * error!, 2)} mm.`}</p>}
             {warnings.length > 0 && (
-                <ul class="notes warning" translate={false}>
+                <ul class="notes warning">
                     {warnings.map((warning) => (
-                        <li key={warning}>{warning}</li>
+                        <li key={warning} translate={false}>
+                            {warning}
+                        </li>
                     ))}
                 </ul>
             )}

@@ -8,6 +8,7 @@ import type { Film } from "./film";
 import { frictionOf } from "./forms";
 import { canvas } from "./layout";
 import { Squeeze } from "./legend";
+import { dampings, moduli } from "./mechanics";
 import { brief, digits, Facts, length, named } from "./parts";
 import { png } from "./picture";
 import { link, plan, scene } from "./plan";
@@ -74,10 +75,8 @@ function assumptions({ scene: shown }: Film): [string, string][] {
     if (motion.kind === "walk") rows.push(["They walk", `on ${motion.ways.length} ways, ${motion.speed} m/s`]);
     if (motion.kind === "push") rows.push(["Pushes", motion.pushes.map(({ force, duration }) => `${force} N over ${duration} s`).join("; ")]);
     if (mechanics) {
-        const materials = mechanics.materials.map(({ id, young_modulus, shear_modulus }) => `"${id}": ${young_modulus} and ${shear_modulus} N/m`);
-        const contacts = mechanics.contacts.map(({ id1, id2, gamma_normal, gamma_tangential, kinetic_friction }) => `"${id1} – ${id2}": ${gamma_normal} and ${gamma_tangential} kg/s${kinetic_friction === null ? "" : `, friction ${kinetic_friction}`}`);
-        if (materials.length > 0) rows.push(["Changed moduli, Young and shear", materials.join("; ")]);
-        if (contacts.length > 0) rows.push(["Changed damping, normal and tangential", contacts.join("; ")]);
+        if (mechanics.materials.length > 0) rows.push(["Changed moduli, Young and shear", moduli(mechanics).join("; ")]);
+        if (mechanics.contacts.length > 0) rows.push(["Changed damping, normal and tangential", dampings(mechanics).join("; ")]);
     }
     rows.push(["Steps", `communication ${shown.step} s, mechanical ${shown.mechanical_step} s`]);
     return rows;

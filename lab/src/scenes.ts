@@ -97,7 +97,8 @@ function sameRest(one: string, other: string) {
 export function open(called: string, part: Parameters<typeof choose>[0], playing: boolean, crowd = plan.value.crowd, own = false) {
     batch(() => {
         replace(null, { name: called.slice(0, NAME), past: [], future: [], plan: { line: null, area: null, map: "none", span: [null, null], backdrop: null } });
-        choose(part, playing, crowd, "", false);
+        // Materials and steps that were changed are those of the scene before.
+        choose({ mechanics: undefined, ...part }, playing, crowd, "", false);
         if (own) ofFile = opened.value;
     });
 }

@@ -129,9 +129,9 @@ function LeftOut({ of: { parameter, runs } }: { of: Sweep }) {
     return (
         <details>
             <summary>{`Not all changes by hand fit in ${some.length} of ${runs.length} runs`}</summary>
-            <ul class="notes" translate={false}>
+            <ul class="notes">
                 {some.slice(0, MOST_LISTED).map(({ value, seed, leftOut }) => (
-                    <li key={`${value} ${seed}`}>{`${parameter.label} ${value}, seed ${seed}: ${leftOut.join("; ")}`}</li>
+                    <li key={`${value} ${seed}`} translate={false}>{`${parameter.label} ${value}, seed ${seed}: ${leftOut.join("; ")}`}</li>
                 ))}
                 {some.length > MOST_LISTED && <li>…</li>}
             </ul>

@@ -85,6 +85,15 @@ def test_every_tab_is_in_the_language_of_the_browser(browser: Browser, url: str,
     tabs.nth(5).click()
     with page.expect_download():
         page.locator(".take button").filter(has_text="PNG").click()
+    page.locator(".transport button").nth(3).click()
+    # A map, and a mechanical step that is too long.
+    for kind in ("mean", "density"):
+        page.locator(".legend").first.locator("select").nth(1).select_option(kind)
+        expect(page.locator(".legend .note").first).to_have_text(re.compile(r"^\d (Bild|Bilder|image|images) (von|de) 0"))
+    step = page.locator(".numbers .panel input").nth(1)
+    step.fill("0.009")
+    step.press("Tab")
+    page.locator(".numbers .panel > .warning").first.wait_for()
     page.locator(".take button").filter(has_text=re.compile("^(Bericht|Rapport)")).click()
     page.locator("main.report").wait_for()
     assert page.locator("main.report h1").text_content() == "Room"
@@ -128,3 +137,30 @@ def test_the_dictionary_has_each_text_once_and_its_numbers() -> None:
     keys = [row[0] for row in rows]
     assert sorted({key for key in keys if keys.count(key) > 1}) == []
     assert [row for row in rows if len({one.count("#") for one in row}) > 1] == []
+
+
+@pytest.mark.parametrize("locale", ["en-GB", "de-DE", "fr-FR"])
+def test_what_is_above_the_stage_are_two_rows(browser: Browser, url: str, locale: str) -> None:
+    page = visit(browser, url, locale, 1280)
+    for rows in (page.locator("header > *"), page.locator(".stage > .bar > *")):
+        middles = [box["y"] + box["height"] / 2 for part in rows.all() if (box := part.bounding_box())]
+        assert len(middles) > 3 and max(middles) - min(middles) < 8, middles
+    page.context.close()
+
+
+def test_what_computes_is_in_reach_on_a_phone(browser: Browser, url: str) -> None:
+    page = visit(browser, url, "en-GB", 390)
+    page.set_viewport_size({"width": 390, "height": 844})
+    compute = page.get_by_role("region", name="Stage").get_by_role("button", name="Compute it")
+    expect(compute).to_be_in_viewport(ratio=1)
+    # The sheet of a question lies over it, and has the same button; so has that of its sweep.
+    page.get_by_role("navigation").get_by_role("button", name="Start").click()
+    sheet = page.locator(".sheet.open")
+    box = lambda part: part.bounding_box() or {"y": 0, "height": 0}
+    in_sheet = lambda part: box(sheet)["y"] <= box(part)["y"] and box(part)["y"] + box(part)["height"] <= box(sheet)["y"] + box(sheet)["height"]
+    assert in_sheet(sheet.get_by_role("button", name="Compute it"))
+    page.get_by_text("A sweep: many values").click()
+    page.wait_for_timeout(300)
+    sheet.evaluate("sheet => sheet.scrollTo(0, sheet.querySelector('details').offsetTop)")
+    assert in_sheet(sheet.get_by_role("button", name="Compute it")) and in_sheet(page.get_by_role("button", name="Begin the sweep"))
+    page.context.close()

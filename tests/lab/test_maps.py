@@ -1,5 +1,6 @@
 """Maps of density and squeeze beside NumPy on the table of `lemons run`, and beside `lemons plot`."""
 
+import math
 import re
 from pathlib import Path
 
@@ -7,11 +8,11 @@ import numpy as np
 import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
-from scipy.special import erf
 from visit import Picture, download, fill, lemons, make, plan, rows, show_at, tab, wait
 
 #: [m] Standard deviation of a person in a map of the density, and side of a cell of a map of squeeze: docs/lab.md.
 KERNEL, CELL = 0.3, 0.25
+erf = np.vectorize(math.erf)
 
 
 def show(page: Page, name: str, words: str) -> None:

@@ -1,5 +1,7 @@
 """Walls of an opened Trial, plans of other programs, and a picture under the room."""
 
+import json
+import re
 import struct
 import xml.etree.ElementTree as ElementTree
 import zlib
@@ -19,7 +21,8 @@ LEFT, LOW, RIGHT, HIGH = -0.2, -0.57395, 1.752675, 0.54371
 def corners(geometry: str) -> list[list[tuple[float, float]]]:
     """Of each wall, in m."""
     walls = ElementTree.fromstring(geometry).iter("Wall")
-    return [[tuple(map(float, corner.attrib["Coordinates"].split(","))) for corner in wall] for wall in walls]
+    place = lambda text: (float(text.split(",")[0]), float(text.split(",")[1]))
+    return [[place(corner.attrib["Coordinates"]) for corner in wall] for wall in walls]
 
 
 def png(width: int, height: int, rgb: tuple[int, int, int] = (255, 0, 0), rows: int | None = None) -> bytes:
@@ -50,7 +53,8 @@ def opened(page: Page, tmp_path: Path) -> dict[str, str]:
     return held(trial)
 
 
-def edit(page: Page) -> dict[str, Any] | None:
+def edit(page: Page) -> Any:
+    """The changed walls of the Trial; None if they are as they were."""
     edits = plan(page)["made"]["edits"]
     return edits[0]["room"] if edits else None
 
@@ -107,8 +111,7 @@ def test_the_walls_of_an_opened_trial_are_changed_with_the_mouse(page: Page, tmp
     button("Draw an obstacle").click()
     picture.drag((2.0, 0.1), (2.2, 0.3))
     becomes(page, lambda: len(edit(page)["walls"]), 3)
-    after = corners(held(download(page, "Trial (zip)", tmp_path))["Geometry.xml"])
-    ring, line, block = after
+    ring, line, block = corners(held(download(page, "Trial (zip)", tmp_path))["Geometry.xml"])
     assert ring[0] == pytest.approx((1.2, LOW)) and ring[-1] == pytest.approx((0.4, LOW))
     assert ring[1:-1] == [(RIGHT, LOW), (2.3, 0.95), (LEFT, HIGH), (LEFT, LOW)]
     assert line == [(RIGHT, LOW), (2.3, -0.4)]
@@ -125,6 +128,19 @@ def test_the_walls_of_an_opened_trial_are_changed_with_the_mouse(page: Page, tmp
     button("Take the walls of the Trial again").click()
     expect(page.get_by_text("The walls are those of the Trial.")).to_be_visible()
     assert held(download(page, "Trial (zip)", tmp_path)) == before
+
+
+def test_an_opened_trial_has_its_own_steps_whatever_was_changed_before(page: Page, url: str, tmp_path: Path) -> None:
+    trial = download(page, "Trial (zip)", tmp_path)
+    mechanics = {"time_step": 0.1, "time_step_mechanical": None, "materials": [], "contacts": []}
+    made = {"base": {"kind": "example", "name": "push"}, "edits": [], "motion": {"kind": "own"}, "mechanics": mechanics}
+    page.goto(link(url, {"name": "changed", "made": made}))
+    becomes(page, lambda: plan(page)["made"].get("mechanics"), mechanics)
+    tab(page, "Start")
+    page.get_by_label("Open a zip").set_input_files(trial)
+    expect(page.get_by_text(f'"{trial.name}": 5 people')).to_be_visible()
+    assert "mechanics" not in plan(page)["made"]
+    assert held(download(page, "Trial (zip)", tmp_path)) == held(trial)
 
 
 def test_who_is_in_a_wall_is_told_and_a_wall_on_an_exit_is_refused(page: Page, tmp_path: Path) -> None:
@@ -183,9 +199,6 @@ def test_plans_become_rooms_as_the_command_reads_them(page: Page, tmp_path: Path
             expect(understood.get_by_role("row", name=f"{what} {how}", exact=True).first).to_be_visible()
     wishes = made("hall.dxf")["decision.toml"]
     assert "north" in wishes and "south" in wishes and plan(page)["crowd"]["region"] is not None
-    # They can go on: people leave.
-    page.get_by_role("button", name="Compute it").click()
-    wait(page, lambda: plan(page)["made"]["motion"]["kind"] == "go")
 
     give(page, "office.dxf", (PLANS / "office.dxf").read_bytes())
     expect(page.get_by_role("alert")).to_contain_text("it does not say what its unit is")
@@ -202,6 +215,30 @@ def test_plans_become_rooms_as_the_command_reads_them(page: Page, tmp_path: Path
     page.get_by_label("Unit of the plan").select_option(label="cm")
     expect(page.get_by_role("button", name="Lay it under the room as a picture")).to_be_visible()
     made("platform.svg", "--scale", "0.01")
+
+
+def test_people_leave_a_dropped_plan_by_its_exit(page: Page, tmp_path: Path) -> None:
+    outline = [[0, 0], [6, 0], [6, 5], [0, 5], [0, 0]]
+    feature = lambda layer, kind, places: {"type": "Feature", "properties": {"layer": layer}, "geometry": {"type": kind, "coordinates": places}}
+    features = [feature("walkablearea", "Polygon", [outline]), feature("exits-street", "LineString", [[6, 2], [6, 3]])]
+    text = json.dumps({"type": "FeatureCollection", "features": features})
+    script = "text => { const data = new DataTransfer(); data.items.add(new File([text], 'room.json')); return data; }"
+    page.dispatch_event("canvas", "drop", {"dataTransfer": page.evaluate_handle(script, text)})
+    understood = page.get_by_role("table", name="What was understood")
+    expect(understood).to_contain_text('1 m wide where exit "street" lies on a closed wall')
+    page.get_by_role("button", name="Make this room", exact=True).click()
+    expect(page.get_by_text("30 people placed in")).to_be_visible()
+    kept = plan(page)
+    assert kept["crowd"]["room"]["doors"] == [{"at": [6, 2.5], "width": 1}]
+    (street,) = kept["made"]["motion"]["wishes"]["exits"]
+    # 1 m behind the door, and 2 m longer.
+    assert (street["name"], sorted(street["line"])) == ("street", [[7, 1], [7, 4]])
+    page.get_by_role("button", name="Play").click()
+    wait(page, lambda: page.get_by_text(re.compile(r"\b[1-9]\d* of 30 have left")).count() > 0)
+    # The exit goes along with its door, as with a room that was drawn.
+    tab(page, "Room")
+    fill(page, "Door 1, width", 140)
+    becomes(page, lambda: sorted(plan(page)["made"]["motion"]["wishes"]["exits"][0]["line"]), [[7, 0.8], [7, 4.2]])
 
 
 def test_layers_are_chosen_and_exits_left_out(page: Page) -> None:

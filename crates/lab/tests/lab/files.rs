@@ -190,13 +190,13 @@ fn materials_and_steps_are_changed_as_the_files_have_them() {
     assert!(made["scene"]["stable"].as_f64().unwrap() < before["scene"]["stable"].as_f64().unwrap());
     let zip = ok(&mut lab, take(2, json!({"file": "trial"}))).1;
     let materials = file_in(&zip, "Materials.xml");
-    assert!(materials.contains("YoungModulus=\"8000000\" ShearModulus=\"2500000\""), "{materials}");
+    assert!(materials.contains("YoungModulus=\"8000000.0\" ShearModulus=\"2500000.0\""), "{materials}");
     assert!(
-        materials.contains("GammaNormal=\"10\" GammaTangential=\"20\" KineticFriction=\"0.5\""),
+        materials.contains("GammaNormal=\"10.0\" GammaTangential=\"20.0\" KineticFriction=\"0.5\""),
         "{materials}"
     );
     let parameters = file_in(&zip, "Parameters.xml");
-    assert!(parameters.contains("TimeStep=\"0.02\" TimeStepMechanical=\"0.00005\""), "{parameters}");
+    assert!(parameters.contains("TimeStep=\"0.02\" TimeStepMechanical=\"5e-5\""), "{parameters}");
     // What is not changed stays to the last bit.
     let unchanged = ok(&mut lab, {
         wanted["mechanics"] = nothing.clone();
@@ -231,7 +231,7 @@ fn materials_and_steps_are_changed_as_the_files_have_them() {
         (
             "contacts",
             json!([{"id1": "concrete", "id2": "human_naked", "gamma_normal": -1.0, "gamma_tangential": 1.0, "kinetic_friction": null}]),
-            "GammaNormal=\"-1\"",
+            "GammaNormal=\"-1.0\"",
         ),
     ] {
         wanted["mechanics"] = with(key, value);
