@@ -11,6 +11,7 @@ tests.toml has the rows: what is asked, what is expected, and how a scene (scene
 
 import argparse
 import json
+import re
 import sys
 import tempfile
 import time
@@ -103,9 +104,14 @@ def table(head, lines):
     return "\n".join(["| " + " | ".join(head) + " |", "|" + "---|" * len(head), *("| " + " | ".join(line) + " |" for line in lines)])
 
 
+def anchor(heading):
+    """The anchor that a heading has on a page."""
+    return re.sub(r"[^a-z0-9 -]", "", heading.lower()).replace(" ", "-")
+
+
 def row_of(row, results):
     ours, verdict = outcome(row, results)
-    scene = f" [Scene](#{row['scene'].replace('_', '-')})." if "scene" in row else ""
+    scene = f" [Scene](#{anchor(row['scene'].replace('_', ' '))})." if "scene" in row else ""
     return [f"{row['id']}: {row['title']}", row["asks"] + scene, row["expected"], ours, verdict]
 
 
@@ -122,11 +128,11 @@ def page(results):
     parts = [TABLE["page"]["head"].strip()]
     found = counts(results)
     names = TABLE["standards"]
-    lines = [[f"[{names[name]['name']}](#{name})", *(str(found[name][verdict]) for verdict in VERDICTS)] for name in names]
+    lines = [[f"[{names[name]['name']}](#{anchor(names[name]['name'])})", *(str(found[name][verdict]) for verdict in VERDICTS)] for name in names]
     parts.append(table(["tests", *VERDICTS], lines))
     parts.append(TABLE["page"]["after"].strip())
     for name, standard in names.items():
-        parts.append(f'<a id="{name}"></a>\n\n## {standard["name"]}')
+        parts.append(f"## {standard['name']}")
         parts.append(standard["about"].strip())
         own = [row_of(row, results) for row in rows() if row["standard"] == name]
         parts.append(table(["test", "what is asked", "expected", "ours", "verdict"], own))
