@@ -51,7 +51,9 @@ export function MixForm({ mix, onChange }: { mix: Mix; onChange(mix: Mix): void 
     }, [on]);
     return (
         <fieldset class="fields mix">
-            <legend>Kinds of people</legend>
+            <legend>
+                Kinds of people <span class="unit">[%]</span>
+            </legend>
             <Check label="Children, elderly, luggage, wheelchairs" value={on} onChange={(wanted) => onChange(wanted ? FIRST : {})} />
             {on && <Shares mix={percent(mix)} onChange={onChange} />}
         </fieldset>
@@ -84,7 +86,6 @@ function Share({ kind, share, onChange }: { kind: string; share: number; onChang
             </span>
             <input type="range" min={0} max={100} step={1} value={share} aria-label={`${name}, share`} onChange={(event) => set(event.currentTarget.valueAsNumber)} />
             <input type="number" min={0} max={100} step={1} value={share} aria-label={`${name}, %`} onChange={(event) => set(event.currentTarget.valueAsNumber)} />
-            <span class="unit">%</span>
         </div>
     );
 }
