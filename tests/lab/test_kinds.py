@@ -56,6 +56,8 @@ def test_the_mix_of_the_page_is_that_of_the_command(page: Page, tmp_path: Path) 
     page.get_by_role("button", name="An exit: Write numbers").click()
     wait(page, lambda: plan(page)["made"]["motion"]["kind"] == "go")
     expect(page.get_by_text("People of kinds have the desired speed of their kind")).to_be_visible()
+    # The scene with the exit is there.
+    expect(page.get_by_role("row", name="Have left 0 of 40")).to_be_visible()
     decision = tomllib.loads(held(download(page, "Trial (zip)", tmp_path))["decision.toml"])
     lemons("crowd", *crowd, "--door", "8,3,1", "--leave", "--zip", theirs, "--force")
     wanted = tomllib.loads(held(theirs)["decision.toml"])["agents"]
