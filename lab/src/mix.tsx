@@ -5,6 +5,7 @@ import { useEffect } from "preact/hooks";
 import { thingsOf } from "./draw";
 import { isOwn, KINDS, kindWords } from "./kindwords";
 import { brief, Check } from "./parts";
+import { plan } from "./plan";
 import type { Disk, KindShown } from "./protocol";
 import { client } from "./session";
 
@@ -65,7 +66,8 @@ function Shares({ mix, onChange }: { mix: Mix; onChange(mix: Mix): void }) {
     return (
         <>
             {names.map((kind) => (
-                <Share key={kind} kind={kind} share={mix[kind] ?? 0} onChange={(share) => onChange(shared(mix, kind, share))} />
+                // Another change may come before this is drawn again.
+                <Share key={kind} kind={kind} share={mix[kind] ?? 0} onChange={(share) => onChange(shared(percent(plan.peek().crowd.mix), kind, share))} />
             ))}
             <p class="note">Shares stay at 100 % together. Each person is drawn by chance, so that the numbers differ a little. The numbers of kinds have sources or are assumptions (docs/people.md).</p>
         </>
