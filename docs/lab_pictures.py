@@ -63,9 +63,11 @@ def kinds(page: Page) -> None:
     make(page, 30, 800, 600)
     page.get_by_label("Children, elderly, luggage, wheelchairs").check()
     for kind, percent in {"With a suitcase": 12, "With a stroller": 10, "With a walker": 8, "Wheelchair": 12, "With a child": 12, "With a backpack": 10}.items():
-        fill(page, f"{kind}, %", percent)
+        field = page.get_by_role("spinbutton", name=f"{kind}, %", exact=True)
+        field.fill(str(percent))
+        field.press("Tab")
     live(page)
-    page.get_by_label("Colour", exact=True).select_option(label="Kind")
+    page.get_by_role("combobox", name="Colour").select_option(label="Kind")
     page.get_by_label("View").select_option(label="3D")
     page.wait_for_timeout(5000)
     wait(page, lambda: page.locator("canvas").first.evaluate("it => it.width >= Math.floor(it.clientWidth * devicePixelRatio)"))

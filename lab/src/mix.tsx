@@ -5,6 +5,7 @@ import { useEffect } from "preact/hooks";
 import { thingsOf } from "./draw";
 import { isOwn, KINDS, kindWords } from "./kindwords";
 import { brief, Check } from "./parts";
+import { plan } from "./plan";
 import type { Disk, KindShown } from "./protocol";
 import { client } from "./session";
 
@@ -51,7 +52,9 @@ export function MixForm({ mix, onChange }: { mix: Mix; onChange(mix: Mix): void 
     }, [on]);
     return (
         <fieldset class="fields mix">
-            <legend>Kinds of people</legend>
+            <legend>
+                Kinds of people <span class="unit">[%]</span>
+            </legend>
             <Check label="Children, elderly, luggage, wheelchairs" value={on} onChange={(wanted) => onChange(wanted ? FIRST : {})} />
             {on && <Shares mix={percent(mix)} onChange={onChange} />}
         </fieldset>
@@ -63,7 +66,8 @@ function Shares({ mix, onChange }: { mix: Mix; onChange(mix: Mix): void }) {
     return (
         <>
             {names.map((kind) => (
-                <Share key={kind} kind={kind} share={mix[kind] ?? 0} onChange={(share) => onChange(shared(mix, kind, share))} />
+                // Another change may come before this is drawn again.
+                <Share key={kind} kind={kind} share={mix[kind] ?? 0} onChange={(share) => onChange(shared(percent(plan.peek().crowd.mix), kind, share))} />
             ))}
             <p class="note">Shares stay at 100 % together. Each person is drawn by chance, so that the numbers differ a little. The numbers of kinds have sources or are assumptions (docs/people.md).</p>
         </>
@@ -84,7 +88,6 @@ function Share({ kind, share, onChange }: { kind: string; share: number; onChang
             </span>
             <input type="range" min={0} max={100} step={1} value={share} aria-label={`${name}, share`} onChange={(event) => set(event.currentTarget.valueAsNumber)} />
             <input type="number" min={0} max={100} step={1} value={share} aria-label={`${name}, %`} onChange={(event) => set(event.currentTarget.valueAsNumber)} />
-            <span class="unit">%</span>
         </div>
     );
 }

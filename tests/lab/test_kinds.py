@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
 from test_languages import english, visit
-from visit import PATIENCE, Picture, becomes, download, fill, held, lemons, link, live, make, plan, rows, tab, wait
+from visit import becomes, download, fill, held, lemons, link, live, make, plan, rows, tab, wait
 
 FIRST = {"adult": 70, "child": 15, "elderly": 10, "wheelchair": 5}
 KINDS = ["Adult", "With a backpack", "Child", "Elderly", "Powered wheelchair", "With a stroller", "With a suitcase", "With a walker", "Wheelchair", "With a child"]
@@ -23,7 +23,9 @@ def mixed(page: Page, number: int = 40, width: float = 800, height: float = 600)
 
 
 def share(page: Page, kind: str, percent: float) -> None:
-    fill(page, f"{kind}, %", percent)
+    field = page.get_by_role("spinbutton", name=f"{kind}, %", exact=True)
+    field.fill(str(percent))
+    field.press("Tab")
 
 
 def shares(page: Page) -> dict[str, float]:
@@ -54,6 +56,8 @@ def test_the_mix_of_the_page_is_that_of_the_command(page: Page, tmp_path: Path) 
     page.get_by_role("button", name="An exit: Write numbers").click()
     wait(page, lambda: plan(page)["made"]["motion"]["kind"] == "go")
     expect(page.get_by_text("People of kinds have the desired speed of their kind")).to_be_visible()
+    # The scene with the exit is there.
+    expect(page.get_by_role("row", name="Have left 0 of 40")).to_be_visible()
     decision = tomllib.loads(held(download(page, "Trial (zip)", tmp_path))["decision.toml"])
     lemons("crowd", *crowd, "--door", "8,3,1", "--leave", "--zip", theirs, "--force")
     wanted = tomllib.loads(held(theirs)["decision.toml"])["agents"]
@@ -72,8 +76,8 @@ def test_shares_stay_at_a_hundred_and_kinds_have_pictures(page: Page) -> None:
     becomes(page, lambda: sum(shares(page).values()), 100)
     assert shares(page)["With a stroller"] == 33
     for _ in range(3):
-        page.get_by_role("slider", name="Child, share").fill("7")
-        page.get_by_role("slider", name="Adult, share").fill("51")
+        page.get_by_role("slider", name="Child, share", exact=True).fill("7")
+        page.get_by_role("slider", name="Adult, share", exact=True).fill("51")
         becomes(page, lambda: (sum(shares(page).values()), shares(page)["Adult"]), (100, 51))
     share(page, "Child", 100)
     becomes(page, lambda: plan(page)["crowd"]["mix"], {"child": 100})
@@ -105,7 +109,7 @@ def test_too_many_wheelchairs_and_kinds_that_are_none_are_named(page: Page, url:
     tab(page, "Crowd")
     becomes(page, lambda: (shares(page)["Adult"], shares(page)["Child"]), (75, 25))
     for mix, said in (({"adult": 3, "elephant": 1}, 'there is no kind "elephant"'), ({"adult": 0}, "more than 0")):
-        kept["made"]["base"]["mix"] = mix
+        kept["made"]["base"]["mix"] = kept["crowd"]["mix"] = mix
         page.goto("about:blank")
         page.goto(link(url, kept))
         expect(page.get_by_role("alert")).to_contain_text(said)
@@ -119,7 +123,7 @@ def test_too_many_wheelchairs_and_kinds_that_are_none_are_named(page: Page, url:
 
 def test_kinds_have_colours_and_the_inspector_says_what_goes_along(page: Page, tmp_path: Path) -> None:
     mixed(page)
-    page.get_by_label("Colour", exact=True).select_option(label="Kind")
+    page.get_by_role("combobox", name="Colour").select_option(label="Kind")
     people = rows(download(page, "People (CSV)", tmp_path))
     trial = download(page, "Trial (zip)", tmp_path)
     legend = page.locator(".legend")
@@ -136,14 +140,14 @@ def test_kinds_have_colours_and_the_inspector_says_what_goes_along(page: Page, t
         expect(numbers.get_by_role("row", name=row, exact=True)).to_be_visible()
     # The picture as a file has the same legend.
     svg = download(page, "Picture (SVG)", tmp_path).read_text()
-    assert all(f">{kind}<" in svg for kind in ("adult", "child", "elderly", "wheelchair"))
+    assert all(f'aria-label="{kind}"' in svg for kind in ("adult", "child", "elderly", "wheelchair"))
     # Colours of kinds are kept with the scene; where there are none, people have the usual colours.
     page.reload()
-    expect(page.get_by_label("Colour", exact=True)).to_have_value("kind")
+    expect(page.get_by_role("combobox", name="Colour")).to_have_value("kind")
     tab(page, "Crowd")
     page.get_by_label("Children, elderly, luggage, wheelchairs").uncheck()
     live(page)
-    expect(page.get_by_label("Colour", exact=True)).to_have_value("squeeze")
+    expect(page.get_by_role("combobox", name="Colour")).to_have_value("squeeze")
 
 
 def grey(page: Page, path: Path) -> float:
