@@ -8,7 +8,8 @@ makes Trials in the directory `groups` and prints three things (model `rotationa
   drawn for each person. The speed is that between 25 m and 55 m; beside it are the measured ones of Moussaïd et al., PLoS
   ONE 5 (2010) e10047, figure 2: 1.26 - 0.04 N m/s at low density, 1.24 - 0.08 N m/s at moderate density.
 - apart: the mean distance between the members of a group in these runs, and of the same people without groups.
-- door: 80 people in 8 m by 6 m leave by a door of 1 m, with a part of them in groups.
+- door: 80 people in 8 m by 6 m leave by a door of 1 m, with a part of them in groups: when all are out, and how long after
+  the first one of a group the last one leaves; beside it, of the same people without groups.
 
 Needs the command `lemons` (or its path in the variable LEMONS) and pandas.
 """
@@ -79,6 +80,12 @@ def apart(walk: pd.DataFrame, groups: list[list[int]]) -> float:
     return float(pd.concat(far).mean())
 
 
+def spread(walk: pd.DataFrame, groups: list[list[int]]) -> float:
+    """[s] Mean time from the first one of a group who leaves to the last one."""
+    last = walk.groupby("id")["t"].max()
+    return float(sum(last[group].max() - last[group].min() for group in groups) / len(groups))
+
+
 def main() -> None:
     given = parser.parse_args()
     given.target.mkdir(exist_ok=True)
@@ -112,10 +119,10 @@ def main() -> None:
             groups = members(trial, settings)
             row = {"part": part, "last": walk["t"].max() + 0.01 * EVERY}
             if groups:
-                row |= {"together": apart(walk, groups), "without": apart(run(trial, plan(trial, seed, "alone")), groups)}
+                row |= {"together": spread(walk, groups), "without": spread(run(trial, plan(trial, seed, "alone")), groups)}
             rows.append(row)
     doors = pd.DataFrame(rows)
-    print("everybody is out after [s], and distance of members [m]")
+    print("everybody is out after [s], and time from the first of a group to the last [s]")
     of_each = doors.groupby("part")
     print(pd.concat([of_each["last"].agg(["median", "min", "max"]), of_each[["together", "without"]].mean()], axis=1).round(2).to_string())
 

@@ -182,8 +182,8 @@ def draw_counterflow(panel, numbers, plt):
 
 def draw_large_corner(panel, numbers, plt):
     panel.plot([50, 0, 0, 20, 20, 52], [34, 34, -6, -6, 14, 14], color="black", linewidth=1.5)
-    for x, y in numbers["_paths"][::5]:
-        panel.plot(x[::2], y[::2], linewidth=0.4, color="#CC79A7")
+    for path in numbers["_paths"][::5]:
+        panel.plot(*path, linewidth=0.3, color="#CC79A7")
     panel.set(xlabel="x / m", ylabel="y / m", aspect="equal")
 
 

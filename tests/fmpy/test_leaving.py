@@ -123,7 +123,8 @@ def test_groups_of_the_example(lemons, tmp_path):
     rows = {row[0]: [float(each) for each in row[1:]] for row in map(str.split, said.splitlines()) if row and row[0] in ("1", "2", "0.0", "0.5")}
     # Slower than alone, and much nearer to each other than the same people without groups.
     assert rows["2"][0] < rows["1"][0] and rows["2"][1] < 1.6 < rows["2"][2]
-    assert rows["0.5"][3] < rows["0.5"][4]
+    # A crowd in front of a door is not slower by more than a tenth.
+    assert 0.9 < rows["0.5"][0] / rows["0.0"][0] < 1.1
 
 
 def test_several_crowds_all_leave(lemons, tmp_path):

@@ -24,8 +24,9 @@ use std::sync::Arc;
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Results of a run: the table of lemons run (CSV or Parquet), or an OutputDirectory of
-    /// AgentDynamics and AgentInteractions files. For geojson, wkt and dxf: a Trial or an FMU
-    #[arg(value_name = "TABLE, SERIES or TRIAL")]
+    /// AgentDynamics and AgentInteractions files. For jupedsim, pedpy and chaos also trajectories of an
+    /// experiment or of another simulator. For geojson, wkt and dxf: a Trial or an FMU
+    #[arg(value_name = "TABLE, SERIES, TRAJECTORIES or TRIAL")]
     source: PathBuf,
     /// Format to write
     #[arg(long, value_name = "FORMAT")]
@@ -115,7 +116,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
         What::Run(to) => to,
     };
     arguments.check()?;
-    let of_others = memory.is_none() && arguments.reading.is_for(source)?;
+    let of_others = arguments.reading.is_for(source)? && memory.is_none();
     if of_others && matches!(to, Runs::Series | Runs::Trial) {
         bail!(
             "{}: --to series and --to trial are for runs of a Trial: these are positions only",
@@ -232,6 +233,7 @@ impl Arguments {
         if self.every != 1 || !self.more.is_empty() || self.area.is_some() {
             bail!(Misused("--every, --more and --area are for runs, not for the room of a Trial".into()));
         }
+        self.reading.is_for(source)?;
         let given = self.trial.as_deref().unwrap_or(source);
         let own = if memory.is_some() { self.trial.as_deref() } else { Some(given) };
         let trial =

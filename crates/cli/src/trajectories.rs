@@ -18,34 +18,35 @@ use std::path::{Path, PathBuf};
 /// \[m\] Radius of a body that is not known: that of an agent of `JuPedSim`'s models, if nothing else is said there.
 const RADIUS: f64 = 0.2;
 
+// Not that of a struct, under which options of the commands would come, too.
+const HEADING: &str = "Trajectories of experiments and of other simulators";
+
 /// How a file of trajectories is read.
 #[derive(clap::Args)]
-#[command(next_help_heading = "Trajectories of experiments and of other simulators")]
 pub struct ReadingArguments {
     /// Unit of a text that does not say it
-    #[arg(long, value_name = "m or cm", value_parser = ["m", "cm"])]
+    #[arg(long, help_heading = HEADING, value_name = "m or cm", value_parser = ["m", "cm"])]
     unit: Option<String>,
     /// Frames per second of a text that does not say it
-    #[arg(long, value_name = "NUMBER", value_parser = positive)]
+    #[arg(long, help_heading = HEADING, value_name = "NUMBER", value_parser = positive)]
     fps: Option<f64>,
     /// Walls: a drawing in metres (.wkt, .geojson, .dxf, .svg), or a Trial or an FMU, of which only the walls
     /// are taken. Default: the walkable area in the file, if it has one
-    #[arg(long, value_name = "DRAWING, TRIAL or FILE.fmu")]
+    #[arg(long, help_heading = HEADING, value_name = "DRAWING, TRIAL or FILE.fmu")]
     geometry: Option<PathBuf>,
 }
 
 /// How trajectories are shown and measured, too.
 #[derive(clap::Args)]
-#[command(next_help_heading = "Trajectories of experiments and of other simulators")]
 pub struct TrajectoryArguments {
     #[command(flatten)]
     pub reading: ReadingArguments,
     /// Velocity: difference of two positions that are so many seconds apart, rounded to an even number of frames.
     /// Default: 0.4
-    #[arg(long, value_name = "SECONDS", value_parser = within(1e-6, 1e6, " (s)"))]
+    #[arg(long, help_heading = HEADING, value_name = "SECONDS", value_parser = within(1e-6, 1e6, " (s)"))]
     velocity_over: Option<f64>,
     /// Radius of the circles that are drawn for people, in metres. Default: 0.2
-    #[arg(long, value_name = "METRES", value_parser = within(0.01, 10.0, " (m)"))]
+    #[arg(long, help_heading = HEADING, value_name = "METRES", value_parser = within(0.01, 10.0, " (m)"))]
     radius: Option<f64>,
 }
 

@@ -193,7 +193,7 @@ fn groups_are_drawn_from_those_who_are_near() {
     let wall = vec![vec2(0.75, -1.0), vec2(0.75, 1.0)];
     for seed in 0..8 {
         let config = format!("seed = {seed}\n{FAR}groups.share = 1");
-        let mut groups = plan(&[wall.clone()], &pairs, &config).groups;
+        let mut groups = plan(std::slice::from_ref(&wall), &pairs, &config).groups;
         groups.iter_mut().for_each(|group| group.sort_unstable());
         assert_eq!(groups, [vec![0, 1]]);
         let config = format!("{config}\nagents.1.exit = \"exit 0\"");

@@ -130,7 +130,7 @@ impl<'a> Rows<'a> {
             return Err(self.wrong(n, format!("column frame: {frame} is above {LAST_FRAME:e}")));
         }
         for (name, value) in [("x", p.x), ("y", p.y)] {
-            if !(value.abs() <= FARTHEST) {
+            if !(-FARTHEST..=FARTHEST).contains(&value) {
                 return Err(self.wrong(
                     n,
                     format!(

@@ -113,7 +113,7 @@ impl Source {
                 "{path}: an SSP cannot be drawn: run it with lemons run, and give the trajectories.csv of this run"
             );
         }
-        let of_others = self.memory.is_none() && self.others.is_for(&self.path)?;
+        let of_others = self.others.is_for(&self.path)? && self.memory.is_none();
         if !self.more.is_empty() && (runs || of_others || self.path.is_dir()) {
             bail!(Misused(format!("{path}: is no table: only tables of one run can be several")));
         }
