@@ -28,8 +28,8 @@ mod trial;
 pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
 pub use bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES};
 pub use body3d::{
-    Body3d, CrowdSection, Figure, MeshPart, Part, Polygon, TORSO_ALTITUDE, packed, people_fitting, section,
-    write_geojson, write_obj, write_stl, write_wkt,
+    Body3d, CrowdSection, Figure, MeshPart, Part, Placed, Polygon, TORSO_ALTITUDE, packed, people_fitting,
+    section, write_geojson, write_obj, write_stl, write_wkt,
 };
 pub use copula::Correlations;
 pub use cover::{Cover, MOST_COVERING, cover};

@@ -194,7 +194,7 @@ impl Population {
             (name.clone(), share)
         };
         let mix = Kinds::built_in().and_then(|kinds| kinds.mix(&self.mix.iter().map(share).collect()));
-        Ok(mix.map_err(|error| Error::Spec(error.to_string())).place(|| "mix".into())?)
+        mix.map_err(|error| Error::Spec(error.to_string())).place(|| "mix".into())
     }
 
     /// Draws and places the people, and makes the documents of their Trial.

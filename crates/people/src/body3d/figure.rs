@@ -136,16 +136,19 @@ fn plain(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }
 
+/// People of one body, with their places \[m\].
+pub type Placed = Vec<(Person, Vec2)>;
+
 /// Returns the kind of an agent of a Trial, and the people that fit its disks, with their places \[m\]: the person, whose
 /// measures are those of [`Person::fitting`], and a child at its hand. `None` if there is no such kind, or if the disks are
 /// not those of the kind.
-pub fn people_fitting(agent: &lemons_core::trial::Agent) -> Option<(Arc<Kind>, Vec<(Person, Vec2)>)> {
+pub fn people_fitting(agent: &lemons_core::trial::Agent) -> Option<(Arc<Kind>, Placed)> {
     static KINDS: LazyLock<Option<Kinds>> = LazyLock::new(|| Kinds::built_in().ok());
     let kind = KINDS.as_ref()?.get(agent.kind.as_ref()?)?;
     Some((kind.clone(), people_of(kind, agent)?))
 }
 
-fn people_of(kind: &Kind, agent: &lemons_core::trial::Agent) -> Option<Vec<(Person, Vec2)>> {
+fn people_of(kind: &Kind, agent: &lemons_core::trial::Agent) -> Option<Placed> {
     let disks = agent.disks_facing_x().into_iter().zip(&agent.shapes);
     let (things, own): (Vec<_>, Vec<_>) =
         disks.partition(|(_, shape)| PART_MATERIALS.contains(&&*shape.material_id));
