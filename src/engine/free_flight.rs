@@ -68,7 +68,7 @@ impl FreeFlight {
 pub struct BodyFlight {
     /// Flight of the centre of mass.
     pub translation: FreeFlight,
-    /// What is added to it across the gaze, if the rate there is another one.
+    /// Flight across the gaze minus `translation`, if the relaxation rate there is another one.
     pub across: Option<FreeFlight>,
     /// Flight of the orientation.
     pub rotation: FreeFlight,
@@ -122,7 +122,7 @@ pub(super) struct RampFlight {
     pub held: BodyFlight,
     /// \[s3\] [`FreeFlight::ramp_time`] of the translation.
     pub translation_ramp_time: f64,
-    /// \[s3\] What is added to it across the gaze, if the rate there is another one.
+    /// \[s3\] Ramp time across the gaze minus `translation_ramp_time`; 0 if the relaxation rate is the same.
     pub across_ramp_time: f64,
     /// \[s3\] The same for the rotation.
     pub rotation_ramp_time: f64,

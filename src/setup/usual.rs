@@ -79,7 +79,7 @@ impl Usual {
         match self.attribute {
             "TimeStep" => vec![value(setup.parameters.time_step, String::new())],
             "Mass" => agents(&|agent, _, of| value(agent.mass, of)),
-            // One that is not there is usual.
+            // An attribute that is not there is usual.
             "Height" => agents(&|agent, _, of| value(agent.height.unwrap_or(0.0), of)),
             "Radius" => {
                 let all = setup.agents.iter().flat_map(|agent| {
@@ -94,7 +94,7 @@ impl Usual {
             "FloorDamping" => {
                 agents(&|agent, _, of| Value { body: agent.mass, ..value(agent.floor_damping, of) })
             }
-            // One that is not there is usual.
+            // An attribute that is not there is usual.
             "FloorDampingAcross" => agents(&|agent, _, of| Value {
                 body: agent.mass,
                 ..value(agent.floor_damping_across.unwrap_or(0.0), of)

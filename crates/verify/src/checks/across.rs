@@ -48,7 +48,7 @@ fn in_a_line() -> Result<f64> {
     Ok(worst)
 }
 
-/// Rates of x, y, orientation, their rates, at a time, by the equations of motion of PHYSICS.
+/// Rates of x, y, orientation, their rates, at a time, by the equations of motion (docs/guide/physics.md).
 fn rates(body: &BodySpec, time: f64, [_, _, gaze, vx, vy, w]: [f64; 6]) -> [f64; 6] {
     let drive = later(DRIVE, GROWTH, time);
     let (sin, cos) = libm::sincos(gaze);
