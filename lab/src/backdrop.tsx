@@ -1,17 +1,18 @@
 // A picture under the room, to draw over: a floor plan, a photograph. It is no part of the mechanics.
 
-import { computed, effect, signal } from "@preact/signals";
+import { computed, effect, signal, untracked } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import { type Inks, label } from "./draw";
 import { ready, shape } from "./drawn";
 import type { Backdrop } from "./forms";
 import { MOST } from "./forms";
 import { begin as beginMotion } from "./motionstate";
 import { LengthField, length } from "./parts";
-import { change, keysInUse, plan } from "./plan";
+import { change, keysInUse, opened, plan } from "./plan";
 import type { Point } from "./protocol";
 import { distance, rings } from "./roomshape";
 import { begin as beginRoom, room } from "./roomtool";
-import { said } from "./session";
+import { bases, problem, said } from "./session";
 import { brief, keep, kept } from "./store";
 import { lineTool, type Tool } from "./tool";
 import { FileInput } from "./upload";
@@ -22,6 +23,8 @@ const MOST_BYTES = 20e6;
 const MOST_PIXELS = 100e6;
 const LONGEST = 4096;
 const DRAWN = 2048;
+/** In m: its least and its greatest width. */
+const [NARROWEST, WIDEST] = [0.1, 10_000];
 /** How much of it is seen at first. */
 const FAINT = 0.5;
 
@@ -136,7 +139,12 @@ const measure: Tool = {
     draws: () => true,
     down: () => true,
     move: ({ at }) => (pointer.value = at),
-    up: ({ at }) => (ends.value = ends.value.length === 1 ? [ends.value[0]!, at] : [at]),
+    up({ at, reach }) {
+        const last = ends.value.at(-1);
+        // The second half of a double click ends no line, and begins none.
+        if (last && distance(last, at) < reach) return;
+        ends.value = ends.value.length === 1 ? [last!, at] : [at];
+    },
     key: (event) => event.key === "Escape" && end(),
     paint(context, view, inks) {
         const [from, to] = [ends.value[0], ends.value[1] ?? pointer.value];
@@ -179,11 +187,20 @@ const move: Tool = {
 };
 
 function end(): true {
-    lineTool.value = null;
+    if (lineTool.value === measure || lineTool.value === move) lineTool.value = null;
     ends.value = [];
     pointer.value = null;
+    held = moved.value = null;
     return true;
 }
+
+// They are of one picture, which lies under one room.
+effect(() => {
+    key.value;
+    bases.value;
+    opened.value;
+    untracked(end);
+});
 
 function begin(tool: Tool) {
     const on = lineTool.value === tool;
@@ -198,13 +215,20 @@ function begin(tool: Tool) {
 function setLength(now: Backdrop, known: number) {
     const [from, to] = ends.value as [Point, Point];
     const by = known / distance(from, to);
+    const width = Number((by * now.width).toFixed(4));
+    if (!(width >= NARROWEST && width <= WIDEST)) {
+        problem.value = `So the picture would be ${Number(width.toPrecision(3))} m wide: ${NARROWEST} to ${WIDEST} m are allowed.`;
+        return;
+    }
     const at = [0, 1].map((k) => Number((from[k]! + by * (now.at[k]! - from[k]!)).toFixed(4))) as Point;
     end();
-    change({ backdrop: { ...now, at, width: Number((by * now.width).toFixed(4)) } });
+    change({ backdrop: { ...now, at, width } });
 }
 
 export function BackdropForms() {
     const now = plan.value.backdrop;
+    // Of another tab, nobody could end them.
+    useEffect(() => () => void end(), []);
     if (!now) return null;
     const set = (part: Partial<Backdrop>) => change({ backdrop: { ...now, ...part } });
     const [from, to] = ends.value;
@@ -233,7 +257,7 @@ export function BackdropForms() {
             </div>
             {measuring && !to && <p class="note" role="status">{from ? "Click the other end of the line." : "Click one end of a line whose length you know."}</p>}
             {measuring && from && to && <LengthField label="Real length of the line" value={distance(from, to)} min={0.01} max={10000} onChange={(known) => setLength(now, known)} />}
-            <LengthField label="Width of the picture" value={now.width} min={0.1} max={10000} onChange={(width) => set({ width })} />
+            <LengthField label="Width of the picture" value={now.width} min={NARROWEST} max={WIDEST} onChange={(width) => set({ width })} />
             <div class="row">
                 <LengthField label="Picture, left" short="left" value={now.at[0]} min={-1e6} max={1e6} onChange={(x) => set({ at: [x, now.at[1]] })} />
                 <LengthField label="Picture, low" short="low" value={now.at[1]} min={-1e6} max={1e6} onChange={(y) => set({ at: [now.at[0], y] })} />

@@ -40,6 +40,8 @@ export class ByPlace {
     #wanted: Plan["span"] = [null, null];
     #next = 0;
     #asking = false;
+    /** The lab has one map of a run: it belongs to another one now. */
+    #ended = false;
     /** The greatest number of these. */
     #largest: { of: Float64Array; value: number } = { of: new Float64Array(), value: 0 };
     #image: { of: Float64Array; canvas: HTMLCanvasElement } | null = null;
@@ -66,13 +68,24 @@ export class ByPlace {
         return 2 ** Math.max(0, Math.ceil(Math.log2(places / MOST)));
     }
 
-    /** Adds frames that came since; begins anew if another time is wanted. */
+    /** Asks for no more. */
+    end() {
+        this.#ended = true;
+    }
+
+    get #over() {
+        return this.#ended || this.film.over;
+    }
+
+    /** Adds frames that came since; begins anew if another time is wanted, also after one was refused. */
     async follow(span: Plan["span"]) {
+        const again = JSON.stringify(span) !== JSON.stringify(this.#wanted);
         this.#wanted = span;
-        if (this.#asking || this.refused.peek()) return;
+        if (this.#asking || this.#over || (this.refused.peek() && !again)) return;
         this.#asking = true;
+        this.refused.value = "";
         try {
-            while (!this.film.over) {
+            while (!this.#over) {
                 const [first, last] = this.#span();
                 const stride = this.#stride(first, last);
                 const of = `${first} ${this.#wanted[1]} ${stride} ${this.quantity === "squeeze" ? averaged(this.film) : ""}`;
@@ -88,7 +101,9 @@ export class ByPlace {
                 await this.#ask(fresh, first, last, stride);
             }
         } catch (error) {
-            if (!this.film.over) this.refused.value = (error as Error).message;
+            // What the lab has of it is not known.
+            this.#of = "";
+            if (!this.#over) this.refused.value = (error as Error).message;
         } finally {
             this.#asking = false;
             this.busy.value = false;

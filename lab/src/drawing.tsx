@@ -3,13 +3,13 @@
 import { effect, signal } from "@preact/signals";
 import { Refused } from "./client";
 import { isVector, setPicture } from "./backdrop";
-import { MOST, roomFits } from "./forms";
+import { crowdFits, MOST, roomFits } from "./forms";
 import { Check, Choice, NumberField } from "./parts";
 import { FIRST_WISHES, shaped } from "./places";
-import { plan } from "./plan";
+import { arrived, plan } from "./plan";
 import type { DrawingWanted, Motion, Understood } from "./protocol";
 import { open } from "./scenes";
-import { attempt, client, film } from "./session";
+import { attempt, bases, client, film } from "./session";
 import { Sketch } from "./sketch";
 
 interface Given {
@@ -23,6 +23,8 @@ interface Drawing {
     found: Understood | null;
     /** Why nothing was understood. */
     refused: string;
+    /** Whether what was found is not of these options yet. */
+    asking: boolean;
 }
 
 const drawing = signal<Drawing | null>(null);
@@ -36,22 +38,44 @@ effect(() => {
     film.value;
     if (making && JSON.stringify(plan.peek().made.base) === making && film.value) {
         making = "";
-        drawing.value = null;
+        close();
     }
 });
 
-/** Asks what is in a plan. */
+/** Counts what is asked, and panels that are closed. */
+let latest = 0;
+/** What the last answer made. */
+let answered: Drawing | null = null;
+
+/** Asks what is in a plan. Of answers, only that to the last question counts. */
 export async function understand(given: Given, options: Partial<DrawingWanted> = {}) {
-    const wanted = { name: given.file.name, unit: null, close: null, origin: false, walls: [], ...options };
-    const now = { given, wanted, found: null, refused: "" };
+    const number = ++latest;
+    const before = drawing.peek()?.given === given ? drawing.peek() : null;
+    const wanted: DrawingWanted = { name: given.file.name, unit: null, close: null, origin: false, walls: [], ...before?.wanted, ...options };
+    const now = { given, wanted, found: null, refused: "", asking: false };
+    // The next option is changed beside this one, also before the answer.
+    drawing.value = before && { ...before, wanted, asking: true };
     try {
         const { value } = await client.ask<Understood>({ ask: "drawing", ...wanted }, given.bytes);
-        drawing.value = { ...now, found: value };
+        if (number === latest) drawing.value = answered = { ...now, found: value };
     } catch (error) {
-        if (!(error instanceof Refused)) throw error;
-        drawing.value = { ...now, refused: error.message };
+        if (number !== latest) return;
+        if (error instanceof Refused) drawing.value = answered = { ...now, refused: error.message };
+        else {
+            drawing.value = before && answered;
+            throw error;
+        }
     }
 }
+
+let seen = [arrived.peek(), bases.peek()];
+// It belongs to the scene beside which it was opened. If its own could not be made, that is there again, with the same base.
+effect(() => {
+    const now = [arrived.value, bases.value];
+    const other = now.every((count, k) => count !== seen[k]);
+    seen = now;
+    if (other) close();
+});
 
 function make({ given, found }: Drawing) {
     if (!found) return;
@@ -67,6 +91,7 @@ function make({ given, found }: Drawing) {
     const large = places.length > MOST.places || places.some(({ polygon }) => (polygon?.length ?? 0) > MOST.corners);
     if (large) throw new Error(`"${given.file.name}": this page takes up to ${MOST.places} exits with up to ${MOST.corners} corners: leave its exits out`);
     const motion: Motion = places.length > 0 ? { kind: "go", wishes: { ...FIRST_WISHES, exits: places } } : { kind: "none" };
+    if (!crowdFits(next)) throw new Error(`"${given.file.name}": this page takes up to ${MOST.corners} corners of the area where people stand: leave that area out`);
     const base = { kind: "crowd" as const, ...next };
     making = JSON.stringify(base);
     open(given.file.name.replace(/\.\w+$/, ""), { base, edits: [], motion }, false, next, true);
@@ -85,9 +110,9 @@ const UNITS = [
 export function DrawingPanel() {
     const now = drawing.value;
     if (!now) return null;
-    const { given, wanted, found, refused } = now;
+    const { given, wanted, found, refused, asking } = now;
     const { name } = given.file;
-    const again = (options: Partial<DrawingWanted>) => void attempt(() => understand(given, { ...wanted, ...options }));
+    const again = (options: Partial<DrawingWanted>) => void attempt(() => understand(given, options));
     const unit = UNITS.find(([key]) => key === String(wanted.unit ?? ""))?.[0] ?? "other";
     return (
         <fieldset class="fields plan">
@@ -130,7 +155,7 @@ export function DrawingPanel() {
             {found && found.waypoints > 0 && <p class="note">Way-points of a plan are not used here.</p>}
             <div class="buttons">
                 {found && (
-                    <button type="button" class="main" onClick={() => void attempt(async () => make(now))}>
+                    <button type="button" class="main" disabled={asking} onClick={() => void attempt(async () => make(now))}>
                         Make this room
                     </button>
                 )}
@@ -148,6 +173,7 @@ export function DrawingPanel() {
 }
 
 function close() {
+    latest += 1;
     drawing.value = null;
 }
 

@@ -89,6 +89,15 @@ export const crowd: Check<KeptCrowd> = (given) => {
     const kept = given as { clothes?: unknown };
     return inCrowd({ material: kept?.clothes === true ? "human_clothes" : "human_naked", friction: null, round: false, mix: {}, ...kept });
 };
+/** As `roomFits`, of a crowd. */
+export function crowdFits(given: KeptCrowd): boolean {
+    try {
+        crowd(given);
+        return true;
+    } catch {
+        return false;
+    }
+}
 export const base = tagged<"kind", KeptBase>("kind", {
     example: record({ name: one("push") }),
     crowd,
@@ -131,6 +140,8 @@ const changed = record<Mechanics>({
     materials: list(record<Material2d>({ id, young_modulus: number, shear_modulus: number }), MOST.edits),
     contacts: list(record<Mechanics["contacts"][number]>({ id1: id, id2: id, gamma_normal: number, gamma_tangential: number, kinetic_friction: nullable(number) }), MOST.edits),
 });
+/** Whether changed numbers of it are still there after a reload. */
+export const canChange = (id: string) => id.length <= MOST.name;
 /** Most scenes change none of it, and older links do not know it. */
 export const mechanics: Check<Mechanics | undefined> = (given) => (given === undefined ? undefined : changed(given));
 /** A circle of a negative radius cannot even be drawn. */

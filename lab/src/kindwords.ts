@@ -17,10 +17,11 @@ const NAMES: Record<string, string> = {
 export const KINDS = Object.keys(NAMES);
 
 export function kindWords(kind: string): string {
-    return NAMES[kind] ?? kind;
+    return isOwn(kind) ? kind : NAMES[kind]!;
 }
 
 /** Whether it is one of somebody's own. */
 export function isOwn(kind: string): boolean {
-    return !(kind in NAMES);
+    // Not `in`: "constructor" may be somebody's kind.
+    return !Object.hasOwn(NAMES, kind);
 }

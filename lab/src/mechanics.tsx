@@ -1,6 +1,6 @@
 // Materials and steps of the scene, changed as numbers.
 
-import { frictionOf } from "./forms";
+import { canChange, frictionOf, MOST } from "./forms";
 import type { Film } from "./film";
 import { digits, NumberField } from "./parts";
 import { change, plan } from "./plan";
@@ -76,16 +76,17 @@ export function MechanicsForm({ film: { scene } }: { film: Film }) {
                     </button>
                 )}
             </div>
-            {materials.map((material) => (
+            {materials.filter(({ id }) => canChange(id)).map((material) => (
                 <fieldset key={material.id} class="fields">
                     <legend translate={false}>{material.id}</legend>
                     <NumberField label={`"${material.id}", Young modulus`} short="Young modulus" unit="N/m" value={material.young_modulus} min={1} max={short(4 * material.shear_modulus)} step={1e5} onChange={(young_modulus) => setMaterial({ ...material, young_modulus })} />
                     <NumberField label={`"${material.id}", shear modulus`} short="shear modulus" unit="N/m" value={material.shear_modulus} min={short(material.young_modulus / 4)} max={STIFFEST} step={1e5} onChange={(shear_modulus) => setMaterial({ ...material, shear_modulus })} />
                 </fieldset>
             ))}
-            {contacts.map((contact) => (
+            {contacts.filter(({ id1, id2 }) => canChange(id1) && canChange(id2)).map((contact) => (
                 <ContactFields key={`${contact.id1} ${contact.id2}`} contact={contact} />
             ))}
+            {!materials.every(({ id }) => canChange(id)) && <p class="note">{`Materials whose Ids have more than ${MOST.name} letters cannot be changed here.`}</p>}
         </div>
     );
 }

@@ -2,6 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { Stopped } from "./client";
 import { thingsOf } from "./draw";
 import { isOwn, KINDS, kindWords } from "./kindwords";
 import { brief, Check } from "./parts";
@@ -16,6 +17,15 @@ const FIRST: Mix = { adult: 70, child: 15, elderly: 10, wheelchair: 5 };
 
 /** What the lab says of kinds; empty until it has. */
 const kinds = signal<KindShown[]>([]);
+
+/** Asks for them. Who stops something else must not lose them. */
+async function learn() {
+    try {
+        kinds.value = (await client.ask<KindShown[]>({ ask: "kinds" })).value;
+    } catch (error) {
+        if (error instanceof Stopped && client.works) await learn();
+    }
+}
 
 /** The name of a kind; that of somebody's own stays as it is. */
 export function KindName({ kind }: { kind: string }) {
@@ -48,7 +58,7 @@ function percent(mix: Mix): Mix {
 export function MixForm({ mix, onChange }: { mix: Mix; onChange(mix: Mix): void }) {
     const on = Object.keys(mix).length > 0;
     useEffect(() => {
-        if (on && kinds.value.length === 0) void client.ask<KindShown[]>({ ask: "kinds" }).then(({ value }) => (kinds.value = value)).catch(() => {});
+        if (on && kinds.value.length === 0) void learn();
     }, [on]);
     return (
         <fieldset class="fields mix">

@@ -116,7 +116,8 @@ function ofKind({ scene }: Film, a: number): [string, ComponentChildren][] {
     const rows: [string, ComponentChildren][] = [];
     if (kind !== null) rows.push(["Kind", <KindName kind={kind} />]);
     const of = [...new Set(things?.flatMap((thing) => thing ?? []))].join(", ");
-    const parts = scene.kinds[kind ?? ""]?.map((part) => (of && part !== "child" ? `${part} (${of})` : part)).join(", ") || of;
+    const known = kind !== null && Object.hasOwn(scene.kinds, kind) ? scene.kinds[kind] : undefined;
+    const parts = known?.map((part) => (of && part !== "child" ? `${part} (${of})` : part)).join(", ") || of;
     if (parts) rows.push(["With", <>{parts}</>]);
     const person = scene.people?.[a];
     if (person && mass - person.mass > 0.05) rows.push(["Mass of the person", `${digits(person.mass, 3)} kg`]);

@@ -85,6 +85,11 @@ const courses = computed(() => drawn(draft.value).doors);
 
 export function setRoom(next: Room) {
     if (target.peek() === "forms") return change({ crowd: { ...plan.value.crowd, room: next } });
+    // What is shown to be changed is not all of them then.
+    if (fixed.peek()) {
+        problem.value = fixed.peek();
+        return;
+    }
     setTrial({ do: "room", room: next });
 }
 

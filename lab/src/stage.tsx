@@ -48,7 +48,10 @@ export function Stage({ film }: { film: Film }) {
     const kind = mapKind.value;
     const quantity = kind && (kind === "density" ? kind : "squeeze");
     const places = useMemo(() => quantity && new ByPlace(client, film, quantity), [film, quantity]);
-    useEffect(() => void (byPlace.value = places), [places]);
+    useEffect(() => {
+        byPlace.value = places;
+        return () => places?.end();
+    }, [places]);
     const alone = embedded || presents.value;
     return (
         <section class="stage" aria-label="Stage">

@@ -22,12 +22,20 @@ function finished<T>(request: IDBRequest<T>): Promise<T> {
     });
 }
 
+/** A request may be done and its transaction fail: where there is no room, it is told only then. */
+function committed(transaction: IDBTransaction): Promise<void> {
+    return new Promise((done, failed) => {
+        transaction.addEventListener("complete", () => done());
+        transaction.addEventListener("abort", () => failed(transaction.error ?? new Error("the browser's database failed")));
+    });
+}
+
 async function entries(mode: IDBTransactionMode): Promise<IDBObjectStore> {
     const opening = indexedDB.open(NAME, 1);
     opening.onupgradeneeded = () => opening.result.createObjectStore("files", { keyPath: "key" });
     const database = await finished(opening);
     const transaction = database.transaction("files", mode);
-    transaction.oncomplete = () => database.close();
+    transaction.oncomplete = transaction.onabort = () => database.close();
     return transaction.objectStore("files");
 }
 
@@ -43,10 +51,14 @@ export async function keep(bytes: Uint8Array, used: Set<string>): Promise<string
     for (const old of unneeded(here.keys(), used)) here.delete(old);
     try {
         const store = await entries("readwrite");
+        const written = committed(store.transaction);
         const entry: Entry = { key, bytes };
-        await finished(store.put(entry));
-        const keys = (await finished(store.getAllKeys())) as string[];
-        for (const old of unneeded(keys, used)) store.delete(old);
+        store.put(entry);
+        const listing = store.getAllKeys();
+        listing.onsuccess = () => {
+            for (const old of unneeded(listing.result as string[], used)) store.delete(old);
+        };
+        await written;
     } catch {
         brief.add(key);
     }

@@ -4,7 +4,7 @@ import { kindOf, setKind } from "./motion";
 import { begin as beginMotion, mode as motionMode, type Mode as MotionMode } from "./motionstate";
 import { change, plan } from "./plan";
 import type { Motion } from "./protocol";
-import { aim, begin as beginRoom, mode as roomMode, type Mode as RoomMode } from "./roomtool";
+import { aim, begin as beginRoom, fixed, mode as roomMode, type Mode as RoomMode } from "./roomtool";
 
 type ToolOf = { name: string; title: string } & ({ room: RoomMode } | { motion: MotionMode; kind: Motion["kind"] });
 
@@ -18,8 +18,9 @@ const TOOLS: ToolOf[] = [
 ];
 
 export function Tools() {
-    // People are placed in crowds of this page only.
-    const there = TOOLS.filter((tool) => "motion" in tool || tool.room !== "region" || plan.value.made.base.kind === "crowd");
+    // People are placed in crowds of this page only, and some walls of a Trial are only seen.
+    const ofCrowd = plan.value.made.base.kind === "crowd";
+    const there = TOOLS.filter((tool) => "motion" in tool || ofCrowd || (tool.room !== "region" && !fixed.value));
     return (
         <div class="together" role="group" aria-label="Draw">
             {there.map((tool) => {

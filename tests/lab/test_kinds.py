@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
 from test_languages import english, visit
-from visit import becomes, download, fill, held, lemons, link, live, make, plan, rows, tab, wait
+from visit import becomes, changed, download, fill, held, lemons, link, live, make, plan, rows, tab, wait
 
 FIRST = {"adult": 70, "child": 15, "elderly": 10, "wheelchair": 5}
 KINDS = ["Adult", "With a backpack", "Child", "Elderly", "Powered wheelchair", "With a stroller", "With a suitcase", "With a walker", "Wheelchair", "With a child"]
@@ -191,3 +191,29 @@ def test_kinds_have_names_in_the_language_of_the_page(browser, url: str, locale:
     page.wait_for_timeout(500)
     assert english(page) == []
     page.context.close()
+
+
+def test_a_kind_of_somebody_s_own_may_have_any_name(page: Page, tmp_path: Path) -> None:
+    kind = lambda text: re.sub(r'<Agent (?=[^>]*Type=)', '<Agent Kind="constructor" ', text, count=1)
+    trial = changed(download(page, "Trial (zip)", tmp_path), tmp_path / "own.zip", kind)
+    tab(page, "Start")
+    page.get_by_label("Open a zip").set_input_files(trial)
+    expect(page.get_by_text('"own.zip": 5 people')).to_be_visible()
+    page.get_by_role("combobox", name="Person", exact=True).select_option(index=1)
+    expect(page.get_by_role("region", name="Numbers").get_by_role("row", name="Kind constructor", exact=True)).to_be_visible()
+    page.get_by_role("combobox", name="Colour").select_option(label="Kind")
+    expect(page.locator(".legend").get_by_text("constructor (1)")).to_be_visible()
+
+
+def test_pictures_of_kinds_come_also_after_a_stop(page: Page) -> None:
+    tab(page, "Room")
+    fill(page, "Room width", 1700)
+    fill(page, "Room height", 1700)
+    tab(page, "Crowd")
+    # That takes some seconds, and the pictures wait for it.
+    fill(page, "People", 2850)
+    page.get_by_role("button", name="Make this crowd").click()
+    page.get_by_label("Children, elderly, luggage, wheelchairs").check()
+    page.get_by_role("button", name="Stop", exact=True).first.click(force=True)
+    expect(page.get_by_text("Stopped.").first).to_be_visible()
+    expect(page.locator(".share svg circle").first).to_be_visible()

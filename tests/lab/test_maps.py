@@ -148,3 +148,23 @@ def test_many_people_have_a_map_of_some_of_the_frames_and_the_page_is_heard(page
     found = table(page, tmp_path)
     area = np.diff(np.unique(found["x"]))[0] * np.diff(np.unique(found["y"]))[0]
     assert found["density"].sum() * area == pytest.approx(600, rel=1e-6)
+
+
+def test_a_map_that_is_not_finished_and_another_one_do_not_mix(page: Page, tmp_path: Path) -> None:
+    make(page, 600, 1600, 1600)
+    show_at(page, 6)
+    choice = page.get_by_role("combobox", name="Map")
+    region = page.get_by_role("region", name="Map")
+    choice.select_option(label="Density")
+    # It has some of its frames, and asks for more.
+    expect(region.get_by_text(re.compile(r"^\d+ frames? from 0 to \d"))).to_be_visible()
+    choice.select_option(label="Mean squeeze")
+    expect(region.get_by_text("600 frames from 0.01 to 6 s.")).to_be_visible()
+    # Everybody counts once in each frame.
+    assert table(page, tmp_path)["values"].sum() == 600 * 600
+    choice.select_option(label="Density")
+    expect(region.get_by_text("301 frames from 0 to 6 s, one of 2")).to_be_visible()
+    found = table(page, tmp_path)
+    area = np.diff(np.unique(found["x"]))[0] * np.diff(np.unique(found["y"]))[0]
+    assert found["density"].sum() * area == pytest.approx(600, rel=1e-6)
+    expect(region.get_by_role("alert")).to_have_count(0)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
-from visit import becomes, download, example, fill, held, lemons, link, make, plan, play_until, same_table, tab, wait
+from visit import becomes, changed, download, example, fill, held, lemons, link, make, people, plan, play_until, same_table, tab, wait
 
 
 def details(page: Page) -> None:
@@ -106,3 +106,21 @@ def test_a_crowd_has_one_friction_and_keeps_its_materials(page: Page, tmp_path: 
     page.get_by_label("Material").select_option(label="Clothes")
     expect(page.get_by_text("Not there any more: changed materials and steps.")).to_be_visible()
     assert "mechanics" not in plan(page)["made"]
+
+
+def test_materials_with_very_long_ids_cannot_be_changed(page: Page, tmp_path: Path) -> None:
+    long = "h" * 201
+    trial = changed(download(page, "Trial (zip)", tmp_path), tmp_path / "long.zip", lambda text: text.replace("human_naked", long))
+    tab(page, "Start")
+    page.get_by_label("Open a zip").set_input_files(trial)
+    expect(page.get_by_text('"long.zip": 5 people')).to_be_visible()
+    details(page)
+    expect(page.get_by_text("Materials whose Ids have more than 200 letters cannot be changed here.")).to_be_visible()
+    expect(page.get_by_role("spinbutton", name=f'"{long}", Young modulus')).to_have_count(0)
+    # What can be changed is still there after a reload.
+    fill(page, '"concrete", shear modulus', 2e10)
+    wait(page, lambda: "mechanics" in plan(page)["made"])
+    page.reload()
+    page.wait_for_selector("canvas")
+    people(page, 5)
+    assert plan(page)["made"]["mechanics"]["materials"][0]["shear_modulus"] == 2e10

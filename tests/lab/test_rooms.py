@@ -1,6 +1,7 @@
 """Walls of an opened Trial, plans of other programs, and a picture under the room."""
 
 import json
+import math
 import re
 import struct
 import xml.etree.ElementTree as ElementTree
@@ -11,7 +12,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 from shapely import MultiLineString
-from visit import ROOT, Picture, becomes, download, fill, held, lemons, link, people, plan, tab, wait
+from visit import ROOT, Picture, becomes, changed, download, fill, held, lemons, link, people, plan, tab, wait
 
 PLANS = ROOT / "examples/plans"
 #: Of the wall around the row of people that is pushed.
@@ -128,6 +129,27 @@ def test_the_walls_of_an_opened_trial_are_changed_with_the_mouse(page: Page, tmp
     button("Take the walls of the Trial again").click()
     expect(page.get_by_text("The walls are those of the Trial.")).to_be_visible()
     assert held(download(page, "Trial (zip)", tmp_path)) == before
+
+
+def test_walls_that_are_only_seen_are_not_lost_by_a_stroke(page: Page, tmp_path: Path) -> None:
+    files = opened(page, tmp_path)
+    tools = page.get_by_role("group", name="Draw", exact=True)
+    expect(tools.get_by_role("button", name="Wall", exact=True)).to_be_visible()
+    element = re.search(r"<Wall .*?</Wall>", files["Geometry.xml"], re.DOTALL)
+    assert element
+    many = re.sub(r'Id="[^"]*"', 'Id="far {x}"', element[0], count=1)
+    many = re.sub(r'Coordinates="([^,"]*),([^"]*)"', lambda at: f'Coordinates="{float(at[1])},{float(at[2]) + 90}"', many)
+    walls = "".join(many.replace("{x}", str(k)) for k in range(500))
+    trial = changed(download(page, "Trial (zip)", tmp_path), tmp_path / "many.zip", lambda text: text.replace(element[0], element[0] + walls))
+    tab(page, "Start")
+    page.get_by_label("Open a zip").set_input_files(trial)
+    expect(page.get_by_text('"many.zip": 5 people')).to_be_visible()
+    for name in ("Wall", "Obstacle", "Door"):
+        expect(tools.get_by_role("button", name=name, exact=True)).to_have_count(0)
+    expect(tools.get_by_role("button", name="Push", exact=True)).to_be_visible()
+    tab(page, "Room")
+    expect(page.get_by_text("These walls can be seen, but not be changed here: there are 501")).to_be_visible()
+    assert len(corners(held(download(page, "Trial (zip)", tmp_path))["Geometry.xml"])) == 501
 
 
 def test_an_opened_trial_has_its_own_steps_whatever_was_changed_before(page: Page, url: str, tmp_path: Path) -> None:
@@ -260,6 +282,44 @@ def test_layers_are_chosen_and_exits_left_out(page: Page) -> None:
     assert kept["crowd"]["room"] == {"outline": [[0, 9], [6, 9], [6, 3], [0, 3]], "obstacles": [], "doors": []}
 
 
+def test_an_area_with_too_many_corners_is_refused_before_the_scene_is_opened(page: Page) -> None:
+    name = page.get_by_role("textbox", name="Name of the scene")
+    before = name.input_value()
+    feature = lambda layer, places: {"type": "Feature", "properties": {"layer": layer}, "geometry": {"type": "Polygon", "coordinates": [places]}}
+    ring = [[3 + 2 * math.cos(2 * math.pi * k / 240), 3 + 2 * math.sin(2 * math.pi * k / 240)] for k in [*range(240), 0]]
+    plan_of = {"type": "FeatureCollection", "features": [feature("walkablearea", [[0, 0], [6, 0], [6, 6], [0, 6], [0, 0]]), feature("distributions-round", ring)]}
+    give(page, "round.geojson", json.dumps(plan_of).encode())
+    page.get_by_role("button", name="Make this room", exact=True).click()
+    expect(page.get_by_role("alert")).to_contain_text('"round.geojson": this page takes up to 200 corners of the area where people stand')
+    assert name.input_value() == before
+    page.get_by_label("People stand where the plan says").uncheck()
+    page.get_by_role("button", name="Make this room", exact=True).click()
+    expect(page.get_by_text("people placed in")).to_be_visible()
+    made = plan(page)["made"]
+    page.reload()
+    people(page, made["base"]["number"])
+    assert plan(page)["made"] == made and name.input_value() == "round"
+
+
+def test_options_of_a_plan_are_changed_together_and_its_panel_goes_with_its_scene(page: Page) -> None:
+    understood = page.get_by_role("table", name="What was understood")
+    give(page, "office.dxf", (PLANS / "office.dxf").read_bytes())
+    unit, origin = page.get_by_label("Unit of the plan"), page.get_by_label("Lower left corner at 0, 0")
+    expect(unit).to_be_visible()
+    # Both before an answer comes.
+    script = "([unit, origin]) => { unit.value = '0.001'; unit.dispatchEvent(new Event('change', { bubbles: true })); origin.click(); }"
+    page.evaluate(script, [unit.element_handle(), origin.element_handle()])
+    expect(understood).to_contain_text("2, of at most 10 cm, between ends of lines")
+    expect(unit).to_have_value("0.001")
+    expect(origin).to_be_checked()
+    tab(page, "Start")
+    page.get_by_role("button", name="A dense square").click()
+    expect(page.get_by_text("people placed in")).to_be_visible()
+    tab(page, "Room")
+    expect(page.get_by_label("Open a plan or a picture")).to_be_visible()
+    expect(unit).to_have_count(0)
+
+
 def test_a_crowd_stands_on_both_sides_of_an_open_wall(page: Page, tmp_path: Path) -> None:
     tab(page, "Room")
     picture = Picture(page)
@@ -336,6 +396,52 @@ def test_a_picture_lies_under_the_room(page: Page, url: str) -> None:
     page.goto(link(url, {"name": "elsewhere", "backdrop": {**backdrop(), "key": "unknown"}}))
     page.reload()
     expect(page.get_by_text("This picture is not kept in this browser")).to_be_visible()
+
+
+def test_the_scale_of_a_picture_needs_two_ends_and_its_tools_end_with_the_tab(page: Page) -> None:
+    give(page, "floor.png", png(40, 20))
+    becomes(page, lambda: (plan(page)["backdrop"] or {}).get("width"), 4)
+    before = plan(page)["backdrop"]
+    picture = Picture(page)
+    page.get_by_role("button", name="Set the scale by a known length").click()
+    length = page.get_by_role("spinbutton", name="Real length of the line")
+    picture.click(0, 0)
+    picture.click(0, 0)
+    expect(page.get_by_text("Click the other end of the line.")).to_be_visible()
+    expect(length).to_have_count(0)
+    # A double click at the other end begins no other line.
+    picture.click(1, 0)
+    picture.click(1, 0)
+    expect(length).to_be_visible()
+    fill(page, "Real length of the line", 999_900)
+    expect(page.get_by_role("alert")).to_contain_text("m wide: 0.1 to 10000 m are allowed.")
+    assert plan(page)["backdrop"] == before
+    fill(page, "Real length of the line", 200)
+    becomes(page, lambda: round(plan(page)["backdrop"]["width"], 1), 8.0)
+    # Whoever comes back from another tab moves the view, not the picture.
+    move = page.get_by_role("button", name="Move it with the mouse")
+    move.click()
+    tab(page, "Crowd")
+    before = plan(page)["backdrop"]
+    picture.drag((1, 1), (1.5, 0.5))
+    tab(page, "Room")
+    expect(move).to_have_attribute("aria-pressed", "false")
+    assert plan(page)["backdrop"] == before
+
+
+def test_what_the_browser_takes_back_is_not_said_to_be_kept(page: Page) -> None:
+    # As where there is no room: the request is done, and its transaction fails.
+    script = '''() => {
+        const put = IDBObjectStore.prototype.put;
+        IDBObjectStore.prototype.put = function (...given) {
+            const request = put.apply(this, given);
+            request.addEventListener("success", () => this.transaction.abort());
+            return request;
+        };
+    }'''
+    page.evaluate(script)
+    give(page, "floor.png", png(40, 20))
+    expect(page.get_by_text("This browser's storage has no room for it")).to_be_visible()
 
 
 def test_plans_and_pictures_that_are_none_are_refused(page: Page) -> None:

@@ -190,8 +190,9 @@ impl Lab {
             true => edit::fitting(&before, &shown.edits, base)?,
             false => (edit::edited(before, &shown.edits, base)?, BTreeMap::new()),
         };
-        let warnings =
-            shown.mechanics.as_ref().map(|mechanics| mechanics.change(&mut edited.trial)).transpose()?;
+        let of_crowd = matches!(base, base::Base::Crowd(_));
+        let change = |mechanics: &mechanics::Mechanics| mechanics.change(&mut edited.trial, of_crowd);
+        let warnings = shown.mechanics.as_ref().map(change).transpose()?;
         let driven = motion::driven(edited, &shown.motion)?;
         let mut notes: Vec<String> = basis.notes.iter().cloned().chain(motion::missed(&driven)).collect();
         if edit::room_of(&shown.edits).is_some() {

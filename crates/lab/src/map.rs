@@ -35,6 +35,13 @@ pub enum Map {
 }
 
 impl Map {
+    fn quantity(&self) -> Quantity {
+        match self {
+            Map::Density(_) => Quantity::Density,
+            Map::Squeeze(_) => Quantity::Squeeze,
+        }
+    }
+
     fn of(quantity: Quantity, driven: &Driven) -> Map {
         let view = extent(driven);
         match quantity {
@@ -65,18 +72,21 @@ fn extent(driven: &Driven) -> Bounds {
     }
 }
 
-/// Adds frames to the run's map, or to a new one. The bytes have [`ROW`] doubles for each person of each frame; who has left
-/// has no numbers there. The answer: the middle of the lowest left cell, the size of a cell, how many there are along x and y,
-/// and how many frames; its bytes: of each cell the density, or the mean and the greatest squeeze and the number of values
-/// \[N, N, 1\], one quantity after the other, row by row from the lowest.
+/// Adds frames to the run's map of a quantity, or to a new one. The bytes have [`ROW`] doubles for each person of each frame;
+/// who has left has no numbers there. The answer: the middle of the lowest left cell, the size of a cell, how many there are
+/// along x and y, and how many frames; its bytes: of each cell the density, or the mean and the greatest squeeze and the number
+/// of values \[N, N, 1\], one quantity after the other, row by row from the lowest.
 ///
 /// # Errors
-/// The bytes are no frames.
+/// The bytes are no frames, or they should be added to a map of another quantity.
 pub fn add(run: &mut Run, quantity: Quantity, fresh: bool, bytes: &[u8]) -> Result<Reply, Refused> {
     let people = run.people();
     require(bytes.len().is_multiple_of(8 * ROW * people), || {
         format!("{} bytes are not frames of {people} people", bytes.len())
     })?;
+    // Its sums would have none of the frames before.
+    let others = run.map.as_ref().is_some_and(|map| map.quantity() != quantity);
+    require(fresh || !others, || "the run's map is of another quantity: begin a new one".to_owned())?;
     let kept = run.map.take().filter(|_| !fresh);
     let mut map = kept.unwrap_or_else(|| Map::of(quantity, &run.driven));
     let numbers = numbers(bytes);

@@ -4,6 +4,7 @@ use crate::{Refused, require};
 use crowd_mechanics::setup;
 use lemons_core::files::source::Memory;
 use lemons_core::trial::{FileNames, Trial};
+use lemons_people::PART_MATERIALS;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -43,21 +44,26 @@ struct Contact {
 }
 
 impl Mechanics {
-    /// Changes the Trial, and returns the warnings about what can be changed so.
+    /// Changes the Trial, and returns the warnings about what can be changed so. A crowd is drawn by chance: what is changed of
+    /// things that nobody has waits until somebody has them.
     ///
     /// # Errors
     /// A material or a contact is not there, or the Trial's files would have errors: those that their reader finds, with
     /// file, element, attribute and value.
-    pub fn change(&self, trial: &mut Trial) -> Result<Vec<String>, Refused> {
+    pub fn change(&self, trial: &mut Trial, of_crowd: bool) -> Result<Vec<String>, Refused> {
         require(self.materials.len().max(self.contacts.len()) <= MOST, || {
             format!("at most {MOST} materials and contacts can be changed")
         })?;
+        let waits = |id: &str| of_crowd && PART_MATERIALS.contains(&id);
         let parameters = &mut trial.parameters;
         parameters.time_step = self.time_step.unwrap_or(parameters.time_step);
         parameters.time_step_mechanical =
             self.time_step_mechanical.unwrap_or(parameters.time_step_mechanical);
         for Material { id, young_modulus, shear_modulus } in &self.materials {
             let found = trial.materials.intrinsic.iter_mut().find(|material| material.id == *id);
+            if found.is_none() && waits(id) {
+                continue;
+            }
             let found = found.ok_or_else(|| Refused(format!("there is no material {id:?}")))?;
             (found.young_modulus, found.shear_modulus) = (*young_modulus, *shear_modulus);
         }
@@ -65,6 +71,9 @@ impl Mechanics {
             let pair = [(id1, id2), (id2, id1)];
             let found =
                 trial.materials.binary.iter_mut().find(|found| pair.contains(&(&found.id1, &found.id2)));
+            if found.is_none() && (waits(id1) || waits(id2)) {
+                continue;
+            }
             let found =
                 found.ok_or_else(|| Refused(format!("there is no contact of {id1:?} and {id2:?}")))?;
             (found.gamma_normal, found.gamma_tangential) = (*gamma_normal, *gamma_tangential);

@@ -165,6 +165,37 @@ fn pictures_bodies_and_measures_are_files() {
 }
 
 #[test]
+fn changed_materials_of_things_wait_until_somebody_of_a_crowd_has_them() {
+    let mut lab = Lab::default();
+    let changed = |id: &str| {
+        let contact = json!({"id1": "concrete", "id2": id, "gamma_normal": 10.0, "gamma_tangential": 20.0, "kinetic_friction": 0.25});
+        json!({
+            "time_step": null, "time_step_mechanical": null,
+            "materials": [{"id": id, "young_modulus": 8e6, "shear_modulus": 2.5e6}], "contacts": [contact],
+        })
+    };
+    let shown = |mix: Value, id: &str| {
+        let mut wanted = own(with(crowd(6, square(5.0, 5.0)), "mix", mix));
+        wanted["mechanics"] = changed(id);
+        wanted
+    };
+    let of_frames = |scene: &Value| -> Vec<f64> {
+        let all = scene["materials"].as_array().unwrap();
+        all.iter().filter(|of| of["id"] == "frame").map(|of| of["young_modulus"].as_f64().unwrap()).collect()
+    };
+    let (all, _) = ok(&mut lab, shown(json!({"wheelchair": 1}), "frame"));
+    assert_eq!(of_frames(&all["scene"]), [8e6]);
+    let (nobody, _) = ok(&mut lab, shown(json!({"adult": 1}), "frame"));
+    assert!(of_frames(&nobody["scene"]).is_empty());
+    let said = refused(&mut lab, shown(json!({"adult": 1}), "steel"), &[]);
+    assert!(said.contains("no material \"steel\""), "{said}");
+    // Files of a Trial do not change by chance.
+    let mut of_trial = push();
+    of_trial["mechanics"] = changed("frame");
+    assert!(refused(&mut lab, of_trial, &[]).contains("no material \"frame\""));
+}
+
+#[test]
 fn materials_and_steps_are_changed_as_the_files_have_them() {
     let mut lab = Lab::default();
     let nothing = json!({"time_step": null, "time_step_mechanical": null, "materials": [], "contacts": []});
