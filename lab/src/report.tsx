@@ -76,7 +76,7 @@ function assumptions({ scene: shown }: Film): [string, string][] {
         if (groups) rows.push(["People in groups", `${Number((100 * groups.share).toFixed(1))} %`]);
         rows.push(["They walk", `${model}, ${mixed ? "desired speeds by kind" : `${desired_speed} m/s`}, seed ${seed}${push === null ? "" : `, pushing ahead with at most ${push} N`}`]);
     }
-    if (motion.kind === "walk") rows.push(["They walk", `on ${motion.ways.length} ways, ${mixed ? "desired speeds by kind" : `${motion.speed} m/s`}`]);
+    if (motion.kind === "walk") rows.push(["They walk", `on ${motion.ways.length} ${motion.ways.length === 1 ? "way" : "ways"}, ${mixed ? "desired speeds by kind" : `${motion.speed} m/s`}`]);
     if (motion.kind === "push") rows.push(["Pushes", motion.pushes.map(({ force, duration }) => `${force} N over ${duration} s`).join("; ")]);
     if (mechanics) {
         if (mechanics.materials.length > 0) rows.push(["Changed moduli, Young and shear", moduli(mechanics).join("; ")]);
