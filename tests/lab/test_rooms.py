@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 from shapely import MultiLineString
-from visit import ROOT, Picture, becomes, download, fill, held, lemons, link, people, plan, tab, wait
+from visit import ROOT, Picture, becomes, download, fill, held, lemons, link, live, people, plan, tab, wait
 
 PLANS = ROOT / "examples/plans"
 #: Of the wall around the row of people that is pushed.
