@@ -65,7 +65,7 @@ async function load(wanted: string) {
 export async function setPicture(file: File) {
     const { name } = file;
     if (file.size > MOST_BYTES) throw new Error(`"${name}" has more than ${MOST_BYTES / 1e6} MB`);
-    if (name.length > MOST.name) throw new Error(`the name ${name.slice(0, 20)}… has more than ${MOST.name} letters`);
+    if (name.length > MOST.name) throw new Error(`the name "${name.slice(0, 20)}…" has more than ${MOST.name} letters`);
     const url = URL.createObjectURL(new Blob([file], { type: typeOf(name) }));
     try {
         const picture = new Image();

@@ -10,7 +10,7 @@ const lab = signal<Lab | null>(null);
 load(() => 0, "?__BUILD__").then(
     (loaded) => (lab.value = loaded),
     // Then the worker's may fail, too, which matters more.
-    (error) => (problem.value ||= `Rooms cannot be drawn (${error}). Load this page again.`),
+    (error) => (problem.value ||= `Rooms cannot be drawn: "${String(error).replaceAll('"', "'")}". Load this page again.`),
 );
 
 /** Whether rooms can be drawn. */

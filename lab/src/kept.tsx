@@ -9,6 +9,7 @@ import type { Film } from "./film";
 import { frictionOf } from "./forms";
 import { beat } from "./layout";
 import { dampings, moduli } from "./mechanics";
+import { mixWords } from "./mix";
 import { digits } from "./parts";
 import { plan, scene } from "./plan";
 import { film } from "./session";
@@ -32,12 +33,18 @@ function facts(): string[] {
     if (made.base.kind === "crowd") {
         parts.push(crowd.number === null ? `${crowd.density} people per m²` : `${crowd.number} people`);
         for (const { width } of crowd.room.doors) parts.push(`door ${Number(width.toFixed(3))} m`);
-        parts.push(`friction ${frictionOf(crowd)}`, crowd.round ? "round bodies" : "real bodies");
+        parts.push(crowd.material, `friction ${frictionOf(crowd)}`, crowd.round ? "round bodies" : "real bodies", ...mixWords(crowd.mix));
         if (crowd.men !== 0.5) parts.push(`${Math.round(100 * crowd.men)} % men`);
     }
+    if (made.edits.some((edit) => edit.do === "room")) parts.push("walls changed");
     if (mechanics) parts.push(...moduli(mechanics), ...dampings(mechanics));
+    if (mechanics?.time_step) parts.push(`communication ${mechanics.time_step} s`);
     if (mechanics?.time_step_mechanical) parts.push(`steps of ${mechanics.time_step_mechanical} s`);
-    if (made.motion.kind === "go") parts.push(`${made.motion.wishes.desired_speed} m/s`, made.motion.wishes.model);
+    if (made.motion.kind === "go") {
+        const { desired_speed, model, groups } = made.motion.wishes;
+        parts.push(`${desired_speed} m/s`, model);
+        if (groups) parts.push(`${Number((100 * groups.share).toFixed(1))} % in groups`);
+    }
     if (made.motion.kind === "push" && made.motion.pushes[0]) parts.push(`${made.motion.pushes[0].force} N`);
     return parts;
 }

@@ -22,17 +22,24 @@ export const language = wanted();
 let words: Map<string, string> | null = null;
 /** Texts without a translation: tests read them. */
 const missing = new Set<string>();
-Object.assign(window, { missing });
+Object.assign(window, { missing, translated });
 
-/** The entry for a text, with or without its full stop, or those of its parts. */
-function entry(key: string): string | undefined {
+/** The entry for a text, with or without its full stop; a text without words is its own. */
+function whole(key: string): string | undefined {
     const sentence = key.endsWith(".") ? words!.get(key.slice(0, -1)) : undefined;
-    const found = words!.get(key) ?? (sentence && `${sentence}.`);
-    if (found !== undefined || !/[a-z]{2}/i.test(key)) return found ?? key;
-    const [whole, first, between, rest] = /^(.*?)(, |: |; |\. )(.*)$/s.exec(key) ?? [];
-    if (whole === undefined) return undefined;
-    const [one, other] = [entry(first!), entry(rest!)];
-    return one === undefined || other === undefined ? undefined : one + between + other;
+    return words!.get(key) ?? (sentence && `${sentence}.`) ?? (/[a-z]{2}/i.test(key) ? undefined : key);
+}
+
+/** The entry for a text, or those of its parts: the first part is as short as it can be and have one. */
+function entry(key: string): string | undefined {
+    const found = whole(key);
+    if (found !== undefined) return found;
+    for (const { 0: between, index } of key.matchAll(/, |: |; |\. /g)) {
+        const first = whole(key.slice(0, index));
+        const rest = first === undefined ? undefined : entry(key.slice(index + between.length));
+        if (rest !== undefined) return first + between + rest;
+    }
+    return undefined;
 }
 
 /** A text in the language of the page; it stays English where there is no translation. */

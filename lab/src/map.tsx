@@ -9,7 +9,8 @@ import { Bar, shown } from "./legend";
 import { Check, NumberField, save } from "./parts";
 import { png } from "./picture";
 import { change, embedded, plan, scene } from "./plan";
-import { attempt } from "./session";
+import { COLUMNS, isThere } from "./protocol";
+import { attempt, selected } from "./session";
 
 interface MapProps {
     film: Film;
@@ -37,8 +38,24 @@ export function MapLegend({ film, places, kind }: MapProps) {
             </p>
             {/* The picture shows it at the mouse. */}
             <p class="hidden">{pointed.value && valueAt(pointed.value)}</p>
+            <AtSelected film={film} />
             {places.refused.value && <p role="alert">{places.refused.value}</p>}
         </section>
+    );
+}
+
+/** Its value where the selected person is: so it can be read without a mouse. */
+function AtSelected({ film }: { film: Film }) {
+    const frame = film.frame(film.shown.value);
+    const agent = selected.value;
+    if (agent === null || !isThere(frame, agent)) return null;
+    const value = valueAt([frame[COLUMNS * agent]!, frame[COLUMNS * agent + 1]!]);
+    return (
+        value && (
+            <p class="note">
+                At the selected person: <span translate={false}>{value}</span>
+            </p>
+        )
     );
 }
 

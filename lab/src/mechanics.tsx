@@ -1,6 +1,6 @@
 // Materials and steps of the scene, changed as numbers.
 
-import { canChange, frictionOf, MOST } from "./forms";
+import { canChange, MOST } from "./forms";
 import type { Film } from "./film";
 import { digits, NumberField } from "./parts";
 import { change, plan } from "./plan";
@@ -96,7 +96,7 @@ function ContactFields({ contact }: { contact: Contact }) {
     const { base } = made;
     const { id1, id2 } = contact;
     const name = id1 === id2 ? id1 : `${id1} – ${id2}`;
-    // Of a crowd, its form and the slider have the friction.
+    // Of a crowd, its form and the slider have the friction, once it is changed: one for all contacts of its people.
     const ofCrowd = base.kind === "crowd" && [id1, id2].includes(base.material);
     const damping = (part: Partial<Contact>) => setContact({ ...contact, ...part, kinetic_friction: ofCrowd ? null : (part.kinetic_friction ?? contact.kinetic_friction) });
     return (
@@ -105,7 +105,7 @@ function ContactFields({ contact }: { contact: Contact }) {
             <NumberField label={`"${name}", normal damping`} short="normal damping" unit="kg/s" value={contact.gamma_normal} min={0} max={MOST_DAMPING} step={100} onChange={(gamma_normal) => damping({ gamma_normal })} />
             <NumberField label={`"${name}", tangential damping`} short="tangential damping" unit="kg/s" value={contact.gamma_tangential} min={0} max={MOST_DAMPING} step={100} onChange={(gamma_tangential) => damping({ gamma_tangential })} />
             {ofCrowd ? (
-                <NumberField label={`"${name}", friction`} short="friction" value={frictionOf(crowd)} min={0} max={MOST_OF_CROWD} step={0.05} onChange={(friction) => change({ crowd: { ...crowd, friction } })} />
+                <NumberField label={`"${name}", friction`} short="friction" value={crowd.friction ?? contact.kinetic_friction} min={0} max={MOST_OF_CROWD} step={0.05} onChange={(friction) => change({ crowd: { ...crowd, friction } })} />
             ) : (
                 <NumberField label={`"${name}", friction`} short="friction" value={contact.kinetic_friction} min={0} max={MOST_FRICTION} step={0.05} onChange={(kinetic_friction) => damping({ kinetic_friction })} />
             )}

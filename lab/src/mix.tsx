@@ -10,7 +10,7 @@ import { plan } from "./plan";
 import type { Disk, KindShown } from "./protocol";
 import { client } from "./session";
 
-type Mix = Record<string, number>;
+export type Mix = Record<string, number>;
 
 /** What a mix begins with. */
 const FIRST: Mix = { adult: 70, child: 15, elderly: 10, wheelchair: 5 };
@@ -49,10 +49,15 @@ export function shared(mix: Mix, kind: string, share: number): Mix {
 }
 
 /** Shares as they are shown: of 100. What a link says may have any sum. */
-function percent(mix: Mix): Mix {
+export function percent(mix: Mix): Mix {
     const sum = Object.values(mix).reduce((sum, share) => sum + share, 0);
     const known = Object.values(mix).every(Number.isInteger) && sum === 100;
     return known || !(sum > 0) ? mix : shared({ ...mix, "": 0 }, "", 0);
+}
+
+/** Kinds and their shares in words; the name of somebody's own is in quotes (language.ts). */
+export function mixWords(mix: Mix): string[] {
+    return Object.entries(percent(mix)).map(([kind, share]) => `${isOwn(kind) ? `"${brief(kind)}"` : kindWords(kind)}: ${share} %`);
 }
 
 export function MixForm({ mix, onChange }: { mix: Mix; onChange(mix: Mix): void }) {
@@ -79,6 +84,16 @@ function Shares({ mix, onChange }: { mix: Mix; onChange(mix: Mix): void }) {
                 // Another change may come before this is drawn again.
                 <Share key={kind} kind={kind} share={mix[kind] ?? 0} onChange={(share) => onChange(shared(percent(plan.peek().crowd.mix), kind, share))} />
             ))}
+            <details>
+                <summary>Sources of these kinds</summary>
+                <ul class="notes">
+                    {kinds.value.map(({ kind, sources }) => (
+                        <li key={kind}>
+                            <KindName kind={kind} />: <span translate={false}>{sources.join("; ")}</span>
+                        </li>
+                    ))}
+                </ul>
+            </details>
             <p class="note">Shares stay at 100 % together. Each person is drawn by chance, so that the numbers differ a little. The numbers of kinds have sources or are assumptions (docs/people.md).</p>
         </>
     );
@@ -91,7 +106,7 @@ function Share({ kind, share, onChange }: { kind: string; share: number; onChang
         if (Number.isFinite(value)) onChange(Math.max(0, Math.min(100, Math.round(value))));
     };
     return (
-        <div class="share" title={found?.sources.join("; ")} translate={false}>
+        <div class="share" translate={false}>
             <FromAbove kind={found} />
             <span class="name">
                 <KindName kind={kind} />

@@ -1,6 +1,5 @@
 // A report to print: the scene, what it assumes, its picture and numbers, and what they do not say.
 
-import { isOwn, kindWords } from "./kindwords";
 import { effect, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { perExit } from "./csv";
@@ -9,6 +8,7 @@ import { frictionOf } from "./forms";
 import { canvas } from "./layout";
 import { Squeeze } from "./legend";
 import { dampings, moduli } from "./mechanics";
+import { mixWords } from "./mix";
 import { brief, digits, Facts, length, named } from "./parts";
 import { png } from "./picture";
 import { link, plan, scene } from "./plan";
@@ -57,22 +57,26 @@ function assumptions({ scene: shown }: Film): [string, string][] {
     const { made, unit } = plan.value;
     const { base, motion, edits, mechanics } = made;
     const rows: [string, string][] = [["People", String(shown.agents.length)]];
+    const mixed = base.kind === "crowd" && Object.keys(base.mix).length > 0;
     if (base.kind === "crowd") {
         const [width, height] = shape(base.room.outline).bounds;
         rows.push(
             ["Room", `${length(width, unit)} × ${length(height, unit)}, ${base.room.obstacles.length} obstacles`],
             ["Doors", base.room.doors.map((door) => length(door.width, unit)).join(", ") || "none"],
             ["Drawn from", `${POPULATIONS[base.people.kind]}, ${Math.round(100 * base.men)} % men, seed ${base.seed}`],
-            ...(Object.keys(base.mix).length > 0 ? [["Kinds", Object.entries(base.mix).map(([kind, share]) => `${isOwn(kind) ? `"${brief(kind)}"` : kindWords(kind)} ${share}`).join(", ")] as [string, string]] : []),
-            ["Bodies", `${base.round ? "one disk" : "five disks"} each, ${base.material}, friction ${frictionOf(base)}`],
+            ["Bodies", `${mixed ? "disks by kind" : base.round ? "one disk each" : "five disks each"}, ${base.material}, friction ${frictionOf(base)}`],
         );
+        if (mixed) rows.push(["Kinds", mixWords(base.mix).join(", ")]);
     } else rows.push(["Trial", `"${brief(base.name, 60)}"`]);
-    if (edits.length > 0) rows.push(["Changes by hand", String(edits.length)]);
+    const ofPeople = edits.filter((edit) => edit.do !== "room");
+    if (ofPeople.length > 0) rows.push(["Changes by hand", String(ofPeople.length)]);
+    if (ofPeople.length < edits.length) rows.push(["Walls", "changed"]);
     if (motion.kind === "go") {
-        const { model, desired_speed, push, seed } = motion.wishes;
-        rows.push(["They walk", `${model}, ${desired_speed} m/s, seed ${seed}${push === null ? "" : `, pushing ahead with at most ${push} N`}`]);
+        const { model, desired_speed, push, seed, groups } = motion.wishes;
+        if (groups) rows.push(["People in groups", `${Number((100 * groups.share).toFixed(1))} %`]);
+        rows.push(["They walk", `${model}, ${mixed ? "desired speeds by kind" : `${desired_speed} m/s`}, seed ${seed}${push === null ? "" : `, pushing ahead with at most ${push} N`}`]);
     }
-    if (motion.kind === "walk") rows.push(["They walk", `on ${motion.ways.length} ways, ${motion.speed} m/s`]);
+    if (motion.kind === "walk") rows.push(["They walk", `on ${motion.ways.length} ${motion.ways.length === 1 ? "way" : "ways"}, ${mixed ? "desired speeds by kind" : `${motion.speed} m/s`}`]);
     if (motion.kind === "push") rows.push(["Pushes", motion.pushes.map(({ force, duration }) => `${force} N over ${duration} s`).join("; ")]);
     if (mechanics) {
         if (mechanics.materials.length > 0) rows.push(["Changed moduli, Young and shear", moduli(mechanics).join("; ")]);

@@ -1,9 +1,10 @@
 // What can be asked of the scene at once: sliders that act while it runs. A sweep takes many values of one of them.
 
+import { signal } from "@preact/signals";
 import { edited } from "./drawn";
 import { frictionOf, type KeptCrowd } from "./forms";
 import { isOwn, kindWords } from "./kindwords";
-import { shared } from "./mix";
+import { type Mix, percent, shared } from "./mix";
 import { Check } from "./parts";
 import { change, plan } from "./plan";
 import type { Motion, Wishes } from "./protocol";
@@ -39,10 +40,17 @@ function ofCrowd(crowd: KeptCrowd): Parameter[] {
     return found;
 }
 
+/** The mix before a slider is moved, until it is let go: on the way a kind may have no share, and comes back. */
+const held = signal<Mix | null>(null);
+const letGo = () => void (held.value = null);
+// Also when the slider itself is gone.
+for (const name of ["pointerup", "pointercancel"]) addEventListener(name, letGo);
+
 /** Shares of all kinds that are there but adults. */
 function ofKinds({ mix }: KeptCrowd): Parameter[] {
-    const kinds = Object.keys(mix).filter((kind) => kind !== "adult" && !isOwn(kind));
-    return kinds.map((kind) => ({ label: kindWords(kind), unit: "%", value: mix[kind]!, range: [0, 100, 1], with: (share) => ({ crowd: { mix: shared(mix, kind, share) } }) }));
+    const [now, from] = [percent(mix), percent(held.value ?? mix)];
+    const kinds = Object.keys(from).filter((kind) => kind !== "adult" && !isOwn(kind));
+    return kinds.map((kind) => ({ label: kindWords(kind), unit: "%", value: now[kind] ?? 0, range: [0, 100, 1], with: (share) => ({ crowd: { mix: shared(from, kind, share) } }) }));
 }
 
 function ofMotion(motion: Motion): Parameter[] {
@@ -67,15 +75,13 @@ export function parameters(): Parameter[] {
     return [...ofCrowd(crowd), ...ofKinds(crowd), ...ofMotion(made.motion).filter(({ label }) => label !== "Desired speed" || Object.keys(crowd.mix).length === 0)];
 }
 
-/** Whether a slider is being moved: the whole way is one step of Undo. */
-let sliding = false;
-
-/** Gives one of them another value on the stage. */
+/** Gives one of them another value on the stage. The whole way of a slider is one step of Undo. */
 function slide(parameter: Parameter, value: number) {
     const other = parameter.with(value);
-    if ("crowd" in other) change({ crowd: { ...plan.value.crowd, ...other.crowd } }, !sliding);
-    else choose(other, playsOn(), plan.value.crowd, "", !sliding);
-    sliding = true;
+    const asStep = held.value === null;
+    held.value ??= plan.value.crowd.mix;
+    if ("crowd" in other) change({ crowd: { ...plan.value.crowd, ...other.crowd } }, asStep);
+    else choose(other, playsOn(), plan.value.crowd, "", asStep);
 }
 
 export function Sliders() {
@@ -96,7 +102,7 @@ export function Sliders() {
                             step={step}
                             value={value}
                             onInput={(event) => slide(parameter, event.currentTarget.valueAsNumber)}
-                            onChange={() => (sliding = false)}
+                            onChange={letGo}
                         />
                     </label>
                 );

@@ -5,9 +5,8 @@ import { Client, Stopped } from "./client";
 import { table } from "./csv";
 import { meanFlow } from "./flow";
 import { Frames } from "./frames";
-import { same } from "./live";
 import { beyond } from "./places";
-import { crowdOf, type Made, plan, scene } from "./plan";
+import { type Made, plan, scene } from "./plan";
 import type { Advanced, Edit, Motion, Opened } from "./protocol";
 import { film, sent } from "./session";
 import type { Parameter } from "./sliders";
@@ -80,9 +79,8 @@ function named(edit: Edit): string {
 /** `from`: the scene that is swept. */
 async function run(client: Client, from: Made, made: Made, doors: unknown[], until: number): Promise<Pick<Run, "made" | "measures" | "leftOut">> {
     const [base, bytes] = await sent(made.base);
-    const [before, after] = [crowdOf(from.base), crowdOf(made.base)];
-    // People who were placed again are others: what was done by hand is done to whom it still fits.
-    const fitting = before !== null && after !== null && !same(before, after);
+    // People may be others, and walls may stand elsewhere: what was done by hand is done where it still fits.
+    const fitting = JSON.stringify(from.base) !== JSON.stringify(made.base);
     const show = (motion: Motion) => client.ask<Opened>({ ask: "show", base, edits: made.edits, fitting, mechanics: made.mechanics, motion }, bytes);
     let opened = await show(made.motion);
     const out = new Map(opened.value.left_out);

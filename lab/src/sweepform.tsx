@@ -131,7 +131,7 @@ function LeftOut({ of: { parameter, runs } }: { of: Sweep }) {
             <summary>{`Not all changes by hand fit in ${some.length} of ${runs.length} runs`}</summary>
             <ul class="notes">
                 {some.slice(0, MOST_LISTED).map(({ value, seed, leftOut }) => (
-                    <li key={`${value} ${seed}`} translate={false}>{`${parameter.label} ${value}, seed ${seed}: ${leftOut.join("; ")}`}</li>
+                    <li key={`${value} ${seed}`}>{`${parameter.label}: ${value}, seed ${seed}: ${leftOut.join("; ")}`}</li>
                 ))}
                 {some.length > MOST_LISTED && <li>…</li>}
             </ul>

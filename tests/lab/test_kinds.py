@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 from test_languages import english, visit
-from visit import becomes, changed, download, fill, held, lemons, link, live, make, plan, rows, tab, wait
+from visit import Picture, becomes, changed, download, fill, held, lemons, link, live, make, places, plan, rows, tab, wait
 
 FIRST = {"adult": 70, "child": 15, "elderly": 10, "wheelchair": 5}
 KINDS = ["Adult", "With a backpack", "Child", "Elderly", "Powered wheelchair", "With a stroller", "With a suitcase", "With a walker", "Wheelchair", "With a child"]
@@ -131,8 +131,17 @@ def test_kinds_have_colours_and_the_inspector_says_what_goes_along(page: Page, t
         count = sum(row["type"] == kind for row in people)
         expect(legend.get_by_role("listitem").filter(has_text=re.compile(rf"^{name} \({count}\)$"))).to_be_visible()
     expect(legend.get_by_text("Frames")).to_be_visible()
+    assert "40 agents" in lemons("check", trial)
     # On the picture each has the colour of the legend: a wheelchair is grey, and who sits there is coloured.
-    lemons("check", trial)
+    swatch = lambda name: hexadecimal(legend.get_by_role("listitem").filter(has_text=re.compile(rf"^{name}( \(|$)")).locator(".swatch"))
+    grey_of_frames = swatch("Frames")
+    colours = {kind: swatch(name) for kind, name in (("adult", "Adult"), ("child", "Child"), ("elderly", "Elderly"), ("wheelchair", "Wheelchair"))}
+    assert len({*colours.values(), grey_of_frames}) == 5
+    picture, poses = Picture(page), places(trial)
+    for row in people:
+        seen = around(page, picture, poses[row["id"]][:2], 0.4 if row["type"] == "wheelchair" else 0.1)
+        assert seen.count(colours[row["type"]]) > len(seen) / 20, row
+        assert (seen.count(grey_of_frames) > len(seen) / 50) == (row["type"] == "wheelchair"), row
     chair = next(row for row in people if row["type"] == "wheelchair")
     page.get_by_role("combobox", name="Person", exact=True).select_option(label=chair["id"])
     numbers = page.get_by_role("region", name="Numbers")
@@ -148,6 +157,81 @@ def test_kinds_have_colours_and_the_inspector_says_what_goes_along(page: Page, t
     page.get_by_label("Children, elderly, luggage, wheelchairs").uncheck()
     live(page)
     expect(page.get_by_role("combobox", name="Colour")).to_have_value("squeeze")
+
+
+def hexadecimal(swatch: Locator) -> str:
+    red, green, blue = re.findall(r"\d+", swatch.evaluate("swatch => getComputedStyle(swatch).backgroundColor"))
+    return f"{int(red):02x}{int(green):02x}{int(blue):02x}"
+
+
+def around(page: Page, picture: Picture, at: tuple[float, float], reach: float) -> list[str]:
+    """Colours of the stage in a square around a place."""
+    (left, low), (right, high) = picture.pixel(at[0] - reach, at[1] - reach), picture.pixel(at[0] + reach, at[1] + reach)
+    script = """([left, top, width, height]) => {
+        const by = devicePixelRatio, canvas = document.querySelector('canvas');
+        const { data } = canvas.getContext('2d').getImageData(left * by, top * by, width * by, height * by);
+        const hex = k => [0, 1, 2].map(j => data[k + j].toString(16).padStart(2, '0')).join('');
+        return Array.from({ length: data.length / 4 }, (_, k) => hex(4 * k));
+    }"""
+    seen: list[str] = page.evaluate(script, [left, high, right - left, low - high])
+    return seen
+
+
+def test_a_kind_comes_back_on_the_way_of_its_slider(page: Page) -> None:
+    mixed(page)
+    tab(page, "Start")
+    becomes(page, lambda: plan(page)["made"]["base"]["mix"], FIRST)
+    slider = lambda name: page.locator(".sliders").get_by_role("slider", name=re.compile(rf"^{name}:"))
+    box = slider("Child").bounding_box()
+    assert box
+    # The middle of the handle does not reach the ends.
+    at = lambda percent: (box["x"] + 8 + percent / 100 * (box["width"] - 16), box["y"] + box["height"] / 2)
+    mix = lambda: plan(page)["crowd"]["mix"]
+    page.mouse.move(*at(15))
+    page.mouse.down()
+    page.mouse.move(*at(150))
+    becomes(page, mix, {"child": 100})
+    expect(slider("Wheelchair")).to_be_visible()
+    page.mouse.move(*at(-50))
+    becomes(page, lambda: "child" in mix(), False)
+    assert sum(mix().values()) == 100 and set(mix()) == {"adult", "elderly", "wheelchair"}
+    page.mouse.move(*at(40))
+    becomes(page, lambda: abs(mix().get("child", 0) - 40) <= 3, True)
+    assert set(mix()) == set(FIRST)
+    page.mouse.move(*at(-50))
+    page.mouse.up()
+    expect(slider("Child")).to_have_count(0)
+    live(page)
+    # All of it is one step of Undo, and what is changed next is another one.
+    slider("Men").fill("20")
+    becomes(page, lambda: plan(page)["crowd"]["men"], 0.2)
+    live(page)
+    page.get_by_role("button", name="Undo", exact=True).click()
+    becomes(page, lambda: (plan(page)["crowd"]["men"], "child" in mix()), (0.5, False))
+    page.get_by_role("button", name="Undo", exact=True).click()
+    becomes(page, mix, FIRST)
+
+
+def test_shares_of_a_link_are_percent_on_sliders_and_in_the_report(page: Page, url: str) -> None:
+    mixed(page, 12)
+    kept = plan(page)
+    kept["made"]["base"]["mix"] = kept["crowd"]["mix"] = {"adult": 3, "child": 1}
+    kept["made"]["motion"] = {"kind": "walk", "speed": 1.34, "ways": [[{"x": 7, "y": 3, "radius": 0.5}]]}
+    page.goto("about:blank")
+    page.goto(link(url, kept))
+    tab(page, "Start")
+    expect(page.locator(".sliders").get_by_text("Child: 25 %")).to_be_visible()
+    page.get_by_role("button", name="Keep this run to compare").click()
+    page.locator(".sliders").get_by_role("slider", name=re.compile("^Child:")).fill("50")
+    live(page)
+    expect(page.get_by_text("Kept: Adult: 75 %, Child: 25 %.")).to_be_visible()
+    page.get_by_role("button", name="End the comparison").click()
+    tab(page, "Take away")
+    page.get_by_role("button", name="Report to print").click()
+    report = page.get_by_role("main", name="Report")
+    for row in ("Kinds Adult: 50 %, Child: 50 %", "They walk on 1 way, desired speeds by kind"):
+        expect(report.get_by_role("row", name=row, exact=True)).to_be_visible()
+    expect(report.get_by_role("row", name=re.compile("^Bodies disks by kind, human_naked"))).to_be_visible()
 
 
 def grey(page: Page, path: Path) -> float:

@@ -118,6 +118,56 @@ def test_what_the_engine_refuses_is_in_the_language(browser: Browser, url: str, 
     page.context.close()
 
 
+#: Messages of the engine as its source has them, each with what it fills in. Those about files stay English.
+MESSAGES = [
+    ("{number} people do not fit on {area:.2} m² without overlap; about {about} of them do, {clear:.1} per m²", [3000, "16.00", 89, "5.6"]),
+    ("{number} people: the number must be 1 to {MOST_PEOPLE}", [9000, 5000]),
+    ("give either the number of people or their density", []),
+    ("{people} people are too many for a page: at most {MOST_PEOPLE}", [30000, 20000]),
+    ("round bodies are of adults with nothing: take no mix of kinds, or no round bodies", []),
+    ("the mix of kinds: {error}", ["the shares must sum up to more than 0"]),
+    ("{} shapes cover {covered:.3} m², but the region has {room:.3} m²: it cannot hold them without overlap", [40, "3.412", "2.000"]),
+    ("the grid of {along:.3} m × {across:.3} m has {places} places in the region; {shapes} shapes are given", ["0.500", "0.300", 12, 40]),
+    ("no walls: nothing bounds the region", []),
+    ("{REGION} goes over a wall: somebody would stand in it", ["the region where people are placed"]),
+    ("there is nobody with the Id {id:?}", ['"left"']),
+    ("nobody would be left", []),
+    ("{} changes by hand: at most {MOST}", [1001, 1000]),
+    ("person {id:?} would overlap {whom} by {:.1} mm", ['"3"', "somebody", "12.5"]),
+    ("person {id:?} would overlap {whom} by {:.1} mm", ['"3"', "a wall or somebody", "12.5"]),
+    ("push {}: nobody stands in its circle", [2]),
+    ("nobody can walk: there is no way", []),
+    ("{place}: lies on walls, or is shut in by them: nobody can reach it from anywhere", ['exit "a: b, c"']),
+    ("agent {agent:?} at ({x}, {y}) m: no way leads to {to}: walls are between", ['"7"', "-1.25", "3.00", 'goal "stage"']),
+    ("agent {agent:?} at ({x}, {y}) m: no way leads to {to}: walls are between", ['"7"', "1.25", "3.00", 'any exit ("left")']),
+    ("agent {agent:?} at ({x}, {y}) m: no way leads to {to}: walls are between", ['"7"', "1.25", "3.00", 'any exit ("left", "right", "last")']),
+    ("there are no agents", []),
+    ("{count} corners: at most {MOST_CORNERS} are allowed", [5001, 5000]),
+    ("{name}: its area is {area} m²; at least {SMALLEST_AREA} m² is needed", ["the region where people are placed", 0, "0.000001"]),
+]  # fmt: skip
+#: English words that are no German or French ones.
+ENGLISH = set("the of is are be people must and or no by somebody walls nobody between which about number exit goal any with there from them".split())
+
+
+@pytest.mark.parametrize("locale", ["de-DE", "fr-FR"])
+def test_each_message_of_the_engine_has_a_translation(browser: Browser, url: str, locale: str) -> None:
+    sources = "".join(path.read_text() for path in (Path(__file__).parents[2] / "crates").glob("*/src/**/*.rs"))
+    sources = re.sub(r"\\\n\s*", "", sources)
+    page = visit(browser, url, locale)
+    for template, values in MESSAGES:
+        # What the engine does not say any more needs no words.
+        assert f'"{template}"' in sources, template
+        parts = re.split(r"\{[^}]*\}", template)
+        said = "".join(f"{part}{value}" for part, value in zip(parts, [*values, ""], strict=True))
+        shown: str = page.evaluate("text => window.translated(text)", said)
+        assert shown != said
+        assert not ENGLISH & set(re.findall(r"[a-z]+", re.sub('"[^"]*"', "", shown.lower()))), shown
+        # All numbers and names stay.
+        assert re.findall(r'"[^"]*"|\d[\d.]*', shown) == re.findall(r'"[^"]*"|\d[\d.]*', said)
+    assert english(page) == []
+    page.context.close()
+
+
 def test_the_language_can_be_chosen_and_is_kept(browser: Browser, url: str) -> None:
     page = visit(browser, url, "en-GB", 390)
     page.get_by_role("combobox", name="Language").select_option(label="Français")

@@ -99,6 +99,12 @@ def test_the_squeeze_is_that_of_those_in_each_cell(page: Page, tmp_path: Path) -
     expect(words).to_have_text(re.compile(r"^Mean squeeze: [\d.]+ N$"))
     told = float(words.inner_text().split()[-2])
     assert told == pytest.approx(np.mean(values[at]), rel=6e-3, abs=0.01)
+    # Without a mouse: the number where the selected person stands.
+    page.get_by_role("combobox", name="Person", exact=True).select_option(label="0")
+    beside = page.get_by_role("region", name="Map").get_by_text("At the selected person:")
+    expect(beside).to_have_text(re.compile(r"^At the selected person: Mean squeeze: [\d.]+ N$"))
+    cell = tuple(int(number) for number in np.floor(places[0, 0] / CELL))
+    assert float(beside.inner_text().split()[-2]) == pytest.approx(np.mean(values[cell]), rel=6e-3, abs=0.01)
     # Means of 1 s are other ones, and the greatest is another map.
     page.get_by_role("combobox", name="mean of").select_option(label="1 s")
     show(page, "Greatest squeeze", "Squeeze: mean of 1 s.")

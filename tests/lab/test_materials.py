@@ -58,6 +58,22 @@ def test_changed_materials_and_steps_run_as_the_command_runs_them(page: Page, ur
     assert held(download(page, "Trial (zip)", tmp_path)) == old
 
 
+def test_frictions_are_those_of_the_trial_until_one_is_changed(page: Page, tmp_path: Path) -> None:
+    make(page, 8, 400, 400)
+    contacts = lambda: [one for one in attributes(download(page, "Trial (zip)", tmp_path), "Materials.xml", "Contact") if "human_naked" in (one["Id1"], one["Id2"]) and {one["Id1"], one["Id2"]} <= {"human_naked", "concrete"}]
+    details(page)
+    field = lambda one: page.get_by_role("spinbutton", name=f'"{one["Id1"] if one["Id1"] == one["Id2"] else f"{one["Id1"]} – {one["Id2"]}"}", friction', exact=True)
+    before = contacts()
+    # People have another friction with walls than with each other.
+    assert sorted(float(one["KineticFriction"]) for one in before) == [0.4, 0.5]
+    for one in before:
+        assert float(field(one).input_value()) == float(one["KineticFriction"])
+    fill(page, '"human_naked", friction', 0.3)
+    becomes(page, lambda: plan(page)["made"]["base"]["friction"], 0.3)
+    for one in contacts():
+        assert float(one["KineticFriction"]) == float(field(one).input_value()) == 0.3
+
+
 def test_bounds_are_said_and_the_engine_s_advice_is_taken(page: Page, tmp_path: Path) -> None:
     details(page)
     for label, value, words in (

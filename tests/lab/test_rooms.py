@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 from shapely import MultiLineString
-from visit import ROOT, Picture, becomes, changed, download, fill, held, lemons, link, people, plan, tab, wait
+from visit import ROOT, Picture, becomes, changed, download, fill, held, lemons, link, live, people, plan, tab, wait
 
 PLANS = ROOT / "examples/plans"
 #: Of the wall around the row of people that is pushed.
@@ -351,7 +351,7 @@ def colour(page: Page, at: tuple[float, float]) -> list[int]:
     return page.evaluate(script, list(at))
 
 
-def test_a_picture_lies_under_the_room(page: Page, url: str) -> None:
+def test_a_picture_lies_under_the_room(page: Page, url: str, tmp_path: Path) -> None:
     give(page, "floor.png", png(40, 20))
     expect(page.get_by_text('"floor.png" lies under the room. Set its scale.')).to_be_visible()
     backdrop = lambda: plan(page)["backdrop"]
@@ -390,9 +390,17 @@ def test_a_picture_lies_under_the_room(page: Page, url: str) -> None:
     becomes(page, backdrop, None)
     page.get_by_role("button", name="Undo", exact=True).click()
     becomes(page, lambda: backdrop()["opacity"], 0.2)
-    # Walls are drawn over it as always, and it is no wall.
-    page.get_by_role("button", name="Draw the outline").click()
+    # Walls are drawn over it, and it is no wall: it is seen on both sides of the room's, which is the only one.
+    tab(page, "Crowd")
+    live(page)
+    trial = held(download(page, "Trial (zip)", tmp_path))
+    assert [sorted(set(wall)) for wall in corners(trial["Geometry.xml"])] == [[(0, 0), (0, 4), (4, 0), (4, 4)]]
     picture = Picture(page)
+    is_red = lambda y: (of := colour(page, picture.pixel(2, y)))[0] > of[1] + 40
+    wait(page, lambda: is_red(-0.2))
+    across = [is_red(y / 100) for y in range(-20, 5)]
+    # One line of a few pixels.
+    assert across[0] and not across[20] and 1 <= across.count(False) < 10
     page.goto(link(url, {"name": "elsewhere", "backdrop": {**backdrop(), "key": "unknown"}}))
     page.reload()
     expect(page.get_by_text("This picture is not kept in this browser")).to_be_visible()
