@@ -242,6 +242,17 @@ def test_damaged_hdf5_is_refused_in_words(corridor, tmp_path):
     real = np.array([(1, 0, 0, 0), (1, 1, 0.5, 0)], dtype=[("id", "<f8"), ("frame", "<f8"), ("x", "<f4"), ("y", "<f4")])
     real["frame"][1] = 0.5
     refused(lambda file: put(file, real), "row 2: column frame: 0.5 is not a whole number")
+
+    def many(file, x):
+        # Chunks that were not written take no room in the file.
+        shape, kind = (20_000_000,), [("id", "<i8"), ("frame", "<i8"), ("x", *x), ("y", "<f8")]
+        file.create_dataset("trajectory", shape, kind, chunks=(1000,)).attrs["fps"] = 10.0
+
+    refused(lambda file: many(file, ("<f8", (10_000,))), r"column x: holds \('<f8', \(10000,\)\), not one number a row")
+    two = np.zeros(1, dtype=[*((name, "<i8") for name in ("id", "frame", "y")), ("x", "<f8", (2,))])
+    refused(lambda file: put(file, two), "column x: holds .*, not one number a row")
+    texts = np.array([(1, 0, b"a", 0.0)], dtype=[("id", "<i8"), ("frame", "<i8"), ("x", "S1"), ("y", "<f8")])
+    refused(lambda file: put(file, texts), "column x: holds .*S1, not one number a row")
     for size in (8, 100, 1000, len(whole) // 2):
         (tmp_path / "bad.h5").write_bytes(whole[:size])
         with pytest.raises(CommandError, match="bad.h5: is no sound HDF5"):

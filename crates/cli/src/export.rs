@@ -185,6 +185,11 @@ pub fn export(arguments: &Arguments) -> Result<()> {
         notes
             .push("Ids are not whole numbers: agents are numbered from 0, in the order of the source".into());
     }
+    if let Some(time) = run.lost_time().filter(|_| matches!(to, Runs::Jupedsim | Runs::Pedpy)) {
+        notes.push(format!(
+            "t = {time:?} s is 0 s there: the format numbers frames, and has no whole number for it (--every {every})"
+        ));
+    }
     notes.iter().for_each(|line| note!("{line}"));
     let (out, agents, frames) = (out.display(), run.ids().len(), run.frames());
     Ok(say!("{out}: {agents} agents, {frames} frames from {first:?} to {end:?} s")?)

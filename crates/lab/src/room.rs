@@ -9,7 +9,7 @@ use lemons_core::trial::{Contact, FARTHEST, Geometry, Trial};
 use lemons_people::drawing::{Format, LARGEST_DRAWING, Place, Plan, PlanSettings, Read, Reading, sizes};
 use lemons_people::placing::Region;
 use lemons_people::room::{Edit, Room};
-use lemons_people::{Door, PeopleError, nearest_wall};
+use lemons_people::{Door, PeopleError, is_closed, nearest_wall};
 use serde::Deserialize;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,8 +54,7 @@ pub fn drawn(RoomRequest { room, edit, near }: &RoomRequest) -> Result<Reply, Re
         let size = high - low;
         let middles: Vec<Vec2> = line.windows(2).map(|side| (side[0] + side[1]) * 0.5).collect();
         let bounds = [size.x, size.y, low.x, low.y];
-        let closed = line.len() > 2 && line.first() == line.last();
-        let ring = Ring::through(line.clone()).filter(|_| closed);
+        let ring = Ring::through(line.clone()).filter(|_| is_closed(line));
         json!({ "bounds": bounds, "upright": ring.is_some_and(|ring| ring.is_upright()), "middles": points(&middles) })
     };
     let near = near.and_then(|place| nearest_wall(&lines, place.into()));

@@ -135,8 +135,9 @@ impl Body3d {
     /// smaller. This is an assumption: the head of a small child is larger.
     ///
     /// # Errors
-    /// As those of [`Body3d::of`], of the larger body.
+    /// As those of [`Body3d::of`], with ranges as many times smaller.
     pub fn similar(person: &Person) -> Result<Body3d> {
+        Body3d::similar_possible(person)?;
         let (larger, size) = Body3d::larger(person);
         let mut body = Body3d::of(&larger)?;
         if size < 1.0 {
@@ -154,7 +155,8 @@ impl Body3d {
     /// # Errors
     /// As those of [`Body3d::similar`].
     pub fn similar_possible(person: &Person) -> Result<()> {
-        Body3d::possible(&Body3d::larger(person).0)
+        let (larger, size) = Body3d::larger(person);
+        Body3d::within_limits(&larger, person, size)
     }
 
     /// The person itself, or, of a small child, the one whose body is made smaller; and by how much.
@@ -173,11 +175,18 @@ impl Body3d {
     /// # Errors
     /// As those of [`Body3d::of`].
     pub fn possible(person: &Person) -> Result<()> {
-        let given = Measure::ALL.into_iter().zip(person.measures());
-        for ((measure, value), (least, most)) in given.zip(LIMITS) {
+        Body3d::within_limits(person, person, 1.0)
+    }
+
+    /// Checks a body; messages are of the person that is this many times as large.
+    fn within_limits(body: &Person, person: &Person, size: f64) -> Result<()> {
+        let measures = body.measures().into_iter().zip(person.measures());
+        for ((measure, (value, given)), (least, most)) in Measure::ALL.into_iter().zip(measures).zip(LIMITS) {
             let (name, unit) = (measure.name(), measure.unit());
             require((least..=most).contains(&value), || {
-                format!("{name} = {value} {unit}: must be from {least} to {most} {unit} for a body")
+                let by = if measure == Measure::Mass { size * size * size } else { size };
+                let [least, most] = [least, most].map(|limit| (limit * by * 1000.0).round() / 1000.0);
+                format!("{name} = {given} {unit}: must be from {least} to {most} {unit} for a body")
             })?;
         }
         // What is left is the depth, which must not exceed the breadth.

@@ -35,12 +35,13 @@ struct Gap {
 
 /// Returns the closed walls, in their order; doors are cut into these.
 pub fn closed_walls(geometry: &Geometry) -> Vec<Ring> {
-    let closed = geometry.walls.iter().filter(|wall| is_closed(wall));
+    let closed = geometry.walls.iter().filter(|wall| is_closed(&wall.corners));
     closed.filter_map(|wall| Ring::through(wall.corners.clone())).collect()
 }
 
-pub(crate) fn is_closed(wall: &Wall) -> bool {
-    wall.corners.len() > 3 && wall.corners.first() == wall.corners.last()
+/// Returns whether a line ends where it begins, and has an inside.
+pub fn is_closed(line: &[Vec2]) -> bool {
+    line.len() > 3 && line.first() == line.last()
 }
 
 /// Cuts doors into closed walls, each into the nearest. Other walls stay as they are. The first piece of a wall keeps its
@@ -49,7 +50,7 @@ pub(crate) fn is_closed(wall: &Wall) -> bool {
 /// # Errors
 /// A door is far from all closed walls, has no positive width, or leaves nothing of its wall.
 pub fn cut_doors(geometry: Geometry, doors: &[Door]) -> Result<Geometry> {
-    cut(geometry, doors, is_closed, "closed wall")
+    cut(geometry, doors, |wall| is_closed(&wall.corners), "closed wall")
 }
 
 /// Cuts doors as [`cut_doors`] does, also into open walls.
@@ -122,7 +123,7 @@ impl Door {
         let line = lines[line].as_ref();
         let width = self.width.max(0.0).min(length(line));
         let from = place(line, foot) - 0.5 * width;
-        if goes_round(line) {
+        if is_closed(line) {
             piece(line, from, 0.0, width)
         } else {
             piece(line, 0.0, from.max(0.0), (from + width).min(length(line)))
@@ -150,7 +151,7 @@ impl Door {
     /// Returns the closed wall that [`cut_doors`] cuts it into; `None` without any.
     pub fn wall<'a>(&self, geometry: &'a Geometry) -> Option<&'a Wall> {
         let (place, _) = nearest_wall(&closed_walls(geometry), self.at)?;
-        geometry.walls.iter().filter(|wall| is_closed(wall)).nth(place)
+        geometry.walls.iter().filter(|wall| is_closed(&wall.corners)).nth(place)
     }
 
     /// Returns the line \[m\] that people cross when they have left by this door: parallel to the wall, 1 m behind it, and
@@ -165,7 +166,7 @@ impl Door {
         let line = lines[line].as_ref();
         let (from, to) = (*line.get(foot.side)?, *line.get(foot.side + 1)?);
         let along = (to - from) * (1.0 / (to - from).norm());
-        let ring = Ring::through(line.to_vec()).filter(|_| goes_round(line));
+        let ring = Ring::through(line.to_vec()).filter(|_| is_closed(line));
         let is_left = |place: Vec2| match &ring {
             // The inside of a counter-clockwise ring is to the left of its sides.
             Some(ring) => ring.contains(place) == (ring.signed_area() > 0.0),
@@ -185,11 +186,6 @@ impl Door {
     }
 }
 
-/// Returns whether a polyline ends where it begins.
-fn goes_round(line: &[Vec2]) -> bool {
-    line.len() > 2 && line.first() == line.last()
-}
-
 /// \[m\] From the line's first corner.
 fn place(line: &[Vec2], foot: Foot) -> f64 {
     sides(line).take(foot.side).map(|(start, end)| (end - start).norm()).sum::<f64>() + foot.along
@@ -205,7 +201,7 @@ fn sides(line: &[Vec2]) -> impl Iterator<Item = (Vec2, Vec2)> {
 
 /// The pieces of a line between gaps.
 fn pieces(line: &[Vec2], gaps: &[&Gap]) -> Vec<Vec<Vec2>> {
-    let (long, round) = (length(line), goes_round(line));
+    let (long, round) = (length(line), is_closed(line));
     // From the first gap's end on, once round: no piece goes over the beginning.
     let origin = if round { gaps[0].to } else { 0.0 };
     let around = |gap: &&Gap| {
@@ -236,7 +232,7 @@ fn pieces(line: &[Vec2], gaps: &[&Gap]) -> Vec<Vec<Vec2>> {
 /// The part of a line between two places \[m\] after an origin, which is itself a place after the first corner: 0 of an
 /// open line.
 fn piece(line: &[Vec2], origin: f64, from: f64, to: f64) -> Vec<Vec2> {
-    let (long, round) = (length(line), goes_round(line));
+    let (long, round) = (length(line), is_closed(line));
     let turned = |place: f64| if round { place.rem_euclid(long) } else { place };
     let mut corners = Vec::new();
     let mut along = 0.0;
@@ -256,7 +252,7 @@ fn piece(line: &[Vec2], origin: f64, from: f64, to: f64) -> Vec<Vec2> {
 fn point_at(line: &[Vec2], place: f64) -> Vec2 {
     let (mut left, last) = (place, line[line.len() - 1]);
     // Not by sums, which are rounded.
-    if !goes_round(line) && place >= length(line) {
+    if !is_closed(line) && place >= length(line) {
         return last;
     }
     for (start, end) in sides(line) {

@@ -3,7 +3,7 @@
 use crate::drawing::Plan;
 use crate::error::{PeopleError, Result, require};
 use crate::placing::Region;
-use crate::{Door, cut_doors_in_all, nearest_wall, walls};
+use crate::{Door, cut_doors_in_all, is_closed, nearest_wall, walls};
 use lemons_core::plane::{Bounds, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use serde::{Deserialize, Serialize};
@@ -36,7 +36,7 @@ pub struct Further {
 
 impl Further {
     fn is_closed(&self) -> bool {
-        self.corners.len() > 3 && self.corners.first() == self.corners.last()
+        is_closed(&self.corners)
     }
 }
 
@@ -117,7 +117,8 @@ impl Room {
                 if closed {
                     corners.pop();
                     corners.remove(corner % corners.len());
-                    corners.extend(corners.first().copied());
+                    // Of a triangle one side is left: there and back it would be two walls on each other.
+                    corners.extend(corners.first().copied().filter(|_| corners.len() > 2));
                 } else {
                     corners.remove(corner);
                 }
@@ -404,7 +405,7 @@ mod tests {
         room.change(Edit::Clear { ring: 3 }).unwrap();
         assert!(room.walls.len() == 2 && room.doors.is_empty());
         room.change(Edit::Remove { ring: 2, corner: 0 }).unwrap();
-        assert_eq!(room.walls[1].corners, corners([[2.0, 1.0], [2.0, 2.0], [2.0, 1.0]]));
+        assert_eq!(room.walls[1].corners, corners([[2.0, 1.0], [2.0, 2.0]]));
         room.change(Edit::Clear { ring: 2 }).unwrap();
         room.change(Edit::Clear { ring: 1 }).unwrap();
         assert!(room.replacing(&before, "new").unwrap().walls.is_empty());

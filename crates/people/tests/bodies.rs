@@ -422,8 +422,13 @@ fn a_small_child_has_a_body_of_its_measures() {
     assert!((body.volume() / (12.4 / 985.0) - 1.0).abs() < 0.1, "{}", body.volume());
     let man = mean_person(Sex::Male);
     assert_eq!(Body3d::similar(&man).unwrap(), Body3d::of(&man).unwrap());
-    let said = Body3d::similar(&Person { stature: 0.1, ..child }).unwrap_err().to_string();
-    assert!(said.starts_with("stature = 0.1 m: must be from 1 to 2.5 m"), "{said}");
+    let said = |person: Person| Body3d::similar(&person).unwrap_err().to_string();
+    assert!(said(Person { stature: 0.1, ..child }).starts_with("stature = 0.1 m: must be from 1 to 2.5 m"));
+    // Of a body of 1.35 m: 0.25 to 0.8 m and 20 to 250 kg, by (0.87 / 1.35) and its cube.
+    let broad = said(Person { breadth: 0.6, ..child });
+    assert_eq!(broad, "bideltoid breadth = 0.6 m: must be from 0.161 to 0.516 m for a body");
+    let light = said(Person { mass: 5.0, ..child });
+    assert_eq!(light, "mass = 5 kg: must be from 5.353 to 66.911 kg for a body");
 }
 
 /// Of an opened Trial the disks are known, the kind and the height: people and things are where they were.
@@ -458,6 +463,11 @@ fn figures_that_fit_a_trial_are_those_of_its_kinds() {
                 assert!(off.abs() < 0.01, "{} {part}: {off}", kind.name);
             }
         }
+        // Of a body that is lighter than what goes along.
+        let light = lemons_core::trial::Agent { mass: 5.0, ..trial.agents[0].clone() };
+        let people = people_fitting(&light).map_or(Vec::new(), |(_, people)| people);
+        assert!(!people.is_empty() || trial.agents[0].kind.is_none(), "{}", kind.name);
+        assert!(people.iter().all(|(person, _)| person.mass >= 2.5), "{}: {people:?}", kind.name);
         let plain = lemons_core::trial::Agent { kind: Some("elephant".into()), ..trial.agents[0].clone() };
         assert!(Figure::fitting(&plain).unwrap().things().is_empty());
     }

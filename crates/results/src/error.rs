@@ -14,6 +14,8 @@ pub enum RecordError {
     Read { path: PathBuf, error: io::Error },
     #[error("{}: {message}", path.display())]
     Wrong { path: PathBuf, message: String },
+    #[error("{}: reading it was stopped", path.display())]
+    Stopped { path: PathBuf },
     #[error(transparent)]
     Xml(#[from] Problems),
     #[error(transparent)]

@@ -209,9 +209,18 @@ impl Record {
     /// Returns the number of the first frame in files that number frames: 0 for a run of ours; for trajectories that of its
     /// time, if this is a whole number.
     pub(crate) fn first_number(&self) -> i64 {
-        let Some(trajectories) = &self.trajectories else { return 0 };
-        let number = self.times[0] * trajectories.rate / self.every as f64;
+        let number = self.first_place();
         if (number - number.round()).abs() < 1e-6 { number.round() as i64 } else { 0 }
+    }
+
+    /// \[s\] Returns the time of the first frame where files that number frames begin at 0 s all the same: its number would not
+    /// be whole.
+    pub fn lost_time(&self) -> Option<f64> {
+        (self.first_number() == 0 && self.first_place() >= 1e-6).then(|| self.times[0])
+    }
+
+    fn first_place(&self) -> f64 {
+        self.trajectories.as_ref().map_or(0.0, |all| self.times[0] * all.rate / self.every as f64)
     }
 
     /// \[m\] Positions of everybody who is there, in the order of time and of agents.

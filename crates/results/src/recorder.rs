@@ -3,7 +3,15 @@
 use crate::error::RecordError;
 use crate::record::Record;
 use crate::run::{Frame, Run};
+use lemons_core::plane::Motion;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// \[bytes\] Largest memory for the frames of trajectories that are not of our runs: their frames may have places for many
+/// who are in few of them, and a short file may name many frames.
+const MOST_MEMORY: usize = 2_000_000_000;
+/// \[bytes\] Memory of a frame besides what it is made of: its place, and what allocations need.
+const BESIDES: usize = 100;
 
 /// Which frames of a run are kept.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,10 +77,32 @@ impl Record {
     /// Reads the wanted frames into memory.
     ///
     /// # Errors
-    /// As [`Record::each`].
+    /// As [`Record::each`]; or too many frames are wanted of trajectories that are not of one of our runs.
     pub fn read_wanted(&self, wanted: KeptFrames) -> Result<Run, RecordError> {
+        self.read_unless(&AtomicBool::new(false), wanted)
+    }
+
+    /// Reads the wanted frames into memory, unless a flag is set meanwhile.
+    ///
+    /// # Errors
+    /// As [`Record::read_wanted`]; or the flag was set ([`RecordError::Stopped`]).
+    pub fn read_unless(&self, stop: &AtomicBool, wanted: KeptFrames) -> Result<Run, RecordError> {
+        let (people, frames) = (self.ids().len(), self.frames());
+        let each = size_of::<(Frame, bool)>() + BESIDES + people * (size_of::<Motion>() + size_of::<bool>());
+        let kept = self.trajectories().is_some() && wanted == KeptFrames::All;
+        if kept && each.saturating_mul(frames) > MOST_MEMORY {
+            let message = format!(
+                "{frames} frames with places for {people} people would take more than {} GB of memory: \
+                 lemons export --to pedpy --every N leaves fewer frames",
+                MOST_MEMORY / 1_000_000_000
+            );
+            return Err(RecordError::wrong(self.source(), message));
+        }
         let mut recorder = Recorder::new(wanted);
         self.each(|_, frame| {
+            if stop.load(Ordering::Relaxed) {
+                return Err(RecordError::Stopped { path: self.source().to_owned() });
+            }
             recorder.add(frame);
             Ok(())
         })?;

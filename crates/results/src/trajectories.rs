@@ -96,10 +96,18 @@ struct Found {
     rows: Vec<Row>,
     /// \[1/s\]
     rate: f64,
-    /// First and last frame, if the file names frames without anybody.
-    frames: Option<(i64, i64)>,
+    /// Frames that the file names, also those without anybody.
+    frames: Option<Named>,
     oriented: bool,
     geometry: Vec<String>,
+}
+
+/// Frames that a file names.
+struct Named {
+    first: i64,
+    last: i64,
+    /// Greatest common divisor of the differences between them.
+    step: i64,
 }
 
 /// Takes rows of a file, and checks them.
@@ -243,9 +251,11 @@ fn of_found(path: &Path, found: Found, velocity_over: f64) -> Result<Record, Rec
     else {
         return Err(wrong("holds no row: nobody is in it".into()));
     };
-    let (first, last) = frames.map_or((first, last), |(a, b)| (a.min(first), b.max(last)));
-    // A text may have every n-th frame only.
-    let step = rows.iter().map(|row| row.frame - first).chain([last - first]).fold(0, gcd).max(1);
+    let named = frames.unwrap_or(Named { first, last, step: 0 });
+    let (first, last) = (named.first.min(first), named.last.max(last));
+    // A file may have every n-th frame only.
+    let of_named = [named.first - first, last - first, named.step];
+    let step = rows.iter().map(|row| row.frame - first).chain(of_named).fold(0, gcd).max(1);
     let mut ids: Vec<i64> = Vec::new();
     for row in &mut rows {
         if ids.last() != Some(&row.id) {

@@ -87,15 +87,20 @@ def _to_database(path: Path, database: Path) -> None:
                 raise CommandError(f'{path}: trajectory: there is no attribute "fps"')
             geometry = file.attrs.get("wkt_geometry")
             known = [name for name in ORIENTATION if name in names]
-            columns = {name: rows.fields(name)[:] for name in (*COLUMNS, *(known if len(known) == 2 else ()))}
+            wanted = (*COLUMNS, *(known if len(known) == 2 else ()))
+            # Before anything is read: a cell that is an array can be of any size.
+            for name in wanted:
+                if rows.dtype[name].shape != () or rows.dtype[name].kind not in "iuf":
+                    raise CommandError(f"{path}: trajectory: column {name}: holds {rows.dtype[name]}, not one number a row")
+            columns = {name: rows.fields(name)[:] for name in wanted}
     except (OSError, RuntimeError, ValueError, TypeError, KeyError) as error:
         raise CommandError(f"{path}: is no sound HDF5: {error}") from error
     for name in COLUMNS[:2]:
         columns[name] = _whole(path, name, columns[name])
     for name in COLUMNS[2:]:
-        columns[name] = _real(path, name, columns[name])
+        columns[name] = columns[name].astype(np.float64)
     nothing = np.zeros(len(columns["id"]))
-    looks = [_real(path, name, columns[name]) if name in columns else nothing for name in ORIENTATION]
+    looks = [columns[name].astype(np.float64) if name in columns else nothing for name in ORIENTATION]
     # Not a number would be NULL: no direction.
     looks = [np.nan_to_num(each, nan=0.0, posinf=0.0, neginf=0.0) for each in looks]
     # `tolist` makes numbers of Python, which are all that sqlite3 takes.
@@ -124,22 +129,14 @@ def _text(value: Any) -> str:
 
 
 def _whole(path: Path, name: str, values: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
-    if values.dtype.kind in "iu":
-        wrong = values > np.iinfo(np.int64).max
-    elif values.dtype.kind == "f":
+    if values.dtype.kind == "f":
         wrong = ~((np.abs(values) < 2.0**53) & (values == np.round(values)))
     else:
-        raise CommandError(f"{path}: trajectory: column {name}: holds no numbers")
+        wrong = values > np.iinfo(np.int64).max
     if wrong.any():
         row = int(np.argmax(wrong))
         raise CommandError(f"{path}: trajectory: row {row + 1}: column {name}: {values[row]} is not a whole number")
     return values.astype(np.int64)
-
-
-def _real(path: Path, name: str, values: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
-    if values.dtype.kind not in "iuf":
-        raise CommandError(f"{path}: trajectory: column {name}: holds no numbers")
-    return values.astype(np.float64)
 
 
 def write_hdf5(database: Path, output: Path) -> None:

@@ -80,7 +80,9 @@ impl Source {
                     }
                     _ => Bodies::Known,
                 };
-                (record.read_wanted(wanted)?, bodies)
+                let run = record.read_unless(interrupt.flag(), wanted);
+                interrupt.check()?;
+                (run?, bodies)
             }
         };
         Ok(Opened { trial, run, bodies })

@@ -181,7 +181,8 @@ fn people_of(kind: &Kind, agent: &lemons_core::trial::Agent) -> Option<Placed> {
             let like = ages.min_by(|one, other| off(one).total_cmp(&off(other)))?;
             let beside = (Person { breadth: small.0.breadth, depth: small.0.depth, ..like }, small.1);
             let adult = [&own[..1], &own[6..]].concat();
-            Some(vec![of(&adult, Person { mass: agent.mass - like.mass, ..fitting }), beside])
+            let mass = (agent.mass - like.mass).max(0.5 * agent.mass);
+            Some(vec![of(&adult, Person { mass, ..fitting }), beside])
         }
         _ => None,
     }

@@ -4,7 +4,7 @@ use super::join::{Joined, join, without_doubles};
 use super::{Drawing, Line};
 use crate::error::{PeopleError, Result, require};
 use crate::placing::Region;
-use crate::{Door, closed_walls};
+use crate::{Door, closed_walls, is_closed};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
@@ -250,9 +250,8 @@ impl Plan {
 
     fn largest(&self) -> Option<usize> {
         let area = |(k, wall): (usize, &Vec<Vec2>)| {
-            let closed = wall.len() > 3 && wall.first() == wall.last();
             let area = Ring::through(wall.clone())?.area();
-            (closed && area >= SMALLEST_AREA).then_some((k, area))
+            (is_closed(wall) && area >= SMALLEST_AREA).then_some((k, area))
         };
         let all = self.walls.iter().enumerate().filter_map(area);
         all.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)

@@ -4,6 +4,7 @@ use super::{
     Drawing, Format, Place, Plan, PlanSettings, Reading, Role, UNITS, UnitFrom, WIDEST_GAP, left_out,
 };
 use crate::error::Result;
+use crate::is_closed;
 use lemons_core::plane::{Bounds, Vec2};
 use std::collections::BTreeMap;
 
@@ -106,7 +107,7 @@ impl Read {
 
     fn walls(&self) -> String {
         let walls = &self.plan.walls;
-        let closed = walls.iter().filter(|wall| wall.len() > 3 && wall.first() == wall.last()).count();
+        let closed = walls.iter().filter(|wall| is_closed(wall)).count();
         let outline = match self.plan.outline {
             Some(outline) => format!("the outline is wall {outline}"),
             None => "none of them is an outline".to_owned(),

@@ -2,6 +2,7 @@
 
 use super::Format;
 use super::plan::{Place, Plan, Role};
+use crate::is_closed;
 use lemons_core::plane::Vec2;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -52,10 +53,6 @@ fn lines(plan: &Plan) -> Vec<Written<'_>> {
         }
     }
     all
-}
-
-fn is_closed(wall: &[Vec2]) -> bool {
-    wall.len() > 3 && wall.first() == wall.last()
 }
 
 fn geojson(plan: &Plan) -> String {

@@ -1,8 +1,8 @@
 //! The free space that walls leave of a polygon: ground for people in a room with openings, in a part of a room, between obstacles.
 
 use super::region::{Region, SMALLEST_AREA};
-use crate::doors::is_closed;
 use crate::error::{PeopleError, Result, require};
+use crate::is_closed;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
@@ -100,7 +100,7 @@ impl Region {
 fn enclosing(wall: &Wall) -> Option<Ring> {
     let mut corners = wall.corners.clone();
     corners.dedup();
-    Ring::through(corners).filter(|ring| is_closed(wall) && ring.is_simple())
+    Ring::through(corners).filter(|ring| is_closed(&wall.corners) && ring.is_simple())
 }
 
 /// Returns whether a side of a wall may be in the way of people: it is near, and does not lie along a side of the polygons.

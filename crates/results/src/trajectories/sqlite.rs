@@ -1,13 +1,14 @@
 //! `JuPedSim`'s trajectories: an SQLite database of version 1 or 2.
 
-use super::{Found, LAST_FRAME, Rows, Told, rate_of};
+use super::{Found, LAST_FRAME, Named, Rows, Told, gcd, rate_of};
 use crate::error::RecordError;
 use lemons_core::plane::vec2;
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, OpenFlags};
+use rusqlite::{Connection, ErrorCode, OpenFlags};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Versions that are read. `JuPedSim` and `PedPy` read no others.
 const VERSIONS: [&str; 2] = ["1", "2"];
@@ -15,13 +16,33 @@ const VERSIONS: [&str; 2] = ["1", "2"];
 const LARGEST_TEXT: i32 = 16 << 20;
 /// Largest number of geometries.
 const MOST_GEOMETRIES: usize = 1000;
+/// \[bytes\] Largest sum of their texts.
+const LARGEST_GEOMETRIES: usize = 64 << 20;
+/// Largest number of operations of SQLite: as many rows as may be need less than half of them. Pages of a database may
+/// name each other so that its tables have no end.
+const MOST_OPERATIONS: i32 = 500_000_000;
+/// Number of operations after which it is asked whether to go on.
+const OPERATIONS: i32 = 100;
+/// Longest time: an operation may take long where a row pretends to be large.
+const LONGEST: Duration = Duration::from_secs(600);
 
 /// Columns of the table, in the order in which they are read.
 const COLUMNS: [&str; 6] = ["frame", "id", "pos_x", "pos_y", "ori_x", "ori_y"];
 
 pub(super) fn read(path: &Path, told: &Told) -> Result<Found, RecordError> {
+    read_within(path, told, MOST_OPERATIONS)
+}
+
+/// Reads it with at most so many operations.
+fn read_within(path: &Path, told: &Told, operations: i32) -> Result<Found, RecordError> {
     let wrong = |message: String| RecordError::wrong(path, message);
-    let broken = |error: rusqlite::Error| wrong(format!("is no sound database: {error}"));
+    let broken = |error: rusqlite::Error| match error.sqlite_error_code() {
+        Some(ErrorCode::OperationInterrupted) => wrong(format!(
+            "to read its tables takes more than {operations} operations of SQLite, or {} s: too many",
+            LONGEST.as_secs()
+        )),
+        _ => wrong(format!("is no sound database: {error}")),
+    };
     // What is not yet in the file itself would be missing.
     for end in ["-wal", "-journal"] {
         let mut beside = path.as_os_str().to_owned();
@@ -32,7 +53,7 @@ pub(super) fn read(path: &Path, told: &Told) -> Result<Found, RecordError> {
             )));
         }
     }
-    let database = open(path).map_err(broken)?;
+    let database = open(path, operations).map_err(broken)?;
     let tables = tables(&database).map_err(broken)?;
     let table = |name: &str| tables.iter().any(|table| table == name);
     for name in ["trajectory_data", "metadata"] {
@@ -56,12 +77,18 @@ pub(super) fn read(path: &Path, told: &Told) -> Result<Found, RecordError> {
         return Err(wrong("a database is in m: --unit is for texts".into()));
     }
     let geometry = if table("geometry") { geometries(&database).map_err(broken)? } else { Vec::new() };
-    if geometry.len() > MOST_GEOMETRIES {
-        return Err(wrong(format!("has more than {MOST_GEOMETRIES} geometries")));
+    if geometry.len() > MOST_GEOMETRIES
+        || geometry.iter().map(String::len).sum::<usize>() > LARGEST_GEOMETRIES
+    {
+        return Err(wrong(format!(
+            "has more than {MOST_GEOMETRIES} geometries, or their texts are larger than {LARGEST_GEOMETRIES} bytes"
+        )));
     }
     // Frames without anybody are only there.
     let frames = if table("frame_data") { frames(&database).map_err(broken)? } else { None };
-    if let Some((first, last)) = frames.filter(|(first, last)| *first < 0 || *last > LAST_FRAME) {
+    if let Some(Named { first, last, .. }) =
+        frames.as_ref().filter(|all| all.first < 0 || all.last > LAST_FRAME)
+    {
         return Err(wrong(format!(
             "frame_data: column frame: from {first} to {last}: must be from 0 to {LAST_FRAME:e}"
         )));
@@ -71,8 +98,8 @@ pub(super) fn read(path: &Path, told: &Told) -> Result<Found, RecordError> {
     Ok(Found { what, rows: rows.rows, rate, frames, oriented, geometry })
 }
 
-/// Opens a database that is only read, and nothing written beside it.
-fn open(path: &Path) -> rusqlite::Result<Connection> {
+/// Opens a database that is only read, and nothing written beside it, for so many operations.
+fn open(path: &Path, operations: i32) -> rusqlite::Result<Connection> {
     // As a URI, in which all else is escaped. `immutable`: no locks, no files beside it.
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let text = absolute.to_string_lossy().replace('\\', "/");
@@ -82,6 +109,12 @@ fn open(path: &Path) -> rusqlite::Result<Connection> {
     let flags =
         OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
     let database = Connection::open_with_flags(format!("file:///{uri}?immutable=1"), flags)?;
+    let (mut left, begin) = (operations / OPERATIONS, Instant::now());
+    let stop = move || {
+        left -= 1;
+        left <= 0 || begin.elapsed() > LONGEST
+    };
+    database.progress_handler(OPERATIONS, Some(stop))?;
     // Nothing that a schema of others defines is run.
     database.set_db_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
     database.set_db_config(DbConfig::SQLITE_DBCONFIG_TRUSTED_SCHEMA, false)?;
@@ -91,10 +124,12 @@ fn open(path: &Path) -> rusqlite::Result<Connection> {
     Ok(database)
 }
 
-/// Returns the names of tables that have rows of their own: no views and no virtual tables.
+/// Returns the names of those tables that have rows of their own: no views and no virtual tables.
 fn tables(database: &Connection) -> rusqlite::Result<Vec<String>> {
-    let mut tables =
-        database.prepare("SELECT name FROM sqlite_schema WHERE type = 'table' AND rootpage > 0")?;
+    let mut tables = database.prepare(
+        "SELECT DISTINCT name FROM sqlite_schema WHERE type = 'table' AND rootpage > 0
+         AND name IN ('trajectory_data', 'metadata', 'geometry', 'frame_data')",
+    )?;
     tables.query_map([], |row| row.get(0))?.collect()
 }
 
@@ -108,22 +143,34 @@ fn metadata(database: &Connection, key: &str) -> rusqlite::Result<Option<String>
 fn geometries(database: &Connection) -> rusqlite::Result<Vec<String>> {
     let mut found = database.prepare("SELECT wkt FROM geometry")?;
     let mut all: Vec<String> = Vec::new();
+    let mut bytes = 0;
     let mut rows = found.query([])?;
-    while let Some(row) = rows.next()?.filter(|_| all.len() <= MOST_GEOMETRIES) {
+    while bytes <= LARGEST_GEOMETRIES
+        && all.len() <= MOST_GEOMETRIES
+        && let Some(row) = rows.next()?
+    {
         let wkt: String = row.get(0)?;
         if !all.contains(&wkt) {
+            bytes += wkt.len();
             all.push(wkt);
         }
     }
     Ok(all)
 }
 
-/// Returns the first and the last frame that the database names.
-fn frames(database: &Connection) -> rusqlite::Result<Option<(i64, i64)>> {
-    let row = database.query_row("SELECT min(frame), max(frame) FROM frame_data", [], |row| {
-        Ok((row.get::<_, Option<i64>>(0)?, row.get::<_, Option<i64>>(1)?))
-    })?;
-    Ok(row.0.zip(row.1))
+/// Returns the frames that the database names.
+fn frames(database: &Connection) -> rusqlite::Result<Option<Named>> {
+    let mut found = database.prepare("SELECT frame FROM frame_data WHERE frame IS NOT NULL")?;
+    let mut rows = found.query([])?;
+    let mut all: Option<Named> = None;
+    while let Some(row) = rows.next()? {
+        let frame = row.get(0)?;
+        let Named { first, last, step } = all.unwrap_or(Named { first: frame, last: frame, step: 0 });
+        // What cannot be is refused later.
+        let apart = frame.checked_sub(first).and_then(i64::checked_abs).unwrap_or(1);
+        all = Some(Named { first: first.min(frame), last: last.max(frame), step: gcd(step, apart) });
+    }
+    Ok(all)
 }
 
 /// Reads the rows, and whether each has a direction.
@@ -178,5 +225,31 @@ fn shown(value: ValueRef<'_>) -> String {
         ValueRef::Real(value) => format!("{value:?}"),
         ValueRef::Text(text) => format!("{:?}", String::from_utf8_lossy(&text[..text.len().min(40)])),
         ValueRef::Blob(_) => "a BLOB".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_without_an_end_is_not_read_on_and_on() {
+        let at = tempfile::tempdir().unwrap();
+        let path = at.path().join("walk.sqlite");
+        let database = Connection::open(&path).unwrap();
+        let tables = "CREATE TABLE trajectory_data (frame INTEGER, id INTEGER, pos_x REAL, pos_y REAL, ori_x REAL, ori_y REAL);
+            INSERT INTO trajectory_data VALUES (0, 1, 0.0, 0.0, 1.0, 0.0);
+            CREATE TABLE metadata (key TEXT, value TEXT);
+            INSERT INTO metadata VALUES ('version', '2'), ('fps', '10');
+            CREATE TABLE frame_data (frame INTEGER, geometry_hash INTEGER);
+            WITH RECURSIVE n(k) AS (SELECT 0 UNION ALL SELECT k + 1 FROM n WHERE k < 9999) INSERT INTO frame_data SELECT k, 1 FROM n;";
+        database.execute_batch(tables).unwrap();
+        let read = |operations| read_within(&path, &Told::default(), operations);
+        assert_eq!(
+            read(100_000).unwrap().frames.map(|all| (all.first, all.last, all.step)),
+            Some((0, 9999, 1))
+        );
+        let said = read(20_000).err().unwrap().to_string();
+        assert!(said.contains("walk.sqlite: to read its tables takes more than 20000 operations"), "{said}");
     }
 }

@@ -2,11 +2,12 @@
 
 use lemons_core::files::Staged;
 use lemons_results::{
-    Area, Frame, KeptFrames, Record, Run, Told, given_area, holds_trajectories, jupedsim, pedpy,
+    Area, Frame, KeptFrames, Record, RecordError, Run, Told, given_area, holds_trajectories, jupedsim, pedpy,
 };
 use rusqlite::Connection;
 use std::fs::write;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use tempfile::TempDir;
 
 fn directory() -> TempDir {
@@ -173,6 +174,12 @@ fn databases_of_both_versions_are_read() {
     assert_eq!((run.frames.len(), run.frames[5].present().count()), (6, 0));
     let about = record.trajectories().unwrap();
     assert!(!about.oriented && about.geometry == ["A", "B"]);
+    // People may be in every second frame only.
+    let spaced = "CREATE TABLE frame_data (frame INTEGER, geometry_hash INTEGER); INSERT INTO frame_data VALUES (2, 1),
+        (6, 1), (10, 1), (14, 1), (18, 1); UPDATE trajectory_data SET frame = 10 WHERE frame = 3;";
+    let (record, run) = read(&database(&at, spaced), &Told::default()).unwrap();
+    assert_eq!(record.times().collect::<Vec<_>>(), [0.25, 0.75, 1.25, 1.75, 2.25]);
+    assert_eq!(run.frames.iter().map(|frame| frame.present().count()).collect::<Vec<_>>(), [1, 0, 2, 0, 0]);
     // Nothing is left beside it.
     assert_eq!(std::fs::read_dir(at.path()).unwrap().count(), 1);
 }
@@ -222,6 +229,20 @@ fn a_database_says_what_is_wrong_in_it() {
             "CREATE TABLE frame_data (frame INTEGER, geometry_hash INTEGER); INSERT INTO frame_data VALUES (-1, 1)",
             "frame_data: column frame: from -1 to -1: must be from 0",
         ),
+        (
+            "CREATE TABLE frame_data (frame INTEGER); INSERT INTO frame_data VALUES (-9223372036854775808), (9223372036854775807)",
+            "frame_data: column frame: from -9223372036854775808 to 9223372036854775807: must be from 0",
+        ),
+        (
+            "WITH RECURSIVE n(k) AS (SELECT 1 UNION ALL SELECT k + 1 FROM n WHERE k < 5) \
+             INSERT INTO geometry SELECT printf('%.*c', 16000000, char(64 + k)) FROM n",
+            "their texts are larger than 67108864 bytes",
+        ),
+        (
+            "WITH RECURSIVE n(k) AS (SELECT 1 UNION ALL SELECT k + 1 FROM n WHERE k < 1001) \
+             INSERT INTO geometry SELECT k FROM n",
+            "has more than 1000 geometries",
+        ),
     ] {
         let said = read(&database(&at, change), &Told::default()).err().unwrap();
         assert!(said.contains(expected), "{change}: {said}");
@@ -238,6 +259,29 @@ fn a_database_says_what_is_wrong_in_it() {
     let journal = at.path().join("walk ?#%.sqlite-wal");
     write(&journal, "not empty").unwrap();
     assert!(read(&path, &Told::default()).err().unwrap().contains("there is a file -wal beside it"));
+}
+
+#[test]
+fn frames_without_anybody_do_not_fill_the_memory() {
+    let at = directory();
+    let path = file(&at, "# framerate: 10\n# x/m\n1 0 0 0\n1 1 0 0\n1 6999999 0 0");
+    let record = Record::of_others(&path, &Told::default()).unwrap();
+    assert_eq!(record.frames(), 7_000_000);
+    let said = record.read_wanted(KeptFrames::All).unwrap_err().to_string();
+    assert!(said.contains("7000000 frames with places for 1 people would take more than 2 GB"), "{said}");
+    let stopped = record.read_unless(&AtomicBool::new(true), KeptFrames::Around(Vec::new())).unwrap_err();
+    assert!(matches!(stopped, RecordError::Stopped { .. }));
+}
+
+#[test]
+fn a_first_frame_without_a_whole_number_is_told() {
+    let at = directory();
+    let path = file(&at, "# framerate: 10\n# x/m\n1 1001 0 0\n1 1002 0 0\n1 1003 0 0\n");
+    let record = Record::of_others(&path, &Told::default()).unwrap();
+    let lost = |every: usize| record.clone().every(every).lost_time();
+    assert_eq!([1, 2, 7].map(lost), [None, Some(100.1), None]);
+    let path = file(&at, TWO);
+    assert_eq!(Record::of_others(&path, &Told::default()).unwrap().every(2).lost_time(), None);
 }
 
 /// What goes into either format comes back, with its times.
