@@ -4,9 +4,10 @@
 
 makes Trials in the directory `groups` and prints three things (model `rotational`):
 
-- walk: 24 people in the first 12 m of a corridor of 60 m by 8 m, all of them in groups of one size. Desired speeds are
-  drawn for each person. The speed is that between 25 m and 55 m; beside it are the measured ones of Moussaïd et al., PLoS
-  ONE 5 (2010) e10047, figure 2: 1.26 - 0.04 N m/s at low density, 1.24 - 0.08 N m/s at moderate density.
+- walk: 24 people in the first 12 m of a corridor of 60 m by 8 m, in groups of one size. The drawing leaves some people in
+  smaller groups or alone: they are there, but only the members of full groups count. Desired speeds are drawn for each
+  person. The speed is that between 25 m and 55 m; beside it are the measured ones of Moussaïd et al., PLoS ONE 5 (2010)
+  e10047, figure 2: 1.26 - 0.04 N m/s at low density, 1.24 - 0.08 N m/s at moderate density.
 - apart: the mean distance between the members of a group in these runs, and of the same people without groups.
 - door: 80 people in 8 m by 6 m leave by a door of 1 m, with a part of them in groups: when all are out, and how long after
   the first one of a group the last one leaves; beside it, of the same people without groups.
@@ -100,7 +101,8 @@ def main() -> None:
             settings = plan(trial, seed, f"groups_of_{size}", f"groups = {{ share = 1, sizes = {sizes} }}" if size > 1 else "")
             walk = run(trial, settings)
             groups = [group for group in members(trial, settings) if len(group) == size]
-            row = {"size": size, "seed": seed, "speed": speeds(walk).mean()}
+            counted = list(itertools.chain(*groups)) if size > 1 else sorted(walk["id"].unique())
+            row = {"size": size, "seed": seed, "counted": len(counted), "speed": speeds(walk)[counted].mean()}
             if groups:
                 row |= {"together": apart(walk, groups), "without": apart(alone, groups)}
             rows.append(row)

@@ -123,6 +123,12 @@ def counts(results):
     return found
 
 
+def failed(results):
+    """The scenes by which a row fails, in the order of the page's scenes. Each must say why."""
+    wrong = {row["scene"] for row in rows() if "scene" in row and judged(row, results[key(row)])[0] == "failed"}
+    return [scene for scene in TABLE["scenes"] if scene in wrong]
+
+
 def page(results):
     """docs/standards.md."""
     parts = [TABLE["page"]["head"].strip()]
@@ -131,6 +137,7 @@ def page(results):
     lines = [[f"[{names[name]['name']}](#{anchor(names[name]['name'])})", *(str(found[name][verdict]) for verdict in VERDICTS)] for name in names]
     parts.append(table(["tests", *VERDICTS], lines))
     parts.append(TABLE["page"]["after"].strip())
+    parts.append("\n".join(TABLE["scenes"][scene]["fails"].strip() for scene in failed(results)))
     for name, standard in names.items():
         parts.append(f"## {standard['name']}")
         parts.append(standard["about"].strip())
@@ -174,9 +181,9 @@ def draw_ring(panel, numbers, plt):
 
 def draw_counterflow(panel, numbers, plt):
     panel.plot(numbers["oncoming"], numbers["times"], "o-", color="#CC79A7", linewidth=0.8)
-    for against, time in zip(numbers["oncoming"], numbers["times"]):
-        if time != time:
-            panel.text(against, 20, "stuck", ha="center")
+    for against, stuck in zip(numbers["oncoming"], numbers["stuck_of_each"]):
+        if stuck:
+            panel.text(against, 20, f"{stuck} of 2\nstuck", ha="center")
     panel.set(xlabel="people who come against", ylabel="the last of 100 is through / s", xlim=(-5, 108), ylim=(0, None))
 
 

@@ -208,7 +208,7 @@ def ring(work, densities=DENSITIES):
         "greatest_flow": flow.max(),
         "at": density[flow.argmax()],
         "densest_flow": flow[-1],
-        "ratio": flow[-1] / flow.max(),
+        "ratio": flow[-1] / flow[:-1].max(),
     }
 
 
@@ -216,7 +216,8 @@ def corridor_of_60(work, counts=(60, 120, 240, 360, 480)):
     """A corridor of 60 m x 2 m full of people, who leave at its right end. Zone 2 is from x = 20 m to 40 m.
 
     Speeds are those of the people of the first zone between the lines A and B. Density: mean in zone 2 from the first to the last
-    of them at B. All want to walk at 1 m/s.
+    of them at B, of all who are there. All want to walk at 1 m/s. Both are means of different people: their product is not a flow
+    that was counted.
     """
 
     def once(count):
@@ -236,7 +237,7 @@ def corridor_of_60(work, counts=(60, 120, 240, 360, 480)):
         "counts": np.array(counts),
         "densities": found[:, 0],
         "speeds": found[:, 1],
-        "flows": found[:, 0] * found[:, 1],
+        "products": found[:, 0] * found[:, 1],
         "greatest_rise": np.diff(found[:, 1]).max(),
         "fastest": found[:, 2].max(),
         "stay": int(sum(counts) - found[:, 3].sum()),
@@ -314,8 +315,12 @@ def counterflow(work, oncoming=(0, 10, 50, 100), seeds=2):
 
     cases = [(against, seed) for against in sorted(oncoming, reverse=True) for seed in range(1, seeds + 1)]
     by = pd.Series(at_once(once, cases), index=pd.MultiIndex.from_tuples(cases))
-    means = np.array([by[against].mean() for against in oncoming])
-    return {"oncoming": np.array(oncoming), "times": means, "stuck": int(by.isna().sum()), "least_growth": np.diff(means[np.isfinite(means)]).min()}
+    # Of the runs of which none is stuck.
+    means = np.array([by[against].mean(skipna=False) for against in oncoming])
+    finite = means[np.isfinite(means)]
+    growth = np.diff(finite).min() if len(finite) > 1 else math.nan
+    stuck = np.array([by[against].isna().sum() for against in oncoming])
+    return {"oncoming": np.array(oncoming), "times": means, "stuck_of_each": stuck, "stuck": int(stuck.sum()), "least_growth": growth}
 
 
 def wheelchair(work, seeds=5):

@@ -289,7 +289,8 @@ impl Decision {
         Ok((0..self.agents.len()).filter(arrived).count())
     }
 
-    /// Everybody whose turn it is chooses an exit, as it is after a step \[s\], if people choose by more than where exits are.
+    /// Chooses an exit for everybody whose turn it is, as it is after a step \[s\], if people choose by more than where exits
+    /// are.
     fn choose_exits(&mut self, step: f64) {
         let Some(Some(ways)) = self.ways.clone().filter(|_| self.plan.chooses()) else { return };
         let (now, by_time) = (self.time + step, self.plan.exit_choice == ExitChoice::Time);
@@ -346,7 +347,7 @@ impl Decision {
         }
     }
 
-    /// Somebody takes another exit. The direction of walking follows from the one before.
+    /// Changes the exit of an agent. The direction of walking follows from the one before.
     fn change_exit(&mut self, i: usize, exit: usize) {
         if self.agents[i].choice.exit == Some(exit) {
             return;

@@ -6,6 +6,8 @@ use thiserror::Error;
 
 /// Each needs a field of distances in memory.
 pub(crate) const MOST_TARGETS: usize = 50;
+/// Largest number of times at which an exit is open: each choice of an exit looks at all of them.
+pub(crate) const MOST_TIMES: usize = 1000;
 /// Largest number of way-points of an agent: each is some variables of the FMU.
 pub(crate) const MOST_WAYPOINTS: usize = 10_000;
 /// Largest number of members of a group: each looks at all others.
@@ -56,6 +58,12 @@ pub enum PlanError {
         "{place}: open = {value}: must be pairs [from, to] in s, from 0 to 1e9, each from below its to, in order, not overlapping"
     )]
     Open { place: String, value: String },
+    #[error(
+        "{place}: open = {value}: must not be shorter than the time step of {step} s: it may never be open"
+    )]
+    ShortOpen { place: String, value: String, step: String },
+    #[error("{place}: open: {count} pairs; at most {MOST_TIMES} are allowed")]
+    TooManyTimes { place: String, count: usize },
     #[error("{place}: open: only exits have it: nobody leaves by a goal")]
     OpenGoal { place: String },
     #[error("ways: give `ways` or `waypoints` for everybody, one of the two")]

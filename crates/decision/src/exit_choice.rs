@@ -138,7 +138,7 @@ impl Queues {
         Some(best.target)
     }
 
-    /// Somebody heads for another target: targets with the distances \[m\].
+    /// Moves somebody from one target to another: targets with the distances \[m\].
     pub fn shift(&mut self, from: (usize, f64), to: (usize, f64)) {
         let place = self.ahead(from.0, from.1);
         // Also of numbers that are none.

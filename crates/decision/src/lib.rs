@@ -49,4 +49,4 @@ pub use config::{BalanceName, DECISION_FILE, DecisionConfig, WalkingModelName};
 pub use decision::Decision;
 pub use error::PlanError;
 pub use person::Person;
-pub use plan::Plan;
+pub use plan::{DEFAULT_SPEED, Plan};

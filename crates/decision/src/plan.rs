@@ -23,7 +23,7 @@ pub use normalized::normalized;
 use serde::{Deserialize, Serialize};
 
 /// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).
-const DEFAULT_SPEED: f64 = 1.34;
+pub const DEFAULT_SPEED: f64 = 1.34;
 
 /// Draw of a person that is that of the push; those of walking begin at 0.
 const PUSH_DRAW: u64 = u64::MAX / 2;

@@ -81,12 +81,15 @@ fn who_would_have_to_turn_the_head_slows_down() {
     assert!((found.y / found.x + 0.5 / 1.34).abs() < 1e-6, "{found:?}");
     // 5 m behind: nobody walks back.
     assert!(velocity(vec2(-5.0, 0.0), &config).norm() < 1e-9);
-    // Behind a wall, the way counts: the other one is ahead.
+    // The other one is 1 m behind, and behind a wall, by the way around it, so far that nobody goes on.
     let wall = vec![vec2(1.0, -3.0), vec2(1.0, 3.0)];
-    let people = [person(0, 0.0, 0.0), person(1, 3.0, 0.0)];
-    let act =
-        |walls: &[Vec<Vec2>]| Decision::new(plan(walls, &people, &config)).acts().unwrap()[1].drive.force[0];
-    assert!(act(&[]).abs() < 1e-9 && act(&[wall]).abs() < 1e-9);
+    let people = [person(0, 0.5, 0.0), person(1, 1.5, 0.0)];
+    let speed = |walls: &[Vec<Vec2>]| {
+        Decision::new(plan(walls, &people, &config)).acts().unwrap()[1].drive.force[0] / 320.0
+    };
+    let expected = 1.34 / (1.0 + 0.5 * 4.0 * std::f64::consts::FRAC_PI_2);
+    let [open, hidden] = [speed(&[]), speed(&[wall])];
+    assert!((open - expected).abs() < 1e-3 && hidden.abs() < 1e-9, "{open} {hidden}");
 }
 
 #[test]
@@ -210,12 +213,17 @@ fn groups_times_and_preferences_read_back() {
                   exits = [{ line = [[5, 0], [5, 4]], open = [[0.1, 7], [8, 9.5]], time_factor = 0.7 }]";
     let plan = plan(&[], &people, config);
     let text = plan.to_toml().unwrap();
+    let many: Vec<[usize; 2]> = (0..1001).map(|k| [2 * k, 2 * k + 1]).collect();
+    let many = text.replace("[[0.1, 7.0], [8.0, 9.5]]", &format!("{many:?}"));
+    let said = Plan::from_toml(&many).unwrap_err().to_string();
+    assert!(said.contains("1001 pairs; at most 1000"), "{said}");
     assert_eq!(Plan::from_toml(&text).unwrap(), plan);
     for (good, bad, words) in [
         ("groups = [[0, 1]]", "groups = [[0, 2]]", "not there"),
         ("groups = [[0, 1]]", "groups = [[1, 1]]", "two groups"),
         ("groups = [[0, 1]]", "groups = [[0]]", "has 1 members"),
         ("[0.1, 7.0]", "[0.1, 8.5]", "in order"),
+        ("[0.1, 7.0]", "[0.1, 0.11]", "shorter than the time step of 0.02 s"),
         ("time_factor = 0.7", "time_factor = -1.0", "positive"),
     ] {
         assert!(text.contains(good), "{text}");

@@ -200,4 +200,26 @@ mod tests {
         let (all, on) = known(Fp);
         assert!(all && on.contains(&Velocity));
     }
+
+    /// Who waits for others stands, so that a speed is too much for the balance.
+    #[test]
+    fn before_the_first_step_legs_depend_on_the_whole_group() {
+        let mut decision = decision(
+            "balance = \"pendulum\"\nwaypoints = [{ x = 90, y = 0 }]\ngroups.members = [[\"0\", \"1\"]]",
+        );
+        let mut balanced = |x: f64| {
+            let other = Pose { x, y: 0.9, theta: 0.0 };
+            decision.see([(Pose::default(), vec2(1.0, 0.0)), (other, Vec2::ZERO)].into_iter());
+            decision.number(Quantity::Balanced, 0).unwrap()
+        };
+        assert_eq!([0.0, -5.0].map(&mut balanced), [1.0, 0.0]);
+        for output in [Quantity::Legs, Quantity::Lean, Quantity::Balanced] {
+            for (known, also) in [(Known::Inputs, None), (Known::Starts, Some(Quantity::Waypoint))] {
+                let Dependencies::All(on) = decision.dependencies(output, known) else {
+                    panic!("{output:?}: not on all")
+                };
+                assert!(also.into_iter().chain([Quantity::Position]).all(|needed| on.contains(&needed)));
+            }
+        }
+    }
 }

@@ -209,8 +209,13 @@ impl Decision {
 
     /// Returns whether an output depends on the inputs of all agents.
     fn needs_all(&self, output: Quantity) -> bool {
-        let sees = self.plan.walking_model.sees_others() || !self.plan.groups.is_empty();
-        sees && matches!(output, Quantity::Fp | Quantity::Mp)
+        let groups = !self.plan.groups.is_empty();
+        match output {
+            Quantity::Fp | Quantity::Mp => groups || self.plan.walking_model.sees_others(),
+            // Before the first step, who stands follows from where the whole group is.
+            Quantity::Legs | Quantity::Lean | Quantity::Balanced => groups && self.plan.balance.is_some(),
+            _ => false,
+        }
     }
 
     /// Returns the dependencies of an output on the inputs and parameters of the same agent; of the
@@ -223,7 +228,8 @@ impl Decision {
         let seen = |on: Quantity| {
             use Quantity::*;
             let of_motion = matches!(on, Theta | Velocity | FloorDamping | DesiredSpeed);
-            let counts = of_motion || matches!(on, TimeGap | StandstillGap | ReactionTime | Start);
+            let of_way = matches!(on, Waypoint | WaypointRadius);
+            let counts = of_motion || of_way || matches!(on, TimeGap | StandstillGap | ReactionTime | Start);
             let extrapolates = matches!(self.plan.balance, Some(Balance::Pendulum(_))) && output == Balanced;
             self.needs_all(output) && counts || extrapolates && on == Velocity
         };

@@ -3,8 +3,8 @@
 use super::Plan;
 use super::destinations::names;
 use crate::error::{
-    MOST_MEMBERS, MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative, number,
-    positive,
+    MOST_MEMBERS, MOST_TARGETS, MOST_TIMES, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative,
+    number, positive,
 };
 use crate::target::{Destination, Target};
 use lemons_core::plane::vec2;
@@ -55,7 +55,7 @@ impl Plan {
                 .map_or(Ok(()), |value| not_negative(&place, "standstill_gap", value))?;
             motivation.push.map_or(Ok(()), |value| not_negative(&place, "push", value))?;
         }
-        check_targets(&self.targets)?;
+        check_targets(&self.targets, self.time_step)?;
         check_groups(&self.groups, self.agents.len())?;
         for agent in &self.agents {
             let (place, walker, pose) = (format!("agent {:?}", agent.id), &agent.walker, &agent.pose);
@@ -124,8 +124,9 @@ fn check_groups(groups: &[Vec<usize>], people: usize) -> Result<(), PlanError> {
     Ok(())
 }
 
-/// Checks that each is a line or an area, and the times of exits.
-pub(super) fn check_targets(targets: &[Target]) -> Result<(), PlanError> {
+/// Checks that each is a line or an area, and the times of exits: people leave at communication points only, a time step
+/// \[s\] apart.
+pub(super) fn check_targets(targets: &[Target], time_step: f64) -> Result<(), PlanError> {
     if targets.len() > MOST_TARGETS {
         return Err(PlanError::TooManyTargets(targets.len()));
     }
@@ -140,12 +141,21 @@ pub(super) fn check_targets(targets: &[Target]) -> Result<(), PlanError> {
         if target.stay && !target.open.is_empty() {
             return Err(PlanError::OpenGoal { place });
         }
+        if target.open.len() > MOST_TIMES {
+            return Err(PlanError::TooManyTimes { place, count: target.open.len() });
+        }
         let times: Vec<f64> = target.open.iter().flatten().copied().collect();
         let known = times.iter().all(|time| (0.0..=1e9).contains(time));
         let in_order = times.windows(2).all(|pair| pair[0] < pair[1]);
         if !known || !in_order {
             let value = format!("{:?}", target.open);
             return Err(PlanError::Open { place, value });
+        }
+        // A rounding error is not too short.
+        let short = |[from, to]: &&[f64; 2]| to - from < time_step - 1e-9;
+        if let Some(value) = target.open.iter().find(short) {
+            let (value, step) = (format!("{value:?}"), time_step.to_string());
+            return Err(PlanError::ShortOpen { place, value, step });
         }
         positive(&place, "time_factor", target.time_factor)?;
         let flat = target.area().is_some_and(|ring| !(ring.area() > 0.0 && ring.is_simple()));

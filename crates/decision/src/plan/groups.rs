@@ -1,11 +1,12 @@
 //! Who is in a group with whom.
 
-use crate::cells::sees;
+use crate::cells::{Cells, sees};
 use crate::config::{DecisionConfig, GroupsConfig};
 use crate::error::{MOST_MEMBERS, PlanError, not_negative, number, positive};
 use crate::person::Person;
 use crate::stuck::{draw, share};
 use lemons_core::plane::{Vec2, vec2};
+use std::collections::HashMap;
 
 /// Relative numbers of groups of two, three and four: those of a Poisson distribution with a mean of 1.
 const USUAL_SIZES: [f64; 3] = [12.0, 4.0, 1.0];
@@ -43,14 +44,17 @@ pub(super) fn groups(
     let mut left = (part * free.iter().filter(|free| **free).count() as f64).round() as usize;
     let mut order: Vec<usize> = (0..people.len()).collect();
     order.sort_by_key(|&i| draw(seed, i as u64, ORDER_DRAW));
-    let at = |i: usize| vec2(people[i].pose.x, people[i].pose.y);
+    // Places that are no numbers are refused later.
+    let place = |person: &Person| Some(vec2(person.pose.x, person.pose.y)).filter(|at| at.is_finite());
+    let places: Vec<Option<Vec2>> = people.iter().map(place).collect();
+    // Nobody is looked for where no group is drawn.
+    let around: &[_] = if left < 2 { &[] } else { &places };
+    let cells = Cells::new(around, |at| *at, faces, (NEAR, NEAR), |j, at| (j, *at));
     for i in order {
         if left < 2 {
             break;
         }
-        if !free[i] {
-            continue;
-        }
+        let Some(at) = places[i].filter(|_| free[i]) else { continue };
         let mut drawn = share(seed, i as u64, SIZE_DRAW) * sum;
         let bigger = sizes.iter().take_while(|size| {
             drawn -= **size;
@@ -58,12 +62,16 @@ pub(super) fn groups(
         });
         // Also if the last sizes are rounded away.
         let others = (bigger.count() + 1).min(sizes.len()).min(left - 1);
-        let far = |j: usize| (at(j) - at(i)).norm();
-        let mut near: Vec<usize> =
-            (0..people.len()).filter(|&j| free[j] && j != i && far(j) <= NEAR).collect();
-        near.sort_by(|&a, &b| far(a).total_cmp(&far(b)));
-        let together = near.into_iter().filter(|&j| sees(at(i), at(j), faces)).take(others);
-        let group: Vec<usize> = std::iter::once(i).chain(together).collect();
+        let (cell, mut near) = (cells.cell(at), Vec::new());
+        cells.block(cell, 1, |&(j, place)| {
+            let far = (place - at).norm();
+            if free[j] && j != i && far <= NEAR {
+                near.push((far, j, place));
+            }
+        });
+        near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let seen = near.into_iter().filter(|(_, _, place)| sees(at, *place, cells.faces(cell)));
+        let group: Vec<usize> = std::iter::once(i).chain(seen.map(|(_, j, _)| j).take(others)).collect();
         if group.len() > 1 {
             group.iter().for_each(|&j| free[j] = false);
             left -= group.len();
@@ -75,9 +83,12 @@ pub(super) fn groups(
 
 /// Returns the groups of the settings, and takes their members from those who are `free`.
 fn named(wanted: &GroupsConfig, people: &[Person], free: &mut [bool]) -> Result<Vec<Vec<usize>>, PlanError> {
+    // Of people with the same Id, the first one.
+    let places: HashMap<&str, usize> =
+        people.iter().enumerate().rev().map(|(i, person)| (&*person.id, i)).collect();
     let place = |(group, id): (usize, &String), free: &mut [bool]| {
         let error = |problem| PlanError::Member { group, id: id.clone(), problem };
-        let i = people.iter().position(|person| person.id == *id);
+        let i = places.get(&**id).copied();
         let i = i.ok_or_else(|| error("there is no agent with this Id"))?;
         if !std::mem::replace(&mut free[i], false) {
             return Err(error("is in a group already"));

@@ -27,7 +27,7 @@ pub fn normalized(trial: &Trial, config: &DecisionConfig) -> Result<DecisionConf
         config.exit_choice.get_or_insert(ExitChoice::Time);
     }
     let targets = targets_of(&config)?;
-    check_targets(&targets)?;
+    check_targets(&targets, trial.parameters.time_step)?;
     if targets.len() < 2 || targets.iter().any(|target| !target.stay) {
         return Ok(config);
     }
