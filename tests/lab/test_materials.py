@@ -62,7 +62,8 @@ def test_frictions_are_those_of_the_trial_until_one_is_changed(page: Page, tmp_p
     make(page, 8, 400, 400)
     contacts = lambda: [one for one in attributes(download(page, "Trial (zip)", tmp_path), "Materials.xml", "Contact") if "human_naked" in (one["Id1"], one["Id2"]) and {one["Id1"], one["Id2"]} <= {"human_naked", "concrete"}]
     details(page)
-    field = lambda one: page.get_by_role("spinbutton", name=f'"{one["Id1"] if one["Id1"] == one["Id2"] else f"{one["Id1"]} – {one["Id2"]}"}", friction', exact=True)
+    pair = lambda one: " – ".join(dict.fromkeys((one["Id1"], one["Id2"])))
+    field = lambda one: page.get_by_role("spinbutton", name=f'"{pair(one)}", friction', exact=True)
     before = contacts()
     # People have another friction with walls than with each other.
     assert sorted(float(one["KineticFriction"]) for one in before) == [0.4, 0.5]

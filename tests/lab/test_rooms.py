@@ -393,14 +393,16 @@ def test_a_picture_lies_under_the_room(page: Page, url: str, tmp_path: Path) -> 
     # Walls are drawn over it, and it is no wall: it is seen on both sides of the room's, which is the only one.
     tab(page, "Crowd")
     live(page)
+    expect(page.get_by_text("40 people placed in")).to_be_visible()
     trial = held(download(page, "Trial (zip)", tmp_path))
     assert [sorted(set(wall)) for wall in corners(trial["Geometry.xml"])] == [[(0, 0), (0, 4), (4, 0), (4, 4)]]
     picture = Picture(page)
-    is_red = lambda y: (of := colour(page, picture.pixel(2, y)))[0] > of[1] + 40
+    is_red = lambda y: colour(page, picture.pixel(2, y))[0] > 200
     wait(page, lambda: is_red(-0.2))
-    across = [is_red(y / 100) for y in range(-20, 5)]
-    # One line of a few pixels.
-    assert across[0] and not across[20] and 1 <= across.count(False) < 10
+    across = [is_red(y / 100) for y in range(-20, 9)]
+    # One line of a few pixels, where the wall is.
+    assert across[0] and across[-1] and False in across[17:24] and across.count(False) < 10
+    tab(page, "Room")
     page.goto(link(url, {"name": "elsewhere", "backdrop": {**backdrop(), "key": "unknown"}}))
     page.reload()
     expect(page.get_by_text("This picture is not kept in this browser")).to_be_visible()
