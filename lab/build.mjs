@@ -1,5 +1,7 @@
 // Bundles the page into dist/, or into another folder. `build.sh` makes the WebAssembly before.
 import { build } from "esbuild";
+import { spawnSync } from "node:child_process";
+import { existsSync } from "node:fs";
 import { createHash } from "node:crypto";
 import { cp, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 import { resolve } from "node:path";
@@ -11,7 +13,12 @@ if (!licences) throw new Error("usage: node build.mjs LEMONS_LAB.wasm THIRD-PART
 const out = `${resolve(folder)}/`;
 await rm(out, { recursive: true, force: true });
 await mkdir(out, { recursive: true });
+const version = /^version = "(.*)"$/m.exec(await readFile(`${here}../Cargo.toml`, "utf8"))[1];
+// As build.rs does it: packagers without .git set it, and a .git above belongs to another project.
+const ofGit = () => existsSync(`${here}../.git`) && spawnSync("git", ["rev-parse", "--short=8", "HEAD"], { cwd: here, encoding: "utf8" }).stdout?.trim();
+const commit = process.env.LEMONS_COMMIT ?? ofGit();
 await build({
+    define: { __VERSION__: JSON.stringify(commit ? `${version} (${commit})` : version) },
     // The page's CSS is of the modules that it imports; `style.css` is loaded before.
     entryPoints: { page: "src/page.tsx", worker: "src/worker.ts" },
     outdir: out,

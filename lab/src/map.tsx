@@ -70,10 +70,10 @@ function Controls({ film, places, kind }: MapProps) {
             <NumberField label="Map from" short="from" unit="s" value={from ?? 0} min={0} max={to ?? 1e5} step={0.5} onChange={(next) => change({ span: [next || null, to] })} />
             {to !== null && <NumberField label="Map to" short="to" unit="s" value={to} min={from ?? 0} max={1e5} step={0.5} onChange={(next) => change({ span: [from, next] })} />}
             <Check label="to what is computed" value={to === null} onChange={(on) => change({ span: [from, on ? null : Math.max(computed(), from ?? 0)] })} />
-            <button type="button" disabled={!there} onClick={() => save(`${name}.csv`, places.csv())}>
+            <button type="button" disabled={!there || places.busy.value} onClick={() => save(`${name}.csv`, places.csv())}>
                 Map (CSV)
             </button>
-            <button type="button" disabled={!there} onClick={() => void attempt(async () => save(`${name}.png`, await png(canvas.value!, film)))}>
+            <button type="button" disabled={!there || places.busy.value} onClick={() => void attempt(async () => save(`${name}.png`, await png(canvas.value!, film)))}>
                 Map (PNG)
             </button>
         </>

@@ -11,11 +11,12 @@ import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
 import { brief, digits, Facts, length, named } from "./parts";
 import { png } from "./picture";
-import { link, plan, scene } from "./plan";
+import { link, type Made, plan, scene } from "./plan";
+import { VERSION } from "./version";
 import { shape } from "./drawn";
 import { film } from "./session";
 import { SweepTable } from "./sweepform";
-import { sweep } from "./sweep";
+import { type Sweep, sweep } from "./sweep";
 
 /** The picture of the report that is shown, as an address, and its time in s. */
 export const report = signal<{ picture: string; time: number } | null>(null);
@@ -53,10 +54,9 @@ function greatest({ frames, scene, reached }: Film, seconds: number): { most: nu
 const POPULATIONS = { survey: "survey ANSUR II", statistics: "statistics of one's own", table: "tables of measured people" };
 
 /** What was chosen, with names as in the forms. */
-function assumptions({ scene: shown }: Film): [string, string][] {
-    const { made, unit } = plan.value;
-    const { base, motion, edits, mechanics } = made;
-    const rows: [string, string][] = [["People", String(shown.agents.length)]];
+function assumptions({ base, motion, edits, mechanics }: Made): [string, string][] {
+    const { unit } = plan.value;
+    const rows: [string, string][] = [];
     const mixed = base.kind === "crowd" && Object.keys(base.mix).length > 0;
     if (base.kind === "crowd") {
         const [width, height] = shape(base.room.outline).bounds;
@@ -76,13 +76,34 @@ function assumptions({ scene: shown }: Film): [string, string][] {
         if (groups) rows.push(["People in groups", `${Number((100 * groups.share).toFixed(1))} %`]);
         rows.push(["They walk", `${model}, ${mixed ? "desired speeds by kind" : `${desired_speed} m/s`}, seed ${seed}${push === null ? "" : `, pushing ahead with at most ${push} N`}`]);
     }
+    if (motion.kind === "go") {
+        const { model, rotational, balance } = motion.wishes;
+        if (model === "rotational") rows.push(["Constants of the model", rotational ? Object.entries(rotational).map(([name, value]) => `${name} ${value}`).join(", ") : "those of this version"]);
+        if (balance !== "none") rows.push(["Balance", balance]);
+    }
     if (motion.kind === "walk") rows.push(["They walk", `on ${motion.ways.length} ${motion.ways.length === 1 ? "way" : "ways"}, ${mixed ? "desired speeds by kind" : `${motion.speed} m/s`}`]);
     if (motion.kind === "push") rows.push(["Pushes", motion.pushes.map(({ force, duration }) => `${force} N over ${duration} s`).join("; ")]);
     if (mechanics) {
         if (mechanics.materials.length > 0) rows.push(["Changed moduli, Young and shear", moduli(mechanics).join("; ")]);
         if (mechanics.contacts.length > 0) rows.push(["Changed damping, normal and tangential", dampings(mechanics).join("; ")]);
     }
-    rows.push(["Steps", `communication ${shown.step} s, mechanical ${shown.mechanical_step} s`]);
+    return rows;
+}
+
+function ofRun({ scene: { agents, step, mechanical_step, warnings } }: Film): [string, string][] {
+    const rows: [string, string][] = [["People", String(agents.length)], ...assumptions(plan.value.made), ["Steps", `communication ${step} s, mechanical ${mechanical_step} s`]];
+    return warnings.length > 0 ? [...rows, ["Warnings", warnings.join("; ")]] : rows;
+}
+
+/** What a sweep was made of: it may be another scene than the one on the stage. */
+function ofSweep({ made, parameter, until, runs }: Sweep): [string, string][] {
+    const all = (of: (run: Sweep["runs"][number]) => number) => [...new Set(runs.map(of))].sort((a, b) => a - b).join(", ");
+    const rows: [string, string][] = [["Parameter", `${parameter.label}: ${all(({ value }) => value)} ${parameter.unit}`.trim()], ["Seeds", all(({ seed }) => seed)], ["Until all have left, at most", `${until} s`]];
+    const { base, mechanics } = made;
+    if (base.kind === "crowd") rows.push(["People", base.number === null ? `${base.density} per m²` : String(base.number)]);
+    rows.push(...assumptions(made));
+    const [step, mechanical] = [mechanics?.time_step, mechanics?.time_step_mechanical];
+    if (step || mechanical) rows.push(["Changed steps", [step && `communication ${step} s`, mechanical && `mechanical ${mechanical} s`].filter(Boolean).join(", ")]);
     return rows;
 }
 
@@ -125,18 +146,20 @@ export function Report({ film }: { film: Film }) {
             </div>
             <h1 translate={false}>{scene.value.name}</h1>
             <p>
-                Made with the LEMONS lab on {new Date().toISOString().slice(0, 10)}: pedestrians as rigid bodies of disks with damped springs and friction, in two dimensions.{" "}
+                Made with the LEMONS lab <span translate={false}>{VERSION}</span> on {new Date().toISOString().slice(0, 10)}: pedestrians as rigid bodies of disks with damped springs and friction, in two dimensions.{" "}
                 <a href={link()}>This scene as a link</a>.
             </p>
             <img src={picture} alt={`The scene at ${time.toFixed(2)} s`} />
             <p class="note">{`The scene at ${time.toFixed(2)} s`}{time > 0 && ", the moment of the greatest squeeze"}</p>
             <h2>What was assumed</h2>
-            <Facts rows={assumptions(film)} />
+            <Facts rows={ofRun(film)} />
             <h2>What came out</h2>
             <Facts rows={numbers(film)} />
             {swept && swept.runs.length > 0 && (
                 <>
                     <h2>{`Sweep of "${swept.scene}"`}</h2>
+                    {JSON.stringify(swept.made) !== JSON.stringify(plan.value.made) && <p class="note">The scene was changed since: what was assumed in the sweep is below.</p>}
+                    <Facts rows={ofSweep(swept)} />
                     <SweepTable of={swept} measure="all_left" />
                     <SweepTable of={swept} measure="greatest_mean_of_1_s" />
                 </>

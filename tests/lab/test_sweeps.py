@@ -223,3 +223,28 @@ def test_changes_by_hand_fit_the_walls_of_each_width_of_a_door(page: Page, tmp_p
     expect(page.get_by_text("2 of 2 runs until 120 s.")).to_be_visible()
     page.get_by_text("Not all changes by hand fit in 1 of 2 runs").click()
     expect(page.get_by_text('Width of the door: 0.5, seed 1: person "3" moved: person "3" would overlap a wall or somebody')).to_be_visible()
+
+
+def test_the_report_says_what_a_sweep_was_made_of(page: Page) -> None:
+    room(page)
+    page.get_by_role("combobox", name="Parameter").select_option(label="Width of the door [m]")
+    page.get_by_label("Values [m]").fill("0.9")
+    fill(page, "Seeds for each value", 2)
+    page.get_by_role("button", name="Begin the sweep").click()
+    expect(page.get_by_text("2 of 2 runs until 120 s.")).to_be_visible()
+    changed = page.get_by_text("The scene was changed since: what was assumed in the sweep is below.")
+    report = page.get_by_role("main", name="Report")
+    for people, differs in ((16, False), (12, True)):
+        if differs:
+            make(page, people, 400, 300)
+        tab(page, "Take away")
+        page.get_by_role("button", name="Report to print").click()
+        expect(report.get_by_text(re.compile(r"^Made with the LEMONS lab \d+\.\d+\.\d+"))).to_be_visible()
+        expect(report.get_by_role("row", name="Parameter Width of the door: 0.9 m", exact=True)).to_be_visible()
+        expect(report.get_by_role("row", name="Seeds 1, 2", exact=True)).to_be_visible()
+        # Of the run, and of the sweep.
+        of_people = report.get_by_role("row", name=re.compile(r"^People \d+$"))
+        expect(of_people).to_have_count(2)
+        assert of_people.all_inner_texts() == [f"People\t{people}", "People\t16"]
+        expect(changed).to_have_count(1 if differs else 0)
+        page.get_by_role("button", name="Back to the lab").click()
