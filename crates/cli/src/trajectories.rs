@@ -144,7 +144,7 @@ fn is_for(path: &Path, given: &[(&str, bool)]) -> Result<bool> {
 }
 
 impl TrajectoryArguments {
-    /// As [`ReadingArguments::is_for`].
+    /// Checks that options are given for trajectories only, and returns whether the file holds some.
     pub fn is_for(&self, path: &Path) -> Result<bool> {
         is_for(
             path,

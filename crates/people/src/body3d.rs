@@ -159,7 +159,7 @@ impl Body3d {
         Body3d::within_limits(&larger, person, size)
     }
 
-    /// The person itself, or, of a small child, the one whose body is made smaller; and by how much.
+    /// Returns the person itself, or, of a small child, the one whose body is made smaller; and by how much.
     fn larger(person: &Person) -> (Person, f64) {
         if Body3d::possible(person).is_ok() || !(0.3..SMALL).contains(&person.stature) {
             return (*person, 1.0);

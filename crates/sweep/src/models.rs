@@ -84,7 +84,7 @@ impl Models {
                 all.len() - 1
             });
             of_points.push(place);
-            let many = || format!("there are more than {MOST_MODELS} Trials, FMUs or plans");
+            let many = || format!("there are more than {MOST_MODELS} crowds, Trials, FMUs or plans");
             ensure(all.len() <= MOST_MODELS, many)?;
         }
         Ok(Models { all, of_points: Some(of_points), chooses, first })

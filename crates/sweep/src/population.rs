@@ -5,7 +5,7 @@ use crate::error::{Error, Place, Result};
 use crate::points::Points;
 use lemons_core::plane::{Pose, Vec2, vec2};
 use lemons_core::trial::DriveTable;
-use lemons_decision::{DecisionConfig, Plan, WalkingModelName};
+use lemons_decision::{DEFAULT_SPEED, DecisionConfig, Plan, WalkingModelName};
 use lemons_master::ensure;
 use lemons_people::placing::{Method, Orientation, Region, Settings};
 use lemons_people::{
@@ -17,16 +17,14 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// Before the name of a key of the population, as a parameter.
+/// Prefix of the parameters that are keys of the population.
 pub(crate) const PREFIX: &str = "population.";
 /// Part of the ground that shapes never cover without overlap.
 const FULL: f64 = 0.97;
-/// Most people.
+/// Largest number of people.
 const MOST: u32 = 1_000_000;
-/// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).
-const SPEED: f64 = 1.34;
 
-/// Whose crowd it is, in which room.
+/// Crowd and its room.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Population {
@@ -86,10 +84,10 @@ fn usual_model() -> WalkingModelName {
 }
 
 impl Population {
-    /// Checks the parameters that are keys of the population, and returns of each parameter whether it is one.
+    /// Returns of each parameter whether it is a key of the population.
     ///
     /// # Errors
-    /// There is no such key, or a value is not possible.
+    /// There is no such key, or a value cannot be read.
     pub fn choosers(&self, points: &Points) -> Result<Vec<bool>> {
         let parameter = |parameter: &crate::points::Parameter| {
             let Some(key) = parameter.name.strip_prefix(PREFIX) else { return Ok(false) };
@@ -99,16 +97,21 @@ impl Population {
         points.parameters.iter().map(parameter).collect()
     }
 
-    /// The population of a point.
+    /// Returns the population of a point.
+    ///
+    /// # Errors
+    /// A value is not possible with the others of the point.
     pub fn at(&self, points: &Points, point: usize) -> Result<Population> {
         let keys = points.parameters.iter().filter_map(|of| Some((of, of.name.strip_prefix(PREFIX)?)));
         let mut own = self.clone();
         for (parameter, key) in keys {
             own = own.set(key, parameter.at(point)).place(|| parameter.name.clone())?;
         }
+        own.check()?;
         Ok(own)
     }
 
+    /// Sets a key to a value that is only read, not checked: other keys of a point may make it possible.
     fn set(mut self, key: &str, value: &str) -> Result<Population> {
         let number = || value.parse::<f64>().ok().filter(|number| number.is_finite());
         let number = || number().ok_or_else(|| Error::Spec(format!("{value:?}: must be a finite number")));
@@ -135,7 +138,6 @@ impl Population {
                 }
             },
         }
-        self.check()?;
         Ok(self)
     }
 
@@ -250,7 +252,8 @@ impl Population {
         let own =
             agents.iter().enumerate().filter_map(|(id, agent)| Some((id.to_string(), agent.member()?.speed)));
         let own: Vec<(String, f64)> = own.filter(|_| self.speed.is_none()).collect();
-        let wishes = DecisionConfig::leaving(self.model, self.speed.unwrap_or(SPEED), exits).with_speeds(own);
+        let wishes =
+            DecisionConfig::leaving(self.model, self.speed.unwrap_or(DEFAULT_SPEED), exits).with_speeds(own);
         let plan = leaves.then(|| Plan::of(&trial, &wishes)).transpose();
         let plan = plan.map_err(|error| Error::Spec(format!("people cannot leave: {error}")))?;
         Ok(Documents { trial, drive: DriveTable::default(), plan })

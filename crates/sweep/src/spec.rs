@@ -223,6 +223,11 @@ impl Spec {
             Some(chosen) => Models::of_crowds(&points, chosen)?,
             None => Models::of(&points, &model, &plan)?,
         };
+        for (place, (name, _)) in models.all.iter().enumerate() {
+            let Some(population) = &population else { break };
+            let checked = population.at(&points, models.first_point(place)).map(drop);
+            checked.place(|| name.display().to_string()).place(|| "parameters".into())?;
+        }
         for (path, plan) in models.all.iter().filter(|_| population.is_none()) {
             inputs.push(path.clone());
             if let PlanChoice::File(path) = plan {
@@ -291,6 +296,27 @@ mod tests {
 
     fn read(text: &str) -> Result<Spec, String> {
         Spec::from_toml(text, Path::new("in")).map_err(|error| error.whole())
+    }
+
+    #[test]
+    fn a_crowd_is_checked_with_all_its_values() {
+        let text = |keys: &str| {
+            format!(
+                "until = 2\n[population]\nnumber = 9\nbox = [5, 5]\nmix = {{ adult = \"rest\", child = 60 }}\n[parameters]\n\
+                 {keys}\n[measures]\nreach = {{ of = \"x\", take = \"reach\", agents = [\"4\"] }}"
+            )
+        };
+        let (child, chairs) = ("\"population.mix.child\" = [10]", "\"population.mix.wheelchair\" = [80]");
+        for keys in [format!("{child}\n{chairs}"), format!("{chairs}\n{child}")] {
+            assert_eq!(read(&text(&keys)).unwrap().models.all.len(), 1);
+            let wrong = keys.replace("[80]", "[80, 95]");
+            let error = read(&text(&wrong)).unwrap_err();
+            assert!(error.contains("population.mix.wheelchair = 95"), "{error}");
+            assert!(
+                error.ends_with("mix: the others have 105 together: nothing of 100 is left for the \"rest\""),
+                "{error}"
+            );
+        }
     }
 
     #[test]
@@ -383,7 +409,7 @@ mod tests {
         assert_eq!(models.place(4), models.place(10));
         assert_eq!([0, 1, 2, 3].map(|column| models.only_chooses(column)), [false, false, true, true]);
         let error = read(&text.replace("to = 3 }", "to = 20000 }")).unwrap_err();
-        assert_eq!(error, "there are more than 10000 Trials, FMUs or plans");
+        assert_eq!(error, "there are more than 10000 crowds, Trials, FMUs or plans");
     }
 
     /// They overflowed to infinities and to NaN, which were simulated.

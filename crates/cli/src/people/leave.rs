@@ -7,9 +7,6 @@ use lemons_core::plane::{Vec2, vec2};
 use lemons_people::drawing::{self, Read};
 use std::fmt::Write;
 
-/// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).
-const SPEED: f64 = 1.34;
-
 #[derive(clap::Args)]
 #[command(next_help_heading = "Leaving and standing (with -o or --zip)")]
 pub struct LeaveArguments {
@@ -98,7 +95,7 @@ impl LeaveArguments {
             return balance;
         }
         let model = self.model.as_deref().unwrap_or("rotational");
-        let speed = speed.unwrap_or(SPEED);
+        let speed = speed.unwrap_or(lemons_decision::DEFAULT_SPEED);
         let mut text = format!("model = {model:?}\n{balance}desired_speed = {speed:?}          # [m/s]\n");
         if let Some([push, deviation]) = self.push {
             let _ = writeln!(text, "push = {push:?}                 # [N]");

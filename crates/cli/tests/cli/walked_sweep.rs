@@ -112,12 +112,12 @@ squeeze = { of = "peak_squeeze", take = "max" }
         (
             "mix.wheelchair\" = [0, 20]",
             "men\" = [0, 20]",
-            "parameters: population.men: men = 20: must be from 0 to 1",
+            "parameters: population.men = 20, population.seed = 3: men = 20: must be from 0 to 1",
         ),
         (
             "mix.wheelchair\" = [0, 20]",
             "mix.car\" = [0, 20]",
-            "parameters: population.mix.car: mix: there is no kind \"car\"",
+            "parameters: population.mix.car = 0, population.seed = 3: mix: there is no kind \"car\"",
         ),
         (
             "mix.wheelchair\" = [0, 20]",
