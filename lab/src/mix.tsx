@@ -94,7 +94,7 @@ function Shares({ mix, onChange }: { mix: Mix; onChange(mix: Mix): void }) {
                     ))}
                 </ul>
             </details>
-            <p class="note">Shares stay at 100 % together. Each person is drawn by chance, so that the numbers differ a little. The numbers of kinds have sources or are assumptions (docs/people.md).</p>
+            <p class="note">Shares stay at 100 % together. Each person is drawn by chance: of 80 people with 10 % of a kind, 8 ± 3 have it. The numbers of kinds have sources or are assumptions (docs/people.md).</p>
         </>
     );
 }

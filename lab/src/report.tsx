@@ -168,6 +168,7 @@ export function Report({ film }: { film: Film }) {
             <ul>
                 <li>One run is one sample. Other seeds place other people: times and forces differ, and the greatest ones differ most. A sweep shows by how much.</li>
                 <li>The survey is of soldiers of 18 to 50 years. Children, the elderly, wheelchairs and luggage are not in it.</li>
+                {film.scene.agents.some(({ kind }) => kind) && <li>Numbers of kinds of people are of other sources, or assumptions (docs/people.md). Nobody yields to a wheelchair or helps another.</li>}
                 <li>Bodies move on a plane. Nobody falls, climbs or bends, unless the scene says that those who stand may lose balance.</li>
                 <li>Times of leaving were compared with experiments for doors and corridors, without panic (docs/validation.md). They are no proof for a building.</li>
             </ul>

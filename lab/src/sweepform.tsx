@@ -143,42 +143,60 @@ function LeftOut({ of: { parameter, runs } }: { of: Sweep }) {
 export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measure; onShow?(run: Run): void }) {
     const { label, unit } = of.parameter;
     const [words, unitOf] = MEASURES[measure];
+    const stayed = measure === "all_left" ? of.runs.filter(({ measures }) => Number.isNaN(measures.all_left)).length : 0;
+    // Whoever is still there leaves later than that, if ever.
+    const quantileOf = ({ runs, numbers }: Row, share: number) => {
+        const later = measure === "all_left" ? Array<number>(runs.length - numbers.length).fill(Infinity) : [];
+        const all = [...numbers, ...later];
+        if (all.length === 0) return "–";
+        return all[Math.ceil(share * (all.length - 1))] === Infinity ? `> ${of.until}` : digits(quantile(all, share), 3);
+    };
     return (
-        <table class="sweep">
-            <caption>
-                {words} [{unitOf}]: quantiles of the runs
-            </caption>
-            <thead>
-                <tr>
-                    <th scope="col">{unit ? `${label} [${unit}]` : label}</th>
-                    <th scope="col">runs</th>
-                    {QUANTILES.map((share) => (
-                        <th key={share} scope="col">
-                            {100 * share} %
-                        </th>
-                    ))}
-                </tr>
-            </thead>
-            <tbody>
-                {rows(of, measure).map(({ value, runs, numbers }) => (
-                    <tr key={value}>
-                        <th scope="row">
-                            {onShow ? (
-                                <button type="button" title="Shows its first run on the stage" onClick={() => onShow(runs[0]!)}>
-                                    {value}
-                                </button>
-                            ) : (
-                                value
-                            )}
-                        </th>
-                        <td>{numbers.length === runs.length ? runs.length : `${numbers.length} of ${runs.length}`}</td>
+        <>
+            {stayed > 0 && (
+                <p class="note">
+                    <strong>{`In ${stayed} of ${of.runs.length} runs not all had left after ${of.until} s.`}</strong>
+                </p>
+            )}
+            <table class="sweep">
+                <caption>
+                    {words} [{unitOf}]: quantiles of the runs
+                </caption>
+                <thead>
+                    <tr>
+                        <th scope="col">{unit ? `${label} [${unit}]` : label}</th>
+                        <th scope="col">runs</th>
                         {QUANTILES.map((share) => (
-                            <td key={share}>{numbers.length > 0 ? digits(quantile(numbers, share), 3) : "–"}</td>
+                            <th key={share} scope="col">
+                                {100 * share} %
+                            </th>
                         ))}
                     </tr>
-                ))}
-            </tbody>
-        </table>
+                </thead>
+                <tbody>
+                    {rows(of, measure).map((row) => {
+                        const { value, runs, numbers } = row;
+                        return (
+                            <tr key={value}>
+                                <th scope="row">
+                                    {onShow ? (
+                                        <button type="button" title="Shows its first run on the stage" onClick={() => onShow(runs[0]!)}>
+                                            {value}
+                                        </button>
+                                    ) : (
+                                        value
+                                    )}
+                                </th>
+                                <td>{numbers.length === runs.length ? runs.length : `${numbers.length} of ${runs.length}`}</td>
+                                {QUANTILES.map((share) => (
+                                    <td key={share}>{quantileOf(row, share)}</td>
+                                ))}
+                            </tr>
+                        );
+                    })}
+                </tbody>
+            </table>
+        </>
     );
 }
 
