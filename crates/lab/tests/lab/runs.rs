@@ -192,6 +192,7 @@ fn a_map_has_the_numbers_of_plots_and_goes_on() {
     let said = refused(&mut lab, asked("squeeze", false), &rows(&first, 300.0));
     assert!(said.contains("of another quantity"), "{said}");
     let twice = ok_of(&mut lab, asked("density", false), &one).1;
+    map.add(numbers(&first).chunks(COLUMNS).map(|of| vec2(of[0], of[1])));
     assert_eq!(numbers(&twice), map.values());
     // The second answer has both frames; a new map has one.
     let (_, both) = ok_of(&mut lab, asked("squeeze", true), &one);
