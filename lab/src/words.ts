@@ -365,6 +365,7 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["Of all", "Von allen", "De toutes"],
     ["Mean of all", "Mittel von allen", "Moyenne de toutes"],
     ["now # N", "jetzt # N", "maintenant # N"],
+    ["now – N", "jetzt – N", "maintenant – N"],
     ["now # m/s", "jetzt # m/s", "maintenant # m/s"],
     ["now # people", "jetzt # Personen", "maintenant # personnes"],
     ["now # per m²", "jetzt # je m²", "maintenant # par m²"],

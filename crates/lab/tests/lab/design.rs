@@ -315,7 +315,7 @@ fn requests_that_are_none_are_refused() {
     assert!(refused(&mut lab, short, b"1234").contains("its content is missing"));
     let many = own(crowd(40, square(1.0, 1.0)));
     let said = refused(&mut lab, many, &[]);
-    assert!(said.contains("40 shapes") && said.contains("without overlap"), "{said}");
+    assert!(said.contains("40 people do not fit") && said.contains("about 8 of them do"), "{said}");
     assert!(refused(&mut lab, own(json!({"kind": "example", "name": "moon"})), &[]).contains("moon"));
 }
 
