@@ -40,7 +40,7 @@ MADE_BY = {
     **{f"docs/guide/{name}.png": ("docs/pictures.sh", f'"$to/guide/{name}.png"') for name in GUIDE},
     # crates/people/tests/physics.rs compares them.
     **{f"docs/guide/physics_{name}.svg": ("crates/people/tests/physics.rs", f'"physics_{name}.svg"') for name in PHYSICS},
-    **{f"docs/lab_{name}.png": ("docs/lab_pictures.py", f'"{name}": ') for name in ("run", "3d", "room", "person", "exits", "compare", "sweep")},
+    **{f"docs/lab_{name}.png": ("docs/lab_pictures.py", f'"{name}": ') for name in ("run", "3d", "kinds", "room", "person", "exits", "compare", "sweep")},
     **{f"docs/validation_{name}.svg": ("examples/validation.py", f'"{name}": {name}') for name in VALIDATION},
     **{f"docs/validation_{name}.svg": ("examples/experiments.py", f'"validation_{name}.svg"') for name in ("experiments", "lanes")},
     "docs/door_width.svg": ("examples/door_width.py", '"door_width.svg"'),
