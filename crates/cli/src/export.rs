@@ -26,7 +26,7 @@ pub struct Arguments {
     /// Results of a run: the table of lemons run (CSV or Parquet), or an OutputDirectory of
     /// AgentDynamics and AgentInteractions files. For jupedsim, pedpy and chaos also trajectories of an
     /// experiment or of another simulator. For geojson, wkt and dxf: a Trial or an FMU
-    #[arg(value_name = "TABLE, SERIES, TRAJECTORIES or TRIAL")]
+    #[arg(value_name = "TABLE, SERIES or TRIAL")]
     source: PathBuf,
     /// Format to write
     #[arg(long, value_name = "FORMAT")]

@@ -179,17 +179,24 @@ fn rate_of(path: &Path, own: Option<f64>, told: Option<f64>) -> Result<f64, Reco
     rate.map_err(|message| RecordError::wrong(path, message))
 }
 
+/// \[B\] So much of a file says what it is.
+const HEAD: u64 = 4096;
+
 /// Opens a file, and returns whether it begins as a database; `None` if it holds no trajectories: a table of a run is
-/// neither a database nor does its first line begin with a number or with `#`.
+/// neither a database nor does its first line that is no comment begin with a number.
 fn database_or_text(path: &Path) -> Result<(File, Option<bool>), RecordError> {
     let cannot = |error: io::Error| RecordError::Read { path: path.to_owned(), error };
     let mut file = input::open(path).map_err(cannot)?;
     let mut begin = Vec::new();
-    file.by_ref().take(4096).read_to_end(&mut begin).map_err(cannot)?;
+    let length = file.by_ref().take(HEAD).read_to_end(&mut begin).map_err(cannot)?;
     file.rewind().map_err(cannot)?;
     let begin = begin.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&begin);
-    let first = begin.iter().find(|byte| !byte.is_ascii_whitespace());
-    let text = first.is_some_and(|byte| matches!(byte, b'#' | b'0'..=b'9' | b'-' | b'+' | b'.'));
+    let mut lines = begin.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii_start);
+    let text = match lines.find(|line| !line.is_empty() && !line.starts_with(b"#")) {
+        Some(line) => matches!(line[0], b'0'..=b'9' | b'-' | b'+' | b'.'),
+        // Long comments.
+        None => length as u64 == HEAD,
+    };
     let database = begin.starts_with(SQLITE);
     Ok((file, (database || text).then_some(database)))
 }
