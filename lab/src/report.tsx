@@ -1,6 +1,7 @@
 // A report to print: the scene, what it assumes, its picture and numbers, and what they do not say.
 
 import { effect, signal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { perExit } from "./csv";
 import type { Film } from "./film";
@@ -90,9 +91,9 @@ function assumptions({ base, motion, edits, mechanics }: Made): [string, string]
     return rows;
 }
 
-function ofRun({ scene: { agents, step, mechanical_step, warnings } }: Film): [string, string][] {
-    const rows: [string, string][] = [["People", String(agents.length)], ...assumptions(plan.value.made), ["Steps", `communication ${step} s, mechanical ${mechanical_step} s`]];
-    return warnings.length > 0 ? [...rows, ["Warnings", warnings.join("; ")]] : rows;
+function ofRun({ scene: { agents, step, mechanical_step, warnings } }: Film): [string, ComponentChildren][] {
+    const rows: [string, ComponentChildren][] = [["People", String(agents.length)], ...assumptions(plan.value.made), ["Steps", `communication ${step} s, mechanical ${mechanical_step} s`]];
+    return warnings.length > 0 ? [...rows, ["Warnings", <span translate={false}>{warnings.join("; ")}</span>]] : rows;
 }
 
 /** What a sweep was made of: it may be another scene than the one on the stage. */

@@ -943,7 +943,6 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["Back to the lab", "Zurück zum Labor", "Retour au laboratoire"],
     ["Made with the LEMONS lab", "Erstellt mit dem LEMONS-Labor", "Créé avec le laboratoire LEMONS"],
     ["on", "am", "le"],
-    ["Constants of the model", "Konstanten des Modells", "Constantes du modèle"],
     ["those of this version", "die dieser Version", "celles de cette version"],
     ["time_gap #", "time_gap #", "time_gap #"],
     ["standstill_gap #", "standstill_gap #", "standstill_gap #"],
