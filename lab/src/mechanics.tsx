@@ -25,14 +25,17 @@ function replaced<T>(all: T[], one: T, same: (other: T) => boolean): T[] {
     return [...all.filter((other) => !same(other)), one];
 }
 
-function setMaterial(next: Material2d) {
+/** What was changed just before may not be on the stage yet: it counts, not what is shown. */
+function setMaterial(shown: Material2d, part: Partial<Material2d>) {
     const all = plan.value.made.mechanics?.materials ?? [];
-    set({ materials: replaced(all, next, ({ id }) => id === next.id) });
+    const same = ({ id }: Material2d) => id === shown.id;
+    set({ materials: replaced(all, { ...(all.find(same) ?? shown), ...part }, same) });
 }
 
-function setContact(next: Mechanics["contacts"][number]) {
+function setContact(shown: Mechanics["contacts"][number], part: Partial<Mechanics["contacts"][number]>) {
     const all = plan.value.made.mechanics?.contacts ?? [];
-    set({ contacts: replaced(all, next, ({ id1, id2 }) => id1 === next.id1 && id2 === next.id2) });
+    const same = ({ id1, id2 }: (typeof all)[number]) => id1 === shown.id1 && id2 === shown.id2;
+    set({ contacts: replaced(all, { ...(all.find(same) ?? shown), ...part }, same) });
 }
 
 /** What is changed, in words: Young and shear modulus of materials, normal and tangential damping of pairs. */
@@ -79,8 +82,8 @@ export function MechanicsForm({ film: { scene } }: { film: Film }) {
             {materials.filter(({ id }) => canChange(id)).map((material) => (
                 <fieldset key={material.id} class="fields">
                     <legend translate={false}>{material.id}</legend>
-                    <NumberField label={`"${material.id}", Young modulus`} short="Young modulus" unit="N/m" value={material.young_modulus} min={1} max={short(4 * material.shear_modulus)} step={1e5} onChange={(young_modulus) => setMaterial({ ...material, young_modulus })} />
-                    <NumberField label={`"${material.id}", shear modulus`} short="shear modulus" unit="N/m" value={material.shear_modulus} min={short(material.young_modulus / 4)} max={STIFFEST} step={1e5} onChange={(shear_modulus) => setMaterial({ ...material, shear_modulus })} />
+                    <NumberField label={`"${material.id}", Young modulus`} short="Young modulus" unit="N/m" value={material.young_modulus} min={1} max={short(4 * material.shear_modulus)} step={1e5} onChange={(young_modulus) => setMaterial(material, { young_modulus })} />
+                    <NumberField label={`"${material.id}", shear modulus`} short="shear modulus" unit="N/m" value={material.shear_modulus} min={short(material.young_modulus / 4)} max={STIFFEST} step={1e5} onChange={(shear_modulus) => setMaterial(material, { shear_modulus })} />
                 </fieldset>
             ))}
             {contacts.filter(({ id1, id2 }) => canChange(id1) && canChange(id2)).map((contact) => (
@@ -98,7 +101,7 @@ function ContactFields({ contact }: { contact: Contact }) {
     const name = id1 === id2 ? id1 : `${id1} – ${id2}`;
     // Of a crowd, its form and the slider have the friction, once it is changed: one for all contacts of its people.
     const ofCrowd = base.kind === "crowd" && [id1, id2].includes(base.material);
-    const damping = (part: Partial<Contact>) => setContact({ ...contact, ...part, kinetic_friction: ofCrowd ? null : (part.kinetic_friction ?? contact.kinetic_friction) });
+    const damping = (part: Partial<Contact>) => setContact({ ...contact, kinetic_friction: ofCrowd ? null : contact.kinetic_friction }, part);
     return (
         <fieldset class="fields">
             <legend translate={false}>{name}</legend>

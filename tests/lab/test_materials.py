@@ -13,6 +13,13 @@ def details(page: Page) -> None:
     page.get_by_text("Materials and steps").click()
 
 
+def put(page: Page, label: str, value: float) -> None:
+    """Fills a field, and waits until the scene has its number."""
+    fill(page, label, value)
+    field = page.get_by_role("spinbutton", name=label)
+    wait(page, lambda: field.count() == 1 and float(field.input_value()) == value)
+
+
 def attributes(trial: Path, file: str, element: str) -> list[dict[str, str]]:
     return [found.attrib for found in ElementTree.fromstring(held(trial)[file]).iter(element)]
 
@@ -22,12 +29,12 @@ def test_changed_materials_and_steps_run_as_the_command_runs_them(page: Page, ur
     before = download(page, "Trial (zip)", tmp_path / "before")
     old = held(before)
     details(page)
-    fill(page, '"human_naked", Young modulus', 2e6)
-    fill(page, '"human_naked", shear modulus', 9e5)
-    fill(page, '"human_naked", normal damping', 900)
-    fill(page, '"human_naked", friction', 0.1)
-    fill(page, "Mechanical step", 5e-5)
-    fill(page, "Communication step", 0.02)
+    put(page, '"human_naked", Young modulus', 2e6)
+    put(page, '"human_naked", shear modulus', 9e5)
+    put(page, '"human_naked", normal damping', 900)
+    put(page, '"human_naked", friction', 0.1)
+    put(page, "Mechanical step", 5e-5)
+    put(page, "Communication step", 0.02)
     becomes(page, lambda: plan(page)["made"].get("mechanics", {}).get("time_step"), 0.02)
     play_until(page, 3)
     shown = download(page, "Trajectories (CSV)", tmp_path)
