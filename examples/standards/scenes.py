@@ -64,6 +64,13 @@ def crossed(tables, name, direction="right"):
     return rows.drop_duplicates("id").set_index("id")["t"]
 
 
+def steady_densities(tables, times):
+    """Mean density of each area, between a fifth and four fifths of these passages."""
+    a, b = times.quantile([0.2, 0.8])
+    rows = tables["density"]
+    return rows[rows["t"].between(a, b)].groupby("area")["density"].mean()
+
+
 def drawn(trial, name):
     """What the program drew for each person: the start values of a parameter of the Decision FMU."""
     fmu = trial.with_name(trial.name + "_decision.fmu")
@@ -277,9 +284,7 @@ def congestion(work, people=100, seed=1):
     lines = line("in", (8, 1.5), (8, 3.5)), line("end", (18, 1.5), (18, 3.5))
     summary, tables = walk(trial, *lines, "--area=before=6,1.5,8,3.5", "--area=corridor=12,1.5,16,3.5")
     inside = crossed(tables, "in")
-    a, b = inside.quantile([0.2, 0.8])
-    density = tables["density"]
-    density = density[density["t"].between(a, b)].groupby("area")["density"].mean()
+    density = steady_densities(tables, inside)
     return {
         "left": summary["left"]["people"],
         "before": density["before"],
@@ -541,9 +546,7 @@ def two_necks(work, seed=1):
     """Two bottlenecks in a row: density before each, between the passages of a fifth and of four fifths through the first."""
     summary, tables = rooms_in_a_row(work / "two_necks", seed, second=True)
     first = crossed(tables, "first")
-    a, b = first.quantile([0.2, 0.8])
-    density = tables["density"]
-    means = density[density["t"].between(a, b)].groupby("area")["density"].mean()
+    means = steady_densities(tables, first)
     return {
         "left": summary["left"]["people"],
         "first": means["first"],

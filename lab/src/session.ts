@@ -77,7 +77,7 @@ async function contents(key: string, name: string): Promise<Uint8Array> {
     return bytes;
 }
 
-function words(opened: Opened, base: KeptBase, seconds: number): string {
+function describe(opened: Opened, base: KeptBase, seconds: number): string {
     const count = opened.scene.agents.length;
     const people = count === 1 ? "person" : "people";
     if (base.kind === "crowd") return `${count} ${people} placed in ${seconds.toFixed(2)} s`;
@@ -89,6 +89,7 @@ async function open(wanted: Planned, number: number) {
     const { edits, motion, mechanics } = wanted;
     const [base, bytes] = await sent(wanted.base);
     if (number !== latest) return;
+    const before = said.value;
     const { value, bytes: first, seconds } = await client.ask<Opened>({ ask: "show", base, edits, mechanics, motion }, bytes);
     // The lab has this scene now and not the one that is shown, which is opened again if the later one fails.
     if (number !== latest) {
@@ -111,8 +112,10 @@ async function open(wanted: Planned, number: number) {
         notes.value = value.notes;
         made.value = value.made;
         // Those who were moved by hand were not placed again.
-        const placed = other || !film.value ? words(value, wanted.base, seconds) : "";
-        said.value = [placed, sayNext].filter(Boolean).join(". ");
+        const placed = other || !film.value ? describe(value, wanted.base, seconds) : "";
+        const words = [placed, sayNext].filter(Boolean).join(". ");
+        // What was said meanwhile ("The link is copied.") stays.
+        if (words || said.value === before) said.value = words;
         sayNext = "";
         selected.value = place < 0 ? null : place;
         film.value = next;

@@ -370,16 +370,19 @@ fn bits_are_kept() {
     assert_eq!(sum, 0x437a_a0d1_4284_d3f4, "{sum:#x}: a change of shape is told in CHANGELOG");
 }
 
+/// A population of one kind.
+fn all_of(kinds: &Kinds, kind: &Kind) -> Population {
+    let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into()).unwrap();
+    let adults = Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES);
+    adults.unwrap().mixed(mix)
+}
+
 /// Everything that a mix draws: closed, on the floor or above, within the outline that the mechanics has.
 #[test]
 fn people_of_all_kinds_and_their_things_are_closed_solids_in_their_outline() {
     let kinds = Kinds::built_in().unwrap();
     for kind in kinds.iter() {
-        let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into()).unwrap();
-        let population = Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES)
-            .unwrap()
-            .mixed(mix);
-        for agent in population.agents(7).take(3) {
+        for agent in all_of(&kinds, kind).agents(7).take(3) {
             let member = agent.member().unwrap();
             let figure = Figure::of(&agent).unwrap();
             let (bodies, things) = (figure.bodies(false), figure.things());
@@ -436,11 +439,7 @@ fn a_small_child_has_a_body_of_its_measures() {
 fn figures_that_fit_a_trial_are_those_of_its_kinds() {
     let kinds = Kinds::built_in().unwrap();
     for kind in kinds.iter() {
-        let mix = kinds.mix(&[(kind.name.clone(), 1.0)].into()).unwrap();
-        let population = Population::new(Source::ansur().unwrap(), Proportions::default(), PAPER_BICYCLES)
-            .unwrap()
-            .mixed(mix);
-        let agents: Vec<Agent> = population.agents(3).take(3).collect();
+        let agents: Vec<Agent> = all_of(&kinds, kind).agents(3).take(3).collect();
         let crowd: Vec<(Agent, Pose)> =
             agents.iter().cloned().map(|agent| (agent, Pose::default())).collect();
         let trial = crowd_trial("t", &crowd, walls(&[], "concrete"), &TrialSettings::default()).unwrap();

@@ -50,7 +50,7 @@ fn a_signal_leaves_nothing_half_written() {
         vec!["connect", "decision.fmu", "crowd.fmu", "-o", "made.ssp"],
         vec!["export", "long.csv", "made.sqlite", "--to", "jupedsim", "--area", "area.wkt"],
         vec!["export", "long.csv", "made.txt", "--to", "pedpy"],
-        vec!["crowd", "-n", "3000", "--box", "17.2x17.2", "-o", "crowd", "--obj", "bodies.obj"],
+        vec!["crowd", "-n", "2600", "--box", "17.2x17.2", "-o", "crowd", "--obj", "bodies.obj"],
         vec!["movie", "run.csv", "--trial", trial, "--speed-up", "0.001", "-o", "a.gif", "--forces"],
     ];
     for arguments in commands {

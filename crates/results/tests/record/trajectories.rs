@@ -110,10 +110,10 @@ fn a_text_says_what_is_wrong_in_it() {
             "1 1 0 0\n1 2 0 0\n1 1000000000 0 0",
             "from frame 1 to 1000000000 there are 1000000000 frames, with places for 1",
         ),
-        ("", "holds no row"),
-        ("# framerate: 12", "line 3: there are two frame rates"),
-        ("# in cm", "line 3: there are two units"),
-        ("# framerate: fast", "begins with no number"),
+        ("", "holds no trajectories"),
+        ("# framerate: 12\n1 1 0 0", "line 3: there are two frame rates"),
+        ("# in cm\n1 1 0 0", "line 3: there are two units"),
+        ("# framerate: fast\n1 1 0 0", "begins with no number"),
     ] {
         let said = read(&file(&at, &format!("{head}{rows}")), &Told::default()).err().unwrap();
         assert!(
