@@ -163,7 +163,7 @@ impl Model for CrowdModel {
     const INTERPOLATES_INPUTS: bool = true;
     const KNOWS_DERIVATIVES: bool = true;
     const SHOWS_INTERMEDIATE_VALUES: bool = true;
-    const STATE_VERSION: u32 = 11;
+    const STATE_VERSION: u32 = 12;
     const SIZES: &'static [Size] = &SIZES;
     const VARIABLES: &'static [Variable<Quantity>] = &QUANTITIES;
 
@@ -337,7 +337,7 @@ impl Model for CrowdModel {
         self.said_coincident = self.first_coincident();
         self.played = self.whom_it_plays()?;
         self.play(start);
-        Ok(())
+        self.open_and_close(start)
     }
 
     fn points(&self, step: f64) -> Vec<f64> {
@@ -356,6 +356,7 @@ impl Model for CrowdModel {
         if so_far == 0.0 {
             self.start.clone_from(&self.world);
             self.play(from);
+            self.open_and_close(from)?;
         }
         let Some(world) = &mut self.world else { return refuse("not initialized") };
         Ok(world.advance_on(point - so_far, so_far)?)
@@ -372,6 +373,7 @@ impl Model for CrowdModel {
         let drive = world.map(|world| world.drive.clone());
         // The importer's time, which may differ from ours by rounding.
         self.play(from);
+        self.open_and_close(from).map_err(StepError::Failed)?;
         self.warn_of_returns(from);
         if let Err(error) = self.advance_world(length) {
             let told = Refusal::new(Setup::of(&self.trial).name_body(&error));
@@ -476,6 +478,12 @@ impl CrowdModel {
                 world.drive[i] = Wrench { force: vec2(x, y), torque };
             }
         }
+    }
+
+    /// Opens and closes walls as the Trial says for a time \[s\].
+    fn open_and_close(&mut self, time: f64) -> Answer<()> {
+        let Some(world) = &mut self.world else { return Ok(()) };
+        Ok(Setup::of(&self.trial).open_and_close(time, world)?)
     }
 
     /// Before an input of an agent is set: the packed drive no longer drives it, as if it had none.

@@ -1,7 +1,7 @@
 //! Finds faces near a circle: a grid of cells over the walls, made once with the scene.
 
 use super::circle::Circle;
-use super::{Face, FaceId, Vec2};
+use super::{Face, FaceId, Vec2, WallId};
 
 /// Rectangular cells over all walls, each with the faces that cross it, ascending.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -22,8 +22,15 @@ const CELLS_PER_FACE: usize = 4;
 const MOST_CELLS_PER_SIDE: f64 = 1000.0;
 
 impl FaceGrid {
-    pub fn new(faces: &[Face]) -> FaceGrid {
-        let ends = || faces.iter().flat_map(|face| [face.start, face.end]);
+    /// Makes the grid of the faces of some walls.
+    pub fn new(faces: &[Face], present: impl Fn(WallId) -> bool) -> FaceGrid {
+        let faces: Vec<(FaceId, &Face)> = faces
+            .iter()
+            .enumerate()
+            .map(|(place, face)| (FaceId::from(place), face))
+            .filter(|(_, face)| present(face.wall))
+            .collect();
+        let ends = || faces.iter().flat_map(|(_, face)| [face.start, face.end]);
         let Some(first) = ends().next() else { return FaceGrid::default() };
         let (low, high) = ends().fold((first, first), |(low, high), end| {
             (
@@ -42,8 +49,8 @@ impl FaceGrid {
         let size = Vec2 { x: width / columns as f64, y: height / rows as f64 };
         let mut grid = FaceGrid { low, size, columns, rows, ..FaceGrid::default() };
         let mut entries: Vec<(usize, FaceId)> = Vec::new();
-        for (place, face) in faces.iter().enumerate() {
-            grid.for_each_cell(face, |cell| entries.push((cell, FaceId::from(place))));
+        for (place, face) in &faces {
+            grid.for_each_cell(face, |cell| entries.push((cell, *place)));
         }
         entries.sort_unstable();
         entries.dedup();

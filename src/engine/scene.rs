@@ -161,6 +161,12 @@ pub struct Corner {
     pub covered: bool,
 }
 
+impl Corner {
+    fn new(position: Vec2) -> Corner {
+        Corner { position, faces: Vec::new(), owner: FaceId::from(0), covered: false }
+    }
+}
+
 /// Bodies, walls and laws: immutable after load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
@@ -174,6 +180,8 @@ pub struct Scene {
     pub faces: Vec<Face>,
     /// First face of each wall.
     pub wall_faces: Vec<Range<usize>>,
+    /// The walls, as they were given.
+    walls: Vec<WallSpec>,
     /// Corners of all walls.
     pub corners: Vec<Corner>,
     /// For each face, those that continue it: at an end, turning by at most 20°, or lying on it.
@@ -193,6 +201,7 @@ impl Scene {
             flyers: Vec::new(),
             faces: Vec::new(),
             wall_faces: Vec::with_capacity(walls.len()),
+            walls: walls.to_vec(),
             corners: Vec::new(),
             joined: Vec::new(),
             doubled: Vec::new(),
@@ -203,13 +212,27 @@ impl Scene {
         for spec in bodies {
             scene.add_body(spec, &mut flyers);
         }
-        let mut places = Places::default();
-        for spec in walls {
-            scene.add_wall(spec, &mut places);
-        }
-        scene.face_grid = FaceGrid::new(&scene.faces);
-        scene.join_faces();
+        scene.add_walls(&vec![true; walls.len()]);
         scene
+    }
+
+    /// Returns the scene with only some of its walls. Faces keep their numbers. Those of a wall that is absent touch
+    /// nothing.
+    pub(super) fn with_walls(&self, present: &[bool]) -> Scene {
+        let mut scene = Scene { faces: Vec::new(), wall_faces: Vec::new(), corners: Vec::new(), ..self.clone() };
+        scene.doubled.clear();
+        scene.add_walls(present);
+        scene
+    }
+
+    /// Makes faces and corners of the walls, and finds which of those that are present go on in each other.
+    fn add_walls(&mut self, present: &[bool]) {
+        let mut places = Places::default();
+        for (wall, present) in present.iter().enumerate() {
+            self.add_wall(WallId::from(wall), &mut places, *present);
+        }
+        self.face_grid = FaceGrid::new(&self.faces, |wall| present[wall.index()]);
+        self.join_faces();
     }
 
     /// `flyers` maps the bits of the rates to indices in [`Scene::flyers`].
@@ -252,12 +275,17 @@ impl Scene {
         });
     }
 
-    fn add_wall(&mut self, spec: &WallSpec, places: &mut Places) {
-        let wall = WallId::from(self.wall_faces.len());
+    /// The corners of a wall that is absent have no faces, so nothing is joined there.
+    fn add_wall(&mut self, wall: WallId, places: &mut Places, present: bool) {
+        let spec = &self.walls[wall.index()];
         let first_face = self.faces.len();
         for ends in spec.corners.windows(2) {
             let face = FaceId::from(self.faces.len());
             let [start_corner, end_corner] = [ends[0], ends[1]].map(|position| {
+                if !present {
+                    self.corners.push(Corner::new(position));
+                    return CornerId::from(self.corners.len() - 1);
+                }
                 let at = places.corner_at(position, &mut self.corners);
                 let faces = &mut self.corners[at].faces;
                 if faces.last() != Some(&face) {
@@ -447,8 +475,7 @@ impl Places {
         }
         let at = corners.len();
         self.cells.insert([cell(position.x, 0.0), cell(position.y, 0.0)], at);
-        let (faces, owner) = (Vec::new(), FaceId::from(0));
-        corners.push(Corner { position, faces, owner, covered: false });
+        corners.push(Corner::new(position));
         at
     }
 }

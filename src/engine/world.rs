@@ -8,8 +8,10 @@ use super::free_flight::Course;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
+use super::face::nearest_on_face;
 use super::{
-    BodyId, Exposure, FaceExposure, Pair, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench,
+    BodyId, Disk, DiskId, Exposure, Face, FaceExposure, Pair, Scene, Shortlisting, State, Threads, ThreadsError,
+    WallId, Work, Wrench,
 };
 use thiserror::Error;
 
@@ -98,6 +100,8 @@ pub struct World {
     pub share_from: usize,
     /// Of each body, whether it is there.
     present: Vec<bool>,
+    /// The same of each wall.
+    present_walls: Vec<bool>,
     threads: Threads,
     /// Number of communication steps that several threads have shared.
     shared: u64,
@@ -126,6 +130,7 @@ impl World {
             shortlisting: Shortlisting::On,
             share_from: SHARE_FROM,
             present: vec![true; scene.bodies.len()],
+            present_walls: vec![true; scene.wall_faces.len()],
             threads: Threads::default(),
             shared: 0,
             contacts: ContactReport::default(),
@@ -166,6 +171,41 @@ impl World {
     /// it must be set before [`World::restore`].
     pub fn set_present(&mut self, body: BodyId, present: bool) {
         self.present[body.index()] = present;
+    }
+
+    /// Of each wall, whether it is there.
+    pub fn present_walls(&self) -> &[bool] {
+        &self.present_walls
+    }
+
+    /// Takes walls out, or puts them back: doors that open and close. Faces keep their numbers. Those of an absent wall
+    /// touch nothing; where walls met it, they end. Contacts are found anew; the [`World::exposures`] stay.
+    ///
+    /// # Errors
+    /// More pairs are near each other than the limit of memory allows. The world is then unchanged.
+    pub fn set_present_walls(&mut self, present: &[bool]) -> Result<(), Crowded> {
+        assert_eq!(present.len(), self.present_walls.len(), "one for each wall");
+        let scene = self.scene.with_walls(present);
+        let before = std::mem::replace(&mut self.scene, scene);
+        let (exposures, of_faces) = (self.exposures.clone(), self.face_exposures.clone());
+        if let Err(crowded) = self.restore(self.state.clone()) {
+            self.scene = before;
+            return Err(crowded);
+        }
+        (self.exposures, self.face_exposures) = (exposures, of_faces);
+        self.present_walls.copy_from_slice(present);
+        Ok(())
+    }
+
+    /// Whether no body that is there touches a wall, or would touch it if it were there.
+    pub fn is_free(&self, wall: WallId) -> bool {
+        let faces = &self.scene.faces[self.scene.wall_faces[wall.index()].clone()];
+        let touches = |(place, disk): (usize, &Disk)| {
+            let centre = self.scene.centre(DiskId::from(place), &self.state.poses);
+            let near = |face: &Face| (nearest_on_face(face, centre).0 - centre).norm() < disk.radius;
+            self.present[disk.body.index()] && faces.iter().any(near)
+        };
+        !self.scene.disks.iter().enumerate().any(touches)
     }
 
     /// Shares the work among this number of threads, of a pool that belongs to this world and its clones. The results

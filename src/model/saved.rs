@@ -27,6 +27,8 @@ struct Running {
     /// Fingerprint of the packed drive, if it drives anybody.
     packed_drive: Option<String>,
     present: Vec<bool>,
+    /// Of each wall; one that closes may wait for somebody.
+    present_walls: Vec<bool>,
     state: State,
     /// Outputs; the future does not depend on them.
     exposures: Vec<Exposure>,
@@ -49,6 +51,7 @@ impl CrowdModel {
                     .filter(|_| !self.played.is_empty())
                     .map(|drive| drive.fingerprint.clone()),
                 present: world.present().to_vec(),
+                present_walls: world.present_walls().to_vec(),
                 state: world.state().clone(),
                 exposures: world.exposures().to_vec(),
                 face_exposures: world.face_exposures().to_vec(),
@@ -102,10 +105,14 @@ impl CrowdModel {
                 give_threads(&mut world, settings.threads, self.world.as_ref())?;
                 let bodies = running.present.iter().enumerate();
                 bodies.for_each(|(b, &present)| world.set_present(BodyId::from(b), present));
+                let crowded = |_| damaged("more agents in one place than can be held");
+                if running.present_walls != world.present_walls() {
+                    world.set_present_walls(&running.present_walls).or_else(crowded)?;
+                }
                 let of_faces = running.face_exposures.clone();
                 world
                     .restore_with(running.state.clone(), running.exposures.clone(), of_faces)
-                    .or_else(|_| damaged("more agents in one place than can be held"))?;
+                    .or_else(crowded)?;
                 world.drive.clone_from(&running.drive);
                 Some(world)
             }
@@ -131,6 +138,7 @@ fn check_running(world: &World, running: &Running) -> Answer<()> {
         && state.twists.len() == bodies
         && running.drive.len() == bodies
         && running.present.len() == bodies
+        && running.present_walls.len() == scene.wall_faces.len()
         && running.exposures.len() == bodies
         && running.face_exposures.len() == faces
         && state.disk_springs.iter().all(|s| s.first.index() < disks && s.second.index() < disks)

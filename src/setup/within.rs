@@ -131,7 +131,7 @@ mod tests {
     fn closed(id: &str, corners: impl IntoIterator<Item = (f64, f64)>) -> Wall {
         let mut corners: Vec<Vec2> = corners.into_iter().map(|(x, y)| vec2(x, y)).collect();
         corners.extend(corners.first().copied());
-        Wall { id: id.into(), material_id: "concrete".into(), corners }
+        Wall::new(id, "concrete", corners)
     }
 
     fn square(id: &str, x: f64, y: f64, side: f64) -> Wall {

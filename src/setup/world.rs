@@ -3,12 +3,12 @@
 use super::Setup;
 use crate::engine::{
     AdvanceError, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Scene,
-    State, WallSpec, World, Wrench, elongation_vector,
+    State, WallId, WallSpec, World, Wrench, elongation_vector,
 };
 use lemons_core::plane::{Motion, Pose, Twist};
 use lemons_core::trial::{
     Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, Shape, Wall,
-    WallInteraction, pairs_that_touch, quoted, stiffness,
+    WallInteraction, is_open, pairs_that_touch, quoted, stiffness,
 };
 use std::collections::{HashMap, HashSet};
 use thiserror::Error;
@@ -187,7 +187,26 @@ impl Setup<'_> {
         ))
     }
 
-    /// Returns the engine's world at the start of this Trial.
+    /// Opens and closes the walls of a world as the Trial says for a time \[s\]. A wall that closes waits until nobody is
+    /// in it.
+    ///
+    /// # Errors
+    /// Too many agents are at one place.
+    pub fn open_and_close(&self, time: f64, world: &mut World) -> Result<(), WorldError> {
+        if self.geometry.walls.iter().all(|wall| wall.open.is_empty()) {
+            return Ok(());
+        }
+        let is_there = |(w, wall): (usize, &Wall)| {
+            !is_open(&wall.open, time) && (world.present_walls()[w] || world.is_free(WallId::from(w)))
+        };
+        let present: Vec<bool> = self.geometry.walls.iter().enumerate().map(is_there).collect();
+        if present == world.present_walls() {
+            return Ok(());
+        }
+        world.set_present_walls(&present).map_err(|crowded| self.too_crowded(crowded))
+    }
+
+    /// Returns the engine's world at the start of this Trial, with the walls that are there at 0 s.
     ///
     /// # Errors
     /// Materials that can touch have no usable contact, or too many agents are at one place.
@@ -197,6 +216,7 @@ impl Setup<'_> {
         let world = World::new(scene, state, self.parameters.time_step_mechanical);
         let mut world = world.map_err(|crowded| self.too_crowded(crowded))?;
         world.drive = self.drive();
+        self.open_and_close(0.0, &mut world)?;
         Ok(world)
     }
 }

@@ -1,6 +1,7 @@
 //! The engine's behaviour in small scenes. What is measured against closed forms, conservation laws and
 //! independent integrators stands in the table of `lemons verify` (crates/verify).
 
+mod doors;
 mod ramp;
 mod shortlist;
 mod threads;

@@ -5,10 +5,11 @@ use crate::exit_choice::{Choice, ExitChoice, Offer, Queues};
 use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
 use crate::stuck::{StuckAction, StuckState, normal, share};
-use crate::target::{Arrival, Destination, Target, Ways};
+use crate::target::{Arrival, Destination, Target, Ways, share_before_closed};
 use crate::walking_model::{DesiredMotion, Walking, WalkingModel};
 use lemons_core::files::input;
 use lemons_core::plane::{Rotation, Vec2, vec2};
+use lemons_core::trial::is_open;
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
 use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, damaged, fingerprint, refuse};
@@ -453,7 +454,7 @@ impl Decision {
         }
         if let Some(waypoint) = agent.walker.waypoints.get(agent.next()) {
             let way = (vec2(waypoint.x, waypoint.y) - agent.at()).unit(0.0);
-            let goes = way.map(|direction| (direction, agent.walker.desired_speed));
+            let goes = way.map(|way| (way, self.share_before_doors(agent.at(), way) * agent.walker.desired_speed));
             return Aim { arrival, goes, to_go: self.to_go(i, destination) };
         }
         if destination == Destination::None || arrival == Some(Arrival::Leaves) {
@@ -465,8 +466,17 @@ impl Decision {
         let (leg, turn) = (ways.leg(destination, agent.at(), closed), agent.choice.turn);
         // Without a change of the exit, not even rounding.
         let turned = |way: Vec2| if turn == 0.0 { way } else { way.rotated(Rotation::by(turn)) };
-        let goes = leg.direction.map(|way| (turned(way), leg.share * agent.walker.desired_speed));
+        let goes = leg.direction.map(|way| {
+            let share = leg.share.min(self.share_before_doors(agent.at(), way));
+            (turned(way), share * agent.walker.desired_speed)
+        });
         Aim { arrival, goes, to_go: leg.distance }
+    }
+
+    /// The part of the desired speed with which people walk towards doors that are closed.
+    fn share_before_doors(&self, at: Vec2, way: Vec2) -> f64 {
+        let closed = self.plan.doors.iter().filter(|door| !is_open(&door.open, self.time));
+        closed.map(|door| share_before_closed(door.distance(at, way))).fold(1.0, f64::min)
     }
 
     /// \[m\] How far it is along the way-points and to an exit or a goal.

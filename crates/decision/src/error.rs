@@ -1,13 +1,11 @@
 //! What is wrong with settings or a plan.
 
 use lemons_core::plane::Vec2;
-use lemons_core::trial::FARTHEST;
+use lemons_core::trial::{FARTHEST, MOST_TIMES, TIMES};
 use thiserror::Error;
 
 /// Each needs a field of distances in memory.
 pub(crate) const MOST_TARGETS: usize = 50;
-/// Largest number of times at which an exit is open: each choice of an exit looks at all of them.
-pub(crate) const MOST_TIMES: usize = 1000;
 /// Largest number of way-points of an agent: each is some variables of the FMU.
 pub(crate) const MOST_WAYPOINTS: usize = 10_000;
 /// Largest number of members of a group: each looks at all others.
@@ -54,9 +52,7 @@ pub enum PlanError {
         "exits[{0}]: time_factor: has an effect only with `exit_choice = \"time\"`: say so, or leave it out"
     )]
     NotByTime(usize),
-    #[error(
-        "{place}: open = {value}: must be pairs [from, to] in s, from 0 to 1e9, each from below its to, in order, not overlapping"
-    )]
+    #[error("{place}: open = {value}: must be {TIMES}")]
     Open { place: String, value: String },
     #[error(
         "{place}: open = {value}: must not be shorter than the time step of {step} s: it may never be open"

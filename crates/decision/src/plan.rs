@@ -18,7 +18,7 @@ use crate::target::{Destination, Target, Ways};
 use crate::walking_model::WalkingModel;
 use destinations::{destinations, targets_of, ways};
 use lemons_core::plane::{Vec2, vec2};
-use lemons_core::trial::Trial;
+use lemons_core::trial::{Trial, Wall};
 pub use normalized::normalized;
 use serde::{Deserialize, Serialize};
 
@@ -64,6 +64,30 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
+/// A wall that opens.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Door {
+    /// \[m\] (x, y)
+    pub corners: Vec<[f64; 2]>,
+    /// \[s\] From and to which times there is no wall.
+    pub open: Vec<[f64; 2]>,
+}
+
+impl Door {
+    /// \[m\] Returns how far it is along a direction, a unit vector, to the door; infinite if that leads past it.
+    pub(crate) fn distance(&self, at: Vec2, direction: Vec2) -> f64 {
+        let sides = self.corners.windows(2).map(|ends| (Vec2::from(ends[0]) - at, Vec2::from(ends[1]) - at));
+        let meets = sides.filter_map(|(from, to)| {
+            let (left, right) = (direction.cross(from), direction.cross(to));
+            // The point between the ends that lies straight ahead.
+            let ahead = (from * right - to * left) * (1.0 / (right - left));
+            (left * right <= 0.0 && left != right).then(|| ahead.dot(direction)).filter(|&far| far >= 0.0)
+        });
+        meets.fold(f64::INFINITY, f64::min)
+    }
+}
+
 /// The initial data of the FMU.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -76,6 +100,9 @@ pub struct Plan {
     /// \[m\] Corners (x, y) of each wall; none if nobody looks at them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub walls: Vec<Vec<[f64; 2]>>,
+    /// Walls that open.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doors: Vec<Door>,
     /// Groups that stay together: places of their members in `agents`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub groups: Vec<Vec<usize>>,
@@ -99,13 +126,18 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Makes a plan from settings for the people of a Trial, among its walls.
+    /// Makes a plan from settings for the people of a Trial, among its walls. Ways lead through walls that open. People stop
+    /// in front of one that is closed.
     ///
     /// # Errors
     /// Those of [`Plan::among`].
     pub fn of(trial: &Trial, config: &DecisionConfig) -> Result<Plan, PlanError> {
-        let walls = trial.geometry.walls.iter().map(|wall| &wall.corners[..]);
-        Plan::among(walls, &Person::all_of(trial), config, trial.parameters.time_step)
+        let walls = trial.geometry.fixed_walls().map(|wall| &wall.corners[..]);
+        let plan = Plan::among(walls, &Person::all_of(trial), config, trial.parameters.time_step)?;
+        let doors = trial.geometry.walls.iter().filter(|wall| !wall.open.is_empty());
+        let corners = |wall: &Wall| wall.corners.iter().map(|at| [at.x, at.y]).collect();
+        let doors = doors.map(|wall| Door { corners: corners(wall), open: wall.open.clone() }).collect();
+        Ok(Plan { doors, ..plan })
     }
 
     /// Makes a plan from settings for these people among walls.
@@ -196,6 +228,7 @@ impl Plan {
             time_step,
             seed,
             walls,
+            doors: Vec::new(),
             groups,
             walking_model,
             balance,

@@ -3,6 +3,7 @@
 use crate::error::PlanError;
 use crate::field::{Field, Grid};
 use lemons_core::plane::{Ring, Vec2, nearest_on_segment, segments_touch, vec2};
+use lemons_core::trial::is_open;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
@@ -11,8 +12,13 @@ use std::collections::BTreeSet;
 const NEAR: f64 = 0.3;
 /// \[m\] Nearer than this to the line or the middle of a goal, people walk more and more slowly.
 const SLOW: f64 = 1.0;
-/// \[m\] Distance on foot at which people stand in front of an exit that is closed.
+/// \[m\] Distance on foot at which people stand in front of an exit or a door that is closed.
 const FRONT: f64 = 0.5;
+
+/// Returns the part of the desired speed at a distance \[m\] in front of what is closed: people slow down and stand.
+pub(crate) fn share_before_closed(distance: f64) -> f64 {
+    ((distance - FRONT) / SLOW).clamp(0.0, 1.0)
+}
 
 /// An exit or a goal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -59,10 +65,9 @@ impl Target {
         format!("{} {:?}", if self.stay { "goal" } else { "exit" }, self.name)
     }
 
-    /// Returns whether people can leave by it at a time \[s\]. A rounding error is not a time.
+    /// Returns whether people can leave by it at a time \[s\].
     pub fn is_open(&self, time: f64) -> bool {
-        let time = time + 1e-9;
-        self.open.is_empty() || self.open.iter().any(|&[from, to]| (from..to).contains(&time))
+        self.open.is_empty() || is_open(&self.open, time)
     }
 
     fn points(&self) -> Vec<Vec2> {
@@ -315,7 +320,7 @@ impl Ways {
         let share = (left / SLOW).min(1.0);
         let way = self.field(to).map(|field| self.grid.way(field, at));
         let (distance, found) = way.unwrap_or((f64::INFINITY, None));
-        let share = if closed { ((distance - FRONT) / SLOW).clamp(0.0, 1.0) } else { share };
+        let share = if closed { share_before_closed(distance) } else { share };
         if left <= near {
             return Leg { direction: towards(rest), share, distance };
         }

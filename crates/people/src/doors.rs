@@ -79,8 +79,7 @@ fn cut(geometry: Geometry, doors: &[Door], may: fn(&Wall) -> bool, kind: &str) -
         }
         for (place, corners) in pieces(&wall.corners, &own).into_iter().enumerate() {
             let id = if place == 0 { Some(wall.id.clone()) } else { free.next() };
-            let material_id = wall.material_id.clone();
-            walls.push(Wall { id: id.unwrap_or_default(), material_id, corners });
+            walls.push(Wall { id: id.unwrap_or_default(), corners, ..wall.clone() });
         }
     }
     Ok(Geometry { walls, ..geometry })
@@ -338,7 +337,7 @@ mod tests {
     #[test]
     fn open_walls_have_doors_too() {
         let corners = vec![vec2(0.0, 0.0), vec2(3.0, 0.0), vec2(3.0, 4.0)];
-        let line = Wall { id: "partition".into(), material_id: "wood".into(), corners: corners.clone() };
+        let line = Wall::new("partition", "wood", corners.clone());
         let mut geometry = walls(&room(), "concrete");
         geometry.walls.insert(1, line);
         let cut = |doors: &[Door]| cut_doors_in_all(geometry.clone(), doors).unwrap().walls;
@@ -401,7 +400,7 @@ mod tests {
         geometry.walls[0].id = "room".into();
         for (place, id) in [(0, "0"), (2, "1")] {
             let corners = vec![Vec2::ZERO, vec2(8.0, 3.0)];
-            geometry.walls.insert(place, Wall { id: id.into(), material_id: "wood".into(), corners });
+            geometry.walls.insert(place, Wall::new(id, "wood", corners));
         }
         let right = door(8.1, 3.0, 1.0);
         let cut = cut_doors(geometry.clone(), &[right, door(4.0, 0.0, 2.0)]).unwrap();

@@ -252,7 +252,7 @@ impl Room {
 }
 
 fn wall(id: String, material: &str) -> Wall {
-    Wall { id, material_id: material.to_owned(), corners: Vec::new() }
+    Wall::new(id, material, Vec::new())
 }
 
 /// The corners of a wall, if a Trial may have such.
@@ -370,7 +370,7 @@ mod tests {
         let open = corners([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0]]);
         let closed = corners([[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 1.0]]);
         let wall =
-            |id: &str, corners| Wall { id: id.into(), material_id: format!("material of {id}"), corners };
+            |id: &str, corners| Wall::new(id, format!("material of {id}"), corners);
         let geometry = Geometry {
             dimensions: Some(vec2(5.0, 4.0)),
             walls: vec![wall("a", open.clone()), wall("0", closed.clone())],

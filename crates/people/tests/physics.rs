@@ -127,7 +127,7 @@ fn passage() -> Trial {
     let mut trial = trial(&WALKERS.iter().map(walker).collect::<Vec<_>>(), FLOOR);
     let wall = |y: f64| {
         let corners = vec![vec2(0.0, y), vec2(PASSAGE.x, y)];
-        Wall { id: y.to_string(), material_id: "concrete".into(), corners }
+        Wall::new(y.to_string(), "concrete", corners)
     };
     trial.geometry = Geometry { dimensions: Some(PASSAGE), walls: vec![wall(0.0), wall(PASSAGE.y)] };
     trial

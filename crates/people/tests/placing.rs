@@ -423,10 +423,8 @@ fn bad_regions_are_refused() {
 
 #[test]
 fn walls_of_a_trial_bound_a_region() {
-    let wall = |id: &str, corners: &[(f64, f64)]| Wall {
-        id: id.into(),
-        material_id: "concrete".into(),
-        corners: corners.iter().map(|&(x, y)| vec2(x, y)).collect(),
+    let wall = |id: &str, corners: &[(f64, f64)]| {
+        Wall::new(id, "concrete", corners.iter().map(|&(x, y)| vec2(x, y)).collect())
     };
     let pillar = wall("pillar", &[(1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0), (1.0, 1.0)]);
     let room = wall("room", &[(0.0, 0.0), (6.0, 0.0), (6.0, 5.0), (0.0, 5.0), (0.0, 0.0)]);

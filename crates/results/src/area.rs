@@ -226,7 +226,7 @@ mod tests {
 
     fn wall(id: &str, corners: &[(f64, f64)]) -> Wall {
         let corners = corners.iter().map(|&(x, y)| vec2(x, y)).collect();
-        Wall { id: id.into(), material_id: "stone".into(), corners }
+        Wall::new(id, "stone", corners)
     }
 
     fn square(id: &str, x: f64, y: f64, side: f64) -> Wall {

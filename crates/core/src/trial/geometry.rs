@@ -3,6 +3,7 @@
 use crate::files::source::Source;
 use crate::plane::{Vec2, vec2};
 use crate::trial::documents::{Checked, read_alone};
+use crate::trial::opening;
 use crate::trial::schema::{Schema, Value};
 use crate::trial::xml::{Element, Ids, document, empty, read_id, vector};
 use crate::xml::{number, quoted};
@@ -27,6 +28,11 @@ impl Geometry {
         read_alone(files, path, &GEOMETRY, |root| read(root, None))
     }
 
+    /// Returns the walls that never open.
+    pub fn fixed_walls(&self) -> impl Iterator<Item = &Wall> {
+        self.walls.iter().filter(|wall| wall.open.is_empty())
+    }
+
     /// Returns the text of a `Geometry.xml`. Every number is read back as the same double.
     pub fn to_xml(&self) -> String {
         xml(self)
@@ -42,6 +48,15 @@ pub struct Wall {
     pub material_id: String,
     /// \[m\] at least two corners; the wall is closed if the last one is at the place of the first.
     pub corners: Vec<Vec2>,
+    /// \[s\] `Open`: from and to which times there is no wall. Of none, the wall never opens.
+    pub open: Vec<[f64; 2]>,
+}
+
+impl Wall {
+    /// Makes a wall that never opens, through at least two corners \[m\].
+    pub fn new(id: impl Into<String>, material_id: impl Into<String>, corners: Vec<Vec2>) -> Wall {
+        Wall { id: id.into(), material_id: material_id.into(), corners, open: Vec::new() }
+    }
 }
 
 pub(crate) static GEOMETRY: Schema =
@@ -50,7 +65,7 @@ static DIMENSIONS: Schema =
     Schema { name: "Dimensions", attributes: &[("Lx", Value::Number), ("Ly", Value::Number)], children: &[] };
 static WALL: Schema = Schema {
     name: "Wall",
-    attributes: &[("Id", Value::Id), ("MaterialId", Value::IdOf("material"))],
+    attributes: &[("Id", Value::Id), ("MaterialId", Value::IdOf("material")), ("Open", Value::Times)],
     children: &[&CORNER],
 };
 static CORNER: Schema =
@@ -65,7 +80,8 @@ pub(crate) fn read(root: Element<'_>, materials: Option<&Ids<'_>>) -> Geometry {
         let id = read_id(element, &mut lines);
         let (material_id, _) = element.reference("MaterialId", materials);
         let corners = read_corners(element, &id);
-        walls.push(Wall { id, material_id, corners });
+        let open = if element.node.has("Open") { element.times("Open") } else { Vec::new() };
+        walls.push(Wall { id, material_id, corners, open });
     }
     Geometry { dimensions, walls }
 }
@@ -94,7 +110,9 @@ pub(crate) fn xml(geometry: &Geometry) -> String {
             empty(out, &DIMENSIONS, &[&number(size.x), &number(size.y)]);
         }
         for wall in &geometry.walls {
-            out.element("Wall", &[("Id", &wall.id), ("MaterialId", &wall.material_id)], |out| {
+            let open = (!wall.open.is_empty()).then(|| opening::text(&wall.open));
+            let values = [Some(&*wall.id), Some(&wall.material_id), open.as_deref()];
+            out.element("Wall", &WALL.values(&values), |out| {
                 for &corner in &wall.corners {
                     empty(out, &CORNER, &[&vector(corner)]);
                 }

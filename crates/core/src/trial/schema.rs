@@ -32,6 +32,8 @@ pub(crate) enum Value {
     IdOf(&'static str),
     /// A place in a list, from 0.
     Place,
+    /// Pairs of times.
+    Times,
 }
 
 impl Schema {
@@ -81,6 +83,7 @@ mod tests {
             Value::IdOf("agent") => ("Id of an agent", "any"),
             Value::IdOf(what) => (&*format!("Id of a {what}"), "any"),
             Value::Place => ("place", "any"),
+            Value::Times => ("times", "0 to 1e9"),
         };
         (kind.to_owned(), range.to_owned())
     }

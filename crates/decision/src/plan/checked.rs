@@ -1,13 +1,14 @@
 //! Whether a plan can be carried out.
 
-use super::Plan;
+use super::{Door, Plan};
 use super::destinations::names;
 use crate::error::{
-    MOST_MEMBERS, MOST_TARGETS, MOST_TIMES, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative,
+    MOST_MEMBERS, MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative,
     number, positive,
 };
 use crate::target::{Destination, Target};
 use lemons_core::plane::vec2;
+use lemons_core::trial::{MOST_TIMES, are_times};
 
 impl Plan {
     /// Checks that, from where they start, or from their last way-point, all must be able to reach their destination.
@@ -40,6 +41,12 @@ impl Plan {
         self.balance.map_or(Ok(()), |balance| balance.check())?;
         for corner in self.walls.iter().flatten().flatten() {
             coordinate("a wall", "corner", *corner)?;
+        }
+        for Door { corners, open } in &self.doors {
+            corners.iter().flatten().try_for_each(|at| coordinate("a door", "corner", *at))?;
+            if !are_times(open) {
+                return Err(PlanError::Open { place: "a door".into(), value: format!("{open:?}") });
+            }
         }
         for (k, motivation) in self.motivation.iter().enumerate() {
             let place = format!("motivation {k}");
@@ -144,10 +151,7 @@ pub(super) fn check_targets(targets: &[Target], time_step: f64) -> Result<(), Pl
         if target.open.len() > MOST_TIMES {
             return Err(PlanError::TooManyTimes { place, count: target.open.len() });
         }
-        let times: Vec<f64> = target.open.iter().flatten().copied().collect();
-        let known = times.iter().all(|time| (0.0..=1e9).contains(time));
-        let in_order = times.windows(2).all(|pair| pair[0] < pair[1]);
-        if !known || !in_order {
+        if !are_times(&target.open) {
             let value = format!("{:?}", target.open);
             return Err(PlanError::Open { place, value });
         }

@@ -31,7 +31,7 @@ pub fn normalized(trial: &Trial, config: &DecisionConfig) -> Result<DecisionConf
     if targets.len() < 2 || targets.iter().any(|target| !target.stay) {
         return Ok(config);
     }
-    let walls: Vec<Vec<Vec2>> = trial.geometry.walls.iter().map(|wall| wall.corners.clone()).collect();
+    let walls: Vec<Vec<Vec2>> = trial.geometry.fixed_walls().map(|wall| wall.corners.clone()).collect();
     let at = |person: &Person| vec2(person.pose.x, person.pose.y);
     let all = people
         .iter()

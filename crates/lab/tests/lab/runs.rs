@@ -173,10 +173,9 @@ fn a_map_has_the_numbers_of_plots_and_goes_on() {
         let row = |of: &[f64]| [of[0], of[1], squeeze];
         numbers(frame).chunks(COLUMNS).flat_map(row).flat_map(f64::to_le_bytes).collect()
     };
-    let wall = |of: &Value| Wall {
-        id: String::new(),
-        material_id: String::new(),
-        corners: read::<Vec<[f64; 2]>>(&of["corners"]).into_iter().map(Vec2::from).collect(),
+    let wall = |of: &Value| {
+        let corners = read::<Vec<[f64; 2]>>(&of["corners"]).into_iter().map(Vec2::from).collect();
+        Wall::new("", "", corners)
     };
     let asked = |of: &str, fresh: bool| json!({"ask": "map", "run": run, "of": of, "fresh": fresh});
     let one = rows(&first, 100.0);

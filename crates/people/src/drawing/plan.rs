@@ -272,10 +272,8 @@ impl Plan {
 
     /// Returns the walls of a material. Ids count from 0.
     pub fn geometry(&self, material: &str) -> Geometry {
-        let wall = |(id, corners): (usize, &Vec<Vec2>)| Wall {
-            id: id.to_string(),
-            material_id: material.to_owned(),
-            corners: corners.clone(),
+        let wall = |(id, corners): (usize, &Vec<Vec2>)| {
+            Wall::new(id.to_string(), material, corners.clone())
         };
         Geometry {
             dimensions: self.bounds().map(|bounds| bounds.size()),

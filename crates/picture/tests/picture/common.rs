@@ -29,7 +29,7 @@ pub fn trial(agents: Vec<(Agent, Vec2, f64)>, walls: Vec<Vec<Vec2>>) -> Trial {
     let dynamics = |&(_, position, orientation): &(Agent, Vec2, f64)| {
         AgentDynamics::of(&Motion { pose: Pose { position, orientation }, ..Motion::default() })
     };
-    let wall = |corners: Vec<Vec2>| Wall { id: String::new(), material_id: "concrete".into(), corners };
+    let wall = |corners: Vec<Vec2>| Wall::new("", "concrete", corners);
     Trial {
         name: "test".into(),
         directory: PathBuf::new(),
