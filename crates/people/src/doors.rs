@@ -2,7 +2,7 @@
 
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::{Foot, Ring, Vec2, nearest_on_line};
-use lemons_core::trial::{Geometry, Wall};
+use lemons_core::trial::{Geometry, TIMES, Wall, are_times};
 use serde::{Deserialize, Serialize};
 
 /// \[m\] A door further from all walls is a mistake.
@@ -17,20 +17,24 @@ const LONGER: f64 = 2.0;
 const GRAINS: f64 = 1e9;
 
 /// A gap in the wall that is nearest to a point. It may go round a corner.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Door {
     /// \[m\] The wall's point that is nearest to this one is the middle of the gap.
     pub at: Vec2,
     /// \[m\] Width, along the wall.
     pub width: f64,
+    /// \[s\] From and to which times it is open; else a wall closes it. Of none, it is always open.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub open: Vec<[f64; 2]>,
 }
 
 /// A gap along a wall: from and to \[m\] from its first corner, going round if it is closed.
-struct Gap {
+struct Gap<'a> {
     line: usize,
     from: f64,
     to: f64,
+    door: &'a Door,
 }
 
 /// Returns the closed walls, in their order; doors are cut into these.
@@ -45,7 +49,7 @@ pub fn is_closed(line: &[Vec2]) -> bool {
 }
 
 /// Cuts doors into closed walls, each into the nearest. Other walls stay as they are. The first piece of a wall keeps its
-/// Id, the next ones get the lowest numbers that are no Id yet, and follow it.
+/// Id, the next ones get the lowest numbers that are no Id yet, and follow it, and so do the walls that close doors.
 ///
 /// # Errors
 /// A door is far from all closed walls, has no positive width, or leaves nothing of its wall.
@@ -65,7 +69,7 @@ pub fn cut_doors_in_all(geometry: Geometry, doors: &[Door]) -> Result<Geometry> 
 fn cut(geometry: Geometry, doors: &[Door], may: fn(&Wall) -> bool, kind: &str) -> Result<Geometry> {
     let lines: Vec<Vec<Vec2>> =
         geometry.walls.iter().filter(|wall| may(wall)).map(|wall| wall.corners.clone()).collect();
-    let gaps = doors.iter().enumerate().map(|(number, door)| gap(&lines, number, *door, kind));
+    let gaps = doors.iter().enumerate().map(|(number, door)| gap(&lines, number, door, kind));
     let gaps = gaps.collect::<Result<Vec<_>>>()?;
     let known: Vec<String> = geometry.walls.iter().map(|wall| wall.id.clone()).collect();
     let mut free = (0u64..).map(|number| number.to_string()).filter(|id| !known.contains(id));
@@ -81,18 +85,23 @@ fn cut(geometry: Geometry, doors: &[Door], may: fn(&Wall) -> bool, kind: &str) -
             let id = if place == 0 { Some(wall.id.clone()) } else { free.next() };
             walls.push(Wall { id: id.unwrap_or_default(), corners, ..wall.clone() });
         }
+        for Gap { door, .. } in own.iter().filter(|gap| !gap.door.open.is_empty()) {
+            let (id, corners) = (free.next().unwrap_or_default(), door.course(&[&wall.corners]));
+            walls.push(Wall { id, corners, open: door.open.clone(), ..wall.clone() });
+        }
     }
     Ok(Geometry { walls, ..geometry })
 }
 
 /// The door's place along the line that is nearest.
-fn gap(lines: &[Vec<Vec2>], number: usize, door: Door, kind: &str) -> Result<Gap> {
-    let Door { at: at @ Vec2 { x, y }, width } = door;
+fn gap<'a>(lines: &[Vec<Vec2>], number: usize, door: &'a Door, kind: &str) -> Result<Gap<'a>> {
+    let &Door { at: at @ Vec2 { x, y }, width, ref open } = door;
     require(width > 0.0 && width.is_finite(), || {
         format!("door {number}: width = {width} m: must be positive and finite")
     })?;
     let on = nearest_wall(lines, at);
     let distance = on.map_or(f64::INFINITY, |(_, foot)| foot.distance);
+    require(are_times(open), || format!("door {number}: open = {open:?}: must be {TIMES}"))?;
     // A place that is not a number is infinitely far.
     let Some((line, foot)) = on.filter(|_| distance <= FARTHEST) else {
         return Err(PeopleError::new(format!(
@@ -103,7 +112,7 @@ fn gap(lines: &[Vec<Vec2>], number: usize, door: Door, kind: &str) -> Result<Gap
         format!("door {number}: there is no wall left beside its {width} m")
     })?;
     let middle = place(&lines[line], foot);
-    Ok(Gap { line, from: middle - 0.5 * width, to: middle + 0.5 * width })
+    Ok(Gap { line, from: middle - 0.5 * width, to: middle + 0.5 * width, door })
 }
 
 /// Returns the wall that is nearest to a point \[m\], and where on it; `None` without walls. The first corner of a closed
@@ -115,6 +124,11 @@ pub fn nearest_wall<L: AsRef<[Vec2]>>(lines: &[L], at: Vec2) -> Option<(usize, F
 }
 
 impl Door {
+    /// Makes a door that is always open.
+    pub fn new(at: Vec2, width: f64) -> Door {
+        Door { at, width, open: Vec::new() }
+    }
+
     /// Returns the way \[m\] along the wall from one end of the gap to the other: corners of the wall lie between them
     /// where it goes round them. At most it goes once round, or from end to end. Empty without walls.
     pub fn course<L: AsRef<[Vec2]>>(&self, lines: &[L]) -> Vec<Vec2> {
@@ -132,19 +146,19 @@ impl Door {
     /// Returns the door after corners of its wall were moved: at the same share of the same side. Where its wall is as it
     /// was or has other corners, so is the door.
     #[must_use]
-    pub fn carried<L: AsRef<[Vec2]>>(self, before: &[L], after: &[L]) -> Door {
-        let Some((line, Foot { side, along, .. })) = nearest_wall(before, self.at) else { return self };
+    pub fn carried<L: AsRef<[Vec2]>>(&self, before: &[L], after: &[L]) -> Door {
+        let Some((line, Foot { side, along, .. })) = nearest_wall(before, self.at) else { return self.clone() };
         let (old, Some(new)) = (before[line].as_ref(), after.get(line).map(AsRef::as_ref)) else {
-            return self;
+            return self.clone();
         };
         if new == old || new.len() != old.len() {
-            return self;
+            return self.clone();
         }
         let ends = |line: &[Vec2]| [line[side], line[side + 1]];
         let ([from, to], [start, end]) = (ends(old), ends(new));
         let long = (to - from).norm();
         let share = if long > 0.0 { along / long } else { 0.0 };
-        Door { at: start + (end - start) * share, ..self }
+        Door { at: start + (end - start) * share, ..self.clone() }
     }
 
     /// Returns the closed wall that [`cut_doors`] cuts it into; `None` without any.
@@ -279,7 +293,7 @@ mod tests {
     }
 
     fn door(x: f64, y: f64, width: f64) -> Door {
-        Door { at: vec2(x, y), width }
+        Door::new(vec2(x, y), width)
     }
 
     fn cut(doors: &[Door]) -> Vec<Vec<Vec2>> {
@@ -403,7 +417,7 @@ mod tests {
             geometry.walls.insert(place, Wall::new(id, "wood", corners));
         }
         let right = door(8.1, 3.0, 1.0);
-        let cut = cut_doors(geometry.clone(), &[right, door(4.0, 0.0, 2.0)]).unwrap();
+        let cut = cut_doors(geometry.clone(), &[right.clone(), door(4.0, 0.0, 2.0)]).unwrap();
         let ids: Vec<&str> = cut.walls.iter().map(|wall| &*wall.id).collect();
         assert_eq!(ids, ["0", "room", "2", "1"]);
         assert!(cut.walls[0] == geometry.walls[0] && cut.walls[3] == geometry.walls[2]);
@@ -412,6 +426,15 @@ mod tests {
         assert!((left - 25.0).abs() < 1e-9);
         assert_eq!(right.wall(&geometry), Some(&geometry.walls[1]));
         assert_eq!(right.wall(&walls(&[], "")), None);
+        // A door that opens at 20 s is a gap with a wall in it.
+        let opens = Door { open: vec![[20.0, 60.0]], ..right };
+        let closed = cut_doors(geometry.clone(), &[opens.clone(), door(4.0, 0.0, 2.0)]).unwrap();
+        let wall = &closed.walls[3];
+        assert_eq!((&*wall.id, &*wall.material_id, &wall.open), ("3", "concrete", &opens.open));
+        assert_eq!(wall.corners, [vec2(8.0, 2.5), vec2(8.0, 3.5)]);
+        assert!(closed.fixed_walls().eq(&cut.walls));
+        let never = Door { open: vec![[60.0, 20.0]], ..opens };
+        assert!(cut_doors(geometry, &[never]).unwrap_err().to_string().contains("open = [[60.0, 20.0]]: must be"));
     }
 
     #[test]
@@ -424,7 +447,7 @@ mod tests {
         let ring = box_of(Vec2::ZERO, vec2(8.0, 6.0));
         for ring in [ring.clone(), ring.reversed()] {
             let right = door(8.0, 3.0, 1.0);
-            assert_eq!(exit(ring.clone(), right, &inside), [vec2(9.0, 1.5), vec2(9.0, 4.5)]);
+            assert_eq!(exit(ring.clone(), right.clone(), &inside), [vec2(9.0, 1.5), vec2(9.0, 4.5)]);
             assert_eq!(exit(ring.clone(), right, &inside[2..]), [vec2(7.0, 1.5), vec2(7.0, 4.5)]);
             // Beside the wall: the gap is at the wall's nearest point.
             assert_eq!(exit(ring, door(2.0, -0.3, 2.0), &inside), [vec2(0.0, -1.0), vec2(4.0, -1.0)]);

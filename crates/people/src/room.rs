@@ -281,7 +281,7 @@ mod tests {
 
     /// 4 m by 3 m, with an obstacle, and a door in the wall on the right, on the left and in the obstacle.
     fn room() -> Room {
-        let gap = |x, y| Door { at: vec2(x, y), width: 0.5 };
+        let gap = |x, y| Door::new(vec2(x, y), 0.5);
         Room {
             outline: corners([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]]),
             obstacles: vec![corners([[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]])],
@@ -301,7 +301,7 @@ mod tests {
         let after = changed(Edit::Move { ring: 0, corner: 2, to: vec2(6.0, 4.0) });
         assert_eq!(after.outline[2], vec2(6.0, 4.0));
         // A quarter of the way from (4, 0) to (6, 4).
-        assert_eq!(after.doors[0], Door { at: vec2(4.5, 1.0), width: 0.5 });
+        assert_eq!(after.doors[0], Door::new(vec2(4.5, 1.0), 0.5));
         assert_eq!(after.doors[1..], room().doors[1..]);
         let after = changed(Edit::Move { ring: 1, corner: 0, to: vec2(1.0, 0.5) });
         assert_eq!(after.doors[2].at, vec2(1.5, 0.75));
@@ -324,7 +324,7 @@ mod tests {
         for corner in &mut far.outline {
             *corner += vec2(-1.0, 10.0);
         }
-        far.doors = vec![Door { at: vec2(3.0, 10.75), width: 0.5 }];
+        far.doors = vec![Door::new(vec2(3.0, 10.75), 0.5)];
         far.change(Edit::Stretch { width: 5.5, height: 6.0 }).unwrap();
         assert_eq!(far.outline, corners([[-1.0, 10.0], [4.5, 10.0], [4.5, 16.0], [-1.0, 16.0]]));
         assert_eq!(far.doors[0].at, vec2(4.5, 11.5));
@@ -389,7 +389,7 @@ mod tests {
         room.change(Edit::Move { ring: 2, corner: 3, to: vec2(0.5, 0.5) }).unwrap();
         room.change(Edit::Insert { ring: 1, side: 0, at: vec2(2.0, -1.0) }).unwrap();
         room.walls.push(Further { corners: corners([[3.0, 3.0], [4.0, 3.0]]), of: None });
-        room.doors = vec![Door { at: vec2(3.5, 3.1), width: 0.4 }];
+        room.doors = vec![Door::new(vec2(3.5, 3.1), 0.4)];
         let after = room.replacing(&before, "new").unwrap();
         assert_eq!(after.dimensions, before.dimensions);
         let said: Vec<_> = after.walls.iter().map(|wall| (&*wall.id, &*wall.material_id)).collect();
@@ -436,7 +436,7 @@ mod tests {
         let mut room = Room { doors: Vec::new(), obstacles: Vec::new(), ..room() };
         let (whole, _) = room.built("concrete").unwrap();
         room.walls.push(Further { corners: corners([[2.0, 0.0], [2.0, 2.0]]), of: None });
-        room.doors.push(Door { at: vec2(2.0, 1.0), width: 0.5 });
+        room.doors.push(Door::new(vec2(2.0, 1.0), 0.5));
         let (parted, geometry) = room.built("concrete").unwrap();
         assert_eq!((whole.area(), parted.area()), (12.0, 12.0));
         assert_eq!((whole.depth(vec2(1.9, 1.5)), parted.depth(vec2(1.5, 1.5))), (1.5, 0.5));

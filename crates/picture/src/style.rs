@@ -19,7 +19,7 @@ pub struct Style {
     pub ids: bool,
     /// Whether a mark shows where each body faces.
     pub orientation: bool,
-    /// \[s\] Time, written above the scene.
+    /// \[s\] Time, written above the scene; without one, doors are as at 0 s.
     pub time: Option<f64>,
     /// Number of decimals of times.
     pub time_decimals: usize,

@@ -11,9 +11,12 @@ use crate::sheet::Frame;
 use crate::style::{Colouring, Style};
 use crate::text::{PX, escaped, text_of};
 use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
+use lemons_core::trial::is_open;
 
 /// \[px\] Width of walls.
 const WALL_STROKE: f64 = 2.4;
+/// \[px\] Dashes of a wall that is open, and the gaps between their round ends.
+const OPEN_DASHES: [f64; 2] = [2.0, 8.0];
 /// \[px\] Largest width of the outline of a body.
 const BODY_STROKE: f64 = 1.1;
 /// Width of the outline of a body / square root of its area.
@@ -184,7 +187,12 @@ impl<'a> World<'a> {
                     let corners: Vec<Vec2> = wall.corners.iter().copied().filter(|c| near(*c)).collect();
                     let [first, rest @ .., last] = &corners[..] else { continue };
                     let closed = first == last && rest.len() > 1;
-                    *world.out += "<path d=\"";
+                    if is_open(&wall.open, world.style.time.unwrap_or(0.0)) {
+                        let [dash, gap] = OPEN_DASHES.map(|length| text_of(length * world.px, 6));
+                        *world.out += &format!("<path stroke-dasharray=\"{dash} {gap}\" d=\"");
+                    } else {
+                        *world.out += "<path d=\"";
+                    }
                     polyline(world.out, &corners[..corners.len() - usize::from(closed)]);
                     *world.out += if closed { "Z\"/>\n" } else { "\"/>\n" };
                 }

@@ -209,7 +209,7 @@ impl Population {
         let uncut = walls(region.rings(), "concrete");
         let closed = closed_walls(&uncut);
         let doors: Vec<Door> =
-            self.doors.iter().map(|&[x, y, width]| Door { at: vec2(x, y), width }).collect();
+            self.doors.iter().map(|&[x, y, width]| Door::new(vec2(x, y), width)).collect();
         let geometry = cut_doors(uncut, &doors).map_err(wrong)?;
         let proportions = Proportions { men: self.men, ..Proportions::default() };
         let source = Source::ansur().map_err(wrong)?;

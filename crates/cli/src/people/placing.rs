@@ -43,8 +43,8 @@ pub struct PlacingArguments {
     regions: Vec<RegionArgument>,
     /// Cut a door into the nearest closed wall: a gap of this width, in m, whose middle is the wall's
     /// nearest point. People are placed before. A door in an obstacle is refused: nobody stands inside it.
-    /// Can be given several times
-    #[arg(long = "door", value_name = "X,Y,WIDTH", value_parser = door, allow_hyphen_values = true)]
+    /// Can be given several times. With times in s it is a door that opens and closes, as in 8,3,1,20,60
+    #[arg(long = "door", value_name = "X,Y,WIDTH[,FROM,TO...]", value_parser = door, allow_hyphen_values = true)]
     pub doors: Vec<Door>,
     /// Packing algorithm. dense: our own, without overlap; paper: that of the paper's appendix D; grid:
     /// rows
@@ -205,7 +205,7 @@ impl PlacingArguments {
                 && free().any(|free| free.obstacles.contains(id))
                 && !free().any(|free| free.rooms.contains(id))
             {
-                let Door { at: Vec2 { x, y }, width } = door;
+                let Door { at: Vec2 { x, y }, width, .. } = door;
                 bail!(
                     "--door {x},{y},{width}: the nearest closed wall is {id}, an obstacle: nobody stands inside it; {DOORS}"
                 );
@@ -232,7 +232,7 @@ impl PlacingArguments {
         let mut doors = self.doors.clone();
         let Some(Read { plan, .. }) = drawn else { return doors };
         let new = plan.doors();
-        doors.extend(new.iter().map(|(_, door)| *door));
+        doors.extend(new.iter().map(|(_, door)| door.clone()));
         for (exit, _) in new.iter().rev() {
             plan.exits.remove(*exit);
         }

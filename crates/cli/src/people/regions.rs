@@ -1,10 +1,10 @@
 //! `--region` and `--door`: on which ground people stand, and how many on each.
 
 use crate::error::Misused;
-use crate::numbers::{array, within};
+use crate::numbers::{array, list, within};
 use anyhow::{Context, Result, bail};
 use lemons_core::plane::{Vec2, vec2};
-use lemons_core::trial::{FARTHEST, Geometry};
+use lemons_core::trial::{FARTHEST, Geometry, TIMES, are_times};
 use lemons_people::Door;
 use lemons_people::placing::{FreeSpace, Region};
 
@@ -67,13 +67,17 @@ pub fn region(text: &str) -> Result<RegionArgument, String> {
     Ok(RegionArgument { corners, amount })
 }
 
-/// Reads x, y and width.
+/// Reads x, y and width; then, perhaps, from and to when it is open.
 pub fn door(text: &str) -> Result<Door, String> {
-    match array(text) {
-        Some([x, y, width])
+    match list(text).as_deref() {
+        Some(&[x, y, width, ref times @ ..])
             if [x, y].iter().all(|x| x.abs() <= FARTHEST) && (0.1..=1e3).contains(&width) =>
         {
-            Ok(Door { at: vec2(x, y), width })
+            let (open, rest) = times.as_chunks::<2>();
+            if !rest.is_empty() || !are_times(open) {
+                return Err(format!("after x, y and width, must be {TIMES}, as in 8,3,1,20,60"));
+            }
+            Ok(Door { at: vec2(x, y), width, open: open.to_vec() })
         }
         _ => Err("must be x, y and width in m, as in 8,3,1; the width is from 0.1 to 1000, x and y are from -1e9 to \
                   1e9"

@@ -327,7 +327,7 @@ impl Plan {
             _ => false,
         };
         let exits = self.exits.iter().enumerate().filter(|(_, exit)| on_a_wall(&exit.corners));
-        let door = |line: &[Vec2]| Door { at: (line[0] + line[1]) * 0.5, width: (line[1] - line[0]).norm() };
+        let door = |line: &[Vec2]| Door::new((line[0] + line[1]) * 0.5, (line[1] - line[0]).norm());
         exits.map(|(k, exit)| (k, door(&exit.corners))).filter(|(_, door)| door.width > 0.0).collect()
     }
 

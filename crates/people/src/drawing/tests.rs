@@ -670,5 +670,5 @@ fn an_exit_on_a_closed_wall_is_a_door() {
          0 LINE 8 exits-a 10 8 20 2 11 8 21 3 0 LINE 8 exits-b 10 7 20 2 11 7 21 3",
     );
     let doors = plan(Format::Dxf, &text).doors();
-    assert_eq!(doors, [(0, crate::Door { at: vec2(8.0, 2.5), width: 1.0 })]);
+    assert_eq!(doors, [(0, crate::Door::new(vec2(8.0, 2.5), 1.0))]);
 }

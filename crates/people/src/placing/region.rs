@@ -89,13 +89,13 @@ impl Region {
     }
 
     /// Returns the region inside the closed walls of a Trial: the largest wall is the outer polygon, the others are
-    /// holes.
+    /// holes. Walls that open at times do not count.
     ///
     /// # Errors
     /// A wall is not closed, there are no walls, or they do not bound a region.
     pub fn from_walls(geometry: &Geometry) -> Result<Region> {
         let mut named = Vec::new();
-        for wall in &geometry.walls {
+        for wall in geometry.fixed_walls() {
             if let [first, .., last] = wall.corners[..]
                 && first != last
             {

@@ -1,0 +1,126 @@
+"""Walls that open and close."""
+
+import subprocess
+import xml.etree.ElementTree as ElementTree
+
+import lemons_fmu
+import numpy as np
+import pytest
+from crowd import write_trial
+
+FORCE, MASS, RATE = 120.0, 80.0, 2.0
+WALL = [(2.0, -1.0), (2.0, 1.0)]
+
+
+@pytest.fixture(autouse=True)
+def the_command(lemons, monkeypatch):
+    monkeypatch.setenv("LEMONS", str(lemons))
+
+
+def with_door(trial, opening):
+    """The first wall of a Trial opens."""
+    path = trial / "static/Geometry.xml"
+    path.write_text(path.read_text().replace('<Wall Id="0"', f'<Wall Id="0" Open="{opening}"'))
+    return trial
+
+
+def leaning(directory, opening, others=()):
+    """A disk that leans on a door with a constant force, and others."""
+    first = {"mass": MASS, "x": 1.79, "fx": FORCE, "rate": RATE}
+    return with_door(write_trial(directory, [first, *others], [WALL], damping=5000.0), opening)
+
+
+def test_who_leans_on_a_door_goes_when_it_opens(tmp_path):
+    """The outside: the closed form of the motion from rest under a force and the floor."""
+    with lemons_fmu.Crowd(leaning(tmp_path / "T", "4,1e9")) as crowd:
+        run = crowd.run(until=7.0)
+    x, times = run.poses[:, 0, 0], run.times
+    rest = x[np.searchsorted(times, 3.95)]
+    assert rest == pytest.approx(1.8, abs=1e-3) and run.squeeze[np.searchsorted(times, 3.95), 0] == pytest.approx(FORCE, rel=1e-6)
+    after = times >= 4.0 - 1e-9
+    t = times[after] - 4.0
+    speed = FORCE / MASS / RATE
+    assert x[after] == pytest.approx(rest + speed * (t - (1.0 - np.exp(-RATE * t)) / RATE), abs=1e-9)
+    assert (run.squeeze[after][1:] == 0.0).all()
+
+
+def test_somebody_in_a_door_keeps_it_open(tmp_path):
+    """It closes at 2 s for the second one, who comes when the first one has passed, who stood in it."""
+    slow = {"mass": MASS, "x": 2.15, "fx": 1.0, "rate": 0.5, "y": -0.4}
+    late = {"mass": MASS, "x": -1.0, "fx": 100.0, "rate": RATE, "y": 0.4}
+    trial = with_door(write_trial(tmp_path / "T", [slow, late], [WALL], damping=500.0), "0,2")
+    with lemons_fmu.Crowd(trial) as crowd:
+        run = crowd.run(until=12.0)
+    x = run.poses[:, :, 0]
+    at = {t: np.searchsorted(run.times, t - 1e-9) for t in (2.0, 2.5, 12.0)}
+    # Still in it, and not touched by it; then the door is closed.
+    assert x[at[2.0], 0] < 2.2 and (run.squeeze[:, 0] == 0.0).all()
+    assert x[at[12.0], 0] > 2.3 and x[at[12.0], 1] < 1.81 and run.squeeze[at[12.0], 1] > 90.0
+    # Nobody is in it: it closes in time.
+    alone = with_door(write_trial(tmp_path / "alone", [{**late, "x": 0.5}], [WALL], damping=500.0), "0,2")
+    with lemons_fmu.Crowd(alone) as crowd:
+        assert crowd.run(until=12.0).poses[-1, 0, 0] < 1.81
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_the_fmu_has_the_bits_of_the_run_also_from_a_state_in_which_a_door_waits(lemons, tmp_path, version):
+    slow = {"mass": MASS, "x": 2.15, "fx": 1.0, "rate": 0.5, "y": -0.4}
+    trial = leaning(tmp_path / "T", "0,1 3,4", [slow])
+    fmu = tmp_path / "T.fmu"
+    subprocess.run([lemons, "pack", trial, "--fmi", version, "-o", fmu], check=True, capture_output=True)
+    with lemons_fmu.Crowd(trial) as crowd:
+        run = crowd.run(until=5.0)
+    tables = [tmp_path / f"{name}.csv" for name in ("trial", "fmu")]
+    for given, table in zip((trial, fmu), tables, strict=True):
+        subprocess.run([lemons, "run", given, "--until", "5", "-o", table], check=True, capture_output=True)
+    assert tables[0].read_bytes() == tables[1].read_bytes()
+    assert len(run.times) == 51 and run.poses[-1, 0, 0] > 2.5
+    # The door waits for the second one.
+    with lemons_fmu.Crowd(trial) as crowd:
+        begun = crowd.run(until=1.5)
+        state = crowd.save()
+        first = crowd.run(until=5.0)
+        crowd.restore(state)
+        again = crowd.run(until=5.0)
+    assert begun.poses[-1, 1, 0] < 2.2
+    assert (first.poses == again.poses).all()
+    assert (again.poses[-1] == run.poses[-1]).all()
+
+
+@pytest.mark.parametrize("opening", ["", "5", "5,4", "0,4 3,5", "-1,4", "0,2e9", "0,nan"])
+def test_times_that_cannot_be_are_named(lemons, tmp_path, opening):
+    trial = leaning(tmp_path / "T", opening)
+    done = subprocess.run([lemons, "check", trial], capture_output=True, text=True)
+    assert done.returncode != 0
+    assert 'Geometry.xml' in done.stderr + done.stdout
+    assert f'Open="{opening}"' in done.stderr + done.stdout or f"{opening!r}" in done.stderr + done.stdout, done.stderr + done.stdout
+    assert "must be pairs of from and to in s, from 0 to 1e9" in done.stderr + done.stdout
+
+
+def test_people_wait_in_front_of_a_door_and_leave_when_it_opens(lemons, tmp_path):
+    """Also beside a room with the same door that is always open."""
+    command = [lemons, "crowd", "-n", "40", "--box", "8x5", "--leave", "--seed", "1"]
+    subprocess.run([*command, "--door", "8,2.5,1.2,10,1e9", "-o", "T"], check=True, capture_output=True, cwd=tmp_path)
+    subprocess.run([*command, "--door", "8,2.5,1.2", "-o", "open"], check=True, capture_output=True, cwd=tmp_path)
+    walls = ElementTree.parse(tmp_path / "T/static/Geometry.xml").findall("Wall")
+    assert [wall.get("Open") for wall in walls] == [None, "10.0,1000000000.0"]
+    corners = [list(map(float, corner.get("Coordinates").split(","))) for corner in walls[1]]
+    assert np.array(corners) == pytest.approx(np.array([[8.0, 1.9], [8.0, 3.1]]))
+    with lemons_fmu.Crowd(tmp_path / "T") as crowd:
+        run = crowd.run(until="left", step=0.1)
+    with lemons_fmu.Crowd(tmp_path / "open") as crowd:
+        free = crowd.run(until="left", step=0.1)
+    waits = run.times <= 10.0
+    assert run.active[waits].all() and (run.poses[waits][:, :, 0] < 8.0).all()
+    # The nearest ones stand before it, and nobody is squeezed.
+    ends = np.searchsorted(run.times, 9.95)
+    assert 7.2 < run.poses[ends, :, 0].max() < 7.9
+    assert not run.active[-1].any() and not free.active[-1].any()
+    # They have come closer meanwhile.
+    assert free.times[-1] < run.times[-1] < free.times[-1] + 10.0
+    # Open, it is dashed.
+    for time, dashes in ((9.9, 0), (12, 1)):
+        picture = subprocess.run([lemons, "plot", "T", "--until", str(time), "--at", str(time), "-o", "p.svg"], capture_output=True, text=True, cwd=tmp_path)
+        assert picture.returncode == 0, picture.stderr
+        assert (tmp_path / "p.svg").read_text().count("<path stroke-dasharray") == dashes
+        (tmp_path / "p.svg").unlink()
