@@ -1,7 +1,7 @@
 //! `--leave`, `--balance`, `--push`: the `decision.toml` of a crowd.
 
 use crate::error::Misused;
-use crate::numbers::array;
+use crate::numbers::{array, within};
 use anyhow::{Result, bail};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_people::drawing::{self, Read};
@@ -35,6 +35,9 @@ pub struct LeaveArguments {
     /// deviation of a normal distribution, as in 150,50. Default: no limit
     #[arg(long, value_name = "FORCE[,SD]", value_parser = push, requires = "leave")]
     push: Option<[f64; 2]>,
+    /// Part of the people who walk in groups of two to four, as families do (docs/walking.md), from 0 to 1
+    #[arg(long, value_name = "SHARE", value_parser = within(0.0, 1.0, ""), requires = "leave")]
+    groups: Option<f64>,
     /// How people who stand keep their balance, when they are pushed (docs/balance.md). Without --leave:
     /// everybody stands
     #[arg(long, value_parser = ["pendulum", "two-level"])]
@@ -102,6 +105,9 @@ impl LeaveArguments {
             if deviation > 0.0 {
                 let _ = writeln!(text, "push_sd = {deviation:?}               # [N]");
             }
+        }
+        if let Some(share) = self.groups {
+            let _ = writeln!(text, "groups = {{ share = {share:?} }}   # docs/walking.md");
         }
         let drawn = drawn.map(|read| &read.plan);
         text += &drawn.map_or(String::new(), way);

@@ -59,6 +59,9 @@ impl Role {
     /// alone, or before a number: a layer of exit signs has no exits.
     pub fn of(layer: &str) -> Option<(Role, String)> {
         let layer = layer.trim();
+        // As in example drawings of JuPedSim of 2023.
+        let prefix = layer.get(..9).filter(|begin| begin.eq_ignore_ascii_case("jupedsim_"));
+        let layer = &layer[prefix.map_or(0, str::len)..];
         let rest = |word: &str| {
             let begin = layer.get(..word.len()).filter(|begin| begin.eq_ignore_ascii_case(word))?;
             let rest = &layer[begin.len()..];

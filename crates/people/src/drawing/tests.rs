@@ -469,6 +469,8 @@ fn layers_say_what_lines_are() {
         ("walkablearea-0", Some((Role::WalkableArea, "0"))),
         ("WalkableArea", Some((Role::WalkableArea, ""))),
         ("walkable_area_hall", Some((Role::WalkableArea, "hall"))),
+        ("JuPedSim_walkable_area", Some((Role::WalkableArea, ""))),
+        ("jupedsim", None),
         ("OBSTACLES-Columns", Some((Role::Obstacle, "Columns"))),
         ("obstacle", Some((Role::Obstacle, ""))),
         ("exit 2", Some((Role::Exit, "2"))),
