@@ -168,6 +168,12 @@ export class ByPlace {
         return `${frames} ${frames === 1 ? "frame" : "frames"} from ${time(first)} to ${time(last)} s${every}${squeeze}`;
     }
 
+    /** How large its cells are, in words. */
+    cells(): string {
+        const [wide, high] = this.filled.value!.grid.cell.map((size) => Number(size.toPrecision(3)));
+        return `cells of ${wide} m × ${high} m`;
+    }
+
     #painted(kind: Kind): HTMLCanvasElement | null {
         const filled = this.filled.value;
         if (!filled) return null;

@@ -10,7 +10,7 @@ import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { throughWalls } from "./hints";
 import { translated } from "./language";
-import { canvas, hovered, type Layers, show } from "./layout";
+import { canvas, empty, hovered, type Layers, show } from "./layout";
 import { paintArea, paintLine } from "./line";
 import { menu, openMenu } from "./menu";
 import { brief, digits } from "./parts";
@@ -142,20 +142,22 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     paintBackdrop(context, now);
     layers.below(context, now);
     painter.walls(context, now, inks);
-    painter.people(
-        context,
-        {
-            frame,
-            shades,
-            paths: kind === "section" ? layers.paths() : null,
-            selected: selected.value,
-            overlapping: helper?.overlapping?.() ?? atStart,
-            faint: helper?.faint?.() ?? mapKind.value !== null,
-        },
-        now,
-        inks,
-    );
-    layers.above(context, now);
+    if (!empty.value) {
+        painter.people(
+            context,
+            {
+                frame,
+                shades,
+                paths: kind === "section" ? layers.paths() : null,
+                selected: selected.value,
+                overlapping: helper?.overlapping?.() ?? atStart,
+                faint: helper?.faint?.() ?? mapKind.value !== null,
+            },
+            now,
+            inks,
+        );
+        layers.above(context, now);
+    }
     const { motion } = plan.value.made;
     const time = film.place.value * scene.step;
     paintWays(context, scene.ways, now, inks, null, tab === "motion");

@@ -15,8 +15,9 @@ export type KeptPeople = Exclude<People, Table> | (Table & Kept);
 export type KeptCrowd = Omit<CrowdWanted, "people"> & { people: KeptPeople };
 export type KeptBase = Extract<Base, { kind: "example" }> | ({ kind: "crowd" } & KeptCrowd) | (Upload & Kept);
 
-/** Most corners of an area and of a wall, most walls, most parts of another kind, and most letters of a name and of a path. */
-export const MOST = { corners: 200, outline: 2000, walls: 500, all: 5000, parts: 50, places: 50, ways: 20, points: 50, edits: 1000, name: 200, path: 400, files: 1000, kinds: 50 };
+/** Most corners of an area and of a wall, most walls, most parts of another kind, most letters of a name, of a path and of a list of values,
+ * and most seeds of a sweep. */
+export const MOST = { corners: 200, outline: 2000, walls: 500, all: 5000, parts: 50, places: 50, ways: 20, points: 50, edits: 1000, name: 200, path: 400, list: 10_000, seeds: 100, files: 1000, kinds: 50 };
 
 export const point: Check<Point> = tuple<Point>(number, number);
 const corners = list(point, MOST.corners, 3);
@@ -144,6 +145,10 @@ const changed = record<Mechanics>({
 export const canChange = (id: string) => id.length <= MOST.name;
 /** Most scenes change none of it, and older links do not know it. */
 export const mechanics: Check<Mechanics | undefined> = (given) => (given === undefined ? undefined : changed(given));
+/** Without frictions of single pairs: the crowd has one for all of them. */
+export function ofAllPairs(changed: Mechanics | undefined): Mechanics | undefined {
+    return changed && { ...changed, contacts: changed.contacts.map((contact) => ({ ...contact, kinetic_friction: null })) };
+}
 /** A circle of a negative radius cannot even be drawn. */
 const radius = within(0, 1e6);
 const push = record<Push>({ at: point, radius, direction: number, force: number, start: number, duration: number });

@@ -30,6 +30,9 @@ export function present(on: boolean) {
 /** The person under the mouse. */
 export const hovered = signal<number | null>(null);
 
+/** Whether people are left out of the picture: that of a map is of another time than they are. */
+export const empty = signal(false);
+
 /** What is drawn besides people and walls. */
 export interface Layers {
     below(context: CanvasRenderingContext2D, view: View): void;

@@ -3,7 +3,7 @@
 
 import { effect, signal } from "@preact/signals";
 import { ready, shape } from "./drawn";
-import type { KeptCrowd } from "./forms";
+import { type KeptCrowd, ofAllPairs } from "./forms";
 import { crowdOf, plan } from "./plan";
 import { beyond, cornersOf } from "./places";
 import type { Motion, Point, Room } from "./protocol";
@@ -63,7 +63,8 @@ export function place(asStep: boolean) {
     const edits = made.base.kind === "crowd" && same(made.base, crowd) ? made.edits : [];
     if (edits.length < made.edits.length) gone.push("changes by hand");
     // Another material has other numbers.
-    const mechanics = made.base.kind === "crowd" && made.base.material === crowd.material ? made.mechanics : undefined;
+    const was = made.base.kind === "crowd" && made.base.material === crowd.material ? made.base : null;
+    const mechanics = was?.friction === crowd.friction ? made.mechanics : was ? ofAllPairs(made.mechanics) : undefined;
     if (made.mechanics && !mechanics) gone.push("changed materials and steps");
     const words = gone.length > 0 ? `Not there any more: ${gone.join(", ")}. Undo brings them back.` : "";
     if (asStep) rename("A crowd");

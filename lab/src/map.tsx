@@ -3,11 +3,12 @@
 import { useEffect } from "preact/hooks";
 import { type ByPlace, type Kind, NAMES, pointed } from "./byplace";
 import { valueAt } from "./canvas";
+import { origin, saveTable } from "./csv";
 import type { Film } from "./film";
 import { beat, canvas, presents } from "./layout";
 import { Bar, shown } from "./legend";
 import { Check, NumberField, save } from "./parts";
-import { png } from "./picture";
+import { composeMap, png } from "./picture";
 import { change, embedded, plan, scene } from "./plan";
 import { COLUMNS, isThere } from "./protocol";
 import { attempt, selected } from "./session";
@@ -34,7 +35,7 @@ export function MapLegend({ film, places, kind }: MapProps) {
             </span>
             {!embedded && !presents.value && <Controls film={film} places={places} kind={kind} />}
             <p class="note" aria-busy={places.busy.value}>
-                {`${places.words()}. ${there ? `Greatest value: ${shown(scale.largest, scale.unit)}` : ""}`}
+                {`${places.words()}. ${there ? `Greatest value: ${shown(scale.largest, scale.unit)}; ${places.cells()}` : ""}`}
             </p>
             {/* The picture shows it at the mouse. */}
             <p class="hidden">{pointed.value && valueAt(pointed.value)}</p>
@@ -64,16 +65,28 @@ function Controls({ film, places, kind }: MapProps) {
     const [from, to] = plan.value.span;
     const computed = () => Number(((film.computed.peek() - 1) * film.scene.step).toPrecision(9));
     const there = places.filled.value !== null;
-    const name = `${scene.value.name}-${NAMES[kind].toLowerCase().replace(" ", "-")}`;
+    const of = kind === "density" ? "" : `-means-of-${plan.value.smooth}s`;
+    const time = (k: number) => Number((k * film.scene.step).toPrecision(9));
+    const span = () => {
+        const { first, last } = places.filled.value!;
+        return [time(first), time(last)] as const;
+    };
+    const name = () => `${scene.value.name}-${NAMES[kind].toLowerCase().replace(" ", "-")}${of}-${span().join("-")}s`;
+    const csv = () => {
+        const { frames, stride, grid } = places.filled.value!;
+        const squeeze = kind === "density" ? {} : { squeeze_is_a_mean_over_s: plan.value.smooth };
+        saveTable(`${name()}.csv`, places.csv(), { ...origin(film, ...span()), frames, one_frame_of: stride, cell_m: grid.cell, ...squeeze });
+    };
+    const picture = async () => save(`${name()}.png`, await png((onto) => composeMap(onto, canvas.value!, places, kind)));
     return (
         <>
             <NumberField label="Map from" short="from" unit="s" value={from ?? 0} min={0} max={to ?? 1e5} step={0.5} onChange={(next) => change({ span: [next || null, to] })} />
             {to !== null && <NumberField label="Map to" short="to" unit="s" value={to} min={from ?? 0} max={1e5} step={0.5} onChange={(next) => change({ span: [from, next] })} />}
             <Check label="to what is computed" value={to === null} onChange={(on) => change({ span: [from, on ? null : Math.max(computed(), from ?? 0)] })} />
-            <button type="button" disabled={!there || places.busy.value} onClick={() => save(`${name}.csv`, places.csv())}>
+            <button type="button" disabled={!there || places.busy.value} onClick={csv}>
                 Map (CSV)
             </button>
-            <button type="button" disabled={!there || places.busy.value} onClick={() => void attempt(async () => save(`${name}.png`, await png(canvas.value!, film)))}>
+            <button type="button" disabled={!there || places.busy.value} onClick={() => void attempt(picture)}>
                 Map (PNG)
             </button>
         </>

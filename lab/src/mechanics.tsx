@@ -3,16 +3,14 @@
 import { canChange, MOST } from "./forms";
 import type { Film } from "./film";
 import { digits, NumberField } from "./parts";
-import { change, plan } from "./plan";
-import type { Contact, Material2d, Mechanics } from "./protocol";
+import { plan } from "./plan";
+import type { Contact, Material2d, Mechanics, Scene } from "./protocol";
 import { choose, playsOn } from "./session";
 
 const NOTHING: Mechanics = { time_step: null, time_step_mechanical: null, materials: [], contacts: [] };
 /** In s: longest communication step, shortest mechanical step; largest modulus in N/m, damping in kg/s, friction. The engine
  * has no such ends. */
 const [LONGEST, SHORTEST, STIFFEST, MOST_DAMPING, MOST_FRICTION] = [10, 1e-9, 1e12, 1e9, 100];
-/** As crates/lab has it, of a crowd. */
-const MOST_OF_CROWD = 2;
 
 function set(part: Partial<Mechanics>) {
     const next = { ...NOTHING, ...plan.value.made.mechanics, ...part };
@@ -46,18 +44,40 @@ export function dampings({ contacts }: Mechanics): string[] {
     return contacts.map(({ id1, id2, gamma_normal, gamma_tangential, kinetic_friction: friction }) => `"${id1} – ${id2}": ${gamma_normal} and ${gamma_tangential} kg/s${friction === null ? "" : `, friction ${friction}`}`);
 }
 
+/** As `lemons check` says it, with the same limits. */
+function stability({ mechanical_step: step, stable, longest, error }: Scene): string {
+    const limits = `Stable up to ${digits(stable!, 2)} s, without a warning up to ${digits(longest!, 2)} s`;
+    if (step >= stable!) return `The mechanical step is not stable. ${limits}.`;
+    return `${step > longest! ? "The mechanical step is stable, but long. " : ""}${limits}, accurate to about ${digits(1000 * error!, 2)} mm.`;
+}
+
+const TERMS = {
+    young: "E, the Young modulus in two dimensions (hence N/m): with G it gives the stiffness of a contact",
+    shear: "G, the shear modulus in two dimensions (hence N/m): with E it gives the stiffness of a contact",
+    normal: "Force per speed of approach: the larger, the more energy a collision loses",
+    tangential: "Force per speed of slip: the larger, the more energy is lost while two disks stick",
+    friction: "Two touching disks slide where the tangential force would exceed this multiple of the normal force",
+};
+
 /** Six digits of a bound are enough to read. */
 const short = (bound: number) => Number(bound.toPrecision(6));
 
 export function MechanicsForm({ film: { scene } }: { film: Film }) {
     const { made } = plan.value;
-    const { step, mechanical_step, stable, longest, advised, error, materials, contacts, warnings } = scene;
+    const { mechanical_step, stable, longest, advised, warnings } = scene;
+    // What was changed is in the fields at once; the scene follows.
+    const own = made.mechanics ?? NOTHING;
+    const materials = scene.materials.map((one) => own.materials.find(({ id }) => id === one.id) ?? one);
+    const contacts = scene.contacts.map((one) => {
+        const changed = own.contacts.find(({ id1, id2 }) => id1 === one.id1 && id2 === one.id2);
+        return { ...one, ...changed, kinetic_friction: changed?.kinetic_friction ?? one.kinetic_friction };
+    });
     const coarse = longest !== null && mechanical_step > longest;
     return (
         <div class="panel">
-            <NumberField label="Communication step" unit="s" value={step} min={mechanical_step} max={LONGEST} step={0.01} onChange={(time_step) => set({ time_step })} />
-            <NumberField label="Mechanical step" unit="s" value={mechanical_step} min={SHORTEST} max={step} step={1e-5} onChange={(time_step_mechanical) => set({ time_step_mechanical })} />
-            {stable !== null && <p class={coarse ? "warning" : "note"}>{`${coarse ? "The mechanical step is too long. " : ""}Stable up to ${digits(stable, 2)} s, without a warning up to ${digits(longest!, 2)} s, accurate to about ${digits(1000 * error!, 2)} mm.`}</p>}
+            <NumberField label="Communication step" unit="s" value={own.time_step ?? scene.step} min={own.time_step_mechanical ?? mechanical_step} max={LONGEST} step={0.01} onChange={(time_step) => set({ time_step })} />
+            <NumberField label="Mechanical step" unit="s" value={own.time_step_mechanical ?? mechanical_step} min={SHORTEST} max={own.time_step ?? scene.step} step={1e-5} onChange={(time_step_mechanical) => set({ time_step_mechanical })} />
+            {stable !== null && <p class={coarse ? "warning" : "note"}>{stability(scene)}</p>}
             {warnings.length > 0 && (
                 <ul class="notes warning">
                     {warnings.map((warning) => (
@@ -82,36 +102,32 @@ export function MechanicsForm({ film: { scene } }: { film: Film }) {
             {materials.filter(({ id }) => canChange(id)).map((material) => (
                 <fieldset key={material.id} class="fields">
                     <legend translate={false}>{material.id}</legend>
-                    <NumberField label={`"${material.id}", Young modulus`} short="Young modulus" unit="N/m" value={material.young_modulus} min={1} max={short(4 * material.shear_modulus)} step={1e5} onChange={(young_modulus) => setMaterial(material, { young_modulus })} />
-                    <NumberField label={`"${material.id}", shear modulus`} short="shear modulus" unit="N/m" value={material.shear_modulus} min={short(material.young_modulus / 4)} max={STIFFEST} step={1e5} onChange={(shear_modulus) => setMaterial(material, { shear_modulus })} />
+                    <NumberField label={`"${material.id}", Young modulus`} short="Young modulus" unit="N/m" title={TERMS.young} value={material.young_modulus} min={1} max={short(4 * material.shear_modulus)} step={1e5} onChange={(young_modulus) => setMaterial(material, { young_modulus })} />
+                    <NumberField label={`"${material.id}", shear modulus`} short="shear modulus" unit="N/m" title={TERMS.shear} value={material.shear_modulus} min={short(material.young_modulus / 4)} max={STIFFEST} step={1e5} onChange={(shear_modulus) => setMaterial(material, { shear_modulus })} />
                 </fieldset>
             ))}
             {contacts.filter(({ id1, id2 }) => canChange(id1) && canChange(id2)).map((contact) => (
                 <ContactFields key={`${contact.id1} ${contact.id2}`} contact={contact} />
             ))}
+            {made.base.kind === "crowd" && <p class="note">Each pair has its own numbers. The slider "Friction" and the tab Crowd set the friction of all pairs with people.</p>}
             {!materials.every(({ id }) => canChange(id)) && <p class="note">{`Materials whose Ids have more than ${MOST.name} letters cannot be changed here.`}</p>}
         </div>
     );
 }
 
 function ContactFields({ contact }: { contact: Contact }) {
-    const { crowd, made } = plan.value;
-    const { base } = made;
+    const { base } = plan.value.made;
     const { id1, id2 } = contact;
     const name = id1 === id2 ? id1 : `${id1} – ${id2}`;
-    // Of a crowd, its form and the slider have the friction, once it is changed: one for all contacts of its people.
-    const ofCrowd = base.kind === "crowd" && [id1, id2].includes(base.material);
-    const damping = (part: Partial<Contact>) => setContact({ ...contact, kinetic_friction: ofCrowd ? null : contact.kinetic_friction }, part);
+    // Of a crowd, its form has the friction until that of a pair is changed.
+    const ofForm = base.kind === "crowd" && [id1, id2].includes(base.material);
+    const set = (part: Partial<Contact>) => setContact({ ...contact, kinetic_friction: ofForm ? null : contact.kinetic_friction }, part);
     return (
         <fieldset class="fields">
             <legend translate={false}>{name}</legend>
-            <NumberField label={`"${name}", normal damping`} short="normal damping" unit="kg/s" value={contact.gamma_normal} min={0} max={MOST_DAMPING} step={100} onChange={(gamma_normal) => damping({ gamma_normal })} />
-            <NumberField label={`"${name}", tangential damping`} short="tangential damping" unit="kg/s" value={contact.gamma_tangential} min={0} max={MOST_DAMPING} step={100} onChange={(gamma_tangential) => damping({ gamma_tangential })} />
-            {ofCrowd ? (
-                <NumberField label={`"${name}", friction`} short="friction" value={crowd.friction ?? contact.kinetic_friction} min={0} max={MOST_OF_CROWD} step={0.05} onChange={(friction) => change({ crowd: { ...crowd, friction } })} />
-            ) : (
-                <NumberField label={`"${name}", friction`} short="friction" value={contact.kinetic_friction} min={0} max={MOST_FRICTION} step={0.05} onChange={(kinetic_friction) => damping({ kinetic_friction })} />
-            )}
+            <NumberField label={`"${name}", normal damping`} short="normal damping" unit="kg/s" title={TERMS.normal} value={contact.gamma_normal} min={0} max={MOST_DAMPING} step={100} onChange={(gamma_normal) => set({ gamma_normal })} />
+            <NumberField label={`"${name}", tangential damping`} short="tangential damping" unit="kg/s" title={TERMS.tangential} value={contact.gamma_tangential} min={0} max={MOST_DAMPING} step={100} onChange={(gamma_tangential) => set({ gamma_tangential })} />
+            <NumberField label={`"${name}", friction`} short="friction" title={TERMS.friction} value={contact.kinetic_friction} min={0} max={MOST_FRICTION} step={0.05} onChange={(kinetic_friction) => set({ kinetic_friction })} />
         </fieldset>
     );
 }

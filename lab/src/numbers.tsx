@@ -43,29 +43,32 @@ export function Numbers({ film }: { film: Film }) {
     );
 }
 
-function ofRun(film: Film, k: number): [string, ComponentChildren][] {
+type Rows = [name: string, value: ComponentChildren, meaning?: string][];
+
+function ofRun(film: Film, k: number): Rows {
     const { scene } = film;
-    const rows: [string, ComponentChildren][] = [
-        ["People", String(scene.agents.length)],
-        ["Deepest overlap so far", `${digits(1000 * film.overlaps[k]!, 2)} mm`],
+    const rows: Rows = [
+        ["People", String(scene.agents.length), "At the start, also those who leave later"],
+        ["Deepest overlap so far", `${digits(1000 * film.overlaps[k]!, 2)} mm`, "How far disks of different people, or a disk and a wall, lay within each other at most: bodies give way so far"],
     ];
-    if (scene.pushed.length > 0) rows.push(["Pushed", people(scene.pushed.length)]);
-    if (scene.ways.length + scene.targets.length > 0 && scene.leaving < scene.agents.length) rows.push(["Arrived or left", `${film.arrived[k]} of ${scene.agents.length}`]);
-    if (scene.leaving > 0) rows.push(["Have left", `${film.frames.curve("left")[k]} of ${scene.leaving}`]);
+    if (scene.pushed.length > 0) rows.push(["Pushed", people(scene.pushed.length), "Those on whom a force acts at some time"]);
+    if (scene.ways.length + scene.targets.length > 0 && scene.leaving < scene.agents.length) rows.push(["Arrived or left", `${film.arrived[k]} of ${scene.agents.length}`, "Who has reached the last point of the way, a goal or an exit"]);
+    if (scene.leaving > 0) rows.push(["Have left", `${film.frames.curve("left")[k]} of ${scene.leaving}`, "Of all who have an exit, those who have crossed it: they are gone"]);
     return rows;
 }
 
-function details(film: Film, playing: boolean): [string, ComponentChildren][] {
+function details(film: Film, playing: boolean): Rows {
     const { scene } = film;
+    const { stable } = scene;
     const computed = (playing ? film.computed.peek() : film.computed.value) > 1;
     const cost = film.cost.peek();
     const perStep = (1e9 * cost * (scene.mechanical_step / scene.step)) / Math.max(1, scene.agents.length);
     return [
-        ["Communication step", `${scene.step} s`],
-        ["Mechanical step", scene.stable ? `${scene.mechanical_step} s (stable up to ${digits(scene.stable, 2)} s)` : `${scene.mechanical_step} s`],
-        ["Shown pace", playing ? `${film.pace.peek().toFixed(2)} s per second` : "paused"],
-        ["Time to compute a step", computed ? `${digits(1000 * cost, 2)} ms` : "–"],
-        ["… per person and mechanical step", computed ? `${digits(perStep, 2)} ns` : "–"],
+        ["Communication step", `${scene.step} s`, "From one frame to the next; people decide once in it"],
+        ["Mechanical step", `${scene.mechanical_step} s${stable === null ? "" : `, ${scene.mechanical_step < stable ? "" : "not "}stable (up to ${digits(stable, 2)} s)`}`, "The step with which forces and motion are integrated; longer than the stable one, contacts create energy"],
+        ["Shown pace", playing ? `${film.pace.peek().toFixed(2)} s per second` : "paused", "Simulated seconds in a second"],
+        ["Time to compute a step", computed ? `${digits(1000 * cost, 2)} ms` : "–", "A communication step of all people, on this machine"],
+        ["… per person and mechanical step", computed ? `${digits(perStep, 2)} ns` : "–", "The same time, divided by the people and by the mechanical steps"],
     ];
 }
 
@@ -78,7 +81,7 @@ function people(count: number) {
     return `${count} ${count === 1 ? "person" : "people"}`;
 }
 
-function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren][] {
+function ofPerson(film: Film, k: number, a: number): Rows {
     const agent = film.scene.agents[a];
     if (!agent) return [];
     const { unit } = plan.value;
@@ -86,34 +89,34 @@ function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren]
     const of = (column: number) => frame[COLUMNS * a + column]!;
     const person = film.scene.people?.[a];
     const there = isThere(frame, a);
-    const rows: [string, ComponentChildren][] = [
+    const rows: Rows = [
         ["Id", <span translate={false}>{brief(agent.id, 200)}</span>],
         ...ofKind(film, a),
         ["Mass", `${digits(agent.mass, 3)} kg`],
-        ["Place", there ? `x ${length(of(0), unit)}, y ${length(of(1), unit)}` : "has left"],
+        ["Place", there ? `x ${length(of(0), unit)}, y ${length(of(1), unit)}` : "has left", "The centre of mass"],
     ];
     // Who has left has no numbers: 0 would be one.
     if (there) {
         rows.push(
             ["Speed", `${Math.hypot(of(3), of(4)).toFixed(2)} m/s`],
-            [`Squeeze, ${meanWords(film, k)}`, newtons(film.frames.squeezeMean(k, averaged(film))[a]!)],
+            [`Squeeze, ${meanWords(film, k)}`, newtons(film.frames.squeezeMean(k, averaged(film))[a]!), "Sum of the normal forces on the person, from all sides"],
         );
         const byWalls = film.frames.meanOf(k, averaged(film), a, BY_WALLS);
-        if (byWalls >= 0.5) rows.push(["Of it by walls", newtons(byWalls)]);
-        rows.push(["Contacts", String(of(7))]);
-        if (!Number.isNaN(of(FEET))) rows.push(["Lean", length(Math.hypot(of(0) - of(FEET), of(1) - of(FEET + 1)), unit)]);
+        if (byWalls >= 0.5) rows.push(["Of it by walls", newtons(byWalls), "The part of the squeeze that walls exert"]);
+        rows.push(["Contacts", String(of(7)), "Disks of others and walls that the person's disks touch"]);
+        if (!Number.isNaN(of(FEET))) rows.push(["Lean", length(Math.hypot(of(0) - of(FEET), of(1) - of(FEET + 1)), unit), "From the middle of the feet to the centre of mass, seen from above"]);
     }
     if (person) {
         const sizes = `${length(person.breadth, unit)} × ${length(person.depth, unit)}, ${length(person.stature, unit)} tall`;
-        rows.push(["Body", `${isChild(person) ? "child" : person.sex === "male" ? "man" : "woman"}, ${sizes}`]);
+        rows.push(["Body", `${isChild(person) ? "child" : person.sex === "male" ? "man" : "woman"}, ${sizes}`, "Shoulder breadth × chest depth, and stature"]);
     }
     return rows;
 }
 
 /** The kind, what goes along, and the desired speed. */
-function ofKind({ scene }: Film, a: number): [string, ComponentChildren][] {
+function ofKind({ scene }: Film, a: number): Rows {
     const { kind, things, speed, mass } = scene.agents[a]!;
-    const rows: [string, ComponentChildren][] = [];
+    const rows: Rows = [];
     if (kind !== null) rows.push(["Kind", <KindName kind={kind} />]);
     const of = [...new Set(things?.flatMap((thing) => thing ?? []))].join(", ");
     const known = kind !== null && Object.hasOwn(scene.kinds, kind) ? scene.kinds[kind] : undefined;
@@ -121,7 +124,7 @@ function ofKind({ scene }: Film, a: number): [string, ComponentChildren][] {
     if (parts) rows.push(["With", <>{parts}</>]);
     const person = scene.people?.[a];
     if (person && mass - person.mass > 0.05) rows.push(["Mass of the person", `${digits(person.mass, 3)} kg`]);
-    if (speed !== null) rows.push(["Desired speed", `${speed.toFixed(2)} m/s`]);
+    if (speed !== null) rows.push(["Desired speed", `${speed.toFixed(2)} m/s`, "At which this person would walk alone"]);
     return rows;
 }
 
@@ -144,7 +147,7 @@ function InSurvey({ film, agent }: { film: Film; agent: number }) {
     const found = ranks.value?.of === of ? ranks.value.measures : [];
     return (
         <>
-            <Facts rows={found.map(({ name, rank }) => [capital(name), `more than ${(100 * rank).toFixed(0)} % of the ${asked.sex === "male" ? "men" : "women"}`])} />
+            <Facts rows={found.map(({ name, rank }) => [capital(name), `more than ${(100 * rank).toFixed(0)} % of the ${asked.sex === "male" ? "men" : "women"}`, "Of those in the survey ANSUR II"])} />
             <button type="button" onClick={() => change({ person: asked, tab: "person" })}>
                 Show in the tab Person
             </button>

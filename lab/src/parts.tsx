@@ -9,6 +9,8 @@ interface NumberProps {
     /** What is seen, if the whole label is too long for it; a part of the label. */
     short?: string;
     unit?: string;
+    /** What it is. */
+    title?: string;
     value: number;
     min: number;
     max: number;
@@ -17,16 +19,16 @@ interface NumberProps {
 }
 
 /** A number with its unit. What is out of range is not taken; it stays there, with the reason. */
-export function NumberField({ label, short, unit, value, min, max, step, onChange }: NumberProps) {
+export function NumberField({ label, short, unit, title, value, min, max, step, onChange }: NumberProps) {
     // What was typed, as long as the value is not changed in another way.
     const [typed, setTyped] = useState<{ text: string; instead: number } | null>(null);
-    // What is being typed: the page may be drawn anew meanwhile.
+    // What the field has while it has the focus: the value may change meanwhile, as that of a run that plays.
     const [draft, setDraft] = useState<string | null>(null);
     const wrong = typed?.instead === value;
     const id = useId();
     return (
         <div class="field">
-            <label for={id}>
+            <label for={id} title={title}>
                 {short && label.slice(0, -short.length) && <span class="hidden">{label.slice(0, -short.length)}</span>}
                 {short ?? label}
                 {unit && <span class="unit"> [{unit}]</span>}
@@ -40,10 +42,10 @@ export function NumberField({ label, short, unit, value, min, max, step, onChang
                 step={step}
                 aria-invalid={wrong}
                 aria-describedby={wrong ? `${id}-why` : undefined}
+                onFocus={(event) => setDraft(event.currentTarget.value)}
                 onInput={(event) => setDraft(event.currentTarget.value)}
                 onBlur={() => setDraft(null)}
                 onChange={(event) => {
-                    setDraft(null);
                     const number = event.currentTarget.valueAsNumber;
                     // Between two steps of the arrows is fine, but people are whole.
                     const fits = number >= min && number <= max && (step !== 1 || Number.isInteger(number));
@@ -119,13 +121,14 @@ export function Choice<T extends string>({ label, value, choices, onChange }: Ch
     );
 }
 
-export function Facts({ rows }: { rows: [string, ComponentChildren][] }) {
+/** Names and values, and what a name means. */
+export function Facts({ rows }: { rows: [string, ComponentChildren, string?][] }) {
     return (
         <table class="facts">
             <tbody>
-                {rows.map(([name, value]) => (
+                {rows.map(([name, value, meaning]) => (
                     <tr key={name}>
-                        <th scope="row">{name}</th>
+                        <th scope="row" title={meaning}>{name}</th>
                         <td>{value}</td>
                     </tr>
                 ))}

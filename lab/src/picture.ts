@@ -1,25 +1,46 @@
 // The canvas of a run as a picture that explains itself: on paper, with the time and what the colours mean.
 
-import { byPlace, mapKind } from "./byplace";
+import { type ByPlace, byPlace, type Kind, mapKind } from "./byplace";
 import { type Scale, scaleOf } from "./colour";
 import type { Film } from "./film";
 import { translated } from "./language";
 import { kindWords } from "./kindwords";
+import { empty } from "./layout";
 import { digits } from "./parts";
 import { plan } from "./plan";
 
 /** Height of the line below the picture, for a screen with one pixel per pixel of CSS. */
 const FOOT = 30;
 
+/** Draws the map alone: people are of one moment, and the map of a time. */
+export function composeMap(onto: HTMLCanvasElement, from: HTMLCanvasElement, places: ByPlace, kind: Kind) {
+    empty.value = true;
+    const { context, width, line, ink } = begin(onto, from, 3);
+    empty.value = false;
+    const write = (words: string, k: number) => context.fillText(words, 10 * devicePixelRatio, line(k));
+    write(translated(places.words()), 0);
+    write(translated(places.cells()), 1);
+    row(context, "", places.scale(kind), width, line(2), ink);
+}
+
 /** Draws it on another canvas, which becomes as large as it needs to be (with even sides: movies ask for it). */
 export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: Film) {
+    const [kind, places] = [mapKind.value, byPlace.value];
+    const map = kind && places?.filled.value ? places : null;
+    const { context, width, line, ink } = begin(onto, from, map ? 2 : 1);
+    const time = `${(film.place.value * film.scene.step).toFixed(2)} s`;
+    const { colour } = plan.value;
+    row(context, map ? `${translated("People at")} ${time}` : time, scaleOf(film, colour), width, line(0), ink);
+    if (map) row(context, translated(map.words()), map.scale(kind!), width, line(1), ink);
+}
+
+/** The picture on paper, with room for lines below it. */
+function begin(onto: HTMLCanvasElement, from: HTMLCanvasElement, lines: number) {
     // Not its own size: it may be coarser while something moves.
     const pixel = devicePixelRatio;
     const even = (size: number) => 2 * Math.ceil(size / 2);
     const [wide, high] = [from.clientWidth * pixel, from.clientHeight * pixel];
-    const [kind, places] = [mapKind.value, byPlace.value];
-    const map = kind && places?.filled.value ? places : null;
-    const [width, height] = [even(wide), even(high + (map ? 2 : 1) * FOOT * pixel)];
+    const [width, height] = [even(wide), even(high + lines * FOOT * pixel)];
     // Setting them clears the canvas and costs time.
     if (onto.width !== width || onto.height !== height) [onto.width, onto.height] = [width, height];
     const context = onto.getContext("2d")!;
@@ -32,10 +53,7 @@ export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: 
     context.font = `${13 * pixel}px system-ui, sans-serif`;
     context.textBaseline = "middle";
     context.fillStyle = ink;
-    const time = `${(film.place.value * film.scene.step).toFixed(2)} s`;
-    const { colour } = plan.value;
-    row(context, time, scaleOf(film, colour), width, line(0), ink);
-    if (map) row(context, translated(map.words()), map.scale(kind!), width, line(1), ink);
+    return { context, width, line, ink };
 }
 
 /** A line below the picture: words, and a scale or kinds. */
@@ -71,9 +89,10 @@ function paintKinds(context: CanvasRenderingContext2D, kinds: [string, string][]
     }
 }
 
-export async function png(from: HTMLCanvasElement, film: Film): Promise<Blob> {
+/** A picture that one of the above draws. */
+export async function png(draw: (onto: HTMLCanvasElement) => void): Promise<Blob> {
     const canvas = document.createElement("canvas");
-    compose(canvas, from, film);
+    draw(canvas);
     const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
     if (!blob) throw new Error("the browser made no picture");
     return blob;

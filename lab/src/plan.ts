@@ -49,6 +49,17 @@ export interface Plan {
     area: [Point, Point] | null;
     /** The picture under the room. */
     backdrop: Backdrop | null;
+    sweep: SweepWishes;
+}
+
+/** What the form of a sweep says. Empty texts stand for what it proposes, null for as long as people may need. */
+interface SweepWishes {
+    parameter: string;
+    values: string;
+    seeds: number;
+    /** In s. */
+    until: number | null;
+    measure: string;
 }
 
 export const FIRST: Plan = {
@@ -72,6 +83,7 @@ export const FIRST: Plan = {
     line: null,
     area: null,
     backdrop: null,
+    sweep: { parameter: "", values: "", seeds: 3, until: null, measure: "" },
 };
 
 /** Checks the upper end of a colour scale. */
@@ -102,12 +114,13 @@ const whole = patched<Plan>(
         span: tuple<[number | null, number | null]>(nullable(within(0, 1e5)), nullable(within(0, 1e5))),
         line: nullable(tuple<[Point, Point]>(point, point)),
         area: nullable(tuple<[Point, Point]>(point, point)),
+        sweep: record<SweepWishes>({ parameter: text(MOST.name), values: text(MOST.list), seeds: within(1, MOST.seeds), until: nullable(within(0.1, 1e5)), measure: text(MOST.name) }),
     },
     FIRST,
 );
 
 /** What of a plan belongs to its scene, and goes with it into links and files. The rest belongs to the page. */
-const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "map", "span", "line", "area", "backdrop"] as const;
+const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "map", "span", "line", "area", "backdrop", "sweep"] as const;
 type Part = Pick<Plan, (typeof OF_SCENE)[number]>;
 
 export function sceneOf(plan: Plan): Part {

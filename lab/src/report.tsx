@@ -11,7 +11,7 @@ import { Squeeze } from "./legend";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
 import { brief, digits, Facts, length, named } from "./parts";
-import { png } from "./picture";
+import { compose, png } from "./picture";
 import { link, type Made, plan, scene } from "./plan";
 import { VERSION } from "./version";
 import { shape } from "./drawn";
@@ -37,7 +37,7 @@ export async function makeReport(film: Film) {
     await film.show(k);
     // The effects of what is shown draw, those of the page after the next picture.
     for (let pictures = 0; pictures < 2; pictures++) await new Promise((done) => requestAnimationFrame(done));
-    const picture = URL.createObjectURL(await png(canvas.value ?? from, film));
+    const picture = URL.createObjectURL(await png((onto) => compose(onto, canvas.value ?? from, film)));
     await film.show(before);
     report.value = { picture, time: k * film.scene.step };
 }

@@ -9,7 +9,7 @@ import { Charts } from "./charts";
 import type { Film } from "./film";
 import { Hints } from "./hints";
 import { Chains, paintTrails, trailsNote } from "./layers";
-import { beat, type Layers, presents, show } from "./layout";
+import { beat, empty, type Layers, presents, show } from "./layout";
 import { Beside, difference, kept, Now } from "./kept";
 import { Legend } from "./legend";
 import { MapLegend } from "./map";
@@ -98,7 +98,7 @@ function Picture({ film, chains, sections }: PictureProps) {
         () => ({
             below: (context, now) => {
                 if (mapKind.value) byPlace.value?.paint(mapKind.value, context, now);
-                if (trails) paintTrails(context, film, film.shown.value, now);
+                if (trails && !empty.value) paintTrails(context, film, film.shown.value, now);
             },
             above: (context, now) => {
                 if (!forces) return;

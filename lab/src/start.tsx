@@ -5,6 +5,7 @@ import { Keep } from "./kept";
 import { canUndo, crowdOf, scene } from "./plan";
 import { Scenes } from "./scenelist";
 import { open } from "./scenes";
+import { film } from "./session";
 import { Sketch } from "./sketch";
 import { Sliders } from "./sliders";
 import { SweepForm } from "./sweepform";
@@ -13,12 +14,13 @@ import { FileInput, openTrial } from "./upload";
 
 export function StartTab() {
     const { name } = scene.value;
-    const known = EXAMPLES.find((example) => example.name === name);
+    // Asked of the people that there are now.
+    const question = EXAMPLES.find((example) => example.name === name)?.question.replace(/\d+/, (number) => String(film.value?.scene.agents.length ?? number));
     return (
         <section class="panel" aria-label="Start">
             <p class="note">People in dense crowds, as bodies that touch and press. Choose a question, move a slider, and watch; or draw your own room.</p>
             <TourButton />
-            {known ? <h2>{known.question}</h2> : <h2 translate={false}>{name}</h2>}
+            {question ? <h2>{question}</h2> : <h2 translate={false}>{name}</h2>}
             <Sliders />
             <Keep />
             <SweepForm />

@@ -4,6 +4,7 @@ import { signal } from "@preact/signals";
 import { Client, Stopped } from "./client";
 import { table } from "./csv";
 import { meanFlow } from "./flow";
+import { ofAllPairs } from "./forms";
 import { Frames } from "./frames";
 import { beyond } from "./places";
 import { type Made, plan, scene } from "./plan";
@@ -63,14 +64,15 @@ export function stop() {
 function variant(made: Made, parameter: Parameter, value: number, k: number): { made: Made; seed: number } {
     const other = parameter.with(value);
     const base = made.base.kind === "crowd" ? { ...made.base, ...("crowd" in other ? other.crowd : {}), seed: made.base.seed + k } : made.base;
+    const mechanics = "crowd" in other && other.crowd.friction !== undefined ? ofAllPairs(made.mechanics) : made.mechanics;
     let motion = "motion" in other ? other.motion : made.motion;
     if (motion.kind === "go") motion = { kind: "go", wishes: { ...motion.wishes, seed: motion.wishes.seed + k } };
     const seed = base.kind === "crowd" ? base.seed : motion.kind === "go" ? motion.wishes.seed : 0;
-    return { made: { ...made, base, motion }, seed };
+    return { made: { ...made, base, mechanics, motion }, seed };
 }
 
 /** What a change by hand is called. */
-function named(edit: Edit): string {
+function called(edit: Edit): string {
     if (edit.do === "room") return "walls";
     const verb = { move: "moved", copy: "copied", put: "put in", delete: "deleted" }[edit.do];
     return `person "${edit.id}" ${verb}`;
@@ -115,7 +117,7 @@ async function run(client: Client, from: Made, made: Made, doors: unknown[], unt
     const squeezes = frames.curve("squeeze").subarray(1, all ? -1 : undefined);
     return {
         made: { ...made, edits, motion },
-        leftOut: [...out].map(([k, why]) => `${named(made.edits[k]!)}: ${why}`),
+        leftOut: [...out].map(([k, why]) => `${called(made.edits[k]!)}: ${why}`),
         measures: {
             all_left: all ? (count.length - 1) * step : NaN,
             left: total,
@@ -167,6 +169,8 @@ export function quantile(sorted: number[], share: number): number {
     return low + (at - Math.floor(at)) * (sorted[Math.ceil(at)]! - low);
 }
 
+export const QUANTILES = [0.1, 0.5, 0.9] as const;
+
 export interface Row {
     value: number;
     runs: Run[];
@@ -183,10 +187,34 @@ export function rows({ runs }: Sweep, measure: Measure): Row[] {
     });
 }
 
+/** Quantiles of the runs with a value: not a number where no run has the measure. Whoever is still there leaves later than the
+ * end, if ever: such a quantile is infinite. */
+export function quantiles({ runs, numbers }: Row, measure: Measure): number[] {
+    const later = measure === "all_left" ? Array<number>(runs.length - numbers.length).fill(Infinity) : [];
+    const all = [...numbers, ...later];
+    if (all.length === 0) return QUANTILES.map(() => NaN);
+    return QUANTILES.map((share) => (all[Math.ceil(share * (all.length - 1))] === Infinity ? Infinity : quantile(all, share)));
+}
+
+const KEYS = Object.keys(MEASURES) as Measure[];
+const named = (name: string, unit: string) => (unit ? `${name} [${unit}]` : name);
+
 /** All runs as a table. */
-export function csv({ runs, parameter }: Sweep): string {
-    const keys = Object.keys(MEASURES) as Measure[];
-    const unit = (name: string, unit: string) => (unit ? `${name} [${unit}]` : name);
-    const head = [unit(parameter.label, parameter.unit), "seed", ...keys.map((key) => unit(key, MEASURES[key][1])), "changes_left_out"];
-    return table([head, ...runs.map(({ value, seed, measures, leftOut }) => [value, seed, ...keys.map((key) => measures[key]), leftOut.length])]);
+export function runsCsv({ runs, parameter }: Sweep): string {
+    const head = [named(parameter.label, parameter.unit), "crowd_seed", "walking_seed", ...KEYS.map((key) => named(key, MEASURES[key][1])), "changes_left_out"];
+    const row = ({ value, made: { base, motion }, measures, leftOut }: Run) => [
+        value,
+        base.kind === "crowd" ? base.seed : NaN,
+        motion.kind === "go" ? motion.wishes.seed : NaN,
+        ...KEYS.map((key) => measures[key]),
+        leftOut.length,
+    ];
+    return table([head, ...runs.map(row)]);
+}
+
+/** Quantiles of all measures for each value. */
+export function quantilesCsv(of: Sweep): string {
+    const head = [named(of.parameter.label, of.parameter.unit), "measure", "unit", "runs", "runs_with_a_number", ...QUANTILES.map((share) => `quantile_${share}`)];
+    const row = (measure: Measure) => (one: Row) => [one.value, measure, MEASURES[measure][1], one.runs.length, one.numbers.length, ...quantiles(one, measure).map((number) => (number === Infinity ? "inf" : number))];
+    return table([head, ...KEYS.flatMap((measure) => rows(of, measure).map(row(measure)))]);
 }

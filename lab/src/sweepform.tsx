@@ -1,42 +1,42 @@
 // A sweep as a form, a chart and a table.
 
-import { signal, useSignal } from "@preact/signals";
-import { Choice, digits, NumberField, save } from "./parts";
-import { crowdOf, opened, plan } from "./plan";
+import { batch } from "@preact/signals";
+import { saveTable } from "./csv";
+import { MOST } from "./forms";
+import { Choice, digits, NumberField } from "./parts";
+import { change, crowdOf, type Made, type Plan, plan } from "./plan";
 import { open } from "./scenes";
 import { film } from "./session";
 import { type Parameter, parameters } from "./sliders";
-import { begin, csv, type Measure, MEASURES, MOST_RUNS, quantile, type Row, rows, type Run, stop, type Sweep, sweep } from "./sweep";
+import { begin, type Measure, MEASURES, MOST_RUNS, quantile, QUANTILES, quantiles, quantilesCsv, type Row, rows, type Run, runsCsv, stop, type Sweep, sweep } from "./sweep";
 
-const MOST_SEEDS = 100;
 /** In s: so long people may need to leave. */
 const PATIENCE = 120;
 /** Runs whose changes that did not fit are listed. */
 const MOST_LISTED = 50;
-const QUANTILES = [0.1, 0.5, 0.9] as const;
 
-/** The values that the user typed or ran: for which scene and parameter. They stay when sliders move and tabs change. */
-const typed = signal({ of: "", text: "" });
+function set(part: Partial<Plan["sweep"]>) {
+    change({ sweep: { ...plan.value.sweep, ...part } });
+}
 
 export function SweepForm() {
-    const chosen = useSignal("");
-    const seeds = useSignal(3);
-    const longest = useSignal<number | null>(null);
+    const { end, made, sweep: wishes } = plan.value;
+    const { seeds } = wishes;
     const found = parameters();
-    const parameter = found.find(({ label }) => label === chosen.value) ?? found.find(({ label }) => label.startsWith("Width")) ?? found[0];
+    const parameter = found.find(({ label }) => label === wishes.parameter) ?? found.find(({ label }) => label.startsWith("Width")) ?? found[0];
     if (!parameter || !film.value) return null;
-    const of = `${opened.value} ${parameter.label}`;
-    const text = typed.value.of === of ? typed.value.text : proposal(parameter);
-    const [values, wrong] = parsed(text, parameter, seeds.value);
-    const { end } = plan.value;
-    const until = longest.value ?? (film.value.scene.leaving > 0 ? Math.max(PATIENCE, end) : end);
+    // Of another parameter the values are no values of this one.
+    const text = (parameter.label === wishes.parameter && wishes.values) || proposal(parameter);
+    const [values, wrong] = parsed(text, parameter, seeds);
+    const until = wishes.until ?? (film.value.scene.leaving > 0 ? Math.max(PATIENCE, end) : end);
     const now = sweep.value;
     const running = now !== null && !now.stopped && now.runs.length + now.failed.length < now.wanted;
     const start = () => {
-        typed.value = { of, text };
-        begin(parameter, values, seeds.value, until);
+        // The values stay when the slider moves.
+        set({ parameter: parameter.label, values: text });
+        begin(parameter, values, seeds, until);
     };
-    const { base, edits } = plan.value.made;
+    const { base, edits } = made;
     return (
         <details>
             <summary>A sweep: many values, many seeds</summary>
@@ -45,19 +45,20 @@ export function SweepForm() {
                     label="Parameter"
                     value={parameter.label}
                     choices={found.map(({ label, unit }) => [label, unit ? `${label} [${unit}]` : label] as const)}
-                    onChange={(label) => (chosen.value = label)}
+                    onChange={(label) => set({ parameter: label, values: "" })}
                 />
                 <label class="field">
                     <span>Values{parameter.unit && ` [${parameter.unit}]`}, with commas between</span>
-                    <input type="text" value={text} aria-invalid={wrong !== ""} onInput={(event) => (typed.value = { of, text: event.currentTarget.value })} />
+                    <input type="text" value={text} aria-invalid={wrong !== ""} maxLength={MOST.list} onInput={(event) => set({ parameter: parameter.label, values: event.currentTarget.value })} />
                 </label>
                 {wrong && (
                     <p class="note" role="alert">
                         {wrong}
                     </p>
                 )}
-                <NumberField label="Seeds for each value" value={seeds.value} min={1} max={MOST_SEEDS} step={1} onChange={(count) => (seeds.value = count)} />
-                <NumberField label="Until all have left, at most" unit="s" value={until} min={0.1} max={1e5} step={5} onChange={(seconds) => (longest.value = seconds)} />
+                <NumberField label="Seeds for each value" value={seeds} min={1} max={MOST.seeds} step={1} onChange={(count) => set({ seeds: count })} />
+                <NumberField label="Until all have left, at most" unit="s" value={until} min={0.1} max={1e5} step={5} onChange={(seconds) => set({ until: seconds })} />
+                <p class="note">{seedWords(made, seeds)}</p>
                 <p class="note">Each seed has other people at other places. Runs are computed beside what you see.</p>
                 {base.kind === "crowd" && edits.length > 0 && <p class="note">Changes by hand stay where they fit: of people with these Ids, to places where they overlap nobody.</p>}
                 <div class="buttons act">
@@ -74,6 +75,14 @@ export function SweepForm() {
             </div>
         </details>
     );
+}
+
+/** The seeds that the runs of each value have. */
+function seedWords({ base, motion }: Made, count: number): string {
+    const from = (first: number) => (count === 1 ? `the seed ${first}` : `the seeds ${first} to ${first + count - 1}`);
+    const all = [base.kind === "crowd" && `the crowd has ${from(base.seed)}`, motion.kind === "go" && `walking has ${from(motion.wishes.seed)}`].filter((words) => words !== false);
+    if (all.length === 0) return "Nothing is drawn by chance in this scene: all runs of a value are the same.";
+    return `In the runs of each value, ${all.join("; ")}${all.length === 2 && count > 1 ? "; each run has the next one of both" : ""}.`;
 }
 
 /** Some values around the present one. */
@@ -94,12 +103,22 @@ function parsed(text: string, { range: [min, max, step] }: Parameter, seeds: num
 }
 
 function Results({ of, running }: { of: Sweep; running: boolean }) {
-    const chosen = useSignal<Measure | null>(null);
-    const measure = chosen.value ?? (of.runs.some(({ measures }) => measures.left > 0) ? "all_left" : "greatest_mean_of_1_s");
+    const chosen = plan.value.sweep.measure;
+    const measure = Object.hasOwn(MEASURES, chosen) ? (chosen as Measure) : of.runs.some(({ measures }) => measures.left > 0) ? "all_left" : "greatest_mean_of_1_s";
     const found = rows(of, measure);
     const [label] = MEASURES[measure];
     const { parameter, wanted, runs, failed } = of;
-    const show = ({ value, seed, made }: Run) => open(`${of.scene}, ${parameter.label} ${value}, seed ${seed}`, made, true, crowdOf(made.base) ?? undefined);
+    const show = ({ value, seed, made }: Run) =>
+        batch(() => {
+            const wishes = plan.value.sweep;
+            open(`${of.scene}, ${parameter.label} ${value}, seed ${seed}`, made, true, crowdOf(made.base) ?? undefined);
+            change({ sweep: wishes });
+        });
+    const give = (what: string, content: string) => {
+        const { made, until, scene, stopped } = of;
+        const values = [...new Set(runs.map(({ value }) => value))];
+        saveTable(`${scene}-sweep-${parameter.label.toLowerCase().replaceAll(" ", "-")}-${what}-${until}s.csv`, content, { scene, parameter: parameter.label, unit: parameter.unit, values, runs: runs.length, wanted, stopped, longest_time_s: until, made });
+    };
     return (
         <section aria-label="Results of the sweep">
             <p role="status" class="note">
@@ -110,12 +129,17 @@ function Results({ of, running }: { of: Sweep; running: boolean }) {
             <LeftOut of={of} />
             {runs.length > 0 && (
                 <>
-                    <Choice label="Measure" value={measure} choices={Object.entries(MEASURES).map(([key, [words, unit]]) => [key as Measure, `${words} [${unit}]`] as const)} onChange={(next) => (chosen.value = next)} />
+                    <Choice label="Measure" value={measure} choices={Object.entries(MEASURES).map(([key, [words, unit]]) => [key as Measure, `${words} [${unit}]`] as const)} onChange={(next) => set({ measure: next })} />
                     <Chart found={found} measure={measure} words={`${label}: ${parameter.label}`} onShow={show} />
                     <SweepTable of={of} measure={measure} onShow={show} />
-                    <button type="button" onClick={() => save(`${of.scene}-sweep.csv`, csv(of))}>
-                        Runs of the sweep (CSV)
-                    </button>
+                    <div class="buttons">
+                        <button type="button" onClick={() => give("runs", runsCsv(of))}>
+                            Runs of the sweep (CSV)
+                        </button>
+                        <button type="button" onClick={() => give("quantiles", quantilesCsv(of))}>
+                            Quantiles of the sweep (CSV)
+                        </button>
+                    </div>
                 </>
             )}
         </section>
@@ -144,13 +168,7 @@ export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measur
     const { label, unit } = of.parameter;
     const [words, unitOf] = MEASURES[measure];
     const stayed = measure === "all_left" ? of.runs.filter(({ measures }) => Number.isNaN(measures.all_left)).length : 0;
-    // Whoever is still there leaves later than that, if ever.
-    const quantileOf = ({ runs, numbers }: Row, share: number) => {
-        const later = measure === "all_left" ? Array<number>(runs.length - numbers.length).fill(Infinity) : [];
-        const all = [...numbers, ...later];
-        if (all.length === 0) return "–";
-        return all[Math.ceil(share * (all.length - 1))] === Infinity ? `> ${of.until}` : digits(quantile(all, share), 3);
-    };
+    const shown = (number: number) => (Number.isNaN(number) ? "–" : number === Infinity ? `> ${of.until}` : digits(number, 3));
     return (
         <>
             {stayed > 0 && (
@@ -188,8 +206,8 @@ export function SweepTable({ of, measure, onShow }: { of: Sweep; measure: Measur
                                     )}
                                 </th>
                                 <td>{numbers.length === runs.length ? runs.length : `${numbers.length} of ${runs.length}`}</td>
-                                {QUANTILES.map((share) => (
-                                    <td key={share}>{quantileOf(row, share)}</td>
+                                {quantiles(row, measure).map((number, k) => (
+                                    <td key={k}>{shown(number)}</td>
                                 ))}
                             </tr>
                         );

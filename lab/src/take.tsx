@@ -8,9 +8,9 @@ import { type Client, Stopped } from "./client";
 import { scaleOf, values } from "./colour";
 import type { Film } from "./film";
 import { Movie, whyNoMovie } from "./movie";
-import { curvesCsv, leavingCsv, perExit } from "./csv";
+import { curvesCsv, leavingCsv, origin, perExit, saveOfRun, saveTable } from "./csv";
 import { attribute, copy, digits, named, NumberField, save } from "./parts";
-import { png } from "./picture";
+import { compose, png } from "./picture";
 import { link, onlyHere, plan, scene as kept } from "./plan";
 import type { Wanted } from "./protocol";
 import { makeReport } from "./report";
@@ -115,7 +115,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             const from = canvas();
             if (!from) throw new Error("the stage shows no picture");
             const name = timed(`${scene.name}.png`);
-            save(name, await png(from, film));
+            save(name, await png((onto) => compose(onto, from, film)));
             return name;
         });
     const record = () =>
@@ -128,16 +128,23 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             save(`${scene.name}.webm`, blob);
             return `${scene.name}.webm`;
         });
-    const text = (what: string, name: string, content: string) =>
+    /** A table that the lab makes. */
+    const table = (what: string, wanted: Wanted, end: number, of = (name: string) => name) =>
         making(what, async () => {
-            save(`${scene.name}-${name}`, content);
-            return `${scene.name}-${name}`;
+            const settings = origin(film, 0, end);
+            const answer = await client.ask<{ name: string }>({ ask: "take", run, wanted }, undefined);
+            const name = of(answer.value.name);
+            saveTable(name, answer.bytes, settings);
+            return name;
         });
+    const chosen = selected.value === null ? undefined : scene.agents[selected.value]?.id;
+    const ofChosen = chosen === undefined ? "" : `-person-${chosen.slice(0, 24)}`;
     const size = (each: number) => `${Math.ceil(each * scene.agents.length)} MB`;
     const leaves = perExit(film).map(({ name, count, flow }) => `${named(name)}: ${count} ${count === 1 ? "person" : "people"}${flow === null ? "" : `, ${digits(flow, 3)} per second`}`);
     const end = until.value ?? film.reached.value * scene.step;
     const steps = Math.max(1, Math.round(end / scene.step));
-    const trajectories = () => take("Trajectories (CSV)", { file: "trajectories", steps });
+    const last = Number((steps * scene.step).toPrecision(12));
+    const trajectories = () => table("Trajectories (CSV)", { file: "trajectories", steps }, last, (name) => name.replace(/\.csv$/, `-0-${last}s.csv`));
 
     const noMovie = whyNoMovie();
     const seconds = (film.reached.value * scene.step) / plan.value.pace;
@@ -248,7 +255,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                     <NumberField
                         label="Until"
                         unit="s"
-                        value={Number((steps * scene.step).toPrecision(12))}
+                        value={last}
                         min={scene.step}
                         max={Number((1e6 * scene.step).toPrecision(12))}
                         step={scene.step}
@@ -259,18 +266,18 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                 )}
                 {item(
                     "Curves (CSV)",
-                    async () => text("Curves (CSV)", "curves.csv", curvesCsv(film, selected.value)),
+                    () => making("Curves (CSV)", async () => saveOfRun(film, `curves${ofChosen}`, curvesCsv(film, selected.value), { person: chosen, squeeze_is_a_mean_over_s: plan.value.smooth })),
                     "What the charts show, for each communication step up to the last one that was shown or asked for: mean speed, squeeze, contacts, how many have left; of the selected person, too.",
                 )}
                 {item(
                     "Who left when (CSV)",
-                    async () => text("Who left when (CSV)", "leaving.csv", leavingCsv(film)),
+                    () => making("Who left when (CSV)", async () => saveOfRun(film, "leaving", leavingCsv(film))),
                     leaves.length > 0 ? `Up to the last frame that was shown or asked for: ${leaves.join("; ")}.` : "When each person left, and by which exit.",
                     scene.leaving === 0 ? "Nobody leaves in this scene." : "",
                 )}
                 {item(
                     "People (CSV)",
-                    () => take("People (CSV)", { file: "population" }),
+                    () => table("People (CSV)", { file: "population" }, 0),
                     <>
                         Sex and measures of everybody, as <code>lemons crowd</code> writes them.
                     </>,

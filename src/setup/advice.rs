@@ -1,6 +1,6 @@
 //! Warnings about the mechanics of a Trial without errors.
 
-use super::steps::{Fastest, rounded_down};
+use super::steps::{CONTACTS_AT_ONCE, Fastest, rounded_down};
 use super::{Setup, WorldError};
 use crate::engine::{Contact, ContactReport, Pair, Scene, World};
 use lemons_core::trial::{FileNames, Problem, Severity, quoted};
@@ -104,10 +104,15 @@ impl Setup<'_> {
         if step <= steps.longest() {
             return None;
         }
-        let verdict = if step < rates.unstable_from(1.0) {
-            format!("is long for the contact of {pair}")
+        let stable = steps.stable();
+        let verdict = if step < stable {
+            format!("is stable (up to {stable:.1e} s), but long for the contact of {pair}")
+        } else if step < rates.unstable_from(1.0) {
+            format!(
+                "is not stable (up to {stable:.1e} s): a body with {CONTACTS_AT_ONCE} contacts like that of {pair} gains energy"
+            )
         } else {
-            format!("is too long: the contact of {pair} is unstable, so collisions create energy")
+            format!("is not stable (up to {stable:.1e} s): collisions in the contact of {pair} create energy")
         };
         let ratio = rates.damping / rates.critical_damping();
         if ratio > ABSURD_DAMPING {
@@ -290,7 +295,15 @@ mod tests {
     fn a_coarse_step_is_named_with_one_that_would_do() {
         let mut trial = push(|trial| trial.parameters.time_step_mechanical = 0.002);
         // k_n = 4.99e6 N/m; 1/63 kg + (0.2225 m)²/1.02 kg.m2: a period of 11 ms.
-        says(&trial, &["<Times> TimeStepMechanical=\"0.002\": is long for", "at most 1e-4 s"]);
+        says(
+            &trial,
+            &[
+                "<Times> TimeStepMechanical=\"0.002\": is not stable (up to 8.4e-4 s): a body with 8",
+                "at most 1e-4 s",
+            ],
+        );
+        trial.parameters.time_step_mechanical = 8e-4;
+        says(&trial, &["is stable (up to 8.4e-4 s), but long for the contact of agent", "at most 1e-4 s"]);
         trial.parameters.time_step_mechanical = 2e-4;
         says(&trial, &[]);
         // A light body, by its damping; and one that no step resolves.
@@ -298,7 +311,7 @@ mod tests {
             trial.parameters.time_step_mechanical = 1e-6;
             (trial.agents[2].mass, trial.agents[2].moment_of_inertia) = (0.001, 0.001);
         });
-        says_besides(&trial, "\"2\" and wall \"0\" is unstable");
+        says_besides(&trial, "\"2\" and wall \"0\" create energy");
         let trial = push(|trial| trial.agents[0].moment_of_inertia = 1e-320);
         says_besides(&trial, "no step resolves the contact of agents");
         assert_eq!(Setup::of(&trial).proposed_step(), None);
@@ -306,15 +319,15 @@ mod tests {
 
     /// The paper's agent 1 on a wall: 1/m* is 0.0644/kg, and 2 √(k m*) with k = 5.0e6 N/m is 1.8e4 kg/s.
     #[test]
-    fn damping_that_makes_the_step_unstable_is_warned_of_and_absurd_damping_is_the_cause() {
+    fn damping_that_makes_the_step_not_stable_is_warned_of_and_absurd_damping_is_the_cause() {
         let absurd = "1000000000000.0 kg/s of the materials \"human_naked\" and \"concrete\"";
         for (normal, damping, words) in [
             (
                 true,
                 2e6,
-                ["is unstable, so collisions create energy", "damping time 7.73e-6 s", "at most 5e-7 s"],
+                ["is not stable (up to 9.7e-7 s): collisions in", "damping time 7.73e-6 s", "at most 5e-7 s"],
             ),
-            (false, 2.5e4, ["is long for the contact of", "damping time 6.19e-4 s", "at most 5e-5 s"]),
+            (false, 2.5e4, ["a body with 8 contacts like", "damping time 6.19e-4 s", "at most 5e-5 s"]),
             (true, 1e12, ["its damping is the cause, GammaNormal", absurd, "critical damping of 1.8e4 kg/s"]),
             (
                 false,

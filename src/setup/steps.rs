@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 const LONGEST_SHARE: f64 = 1.0 / 20.0;
 
 /// Assumed number of simultaneous contacts of a body in a dense crowd. All of them act on the same motion of it.
-const CONTACTS_AT_ONCE: f64 = 8.0;
+pub(super) const CONTACTS_AT_ONCE: f64 = 8.0;
 
 /// \[1/s\] Largest allowed growth rate of the slip of a sticking contact with almost no damping.
 const FASTEST_GROWTH: f64 = 0.5;

@@ -1,5 +1,6 @@
 """Maps of density and squeeze beside NumPy on the table of `lemons run`, and beside `lemons plot`."""
 
+import json
 import math
 import re
 from pathlib import Path
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
-from visit import Picture, download, fill, lemons, make, plan, rows, show_at, tab, wait
+from visit import Picture, download, fill, given, lemons, make, plan, rows, show_at, tab, wait
 
 #: [m] Standard deviation of a person in a map of the density, and side of a cell of a map of squeeze: docs/lab.md.
 KERNEL, CELL = 0.3, 0.25
@@ -21,10 +22,7 @@ def show(page: Page, name: str, words: str) -> None:
 
 
 def table(page: Page, to: Path) -> dict[str, np.ndarray]:
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="Map (CSV)").click()
-    waiting.value.save_as(to / "map.csv")
-    found = rows(to / "map.csv")
+    found = rows(given(page, "Map (CSV)", to))
     return {name.split(" ")[0]: np.array([float(row[name]) for row in found]) for name in found[0]}
 
 
@@ -130,12 +128,24 @@ def test_a_map_goes_on_with_the_run_and_with_links(page: Page, tmp_path: Path) -
     expect(page.get_by_role("button", name="Map (CSV)")).to_be_disabled()
     fill(page, "Map from", 1)
     expect(region.get_by_text("101 frames from 1 to 2 s")).to_be_visible()
-    # The picture has the map and both scales: density has the colours of viridis, which is nowhere else.
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="Map (PNG)").click()
-    waiting.value.save_as(tmp_path / "map.png")
-    colours = np.asarray(Image.open(tmp_path / "map.png").convert("RGB")).reshape(-1, 3).astype(int)
+    # The picture has the map and its scale: density has the colours of viridis, which is nowhere else.
+    pixels = lambda path: np.asarray(Image.open(path).convert("RGB")).astype(int)
+    first = given(page, "Map (PNG)", tmp_path)
+    assert first.name == "A crowd-density-1-2s.png"
+    colours = pixels(first).reshape(-1, 3)
     assert np.sum(np.abs(colours - [0x44, 0x01, 0x54]).sum(axis=1) < 12) > 5000
+    # It shows no people, who are of one moment: it is the same whatever moment the stage shows.
+    (tmp_path / "later").mkdir()
+    page.get_by_role("button", name="To the start").click()
+    assert (pixels(given(page, "Map (PNG)", tmp_path / "later")) == pixels(first)).all()
+    # The table's name has the time, and the file beside it says what the map is of.
+    csv = given(page, "Map (CSV)", tmp_path)
+    assert csv.name == "A crowd-density-1-2s.csv"
+    (settings,) = json.loads((tmp_path / f"{csv.name}-metadata.json").read_text())["notes"]
+    assert [settings[key] for key in ("from_s", "to_s", "frames", "people")] == [1, 2, 101, 20]
+    sizes = [np.diff(np.unique([float(row[f"{axis} [m]"]) for row in rows(csv)]))[0] for axis in "xy"]
+    assert settings["cell_m"] == pytest.approx(sizes, rel=1e-5)
+    expect(region.get_by_text("cells of {:.3g} m × {:.3g} m".format(*sizes))).to_be_visible()
     # Another scene begins without a map.
     tab(page, "Start")
     page.get_by_role("button", name="A dense square").click()

@@ -65,7 +65,7 @@ def test_changed_materials_and_steps_run_as_the_command_runs_them(page: Page, ur
     assert held(download(page, "Trial (zip)", tmp_path)) == old
 
 
-def test_frictions_are_those_of_the_trial_until_one_is_changed(page: Page, tmp_path: Path) -> None:
+def test_frictions_are_those_of_the_trial_until_that_of_a_pair_is_changed(page: Page, tmp_path: Path) -> None:
     make(page, 8, 400, 400)
     contacts = lambda: [one for one in attributes(download(page, "Trial (zip)", tmp_path), "Materials.xml", "Contact") if "human_naked" in (one["Id1"], one["Id2"]) and {one["Id1"], one["Id2"]} <= {"human_naked", "concrete"}]
     details(page)
@@ -76,10 +76,14 @@ def test_frictions_are_those_of_the_trial_until_one_is_changed(page: Page, tmp_p
     assert sorted(float(one["KineticFriction"]) for one in before) == [0.4, 0.5]
     for one in before:
         assert float(field(one).input_value()) == float(one["KineticFriction"])
+    # One pair alone.
     fill(page, '"human_naked", friction', 0.3)
-    becomes(page, lambda: plan(page)["made"]["base"]["friction"], 0.3)
-    for one in contacts():
-        assert float(one["KineticFriction"]) == float(field(one).input_value()) == 0.3
+    wait(page, lambda: "mechanics" in plan(page)["made"])
+    assert plan(page)["made"]["base"]["friction"] is None
+    after = contacts()
+    assert {pair(one): float(one["KineticFriction"]) for one in after} == {"human_naked": 0.3, pair(next(one for one in before if "concrete" in one.values())): 0.5}
+    for one in after:
+        assert float(field(one).input_value()) == float(one["KineticFriction"])
 
 
 def test_bounds_are_said_and_the_engine_s_advice_is_taken(page: Page, tmp_path: Path) -> None:
@@ -96,10 +100,17 @@ def test_bounds_are_said_and_the_engine_s_advice_is_taken(page: Page, tmp_path: 
     assert "mechanics" not in plan(page)["made"]
     fill(page, "Mechanical step", 0.005)
     numbers = page.get_by_role("region", name="Numbers")
-    expect(numbers.get_by_text("The mechanical step is too long. Stable up to")).to_be_visible()
-    expect(numbers.get_by_text("is unstable, so collisions create energy")).to_be_visible()
+    # The form, the warning and the command say the same, with the same limit.
+    expect(numbers.get_by_text("The mechanical step is not stable. Stable up to 0.00084 s, without a warning up to")).to_be_visible()
+    expect(numbers.get_by_text("is not stable (up to 8.4e-4 s): collisions in the contact of")).to_be_visible()
+    expect(numbers.get_by_text("0.005 s, not stable (up to 0.00084 s)")).to_have_count(1)
     said = lemons("check", download(page, "Trial (zip)", tmp_path))
-    assert "is unstable, so collisions create energy" in said
+    assert "is not stable (up to 8.4e-4 s): collisions in the contact of" in said and "not stable (up to 8.4e-4 s);" in said
+    # Below the limit, but with a warning.
+    put(page, "Mechanical step", 7e-4)
+    expect(numbers.get_by_text("The mechanical step is stable, but long. Stable up to 0.00084 s")).to_be_visible()
+    expect(numbers.get_by_text("is stable (up to 8.4e-4 s), but long for the contact of")).to_be_visible()
+    put(page, "Mechanical step", 0.005)
     limit = re.search(r"A step of at most ([\d.e-]+) s", said)
     assert limit
     button = page.get_by_role("button", name="Take the advised step")
@@ -107,20 +118,23 @@ def test_bounds_are_said_and_the_engine_s_advice_is_taken(page: Page, tmp_path: 
     button.click()
     wait(page, lambda: plan(page)["made"]["mechanics"]["time_step_mechanical"] == pytest.approx(float(limit[1])))
     expect(button).to_have_count(0)
-    assert "unstable" not in lemons("check", download(page, "Trial (zip)", tmp_path))
+    assert "not stable" not in lemons("check", download(page, "Trial (zip)", tmp_path))
 
 
-def test_a_crowd_has_one_friction_and_keeps_its_materials(page: Page, tmp_path: Path) -> None:
+def test_the_friction_of_a_crowd_is_that_of_all_pairs_and_it_keeps_its_materials(page: Page, tmp_path: Path) -> None:
     example(page, "The door", 70)
     page.get_by_role("button", name="Pause").click()
     details(page)
-    fill(page, '"human_naked", friction', 0.2)
-    expect(page.get_by_role("slider", name="Friction")).to_have_value("0.2")
-    expect(page.get_by_role("spinbutton", name='"concrete – human_naked", friction')).to_have_value("0.2")
+    put(page, '"human_naked", friction', 0.2)
+    expect(page.get_by_text('The slider "Friction" and the tab Crowd set the friction of all pairs with people.')).to_be_visible()
+    expect(page.get_by_role("slider", name="Friction")).to_have_value("0.4")
+    expect(page.get_by_role("spinbutton", name='"concrete – human_naked", friction')).to_have_value("0.5")
     fill(page, '"human_naked", shear modulus', 1.2e6)
     wait(page, lambda: "mechanics" in plan(page)["made"])
     page.get_by_role("slider", name="Friction").fill("0.3")
     becomes(page, lambda: plan(page)["made"]["base"]["friction"], 0.3)
+    for name in ("human_naked", "concrete – human_naked"):
+        expect(page.get_by_role("spinbutton", name=f'"{name}", friction', exact=True)).to_have_value("0.3")
     trial = download(page, "Trial (zip)", tmp_path)
     assert 1.2e6 in {float(one["ShearModulus"]) for one in attributes(trial, "Materials.xml", "Material")}
     frictions = {float(one["KineticFriction"]) for one in attributes(trial, "Materials.xml", "Contact") if "human_naked" in one.values()}

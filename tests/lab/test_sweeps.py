@@ -1,5 +1,6 @@
 """Sweeps of the page beside `lemons run` and NumPy."""
 
+import json
 import math
 import re
 from pathlib import Path
@@ -7,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
-from visit import Picture, download, example, fill, lemons, live, make, places, plan, rows, tab, wait
+from visit import Picture, download, example, fill, given, lemons, live, make, places, plan, rows, tab, wait
 
 
 def room(page: Page) -> None:
@@ -46,28 +47,53 @@ def of_table(table: Path) -> dict[str, float]:
 
 def test_its_runs_have_the_numbers_of_the_command_and_the_quantiles_of_numpy(page: Page, tmp_path: Path) -> None:
     room(page)
+    tab(page, "Motion")
+    fill(page, "Seed", 5)
+    wait(page, lambda: plan(page)["made"]["motion"]["wishes"]["seed"] == 5)
+    tab(page, "Start")
+    page.get_by_text("A sweep: many values").click()
     page.get_by_role("combobox", name="Parameter").select_option(label="Width of the door [m]")
     page.get_by_label("Values [m]").fill("0.9, 1.5")
     fill(page, "Seeds for each value", 3)
+    expect(page.get_by_text("In the runs of each value, the crowd has the seeds 1 to 3; walking has the seeds 5 to 7; each run has the next one of both.")).to_be_visible()
     page.get_by_role("button", name="Begin the sweep").click()
     expect(page.get_by_text("6 of 6 runs until 120 s.")).to_be_visible()
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="Runs of the sweep (CSV)").click()
-    path = tmp_path / "sweep.csv"
-    waiting.value.save_as(path)
+    path = given(page, "Runs of the sweep (CSV)", tmp_path)
+    assert path.name == "A crowd-sweep-width-of-the-door-runs-120s.csv"
+    said = json.loads((tmp_path / f"{path.name}-metadata.json").read_text())
+    assert said["url"] == path.name and said["dc:creator"].startswith("LEMONS lab ")
+    (settings,) = said["notes"]
+    assert settings["values"] == [0.9, 1.5] and settings["made"] == plan(page)["made"]
     runs = rows(path)
-    assert [(row["Width of the door [m]"], row["seed"]) for row in runs] == [(width, str(seed)) for width in ("0.9", "1.5") for seed in (1, 2, 3)]
+    assert [(row["Width of the door [m]"], row["crowd_seed"], row["walking_seed"]) for row in runs] == [(width, str(seed), str(seed + 4)) for width in ("0.9", "1.5") for seed in (1, 2, 3)]
     # What the table shows.
     page.get_by_role("combobox", name="Measure").select_option(label="Time until all have left [s]")
     for k, cells in enumerate(page.locator("table.sweep tbody tr").all()):
         times = [float(row["all_left [s]"]) for row in runs[3 * k : 3 * k + 3]]
         shown = [float(cell) for cell in cells.get_by_role("cell").all_inner_texts()]
         assert shown == pytest.approx([3, *np.quantile(times, [0.1, 0.5, 0.9])], rel=5e-3)
+    # The table of quantiles has all measures.
+    quantiles = rows(given(page, "Quantiles of the sweep (CSV)", tmp_path))
+    assert len(quantiles) == 2 * 7
+    for row in quantiles:
+        mine = [float(run[f"{row['measure']} [{row['unit']}]"]) for run in runs if run["Width of the door [m]"] == row["Width of the door [m]"]]
+        assert (row["runs"], row["runs_with_a_number"]) == ("3", "3")
+        assert [float(row[f"quantile_{share}"]) for share in (0.1, 0.5, 0.9)] == pytest.approx(np.quantile(mine, [0.1, 0.5, 0.9]))
+    # The form is as it was after another tab.
+    page.get_by_role("combobox", name="Measure").select_option(label="Mean flow [1/s]")
+    tab(page, "Room")
+    tab(page, "Start")
+    page.get_by_text("A sweep: many values").click()
+    expect(page.get_by_role("combobox", name="Measure")).to_have_value("flow")
+    expect(page.get_by_role("spinbutton", name="Seeds for each value")).to_have_value("3")
+    expect(page.get_by_label("Values [m]")).to_have_value("0.9, 1.5")
+    page.get_by_role("combobox", name="Measure").select_option(label="Time until all have left [s]")
     expect(page.locator("svg.runs circle")).to_have_count(6)
     # The second run of the wider door, on the stage and with the command.
     page.locator("svg.runs circle").nth(4).click()
     expect(page.get_by_label("Name of the scene")).to_have_value("A crowd, Width of the door 1.5, seed 2")
     wait(page, lambda: plan(page)["made"]["base"]["seed"] == 2)
+    assert plan(page)["sweep"] == {"parameter": "Width of the door", "values": "0.9, 1.5", "seeds": 3, "until": None, "measure": "all_left"}
     trial = download(page, "Trial (zip)", tmp_path)
     table = tmp_path / "run.csv"
     lemons("run", trial, "--until", "left", "-o", table)
@@ -109,13 +135,11 @@ def test_a_long_run_of_many_people_keeps_few_frames(page: Page, tmp_path: Path) 
         most = max(most, page.evaluate("window.blocks.filter(block => block.deref()).length"))
     count = page.evaluate("window.blocks.length")
     assert count >= 3 and most <= 2, (count, most)
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="Runs of the sweep (CSV)").click()
-    waiting.value.save_as(tmp_path / "sweep.csv")
+    swept = given(page, "Runs of the sweep (CSV)", tmp_path)
     table = tmp_path / "run.csv"
     lemons("run", trial, "--until", "left", "-o", table)
     wanted = of_table(table)
-    (found,) = rows(tmp_path / "sweep.csv")
+    (found,) = rows(swept)
     assert {name: float(found[name]) for name in wanted} == pytest.approx(wanted, rel=1e-5)
 
 
@@ -174,10 +198,7 @@ def test_changes_by_hand_stay_in_each_run_where_they_fit(page: Page, tmp_path: P
     fill(page, "Seeds for each value", 4)
     page.get_by_role("button", name="Begin the sweep").click()
     expect(page.get_by_text("8 of 8 runs until 120 s.")).to_be_visible()
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="Runs of the sweep (CSV)").click()
-    waiting.value.save_as(tmp_path / "sweep.csv")
-    runs = rows(tmp_path / "sweep.csv")
+    runs = rows(given(page, "Runs of the sweep (CSV)", tmp_path))
     # All who are left go out: the deleted one is in no run.
     assert [row["left [people]"] for row in runs] == ["15"] * 8
     out = [int(row["changes_left_out"]) for row in runs]
@@ -185,7 +206,7 @@ def test_changes_by_hand_stay_in_each_run_where_they_fit(page: Page, tmp_path: P
     # Where the place is free in the crowd of another seed: its own Trial says so.
     for k, count in enumerate(out):
         page.locator("svg.runs circle").nth(k).dispatch_event("click")
-        wait(page, lambda k=k: plan(page)["made"]["base"]["seed"] == int(runs[k]["seed"]) and plan(page)["made"]["motion"]["wishes"]["desired_speed"] == float(runs[k]["Desired speed [m/s]"]))
+        wait(page, lambda k=k: plan(page)["made"]["base"]["seed"] == int(runs[k]["crowd_seed"]) and plan(page)["made"]["motion"]["wishes"]["desired_speed"] == float(runs[k]["Desired speed [m/s]"]))
         made = plan(page)["made"]["edits"]
         assert made == (edits if count == 0 else edits[1:])
         poses = places(download(page, "Trial (zip)", tmp_path))
