@@ -4,10 +4,13 @@ import { computed, signal } from "@preact/signals";
 import type { Client } from "./client";
 import { averaged, meanWords, round, type Scale, shade, FROM_GREY, VIRIDIS } from "./colour";
 import { table } from "./csv";
+import { type Inks, label } from "./draw";
 import type { Film } from "./film";
+import { translated } from "./language";
+import { digits } from "./parts";
 import { plan, type Plan } from "./plan";
 import { COLUMNS, type Grid, type Point } from "./protocol";
-import type { View } from "./view";
+import { toMetres, toPixels, type View } from "./view";
 
 /** Places of people in an answer: the page plays meanwhile. The density costs more, because of its kernel. */
 const AT_ONCE = { density: 2000, squeeze: 50_000 };
@@ -44,12 +47,14 @@ export class ByPlace {
     #ended = false;
     /** The greatest number of these. */
     #largest: { of: Float64Array; value: number } = { of: new Float64Array(), value: 0 };
-    #image: { of: Float64Array; canvas: HTMLCanvasElement } | null = null;
+    #image: { of: Float64Array; high: number; canvas: HTMLCanvasElement } | null = null;
 
     constructor(
         readonly client: Client,
         readonly film: Film,
         readonly quantity: "density" | "squeeze",
+        /** The run, if the lab of this client knows it by another number. */
+        readonly run = film.scene.run,
     ) {}
 
     /** Frames that are wanted and there; those of squeeze have steps before them. */
@@ -74,7 +79,7 @@ export class ByPlace {
     }
 
     get #over() {
-        return this.#ended || this.film.over;
+        return this.#ended || (this.client === this.film.client && this.film.over);
     }
 
     /** Adds frames that came since; begins anew if another time is wanted, also after one was refused. */
@@ -127,7 +132,7 @@ export class ByPlace {
                 numbers[at + 2] = squeeze?.[a] ?? 0;
             }
         }
-        const { value, bytes } = await this.client.ask<Grid>({ ask: "map", run: scene.run, of: this.quantity, fresh }, new Uint8Array(numbers.buffer));
+        const { value, bytes } = await this.client.ask<Grid>({ ask: "map", run: this.run, of: this.quantity, fresh }, new Uint8Array(numbers.buffer));
         this.#next += count * stride;
         const all = new Float64Array(bytes);
         const cells = value.columns * value.rows;
@@ -174,35 +179,34 @@ export class ByPlace {
         return `cells of ${wide} m × ${high} m`;
     }
 
-    #painted(kind: Kind): HTMLCanvasElement | null {
+    #painted(kind: Kind, scale: Scale): HTMLCanvasElement | null {
         const filled = this.filled.value;
         if (!filled) return null;
         const values = this.numbers(kind);
-        if (this.#image?.of === values) return this.#image.canvas;
+        if (this.#image?.of === values && this.#image.high === scale.high) return this.#image.canvas;
         const { columns, rows } = filled.grid;
         const canvas = document.createElement("canvas");
         [canvas.width, canvas.height] = [columns, rows];
         const context = canvas.getContext("2d")!;
         const image = context.createImageData(columns, rows);
-        const scale = this.scale(kind);
         const ink = (share: number) => [...shade(scale, share * scale.high).fill.match(/\d+/g)!.map(Number), 255];
         const inks = Array.from({ length: SHADES + 1 }, (_, k) => ink(k / SHADES));
         const pixels = image.data;
         for (let k = 0; k < values.length; k++) {
             const value = values[k]!;
             if (Number.isNaN(value)) continue;
-            const parts = inks[Math.round((value / scale.high) * SHADES)]!;
+            const parts = inks[Math.round(Math.min(1, value / scale.high) * SHADES)]!;
             // The first row of an image is the upper one.
             const at = 4 * ((rows - 1 - Math.floor(k / columns)) * columns + (k % columns));
             for (let part = 0; part < 4; part++) pixels[at + part] = parts[part]!;
         }
         context.putImageData(image, 0, 0);
-        this.#image = { of: values, canvas };
+        this.#image = { of: values, high: scale.high, canvas };
         return canvas;
     }
 
-    paint(kind: Kind, context: CanvasRenderingContext2D, view: View) {
-        const image = this.#painted(kind);
+    paint(kind: Kind, context: CanvasRenderingContext2D, view: View, scale = this.scale(kind)) {
+        const image = this.#painted(kind, scale);
         if (!image) return;
         const { low, cell, columns, rows } = this.filled.value!.grid;
         context.setTransform(1, 0, 0, 1, 0, 0);
@@ -211,6 +215,34 @@ export class ByPlace {
         const [left, top] = [low[0] - cell[0] / 2, low[1] + (rows - 0.5) * cell[1]];
         context.drawImage(image, view.x + view.scale * left, view.y - view.scale * top, view.scale * columns * cell[0], view.scale * rows * cell[1]);
         context.imageSmoothingEnabled = true;
+    }
+
+    /** The middle of the cell with the greatest value; null if there is none above 0. */
+    most(kind: Kind): Point | null {
+        const { largest } = this.scale(kind);
+        const k = largest > 0 ? this.numbers(kind).indexOf(largest) : -1;
+        if (k < 0) return null;
+        const { low, cell, columns } = this.filled.value!.grid;
+        return [low[0] + cell[0] * (k % columns), low[1] + cell[1] * Math.floor(k / columns)];
+    }
+
+    /** Marks that cell, with its value. */
+    paintMost(kind: Kind, context: CanvasRenderingContext2D, view: View, inks: Inks) {
+        const at = this.most(kind);
+        if (!at) return;
+        const { unit, largest } = this.scale(kind);
+        const [x, y] = toPixels(view, at);
+        const size = 7 * devicePixelRatio;
+        context.setTransform(1, 0, 0, 1, 0, 0);
+        context.beginPath();
+        context.arc(x, y, size, 0, 2 * Math.PI);
+        for (const [colour, width] of [[inks.paper, 4], [inks.ink, 2]] as const) {
+            context.strokeStyle = colour;
+            context.lineWidth = width * devicePixelRatio;
+            context.stroke();
+        }
+        const side = y < 4 * size ? 1 : -1;
+        label(context, `${digits(largest, 3)} ${translated(unit)}`, toMetres(view, x, y + side * 2.4 * size), view, inks);
     }
 
     /** A row for each cell, from the lowest; of squeeze for those where somebody was. */

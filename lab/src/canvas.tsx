@@ -9,40 +9,19 @@ import { type Inks, inksOf, label, Painter, paintBar, paintPush, paintWays } fro
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { throughWalls } from "./hints";
+import { kept } from "./kept";
 import { translated } from "./language";
-import { canvas, empty, hovered, type Layers, show } from "./layout";
+import { empty, hovered, type Layers, show } from "./layout";
 import { paintArea, paintLine } from "./line";
+import { fits, fit, look, view, wheel, zoom } from "./look";
 import { menu, openMenu } from "./menu";
 import { brief, digits } from "./parts";
 import { plan } from "./plan";
 import { COLUMNS, isThere, type Point } from "./protocol";
-import { bases, film, selected } from "./session";
+import { film, selected } from "./session";
+import { paintStuck } from "./stuck";
 import { lineTool, type Pointer, type Tool, tool } from "./tool";
 import { fitting, inMetres, toMetres, toPixels, type View, zoomed } from "./view";
-
-const view = signal<View>({ scale: 1, x: 0, y: 0 });
-/** All is kept visible until the user zooms or moves the picture. */
-const fits = signal(true);
-
-export function fit() {
-    fits.value = true;
-}
-
-export function zoom(by: number) {
-    const on = canvas.value;
-    if (on) look(zoomed(view.value, by, on.width / 2, on.height / 2));
-}
-
-function look(next: View) {
-    fits.value = false;
-    view.value = next;
-}
-
-// Another scene is seen as a whole at first.
-effect(() => {
-    bases.value;
-    fits.value = true;
-});
 
 /** The tool of the line, while it is drawn; else that of the tab. */
 function active(): Tool | null {
@@ -92,12 +71,6 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
         observer.observe(on);
         const scheme = matchMedia("(prefers-color-scheme: dark)");
         scheme.addEventListener("change", measure);
-        // The page must not scroll at the same time.
-        const wheel = (event: WheelEvent) => {
-            event.preventDefault();
-            const [x, y] = [event.offsetX * devicePixelRatio, event.offsetY * devicePixelRatio];
-            look(zoomed(view.value, Math.exp(-0.0015 * event.deltaY * (event.deltaMode ? 30 : 1)), x, y));
-        };
         on.addEventListener("wheel", wheel, { passive: false });
         return () => {
             observer.disconnect();
@@ -123,10 +96,11 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
     );
 }
 
-/** What should be seen besides people and walls: the corners of exits and goals and, while they are changed, the points of
- * ways. Circles may be much larger than the room. */
+/** What should be seen besides people and walls: the corners of exits and goals, the walls of a run beside it and, while they
+ * are changed, the points of ways. Circles may be much larger than the room. */
 function reach({ scene }: Film): Point[] {
-    const places = scene.targets.flatMap(({ corners }) => corners);
+    const beside = kept.value?.film.scene;
+    const places = [...scene.targets, ...(beside?.targets ?? []), ...(beside?.walls ?? [])].flatMap(({ corners }) => corners);
     if (plan.value.tab === "room") return [...places, ...reachOfBackdrop()];
     return plan.value.tab === "motion" ? [...places, ...scene.ways.flat().map(({ x, y }): Point => [x, y])] : places;
 }
@@ -166,10 +140,16 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     if (motion.kind === "push") for (const push of motion.pushes) paintPush(context, push, time, now, inks);
     if (line) paintLine(context, line, now, inks);
     if (area) paintArea(context, area, now, inks);
+    inMetres(context, now);
+    paintStuck(context, film, frame, inks.mark, devicePixelRatio / now.scale);
+    if (mapKind.value) byPlace.value?.paintMost(mapKind.value, context, now, inks);
     const under = hovered.value;
     const value = mapKind.value && pointed.value && under === null ? valueAt(pointed.value) : "";
-    if (value) label(context, value, toMetres(now, ...raised(toPixels(now, pointed.value!))), now, inks);
-    if (under !== null && isThere(frame, under)) label(context, told(film, under), [frame[COLUMNS * under]!, frame[COLUMNS * under + 1]! + 0.45], now, inks);
+    if (value) label(context, value, above(pointed.value!, 22, 24, now), now, inks);
+    if (under !== null && isThere(frame, under)) {
+        const at: Point = [frame[COLUMNS * under]!, frame[COLUMNS * under + 1]!];
+        label(context, told(film, under), above(at, (0.45 * now.scale) / devicePixelRatio, (0.45 * now.scale) / devicePixelRatio, now), now, inks);
+    }
     if (helper?.paint) {
         inMetres(context, now);
         helper.paint(context, now, inks);
@@ -184,9 +164,11 @@ export function valueAt(at: Point): string {
     return Number.isNaN(value) ? "" : `${translated(NAMES[kind!])}: ${digits(value, 3)} ${translated(places!.scale(kind!).unit)}`;
 }
 
-/** Above the mouse. */
-function raised([x, y]: Point): Point {
-    return [x, y - 22 * devicePixelRatio];
+/** So many pixels above a place; where the picture ends there, so many below it. */
+function above(at: Point, up: number, down: number, now: View): Point {
+    const [x, y] = toPixels(now, at);
+    const high = y - up * devicePixelRatio;
+    return toMetres(now, x, high < 9 * devicePixelRatio ? y + down * devicePixelRatio : high);
 }
 
 /** The numbers of the person under the mouse. */

@@ -6,7 +6,7 @@ import { isVector, setPicture } from "./backdrop";
 import { crowdFits, MOST, roomFits } from "./forms";
 import { Check, Choice, NumberField } from "./parts";
 import { FIRST_WISHES, shaped } from "./places";
-import { arrived, plan } from "./plan";
+import { arrived, change, plan } from "./plan";
 import type { DrawingWanted, Motion, Understood } from "./protocol";
 import { open } from "./scenes";
 import { attempt, bases, client, film } from "./session";
@@ -87,7 +87,7 @@ function make({ given, found }: Drawing) {
     // Not more than stand at ease.
     const number = Math.max(1, Math.min(crowd.number ?? 40, Math.floor(area ?? 40)));
     const next = { ...crowd, room, region: (region.value && distributions[0]) || null, number, density: null };
-    const places = exits.value ? found.exits.map(({ name, corners }) => shaped({ name: name.slice(0, MOST.name), line: null, polygon: null, share: null }, corners)) : [];
+    const places = exits.value ? found.exits.map(({ name, corners }) => shaped({ name: name.slice(0, MOST.name), line: null, polygon: null, share: null, open: null }, corners)) : [];
     const large = places.length > MOST.places || places.some(({ polygon }) => (polygon?.length ?? 0) > MOST.corners);
     if (large) throw new Error(`"${given.file.name}": this page takes up to ${MOST.places} exits with up to ${MOST.corners} corners: leave its exits out`);
     const motion: Motion = places.length > 0 ? { kind: "go", wishes: { ...FIRST_WISHES, exits: places } } : { kind: "none" };
@@ -95,6 +95,7 @@ function make({ given, found }: Drawing) {
     const base = { kind: "crowd" as const, ...next };
     making = JSON.stringify(base);
     open(given.file.name.replace(/\.\w+$/, ""), { base, edits: [], motion }, false, next, true);
+    change({ drawn: given.file.name.slice(-MOST.name) }, false);
 }
 
 const UNITS = [
@@ -124,13 +125,13 @@ export function DrawingPanel() {
                     {refused}
                 </p>
             )}
-            {found && <Sketch base={{ kind: "crowd", ...plan.value.crowd, room: found.room, region: null }} />}
+            {found && <Sketch base={{ kind: "crowd", ...plan.value.crowd, room: found.room, region: (region.value && found.distributions[0]) || null }} exits={exits.value ? found.exits.map(({ corners }) => corners) : []} />}
             {found && (
                 <table class="facts" aria-label="What was understood">
                     <tbody>
                         {found.said.map(([what, how], k) => (
                             // Several things can be left out.
-                            <tr key={k}>
+                            <tr key={k} class={what === "warning" ? "warned" : undefined}>
                                 <th scope="row" translate={false}>
                                     {what}
                                 </th>

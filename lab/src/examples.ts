@@ -19,7 +19,7 @@ function crowd(part: Partial<KeptCrowd>, motion: Motion): Made {
 
 /** Exits as the page puts them beyond doors: 1 m away and 2 m longer. */
 function leave(lines: Record<string, [Point, Point]>, model: Model = "rotational"): Motion {
-    const exits = Object.entries(lines).map(([name, line]) => ({ name, line, polygon: null, share: null }));
+    const exits = Object.entries(lines).map(([name, line]) => ({ name, line, polygon: null, share: null, open: null }));
     return { kind: "go", wishes: { ...FIRST_WISHES, model, exits } };
 }
 

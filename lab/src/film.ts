@@ -32,6 +32,8 @@ export class Film {
     readonly frames: Frames;
     /** The last frame that is to be computed, whether it is shown or not. */
     readonly wanted = signal(0);
+    /** In s: up to where it is to be computed if not all have left before; null: that is not asked for. */
+    readonly bound = signal<number | null>(null);
     /** The last frame that was shown. */
     readonly #seen = signal(0);
     /** The last frame that was shown or asked for: tables and movies end there. What is computed ahead depends on the machine. */
@@ -81,6 +83,7 @@ export class Film {
         const left = this.frames.curve("left");
         if (leaving === 0 || this.emptied.value !== null || left.at(-1)! < leaving) return;
         this.emptied.value = left.findIndex((count) => count >= leaving);
+        if (this.bound.value !== null) this.wanted.value = this.emptied.value;
     }
 
     /** The frame at which it stops; null: none yet. */
@@ -112,7 +115,18 @@ export class Film {
 
     /** Computes up to a frame, without showing it; or no further than now. */
     async compute(to: number | null) {
-        this.wanted.value = to ?? 0;
+        this.bound.value = null;
+        await this.#computeTo(to ?? 0);
+    }
+
+    /** Computes until all have left who have an exit, or up to a time in s. */
+    async computeUntilLeft(seconds: number) {
+        this.bound.value = seconds;
+        await this.#computeTo(this.emptied.value ?? Math.min(Math.round(seconds / this.scene.step), this.most - 1));
+    }
+
+    async #computeTo(frame: number) {
+        this.wanted.value = frame;
         this.#sought = 0;
         await this.#compute();
     }

@@ -17,7 +17,7 @@ export type KeptBase = Extract<Base, { kind: "example" }> | ({ kind: "crowd" } &
 
 /** Most corners of an area and of a wall, most walls, most parts of another kind, most letters of a name, of a path and of a list of values,
  * and most seeds of a sweep. */
-export const MOST = { corners: 200, outline: 2000, walls: 500, all: 5000, parts: 50, places: 50, ways: 20, points: 50, edits: 1000, name: 200, path: 400, list: 10_000, seeds: 100, files: 1000, kinds: 50 };
+export const MOST = { corners: 200, outline: 2000, walls: 500, all: 5000, parts: 50, places: 50, ways: 20, points: 50, times: 20, edits: 1000, name: 200, path: 400, list: 10_000, seeds: 100, files: 1000, kinds: 50 };
 
 export const point: Check<Point> = tuple<Point>(number, number);
 const corners = list(point, MOST.corners, 3);
@@ -158,6 +158,8 @@ const place = record<Place>({
     line: nullable(tuple<[Point, Point]>(point, point)),
     polygon: nullable(corners),
     share: nullable(number),
+    // Older links have none.
+    open: (given) => nullable(list(tuple<[number, number]>(number, number), MOST.times, 1))(given ?? null),
 });
 const name = nullable(text(MOST.name));
 const rotational = nullable(record<Rotational>({ time_gap: number, standstill_gap: number, reaction_time: (given) => number(given ?? 0), speed_noise: number, acceleration: number }));
@@ -179,6 +181,12 @@ export const motion = tagged<"kind", Motion>("kind", {
     own: record({}),
     none: record({}),
     push: record({ pushes: list(push, MOST.parts), balance }),
-    walk: record({ speed: number, ways: list(way, MOST.ways) }),
+    walk: record({
+        speed: number,
+        ways: list(way, MOST.ways),
+        // Older links have none of both.
+        shares: (given) => nullable(list(number, MOST.ways))(given ?? null),
+        seed: (given) => number(given ?? 1),
+    }),
     go: record({ wishes }),
 });

@@ -2,21 +2,25 @@
 
 import { effect, signal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
+import { ByPlace, byPlace, mapKind } from "./byplace";
+import { Client } from "./client";
 import { averaged, meanWords, scaleOf, shade, values } from "./colour";
 import { inksOf, Painter, paintBar } from "./draw";
 import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
-import { beat } from "./layout";
+import { beat, canvas } from "./layout";
+import { look, view as shown, wheel } from "./look";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
 import { digits } from "./parts";
-import { plan, scene } from "./plan";
-import { film } from "./session";
-import { fitting } from "./view";
+import { type Made, plan, scene } from "./plan";
+import type { Opened } from "./protocol";
+import { film, sent } from "./session";
+import type { View } from "./view";
 
 /** The run, and facts of its scene. */
-export const kept = signal<{ film: Film; facts: string[] } | null>(null);
+export const kept = signal<{ film: Film; facts: string[]; made: Made } | null>(null);
 
 // The clock stops when the later one of both has ended.
 effect(() => {
@@ -26,7 +30,7 @@ effect(() => {
 });
 
 /** The scene on the stage in a few words each. */
-function facts(): string[] {
+export function facts(): string[] {
     const { crowd, made } = plan.value;
     const { mechanics } = made;
     const parts = [`"${scene.value.name}"`];
@@ -50,7 +54,7 @@ function facts(): string[] {
 }
 
 /** What of some facts is not among the others. */
-function differing(some: string[], others: string[]): string {
+export function differing(some: string[], others: string[]): string {
     return some.filter((fact) => !others.includes(fact)).join(", ");
 }
 
@@ -64,7 +68,7 @@ export function Keep() {
     return (
         <div class="buttons">
             {now && now !== kept.value?.film && (
-                <button type="button" title="Keeps this run beside what you change next, with the same clock" onClick={() => (kept.value = { film: now, facts: facts() })}>
+                <button type="button" title="Keeps this run beside what you change next, with the same clock" onClick={() => (kept.value = { film: now, facts: facts(), made: plan.value.made })}>
                     Keep this run to compare
                 </button>
             )}
@@ -82,11 +86,40 @@ export function frameOf(other: Film, place: number, run: Film): number {
     return Math.min(run.frames.count - 1, (place * other.scene.step) / run.scene.step);
 }
 
+/** The map of the run that is kept. The lab of the page has another scene now: another lab makes it. */
+function useMap() {
+    const map = useMemo(() => signal<ByPlace | null>(null), []);
+    const { film: run, made } = kept.value!;
+    const kind = mapKind.value;
+    const quantity = kind && (kind === "density" ? kind : "squeeze");
+    useEffect(() => {
+        if (!quantity) return;
+        const client = new Client();
+        const begun = (async () => {
+            const [base, bytes] = await sent(made.base);
+            const { edits, mechanics, motion } = made;
+            const { value } = await client.ask<Opened>({ ask: "show", base, edits, mechanics, motion }, bytes);
+            map.value = new ByPlace(client, run, quantity, value.scene.run);
+        })();
+        // Without it, the picture has no map.
+        begun.catch(() => {});
+        const follow = effect(() => void map.value?.follow((void plan.value.smooth, plan.value.span)));
+        return () => {
+            follow();
+            map.value?.end();
+            map.value = null;
+            client.close("another map is wanted");
+        };
+    }, [run, quantity]);
+    return map;
+}
+
 /** The picture of the run that is kept, and its numbers at the shown time. */
 export function Beside({ now }: { now: Film }) {
     const element = useRef<HTMLCanvasElement>(null);
     const run = kept.value!.film;
     const painter = useMemo(() => new Painter(run.scene), [run]);
+    const map = useMap();
     useEffect(() => {
         const on = element.current!;
         const size = signal(0);
@@ -96,32 +129,41 @@ export function Beside({ now }: { now: Film }) {
             const context = on.getContext("2d")!;
             const { colour, unit } = plan.value;
             const place = frameOf(now, now.place.value, run);
-            const view = fitting(run.scene, run.frame(0), run.scene.targets.flatMap(({ corners }) => corners), on.width, on.height);
+            const main = canvas.value ?? on;
+            const view: View = { ...shown.value, x: shown.value.x + (on.width - main.width) / 2, y: shown.value.y + (on.height - main.height) / 2 };
             const inks = inksOf(on);
             // Both have the colours of the one that is changed.
             const scale = scaleOf(now, colour);
             const shades = Array.from(values(run, Math.floor(place), colour), (value) => shade(scale, value));
             context.setTransform(1, 0, 0, 1, 0, 0);
             context.clearRect(0, 0, on.width, on.height);
+            const [kind, places] = [mapKind.value, map.value];
+            if (kind) places?.paint(kind, context, view, byPlace.value?.scale(kind));
             painter.walls(context, view, inks);
-            painter.people(context, { frame: run.frameAt(place), shades, paths: null, selected: null, overlapping: [], faint: false }, view, inks);
+            painter.people(context, { frame: run.frameAt(place), shades, paths: null, selected: null, overlapping: [], faint: kind !== null }, view, inks);
             paintPlaces(context, run.scene.targets, view, inks);
+            if (kind) places?.paintMost(kind, context, view, inks);
             paintBar(context, view, unit, inks);
         });
+        on.addEventListener("wheel", wheel, { passive: false });
         const observer = new ResizeObserver(() => {
             [on.width, on.height] = [Math.round(on.clientWidth * devicePixelRatio), Math.round(on.clientHeight * devicePixelRatio)];
             size.value += 1;
         });
         observer.observe(on);
         return () => {
+            on.removeEventListener("wheel", wheel);
             observer.disconnect();
             paint();
         };
     }, [run, now]);
     const { facts: all } = kept.value!;
+    const drag = ({ buttons, movementX, movementY }: PointerEvent) => {
+        if (buttons === 1) look({ ...shown.value, x: shown.value.x + movementX * devicePixelRatio, y: shown.value.y + movementY * devicePixelRatio });
+    };
     return (
         <div class="beside">
-            <canvas ref={element} role="img" aria-label={`The run that is kept: ${all.join(", ")}`} />
+            <canvas ref={element} onPointerMove={drag} role="img" aria-label={`The run that is kept: ${all.join(", ")}`} />
             <p class="note">
                 Kept{all.length > 0 && `: ${differing(all, facts()) || all[0]}`}. <Now film={run} of={now} />
             </p>

@@ -103,7 +103,8 @@ function kept(motion: Motion, before: Room | null, crowd: KeptCrowd): { motion: 
     }
     if (motion.kind === "walk") {
         const ways = stays(motion.ways, (way) => way.every(({ x, y }) => near([x, y])), (k) => `way ${k + 1}`);
-        return { motion: ways.length > 0 ? { ...motion, ways } : { kind: "none" }, gone };
+        const shares = motion.shares && motion.shares.filter((_, k) => ways.includes(motion.ways[k]!));
+        return { motion: ways.length > 0 ? { ...motion, ways, shares } : { kind: "none" }, gone };
     }
     if (motion.kind !== "go") return { motion, gone };
     const { wishes } = motion;

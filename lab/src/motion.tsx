@@ -7,8 +7,8 @@ import { BalanceChoice, Exits, KindSpeeds } from "./exits";
 import { exitTool } from "./exittool";
 import { MOST } from "./forms";
 import { begin, mode, motion, picked, setMotion } from "./motionstate";
-import { FIRST_PUSH, FIRST_RADIUS, motionTool, remove } from "./motiontool";
-import { Choice, LengthField, NumberField } from "./parts";
+import { FIRST_PUSH, FIRST_RADIUS, motionTool, remove, withWay } from "./motiontool";
+import { Check, Choice, LengthField, NumberField } from "./parts";
 import { FIRST_WISHES } from "./places";
 import { isThere, type Motion, type Push, type Waypoint } from "./protocol";
 import { bases, film } from "./session";
@@ -28,7 +28,7 @@ const SENTENCES: Record<Motion["kind"], string> = {
     own: "An example or an opened Trial brings its own drive; people of a crowd walk one way if the tab Crowd says so.",
     none: "People stand. They move only if they overlap at the start.",
     push: "A push acts on each whose middle is in its circle at the start. The force on each rises and falls like half a sine.",
-    walk: "Everybody takes the way whose first point is nearest, and goes to the next point when near enough to one.",
+    walk: "Everybody takes the way whose first point is nearest, or ways have shares. People go to the next point when near enough to one.",
     go: "People walk around walls. At an exit they leave; at a goal they stay.",
 };
 
@@ -44,7 +44,7 @@ function starting(kind: Motion["kind"]): Motion {
     const known = before.get(kind);
     if (known) return known;
     if (kind === "push") return { kind, pushes: [], balance: "none" };
-    if (kind === "walk") return { kind, speed: 1.3, ways: [] };
+    if (kind === "walk") return { kind, speed: 1.3, ways: [], shares: null, seed: 1 };
     if (kind === "go") return { kind, wishes: FIRST_WISHES };
     return { kind };
 }
@@ -82,7 +82,7 @@ export function MotionTab() {
             <p class="note">{SENTENCES[now.kind]}</p>
             {now.kind === "push" && <BalanceChoice value={now.balance} onChange={(balance) => setMotion({ ...now, balance })} />}
             {now.kind === "push" && <Pushes now={now} />}
-            {now.kind === "walk" && <Walk speed={now.speed} ways={now.ways} />}
+            {now.kind === "walk" && <Walk now={now} />}
             {now.kind === "go" && <Exits wishes={now.wishes} middle={middle()} />}
         </section>
     );
@@ -185,16 +185,16 @@ function Pulse({ push: { start, duration, force } }: { push: Push }) {
     );
 }
 
-function Walk({ speed, ways }: { speed: number; ways: Waypoint[][] }) {
-    const set = (next: Waypoint[][]) => setMotion({ kind: "walk", speed, ways: next });
-    const setWay = (w: number, way: Waypoint[]) => set(ways.map((old, j) => (j === w ? way : old)).filter(({ length }) => length > 0));
+function Walk({ now }: { now: Extract<Motion, { kind: "walk" }> }) {
+    const { speed, ways, shares, seed } = now;
+    const setWay = (w: number, way: Waypoint[]) => (way.length > 0 ? setMotion({ ...now, ways: ways.map((old, j) => (j === w ? way : old)) }) : remove(w));
     const add = () => {
         const [x, y] = middle();
-        set([...ways, [{ x, y, radius: FIRST_RADIUS }]]);
+        setMotion(withWay(now, [{ x, y, radius: FIRST_RADIUS }]));
     };
     return (
         <>
-            <NumberField label="Desired speed" unit="m/s" value={speed} min={0} max={20} step={0.1} onChange={(next) => setMotion({ kind: "walk", speed: next, ways })} />
+            <NumberField label="Desired speed" unit="m/s" value={speed} min={0} max={20} step={0.1} onChange={(next) => setMotion({ ...now, speed: next })} />
             <KindSpeeds />
             {ways.length < MOST.ways && (
                 <Drawing
@@ -205,9 +205,12 @@ function Walk({ speed, ways }: { speed: number; ways: Waypoint[][] }) {
                     onWrite={add}
                 />
             )}
+            {(ways.length > 1 || shares) && <Check label="Each way gets a share of the people" value={shares !== null} onChange={(on) => setMotion({ ...now, shares: on ? ways.map(() => 1) : null })} />}
+            {shares && <NumberField label="Seed" value={seed} min={0} max={2 ** 53 - 1} step={1} onChange={(next) => setMotion({ ...now, seed: next })} />}
             <Drawn parts={ways} name="Way" none="There is no way yet: nobody walks.">
                 {(way, w) => (
                     <>
+                        {shares && <NumberField label={`Way ${w + 1}, share`} short="share" value={shares[w]!} min={0} max={1e6} step={0.5} onChange={(share) => setMotion({ ...now, shares: shares.map((old, j) => (j === w ? share : old)) })} />}
                         {way.map((point, k) => {
                             const name = `Way ${w + 1}, point ${k + 1}`;
                             const put = (part: Partial<Waypoint>) => setWay(w, way.map((old, j) => (j === k ? { ...old, ...part } : old)));

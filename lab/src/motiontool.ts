@@ -3,7 +3,7 @@
 import { ARROW, label, paintPush, paintWays, tip } from "./draw";
 import { MOST } from "./forms";
 import { addPoint, begin, clicks, dragged, drawingKey, hover, mode, motion, picked, setMotion, sketch, standing } from "./motionstate";
-import type { Point, Push } from "./protocol";
+import type { Motion, Point, Push, Waypoint } from "./protocol";
 import { distance, snapped } from "./roomshape";
 import type { Pointer, Tool } from "./tool";
 
@@ -17,13 +17,20 @@ function wayOf(points: Point[]) {
     return points.map(([x, y]) => ({ x, y, radius: FIRST_RADIUS }));
 }
 
+type Walk = Extract<Motion, { kind: "walk" }>;
+
+/** With another way, which gets a share where the others have one. */
+export function withWay(now: Walk, way: Waypoint[]): Walk {
+    return { ...now, ways: [...now.ways, way], shares: now.shares && [...now.shares, 1] };
+}
+
 function finish() {
     const way = wayOf(sketch.value);
     const now = standing.value;
     begin("change");
     if (now.kind !== "walk" || way.length === 0) return;
     picked.value = now.ways.length;
-    setMotion({ ...now, ways: [...now.ways, way] });
+    setMotion(withWay(now, way));
 }
 
 /** An arrow of no length would push nobody. */
@@ -153,5 +160,5 @@ export function remove(k: number) {
     const now = standing.value;
     picked.value = null;
     if (now.kind === "push") setMotion({ ...now, pushes: now.pushes.filter((_, j) => j !== k) });
-    if (now.kind === "walk") setMotion({ ...now, ways: now.ways.filter((_, j) => j !== k) });
+    if (now.kind === "walk") setMotion({ ...now, ways: now.ways.filter((_, j) => j !== k), shares: now.shares && now.shares.filter((_, j) => j !== k) });
 }

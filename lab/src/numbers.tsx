@@ -8,6 +8,7 @@ import { capital } from "./distribution";
 import type { Film } from "./film";
 import { BY_WALLS } from "./frames";
 import { beat } from "./layout";
+import { Limit } from "./limit";
 import { MeasureFields } from "./line";
 import { MechanicsForm } from "./mechanics";
 import { KindName } from "./mix";
@@ -15,6 +16,7 @@ import { brief, digits, Facts, length } from "./parts";
 import { change, plan } from "./plan";
 import { COLUMNS, FEET, isChild, isThere, type Measure, type Person, type PersonWanted } from "./protocol";
 import { selected } from "./session";
+import { Stuck } from "./stuck";
 
 export function Numbers({ film }: { film: Film }) {
     const playing = film.playing.value;
@@ -24,6 +26,8 @@ export function Numbers({ film }: { film: Film }) {
         <section class="numbers" aria-label="Numbers">
             <h2>Run</h2>
             <Facts rows={ofRun(film, k)} />
+            <Stuck film={film} k={k} />
+            <Limit film={film} />
             <details>
                 <summary>Steps and cost</summary>
                 <Facts rows={details(film, playing)} />

@@ -52,7 +52,7 @@ function free(wishes: Wishes, words: string): string {
 
 /** `words` and the next number are its name. */
 export function added(wishes: Wishes, kind: Kind, corners: Point[], words: string = kind): Wishes {
-    const place = shaped({ name: free(wishes, words), line: null, polygon: null, share: kind === "exit" && hasShares(wishes) ? 1 : null }, corners);
+    const place = shaped({ name: free(wishes, words), line: null, polygon: null, share: kind === "exit" && hasShares(wishes) ? 1 : null, open: null }, corners);
     return kind === "exit" ? { ...wishes, exits: [...wishes.exits, place] } : { ...wishes, goals: [...wishes.goals, place] };
 }
 

@@ -49,6 +49,12 @@ export interface Plan {
     area: [Point, Point] | null;
     /** The picture under the room. */
     backdrop: Backdrop | null;
+    /** Of squeeze, as a mean over so many seconds: who was above it, and how long, is told. */
+    limit: { force: number; seconds: number };
+    /** Name of the file of which the room was made. */
+    drawn: string | null;
+    /** Who made the scene, for its report. */
+    author: string;
     sweep: SweepWishes;
 }
 
@@ -84,8 +90,13 @@ export const FIRST: Plan = {
     area: null,
     backdrop: null,
     sweep: { parameter: "", values: "", seeds: 3, until: null, measure: "" },
+    limit: { force: 623, seconds: 1 },
+    drawn: null,
+    author: "",
 };
 
+/** Most letters of the name of a scene, and of who made it. */
+export const NAME = 80;
 /** Checks the upper end of a colour scale. */
 const upper = within(1e-3, 1e7);
 const undoables = {
@@ -115,12 +126,15 @@ const whole = patched<Plan>(
         line: nullable(tuple<[Point, Point]>(point, point)),
         area: nullable(tuple<[Point, Point]>(point, point)),
         sweep: record<SweepWishes>({ parameter: text(MOST.name), values: text(MOST.list), seeds: within(1, MOST.seeds), until: nullable(within(0.1, 1e5)), measure: text(MOST.name) }),
+        limit: record<Plan["limit"]>({ force: within(1, 1e6), seconds: within(0.01, 600) }),
+        drawn: nullable(text(MOST.name)),
+        author: text(NAME),
     },
     FIRST,
 );
 
 /** What of a plan belongs to its scene, and goes with it into links and files. The rest belongs to the page. */
-const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "map", "span", "line", "area", "backdrop", "sweep"] as const;
+const OF_SCENE = ["made", "crowd", "person", "colour", "smooth", "most", "end", "trails", "forces", "map", "span", "line", "area", "backdrop", "sweep", "limit", "drawn", "author"] as const;
 type Part = Pick<Plan, (typeof OF_SCENE)[number]>;
 
 export function sceneOf(plan: Plan): Part {
@@ -142,7 +156,6 @@ const LONGEST = 4e6;
 /** Steps that can be undone, and letters of them that are kept. */
 const STEPS = 200;
 const PAST = 3e5;
-export const NAME = 80;
 
 /** What of a plan is named when it did not fit. */
 const PARTS: Partial<Record<keyof Plan, string>> = {

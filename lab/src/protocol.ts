@@ -99,6 +99,8 @@ export interface Place {
     polygon: Point[] | null;
     /** So many of the people take it, relative to the other exits; for all exits or for none. */
     share: number | null;
+    /** Of exits: times in s from which to which people can leave by it; null: always. */
+    open: [number, number][] | null;
 }
 
 /** Constants of the rotational model. */
@@ -142,8 +144,8 @@ export type Motion =
     | { kind: "own" }
     | { kind: "none" }
     | { kind: "push"; pushes: Push[]; balance: Balance }
-    /** Everybody takes the way whose first point is nearest. */
-    | { kind: "walk"; speed: number; ways: Waypoint[][] }
+    /** Everybody takes the way whose first point is nearest; or each way gets a share of the people, chosen by the seed. */
+    | { kind: "walk"; speed: number; ways: Waypoint[][]; shares: number[] | null; seed: number }
     /** They go around walls to exits, where they leave, and to goals, where they stay. */
     | { kind: "go"; wishes: Wishes };
 
@@ -339,7 +341,7 @@ export interface Scene {
     /** Where people walk to. */
     ways: Waypoint[][];
     /** Exits, then goals (`stay`): lines have two corners. */
-    targets: { name: string; stay: boolean; corners: Point[] }[];
+    targets: { name: string; stay: boolean; corners: Point[]; open?: [number, number][] }[];
     /** How many have an exit. */
     leaving: number;
     /** A line 1 m beyond each door of a crowd's room. */
@@ -426,10 +428,12 @@ export interface Advanced {
 }
 
 /** Numbers of an agent in a frame: x, y, theta, vx, vy, omega, mean squeeze of the step, contacts, the part of the
- * squeeze by walls, x and y of the middle of the feet. Of who has left, x and y are not numbers, nor are feet without legs. */
-export const COLUMNS = 11;
+ * squeeze by walls, x and y of the middle of the feet, 1 for who wants to get on and else 0. Of who has left, x and y are not numbers, nor are feet without legs. */
+export const COLUMNS = 12;
 /** Place of the feet among them. */
 export const FEET = 9;
+/** Place of whether somebody wants to get on. */
+export const GOES = 11;
 
 /** Whether an agent of a frame has not left. */
 export function isThere(frame: Float32Array, agent: number): boolean {

@@ -4,15 +4,20 @@ import { effect, signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { perExit } from "./csv";
+import { middleOf } from "./drawplaces";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
+import { difference, differing, facts, kept } from "./kept";
 import { canvas } from "./layout";
 import { Squeeze } from "./legend";
+import { aboveLimit, framesOf } from "./limit";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
 import { brief, digits, Facts, length, named } from "./parts";
 import { compose, png } from "./picture";
-import { link, type Made, plan, scene } from "./plan";
+import { change, link, type Made, NAME, plan, scene } from "./plan";
+import type { Point } from "./protocol";
+import { distance } from "./roomshape";
 import { VERSION } from "./version";
 import { shape } from "./drawn";
 import { film } from "./session";
@@ -33,7 +38,7 @@ export async function makeReport(film: Film) {
     if (!from) throw new Error("the stage shows no picture");
     const before = film.place.peek();
     // At the end there may be nobody; at the start all are there.
-    const { k } = greatest(film, SHORT);
+    const { k } = greatest(film, plan.value.limit.seconds);
     await film.show(k);
     // The effects of what is shown draw, those of the page after the next picture.
     for (let pictures = 0; pictures < 2; pictures++) await new Promise((done) => requestAnimationFrame(done));
@@ -42,14 +47,18 @@ export async function makeReport(film: Film) {
     report.value = { picture, time: k * film.scene.step };
 }
 
-/** In s: over so long the squeeze is a mean. */
+/** In s: over so long a peak is a mean. */
 const SHORT = 0.1;
 
 /** The greatest squeeze of anybody up to the last frame that was shown, and in which frame it is. */
 function greatest({ frames, scene, reached }: Film, seconds: number): { most: number; k: number } {
-    const means = frames.greatestMean(Math.max(1, Math.round(seconds / scene.step))).subarray(0, reached.peek() + 1);
+    const span = framesOf({ scene }, seconds);
+    const last = reached.peek();
+    // A mean over less, as at the start, may be an impact.
+    const from = Math.min(span, last);
+    const means = frames.greatestMean(span).subarray(from, last + 1);
     const most = means.reduce((one, other) => Math.max(one, other), 0);
-    return { most, k: Math.max(0, means.indexOf(most)) };
+    return { most, k: from + Math.max(0, means.indexOf(most)) };
 }
 
 const POPULATIONS = { survey: "survey ANSUR II", statistics: "statistics of one's own", table: "tables of measured people" };
@@ -82,6 +91,7 @@ function assumptions({ base, motion, edits, mechanics }: Made): [string, string]
         if (model === "rotational") rows.push(["Constants of the model", rotational ? Object.entries(rotational).map(([name, value]) => `${name} ${value}`).join(", ") : "those of this version"]);
         if (balance !== "none") rows.push(["Balance", balance]);
     }
+    if (motion.kind === "walk" && motion.shares) rows.push(["Shares of the ways", `${motion.shares.join(", ")}; seed ${motion.seed}`]);
     if (motion.kind === "walk") rows.push(["They walk", `on ${motion.ways.length} ${motion.ways.length === 1 ? "way" : "ways"}, ${mixed ? "desired speeds by kind" : `${motion.speed} m/s`}`]);
     if (motion.kind === "push") rows.push(["Pushes", motion.pushes.map(({ force, duration }) => `${force} N over ${duration} s`).join("; ")]);
     if (mechanics) {
@@ -91,8 +101,28 @@ function assumptions({ base, motion, edits, mechanics }: Made): [string, string]
     return rows;
 }
 
-function ofRun({ scene: { agents, step, mechanical_step, warnings } }: Film): [string, ComponentChildren][] {
-    const rows: [string, ComponentChildren][] = [["People", String(agents.length)], ...assumptions(plan.value.made), ["Steps", `communication ${step} s, mechanical ${mechanical_step} s`]];
+/** Where exits are, how wide, and when they are open. */
+function exits({ scene: { targets } }: Film): [string, string][] {
+    const at = ([x, y]: Point) => `(${Number(x.toFixed(3))}, ${Number(y.toFixed(3))})`;
+    return targets
+        .filter(({ stay }) => !stay)
+        .map(({ name, corners, open = [] }) => {
+            const [from, to, ...more] = corners as [Point, Point];
+            const place = more.length > 0 ? `area around ${at(middleOf(corners))} m` : `line from ${at(from)} to ${at(to)} m, ${length(distance(from, to), plan.value.unit)} wide`;
+            const times = open.map(([from, to]) => `open from ${from} to ${to} s`).join(", ");
+            return [`Exit ${named(name)}`, `${place}${times && `, ${times}`}`];
+        });
+}
+
+/** The plan of which the room was made. */
+function drawnFrom(): [string, ComponentChildren][] {
+    const { drawn } = plan.value;
+    return drawn === null ? [] : [["Plan", <span translate={false}>{drawn}</span>]];
+}
+
+function ofRun(film: Film): [string, ComponentChildren][] {
+    const { agents, step, mechanical_step, warnings } = film.scene;
+    const rows: [string, ComponentChildren][] = [["People", String(agents.length)], ...drawnFrom(), ...assumptions(plan.value.made), ...exits(film), ["Steps", `communication ${step} s, mechanical ${mechanical_step} s`]];
     return warnings.length > 0 ? [...rows, ["Warnings", <span translate={false}>{warnings.join("; ")}</span>]] : rows;
 }
 
@@ -108,7 +138,7 @@ function ofSweep({ made, parameter, until, runs }: Sweep): [string, string][] {
     return rows;
 }
 
-function numbers(film: Film): [string, string][] {
+function numbers(film: Film): [string, ComponentChildren][] {
     const { frames, scene: shown, emptied } = film;
     const last = film.reached.value;
     const time = (k: number) => `${(k * shown.step).toFixed(2)} s`;
@@ -116,11 +146,14 @@ function numbers(film: Film): [string, string][] {
         const { most, k } = greatest(film, seconds);
         return `${digits(most, 3)} N, at ${time(k)}`;
     };
-    const rows: [string, string][] = [["Computed", last > 0 ? time(last) : "nothing yet: play the run first"]];
+    const rows: [string, ComponentChildren][] = [["Computed", last > 0 ? time(last) : "nothing yet: play the run first"]];
+    const { force, seconds } = plan.value.limit;
     if (last > 0) {
         rows.push(
-            ["Greatest squeeze of anybody, mean of 0.1 s", squeeze(SHORT)],
-            ["Greatest squeeze of anybody, mean of 1 s", squeeze(1)],
+            [`Greatest squeeze of anybody, mean of ${seconds} s`, squeeze(seconds)],
+            ["Limit of the squeeze", `${force} N, mean of ${seconds} s`],
+            ...aboveLimit(film),
+            ["Highest peak: an impact, mean of 0.1 s", squeeze(SHORT)],
             ["Deepest overlap", `${digits(1000 * film.overlaps[last]!, 2)} mm`],
         );
     }
@@ -129,6 +162,41 @@ function numbers(film: Film): [string, string][] {
     rows.push(["Have left", all ? `all ${shown.leaving} after ${time(emptied.value!)}` : `${frames.curve("left")[last]} of ${shown.leaving}`]);
     for (const { name, count, flow } of perExit(film)) rows.push([`By ${named(name)}`, `${count} ${count === 1 ? "person" : "people"}${flow === null ? "" : `, ${digits(flow, 3)} per second from the first to the last`}`]);
     return rows;
+}
+
+/** The numbers of the run on the stage, and beside them those of a run that is kept. */
+function Results({ film }: { film: Film }) {
+    const mine = numbers(film);
+    const other = kept.value;
+    if (!other || other.film === film) return <Facts rows={mine} />;
+    const theirs = new Map(numbers(other.film));
+    const names = [...new Set([...mine.map(([name]) => name), ...theirs.keys()])];
+    const own = new Map(mine);
+    return (
+        <table class="facts compared">
+            <thead>
+                <tr>
+                    <td />
+                    <th scope="col">This run</th>
+                    <th scope="col">The run that is kept</th>
+                </tr>
+            </thead>
+            <tbody>
+                <tr>
+                    <th scope="row">What is different</th>
+                    <td>{difference() || "–"}</td>
+                    <td>{differing(other.facts, facts()) || "–"}</td>
+                </tr>
+                {names.map((name) => (
+                    <tr key={name}>
+                        <th scope="row">{name}</th>
+                        <td>{own.get(name) ?? "–"}</td>
+                        <td>{theirs.get(name) ?? "–"}</td>
+                    </tr>
+                ))}
+            </tbody>
+        </table>
+    );
 }
 
 export function Report({ film }: { film: Film }) {
@@ -146,6 +214,10 @@ export function Report({ film }: { film: Film }) {
                 </button>
             </div>
             <h1 translate={false}>{scene.value.name}</h1>
+            <label class={plan.value.author ? "field author" : "field author none"}>
+                <span>Author</span>
+                <input type="text" maxLength={NAME} value={plan.value.author} onChange={(event) => change({ author: event.currentTarget.value.trim() })} />
+            </label>
             <p>
                 Made with the LEMONS lab <span translate={false}>{VERSION}</span> on {new Date().toISOString().slice(0, 10)}: pedestrians as rigid bodies of disks with damped springs and friction, in two dimensions.{" "}
                 <a href={link()}>This scene as a link</a>.
@@ -155,7 +227,7 @@ export function Report({ film }: { film: Film }) {
             <h2>What was assumed</h2>
             <Facts rows={ofRun(film)} />
             <h2>What came out</h2>
-            <Facts rows={numbers(film)} />
+            <Results film={film} />
             {swept && swept.runs.length > 0 && (
                 <>
                     <h2>{`Sweep of "${swept.scene}"`}</h2>

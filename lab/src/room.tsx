@@ -5,6 +5,7 @@ import { BackdropForms } from "./backdrop";
 import { MakeCrowd } from "./crowd";
 import { DrawingPanel } from "./drawing";
 import { edited, ready, shape } from "./drawn";
+import { NewRoom } from "./newroom";
 import { brief, Choice, LengthField, length } from "./parts";
 import { type KeptCrowd, MOST } from "./forms";
 import { change, plan } from "./plan";
@@ -45,6 +46,9 @@ function Forms() {
     return (
         <section class="panel" aria-label="Room">
             <h2>Room</h2>
+            <div class="buttons">
+                <NewRoom />
+            </div>
             {base.kind !== "crowd" && (
                 <Choice
                     label="What is changed"

@@ -12,7 +12,8 @@ function along(room: Room, at: Point): Point {
     return [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
 }
 
-export function Sketch({ base }: { base: KeptBase }) {
+/** `exits`: lines and areas that are drawn with it. */
+export function Sketch({ base, exits = [] }: { base: KeptBase; exits?: Point[][] }) {
     if (base.kind !== "crowd") {
         return (
             <svg class="sketch" viewBox="-0.2 -0.2 5.4 2" aria-hidden="true">
@@ -26,7 +27,7 @@ export function Sketch({ base }: { base: KeptBase }) {
     const { room, region } = base;
     const line = (corners: Point[]) => `M${corners.map(([x, y]) => `${x} ${-y}`).join("L")}`;
     const path = (corners: Point[]) => `${line(corners)}Z`;
-    const [xs, ys] = [0, 1].map((axis) => room.outline.map((corner) => corner[axis as 0 | 1])) as [number[], number[]];
+    const [xs, ys] = [0, 1].map((axis) => [...room.outline, ...exits.flat()].map((corner) => corner[axis as 0 | 1])) as [number[], number[]];
     const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
     return (
         <svg class="sketch" viewBox={`${left - 0.3} ${-high - 0.3} ${right - left + 0.6} ${high - low + 0.6}`} aria-hidden="true">
@@ -37,6 +38,7 @@ export function Sketch({ base }: { base: KeptBase }) {
                 const [dx, dy] = along(room, [x, y]).map((part) => (part * width) / 2) as Point;
                 return <path key={`${x} ${y}`} d={`M${x - dx} ${dy - y}L${x + dx} ${-dy - y}`} class="gap" />;
             })}
+            {exits.length > 0 && <path d={exits.map((corners) => (corners.length > 2 ? path(corners) : line(corners))).join("")} class="way-out" />}
         </svg>
     );
 }

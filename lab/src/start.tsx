@@ -2,6 +2,7 @@
 
 import { EXAMPLES, type Example } from "./examples";
 import { Keep } from "./kept";
+import { NewRoom } from "./newroom";
 import { canUndo, crowdOf, scene } from "./plan";
 import { Scenes } from "./scenelist";
 import { open } from "./scenes";
@@ -19,7 +20,10 @@ export function StartTab() {
     return (
         <section class="panel" aria-label="Start">
             <p class="note">People in dense crowds, as bodies that touch and press. Choose a question, move a slider, and watch; or draw your own room.</p>
-            <TourButton />
+            <div class="row">
+                <TourButton />
+                <NewRoom />
+            </div>
             {question ? <h2>{question}</h2> : <h2 translate={false}>{name}</h2>}
             <Sliders />
             <Keep />

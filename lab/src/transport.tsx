@@ -31,6 +31,7 @@ export function Transport({ film }: { film: Film }) {
                 <Choice label="Pace" value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
                 <NumberField label="End of the timeline" short="timeline" unit="s" value={plan.value.end} min={film.scene.step} max={1e5} step={5} onChange={(end) => change({ end })} />
                 <Compute film={film} />
+                <UntilLeft film={film} />
             </div>
             <Status film={film} />
             <Timeline film={film} />
@@ -51,6 +52,21 @@ export function Compute({ film }: { film: Film }) {
     return (
         <button type="button" disabled={there >= last} onClick={() => void film.compute(computing ? null : last)}>
             {computing ? "Stop computing" : "Compute it"}
+        </button>
+    );
+}
+
+/** In s: a run in which somebody is stuck would go on for ever. */
+const BOUND = 600;
+
+/** Computes until all have left. While it does, the button beside it stops it. */
+function UntilLeft({ film }: { film: Film }) {
+    if (film.scene.leaving === 0) return null;
+    const there = (film.playing.value ? (beat.value, film.computed.peek()) : film.computed.value) - 1;
+    const over = film.emptied.value !== null || there * film.scene.step >= BOUND;
+    return (
+        <button type="button" disabled={over || film.bound.value !== null && film.wanted.value > there} title={`Computes until nobody who has an exit is left, at most up to ${BOUND} s`} onClick={() => void film.computeUntilLeft(BOUND)}>
+            Until all have left
         </button>
     );
 }
@@ -113,6 +129,7 @@ function Status({ film }: { film: Film }) {
     return (
         <p class="note status">
             <span>{`computed: ${((computed - 1) * step).toFixed(1)} s`}</span>
+            {film.bound.value !== null && emptied === null && computed > film.wanted.value && <strong>{`Not all have left after ${time(film.wanted.value)}: it ends there.`}</strong>}
             {leaving > 0 && !all && <span>{`${film.frames.curve("left")[k]} of ${leaving} have left.`}</span>}
             {/* Only the end is told to those who do not see it. */}
             <strong role="status">{all && `All ${leaving} have left after ${time(emptied)}.`}</strong>

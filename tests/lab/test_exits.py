@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, expect
-from visit import Picture, becomes, download, fill, held, lemons, link, make, plan, rows, same_table, tab, wait
+from visit import Picture, becomes, download, fill, held, lemons, link, make, plan, rows, same_table, show_at, tab, wait
 
 
 def room(page: Page, people: int) -> None:
@@ -65,7 +65,7 @@ def test_everybody_leaves_by_an_exit_that_is_drawn(page: Page, browser: Browser,
     page.get_by_role("button", name="Redo").click()
     fill(page, "Exit 1, end 1, y", 0)
     rename(page, "Exit 1", "to the street")
-    drawn = {"name": "to the street", "line": [[5, 0], [5, 2.75]], "polygon": None, "share": None}
+    drawn = {"name": "to the street", "line": [[5, 0], [5, 2.75]], "polygon": None, "share": None, "open": None}
     becomes(page, lambda: wishes(page)["exits"], [drawn])
     # Delete takes away what is marked, after Esc has ended what is being drawn.
     picture.canvas.focus()
@@ -151,6 +151,14 @@ def test_exits_beyond_doors_goals_and_shares(page: Page, tmp_path: Path) -> None
     picture.click(0.3, 2.5)
     becomes(page, lambda: [goal["line"] for goal in wishes(page)["goals"]], [[[0.3, 0.5], [0.3, 2.5]]])
     rename(page, "Goal 1", "stage")
+    page.get_by_label("Exit 1, open at times only").check()
+    fill(page, "Exit 1, opening 1, to", 20)
+    button(page, "Add a time")
+    fill(page, "Exit 1, opening 2, from", 30)
+    # Times are in order.
+    fill(page, "Exit 1, opening 2, to", 29)
+    expect(page.get_by_role("alert")).to_contain_text("opening 2, to: 30.01 to ")
+    fill(page, "Exit 1, opening 2, to", 90)
     page.get_by_role("combobox", name="Person", exact=True).select_option(label="4")
     page.get_by_label("Person 4 goes to").select_option(label='goal "stage"')
     becomes(page, lambda: wishes(page)["agents"], {"4": {"exit": None, "goal": "stage"}})
@@ -165,6 +173,7 @@ def test_exits_beyond_doors_goals_and_shares(page: Page, tmp_path: Path) -> None
     assert (decision["model"], decision["desired_speed"], decision["agents"]) == ("straight", 1, {"4": {"goal": "seat"}})
     assert decision["groups"] == {"share": 0.8}
     assert [(exit["name"], exit["share"]) for exit in decision["exits"]] == [("door 1", 3), ("exit 1", 7)]
+    assert decision["exits"][0]["open"] == [[0, 20], [30, 90]] and "open" not in decision["exits"][1]
     assert decision["exits"][1]["polygon"] == corners and decision["goals"] == [{"name": "seat", "line": [[0.3, 0.5], [0.3, 2.5]]}]
     # Nine have an exit; who stands in the area has left at once. The command counts the same.
     left = page.get_by_text(" of 9 have left.")
@@ -204,6 +213,49 @@ def test_places_that_cannot_be_are_named(page: Page) -> None:
     make(page, 3, 400, 300)
     exits(page)
     expect(page.get_by_role("button", name="Put an exit beyond each door")).to_be_disabled()
+
+
+def test_who_waits_for_a_closed_exit_leaves_and_who_is_shut_out_is_stuck(page: Page, tmp_path: Path) -> None:
+    room(page, 3)
+    exits(page)
+    button(page, "Put an exit beyond each door")
+    page.get_by_label("Exit 1, open at times only").check()
+    fill(page, "Exit 1, opening 1, from", 2)
+    button(page, "Until all have left")
+    page.get_by_role("slider", name="Time").press("End")
+    told = page.get_by_text("All 3 have left after")
+    expect(told).to_be_visible()
+    end = float(told.inner_text().split()[-2])
+    trial = download(page, "Trial (zip)", tmp_path)
+    lemons("run", trial, "--until", "left", "-o", tmp_path / "run.csv")
+    assert float(rows(tmp_path / "run.csv")[-1]["t"]) == pytest.approx(end) and end > 2
+    expect(page.get_by_role("button", name="Until all have left")).to_be_disabled()
+    # A door as wide as half a person: all stay before it.
+    tab(page, "Room")
+    fill(page, "Door 1, width", 35)
+    becomes(page, lambda: sorted(line[1] for line in lines(page)[0]), [0.32, 2.68])
+    tab(page, "Motion")
+    page.get_by_label("Exit 1, open at times only").uncheck()
+    page.get_by_label("How they walk among others").select_option(label="Straight on")
+    button(page, "Until all have left")
+    button(page, "Stop computing")
+    expect(page.get_by_role("button", name="Until all have left")).to_be_enabled()
+    expect(page.get_by_text("Not all have left")).to_have_count(0)
+    show_at(page, 25)
+    trial = download(page, "Trial (zip)", tmp_path / "shut")
+    lemons("run", trial, "--until", 25, "-o", tmp_path / "shut.csv")
+    found = rows(tmp_path / "shut.csv")
+    at = np.array([[float(row["x"]), float(row["y"])] for row in found]).reshape(-1, 3, 2)
+    moved = np.hypot(*(at[1500:] - at[2500]).transpose(2, 0, 1)).max(axis=0)
+    stuck = [row["id"] for row, far in zip(found[:3], moved, strict=True) if far < 0.1]
+    assert len(stuck) > 0
+    words = "person wants" if len(stuck) == 1 else "people want"
+    told = page.locator(".numbers .warning").filter(has_text=f"{len(stuck)} {words} to get on, but moved by less than 10 cm in the last 10 s.")
+    expect(told).to_contain_text(", ".join(stuck))
+    # A ring of their own around each.
+    before = page.locator(".frame canvas").first.screenshot()
+    told.get_by_role("button", name="Mark them on the picture").click()
+    wait(page, lambda: page.locator(".frame canvas").first.screenshot() != before)
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -173,6 +173,17 @@ def test_a_way_is_drawn_with_the_mouse(page: Page, tmp_path: Path) -> None:
     lemons("check", trial)
     outputs = ("-o", tmp_path / "run.csv", "--outputs", tmp_path / "decision.csv")
     assert lemons("run", trial, "--until", "0.1", *outputs).startswith("people walk ")
+    # Ways with shares; a way that is taken away takes its share with it.
+    tab(page, "Motion")
+    page.get_by_label("Each way gets a share of the people").check()
+    fill(page, "Way 1, share", 3)
+    fill(page, "Way 2, share", 7)
+    fill(page, "Seed", 5)
+    wishes = tomllib.loads(held(download(page, "Trial (zip)", tmp_path / "shared"))["decision.toml"])
+    assert wishes["ways"] == [{"waypoints": whole(first), "share": 3}, {"waypoints": whole(second), "share": 7}] and wishes["seed"] == 5
+    tab(page, "Motion")
+    page.get_by_role("button", name="Delete way 1").click()
+    becomes(page, lambda: plan(page)["made"]["motion"].get("shares"), [7])
 
 
 def test_a_person_is_turned_copied_and_deleted_by_hand(page: Page, tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Maps of density and squeeze beside NumPy on the table of `lemons run`, and beside `lemons plot`."""
 
+import io
 import json
 import math
 import re
@@ -97,6 +98,12 @@ def test_the_squeeze_is_that_of_those_in_each_cell(page: Page, tmp_path: Path) -
     expect(words).to_have_text(re.compile(r"^Mean squeeze: [\d.]+ N$"))
     told = float(words.inner_text().split()[-2])
     assert told == pytest.approx(np.mean(values[at]), rel=6e-3, abs=0.01)
+    # A ring of ink is around the cell with the greatest value.
+    most = found["mean_squeeze_of_means_of_0.1_s"].argmax()
+    x, y = picture.pixel(found["x"][most], found["y"][most])
+    shot = np.asarray(Image.open(io.BytesIO(picture.canvas.screenshot())).convert("L")).astype(int)
+    ring = [shot[round(y + 7 * math.sin(turn)), round(x + 7 * math.cos(turn))] for turn in np.arange(0.1, 2 * math.pi, 0.5)]
+    assert np.median(ring) < 90, ring
     # Without a mouse: the number where the selected person stands.
     page.get_by_role("combobox", name="Person", exact=True).select_option(label="0")
     beside = page.get_by_role("region", name="Map").get_by_text("At the selected person:")

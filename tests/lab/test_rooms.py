@@ -214,12 +214,23 @@ def test_plans_become_rooms_as_the_command_reads_them(page: Page, tmp_path: Path
         assert walls[0].symmetric_difference(walls[1]).length < 1e-9 and walls[0].length > 10, said
         return mine
 
+    # Exits before closed walls are told, and the preview has a line for each.
+    inner = (PLANS / "hall.dxf").read_bytes()
+    for old, new in ((b"15250.0", b"12250.0"), (b"16250.0", b"13250.0")):
+        inner = inner.replace(old, new)
+    give(page, "inner.dxf", inner)
+    expect(understood.get_by_role("row", name=re.compile('^warning exit "north" lies inside closed walls'))).to_be_visible()
+    expect(understood.get_by_role("row", name="warning")).to_have_count(1)
+    expect(page.locator(".plan .way-out")).to_have_attribute("d", re.compile("^M[^M]*ZM[^M]*$"))
+
     give(page, "hall.dxf", (PLANS / "hall.dxf").read_bytes())
+    expect(understood.get_by_role("row", name="warning")).to_have_count(0)
     for line in lemons("room", PLANS / "hall.dxf").splitlines():
         what, how = line[:18].strip(), line[19:]
         if what not in ("drawing", "nothing was writte"):
             expect(understood.get_by_role("row", name=f"{what} {how}", exact=True).first).to_be_visible()
     wishes = made("hall.dxf")["decision.toml"]
+    assert plan(page)["drawn"] == "hall.dxf"
     assert "north" in wishes and "south" in wishes and plan(page)["crowd"]["region"] is not None
 
     give(page, "office.dxf", (PLANS / "office.dxf").read_bytes())
@@ -237,6 +248,14 @@ def test_plans_become_rooms_as_the_command_reads_them(page: Page, tmp_path: Path
     page.get_by_label("Unit of the plan").select_option(label="cm")
     expect(page.get_by_role("button", name="Lay it under the room as a picture")).to_be_visible()
     made("platform.svg", "--scale", "0.01")
+
+
+def test_a_new_room_is_empty_but_for_one(page: Page) -> None:
+    page.get_by_role("button", name="New empty room").click()
+    expect(page.get_by_text("1 person placed in")).to_be_visible()
+    expect(page.get_by_role("textbox", name="Name of the scene")).to_have_value("A new room")
+    expect(page.get_by_role("spinbutton", name="Room width")).to_have_value("1000")
+    assert plan(page)["crowd"]["room"]["doors"] == [] and plan(page)["drawn"] is None
 
 
 def test_people_leave_a_dropped_plan_by_its_exit(page: Page, tmp_path: Path) -> None:

@@ -239,6 +239,21 @@ impl DecisionConfig {
         Some(DecisionConfig { desired_speed, waypoints, agents, ..DecisionConfig::default() })
     }
 
+    /// Makes settings in which everybody walks at one speed \[m/s\], on one of the ways: by their shares, chosen by the seed.
+    pub fn ways_by_shares(
+        speed: f64,
+        ways: impl IntoIterator<Item = (Vec<Waypoint>, f64)>,
+        seed: u64,
+    ) -> DecisionConfig {
+        let way = |(waypoints, share)| WayConfig { waypoints, share: Some(share) };
+        DecisionConfig {
+            desired_speed: Some(Spread::Same(speed)),
+            seed: Some(seed),
+            ways: Some(ways.into_iter().map(way).collect()),
+            ..DecisionConfig::default()
+        }
+    }
+
     /// Returns whether people who stand have legs.
     pub(crate) fn has_legs(&self) -> bool {
         self.balance.unwrap_or_default() != BalanceName::None

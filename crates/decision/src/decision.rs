@@ -290,6 +290,26 @@ impl Decision {
         Ok((0..self.agents.len()).filter(arrived).count())
     }
 
+    /// Who wants to get on now: has started, does not wait at a way-point or for an exit that is closed, and has not arrived.
+    ///
+    /// # Errors
+    /// Those of [`Decision::acts`].
+    pub fn going(&mut self) -> Answer<Vec<bool>> {
+        self.find_ways()?;
+        let going = |i: usize| {
+            let agent = &self.agents[i];
+            let walks = self.has_started(i) && !agent.waits() && agent.walker.desired_speed > 0.0;
+            let there = agent.next() == agent.walker.waypoints.len();
+            let open = match self.destination(i) {
+                Destination::None => false,
+                Destination::Target(k) => self.plan.targets[k].is_open(self.time),
+                Destination::NearestExit => true,
+            };
+            walks && (!there || open) && self.arrival(i).is_none()
+        };
+        Ok((0..self.agents.len()).map(going).collect())
+    }
+
     /// Chooses an exit for everybody whose turn it is, as it is after a step \[s\], if people choose by more than where exits
     /// are.
     fn choose_exits(&mut self, step: f64) {

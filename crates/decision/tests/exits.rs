@@ -203,8 +203,20 @@ fn at_a_goal_people_stay_and_come_together_in_its_middle() {
     let mut decision = Decision::new(plan(&[], &people, goal).unwrap());
     assert_eq!(decision.arrived().unwrap(), 0);
     decision.see(last.iter().map(|at| still(Pose { x: at.unwrap().x, y: at.unwrap().y, theta: 0.0 })));
-    assert_eq!(decision.arrived().unwrap(), 2);
+    assert_eq!((decision.arrived().unwrap(), decision.going().unwrap()), (2, vec![false; 2]));
     assert!(decision.acts().unwrap().iter().all(|act| act.active));
+}
+
+#[test]
+fn who_waits_for_a_closed_exit_or_to_start_does_not_want_to_get_on() {
+    let exit = "exits = [{ line = [[1.0, 0.0], [1.0, 4.0]], open = [[0.1, 9.0]] }]\n[agents.1]\nstart = 1.0";
+    let people = [person(0, 3.0, 2.0), person(1, 5.0, 2.0)];
+    let mut decision = Decision::new(plan(&[], &people, exit).unwrap());
+    assert_eq!(decision.going().unwrap(), [false, false], "it is closed");
+    for _ in 0..10 {
+        decision.pass(STEP).unwrap();
+    }
+    assert_eq!(decision.going().unwrap(), [true, false], "it is open, and one waits");
 }
 
 #[test]

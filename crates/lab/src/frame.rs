@@ -13,18 +13,19 @@ use std::collections::BTreeSet;
 
 /// Numbers of an agent in a frame: x, y \[m\], orientation \[rad\], velocity along x and y \[m/s\], angular velocity
 /// \[rad/s\], mean squeeze of the last communication step \[N\], number of contacts, the part of the squeeze by walls
-/// \[N\], x and y of the middle of the feet \[m\]. The place of who has left is not a number, nor are feet where people have no
+/// \[N\], x and y of the middle of the feet \[m\], 1 for who wants to get on and else 0. The place of who has left is not a number, nor are feet where people have no
 /// legs.
-pub const COLUMNS: usize = 11;
+pub const COLUMNS: usize = 12;
 
-/// Returns a frame as bytes: [`COLUMNS`] doubles for each agent, little-endian.
-pub fn bytes(frame: &Frame) -> Vec<u8> {
+/// Returns a frame as bytes: [`COLUMNS`] doubles for each agent, little-endian. `going`: who wants to get on.
+pub fn bytes(frame: &Frame, going: &[bool]) -> Vec<u8> {
     let numbers = (0..frame.agents.len()).flat_map(|agent| {
         let [x, y, vx, vy, theta, omega, with_people, with_walls, _, _, mean, _, _, by_walls, ..] =
             frame.row(agent);
         let [x, y] = if frame.is_there(agent) { [x, y] } else { [f64::NAN; 2] };
         let feet = frame.legs.as_ref().map_or(vec2(f64::NAN, f64::NAN), |legs| legs[agent].feet);
-        [x, y, theta, vx, vy, omega, mean, with_people + with_walls, by_walls, feet.x, feet.y]
+        let goes = f64::from(u8::from(going[agent]));
+        [x, y, theta, vx, vy, omega, mean, with_people + with_walls, by_walls, feet.x, feet.y, goes]
     });
     numbers.flat_map(f64::to_le_bytes).collect()
 }
@@ -50,7 +51,7 @@ pub fn frame(bytes: &[u8], people: usize) -> Result<Frame, Refused> {
 
 /// \[m\] Returns the middle of everybody's feet in a frame; not numbers where people have no legs.
 pub fn feet(bytes: &[u8]) -> Vec<Vec2> {
-    numbers(bytes).as_chunks::<COLUMNS>().0.iter().map(|&[.., x, y]| vec2(x, y)).collect()
+    numbers(bytes).as_chunks::<COLUMNS>().0.iter().map(|&[.., x, y, _]| vec2(x, y)).collect()
 }
 
 /// Reads doubles, little-endian.

@@ -198,13 +198,13 @@ impl Lab {
         if edit::room_of(&shown.edits).is_some() {
             notes.extend(room::unfit(&basis.driven.trial, &driven.trial));
         }
-        let run = run::Run::begin(driven)?;
+        let mut run = run::Run::begin(driven)?;
         let mut value = scene::of(&run);
         self.runs += 1;
         value["run"] = self.runs.into();
         value["warnings"] = json!(warnings.unwrap_or_default());
         value["beyond_doors"] = json!(base.beyond_doors(&shown.edits, &run.driven.trial));
-        let bytes = run.frame();
+        let bytes = run.frame()?;
         self.open = Some(run);
         let left_out: Vec<_> = left_out.into_iter().collect();
         Ok(Reply {

@@ -2,7 +2,7 @@
 //! kind have the desired speed of their kind.
 
 use crate::base::Driven;
-use crate::{Refused, within};
+use crate::{Refused, require, within};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{DRIVE_FILE, DriveTable, Pulse, Trial, drive_of_pulses};
 use lemons_decision::rule::Waypoint;
@@ -26,8 +26,16 @@ pub enum Motion {
         #[serde(default)]
         balance: BalanceName,
     },
-    /// They walk (the paper's eq. 4) at a speed \[m/s\], everybody on the way whose first point is nearest.
-    Walk { speed: f64, ways: Vec<Vec<Waypoint>> },
+    /// They walk (the paper's eq. 4) at a speed \[m/s\], everybody on the way whose first point is nearest; or on ways with
+    /// shares, of which the seed chooses one for each.
+    Walk {
+        speed: f64,
+        ways: Vec<Vec<Waypoint>>,
+        #[serde(default)]
+        shares: Option<Vec<f64>>,
+        #[serde(default)]
+        seed: u64,
+    },
     /// They walk around walls, to the exits and goals of a decision.toml. Without exits, everybody goes to the nearest of
     /// several goals.
     Go { wishes: Box<DecisionConfig> },
@@ -73,9 +81,10 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
                 driven.wishes = DecisionConfig::standing(*balance).to_toml()?;
             }
         }
-        Motion::Walk { speed, ways } => {
+        Motion::Walk { speed, ways, shares, seed } => {
+            let shares = shares.as_deref().map(|shares| (shares, *seed));
             driven.wishes =
-                wishes(&driven.trial, *speed, ways)?.with_speeds(own_speeds(&driven)).to_toml()?;
+                wishes(&driven.trial, *speed, ways, shares)?.with_speeds(own_speeds(&driven)).to_toml()?;
         }
         Motion::Go { wishes } => {
             let wishes = wishes.as_ref().clone().with_speeds(own_speeds(&driven));
@@ -137,13 +146,26 @@ fn own_speeds(of: &Driven) -> Vec<(String, f64)> {
     people.filter_map(|(agent, body)| Some((body.id.clone(), agent.member()?.speed))).collect()
 }
 
-/// decision.toml: the ways of everybody.
-fn wishes(trial: &Trial, speed: f64, ways: &[Vec<Waypoint>]) -> Result<DecisionConfig, Refused> {
+/// decision.toml: the ways of everybody; with shares and their seed, if there are some.
+fn wishes(
+    trial: &Trial,
+    speed: f64,
+    ways: &[Vec<Waypoint>],
+    shares: Option<(&[f64], u64)>,
+) -> Result<DecisionConfig, Refused> {
     within("desired speed [m/s]", speed, [0.0, 20.0])?;
     for Waypoint { x, y, radius, .. } in ways.iter().flatten() {
         within("x of a way-point [m]", *x, [-1e4, 1e4])?;
         within("y of a way-point [m]", *y, [-1e4, 1e4])?;
         within("radius of a way-point [m]", *radius, [0.01, 1000.0])?;
+    }
+    if let Some((shares, seed)) = shares {
+        require(shares.len() == ways.len(), || format!("{} shares of {} ways", shares.len(), ways.len()))?;
+        return Ok(DecisionConfig::ways_by_shares(
+            speed,
+            ways.iter().cloned().zip(shares.iter().copied()),
+            seed,
+        ));
     }
     let wishes = DecisionConfig::nearest_of(&Person::all_of(trial), speed, ways);
     wishes.ok_or_else(|| Refused("nobody can walk: there is no way".into()))

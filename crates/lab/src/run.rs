@@ -99,7 +99,7 @@ impl Run {
         let (mut bytes, mut overlaps, mut arrived) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..steps {
             self.step()?;
-            bytes.extend(self.frame());
+            bytes.extend(self.frame()?);
             overlaps.push(self.overlap);
             arrived.push(self.simulation.arrived()?);
         }
@@ -128,8 +128,11 @@ impl Run {
     }
 
     /// Returns the present frame as pages keep it.
-    pub fn frame(&self) -> Vec<u8> {
-        frame::bytes(&self.simulation.frame())
+    ///
+    /// # Errors
+    /// No ways to exits and goals can be found.
+    pub fn frame(&mut self) -> Result<Vec<u8>, Refused> {
+        Ok(frame::bytes(&self.simulation.frame(), &self.simulation.going()?))
     }
 
     /// Returns who presses whom in a frame: x, y \[m\] of one, x, y of the other or of the wall, and their force \[N\].

@@ -244,6 +244,15 @@ impl Simulation {
         Ok(self.decision.as_mut().map_or(Ok(0), |decision| decision.model.arrived())?)
     }
 
+    /// Returns who wants to get on now: who walks, has not arrived, and waits for nothing; nobody if nobody walks.
+    ///
+    /// # Errors
+    /// No ways to exits and goals can be found.
+    pub fn going(&mut self) -> Result<Vec<bool>, SimError> {
+        let nobody = vec![false; self.ids.len()];
+        Ok(self.decision.as_mut().map_or(Ok(nobody), |decision| decision.model.going())?)
+    }
+
     /// Returns the value of a parameter of the crowd that is a text.
     pub fn text(&self, quantity: Quantity) -> &str {
         self.crowd.model.text(quantity, 0)

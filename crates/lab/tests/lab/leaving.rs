@@ -33,11 +33,12 @@ fn everybody_leaves_beyond_the_door() {
     let beyond = &shown["scene"]["beyond_doors"];
     assert_eq!(beyond, &json!([[[5.0, 0.0], [5.0, 3.0]]]));
     assert_eq!((&shown["scene"]["targets"], &shown["scene"]["leaving"]), (&json!([]), &json!(0)));
-    let door = json!({"name": "door 1", "line": beyond[0], "polygon": null, "share": null});
+    let door =
+        json!({"name": "door 1", "line": beyond[0], "polygon": null, "share": null, "open": [[0.5, 99.0]]});
     let (shown, first) = ok(&mut lab, show(base, go(&[door], &[])));
     assert_eq!(
         shown["scene"]["targets"],
-        json!([{"name": "door 1", "stay": false, "corners": [[5.0, 0.0], [5.0, 3.0]]}])
+        json!([{"name": "door 1", "stay": false, "corners": [[5.0, 0.0], [5.0, 3.0]], "open": [[0.5, 99.0]]}])
     );
     assert_eq!(shown["scene"]["leaving"], 8);
     assert_eq!(first.len(), 8 * 8 * COLUMNS);
@@ -49,6 +50,7 @@ fn everybody_leaves_beyond_the_door() {
     let wishes: toml::Table = text.parse().unwrap();
     assert_eq!(wishes["model"].as_str(), Some("rotational"));
     assert_eq!(wishes["exits"][0]["name"].as_str(), Some("door 1"), "{text}");
+    assert_eq!(wishes["exits"][0]["open"][0].as_array().unwrap(), &[0.5.into(), 99.0.into()], "{text}");
     assert!(!text.contains("goals") && !text.contains("agents"), "{text}");
     // Opened again, it says the same.
     assert_eq!(open(&mut lab, "leave.zip", &zip)["scene"]["targets"], shown["scene"]["targets"]);

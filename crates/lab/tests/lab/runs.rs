@@ -39,14 +39,14 @@ fn who_is_pushed_may_have_legs() {
     let (_, first) = ok(&mut lab, show(crowd(1, square(20.0, 20.0)), json!({"kind": "none"})));
     let first = numbers(&first);
     // Without legs there are no feet.
-    assert!(first[COLUMNS - 1].is_nan());
+    assert!(first[COLUMNS - 2].is_nan());
     let push = json!({"at": &first[..2], "radius": 0.1, "direction": 0, "force": 800.0, "start": 0.0, "duration": 0.2});
     let motion = json!({"kind": "push", "pushes": [push], "balance": "pendulum"});
     ok(&mut lab, show(crowd(1, square(20.0, 20.0)), motion));
     let (_, frames) = ok(&mut lab, advance(2, 20));
     let last = &numbers(&frames)[19 * COLUMNS..];
     // The body leans, the feet wait.
-    assert!(last[0] > first[0] + 0.02 && last[COLUMNS - 2] == first[0], "{last:?}");
+    assert!(last[0] > first[0] + 0.02 && last[COLUMNS - 3] == first[0], "{last:?}");
     let shown = [last, &[0.0]].concat().into_iter().flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
     let wanted = json!({"file": "svg", "range": [0, 1], "beyond": false, "from_grey": false, "label": "speed", "unit": "m/s", "time": 0.2, "forces": false});
     let (_, svg) = ok_of(&mut lab, take(2, wanted), &shown);
@@ -72,6 +72,29 @@ fn people_walk_to_the_nearer_way_and_arrive() {
     fewer["edits"] = json!([{"do": "delete", "id": "1"}]);
     let (fewer, _) = ask(&mut lab, &fewer, &zip);
     assert_eq!(fewer["ok"]["scene"]["agents"].as_array().unwrap().len(), 1, "{fewer}");
+}
+
+#[test]
+fn ways_have_shares() {
+    let mut lab = Lab::default();
+    let ways = json!([[{"x": 1.0, "y": 1.0, "radius": 0.3}], [{"x": 9.0, "y": 1.0, "radius": 0.3}]]);
+    let motion = json!({"kind": "walk", "speed": 1.3, "ways": ways, "shares": [3, 1], "seed": 4});
+    let (_, first) = ok(&mut lab, show(crowd(8, square(10.0, 2.0)), motion.clone()));
+    let (_, zip) = ok(&mut lab, take(1, json!({"file": "trial"})));
+    let wishes: toml::Table = file_in(&zip, "decision.toml").parse().unwrap();
+    let shares: Vec<_> =
+        wishes["ways"].as_array().unwrap().iter().map(|way| way["share"].as_float()).collect();
+    assert_eq!((shares, wishes["seed"].as_integer()), (vec![Some(3.0), Some(1.0)], Some(4)));
+    // Three of four go left. Who is there has arrived, and wants to get nowhere.
+    let (advanced, frames) = ok(&mut lab, advance(1, 1000));
+    let (first, frames) = (numbers(&first), numbers(&frames));
+    let last = &frames[frames.len() - 8 * COLUMNS..];
+    assert!(first.chunks(COLUMNS).all(|of| of[COLUMNS - 1] == 1.0));
+    assert_eq!(last.chunks(COLUMNS).filter(|of| of[0] < 5.0).count(), 6);
+    let arrived = last.chunks(COLUMNS).filter(|of| of[COLUMNS - 1] == 0.0).count();
+    assert_eq!(json!(arrived), advanced["arrived"][999]);
+    let said = refused(&mut lab, show(crowd(8, square(10.0, 2.0)), with(motion, "shares", json!([1]))), &[]);
+    assert!(said.contains("1 shares of 2 ways"), "{said}");
 }
 
 #[test]

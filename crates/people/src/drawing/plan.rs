@@ -334,6 +334,21 @@ impl Plan {
         exits.map(|(k, exit)| (k, door(&exit.corners))).filter(|(_, door)| door.width > 0.0).collect()
     }
 
+    /// Returns the numbers of the exits that lie inside a closed wall, and are no doors: who leaves there is still in the room.
+    pub fn inner_exits(&self) -> Vec<usize> {
+        let (closed, doors) = (closed_walls(&self.geometry("")), self.doors());
+        let inside = |exit: &Place, wall: &Ring| {
+            exit.corners
+                .iter()
+                .all(|corner| wall.contains(*corner) || wall.nearest(*corner).distance <= ON_A_WALL)
+        };
+        let is_inner = |(k, exit): (usize, &Place)| {
+            let door = doors.iter().any(|(of, _)| *of == k);
+            (!door && closed.iter().any(|wall| inside(exit, wall))).then_some(k)
+        };
+        self.exits.iter().enumerate().filter_map(is_inner).collect()
+    }
+
     /// Returns the way-points, if their names end in numbers that say their order.
     pub fn way(&self) -> Option<Vec<&Place>> {
         let number = |place: &Place| {

@@ -97,6 +97,16 @@ impl Read {
             let name = &plan.exits[exit].name;
             said.push(("door", format!("{} m wide where exit {name:?} lies on a closed wall", door.width)));
         }
+        for exit in plan.inner_exits() {
+            let name = &plan.exits[exit].name;
+            let advice = "for a door, draw a line on the wall, or an exit beyond an opening";
+            said.push((
+                "warning",
+                format!(
+                    "exit {name:?} lies inside closed walls: people vanish in the room, as by stairs or a lift; {advice}"
+                ),
+            ));
+        }
         let kinds = plan.left_out.len();
         said.extend(plan.left_out.iter().take(MOST_LEFT_OUT).map(|kind| ("left out", left_out(kind))));
         if kinds > MOST_LEFT_OUT {

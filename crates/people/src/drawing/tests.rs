@@ -422,13 +422,14 @@ fn plan_of(name: &str, format: Format, reading: Reading, close: Option<f64>) -> 
 fn the_examples_have_their_areas() {
     let fine = Reading { deviation: 1e-5, unit: None };
     let hall = plan_of("hall.dxf", Format::Dxf, fine, None);
-    // The stage is half a circle of radius 2; six columns of radius 1/4; a kiosk of 3 by 0.6.
-    let expected = 20.0 * 12.0 + 0.5 * PI * 4.0 - 6.0 * PI / 16.0 - 1.8;
+    // The stage is half a circle of radius 2; six columns of radius 1/4; a kiosk of 3 by 0.6; a doorway of 2 by 0.5.
+    let expected = 20.0 * 12.0 + 1.0 + 0.5 * PI * 4.0 - 6.0 * PI / 16.0 - 1.8;
     assert!((hall.area().unwrap() - expected).abs() < 1e-3, "{:?}", hall.area());
     assert_eq!((hall.walls.len(), hall.doubles, hall.outline), (8, 1, Some(0)));
     let names = |places: &[Place]| places.iter().map(|place| place.name.clone()).collect::<Vec<_>>();
     assert_eq!(names(&hall.exits), ["north", "south"]);
     assert_eq!((hall.exits[0].corners.len(), hall.exits[1].corners.len()), (4, 2));
+    assert_eq!((hall.inner_exits(), hall.doors().len()), (vec![], 1));
     let left_out: Vec<String> = hall.left_out.iter().map(left_out).collect();
     assert_eq!(
         left_out,
@@ -671,6 +672,21 @@ fn an_exit_on_a_closed_wall_is_a_door() {
         "0 LWPOLYLINE 8 walkablearea 70 1 10 0 20 0 10 8 20 0 10 8 20 6 10 0 20 6 \
          0 LINE 8 exits-a 10 8 20 2 11 8 21 3 0 LINE 8 exits-b 10 7 20 2 11 7 21 3",
     );
-    let doors = plan(Format::Dxf, &text).doors();
-    assert_eq!(doors, [(0, crate::Door::new(vec2(8.0, 2.5), 1.0))]);
+    let found = plan(Format::Dxf, &text);
+    assert_eq!(found.doors(), [(0, crate::Door::new(vec2(8.0, 2.5), 1.0))]);
+    assert_eq!(found.inner_exits(), [1]);
+}
+
+#[test]
+fn an_exit_inside_closed_walls_is_named() {
+    let of = |outline: &str, x: f64| {
+        let text = format!(
+            "0 LWPOLYLINE 8 A 70 {outline} 10 0 20 0 10 8 20 0 10 8 20 6 10 0 20 6 \
+             0 LWPOLYLINE 8 exits-a 70 1 10 {x} 20 2 10 {x} 20 4 10 7 20 4 10 7 20 2"
+        );
+        plan(Format::Dxf, &dxf_of("", "", &text)).inner_exits()
+    };
+    // An area inside, one whose side lies on the wall, one that goes beyond it; and beside a wall that is open.
+    assert_eq!((of("1", 6.0), of("1", 8.0), of("1", 8.5)), (vec![0], vec![0], vec![]));
+    assert!(of("0", 6.0).is_empty());
 }

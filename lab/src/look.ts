@@ -1,0 +1,37 @@
+// What part of the plane the pictures show: the same part side by side.
+
+import { effect, signal } from "@preact/signals";
+import { canvas } from "./layout";
+import { bases } from "./session";
+import { type View, zoomed } from "./view";
+
+export const view = signal<View>({ scale: 1, x: 0, y: 0 });
+/** All is kept visible until the user zooms or moves the picture. */
+export const fits = signal(true);
+
+export function fit() {
+    fits.value = true;
+}
+
+export function look(next: View) {
+    fits.value = false;
+    view.value = next;
+}
+
+export function zoom(by: number) {
+    const on = canvas.value;
+    if (on) look(zoomed(view.value, by, on.width / 2, on.height / 2));
+}
+
+/** Zooms where the wheel turns. */
+export function wheel(event: WheelEvent) {
+    // The page must not scroll at the same time.
+    event.preventDefault();
+    look(zoomed(view.value, Math.exp(-0.0015 * event.deltaY * (event.deltaMode ? 30 : 1)), event.offsetX * devicePixelRatio, event.offsetY * devicePixelRatio));
+}
+
+// Another scene is seen as a whole at first.
+effect(() => {
+    bases.value;
+    fits.value = true;
+});
