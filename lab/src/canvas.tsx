@@ -115,7 +115,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     const atStart = film.place.value === 0 ? scene.overlapping : [];
     paintBackdrop(context, now);
     layers.below(context, now);
-    painter.walls(context, now, inks);
+    painter.walls(context, now, inks, film.place.value * scene.step);
     if (!empty.value) {
         painter.people(
             context,

@@ -2,8 +2,13 @@
 // scaling happens here.
 
 import { type Shade, THINGS } from "./colour";
-import { type Agent, COLUMNS, type Disk, FEET, isThere, type Point, type Push, type Scene, type Waypoint } from "./protocol";
+import { type Agent, COLUMNS, type Disk, FEET, isThere, type OpenTime, type Point, type Push, type Scene, type Waypoint } from "./protocol";
 import { inMetres, toMetres, toPixels, type View } from "./view";
+
+/** Whether a wall is open at a time in s. A rounding error is none. */
+function isOpen(open: OpenTime[] | undefined, time: number): boolean {
+    return open?.some(([from, to]) => time + 1e-9 >= from && time + 1e-9 < to) ?? false;
+}
 
 export function outline(disks: Disk[]): Path2D {
     const path = new Path2D();
@@ -241,16 +246,22 @@ export class Painter {
         context.setLineDash([]);
     }
 
-    walls(context: CanvasRenderingContext2D, view: View, inks: Inks) {
+    /** Walls that are open at a time in s are dashed. */
+    walls(context: CanvasRenderingContext2D, view: View, inks: Inks, time: number) {
         inMetres(context, view);
         context.strokeStyle = inks.ink;
         context.lineWidth = (3 * devicePixelRatio) / view.scale;
         context.lineCap = "round";
-        context.beginPath();
-        for (const { corners } of this.scene.walls) {
-            corners.forEach(([x, y], k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
+        const pixel = devicePixelRatio / view.scale;
+        for (const dashed of [false, true]) {
+            context.setLineDash(dashed ? [2 * pixel, 8 * pixel] : []);
+            context.beginPath();
+            for (const { corners, open } of this.scene.walls) {
+                if (isOpen(open, time) === dashed) corners.forEach(([x, y], k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
+            }
+            context.stroke();
         }
-        context.stroke();
+        context.setLineDash([]);
     }
 
     /** The agent at a place; the one that is drawn last counts. */

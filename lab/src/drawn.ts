@@ -34,7 +34,7 @@ export function edited(room: Room, edit: RoomEdit): Room {
     const { outline, obstacles, walls, doors } = ask(room, edit, null).room;
     // Plans are compared as text: parts have an order, and what is not there is left out.
     const further = walls?.map(({ corners, of }) => ({ corners, of }));
-    return { outline, obstacles, ...(further && { walls: further }), doors: doors.map(({ at, width }) => ({ at, width })) };
+    return { outline, obstacles, ...(further && { walls: further }), doors: doors.map(({ at, width, open }) => ({ at, width, ...(open && { open }) })) };
 }
 
 /** The shape of an outline alone. */

@@ -4,6 +4,7 @@ import type { ComponentChildren } from "preact";
 import { middleOf } from "./drawplaces";
 import { begin, mode as now, type Mode, picked } from "./motionstate";
 import { MOST } from "./forms";
+import { OpenTimes } from "./opentimes";
 import { remove, setWishes } from "./exittool";
 import { Check, Choice, LengthField, named, NumberField } from "./parts";
 import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, ROTATIONAL, shaped } from "./places";
@@ -193,7 +194,7 @@ function Fields({ wishes, place, k }: { wishes: Wishes; place: Place; k: number 
                 />
             </label>
             {place.share !== null && <NumberField label={`${title}, share`} short="share" value={place.share} min={0} max={1e6} step={0.5} onChange={(share) => set({ ...place, share })} />}
-            {kind === "exit" && <Times place={place} title={title} set={set} />}
+            {kind === "exit" && <OpenTimes name={title} times={place.open} onChange={(open) => set({ ...place, open })} />}
             {corners.map(([x, y], j) => {
                 const name = `${title}, ${corners.length === 2 ? "end" : "corner"} ${j + 1}`;
                 return (
@@ -220,45 +221,6 @@ function Fields({ wishes, place, k }: { wishes: Wishes; place: Place; k: number 
                 </button>
             </div>
         </fieldset>
-    );
-}
-
-/** How long an exit is open after it opens, at first; and the latest time that is taken, in s. */
-const [OPEN, LATEST] = [60, 1e5];
-
-/** When people can leave by it. */
-function Times({ place, title, set }: { place: Place; title: string; set(next: Place): void }) {
-    const times = place.open ?? [];
-    const step = film.value?.scene.step ?? 0.01;
-    const put = (next: [number, number][]) => set({ ...place, open: next.length > 0 ? next : null });
-    const last = times.at(-1)?.[1] ?? 0;
-    return (
-        <>
-            <label class="check">
-                <input type="checkbox" checked={place.open !== null} onChange={(event) => put(event.currentTarget.checked ? [[0, OPEN]] : [])} />
-                <span class="hidden">{title}, </span>open at times only
-            </label>
-            {times.map(([from, to], j) => {
-                const name = `${title}, opening ${j + 1}`;
-                const turn = (part: [number, number]) => put(times.map((old, i) => (i === j ? part : old)));
-                return (
-                    <div class="row" key={j}>
-                        <NumberField label={`${name}, from`} short="from" unit="s" value={from} min={times[j - 1]?.[1] ?? 0} max={to - step} step={5} onChange={(next) => turn([next, to])} />
-                        <NumberField label={`${name}, to`} short="to" unit="s" value={to} min={from + step} max={times[j + 1]?.[0] ?? LATEST} step={5} onChange={(next) => turn([from, next])} />
-                        <button type="button" aria-label={`Delete ${name.toLowerCase()}`} onClick={() => put(times.filter((_, i) => i !== j))}>
-                            ×
-                        </button>
-                    </div>
-                );
-            })}
-            {place.open && times.length < MOST.times && (
-                <div class="buttons">
-                    <button type="button" onClick={() => put([...times, [last + OPEN, last + 2 * OPEN]])}>
-                        Add a time
-                    </button>
-                </div>
-            )}
-        </>
     );
 }
 

@@ -1,7 +1,7 @@
 // What the user may have made has these forms, also when it comes from a link or the browser's storage.
 
 import { type Check, dictionary, flag, list, nullable, number, one, record, tagged, text, tuple, within } from "./check";
-import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, type Further, type Material2d, type Mechanics, MODELS, type Motion, type Normal, type People, type PersonWanted, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
+import { BALANCES, type Base, type CrowdWanted, type Door, type Edit, type Four, type Further, type Material2d, type Mechanics, MODELS, type Motion, type Normal, type OpenTime, type People, type PersonWanted, type Place, type Point, type Push, type Room, type Rotational, type Waypoint, type Wishes } from "./protocol";
 import { rectangle } from "./roomshape";
 
 /** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
@@ -21,13 +21,14 @@ export const MOST = { corners: 200, outline: 2000, walls: 500, all: 5000, parts:
 
 export const point: Check<Point> = tuple<Point>(number, number);
 const corners = list(point, MOST.corners, 3);
+const openTimes = list(tuple<OpenTime>(number, number), MOST.times, 1);
 const outline = list(point, MOST.outline, 3);
 const further = list(record<Further>({ corners: list(point, MOST.outline, 2), of: nullable(text(MOST.name)) }), MOST.walls);
 const parts = {
     obstacles: list(outline, MOST.walls),
     // What is not there is left out: plans are compared as text.
     walls: (given: unknown) => (given === undefined ? undefined : further(given)),
-    doors: list(record<Door>({ at: point, width: number }), MOST.parts),
+    doors: list(record<Door>({ at: point, width: number, open: (given) => (given === undefined ? undefined : openTimes(given)) }), MOST.parts),
 };
 const room = record<Room>({ outline, ...parts });
 /** In place of a Trial's walls. */
@@ -159,7 +160,7 @@ const place = record<Place>({
     polygon: nullable(corners),
     share: nullable(number),
     // Older links have none.
-    open: (given) => nullable(list(tuple<[number, number]>(number, number), MOST.times, 1))(given ?? null),
+    open: (given) => nullable(openTimes)(given ?? null),
 });
 const name = nullable(text(MOST.name));
 const rotational = nullable(record<Rotational>({ time_gap: number, standstill_gap: number, reaction_time: (given) => number(given ?? 0), speed_noise: number, acceleration: number }));

@@ -139,7 +139,7 @@ export function Beside({ now }: { now: Film }) {
             context.clearRect(0, 0, on.width, on.height);
             const [kind, places] = [mapKind.value, map.value];
             if (kind) places?.paint(kind, context, view, byPlace.value?.scale(kind));
-            painter.walls(context, view, inks);
+            painter.walls(context, view, inks, place * run.scene.step);
             painter.people(context, { frame: run.frameAt(place), shades, paths: null, selected: null, overlapping: [], faint: kind !== null }, view, inks);
             paintPlaces(context, run.scene.targets, view, inks);
             if (kind) places?.paintMost(kind, context, view, inks);

@@ -1,6 +1,6 @@
 // What the page and the worker tell each other. Lengths in m, masses in kg, angles in rad, times in s.
 
-import type { Point, Room, RoomEdit } from "./roomtypes";
+import type { OpenTime, Point, Room, RoomEdit } from "./roomtypes";
 
 export type * from "./roomtypes";
 
@@ -99,8 +99,8 @@ export interface Place {
     polygon: Point[] | null;
     /** So many of the people take it, relative to the other exits; for all exits or for none. */
     share: number | null;
-    /** Of exits: times in s from which to which people can leave by it; null: always. */
-    open: [number, number][] | null;
+    /** Of exits: when people can leave by it; null: always. */
+    open: OpenTime[] | null;
 }
 
 /** Constants of the rotational model. */
@@ -316,7 +316,7 @@ export interface Scene {
     agents: Agent[];
     /** What goes along with people of each kind. */
     kinds: Record<string, string[]>;
-    walls: { id: string; corners: Point[] }[];
+    walls: { id: string; corners: Point[]; open?: OpenTime[] }[];
     step: number;
     mechanical_step: number;
     /** The longest stable mechanical step; null if nothing can touch. */
@@ -341,7 +341,7 @@ export interface Scene {
     /** Where people walk to. */
     ways: Waypoint[][];
     /** Exits, then goals (`stay`): lines have two corners. */
-    targets: { name: string; stay: boolean; corners: Point[]; open?: [number, number][] }[];
+    targets: { name: string; stay: boolean; corners: Point[]; open?: OpenTime[] }[];
     /** How many have an exit. */
     leaving: number;
     /** A line 1 m beyond each door of a crowd's room. */

@@ -6,6 +6,7 @@ import { MakeCrowd } from "./crowd";
 import { DrawingPanel } from "./drawing";
 import { edited, ready, shape } from "./drawn";
 import { NewRoom } from "./newroom";
+import { OpenTimes } from "./opentimes";
 import { brief, Choice, LengthField, length } from "./parts";
 import { type KeptCrowd, MOST } from "./forms";
 import { change, plan } from "./plan";
@@ -250,13 +251,16 @@ function Doors({ room }: { room: Room }) {
                 Doors <span class="unit">({doors.length})</span>
             </summary>
             {doors.map((door, k) => (
-                <div class="row" key={k}>
-                    <span class="which">{k + 1}</span>
-                    <LengthField label={`Door ${k + 1}, width`} short="width" value={door.width} min={0.1} max={100} onChange={(width) => set(k, { width })} />
-                    <PointFields name={`Door ${k + 1}`} at={door.at} onChange={(at) => set(k, { at })} />
-                    <button type="button" aria-label={`Delete door ${k + 1}`} onClick={() => remove({ kind: "door", k })}>
-                        ×
-                    </button>
+                <div key={k}>
+                    <div class="row">
+                        <span class="which">{k + 1}</span>
+                        <LengthField label={`Door ${k + 1}, width`} short="width" value={door.width} min={0.1} max={100} onChange={(width) => set(k, { width })} />
+                        <PointFields name={`Door ${k + 1}`} at={door.at} onChange={(at) => set(k, { at })} />
+                        <button type="button" aria-label={`Delete door ${k + 1}`} onClick={() => remove({ kind: "door", k })}>
+                            ×
+                        </button>
+                    </div>
+                    <OpenTimes name={`Door ${k + 1}`} times={door.open ?? null} onChange={(open) => set(k, { open: open ?? undefined })} />
                 </div>
             ))}
             {some && doors.length < MOST.parts && (
@@ -264,7 +268,7 @@ function Doors({ room }: { room: Room }) {
                     Add a door by numbers
                 </button>
             )}
-            <p class="note">A door is a gap in the wall that is nearest to x and y.</p>
+            <p class="note">A door is a gap in the wall that is nearest to x and y. A wall closes it while it is not open.</p>
         </details>
     );
 }

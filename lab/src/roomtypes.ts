@@ -2,10 +2,15 @@
 
 export type Point = [number, number];
 
+/** From and to which time in s something is open. */
+export type OpenTime = [number, number];
+
 /** A gap in the wall nearest to `at`, with its middle there. */
 export interface Door {
     at: Point;
     width: number;
+    /** When it is open; without, always. */
+    open?: OpenTime[];
 }
 
 /** A wall that need not be closed: a closed one repeats its first corner. */

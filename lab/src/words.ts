@@ -579,7 +579,7 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["Click its corners. Enter, a double click or a click on the first corner ends it. Esc ends it without a change. Hold Shift for right angles.", "Klicken Sie seine Ecken an. Eingabe, ein Doppelklick oder ein Klick auf die erste Ecke beendet es. Esc beendet es ohne Änderung. Mit Umschalt rechte Winkel.", "Cliquez ses coins. Entrée, un double clic ou un clic sur le premier coin termine. Échap termine sans changement. Maj pour des angles droits."],
     ["Click on a wall. Esc ends it without a change.", "Klicken Sie auf eine Wand. Esc beendet es ohne Änderung.", "Cliquez sur un mur. Échap termine sans changement."],
     ["Press at one corner of a rectangle and draw to the other one. Esc ends it without a change.", "Drücken Sie an einer Ecke eines Rechtecks und ziehen Sie zur anderen. Esc beendet es ohne Änderung.", "Appuyez à un coin d'un rectangle et tirez jusqu'à l'autre. Échap termine sans changement."],
-    ["A door is a gap in the wall that is nearest to x and y.", "Eine Tür ist eine Lücke in der Wand, die x und y am nächsten ist.", "Une porte est une ouverture dans le mur le plus proche de x et y."],
+    ["A door is a gap in the wall that is nearest to x and y. A wall closes it while it is not open.", "Eine Tür ist eine Lücke in der Wand, die x und y am nächsten ist. Eine Wand schließt sie, solange sie nicht offen ist.", "Une porte est une ouverture dans le mur le plus proche de x et y. Un mur la ferme tant qu’elle n’est pas ouverte."],
     ["Add a door by numbers", "Tür mit Zahlen", "Ajouter une porte par des nombres"],
     ["Where people stand", "Wo Personen stehen", "Où se tiennent les personnes"],
     ["where people stand", "wo Personen stehen", "où se tiennent les personnes"],
@@ -1124,6 +1124,9 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["it ends there", "dort endet es", "cela s'arrête là"],
     // Times of exits, shares of ways, new rooms, the report's further numbers.
     ["open at times only", "nur zeitweise offen", "ouverte seulement par moments"],
+    ["Door #, opening #,", "Tür #, Öffnung #,", "Porte #, ouverture #,"],
+    ["Delete door #, opening #", "Tür #, Öffnung # löschen", "Supprimer la porte #, ouverture #"],
+    ["Door #, opening #", "Tür #, Öffnung #", "Porte #, ouverture #"],
     ["Exit #, opening #,", "Ausgang #, Öffnung #,", "Sortie #, ouverture #,"],
     ["Delete exit #, opening #", "Ausgang #, Öffnung # löschen", "Supprimer la sortie #, ouverture #"],
     ["Exit #, opening #", "Ausgang #, Öffnung #", "Sortie #, ouverture #"],

@@ -230,8 +230,22 @@ def test_who_waits_for_a_closed_exit_leaves_and_who_is_shut_out_is_stuck(page: P
     lemons("run", trial, "--until", "left", "-o", tmp_path / "run.csv")
     assert float(rows(tmp_path / "run.csv")[-1]["t"]) == pytest.approx(end) and end > 2
     expect(page.get_by_role("button", name="Until all have left")).to_be_disabled()
-    # A door as wide as half a person: all stay before it.
+    # A wall that closes the door itself, until later.
     tab(page, "Room")
+    page.get_by_label("Door 1, open at times only").check()
+    fill(page, "Door 1, opening 1, from", 6)
+    becomes(page, lambda: plan(page)["made"]["base"]["room"]["doors"][0].get("open"), [[6, 60]])
+    button(page, "Until all have left")
+    page.get_by_role("slider", name="Time").press("End")
+    told = page.get_by_text("All 3 have left after")
+    expect(told).to_be_visible()
+    end = float(told.inner_text().split()[-2])
+    closed = download(page, "Trial (zip)", tmp_path / "closed")
+    lemons("run", closed, "--until", "left", "-o", tmp_path / "closed.csv")
+    assert float(rows(tmp_path / "closed.csv")[-1]["t"]) == pytest.approx(end) and end > 6
+    tab(page, "Room")
+    page.get_by_label("Door 1, open at times only").uncheck()
+    # A door as wide as half a person: all stay before it.
     fill(page, "Door 1, width", 35)
     becomes(page, lambda: sorted(line[1] for line in lines(page)[0]), [0.32, 2.68])
     tab(page, "Motion")

@@ -30,7 +30,11 @@ pub fn of(run: &Run) -> Value {
     };
     let wall = |wall: &Wall| {
         let corners: Vec<[f64; 2]> = wall.corners.iter().copied().map(Into::into).collect();
-        json!({ "id": wall.id, "corners": corners })
+        let mut value = json!({ "id": wall.id, "corners": corners });
+        if !wall.open.is_empty() {
+            value["open"] = json!(wall.open);
+        }
+        value
     };
     let person = |agent: &lemons_people::Agent| {
         let Person { sex, breadth, depth, stature, mass } = *agent.everybody().first()?;

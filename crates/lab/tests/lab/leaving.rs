@@ -57,6 +57,22 @@ fn everybody_leaves_beyond_the_door() {
 }
 
 #[test]
+fn a_wall_closes_a_door_that_is_not_open() {
+    let mut lab = Lab::default();
+    let doors = json!([{"at": [4.0, 1.5], "width": 1.0, "open": [[2.0, 99.0]]}]);
+    let base = crowd(8, with(square(4.0, 3.0), "doors", doors));
+    let (shown, _) = ok(&mut lab, show(base, go(&[line("street", [5.0, 0.0, 5.0, 3.0])], &[])));
+    let walls = shown["scene"]["walls"].as_array().unwrap();
+    assert_eq!(walls.len(), 2);
+    assert_eq!((walls[0].get("open"), &walls[1]["open"]), (None, &json!([[2.0, 99.0]])));
+    assert_eq!(walls[1]["corners"], json!([[4.0, 1.0], [4.0, 2.0]]));
+    let (_, frames) = ok(&mut lab, advance(1, 200));
+    assert!(numbers(&frames).chunks(COLUMNS).all(|of| of[0] < 4.0));
+    let (_, frames) = ok(&mut lab, advance(1, 1000));
+    assert!(numbers(&frames).chunks(COLUMNS).rev().take(8).all(|of| of[0].is_nan()));
+}
+
+#[test]
 fn of_several_exits_people_take_the_quickest_unless_they_have_shares() {
     let mut lab = Lab::default();
     let exits = [line("right", [3.0, 1.0, 3.0, 2.0]), line("left", [0.5, 1.0, 0.5, 2.0])];
