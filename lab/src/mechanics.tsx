@@ -109,7 +109,7 @@ export function MechanicsForm({ film: { scene } }: { film: Film }) {
             {contacts.filter(({ id1, id2 }) => canChange(id1) && canChange(id2)).map((contact) => (
                 <ContactFields key={`${contact.id1} ${contact.id2}`} contact={contact} />
             ))}
-            {made.base.kind === "crowd" && <p class="note">Each pair has its own numbers. The slider "Friction" and the tab Crowd set the friction of all pairs with people.</p>}
+            {made.base.kind === "crowd" && <p class="note">Each pair has its own numbers. The slider and the tab Crowd set the friction of all pairs with people.</p>}
             {!materials.every(({ id }) => canChange(id)) && <p class="note">{`Materials whose Ids have more than ${MOST.name} letters cannot be changed here.`}</p>}
         </div>
     );

@@ -420,7 +420,7 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["Force per speed of slip", "Kraft je Geschwindigkeit des Rutschens", "Force par vitesse de glissement"],
     ["the larger, the more energy is lost while two disks stick", "je größer, desto mehr Energie geht verloren, solange zwei Scheiben haften", "plus elle est grande, plus d'énergie se perd pendant que deux disques adhèrent"],
     ["Two touching disks slide where the tangential force would exceed this multiple of the normal force", "Zwei Scheiben, die sich berühren, gleiten, wo die Tangentialkraft dieses Vielfache der Normalkraft überschritte", "Deux disques qui se touchent glissent là où la force tangentielle dépasserait ce multiple de la force normale"],
-    ["Each pair has its own numbers. The slider # and the tab Crowd set the friction of all pairs with people.", "Jedes Paar hat eigene Zahlen. Der Regler „Reibung“ und der Reiter Menge setzen die Reibung aller Paare mit Personen.", "Chaque paire a ses propres nombres. Le curseur « Frottement » et l'onglet Foule fixent le frottement de toutes les paires avec des personnes."],
+    ["Each pair has its own numbers. The slider and the tab Crowd set the friction of all pairs with people.", "Jedes Paar hat eigene Zahlen. Der Regler und der Reiter Menge setzen die Reibung aller Paare mit Personen.", "Chaque paire a ses propres nombres. Le curseur et l’onglet Foule fixent le frottement de toutes les paires avec des personnes."],
     ["changed materials and steps", "geänderte Materialien und Schritte", "matériaux et pas changés"],
     ["Steps and cost", "Schritte und Aufwand", "Pas et coût"],
     ["Communication step", "Kommunikationsschritt", "Pas de communication"],

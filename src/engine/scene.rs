@@ -219,7 +219,8 @@ impl Scene {
     /// Returns the scene with only some of its walls. Faces keep their numbers. Those of a wall that is absent touch
     /// nothing.
     pub(super) fn with_walls(&self, present: &[bool]) -> Scene {
-        let mut scene = Scene { faces: Vec::new(), wall_faces: Vec::new(), corners: Vec::new(), ..self.clone() };
+        let mut scene =
+            Scene { faces: Vec::new(), wall_faces: Vec::new(), corners: Vec::new(), ..self.clone() };
         scene.doubled.clear();
         scene.add_walls(present);
         scene

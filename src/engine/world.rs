@@ -4,14 +4,14 @@ use super::blocks::Blocks;
 use super::broad_phase::{CellGrid, Crowded, NearMargin, SKIN};
 use super::circle::Circle;
 use super::contacts::{SpringUpdate, Step};
+use super::face::nearest_on_face;
 use super::free_flight::Course;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
-use super::face::nearest_on_face;
 use super::{
-    BodyId, Disk, DiskId, Exposure, Face, FaceExposure, Pair, Scene, Shortlisting, State, Threads, ThreadsError,
-    WallId, Work, Wrench,
+    BodyId, Disk, DiskId, Exposure, Face, FaceExposure, Pair, Scene, Shortlisting, State, Threads,
+    ThreadsError, WallId, Work, Wrench,
 };
 use thiserror::Error;
 

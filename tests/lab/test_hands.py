@@ -182,7 +182,7 @@ def test_a_way_is_drawn_with_the_mouse(page: Page, tmp_path: Path) -> None:
     wishes = tomllib.loads(held(download(page, "Trial (zip)", tmp_path / "shared"))["decision.toml"])
     assert wishes["ways"] == [{"waypoints": whole(first), "share": 3}, {"waypoints": whole(second), "share": 7}] and wishes["seed"] == 5
     tab(page, "Motion")
-    page.get_by_role("button", name="Delete way 1").click()
+    page.get_by_role("button", name="Delete way 1", exact=True).click()
     becomes(page, lambda: plan(page)["made"]["motion"].get("shares"), [7])
 
 

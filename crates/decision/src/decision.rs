@@ -474,7 +474,8 @@ impl Decision {
         }
         if let Some(waypoint) = agent.walker.waypoints.get(agent.next()) {
             let way = (vec2(waypoint.x, waypoint.y) - agent.at()).unit(0.0);
-            let goes = way.map(|way| (way, self.share_before_doors(agent.at(), way) * agent.walker.desired_speed));
+            let goes =
+                way.map(|way| (way, self.share_before_doors(agent.at(), way) * agent.walker.desired_speed));
             return Aim { arrival, goes, to_go: self.to_go(i, destination) };
         }
         if destination == Destination::None || arrival == Some(Arrival::Leaves) {

@@ -147,7 +147,9 @@ impl Door {
     /// was or has other corners, so is the door.
     #[must_use]
     pub fn carried<L: AsRef<[Vec2]>>(&self, before: &[L], after: &[L]) -> Door {
-        let Some((line, Foot { side, along, .. })) = nearest_wall(before, self.at) else { return self.clone() };
+        let Some((line, Foot { side, along, .. })) = nearest_wall(before, self.at) else {
+            return self.clone();
+        };
         let (old, Some(new)) = (before[line].as_ref(), after.get(line).map(AsRef::as_ref)) else {
             return self.clone();
         };
@@ -434,7 +436,9 @@ mod tests {
         assert_eq!(wall.corners, [vec2(8.0, 2.5), vec2(8.0, 3.5)]);
         assert!(closed.fixed_walls().eq(&cut.walls));
         let never = Door { open: vec![[60.0, 20.0]], ..opens };
-        assert!(cut_doors(geometry, &[never]).unwrap_err().to_string().contains("open = [[60.0, 20.0]]: must be"));
+        assert!(
+            cut_doors(geometry, &[never]).unwrap_err().to_string().contains("open = [[60.0, 20.0]]: must be")
+        );
     }
 
     #[test]

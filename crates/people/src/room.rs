@@ -369,8 +369,7 @@ mod tests {
     fn opened() -> (Geometry, Room) {
         let open = corners([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0]]);
         let closed = corners([[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 1.0]]);
-        let wall =
-            |id: &str, corners| Wall::new(id, format!("material of {id}"), corners);
+        let wall = |id: &str, corners| Wall::new(id, format!("material of {id}"), corners);
         let geometry = Geometry {
             dimensions: Some(vec2(5.0, 4.0)),
             walls: vec![wall("a", open.clone()), wall("0", closed.clone())],

@@ -108,9 +108,7 @@ pub fn materials() -> Materials {
 /// Returns closed walls \[m\] of one material: the outline of a region, then its holes. Its dimensions are those of the
 /// first wall; the drawn area begins at the origin, as in the paper's files. Without rings: the open plane.
 pub fn walls(rings: &[Ring], material: &str) -> Geometry {
-    let wall = |(id, ring): (usize, &Ring)| {
-        Wall::new(id.to_string(), material, ring.closed().to_vec())
-    };
+    let wall = |(id, ring): (usize, &Ring)| Wall::new(id.to_string(), material, ring.closed().to_vec());
     let dimensions = rings.first().map(|ring| ring.bounds().size());
     Geometry { dimensions, walls: rings.iter().enumerate().map(wall).collect() }
 }

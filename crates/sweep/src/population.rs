@@ -208,8 +208,7 @@ impl Population {
         let region = Region::rectangle(Vec2::ZERO, self.sides.into()).map_err(wrong)?;
         let uncut = walls(region.rings(), "concrete");
         let closed = closed_walls(&uncut);
-        let doors: Vec<Door> =
-            self.doors.iter().map(|&[x, y, width]| Door::new(vec2(x, y), width)).collect();
+        let doors: Vec<Door> = self.doors.iter().map(|&[x, y, width]| Door::new(vec2(x, y), width)).collect();
         let geometry = cut_doors(uncut, &doors).map_err(wrong)?;
         let proportions = Proportions { men: self.men, ..Proportions::default() };
         let source = Source::ansur().map_err(wrong)?;

@@ -9,7 +9,8 @@ const LATEST: f64 = 1e9;
 pub const MOST_TIMES: usize = 1000;
 
 /// What times must be, for messages.
-pub const TIMES: &str = "pairs of from and to in s, from 0 to 1e9, each from below its to, in order, not overlapping";
+pub const TIMES: &str =
+    "pairs of from and to in s, from 0 to 1e9, each from below its to, in order, not overlapping";
 
 /// Returns whether these are at most [`MOST_TIMES`] times \[s\] as [`TIMES`] says.
 pub fn are_times(open: &[[f64; 2]]) -> bool {
@@ -53,7 +54,8 @@ mod tests {
         let seen: Vec<f64> =
             [0.0, 5.4, 5.5, 19.9, 20.0 - 1e-12, 1e8].into_iter().filter(|&t| is_open(&open, t)).collect();
         assert_eq!(seen, [0.0, 5.4, 20.0 - 1e-12, 1e8]);
-        for wrong in ["", "5", "5,4", "5,5", "-1,4", "0,2e9", "0,4 3,5", "0,4 4,5", "0,nan", "0,1,2", "0, 1"] {
+        for wrong in ["", "5", "5,4", "5,5", "-1,4", "0,2e9", "0,4 3,5", "0,4 4,5", "0,nan", "0,1,2", "0, 1"]
+        {
             assert_eq!(parse(wrong), None, "{wrong:?}");
         }
     }

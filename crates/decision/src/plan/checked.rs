@@ -1,10 +1,10 @@
 //! Whether a plan can be carried out.
 
-use super::{Door, Plan};
 use super::destinations::names;
+use super::{Door, Plan};
 use crate::error::{
-    MOST_MEMBERS, MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative,
-    number, positive,
+    MOST_MEMBERS, MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative, number,
+    positive,
 };
 use crate::target::{Destination, Target};
 use lemons_core::plane::vec2;

@@ -275,9 +275,7 @@ impl Plan {
 
     /// Returns the walls of a material. Ids count from 0.
     pub fn geometry(&self, material: &str) -> Geometry {
-        let wall = |(id, corners): (usize, &Vec<Vec2>)| {
-            Wall::new(id.to_string(), material, corners.clone())
-        };
+        let wall = |(id, corners): (usize, &Vec<Vec2>)| Wall::new(id.to_string(), material, corners.clone());
         Geometry {
             dimensions: self.bounds().map(|bounds| bounds.size()),
             walls: self.walls.iter().enumerate().map(wall).collect(),

@@ -190,11 +190,8 @@ fn made_small() -> Trial {
     trial.agents.truncate(2);
     trial.dynamics.truncate(2);
     trial.dynamics[1].position = vec2(0.248, 0.03);
-    trial.geometry.walls = vec![Wall::new(
-        "edge",
-        "concrete",
-        vec![vec2(-0.1225, 1.0), vec2(-0.1225, -1.0), vec2(1.0, -1.0)],
-    )];
+    trial.geometry.walls =
+        vec![Wall::new("edge", "concrete", vec![vec2(-0.1225, 1.0), vec2(-0.1225, -1.0), vec2(1.0, -1.0)])];
     (trial.parameters.time_step, trial.parameters.time_step_mechanical) = (0.01, 1e-4);
     trial
 }
