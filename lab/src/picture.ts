@@ -61,7 +61,7 @@ function row(context: CanvasRenderingContext2D, words: string, { label, unit, lo
     const pixel = devicePixelRatio;
     context.fillText(words, 10 * pixel, middle);
     if (kinds) return paintKinds(context, kinds.map(({ name, shade }) => [translated(kindWords(name)), shade.fill]), width - 10 * pixel, middle, context.measureText(words).width + 20 * pixel, pixel, ink);
-    const end = `${largest > most ? "≥ " : ""}${digits(most, 3)} ${unit}`.trim();
+    const end = `${largest > most ? "≥ " : ""}${digits(most, 3)} ${translated(unit)}`.trim();
     let right = width - 10 * pixel - context.measureText(end).width;
     context.fillText(end, right, middle);
     const ramp = Math.min(120 * pixel, width / 4);

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from playwright.sync_api import Page, expect
-from visit import download, fill, held, make, play_until, rows, tab
+from visit import download, fill, held, make, play_until, rows, seconds, tab, wait
 
 #: Elements of Matroska that hold others: EBML header, segment, information, tracks, track, video, cluster, group.
 HOLDING = {0x1A45DFA3, 0x18538067, 0x1549A966, 0x1654AE6B, 0xAE, 0xE0, 0x1F43B675, 0xA0}
@@ -77,7 +77,17 @@ def test_a_long_table_is_stopped_and_the_page_goes_on(page: Page, tmp_path: Path
     play_until(page, 0.2)
     tab(page, "Take away")
     table = page.get_by_role("button", name="Trajectories (CSV)")
-    fill(page, "Until", 5000)
+    # While a run plays, this number follows it, but not while somebody writes there.
+    page.get_by_role("button", name="Play").click()
+    field = page.get_by_role("spinbutton", name="Until")
+    field.press("Control+a")
+    begun = seconds(page)
+    wait(page, lambda: seconds(page) > begun + 0.3)
+    page.keyboard.type("5000", delay=100)
+    expect(field).to_have_value("5000")
+    field.press("Enter")
+    page.get_by_role("button", name="Pause").click()
+    expect(field).to_have_value("5000")
     table.click()
     expect(page.get_by_role("alert")).to_contain_text("the table is too large")
     # Half a minute of work.

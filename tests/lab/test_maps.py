@@ -143,7 +143,7 @@ def test_a_map_goes_on_with_the_run_and_with_links(page: Page, tmp_path: Path) -
     assert np.sum(np.abs(colours - [0x44, 0x01, 0x54]).sum(axis=1) < 12) > 5000
     # It shows no people, who are of one moment: it is the same whatever moment the stage shows.
     (tmp_path / "later").mkdir()
-    page.get_by_role("button", name="To the start").click()
+    page.get_by_role("button", name="To the start", exact=True).click()
     assert (pixels(given(page, "Map (PNG)", tmp_path / "later")) == pixels(first)).all()
     # The table's name has the time, and the file beside it says what the map is of.
     csv = given(page, "Map (CSV)", tmp_path)

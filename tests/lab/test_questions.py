@@ -130,7 +130,7 @@ def test_two_widths_side_by_side_have_the_numbers_of_the_command(page: Page, tmp
     assert box
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     page.mouse.wheel(0, 400)
-    wait(page, lambda: dense(main) < 0.5 * wide and abs(dense(beside) / max(1, dense(main)) - 1) < 0.15)
+    wait(page, lambda: dense(main) < 0.8 * wide and abs(dense(beside) / max(1, dense(main)) - 1) < 0.15)
     # The report has both.
     tab(page, "Take away")
     page.get_by_role("button", name="Report to print").click()
