@@ -113,9 +113,9 @@ def test_trails_and_forces_are_drawn(page: Page) -> None:
     page.get_by_label("Pace").select_option(label="2 ×")
     play_until(page, 1)
     # Frames that are still computed would stretch the scale.
-    page.get_by_text("About this scale").click()
+    page.get_by_text("About this scale", exact=True).click()
     page.get_by_label("Fix this scale").check()
-    page.get_by_text("About this scale").click()
+    page.get_by_text("About this scale", exact=True).click()
     scrub(page, 90)
     plain = pixels(page)
     note = page.get_by_text("The widest is")

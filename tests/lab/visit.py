@@ -67,18 +67,24 @@ def download(page: Page, name: str, to: Path) -> Path:
 
 def given(page: Page, name: str, to: Path) -> Path:
     """What a button gives; a table comes with a file that says where it is from."""
-    files: list[Path] = []
+    files: list[Download] = []
 
     def keep(file: Download) -> None:
-        path = to / file.suggested_filename
-        file.save_as(path)
-        files.append(path)
+        files.append(file)
 
     page.on("download", keep)
     page.get_by_role("button", name=name, exact=True).click()
-    wait(page, lambda: len(files) > 0 and len(files) == (2 if files[0].suffix == ".csv" else 1))
+    beside = "-metadata.json"
+
+    def told() -> list[str]:
+        return sorted((file.suggested_filename for file in files), key=lambda name: name.endswith(beside))
+
+    # They come in any order.
+    wait(page, lambda: told()[:1] != [] and not told()[0].endswith(beside) and len(files) == (2 if told()[0].endswith(".csv") else 1))
     page.remove_listener("download", keep)
-    return files[0]
+    for file in files:
+        file.save_as(to / file.suggested_filename)
+    return to / told()[0]
 
 
 def seconds(page: Page) -> float:
