@@ -58,10 +58,10 @@ export interface Plan {
     sweep: SweepWishes;
 }
 
-/** What the form of a sweep says. Empty texts stand for what it proposes, null for as long as people may need. */
+/** What the form of a sweep says. No parameter or measure and null stand for what it proposes. */
 interface SweepWishes {
     parameter: string;
-    values: string;
+    values: string | null;
     seeds: number;
     /** In s. */
     until: number | null;
@@ -89,7 +89,7 @@ export const FIRST: Plan = {
     line: null,
     area: null,
     backdrop: null,
-    sweep: { parameter: "", values: "", seeds: 3, until: null, measure: "" },
+    sweep: { parameter: "", values: null, seeds: 3, until: null, measure: "" },
     limit: { force: 623, seconds: 1 },
     drawn: null,
     author: "",
@@ -125,7 +125,7 @@ const whole = patched<Plan>(
         span: tuple<[number | null, number | null]>(nullable(within(0, 1e5)), nullable(within(0, 1e5))),
         line: nullable(tuple<[Point, Point]>(point, point)),
         area: nullable(tuple<[Point, Point]>(point, point)),
-        sweep: record<SweepWishes>({ parameter: text(MOST.name), values: text(MOST.list), seeds: within(1, MOST.seeds), until: nullable(within(0.1, 1e5)), measure: text(MOST.name) }),
+        sweep: record<SweepWishes>({ parameter: text(MOST.name), values: nullable(text(MOST.list)), seeds: within(1, MOST.seeds), until: nullable(within(0.1, 1e5)), measure: text(MOST.name) }),
         limit: record<Plan["limit"]>({ force: within(1, 1e6), seconds: within(0.01, 600) }),
         drawn: nullable(text(MOST.name)),
         author: text(NAME),

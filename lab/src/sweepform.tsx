@@ -26,7 +26,7 @@ export function SweepForm() {
     const parameter = found.find(({ label }) => label === wishes.parameter) ?? found.find(({ label }) => label.startsWith("Width")) ?? found[0];
     if (!parameter || !film.value) return null;
     // Of another parameter the values are no values of this one.
-    const text = (parameter.label === wishes.parameter && wishes.values) || proposal(parameter);
+    const text = (parameter.label === wishes.parameter ? wishes.values : null) ?? proposal(parameter);
     const [values, wrong] = parsed(text, parameter, seeds);
     const until = wishes.until ?? (film.value.scene.leaving > 0 ? Math.max(PATIENCE, end) : end);
     const now = sweep.value;
@@ -45,7 +45,7 @@ export function SweepForm() {
                     label="Parameter"
                     value={parameter.label}
                     choices={found.map(({ label, unit }) => [label, unit ? `${label} [${unit}]` : label] as const)}
-                    onChange={(label) => set({ parameter: label, values: "" })}
+                    onChange={(label) => set({ parameter: label, values: null })}
                 />
                 <label class="field">
                     <span>Values{parameter.unit && ` [${parameter.unit}]`}, with commas between</span>
