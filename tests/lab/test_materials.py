@@ -126,7 +126,7 @@ def test_the_friction_of_a_crowd_is_that_of_all_pairs_and_it_keeps_its_materials
     page.get_by_role("button", name="Pause").click()
     details(page)
     put(page, '"human_naked", friction', 0.2)
-    expect(page.get_by_text('The slider "Friction" and the tab Crowd set the friction of all pairs with people.')).to_be_visible()
+    expect(page.get_by_text('The slider and the tab Crowd set the friction of all pairs with people.')).to_be_visible()
     expect(page.get_by_role("slider", name="Friction")).to_have_value("0.4")
     expect(page.get_by_role("spinbutton", name='"concrete – human_naked", friction')).to_have_value("0.5")
     fill(page, '"human_naked", shear modulus', 1.2e6)

@@ -66,6 +66,8 @@ def test_a_slider_that_is_dragged_is_one_step_of_undo(page: Page) -> None:
     page.mouse.up()
     wait(page, lambda: plan(page)["made"]["base"]["number"] == plan(page)["crowd"]["number"] != 70)
     assert len(plan(page)["past"]) == 1
+    # The question is asked of those who are there.
+    expect(page.get_by_role("heading", name=f"How long do {plan(page)['crowd']['number']} people need to leave?")).to_be_visible()
     slide(page, "Desired speed", 0.8)
     assert len(plan(page)["past"]) == 2
     for _ in range(2):
