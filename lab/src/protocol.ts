@@ -428,7 +428,8 @@ export interface Advanced {
 }
 
 /** Numbers of an agent in a frame: x, y, theta, vx, vy, omega, mean squeeze of the step, contacts, the part of the
- * squeeze by walls, x and y of the middle of the feet, 1 for who wants to get on and else 0. Of who has left, x and y are not numbers, nor are feet without legs. */
+ * squeeze by walls, x and y of the middle of the feet, 1 for who wants to get on and else 0. Of who has left, x and y are
+ * not numbers, nor are feet without legs. */
 export const COLUMNS = 12;
 /** Place of the feet among them. */
 export const FEET = 9;

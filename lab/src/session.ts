@@ -77,6 +77,7 @@ async function contents(key: string, name: string): Promise<Uint8Array> {
     return bytes;
 }
 
+/** How many people were placed, or opened. */
 function describe(opened: Opened, base: KeptBase, seconds: number): string {
     const count = opened.scene.agents.length;
     const people = count === 1 ? "person" : "people";

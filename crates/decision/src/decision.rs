@@ -1,15 +1,14 @@
 //! The model of the FMU: poses are inputs, drives are outputs.
 
 use crate::balance::{Legs, Motion};
-use crate::exit_choice::{Choice, ExitChoice, Offer, Queues};
+use crate::exit_choice::Choice;
 use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
 use crate::stuck::{StuckAction, StuckState, normal, share};
-use crate::target::{Arrival, Destination, Target, Ways, share_before_closed};
+use crate::target::{Arrival, Destination, Target, Ways};
 use crate::walking_model::{DesiredMotion, Walking, WalkingModel};
 use lemons_core::files::input;
-use lemons_core::plane::{Rotation, Vec2, vec2};
-use lemons_core::trial::is_open;
+use lemons_core::plane::{Vec2, vec2};
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Dependencies, Known, Role, Scalar, Size, Variable};
 use lemons_fmi::{Answer, Model, Phase, Refusal, Step, StepError, damaged, fingerprint, refuse};
@@ -18,10 +17,13 @@ use std::f64::consts::TAU;
 use std::fmt::Display;
 use std::sync::Arc;
 
+mod aims;
+mod exits;
 mod groups;
 mod legs;
 pub mod quantities;
 
+use aims::Aim;
 pub use legs::Stance;
 pub use quantities::Quantity;
 
@@ -139,14 +141,6 @@ pub struct Decision {
     aims: Option<Vec<Aim>>,
     /// Legs of all agents at their present poses, if they were computed; `None` inside for who has left.
     legs: Option<Vec<Option<Legs>>>,
-}
-
-/// See [`Decision::arrival`], [`Decision::goes`] and [`Decision::to_go`].
-#[derive(Debug, Clone, Copy)]
-struct Aim {
-    arrival: Option<Arrival>,
-    goes: Option<(Vec2, f64)>,
-    to_go: f64,
 }
 
 impl Decision {
@@ -290,112 +284,6 @@ impl Decision {
         Ok((0..self.agents.len()).filter(arrived).count())
     }
 
-    /// Who wants to get on now: has started, does not wait at a way-point or for an exit that is closed, and has not arrived.
-    ///
-    /// # Errors
-    /// Those of [`Decision::acts`].
-    pub fn going(&mut self) -> Answer<Vec<bool>> {
-        self.find_ways()?;
-        let going = |i: usize| {
-            let agent = &self.agents[i];
-            let walks = self.has_started(i) && !agent.waits() && agent.walker.desired_speed > 0.0;
-            let there = agent.next() == agent.walker.waypoints.len();
-            let open = match self.destination(i) {
-                Destination::None => false,
-                Destination::Target(k) => self.plan.targets[k].is_open(self.time),
-                Destination::NearestExit => true,
-            };
-            walks && (!there || open) && self.arrival(i).is_none()
-        };
-        Ok((0..self.agents.len()).map(going).collect())
-    }
-
-    /// Chooses an exit for everybody whose turn it is, as it is after a step \[s\], if people choose by more than where exits
-    /// are.
-    fn choose_exits(&mut self, step: f64) {
-        let Some(Some(ways)) = self.ways.clone().filter(|_| self.plan.chooses()) else { return };
-        let (now, by_time) = (self.time + step, self.plan.exit_choice == ExitChoice::Time);
-        let here = |i: &usize| !self.agents[*i].left && self.has_started(*i);
-        let here: Vec<usize> = (0..self.agents.len()).filter(here).collect();
-        for &i in &here {
-            let own = self.agents[i].choice.exit;
-            if self.plan.agents[i].destination == Destination::NearestExit && !(by_time && own.is_some()) {
-                let nearest = self.nearest_exit(i, now);
-                match (own, nearest) {
-                    (Some(_), Some(exit)) => self.change_exit(i, exit),
-                    _ => self.agents[i].choice.exit = nearest,
-                }
-            }
-        }
-        if !by_time {
-            return;
-        }
-        let heads = |i: &usize| match self.destination(*i) {
-            Destination::Target(k) => Some((k, self.to_go(*i, Destination::Target(k)))),
-            _ => None,
-        };
-        let mut queues = Queues::new(self.plan.targets.len(), here.iter().filter_map(heads));
-        let from = |i: &usize| {
-            let agent = &self.agents[*i];
-            let last = agent.walker.waypoints[agent.next()..].last();
-            agent.choice.exit.map(|_| last.map_or(agent.at(), |waypoint| vec2(waypoint.x, waypoint.y)))
-        };
-        let from: Vec<Vec2> = here.iter().filter_map(from).collect();
-        let widths: Vec<(usize, f64)> =
-            self.exits().map(|k| (k, ways.width(k, from.iter().copied()))).collect();
-        for i in here {
-            let Some(own) = self.agents[i].choice.exit.filter(|_| self.leader(i) == i) else { continue };
-            if !self.agents[i].choice.is_due(step) {
-                continue;
-            }
-            let offer = |&(target, width): &(usize, f64)| {
-                let distance = self.to_go(i, Destination::Target(target));
-                let Target { open, time_factor, .. } = &self.plan.targets[target];
-                Offer { target, distance, width, open, time_factor: *time_factor }
-            };
-            let all: Vec<Offer<'_>> = widths.iter().map(offer).collect();
-            let Some(exit) = queues.change(own, self.agents[i].walker.desired_speed, now, &all) else {
-                continue;
-            };
-            self.change_exit(i, exit);
-            let others = self.group(i).into_iter().flatten().copied();
-            for j in others.filter(|&j| j != i && !self.agents[j].left).collect::<Vec<_>>() {
-                let Some(own) = self.agents[j].choice.exit.filter(|own| *own != exit) else { continue };
-                let [before, after] = [own, exit].map(|k| (k, self.to_go(j, Destination::Target(k))));
-                queues.shift(before, after);
-                self.change_exit(j, exit);
-            }
-        }
-    }
-
-    /// Changes the exit of an agent. The direction of walking follows from the one before.
-    fn change_exit(&mut self, i: usize, exit: usize) {
-        if self.agents[i].choice.exit == Some(exit) {
-            return;
-        }
-        let before = self.goes(i);
-        let choice = &mut self.agents[i].choice;
-        (choice.exit, choice.turn) = (Some(exit), 0.0);
-        if let (Some((before, _)), Some((after, _))) = (before, self.goes(i)) {
-            self.agents[i].choice.turn = libm::atan2(after.cross(before), after.dot(before));
-        }
-    }
-
-    fn exits(&self) -> impl Iterator<Item = usize> {
-        (0..self.plan.targets.len()).filter(|k| !self.plan.targets[*k].stay)
-    }
-
-    /// Returns the exit that is nearest on foot, of those that are open at a time \[s\]; if none is, of all. A group has that
-    /// of its first member.
-    fn nearest_exit(&self, i: usize, time: f64) -> Option<usize> {
-        let i = self.leader(i);
-        let far = |k: &usize| self.to_go(i, Destination::Target(*k));
-        let nearest = |wanted: &dyn Fn(&usize) -> bool| {
-            self.exits().filter(wanted).min_by(|a, b| far(a).total_cmp(&far(b)))
-        };
-        nearest(&|k| self.plan.targets[*k].is_open(time)).or_else(|| nearest(&|_| true))
-    }
-
     /// The same at its start.
     fn anew(&self) -> Decision {
         Decision { ways: self.ways.clone(), ..Decision::new(self.plan.clone()) }
@@ -409,110 +297,6 @@ impl Decision {
             self.ways = Some(found.map(Arc::new));
         }
         Ok(())
-    }
-
-    /// Computes the aims of all agents, unless that was done at these poses.
-    fn find_aims(&mut self) {
-        if self.aims.is_none() {
-            let mut aims: Vec<Aim> = (0..self.agents.len()).map(|i| self.find_aim(i)).collect();
-            self.keep_together(&mut aims);
-            self.aims = Some(aims);
-        }
-    }
-
-    /// Returns the ways that were found.
-    fn ways(&self) -> Option<&Ways> {
-        self.ways.as_ref()?.as_deref()
-    }
-
-    /// Returns what an agent does at its exit or goal, if it has arrived there at the present pose.
-    fn arrival(&self, i: usize) -> Option<Arrival> {
-        if let Some(aims) = &self.aims {
-            return aims[i].arrival;
-        }
-        let agent = &self.agents[i];
-        if agent.left {
-            return Some(Arrival::Leaves);
-        }
-        let there = agent.next() == agent.walker.waypoints.len();
-        let open = |k: usize| self.plan.targets[k].is_open(self.time);
-        self.ways().filter(|_| there)?.arrived(
-            self.plan.agents[i].destination,
-            agent.from(),
-            agent.at(),
-            open,
-        )
-    }
-
-    /// Returns whether an agent walks by now; a group starts when the last one of it does. A rounding error is not a time.
-    fn has_started(&self, i: usize) -> bool {
-        let starts = |i: usize| self.time >= self.agents[i].walker.start - 1e-9;
-        self.group(i).map_or_else(|| starts(i), |group| group.iter().all(|&j| starts(j)))
-    }
-
-    /// Destination of an agent: the exit that it has chosen, if it chooses one.
-    fn destination(&self, i: usize) -> Destination {
-        let planned = self.plan.agents[i].destination;
-        let at_once = || {
-            let chooses = planned == Destination::NearestExit && self.plan.chooses_at_once();
-            if chooses { self.nearest_exit(i, self.time) } else { None }
-        };
-        self.agents[i].choice.exit.or_else(at_once).map_or(planned, Destination::Target)
-    }
-
-    /// Where an agent wants to go from its present pose: a unit vector, and the speed \[m/s\].
-    fn goes(&self, i: usize) -> Option<(Vec2, f64)> {
-        self.aims.as_ref().map_or_else(|| self.find_aim(i).goes, |aims| aims[i].goes)
-    }
-
-    /// Computes the aim of an agent at its present pose.
-    fn find_aim(&self, i: usize) -> Aim {
-        let (agent, destination, arrival) = (&self.agents[i], self.destination(i), self.arrival(i));
-        let nowhere = Aim { arrival, goes: None, to_go: 0.0 };
-        if !self.has_started(i) || agent.waits() {
-            return Aim { to_go: self.to_go(i, destination), ..nowhere };
-        }
-        if let Some(waypoint) = agent.walker.waypoints.get(agent.next()) {
-            let way = (vec2(waypoint.x, waypoint.y) - agent.at()).unit(0.0);
-            let goes =
-                way.map(|way| (way, self.share_before_doors(agent.at(), way) * agent.walker.desired_speed));
-            return Aim { arrival, goes, to_go: self.to_go(i, destination) };
-        }
-        if destination == Destination::None || arrival == Some(Arrival::Leaves) {
-            return nowhere;
-        }
-        let Some(ways) = self.ways() else { return nowhere };
-        let closed =
-            matches!(destination, Destination::Target(k) if !self.plan.targets[k].is_open(self.time));
-        let (leg, turn) = (ways.leg(destination, agent.at(), closed), agent.choice.turn);
-        // Without a change of the exit, not even rounding.
-        let turned = |way: Vec2| if turn == 0.0 { way } else { way.rotated(Rotation::by(turn)) };
-        let goes = leg.direction.map(|way| {
-            let share = leg.share.min(self.share_before_doors(agent.at(), way));
-            (turned(way), share * agent.walker.desired_speed)
-        });
-        Aim { arrival, goes, to_go: leg.distance }
-    }
-
-    /// The part of the desired speed with which people walk towards doors that are closed.
-    fn share_before_doors(&self, at: Vec2, way: Vec2) -> f64 {
-        let closed = self.plan.doors.iter().filter(|door| !is_open(&door.open, self.time));
-        closed.map(|door| share_before_closed(door.distance(at, way))).fold(1.0, f64::min)
-    }
-
-    /// \[m\] How far it is along the way-points and to an exit or a goal.
-    fn to_go(&self, i: usize, destination: Destination) -> f64 {
-        let agent = &self.agents[i];
-        let (mut at, mut sum) = (agent.at(), 0.0);
-        for waypoint in &agent.walker.waypoints[agent.next()..] {
-            let next = vec2(waypoint.x, waypoint.y);
-            sum += (next - at).norm();
-            at = next;
-        }
-        match destination {
-            Destination::None => sum,
-            _ => sum + self.ways().map_or(0.0, |ways| ways.distance(destination, at)),
-        }
     }
 
     /// The drive of an agent at its present pose.

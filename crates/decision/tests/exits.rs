@@ -3,6 +3,7 @@
 use lemons_core::plane::{Vec2, segments_cross, vec2};
 use lemons_decision::decision::Act;
 use lemons_decision::rule::Pose;
+use lemons_decision::plan::Door;
 use lemons_decision::{Decision, DecisionConfig, Person, Plan, PlanError};
 use lemons_fmi::Model;
 
@@ -217,6 +218,29 @@ fn who_waits_for_a_closed_exit_or_to_start_does_not_want_to_get_on() {
         decision.pass(STEP).unwrap();
     }
     assert_eq!(decision.going().unwrap(), [true, false], "it is open, and one waits");
+}
+
+/// 0.5 m in front of the closed door people stand, 1 m in front they walk with half of the speed, and 1.5 m away with all.
+#[test]
+fn people_slow_down_in_front_of_a_closed_door() {
+    let people = [person(0, 5.5, 2.0), person(1, 5.0, 2.0), person(2, 4.5, 2.0), person(3, 6.2, 2.0)];
+    let plan = plan(&[room()], &people, DOOR).unwrap();
+    let door = Door { corners: vec![[6.0, 1.5], [6.0, 2.5]], open: vec![[0.1, 9.0]] };
+    let mut decision = Decision::new(Plan { doors: vec![door], ..plan });
+    let speeds = |decision: &mut Decision| {
+        let drive = |act: &Act| vec2(act.drive.force[0], act.drive.force[1]).norm() / (80.0 * 2.0 * 1.34);
+        decision.acts().unwrap().iter().map(drive).collect::<Vec<_>>()
+    };
+    // The last one is beyond it.
+    for (speed, expected) in speeds(&mut decision).into_iter().zip([0.0, 0.5, 1.0, 1.0]) {
+        assert!((speed - expected).abs() < 0.02, "{speed} instead of {expected}");
+    }
+    assert_eq!(decision.going().unwrap(), [false, false, true, true]);
+    for _ in 0..3 {
+        decision.pass(STEP).unwrap();
+    }
+    assert!(speeds(&mut decision).into_iter().all(|speed| (speed - 1.0).abs() < 1e-9), "it is open");
+    assert_eq!(decision.going().unwrap(), [true; 4]);
 }
 
 #[test]

@@ -13,8 +13,8 @@ use std::collections::BTreeSet;
 
 /// Numbers of an agent in a frame: x, y \[m\], orientation \[rad\], velocity along x and y \[m/s\], angular velocity
 /// \[rad/s\], mean squeeze of the last communication step \[N\], number of contacts, the part of the squeeze by walls
-/// \[N\], x and y of the middle of the feet \[m\], 1 for who wants to get on and else 0. The place of who has left is not a number, nor are feet where people have no
-/// legs.
+/// \[N\], x and y of the middle of the feet \[m\], 1 for who wants to get on and else 0. The place of who has left is not
+/// a number, nor are feet where people have no legs.
 pub const COLUMNS: usize = 12;
 
 /// Returns a frame as bytes: [`COLUMNS`] doubles for each agent, little-endian. `going`: who wants to get on.

@@ -24,7 +24,7 @@ pub struct Door {
     pub at: Vec2,
     /// \[m\] Width, along the wall.
     pub width: f64,
-    /// \[s\] From and to which times it is open; else a wall closes it. Of none, it is always open.
+    /// \[s\] The times from and to which it is open; at other times a wall closes it. If empty, it is always open.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub open: Vec<[f64; 2]>,
 }

@@ -48,7 +48,7 @@ pub struct Wall {
     pub material_id: String,
     /// \[m\] at least two corners; the wall is closed if the last one is at the place of the first.
     pub corners: Vec<Vec2>,
-    /// \[s\] `Open`: from and to which times there is no wall. Of none, the wall never opens.
+    /// \[s\] `Open`: the times from and to which the wall is open. If empty, it never opens.
     pub open: Vec<[f64; 2]>,
 }
 

@@ -1,0 +1,144 @@
+//! Where people want to go now, and how fast.
+
+use super::Decision;
+use crate::target::{Arrival, Destination, Ways, share_before_closed};
+use lemons_core::plane::{Rotation, Vec2, vec2};
+use lemons_core::trial::is_open;
+use lemons_fmi::Answer;
+
+/// See [`Decision::arrival`], [`Decision::goes`] and [`Decision::to_go`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Aim {
+    pub(super) arrival: Option<Arrival>,
+    pub(super) goes: Option<(Vec2, f64)>,
+    pub(super) to_go: f64,
+}
+
+impl Decision {
+    /// Returns who wants to get on now: who has started, does not wait at a way-point or for an exit that is closed, is not
+    /// in front of a closed door, and has not arrived.
+    ///
+    /// # Errors
+    /// Those of [`Decision::acts`].
+    pub fn going(&mut self) -> Answer<Vec<bool>> {
+        self.find_ways()?;
+        let going = |i: usize| {
+            let agent = &self.agents[i];
+            let walks = self.has_started(i) && !agent.waits() && agent.walker.desired_speed > 0.0;
+            let there = agent.next() == agent.walker.waypoints.len();
+            let open = match self.destination(i) {
+                Destination::None => false,
+                Destination::Target(k) => self.plan.targets[k].is_open(self.time),
+                Destination::NearestExit => true,
+            };
+            let at_door =
+                || self.goes(i).is_some_and(|(way, _)| self.share_before_doors(agent.at(), way) < 1.0);
+            walks && (!there || open) && self.arrival(i).is_none() && !at_door()
+        };
+        Ok((0..self.agents.len()).map(going).collect())
+    }
+
+    /// Computes the aims of all agents, unless that was done at these poses.
+    pub(super) fn find_aims(&mut self) {
+        if self.aims.is_none() {
+            let mut aims: Vec<Aim> = (0..self.agents.len()).map(|i| self.find_aim(i)).collect();
+            self.keep_together(&mut aims);
+            self.aims = Some(aims);
+        }
+    }
+
+    /// Returns the ways that were found.
+    pub(super) fn ways(&self) -> Option<&Ways> {
+        self.ways.as_ref()?.as_deref()
+    }
+
+    /// Returns what an agent does at its exit or goal, if it has arrived there at the present pose.
+    pub(super) fn arrival(&self, i: usize) -> Option<Arrival> {
+        if let Some(aims) = &self.aims {
+            return aims[i].arrival;
+        }
+        let agent = &self.agents[i];
+        if agent.left {
+            return Some(Arrival::Leaves);
+        }
+        let there = agent.next() == agent.walker.waypoints.len();
+        let open = |k: usize| self.plan.targets[k].is_open(self.time);
+        self.ways().filter(|_| there)?.arrived(
+            self.plan.agents[i].destination,
+            agent.from(),
+            agent.at(),
+            open,
+        )
+    }
+
+    /// Returns whether an agent walks by now; a group starts when the last one of it does. A rounding error is not a time.
+    pub(super) fn has_started(&self, i: usize) -> bool {
+        let starts = |i: usize| self.time >= self.agents[i].walker.start - 1e-9;
+        self.group(i).map_or_else(|| starts(i), |group| group.iter().all(|&j| starts(j)))
+    }
+
+    /// Destination of an agent: the exit that it has chosen, if it chooses one.
+    pub(super) fn destination(&self, i: usize) -> Destination {
+        let planned = self.plan.agents[i].destination;
+        let at_once = || {
+            let chooses = planned == Destination::NearestExit && self.plan.chooses_at_once();
+            if chooses { self.nearest_exit(i, self.time) } else { None }
+        };
+        self.agents[i].choice.exit.or_else(at_once).map_or(planned, Destination::Target)
+    }
+
+    /// Where an agent wants to go from its present pose: a unit vector, and the speed \[m/s\].
+    pub(super) fn goes(&self, i: usize) -> Option<(Vec2, f64)> {
+        self.aims.as_ref().map_or_else(|| self.find_aim(i).goes, |aims| aims[i].goes)
+    }
+
+    /// Computes the aim of an agent at its present pose.
+    pub(super) fn find_aim(&self, i: usize) -> Aim {
+        let (agent, destination, arrival) = (&self.agents[i], self.destination(i), self.arrival(i));
+        let nowhere = Aim { arrival, goes: None, to_go: 0.0 };
+        if !self.has_started(i) || agent.waits() {
+            return Aim { to_go: self.to_go(i, destination), ..nowhere };
+        }
+        if let Some(waypoint) = agent.walker.waypoints.get(agent.next()) {
+            let way = (vec2(waypoint.x, waypoint.y) - agent.at()).unit(0.0);
+            let goes =
+                way.map(|way| (way, self.share_before_doors(agent.at(), way) * agent.walker.desired_speed));
+            return Aim { arrival, goes, to_go: self.to_go(i, destination) };
+        }
+        if destination == Destination::None || arrival == Some(Arrival::Leaves) {
+            return nowhere;
+        }
+        let Some(ways) = self.ways() else { return nowhere };
+        let closed =
+            matches!(destination, Destination::Target(k) if !self.plan.targets[k].is_open(self.time));
+        let (leg, turn) = (ways.leg(destination, agent.at(), closed), agent.choice.turn);
+        // Without a change of the exit, not even rounding.
+        let turned = |way: Vec2| if turn == 0.0 { way } else { way.rotated(Rotation::by(turn)) };
+        let goes = leg.direction.map(|way| {
+            let share = leg.share.min(self.share_before_doors(agent.at(), way));
+            (turned(way), share * agent.walker.desired_speed)
+        });
+        Aim { arrival, goes, to_go: leg.distance }
+    }
+
+    /// The part of the desired speed with which people walk towards doors that are closed.
+    pub(super) fn share_before_doors(&self, at: Vec2, way: Vec2) -> f64 {
+        let closed = self.plan.doors.iter().filter(|door| !is_open(&door.open, self.time));
+        closed.map(|door| share_before_closed(door.distance(at, way))).fold(1.0, f64::min)
+    }
+
+    /// \[m\] How far it is along the way-points and to an exit or a goal.
+    pub(super) fn to_go(&self, i: usize, destination: Destination) -> f64 {
+        let agent = &self.agents[i];
+        let (mut at, mut sum) = (agent.at(), 0.0);
+        for waypoint in &agent.walker.waypoints[agent.next()..] {
+            let next = vec2(waypoint.x, waypoint.y);
+            sum += (next - at).norm();
+            at = next;
+        }
+        match destination {
+            Destination::None => sum,
+            _ => sum + self.ways().map_or(0.0, |ways| ways.distance(destination, at)),
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Which exit people take, and when they take another one.
+
+use super::Decision;
+use crate::exit_choice::{ExitChoice, Offer, Queues};
+use crate::target::{Destination, Target};
+use lemons_core::plane::{Vec2, vec2};
+
+impl Decision {
+    /// Chooses an exit for everybody whose turn it is, as it is after a step \[s\], if people choose by more than where exits
+    /// are.
+    pub(super) fn choose_exits(&mut self, step: f64) {
+        let Some(Some(ways)) = self.ways.clone().filter(|_| self.plan.chooses()) else { return };
+        let (now, by_time) = (self.time + step, self.plan.exit_choice == ExitChoice::Time);
+        let here = |i: &usize| !self.agents[*i].left && self.has_started(*i);
+        let here: Vec<usize> = (0..self.agents.len()).filter(here).collect();
+        for &i in &here {
+            let own = self.agents[i].choice.exit;
+            if self.plan.agents[i].destination == Destination::NearestExit && !(by_time && own.is_some()) {
+                let nearest = self.nearest_exit(i, now);
+                match (own, nearest) {
+                    (Some(_), Some(exit)) => self.change_exit(i, exit),
+                    _ => self.agents[i].choice.exit = nearest,
+                }
+            }
+        }
+        if !by_time {
+            return;
+        }
+        let heads = |i: &usize| match self.destination(*i) {
+            Destination::Target(k) => Some((k, self.to_go(*i, Destination::Target(k)))),
+            _ => None,
+        };
+        let mut queues = Queues::new(self.plan.targets.len(), here.iter().filter_map(heads));
+        let from = |i: &usize| {
+            let agent = &self.agents[*i];
+            let last = agent.walker.waypoints[agent.next()..].last();
+            agent.choice.exit.map(|_| last.map_or(agent.at(), |waypoint| vec2(waypoint.x, waypoint.y)))
+        };
+        let from: Vec<Vec2> = here.iter().filter_map(from).collect();
+        let widths: Vec<(usize, f64)> =
+            self.exits().map(|k| (k, ways.width(k, from.iter().copied()))).collect();
+        for i in here {
+            let Some(own) = self.agents[i].choice.exit.filter(|_| self.leader(i) == i) else { continue };
+            if !self.agents[i].choice.is_due(step) {
+                continue;
+            }
+            let offer = |&(target, width): &(usize, f64)| {
+                let distance = self.to_go(i, Destination::Target(target));
+                let Target { open, time_factor, .. } = &self.plan.targets[target];
+                Offer { target, distance, width, open, time_factor: *time_factor }
+            };
+            let all: Vec<Offer<'_>> = widths.iter().map(offer).collect();
+            let Some(exit) = queues.change(own, self.agents[i].walker.desired_speed, now, &all) else {
+                continue;
+            };
+            self.change_exit(i, exit);
+            let others = self.group(i).into_iter().flatten().copied();
+            for j in others.filter(|&j| j != i && !self.agents[j].left).collect::<Vec<_>>() {
+                let Some(own) = self.agents[j].choice.exit.filter(|own| *own != exit) else { continue };
+                let [before, after] = [own, exit].map(|k| (k, self.to_go(j, Destination::Target(k))));
+                queues.shift(before, after);
+                self.change_exit(j, exit);
+            }
+        }
+    }
+
+    /// Changes the exit of an agent. The direction of walking follows from the one before.
+    pub(super) fn change_exit(&mut self, i: usize, exit: usize) {
+        if self.agents[i].choice.exit == Some(exit) {
+            return;
+        }
+        let before = self.goes(i);
+        let choice = &mut self.agents[i].choice;
+        (choice.exit, choice.turn) = (Some(exit), 0.0);
+        if let (Some((before, _)), Some((after, _))) = (before, self.goes(i)) {
+            self.agents[i].choice.turn = libm::atan2(after.cross(before), after.dot(before));
+        }
+    }
+
+    pub(super) fn exits(&self) -> impl Iterator<Item = usize> {
+        (0..self.plan.targets.len()).filter(|k| !self.plan.targets[*k].stay)
+    }
+
+    /// Returns the exit that is nearest on foot, of those that are open at a time \[s\]; if none is, of all. A group has that
+    /// of its first member.
+    pub(super) fn nearest_exit(&self, i: usize, time: f64) -> Option<usize> {
+        let i = self.leader(i);
+        let far = |k: &usize| self.to_go(i, Destination::Target(*k));
+        let nearest = |wanted: &dyn Fn(&usize) -> bool| {
+            self.exits().filter(wanted).min_by(|a, b| far(a).total_cmp(&far(b)))
+        };
+        nearest(&|k| self.plan.targets[*k].is_open(time)).or_else(|| nearest(&|_| true))
+    }
+}
