@@ -2,8 +2,8 @@
 
 use lemons_core::plane::{Vec2, segments_cross, vec2};
 use lemons_decision::decision::Act;
-use lemons_decision::rule::Pose;
 use lemons_decision::plan::Door;
+use lemons_decision::rule::Pose;
 use lemons_decision::{Decision, DecisionConfig, Person, Plan, PlanError};
 use lemons_fmi::Model;
 
