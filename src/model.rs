@@ -369,24 +369,13 @@ impl Model for CrowdModel {
         }
         self.make_world().map_err(StepError::Refused)?;
         self.few_steps(length).map_err(StepError::Refused)?;
-        let world = self.world.as_ref().filter(|_| !self.played.is_empty());
-        let drive = world.map(|world| world.drive.clone());
         // The importer's time, which may differ from ours by rounding.
         self.play(from);
         self.open_and_close(from).map_err(StepError::Failed)?;
         self.warn_of_returns(from);
+        // Steps that are refused were refused before they changed anything.
         if let Err(error) = self.advance_world(length) {
-            let told = Refusal::new(Setup::of(&self.trial).name_body(&error));
-            // All other errors are found before the step begins.
-            let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
-            if failed {
-                return Err(StepError::Failed(told));
-            }
-            // A refused step changes nothing, the drive that is played neither.
-            if let (Some(world), Some(drive)) = (&mut self.world, drive) {
-                world.drive = drive;
-            }
-            return Err(StepError::Refused(told));
+            return Err(StepError::Failed(Refusal::new(Setup::of(&self.trial).name_body(&error))));
         }
         self.warn_of_coincidence();
         // A rate is used for one step.
@@ -578,8 +567,7 @@ impl CrowdModel {
         let Some(mechanical_step) = self.world.as_ref().map(|world| world.mechanical_step) else {
             return Ok(());
         };
-        // If the number of steps is not defined, the world reports the error.
-        let steps = step_count(step, mechanical_step).unwrap_or(0);
+        let steps = step_count(step, mechanical_step).or_else(|error| refuse(error.to_string()))?;
         let most = self.settings.most_steps;
         if steps as f64 > most {
             return refuse(format!(

@@ -36,6 +36,8 @@ interface Filled {
 export class ByPlace {
     readonly filled = signal<Filled | null>(null);
     readonly refused = signal("");
+    /** The map of a run beside it, which has the same colours. */
+    readonly beside = signal<ByPlace | null>(null);
     /** Whether frames are missing in it that are there. */
     readonly busy = signal(false);
     /** What a map that can go on was made of, and the frame that is next. */
@@ -145,10 +147,15 @@ export class ByPlace {
         return this.filled.value?.values[kind === "greatest" ? 1 : 0] ?? new Float64Array();
     }
 
-    scale(kind: Kind): Scale {
+    #most(kind: Kind): number {
         const numbers = this.numbers(kind);
         if (this.#largest.of !== numbers) this.#largest = { of: numbers, value: numbers.reduce((one, other) => (other > one ? other : one), 0) };
-        const largest = this.#largest.value;
+        return this.#largest.value;
+    }
+
+    scale(kind: Kind): Scale {
+        const other = this.beside.value;
+        const largest = Math.max(this.#most(kind), other ? other.#most(kind) : 0);
         const density = kind === "density";
         return { label: NAMES[kind], unit: density ? "per m²" : "N", low: 0, high: round(largest || 1), largest, ramp: density ? VIRIDIS : FROM_GREY.light };
     }

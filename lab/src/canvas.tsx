@@ -137,12 +137,15 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     paintWays(context, scene.ways, now, inks, null, tab === "motion");
     for (const { at } of throughWalls(scene)) label(context, translated("✕ wall"), at, now, inks);
     paintPlaces(context, scene.targets, now, inks);
-    if (motion.kind === "push") for (const push of motion.pushes) paintPush(context, push, time, now, inks);
+    if (motion.kind === "push" && !empty.value) for (const push of motion.pushes) paintPush(context, push, time, now, inks);
     if (line) paintLine(context, line, now, inks);
     if (area) paintArea(context, area, now, inks);
     inMetres(context, now);
-    paintStuck(context, film, frame, inks.mark, devicePixelRatio / now.scale);
+    if (!empty.value) paintStuck(context, film, frame, inks.mark, devicePixelRatio / now.scale);
     if (mapKind.value) byPlace.value?.paintMost(mapKind.value, context, now, inks);
+    paintBar(context, now, unit, inks);
+    // What follows is of this moment, and of who looks.
+    if (empty.value) return;
     const under = hovered.value;
     const value = mapKind.value && pointed.value && under === null ? valueAt(pointed.value) : "";
     if (value) label(context, value, above(pointed.value!, 22, 24, now), now, inks);
@@ -154,7 +157,6 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
         inMetres(context, now);
         helper.paint(context, now, inks);
     }
-    paintBar(context, now, unit, inks);
 }
 
 /** What the map shows at a place. */

@@ -14,6 +14,7 @@ import {
     Mesh,
     MeshBasicMaterial,
     MeshLambertMaterial,
+    type Object3D,
     PlaneGeometry,
     Raycaster,
     RingGeometry,
@@ -21,6 +22,7 @@ import {
     Vector3,
 } from "three";
 import { type Scale, shade, THINGS } from "./colour";
+import { isOpen } from "./draw";
 import { type Bodies, COLUMNS, isThere, type Scene } from "./protocol";
 import { free, setColour, type Space } from "./space";
 
@@ -58,6 +60,8 @@ export class Crowd3d {
     #bodies: Mesh<BufferGeometry, MeshLambertMaterial>[] = [];
     #fills: string[] = [];
     #still = new Group();
+    /** Walls that open, each with what is drawn of it while it is closed. */
+    #doors: { wall: Scene["walls"][number]; parts: Object3D[] }[] = [];
     #pick = new MeshBasicMaterial({ side: DoubleSide });
     /** Who is selected: a ring at the feet, an arrow's tip over the head. */
     #mark = new Group();
@@ -87,7 +91,9 @@ export class Crowd3d {
         const tip = new Mesh(new ConeGeometry(0.13, 0.3, 24).rotateX(-Math.PI / 2), this.#pick);
         tip.position.z = 2.35;
         this.#mark.add(new Mesh(new RingGeometry(0.38, 0.47, 48), this.#pick), tip);
-        this.#still.add(this.#ground(low, high), ...this.#walls());
+        const fixed = this.scene.walls.filter(({ open }) => !open);
+        this.#doors = this.scene.walls.filter(({ open }) => open).map((wall) => ({ wall, parts: this.#walls([wall]) }));
+        this.#still.add(this.#ground(low, high), ...this.#walls(fixed), ...this.#doors.flatMap(({ parts }) => parts));
         space.scene.add(this.#still, this.#mark, this.#plane);
         this.recolour();
     }
@@ -104,9 +110,9 @@ export class Crowd3d {
         return grid;
     }
 
-    #walls() {
+    #walls(walls: Scene["walls"]) {
         const [panels, edges]: [number[], number[]] = [[], []];
-        for (const { corners } of this.scene.walls) {
+        for (const { corners } of walls) {
             corners.slice(1).forEach(([x2, y2], k) => {
                 const [x1, y1] = corners[k]!;
                 panels.push(x1, y1, 0, x2, y2, 0, x2, y2, WALL, x1, y1, 0, x2, y2, WALL, x1, y1, WALL);
@@ -148,8 +154,9 @@ export class Crowd3d {
         this.#fills = this.#bodies.map(() => "");
     }
 
-    /** Places and colours them. */
-    place(frame: Float32Array, values: Float64Array, scale: Scale, selected: number | null) {
+    /** Places and colours them at a time in s. */
+    place(frame: Float32Array, values: Float64Array, scale: Scale, selected: number | null, time: number) {
+        for (const { wall, parts } of this.#doors) for (const part of parts) part.visible = !isOpen(wall.open, time);
         this.#bodies.forEach((body, a) => {
             const at = COLUMNS * a;
             body.visible = isThere(frame, a);

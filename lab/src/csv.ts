@@ -4,7 +4,7 @@ import { averaged } from "./colour";
 import type { Film } from "./film";
 import { meanFlow } from "./flow";
 import { save } from "./parts";
-import { plan, scene } from "./plan";
+import { scene } from "./plan";
 import { COLUMNS, type Point } from "./protocol";
 import { away } from "./roomshape";
 import { VERSION } from "./version";
@@ -14,7 +14,9 @@ function time(film: Film, k: number) {
     return Number((k * film.scene.step).toPrecision(12));
 }
 
-function quoted(text: string) {
+/** A name from a link or a file must be no formula for spreadsheets. */
+function quoted(given: string) {
+    const text = /^[=+@-]/.test(given) && Number.isNaN(Number(given)) ? `'${given}` : given;
     return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
 
@@ -24,26 +26,23 @@ export function table(rows: (string | number)[][]) {
 
 /** Gives a table to the user, and beside it a file that says where it comes from. A comment in the table would be a row of
  * data for spreadsheets, pandas and R. Its name and form are those of W3C's CSV on the Web, which has such a file, too. */
-export function saveTable(called: string, content: BlobPart, settings: Record<string, unknown>) {
-    // Browsers would replace these themselves.
-    const name = called.replace(/[\\/:*?"<>|]/g, "_");
-    save(name, content);
-    const told = { "@context": "http://www.w3.org/ns/csvw", url: name, "dc:creator": `LEMONS lab ${VERSION}`, "dc:created": new Date().toISOString(), notes: [settings] };
+export function saveTable(called: string, content: BlobPart, settings: Record<string, unknown>): string {
+    const name = save(called, content);
+    const told = { "@context": "http://www.w3.org/ns/csvw", url: encodeURIComponent(name), "dc:creator": `LEMONS lab ${VERSION}`, "dc:created": new Date().toISOString(), notes: [settings] };
     save(`${name}-metadata.json`, JSON.stringify(told, null, 1));
+    return name;
 }
 
 /** What a table of a run comes from: the scene as it is, and the time in s. */
 export function origin(film: Film, from: number, to: number): Record<string, unknown> {
     const { agents, step, mechanical_step, warnings } = film.scene;
-    return { scene: scene.peek().name, from_s: from, to_s: to, people: agents.length, communication_step_s: step, mechanical_step_s: mechanical_step, warnings, made: plan.peek().made };
+    return { scene: scene.peek().name, from_s: from, to_s: to, people: agents.length, communication_step_s: step, mechanical_step_s: mechanical_step, warnings, made: film.made };
 }
 
 /** A table of the run up to the last frame that was shown or asked for; its name says of which scene and time it is. */
 export function saveOfRun(film: Film, what: string, content: string, settings = {}): string {
     const to = time(film, film.reached.peek());
-    const name = `${scene.peek().name}-${what}-0-${to}s.csv`;
-    saveTable(name, content, { ...origin(film, 0, to), ...settings });
-    return name;
+    return saveTable(`${scene.peek().name}-${what}-0-${to}s.csv`, content, { ...origin(film, 0, to), ...settings });
 }
 
 /** The curves of the charts, a row for each frame up to the last one that was shown or asked for. */

@@ -6,7 +6,7 @@ import { type Agent, COLUMNS, type Disk, FEET, isThere, type OpenTime, type Poin
 import { inMetres, toMetres, toPixels, type View } from "./view";
 
 /** Whether a wall is open at a time in s. A rounding error is none. */
-function isOpen(open: OpenTime[] | undefined, time: number): boolean {
+export function isOpen(open: OpenTime[] | undefined, time: number): boolean {
     return open?.some(([from, to]) => time + 1e-9 >= from && time + 1e-9 < to) ?? false;
 }
 

@@ -1,6 +1,6 @@
 // A plan of another program: what was understood of it, with the options that matter, before it becomes a room.
 
-import { effect, signal } from "@preact/signals";
+import { batch, effect, signal } from "@preact/signals";
 import { Refused } from "./client";
 import { isVector, setPicture } from "./backdrop";
 import { crowdFits, MOST, roomFits } from "./forms";
@@ -94,8 +94,11 @@ function make({ given, found }: Drawing) {
     if (!crowdFits(next)) throw new Error(`"${given.file.name}": this page takes up to ${MOST.corners} corners of the area where people stand: leave that area out`);
     const base = { kind: "crowd" as const, ...next };
     making = JSON.stringify(base);
-    open(given.file.name.replace(/\.\w+$/, ""), { base, edits: [], motion }, false, next, true);
-    change({ drawn: given.file.name.slice(-MOST.name) }, false);
+    // At once: what is changed afterwards would be kept before it is shown.
+    batch(() => {
+        open(given.file.name.replace(/\.\w+$/, ""), { base, edits: [], motion }, false, next, true);
+        change({ drawn: given.file.name.slice(-MOST.name) }, false);
+    });
 }
 
 const UNITS = [

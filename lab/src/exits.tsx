@@ -64,6 +64,8 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
             {wishes.push !== null && <NumberField label="Greatest push" unit="N" value={wishes.push} min={0} max={1e5} step={10} onChange={(push) => setWishes({ ...wishes, push })} />}
             <Check label="Some walk in groups, such as families" value={wishes.groups !== null} onChange={(on) => setWishes({ ...wishes, groups: on ? { share: 0.5 } : null })} />
             {wishes.groups !== null && <NumberField label="People in groups" unit="%" value={Math.round(100 * wishes.groups.share)} min={0} max={100} step={5} onChange={(percent) => setWishes({ ...wishes, groups: { share: percent / 100 } })} />}
+            <Check label="Not all start at once" value={wishes.start !== null} onChange={(on) => setWishes({ ...wishes, start: on ? { min: 0, max: 30 } : null })} />
+            {wishes.start !== null && <Starts start={wishes.start} onChange={(start) => setWishes({ ...wishes, start })} />}
             <div class="row">
                 <NumberField label="Desired speed" unit="m/s" value={wishes.desired_speed} min={0} max={20} step={0.1} onChange={(desired_speed) => setWishes({ ...wishes, desired_speed })} />
                 <NumberField label="Seed" value={wishes.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => setWishes({ ...wishes, seed })} />
@@ -86,6 +88,19 @@ export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
             ))}
             {places.length > 0 && <p class="note">{whoGoesWhere(wishes)}</p>}
             {places.length > 1 && <Own wishes={wishes} />}
+        </>
+    );
+}
+
+/** From when to when people start to walk, which is their premovement time. */
+function Starts({ start: { min, max }, onChange }: { start: NonNullable<Wishes["start"]>; onChange(start: NonNullable<Wishes["start"]>): void }) {
+    return (
+        <>
+            <div class="row">
+                <NumberField label="First start" unit="s" value={min} min={0} max={max - 0.1} step={0.5} onChange={(first) => onChange({ min: first, max })} />
+                <NumberField label="Last start" unit="s" value={max} min={min + 0.1} max={1e5} step={0.5} onChange={(last) => onChange({ min, max: last })} />
+            </div>
+            <p class="note">Each starts at a time between both; all are as likely, and the seed chooses. They stand before.</p>
         </>
     );
 }

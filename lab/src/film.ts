@@ -3,6 +3,7 @@
 import { batch, computed, signal } from "@preact/signals";
 import { type Client, Stopped } from "./client";
 import { Frames } from "./frames";
+import type { Made } from "./plan";
 import type { Advanced, Scene } from "./protocol";
 
 /** Bytes of frames that are kept; then the run ends. */
@@ -49,6 +50,8 @@ export class Film {
     constructor(
         readonly client: Client,
         readonly scene: Scene,
+        /** What the scene was made of. What is wanted may have changed since. */
+        readonly made: Made,
         first: ArrayBuffer,
     ) {
         this.overlaps = [scene.overlap];

@@ -146,9 +146,10 @@ const changed = record<Mechanics>({
 export const canChange = (id: string) => id.length <= MOST.name;
 /** Most scenes change none of it, and older links do not know it. */
 export const mechanics: Check<Mechanics | undefined> = (given) => (given === undefined ? undefined : changed(given));
-/** Without frictions of single pairs: the crowd has one for all of them. */
-export function ofAllPairs(changed: Mechanics | undefined): Mechanics | undefined {
-    return changed && { ...changed, contacts: changed.contacts.map((contact) => ({ ...contact, kinetic_friction: null })) };
+/** Without frictions of single pairs with people, who are of a material: the crowd has one for all of them. */
+export function ofAllPairs(changed: Mechanics | undefined, people: string): Mechanics | undefined {
+    const contact = (of: Mechanics["contacts"][number]) => (of.id1 === people || of.id2 === people ? { ...of, kinetic_friction: null } : of);
+    return changed && { ...changed, contacts: changed.contacts.map(contact) };
 }
 /** A circle of a negative radius cannot even be drawn. */
 const radius = within(0, 1e6);
@@ -172,6 +173,7 @@ const wishes = record<Wishes>({
     balance: balance,
     push: (given) => nullable(number)(given ?? null),
     groups: (given) => nullable(record<NonNullable<Wishes["groups"]>>({ share: within(0, 1) }))(given ?? null),
+    start: (given) => nullable(record<NonNullable<Wishes["start"]>>({ min: within(0, 1e5), max: within(0, 1e5) }))(given ?? null),
     desired_speed: number,
     seed: number,
     exits: list(place, MOST.places),

@@ -34,7 +34,8 @@ export function throughWalls(scene: Scene): Crossing[] {
 function crossings({ ways, walls }: Scene): Crossing[] {
     return ways.flatMap((way, w) =>
         way.slice(1).flatMap((to, k) =>
-            walls.flatMap(({ corners }) =>
+            // A wall that opens is a door.
+            walls.flatMap(({ corners, open }) => open ? [] :
                 corners.slice(1).flatMap((end, j) => {
                     const from = way[k]!;
                     const at = crossing([from.x, from.y], [to.x, to.y], corners[j]!, end);

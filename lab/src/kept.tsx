@@ -13,14 +13,15 @@ import { beat, canvas } from "./layout";
 import { look, view as shown, wheel } from "./look";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
-import { digits } from "./parts";
+import { digits, named } from "./parts";
 import { type Made, plan, scene } from "./plan";
-import type { Opened } from "./protocol";
+import type { Opened, OpenTime } from "./protocol";
 import { film, sent } from "./session";
+import { walkingSeed } from "./sweep";
 import type { View } from "./view";
 
 /** The run, and facts of its scene. */
-export const kept = signal<{ film: Film; facts: string[]; made: Made } | null>(null);
+export const kept = signal<{ film: Film; facts: string[] } | null>(null);
 
 // The clock stops when the later one of both has ended.
 effect(() => {
@@ -29,28 +30,41 @@ effect(() => {
     if (now) now.least = other ? Math.round(((other.emptied.value ?? 0) * other.scene.step) / now.scene.step) : 0;
 });
 
-/** The scene on the stage in a few words each. */
-export function facts(): string[] {
-    const { crowd, made } = plan.value;
-    const { mechanics } = made;
+/** When something is open; empty if that is always. */
+export function openWords(times?: OpenTime[] | null): string {
+    return (times ?? []).map(([from, to]) => `open from ${from} to ${to} s`).join(", ");
+}
+
+/** What a scene was made of, in a few words each. */
+function factsOf({ base: crowd, motion, mechanics, edits }: Made): string[] {
     const parts = [`"${scene.value.name}"`];
-    if (made.base.kind === "crowd") {
+    if (crowd.kind === "crowd") {
         parts.push(crowd.number === null ? `${crowd.density} people per m²` : `${crowd.number} people`);
-        for (const { width } of crowd.room.doors) parts.push(`door ${Number(width.toFixed(3))} m`);
+        for (const { width, open } of crowd.room.doors) parts.push([`door ${Number(width.toFixed(3))} m`, openWords(open)].filter(Boolean).join(", "));
         parts.push(crowd.material, `friction ${frictionOf(crowd)}`, crowd.round ? "round bodies" : "real bodies", ...mixWords(crowd.mix));
         if (crowd.men !== 0.5) parts.push(`${Math.round(100 * crowd.men)} % men`);
     }
-    if (made.edits.some((edit) => edit.do === "room")) parts.push("walls changed");
+    if (edits.some((edit) => edit.do === "room")) parts.push("walls changed");
     if (mechanics) parts.push(...moduli(mechanics), ...dampings(mechanics));
     if (mechanics?.time_step) parts.push(`communication ${mechanics.time_step} s`);
     if (mechanics?.time_step_mechanical) parts.push(`steps of ${mechanics.time_step_mechanical} s`);
-    if (made.motion.kind === "go") {
-        const { desired_speed, model, groups } = made.motion.wishes;
+    if (motion.kind === "go") {
+        const { desired_speed, model, groups, start, exits } = motion.wishes;
         parts.push(`${desired_speed} m/s`, model);
         if (groups) parts.push(`${Number((100 * groups.share).toFixed(1))} % in groups`);
+        if (start) parts.push(`starts from ${start.min} to ${start.max} s`);
+        for (const { name, open } of exits) if (open) parts.push(`exit ${named(name)}: ${openWords(open)}`);
     }
-    if (made.motion.kind === "push" && made.motion.pushes[0]) parts.push(`${made.motion.pushes[0].force} N`);
+    if (motion.kind === "walk" && motion.shares) parts.push(`Shares of the ways: ${motion.shares.join(", ")}`);
+    const drawn = [crowd.kind === "crowd" && `seed ${crowd.seed}`, walkingSeed(motion) !== null && `walking has the seed ${walkingSeed(motion)}`];
+    parts.push(...drawn.filter((words) => words !== false));
+    if (motion.kind === "push" && motion.pushes[0]) parts.push(`${motion.pushes[0].force} N`);
     return parts;
+}
+
+/** The scene on the stage, so. */
+export function facts(): string[] {
+    return factsOf(film.value?.made ?? plan.value.made);
 }
 
 /** What of some facts is not among the others. */
@@ -68,7 +82,7 @@ export function Keep() {
     return (
         <div class="buttons">
             {now && now !== kept.value?.film && (
-                <button type="button" title="Keeps this run beside what you change next, with the same clock" onClick={() => (kept.value = { film: now, facts: facts(), made: plan.value.made })}>
+                <button type="button" title="Keeps this run beside what you change next, with the same clock" onClick={() => (kept.value = { film: now, facts: factsOf(now.made) })}>
                     Keep this run to compare
                 </button>
             )}
@@ -88,30 +102,36 @@ export function frameOf(other: Film, place: number, run: Film): number {
 
 /** The map of the run that is kept. The lab of the page has another scene now: another lab makes it. */
 function useMap() {
-    const map = useMemo(() => signal<ByPlace | null>(null), []);
-    const { film: run, made } = kept.value!;
+    const [map, refused] = useMemo(() => [signal<ByPlace | null>(null), signal("")], []);
+    const run = kept.value!.film;
     const kind = mapKind.value;
     const quantity = kind && (kind === "density" ? kind : "squeeze");
     useEffect(() => {
         if (!quantity) return;
         const client = new Client();
         const begun = (async () => {
-            const [base, bytes] = await sent(made.base);
-            const { edits, mechanics, motion } = made;
+            const { edits, mechanics, motion } = run.made;
+            const [base, bytes] = await sent(run.made.base);
             const { value } = await client.ask<Opened>({ ask: "show", base, edits, mechanics, motion }, bytes);
             map.value = new ByPlace(client, run, quantity, value.scene.run);
         })();
-        // Without it, the picture has no map.
-        begun.catch(() => {});
-        const follow = effect(() => void map.value?.follow((void plan.value.smooth, plan.value.span)));
+        // The picture is then without a map.
+        begun.catch((error: Error) => (refused.value = error.message));
+        const follow = effect(() => void map.value?.follow((void plan.value.smooth, void run.computed.value, plan.value.span)));
+        // Both have the colours of the greatest value of both.
+        const together = effect(() => {
+            if (byPlace.value) byPlace.value.beside.value = map.value;
+        });
         return () => {
             follow();
+            together();
             map.value?.end();
-            map.value = null;
+            [map.value, refused.value] = [null, ""];
+            if (byPlace.peek()) byPlace.peek()!.beside.value = null;
             client.close("another map is wanted");
         };
     }, [run, quantity]);
-    return map;
+    return { map, refused };
 }
 
 /** The picture of the run that is kept, and its numbers at the shown time. */
@@ -119,7 +139,7 @@ export function Beside({ now }: { now: Film }) {
     const element = useRef<HTMLCanvasElement>(null);
     const run = kept.value!.film;
     const painter = useMemo(() => new Painter(run.scene), [run]);
-    const map = useMap();
+    const { map, refused } = useMap();
     useEffect(() => {
         const on = element.current!;
         const size = signal(0);
@@ -138,7 +158,8 @@ export function Beside({ now }: { now: Film }) {
             context.setTransform(1, 0, 0, 1, 0, 0);
             context.clearRect(0, 0, on.width, on.height);
             const [kind, places] = [mapKind.value, map.value];
-            if (kind) places?.paint(kind, context, view, byPlace.value?.scale(kind));
+            const filled = byPlace.value?.filled.value ? byPlace.value : null;
+            if (kind && filled) places?.paint(kind, context, view, filled.scale(kind));
             painter.walls(context, view, inks, place * run.scene.step);
             painter.people(context, { frame: run.frameAt(place), shades, paths: null, selected: null, overlapping: [], faint: kind !== null }, view, inks);
             paintPlaces(context, run.scene.targets, view, inks);
@@ -166,6 +187,7 @@ export function Beside({ now }: { now: Film }) {
             <canvas ref={element} onPointerMove={drag} role="img" aria-label={`The run that is kept: ${all.join(", ")}`} />
             <p class="note">
                 Kept{all.length > 0 && `: ${differing(all, facts()) || all[0]}`}. <Now film={run} of={now} />
+                {refused.value && <span translate={false}> {refused.value}</span>}
             </p>
         </div>
     );

@@ -79,7 +79,7 @@ export class Chains {
         const { film } = this;
         if (film.over || k === this.#there) return;
         try {
-            const { bytes } = await this.client.ask({ ask: "forces", run: film.scene.run }, film.frames.copy(k, k + 1));
+            const { bytes } = await this.client.ask({ ask: "forces", run: film.scene.run, time: k * film.scene.step }, film.frames.copy(k, k + 1));
             this.#show(new Float64Array(bytes));
         } catch {
             // The run is over, or another request says what is wrong with it. Forces of another frame would be wrong.

@@ -64,7 +64,7 @@ export function place(asStep: boolean) {
     if (edits.length < made.edits.length) gone.push("changes by hand");
     // Another material has other numbers.
     const was = made.base.kind === "crowd" && made.base.material === crowd.material ? made.base : null;
-    const mechanics = was?.friction === crowd.friction ? made.mechanics : was ? ofAllPairs(made.mechanics) : undefined;
+    const mechanics = was?.friction === crowd.friction ? made.mechanics : was ? ofAllPairs(made.mechanics, crowd.material) : undefined;
     if (made.mechanics && !mechanics) gone.push("changed materials and steps");
     const words = gone.length > 0 ? `Not there any more: ${gone.join(", ")}. Undo brings them back.` : "";
     if (asStep) rename("A crowd");

@@ -77,7 +77,7 @@ function Controls({ film, places, kind }: MapProps) {
         const squeeze = kind === "density" ? {} : { squeeze_is_a_mean_over_s: plan.value.smooth };
         saveTable(`${name()}.csv`, places.csv(), { ...origin(film, ...span()), frames, one_frame_of: stride, cell_m: grid.cell, ...squeeze });
     };
-    const picture = async () => save(`${name()}.png`, await png((onto) => composeMap(onto, canvas.value!, places, kind)));
+    const picture = async () => void save(`${name()}.png`, await png((onto) => composeMap(onto, canvas.value!, places, kind)));
     return (
         <>
             <NumberField label="Map from" short="from" unit="s" value={from ?? 0} min={0} max={to ?? 1e5} step={0.5} onChange={(next) => change({ span: [next || null, to] })} />

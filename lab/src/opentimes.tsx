@@ -32,15 +32,15 @@ export function OpenTimes({ name, times: given, onChange }: OpenTimesProps) {
                 const turn = (part: OpenTime) => put(times.map((old, i) => (i === j ? part : old)));
                 return (
                     <div class="row" key={j}>
-                        <NumberField label={`${opening}, from`} short="from" unit="s" value={from} min={times[j - 1]?.[1] ?? 0} max={to - step} step={5} onChange={(next) => turn([next, to])} />
-                        <NumberField label={`${opening}, to`} short="to" unit="s" value={to} min={from + step} max={times[j + 1]?.[0] ?? LATEST} step={5} onChange={(next) => turn([from, next])} />
+                        <NumberField label={`${opening}, from`} short="from" unit="s" value={from} min={j > 0 ? times[j - 1]![1] + step : 0} max={to - step} step={5} onChange={(next) => turn([next, to])} />
+                        <NumberField label={`${opening}, to`} short="to" unit="s" value={to} min={from + step} max={j + 1 < times.length ? times[j + 1]![0] - step : LATEST} step={5} onChange={(next) => turn([from, next])} />
                         <button type="button" aria-label={`Delete ${opening.toLowerCase()}`} onClick={() => put(times.filter((_, i) => i !== j))}>
                             ×
                         </button>
                     </div>
                 );
             })}
-            {given && times.length < MOST.times && (
+            {given && times.length < MOST.times && last + 2 * OPEN <= LATEST && (
                 <div class="buttons">
                     <button type="button" onClick={() => put([...times, [last + OPEN, last + 2 * OPEN]])}>
                         Add a time

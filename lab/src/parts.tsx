@@ -185,14 +185,16 @@ export function named(name: string) {
     return /^\d+$/.test(name) ? name : `"${brief(name)}"`;
 }
 
-/** Gives a file to the user. */
-export function save(name: string, content: BlobPart) {
+/** Gives a file to the user. Returns its name: browsers would replace some letters themselves. */
+export function save(called: string, content: BlobPart): string {
+    const name = called.replace(/[\\/:*?"<>|]/g, "_");
     const url = URL.createObjectURL(new Blob([content]));
     const anchor = document.createElement("a");
     anchor.href = url;
     anchor.download = name;
     anchor.click();
     setTimeout(() => URL.revokeObjectURL(url), 60_000);
+    return name;
 }
 
 /** Puts a text into the clipboard. */

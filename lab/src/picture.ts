@@ -15,8 +15,13 @@ const FOOT = 30;
 /** Draws the map alone: people are of one moment, and the map of a time. */
 export function composeMap(onto: HTMLCanvasElement, from: HTMLCanvasElement, places: ByPlace, kind: Kind) {
     empty.value = true;
-    const { context, width, line, ink } = begin(onto, from, 3);
-    empty.value = false;
+    let begun: ReturnType<typeof begin>;
+    try {
+        begun = begin(onto, from, 3);
+    } finally {
+        empty.value = false;
+    }
+    const { context, width, line, ink } = begun;
     const write = (words: string, k: number) => context.fillText(words, 10 * devicePixelRatio, line(k));
     write(translated(places.words()), 0);
     write(translated(places.cells()), 1);

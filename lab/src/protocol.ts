@@ -130,8 +130,10 @@ export interface Wishes {
     push: number | null;
     /** Part of the people who are in groups that stay together; null for nobody. */
     groups: { share: number } | null;
+    /** In s: each starts to walk at a time between both, all as likely; null for at once. */
+    start: { min: number; max: number } | null;
     desired_speed: number;
-    /** Chooses who takes which exit by shares, who is in a group, and what people do who are stuck. */
+    /** Chooses who takes which exit by shares, who is in a group, who starts when, and what people do who are stuck. */
     seed: number;
     exits: Place[];
     goals: Place[];
@@ -209,7 +211,7 @@ export type Request =
     | { ask: "overlaps"; run: number; agent: number; x: number; y: number; theta: number }
     | { ask: "advance"; run: number; steps: number }
     /** With a frame. The answer's bytes: x1, y1, x2, y2, force for each two that touch. */
-    | { ask: "forces"; run: number }
+    | { ask: "forces"; run: number; time: number }
     /** With frames. */
     | { ask: "flow"; run: number; line: [Point, Point] }
     /** With x, y and squeeze of everybody in frames: they are added to the run's map, or to a new one. */

@@ -7,7 +7,7 @@ import { perExit } from "./csv";
 import { middleOf } from "./drawplaces";
 import type { Film } from "./film";
 import { frictionOf } from "./forms";
-import { difference, differing, facts, kept } from "./kept";
+import { difference, differing, facts, kept, openWords } from "./kept";
 import { canvas } from "./layout";
 import { Squeeze } from "./legend";
 import { aboveLimit, framesOf } from "./limit";
@@ -38,27 +38,29 @@ export async function makeReport(film: Film) {
     if (!from) throw new Error("the stage shows no picture");
     const before = film.place.peek();
     // At the end there may be nobody; at the start all are there.
-    const { k } = greatest(film, plan.value.limit.seconds);
+    const k = (greatest(film, plan.value.limit.seconds) ?? greatest(film, SHORT))?.k ?? film.reached.peek();
     await film.show(k);
     // The effects of what is shown draw, those of the page after the next picture.
     for (let pictures = 0; pictures < 2; pictures++) await new Promise((done) => requestAnimationFrame(done));
-    const picture = URL.createObjectURL(await png((onto) => compose(onto, canvas.value ?? from, film)));
+    const blob = await png((onto) => compose(onto, canvas.value ?? from, film));
     await film.show(before);
+    if (film.over) return;
+    const picture = URL.createObjectURL(blob);
     report.value = { picture, time: k * film.scene.step };
 }
 
 /** In s: over so long a peak is a mean. */
 const SHORT = 0.1;
 
-/** The greatest squeeze of anybody up to the last frame that was shown, and in which frame it is. */
-function greatest({ frames, scene, reached }: Film, seconds: number): { most: number; k: number } {
+/** The greatest squeeze of anybody up to the last frame that was shown, and in which frame it is; null if the run is
+ * shorter than the mean: over less, it may be an impact. */
+function greatest({ frames, scene, reached }: Film, seconds: number): { most: number; k: number } | null {
     const span = framesOf({ scene }, seconds);
     const last = reached.peek();
-    // A mean over less, as at the start, may be an impact.
-    const from = Math.min(span, last);
-    const means = frames.greatestMean(span).subarray(from, last + 1);
+    if (last < span) return null;
+    const means = frames.greatestMean(span).subarray(span, last + 1);
     const most = means.reduce((one, other) => Math.max(one, other), 0);
-    return { most, k: from + Math.max(0, means.indexOf(most)) };
+    return { most, k: span + Math.max(0, means.indexOf(most)) };
 }
 
 const POPULATIONS = { survey: "survey ANSUR II", statistics: "statistics of one's own", table: "tables of measured people" };
@@ -72,7 +74,7 @@ function assumptions({ base, motion, edits, mechanics }: Made): [string, string]
         const [width, height] = shape(base.room.outline).bounds;
         rows.push(
             ["Room", `${length(width, unit)} × ${length(height, unit)}, ${base.room.obstacles.length} obstacles`],
-            ["Doors", base.room.doors.map((door) => length(door.width, unit)).join(", ") || "none"],
+            ["Doors", base.room.doors.map((door) => [length(door.width, unit), openWords(door.open)].filter(Boolean).join(", ")).join("; ") || "none"],
             ["Drawn from", `${POPULATIONS[base.people.kind]}, ${Math.round(100 * base.men)} % men, seed ${base.seed}`],
             ["Bodies", `${mixed ? "disks by kind" : base.round ? "one disk each" : "five disks each"}, ${base.material}, friction ${frictionOf(base)}`],
         );
@@ -82,8 +84,9 @@ function assumptions({ base, motion, edits, mechanics }: Made): [string, string]
     if (ofPeople.length > 0) rows.push(["Changes by hand", String(ofPeople.length)]);
     if (ofPeople.length < edits.length) rows.push(["Walls", "changed"]);
     if (motion.kind === "go") {
-        const { model, desired_speed, push, seed, groups } = motion.wishes;
+        const { model, desired_speed, push, seed, groups, start } = motion.wishes;
         if (groups) rows.push(["People in groups", `${Number((100 * groups.share).toFixed(1))} %`]);
+        if (start) rows.push(["They start", `from ${start.min} to ${start.max} s, each time as likely`]);
         rows.push(["They walk", `${model}, ${mixed ? "desired speeds by kind" : `${desired_speed} m/s`}, seed ${seed}${push === null ? "" : `, pushing ahead with at most ${push} N`}`]);
     }
     if (motion.kind === "go") {
@@ -106,10 +109,10 @@ function exits({ scene: { targets } }: Film): [string, string][] {
     const at = ([x, y]: Point) => `(${Number(x.toFixed(3))}, ${Number(y.toFixed(3))})`;
     return targets
         .filter(({ stay }) => !stay)
-        .map(({ name, corners, open = [] }) => {
+        .map(({ name, corners, open }) => {
             const [from, to, ...more] = corners as [Point, Point];
             const place = more.length > 0 ? `area around ${at(middleOf(corners))} m` : `line from ${at(from)} to ${at(to)} m, ${length(distance(from, to), plan.value.unit)} wide`;
-            const times = open.map(([from, to]) => `open from ${from} to ${to} s`).join(", ");
+            const times = openWords(open);
             return [`Exit ${named(name)}`, `${place}${times && `, ${times}`}`];
         });
 }
@@ -122,7 +125,7 @@ function drawnFrom(): [string, ComponentChildren][] {
 
 function ofRun(film: Film): [string, ComponentChildren][] {
     const { agents, step, mechanical_step, warnings } = film.scene;
-    const rows: [string, ComponentChildren][] = [["People", String(agents.length)], ...drawnFrom(), ...assumptions(plan.value.made), ...exits(film), ["Steps", `communication ${step} s, mechanical ${mechanical_step} s`]];
+    const rows: [string, ComponentChildren][] = [["People", String(agents.length)], ...drawnFrom(), ...assumptions(film.made), ...exits(film), ["Steps", `communication ${step} s, mechanical ${mechanical_step} s`]];
     return warnings.length > 0 ? [...rows, ["Warnings", <span translate={false}>{warnings.join("; ")}</span>]] : rows;
 }
 
@@ -143,8 +146,8 @@ function numbers(film: Film): [string, ComponentChildren][] {
     const last = film.reached.value;
     const time = (k: number) => `${(k * shown.step).toFixed(2)} s`;
     const squeeze = (seconds: number) => {
-        const { most, k } = greatest(film, seconds);
-        return `${digits(most, 3)} N, at ${time(k)}`;
+        const found = greatest(film, seconds);
+        return found ? `${digits(found.most, 3)} N, at ${time(found.k)}` : `nothing yet: the run is shorter than ${seconds} s`;
     };
     const rows: [string, ComponentChildren][] = [["Computed", last > 0 ? time(last) : "nothing yet: play the run first"]];
     const { force, seconds } = plan.value.limit;
@@ -153,7 +156,7 @@ function numbers(film: Film): [string, ComponentChildren][] {
             [`Greatest squeeze of anybody, mean of ${seconds} s`, squeeze(seconds)],
             ["Limit of the squeeze", `${force} N, mean of ${seconds} s`],
             ...aboveLimit(film),
-            ["Highest peak: an impact, mean of 0.1 s", squeeze(SHORT)],
+            ["Greatest squeeze of anybody, mean of 0.1 s: it may be an impact", squeeze(SHORT)],
             ["Deepest overlap", `${digits(1000 * film.overlaps[last]!, 2)} mm`],
         );
     }

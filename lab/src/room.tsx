@@ -1,5 +1,6 @@
 // Rooms: that of a crowd, and the walls of an opened Trial. Drawn on the picture, or written as numbers.
 
+import { batch } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { BackdropForms } from "./backdrop";
 import { MakeCrowd } from "./crowd";
@@ -170,7 +171,7 @@ function Size({ room }: { room: Room }) {
         return (
             <p class="note">
                 A polygon with {room.outline.length} corners.{" "}
-                <button type="button" onClick={() => setRoom({ outline: rectangle(4, 4), obstacles: [], doors: [] })}>
+                <button type="button" onClick={() => batch(() => (setRoom({ outline: rectangle(4, 4), obstacles: [], doors: [] }), change({ drawn: null })))}>
                     Make it a rectangle
                 </button>
             </p>

@@ -117,7 +117,7 @@ function finish() {
     const now = room.value;
     begin("change");
     if (corners.length < (kind === "wall" ? 2 : 3)) return;
-    if (kind === "outline") return change({ crowd: { ...crowd, room: { outline: corners, obstacles: [], doors: [] }, region: null } });
+    if (kind === "outline") return change({ crowd: { ...crowd, room: { outline: corners, obstacles: [], doors: [] }, region: null }, drawn: null });
     if (kind === "region") return change({ crowd: { ...crowd, region: corners } });
     if (rings(now).length > MOST.walls) {
         problem.value = `There are ${MOST.walls} walls already.`;

@@ -105,7 +105,7 @@ async function open(wanted: Planned, number: number) {
     film.value?.end();
     present = wanted;
     opening = null;
-    const next = new Film(client, value.scene, first);
+    const next = new Film(client, value.scene, wanted, first);
     // What follows from the new film may already want the next one.
     const playing = plays && !matchMedia("(prefers-reduced-motion: reduce)").matches;
     plays = false;

@@ -5,8 +5,8 @@ import type { Film } from "./film";
 import { brief } from "./parts";
 import { COLUMNS, GOES, isThere } from "./protocol";
 
-/** Who has not moved by so many metres in so many seconds is stuck. */
-const [FAR, LONG] = [0.1, 10];
+/** Who has not moved by so many metres in so many seconds is stuck: half a breadth of shoulders, as the blocked mill about. */
+const [FAR, LONG] = [0.25, 10];
 /** Places that are looked at in this time. */
 const LOOKS = 50;
 /** Most Ids that are told. */
@@ -17,7 +17,7 @@ export const marked = signal(false);
 
 let last: { film: Film; k: number; found: number[] } | null = null;
 
-/** Who is stuck in a frame: was there for 10 s, wanted to get on all the time, and was never 0.1 m away. */
+/** Who is stuck in a frame: was there for 10 s, wanted to get on all the time, and was never as far as that away. */
 export function stuckIn(film: Film, k: number): number[] {
     if (last?.film === film && last.k === k) return last.found;
     const { scene, frames } = film;

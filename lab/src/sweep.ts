@@ -60,14 +60,21 @@ export function stop() {
     if (sweep.value) sweep.value = { ...sweep.value, stopped: true };
 }
 
+/** The seed of who walks how and where; null if nothing of it is drawn. */
+export function walkingSeed(motion: Motion): number | null {
+    if (motion.kind === "go") return motion.wishes.seed;
+    return motion.kind === "walk" && motion.shares ? motion.seed : null;
+}
+
 /** The scene with a value and the k-th seed after its own. */
 function variant(made: Made, parameter: Parameter, value: number, k: number): { made: Made; seed: number } {
     const other = parameter.with(value);
     const base = made.base.kind === "crowd" ? { ...made.base, ...("crowd" in other ? other.crowd : {}), seed: made.base.seed + k } : made.base;
-    const mechanics = "crowd" in other && other.crowd.friction !== undefined ? ofAllPairs(made.mechanics) : made.mechanics;
+    const mechanics = "crowd" in other && other.crowd.friction !== undefined ? ofAllPairs(made.mechanics, base.kind === "crowd" ? base.material : "") : made.mechanics;
     let motion = "motion" in other ? other.motion : made.motion;
     if (motion.kind === "go") motion = { kind: "go", wishes: { ...motion.wishes, seed: motion.wishes.seed + k } };
-    const seed = base.kind === "crowd" ? base.seed : motion.kind === "go" ? motion.wishes.seed : 0;
+    if (motion.kind === "walk" && motion.shares) motion = { ...motion, seed: motion.seed + k };
+    const seed = base.kind === "crowd" ? base.seed : (walkingSeed(motion) ?? 0);
     return { made: { ...made, base, mechanics, motion }, seed };
 }
 
@@ -205,7 +212,7 @@ export function runsCsv({ runs, parameter }: Sweep): string {
     const row = ({ value, made: { base, motion }, measures, leftOut }: Run) => [
         value,
         base.kind === "crowd" ? base.seed : NaN,
-        motion.kind === "go" ? motion.wishes.seed : NaN,
+        walkingSeed(motion) ?? NaN,
         ...KEYS.map((key) => measures[key]),
         leftOut.length,
     ];

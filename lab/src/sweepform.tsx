@@ -8,7 +8,7 @@ import { change, crowdOf, type Made, type Plan, plan } from "./plan";
 import { open } from "./scenes";
 import { film } from "./session";
 import { type Parameter, parameters } from "./sliders";
-import { begin, type Measure, MEASURES, MOST_RUNS, quantile, QUANTILES, quantiles, quantilesCsv, type Row, rows, type Run, runsCsv, stop, type Sweep, sweep } from "./sweep";
+import { begin, type Measure, MEASURES, MOST_RUNS, quantile, QUANTILES, quantiles, quantilesCsv, type Row, rows, type Run, runsCsv, stop, type Sweep, sweep, walkingSeed } from "./sweep";
 
 /** In s: so long people may need to leave. */
 const PATIENCE = 120;
@@ -79,8 +79,9 @@ export function SweepForm() {
 
 /** The seeds that the runs of each value have. */
 function seedWords({ base, motion }: Made, count: number): string {
+    const walking = walkingSeed(motion);
     const from = (first: number) => (count === 1 ? `the seed ${first}` : `the seeds ${first} to ${first + count - 1}`);
-    const all = [base.kind === "crowd" && `the crowd has ${from(base.seed)}`, motion.kind === "go" && `walking has ${from(motion.wishes.seed)}`].filter((words) => words !== false);
+    const all = [base.kind === "crowd" && `the crowd has ${from(base.seed)}`, walking !== null && `walking has ${from(walking)}`].filter((words) => words !== false);
     if (all.length === 0) return "Nothing is drawn by chance in this scene: all runs of a value are the same.";
     return `In the runs of each value, ${all.join("; ")}${all.length === 2 && count > 1 ? "; each run has the next one of both" : ""}.`;
 }
@@ -110,9 +111,9 @@ function Results({ of, running }: { of: Sweep; running: boolean }) {
     const { parameter, wanted, runs, failed } = of;
     const show = ({ value, seed, made }: Run) =>
         batch(() => {
-            const wishes = plan.value.sweep;
+            const { sweep, drawn } = plan.value;
             open(`${of.scene}, ${parameter.label} ${value}, seed ${seed}`, made, true, crowdOf(made.base) ?? undefined);
-            change({ sweep: wishes });
+            change({ sweep, drawn });
         });
     const give = (what: string, content: string) => {
         const { made, until, scene, stopped } = of;

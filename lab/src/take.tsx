@@ -89,9 +89,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
     const take = (what: string, wanted: Wanted, bytes?: () => Uint8Array, of = (name: string) => name) =>
         making(what, async () => {
             const answer = await client.ask<{ name: string }>({ ask: "take", run, wanted }, bytes?.());
-            const name = of(answer.value.name);
-            save(name, answer.bytes);
-            return name;
+            return save(of(answer.value.name), answer.bytes);
         });
 
     const fmu = (version: 2 | 3) =>
@@ -100,9 +98,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             const binaries = files.map(([platform, content]) => [platform, content.length] as [string, number]);
             const wanted: Wanted = { file: "fmu", version, binaries };
             const answer = await client.ask<{ name: string }>({ ask: "take", run, wanted }, joined(files.map(([, content]) => content)));
-            const name = answer.value.name.replace(/\.fmu$/, `-fmi${version}.fmu`);
-            save(name, answer.bytes);
-            return name;
+            return save(answer.value.name.replace(/\.fmu$/, `-fmi${version}.fmu`), answer.bytes);
         });
     const svg = () => {
         const { low, high, largest, label, unit, kinds } = scaleOf(film, plan.value.colour);
@@ -114,9 +110,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
         making("Picture (PNG)", async () => {
             const from = canvas();
             if (!from) throw new Error("the stage shows no picture");
-            const name = timed(`${scene.name}.png`);
-            save(name, await png((onto) => compose(onto, from, film)));
-            return name;
+            return save(timed(`${scene.name}.png`), await png((onto) => compose(onto, from, film)));
         });
     const record = () =>
         making("Movie (WebM)", async () => {
@@ -125,17 +119,14 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
             recorded.value = 0;
             const blob = await made.record().finally(() => (recorded.value = null));
             if (!blob) return null;
-            save(`${scene.name}.webm`, blob);
-            return `${scene.name}.webm`;
+            return save(`${scene.name}.webm`, blob);
         });
     /** A table that the lab makes. */
     const table = (what: string, wanted: Wanted, end: number, of = (name: string) => name) =>
         making(what, async () => {
             const settings = origin(film, 0, end);
             const answer = await client.ask<{ name: string }>({ ask: "take", run, wanted }, undefined);
-            const name = of(answer.value.name);
-            saveTable(name, answer.bytes, settings);
-            return name;
+            return saveTable(of(answer.value.name), answer.bytes, settings);
         });
     const chosen = selected.value === null ? undefined : scene.agents[selected.value]?.id;
     const ofChosen = chosen === undefined ? "" : `-person-${chosen.slice(0, 24)}`;

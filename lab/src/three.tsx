@@ -81,7 +81,7 @@ function One({ film, client, selected, altitude = null, onCanvas, onSelect }: St
     useSignalEffect(() => {
         const scale = scaleOf(film, plan.value.colour);
         const frame = film.frameAt(film.place.value);
-        crowd.value?.place(frame, values(film, film.shown.value, plan.value.colour), scale, chosen.value);
+        crowd.value?.place(frame, values(film, film.shown.value, plan.value.colour), scale, chosen.value, film.place.value * film.scene.step);
     });
     useEffect(() => crowd.value?.cut(altitude), [crowd.value, altitude]);
     const pressed = useRef<[number, number]>([0, 0]);

@@ -50,7 +50,7 @@ export function Compute({ film }: { film: Film }) {
     const there = (film.playing.value ? (beat.value, film.computed.peek()) : film.computed.value) - 1;
     const computing = film.wanted.value > there && !film.failed.value;
     return (
-        <button type="button" disabled={there >= last} onClick={() => void film.compute(computing ? null : last)}>
+        <button type="button" disabled={!computing && there >= last} onClick={() => void film.compute(computing ? null : last)}>
             {computing ? "Stop computing" : "Compute it"}
         </button>
     );
@@ -63,7 +63,10 @@ const BOUND = 600;
 function UntilLeft({ film }: { film: Film }) {
     if (film.scene.leaving === 0) return null;
     const there = (film.playing.value ? (beat.value, film.computed.peek()) : film.computed.value) - 1;
-    const over = film.emptied.value !== null || there * film.scene.step >= BOUND;
+    const emptied = film.emptied.value;
+    const reached = film.playing.value ? (beat.value, film.reached.peek()) : film.reached.value;
+    // Tables and the report end at the last frame that was shown or asked for.
+    const over = (emptied !== null && reached >= emptied) || there * film.scene.step >= BOUND || there >= film.most - 1;
     return (
         <button type="button" disabled={over || film.bound.value !== null && film.wanted.value > there} title={`Computes until nobody who has an exit is left, at most up to ${BOUND} s`} onClick={() => void film.computeUntilLeft(BOUND)}>
             Until all have left
@@ -129,10 +132,12 @@ function Status({ film }: { film: Film }) {
     return (
         <p class="note status">
             <span>{`computed: ${((computed - 1) * step).toFixed(1)} s`}</span>
-            {film.bound.value !== null && emptied === null && computed > film.wanted.value && <strong>{`Not all have left after ${time(film.wanted.value)}: it ends there.`}</strong>}
             {leaving > 0 && !all && <span>{`${film.frames.curve("left")[k]} of ${leaving} have left.`}</span>}
             {/* Only the end is told to those who do not see it. */}
-            <strong role="status">{all && `All ${leaving} have left after ${time(emptied)}.`}</strong>
+            <strong role="status">
+                {all && `All ${leaving} have left after ${time(emptied)}.`}
+                {film.bound.value !== null && emptied === null && computed - 1 === film.wanted.value && `Not all have left after ${time(film.wanted.value)}: it ends there.`}
+            </strong>
         </p>
     );
 }

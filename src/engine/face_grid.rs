@@ -1,9 +1,9 @@
-//! Finds faces near a circle: a grid of cells over the walls, made once with the scene.
+//! Finds faces near a circle: a grid of cells over the walls, made with the scene, and again when walls open or close.
 
 use super::circle::Circle;
 use super::{Face, FaceId, Vec2, WallId};
 
-/// Rectangular cells over all walls, each with the faces that cross it, ascending.
+/// Rectangular cells over all walls that are there, each with the faces that cross it, ascending.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct FaceGrid {
     low: Vec2,

@@ -167,7 +167,7 @@ impl Corner {
     }
 }
 
-/// Bodies, walls and laws: immutable after load.
+/// Bodies, walls and laws. Only which walls are there changes: in a new scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// Bodies in the order of the agents.

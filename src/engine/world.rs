@@ -10,8 +10,8 @@ use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
 use super::{
-    BodyId, Disk, DiskId, Exposure, Face, FaceExposure, Pair, Scene, Shortlisting, State, Threads,
-    ThreadsError, WallId, Work, Wrench,
+    Body, BodyId, DiskId, Exposure, FaceExposure, Pair, Scene, Shortlisting, State, Threads, ThreadsError,
+    Vec2, WallId, Work, Wrench,
 };
 use thiserror::Error;
 
@@ -179,7 +179,8 @@ impl World {
     }
 
     /// Takes walls out, or puts them back: doors that open and close. Faces keep their numbers. Those of an absent wall
-    /// touch nothing; where walls met it, they end. Contacts are found anew; the [`World::exposures`] stay.
+    /// touch nothing; where walls met it, they end. Contacts are found anew; the [`World::exposures`] stay. This
+    /// is not part of the [`State`] either.
     ///
     /// # Errors
     /// More pairs are near each other than the limit of memory allows. The world is then unchanged.
@@ -197,15 +198,19 @@ impl World {
         Ok(())
     }
 
-    /// Whether no body that is there touches a wall, or would touch it if it were there.
-    pub fn is_free(&self, wall: WallId) -> bool {
-        let faces = &self.scene.faces[self.scene.wall_faces[wall.index()].clone()];
-        let touches = |(place, disk): (usize, &Disk)| {
-            let centre = self.scene.centre(DiskId::from(place), &self.state.poses);
-            let near = |face: &Face| (nearest_on_face(face, centre).0 - centre).norm() < disk.radius;
-            self.present[disk.body.index()] && faces.iter().any(near)
+    /// Whether no body that is there touches a wall, or would touch it if it were there. Of each disk so large a part of the
+    /// radius counts.
+    pub fn is_free(&self, wall: WallId, part: f64) -> bool {
+        let (scene, poses) = (&self.scene, &self.state.poses);
+        let faces = &scene.faces[scene.wall_faces[wall.index()].clone()];
+        let near = |at: Vec2, radius: f64| {
+            faces.iter().any(|face| (nearest_on_face(face, at).0 - at).norm() < radius)
         };
-        !self.scene.disks.iter().enumerate().any(touches)
+        let touches = |(b, body): (usize, &Body)| {
+            let disk = |d: usize| near(scene.centre(DiskId::from(d), poses), part * scene.disks[d].radius);
+            self.present[b] && near(poses[b].position, body.bounding_radius) && body.disks.clone().any(disk)
+        };
+        !scene.bodies.iter().enumerate().any(touches)
     }
 
     /// Shares the work among this number of threads, of a pool that belongs to this world and its clones. The results
@@ -280,7 +285,7 @@ impl World {
     }
 
     /// Puts the world into a state of the same scene. From there on it gives the same bits as the world from which
-    /// the state was taken.
+    /// the state was taken, if the same bodies and walls are there.
     ///
     /// The [`World::exposures`] are not part of a state. They are then those of the contacts at this time.
     ///

@@ -4,6 +4,7 @@ use super::{CrowdModel, Drive, Packed, Settings, give_threads, make_directory};
 use crate::engine::{BodyId, Exposure, FaceExposure, State, World, Wrench};
 use crate::quantities::{Quantity, shared};
 use crate::setup::Setup;
+use lemons_core::trial::Trial;
 use lemons_fmi::variables::Domain;
 use lemons_fmi::{Answer, damaged, refuse};
 use serde::{Deserialize, Serialize};
@@ -98,7 +99,7 @@ impl CrowdModel {
             None => None,
             Some(running) => {
                 let mut world = Setup::of(&trial).world()?;
-                check_running(&world, running)?;
+                check_running(&world, &trial, running)?;
                 if !running.played.is_empty() {
                     check_played(&packed, packed.drive(&self.resources)?, running)?;
                 }
@@ -130,7 +131,7 @@ impl CrowdModel {
 }
 
 /// Checks that a state from outside fits the scene, before the engine uses its indices.
-fn check_running(world: &World, running: &Running) -> Answer<()> {
+fn check_running(world: &World, trial: &Trial, running: &Running) -> Answer<()> {
     let (scene, state) = (world.scene(), &running.state);
     let bodies = scene.bodies.len();
     let (disks, faces) = (scene.disks.len(), scene.faces.len());
@@ -138,7 +139,12 @@ fn check_running(world: &World, running: &Running) -> Answer<()> {
         && state.twists.len() == bodies
         && running.drive.len() == bodies
         && running.present.len() == bodies
-        && running.present_walls.len() == scene.wall_faces.len()
+        && running.present_walls.len() == trial.geometry.walls.len()
+        && running
+            .present_walls
+            .iter()
+            .zip(&trial.geometry.walls)
+            .all(|(there, wall)| *there || !wall.open.is_empty())
         && running.exposures.len() == bodies
         && running.face_exposures.len() == faces
         && state.disk_springs.iter().all(|s| s.first.index() < disks && s.second.index() < disks)

@@ -6,7 +6,7 @@ use super::advice::warning;
 use super::within::{Inside, outside_rooms, within_pillars};
 use crate::engine::{Body, CornerId, Face, FaceId, Scene, Vec2};
 use lemons_core::plane::Bounds;
-use lemons_core::trial::{FileNames, Problem, quoted};
+use lemons_core::trial::{FileNames, Problem, Wall, quoted};
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
 const RIM: [f64; 2] = [0.02, 3.0];
@@ -39,11 +39,26 @@ impl Setup<'_> {
             (&places.agents, self.doubts_of_centres(scene)),
             (&places.geometry, self.doubts_of_walls(scene)),
             (&places.geometry, self.doubts_of_doubled_faces(scene)),
+            (&places.geometry, self.doubts_of_openings()),
             (&places.dynamics, self.doubts_of_places(scene, &positions)),
             (&places.dynamics, self.doubts_of_pillars(&positions)),
         ];
         let doubts = doubts.into_iter().filter_map(|(file, doubt)| Some(warning(file, doubt?)));
         self.doubts_of_steps(places).into_iter().chain(doubts.collect::<Vec<_>>())
+    }
+
+    /// Walls open and close at communication points only.
+    fn doubts_of_openings(&self) -> Option<String> {
+        let step = self.parameters.time_step;
+        // A rounding error is not too short.
+        let short = |wall: &Wall| wall.open.iter().find(|[from, to]| to - from < step - 1e-9).copied();
+        let mut all = self.geometry.walls.iter().filter_map(|wall| Some((wall, short(wall)?)));
+        let (wall, [from, to]) = all.next()?;
+        let (id, others) = (quoted(&wall.id), in_all(1 + all.count(), "walls"));
+        Some(format!(
+            "wall {id}: Open from {from:?} to {to:?} s is shorter than the TimeStep of {step:?} s{others}: it may never be \
+             open"
+        ))
     }
 
     fn doubts_of_steps(&self, places: &FileNames) -> Option<Problem> {

@@ -197,7 +197,7 @@ impl Setup<'_> {
             return Ok(());
         }
         let is_there = |(w, wall): (usize, &Wall)| {
-            !is_open(&wall.open, time) && (world.present_walls()[w] || world.is_free(WallId::from(w)))
+            !is_open(&wall.open, time) && (world.present_walls()[w] || world.is_free(WallId::from(w), 1.0))
         };
         let present: Vec<bool> = self.geometry.walls.iter().enumerate().map(is_there).collect();
         if present == world.present_walls() {
@@ -217,6 +217,11 @@ impl Setup<'_> {
         let mut world = world.map_err(|crowded| self.too_crowded(crowded))?;
         world.drive = self.drive();
         self.open_and_close(0.0, &mut world)?;
+        if world.present_walls().contains(&false) {
+            // Nobody was exposed to a door that is open.
+            let restored = world.restore(world.state().clone());
+            restored.map_err(|crowded| self.too_crowded(crowded))?;
+        }
         Ok(world)
     }
 }

@@ -43,7 +43,7 @@ fn a_door_that_was_closed_again_is_a_wall() {
     let mut never = crowd(&[DOOR, ROOM]);
     world.set_present_walls(&[false, true]).unwrap();
     world.advance(0.1).unwrap();
-    assert!(world.is_free(WallId(0)));
+    assert!(world.is_free(WallId(0), 1.0));
     world.set_present_walls(&[true, true]).unwrap();
     never.restore(world.state().clone()).unwrap();
     for _ in 0..300 {
@@ -51,7 +51,7 @@ fn a_door_that_was_closed_again_is_a_wall() {
         never.advance(0.01).unwrap();
         assert_eq!(bits(&world), bits(&never));
     }
-    assert!(world.face_exposures()[0].mean_force > 100.0 && !world.is_free(WallId(0)));
+    assert!(world.face_exposures()[0].mean_force > 100.0 && !world.is_free(WallId(0), 1.0));
 }
 
 /// Elastic energy \[J\] of the contacts of a world without damping: F²/2k of each.
@@ -77,7 +77,7 @@ fn a_door_that_opens_or_closes_gives_no_energy() {
         assert!(open <= closed + 1e-12, "{x} {y}: {open} J instead of {closed} J");
         opened += usize::from(open < closed);
         // A door that closes when nobody is in it changes nothing.
-        if world.is_free(WallId(0)) {
+        if world.is_free(WallId(0), 1.0) {
             world.set_present_walls(&[true, true]).unwrap();
             assert_eq!(elastic(&world), open, "{x} {y}");
         } else {

@@ -243,11 +243,13 @@ def test_damaged_hdf5_is_refused_in_words(corridor, tmp_path):
     real["frame"][1] = 0.5
     refused(lambda file: put(file, real), "row 2: column frame: 0.5 is not a whole number")
 
-    def many(file, x):
+    def many(file, x, chunk=1000, more=()):
         # Chunks that were not written take no room in the file.
-        shape, kind = (20_000_000,), [("id", "<i8"), ("frame", "<i8"), ("x", *x), ("y", "<f8")]
-        file.create_dataset("trajectory", shape, kind, chunks=(1000,)).attrs["fps"] = 10.0
+        shape, kind = (20_000_000,), [("id", "<i8"), ("frame", "<i8"), ("x", *x), ("y", "<f8"), *more]
+        file.create_dataset("trajectory", shape, kind, chunks=(chunk,)).attrs["fps"] = 10.0
 
+    refused(lambda file: many(file, ("<f8",), 10_000_000), "a chunk has 320000000 bytes, more than")
+    refused(lambda file: many(file, ("<f8",), more=[("name", "S5000")]), "a row has 5032 bytes, more than 4096")
     refused(lambda file: many(file, ("<f8", (10_000,))), r"column x: holds \('<f8', \(10000,\)\), not one number a row")
     two = np.zeros(1, dtype=[*((name, "<i8") for name in ("id", "frame", "y")), ("x", "<f8", (2,))])
     refused(lambda file: put(file, two), "column x: holds .*, not one number a row")

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+import urllib.parse
 from pathlib import Path
 
 import numpy as np
@@ -61,7 +62,7 @@ def test_its_runs_have_the_numbers_of_the_command_and_the_quantiles_of_numpy(pag
     path = given(page, "Runs of the sweep (CSV)", tmp_path)
     assert path.name == "A crowd-sweep-width-of-the-door-runs-120s.csv"
     said = json.loads((tmp_path / f"{path.name}-metadata.json").read_text())
-    assert said["url"] == path.name and said["dc:creator"].startswith("LEMONS lab ")
+    assert urllib.parse.unquote(said["url"]) == path.name and " " not in said["url"] and said["dc:creator"].startswith("LEMONS lab ")
     (settings,) = said["notes"]
     assert settings["values"] == [0.9, 1.5] and settings["made"] == plan(page)["made"]
     runs = rows(path)

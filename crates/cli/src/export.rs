@@ -275,7 +275,7 @@ impl Arguments {
         let plan = wishes.as_ref().map(|(config, _)| Plan::of(before, config).with_context(named));
         let plan = plan.transpose()?;
         let leaves = plan.as_ref().is_some_and(|plan| plan.leaving().contains(&true));
-        let legs = plan.is_some_and(|plan| plan.balance.is_some());
+        let legs = plan.as_ref().is_some_and(|plan| plan.balance.is_some());
         if leaves && self.source.is_dir() {
             bail!(
                 "{source}: an OutputDirectory does not say who has left ({DECISION_FILE} lets people leave): export from \
@@ -289,7 +289,14 @@ impl Arguments {
         let fewer = |(config, text): (DecisionConfig, String)| {
             config.without_others(&Person::all_of(&trial)).map_or(Ok(text), |fewer| fewer.to_toml())
         };
-        let wishes = wishes.map(fewer).transpose()?;
+        let later = |(config, text): (DecisionConfig, String)| match &plan {
+            Some(plan) if config.going_on(plan, end) != config => {
+                let later = config.going_on(plan, end);
+                later.to_toml().map(|text| (later, text))
+            }
+            _ => Ok((config, text)),
+        };
+        let wishes = wishes.map(|wishes| later(wishes).and_then(fewer)).transpose()?;
         let plan = wishes.is_some().then(|| out.join(DECISION_FILE));
         claim_all(trial.files_written(out).into_iter().chain(plan.clone()))?;
         trial.write(out)?;

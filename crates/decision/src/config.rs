@@ -16,13 +16,18 @@ use crate::balance::{Balance, Pendulum, TwoLevel};
 use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
 use crate::person::Person;
+use crate::plan::Plan;
 use crate::rule::{Motivation, Waypoint};
 use crate::spread::Spread;
 use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModel};
 use lemons_core::files::words;
+use lemons_core::trial::times_from;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
+
+/// \[s\] The times of what does not open any more: those without any are always open.
+const NEVER: [f64; 2] = [1e9 - 1.0, 1e9];
 
 /// Name of the settings in a Trial directory.
 pub const DECISION_FILE: &str = "decision.toml";
@@ -198,6 +203,32 @@ impl DecisionConfig {
         self
     }
 
+    /// Returns the same for who goes on from a time \[s\] of a run, with a clock that begins anew: exits open and close as
+    /// much earlier, people start so, too, and motivation changes so. What is over is left out.
+    #[must_use]
+    pub fn going_on(&self, plan: &Plan, time: f64) -> DecisionConfig {
+        let mut later = self.clone();
+        let times = later.exits.iter_mut().flatten().filter_map(|exit| exit.open.as_mut());
+        for open in times {
+            *open = times_from(open, time);
+            // A plan has none that is shorter.
+            open.retain(|[from, to]| to - from >= plan.time_step);
+            if open.is_empty() {
+                open.push(NEVER);
+            }
+        }
+        later.motivation.iter_mut().for_each(|motivation| motivation.time -= time);
+        later.motivation.retain(|motivation| motivation.time > 0.0);
+        if plan.agents.iter().any(|agent| agent.walker.start > 0.0) {
+            later.start = None;
+            for agent in &plan.agents {
+                let start = (agent.walker.start - time).max(0.0);
+                later.agents.entry(agent.id.clone()).or_default().start = Some(start);
+            }
+        }
+        later
+    }
+
     /// Makes settings in which everybody leaves by lines \[m\] with names, at one speed \[m/s\]; of several, people choose by
     /// the expected time.
     pub fn leaving(
@@ -215,6 +246,20 @@ impl DecisionConfig {
             exits: Some(exits),
             ..DecisionConfig::default()
         }
+    }
+
+    /// Returns the same with a time \[s\] at which each starts to walk, and with a part of the people in groups; the seed
+    /// chooses both.
+    #[must_use]
+    pub fn with_starts_and_groups(
+        self,
+        start: Option<Spread>,
+        groups: Option<f64>,
+        seed: u64,
+    ) -> DecisionConfig {
+        let seed = (start.is_some() || groups.is_some()).then_some(seed).or(self.seed);
+        let groups = groups.map(|share| GroupsConfig { share: Some(share), ..GroupsConfig::default() });
+        DecisionConfig { start: start.or(self.start), groups: groups.or(self.groups), seed, ..self }
     }
 
     /// Makes settings in which nobody goes anywhere, with legs of a model.

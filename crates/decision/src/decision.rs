@@ -2,7 +2,7 @@
 
 use crate::balance::{Legs, Motion};
 use crate::exit_choice::Choice;
-use crate::plan::Plan;
+use crate::plan::{Door, Plan};
 use crate::rule::{Pose, Propulsion, Walker};
 use crate::stuck::{StuckAction, StuckState, normal, share};
 use crate::target::{Arrival, Destination, Target, Ways};
@@ -264,7 +264,8 @@ impl Decision {
             self.agents.iter_mut().for_each(|agent| agent.walker.motivate(motivation));
         }
         let opens = |exit: &Target| exit.is_open(before) != exit.is_open(self.time);
-        goes_on |= self.plan.targets.iter().any(opens);
+        let turns = |door: &Door| door.is_closed(before) != door.is_closed(self.time);
+        goes_on |= self.plan.targets.iter().any(opens) || self.plan.doors.iter().any(turns);
         if goes_on || self.agents.iter().any(|agent| due(agent.walker.start)) {
             (self.wanted, self.aims) = (None, None);
         }
@@ -324,7 +325,14 @@ impl Decision {
         let walks = self.has_started(i) && !agent.waits();
         let alone = !self.plan.walking_model.sees_others() && self.group(i).is_none();
         if walks && agent.next() < agent.walker.waypoints.len() && alone {
-            return Ok(agent.walker.drive(agent.next(), agent.pose));
+            let mut drive = agent.walker.drive(agent.next(), agent.pose);
+            // In front of a closed door.
+            if let (false, Some((_, speed))) = (self.plan.doors.is_empty(), self.goes(i)) {
+                let whole = agent.walker.desired_speed;
+                let share = if speed < whole { speed / whole } else { 1.0 };
+                drive.force = drive.force.map(|force| share * force);
+            }
+            return Ok(drive);
         }
         if !self.plan.groups.is_empty() {
             self.find_aims();

@@ -9,6 +9,7 @@ mod normalized;
 
 use crate::balance::Balance;
 use crate::config::{AgentConfig, DecisionConfig};
+pub use crate::door::Door;
 use crate::error::{PlanError, moderate};
 use crate::exit_choice::ExitChoice;
 use crate::person::Person;
@@ -64,30 +65,6 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// A wall that opens.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Door {
-    /// \[m\] (x, y)
-    pub corners: Vec<[f64; 2]>,
-    /// \[s\] From and to which times there is no wall.
-    pub open: Vec<[f64; 2]>,
-}
-
-impl Door {
-    /// \[m\] Returns how far it is along a direction, a unit vector, to the door; infinite if that leads past it.
-    pub(crate) fn distance(&self, at: Vec2, direction: Vec2) -> f64 {
-        let sides = self.corners.windows(2).map(|ends| (Vec2::from(ends[0]) - at, Vec2::from(ends[1]) - at));
-        let meets = sides.filter_map(|(from, to)| {
-            let (left, right) = (direction.cross(from), direction.cross(to));
-            // The point between the ends that lies straight ahead.
-            let ahead = (from * right - to * left) * (1.0 / (right - left));
-            (left * right <= 0.0 && left != right).then(|| ahead.dot(direction)).filter(|&far| far >= 0.0)
-        });
-        meets.fold(f64::INFINITY, f64::min)
-    }
-}
-
 /// The initial data of the FMU.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -133,11 +110,10 @@ impl Plan {
     /// Those of [`Plan::among`].
     pub fn of(trial: &Trial, config: &DecisionConfig) -> Result<Plan, PlanError> {
         let walls = trial.geometry.fixed_walls().map(|wall| &wall.corners[..]);
-        let plan = Plan::among(walls, &Person::all_of(trial), config, trial.parameters.time_step)?;
         let doors = trial.geometry.walls.iter().filter(|wall| !wall.open.is_empty());
         let corners = |wall: &Wall| wall.corners.iter().map(|at| [at.x, at.y]).collect();
         let doors = doors.map(|wall| Door { corners: corners(wall), open: wall.open.clone() }).collect();
-        Ok(Plan { doors, ..plan })
+        Plan::made(walls, doors, &Person::all_of(trial), config, trial.parameters.time_step)
     }
 
     /// Makes a plan from settings for these people among walls.
@@ -147,6 +123,16 @@ impl Plan {
     /// way leads, or a number out of range.
     pub fn among<'a>(
         walls: impl Iterator<Item = &'a [Vec2]>,
+        people: &[Person],
+        config: &DecisionConfig,
+        time_step: f64,
+    ) -> Result<Plan, PlanError> {
+        Plan::made(walls, Vec::new(), people, config, time_step)
+    }
+
+    fn made<'a>(
+        walls: impl Iterator<Item = &'a [Vec2]>,
+        doors: Vec<Door>,
         people: &[Person],
         config: &DecisionConfig,
         time_step: f64,
@@ -175,6 +161,7 @@ impl Plan {
             several || goes(&config.waypoints) || config.agents.values().any(|own| goes(&own.waypoints));
         let only_stands = balance.is_some() && targets.is_empty() && !ways;
         let seed = config.seed.unwrap_or(0);
+        let bodies = walking_model.sees_others() || !doors.is_empty();
         let push = |i: usize| {
             let drawn = |deviation: f64| deviation * normal(seed, i as u64, PUSH_DRAW);
             let push = config.push.unwrap_or(UNLIMITED);
@@ -194,7 +181,7 @@ impl Plan {
             Ok(Planned {
                 id: person.id.clone(),
                 destination,
-                disks: if walking_model.sees_others() { person.disks.clone() } else { Vec::new() },
+                disks: if bodies { person.disks.clone() } else { Vec::new() },
                 pose: person.pose,
                 walker: Walker {
                     mass: person.mass,
@@ -218,8 +205,7 @@ impl Plan {
         });
         let agents = agents.collect::<Result<_, PlanError>>()?;
         // Who sees neither walls nor exits needs no copy of them.
-        let seen =
-            walking_model.sees_others() || !targets.is_empty() || balance.is_some() || !groups.is_empty();
+        let seen = bodies || !targets.is_empty() || balance.is_some() || !groups.is_empty();
         let walls = walls.into_iter().filter(|_| seen);
         let walls = walls.map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
         let exit_choice = config.exit_choice.unwrap_or_default();
@@ -228,7 +214,7 @@ impl Plan {
             time_step,
             seed,
             walls,
-            doors: Vec::new(),
+            doors,
             groups,
             walking_model,
             balance,

@@ -17,7 +17,10 @@ pub enum Spread {
 
 impl Spread {
     /// Checks a setting for everybody; numbers are 0 to 1e9.
-    pub(crate) fn check(&self, key: &'static str) -> Result<(), PlanError> {
+    ///
+    /// # Errors
+    /// One is not, or bounds are not in order.
+    pub fn check(&self, key: &'static str) -> Result<(), PlanError> {
         match self {
             Spread::Same(value) => moderate("everybody", key, *value),
             Spread::Drawn(from) => {

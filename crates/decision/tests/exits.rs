@@ -220,6 +220,56 @@ fn who_waits_for_a_closed_exit_or_to_start_does_not_want_to_get_on() {
     assert_eq!(decision.going().unwrap(), [true, false], "it is open, and one waits");
 }
 
+/// Of the desired speed, that which everybody walks with.
+fn speeds(decision: &mut Decision) -> Vec<f64> {
+    let drive = |act: &Act| vec2(act.drive.force[0], act.drive.force[1]).norm() / (80.0 * 2.0 * 1.34);
+    decision.acts().unwrap().iter().map(drive).collect()
+}
+
+/// The wall waits for them: a disk of 0.12 m reaches into it by 7 cm, by 0.5 cm, and not.
+#[test]
+fn who_is_in_a_door_that_closes_walks_on() {
+    let people = [person(0, 5.95, 2.0), person(1, 5.885, 2.0), person(2, 5.87, 2.0)];
+    let mut plan = plan(&[room()], &people, DOOR).unwrap();
+    for agent in &mut plan.agents {
+        agent.disks = people[0].disks.clone();
+    }
+    plan.doors = vec![Door { corners: vec![[6.0, 1.5], [6.0, 2.5]], open: vec![[0.0, 0.1], [0.2, 0.3]] }];
+    let mut decision = Decision::new(plan);
+    let mut seen = Vec::new();
+    for _ in 0..5 {
+        seen.push(
+            speeds(&mut decision).into_iter().map(|speed| (1e6 * speed).round() / 1e6).collect::<Vec<_>>(),
+        );
+        decision.pass(STEP).unwrap();
+    }
+    let (open, closed) = (vec![1.0; 3], vec![1.0, 0.1, 0.0]);
+    assert_eq!(seen, [open.clone(), open.clone(), closed.clone(), closed, open]);
+}
+
+/// With way-points, too: as far as the next one, and as far as the next wall.
+#[test]
+fn a_closed_door_matters_on_the_way_only() {
+    let door = Door { corners: vec![[6.0, 0.0], [6.0, 4.0]], open: vec![[1.0, 9.0]] };
+    let wall = vec![vec2(5.8, 0.0), vec2(5.8, 4.0)];
+    let people = [person(0, 5.0, 2.0), person(1, 5.0, 3.0)];
+    for model in ["straight", "rotational"] {
+        for (x, walls, expected) in
+            [(10.0, vec![], 0.5), (5.8, vec![], 1.0), (6.0, vec![], 0.5), (10.0, vec![wall.clone()], 1.0)]
+        {
+            let config =
+                format!("model = \"{model}\"\nwaypoints = [{{ x = {x}, y = 2 }}]\n[agents.1]\nstart = 9");
+            let mut plan = plan(&walls, &people, &config).unwrap();
+            plan.walls = walls.iter().map(|wall| wall.iter().map(|at| [at.x, at.y]).collect()).collect();
+            plan.doors = vec![door.clone()];
+            let speed = Decision::new(plan).acts().unwrap()[0].drive.force[0] / (80.0 * 2.0 * 1.34);
+            // Walls and others slow people, too.
+            let close = if model == "straight" { 1e-9 } else { 0.1 };
+            assert!((speed - expected).abs() < close, "{model}, {x}: {speed} instead of {expected}");
+        }
+    }
+}
+
 /// 0.5 m in front of the closed door people stand, 1 m in front they walk with half of the speed, and 1.5 m away with all.
 #[test]
 fn people_slow_down_in_front_of_a_closed_door() {
@@ -227,15 +277,15 @@ fn people_slow_down_in_front_of_a_closed_door() {
     let plan = plan(&[room()], &people, DOOR).unwrap();
     let door = Door { corners: vec![[6.0, 1.5], [6.0, 2.5]], open: vec![[0.1, 9.0]] };
     let mut decision = Decision::new(Plan { doors: vec![door], ..plan });
-    let speeds = |decision: &mut Decision| {
-        let drive = |act: &Act| vec2(act.drive.force[0], act.drive.force[1]).norm() / (80.0 * 2.0 * 1.34);
-        decision.acts().unwrap().iter().map(drive).collect::<Vec<_>>()
-    };
     // The last one is beyond it.
     for (speed, expected) in speeds(&mut decision).into_iter().zip([0.0, 0.5, 1.0, 1.0]) {
         assert!((speed - expected).abs() < 0.02, "{speed} instead of {expected}");
     }
-    assert_eq!(decision.going().unwrap(), [false, false, true, true]);
+    assert_eq!(
+        decision.going().unwrap(),
+        [false, false, false, true],
+        "a queue wants to get on once it is open"
+    );
     for _ in 0..3 {
         decision.pass(STEP).unwrap();
     }

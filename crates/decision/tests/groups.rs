@@ -222,7 +222,7 @@ fn groups_times_and_preferences_read_back() {
         ("groups = [[0, 1]]", "groups = [[0, 2]]", "not there"),
         ("groups = [[0, 1]]", "groups = [[1, 1]]", "two groups"),
         ("groups = [[0, 1]]", "groups = [[0]]", "has 1 members"),
-        ("[0.1, 7.0]", "[0.1, 8.5]", "in order"),
+        ("[0.1, 7.0]", "[0.1, 8.5]", "above the one before"),
         ("[0.1, 7.0]", "[0.1, 0.11]", "shorter than the time step of 0.02 s"),
         ("time_factor = 0.7", "time_factor = -1.0", "positive"),
     ] {

@@ -57,9 +57,6 @@ pub struct CrowdRequest {
     pub round: bool,
 }
 
-/// Part of the ground that shapes never cover without overlap.
-const FULL: f64 = 0.97;
-
 /// Largest coefficient of kinetic friction.
 const MOST_FRICTION: f64 = 2.0;
 
@@ -166,16 +163,10 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
     let orientation =
         wanted.direction.map_or(Orientation::Free, |angle| Orientation::Towards(angle.to_radians()));
     let placing = placing::Settings { orientation, seed: wanted.seed, ..placing::Settings::default() };
-    // Of those who have more area than the ground, the first ones say how many fit.
-    let mut covered = 0.0;
-    let mut fits = |shape: &&Shape| {
-        covered += shape.moments().area;
-        covered <= FULL * region.area()
-    };
-    let tried = shapes.iter().take_while(&mut fits).count().max(1);
-    let packing = Method::Dense.place(&shapes[..tried], &region, &placing, watch)?;
+    let tried = placing::within_area(&shapes, &region);
+    let packing = Method::Dense.place(tried, &region, &placing, watch)?;
     require(packing.ended != Ended::Cancelled, || "the placing was stopped".into())?;
-    require(packing.complete && tried == shapes.len(), || {
+    require(packing.complete && tried.len() == shapes.len(), || {
         let (area, clear) = (region.area(), packing.clear_density);
         let about = (area * clear).floor();
         format!(

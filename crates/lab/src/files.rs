@@ -13,7 +13,7 @@ use lemons_people::placing::{Progress, Stage, Watch};
 use lemons_people::{MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
 use lemons_picture::{ColourMap, Fill, Force, Scene, Style, Values};
 use lemons_results::columns::{ALL, Groups};
-use lemons_results::{Content, FrameWriter, TableWriter};
+use lemons_results::{Content, Frame, FrameWriter, TableWriter};
 use serde::Deserialize;
 use serde_json::json;
 use std::io::Cursor;
@@ -168,7 +168,7 @@ fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused
     let (trial, people) = (&run.driven.trial, run.people());
     let short = || Refused("the picture needs a frame, and a number for each agent".into());
     let (shown, values) = bytes.split_at_checked(bytes.len().saturating_sub(8 * people)).ok_or_else(short)?;
-    let frame = frame(shown, people)?;
+    let frame = Frame { time: wanted.time, ..frame(shown, people)? };
     let mut scene = Scene::new(trial, frame.agents.iter().map(|motion| motion.pose).collect());
     scene.feet = feet(shown);
     if wanted.forces {

@@ -63,8 +63,8 @@ pub enum Request {
     Overlaps { run: u32, agent: usize, x: f64, y: f64, theta: f64 },
     /// Further communication steps, at most [`run::MOST_STEPS`].
     Advance { run: u32, steps: u32 },
-    /// Forces between people in a frame (the bytes).
-    Forces { run: u32 },
+    /// Forces between people in a frame (the bytes) of a time \[s\].
+    Forces { run: u32, time: f64 },
     /// Crossings of a line between successive frames (the bytes).
     Flow { run: u32, line: [[f64; 2]; 2] },
     /// Frames (the bytes) more in the map of a quantity, or in a new one.
@@ -159,7 +159,7 @@ impl Lab {
                 frame::overlaps(&self.present(*run)?.driven.trial, *agent, [*x, *y, *theta])
             }
             Request::Advance { run, steps } => self.present(*run)?.advance(*steps),
-            Request::Forces { run } => self.present(*run)?.forces(bytes),
+            Request::Forces { run, time } => self.present(*run)?.forces(bytes, *time),
             Request::Flow { run, line } => frame::flow(self.present(*run)?.people(), *line, bytes),
             Request::Map { run, of, fresh } => map::add(self.present(*run)?, *of, *fresh, bytes),
             Request::Sections { run, altitude } => body::sections(self.present(*run)?, *altitude),

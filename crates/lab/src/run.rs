@@ -135,12 +135,13 @@ impl Run {
         Ok(frame::bytes(&self.simulation.frame(), &self.simulation.going()?))
     }
 
-    /// Returns who presses whom in a frame: x, y \[m\] of one, x, y of the other or of the wall, and their force \[N\].
+    /// Returns who presses whom in a frame of a time \[s\]: x, y \[m\] of one, x, y of the other or of the wall, and their force \[N\].
     ///
     /// # Errors
     /// It is not a frame of these people.
-    pub fn forces(&self, bytes: &[u8]) -> Result<Reply, Refused> {
-        let forces = self.pair_forces(&frame::frame(bytes, self.people())?)?.into_iter();
+    pub fn forces(&self, bytes: &[u8], time: f64) -> Result<Reply, Refused> {
+        let frame = Frame { time, ..frame::frame(bytes, self.people())? };
+        let forces = self.pair_forces(&frame)?.into_iter();
         let numbers = forces.flat_map(|of| [of.from.x, of.from.y, of.to.x, of.to.y, of.normal_force]);
         Ok(Reply { value: json!({}), bytes: numbers.flat_map(f64::to_le_bytes).collect() })
     }

@@ -1,7 +1,7 @@
 //! Doors: gaps in walls where people can pass, and the lines behind them where people have left.
 
 use crate::error::{PeopleError, Result, require};
-use lemons_core::plane::{Foot, Ring, Vec2, nearest_on_line};
+use lemons_core::plane::{Foot, Ring, Vec2, nearest_on_line, vec2};
 use lemons_core::trial::{Geometry, TIMES, Wall, are_times};
 use serde::{Deserialize, Serialize};
 
@@ -71,6 +71,7 @@ fn cut(geometry: Geometry, doors: &[Door], may: fn(&Wall) -> bool, kind: &str) -
         geometry.walls.iter().filter(|wall| may(wall)).map(|wall| wall.corners.clone()).collect();
     let gaps = doors.iter().enumerate().map(|(number, door)| gap(&lines, number, door, kind));
     let gaps = gaps.collect::<Result<Vec<_>>>()?;
+    refuse_walls_in_gaps(&gaps, &lines)?;
     let known: Vec<String> = geometry.walls.iter().map(|wall| wall.id.clone()).collect();
     let mut free = (0u64..).map(|number| number.to_string()).filter(|id| !known.contains(id));
     let (mut walls, mut places) = (Vec::new(), 0..);
@@ -91,6 +92,24 @@ fn cut(geometry: Geometry, doors: &[Door], may: fn(&Wall) -> bool, kind: &str) -
         }
     }
     Ok(Geometry { walls, ..geometry })
+}
+
+/// A wall that closes a door must not stand in the gap of another one.
+fn refuse_walls_in_gaps(gaps: &[Gap<'_>], lines: &[Vec<Vec2>]) -> Result<()> {
+    for (k, a) in gaps.iter().enumerate() {
+        for (j, b) in gaps.iter().enumerate().skip(k + 1) {
+            // A closed wall goes round.
+            let round = if is_closed(&lines[a.line]) { length(&lines[a.line]) } else { 0.0 };
+            let meets = |by: f64| a.from < b.to + by - SHORTEST && b.from + by < a.to - SHORTEST;
+            let timed = !(a.door.open.is_empty() && b.door.open.is_empty());
+            require(!(timed && a.line == b.line && [-round, 0.0, round].into_iter().any(meets)), || {
+                format!(
+                    "doors {k} and {j} overlap, and one of them opens and closes: only doors that are always open may"
+                )
+            })?;
+        }
+    }
+    Ok(())
 }
 
 /// The door's place along the line that is nearest.
@@ -127,6 +146,15 @@ impl Door {
     /// Makes a door that is always open.
     pub fn new(at: Vec2, width: f64) -> Door {
         Door { at, width, open: Vec::new() }
+    }
+
+    /// Makes a door of x, y and width \[m\] and the times \[s\] from and to which it is open; `None` if they are not
+    /// three numbers and such times.
+    pub fn of_numbers(numbers: &[f64]) -> Option<Door> {
+        let &[x, y, width, ref times @ ..] = numbers else { return None };
+        let (open, rest) = times.as_chunks::<2>();
+        (rest.is_empty() && are_times(open))
+            .then(|| Door { open: open.to_vec(), ..Door::new(vec2(x, y), width) })
     }
 
     /// Returns the way \[m\] along the wall from one end of the gap to the other: corners of the wall lie between them

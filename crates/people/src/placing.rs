@@ -26,6 +26,20 @@ pub use region::Region;
 /// \[m\] Overlaps up to this count as none: clothes yield far more.
 pub const TOLERANCE: f64 = 1e-4;
 
+/// Part of the ground that shapes never cover without overlap.
+const FULL: f64 = 0.97;
+
+/// Returns as many of the first shapes as the ground has area for, at least one: placing them says how many of too many
+/// people do fit.
+pub fn within_area<'a>(shapes: &'a [Shape], region: &Region) -> &'a [Shape] {
+    let mut covered = 0.0;
+    let fit = shapes.iter().take_while(|shape| {
+        covered += shape.moments().area;
+        covered <= FULL * region.area()
+    });
+    &shapes[..fit.count().max(1).min(shapes.len())]
+}
+
 /// The direction that the shapes face.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Orientation {

@@ -28,7 +28,7 @@ const SHADES: usize = 24;
 ///
 /// Each person is a Gaussian with integral 1. A cell contains its mean, so that the sum over a sufficiently large grid,
 /// times the area of a cell, is the number of people. Walls stop the kernel: a cell gets its share only if the straight
-/// line from the person to its centre crosses no wall. The rest of the Gaussian is then scaled so that its integral is
+/// line from the person to its centre crosses no wall. Walls that open and close do not count. The rest of the Gaussian is then scaled so that its integral is
 /// 1 again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DensityMap {
@@ -47,7 +47,8 @@ impl DensityMap {
     /// Makes an empty map of a part of the plane. `kernel` \[m\] is the standard deviation of the Gaussian; if it is
     /// not positive and finite, [`DENSITY_KERNEL`] is used.
     pub fn new(view: Bounds, kernel: f64, walls: &[Wall]) -> DensityMap {
-        let sides = walls.iter().flat_map(|wall| wall.corners.windows(2).map(|side| [side[0], side[1]]));
+        let fixed = walls.iter().filter(|wall| wall.open.is_empty());
+        let sides = fixed.flat_map(|wall| wall.corners.windows(2).map(|side| [side[0], side[1]]));
         let walls: Vec<[Vec2; 2]> = sides.filter(|[a, b]| near(*a) && near(*b) && a != b).collect();
         let kernel = if kernel.is_finite() && kernel > 0.0 { kernel } else { DENSITY_KERNEL };
         let view = if near(view.low) && near(view.high) { view } else { Bounds::UNIT };

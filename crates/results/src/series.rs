@@ -8,6 +8,7 @@ use crate::text::{files_of, own};
 use lemons_core::files::{Change, change_all};
 use lemons_core::trial::{
     AgentDynamics, DynamicsElement, Interactions, Trial, dynamics_xml, interactions_xml, output_names,
+    times_from,
 };
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
@@ -151,7 +152,8 @@ pub fn series(record: &Record, trial: &Trial, directory: &Path) -> Result<(), Re
 }
 
 /// The Trial that continues from the end of a run: with the poses, velocities and springs of the last frame, without
-/// those who have left. Runs do not record Fp and Mp; they stay those of the Trial.
+/// those who have left. Its clock begins anew: walls open and close as much earlier. Runs do not record Fp and Mp; they stay
+/// those of the Trial.
 ///
 /// # Errors
 /// The agents are not those of the Trial.
@@ -159,6 +161,9 @@ pub fn trial_at_end(record: &Record, trial: &Trial) -> Result<Trial, RecordError
     let record = record.clone().of_trial(trial)?;
     let last = record.read_wanted(KeptFrames::Around(Vec::new()))?.frames.pop().unwrap_or_default();
     let mut trial = trial.clone();
+    for wall in trial.geometry.walls.iter_mut().filter(|wall| !wall.open.is_empty()) {
+        wall.open = times_from(&wall.open, last.time);
+    }
     let moved = |(motion, was): (_, &AgentDynamics)| {
         let now = AgentDynamics::of(motion);
         AgentDynamics { theta: within_a_turn(now.theta), fp: was.fp, mp: was.mp, ..now }

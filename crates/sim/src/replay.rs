@@ -1,10 +1,13 @@
 //! The contacts of a Trial's agents where frames of a run have them.
 
-use crowd_mechanics::engine::{BodyId, ContactReport, PairForce, State, World};
+use crowd_mechanics::engine::{BodyId, ContactReport, PairForce, State, WallId, World};
 use crowd_mechanics::setup::{Setup, WorldError};
 use lemons_core::plane::Pose;
-use lemons_core::trial::Trial;
+use lemons_core::trial::{Trial, Wall, is_open};
 use lemons_results::{Frame, Observed};
+
+/// Part of a disk that no wall reaches into which is there.
+const DEEP: f64 = 0.5;
 
 /// A Trial's bodies, put where frames of a run have them. Tangential springs are not known; they do not change normal
 /// forces.
@@ -22,7 +25,9 @@ impl<'t> Replay<'t> {
         Ok(Replay { trial, world: Setup::of(trial).world()? })
     }
 
-    /// Puts everybody where a frame of the same agents has them. Who has left may be at no finite place.
+    /// Puts everybody where a frame of the same agents has them, among the walls that were there in the step that ended then,
+    /// of the Trial's TimeStep. Who has left may be at no finite place. Whether a wall that closes waits for somebody is
+    /// not known: it does if somebody is deep in it.
     ///
     /// # Errors
     /// Too many are at one place.
@@ -32,8 +37,18 @@ impl<'t> Replay<'t> {
         }
         let finite = |pose: Pose| if pose.position.is_finite() { pose } else { Pose::default() };
         let (poses, twists) = frame.agents.iter().map(|agent| (finite(agent.pose), agent.twist)).unzip();
-        let put = self.world.restore(State::new(poses, twists));
-        put.map_err(|crowded| Setup::of(self.trial).too_crowded(crowded))
+        let crowded = |crowded| Setup::of(self.trial).too_crowded(crowded);
+        self.world.restore(State::new(poses, twists)).map_err(crowded)?;
+        let walls = &self.trial.geometry.walls;
+        let began = (frame.time - self.trial.parameters.time_step).max(0.0);
+        let is_there = |(w, wall): (usize, &Wall)| {
+            wall.open.is_empty() || !is_open(&wall.open, began) && self.world.is_free(WallId::from(w), DEEP)
+        };
+        let present: Vec<bool> = walls.iter().enumerate().map(is_there).collect();
+        if present == self.world.present_walls() {
+            return Ok(());
+        }
+        self.world.set_present_walls(&present).map_err(crowded)
     }
 
     /// Returns what the contacts do to each agent.

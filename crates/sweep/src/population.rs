@@ -3,11 +3,11 @@
 
 use crate::error::{Error, Place, Result};
 use crate::points::Points;
-use lemons_core::plane::{Pose, Vec2, vec2};
-use lemons_core::trial::DriveTable;
-use lemons_decision::{DEFAULT_SPEED, DecisionConfig, Plan, WalkingModelName};
+use lemons_core::plane::{Pose, Vec2};
+use lemons_core::trial::{DriveTable, TIMES};
+use lemons_decision::{DEFAULT_SPEED, DecisionConfig, Plan, Spread, WalkingModelName};
 use lemons_master::ensure;
-use lemons_people::placing::{Method, Orientation, Region, Settings};
+use lemons_people::placing::{Method, Orientation, Region, Settings, within_area};
 use lemons_people::{
     Agent, Door, Kinds, PAPER_BICYCLES, Proportions, Shape, Source, TrialSettings, closed_walls, crowd_trial,
     cut_doors, heading, walls,
@@ -19,8 +19,6 @@ use std::ops::ControlFlow;
 
 /// Prefix of the parameters that are keys of the population.
 pub(crate) const PREFIX: &str = "population.";
-/// Part of the ground that shapes never cover without overlap.
-const FULL: f64 = 0.97;
 /// Largest number of people.
 const MOST: u32 = 1_000_000;
 
@@ -32,9 +30,9 @@ pub(crate) struct Population {
     /// \[m\] Of the room, whose lower left corner is the origin.
     #[serde(rename = "box")]
     sides: [f64; 2],
-    /// \[m\] x, y and width of each; with them, everybody leaves.
+    /// \[m\] x, y and width of each, then the times \[s\] from and to which it is open; with doors, everybody leaves.
     #[serde(default)]
-    doors: Vec<[f64; 3]>,
+    doors: Vec<Vec<f64>>,
     #[serde(default = "first_seed")]
     seed: u64,
     /// Share of men.
@@ -51,6 +49,10 @@ pub(crate) struct Population {
     speed: Option<f64>,
     #[serde(default = "usual_model")]
     model: WalkingModelName,
+    /// \[s\] When people start to walk.
+    start: Option<Spread>,
+    /// Part of the people who are in groups.
+    groups: Option<f64>,
 }
 
 /// The share of a kind.
@@ -125,14 +127,16 @@ impl Population {
             "width" => {
                 ensure(!self.doors.is_empty(), || "there are no doors to have a width")?;
                 let width = number()?;
-                self.doors.iter_mut().for_each(|door| door[2] = width);
+                self.doors.iter_mut().filter_map(|door| door.get_mut(2)).for_each(|own| *own = width);
             }
+            "groups" => self.groups = Some(number()?),
+            "start" => self.start = Some(Spread::Same(number()?)),
             _ => match key.strip_prefix("mix.") {
                 Some(kind) => drop(self.mix.insert(kind.to_owned(), Share::Number(number()?))),
                 None => {
                     return Err(
                         "there is no such parameter of a population; they are number, seed, men, speed, \
-                                width (of all doors) and mix.KIND"
+                                start, groups, width (of all doors) and mix.KIND"
                             .into(),
                     );
                 }
@@ -146,19 +150,32 @@ impl Population {
     /// # Errors
     /// One is not possible: key, value and why.
     pub fn check(&self) -> Result<()> {
-        let Population { number, sides, doors, men, speed, direction, .. } = self;
+        let Population { number, sides, doors, men, speed, direction, start, groups, .. } = self;
         ensure((1..=MOST).contains(number), || format!("number = {number}: must be from 1 to {MOST}"))?;
         let [width, height] = sides;
         let good = sides.iter().all(|side| (0.1..=1e4).contains(side));
         ensure(good, || format!("box = [{width}, {height}]: must be from 0.1 to 10000 m"))?;
-        for [x, y, width] in doors {
-            let good = [x, y].iter().all(|at| at.abs() <= 1e4) && (0.01..=1e4).contains(width);
+        for numbers in doors {
+            let door = Door::of_numbers(numbers);
+            let good = door.is_some_and(|Door { at, width, .. }| {
+                [at.x, at.y].iter().all(|at| at.abs() <= 1e4) && (0.01..=1e4).contains(&width)
+            });
             ensure(good, || {
                 format!(
-                    "doors: [{x}, {y}, {width}]: must be x, y and a width of at least 0.01, in m, up to 10000"
+                    "doors: {numbers:?}: must be x, y and a width of at least 0.01, in m, up to 10000; then, if it \
+                     opens and closes, {TIMES}"
                 )
             })?;
         }
+        let set = [("start", start.is_some()), ("groups", groups.is_some())];
+        if let Some((key, _)) = set.iter().find(|(_, set)| *set && doors.is_empty()) {
+            return Err(Error::Spec(format!("{key}: without doors, nobody walks")));
+        }
+        let known = start.map_or(Ok(()), |start| start.check("start"));
+        known.map_err(|error| Error::Spec(error.to_string()))?;
+        ensure(groups.is_none_or(|share| (0.0..=1.0).contains(&share)), || {
+            format!("groups = {}: must be from 0 to 1", groups.unwrap_or_default())
+        })?;
         ensure((0.0..=1.0).contains(men), || format!("men = {men}: must be from 0 to 1"))?;
         let known = lemons_people::SKINS;
         ensure(known.contains(&&*self.material), || {
@@ -208,7 +225,7 @@ impl Population {
         let region = Region::rectangle(Vec2::ZERO, self.sides.into()).map_err(wrong)?;
         let uncut = walls(region.rings(), "concrete");
         let closed = closed_walls(&uncut);
-        let doors: Vec<Door> = self.doors.iter().map(|&[x, y, width]| Door::new(vec2(x, y), width)).collect();
+        let doors: Vec<Door> = self.doors.iter().filter_map(|numbers| Door::of_numbers(numbers)).collect();
         let geometry = cut_doors(uncut, &doors).map_err(wrong)?;
         let proportions = Proportions { men: self.men, ..Proportions::default() };
         let source = Source::ansur().map_err(wrong)?;
@@ -221,15 +238,9 @@ impl Population {
             self.direction.map_or(Orientation::Free, |angle| Orientation::Towards(angle.to_radians()));
         let settings = Settings { orientation, seed: self.seed, ..Settings::default() };
         let mut watch = |_: &_| ControlFlow::Continue(());
-        // Of those who have more area than the ground, the first ones say how many fit.
-        let mut covered = 0.0;
-        let mut fits = |shape: &&Shape| {
-            covered += shape.moments().area;
-            covered <= FULL * region.area()
-        };
-        let tried = shapes.iter().take_while(&mut fits).count().max(1);
-        let packing = Method::Dense.place(&shapes[..tried], &region, &settings, &mut watch).map_err(wrong)?;
-        ensure(packing.complete && tried == shapes.len(), || {
+        let tried = within_area(&shapes, &region);
+        let packing = Method::Dense.place(tried, &region, &settings, &mut watch).map_err(wrong)?;
+        ensure(packing.complete && tried.len() == shapes.len(), || {
             let Population { number, sides: [width, height], .. } = self;
             let about = (packing.clear_density * width * height).floor();
             format!(
@@ -251,8 +262,9 @@ impl Population {
         let own =
             agents.iter().enumerate().filter_map(|(id, agent)| Some((id.to_string(), agent.member()?.speed)));
         let own: Vec<(String, f64)> = own.filter(|_| self.speed.is_none()).collect();
-        let wishes =
-            DecisionConfig::leaving(self.model, self.speed.unwrap_or(DEFAULT_SPEED), exits).with_speeds(own);
+        let wishes = DecisionConfig::leaving(self.model, self.speed.unwrap_or(DEFAULT_SPEED), exits)
+            .with_starts_and_groups(self.start, self.groups, self.seed)
+            .with_speeds(own);
         let plan = leaves.then(|| Plan::of(&trial, &wishes)).transpose();
         let plan = plan.map_err(|error| Error::Spec(format!("people cannot leave: {error}")))?;
         Ok(Documents { trial, drive: DriveTable::default(), plan })

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 BEGIN = b"\x89HDF\r\n\x1a\n"
 #: As many as commands read.
 MOST_ROWS = 20_000_000
+#: [bytes] A row of more has not only numbers, and a chunk of more would not fit into small computers.
+MOST_OF_ROW, MOST_OF_CHUNK = 4096, 2**28
 #: Columns of the dataset, and those of the database.
 COLUMNS = ("frame", "id", "x", "y")
 ORIENTATION = ("ox", "oy")
@@ -92,6 +94,10 @@ def _to_database(path: Path, database: Path) -> None:
             for name in wanted:
                 if rows.dtype[name].shape != () or rows.dtype[name].kind not in "iuf":
                     raise CommandError(f"{path}: trajectory: column {name}: holds {rows.dtype[name]}, not one number a row")
+            chunk = (rows.chunks or (0,))[0] * rows.dtype.itemsize
+            for what, size, most in (("row", rows.dtype.itemsize, MOST_OF_ROW), ("chunk", chunk, MOST_OF_CHUNK)):
+                if size > most:
+                    raise CommandError(f"{path}: trajectory: a {what} has {size} bytes, more than {most}")
             columns = {name: rows.fields(name)[:] for name in wanted}
     except (OSError, RuntimeError, ValueError, TypeError, KeyError) as error:
         raise CommandError(f"{path}: is no sound HDF5: {error}") from error

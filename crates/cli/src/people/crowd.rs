@@ -252,8 +252,9 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             let own = agents
                 .iter()
                 .map(|agent| agent.member().map(|of| of.speed).filter(|_| trial.speed.is_none()));
-            let wishes =
-                leaving.is_wanted().then(|| leaving.text(&ways, place.drawn.as_ref(), trial.speed, own));
+            let wishes = leaving
+                .is_wanted()
+                .then(|| leaving.text(&ways, place.drawn.as_ref(), trial.speed, *seed, own));
             if let Some(text) = &wishes {
                 // A run would refuse it.
                 let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));

@@ -3,7 +3,9 @@
 use crate::error::Misused;
 use crate::numbers::{array, within};
 use anyhow::{Result, bail};
+use lemons_core::distribution::{Distribution, Range};
 use lemons_core::plane::{Vec2, vec2};
+use lemons_decision::Spread;
 use lemons_people::drawing::{self, Read};
 use std::fmt::Write;
 
@@ -38,6 +40,10 @@ pub struct LeaveArguments {
     /// Part of the people who walk in groups of two to four, as families do (docs/walking.md), from 0 to 1
     #[arg(long, value_name = "SHARE", value_parser = within(0.0, 1.0, ""), requires = "leave")]
     groups: Option<f64>,
+    /// When people start to walk, in s: all at a time, or each at a time of its own from FROM to TO, all as
+    /// likely (premovement times). They stand before. Default: at once
+    #[arg(long, value_name = "TIME|FROM,TO", value_parser = start, requires = "leave")]
+    start: Option<Spread>,
     /// How people who stand keep their balance, when they are pushed (docs/balance.md). Without --leave:
     /// everybody stands
     #[arg(long, value_parser = ["pendulum", "two-level"])]
@@ -48,6 +54,15 @@ fn push(text: &str) -> Result<[f64; 2], String> {
     let numbers = array(text).or_else(|| array(text).map(|[push]| [push, 0.0]));
     let good = |numbers: &[f64; 2]| numbers.iter().all(|number| (0.0..=1e6).contains(number));
     numbers.filter(good).ok_or_else(|| "must be one or two numbers from 0 to 1e6 N, as in 150,50".into())
+}
+
+fn start(text: &str) -> Result<Spread, String> {
+    let drawn = || array(text).map(|[min, max]| Spread::Drawn(Distribution::Uniform(Range { min, max })));
+    let spread = array(text).map(|[time]| Spread::Same(time)).or_else(drawn);
+    let good = |spread: &Spread| spread.check("start").is_ok();
+    spread
+        .filter(good)
+        .ok_or_else(|| "must be one time, or two, the first below the second, from 0 to 1e9 s".into())
 }
 
 fn exit(text: &str) -> Result<[Vec2; 2], String> {
@@ -84,13 +99,14 @@ impl LeaveArguments {
     }
 
     /// The text of `decision.toml`: people leave by doors, with these lines \[m\] behind them, and by the exits.
-    /// Without a speed \[m/s\] it is a usual one, but for those who have one of their own. Of several exits, people
+    /// The seed chooses who starts when and who is in a group. Without a speed \[m/s\] it is a usual one, but for those who have one of their own. Of several exits, people
     /// choose by the expected time.
     pub fn text(
         &self,
         doors: &[[Vec2; 2]],
         drawn: Option<&Read>,
         speed: Option<f64>,
+        seed: u64,
         own: impl Iterator<Item = Option<f64>>,
     ) -> String {
         let balance = self.balance.iter().map(|model| format!("balance = {model:?}\n")).collect::<String>();
@@ -105,6 +121,18 @@ impl LeaveArguments {
             if deviation > 0.0 {
                 let _ = writeln!(text, "push_sd = {deviation:?}               # [N]");
             }
+        }
+        if self.start.is_some() || self.groups.is_some() {
+            let _ = writeln!(text, "seed = {seed}");
+        }
+        match self.start {
+            Some(Spread::Drawn(Distribution::Uniform(Range { min, max }))) => {
+                let _ = writeln!(text, "start = {{ min = {min:?}, max = {max:?} }}   # [s]");
+            }
+            Some(Spread::Same(start)) => {
+                let _ = writeln!(text, "start = {start:?}                # [s]");
+            }
+            _ => {}
         }
         if let Some(share) = self.groups {
             let _ = writeln!(text, "groups = {{ share = {share:?} }}   # docs/walking.md");

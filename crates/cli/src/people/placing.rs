@@ -182,7 +182,7 @@ impl PlacingArguments {
             // All walls are closed; the others are within the outline.
             let is_outline = |wall: &Wall| Bounds::of(wall.corners.iter().copied()) == region.bounds();
             let ids = |outline: bool| {
-                let walls = geometry.walls.iter().filter(|wall| is_outline(wall) == outline);
+                let walls = geometry.fixed_walls().filter(|wall| is_outline(wall) == outline);
                 walls.map(|wall| wall.id.clone()).collect()
             };
             let (rooms, obstacles) = (ids(true), ids(false));

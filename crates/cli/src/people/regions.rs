@@ -4,7 +4,7 @@ use crate::error::Misused;
 use crate::numbers::{array, list, within};
 use anyhow::{Context, Result, bail};
 use lemons_core::plane::{Vec2, vec2};
-use lemons_core::trial::{FARTHEST, Geometry, TIMES, are_times};
+use lemons_core::trial::{FARTHEST, Geometry, TIMES};
 use lemons_people::Door;
 use lemons_people::placing::{FreeSpace, Region};
 
@@ -69,15 +69,13 @@ pub fn region(text: &str) -> Result<RegionArgument, String> {
 
 /// Reads x, y and width; then, perhaps, from and to when it is open.
 pub fn door(text: &str) -> Result<Door, String> {
-    match list(text).as_deref() {
-        Some(&[x, y, width, ref times @ ..])
+    let numbers = list(text).unwrap_or_default();
+    match numbers[..] {
+        [x, y, width, ..]
             if [x, y].iter().all(|x| x.abs() <= FARTHEST) && (0.1..=1e3).contains(&width) =>
         {
-            let (open, rest) = times.as_chunks::<2>();
-            if !rest.is_empty() || !are_times(open) {
-                return Err(format!("after x, y and width, must be {TIMES}, as in 8,3,1,20,60"));
-            }
-            Ok(Door { at: vec2(x, y), width, open: open.to_vec() })
+            let wrong = || format!("after x, y and width, must be {TIMES}, as in 8,3,1,20,60");
+            Door::of_numbers(&numbers).ok_or_else(wrong)
         }
         _ => Err("must be x, y and width in m, as in 8,3,1; the width is from 0.1 to 1000, x and y are from -1e9 to \
                   1e9"

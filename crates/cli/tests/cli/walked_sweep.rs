@@ -44,7 +44,9 @@ until = 4
 [population]
 number = 16
 box = [6, 5]
-doors = [[6, 2.5, 1.5], [0, 2.5, 1.2]]
+doors = [[6, 2.5, 1.5], [0, 2.5, 1.2, 1, 60]]
+start = { min = 0, max = 1.5 }
+groups = 0.5
 mix = { adult = "rest", child = 20, suitcase = 10 }
 [parameters]
 "population.mix.wheelchair" = [0, 20]
@@ -71,8 +73,12 @@ squeeze = { of = "peak_squeeze", take = "max" }
             "--door",
             "6,2.5,1.5",
             "--door",
-            "0,2.5,1.2",
+            "0,2.5,1.2,1,60",
             "--leave",
+            "--start",
+            "0,1.5",
+            "--groups",
+            "0.5",
         ];
         done(at, &[&crowd[..], &["--mix", &mix, "--seed", seed, "-o", &trial]].concat());
         let sweep = format!(
@@ -102,6 +108,14 @@ squeeze = { of = "peak_squeeze", take = "max" }
             "child = 20",
             "child = 95",
             "population: mix: the others have 105 together: nothing of 100 is left for the \"rest\"",
+        ),
+        ("groups = 0.5", "groups = 1.5", "population: groups = 1.5: must be from 0 to 1"),
+        ("min = 0", "min = 2", "population: start: min = 2, max = 1.5: min must be below max"),
+        (", 1, 60]", ", 60, 1]", "population: doors: [0.0, 2.5, 1.2, 60.0, 1.0]: must be x, y and a width"),
+        (
+            "doors = [[6, 2.5, 1.5], [0, 2.5, 1.2, 1, 60]]",
+            "",
+            "population: start: without doors, nobody walks",
         ),
         ("number = 16", "number = 0", "population: number = 0: must be from 1"),
         (

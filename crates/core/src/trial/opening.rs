@@ -10,7 +10,7 @@ pub const MOST_TIMES: usize = 1000;
 
 /// What times must be, for messages.
 pub const TIMES: &str =
-    "pairs of from and to in s, from 0 to 1e9, each from below its to, in order, not overlapping";
+    "at most 1000 pairs of from and to in s, from 0 to 1e9, each number above the one before";
 
 /// Returns whether these are at most [`MOST_TIMES`] times \[s\] as [`TIMES`] says.
 pub fn are_times(open: &[[f64; 2]]) -> bool {
@@ -23,7 +23,14 @@ pub fn are_times(open: &[[f64; 2]]) -> bool {
 /// error is not a time.
 pub fn is_open(open: &[[f64; 2]], time: f64) -> bool {
     let time = time + 1e-9;
-    open.iter().any(|&[from, to]| (from..to).contains(&time))
+    let begun = open.partition_point(|&[from, _]| from <= time);
+    begun > 0 && time < open[begun - 1][1]
+}
+
+/// Returns times as a clock has them that begins at `start` \[s\]: what is over is left out.
+pub fn times_from(open: &[[f64; 2]], start: f64) -> Vec<[f64; 2]> {
+    let later = open.iter().map(|pair| pair.map(|time| (time - start).max(0.0)));
+    later.filter(|[from, to]| from < to).collect()
 }
 
 /// Reads `from,to from,to`.
@@ -54,6 +61,11 @@ mod tests {
         let seen: Vec<f64> =
             [0.0, 5.4, 5.5, 19.9, 20.0 - 1e-12, 1e8].into_iter().filter(|&t| is_open(&open, t)).collect();
         assert_eq!(seen, [0.0, 5.4, 20.0 - 1e-12, 1e8]);
+        assert_eq!(times_from(&open, 2.0), [[0.0, 3.5], [18.0, 1e9 - 2.0]]);
+        assert_eq!(times_from(&open, 5.5), [[14.5, 1e9 - 5.5]]);
+        assert!(times_from(&open, 1e9).is_empty());
+        let many = |count: u32| (0..count).map(|k| format!("{},{} ", 2 * k, 2 * k + 1)).collect::<String>();
+        assert!(parse(&many(1000)).is_some() && parse(&many(1001)).is_none());
         for wrong in ["", "5", "5,4", "5,5", "-1,4", "0,2e9", "0,4 3,5", "0,4 4,5", "0,nan", "0,1,2", "0, 1"]
         {
             assert_eq!(parse(wrong), None, "{wrong:?}");

@@ -7,7 +7,7 @@ use crate::files::source::Source;
 use crate::files::{input, words};
 use crate::plane::{Vec2, vec2};
 use crate::trial::documents::Checked;
-use crate::trial::opening::{self, MOST_TIMES, TIMES};
+use crate::trial::opening::{self, TIMES};
 use crate::trial::problem::Problems;
 use crate::trial::schema::{Schema, Value};
 use crate::xml::{Document, Layout, Out, Problem, Severity, decimal, quoted};
@@ -328,7 +328,7 @@ impl<'a> Element<'a> {
     pub(crate) fn times(self, attribute: &str) -> Vec<[f64; 2]> {
         let times = self.required(attribute).and_then(opening::parse);
         if times.is_none() {
-            let must = format!("must be {TIMES}: \"20,60 90,1e9\"; at most {MOST_TIMES} pairs");
+            let must = format!("must be {TIMES}: \"20,60 90,1e9\"");
             self.wrong(attribute, must);
         }
         times.unwrap_or_default()

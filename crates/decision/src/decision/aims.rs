@@ -1,27 +1,33 @@
 //! Where people want to go now, and how fast.
 
 use super::Decision;
-use crate::target::{Arrival, Destination, Ways, share_before_closed};
-use lemons_core::plane::{Rotation, Vec2, vec2};
-use lemons_core::trial::is_open;
+use crate::target::{Arrival, Destination, Ways};
+use lemons_core::plane::{Rotation, Vec2, segments_cross, vec2};
 use lemons_fmi::Answer;
 
-/// See [`Decision::arrival`], [`Decision::goes`] and [`Decision::to_go`].
+/// What somebody wants now. See [`Decision::arrival`], [`Decision::goes`] and [`Decision::to_go`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Aim {
     pub(super) arrival: Option<Arrival>,
     pub(super) goes: Option<(Vec2, f64)>,
     pub(super) to_go: f64,
+    /// Whether the way leads to a closed door.
+    pub(super) to_door: bool,
 }
+
+/// \[m\] A door that is no further than this behind where somebody wants to be is on the way there.
+const AT_DOOR: f64 = 0.1;
 
 impl Decision {
     /// Returns who wants to get on now: who has started, does not wait at a way-point or for an exit that is closed, is not
-    /// in front of a closed door, and has not arrived.
+    /// on the way to a closed door, and has not arrived.
     ///
     /// # Errors
     /// Those of [`Decision::acts`].
     pub fn going(&mut self) -> Answer<Vec<bool>> {
         self.find_ways()?;
+        self.find_aims();
+        let aims = self.aims.as_deref().unwrap_or_default();
         let going = |i: usize| {
             let agent = &self.agents[i];
             let walks = self.has_started(i) && !agent.waits() && agent.walker.desired_speed > 0.0;
@@ -31,9 +37,7 @@ impl Decision {
                 Destination::Target(k) => self.plan.targets[k].is_open(self.time),
                 Destination::NearestExit => true,
             };
-            let at_door =
-                || self.goes(i).is_some_and(|(way, _)| self.share_before_doors(agent.at(), way) < 1.0);
-            walks && (!there || open) && self.arrival(i).is_none() && !at_door()
+            walks && (!there || open) && aims[i].arrival.is_none() && !aims[i].to_door
         };
         Ok((0..self.agents.len()).map(going).collect())
     }
@@ -95,15 +99,17 @@ impl Decision {
     /// Computes the aim of an agent at its present pose.
     pub(super) fn find_aim(&self, i: usize) -> Aim {
         let (agent, destination, arrival) = (&self.agents[i], self.destination(i), self.arrival(i));
-        let nowhere = Aim { arrival, goes: None, to_go: 0.0 };
+        let nowhere = Aim { arrival, goes: None, to_go: 0.0, to_door: false };
         if !self.has_started(i) || agent.waits() {
             return Aim { to_go: self.to_go(i, destination), ..nowhere };
         }
         if let Some(waypoint) = agent.walker.waypoints.get(agent.next()) {
-            let way = (vec2(waypoint.x, waypoint.y) - agent.at()).unit(0.0);
-            let goes =
-                way.map(|way| (way, self.share_before_doors(agent.at(), way) * agent.walker.desired_speed));
-            return Aim { arrival, goes, to_go: self.to_go(i, destination) };
+            let way = vec2(waypoint.x, waypoint.y) - agent.at();
+            let share =
+                way.unit(0.0).map(|direction| (direction, self.share_before_door(i, direction, way.norm())));
+            let goes = share.map(|(way, share)| (way, share.unwrap_or(1.0) * agent.walker.desired_speed));
+            let to_door = share.is_some_and(|(_, share)| share.is_some());
+            return Aim { goes, to_go: self.to_go(i, destination), to_door, ..nowhere };
         }
         if destination == Destination::None || arrival == Some(Arrival::Leaves) {
             return nowhere;
@@ -114,17 +120,24 @@ impl Decision {
         let (leg, turn) = (ways.leg(destination, agent.at(), closed), agent.choice.turn);
         // Without a change of the exit, not even rounding.
         let turned = |way: Vec2| if turn == 0.0 { way } else { way.rotated(Rotation::by(turn)) };
-        let goes = leg.direction.map(|way| {
-            let share = leg.share.min(self.share_before_doors(agent.at(), way));
-            (turned(way), share * agent.walker.desired_speed)
-        });
-        Aim { arrival, goes, to_go: leg.distance }
+        let before_door = leg.direction.and_then(|way| self.share_before_door(i, way, leg.distance));
+        let share = before_door.map_or(leg.share, |share| share.min(leg.share));
+        let goes = leg.direction.map(|way| (turned(way), share * agent.walker.desired_speed));
+        Aim { arrival, goes, to_go: leg.distance, to_door: before_door.is_some() }
     }
 
-    /// The part of the desired speed with which people walk towards doors that are closed.
-    pub(super) fn share_before_doors(&self, at: Vec2, way: Vec2) -> f64 {
-        let closed = self.plan.doors.iter().filter(|door| !is_open(&door.open, self.time));
-        closed.map(|door| share_before_closed(door.distance(at, way))).fold(1.0, f64::min)
+    /// The part of the desired speed with which somebody walks in a direction, a unit vector, to a place so far \[m\] away,
+    /// if the nearest closed door on the way there is behind no other wall; `None` if there is no such door.
+    fn share_before_door(&self, i: usize, way: Vec2, far: f64) -> Option<f64> {
+        let (agent, disks) = (&self.agents[i], &self.plan.agents[i].disks);
+        let at = agent.at();
+        let closed = self.plan.doors.iter().filter(|door| door.is_closed(self.time));
+        let ahead = closed.map(|door| (door, door.distance(at, way)));
+        let ahead = ahead.filter(|(_, distance)| *distance <= far + AT_DOOR);
+        let (door, distance) = ahead.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        let before = at + way * distance;
+        let hidden = self.faces.iter().any(|&[a, b]| segments_cross(at, before, a, b));
+        (!hidden).then(|| door.share(distance, agent.pose, disks))
     }
 
     /// \[m\] How far it is along the way-points and to an exit or a goal.

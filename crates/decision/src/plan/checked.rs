@@ -42,11 +42,10 @@ impl Plan {
         for corner in self.walls.iter().flatten().flatten() {
             coordinate("a wall", "corner", *corner)?;
         }
-        for Door { corners, open } in &self.doors {
-            corners.iter().flatten().try_for_each(|at| coordinate("a door", "corner", *at))?;
-            if !are_times(open) {
-                return Err(PlanError::Open { place: "a door".into(), value: format!("{open:?}") });
-            }
+        for (k, Door { corners, open }) in self.doors.iter().enumerate() {
+            let place = format!("door {k}");
+            corners.iter().flatten().try_for_each(|at| coordinate(&place, "corner", *at))?;
+            check_times(place, open)?;
         }
         for (k, motivation) in self.motivation.iter().enumerate() {
             let place = format!("motivation {k}");
@@ -131,6 +130,13 @@ fn check_groups(groups: &[Vec<usize>], people: usize) -> Result<(), PlanError> {
     Ok(())
 }
 
+fn check_times(place: String, open: &[[f64; 2]]) -> Result<(), PlanError> {
+    if open.len() > MOST_TIMES {
+        return Err(PlanError::TooManyTimes { place, count: open.len() });
+    }
+    if are_times(open) { Ok(()) } else { Err(PlanError::Open { place, value: format!("{open:?}") }) }
+}
+
 /// Checks that each is a line or an area, and the times of exits: people leave at communication points only, a time step
 /// \[s\] apart.
 pub(super) fn check_targets(targets: &[Target], time_step: f64) -> Result<(), PlanError> {
@@ -148,13 +154,7 @@ pub(super) fn check_targets(targets: &[Target], time_step: f64) -> Result<(), Pl
         if target.stay && !target.open.is_empty() {
             return Err(PlanError::OpenGoal { place });
         }
-        if target.open.len() > MOST_TIMES {
-            return Err(PlanError::TooManyTimes { place, count: target.open.len() });
-        }
-        if !are_times(&target.open) {
-            let value = format!("{:?}", target.open);
-            return Err(PlanError::Open { place, value });
-        }
+        check_times(place.clone(), &target.open)?;
         // A rounding error is not too short.
         let short = |[from, to]: &&[f64; 2]| to - from < time_step - 1e-9;
         if let Some(value) = target.open.iter().find(short) {

@@ -137,7 +137,7 @@ fn who_has_left_has_no_place() {
 
     // What is asked of such a frame: nobody who has left presses, is drawn, or crosses a line.
     let last = &frames[frames.len() - 8 * COLUMNS * 8..];
-    let (_, forces) = ask(&mut lab, &json!({"ask": "forces", "run": 2}), last);
+    let (_, forces) = ask(&mut lab, &json!({"ask": "forces", "run": 2, "time": 1.0}), last);
     assert!(numbers(&forces).iter().all(|number| number.is_finite()));
     let look = json!({"file": "svg", "range": [0.0, 1.0], "beyond": false, "from_grey": false, "label": "", "unit": "", "time": 1.5, "forces": true});
     let (_, picture) = ask(&mut lab, &take(2, look), &[last, &[0; 64]].concat());
@@ -157,7 +157,7 @@ fn forces_are_those_of_the_contacts_and_crossings_are_counted_once() {
     ok(&mut lab, own(pressed));
     let (_, frames) = ok(&mut lab, advance(1, 300));
     let frame = &frames[frames.len() - 8 * COLUMNS * 12..];
-    let (value, bytes) = ask(&mut lab, &json!({"ask": "forces", "run": 1}), frame);
+    let (value, bytes) = ask(&mut lab, &json!({"ask": "forces", "run": 1, "time": 1.0}), frame);
     assert!(value.get("ok").is_some(), "{value}");
     let forces = numbers(&bytes);
     let of: Vec<&[f64]> = forces.chunks(5).collect();
@@ -184,7 +184,10 @@ fn forces_are_those_of_the_contacts_and_crossings_are_counted_once() {
     assert_eq!(of_first, [1], "{value}");
     assert_eq!(ask(&mut lab, &crossing(90.0, 99.0), &all).0["ok"]["crossings"], json!([]));
     assert!(refused(&mut lab, crossing(0.0, 1.0), &all[1..]).contains("are not frames"));
-    assert!(refused(&mut lab, json!({"ask": "forces", "run": 1}), &all).contains("a frame of 5 people"));
+    assert!(
+        refused(&mut lab, json!({"ask": "forces", "run": 1, "time": 1.0}), &all)
+            .contains("a frame of 5 people")
+    );
 }
 
 #[test]

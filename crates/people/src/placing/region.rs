@@ -89,7 +89,7 @@ impl Region {
     }
 
     /// Returns the region inside the closed walls of a Trial: the largest wall is the outer polygon, the others are
-    /// holes. Walls that open at times do not count.
+    /// holes. Walls that open at times bound nothing, but nobody stands across one.
     ///
     /// # Errors
     /// A wall is not closed, there are no walls, or they do not bound a region.
@@ -108,7 +108,12 @@ impl Region {
         let area = |k: usize| Ring::through(named[k].1.to_vec()).map_or(0.0, |ring| ring.area());
         let largest = (0..named.len()).max_by(|&a, &b| area(a).total_cmp(&area(b)));
         named.swap(0, largest.unwrap_or(0));
-        Region::of_rings(&named)
+        let mut region = Region::of_rings(&named)?;
+        // Nobody stands across a door that is closed.
+        let doors = geometry.walls.iter().filter(|wall| !wall.open.is_empty());
+        let sides = doors.flat_map(|wall| wall.corners.windows(2));
+        region.edges.extend(sides.map(|ends| Edge::new(ends[0], ends[1], true)));
+        Ok(region)
     }
 
     /// Returns the part inside another simple polygon \[m\]. Holes in it are its own; the others do not matter to it.

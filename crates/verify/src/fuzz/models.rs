@@ -201,6 +201,8 @@ fn crowd() -> Resources {
     let (resources, output) = (directory.path().join("resources"), directory.path().join("output"));
     std::fs::create_dir_all(&output).expect("its directory");
     let mut trial = small_trial();
+    let door = Wall::new("door", "concrete", vec![vec2(0.4, -0.5), vec2(0.4, 0.5)]);
+    trial.geometry.walls.push(Wall { open: vec![[0.01, 0.03], [0.05, 1e9]], ..door });
     trial.write(&resources.join("Trial_a")).expect("a Trial can be written");
     trial.dynamics[1].position.x = 0.5;
     trial.write(&resources.join("Trial_b")).expect("a Trial can be written");

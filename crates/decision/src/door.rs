@@ -1,0 +1,62 @@
+//! Walls that open and close, as people see them: where one is closed, they stop in front of it.
+
+use crate::rule::Pose;
+use crate::target::share_before_closed;
+use lemons_core::plane::{Rotation, Vec2, nearest_on_segment, vec2};
+use lemons_core::trial::is_open;
+use serde::{Deserialize, Serialize};
+
+/// \[m\] Who is so far in a door that closes walks on at the desired speed.
+const IN_IT: f64 = 0.05;
+/// The least part of the desired speed of who is in a door that closes.
+const OUT_OF_IT: f64 = 0.1;
+
+/// A wall that opens.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Door {
+    /// \[m\] (x, y)
+    pub corners: Vec<[f64; 2]>,
+    /// \[s\] From and to which times there is no wall.
+    pub open: Vec<[f64; 2]>,
+}
+
+impl Door {
+    pub(crate) fn is_closed(&self, time: f64) -> bool {
+        !is_open(&self.open, time)
+    }
+
+    fn sides(&self) -> impl Iterator<Item = [Vec2; 2]> {
+        self.corners.windows(2).map(|ends| [ends[0].into(), ends[1].into()])
+    }
+
+    /// \[m\] Returns how far it is along a direction, a unit vector, to the door; infinite if that leads past it.
+    pub(crate) fn distance(&self, at: Vec2, direction: Vec2) -> f64 {
+        let meets = self.sides().map(|ends| ends.map(|end| end - at)).filter_map(|[from, to]| {
+            let (left, right) = (direction.cross(from), direction.cross(to));
+            // The point between the ends that lies straight ahead.
+            let ahead = (from * right - to * left) * (1.0 / (right - left));
+            (left * right <= 0.0 && left != right).then(|| ahead.dot(direction)).filter(|&far| far >= 0.0)
+        });
+        meets.fold(f64::INFINITY, f64::min)
+    }
+
+    /// \[m\] Returns how far a body of disks, each with its place and radius at a gaze along x, reaches into the door; not
+    /// positive if it does not touch it.
+    fn overlap(&self, pose: Pose, disks: &[[f64; 3]]) -> f64 {
+        let turned = Rotation::by(pose.theta);
+        let of_disk = |&[x, y, radius]: &[f64; 3]| {
+            let centre = vec2(pose.x, pose.y) + vec2(x, y).rotated(turned);
+            let far = |[a, b]: [Vec2; 2]| (nearest_on_segment(a, b, centre) - centre).norm();
+            radius - self.sides().map(far).fold(f64::INFINITY, f64::min)
+        };
+        disks.iter().map(of_disk).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Returns the part of the desired speed with which somebody walks towards the door, which is closed and so far
+    /// \[m\] ahead. The wall waits for who is in it: that one walks on.
+    pub(crate) fn share(&self, distance: f64, pose: Pose, disks: &[[f64; 3]]) -> f64 {
+        let overlap = self.overlap(pose, disks);
+        if overlap > 0.0 { (overlap / IN_IT).clamp(OUT_OF_IT, 1.0) } else { share_before_closed(distance) }
+    }
+}
