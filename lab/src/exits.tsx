@@ -6,7 +6,7 @@ import { begin, mode as now, type Mode, picked } from "./motionstate";
 import { MOST } from "./forms";
 import { OpenTimes } from "./opentimes";
 import { remove, setWishes } from "./exittool";
-import { Check, Choice, LengthField, named, NumberField } from "./parts";
+import { Check, Choice, Field, LengthField, named, NumberField } from "./parts";
 import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, ROTATIONAL, shaped } from "./places";
 import type { Balance, Model, Place, Point, Rotational, Wishes } from "./protocol";
 import { film, selected } from "./session";
@@ -197,14 +197,13 @@ function Fields({ wishes, place, k }: { wishes: Wishes; place: Place; k: number 
                 <span>
                     <span class="hidden">{title}, </span>name
                 </span>
-                <input
+                <Field
                     type="text"
                     value={place.name}
                     maxLength={MOST.name}
                     onChange={(event) => {
                         const name = event.currentTarget.value.trim();
                         if (name) set({ ...place, name });
-                        else event.currentTarget.value = place.name;
                     }}
                 />
             </label>

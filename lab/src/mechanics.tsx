@@ -2,7 +2,7 @@
 
 import { canChange, MOST } from "./forms";
 import type { Film } from "./film";
-import { digits, NumberField } from "./parts";
+import { digits, Meanings, NumberField } from "./parts";
 import { plan } from "./plan";
 import type { Contact, Material2d, Mechanics, Scene } from "./protocol";
 import { choose, playsOn } from "./session";
@@ -58,6 +58,13 @@ const TERMS = {
     tangential: "Force per speed of slip: the larger, the more energy is lost while two disks stick",
     friction: "Two touching disks slide where the tangential force would exceed this multiple of the normal force",
 };
+const NAMED: [string, string][] = [
+    ["Young modulus", TERMS.young],
+    ["shear modulus", TERMS.shear],
+    ["normal damping", TERMS.normal],
+    ["tangential damping", TERMS.tangential],
+    ["friction", TERMS.friction],
+];
 
 /** Six digits of a bound are enough to read. */
 const short = (bound: number) => Number(bound.toPrecision(6));
@@ -110,6 +117,7 @@ export function MechanicsForm({ film: { scene } }: { film: Film }) {
                 <ContactFields key={`${contact.id1} ${contact.id2}`} contact={contact} />
             ))}
             {made.base.kind === "crowd" && <p class="note">Each pair has its own numbers. The slider and the tab Crowd set the friction of all pairs with people.</p>}
+            <Meanings of={NAMED} />
             {!materials.every(({ id }) => canChange(id)) && <p class="note">{`Materials whose Ids have more than ${MOST.name} letters cannot be changed here.`}</p>}
         </div>
     );

@@ -5,7 +5,7 @@ import { useEffect } from "preact/hooks";
 import { Stopped } from "./client";
 import { thingsOf } from "./draw";
 import { isOwn, KINDS, kindWords } from "./kindwords";
-import { brief, Check } from "./parts";
+import { brief, Check, Field } from "./parts";
 import { plan } from "./plan";
 import type { Disk, KindShown } from "./protocol";
 import { client } from "./session";
@@ -112,7 +112,7 @@ function Share({ kind, share, onChange }: { kind: string; share: number; onChang
                 <KindName kind={kind} />
             </span>
             <input type="range" min={0} max={100} step={1} value={share} aria-label={`${name}, share`} onChange={(event) => set(event.currentTarget.valueAsNumber)} />
-            <input type="number" min={0} max={100} step={1} value={share} aria-label={`${name}, %`} onChange={(event) => set(event.currentTarget.valueAsNumber)} />
+            <Field type="number" min={0} max={100} step={1} value={share} aria-label={`${name}, %`} onChange={(event) => set(event.currentTarget.valueAsNumber)} />
         </div>
     );
 }

@@ -1,6 +1,6 @@
 // Small parts of forms.
 
-import type { ComponentChildren, Ref } from "preact";
+import type { ComponentChildren, ComponentProps, Ref } from "preact";
 import { useId, useState } from "preact/hooks";
 import { plan } from "./plan";
 
@@ -18,12 +18,17 @@ interface NumberProps {
     onChange(value: number): void;
 }
 
+/** A field that keeps what is typed while it has the focus: its value may change meanwhile, as that of a run that plays. */
+export function Field(props: ComponentProps<"input">) {
+    const [draft, setDraft] = useState<string | null>(null);
+    const keep = (event: { currentTarget: HTMLInputElement }) => setDraft(event.currentTarget.value);
+    return <input {...props} value={draft ?? props.value} onFocus={keep} onInput={keep} onBlur={() => setDraft(null)} />;
+}
+
 /** A number with its unit. What is out of range is not taken; it stays there, with the reason. */
 export function NumberField({ label, short, unit, title, value, min, max, step, onChange }: NumberProps) {
     // What was typed, as long as the value is not changed in another way.
     const [typed, setTyped] = useState<{ text: string; instead: number } | null>(null);
-    // What the field has while it has the focus: the value may change meanwhile, as that of a run that plays.
-    const [draft, setDraft] = useState<string | null>(null);
     const wrong = typed?.instead === value;
     const id = useId();
     return (
@@ -33,18 +38,15 @@ export function NumberField({ label, short, unit, title, value, min, max, step, 
                 {short ?? label}
                 {unit && <span class="unit"> [{unit}]</span>}
             </label>
-            <input
+            <Field
                 id={id}
                 type="number"
-                value={draft ?? (wrong ? typed!.text : value)}
+                value={wrong ? typed!.text : value}
                 min={min}
                 max={max}
                 step={step}
                 aria-invalid={wrong}
                 aria-describedby={wrong ? `${id}-why` : undefined}
-                onFocus={(event) => setDraft(event.currentTarget.value)}
-                onInput={(event) => setDraft(event.currentTarget.value)}
-                onBlur={() => setDraft(null)}
                 onChange={(event) => {
                     const number = event.currentTarget.valueAsNumber;
                     // Between two steps of the arrows is fine, but people are whole.
@@ -121,19 +123,40 @@ export function Choice<T extends string>({ label, value, choices, onChange }: Ch
     );
 }
 
+/** What names mean: for those who have no mouse that shows titles. */
+export function Meanings({ of }: { of: [string, string][] }) {
+    if (of.length === 0) return null;
+    return (
+        <details>
+            <summary>What these words mean</summary>
+            <dl class="note">
+                {of.map(([name, meaning]) => (
+                    <>
+                        <dt>{name}</dt>
+                        <dd>{meaning}</dd>
+                    </>
+                ))}
+            </dl>
+        </details>
+    );
+}
+
 /** Names and values, and what a name means. */
 export function Facts({ rows }: { rows: [string, ComponentChildren, string?][] }) {
     return (
-        <table class="facts">
-            <tbody>
-                {rows.map(([name, value, meaning]) => (
-                    <tr key={name}>
-                        <th scope="row" title={meaning}>{name}</th>
-                        <td>{value}</td>
-                    </tr>
-                ))}
-            </tbody>
-        </table>
+        <>
+            <table class="facts">
+                <tbody>
+                    {rows.map(([name, value, meaning]) => (
+                        <tr key={name}>
+                            <th scope="row" title={meaning}>{name}</th>
+                            <td>{value}</td>
+                        </tr>
+                    ))}
+                </tbody>
+            </table>
+            <Meanings of={rows.flatMap(([name, _, meaning]): [string, string][] => (meaning ? [[name, meaning]] : []))} />
+        </>
     );
 }
 

@@ -1,7 +1,7 @@
 // Who the people of a crowd are: as surveyed, from statistics of the user's, or measured people.
 
 import { signal } from "@preact/signals";
-import { Choice } from "./parts";
+import { Choice, Field } from "./parts";
 import { type KeptPeople, MOST } from "./forms";
 import { plan } from "./plan";
 import type { Four, Normal } from "./protocol";
@@ -142,7 +142,7 @@ function StatisticsTable({ people, onChange }: { people: Statistics; onChange(pe
 function Cell({ label, value, by, onChange }: { label: string; value: number; by: number; onChange(value: number): void }) {
     const shown = Number((value * by).toFixed(3));
     return (
-        <input
+        <Field
             type="number"
             aria-label={label}
             value={shown}
@@ -151,7 +151,6 @@ function Cell({ label, value, by, onChange }: { label: string; value: number; by
             onChange={(event) => {
                 const number = event.currentTarget.valueAsNumber;
                 if (number >= 0 && number <= 1000) onChange(number / by);
-                else event.currentTarget.value = String(shown);
             }}
         />
     );

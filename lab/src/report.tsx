@@ -13,7 +13,7 @@ import { Squeeze } from "./legend";
 import { aboveLimit, framesOf } from "./limit";
 import { dampings, moduli } from "./mechanics";
 import { mixWords } from "./mix";
-import { brief, digits, Facts, length, named } from "./parts";
+import { brief, digits, Facts, Field, length, named } from "./parts";
 import { compose, png } from "./picture";
 import { change, link, type Made, NAME, plan, scene } from "./plan";
 import type { Point } from "./protocol";
@@ -219,7 +219,7 @@ export function Report({ film }: { film: Film }) {
             <h1 translate={false}>{scene.value.name}</h1>
             <label class={plan.value.author ? "field author" : "field author none"}>
                 <span>Author</span>
-                <input type="text" maxLength={NAME} value={plan.value.author} onChange={(event) => change({ author: event.currentTarget.value.trim() })} />
+                <Field type="text" maxLength={NAME} value={plan.value.author} onChange={(event) => change({ author: event.currentTarget.value.trim() })} />
             </label>
             <p>
                 Made with the LEMONS lab <span translate={false}>{VERSION}</span> on {new Date().toISOString().slice(0, 10)}: pedestrians as rigid bodies of disks with damped springs and friction, in two dimensions.{" "}

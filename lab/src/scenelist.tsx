@@ -1,6 +1,6 @@
 // The visitor's scenes as a list, and the name of the one on the stage.
 
-import { save } from "./parts";
+import { Field, save } from "./parts";
 import { canUndo, deleted, NAME, scene } from "./plan";
 import { bringBack, duplicate, file, openFile, openKept, remove, rename, scenes, unkept } from "./scenes";
 import { Sketch } from "./sketch";
@@ -13,16 +13,7 @@ export function Title() {
     const words = unkept.value ? `Not saved: ${unkept.value}.` : id !== null ? "Saved in this browser." : "It is saved in this browser when you change it.";
     return (
         <div class="name">
-            <input
-                type="text"
-                aria-label="Name of the scene"
-                value={name}
-                maxLength={NAME}
-                onChange={(event) => {
-                    rename(event.currentTarget.value);
-                    event.currentTarget.value = scene.value.name;
-                }}
-            />
+            <Field type="text" aria-label="Name of the scene" value={name} maxLength={NAME} onChange={(event) => rename(event.currentTarget.value)} />
             <span class={unkept.value ? "state bad" : "state"} role="status" title={words}>
                 {state}
             </span>

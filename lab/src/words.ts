@@ -685,6 +685,7 @@ export const WORDS: [english: string, german: string, french: string][] = [
     ["Reaction time", "Reaktionszeit", "Temps de réaction"],
     ["Noise of the speed", "Rauschen der Geschwindigkeit", "Bruit de la vitesse"],
     ["Greatest acceleration", "Größte Beschleunigung", "Accélération maximale"],
+    ["What these words mean", "Was diese Wörter bedeuten", "Ce que veulent dire ces mots"],
     ["Not all start at once", "Nicht alle gehen gleichzeitig los", "Tout le monde ne part pas en même temps"],
     ["First start", "Erster Aufbruch", "Premier départ"],
     ["Last start", "Letzter Aufbruch", "Dernier départ"],

@@ -244,7 +244,7 @@ def test_who_waits_for_a_closed_exit_leaves_and_who_is_shut_out_is_stuck(page: P
     fill(page, "Exit 1, opening 1, from", 700)
     button(page, "Until all have left")
     # Also beyond the end of the timeline.
-    page.wait_for_function("parseFloat(document.querySelector('.status').textContent.split(':')[1]) > 31")
+    wait(page, lambda: float(page.locator(".status").inner_text().split()[1]) > 31)
     button(page, "Stop computing")
     expect(page.get_by_role("button", name="Until all have left")).to_be_enabled()
     expect(page.get_by_text("Not all have left")).to_have_count(0)
@@ -294,7 +294,9 @@ def test_a_wall_closes_a_door_until_it_opens(page: Page, tmp_path: Path) -> None
     lemons("run", download(page, "Trial (zip)", tmp_path), "--until", "left", "-o", tmp_path / "run.csv")
     assert float(rows(tmp_path / "run.csv")[-1]["t"]) == pytest.approx(end) and end > 6
     # A run that is kept differs in it.
+    tab(page, "Start")
     button(page, "Keep this run to compare")
+    tab(page, "Room")
     fill(page, "Door 1, opening 1, from", 5)
     expect(page.get_by_text(re.compile(r"Kept: door .* m, open from 6 to 60 s\."))).to_be_visible()
     tab(page, "Take away")
