@@ -13,6 +13,9 @@ use lemons_core::trial::{
 use std::collections::{HashMap, HashSet};
 use thiserror::Error;
 
+/// Part of a disk's radius that no wall which is there reaches into: contacts are less deep.
+const DEEP: f64 = 0.9;
+
 /// Why no world can be built from a Trial's documents. A Trial that was read from files can always be built; one whose
 /// numbers were edited perhaps cannot.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -206,6 +209,15 @@ impl Setup<'_> {
         world.set_present_walls(&present).map_err(|crowded| self.too_crowded(crowded))
     }
 
+    /// Returns which walls are there at a time \[s\] if nothing is known of before: a closed one is not, if somebody is in it
+    /// deeper than who leans on it.
+    pub fn walls_at(&self, time: f64, world: &World) -> Vec<bool> {
+        let is_there = |(w, wall): (usize, &Wall)| {
+            wall.open.is_empty() || !is_open(&wall.open, time) && world.is_free(WallId::from(w), DEEP)
+        };
+        self.geometry.walls.iter().enumerate().map(is_there).collect()
+    }
+
     /// Returns the engine's world at the start of this Trial, with the walls that are there at 0 s.
     ///
     /// # Errors
@@ -216,11 +228,12 @@ impl Setup<'_> {
         let world = World::new(scene, state, self.parameters.time_step_mechanical);
         let mut world = world.map_err(|crowded| self.too_crowded(crowded))?;
         world.drive = self.drive();
-        self.open_and_close(0.0, &mut world)?;
-        if world.present_walls().contains(&false) {
+        let present = self.walls_at(0.0, &world);
+        if present.contains(&false) {
+            let crowded = |crowded| self.too_crowded(crowded);
+            world.set_present_walls(&present).map_err(crowded)?;
             // Nobody was exposed to a door that is open.
-            let restored = world.restore(world.state().clone());
-            restored.map_err(|crowded| self.too_crowded(crowded))?;
+            world.restore(world.state().clone()).map_err(crowded)?;
         }
         Ok(world)
     }

@@ -133,6 +133,11 @@ def test_pictures_have_the_forces_of_the_walls_that_were_there(lemons, tmp_path)
         return len(re.findall(r"<(?:line|path)", group[1])) if group else 0
 
     assert [forces(inside, time) for time in (0, 0.5, 1, 2, 3)] == [0] * 5
+    # Of several times, each has its own walls.
+    for times, dashes in (("0.5,1.5", 1), ("1.5,0.5", 1), ("1.2,1.5", 2)):
+        picture = before.with_suffix(".svg")
+        subprocess.run([lemons, "plot", before, "--until", "3", "--at", times, "-o", picture, "--force"], check=True, capture_output=True)
+        assert picture.read_text().count("<path stroke-dasharray") == dashes
     # What was seen at 1 s is the end of the step before.
     assert [forces(before, time) > 0 for time in (0.5, 1, 1.1, 1.5)] == [True, True, False, False]
 
@@ -149,6 +154,63 @@ def test_a_trial_at_the_end_of_a_run_has_what_is_still_to_come(lemons, tmp_path)
     decision = tomllib.loads((tmp_path / "next/decision.toml").read_text())
     assert [exit["open"] for exit in decision["exits"]] == [[[3, 4]], [[1e9 - 1, 1e9]]]
     assert decision["agents"] == {"0": {"start": 2}} and "start" not in decision
+
+
+def test_a_trial_at_the_end_of_a_run_waits_for_who_is_in_a_door(lemons, tmp_path):
+    """It has closed for ever, but the wall is not there yet."""
+    trial = with_door(write_trial(tmp_path / "T", [{"mass": MASS, "x": 2.05, "fx": 1.0, "rate": 0.5}], [WALL]), "0,1")
+    run = tmp_path / "run.csv"
+    subprocess.run([lemons, "run", trial, "--until", "2", "-o", run], check=True, capture_output=True)
+    subprocess.run([lemons, "export", run, tmp_path / "next", "--to", "trial", "--trial", trial], check=True, capture_output=True)
+    rows = table(lemons, tmp_path / "next", "--until", "1")
+    assert 1.9 < float(rows[0]["x"]) < 2.2 and {float(row["peak_normal_force"]) for row in rows} == {0.0}
+
+
+def test_a_trial_at_the_end_of_a_run_has_the_groups_and_the_motivation_of_the_run(lemons, tmp_path):
+    people = [{"mass": MASS, "x": 1.5 * k, "y": 0.0} for k in range(6)]
+    trial = write_trial(tmp_path / "T", people)
+    motivation = "motivation = [{ time = 1, desired_speed = 0.5 }, { time = 5, desired_speed = 2 }]"
+    exits = "exits = [{ line = [[50, -9], [50, 9]] }]\ngroups = { share = 1 }\nseed = 4\nstart = { min = 0, max = 9 }"
+    (trial / "decision.toml").write_text(f"{exits}\n{motivation}\n")
+    run = tmp_path / "run.csv"
+    subprocess.run([lemons, "run", trial, "--until", "3", "-o", run], check=True, capture_output=True)
+    subprocess.run([lemons, "export", run, tmp_path / "next", "--to", "trial", "--trial", trial], check=True, capture_output=True)
+    decision = tomllib.loads((tmp_path / "next/decision.toml").read_text())
+    groups = decision["groups"]["members"]
+    # Who finds nobody walks alone.
+    assert len(groups) > 0 and all(len(group) > 1 for group in groups) and "share" not in decision["groups"]
+    agents = decision["agents"]
+    assert all(len({agents[one]["start"] for one in group}) == 1 for group in groups)
+    assert {agent["desired_speed"] for agent in agents.values()} == {0.5}
+    assert decision["motivation"] == [{"time": 2, "desired_speed": 2}]
+    # Who moves when is as if the run had gone on.
+    whole = [table(lemons, trial, "--until", "9")[k::6] for k in range(6)]
+    rest = [table(lemons, tmp_path / "next", "--until", "6")[k::6] for k in range(6)]
+
+    def begins(rows, after):
+        moving = [float(row["t"]) for row in rows if float(row["t"]) > after + 0.25 and abs(float(row["vx"])) > 0.2]
+        return min(moving, default=99.0) - after
+
+    for one, other in zip(whole, rest, strict=True):
+        assert begins(one, 3.0) == pytest.approx(begins(other, 0.0), abs=0.35)
+
+
+def test_times_are_those_of_a_simulation_that_starts_later(tmp_path, pack, instantiate, decide):
+    """The door of 6 s opens 1 s after the start, and who starts at 6 s walks then."""
+    trial = leaning(tmp_path / "T", "6,1e9")
+    fmu = instantiate(pack(trial)).initialize(5.0)
+    x = []
+    for k in range(20):
+        fmu.step_to(5.0 + (k + 1) * 0.1)
+        x.append(fmu.look()[0][0])
+    assert max(x[:10]) < 1.81 and x[-1] > 2.2
+    (tmp_path / "plan.toml").write_text("waypoints = [{ x = 9, y = 0 }]\nstart = 6\n")
+    decision = instantiate(decide("--plan", tmp_path / "plan.toml", trial=trial)).initialize(5.0)
+    pushes = []
+    for k in range(20):
+        pushes.append(decision["agent[0].Fp.x"])
+        decision.step_to(5.0 + (k + 1) * 0.1)
+    assert pushes[:10] == [0.0] * 10 and min(pushes[10:]) > 100.0
 
 
 def test_a_door_that_can_never_open_is_doubted(lemons, tmp_path):

@@ -262,7 +262,9 @@ impl Arguments {
         file.persist()?;
         let (walls, exits) = (room.walls.len(), room.exits.len());
         let left = if format == drawing::Format::Wkt && exits > 0 { "; exits are not in it" } else { "" };
-        Ok(say!("{}: {walls} walls, {exits} exits{left}", out.display())?)
+        let opens = trial.geometry.walls.iter().any(|wall| !wall.open.is_empty());
+        let opens = if opens { "; walls that open are as closed ones in it" } else { "" };
+        Ok(say!("{}: {walls} walls, {exits} exits{left}{opens}", out.display())?)
     }
 
     /// Writes the Trial that continues from the end of a run of `before`, with the `decision.toml` of those who are there.

@@ -17,7 +17,7 @@ use crate::error::PlanError;
 use crate::exit_choice::ExitChoice;
 use crate::person::Person;
 use crate::plan::Plan;
-use crate::rule::{Motivation, Waypoint};
+use crate::rule::{Motivation, UNLIMITED, Waypoint};
 use crate::spread::Spread;
 use crate::walking_model::{CollisionFreeSpeed, Rotational, SocialForce, WalkingModel};
 use lemons_core::files::words;
@@ -25,9 +25,6 @@ use lemons_core::trial::times_from;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
-
-/// \[s\] The times of what does not open any more: those without any are always open.
-const NEVER: [f64; 2] = [1e9 - 1.0, 1e9];
 
 /// Name of the settings in a Trial directory.
 pub const DECISION_FILE: &str = "decision.toml";
@@ -141,20 +138,29 @@ pub(crate) struct TargetConfig {
     /// Part of the people who take it, instead of the nearest.
     pub share: Option<f64>,
     /// \[s\] Times from which to which people can leave by it.
+    #[serde(default, deserialize_with = "times")]
     pub open: Option<Vec<[f64; 2]>>,
     /// Factor of the expected time.
     pub time_factor: Option<f64>,
 }
 
 /// Arrays of TOML that are too long would be cut.
-fn corners<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
+fn pairs<'de, D: Deserializer<'de>>(from: D, what: &str) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
     // The lab says null where there is none.
-    let Some(points) = Option::<Vec<Vec<f64>>>::deserialize(from)? else { return Ok(None) };
-    let point = |numbers: Vec<f64>| {
+    let Some(pairs) = Option::<Vec<Vec<f64>>>::deserialize(from)? else { return Ok(None) };
+    let pair = |numbers: Vec<f64>| {
         let count = numbers.len();
-        numbers.try_into().map_err(|_| D::Error::custom(format!("a point has 2 numbers [x, y], not {count}")))
+        numbers.try_into().map_err(|_| D::Error::custom(format!("{what}, not {count}")))
     };
-    points.into_iter().map(point).collect::<Result<_, _>>().map(Some)
+    pairs.into_iter().map(pair).collect::<Result<_, _>>().map(Some)
+}
+
+fn corners<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
+    pairs(from, "a point has 2 numbers [x, y]")
+}
+
+fn times<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
+    pairs(from, "a time of being open has 2 numbers [from, to]")
 }
 
 fn ends<'de, D: Deserializer<'de>>(from: D) -> Result<Option<[[f64; 2]; 2]>, D::Error> {
@@ -204,40 +210,58 @@ impl DecisionConfig {
     }
 
     /// Returns the same for who goes on from a time \[s\] of a run, with a clock that begins anew: exits open and close as
-    /// much earlier, people start so, too, and motivation changes so. What is over is left out.
+    /// much earlier, people start so, too, and motivation changes so. Groups are those of the plan, and motivation that has
+    /// changed stays so.
     #[must_use]
     pub fn going_on(&self, plan: &Plan, time: f64) -> DecisionConfig {
         let mut later = self.clone();
-        let times = later.exits.iter_mut().flatten().filter_map(|exit| exit.open.as_mut());
-        for open in times {
-            *open = times_from(open, time);
-            // A plan has none that is shorter.
-            open.retain(|[from, to]| to - from >= plan.time_step);
-            if open.is_empty() {
-                open.push(NEVER);
+        for open in later.exits.iter_mut().flatten().filter_map(|exit| exit.open.as_mut()) {
+            *open = times_from(open, time, plan.time_step);
+        }
+        let begun: Vec<Motivation> = self.motivation.iter().filter(|of| of.time <= time).cloned().collect();
+        later.motivation.retain(|motivation| motivation.time > time);
+        later.motivation.iter_mut().for_each(|motivation| motivation.time -= time);
+        let mut starts: Vec<f64> = plan.agents.iter().map(|agent| agent.walker.start).collect();
+        if !plan.groups.is_empty() {
+            let ids = |group: &Vec<usize>| group.iter().map(|&i| plan.agents[i].id.clone()).collect();
+            let members = Some(plan.groups.iter().map(ids).collect());
+            later.groups = Some(GroupsConfig { members, ..GroupsConfig::default() });
+            for group in &plan.groups {
+                let last = group.iter().map(|&i| starts[i]).fold(0.0, f64::max);
+                group.iter().for_each(|&i| starts[i] = last);
             }
         }
-        later.motivation.iter_mut().for_each(|motivation| motivation.time -= time);
-        later.motivation.retain(|motivation| motivation.time > 0.0);
-        if plan.agents.iter().any(|agent| agent.walker.start > 0.0) {
+        let waits = starts.iter().any(|&start| start > 0.0);
+        if waits {
             later.start = None;
-            for agent in &plan.agents {
-                let start = (agent.walker.start - time).max(0.0);
-                later.agents.entry(agent.id.clone()).or_default().start = Some(start);
+        }
+        for (agent, start) in plan.agents.iter().zip(starts) {
+            if waits {
+                later.agents.entry(agent.id.clone()).or_default().start = Some((start - time).max(0.0));
+            }
+            if !begun.is_empty() {
+                let mut walker = agent.walker.clone();
+                begun.iter().for_each(|motivation| walker.motivate(motivation));
+                let own = later.agents.entry(agent.id.clone()).or_default();
+                (own.desired_speed, own.time_gap) = (Some(walker.desired_speed), Some(walker.time_gap));
+                own.standstill_gap = Some(walker.standstill_gap);
+                own.push = (walker.push < UNLIMITED).then_some(walker.push);
             }
         }
         later
     }
 
-    /// Makes settings in which everybody leaves by lines \[m\] with names, at one speed \[m/s\]; of several, people choose by
-    /// the expected time.
+    /// Makes settings in which everybody leaves by lines \[m\] with names and the times \[s\] at which they are open (none:
+    /// always), at one speed \[m/s\]; of several, people choose by the expected time.
     pub fn leaving(
         model: WalkingModelName,
         speed: f64,
-        exits: impl IntoIterator<Item = (String, [[f64; 2]; 2])>,
+        exits: impl IntoIterator<Item = (String, [[f64; 2]; 2], Vec<[f64; 2]>)>,
     ) -> DecisionConfig {
-        let exit =
-            |(name, line)| TargetConfig { name: Some(name), line: Some(line), ..TargetConfig::default() };
+        let exit = |(name, line, open): (String, [[f64; 2]; 2], Vec<[f64; 2]>)| {
+            let open = (!open.is_empty()).then_some(open);
+            TargetConfig { name: Some(name), line: Some(line), open, ..TargetConfig::default() }
+        };
         let exits: Vec<TargetConfig> = exits.into_iter().map(exit).collect();
         DecisionConfig {
             model: Some(model),

@@ -109,6 +109,11 @@ impl Agent {
     }
 }
 
+/// Returns whether a time is after one and not after another one \[s\]. A rounding error is not a step.
+fn is_due(at: f64, before: f64, now: f64) -> bool {
+    before < at - 1e-9 && at - 1e-9 <= now
+}
+
 /// What an agent does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Act {
@@ -258,18 +263,21 @@ impl Decision {
         self.choose_exits(step);
         let before = self.time;
         self.time += step;
-        // A rounding error is not a step.
-        let due = |at: f64| before < at - 1e-9 && at - 1e-9 <= self.time;
-        for motivation in self.plan.motivation.iter().filter(|motivation| due(motivation.time)) {
-            self.agents.iter_mut().for_each(|agent| agent.walker.motivate(motivation));
-        }
+        self.motivate_since(before);
         let opens = |exit: &Target| exit.is_open(before) != exit.is_open(self.time);
         let turns = |door: &Door| door.is_closed(before) != door.is_closed(self.time);
         goes_on |= self.plan.targets.iter().any(opens) || self.plan.doors.iter().any(turns);
-        if goes_on || self.agents.iter().any(|agent| due(agent.walker.start)) {
+        if goes_on || self.agents.iter().any(|agent| is_due(agent.walker.start, before, self.time)) {
             (self.wanted, self.aims) = (None, None);
         }
         Ok(())
+    }
+
+    /// Everybody's motivation changes as it is due after a time \[s\] and until now.
+    fn motivate_since(&mut self, before: f64) {
+        for motivation in self.plan.motivation.iter().filter(|of| is_due(of.time, before, self.time)) {
+            self.agents.iter_mut().for_each(|agent| agent.walker.motivate(motivation));
+        }
     }
 
     /// How many have arrived: at their last way-point, at a goal, or have left.
@@ -521,7 +529,9 @@ impl Model for Decision {
         self.dependencies_of(computed, known)
     }
 
-    fn initialize(&mut self, _: f64) -> Answer<()> {
+    fn initialize(&mut self, start: f64) -> Answer<()> {
+        self.time = start;
+        self.motivate_since(f64::NEG_INFINITY);
         self.find_ways()
     }
 

@@ -53,10 +53,13 @@ impl Door {
         disks.iter().map(of_disk).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Returns the part of the desired speed with which somebody walks towards the door, which is closed and so far
-    /// \[m\] ahead. The wall waits for who is in it: that one walks on.
-    pub(crate) fn share(&self, distance: f64, pose: Pose, disks: &[[f64; 3]]) -> f64 {
+    /// Returns the part of the desired speed with which somebody walks towards the door, which is closed. The wall waits for
+    /// who is in it: that one walks on.
+    pub(crate) fn share(&self, pose: Pose, disks: &[[f64; 3]]) -> f64 {
         let overlap = self.overlap(pose, disks);
-        if overlap > 0.0 { (overlap / IN_IT).clamp(OUT_OF_IT, 1.0) } else { share_before_closed(distance) }
+        if overlap > 0.0 {
+            return (overlap / IN_IT).clamp(OUT_OF_IT, 1.0);
+        }
+        share_before_closed(-self.overlap(pose, &[[0.0; 3]]))
     }
 }

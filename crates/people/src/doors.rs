@@ -2,11 +2,13 @@
 
 use crate::error::{PeopleError, Result, require};
 use lemons_core::plane::{Foot, Ring, Vec2, nearest_on_line, vec2};
-use lemons_core::trial::{Geometry, TIMES, Wall, are_times};
+use lemons_core::trial::{Geometry, LATEST, TIMES, Wall, are_times};
 use serde::{Deserialize, Serialize};
 
 /// \[m\] A door further from all walls is a mistake.
 const FARTHEST: f64 = 1.0;
+/// \[s\] In so long everybody who came through a door has reached the line behind it.
+const BEYOND: f64 = 30.0;
 /// \[m\] Shorter pieces between doors are rounding errors.
 const SHORTEST: f64 = 1e-6;
 /// \[m\] From a door to the line behind it.
@@ -155,6 +157,20 @@ impl Door {
         let (open, rest) = times.as_chunks::<2>();
         (rest.is_empty() && are_times(open))
             .then(|| Door { open: open.to_vec(), ..Door::new(vec2(x, y), width) })
+    }
+
+    /// Returns the times \[s\] at which people can leave behind it: those of the door, and a little longer for who has come
+    /// through it. Empty: always.
+    pub fn exit_times(&self) -> Vec<[f64; 2]> {
+        let mut times: Vec<[f64; 2]> = Vec::new();
+        for &[from, to] in &self.open {
+            let to = (to + BEYOND).min(LATEST);
+            match times.last_mut() {
+                Some(last) if from <= last[1] => last[1] = to,
+                _ => times.push([from, to]),
+            }
+        }
+        times
     }
 
     /// Returns the way \[m\] along the wall from one end of the gap to the other: corners of the wall lie between them

@@ -144,7 +144,9 @@ pub fn sheet(panels: &[(&Scene, &Style)], columns: usize) -> String {
             let x = if length <= drawn.x { frame.left } else { left };
             page.text("time", &headings[k], page.place(x, above + CAP_HEIGHT * unit, START));
         }
-        world(&mut page, (scene, style), &frame, colouring.clone(), force_scale, cut);
+        // Doors are as at the time of the panel.
+        let style = Style { time: panels[k].1.time, ..(*style).clone() };
+        world(&mut page, (scene, &style), &frame, colouring.clone(), force_scale, cut);
         if !alone {
             page.out += "</g>\n";
         }

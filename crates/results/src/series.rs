@@ -161,8 +161,9 @@ pub fn trial_at_end(record: &Record, trial: &Trial) -> Result<Trial, RecordError
     let record = record.clone().of_trial(trial)?;
     let last = record.read_wanted(KeptFrames::Around(Vec::new()))?.frames.pop().unwrap_or_default();
     let mut trial = trial.clone();
+    let step = trial.parameters.time_step;
     for wall in trial.geometry.walls.iter_mut().filter(|wall| !wall.open.is_empty()) {
-        wall.open = times_from(&wall.open, last.time);
+        wall.open = times_from(&wall.open, last.time, step);
     }
     let moved = |(motion, was): (_, &AgentDynamics)| {
         let now = AgentDynamics::of(motion);

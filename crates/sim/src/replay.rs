@@ -1,13 +1,10 @@
 //! The contacts of a Trial's agents where frames of a run have them.
 
-use crowd_mechanics::engine::{BodyId, ContactReport, PairForce, State, WallId, World};
+use crowd_mechanics::engine::{BodyId, ContactReport, PairForce, State, World};
 use crowd_mechanics::setup::{Setup, WorldError};
 use lemons_core::plane::Pose;
-use lemons_core::trial::{Trial, Wall, is_open};
+use lemons_core::trial::Trial;
 use lemons_results::{Frame, Observed};
-
-/// Part of a disk that no wall reaches into which is there.
-const DEEP: f64 = 0.5;
 
 /// A Trial's bodies, put where frames of a run have them. Tangential springs are not known; they do not change normal
 /// forces.
@@ -39,12 +36,8 @@ impl<'t> Replay<'t> {
         let (poses, twists) = frame.agents.iter().map(|agent| (finite(agent.pose), agent.twist)).unzip();
         let crowded = |crowded| Setup::of(self.trial).too_crowded(crowded);
         self.world.restore(State::new(poses, twists)).map_err(crowded)?;
-        let walls = &self.trial.geometry.walls;
         let began = (frame.time - self.trial.parameters.time_step).max(0.0);
-        let is_there = |(w, wall): (usize, &Wall)| {
-            wall.open.is_empty() || !is_open(&wall.open, began) && self.world.is_free(WallId::from(w), DEEP)
-        };
-        let present: Vec<bool> = walls.iter().enumerate().map(is_there).collect();
+        let present = Setup::of(self.trial).walls_at(began, &self.world);
         if present == self.world.present_walls() {
             return Ok(());
         }

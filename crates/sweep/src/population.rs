@@ -13,7 +13,8 @@ use lemons_people::{
     cut_doors, heading, walls,
 };
 use lemons_sim::Documents;
-use serde::Deserialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
@@ -28,7 +29,7 @@ const MOST: u32 = 1_000_000;
 pub(crate) struct Population {
     number: u32,
     /// \[m\] Of the room, whose lower left corner is the origin.
-    #[serde(rename = "box")]
+    #[serde(rename = "box", deserialize_with = "two")]
     sides: [f64; 2],
     /// \[m\] x, y and width of each, then the times \[s\] from and to which it is open; with doors, everybody leaves.
     #[serde(default)]
@@ -67,6 +68,13 @@ enum Share {
 #[serde(rename_all = "lowercase")]
 enum Rest {
     Rest,
+}
+
+/// An array of TOML that is too long would be cut.
+fn two<'de, D: Deserializer<'de>>(from: D) -> Result<[f64; 2], D::Error> {
+    let numbers = Vec::<f64>::deserialize(from)?;
+    let count = numbers.len();
+    numbers.try_into().map_err(|_| D::Error::custom(format!("must be two numbers, not {count}")))
 }
 
 fn first_seed() -> u64 {
@@ -257,8 +265,10 @@ impl Population {
         };
         let trial = crowd_trial("crowd", &crowd, geometry, &settings).map_err(wrong)?;
         let people = crowd.iter().map(|(_, pose)| pose.position);
-        let lines = doors.iter().filter_map(|door| door.exit(&closed, people.clone()));
-        let exits = lines.enumerate().map(|(k, line)| (format!("door {k}"), line.map(Into::into)));
+        let lines =
+            doors.iter().filter_map(|door| Some((door.exit(&closed, people.clone())?, door.exit_times())));
+        let exits =
+            lines.enumerate().map(|(k, (line, open))| (format!("door {k}"), line.map(Into::into), open));
         let own =
             agents.iter().enumerate().filter_map(|(id, agent)| Some((id.to_string(), agent.member()?.speed)));
         let own: Vec<(String, f64)> = own.filter(|_| self.speed.is_none()).collect();

@@ -1,5 +1,6 @@
 //! `--leave`, `--balance`, `--push`: the `decision.toml` of a crowd.
 
+use super::placing::WayOut;
 use crate::error::Misused;
 use crate::numbers::{array, within};
 use anyhow::{Result, bail};
@@ -103,7 +104,7 @@ impl LeaveArguments {
     /// choose by the expected time.
     pub fn text(
         &self,
-        doors: &[[Vec2; 2]],
+        doors: &[WayOut],
         drawn: Option<&Read>,
         speed: Option<f64>,
         seed: u64,
@@ -144,11 +145,14 @@ impl LeaveArguments {
             text += "exit_choice = \"time\"           # by distance and queue\n";
         }
         text += "exits = [\n";
-        for (kind, lines) in [("door", doors), ("exit", &self.exits)] {
-            for (k, [a, b]) in lines.iter().enumerate() {
+        let exits: Vec<WayOut> = self.exits.iter().map(|line| (*line, Vec::new())).collect();
+        for (kind, lines) in [("door", doors), ("exit", &exits)] {
+            for (k, ([a, b], open)) in lines.iter().enumerate() {
                 let line = format!("[[{:?}, {:?}], [{:?}, {:?}]]", a.x, a.y, b.x, b.y);
+                let times = if open.is_empty() { String::new() } else { format!(", open = {open:?}") };
+                let units = if open.is_empty() { "[m]" } else { "[m], [s]" };
                 // Writing to a string does not fail.
-                let _ = writeln!(text, "  {{ name = \"{kind} {k}\", line = {line} }},   # [m]");
+                let _ = writeln!(text, "  {{ name = \"{kind} {k}\", line = {line}{times} }},   # {units}");
             }
         }
         drawn.iter().for_each(|place| text += &drawn_exit(place));

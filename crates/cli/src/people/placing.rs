@@ -65,6 +65,9 @@ pub struct PlacingArguments {
     drawing: DrawingArguments,
 }
 
+/// A line \[m\], and the times \[s\] at which people can leave there; none: always.
+pub type WayOut = ([Vec2; 2], Vec<[f64; 2]>);
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum OrientationArgument {
     Free,
@@ -259,10 +262,11 @@ impl PlacingArguments {
         }
     }
 
-    /// Lines \[m\] behind the doors, where people \[m\] have left.
-    pub fn ways_out(&self, place: &Place, crowd: &[(Agent, Pose)]) -> Vec<[Vec2; 2]> {
+    /// Lines \[m\] behind the doors, where people \[m\] have left, and the times \[s\] at which they can.
+    pub fn ways_out(&self, place: &Place, crowd: &[(Agent, Pose)]) -> Vec<WayOut> {
         let people = crowd.iter().map(|(_, pose)| pose.position);
-        place.doors.iter().filter_map(|door| door.exit(&place.closed, people.clone())).collect()
+        let way_out = |door: &Door| Some((door.exit(&place.closed, people.clone())?, door.exit_times()));
+        place.doors.iter().filter_map(way_out).collect()
     }
 
     /// How many stand on each ground, from --number and --density.

@@ -3,7 +3,7 @@
 use crate::xml::{decimal, number};
 
 /// \[s\] No time may be later.
-const LATEST: f64 = 1e9;
+pub const LATEST: f64 = 1e9;
 
 /// Largest number of times from and to which something is open: each look goes through them.
 pub const MOST_TIMES: usize = 1000;
@@ -27,10 +27,15 @@ pub fn is_open(open: &[[f64; 2]], time: f64) -> bool {
     begun > 0 && time < open[begun - 1][1]
 }
 
-/// Returns times as a clock has them that begins at `start` \[s\]: what is over is left out.
-pub fn times_from(open: &[[f64; 2]], start: f64) -> Vec<[f64; 2]> {
+/// \[s\] The times of what does not open any more: without any, a wall never opens, and an exit is always open.
+const NEVER: [f64; 2] = [LATEST - 1.0, LATEST];
+
+/// Returns times as a clock has them that begins at `start` \[s\], without what is over and what is shorter than a step
+/// \[s\].
+pub fn times_from(open: &[[f64; 2]], start: f64, step: f64) -> Vec<[f64; 2]> {
     let later = open.iter().map(|pair| pair.map(|time| (time - start).max(0.0)));
-    later.filter(|[from, to]| from < to).collect()
+    let later: Vec<_> = later.filter(|[from, to]| to - from >= step).collect();
+    if later.is_empty() { vec![NEVER] } else { later }
 }
 
 /// Reads `from,to from,to`.
@@ -61,9 +66,9 @@ mod tests {
         let seen: Vec<f64> =
             [0.0, 5.4, 5.5, 19.9, 20.0 - 1e-12, 1e8].into_iter().filter(|&t| is_open(&open, t)).collect();
         assert_eq!(seen, [0.0, 5.4, 20.0 - 1e-12, 1e8]);
-        assert_eq!(times_from(&open, 2.0), [[0.0, 3.5], [18.0, 1e9 - 2.0]]);
-        assert_eq!(times_from(&open, 5.5), [[14.5, 1e9 - 5.5]]);
-        assert!(times_from(&open, 1e9).is_empty());
+        assert_eq!(times_from(&open, 2.0, 0.1), [[0.0, 3.5], [18.0, 1e9 - 2.0]]);
+        assert_eq!(times_from(&open, 5.45, 0.1), [[14.55, 1e9 - 5.45]]);
+        assert_eq!(times_from(&open, 1e9, 0.1), [NEVER]);
         let many = |count: u32| (0..count).map(|k| format!("{},{} ", 2 * k, 2 * k + 1)).collect::<String>();
         assert!(parse(&many(1000)).is_some() && parse(&many(1001)).is_none());
         for wrong in ["", "5", "5,4", "5,5", "-1,4", "0,2e9", "0,4 3,5", "0,4 4,5", "0,nan", "0,1,2", "0, 1"]

@@ -137,7 +137,7 @@ impl Decision {
         let (door, distance) = ahead.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
         let before = at + way * distance;
         let hidden = self.faces.iter().any(|&[a, b]| segments_cross(at, before, a, b));
-        (!hidden).then(|| door.share(distance, agent.pose, disks))
+        (!hidden).then(|| door.share(agent.pose, disks))
     }
 
     /// \[m\] How far it is along the way-points and to an exit or a goal.
