@@ -109,7 +109,7 @@ def test_a_state_in_which_a_door_waits_gives_the_same_bits(tmp_path, pack, insta
 def table(lemons, trial, *options):
     """Rows of a run of one, by their times."""
     out = trial.with_suffix(".csv")
-    subprocess.run([lemons, "run", trial, "-o", out, *options], check=True, capture_output=True)
+    subprocess.run([lemons, "run", trial, "-o", out, "--force", *options], check=True, capture_output=True)
     return [{name.split(" [")[0]: value for name, value in row.items()} for row in csv.DictReader(out.open())]
 
 
