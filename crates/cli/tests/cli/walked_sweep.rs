@@ -111,7 +111,7 @@ squeeze = { of = "peak_squeeze", take = "max" }
         ),
         ("box = [6, 5]", "box = [6, 5, 3]", "must be two numbers, not 3"),
         ("groups = 0.5", "groups = 1.5", "population: groups = 1.5: must be from 0 to 1"),
-        ("min = 0", "min = 2", "population: start: min = 2, max = 1.5: min must be below max"),
+        ("min = 0", "min = 2", "population: everybody: start: min = 2, max = 1.5: min must be below max"),
         (", 1, 60]", ", 60, 1]", "population: doors: [0.0, 2.5, 1.2, 60.0, 1.0]: must be x, y and a width"),
         (
             "doors = [[6, 2.5, 1.5], [0, 2.5, 1.2, 1, 60]]",
