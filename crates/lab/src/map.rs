@@ -72,7 +72,7 @@ fn extent(driven: &Driven) -> Bounds {
     }
 }
 
-/// Adds frames to the run's map of a quantity, or to a new one. The bytes have [`ROW`] doubles for each person of each frame;
+/// Adds frames to the run's map of a quantity, or to a new one. The bytes have `ROW` doubles for each person of each frame;
 /// who has left has no numbers there. The answer: the middle of the lowest left cell, the size of a cell, how many there are
 /// along x and y, and how many frames; its bytes: of each cell the density, or the mean and the greatest squeeze and the number
 /// of values \[N, N, 1\], one quantity after the other, row by row from the lowest.
