@@ -5,7 +5,7 @@ import type { Film } from "./film";
 import { brief } from "./parts";
 import { COLUMNS, GOES, isThere } from "./protocol";
 
-/** Who has not moved by so many metres in so many seconds is stuck: half a breadth of shoulders, as the blocked mill about. */
+/** Who has not moved by so many metres in so many seconds is stuck. Blocked people mill about: half a breadth of shoulders. */
 const [FAR, LONG] = [0.25, 10];
 /** Places that are looked at in this time. */
 const LOOKS = 50;

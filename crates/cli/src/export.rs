@@ -291,12 +291,11 @@ impl Arguments {
         let fewer = |(config, text): (DecisionConfig, String)| {
             config.without_others(&Person::all_of(&trial)).map_or(Ok(text), |fewer| fewer.to_toml())
         };
-        let later = |(config, text): (DecisionConfig, String)| match &plan {
-            Some(plan) if config.going_on(plan, end) != config => {
-                let later = config.going_on(plan, end);
-                later.to_toml().map(|text| (later, text))
-            }
-            _ => Ok((config, text)),
+        let later = |(config, text): (DecisionConfig, String)| {
+            let later = plan.as_ref().map(|plan| config.going_on(plan, end));
+            // Else the text of the file is kept.
+            let changed = later.filter(|later| *later != config);
+            changed.map_or(Ok((config, text)), |later| later.to_toml().map(|text| (later, text)))
         };
         let wishes = wishes.map(|wishes| later(wishes).and_then(fewer)).transpose()?;
         let plan = wishes.is_some().then(|| out.join(DECISION_FILE));

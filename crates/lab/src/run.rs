@@ -135,7 +135,8 @@ impl Run {
         Ok(frame::bytes(&self.simulation.frame(), &self.simulation.going()?))
     }
 
-    /// Returns who presses whom in a frame of a time \[s\]: x, y \[m\] of one, x, y of the other or of the wall, and their force \[N\].
+    /// Returns who presses whom in a frame of a time \[s\]: x, y \[m\] of one, x, y of the other or of the wall, and their
+    /// force \[N\].
     ///
     /// # Errors
     /// It is not a frame of these people.

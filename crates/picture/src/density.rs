@@ -28,8 +28,8 @@ const SHADES: usize = 24;
 ///
 /// Each person is a Gaussian with integral 1. A cell contains its mean, so that the sum over a sufficiently large grid,
 /// times the area of a cell, is the number of people. Walls stop the kernel: a cell gets its share only if the straight
-/// line from the person to its centre crosses no wall. Walls that open and close do not count. The rest of the Gaussian is then scaled so that its integral is
-/// 1 again.
+/// line from the person to its centre crosses no wall. Walls that open and close do not count. The rest of the
+/// Gaussian is then scaled so that its integral is 1 again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DensityMap {
     view: Bounds,

@@ -1,4 +1,4 @@
-//! `--leave`, `--balance`, `--push`: the `decision.toml` of a crowd.
+//! `--leave` and the options that need it: the `decision.toml` of a crowd.
 
 use super::placing::WayOut;
 use crate::error::Misused;
@@ -100,8 +100,8 @@ impl LeaveArguments {
     }
 
     /// The text of `decision.toml`: people leave by doors, with these lines \[m\] behind them, and by the exits.
-    /// The seed chooses who starts when and who is in a group. Without a speed \[m/s\] it is a usual one, but for those who have one of their own. Of several exits, people
-    /// choose by the expected time.
+    /// The seed chooses who starts when and who is in a group. Without a speed \[m/s\] it is a usual one, but for those
+    /// who have one of their own. Of several exits, people choose by the expected time.
     pub fn text(
         &self,
         doors: &[WayOut],

@@ -5,7 +5,7 @@ use crate::xml::{decimal, number};
 /// \[s\] No time may be later.
 pub const LATEST: f64 = 1e9;
 
-/// Largest number of times from and to which something is open: each look goes through them.
+/// Largest number of times from and to which something is open.
 pub const MOST_TIMES: usize = 1000;
 
 /// What times must be, for messages.
