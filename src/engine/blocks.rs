@@ -7,7 +7,7 @@ use super::body_kinematics::BodyKinematics;
 use super::broad_phase::{CellGrid, Crowded, NearMargin, PairLimit, list};
 use super::circle::Circle;
 use super::contact_geometry::Instant;
-use super::contacts::{Impulse, Load, OutgoingLoad, SpringUpdate, Sums, WallForce, deepen};
+use super::contacts::{Impulse, Load, OutgoingLoad, SpringUpdate, Sums, WallForce};
 use super::exposure::{ExposureSum, FaceSum};
 use super::near_pairs::{Candidates, FIRST_EVALUATION, NearPairs};
 use super::report::ContactReport;
@@ -49,8 +49,6 @@ pub(super) struct Blocks {
     pub kinematics: Vec<BodyKinematics>,
     /// One for each body.
     pub flown: Vec<Flown>,
-    /// \[m\] For each body the deepest overlap since [`Blocks::load`].
-    pub deepest: Vec<f64>,
     /// \[N.s\] For each body the impulse by walls since [`Blocks::load`]: few bodies touch one.
     pub by_walls: Vec<f64>,
     /// For each face the sums since then.
@@ -77,8 +75,8 @@ pub(super) struct Bodies<'a> {
     pub start: usize,
     pub kinematics: &'a mut [BodyKinematics],
     pub flown: &'a mut [Flown],
-    /// Loads by the contacts at the present instant.
-    pub loads: &'a [Load],
+    /// Loads by the contacts at the present instant. Who uses one takes it: all are zero at the next instant.
+    pub loads: &'a mut [Load],
     /// Impulses by contacts that began or ended within the last step, besides the loads.
     pub impulses: &'a [Impulse],
 }
@@ -90,7 +88,6 @@ impl Blocks {
             blocks: vec![Block::default(); bodies.div_ceil(BLOCK)],
             kinematics: vec![BodyKinematics::default(); bodies],
             flown: vec![Flown::default(); bodies],
-            deepest: vec![0.0; bodies],
             by_walls: vec![0.0; bodies],
             faces: vec![FaceSum::default(); scene.faces.len()],
             loads: vec![Load::default(); bodies],
@@ -108,8 +105,9 @@ impl Blocks {
     pub fn load(&mut self, scene: &Scene, state: &State) {
         self.evaluation = FIRST_EVALUATION;
         self.flown.iter_mut().for_each(|flown| flown.exposure_sum = ExposureSum::default());
-        self.deepest.fill(0.0);
         self.by_walls.fill(0.0);
+        // Already zero, unless a panic was caught.
+        self.loads.fill(Load::default());
         self.faces.fill(FaceSum::default());
         for block in &mut self.blocks {
             block.pairs.clear();
@@ -184,17 +182,16 @@ impl Blocks {
         let before = self.evaluation;
         // 32 bits, so that a spring has 32 bytes. A communication step has fewer mechanical steps (`MOST_STEPS`).
         self.evaluation += 1;
-        let Blocks { blocks, kinematics, flown, deepest, by_walls, faces, loads, .. } = self;
+        let Blocks { blocks, kinematics, flown, by_walls, faces, loads, .. } = self;
         if threads.count() == 1 {
             for k in 0..blocks.len() {
                 let of_block = k * BLOCK..kinematics.len().min((k + 1) * BLOCK);
                 let (start, loads) = (of_block.start, &mut loads[..of_block.len()]);
-                let deepest = &mut deepest[of_block.clone()];
                 let instant = Instant { scene, kinematics, before };
-                blocks[k].evaluate(&instant, update, start, loads, deepest);
+                blocks[k].evaluate(&instant, update, start, loads);
                 if blocks.len() > 1 {
                     hand_over(blocks, k);
-                    blocks[k].take_in(start, loads, deepest);
+                    blocks[k].take_in(start, loads);
                 }
                 blocks[k].add_walls(start, &mut by_walls[of_block.clone()], duration);
                 let (kinematics, flown) = (&mut kinematics[of_block.clone()], &mut flown[of_block]);
@@ -204,18 +201,16 @@ impl Blocks {
             }
         } else {
             let instant = Instant { scene, kinematics, before };
-            let each =
-                blocks.iter_mut().zip(loads.chunks_mut(BLOCK).zip(deepest.chunks_mut(BLOCK))).enumerate();
-            threads.each(each, |(k, (block, (loads, deepest)))| {
-                block.evaluate(&instant, update, k * BLOCK, loads, deepest);
+            let each = blocks.iter_mut().zip(loads.chunks_mut(BLOCK)).enumerate();
+            threads.each(each, |(k, (block, loads))| {
+                block.evaluate(&instant, update, k * BLOCK, loads);
             });
             (0..blocks.len()).for_each(|k| hand_over(blocks, k));
             let each = blocks.iter_mut().zip(kinematics.chunks_mut(BLOCK)).enumerate();
-            let loads =
-                loads.chunks_mut(BLOCK).zip(deepest.chunks_mut(BLOCK)).zip(by_walls.chunks_mut(BLOCK));
+            let loads = loads.chunks_mut(BLOCK).zip(by_walls.chunks_mut(BLOCK));
             let each = each.zip(flown.chunks_mut(BLOCK).zip(loads));
-            threads.each(each, |((k, (block, kinematics)), (flown, ((loads, deepest), by_walls)))| {
-                block.take_in(k * BLOCK, loads, deepest);
+            threads.each(each, |((k, (block, kinematics)), (flown, (loads, by_walls)))| {
+                block.take_in(k * BLOCK, loads);
                 block.add_walls(k * BLOCK, by_walls, duration);
                 let impulses = &block.impulses[..];
                 block.result = then(k, Bodies { start: k * BLOCK, kinematics, flown, loads, impulses });
@@ -247,28 +242,18 @@ impl Blocks {
 
 impl Block {
     /// Sums the forces of its own pairs; forces on bodies of later blocks are kept for them.
-    fn evaluate(
-        &mut self,
-        instant: &Instant,
-        update: SpringUpdate,
-        start: usize,
-        loads: &mut [Load],
-        deepest: &mut [f64],
-    ) {
+    fn evaluate(&mut self, instant: &Instant, update: SpringUpdate, start: usize, loads: &mut [Load]) {
         let Block { pairs, walls, outgoing, impulses, outgoing_impulses, wall_forces, work, .. } = self;
-        loads.fill(Load::default());
         impulses.clear();
         wall_forces.clear();
-        let mut sums =
-            Sums { start, loads, deepest, outgoing, impulses, outgoing_impulses, wall_forces, work };
+        let mut sums = Sums { start, loads, outgoing, impulses, outgoing_impulses, wall_forces, work };
         instant.evaluate(pairs, walls, update, &mut sums);
     }
 
     /// Adds the forces from earlier blocks. After that the forces are complete.
-    fn take_in(&mut self, start: usize, loads: &mut [Load], deepest: &mut [f64]) {
-        for OutgoingLoad { body, load, depth } in self.incoming.drain(..) {
+    fn take_in(&mut self, start: usize, loads: &mut [Load]) {
+        for OutgoingLoad { body, load } in self.incoming.drain(..) {
             loads[body.index() - start].add(&load);
-            deepen(&mut deepest[body.index() - start], depth);
         }
         if !self.incoming_impulses.is_empty() {
             self.impulses.append(&mut self.incoming_impulses);

@@ -3,6 +3,7 @@
 use super::contact_events::ImpulseCorrection;
 use super::contact_geometry::{ContactForce, ContactGeometry, Instant};
 use super::contact_law::{Relaxation, SpringHistory, normal_force, react};
+use super::exposure::greater;
 use super::near_pairs::{AT_ONCE, DiskPair, FacePair, NearPairs, Overlapping, Separation, Spring};
 use super::overlap::{Proximity, proximity};
 use super::wall_contacts::WallContacts;
@@ -78,6 +79,8 @@ pub(super) struct Load {
     pub wrench: Wrench,
     /// \[N\] sum of |F_n|.
     pub squeeze: f64,
+    /// \[m\] The deepest overlap.
+    pub depth: f64,
 }
 
 impl Load {
@@ -86,6 +89,7 @@ impl Load {
         self.wrench.force += other.wrench.force;
         self.wrench.torque += other.wrench.torque;
         self.squeeze += other.squeeze;
+        self.depth = greater(self.depth, other.depth);
     }
 }
 
@@ -94,8 +98,6 @@ impl Load {
 pub(super) struct OutgoingLoad {
     pub body: BodyId,
     pub load: Load,
-    /// \[m\] overlap h.
-    pub depth: f64,
 }
 
 /// What a contact that began or ended within a step does to a body besides its loads, see [`super::contact_events`].
@@ -134,8 +136,6 @@ pub(super) struct Sums<'a> {
     pub start: usize,
     /// Loads of the bodies of the block at this instant.
     pub loads: &'a mut [Load],
-    /// \[m\] For the bodies of the block, the deepest overlap up to this instant.
-    pub deepest: &'a mut [f64],
     /// Forces on bodies of later blocks.
     pub outgoing: &'a mut Vec<OutgoingLoad>,
     /// Impulses on the bodies of the block, by contacts that began or ended within the last step.
@@ -151,25 +151,20 @@ impl Sums<'_> {
     /// Each force is computed once and applied to both bodies with opposite signs: Newton's third law holds exactly.
     #[inline(always)]
     fn add(&mut self, receiver: BodyId, other: Other, force: &ContactForce) {
-        self.work.contacts += 1;
         self.work.sliding += u64::from(force.reaction.regime == Regime::Sliding);
         let (vector, squeeze, depth) = (force.vector(), force.reaction.normal.abs(), force.overlap.depth);
-        self.give(receiver, Load { wrench: force.on_receiver(vector), squeeze }, depth);
+        self.give(receiver, Load { wrench: force.on_receiver(vector), squeeze, depth });
         match other {
-            Other::Body(giver) => self.give(giver, Load { wrench: force.on_giver(vector), squeeze }, depth),
+            Other::Body(giver) => self.give(giver, Load { wrench: force.on_giver(vector), squeeze, depth }),
             Other::Face(face) => self.wall_forces.push(WallForce { body: receiver, face, squeeze }),
         }
     }
 
     #[inline(always)]
-    fn give(&mut self, body: BodyId, load: Load, depth: f64) {
-        let b = body.index() - self.start;
-        match (self.loads.get_mut(b), self.deepest.get_mut(b)) {
-            (Some(sum), Some(deepest)) => {
-                sum.add(&load);
-                deepen(deepest, depth);
-            }
-            _ => self.outgoing.push(OutgoingLoad { body, load, depth }),
+    fn give(&mut self, body: BodyId, load: Load) {
+        match self.loads.get_mut(body.index() - self.start) {
+            Some(sum) => sum.add(&load),
+            None => self.outgoing.push(OutgoingLoad { body, load }),
         }
     }
 
@@ -218,16 +213,8 @@ impl Sums<'_> {
     fn add_coincident(&mut self, receiver: BodyId, giver: Option<BodyId>, depth: f64) {
         self.work.coincident += 1;
         for body in [Some(receiver), giver].into_iter().flatten() {
-            self.give(body, Load::default(), depth);
+            self.give(body, Load { depth, ..Load::default() });
         }
-    }
-}
-
-/// Keeps an overlap \[m\] if it is deeper than all before.
-#[inline(always)]
-pub(super) fn deepen(deepest: &mut f64, depth: f64) {
-    if depth > *deepest {
-        *deepest = depth;
     }
 }
 
@@ -257,10 +244,13 @@ impl Instant<'_> {
     /// The next [`AT_ONCE`] pairs of disks.
     #[inline(always)]
     fn evaluate_disks(&self, pairs: &mut NearPairs, start: usize, update: SpringUpdate, sums: &mut Sums) {
-        let mut touching = 0;
-        for &(k, separation) in self.find_overlapping(&pairs.disks, start, &mut pairs.overlapping) {
-            let (pair, detail) = (&pairs.disks[k], &pairs.disk_details[k]);
-            let spring = &mut pairs.disk_springs[k];
+        let next = start..pairs.disks.len().min(start + AT_ONCE);
+        // Of one length, so that one check of an index is enough.
+        let (disks, details) = (&pairs.disks[next.clone()], &pairs.disk_details[next.clone()]);
+        let springs = &mut pairs.disk_springs[next];
+        let mut touching = 0u32;
+        for &(k, separation) in self.find_overlapping(disks, &mut pairs.overlapping) {
+            let (pair, detail, spring) = (&disks[k], &details[k], &mut springs[k]);
             let (receiver, giver) = (pair.first_body, pair.second_body);
             let geometry = match proximity(separation.between, pair.reach) {
                 Proximity::Apart => continue,
@@ -282,8 +272,9 @@ impl Instant<'_> {
                 *spring = kept(geometry.law, &force, self.before + 1);
                 sums.add(receiver, Other::Body(giver), &force);
             }
-            touching |= 1 << (k % AT_ONCE);
+            touching |= 1 << k;
         }
+        sums.work.contacts += u64::from(touching.count_ones());
         let ended = std::mem::replace(&mut pairs.touching[start / AT_ONCE], touching) & !touching;
         if let SpringUpdate::Over(step) = update
             && ended != 0
@@ -310,6 +301,7 @@ impl Instant<'_> {
                 sums.add_coincident(body, None, contact.overlap.depth);
                 continue;
             }
+            sums.work.contacts += 1;
             let geometry = self.face_geometry(&pairs[k], contact.overlap, contact.part);
             let face = Other::Face(pairs[k].face);
             let from = walls.keeps(scene, pairs, springs, contact, disk.centre, self.before);
@@ -364,17 +356,16 @@ impl Instant<'_> {
         }
     }
 
-    /// Finds the overlapping pairs among the next [`AT_ONCE`], and their indices. It has no branches, because
-    /// processors cannot predict which pairs touch.
+    /// Finds the overlapping pairs among at most [`AT_ONCE`], and their indices. It has no branches, because processors
+    /// cannot predict which pairs touch.
     #[inline(always)]
     fn find_overlapping<'a>(
         &self,
         pairs: &[DiskPair],
-        start: usize,
         overlapping: &'a mut Overlapping,
     ) -> &'a [(usize, Separation)] {
         let mut found = 0;
-        for (pair, k) in pairs[start..].iter().zip(start..start + AT_ONCE) {
+        for (k, pair) in pairs.iter().enumerate() {
             let separation = pair.separation(self.kinematics);
             // The remainder shows the compiler that there is room.
             overlapping[found % AT_ONCE] = (k, separation);

@@ -54,6 +54,14 @@ pub(super) struct ExposureSum {
     impulse: f64,
     /// \[N\] largest force.
     peak_force: f64,
+    /// \[m\] deepest overlap.
+    peak_overlap: f64,
+}
+
+/// Returns the greater number, the first one if the second is none: one instruction, unlike [`f64::max`].
+#[inline(always)]
+pub(super) fn greater(one: f64, other: f64) -> f64 {
+    if other > one { other } else { one }
 }
 
 impl ExposureSum {
@@ -61,23 +69,24 @@ impl ExposureSum {
     #[inline(always)]
     pub fn add(&mut self, load: &Load, duration: f64) {
         self.impulse += load.squeeze * duration;
-        self.peak_force = if load.squeeze > self.peak_force { load.squeeze } else { self.peak_force };
+        self.peak_force = greater(self.peak_force, load.squeeze);
+        self.peak_overlap = greater(self.peak_overlap, load.depth);
     }
 
     /// Adds what a contact that began or ended within a step did besides the forces at instants.
     pub fn add_impulse(&mut self, impulse: &Impulse) {
         self.impulse += impulse.squeeze;
-        self.peak_force = if impulse.peak > self.peak_force { impulse.peak } else { self.peak_force };
+        self.peak_force = greater(self.peak_force, impulse.peak);
     }
 
     /// Returns the exposure over a communication step of a duration \[s\], 0 for a single instant. `by_walls` \[N.s\] is
-    /// the part of the impulse by walls, `peak_overlap` \[m\] the deepest overlap. `end` is what acts at its end, after
-    /// the correction of velocities: its force may be slightly larger than the earlier ones.
-    pub fn exposure(&self, duration: f64, by_walls: f64, end: &BodyContacts, peak_overlap: f64) -> Exposure {
+    /// the part of the impulse by walls. `end` is what acts at its end, after the correction of velocities: its force may
+    /// be slightly larger than the earlier ones.
+    pub fn exposure(&self, duration: f64, by_walls: f64, end: &BodyContacts) -> Exposure {
         let peak_force = self.peak_force.max(end.squeeze);
         let mean_force = mean(self.impulse, duration, end.squeeze, peak_force);
         let mean_wall_force = mean(by_walls, duration, end.wall_squeeze, mean_force);
-        Exposure { mean_force, mean_wall_force, peak_force, peak_overlap }
+        Exposure { mean_force, mean_wall_force, peak_force, peak_overlap: self.peak_overlap }
     }
 }
 

@@ -37,15 +37,6 @@ impl FreeFlight {
         }
     }
 
-    /// Returns the difference of two flights.
-    fn minus(&self, other: &FreeFlight) -> FreeFlight {
-        FreeFlight {
-            kept: self.kept - other.kept,
-            velocity_time: self.velocity_time - other.velocity_time,
-            drive_time: self.drive_time - other.drive_time,
-        }
-    }
-
     /// \[s3\] `(t²/2 − drive_time)/λ`, for the same rate and duration as this flight.
     pub fn ramp_time(&self, rate: f64, duration: f64) -> f64 {
         let x = rate * duration;
@@ -60,34 +51,19 @@ impl FreeFlight {
 }
 
 /// The free flights of a body's translation and rotation over one duration.
-///
-/// Where the velocity across the gaze relaxes at another rate, the flight is exact for a body that does not turn. If it
-/// turns, the gaze is that in the middle of the turn: the error is of third order in the duration, and without a drive
-/// the speed does not grow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyFlight {
     /// Flight of the centre of mass.
     pub translation: FreeFlight,
-    /// Flight across the gaze minus `translation`, if the relaxation rate there is another one.
-    pub across: Option<FreeFlight>,
     /// Flight of the orientation.
     pub rotation: FreeFlight,
 }
 
-/// Returns the direction across the gaze, to the left, in the middle of a turn.
-#[inline]
-fn across(from: &Pose, to: &Pose) -> Vec2 {
-    let Rotation { sin, cos } = Rotation::by(0.5 * (from.orientation + to.orientation));
-    Vec2 { x: -sin, y: cos }
-}
-
 impl BodyFlight {
-    /// Returns the flights over a duration \[s\].
+    /// Returns the flights over a duration \[s\], with the relaxation rate along the gaze in all directions.
     pub fn over(body: &Body, duration: f64) -> BodyFlight {
-        let translation = FreeFlight::over(body.translation_rate, duration);
         BodyFlight {
-            translation,
-            across: body.across_rate.map(|rate| FreeFlight::over(rate, duration).minus(&translation)),
+            translation: FreeFlight::over(body.translation_rate, duration),
             rotation: FreeFlight::over(body.rotation_rate, duration),
         }
     }
@@ -96,22 +72,60 @@ impl BodyFlight {
     #[inline]
     pub fn fly(&self, pose: Pose, twist: Twist, acceleration: Wrench) -> (Pose, Twist) {
         let (t, r) = (&self.translation, &self.rotation);
-        let mut end = Pose {
+        let end = Pose {
             position: pose.position + twist.velocity * t.velocity_time + acceleration.force * t.drive_time,
             orientation: pose.orientation
                 + (twist.angular_velocity * r.velocity_time + acceleration.torque * r.drive_time),
         };
-        let mut end_twist = Twist {
+        let end_twist = Twist {
             velocity: twist.velocity * t.kept + acceleration.force * t.velocity_time,
             angular_velocity: twist.angular_velocity * r.kept + acceleration.torque * r.velocity_time,
         };
-        if let Some(added) = &self.across {
-            let side = across(&pose, &end);
-            let (speed, push) = (side.dot(twist.velocity), side.dot(acceleration.force));
-            end.position += side * (added.velocity_time * speed + added.drive_time * push);
-            end_twist.velocity += side * (added.kept * speed + added.velocity_time * push);
-        }
         (end, end_twist)
+    }
+}
+
+/// What another relaxation rate across the gaze adds to a flight: that of wheels. It is the flight across the gaze minus
+/// the flight along it.
+///
+/// The whole is exact for a body that does not turn. If it turns, the gaze is that in the middle of the turn: the error
+/// is of third order in the duration, and without a drive the speed does not grow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct AcrossFlight {
+    /// The difference of the flights.
+    added: FreeFlight,
+    /// \[s3\] The difference of their [`FreeFlight::ramp_time`].
+    ramp_time: f64,
+}
+
+impl AcrossFlight {
+    /// Returns it over a duration \[s\]; `None` if the rates are the same.
+    pub fn over(body: &Body, duration: f64) -> Option<AcrossFlight> {
+        let rate = body.across_rate?;
+        let [along, across] = [body.translation_rate, rate].map(|rate| FreeFlight::over(rate, duration));
+        let ramp_time = across.ramp_time(rate, duration) - along.ramp_time(body.translation_rate, duration);
+        let added = FreeFlight {
+            kept: across.kept - along.kept,
+            velocity_time: across.velocity_time - along.velocity_time,
+            drive_time: across.drive_time - along.drive_time,
+        };
+        Some(AcrossFlight { added, ramp_time })
+    }
+
+    /// Returns it for each flight of a scene.
+    pub fn all_over(scene: &Scene, duration: f64) -> Vec<Option<AcrossFlight>> {
+        scene.flyers.iter().map(|body| AcrossFlight::over(&scene.bodies[body.index()], duration)).collect()
+    }
+
+    /// Adds it to pose and twist at the end of a flight, which began with a pose and a twist.
+    pub fn add(&self, drive: Ramp, from: Pose, twist: Twist, end: &mut Pose, end_twist: &mut Twist) {
+        let middle = Rotation::by(0.5 * (from.orientation + end.orientation));
+        let side = Vec2 { x: -middle.sin, y: middle.cos };
+        let speed = side.dot(twist.velocity);
+        let (push, growth) = (side.dot(drive.start.force), side.dot(drive.rate.force));
+        let FreeFlight { kept, velocity_time, drive_time } = self.added;
+        end.position += side * (velocity_time * speed + drive_time * push + self.ramp_time * growth);
+        end_twist.velocity += side * (kept * speed + velocity_time * push + drive_time * growth);
     }
 }
 
@@ -122,8 +136,6 @@ pub(super) struct RampFlight {
     pub held: BodyFlight,
     /// \[s3\] [`FreeFlight::ramp_time`] of the translation.
     pub translation_ramp_time: f64,
-    /// \[s3\] Ramp time across the gaze minus `translation_ramp_time`; 0 if the relaxation rate is the same.
-    pub across_ramp_time: f64,
     /// \[s3\] The same for the rotation.
     pub rotation_ramp_time: f64,
 }
@@ -167,6 +179,9 @@ pub(super) trait Course: Copy + Send + Sync {
     /// Returns the drive after a time \[s\].
     fn after(self, time: f64) -> Self;
 
+    /// Returns the accelerations at the start, and how they change.
+    fn ramp(self) -> Ramp;
+
     /// Returns what its change adds to a flight: to the twist at its end, and to the lengths of the ways of position
     /// \[m\] and orientation \[rad\].
     fn added_by_change(self, flight: &Self::Flight) -> (Twist, Paths);
@@ -189,6 +204,10 @@ impl Course for Wrench {
         self
     }
 
+    fn ramp(self) -> Ramp {
+        Ramp { start: self, rate: Wrench::default() }
+    }
+
     fn added_by_change(self, _: &BodyFlight) -> (Twist, Paths) {
         (Twist::default(), Paths { position: 0.0, orientation: 0.0 })
     }
@@ -199,13 +218,8 @@ impl Course for Ramp {
 
     fn flight(body: &Body, duration: f64) -> RampFlight {
         let held = BodyFlight::over(body, duration);
-        let translation_ramp_time = held.translation.ramp_time(body.translation_rate, duration);
-        let across = body.across_rate.map_or(0.0, |rate| {
-            FreeFlight::over(rate, duration).ramp_time(rate, duration) - translation_ramp_time
-        });
         RampFlight {
-            translation_ramp_time,
-            across_ramp_time: across,
+            translation_ramp_time: held.translation.ramp_time(body.translation_rate, duration),
             rotation_ramp_time: held.rotation.ramp_time(body.rotation_rate, duration),
             held,
         }
@@ -215,21 +229,14 @@ impl Course for Ramp {
     fn fly(self, flight: &RampFlight, pose: Pose, twist: Twist) -> (Pose, Twist) {
         let (held, held_twist) = flight.held.fly(pose, twist, self.start);
         let (t, r) = (&flight.held.translation, &flight.held.rotation);
-        let mut end = Pose {
+        let end = Pose {
             position: held.position + self.rate.force * flight.translation_ramp_time,
             orientation: held.orientation + self.rate.torque * flight.rotation_ramp_time,
         };
-        let mut end_twist = Twist {
+        let end_twist = Twist {
             velocity: held_twist.velocity + self.rate.force * t.drive_time,
             angular_velocity: held_twist.angular_velocity + self.rate.torque * r.drive_time,
         };
-        if let Some(added) = &flight.held.across {
-            // The change of the drive turns the gaze by less than the error of the flight.
-            let side = across(&pose, &held);
-            let growth = side.dot(self.rate.force);
-            end.position += side * (flight.across_ramp_time * growth);
-            end_twist.velocity += side * (added.drive_time * growth);
-        }
         (end, end_twist)
     }
 
@@ -240,6 +247,10 @@ impl Course for Ramp {
             torque: self.start.torque + self.rate.torque * time,
         };
         Ramp { start, ..self }
+    }
+
+    fn ramp(self) -> Ramp {
+        self
     }
 
     fn added_by_change(self, flight: &RampFlight) -> (Twist, Paths) {

@@ -10,7 +10,8 @@ use super::blocks::{BLOCK, Blocks, Bodies};
 use super::broad_phase::{CellGrid, Crowded, NearMargin, SKIN};
 use super::circle::Circle;
 use super::contacts::{SpringUpdate, Step};
-use super::free_flight::{Course, Ramp};
+use super::exposure::greater;
+use super::free_flight::{AcrossFlight, Course, Ramp};
 use super::shortlist::{Activity, Shortlist, disks_of};
 use super::{Body, BodyId, Pose, Scene, State, Threads, Twist, Work, Wrench};
 
@@ -52,8 +53,33 @@ fn per_mass_and_inertia(body: &Body, wrench: &Wrench) -> Wrench {
     Wrench { force: wrench.force * body.inverse_mass, torque: wrench.torque * body.inverse_inertia }
 }
 
+/// The bodies of a block that move by mechanical steps.
+pub(super) struct Movers<D: Course> {
+    /// First those without wheels, then those with wheels; each ascending. So a step of most crowds has no branch for
+    /// wheels.
+    list: Vec<Mover<D>>,
+    /// Number of those without wheels.
+    without_wheels: usize,
+}
+
+impl<D: Course> Movers<D> {
+    const NONE: Movers<D> = Movers { list: Vec::new(), without_wheels: 0 };
+
+    /// Adds a body.
+    fn insert(&mut self, scene: &Scene, mover: Mover<D>) {
+        let has_wheels = scene.bodies[mover.body.index()].across_rate.is_some();
+        let (from, of) = match has_wheels {
+            false => (0, &self.list[..self.without_wheels]),
+            true => (self.without_wheels, &self.list[self.without_wheels..]),
+        };
+        let at = from + of.partition_point(|other| other.body < mover.body);
+        self.list.insert(at, mover);
+        self.without_wheels += usize::from(!has_wheels);
+    }
+}
+
 /// A body that moves by mechanical steps.
-pub(super) struct Mover<D: Course> {
+struct Mover<D: Course> {
     body: BodyId,
     /// Index of its flight over one mechanical step: [`Body::flyer`].
     flyer: u32,
@@ -98,10 +124,12 @@ pub(super) struct CommunicationStep<'a, D: Course> {
     pub scratch: &'a mut Scratch,
     pub work: &'a mut Work,
     pub mechanical: Step,
-    /// The bodies that move by mechanical steps, in each block, ascending.
-    pub movers: Vec<Vec<Mover<D>>>,
+    /// The bodies that move by mechanical steps, in each block.
+    pub movers: Vec<Movers<D>>,
     /// Flights over one mechanical step; empty as long as all bodies are free.
     pub flights: Vec<D::Flight>,
+    /// For each of them what wheels add.
+    pub across: Vec<Option<AcrossFlight>>,
     /// \[m\] Distance that a disk may move before the list of near pairs is made again.
     pub leeway: f64,
     /// Number of steps before that list was made.
@@ -115,7 +143,7 @@ impl<D: Course> CommunicationStep<'_, D> {
     /// More pairs are near each other than the limit of memory allows.
     pub fn run(mut self, steps: u64) -> Result<State, Crowded> {
         self.begin()?;
-        if self.movers.iter().any(|movers| !movers.is_empty()) {
+        if all(&self.movers).next().is_some() {
             for step in 1..=steps {
                 self.step(step);
                 // A pose that is not a number is ignored here: the communication step then ends with an error.
@@ -132,15 +160,16 @@ impl<D: Course> CommunicationStep<'_, D> {
     fn begin(&mut self) -> Result<(), Crowded> {
         let blocks = &mut self.scratch.blocks;
         blocks.load(self.scene, self.start);
-        self.movers.resize_with(blocks.blocks.len(), Vec::new);
+        self.movers.resize_with(blocks.blocks.len(), || Movers::NONE);
         for (b, activity) in self.shortlist.activity.iter().enumerate() {
             if *activity == Activity::Active {
-                self.movers[b / BLOCK].push(Mover::new(self.scene, self.drives, b));
+                self.movers[b / BLOCK].insert(self.scene, Mover::new(self.scene, self.drives, b));
                 blocks.put(b, self.start.poses[b], self.start.twists[b]);
             }
         }
-        if self.movers.iter().any(|movers| !movers.is_empty()) {
+        if all(&self.movers).next().is_some() {
             self.flights = D::flights(self.scene, self.mechanical.dt);
+            self.across = AcrossFlight::all_over(self.scene, self.mechanical.dt);
         }
         // What was learnt in the step before is not part of the state, and free bodies become active when lists are made.
         self.scratch.near = NearMargin::default();
@@ -159,27 +188,26 @@ impl<D: Course> CommunicationStep<'_, D> {
         let half_kick = 0.5 * self.mechanical.dt;
         // Multiplied, not added up, so that rounding errors do not accumulate.
         let begun = (step - 1) as f64 * self.mechanical.dt;
-        let (scene, movers, flights) = (self.scene, &self.movers, &self.flights[..]);
+        let (scene, movers, flights, across) =
+            (self.scene, &self.movers, &self.flights[..], &self.across[..]);
         let predict = |k: usize, mut bodies: Bodies| {
-            // Squares, so that one root is enough for all.
-            let (mut moved, mut turned) = (0.0f64, 0.0f64);
             apply_impulses(scene, &mut bodies);
-            for mover in &movers[k] {
-                let b = mover.body.index() - bodies.start;
-                let (load, flown) = (&bodies.loads[b], &mut bodies.flown[b]);
-                flown.exposure_sum.add(load, kick);
-                let acceleration = mover.acceleration(&load.wrench);
-                let (before, kicked) = (bodies.kinematics[b].pose(), kicked(flown.twist, acceleration, kick));
-                let flight = &flights[mover.flyer as usize];
-                let (pose, twist) = mover.drive.after(begun).fly(flight, before, kicked);
-                flown.twist = twist;
-                let turn = pose.orientation - before.orientation;
-                // The predicted velocity is the one after another half kick.
-                bodies.kinematics[b].follow(pose, turn, self::kicked(twist, acceleration, half_kick));
-                moved = moved.max((pose.position - before.position).norm_squared());
-                turned = turned.max(mover.reach * turn.abs());
+            let fly = |mover: &Mover<D>, pose: Pose, twist: Twist| {
+                mover.drive.after(begun).fly(&flights[mover.flyer as usize], pose, twist)
+            };
+            let (without_wheels, with_wheels) = movers[k].list.split_at(movers[k].without_wheels);
+            let moved = predict(without_wheels, &mut bodies, kick, half_kick, fly);
+            if with_wheels.is_empty() {
+                return moved;
             }
-            moved.sqrt() + turned
+            let roll = |mover: &Mover<D>, pose: Pose, twist: Twist| {
+                let (mut end, mut end_twist) = fly(mover, pose, twist);
+                if let Some(across) = &across[mover.flyer as usize] {
+                    across.add(mover.drive.after(begun).ramp(), pose, twist, &mut end, &mut end_twist);
+                }
+                (end, end_twist)
+            };
+            moved.max(predict(with_wheels, &mut bodies, kick, half_kick, roll))
         };
         self.leeway -= self.scratch.blocks.evaluate(self.scene, self.threads, update, kick, predict);
         self.work.steps += 1;
@@ -190,10 +218,10 @@ impl<D: Course> CommunicationStep<'_, D> {
         let (scene, movers, half_kick) = (self.scene, &self.movers, 0.5 * self.mechanical.dt);
         let correct = |k: usize, mut bodies: Bodies| {
             apply_impulses(scene, &mut bodies);
-            for mover in &movers[k] {
+            for mover in &movers[k].list {
                 let b = mover.body.index() - bodies.start;
-                let (load, flown) = (&bodies.loads[b], &mut bodies.flown[b]);
-                flown.exposure_sum.add(load, half_kick);
+                let (load, flown) = (std::mem::take(&mut bodies.loads[b]), &mut bodies.flown[b]);
+                flown.exposure_sum.add(&load, half_kick);
                 flown.twist = kicked(flown.twist, mover.acceleration(&load.wrench), half_kick);
             }
             0.0
@@ -213,7 +241,7 @@ impl<D: Course> CommunicationStep<'_, D> {
             let b = mover.body.index();
             !moved_further(leeway, mover.reach, &listed_at[b], &blocks.kinematics[b].pose())
         };
-        if !self.movers.iter().flatten().all(holds) {
+        if !all(&self.movers).all(holds) {
             self.list_candidates(step)?;
         }
         self.take_near();
@@ -224,7 +252,7 @@ impl<D: Course> CommunicationStep<'_, D> {
     fn list_candidates(&mut self, step: u64) -> Result<(), Crowded> {
         self.work.rebuilds += 1;
         let mut circles: Vec<Circle> = self.shortlist.swept.clone();
-        for mover in self.movers.iter().flatten() {
+        for mover in all(&self.movers) {
             let b = mover.body.index();
             circles[b] = self.circle_now(b);
         }
@@ -233,7 +261,7 @@ impl<D: Course> CommunicationStep<'_, D> {
         }
         let grid = self.grid(&circles, |activity| activity == Activity::Active);
         let Scratch { blocks, listed_at, .. } = &mut *self.scratch;
-        for mover in self.movers.iter().flatten() {
+        for mover in all(&self.movers) {
             let b = mover.body.index();
             listed_at[b] = blocks.kinematics[b].pose();
         }
@@ -244,7 +272,7 @@ impl<D: Course> CommunicationStep<'_, D> {
     /// Makes free bodies near active ones active, then those near these, and so on.
     fn activate_near(&mut self, circles: &mut [Circle], step: u64) {
         let grid = self.grid(circles, |activity| activity != Activity::Absent);
-        let mut waiting: Vec<usize> = self.movers.iter().flatten().map(|mover| mover.body.index()).collect();
+        let mut waiting: Vec<usize> = all(&self.movers).map(|mover| mover.body.index()).collect();
         let (mut disks, mut near) = (Vec::new(), Vec::new());
         while let Some(active) = waiting.pop() {
             disks.clear();
@@ -291,9 +319,7 @@ impl<D: Course> CommunicationStep<'_, D> {
             (pose, twist) = self.drives[b].fly(&flight, pose, twist);
         }
         self.shortlist.activity[b] = Activity::Active;
-        let movers = &mut self.movers[b / BLOCK];
-        let at = movers.partition_point(|other| other.body.index() < b);
-        movers.insert(at, Mover::new(self.scene, self.drives, b));
+        self.movers[b / BLOCK].insert(self.scene, Mover::new(self.scene, self.drives, b));
         self.scratch.blocks.put(b, pose, twist);
     }
 
@@ -328,6 +354,41 @@ fn moved_further(leeway: f64, reach: f64, then: &Pose, now: &Pose) -> bool {
     let left = leeway - reach * (now.orientation - then.orientation).abs();
     // Negated, so that a pose that is not a number counts as moved.
     !(left > 0.0 && (now.position - then.position).norm_squared() < left * left)
+}
+
+/// All movers of some blocks.
+fn all<D: Course>(movers: &[Movers<D>]) -> impl Iterator<Item = &Mover<D>> {
+    movers.iter().flat_map(|of_block| &of_block.list)
+}
+
+/// Kicks bodies of a block over a duration \[s\] and lets them fly to the next instant; their velocity there is predicted
+/// with a half kick \[s\]. Returns how far \[m\] a disk of them may have moved.
+#[inline(always)]
+fn predict<D: Course>(
+    movers: &[Mover<D>],
+    bodies: &mut Bodies,
+    kick: f64,
+    half_kick: f64,
+    fly: impl Fn(&Mover<D>, Pose, Twist) -> (Pose, Twist),
+) -> f64 {
+    // Squares, so that one root is enough for all.
+    let (mut moved, mut turned) = (0.0f64, 0.0f64);
+    for mover in movers {
+        let b = mover.body.index() - bodies.start;
+        let load = std::mem::take(&mut bodies.loads[b]);
+        let (flown, kinematics) = (&mut bodies.flown[b], &mut bodies.kinematics[b]);
+        flown.exposure_sum.add(&load, kick);
+        let acceleration = mover.acceleration(&load.wrench);
+        let before = kinematics.pose();
+        let (pose, twist) = fly(mover, before, kicked(flown.twist, acceleration, kick));
+        flown.twist = twist;
+        let turn = pose.orientation - before.orientation;
+        // The predicted velocity is the one after another half kick.
+        kinematics.follow(pose, turn, kicked(twist, acceleration, half_kick));
+        moved = greater(moved, (pose.position - before.position).norm_squared());
+        turned = greater(turned, mover.reach * turn.abs());
+    }
+    moved.sqrt() + turned
 }
 
 /// Adds the impulses by contacts that began or ended within the last step.

@@ -309,7 +309,7 @@ impl World {
                 .flown
                 .iter_mut()
                 .zip(bodies.loads)
-                .for_each(|(flown, load)| flown.exposure_sum.add(load, 0.0));
+                .for_each(|(flown, load)| flown.exposure_sum.add(&std::mem::take(load), 0.0));
             0.0
         });
         blocks.take_work();
@@ -417,6 +417,7 @@ impl World {
             mechanical: Step::new(&self.scene, duration / steps as f64),
             movers: Vec::new(),
             flights: Vec::new(),
+            across: Vec::new(),
             leeway: 0.0,
             listed: 0,
         };
@@ -428,12 +429,8 @@ impl World {
 
 /// The exposures over a duration \[s\], from the sums and the contacts at its end.
 fn exposures(blocks: &Blocks, duration: f64, contacts: &ContactReport) -> Vec<Exposure> {
-    let bodies = blocks.flown.iter().zip(&blocks.by_walls).zip(&blocks.deepest).zip(&contacts.bodies);
-    bodies
-        .map(|(((flown, by_walls), deepest), body)| {
-            flown.exposure_sum.exposure(duration, *by_walls, body, *deepest)
-        })
-        .collect()
+    let bodies = blocks.flown.iter().zip(&blocks.by_walls).zip(&contacts.bodies);
+    bodies.map(|((flown, by_walls), body)| flown.exposure_sum.exposure(duration, *by_walls, body)).collect()
 }
 
 /// The same of the faces of walls.
