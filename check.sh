@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# Everything that must hold before a change is done; CI runs nothing else.
+# What must hold before a change is done. `./check.sh` is the short tier, `./check.sh all` what CI runs. With names of
+# stages only those, as they are in the tier: `./check.sh clippy test`, `./check.sh all pytest`.
 # Needs cargo, a C compiler and python3 >= 3.10 with venv. PYTHON names another Python.
-# With names of stages only those: ./check.sh clippy test. The stage pytest uses what the stage release has built.
+# Programs and libraries are built once, with the profile `ci` of Cargo.toml: the stages test, pytest and lab use what
+# the stage build has built.
 set -euo pipefail
 
 # Relative to where this is started, like cargo does it.
@@ -11,6 +13,8 @@ if [[ -n ${CARGO_TARGET_DIR:-} ]]; then
 fi
 cd "$(dirname "${BASH_SOURCE[0]}")"
 python=${PYTHON:-python3}
+# For tests/fmpy, tests/lab and lab/build.sh: the directory below target/ that holds what is tested.
+export LEMONS_PROFILE=ci
 
 stage() {
     printf '\n== %s\n' "$*"
@@ -45,37 +49,84 @@ python_environment() {
 
 # The extension of the Python package, beside its sources.
 extension() {
-    cp "${CARGO_TARGET_DIR:-target}/release/liblemons_native.so" python/src/lemons_fmu/_native.abi3.so
+    cp "${CARGO_TARGET_DIR:-target}/$LEMONS_PROFILE/liblemons_native.so" python/src/lemons_fmu/_native.abi3.so
 }
 
 # Tests send signals. What a shell starts in the background ignores some of them, and its children do.
 signals=()
 env --default-signal true 2>/dev/null && signals=(env --default-signal)
 
-# The lab needs what is not everywhere: then it is left out, and that is said at the end too.
-left_out=
-lab() {
+# In `all` the tests of Python that are marked `long`, too.
+python_tests() {
+    local marked=(-m "not long")
+    [[ $tier == all ]] && marked=()
+    stage python_environment
+    stage extension
+    # Two processes; the tests of a file share what they build.
+    stage "${signals[@]}" .venv/bin/python -m pytest "$1" -q -n 2 --dist loadfile "${marked[@]}"
+}
+
+# One command line for all that cargo builds and tests, so that each crate is built once: others would choose other
+# features of what they share.
+whole=(--locked --profile ci --workspace --all-features)
+
+rust_tests() {
+    # Not by nextest: the tests of a program share what they pack.
+    stage "${signals[@]}" cargo test "${whole[@]}"
+    # Its table, optimised.
+    stage "${CARGO_TARGET_DIR:-target}/ci/lemons" verify
+}
+
+# The page needs what is not everywhere: what is missing.
+missing_for_lab() {
     local missing=()
     command -v npm >/dev/null || missing+=("Node.js with npm")
     command -v chromium >/dev/null || missing+=(chromium)
     python3 -c "import tomllib" 2>/dev/null || missing+=("python3 >= 3.11")
     (source packaging/lib.sh && choose_compiler wasm32-unknown-unknown) >/dev/null 2>&1 ||
         missing+=("a compiler for wasm32 (packaging/lib.sh)")
-    if ((${#missing[@]})); then
-        left_out=" The lab was left out: missing $(IFS=, && printf %s "${missing[*]}")."
-        printf '\n==%s\n' "$left_out"
-        return
-    fi
-    stage lab/build.sh
-    # Which takes the page in.
-    stage cargo build --release "${formats[@]}" "${packages[@]}"
-    stage python_environment
-    stage .venv/bin/python -m pytest tests/lab -q -n 2 --dist loadfile
+    (IFS=, && printf %s "${missing[*]}")
 }
 
-packages=(-p crowd-mechanics -p lemons-cli -p lemons-decision-fmu -p lemons-python)
-formats=(--features lemons-cli/parquet,lemons-cli/sqlite)
-stages=(format clippy test doc release pytest lab)
+# All that is tested. Nothing is built later: the stages that follow run at the same time.
+build() {
+    if [[ -z $(missing_for_lab) ]]; then
+        # The page holds the engine's library, and the command holds the page. One test, for features that only tests
+        # ask for: without it, what they share would be built twice.
+        stage cargo build "${whole[@]}" --lib --test memory
+        stage lab/build.sh
+    fi
+    stage cargo build "${whole[@]}" --all-targets
+}
+
+lab() {
+    local missing
+    missing=$(missing_for_lab)
+    if [[ -n $missing ]]; then
+        left_out "The lab: missing $missing."
+    else
+        python_tests tests/lab
+    fi
+}
+
+# The instructions of the engine, counted by valgrind: benches/instructions.
+instructions() {
+    if [[ ! -x benches/instructions.sh ]]; then
+        left_out "The count of instructions: there is no benches/instructions.sh."
+    elif ! command -v valgrind >/dev/null; then
+        left_out "The count of instructions: missing valgrind."
+    else
+        stage benches/instructions.sh
+    fi
+}
+
+left_out() {
+    printf '\n== Left out. %s\n' "$1"
+    printf '%s\n' "$1" >>"$notes/left_out"
+}
+
+short=(format clippy build test pytest lab)
+long=(format clippy build test doc pytest lab instructions)
 
 run() {
     case $1 in
@@ -84,43 +135,103 @@ run() {
             stage cargo fmt --manifest-path component/Cargo.toml --all --check
             ;;
         clippy)
-            stage cargo clippy --locked --workspace --all-targets --all-features -- -D warnings
-            # Without C, as the first command of README.md builds it.
-            stage cargo clippy --locked -p lemons-cli -- -D warnings
+            stage cargo clippy "${whole[@]}" --all-targets -- -D warnings
+            if [[ $tier == all ]]; then
+                # Without C, as the first command of README.md builds it.
+                stage cargo clippy --locked --profile ci -p lemons-cli -- -D warnings
+            fi
             ;;
-        test) stage "${signals[@]}" cargo test --workspace --all-features ;;
-        doc) stage env RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps ;;
-        # With Parquet and SQLite, like wheels; in one go, which builds what all need once.
-        release) stage cargo build --release "${formats[@]}" "${packages[@]}" ;;
-        pytest)
-            stage python_environment
-            stage extension
-            # Two processes; the tests of a file share what they build.
-            stage "${signals[@]}" .venv/bin/python -m pytest tests/fmpy -q -n 2 --dist loadfile
-            ;;
+        build) build ;;
+        test) rust_tests ;;
+        doc) stage env RUSTDOCFLAGS="-D warnings" cargo doc "${whole[@]}" --no-deps ;;
+        pytest) python_tests tests/fmpy ;;
         lab) lab ;;
+        instructions) instructions ;;
     esac
 }
 
+# Microseconds since some time, and those of processor time of this shell's children.
+clock() {
+    local own children m='^([0-9]+)m([0-9]+)\.([0-9]+)s ([0-9]+)m([0-9]+)\.([0-9]+)s$'
+    times >"$notes/times.$BASHPID"
+    { read -r own && read -r children; } <"$notes/times.$BASHPID"
+    rm -f "$notes/times.$BASHPID"
+    [[ $children =~ $m ]]
+    wall=${EPOCHREALTIME//[.,]/}
+    processor=$(((10#${BASH_REMATCH[1]} + 10#${BASH_REMATCH[4]}) * 60000 + (10#${BASH_REMATCH[2]} + 10#${BASH_REMATCH[5]}) * 1000 +
+        10#${BASH_REMATCH[3]} + 10#${BASH_REMATCH[6]}))
+}
+
+# Runs a stage, and notes how long it took, also if it fails.
+timed() {
+    local name=$1 wall processor before
+    clock
+    before=("$wall" "$processor")
+    # -e ends this script when something fails in a stage.
+    # shellcheck disable=SC2064
+    trap "note $name ${before[*]}" EXIT
+    run "$name"
+    trap - EXIT
+    note "$name" "${before[@]}"
+}
+
+note() {
+    local wall processor
+    clock
+    printf '%-14s %8d %10d\n' "$1" $(((wall - $2) / 1000000)) $(((processor - $3) / 1000)) >>"$notes/times"
+}
+
+tier=short
+if [[ ${1:-} == all ]]; then
+    tier=all
+    shift
+fi
+stages=("${short[@]}")
+[[ $tier == all ]] && stages=("${long[@]}")
 for name; do
-    [[ " ${stages[*]} " == *" $name "* ]] || fail "$name: no such stage; there are ${stages[*]}"
+    [[ " ${long[*]} " == *" $name "* ]] || fail "$name: no such stage; there are ${long[*]}"
 done
-if (($#)); then
+
+# Of the stages that another one of this script runs: it reads what they have noted.
+if [[ -n ${CHECK_NOTES:-} ]]; then
+    notes=$CHECK_NOTES
     for name; do
-        run "$name"
+        timed "$name"
     done
-    printf '\ncheck.sh: %s passed.%s\n' "$*" "$left_out"
     exit
 fi
+notes=$(mktemp -d)
+export CHECK_NOTES=$notes
+trap 'rm -rf "$notes"' EXIT
 
-# Two at a time: each of them leaves a processor idle now and then. What the second one prints follows at the end.
-run format
-second=$(mktemp)
-trap 'rm -f "$second"' EXIT
-"${signals[@]}" ./check.sh release pytest lab >"$second" 2>&1 &
+again() {
+    if [[ $tier == all ]]; then "$own" all "$@"; else "$own" "$@"; fi
+}
+own=$PWD/check.sh
+
 failed=0
-./check.sh clippy test doc || failed=1
-wait $! || failed=1
-cat "$second"
+if (($#)); then
+    again "$@" || failed=1
+else
+    set -- "${stages[@]}"
+    # What nobody can do without; then two at a time, because each leaves a processor idle now and then. What the second
+    # one prints follows at the end.
+    again format clippy build || failed=1
+    if ((!failed)); then
+        rest=(test)
+        [[ $tier == all ]] && rest+=(doc)
+        again pytest lab >"$notes/second" 2>&1 &
+        again "${rest[@]}" || failed=1
+        wait $! || failed=1
+        cat "$notes/second"
+        # Counts depend on no load; what is built for them would wait for others.
+        if [[ $tier == all ]]; then again instructions || failed=1; fi
+    fi
+fi
+
+printf '\n%-14s %8s %10s\n' stage "wall [s]" "CPU [s]"
+cat "$notes/times"
+awk '{ processor += $3 } END { printf "%-14s %8d %10d\n", "together", '$SECONDS', processor }' "$notes/times"
+[[ -f $notes/left_out ]] && sed 's/^/Left out. /' "$notes/left_out"
 ((failed)) && fail "not all passed"
-printf '\ncheck.sh: all passed.\n'
+printf 'check.sh: %s passed.\n' "$*"

@@ -36,6 +36,7 @@
 //! - [`model_description`], [`pack`]: the table as XML, a Trial as an FMU
 //! - [`fmi2`], [`fmi3`]: the C functions of FMI 2.0 and 3.0 (their bodies are in `lemons_fmi`)
 //! - [`c_api`]: the C entry point of the paper's scripts
+//! - [`scenes`]: small worlds and Trials, for tests, checks and benchmarks
 
 /// The code of the guide runs as a test.
 #[cfg(doctest)]
@@ -45,10 +46,9 @@ struct Guide;
 #[cfg(feature = "fmu")]
 pub mod c_api;
 pub mod engine;
-// Unit tests link this library, too, through lemons-verify: its exports would be there twice.
-#[cfg(all(feature = "fmu", not(test)))]
+#[cfg(feature = "fmu")]
 pub mod fmi2;
-#[cfg(all(feature = "fmu", not(test)))]
+#[cfg(feature = "fmu")]
 pub mod fmi3;
 pub mod model;
 pub mod model_description;
@@ -56,4 +56,5 @@ pub mod model_description;
 pub mod pack;
 pub mod quantities;
 pub mod resources;
+pub mod scenes;
 pub mod setup;

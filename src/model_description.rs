@@ -38,7 +38,7 @@ pub fn terminals(trial: &Trial, version: Version) -> String {
 mod tests {
     use super::*;
     use crate::setup;
-    use lemons_verify::testing::{repository, trial_push};
+    use lemons_testing::{repository, trial_push};
 
     #[test]
     fn the_committed_ones_are_the_generated_ones() {

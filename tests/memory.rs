@@ -3,8 +3,9 @@
 #![allow(unsafe_code)] // an allocator that counts
 
 use crowd_mechanics::engine::vec2;
+use crowd_mechanics::scenes::crowded;
 use crowd_mechanics::setup::{self, Setup};
-use lemons_verify::bench::fmu::write_trial;
+use lemons_testing::trial_push;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
@@ -36,9 +37,7 @@ static COUNTING: Counting = Counting;
 fn an_agent_takes_less_than_two_kilobytes() {
     const AGENTS: usize = 10_000;
     const LIMIT: usize = 2_048;
-    let directory = tempfile::tempdir().unwrap();
-    write_trial(AGENTS, vec2(0.285, 0.5), directory.path()).unwrap();
-    let (mut trial, _) = setup::read(directory.path()).unwrap();
+    let mut trial = crowded(setup::read(&trial_push()).unwrap().0, AGENTS, vec2(0.285, 0.5));
     trial.parameters.time_step_mechanical = 1e-4;
 
     let before = PRESENT.load(Relaxed);

@@ -229,7 +229,7 @@ mod tests {
 
     /// The default Trial after a change.
     fn push(change: impl FnOnce(&mut Trial)) -> Trial {
-        let read = Trial::read(&lemons_verify::testing::trial_push());
+        let read = Trial::read(&lemons_testing::trial_push());
         let mut trial = read.expect("the default Trial is in order").0;
         change(&mut trial);
         trial

@@ -256,8 +256,7 @@ mod tests {
 
     /// The paper's five in a room of 6 m × 4 m with a door of 1.2 m in its right wall.
     fn room() -> Trial {
-        let mut trial =
-            Trial::read(&lemons_verify::testing::trial_push()).expect("the default Trial is in order").0;
+        let mut trial = Trial::read(&lemons_testing::trial_push()).expect("the default Trial is in order").0;
         trial.geometry.walls.truncate(1);
         trial.geometry.walls[0].corners =
             corners(&[(6.0, 2.6), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, 1.4)]);

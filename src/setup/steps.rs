@@ -266,7 +266,7 @@ mod tests {
     use lemons_core::trial::Trial;
 
     fn push() -> Trial {
-        Trial::read(&lemons_verify::testing::trial_push()).expect("the default Trial is in order").0
+        Trial::read(&lemons_testing::trial_push()).expect("the default Trial is in order").0
     }
 
     #[test]

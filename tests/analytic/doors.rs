@@ -1,7 +1,7 @@
 //! Walls that open and close.
 
 use crowd_mechanics::engine::*;
-use lemons_verify::checks::scenes::*;
+use crowd_mechanics::scenes::*;
 
 /// A room with a gap from (4, 1) to (4, 2).
 const ROOM: &[(f64, f64)] = &[(4.0, 2.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0), (4.0, 0.0), (4.0, 1.0)];

@@ -1,7 +1,7 @@
 //! A drive that changes evenly during a communication step.
 
 use crowd_mechanics::engine::*;
-use lemons_verify::checks::scenes::*;
+use crowd_mechanics::scenes::*;
 
 #[test]
 fn who_ends_at_rest_has_moved() {

@@ -1,7 +1,7 @@
 //! Free motion, and the proof that nothing is missed.
 
 use crowd_mechanics::engine::*;
-use lemons_verify::checks::scenes::*;
+use crowd_mechanics::scenes::*;
 
 #[test]
 fn people_apart_need_no_mechanical_step() {

@@ -1,7 +1,7 @@
 //! Bodies by blocks, shared out or not: the same bits, whoever is free, taken in or driven.
 
 use crowd_mechanics::engine::*;
-use lemons_verify::checks::scenes::*;
+use crowd_mechanics::scenes::*;
 
 /// A crowd: the first half stands so near that they touch, the others have room, and one runs into those.
 fn crowd(people: usize) -> World {
@@ -14,7 +14,7 @@ fn crowd(people: usize) -> World {
         person.at(12.0 + 0.9 * ((k - half) % 20) as f64, 0.9 * ((k - half) / 20) as f64)
     };
     let crowd: Vec<Placed> = (0..people).map(person).collect();
-    let mut world = world(&crowd, &[&[(-1.0, -0.5), (31.0, -0.5)]], BODIES, 1e-4);
+    let mut world = world(&crowd, &[&[(-1.0, -0.5), (31.0, -0.5)]], BODIES, 2e-4);
     world.drive[0] = Wrench { force: vec2(300.0, 100.0), torque: 1.0 };
     // He comes through a row of people of two blocks who stand free.
     world.drive[people - 20] = Wrench { force: vec2(6000.0, 0.0), torque: 0.0 };

@@ -1,7 +1,7 @@
 //! Forces on walls, and the part of the squeeze that is by walls.
 
 use crowd_mechanics::engine::*;
-use lemons_verify::checks::scenes::*;
+use crowd_mechanics::scenes::*;
 
 const FLOOR: &[(f64, f64)] = &[(-2.0, 0.0), (2.0, 0.0)];
 

@@ -8,8 +8,8 @@ use crowd_mechanics::{model_description::model_description, setup};
 use lemons_core::plane::vec2;
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_fmi::Model as _;
+use lemons_fmi::testing::dependencies::{declared_pairs, moved};
 use lemons_fmi::variables::Known;
-use lemons_verify::testing::dependencies::{declared_pairs, moved};
 
 /// Everybody is pressed against others, agents 0 and 4 against walls, too; agent 1 is where agent 0 is, so that centres
 /// coincide.

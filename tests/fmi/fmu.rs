@@ -8,11 +8,12 @@ use crowd_mechanics::quantities::{Kind, QUANTITIES, Role, SIZES, guid, of_materi
 use crowd_mechanics::setup;
 use lemons_core::trial::DriveTable;
 pub use lemons_fmi::Status::{self, Discard as DISCARD, Error as ERROR, Ok as OK, Warning as WARNING};
+pub use lemons_fmi::testing::Version::{self, V2, V3};
+pub use lemons_fmi::testing::instance::{Arguments, Functions};
+pub use lemons_fmi::testing::{Instance, Message};
 use lemons_fmi::variables::Dimension;
 use lemons_fmi::{Model as _, instantiation_token, reference};
-pub use lemons_verify::testing::Version::{self, V2, V3};
-pub use lemons_verify::testing::instance::{Arguments, Functions};
-pub use lemons_verify::testing::{Instance, Message, copy_tree, trial_push as paper};
+pub use lemons_testing::{copy_tree, trial_push as paper};
 use libloading::Library;
 use std::cell::RefCell;
 use std::collections::HashMap;

@@ -2,7 +2,8 @@
 
 use crate::fmu::*;
 use crowd_mechanics::engine::vec2;
-use lemons_verify::bench::fmu::write_trial;
+use crowd_mechanics::scenes::crowded;
+use crowd_mechanics::setup;
 use std::sync::OnceLock;
 use std::thread;
 
@@ -56,7 +57,9 @@ pub fn large() -> (&'static Resources, &'static Model) {
     let (resources, model) = CROWD.get_or_init(|| {
         let resources = Resources::new();
         std::fs::remove_dir_all(resources.trial()).unwrap();
-        write_trial(PEOPLE, vec2(0.285, 0.5), &resources.trial()).unwrap();
+        crowded(setup::read(&paper()).unwrap().0, PEOPLE, vec2(0.285, 0.5))
+            .write(&resources.trial())
+            .unwrap();
         let model = Model::of(&resources.trial(), V2);
         (resources, model)
     });

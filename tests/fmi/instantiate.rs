@@ -135,7 +135,7 @@ fn nulls_and_other_arguments() {
         }
     }
     // Callbacks of FMI 2.0 are not optional; a logger and an environment are.
-    use lemons_verify::testing::fmi2::{CO_SIMULATION, NO_CALLBACKS};
+    use lemons_fmi::testing::fmi2::{CO_SIMULATION, NO_CALLBACKS};
     let (token, crowd) = (CString::new(&*Model::paper(V2).token).unwrap(), Crowd::new(V2));
     let location = CString::new(V2.location(&packed().join("resources"))).unwrap();
     let (c, name) = (crowd.v2(), c"crowd".as_ptr());

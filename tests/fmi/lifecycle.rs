@@ -3,7 +3,7 @@
 
 use crate::fmu::*;
 use State::*;
-use lemons_verify::testing::{fmi2, fmi3};
+use lemons_fmi::testing::{fmi2, fmi3};
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};
 

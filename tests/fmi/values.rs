@@ -4,7 +4,7 @@ use crate::fmu::*;
 use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::setup;
 use lemons_core::trial::DriveTable;
-use lemons_verify::testing::bounds;
+use lemons_fmi::testing::bounds;
 
 #[test]
 fn unknown_and_mistyped_references_are_named() {

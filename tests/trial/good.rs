@@ -17,7 +17,7 @@ pub const INTERACTIONS: &str = "dynamic/AgentInteractions.xml";
 
 /// Two agents in a room; each file short enough to know its lines.
 pub fn good() -> Vec<(&'static str, String)> {
-    let directory = lemons_verify::testing::repository().join("tests/trial/good");
+    let directory = lemons_testing::repository().join("tests/trial/good");
     let text = |file| fs::read_to_string(directory.join(file)).unwrap().trim_end().to_owned();
     FILES.into_iter().chain([INTERACTIONS]).map(|file| (file, text(file))).collect()
 }

@@ -2,16 +2,17 @@
 
 use crate::good::{FILES, edited, good, put};
 use crowd_mechanics::engine::vec2;
+use crowd_mechanics::scenes::crowded;
 use crowd_mechanics::setup::{self, Setup, WorldError};
 use lemons_core::trial::*;
+use lemons_testing::trial_push;
 use std::fs;
 use tempfile::TempDir;
 
 /// `count` agents of five disks, all at the origin, as where their positions were forgotten: as they are, and read.
 fn all_at_one_point(count: usize) -> (Trial, Result<(Trial, Problems), Problems>) {
     let directory = TempDir::new().unwrap();
-    lemons_verify::bench::fmu::write_trial(count, vec2(0.5, 0.5), directory.path()).unwrap();
-    let (mut trial, _) = setup::read(directory.path()).unwrap();
+    let mut trial = crowded(setup::read(&trial_push()).unwrap().0, count, vec2(0.5, 0.5));
     trial.dynamics.iter_mut().for_each(|dynamics| dynamics.position = vec2(0.0, 0.0));
     trial.write(directory.path()).unwrap();
     (trial, setup::read(directory.path()))

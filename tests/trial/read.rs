@@ -5,7 +5,7 @@ use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::setup;
 use lemons_core::files::source::Disk;
 use lemons_core::trial::*;
-use lemons_verify::testing::trial_push as paper;
+use lemons_testing::trial_push as paper;
 use std::fs;
 use tempfile::TempDir;
 

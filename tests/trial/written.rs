@@ -2,9 +2,9 @@
 
 use crate::good::{FILES, INTERACTIONS, edited, moved};
 use crowd_mechanics::engine::{Vec2, vec2};
+use crowd_mechanics::scenes::Random;
 use crowd_mechanics::setup::{self};
 use lemons_core::trial::*;
-use lemons_verify::checks::scenes::Random;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;

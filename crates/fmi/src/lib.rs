@@ -15,6 +15,7 @@
 //! - [`description`]: the table as XML and HTML
 //! - [`calls`], [`v2`], [`v3`]: the bodies of the C functions: of both versions, of one of them
 //! - [`export_fmi2!`], [`export_fmi3!`]: the C functions for a model
+//! - `testing` (feature `testing`): what an importer is, and whether a model keeps what it declares
 
 #[cfg(feature = "archive")]
 pub mod archive;
@@ -28,6 +29,8 @@ pub mod location;
 pub mod model;
 pub mod slave;
 mod states;
+#[cfg(feature = "testing")]
+pub mod testing;
 pub mod v2;
 pub mod v3;
 pub mod variables;

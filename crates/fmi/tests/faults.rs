@@ -2,11 +2,11 @@
 //! FMI's state "fatal", the column of section 4.2.4 that no call of a sound model reaches.
 
 use lemons_fmi::location::Location;
+use lemons_fmi::testing::fmi2;
+use lemons_fmi::testing::instance::{Arguments, Functions};
+use lemons_fmi::testing::{Instance, Message};
 use lemons_fmi::variables::{Dependencies, Kind, Known, Scalar, Size, Variable, row, types};
 use lemons_fmi::{Answer, Model, Phase, Status, Step, StepError, guid};
-use lemons_verify::testing::fmi2;
-use lemons_verify::testing::instance::{Arguments, Functions};
-use lemons_verify::testing::{Instance, Message};
 use std::ffi::{CStr, CString};
 
 static X: [Variable<()>; 1] = [row((), "x", &[], Kind::Real(types::FORCE)).input("")];

@@ -110,7 +110,7 @@ mod tests {
     /// The tables against the summary of the survey that they were made from.
     #[test]
     fn the_tables_are_those_of_the_survey() {
-        let Some(path) = lemons_verify::testing::shared("anthropometry/ansur_summary.json") else { return };
+        let Some(path) = lemons_testing::shared("anthropometry/ansur_summary.json") else { return };
         let text = std::fs::read_to_string(path).unwrap();
         let summary: Value = serde_json::from_str(&text).unwrap();
         let columns = ["bideltoid_breadth_cm", "chest_depth_cm", "stature_measured_cm", "weight_measured_kg"];

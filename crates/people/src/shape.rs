@@ -108,7 +108,7 @@ mod tests {
     use lemons_core::trial::Agent;
 
     fn paper() -> Vec<Agent> {
-        crowd_mechanics::setup::read(&lemons_verify::testing::trial_push()).unwrap().0.agents
+        crowd_mechanics::setup::read(&lemons_testing::trial_push()).unwrap().0.agents
     }
 
     fn shape(agent: &Agent) -> Shape {

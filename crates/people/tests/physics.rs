@@ -235,7 +235,7 @@ fn speed() -> String {
 }
 
 fn guide() -> PathBuf {
-    lemons_verify::testing::repository().join("docs/guide")
+    lemons_testing::repository().join("docs/guide")
 }
 
 #[test]

@@ -32,7 +32,7 @@ fn world(material: &str, people: &[(f64, f64, f64)]) -> World {
 
 /// docs/guide/squeeze.md has a row that ends so.
 fn is_on_the_page(cells: &str) {
-    let page = lemons_verify::testing::repository().join("docs/guide/squeeze.md");
+    let page = lemons_testing::repository().join("docs/guide/squeeze.md");
     assert!(std::fs::read_to_string(page).unwrap().contains(&format!("| {cells} |\n")), "{cells}");
 }
 

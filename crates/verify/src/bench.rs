@@ -7,19 +7,15 @@
 pub mod accuracy;
 pub mod fmu;
 
-use crate::checks::scenes::{BODIES, Placed, Random, pedestrian, world};
 use anyhow::{Result, ensure};
 use cpu_time::ThreadTime;
 use crowd_mechanics::engine::{Shortlisting, World, Wrench};
+use crowd_mechanics::scenes::{BODIES, MASS, Placed, RATE, Random, in_a_box, pedestrian, world};
 use lemons_core::plane::{Vec2, vec2};
 use std::time::Instant;
 
 /// \[s\] Mechanical step of all crowds except the push.
 const MECHANICAL_STEP: f64 = 1e-5;
-/// \[1/s\] Relaxation rate.
-const RATE: f64 = 4.5;
-/// \[kg\] Mass of a person.
-const MASS: f64 = 89.0;
 
 /// Times of other engines for a crowd of this kind \[ns\] per agent and mechanical step. They were measured once, on
 /// one core of a similar machine, 2026.
@@ -67,7 +63,7 @@ pub fn cases() -> Vec<Case> {
 /// Pedestrians on a lattice \[m\] in a closed box, slightly turned and shifted; each pushes in another direction.
 fn crowd(agents: usize, spacing: Vec2, turned: f64, push: f64) -> World {
     let mut numbers = Random(30);
-    let (people, around) = people(agents, spacing, turned, &mut numbers);
+    let (people, around) = in_a_box(agents, spacing, turned, &mut numbers);
     let mut world = world(&people, &[&around], BODIES, MECHANICAL_STEP);
     for drive in &mut world.drive {
         *drive = Wrench {
@@ -76,19 +72,6 @@ fn crowd(agents: usize, spacing: Vec2, turned: f64, push: f64) -> World {
         };
     }
     world
-}
-
-/// The people of such a crowd, and the corners of the box.
-fn people(agents: usize, spacing: Vec2, turned: f64, numbers: &mut Random) -> (Vec<Placed>, [(f64, f64); 5]) {
-    let columns = ((agents as f64 * spacing.y / spacing.x).sqrt().round() as usize).max(1);
-    let person = |k: usize| {
-        let x = spacing.x * ((k % columns) as f64 + 0.5) + 0.01 * numbers.signed();
-        let y = spacing.y * ((k / columns) as f64 + 0.5) + 0.01 * numbers.signed();
-        pedestrian(MASS, RATE).at(x, y).turned(turned * numbers.signed())
-    };
-    let people = (0..agents).map(person).collect();
-    let (width, height) = (spacing.x * columns as f64, spacing.y * agents.div_ceil(columns) as f64);
-    (people, [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height), (0.0, 0.0)])
 }
 
 /// Lets a crowd settle into contact, with coarse steps.

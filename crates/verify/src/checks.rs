@@ -15,7 +15,6 @@ mod passivity;
 mod ramp;
 pub(crate) mod reference;
 pub(crate) mod scenarios;
-pub mod scenes;
 mod stability;
 mod symmetry;
 mod two_disks;

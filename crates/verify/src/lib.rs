@@ -1,6 +1,5 @@
 //! Verification of the programs.
 //!
-//! - [`testing`]: helpers of tests; always there
 //! - `checks` (feature `checks`): the table of `lemons verify`
 //! - `bench` (feature `checks`): the crowds of `lemons bench`
 //! - `fuzz` (feature `fuzz`): what the fuzzers of `fuzz/` do with their bytes
@@ -11,4 +10,3 @@ pub mod bench;
 pub mod checks;
 #[cfg(all(feature = "fuzz", target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
 pub mod fuzz;
-pub mod testing;

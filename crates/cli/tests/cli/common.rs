@@ -1,6 +1,6 @@
 //! Helpers that the tests of the command share.
 
-pub use lemons_verify::testing::{copy_tree, repository as root, trial_push as default_trial};
+pub use lemons_testing::{copy_tree, repository as root, trial_push as default_trial};
 use std::collections::HashMap;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};

@@ -1,7 +1,7 @@
 //! Rooms, changes by hand, and requests that are none.
 
 use crate::*;
-use lemons_verify::testing::repository;
+use lemons_testing::repository;
 
 #[test]
 fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {

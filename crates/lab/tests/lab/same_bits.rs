@@ -12,7 +12,7 @@ use lemons_people::zip_trial;
 use lemons_results::Frame;
 use lemons_results::columns::Groups;
 use lemons_sim::{Algorithm, Clock, Documents, Simulation};
-use lemons_verify::testing::{repository, trial_push};
+use lemons_testing::{repository, trial_push};
 use std::fs::File;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};

@@ -109,7 +109,7 @@ mod tests {
     /// The table against the survey's summary: means, and residuals that do not correlate with what is given.
     #[test]
     fn measures_follow_the_survey() {
-        let Some(path) = lemons_verify::testing::shared("anthropometry/ansur_body_summary.json") else {
+        let Some(path) = lemons_testing::shared("anthropometry/ansur_body_summary.json") else {
             return;
         };
         let text = std::fs::read_to_string(path).unwrap();

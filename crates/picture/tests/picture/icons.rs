@@ -1,7 +1,7 @@
 //! The icons and diagrams of the FMUs are small files: an SVG made by hand, and the PNG that is drawn from it.
 
 use lemons_picture::png;
-use lemons_verify::testing::repository;
+use lemons_testing::repository;
 
 /// `ICONS=write cargo test -p lemons-picture icons` draws them again.
 #[test]

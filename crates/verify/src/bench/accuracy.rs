@@ -7,10 +7,10 @@
 use crate::bench::{crowd, sparse};
 use crate::checks::reference;
 use crate::checks::scenarios::{Files, files_of, read};
-use crate::checks::scenes::Random;
 use anyhow::Result;
 use cpu_time::ThreadTime;
 use crowd_mechanics::engine::{World, Wrench};
+use crowd_mechanics::scenes::Random;
 use crowd_mechanics::setup::Setup;
 use lemons_core::plane::{Pose, vec2};
 use lemons_core::trial::{Agent, DriveTable};

@@ -3,45 +3,24 @@
 //! The Trials are generated, and packed with the library that was built with this program.
 
 use crate::bench::accuracy::PUSH;
-use crate::bench::{median, people};
+use crate::bench::median;
 use crate::checks::scenarios::read;
-use crate::checks::scenes::{Random, populate};
 use anyhow::Result;
 use cpu_time::{ProcessTime, ThreadTime};
 use crowd_mechanics::pack::{Format, Package};
+use crowd_mechanics::scenes::crowded;
 use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::DriveChoice;
 use lemons_master::{Fmu, Prepared, Selection, Settings, own_binary};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// \[m\] Spacing: one person per 2 m².
 const SPARSE: Vec2 = vec2(1.4, 1.4);
 /// \[m\] Spacing: six people per square metre; some touch.
 const DENSE: Vec2 = vec2(0.32, 0.521);
-
-/// Writes the Trial of a crowd in a room: pedestrians on a lattice, slightly turned and shifted.
-///
-/// # Errors
-/// The directory cannot be written.
-pub fn write_trial(agents: usize, spacing: Vec2, directory: &Path) -> Result<()> {
-    let mut numbers = Random(30);
-    let (people, around) = people(agents, spacing, 0.5, &mut numbers);
-    let mut trial = read(PUSH)?;
-    "crowd".clone_into(&mut trial.name);
-    (trial.parameters.time_step, trial.parameters.time_step_mechanical) = (0.1, 1e-5);
-    trial.geometry.walls.truncate(1);
-    trial.geometry.walls[0].corners = around.map(|(x, y)| vec2(x, y)).to_vec();
-    trial.geometry.dimensions = Some(trial.geometry.walls[0].corners[2]);
-    populate(&mut trial, &people);
-    for of in &mut trial.dynamics {
-        of.fp = vec2(100.0 * numbers.signed(), 100.0 * numbers.signed());
-        of.mp = numbers.signed();
-    }
-    Ok(trial.write(directory)?)
-}
 
 /// A Trial in a temporary directory, and its FMU there.
 struct Packed {
@@ -52,7 +31,7 @@ impl Packed {
     /// Writes the Trial of a crowd; [`Packed::pack`] makes the FMU.
     fn new(agents: usize, spacing: Vec2) -> Result<Packed> {
         let packed = Packed { directory: Scratch::new()? };
-        write_trial(agents, spacing, &packed.trial())?;
+        crowded(read(PUSH)?, agents, spacing).write(&packed.trial())?;
         Ok(packed)
     }
 

@@ -1,9 +1,9 @@
 //! A floor that brakes the motion across the gaze at a rate of its own: wheels.
 
 use crate::checks::ramp::{later, under_ramp};
-use crate::checks::scenes::*;
 use crate::checks::{Figure, Halved, Result, apart, ensure, halved, largest, shortfall};
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 use lemons_core::plane::Motion;
 
 pub(crate) const FIGURES: &[Figure] = &[in_a_line, || Ok(shortfall(&errors_turning()?, 2.0)), one_rate];

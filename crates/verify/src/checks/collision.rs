@@ -1,9 +1,9 @@
 //! Collisions, compared with conservation laws, the damped oscillator and another integrator.
 
-use crate::checks::scenes::*;
 use crate::checks::two_disks::TwoDisks;
 use crate::checks::{Figure, Halved, Oscillator, Result, ensure, halved, largest, off_ratio};
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 
 pub(crate) const FIGURES: &[Figure] = &[
     velocities,

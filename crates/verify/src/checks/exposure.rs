@@ -1,8 +1,8 @@
 //! Forces on bodies and their deepest overlaps during a communication step.
 
-use crate::checks::scenes::*;
 use crate::checks::{Figure, Result, ensure, largest};
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 
 pub(crate) const FIGURES: &[Figure] = &[
     impulse,

@@ -1,8 +1,8 @@
 //! The tangential spring and sliding friction.
 
-use crate::checks::scenes::*;
 use crate::checks::{Figure, Result, ensure, largest};
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 
 pub(crate) const FIGURES: &[Figure] = &[
     sticks,

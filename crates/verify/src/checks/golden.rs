@@ -1,8 +1,8 @@
 //! Bits that are the same on every machine, for any number of threads.
 
-use crate::checks::scenes::*;
 use crate::checks::{Figure, Result, ensure};
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 
 pub(crate) const FIGURES: &[Figure] =
     &[|| golden(12, 1000, &[1], GOLDEN), || golden(34, 300, &[1, 2, 3], GOLDEN_OF_BLOCKS)];

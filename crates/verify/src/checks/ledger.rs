@@ -1,8 +1,8 @@
 //! Energy balance: all supplied energy is stored, or lost to floor, damping and sliding.
 
-use crate::checks::scenes::*;
 use crate::checks::{Figure, Halved, Result, halved, shortfall};
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 use std::collections::HashMap;
 
 pub(crate) const FIGURES: &[Figure] = &[

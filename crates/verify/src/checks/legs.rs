@@ -1,8 +1,8 @@
 //! People with legs, who are pushed: a pendulum, and ledgers of impulse and energy in which the ground's force is one entry.
 
-use crate::checks::scenes::*;
 use crate::checks::{Figure, Result, ensure, largest};
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 use lemons_decision::rule::Pose as SeenPose;
 use lemons_decision::{Decision, DecisionConfig, Person, Plan};
 

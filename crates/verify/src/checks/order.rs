@@ -3,9 +3,9 @@
 //! A disk that does not turn hits a wall obliquely and slides along it. Its contact begins anywhere within a step. The
 //! damping force is there at once when it begins, and still there when it ends.
 
-use crate::checks::scenes::*;
 use crate::checks::{Figure, Halved, Oscillator, Result, ensure, halved, largest, shortfall};
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 use std::f64::consts::PI;
 
 pub(crate) const FIGURES: &[Figure] = &[

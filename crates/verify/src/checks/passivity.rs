@@ -1,10 +1,10 @@
 //! Contacts never make energy: random pairs over materials, inner corners of walls, round rooms. Nobody drives them.
 
 use crate::checks::scenarios::open;
-use crate::checks::scenes::*;
 use crate::checks::{Figure, Result, ensure, largest};
 use anyhow::Context;
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 use crowd_mechanics::setup::Setup;
 use lemons_core::trial::Trial;
 use std::f64::consts::{PI, TAU};

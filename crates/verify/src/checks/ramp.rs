@@ -1,9 +1,9 @@
 //! Free motion, the shortlist, and drives that change linearly during a communication step.
 
-use crate::checks::scenes::*;
 use crate::checks::{Figure, Halved, Result};
 use crate::checks::{apart, apart_in_pose, ensure, farthest_apart, halved, largest, off_ratio, shortfall};
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 
 pub(crate) const FIGURES: &[Figure] = &[
     || free(Shortlisting::On),

@@ -2,10 +2,10 @@
 //! event to event, its own formulas). Its solutions are committed, and a test computes them again.
 
 use crate::checks::scenarios::read;
-use crate::checks::scenes::{motion, motions};
 use crate::checks::{Figure, Result, apart_in_pose, apart_in_twist, ensure, largest};
 use anyhow::Context;
 use crowd_mechanics::engine::{World, Wrench};
+use crowd_mechanics::scenes::{motion, motions};
 use crowd_mechanics::setup::Setup;
 use lemons_core::plane::{Motion, vec2};
 use lemons_core::trial::Trial;

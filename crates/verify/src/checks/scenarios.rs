@@ -1,12 +1,12 @@
 //! The eight scenarios of the paper's section 4.2, through the packed FMU, each compared with the quantity that it
 //! demonstrates.
 
-use crate::checks::scenes::motion;
 use crate::checks::two_disks::TwoDisks;
 use crate::checks::{Figure, Oscillator, Result, largest};
 use anyhow::Context;
 use crowd_mechanics::engine::{PairLaw, Wrench};
 use crowd_mechanics::pack::Package;
+use crowd_mechanics::scenes::motion;
 use crowd_mechanics::setup::{self, Setup};
 use lemons_core::files::Scratch;
 use lemons_core::files::source::Memory;

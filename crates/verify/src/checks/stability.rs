@@ -1,10 +1,10 @@
 //! The longest stable mechanical step, and the warnings of `lemons check` about it.
 
 use crate::checks::scenarios::open;
-use crate::checks::scenes::*;
 use crate::checks::{Figure, Result, ensure, largest};
 use anyhow::Context;
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 use crowd_mechanics::setup::Setup;
 use lemons_core::trial::Trial;
 use std::f64::consts::PI;

@@ -1,8 +1,8 @@
 //! Results do not depend on place, direction, mirror image and order.
 
-use crate::checks::scenes::*;
 use crate::checks::{Figure, Result, apart, ensure};
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 use lemons_core::plane::Motion;
 
 pub(crate) const FIGURES: &[Figure] = &[

@@ -1,8 +1,8 @@
 //! Nobody passes through a wall, and a wall acts like its line, however it is divided into faces.
 
-use crate::checks::scenes::*;
 use crate::checks::{Figure, Result, apart, ensure, largest};
 use crowd_mechanics::engine::*;
+use crowd_mechanics::scenes::*;
 
 pub(crate) const FIGURES: &[Figure] = &[
     || walker(1.0, 10.0),

@@ -2,11 +2,11 @@
 
 use crate::fuzz::models::{Fmu, FuzzedModel, OUTPUTS};
 use crate::fuzz::show_panics;
-use crate::testing::functions::{Probe, Source};
-use crate::testing::instance::Arguments;
-use crate::testing::{Instance, Version, fmi2, fmi3};
 use arbitrary::{Arbitrary, Unstructured};
 use lemons_fmi::Status;
+use lemons_fmi::testing::functions::{Probe, Source};
+use lemons_fmi::testing::instance::Arguments;
+use lemons_fmi::testing::{Instance, Version, fmi2, fmi3};
 use std::any::TypeId;
 use std::cell::Cell;
 use std::ffi::{CString, c_char, c_void};

@@ -1,7 +1,5 @@
 //! Two small FMUs, unpacked: what the calls are made on.
 
-use crate::testing::Version;
-use crate::testing::instance::Functions;
 use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::quantities::Quantity;
 use crowd_mechanics::setup;
@@ -10,6 +8,8 @@ use lemons_core::trial::{Trial, Wall};
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::{Decision, rule::Pose};
 use lemons_decision::{DecisionConfig, Person, Plan};
+use lemons_fmi::testing::Version;
+use lemons_fmi::testing::instance::Functions;
 use lemons_fmi::variables::{Dimension, Kind};
 use lemons_fmi::{Model, guid, instantiation_token, reference};
 use std::collections::BTreeMap;
@@ -186,7 +186,7 @@ pub(crate) fn small_trial() -> Trial {
 }
 
 fn made_small() -> Trial {
-    let (mut trial, _) = setup::read(&crate::testing::trial_push()).expect("the paper's Trial");
+    let (mut trial, _) = setup::read(&lemons_testing::trial_push()).expect("the paper's Trial");
     trial.agents.truncate(2);
     trial.dynamics.truncate(2);
     trial.dynamics[1].position = vec2(0.248, 0.03);

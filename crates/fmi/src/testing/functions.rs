@@ -2,9 +2,9 @@
 //!
 //! # Safety
 //! All functions have FMI's contract: an instance is one that was instantiated and is not freed, arrays have the length
-//! that is given, texts end with a zero. See [`lemons_fmi::calls`].
+//! that is given, texts end with a zero. See [`crate::calls`].
 
-use lemons_fmi::{Model, Status};
+use crate::{Model, Status};
 use libloading::{Library, Symbol};
 use std::any::TypeId;
 use std::ffi::{c_char, c_void};
@@ -159,7 +159,7 @@ macro_rules! functions {
                     #[allow(unused_variables)] // what is not offered takes arguments, too
                     unsafe extern "C" fn $name<M: Model>($($argument: $type),*) $(-> $result)? {
                         // SAFETY: the caller keeps FMI's contract, which is the body's.
-                        unsafe { lemons_fmi::$module::$body::<M>(stringify!($name) $(, $with)*) }
+                        unsafe { crate::$module::$body::<M>(stringify!($name) $(, $with)*) }
                     }
                 )*
                 $(
@@ -167,7 +167,7 @@ macro_rules! functions {
                     unsafe extern "C" fn $call<M: Model>(instance: *mut c_void $(, $given: $of)*) -> Status {
                         // SAFETY: as above.
                         unsafe {
-                            lemons_fmi::boundary::call::<M>(instance, stringify!($call), |component| {
+                            crate::boundary::call::<M>(instance, stringify!($call), |component| {
                                 component.$method($($passed),*)
                             })
                         }
@@ -200,7 +200,7 @@ unsafe fn exported<'a, F>(library: &'a Library, name: &str) -> Symbol<'a, F> {
 /// The 34 functions of FMI 2.0 co-simulation.
 pub mod fmi2 {
     use super::*;
-    pub use lemons_fmi::v2::CallbackFunctions;
+    pub use crate::v2::CallbackFunctions;
     use std::ffi::{c_int, c_uint};
 
     /// `fmi2CoSimulation`
@@ -215,13 +215,13 @@ pub mod fmi2 {
         component_environment: null_mut(),
     };
 
-    lemons_fmi::fmi2_functions! { [functions] }
+    crate::fmi2_functions! { [functions] }
 }
 
 /// The 75 functions of FMI 3.0.
 pub mod fmi3 {
     use super::*;
-    use lemons_fmi::boundary::{IntermediateUpdate, Logger3};
+    use crate::boundary::{IntermediateUpdate, Logger3};
 
-    lemons_fmi::fmi3_functions! { [functions] }
+    crate::fmi3_functions! { [functions] }
 }

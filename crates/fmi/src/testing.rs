@@ -1,6 +1,5 @@
-//! Helpers for the tests and fuzzers of several packages. No program contains them.
+//! The other side of the boundary, for tests and fuzzers of models. No program contains it.
 //!
-//! - [`places`]: where the repository, its Trials and the shared data are; copies of directories
 //! - [`functions`]: the FMI functions as an importer sees them, of a shared library or of a model
 //! - [`instance`]: an instance of either version, with its messages
 //! - [`bounds`]: whether a model keeps the bounds that it declares
@@ -12,8 +11,6 @@ pub mod bounds;
 pub mod dependencies;
 pub mod functions;
 pub mod instance;
-pub mod places;
 
 pub use functions::{fmi2, fmi3};
 pub use instance::{Instance, Message, Version};
-pub use places::{copy_tree, repository, shared, trial_door, trial_push};

@@ -1,11 +1,11 @@
-//! Where the tests find their files.
+//! Where the tests of all crates find their files. It uses none of them.
 
 use std::path::{Path, PathBuf};
 
 /// The root of the repository.
 pub fn repository() -> &'static Path {
     let own = Path::new(env!("CARGO_MANIFEST_DIR"));
-    own.ancestors().nth(2).expect("it is crates/verify of the repository")
+    own.ancestors().nth(2).expect("it is crates/testing of the repository")
 }
 
 /// The default Trial: the push of the paper's App. C, with five agents.

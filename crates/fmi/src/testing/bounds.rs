@@ -1,7 +1,7 @@
 //! Asks a model whether it keeps the bounds that its descriptions declare.
 
-use lemons_fmi::variables::Number;
-use lemons_fmi::{Format, Function, Model, Phase, Slave, Version, description, guid, instantiation_token};
+use crate::variables::Number;
+use crate::{Format, Function, Model, Phase, Slave, Version, description, guid, instantiation_token};
 use std::collections::HashMap;
 
 /// Each variable that can be set: type, value reference, least and greatest value.

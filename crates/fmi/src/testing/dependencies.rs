@@ -1,7 +1,7 @@
 //! Compares the dependencies that a model declares with what moves when a known number is changed.
 
-use lemons_fmi::variables::{Dimension, Kind, Known, Role, Variable};
-use lemons_fmi::{Format, Model, Phase, Slave, description, instantiation_token, reference};
+use crate::variables::{Dimension, Kind, Known, Role, Variable};
+use crate::{Format, Model, Phase, Slave, description, instantiation_token, reference};
 use std::collections::{BTreeSet, HashMap};
 
 /// Names of variables of FMI 3.0: what is computed, and on what it depends.
@@ -52,11 +52,11 @@ pub fn moved<M: Model>(make: impl Fn() -> M, known: Known) -> Pairs {
     let scalars = model.scalars();
     let place = |quantity: M::Quantity, element: usize| {
         let is_it =
-            |of: &lemons_fmi::variables::Scalar<_>| of.variable.quantity == quantity && of.element == element;
+            |of: &crate::variables::Scalar<_>| of.variable.quantity == quantity && of.element == element;
         scalars.iter().position(is_it).map(|place| place + 1)
     };
     let token = instantiation_token::<M>().to_string();
-    let slave = Slave::new(make(), lemons_fmi::Version::V3, &token).unwrap_or_else(|why| panic!("{why}"));
+    let slave = Slave::new(make(), crate::Version::V3, &token).unwrap_or_else(|why| panic!("{why}"));
     let number_of = |variable: &&Variable<M::Quantity>| variable.kind != Kind::String;
     let unknowns: Vec<_> =
         M::VARIABLES.iter().filter(|variable| is_unknown(variable.role)).filter(number_of).collect();

@@ -5,8 +5,8 @@
 #![allow(clippy::not_unsafe_ptr_arg_deref)] // states are given as the importer holds them
 
 use crate::testing::functions::{fmi2, fmi3};
-use lemons_fmi::v2::CallbackFunctions;
-use lemons_fmi::{Model, Status};
+use crate::v2::CallbackFunctions;
+use crate::{Model, Status};
 use libloading::Library;
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -264,7 +264,7 @@ impl Instance {
             match functions {
                 Functions::V2(c) => {
                     // The same arguments in the same places: see `Logger2`.
-                    let logger = std::mem::transmute::<Logger2, lemons_fmi::Logger2>(log2);
+                    let logger = std::mem::transmute::<Logger2, crate::Logger2>(log2);
                     let callbacks = CallbackFunctions {
                         logger: Some(logger),
                         component_environment: at,

@@ -1,6 +1,7 @@
-//! Small scenes for checks and tests.
+//! Small scenes for tests, checks and benchmarks: people who are placed in a world or a Trial, and what is measured of
+//! them.
 
-use crowd_mechanics::engine::*;
+use crate::engine::*;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{Agent, AgentDynamics, Shape, Trial};
 use std::f64::consts::TAU;
@@ -22,6 +23,11 @@ pub const BODIES: PairLaw = PairLaw {
     tangential_damping: 700.0,
     friction: 0.4,
 };
+
+/// \[kg\] Mass of the paper's agent 0 (App. C).
+pub const MASS: f64 = 89.0;
+/// \[1/s\] A usual relaxation rate.
+pub const RATE: f64 = 4.5;
 
 /// A body, and how it moves at first.
 #[derive(Debug, Clone)]
@@ -128,7 +134,7 @@ pub fn world(people: &[Placed], walls: &[&[(f64, f64)]], law: PairLaw, mechanica
 ///
 /// # Panics
 /// A pair that may touch has no law.
-pub(crate) fn world_of(people: &[Placed], walls: &[WallSpec], laws: LawTable, mechanical_step: f64) -> World {
+pub fn world_of(people: &[Placed], walls: &[WallSpec], laws: LawTable, mechanical_step: f64) -> World {
     let bodies: Vec<BodySpec> = people.iter().map(|person| person.body.clone()).collect();
     let scene = Scene::new(&bodies, walls, laws);
     let (poses, twists) = people.iter().map(|person| (person.pose, person.twist)).unzip();
@@ -204,7 +210,7 @@ pub fn motions(world: &World) -> Vec<Motion> {
 }
 
 /// Returns the motion of these numbers: x, y, orientation, their rates.
-pub(crate) fn motion(&[x, y, orientation, vx, vy, angular_velocity]: &[f64; 6]) -> Motion {
+pub fn motion(&[x, y, orientation, vx, vy, angular_velocity]: &[f64; 6]) -> Motion {
     Motion {
         pose: Pose { position: vec2(x, y), orientation },
         twist: Twist { velocity: vec2(vx, vy), angular_velocity },
@@ -212,7 +218,7 @@ pub(crate) fn motion(&[x, y, orientation, vx, vy, angular_velocity]: &[f64; 6]) 
 }
 
 /// Returns the law of a contact.
-pub(crate) fn law_of<'a>(scene: &'a Scene, contact: &Contact) -> &'a PairLaw {
+pub fn law_of<'a>(scene: &'a Scene, contact: &Contact) -> &'a PairLaw {
     let material = |disk: DiskId| scene.disks[disk.index()].material;
     match contact.pair {
         Pair::Disks { first, second } => scene.law(material(first), material(second)),
@@ -221,14 +227,14 @@ pub(crate) fn law_of<'a>(scene: &'a Scene, contact: &Contact) -> &'a PairLaw {
 }
 
 /// Returns the energies in the springs of a contact \[J\]: normal, tangential.
-pub(crate) fn stored(scene: &Scene, contact: &Contact) -> [f64; 2] {
+pub fn stored(scene: &Scene, contact: &Contact) -> [f64; 2] {
     let law = law_of(scene, contact);
     [(law.normal_stiffness, contact.depth), (law.tangential_stiffness, contact.elongation)]
         .map(|(stiffness, length)| 0.5 * stiffness * length.powi(2))
 }
 
 /// Returns the kinetic energy and that of all springs \[J\].
-pub(crate) fn energy(world: &World) -> f64 {
+pub fn energy(world: &World) -> f64 {
     let contacts = world.contacts().contacts.iter();
     kinetic_energy(world) + contacts.flat_map(|contact| stored(world.scene(), contact)).sum::<f64>()
 }
@@ -288,4 +294,39 @@ pub fn on_lattice(side: u32, [x, y]: [f64; 2], rate: f64) -> Vec<Placed> {
         person.moving(libm::sin(1.3 * k), libm::cos(2.1 * k))
     };
     (0..side * side).map(person).collect()
+}
+
+/// Returns pedestrians on a lattice \[m\] in a closed box, slightly shifted and turned \[rad\], and the corners of the box.
+pub fn in_a_box(
+    agents: usize,
+    spacing: Vec2,
+    turned: f64,
+    numbers: &mut Random,
+) -> (Vec<Placed>, [(f64, f64); 5]) {
+    let columns = ((agents as f64 * spacing.y / spacing.x).sqrt().round() as usize).max(1);
+    let person = |k: usize| {
+        let x = spacing.x * ((k % columns) as f64 + 0.5) + 0.01 * numbers.signed();
+        let y = spacing.y * ((k / columns) as f64 + 0.5) + 0.01 * numbers.signed();
+        pedestrian(MASS, RATE).at(x, y).turned(turned * numbers.signed())
+    };
+    let people = (0..agents).map(person).collect();
+    let (width, height) = (spacing.x * columns as f64, spacing.y * agents.div_ceil(columns) as f64);
+    (people, [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height), (0.0, 0.0)])
+}
+
+/// Puts such a crowd into a Trial, each pushing in another direction; materials and all else are those of the Trial.
+pub fn crowded(mut trial: Trial, agents: usize, spacing: Vec2) -> Trial {
+    let mut numbers = Random(30);
+    let (people, around) = in_a_box(agents, spacing, 0.5, &mut numbers);
+    "crowd".clone_into(&mut trial.name);
+    (trial.parameters.time_step, trial.parameters.time_step_mechanical) = (0.1, 1e-5);
+    trial.geometry.walls.truncate(1);
+    trial.geometry.walls[0].corners = around.map(|(x, y)| vec2(x, y)).to_vec();
+    trial.geometry.dimensions = Some(trial.geometry.walls[0].corners[2]);
+    populate(&mut trial, &people);
+    for of in &mut trial.dynamics {
+        of.fp = vec2(100.0 * numbers.signed(), 100.0 * numbers.signed());
+        of.mp = numbers.signed();
+    }
+    trial
 }
