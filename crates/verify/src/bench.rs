@@ -5,6 +5,8 @@
 //! runs.
 
 pub mod accuracy;
+pub mod bare;
+pub mod counted;
 pub mod fmu;
 
 use anyhow::{Result, ensure};
@@ -64,7 +66,12 @@ pub fn cases() -> Vec<Case> {
 fn crowd(agents: usize, spacing: Vec2, turned: f64, push: f64) -> World {
     let mut numbers = Random(30);
     let (people, around) = in_a_box(agents, spacing, turned, &mut numbers);
-    let mut world = world(&people, &[&around], BODIES, MECHANICAL_STEP);
+    pushing(&people, &around, push, &mut numbers)
+}
+
+/// People in a room, of whom each pushes with at most so much \[N\] along x and y.
+fn pushing(people: &[Placed], around: &[(f64, f64)], push: f64, numbers: &mut Random) -> World {
+    let mut world = world(people, &[around], BODIES, MECHANICAL_STEP);
     for drive in &mut world.drive {
         *drive = Wrench {
             force: vec2(push * numbers.signed(), push * numbers.signed()),
@@ -84,9 +91,12 @@ fn settled(mut world: World, duration: f64) -> Result<World> {
     Ok(world)
 }
 
+/// \[m\] Spacing of six people per square metre; some touch.
+const DENSE: Vec2 = vec2(0.32, 0.521);
+
 /// Makes a crowd of six people per square metre who push in all directions.
 fn dense(agents: usize) -> Result<World> {
-    settled(crowd(agents, vec2(0.32, 0.521), 0.5, 800.0), 0.5)
+    settled(crowd(agents, DENSE, 0.5, 800.0), 0.5)
 }
 
 /// Makes a crowd of one person per 2 m² who walk at about 1 m/s in all directions; some have met.

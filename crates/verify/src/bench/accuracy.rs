@@ -4,7 +4,7 @@
 //! rim. The reference is the same engine with a step of 1e-7 s; for random collisions, the independent integrator of
 //! tests/fmpy/reference.py.
 
-use crate::bench::{crowd, sparse};
+use crate::bench::{DENSE, crowd, sparse};
 use crate::checks::reference;
 use crate::checks::scenarios::{Files, files_of, read};
 use anyhow::Result;
@@ -164,7 +164,7 @@ fn dense() -> Scene {
         };
         world.state().poses.iter().map(of).collect()
     };
-    scene("dense crowd", 1.0, crowd(100, vec2(0.32, 0.521), 0.5, 0.0), Box::new(drive))
+    scene("dense crowd", 1.0, crowd(100, DENSE, 0.5, 0.0), Box::new(drive))
 }
 
 /// The thirty people of the Trial who have come to the door.

@@ -3,7 +3,7 @@
 //! The Trials are generated, and packed with the library that was built with this program.
 
 use crate::bench::accuracy::PUSH;
-use crate::bench::median;
+use crate::bench::{DENSE, median};
 use crate::checks::scenarios::read;
 use anyhow::Result;
 use cpu_time::{ProcessTime, ThreadTime};
@@ -19,8 +19,6 @@ use std::time::Instant;
 
 /// \[m\] Spacing: one person per 2 m².
 const SPARSE: Vec2 = vec2(1.4, 1.4);
-/// \[m\] Spacing: six people per square metre; some touch.
-const DENSE: Vec2 = vec2(0.32, 0.521);
 
 /// A Trial in a temporary directory, and its FMU there.
 struct Packed {

@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# Counts the instructions of a person and mechanical step with valgrind's callgrind, and compares them with
+# benches/instructions.csv: a row that needs 3 % more is an error. `benches/instructions.sh write` writes the table;
+# `benches/instructions.sh ROW...` counts only these.
+#
+# A count depends on compiler and processor (libc chooses its functions by it), not on load. Where the compiler is not that
+# of the table, the rows are printed and compared with 10 %.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+table=benches/instructions.csv
+target=${CARGO_TARGET_DIR:-target}
+
+command -v valgrind >/dev/null || {
+    printf 'benches/instructions.sh: valgrind is missing (Debian: apt-get install valgrind)\n' >&2
+    exit 1
+}
+cargo build --quiet --locked --release -p lemons-verify --features checks --example instructions
+program=$target/release/examples/instructions
+
+directory=$(mktemp -d)
+trap 'rm -rf "$directory"' EXIT
+
+# Prints the row with its instructions per person and step.
+count() {
+    local name=$1 people=$2 steps=$3 log=$directory/$1
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect='*counted_calls*' \
+        "$program" "$name" >"$log" 2>&1 || {
+        cat "$log" >&2
+        return 1
+    }
+    awk -v name="$name" -v all=$((people * steps)) \
+        '/Collected/ { printf "%s,%.1f\n", name, $NF / all; found = 1 } END { exit !found }' "$log"
+}
+export -f count
+export directory program
+
+wanted=" $* "
+"$program" | while read -r name people steps; do
+    [[ $# == 0 || $1 == write || $wanted == *" $name "* ]] && printf '%s %s %s\n' "$name" "$people" "$steps"
+done | xargs -P "$(nproc)" -L 1 bash -c 'count "$@"' count >"$directory/counts"
+
+compiler=$(rustc --version | cut -d ' ' -f 1-2)
+if [[ ${1:-} == write ]]; then
+    {
+        printf 'row,instructions per person and mechanical step (%s)\n' "$compiler"
+        "$program" | while read -r name _; do grep "^$name," "$directory/counts"; done
+    } >"$directory/table"
+    mv "$directory/table" "$table"
+    cat "$table"
+    exit
+fi
+
+most=3
+grep -q "($compiler)" "$table" || {
+    most=10
+    printf 'Another compiler than that of %s (%s): at most %d %% more.\n' "$table" "$compiler" "$most"
+}
+awk -F , -v most="$most" '
+    NR == FNR { before[$1] = $2; next }
+    {
+        if (!($1 in before)) { printf "%-18s %8.1f  not in the table\n", $1, $2; failed = 1; next }
+        change = 100 * ($2 / before[$1] - 1)
+        printf "%-18s %8.1f  %8.1f in the table  %+5.1f %%%s\n", $1, $2, before[$1], change, change > most ? "  TOO MANY" : ""
+        if (change > most) failed = 1
+    }
+    END { exit failed }' "$table" <(sort "$directory/counts")
