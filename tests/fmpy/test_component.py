@@ -11,7 +11,8 @@ import arrays
 import fmpy
 import numpy as np
 import pytest
-from crowd import REPOSITORY, TARGET, TRIAL_DOOR, TRIAL_PUSH
+from built import BUILT, TARGET
+from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 from lxml import etree
@@ -51,7 +52,7 @@ def built(tmp_path_factory):
 @pytest.fixture
 def fmu(pack, built):
     """The FMU with a shared library and a component, of two Trials."""
-    library = f"linux64={TARGET / 'release' / 'libcrowd_mechanics.so'}"
+    library = f"linux64={BUILT / 'libcrowd_mechanics.so'}"
     options = ["--fmi", "3", "--binary", library, "--binary", f"{PLATFORM}={built}"]
     return pack(TRIAL_PUSH, TRIAL_DOOR, options=options)
 
@@ -108,7 +109,7 @@ class Native(arrays.Fmu):
 
 @pytest.mark.parametrize("trial", [TRIAL_PUSH, TRIAL_DOOR], ids=lambda trial: trial.name)
 def test_same_bits(pack, built, tmp_path, trial, row):
-    library = f"linux64={TARGET / 'release' / 'libcrowd_mechanics.so'}"
+    library = f"linux64={BUILT / 'libcrowd_mechanics.so'}"
     fmu = pack(trial, options=["--fmi", "3", "--binary", library, "--binary", f"{PLATFORM}={built}"])
     native, crowd = Native(fmu, tmp_path / "unpacked"), Crowd(fmu).initialize()
     native.slave.exitInitializationMode()

@@ -5,7 +5,6 @@ takes these times into account, so it is second order, with a factor that depend
 """
 
 import json
-import os
 import pathlib
 import shutil
 import subprocess
@@ -51,9 +50,8 @@ def run(case, directory, description, step):
 
 
 @pytest.fixture(scope="module")
-def differences(tmp_path_factory):
+def differences(lemons, tmp_path_factory):
     """[case, mechanical step, pose or twist]: the largest difference from the reference (m and rad, m/s and rad/s)."""
-    command = os.environ.get("LEMONS") or ROOT / "target" / "release" / "lemons"
     out = []
     for number, case in enumerate(CASES):
         scratch = tmp_path_factory.mktemp(f"case{number}")
@@ -62,7 +60,7 @@ def differences(tmp_path_factory):
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text)
         fmu = scratch / "case.fmu"
-        subprocess.run([command, "pack", scratch / "trial", "-o", fmu], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([lemons, "pack", scratch / "trial", "-o", fmu], check=True, stdout=subprocess.DEVNULL)
         description = fmpy.read_model_description(str(fmu))
         directory = fmpy.extract(str(fmu))
         try:

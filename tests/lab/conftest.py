@@ -6,16 +6,12 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
-from visit import LEMONS, PATIENCE, ROOT, link
-
-# What tests/fmpy uses, too.
-sys.path.insert(0, str(ROOT / "tests/common"))
+from visit import LEMONS, PATIENCE, link, missing
 
 # In ms.
 expect.set_options(timeout=1000 * PATIENCE)
@@ -31,6 +27,8 @@ def url() -> Iterator[str]:
         yield f"http://127.0.0.1:{server.server_port}/"
         server.shutdown()
         return
+    if not LEMONS.is_file():
+        pytest.exit(missing(LEMONS), returncode=1)
     command = subprocess.Popen([LEMONS, "lab", "--no-browser"], stdout=subprocess.PIPE, text=True)
     assert command.stdout
     line = command.stdout.readline()
