@@ -17,6 +17,8 @@ from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 from lxml import etree
 
+pytestmark = pytest.mark.long
+
 OK, PEAK, STEP = "ok", 1200.0, 0.02  # N, s
 PLATFORM = "wasm32-wasip2"
 # All that the crowd computes or is told, as Float64 and Int32.
@@ -36,7 +38,9 @@ def build(path: Path, *trial: Path) -> Path:
     version = re.search(r"rustc 1\.(\d+)", compiler.stdout)
     if not version or int(version[1]) < 89:
         pytest.skip(f"no rustc >= 1.89 for wasm32: {compiler.stdout}{compiler.stderr}")
-    environment = {**os.environ, "CARGO_TARGET_DIR": str(TARGET)}
+    # Without optimisation across crates, which takes minutes twice: the bits do not depend on it.
+    quick = {"CARGO_PROFILE_DIST_LTO": "off", "CARGO_PROFILE_DIST_CODEGEN_UNITS": "16"}
+    environment = {**os.environ, "CARGO_TARGET_DIR": str(TARGET), **quick}
     command = [REPOSITORY / "component" / "build.sh", path, *trial]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

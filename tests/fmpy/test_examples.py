@@ -9,6 +9,8 @@ import sys
 import pytest
 from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH
 
+pytestmark = pytest.mark.long
+
 
 def run(script, directory, *arguments):
     command = [sys.executable, REPOSITORY / "examples" / script, *arguments]
@@ -62,7 +64,6 @@ def helped(tmp_path_factory):
     return json.loads(done.stdout)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("script", SCRIPTS)
 def test_help_helps_and_makes_nothing(helped, script):
     """One of them made a directory called --help."""

@@ -452,7 +452,7 @@ def test_extras_are_named_where_they_are_missing(tmp_path):
     assert extras["sweep"] == {"cloudpickle", "dask", "distributed", "lemons-fmu[tables]"}
 
 
-@pytest.mark.parametrize("platform", ["linux", "win32"])
+@pytest.mark.parametrize("platform", ["linux", pytest.param("win32", marks=pytest.mark.long)])
 def test_types(platform):
     pytest.importorskip("mypy", reason="mypy is not installed for this Python")
     command = [sys.executable, "-m", "mypy", "--config-file", "pyproject.toml", "--cache-dir", REPOSITORY / ".mypy_cache"]
@@ -460,6 +460,7 @@ def test_types(platform):
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.long
 def test_the_manual_runs(lemons, push_fmu, tmp_path):
     """All Python of python/README.md as one script, beside push.fmu and the Trials."""
     text = (REPOSITORY / "python" / "README.md").read_text()

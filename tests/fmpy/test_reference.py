@@ -71,6 +71,7 @@ def differences(lemons, tmp_path_factory):
     return np.array(out)
 
 
+@pytest.mark.long
 def test_the_stored_solutions_are_those_of_the_reference():
     for case in CASES:
         states, simulation = reference.solve(case)
@@ -86,6 +87,7 @@ def test_the_cases_hold_what_they_should():
     assert len(CASES) == 29 and all(case["moved"] <= 1e-7 and case["loose"] <= 1e-9 for case in CASES)
 
 
+@pytest.mark.long
 def test_the_fmu_tends_to_the_reference(differences, capsys):
     with capsys.disabled():
         print("\n\nlargest difference of the FMU from the reference: poses (m, rad) | twists (m/s, rad/s)")
@@ -107,6 +109,7 @@ def test_the_fmu_tends_to_the_reference(differences, capsys):
         assert worst[5] < worst[3] / 16 and worst[3] < worst[1] / 64 and (rough[:, 5, quantity] < rough[:, 0, quantity] / 1000).all()
 
 
+@pytest.mark.long
 def test_without_damping_and_friction_it_is_second_order(differences):
     fair = differences[[smooth(case) for case in CASES]]
     assert len(fair) >= 3
