@@ -14,4 +14,6 @@ LEMONS = Path(os.environ.get("LEMONS") or BUILT / "lemons").resolve()
 
 def missing(path):
     """What to do where a file is not there."""
-    return f"{path} is missing: ./check.sh {PROFILE} builds it (LEMONS_PROFILE={PROFILE})"
+    # Other profiles are those of the whole script.
+    command = "./check.sh release" if PROFILE == "release" else "./check.sh"
+    return f"{path} is missing: {command} builds it (LEMONS_PROFILE is {PROFILE})"
