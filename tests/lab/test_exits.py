@@ -218,10 +218,12 @@ def test_places_that_cannot_be_are_named(page: Page) -> None:
     rename(page, "Exit 2", "the street")
     expect(alert).to_contain_text('"the street" is that of another exit or goal')
     expect(page.get_by_role("textbox", name="Exit 2, name")).to_have_value("exit 1")
-    # Without a door, nobody gets there.
+    # Without a door, nobody gets there. Each step begins when the page has done the one before.
     page.get_by_label("What moves them").select_option(label="Nobody moves by themselves")
+    becomes(page, lambda: plan(page)["made"]["motion"], {"kind": "none"})
     tab(page, "Room")
     button(page, "Delete door 1")
+    becomes(page, lambda: plan(page)["made"]["base"]["room"]["doors"], [])
     make(page, 3, 400, 300)
     exits(page)
     expect(page.get_by_role("button", name="Put an exit beyond each door")).to_be_disabled()
