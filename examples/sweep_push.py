@@ -1,6 +1,6 @@
 """Speed and reach of a push through a row of five people, as functions of stiffness, friction and mass.
 
-    pip install ./python matplotlib
+    pip install './python[sweep]' matplotlib
     python examples/sweep_push.py resources/Trial_push [--plot sweep_push.png] [--out DIR] [--scheduler ADDRESS]
 
 Person 0 is pushed by half a sine of 0.6 s with a peak of 900, 1200 or 1500 N. One parameter at a time is

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import documented
 import pytest
-from crowd import REPOSITORY, TARGET, TRIAL_DOOR, TRIAL_PUSH, Crowd, ids_of, read_table
+from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH, Crowd, ids_of, read_table
 from documented import tool_version
 from fmpy import extract
 
+import built
+
 SHARED = REPOSITORY.parent / "shared"
-# What tests/lab uses, too.
-sys.path.insert(0, str(REPOSITORY / "tests" / "common"))
 
 
 @pytest.fixture
@@ -89,11 +89,10 @@ def pytest_runtest_setup(item):
 
 @pytest.fixture(scope="session")
 def lemons():
-    """Path of the command: the environment's LEMONS, else the release build's."""
-    path = Path(os.environ.get("LEMONS") or TARGET / "release" / "lemons").resolve()
-    if not path.is_file():
-        pytest.exit(f"{path} is missing: ./check.sh release", returncode=1)
-    return path
+    """Path of the command."""
+    if not built.LEMONS.is_file():
+        pytest.exit(built.missing(built.LEMONS), returncode=1)
+    return built.LEMONS
 
 
 @pytest.fixture
@@ -186,13 +185,14 @@ def engine_direct():
     """Runs a Trial on the engine without FMI; the trajectories as CSV text."""
     if not shutil.which("cargo"):
         pytest.skip("cargo is absent")
-    # Not --release: `cargo test` has built it so, and examples have other dependencies than the command,
+    # Not --release: `cargo test` has built it in another profile, and examples have other dependencies than the command,
     # which a release build here would make build anew each time. The bits do not depend on the profile.
-    command = "cargo build --quiet --workspace --all-features --example engine_direct --target-dir".split()
-    subprocess.run([*command, TARGET], check=True, cwd=REPOSITORY)
+    profile, directory = ("dev", "debug") if built.PROFILE == "release" else (built.PROFILE, built.PROFILE)
+    command = ["cargo", "build", "--quiet", "--workspace", "--all-features", "--example", "engine_direct"]
+    subprocess.run([*command, "--profile", profile, "--target-dir", built.TARGET], check=True, cwd=REPOSITORY)
 
     def engine_direct(trial, steps, *options):
-        command = [TARGET / "debug" / "examples" / "engine_direct", trial, "--steps", str(steps), *options]
+        command = [built.TARGET / directory / "examples" / "engine_direct", trial, "--steps", str(steps), *options]
         return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
     return engine_direct

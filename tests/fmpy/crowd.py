@@ -1,7 +1,7 @@
 """An FMU instance by variable names, with all that its logger was told."""
 
 import csv
-import os
+import sys
 import xml.etree.ElementTree as ElementTree
 from contextlib import contextmanager
 from ctypes import byref
@@ -22,9 +22,10 @@ from fmpy.fmi2 import (
 from fmpy.logging import addLoggerProxy
 from masters import Job
 
-REPOSITORY = Path(__file__).resolve().parents[2]
-# CARGO_TARGET_DIR may be relative to where cargo and this suite are started.
-TARGET = Path(os.environ.get("CARGO_TARGET_DIR") or REPOSITORY / "target").resolve()
+# What tests/lab uses, too.
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "common"))
+from built import REPOSITORY  # noqa: E402
+
 TRIAL_PUSH = REPOSITORY / "resources" / "Trial_push"
 TRIAL_DOOR = REPOSITORY / "resources" / "Trial_door"
 

@@ -1,10 +1,11 @@
 """Runs a notebook without Jupyter, or writes it as the repository has it.
 
-    python tests/fmpy/notebooks.py run examples/notebooks/1_collision.ipynb [--pictures DIR]
+    python tests/fmpy/notebooks.py run examples/notebooks/1_collision.ipynb [--pictures DIR] [--wrong CELL OLD NEW]
     python tests/fmpy/notebooks.py clean examples/notebooks/*.ipynb
 
 `run` executes all code cells in order, as Python without IPython. With --pictures, what a cell shows is written to DIR: figures
-and pictures as PNG or SVG, tables as text. `clean` removes outputs, execution counts and what editors add.
+and pictures as PNG or SVG, tables as text. With --wrong, once or more, the cells from the one with the text OLD up to CELL run once
+more at the end, with NEW instead: an assertion of CELL must fail. `clean` removes outputs, execution counts and what editors add.
 """
 
 import argparse
@@ -80,7 +81,21 @@ class Shown:
         plt.close("all")
 
 
-def run(path, pictures=None):
+def execute(source, name, names, shown):
+    """Runs a cell, and shows what Jupyter shows of it."""
+    # So that messages show the line.
+    linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
+    tree = ast.parse(source, name)
+    last = tree.body.pop() if tree.body and isinstance(tree.body[-1], ast.Expr) else None
+    exec(compile(tree, name, "exec"), names)
+    value = eval(compile(ast.Expression(last.value), name, "eval"), names) if last else None
+    # A semicolon at the end shows nothing, as in Jupyter.
+    if not source.rstrip().endswith(";"):
+        shown.value(value)
+    shown.figures()
+
+
+def run(path, pictures=None, wrong=()):
     warnings.simplefilter("error", SyntaxWarning)
     shown = Shown(pictures)
     import matplotlib.pyplot as plt
@@ -88,28 +103,35 @@ def run(path, pictures=None):
     plt.switch_backend("Agg")
     plt.show = lambda *_, **__: shown.figures()
     names = {"__name__": "__main__"}
-    for cell in read(path).cells:
-        if cell.cell_type != "code":
-            continue
-        shown.cell = cell.id
-        name = f"{Path(path).name}, cell {cell.id}"
-        # So that messages show the line.
-        linecache.cache[name] = (len(cell.source), None, cell.source.splitlines(keepends=True), name)
+    cells = {cell.id: cell.source for cell in read(path).cells if cell.cell_type == "code"}
+    for cell, source in cells.items():
+        shown.cell = cell
+        name = f"{Path(path).name}, cell {cell}"
         begin = time.monotonic()
         try:
-            tree = ast.parse(cell.source, name)
-            last = tree.body.pop() if tree.body and isinstance(tree.body[-1], ast.Expr) else None
-            exec(compile(tree, name, "exec"), names)
-            # A semicolon at the end shows nothing, as in Jupyter.
-            if last and not cell.source.rstrip().endswith(";"):
-                shown.value(eval(compile(ast.Expression(last.value), name, "eval"), names))
-            elif last:
-                eval(compile(ast.Expression(last.value), name, "eval"), names)
-            shown.figures()
+            execute(source, name, names, shown)
         except Exception:
             traceback.print_exc()
             sys.exit(f"{name}: failed")
-        print(f"-- {cell.id}: {time.monotonic() - begin:.1f} s", file=sys.stderr)
+        print(f"-- {cell}: {time.monotonic() - begin:.1f} s", file=sys.stderr)
+    shown.directory = None
+    for cell, old, new in wrong:
+        failed = fails(Path(path).name, cells, dict(names), shown, old, new)
+        if failed != cell:
+            sys.exit(f"{Path(path).name}, cell {cell}: does not fail with {new!r}; what fails: {failed}")
+        print(f"-- {cell}: fails with {new!r}", file=sys.stderr)
+
+
+def fails(file, cells, names, shown, old, new):
+    """The cell whose assertion fails if a text of one cell is another one."""
+    changed, *others = (cell for cell, source in cells.items() if old in source)
+    assert not others, f"{old!r} is in several cells"
+    for cell in list(cells)[list(cells).index(changed) :]:
+        try:
+            execute(cells[cell].replace(old, new), f"{file}, cell {cell}", names, shown)
+        except AssertionError:
+            return cell
+    return None
 
 
 def main():
@@ -118,6 +140,7 @@ def main():
     running = commands.add_parser("run")
     running.add_argument("notebook", type=Path)
     running.add_argument("--pictures", type=Path, metavar="DIR")
+    running.add_argument("--wrong", nargs=3, action="append", default=[], metavar=("CELL", "OLD", "NEW"))
     cleaning = commands.add_parser("clean")
     cleaning.add_argument("notebooks", type=Path, nargs="+")
     given = parser.parse_args()
@@ -127,7 +150,7 @@ def main():
     else:
         if given.pictures:
             given.pictures.mkdir(parents=True, exist_ok=True)
-        run(given.notebook, given.pictures)
+        run(given.notebook, given.pictures, given.wrong)
 
 
 if __name__ == "__main__":

@@ -11,10 +11,13 @@ import arrays
 import fmpy
 import numpy as np
 import pytest
-from crowd import REPOSITORY, TARGET, TRIAL_DOOR, TRIAL_PUSH
+from built import BUILT, TARGET
+from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 from lxml import etree
+
+pytestmark = pytest.mark.long
 
 OK, PEAK, STEP = "ok", 1200.0, 0.02  # N, s
 PLATFORM = "wasm32-wasip2"
@@ -35,7 +38,9 @@ def build(path: Path, *trial: Path) -> Path:
     version = re.search(r"rustc 1\.(\d+)", compiler.stdout)
     if not version or int(version[1]) < 89:
         pytest.skip(f"no rustc >= 1.89 for wasm32: {compiler.stdout}{compiler.stderr}")
-    environment = {**os.environ, "CARGO_TARGET_DIR": str(TARGET)}
+    # Without optimisation across crates, which takes minutes twice: the bits do not depend on it.
+    quick = {"CARGO_PROFILE_DIST_LTO": "off", "CARGO_PROFILE_DIST_CODEGEN_UNITS": "16"}
+    environment = {**os.environ, "CARGO_TARGET_DIR": str(TARGET), **quick}
     command = [REPOSITORY / "component" / "build.sh", path, *trial]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -51,7 +56,7 @@ def built(tmp_path_factory):
 @pytest.fixture
 def fmu(pack, built):
     """The FMU with a shared library and a component, of two Trials."""
-    library = f"linux64={TARGET / 'release' / 'libcrowd_mechanics.so'}"
+    library = f"linux64={BUILT / 'libcrowd_mechanics.so'}"
     options = ["--fmi", "3", "--binary", library, "--binary", f"{PLATFORM}={built}"]
     return pack(TRIAL_PUSH, TRIAL_DOOR, options=options)
 
@@ -108,7 +113,7 @@ class Native(arrays.Fmu):
 
 @pytest.mark.parametrize("trial", [TRIAL_PUSH, TRIAL_DOOR], ids=lambda trial: trial.name)
 def test_same_bits(pack, built, tmp_path, trial, row):
-    library = f"linux64={TARGET / 'release' / 'libcrowd_mechanics.so'}"
+    library = f"linux64={BUILT / 'libcrowd_mechanics.so'}"
     fmu = pack(trial, options=["--fmi", "3", "--binary", library, "--binary", f"{PLATFORM}={built}"])
     native, crowd = Native(fmu, tmp_path / "unpacked"), Crowd(fmu).initialize()
     native.slave.exitInitializationMode()

@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from crowd import REPOSITORY
 
+pytestmark = pytest.mark.long
+
 COUPLING = REPOSITORY / "examples" / "coupling"
 
 
@@ -21,6 +23,7 @@ COUPLING = REPOSITORY / "examples" / "coupling"
 DAY = """
 import pickle, sys
 import sumo_platform as platform
+
 platform.LOCALS, platform.PASSENGERS, platform.EXPRESSES = 2, 40, [110.0, 230.0]
 platform.PLATFORM, platform.DOORS = (6.0, 2.2), [1.5, 4.5]
 logs = [platform.run(directory, limit, 1)[0] for directory, limit in (("free", float("inf")), ("held", float(sys.argv[1])))]

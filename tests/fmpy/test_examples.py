@@ -1,13 +1,15 @@
 """The examples run, write their plots, and say what is wrong with their arguments."""
 
+import json
 import os
-import re
 import shutil
 import subprocess
 import sys
 
 import pytest
 from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH
+
+pytestmark = pytest.mark.long
 
 
 def run(script, directory, *arguments):
@@ -28,18 +30,52 @@ def test_push_fmpy(push_fmu, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["plot.png"]
 
 
-@pytest.mark.parametrize("script", sorted(path.name for path in (REPOSITORY / "examples").glob("*.py")))
-def test_help_helps_and_makes_nothing(tmp_path, script):
+SCRIPTS = sorted(path.name for path in (REPOSITORY / "examples").glob("*.py"))
+# Asks scripts for help, one after another: what they import is imported once.
+HELP = """
+import contextlib, io, json, os, runpy, sys
+
+seen = {}
+for script in sys.argv[1:]:
+    sys.argv = [script, "--help"]
+    sys.path[0] = sys.argv[0].rpartition("/")[0]
+    out, err, code = io.StringIO(), io.StringIO(), None
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            runpy.run_path(script, run_name="__main__")
+        except SystemExit as end:
+            code = end.code
+        except BaseException as error:
+            code = repr(error)
+    seen[script.rpartition("/")[2]] = code or 0, out.getvalue(), err.getvalue(), os.listdir()
+print(json.dumps(seen))
+"""
+
+
+@pytest.fixture(scope="module")
+def helped(tmp_path_factory):
+    """What each example does if it is asked for help: code, standard output and error, files."""
+    directory = tmp_path_factory.mktemp("help")
+    scripts = [REPOSITORY / "examples" / script for script in SCRIPTS]
+    environment = {**os.environ, "MPLBACKEND": "Agg", "TMPDIR": str(directory)}
+    command = [sys.executable, "-c", HELP, *scripts]
+    done = subprocess.run(command, cwd=directory, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_help_helps_and_makes_nothing(helped, script):
     """One of them made a directory called --help."""
     needs(script)
     if script == "analyse.py":
         pytest.importorskip("pedpy")
-    done = run(script, tmp_path, "--help")
-    assert done.returncode == 0 and done.stderr == "", done.stderr
-    assert done.stdout.startswith(f"usage: {script} ")
+    code, out, err, files = helped[script]
+    assert (code, err) == (0, "")
+    assert out.startswith(f"usage: {script} ")
     first = (REPOSITORY / "examples" / script).read_text().splitlines()[0].strip('"')
-    assert first in done.stdout, "what it does"
-    assert list(tmp_path.iterdir()) == []
+    assert first in out, "what it does"
+    assert files == []
 
 
 def test_help_of_the_shell_script(tmp_path):

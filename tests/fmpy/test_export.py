@@ -252,6 +252,7 @@ def test_a_run_of_python_in_pedpy(lemons, pedpy, call, tmp_path, monkeypatch):
     assert pedpy.load_trajectory(trajectory_file=tmp_path / "run.txt").frame_rate == data.frame_rate
 
 
+@pytest.mark.long
 def test_analyse(pedpy, call, decide, pack, tmp_path):
     shutil.move(decide(), tmp_path / "decision.fmu")
     pack(TRIAL_DOOR)

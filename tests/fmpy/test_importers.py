@@ -10,6 +10,8 @@ from crowd import REPOSITORY
 sys.path.insert(0, str(REPOSITORY / "packaging"))
 import importers
 
+pytestmark = pytest.mark.long
+
 SCRIPT = REPOSITORY / "packaging" / "importers.py"
 
 #: A program with the words of fmusim that is FMPy.

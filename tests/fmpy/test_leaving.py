@@ -63,6 +63,7 @@ def test_time_above_a_level_of_means_over_a_second(tmp_path):
         assert lemons_fmu.measure(table, above=[100], over=over_).people[f"time_above_100_over_{over_}"].isna().all()
 
 
+@pytest.mark.long
 def test_everybody_gets_out(lemons, tmp_path):
     """A few runs of docs/walking.md."""
     environment = {**os.environ, "LEMONS": str(lemons)}
@@ -115,6 +116,7 @@ def test_an_exit_lets_people_go_while_it_is_open(lemons, tmp_path):
     assert rest[["t", "id", "x", "y", "active"]].equals(same[["t", "id", "x", "y", "active"]])
 
 
+@pytest.mark.long
 def test_groups_of_the_example(lemons, tmp_path):
     """docs/walking.md: a few of its crowds."""
     command = [sys.executable, REPOSITORY / "examples/groups.py", "few", "--seeds", "1", "--sizes", "1", "2", "--parts", "0", "0.5"]

@@ -280,6 +280,7 @@ def test_what_is_wrong_is_said(lemons, walk, tmp_path):
         measure(walk, lines={"door": (0, 0, 0, 0)})
 
 
+@pytest.mark.long
 def test_the_room_of_the_readme_is_empty_in_two_commands(lemons, tmp_path):
     """The commands as README.md has them; against the table of `lemons run`, read here."""
     text = (REPOSITORY / "README.md").read_text()

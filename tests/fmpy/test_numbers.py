@@ -11,6 +11,7 @@ import xml.etree.ElementTree as ElementTree
 from statistics import median
 
 import pages
+import pytest
 from crowd import REPOSITORY, TRIAL_PUSH
 from test_pictures import DOCS, description
 
@@ -50,6 +51,7 @@ def test_the_study_of_doors_is_that_of_its_picture():
     assert f"The {len(runs)} runs take" in text
 
 
+@pytest.mark.long
 def test_what_a_softer_body_changes(lemons, tmp_path):
     """docs/guide/squeeze.md: the table is of the commands above it."""
     page = "docs/guide/squeeze.md"
@@ -66,6 +68,7 @@ def test_what_a_softer_body_changes(lemons, tmp_path):
     assert shown == [[round(each) for each in row] for row in zip(*seen, strict=True)]
 
 
+@pytest.mark.long
 def test_soft_chests_at_a_door(lemons, tmp_path):
     """docs/guide/squeeze.md: the first of its crowds has a peak and a time to leave within the ranges of the table."""
     command = [sys.executable, REPOSITORY / "examples/soft_chest.py", "few", "--seeds", "1", "--steps", "1e-4"]

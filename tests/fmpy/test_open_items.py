@@ -56,6 +56,7 @@ sweep(sys.argv[1], {"agent[1].Mass": [60.0]}, False, lambda run: {"x": 1.0}, unt
 """
 
 
+@pytest.mark.long
 def test_a_sweep_in_an_unguarded_script_is_one_sweep(push_fmu):
     Path("unguarded.py").write_text(UNGUARDED)
     done = subprocess.run([sys.executable, "unguarded.py", push_fmu], capture_output=True, text=True)

@@ -222,6 +222,7 @@ def session(text):
     return list(zip(parts[1::2], parts[2::2], strict=True))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", [page for page in pages.PAGES if pages.blocks(page)])
 def test_every_block_is_run_or_says_why_not(page, lemons, tmp_path):
     shell = Shell(tmp_path, lemons)
@@ -281,6 +282,7 @@ def test_the_files_of_a_trial():
     assert set(listed.text.split()) == there
 
 
+@pytest.mark.long
 def test_a_page_that_hangs_says_where(lemons, tmp_path):
     shell = Shell(tmp_path, lemons)
     shell.add("page.md:1", "echo first")

@@ -61,6 +61,7 @@ def test_every_picture_has_a_command_and_a_page():
         assert words in (REPOSITORY / file).read_text(), f"{file} does not make {picture}"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["push", "balance", "crowd", "people_kinds", "scenes", "room", "guide", "measured", "flow", "turnstile"])
 def test_a_picture_is_what_pictures_sh_draws(lemons, tmp_path, name):
     if name == "measured" and not (SHARED / "data/push_wed").is_dir():
@@ -84,6 +85,7 @@ def description(picture):
     return found.text
 
 
+@pytest.mark.long
 def test_the_widths_of_a_door(lemons, tmp_path):
     """Some of the runs of the picture, made again."""
     runs = {(row["width"], row["seed"]): row for row in csv.DictReader(io.StringIO(description(DOCS / "door_width.svg")))}
@@ -110,6 +112,7 @@ def tables_of(name):
     return re.search(rf"<!-- {name} -->\n\n(.*?)\n\n<!-- /{name} -->", pages.text_of("docs/validation.md"), re.DOTALL)[1]
 
 
+@pytest.mark.long
 def test_tables_of_the_validation_are_those_of_today(lemons, tmp_path, monkeypatch):
     """The cheapest one whole, of another one a cell."""
     monkeypatch.setenv("LEMONS", str(lemons))

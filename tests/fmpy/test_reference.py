@@ -5,7 +5,6 @@ takes these times into account, so it is second order, with a factor that depend
 """
 
 import json
-import os
 import pathlib
 import shutil
 import subprocess
@@ -51,9 +50,8 @@ def run(case, directory, description, step):
 
 
 @pytest.fixture(scope="module")
-def differences(tmp_path_factory):
+def differences(lemons, tmp_path_factory):
     """[case, mechanical step, pose or twist]: the largest difference from the reference (m and rad, m/s and rad/s)."""
-    command = os.environ.get("LEMONS") or ROOT / "target" / "release" / "lemons"
     out = []
     for number, case in enumerate(CASES):
         scratch = tmp_path_factory.mktemp(f"case{number}")
@@ -62,7 +60,7 @@ def differences(tmp_path_factory):
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text)
         fmu = scratch / "case.fmu"
-        subprocess.run([command, "pack", scratch / "trial", "-o", fmu], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([lemons, "pack", scratch / "trial", "-o", fmu], check=True, stdout=subprocess.DEVNULL)
         description = fmpy.read_model_description(str(fmu))
         directory = fmpy.extract(str(fmu))
         try:
@@ -73,6 +71,7 @@ def differences(tmp_path_factory):
     return np.array(out)
 
 
+@pytest.mark.long
 def test_the_stored_solutions_are_those_of_the_reference():
     for case in CASES:
         states, simulation = reference.solve(case)
@@ -88,6 +87,7 @@ def test_the_cases_hold_what_they_should():
     assert len(CASES) == 29 and all(case["moved"] <= 1e-7 and case["loose"] <= 1e-9 for case in CASES)
 
 
+@pytest.mark.long
 def test_the_fmu_tends_to_the_reference(differences, capsys):
     with capsys.disabled():
         print("\n\nlargest difference of the FMU from the reference: poses (m, rad) | twists (m/s, rad/s)")
@@ -109,6 +109,7 @@ def test_the_fmu_tends_to_the_reference(differences, capsys):
         assert worst[5] < worst[3] / 16 and worst[3] < worst[1] / 64 and (rough[:, 5, quantity] < rough[:, 0, quantity] / 1000).all()
 
 
+@pytest.mark.long
 def test_without_damping_and_friction_it_is_second_order(differences):
     fair = differences[[smooth(case) for case in CASES]]
     assert len(fair) >= 3

@@ -61,6 +61,7 @@ def test_a_number_outside_of_the_limits_fails(value, verdict):
     assert book.judged(row, {"time": value})[0] == verdict
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scene", QUICK)
 def test_a_quick_scene_gives_what_the_page_says(lemons, tmp_path, monkeypatch, scene):
     monkeypatch.setenv("LEMONS", str(lemons))

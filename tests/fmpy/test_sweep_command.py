@@ -28,8 +28,15 @@ def measure(run):
     return {"moved": run.poses[-1, 4, 0] - run.poses[0, 4, 0], **squeeze, "overlap": run.peak_overlap.max()}
 
 
+@pytest.fixture(scope="module")
+def here():
+    """A client with a thread of this process."""
+    with local_cluster(1, threads=1, processes=False) as cluster, Client(cluster) as client:
+        yield client
+
+
 @pytest.mark.parametrize("choice, drive", [("", None), ("drive = 'given.csv'", "given.csv"), ("drive = false", False)], ids=str)
-def test_both_give_one_table(lemons, tmp_path, choice, drive):
+def test_both_give_one_table(lemons, here, tmp_path, choice, drive):
     """With the drive.csv that is packed, with a given one, and with none."""
     (tmp_path / "given.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,1000,0,0\n0.6,0,800,0,1\n")
     (tmp_path / "push.toml").write_text(choice + SPEC)
@@ -38,8 +45,7 @@ def test_both_give_one_table(lemons, tmp_path, choice, drive):
     fmu = tmp_path / "push.fmu"
     drive = tmp_path / drive if drive else drive
     grid = {"contact.human_naked.human_naked.KineticFriction": [0.0, 0.4], "agent[*].Mass": [60.0, 90.0]}
-    with local_cluster(1, threads=1, processes=False) as cluster, Client(cluster) as client:
-        there = sweep(fmu, grid, drive, measure, until=0.7, client=client, out=tmp_path / "there.csv", progress=False)
+    there = sweep(fmu, grid, drive, measure, until=0.7, client=here, out=tmp_path / "there.csv", progress=False)
     here = pd.read_csv(tmp_path / "push.csv", comment="#", float_precision="round_trip")
     numbers = [name for name in there if name not in ("status", "error")]
     pd.testing.assert_frame_equal(here[numbers], there[numbers], check_exact=True)

@@ -207,6 +207,7 @@ def test_fmpy_gives_the_same_bits(hall, run_by_lemons, tmp_path, algorithm, row)
     row("fmpy", "FMI 3.0: Decision, `turnstile.c` and the crowd, connected by whole arrays", "same bits as `lemons run`, both algorithms")
 
 
+@pytest.mark.long
 def test_the_page(lemons, tmp_path):
     """docs/guide/controller.md: the first crowd is as it says, and in the ranges of its table."""
     page = "docs/guide/controller.md"

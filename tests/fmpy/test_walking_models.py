@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from crowd import REPOSITORY
 
+pytestmark = pytest.mark.long
+
 SPEC = importlib.util.spec_from_file_location("validation", REPOSITORY / "examples" / "validation.py")
 validation = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(validation)

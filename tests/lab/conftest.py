@@ -6,16 +6,41 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
-from visit import LEMONS, PATIENCE, ROOT, link
+from visit import LEMONS, PATIENCE, link, missing
 
-# What tests/fmpy uses, too.
-sys.path.insert(0, str(ROOT / "tests/common"))
+#: The tests of the short tier: the page shows what the command computes, gives what FMPy runs, opens what it is given, and
+#: keeps it. All others are `long`.
+SHORT = {
+    "test_only_this_machine_is_answered_and_only_with_files_of_the_lab",
+    "test_the_first_example_moves_when_the_page_is_opened",
+    "test_forty_people_in_a_room_with_a_door_move_as_the_command_moves_them",
+    "test_the_crowd_of_the_page_is_that_of_the_command",
+    "test_those_who_are_pushed_do_as_in_the_command",
+    "test_the_fmu_of_the_page_runs_in_fmpy",
+    "test_scrubbing_shows_what_the_command_computes",
+    "test_the_density_is_that_of_the_command_and_of_a_formula",
+    "test_a_broken_trial_is_named_with_file_and_attribute",
+    "test_a_reload_and_a_link_bring_all_back_and_undo_takes_it_away",
+    "test_a_number_out_of_range_stays_and_is_not_taken",
+    "test_each_message_of_the_engine_has_a_translation",
+    "test_the_dictionary_has_each_text_once_and_its_numbers",
+}
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    named = {item.name.split("[")[0] for item in items}
+    # Where all are collected, each name is that of a test.
+    if not SHORT <= named and not any("::" in part or part.endswith(".py") for part in config.args):
+        raise pytest.UsageError(f"SHORT names no tests: {SHORT - named}")
+    for item in items:
+        if item.name.split("[")[0] not in SHORT:
+            item.add_marker("long")
+
 
 # In ms.
 expect.set_options(timeout=1000 * PATIENCE)
@@ -31,6 +56,8 @@ def url() -> Iterator[str]:
         yield f"http://127.0.0.1:{server.server_port}/"
         server.shutdown()
         return
+    if not LEMONS.is_file():
+        pytest.exit(missing(LEMONS), returncode=1)
     command = subprocess.Popen([LEMONS, "lab", "--no-browser"], stdout=subprocess.PIPE, text=True)
     assert command.stdout
     line = command.stdout.readline()

@@ -200,10 +200,14 @@ def test_places_that_cannot_be_are_named(page: Page) -> None:
     becomes(page, lambda: len(lines(page)), 1)
     rename(page, "Exit 1", "the street")
     picture = Picture(page)
-    # Onto the wall below: it is refused, and stays where it was.
-    for end, to in ((1, (1.0, 0.0)), (2, (3.0, 0.0))):
-        fill(page, f"Exit 1, end {end}, x", 100 * to[0])
-        fill(page, f"Exit 1, end {end}, y", 100 * to[1])
+    becomes(page, lambda: wishes(page)["exits"][0]["name"], "the street")
+    # Onto the wall below: it is refused, and stays where it was. Each number is taken before the next one is typed.
+    line = lines(page)[0]
+    for end, axis, to in ((0, 0, 1), (0, 1, 0), (1, 0, 3), (1, 1, 0)):
+        line[end][axis] = to
+        fill(page, f"Exit 1, end {end + 1}, {'xy'[axis]}", 100 * to)
+        if (end, axis) != (1, 1):
+            becomes(page, lambda: lines(page), [line])
     expect(alert).to_contain_text('exit "the street": lies on walls')
     assert lines(page) != [[[1, 0], [3, 0]]]
     button(page, "An exit: Draw a line")
@@ -214,10 +218,12 @@ def test_places_that_cannot_be_are_named(page: Page) -> None:
     rename(page, "Exit 2", "the street")
     expect(alert).to_contain_text('"the street" is that of another exit or goal')
     expect(page.get_by_role("textbox", name="Exit 2, name")).to_have_value("exit 1")
-    # Without a door, nobody gets there.
+    # Without a door, nobody gets there. Each step begins when the page has done the one before.
     page.get_by_label("What moves them").select_option(label="Nobody moves by themselves")
+    becomes(page, lambda: plan(page)["made"]["motion"], {"kind": "none"})
     tab(page, "Room")
     button(page, "Delete door 1")
+    becomes(page, lambda: plan(page)["made"]["base"]["room"]["doors"], [])
     make(page, 3, 400, 300)
     exits(page)
     expect(page.get_by_role("button", name="Put an exit beyond each door")).to_be_disabled()

@@ -48,10 +48,14 @@ def test_every_tab_is_in_the_language_of_the_browser(browser: Browser, url: str,
     page.locator(".sliders input[type=range]").nth(1).fill("1.2")
     # The people of the wider door are there.
     becomes(page, lambda: plan(page)["made"]["base"]["room"]["doors"][0]["width"], 1.2)
-    page.wait_for_timeout(500)
-    page.locator(".frame canvas").last.press("n")
-    page.locator(".frame canvas").last.press("Shift+F10")
-    wait(page, lambda: page.get_by_role("menu").count() == 1)
+
+    def menu() -> bool:
+        """Of the next person, as soon as the picture has people."""
+        page.locator(".frame canvas").last.press("n")
+        page.locator(".frame canvas").last.press("Shift+F10")
+        return page.get_by_role("menu").count() == 1
+
+    wait(page, menu)
     page.keyboard.press("Escape")
     # What is said of a person under the mouse, who is dragged onto others.
     tabs.nth(2).click()
@@ -69,8 +73,7 @@ def test_every_tab_is_in_the_language_of_the_browser(browser: Browser, url: str,
     for k in range(30):
         page.mouse.move(x + 3 * k, y)
         page.wait_for_timeout(30)
-    overlap = page.locator("section.panel .note[role=status]").last
-    assert re.search("berlapp|recouvre", overlap.text_content() or "")
+    expect(page.locator("section.panel .note[role=status]").last).to_have_text(re.compile("berlapp|recouvre"))
     page.mouse.up()
     expect(page.get_by_text(re.compile("Änderung von Hand|changement à la main"))).to_be_visible()
     # Names of the visitor's own stay as they are, also where they are words of the page.
@@ -101,8 +104,7 @@ def test_every_tab_is_in_the_language_of_the_browser(browser: Browser, url: str,
     tabs.nth(0).click()
     page.locator(".scenes button").nth(1).click()
     page.locator(".scenes button").nth(2).click()
-    page.wait_for_timeout(300)
-    assert page.locator(".scenes strong").first.text_content() == "Room"
+    expect(page.locator(".scenes strong").first).to_have_text("Room")
     assert "; ".join(english(page)) == ""
     page.context.close()
 

@@ -61,8 +61,9 @@ def test_a_slider_that_is_dragged_is_one_step_of_undo(page: Page) -> None:
     page.mouse.down()
     for k in range(10):
         page.mouse.move(box["x"] + (0.4 - 0.02 * k) * box["width"], box["y"] + box["height"] / 2)
-        # Some of the values on the way are placed.
-        page.wait_for_timeout(100 if k != 5 else 1500)
+        # One of the values on the way is placed.
+        if k == 5:
+            wait(page, lambda: plan(page)["made"]["base"]["number"] != 70)
     page.mouse.up()
     wait(page, lambda: plan(page)["made"]["base"]["number"] == plan(page)["crowd"]["number"] != 70)
     assert len(plan(page)["past"]) == 1

@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import subprocess
+import sys
 import time
 import urllib.parse
 import xml.etree.ElementTree as ElementTree
@@ -14,9 +15,12 @@ from typing import Any
 
 from playwright.sync_api import Download, FloatRect, Page, expect
 
-ROOT = Path(__file__).parents[2]
-TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-LEMONS = Path(os.environ.get("LEMONS", TARGET / "release/lemons"))
+# What tests/fmpy uses, too.
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "common"))
+from built import LEMONS, missing  # noqa: E402
+from built import REPOSITORY as ROOT  # noqa: E402
+
+__all__ = ["LEMONS", "ROOT", "missing"]
 #: [s] A machine may have much else to do; while one works on the page, failures should come soon.
 PATIENCE = float(os.environ.get("LAB_PATIENCE", 180))
 

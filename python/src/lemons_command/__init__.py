@@ -1,6 +1,6 @@
 """The command `lemons` of a wheel, and the libraries that it packs, one directory for each of FMI's platforms.
 
-This is a package of its own, because `lemons_fmu` takes a second to import, which each call of the command would wait for.
+This is a package of its own, because `lemons_fmu` imports NumPy, which each call of the command would wait for.
 """
 
 import os

@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._native import CommandError
+from .extra import needed
 
 if TYPE_CHECKING:
     from .record import Run
@@ -43,10 +44,8 @@ def is_hdf5(path: str | os.PathLike[str]) -> bool:
 
 
 def _h5py() -> Any:
-    try:
+    with needed("hdf5", "HDF5"):
         return importlib.import_module("h5py")
-    except ImportError as error:
-        raise ImportError("HDF5 needs h5py: pip install lemons-fmu[hdf5]") from error
 
 
 @contextmanager

@@ -7,15 +7,18 @@ import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
 
 from .command import Option, call, options
+from .extra import needed
 from .hdf5 import source
 from .picture import Drawn
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Columns that are names, also where they look like numbers.
 NAMES = ("line", "direction", "area", "id", "wall")
@@ -86,7 +89,11 @@ def measure(
 
     Raises:
         CommandError: something is refused; the message is that of the command.
+        ImportError: there is no pandas: `pip install lemons-fmu[tables]`.
     """
+    # Before a run.
+    with needed("tables", "a table"):
+        import pandas
     given = [("--line", lines), ("--area", areas)]
     words = [f"{option}={name}={_joined(each)}" for option, all in given for name, each in (all or {}).items()]
     known: dict[str, Option] = {"trial": trial, "above": list(above) or None, **others}
@@ -103,6 +110,8 @@ def _joined(numbers: Sequence[float]) -> str:
 
 
 def _table(text: str) -> pd.DataFrame:
+    import pandas as pd
+
     # A person may be called NA. Not all versions of pandas read numbers to the last bit.
     table = pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False)
     for name in table.columns:

@@ -6,16 +6,20 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from . import _native
 from .command import Option
 from .drive import Floats
 from .export import Format, export
+from .extra import needed
 from .measure import Measures, measure
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Ints = NDArray[np.int32]
 
@@ -128,7 +132,13 @@ class Run:
         return self._of_legs("fallen")[:, :, 0].astype(bool)
 
     def frame(self) -> pd.DataFrame:
-        """Returns the table that `lemons run` writes: a row for each agent at each communication point."""
+        """Returns the table that `lemons run` writes: a row for each agent at each communication point.
+
+        Raises:
+            ImportError: there is no pandas: `pip install lemons-fmu[tables]`.
+        """
+        with needed("tables", "a table"):
+            import pandas as pd
         points, agents = self.squeeze.shape
         ids: list[int] | list[str] = list(self.ids)
         if all(each.isascii() and each.isdigit() and str(int(each)) == each for each in self.ids):

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from .crowd import Algorithm, Crowd, Plan, Source, Until, Value
 from .drive import DriveLike
+from .extra import needed
 from .record import Run
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def run(
@@ -58,5 +61,11 @@ def simulate(
     time), mean_normal_force, peak_normal_force, peak_overlap, mean_wall_force (within the step that ends then), active
     (where people may leave: 1, or 0 for who has left), legs_x, legs_y, steps, balanced, fallen (where people have legs), and
     total_agent_contacts, total_wall_contacts of the crowd. Units are s, m, rad, N.
+
+    Raises:
+        ImportError: there is no pandas: `pip install lemons-fmu[tables]`. Other errors are those of `run`.
     """
+    # Before the run.
+    with needed("tables", "a table"):
+        import pandas
     return run(what, drive, parameters, until, step=step, plan=plan, algorithm=algorithm, stop=stop, progress=progress).frame()

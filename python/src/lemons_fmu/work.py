@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
+import pickle
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
-
-import cloudpickle
-from distributed import Worker, WorkerPlugin
 
 from . import _native
 from .crowd import Algorithm, Crowd, Until, Value
@@ -54,21 +52,18 @@ class Job:
     until: Until
 
 
-class JobOnWorker(WorkerPlugin):
-    """Tells every worker what a sweep is, also those that join later. No shared file system is needed."""
-
-    def __init__(self, job: Job) -> None:
-        self.job = job
-        self.name = f"lemons-sweep-{job.key}"
-
-    def setup(self, worker: Worker) -> None:
-        _jobs[self.job.key] = self.job, cloudpickle.loads(self.job.work)
-
-    def teardown(self, worker: Worker) -> None:
-        _jobs.pop(self.job.key, None)
-
-
 _jobs: dict[str, tuple[Job, tuple[Known[Crowd], Measure, Stop | None]]] = {}
+
+
+def begin(job: Job) -> None:
+    """Gets a worker ready for the points of a sweep."""
+    # What cloudpickle has written is read by pickle.
+    _jobs[job.key] = job, pickle.loads(job.work)
+
+
+def end(job: Job) -> None:
+    """Forgets a sweep."""
+    _jobs.pop(job.key, None)
 
 
 def simulate_points(key: str, subject: Subject | None, points: list[tuple[int, list[Value]]]) -> tuple[list[Result], float]:
