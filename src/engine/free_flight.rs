@@ -1,7 +1,7 @@
 //! The closed-form solution of a motion without contact: linear relaxation under a drive that is constant or changes
 //! linearly.
 
-use super::{Body, Pose, Rotation, Scene, Twist, Vec2, Wrench};
+use super::{Body, Pose, Scene, Twist, Vec2, Wrench, rotation, vec2};
 
 /// The solution of `dv/dt = a − λ v`, `dr/dt = v` over a duration, for constant `a` and `λ ≥ 0`:
 /// `v = kept·v₀ + velocity_time·a` and `r = r₀ + velocity_time·v₀ + drive_time·a`.
@@ -77,8 +77,8 @@ pub struct BodyFlight {
 /// Returns the direction across the gaze, to the left, in the middle of a turn.
 #[inline]
 fn across(from: &Pose, to: &Pose) -> Vec2 {
-    let Rotation { sin, cos } = Rotation::by(0.5 * (from.orientation + to.orientation));
-    Vec2 { x: -sin, y: cos }
+    let turn = rotation(0.5 * (from.orientation + to.orientation));
+    vec2(-turn.im, turn.re)
 }
 
 impl BodyFlight {
@@ -107,7 +107,7 @@ impl BodyFlight {
         };
         if let Some(added) = &self.across {
             let side = across(&pose, &end);
-            let (speed, push) = (side.dot(twist.velocity), side.dot(acceleration.force));
+            let (speed, push) = (side.dot(&twist.velocity), side.dot(&acceleration.force));
             end.position += side * (added.velocity_time * speed + added.drive_time * push);
             end_twist.velocity += side * (added.kept * speed + added.velocity_time * push);
         }
@@ -226,7 +226,7 @@ impl Course for Ramp {
         if let Some(added) = &flight.held.across {
             // The change of the drive turns the gaze by less than the error of the flight.
             let side = across(&pose, &held);
-            let growth = side.dot(self.rate.force);
+            let growth = side.dot(&self.rate.force);
             end.position += side * (flight.across_ramp_time * growth);
             end_twist.velocity += side * (added.drive_time * growth);
         }
@@ -258,7 +258,6 @@ impl Course for Ramp {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Vec2;
     use super::*;
 
     #[test]
@@ -299,11 +298,11 @@ mod tests {
         }
     }
 
-    const START: Pose = Pose { position: Vec2 { x: 0.3, y: -0.1 }, orientation: 0.2 };
-    const MOVING: Twist = Twist { velocity: Vec2 { x: 1.3, y: -0.4 }, angular_velocity: 0.6 };
+    const START: Pose = Pose { position: vec2(0.3, -0.1), orientation: 0.2 };
+    const MOVING: Twist = Twist { velocity: vec2(1.3, -0.4), angular_velocity: 0.6 };
     const RAMP: Ramp = Ramp {
-        start: Wrench { force: Vec2 { x: -0.7, y: 0.2 }, torque: 0.5 },
-        rate: Wrench { force: Vec2 { x: 0.9, y: -1.1 }, torque: -0.8 },
+        start: Wrench { force: vec2(-0.7, 0.2), torque: 0.5 },
+        rate: Wrench { force: vec2(0.9, -1.1), torque: -0.8 },
     };
 
     fn farthest((pose, twist): (Pose, Twist), (other, other_twist): (Pose, Twist)) -> f64 {

@@ -115,7 +115,7 @@ impl Agent {
     /// wheelchair.
     pub fn people(&self) -> Vec<(Person, Vec2)> {
         match self {
-            Agent::Pedestrian(person) => vec![(*person, Vec2::ZERO)],
+            Agent::Pedestrian(person) => vec![(*person, Vec2::zeros())],
             Agent::Member(member) if !member.kind.seated => member.people.clone(),
             Agent::Member(_) | Agent::Bicycle(_) => Vec::new(),
         }

@@ -11,7 +11,7 @@ use crate::person::{Person, Sex};
 use crate::population::Agent;
 use crate::shape::{Shape, bounds};
 use crate::trial::PART_MATERIALS;
-use lemons_core::plane::{Disk, Pose, Rotation, Vec2, vec2};
+use lemons_core::plane::{Disk, Pose, Vec2, rotation, vec2};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::{Arc, LazyLock};
 
@@ -41,7 +41,7 @@ impl Figure {
     /// As those of [`Body3d::similar`].
     pub fn of(agent: &Agent) -> Result<Figure> {
         match agent {
-            Agent::Pedestrian(person) => Figure::new(None, &[(*person, Vec2::ZERO)]),
+            Agent::Pedestrian(person) => Figure::new(None, &[(*person, Vec2::zeros())]),
             Agent::Member(member) => Figure::new(Some(member.kind.clone()), &member.people),
             Agent::Bicycle(_) => Ok(Figure::default()),
         }
@@ -55,7 +55,7 @@ impl Figure {
     pub fn fitting(agent: &lemons_core::trial::Agent) -> Result<Figure> {
         match people_fitting(agent) {
             Some((kind, people)) => Figure::new(Some(kind), &people),
-            None => Figure::new(None, &[(Person::fitting(agent), Vec2::ZERO)]),
+            None => Figure::new(None, &[(Person::fitting(agent), Vec2::zeros())]),
         }
     }
 
@@ -120,10 +120,10 @@ impl Figure {
 
     /// Returns all parts at a pose, in world coordinates; the names begin with the agent's Id.
     pub fn surfaces(&self, id: &str, pose: &Pose) -> impl Iterator<Item = MeshPart> + use<> {
-        let (turn, position, id) = (Rotation::by(pose.orientation), pose.position, plain(id));
+        let (turn, position, id) = (rotation(pose.orientation), pose.position, plain(id));
         self.bodies(true).into_iter().chain(self.things()).map(move |mut part| {
             for [x, y, _] in &mut part.vertices {
-                let point = vec2(*x, *y).rotated(turn) + position;
+                let point = turn * vec2(*x, *y) + position;
                 (*x, *y) = (point.x, point.y);
             }
             MeshPart { name: format!("agent_{id}_{}", part.name), ..part }
@@ -263,7 +263,7 @@ impl Bend {
         } else {
             (vec2(1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0))
         };
-        let turned = |of: Vec2, by: f64| of.rotated(Rotation::by(if down { by } else { -by }));
+        let turned = |of: Vec2, by: f64| rotation(if down { by } else { -by }) * of;
         let first = (straight - 0.5 * radius * angle).max(0.0);
         let middle = start + along * first + inwards * radius;
         for place in &mut part.vertices {

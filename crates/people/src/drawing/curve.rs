@@ -2,7 +2,7 @@
 
 use super::MOST;
 use crate::error::{Result, require};
-use lemons_core::plane::{Vec2, vec2};
+use lemons_core::plane::{InPlane, Vec2, vec2};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// More pieces of one curve are a mistake.
@@ -33,7 +33,7 @@ impl Affine {
     /// Returns the turn by an angle, counter-clockwise. Quarters of a turn are exact.
     pub fn turn(degrees: f64) -> Affine {
         let x = crate::heading(degrees);
-        Affine { x, y: x.perp(), origin: Vec2::ZERO }
+        Affine { x, y: x.left(), origin: Vec2::zeros() }
     }
 
     pub fn of(&self, p: Vec2) -> Vec2 {
@@ -68,9 +68,9 @@ impl Arc {
 
     /// Returns the arc from `a` to `b`; `bulge` is the tangent of a quarter of the angle, positive counter-clockwise.
     pub fn bulge(a: Vec2, b: Vec2, bulge: f64) -> Arc {
-        let centre = (a + b) * 0.5 + (b - a).perp() * ((1.0 - bulge * bulge) / (4.0 * bulge));
+        let centre = (a + b) * 0.5 + (b - a).left() * ((1.0 - bulge * bulge) / (4.0 * bulge));
         let u = a - centre;
-        Arc { centre, u, v: u.perp(), from: 0.0, to: 4.0 * libm::atan(bulge) }
+        Arc { centre, u, v: u.left(), from: 0.0, to: 4.0 * libm::atan(bulge) }
     }
 
     pub fn mapped(&self, by: &Affine) -> Arc {
@@ -87,7 +87,7 @@ impl Arc {
     /// at most so much times the longer half axis.
     pub fn trace(&self, deviation: f64, to: &mut Vec<Vec2>) -> Result<()> {
         let (p, q) = (self.u.norm_squared(), self.v.norm_squared());
-        let longer = (0.5 * (p + q + libm::hypot(p - q, 2.0 * self.u.dot(self.v)))).sqrt();
+        let longer = (0.5 * (p + q + libm::hypot(p - q, 2.0 * self.u.dot(&self.v)))).sqrt();
         let step = (2.0 * libm::acos((1.0 - deviation / longer).max(-1.0))).clamp(0.0, FRAC_PI_4);
         require(longer.is_finite(), || "a curve is too large".to_owned())?;
         let pieces = pieces(((self.to - self.from).abs() / step).ceil(), longer, deviation)?;
@@ -202,7 +202,7 @@ impl Spline {
             if width > 0.0 {
                 (self.control[i + 1] - self.control[i]) * (p as f64 / width)
             } else {
-                Vec2::ZERO
+                Vec2::zeros()
             }
         };
         let second = |i: usize| {
@@ -271,7 +271,7 @@ pub(super) fn by_ends(
     let axes = Affine::turn(degrees);
     // The ellipse becomes a circle of radius 1.
     let half = (a - b) * 0.5;
-    let there = vec2(half.dot(axes.x) / rx, half.dot(axes.y) / ry);
+    let there = vec2(half.dot(&axes.x) / rx, half.dot(&axes.y) / ry);
     let length = there.norm();
     // Radii that are too small grow until the ends are on the ellipse.
     let grown = length.max(1.0);
