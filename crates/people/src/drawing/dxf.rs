@@ -368,7 +368,7 @@ impl<'f> Walk<'f, '_> {
             return self.insert(entity, &into, &layer, depth);
         }
         let (deviation, mut corners) = (self.tracer.deviation, Vec::new());
-        let is_up = seen.x.x > 0.0;
+        let is_up = seen.linear.m11 > 0.0;
         let Some((closed, curved)) = trace(entity, parts, &into, is_up, deviation, &mut corners)
             .map_err(|error| entity.placed(error))?
         else {
@@ -549,8 +549,8 @@ fn polyline(
     let ends = vertices.iter().skip(1).chain(closed.then_some(&vertices[0]));
     for (&(from, bulge), &(next, _)) in vertices.iter().zip(ends) {
         // How far the arc is from its chord; without a unit, only what is next to nothing is straight.
-        let height = into.direction((next - from).left() * (0.5 * bulge)).norm();
-        let chord = into.direction(next - from).norm();
+        let height = (into.linear * (next - from).left() * (0.5 * bulge)).norm();
+        let chord = (into.linear * (next - from)).norm();
         let straight = if deviation.is_finite() { deviation } else { 1e-6 * chord };
         if from != next && height > straight {
             Arc::bulge(from, next, bulge).mapped(into).trace(deviation, to)?;
