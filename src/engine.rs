@@ -82,7 +82,7 @@ pub use exposure::{Exposure, FaceExposure};
 pub use face::{Continuation, Face};
 pub use free_flight::{BodyFlight, FreeFlight};
 pub use ids::{BodyId, CornerId, DiskId, FaceId, LineId, WallId};
-pub use lemons_core::plane::{Pose, Rotation, Twist, Vec2, vec2};
+pub use lemons_core::plane::{InPlane, Pose, Rotation, Twist, Vec2, rotation, vec2};
 pub use overlap::{Overlap, Proximity};
 pub use pair_forces::PairForce;
 pub use report::{BodyContacts, Contact, ContactReport, Pair};

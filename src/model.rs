@@ -754,7 +754,7 @@ fn read(world: &World, quantity: Quantity, first: usize, values: &mut [f64]) -> 
     }
     fn axes(first: usize, values: &mut [f64], vector: impl Fn(usize) -> Vec2) {
         each(first, values, |k| {
-            let Vec2 { x, y } = vector(k / 2);
+            let [x, y] = vector(k / 2).into();
             if k.is_multiple_of(2) { x } else { y }
         });
     }

@@ -174,7 +174,7 @@ pub fn populate(trial: &mut Trial, people: &[Placed]) {
 /// Returns the momentum \[kg.m/s\].
 pub fn momentum(world: &World) -> Vec2 {
     let bodies = world.scene().bodies.iter().zip(&world.state().twists);
-    bodies.fold(Vec2::ZERO, |sum, (body, twist)| sum + twist.velocity * body.mass)
+    bodies.fold(Vec2::zeros(), |sum, (body, twist)| sum + twist.velocity * body.mass)
 }
 
 /// Returns the angular momentum about the origin \[kg.m2/s\].
@@ -187,7 +187,7 @@ pub fn angular_momentum(world: &World) -> f64 {
         .iter()
         .zip(motions)
         .map(|(body, (pose, twist))| {
-            body.mass * pose.position.cross(twist.velocity) + body.inertia * twist.angular_velocity
+            body.mass * pose.position.perp(&twist.velocity) + body.inertia * twist.angular_velocity
         })
         .sum()
 }

@@ -1,7 +1,7 @@
 //! Pose and motion of a body, for contacts.
 
-use super::{Pose, Rotation, Twist, Vec2};
-use lemons_core::plane::SMALL_TURN;
+use super::{InPlane, Pose, Rotation, Twist, Vec2, rotation};
+use lemons_core::plane::{SMALL_TURN, further};
 
 /// Pose and motion of a body at one instant: everything that an evaluation of its contacts needs, in one cache line.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +27,7 @@ impl BodyKinematics {
     /// Makes it from a pose and a twist.
     pub fn at(pose: Pose, twist: Twist) -> BodyKinematics {
         let Pose { position, orientation } = pose;
-        BodyKinematics { position, orientation, turn: Rotation::by(orientation), twist }
+        BodyKinematics { position, orientation, turn: rotation(orientation), twist }
     }
 
     #[inline]
@@ -44,7 +44,7 @@ impl BodyKinematics {
         if turned.abs() > SMALL_TURN {
             self.turn_to(pose.orientation);
         } else {
-            self.turn = self.turn.further(turned);
+            self.turn = further(self.turn, turned);
         }
         (self.position, self.orientation, self.twist) = (pose.position, pose.orientation, twist);
     }
@@ -52,13 +52,13 @@ impl BodyKinematics {
     #[cold]
     #[inline(never)]
     fn turn_to(&mut self, orientation: f64) {
-        self.turn = Rotation::by(orientation);
+        self.turn = rotation(orientation);
     }
 
     /// Returns the vector \[m\] from the centre of mass to the centre of a disk, from its [`super::Disk::offset`].
     #[inline]
     pub fn arm(&self, offset: Vec2) -> Vec2 {
-        offset.rotated(self.turn)
+        self.turn * offset
     }
 
     /// Returns the centre \[m\] of a disk, from its [`super::Disk::offset`].
@@ -77,5 +77,5 @@ impl BodyKinematics {
 /// Returns the velocity \[m/s\] of a body's point at a vector from its centre of mass.
 #[inline]
 pub(super) fn velocity_at(twist: &Twist, arm: Vec2) -> Vec2 {
-    twist.velocity + arm.perp() * twist.angular_velocity
+    twist.velocity + arm.left() * twist.angular_velocity
 }

@@ -89,7 +89,7 @@ impl CellGrid {
             end += *start;
             *start = end;
         }
-        grid.members = vec![(0, Circle { centre: Vec2::ZERO, radius: 0.0 }); homes.len()];
+        grid.members = vec![(0, Circle { centre: Vec2::zeros(), radius: 0.0 }); homes.len()];
         for (k, &home) in who.zip(&homes) {
             let start = &mut grid.starts[home as usize];
             *start -= 1;

@@ -61,7 +61,7 @@ impl Instant<'_> {
     ) -> (ContactForce, ImpulseCorrection) {
         let transition = self.transition(pair, dt);
         let came = transition.coming(&self.scene.faces[pair.face.index()], contact.part);
-        let rate = -transition.velocity.dot(contact.gradient);
+        let rate = -transition.velocity.dot(&contact.gradient);
         began(geometry, beginning(contact.overlap.depth, rate, came, dt), 0.0, dt)
     }
 
@@ -99,12 +99,12 @@ impl Instant<'_> {
     ) -> Option<(ContactForce, ImpulseCorrection)> {
         let transition = self.transition(pair, dt);
         let (overlap, rate, left) = match held {
-            Some(contact) => (contact.overlap, -transition.velocity.dot(contact.gradient), None),
+            Some(contact) => (contact.overlap, -transition.velocity.dot(&contact.gradient), None),
             None => {
                 let (disk, wall) =
                     (&self.scene.disks[pair.disk.index()], &self.scene.faces[pair.face.index()]);
                 let apart = overlap_with_part(wall, spring.part, transition.centre, disk.radius)?;
-                (apart, -transition.velocity.dot(apart.normal), transition.leaving(wall, spring.part))
+                (apart, -transition.velocity.dot(&apart.normal), transition.leaving(wall, spring.part))
             }
         };
         let event = end(overlap.depth, rate, left, dt)?;
@@ -126,7 +126,7 @@ impl Instant<'_> {
         let before = overlap_with_part(left, spring.part, transition.centre, radius)?;
         let turn = before.normal - contact.overlap.normal;
         // Since both were equally near.
-        let (lead, rate) = (contact.overlap.depth - before.depth, transition.velocity.dot(turn));
+        let (lead, rate) = (contact.overlap.depth - before.depth, transition.velocity.dot(&turn));
         if turn.norm_squared() <= SMOOTH * SMOOTH || lead <= 0.0 || rate * dt <= lead {
             return None;
         }
@@ -243,7 +243,7 @@ mod tests {
     /// The other is below.
     fn geometry(depth: f64, velocity: Vec2) -> ContactGeometry<'static> {
         let overlap = Overlap { depth, normal: vec2(0.0, 1.0) };
-        let (arm, other_arm) = (Vec2::ZERO, Vec2::ZERO);
+        let (arm, other_arm) = (Vec2::zeros(), Vec2::zeros());
         ContactGeometry { law: &LAW, law_at: 0, overlap, part: FacePart::Left, arm, other_arm, velocity }
     }
 

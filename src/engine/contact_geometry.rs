@@ -5,7 +5,7 @@ use super::circle::Circle;
 use super::contact_law::Reaction;
 use super::near_pairs::{DiskPair, DiskPairDetail, FacePair, Separation};
 use super::overlap::Overlap;
-use super::{FacePart, PairLaw, Scene, Vec2, Wrench};
+use super::{FacePart, InPlane, PairLaw, Scene, Vec2, Wrench};
 
 /// The instant at which contacts are evaluated.
 pub(super) struct Instant<'a> {
@@ -80,7 +80,7 @@ impl Instant<'_> {
         let law_at = self.scene.law_between(disk.material, wall.material);
         let law = self.scene.law_at(law_at);
         let velocity = kinematics.velocity_at(arm);
-        ContactGeometry { law, law_at, overlap, part, arm, other_arm: Vec2::ZERO, velocity }
+        ContactGeometry { law, law_at, overlap, part, arm, other_arm: Vec2::zeros(), velocity }
     }
 }
 
@@ -88,7 +88,7 @@ impl ContactGeometry<'_> {
     /// \[m/s\] along the normal, positive if they separate, and along the tangent.
     #[inline(always)]
     pub fn speeds(&self) -> (f64, f64) {
-        (self.velocity.dot(self.overlap.normal), self.velocity.dot(self.overlap.normal.perp()))
+        (self.velocity.dot(&self.overlap.normal), self.velocity.dot(&self.overlap.normal.left()))
     }
 
     #[inline(always)]
@@ -104,18 +104,18 @@ impl ContactForce {
     #[inline]
     pub fn vector(&self) -> Vec2 {
         let normal = self.overlap.normal;
-        normal * self.reaction.normal + normal.perp() * self.reaction.tangential
+        normal * self.reaction.normal + normal.left() * self.reaction.tangential
     }
 
     /// The wrench on the receiver, of the force on it.
     #[inline(always)]
     pub fn on_receiver(&self, force: Vec2) -> Wrench {
-        Wrench { force, torque: self.arm.cross(force) }
+        Wrench { force, torque: self.arm.perp(&force) }
     }
 
     /// The wrench on the other body, of the force on the receiver.
     #[inline(always)]
     pub fn on_giver(&self, force: Vec2) -> Wrench {
-        Wrench { force: -force, torque: -self.other_arm.cross(force) }
+        Wrench { force: -force, torque: -self.other_arm.perp(&force) }
     }
 }

@@ -8,6 +8,7 @@ use super::near_pairs::{AT_ONCE, DiskPair, FacePair, NearPairs, Overlapping, Sep
 use super::overlap::{Proximity, proximity};
 use super::wall_contacts::WallContacts;
 use super::{BodyId, FaceId, PairLaw, Regime, Scene, Wrench};
+use lemons_core::plane::InPlane;
 
 /// How an evaluation changes the springs.
 #[derive(Debug, Clone, Copy)]
@@ -193,7 +194,7 @@ impl Sums<'_> {
         (force, by): &(ContactForce, ImpulseCorrection),
     ) {
         let ImpulseCorrection { normal, tangential, squeeze, peak } = *by;
-        let impulse = force.overlap.normal * normal + force.overlap.normal.perp() * tangential;
+        let impulse = force.overlap.normal * normal + force.overlap.normal.left() * tangential;
         let (face, giver) = match other {
             Other::Face(face) => (Some(face), None),
             Other::Body(body) => (None, Some(body)),

@@ -74,11 +74,11 @@ impl CornerTransition<'_> {
     }
 
     fn since_beyond(&self, end: &End) -> Option<f64> {
-        self.since((self.centre - end.place).dot(end.away), self.velocity.dot(end.away))
+        self.since((self.centre - end.place).dot(&end.away), self.velocity.dot(&end.away))
     }
 
     fn since_inside(&self, end: &End) -> Option<f64> {
-        self.since(-(self.centre - end.place).dot(end.away), -self.velocity.dot(end.away))
+        self.since(-(self.centre - end.place).dot(&end.away), -self.velocity.dot(&end.away))
     }
 
     /// Time since something that grows was zero.

@@ -1,6 +1,6 @@
 //! Faces of walls, and their nearest points.
 
-use super::{CornerId, FacePart, LineId, Vec2, WallId};
+use super::{CornerId, FacePart, InPlane, LineId, Vec2, WallId};
 
 /// A straight segment of a wall, solid from both sides.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,9 +60,9 @@ impl Face {
 
     /// Returns the unit vector along the face and away from one of its corners; none if it has no length.
     pub(super) fn away_from(&self, at: CornerId) -> Option<Vec2> {
-        let along = -self.normal.perp();
+        let along = -self.normal.left();
         let away = if self.start_corner == at { along } else { -along };
-        (self.normal != Vec2::ZERO).then_some(away)
+        (self.normal != Vec2::zeros()).then_some(away)
     }
 }
 
@@ -72,7 +72,7 @@ impl Face {
 /// rounding, on which of them is nearest.
 #[inline]
 pub(super) fn beyond(end: Vec2, other_end: Vec2, place: Vec2) -> bool {
-    (place - end).dot(other_end - end) <= 0.0
+    (place - end).dot(&(other_end - end)) <= 0.0
 }
 
 /// The place of a point on a face.
@@ -95,7 +95,7 @@ pub fn nearest_on_face(face: &Face, place: Vec2) -> (Vec2, Along) {
         (face.end, Along::End)
     } else {
         let along = face.end - face.start;
-        let share = (place - face.start).dot(along) / along.norm_squared();
+        let share = (place - face.start).dot(&along) / along.norm_squared();
         (face.start + along * share, Along::Inside)
     }
 }

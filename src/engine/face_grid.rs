@@ -1,7 +1,7 @@
 //! Finds faces near a circle: a grid of cells over the walls, made with the scene, and again when walls open or close.
 
 use super::circle::Circle;
-use super::{Face, FaceId, Vec2, WallId};
+use super::{Face, FaceId, Vec2, WallId, vec2};
 
 /// Rectangular cells over all walls that are there, each with the faces that cross it, ascending.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -33,10 +33,7 @@ impl FaceGrid {
         let ends = || faces.iter().flat_map(|(_, face)| [face.start, face.end]);
         let Some(first) = ends().next() else { return FaceGrid::default() };
         let (low, high) = ends().fold((first, first), |(low, high), end| {
-            (
-                Vec2 { x: low.x.min(end.x), y: low.y.min(end.y) },
-                Vec2 { x: high.x.max(end.x), y: high.y.max(end.y) },
-            )
+            (vec2(low.x.min(end.x), low.y.min(end.y)), vec2(high.x.max(end.x), high.y.max(end.y)))
         });
         // As nearly square as possible; a wall along an axis makes a single row of cells.
         let cells = (CELLS_PER_FACE * faces.len()) as f64;
@@ -46,7 +43,7 @@ impl FaceGrid {
         let count = |length: f64| (length / side).ceil().clamp(1.0, MOST_CELLS_PER_SIDE) as usize;
         let count = |length| count(length).max(1);
         let (columns, rows) = (count(width), count(height));
-        let size = Vec2 { x: width / columns as f64, y: height / rows as f64 };
+        let size = vec2(width / columns as f64, height / rows as f64);
         let mut grid = FaceGrid { low, size, columns, rows, ..FaceGrid::default() };
         let mut entries: Vec<(usize, FaceId)> = Vec::new();
         for (place, face) in &faces {

@@ -1,7 +1,7 @@
 //! The closed-form solution of a motion without contact: linear relaxation under a drive that is constant or changes
 //! linearly.
 
-use super::{Body, Pose, Rotation, Scene, Twist, Vec2, Wrench};
+use super::{Body, Pose, Scene, Twist, Wrench, rotation, vec2};
 
 /// The solution of `dv/dt = a − λ v`, `dr/dt = v` over a duration, for constant `a` and `λ ≥ 0`:
 /// `v = kept·v₀ + velocity_time·a` and `r = r₀ + velocity_time·v₀ + drive_time·a`.
@@ -119,10 +119,10 @@ impl AcrossFlight {
 
     /// Adds it to pose and twist at the end of a flight, which began with a pose and a twist.
     pub fn add(&self, drive: Ramp, from: Pose, twist: Twist, end: &mut Pose, end_twist: &mut Twist) {
-        let middle = Rotation::by(0.5 * (from.orientation + end.orientation));
-        let side = Vec2 { x: -middle.sin, y: middle.cos };
-        let speed = side.dot(twist.velocity);
-        let (push, growth) = (side.dot(drive.start.force), side.dot(drive.rate.force));
+        let middle = rotation(0.5 * (from.orientation + end.orientation));
+        let side = vec2(-middle.im, middle.re);
+        let speed = side.dot(&twist.velocity);
+        let (push, growth) = (side.dot(&drive.start.force), side.dot(&drive.rate.force));
         let FreeFlight { kept, velocity_time, drive_time } = self.added;
         end.position += side * (velocity_time * speed + drive_time * push + self.ramp_time * growth);
         end_twist.velocity += side * (kept * speed + velocity_time * push + drive_time * growth);
@@ -269,7 +269,6 @@ impl Course for Ramp {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Vec2;
     use super::*;
 
     #[test]
@@ -310,11 +309,11 @@ mod tests {
         }
     }
 
-    const START: Pose = Pose { position: Vec2 { x: 0.3, y: -0.1 }, orientation: 0.2 };
-    const MOVING: Twist = Twist { velocity: Vec2 { x: 1.3, y: -0.4 }, angular_velocity: 0.6 };
+    const START: Pose = Pose { position: vec2(0.3, -0.1), orientation: 0.2 };
+    const MOVING: Twist = Twist { velocity: vec2(1.3, -0.4), angular_velocity: 0.6 };
     const RAMP: Ramp = Ramp {
-        start: Wrench { force: Vec2 { x: -0.7, y: 0.2 }, torque: 0.5 },
-        rate: Wrench { force: Vec2 { x: 0.9, y: -1.1 }, torque: -0.8 },
+        start: Wrench { force: vec2(-0.7, 0.2), torque: 0.5 },
+        rate: Wrench { force: vec2(0.9, -1.1), torque: -0.8 },
     };
 
     fn farthest((pose, twist): (Pose, Twist), (other, other_twist): (Pose, Twist)) -> f64 {

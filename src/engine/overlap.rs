@@ -89,8 +89,8 @@ pub fn meet_face(
         }
         _ => {}
     }
-    let offset = (centre - face.start).dot(face.normal);
-    let side = if offset.abs() > COINCIDENT { offset } else { (owner - face.start).dot(face.normal) };
+    let offset = (centre - face.start).dot(&face.normal);
+    let side = if offset.abs() > COINCIDENT { offset } else { (owner - face.start).dot(&face.normal) };
     let (normal, part) =
         if side >= 0.0 { (face.normal, FacePart::Left) } else { (-face.normal, FacePart::Right) };
     let depth = radius - offset.abs();
@@ -104,7 +104,7 @@ pub fn overlap_with_part(face: &Face, part: FacePart, centre: Vec2, radius: f64)
     let corner = match part {
         FacePart::Left | FacePart::Right => {
             let normal = if part == FacePart::Left { face.normal } else { -face.normal };
-            return Some(Overlap { depth: radius - (centre - face.start).dot(normal), normal });
+            return Some(Overlap { depth: radius - (centre - face.start).dot(&normal), normal });
         }
         FacePart::Start => face.start,
         FacePart::End => face.end,
@@ -136,7 +136,7 @@ mod tests {
         let (start, end) = (vec2(-4.7, -1.3), vec2(5.1, 2.9));
         let scene = wall(&[start, end]);
         let across = scene.faces[0].normal;
-        assert!(across.dot(end - start).abs() < 1e-15 && (across.norm() - 1.0).abs() < 1e-15);
+        assert!(across.dot(&(end - start)).abs() < 1e-15 && (across.norm() - 1.0).abs() < 1e-15);
         for share in [0.1, 0.3, 0.51, 0.9] {
             let on_line = start + (end - start) * share;
             for (beside, part, sign) in [(across, FacePart::Left, 1.0), (-across, FacePart::Right, -1.0)] {
@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn centres_within_a_nanometre_are_coincident() {
         assert_eq!(proximity(vec2(6e-10, 7e-10), 0.4), Proximity::Coincident);
-        assert_eq!(proximity(Vec2::ZERO, 0.4), Proximity::Coincident);
+        assert_eq!(proximity(Vec2::zeros(), 0.4), Proximity::Coincident);
         assert!(matches!(proximity(vec2(2e-9, 0.0), 0.4), Proximity::Touching(_)));
     }
 

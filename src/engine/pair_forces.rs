@@ -1,6 +1,6 @@
 //! Who presses whom: the contacts of two, taken together.
 
-use super::{Pair, Pose, Rotation, Vec2, World};
+use super::{Pair, Pose, Vec2, World, rotation};
 use std::collections::BTreeMap;
 
 /// The normal forces between two bodies, or between a body and a wall.
@@ -31,7 +31,7 @@ impl World {
                 }
                 Pair::Face { disk, face, .. } => {
                     let (body, disk) = (scene.body_of(disk).index(), &scene.disks[disk.index()]);
-                    let centre = disk.offset.rotated(Rotation::by(poses[body].orientation));
+                    let centre = rotation(poses[body].orientation) * disk.offset;
                     let inwards = contact.normal * (disk.radius - 0.5 * contact.depth);
                     let point = poses[body].position + centre - inwards;
                     let wall = scene.faces[face.index()].wall.index();

@@ -39,7 +39,7 @@ pub struct Contact {
     pub normal: Vec2,
     /// \[N\] force along the normal; negative if it pulls.
     pub normal_force: f64,
-    /// \[N\] force along the tangent `normal.perp()`.
+    /// \[N\] force along the tangent `normal.left()`.
     pub tangential_force: f64,
     /// \[m\] elongation of the tangential spring, along the tangent.
     pub elongation: f64,

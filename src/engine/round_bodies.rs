@@ -32,7 +32,7 @@ impl RoundBody {
             translation_rate: self.relaxation,
             across_rate: None,
             rotation_rate: 0.0,
-            disks: vec![DiskSpec { radius: self.radius, position: Vec2::ZERO, material: 0 }],
+            disks: vec![DiskSpec { radius: self.radius, position: Vec2::zeros(), material: 0 }],
         };
         Scene::new(&vec![body; count], &[], laws)
     }

@@ -3,8 +3,8 @@
 use super::circle::Circle;
 use super::face::{Along, Continuation, Face, nearest_on_face};
 use super::face_grid::FaceGrid;
-use super::{BodyId, CornerId, DiskId, FaceId, LineId, Rotation, Vec2, WallId};
-use lemons_core::plane::shown_orientation;
+use super::{BodyId, CornerId, DiskId, FaceId, InPlane, LineId, Vec2, WallId, rotation};
+use lemons_core::plane::{shown_orientation, vec2};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -122,8 +122,8 @@ impl Body {
     pub fn by_floor(&self, orientation: f64, velocity: Vec2) -> Vec2 {
         let isotropic = velocity * -self.translation_rate;
         let Some(across) = self.across_rate else { return isotropic };
-        let side = Vec2 { x: 0.0, y: 1.0 }.rotated(Rotation::by(orientation));
-        isotropic + side * (side.dot(velocity) * (self.translation_rate - across))
+        let side = rotation(orientation) * vec2(0.0, 1.0);
+        isotropic + side * (side.dot(&velocity) * (self.translation_rate - across))
     }
 }
 
@@ -252,11 +252,11 @@ impl Scene {
             (Some(left), Some(right)) => shown_orientation(left.position, right.position),
             _ => 0.0,
         };
-        let back = Rotation::by(-shown);
+        let back = rotation(-shown);
         self.disks.extend(spec.disks.iter().map(|disk| Disk {
             body,
             radius: disk.radius,
-            offset: disk.position.rotated(back),
+            offset: back * disk.position,
             material: disk.material,
         }));
         let disks = first..self.disks.len();
@@ -361,13 +361,13 @@ impl Scene {
             // The first of those with the same direction as the one before.
             let before = ends[(next + count - 1) % count].0;
             let first = ends.partition_point(|end| end.0 < before);
-            let turn = |j: &usize| ends[k].2.dot(ends[*j].2);
+            let turn = |j: &usize| ends[k].2.dot(&ends[*j].2);
             [next % count, first].into_iter().min_by(|a, b| turn(a).total_cmp(&turn(b))).unwrap_or(k)
         };
         for k in 0..count {
             let j = opposite(k);
             let ((_, one, away), (_, other, back)) = (ends[k], ends[j]);
-            let turn = away.dot(back);
+            let turn = away.dot(&back);
             if turn <= -LINE && one < other && opposite(j) == k {
                 let straight = (away + back).norm() <= STRAIGHT;
                 let how = if straight { Continuation::Straight } else { Continuation::Bend };
@@ -386,7 +386,7 @@ impl Scene {
             let mut ends = [face.start_corner, face.end_corner];
             ends.sort_unstable();
             let first = *same.entry(ends).or_insert(FaceId::from(at));
-            if first.index() != at && face.normal != Vec2::ZERO {
+            if first.index() != at && face.normal != Vec2::zeros() {
                 self.doubled.push((first, FaceId::from(at)));
             }
         }
@@ -407,7 +407,7 @@ impl Scene {
                 self.corners[at].covered = true;
                 let lies_on = |end: &&FaceId| {
                     let other = &self.faces[end.index()];
-                    other.normal != Vec2::ZERO && face.normal.cross(other.normal).abs() <= STRAIGHT
+                    other.normal != Vec2::zeros() && face.normal.perp(&other.normal).abs() <= STRAIGHT
                 };
                 let on = self.corners[at].faces.iter().filter(lies_on);
                 self.doubled.extend(on.map(|&end| (end.min(through), end.max(through))));
@@ -485,7 +485,7 @@ impl Places {
 fn across(from: Vec2, to: Vec2) -> Vec2 {
     let along = to - from;
     let length = libm::hypot(along.x, along.y);
-    if length > 0.0 { (along * (1.0 / length)).perp() } else { Vec2::ZERO }
+    if length > 0.0 { (along * (1.0 / length)).left() } else { Vec2::zeros() }
 }
 
 #[cfg(test)]

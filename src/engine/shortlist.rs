@@ -213,6 +213,6 @@ mod tests {
             start: Wrench { force: vec2(20.0, 0.0), torque: 0.0 },
             rate: Wrench { force: vec2(-80.0, 0.0), torque: 0.0 },
         };
-        assert!(outside(&speck(0.0), Vec2::ZERO, ramp, 0.5) < 1e-12);
+        assert!(outside(&speck(0.0), Vec2::zeros(), ramp, 0.5) < 1e-12);
     }
 }

@@ -2,14 +2,14 @@
 
 use super::face::nearest_on_face;
 use super::overlap::{COINCIDENT, Proximity, meet_face, unit};
-use super::{Disk, DiskId, DiskSpring, FaceId, FaceSpring, Pose, Rotation, Scene, Vec2};
+use super::{Disk, DiskId, DiskSpring, FaceId, FaceSpring, InPlane, Pose, Scene, Vec2, rotation, vec2};
 
 impl Scene {
     /// Returns the centre \[m\] of a disk when the bodies are at these poses.
     pub fn centre(&self, disk: DiskId, poses: &[Pose]) -> Vec2 {
         let disk = &self.disks[disk.index()];
         let pose = &poses[disk.body.index()];
-        pose.position + disk.offset.rotated(Rotation::by(pose.orientation))
+        pose.position + rotation(pose.orientation) * disk.offset
     }
 
     /// Returns the spring between two disks from its elongation vector \[m\], as seen by the first disk.
@@ -26,7 +26,7 @@ impl Scene {
         let owner = poses[body.index()].position;
         let (meeting, part) = meet_face(of_wall, nearest, centre, *radius, owner);
         let elongation = match meeting {
-            Proximity::Touching(overlap) => elongation.dot(overlap.normal.perp()),
+            Proximity::Touching(overlap) => elongation.dot(&overlap.normal.left()),
             Proximity::Apart | Proximity::Coincident => 0.0,
         };
         FaceSpring { disk, face, part, elongation }
@@ -36,7 +36,7 @@ impl Scene {
 /// The component along the tangent of a contact; `between` is the vector between the centres.
 fn elongation_along(between: Vec2, elongation: Vec2) -> f64 {
     let distance = between.norm();
-    if distance <= COINCIDENT { 0.0 } else { elongation.dot(unit(between, distance).perp()) }
+    if distance <= COINCIDENT { 0.0 } else { elongation.dot(&unit(between, distance).left()) }
 }
 
 /// Returns the elongation vector along the tangent. Reading it gives the same double: where the plain product does not,
@@ -52,9 +52,9 @@ pub fn elongation_vector(tangent: Vec2, elongation: f64) -> Vec2 {
     let near = around(3).flat_map(|large| around(32).map(move |small| (large, small)));
     let moved = near.map(|(large, small)| {
         let (x, y) = if plain.x.abs() < plain.y.abs() { (small, large) } else { (large, small) };
-        Vec2 { x: ulps(plain.x, x), y: ulps(plain.y, y) }
+        vec2(ulps(plain.x, x), ulps(plain.y, y))
     });
-    moved.into_iter().find(|vector| vector.dot(tangent) == elongation).unwrap_or(plain)
+    moved.into_iter().find(|vector| vector.dot(&tangent) == elongation).unwrap_or(plain)
 }
 
 #[cfg(test)]
@@ -68,9 +68,9 @@ mod tests {
 
         #[test]
         fn vectors_read_back(angle in 0.0..6.3f64, distance in 0.01..1.0f64, elongation in -1e-3..1e-3f64) {
-            let turn = Rotation::by(angle);
-            let between = Vec2 { x: distance * turn.cos, y: distance * turn.sin };
-            let tangent = unit(between, between.norm()).perp();
+            let turn = rotation(angle);
+            let between = vec2(distance * turn.re, distance * turn.im);
+            let tangent = unit(between, between.norm()).left();
             let vector = elongation_vector(tangent, elongation);
             prop_assert_eq!(elongation_along(between, vector), elongation);
             prop_assert!((vector - tangent * elongation).norm() <= 1e-13 * elongation.abs());

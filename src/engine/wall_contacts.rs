@@ -82,7 +82,7 @@ impl WallContacts {
                 meet_face(&scene.faces[face.index()], nearest, disk.centre, disk.radius, owner);
             let (overlap, coincident) = match meeting {
                 Proximity::Touching(overlap) => (overlap, false),
-                Proximity::Coincident => (Overlap { depth: disk.radius, normal: Vec2::ZERO }, true),
+                Proximity::Coincident => (Overlap { depth: disk.radius, normal: Vec2::zeros() }, true),
                 Proximity::Apart => continue,
             };
             let (gradient, alone) = (overlap.normal, overlap.depth);
@@ -179,7 +179,7 @@ impl WallContacts {
             for i in 0..j {
                 let (one, other) = (self.contacts[i], self.contacts[j]);
                 let (n, m) = (one.overlap.normal, other.overlap.normal);
-                let cos = n.dot(m);
+                let cos = n.dot(&m);
                 let squared_sine = 1.0 - cos * cos;
                 if cos <= 0.0 {
                     continue;
@@ -188,7 +188,7 @@ impl WallContacts {
                     let (shallow, lead) =
                         if one.alone < other.alone { (i, other.alone) } else { (j, one.alone) };
                     let depth = self.contacts[shallow].alone - lead;
-                    self.contacts[shallow].reduce(depth, Vec2::ZERO);
+                    self.contacts[shallow].reduce(depth, Vec2::zeros());
                     continue;
                 }
                 let seen = |contact: &WallContact, centre| {
@@ -211,7 +211,7 @@ impl WallContacts {
                     }
                     // Far away there is no such place, or another one.
                     if to.norm() < disk.radius {
-                        [a, b] = [to.cross(m), n.cross(to)].map(|part| part / n.cross(m));
+                        [a, b] = [to.perp(&m), n.perp(&to)].map(|part| part / n.perp(&m));
                     }
                 }
                 if b > 0.0 {
@@ -264,7 +264,7 @@ impl WallContact {
 
     /// Whether a normal is in a similar direction.
     fn goes_with(&self, normal: Vec2) -> bool {
-        self.overlap.normal.dot(normal) > 0.5
+        self.overlap.normal.dot(&normal) > 0.5
     }
 
     /// Takes a depth \[m\] of a pair, if it is less.
@@ -277,7 +277,7 @@ impl WallContact {
 
 /// Returns the depths of two contacts as a pair.
 fn shares(one: &Overlap, other: &Overlap) -> [f64; 2] {
-    let cos = one.normal.dot(other.normal);
+    let cos = one.normal.dot(&other.normal);
     let share = |one: &Overlap, other: &Overlap| (one.depth - other.depth * cos) / (1.0 - cos * cos);
     [share(one, other), share(other, one)]
 }
@@ -294,7 +294,7 @@ fn is_covered(scene: &Scene, face: FaceId, along: Along) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{DiskId, LawTable, WallSpec, vec2};
+    use super::super::{DiskId, InPlane, LawTable, WallSpec, vec2};
     use super::*;
 
     fn walls(walls: &[&[Vec2]]) -> Scene {
@@ -327,7 +327,7 @@ mod tests {
     /// The sum of depths along normals: the force, divided by the stiffness.
     fn force(acting: &[WallContact]) -> Vec2 {
         let forces = acting.iter().map(|contact| contact.overlap.normal * contact.overlap.depth);
-        forces.fold(Vec2::ZERO, |sum, force| sum + force)
+        forces.fold(Vec2::zeros(), |sum, force| sum + force)
     }
 
     #[test]
@@ -353,7 +353,7 @@ mod tests {
             let (before, after) = (0.1 + 0.003 * f64::from(k % 977), 0.1 + 0.002 * f64::from(k % 613));
             let slanted = wall(&[seam - along * before, seam, seam + along * after]);
             for shift in [-1e-15, -1e-16, 0.0, 1e-16, 1e-15] {
-                let place = seam + along.perp() * 0.19 + along * shift;
+                let place = seam + along.left() * 0.19 + along * shift;
                 assert_eq!(touched(&slanted, place).len(), 1, "wall {k}, shift {shift}");
             }
         }
@@ -393,7 +393,7 @@ mod tests {
 
     /// Two faces that turn by an angle \[rad\] at the origin: from the left, then up.
     fn bend(angle: f64) -> Scene {
-        wall(&[vec2(-3.0, 0.0), Vec2::ZERO, vec2(3.0 * libm::cos(angle), 3.0 * libm::sin(angle))])
+        wall(&[vec2(-3.0, 0.0), Vec2::zeros(), vec2(3.0 * libm::cos(angle), 3.0 * libm::sin(angle))])
     }
 
     /// The force of the acting depths is the gradient of half the squared distance from the wall moved inwards, which is
@@ -411,13 +411,13 @@ mod tests {
             for k in 0..2000 {
                 let (x, y) = (libm::sin(1.3 * f64::from(k)), libm::cos(2.9 * f64::from(k)));
                 let centre = vertex + vec2(0.15 * x, 0.06 * y);
-                let (below, beside) = ((vertex - centre).dot(n), (vertex - centre).dot(m));
+                let (below, beside) = ((vertex - centre).dot(&n), (vertex - centre).dot(&m));
                 if below <= 0.0 && beside <= 0.0 {
                     continue;
                 }
                 let [along, other] = [vec2(-1.0, 0.0), vec2(libm::cos(angle), libm::sin(angle))];
                 let on_line =
-                    |direction: Vec2| vertex + direction * (centre - vertex).dot(direction).max(0.0);
+                    |direction: Vec2| vertex + direction * (centre - vertex).dot(&direction).max(0.0);
                 let nearest = [on_line(along), on_line(other)]
                     .into_iter()
                     .min_by(|a, b| (*a - centre).norm().total_cmp(&(*b - centre).norm()))
@@ -439,11 +439,11 @@ mod tests {
         let (from, to) = (vec2(-3.0, 0.0), vec2(3.0, 0.0));
         let bends = |first: f64, length: f64, second: f64| {
             let middle = turned(first) * length;
-            wall(&[from, Vec2::ZERO, middle, middle + turned(first + second) * 3.0])
+            wall(&[from, Vec2::zeros(), middle, middle + turned(first + second) * 3.0])
         };
         let scenes = [
-            ("a wall that ends on another", walls(&[&[from, to], &[Vec2::ZERO, turned(10.0) * 3.0]])),
-            ("three in a corner", walls(&[&[from, Vec2::ZERO, to], &[Vec2::ZERO, turned(10.0) * 3.0]])),
+            ("a wall that ends on another", walls(&[&[from, to], &[Vec2::zeros(), turned(10.0) * 3.0]])),
+            ("three in a corner", walls(&[&[from, Vec2::zeros(), to], &[Vec2::zeros(), turned(10.0) * 3.0]])),
             ("a step", bends(60.0, 0.115, -60.0)),
             ("a small bend and a large one", bends(-15.0, 0.04, 60.0)),
             ("a large bend and a small one", bends(60.0, 0.1, 15.0)),
@@ -477,7 +477,7 @@ mod tests {
         assert_eq!((here.len(), there.len()), (2, 2));
         for (here, there) in here.iter().zip(&there) {
             let change = there.overlap.depth - here.overlap.depth;
-            assert!((change + here.gradient.dot(by)).abs() < 1e-13 && change.abs() > 1e-8);
+            assert!((change + here.gradient.dot(&by)).abs() < 1e-13 && change.abs() > 1e-8);
         }
     }
 

@@ -10,8 +10,8 @@ use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
 use super::{
-    Body, BodyId, DiskId, Exposure, FaceExposure, Pair, Scene, Shortlisting, State, Threads, ThreadsError,
-    Vec2, WallId, Work, Wrench,
+    Body, BodyId, DiskId, Exposure, FaceExposure, InPlane, Pair, Scene, Shortlisting, State, Threads,
+    ThreadsError, Vec2, WallId, Work, Wrench,
 };
 use thiserror::Error;
 
@@ -466,7 +466,7 @@ mod tests {
     #[test]
     fn who_come_together_in_thousands_are_an_error_and_change_nothing() {
         let scene = RoundBody { mass: 1e3, radius: 1e-3, relaxation: 0.0, stiffness: 1.0 }.scene(3000);
-        let out = |k: i32| vec2(100.0, 0.0).rotated(crate::engine::Rotation::by(f64::from(k) * 0.002));
+        let out = |k: i32| crate::engine::rotation(f64::from(k) * 0.002) * vec2(100.0, 0.0);
         let poses = (0..3000).map(|k| Pose { position: out(k), orientation: 0.0 }).collect();
         let twists = (0..3000).map(|k| Twist { velocity: -out(k), angular_velocity: 0.0 }).collect();
         let mut world = World::new(scene, State::new(poses, twists), 0.1).unwrap();

@@ -4,6 +4,7 @@ use super::{CrowdModel, Drive, Packed, Settings, give_threads, make_directory};
 use crate::engine::{BodyId, Exposure, FaceExposure, State, World, Wrench};
 use crate::quantities::{Quantity, shared};
 use crate::setup::Setup;
+use lemons_core::plane::InPlane;
 use lemons_core::trial::Trial;
 use lemons_fmi::variables::Domain;
 use lemons_fmi::{Answer, damaged, refuse};

@@ -224,7 +224,7 @@ pub(super) fn warning_of_attribute(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::Vec2;
+    use crate::engine::{Vec2, vec2};
     use lemons_core::trial::Trial;
 
     /// The default Trial after a change.
@@ -266,12 +266,12 @@ mod tests {
         let mut trial = push(|trial| {
             for agent in &mut trial.agents {
                 agent.shapes.truncate(1);
-                agent.shapes[0].position = Vec2::ZERO;
+                agent.shapes[0].position = Vec2::zeros();
             }
         });
         // On both sides of a cell's edge.
-        trial.dynamics[3].position = Vec2 { x: 0.5 - 4e-10, y: 0.5 };
-        trial.dynamics[1].position = Vec2 { x: 0.5 + 4e-10, y: 0.5 };
+        trial.dynamics[3].position = vec2(0.5 - 4e-10, 0.5);
+        trial.dynamics[1].position = vec2(0.5 + 4e-10, 0.5);
         says_besides(
             &trial,
             "agents \"1\" and \"3\" have their centres at one place: no force acts between them",
@@ -282,7 +282,7 @@ mod tests {
         says_besides(&trial, "at one place: no");
         let trial = push(|trial| {
             trial.agents[2].shapes.truncate(1);
-            trial.agents[2].shapes[0].position = Vec2::ZERO;
+            trial.agents[2].shapes[0].position = Vec2::zeros();
             trial.dynamics[2].position = trial.geometry.walls[0].corners[0];
         });
         says_besides(

@@ -5,7 +5,7 @@ use super::Setup;
 use super::advice::warning;
 use super::within::{Inside, outside_rooms, within_pillars};
 use crate::engine::{Body, CornerId, Face, FaceId, Scene, Vec2};
-use lemons_core::plane::Bounds;
+use lemons_core::plane::{Bounds, vec2};
 use lemons_core::trial::{FileNames, Problem, Wall, quoted};
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
@@ -90,7 +90,7 @@ impl Setup<'_> {
             (0..DIRECTIONS).any(|k| {
                 let towards = direction(f64::from(k));
                 let disks = &scene.disks[body.disks.clone()];
-                disks.iter().all(|disk| disk.offset.dot(towards) + disk.radius < 0.0)
+                disks.iter().all(|disk| disk.offset.dot(&towards) + disk.radius < 0.0)
             })
         };
         let (_, id, others) = self.odd(scene, odd)?;
@@ -225,13 +225,13 @@ fn middle_of(places: &[Vec2]) -> Option<Vec2> {
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied()
     };
-    Some(Vec2 { x: median(|place| place.x)?, y: median(|place| place.y)? })
+    Some(vec2(median(|place| place.x)?, median(|place| place.y)?))
 }
 
 /// Returns the unit vector of the direction `k` of [`DIRECTIONS`].
 fn direction(k: f64) -> Vec2 {
     let angle = std::f64::consts::TAU * k / f64::from(DIRECTIONS);
-    Vec2 { x: libm::cos(angle), y: libm::sin(angle) }
+    vec2(libm::cos(angle), libm::sin(angle))
 }
 
 /// Returns whether walls are visible in most directions.
@@ -240,9 +240,9 @@ fn is_enclosed(scene: &Scene, place: Vec2) -> bool {
         let towards = direction(f64::from(*k) + 0.5);
         scene.faces.iter().any(|face| {
             let (from, to) = (face.start - place, face.end - place);
-            let (a, b) = (towards.cross(from), towards.cross(to));
+            let (a, b) = (towards.perp(&from), towards.perp(&to));
             // The ends are on different sides of the line of sight, and the crossing is ahead.
-            (a > 0.0) != (b > 0.0) && (from * b - to * a).dot(towards) * (b - a) > 0.0
+            (a > 0.0) != (b > 0.0) && (from * b - to * a).dot(&towards) * (b - a) > 0.0
         })
     };
     (0..DIRECTIONS).filter(sees).count() as u32 >= ENCLOSED

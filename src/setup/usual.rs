@@ -2,7 +2,7 @@
 
 use super::Setup;
 use super::advice::warning_of_attribute;
-use crate::engine::Vec2;
+use crate::engine::{Vec2, vec2};
 use lemons_core::trial::{
     Agent, AgentDynamics, Contact, DriveTable, FileNames, Material, Problem, Push, quoted,
 };
@@ -191,7 +191,7 @@ pub fn doubts_of_drive(drive: &DriveTable) -> Vec<String> {
     let quickest = changes.min_by(|a, b| a.value.total_cmp(&b.value));
     let doubts = table().filter_map(|usual| {
         let (column, values) = match usual.attribute {
-            "Fp" => ("Fp", pushes().map(|(of, [x, y, _])| vector(Vec2 { x: *x, y: *y }, of)).collect()),
+            "Fp" => ("Fp", pushes().map(|(of, [x, y, _])| vector(vec2(*x, *y), of)).collect()),
             "Mp" => ("Mp", pushes().map(|(of, [_, _, torque])| value(*torque, of)).collect()),
             "change" => ("t", quickest.iter().cloned().collect()),
             "end" => ("t", drive.end().map(|end| value(end, "last row".into())).into_iter().collect()),

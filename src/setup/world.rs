@@ -5,7 +5,7 @@ use crate::engine::{
     AdvanceError, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Scene,
     State, WallId, WallSpec, World, Wrench, elongation_vector,
 };
-use lemons_core::plane::{Motion, Pose, Twist};
+use lemons_core::plane::{InPlane, Motion, Pose, Twist};
 use lemons_core::trial::{
     Agent, AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, Shape, Wall,
     WallInteraction, is_open, pairs_that_touch, quoted, stiffness,
@@ -278,7 +278,7 @@ pub fn interactions_of(world: &World) -> Interactions {
 }
 
 fn force_of(contact: &Contact) -> ContactForce {
-    let tangent = contact.normal.perp();
+    let tangent = contact.normal.left();
     ContactForce {
         elongation: elongation_vector(tangent, contact.elongation),
         normal: contact.normal * contact.normal_force,

@@ -35,7 +35,7 @@ fn the_good_trial_is_good() {
     assert!(warnings.is_empty(), "{warnings}");
     // The order of Agents.xml, not of AgentDynamics.xml.
     assert_eq!(trial.dynamics[0].fp, vec2(-160.0, 1.0));
-    assert_eq!((trial.dynamics[1].fp, trial.dynamics[1].mp), (Vec2::ZERO, 0.0));
+    assert_eq!((trial.dynamics[1].fp, trial.dynamics[1].mp), (Vec2::zeros(), 0.0));
     assert_eq!((&trial.agents[1].kind, trial.agents[1].height), (&None, None));
     // Written from Bob's side, kept from Ann's.
     let contact = &trial.interactions.agents[0];

@@ -146,7 +146,7 @@ fn doubts_of_plan(plan: &Plan, trial: &Trial) -> Vec<String> {
         ));
     }
     doubts.extend(doubts_of_legs(plan, &unmoved));
-    let is_pushed = |dynamics: &AgentDynamics| dynamics.fp != Vec2::ZERO || dynamics.mp != 0.0;
+    let is_pushed = |dynamics: &AgentDynamics| dynamics.fp != Vec2::zeros() || dynamics.mp != 0.0;
     let pushed = trial.agents.iter().zip(&trial.dynamics).filter(|(_, dynamics)| is_pushed(dynamics));
     let pushed: Vec<&str> = pushed.map(|(agent, _)| agent.id.as_str()).collect();
     if let [first, others @ ..] = &pushed[..] {

@@ -606,7 +606,7 @@ fn stuck_warning(model: &dyn RunModel, plan: &Plan, crowd: &CrowdRecorder) -> Op
     let squeezes = people.filter_map(|(((agent, force), observed), motion)| {
         let squeeze = observed.of_step?.mean_normal_force;
         let slow = motion.twist.velocity.norm() < STUCK * agent.walker.desired_speed;
-        (slow && force != Vec2::ZERO && squeeze > 0.0).then_some(squeeze)
+        (slow && force != Vec2::zeros() && squeeze > 0.0).then_some(squeeze)
     });
     let mut squeezes: Vec<f64> = squeezes.collect();
     squeezes.sort_by(f64::total_cmp);

@@ -70,7 +70,7 @@ impl ReadingArguments {
     /// Returns a Trial with the walls and, for each person, a body of one disk: nobody knows more.
     pub fn assumed_trial(&self, record: &Record, radius: f64) -> Result<Trial> {
         let geometry = self.walls(record)?;
-        let shape = Shape { radius, material_id: MATERIAL.into(), position: Vec2::ZERO };
+        let shape = Shape { radius, material_id: MATERIAL.into(), position: Vec2::zeros() };
         let agent = |id: &String| Agent { id: id.clone(), shapes: vec![shape.clone()], ..Agent::default() };
         Ok(Trial {
             name: record.source().display().to_string(),

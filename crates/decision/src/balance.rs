@@ -11,7 +11,7 @@ pub use pendulum::Pendulum;
 pub use two_level::TwoLevel;
 
 use crate::error::PlanError;
-use lemons_core::plane::Vec2;
+use lemons_core::plane::{InPlane, Vec2};
 use serde::{Deserialize, Serialize};
 
 /// \[m/s\] Speed up to which somebody stands who wants to go no faster.

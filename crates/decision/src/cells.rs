@@ -29,7 +29,7 @@ impl<T: Copy> Cells<T> {
     ) -> Cells<T> {
         let there = || people.iter().enumerate().filter_map(|(i, person)| Some((i, person.as_ref()?)));
         let all = Bounds::of(there().map(|(_, person)| at(person)));
-        let Bounds { low, high } = all.unwrap_or(Bounds { low: Vec2::ZERO, high: Vec2::ZERO });
+        let Bounds { low, high } = all.unwrap_or(Bounds { low: Vec2::zeros(), high: Vec2::zeros() });
         // At most some cells a person, however far apart people are.
         let size = high - low;
         let most = 16.0 * people.len() as f64 + 1024.0;

@@ -412,10 +412,11 @@ impl Decision {
             match stuck.action(direction, speed) {
                 StuckAction::Walk => {}
                 StuckAction::Step(velocity) => {
-                    (wanted.velocity, wanted.speed, wanted.force) = (velocity, velocity.norm(), Vec2::ZERO);
+                    (wanted.velocity, wanted.speed, wanted.force) =
+                        (velocity, velocity.norm(), Vec2::zeros());
                 }
                 StuckAction::Insist(speed) => {
-                    (wanted.velocity, wanted.speed, wanted.force) = (direction * speed, speed, Vec2::ZERO);
+                    (wanted.velocity, wanted.speed, wanted.force) = (direction * speed, speed, Vec2::zeros());
                     // Where shoulders are turned, they stay so.
                     if !matches!(self.plan.walking_model, WalkingModel::Rotational(_)) {
                         wanted.facing = Some(direction);

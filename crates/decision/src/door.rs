@@ -2,7 +2,7 @@
 
 use crate::rule::Pose;
 use crate::target::share_before_closed;
-use lemons_core::plane::{Rotation, Vec2, nearest_on_segment, vec2};
+use lemons_core::plane::{Vec2, nearest_on_segment, rotation, vec2};
 use lemons_core::trial::is_open;
 use serde::{Deserialize, Serialize};
 
@@ -33,10 +33,10 @@ impl Door {
     /// \[m\] Returns how far it is along a direction, a unit vector, to the door; infinite if that leads past it.
     pub(crate) fn distance(&self, at: Vec2, direction: Vec2) -> f64 {
         let meets = self.sides().map(|ends| ends.map(|end| end - at)).filter_map(|[from, to]| {
-            let (left, right) = (direction.cross(from), direction.cross(to));
+            let (left, right) = (direction.perp(&from), direction.perp(&to));
             // The point between the ends that lies straight ahead.
             let ahead = (from * right - to * left) * (1.0 / (right - left));
-            (left * right <= 0.0 && left != right).then(|| ahead.dot(direction)).filter(|&far| far >= 0.0)
+            (left * right <= 0.0 && left != right).then(|| ahead.dot(&direction)).filter(|&far| far >= 0.0)
         });
         meets.fold(f64::INFINITY, f64::min)
     }
@@ -44,9 +44,9 @@ impl Door {
     /// \[m\] Returns how far a body of disks, each with its place and radius at a gaze along x, reaches into the door; not
     /// positive if it does not touch it.
     fn overlap(&self, pose: Pose, disks: &[[f64; 3]]) -> f64 {
-        let turned = Rotation::by(pose.theta);
+        let turned = rotation(pose.theta);
         let of_disk = |&[x, y, radius]: &[f64; 3]| {
-            let centre = vec2(pose.x, pose.y) + vec2(x, y).rotated(turned);
+            let centre = vec2(pose.x, pose.y) + turned * vec2(x, y);
             let far = |[a, b]: [Vec2; 2]| (nearest_on_segment(a, b, centre) - centre).norm();
             radius - self.sides().map(far).fold(f64::INFINITY, f64::min)
         };

@@ -8,7 +8,7 @@
 //! Only sums, products and roots are used, so the result is the same bits on every machine.
 
 use crate::error::PlanError;
-use lemons_core::plane::{Bounds, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
+use lemons_core::plane::{Bounds, InPlane, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
@@ -33,7 +33,7 @@ const WIDE: f64 = 3.0;
 /// Sine of the smallest angle between the way and the direction to a wall beside it: about 49°.
 const BESIDE: f64 = 0.75;
 /// Parts of a step by which the grid is shifted: nodes do not lie on walls with round coordinates.
-const SHIFT: Vec2 = Vec2 { x: 0.382, y: 0.417 };
+const SHIFT: Vec2 = vec2(0.382, 0.417);
 
 /// Bits of [`Grid::links`].
 const LEFT: u8 = 1;
@@ -70,7 +70,7 @@ impl Grid {
         let faces: Vec<[Vec2; 2]> =
             walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]])).collect();
         let all = Bounds::of(faces.iter().flatten().copied().chain(places));
-        let all = all.unwrap_or(Bounds { low: Vec2::ZERO, high: Vec2::ZERO }).grown(MARGIN);
+        let all = all.unwrap_or(Bounds { low: Vec2::zeros(), high: Vec2::zeros() }).grown(MARGIN);
         let size = all.size();
         let step = STEP.max((size.x * size.y / MOST_NODES).sqrt());
         // Also if a number is not finite.
@@ -291,7 +291,7 @@ impl Grid {
     pub fn way(&self, field: &[f64], at: Vec2) -> (f64, Option<Vec2>) {
         let around = self.around(at);
         let downs = around.iter().filter_map(|&(node, share)| Some(self.down(field, node)? * share));
-        (mean_of(field, around), downs.fold(Vec2::ZERO, |sum, down| sum + down).unit(1e-9))
+        (mean_of(field, around), downs.fold(Vec2::zeros(), |sum, down| sum + down).unit(1e-9))
     }
 
     /// Computes the free width \[m\] of the narrowest place on the way down a field, from all nodes: there the nearest wall on
@@ -303,7 +303,7 @@ impl Grid {
             for node in self.nodes_in(Bounds::of([from, to]).expect("two points").grown(WIDE)) {
                 let Some(down) = downs[node] else { continue };
                 let way = nearest_on_segment(from, to, self.place(node)) - self.place(node);
-                let (far, across) = (way.norm(), down.cross(way));
+                let (far, across) = (way.norm(), down.perp(&way));
                 // A wall ahead or behind is not beside the way.
                 if far <= WIDE && across.abs() >= BESIDE * far {
                     let side = &mut sides[node][usize::from(across > 0.0)];
@@ -406,7 +406,7 @@ mod tests {
             let (wanted, found) = ((nearest - at).norm(), grid.distance(&field, at));
             assert!((found - wanted).abs() < 0.15, "{at:?}: {found} instead of {wanted}");
             let direction = grid.way(&field, at).1.unwrap();
-            assert!(direction.dot((nearest - at) * (1.0 / wanted)) > 0.99, "{at:?}: {direction:?}");
+            assert!(direction.dot(&((nearest - at) * (1.0 / wanted))) > 0.99, "{at:?}: {direction:?}");
         }
     }
 

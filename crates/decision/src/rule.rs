@@ -2,7 +2,7 @@
 //!
 //! It uses `libm` instead of the platform's arctangent, so that the result is the same bits on every machine.
 
-use lemons_core::plane::Vec2;
+use lemons_core::plane::{InPlane, Vec2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -177,7 +177,7 @@ impl Walker {
     pub fn limit(&self, drive: &mut Propulsion, velocity: Vec2) {
         let force = Vec2::from(drive.force);
         let Some(ahead) = force.unit(1e-9).filter(|_| self.push < UNLIMITED) else { return };
-        let push = ahead.dot(force - velocity * (self.mass * self.floor_damping));
+        let push = ahead.dot(&(force - velocity * (self.mass * self.floor_damping)));
         drive.force = (force - ahead * (push - self.push).max(0.0)).into();
     }
 
@@ -200,6 +200,7 @@ fn wrapped(angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lemons_core::plane::vec2;
 
     fn walker(waypoints: &[(f64, f64, f64)]) -> Walker {
         Walker {
@@ -236,7 +237,7 @@ mod tests {
             [(0.0, 0.0, 100.0), (0.0, 0.5, 100.0), (-0.2, 0.0, 68.0), (1.0, 0.0, 208.0), (2.0, 0.0, 208.0)]
         {
             let mut drive = walker.drive(0, Pose::default());
-            walker.limit(&mut drive, Vec2 { x, y });
+            walker.limit(&mut drive, vec2(x, y));
             assert!((drive.force[0] - ahead).abs() < 1e-12 && drive.force[1] == 0.0, "{x} {y}: {drive:?}");
         }
     }

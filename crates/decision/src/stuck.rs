@@ -6,7 +6,7 @@
 //! left or to the right, stands still, or insists. Which, and for how long, follows from a seed, the person and how
 //! often this has happened: the same on every machine, and for any number of threads.
 
-use lemons_core::plane::Vec2;
+use lemons_core::plane::{InPlane, Vec2};
 use serde::{Deserialize, Serialize};
 
 /// \[s\] Time over which the progress is averaged.
@@ -98,7 +98,7 @@ impl StuckState {
             return;
         }
         let weight = (step / MEMORY).min(1.0);
-        self.progress += weight * (way.dot(direction) / step - self.progress);
+        self.progress += weight * (way.dot(&direction) / step - self.progress);
         if self.progress >= STUCK * speed {
             (self.stuck, self.in_vain) = (0.0, 0);
             return;
@@ -127,9 +127,9 @@ impl StuckState {
         match self.instead {
             None => StuckAction::Walk,
             Some((Manoeuvre::Back, _)) => StuckAction::Step(direction * -slowly),
-            Some((Manoeuvre::Left, _)) => StuckAction::Step(direction.perp() * slowly),
-            Some((Manoeuvre::Right, _)) => StuckAction::Step(direction.perp() * -slowly),
-            Some((Manoeuvre::Stand, _)) => StuckAction::Step(Vec2::ZERO),
+            Some((Manoeuvre::Left, _)) => StuckAction::Step(direction.left() * slowly),
+            Some((Manoeuvre::Right, _)) => StuckAction::Step(direction.left() * -slowly),
+            Some((Manoeuvre::Stand, _)) => StuckAction::Step(Vec2::zeros()),
             Some((Manoeuvre::Insist, _)) => StuckAction::Insist(slowly),
         }
     }
@@ -146,7 +146,7 @@ mod tests {
     use super::*;
     use lemons_core::plane::vec2;
 
-    const AHEAD: Vec2 = Vec2 { x: 1.0, y: 0.0 };
+    const AHEAD: Vec2 = vec2(1.0, 0.0);
 
     fn follow(state: &mut StuckState, speed: f64, seconds: f64, person: u64) -> Vec<StuckAction> {
         let steps = (seconds / 0.05) as usize;
@@ -169,7 +169,7 @@ mod tests {
         let other = said.iter().filter(|action| **action != StuckAction::Walk).count();
         assert!((said.len() / 5..2 * said.len() / 3).contains(&other), "{other} of {}", said.len());
         // Not only one kind.
-        for wanted in [AHEAD * -0.65, vec2(0.0, 0.65), vec2(0.0, -0.65), Vec2::ZERO] {
+        for wanted in [AHEAD * -0.65, vec2(0.0, 0.65), vec2(0.0, -0.65), Vec2::zeros()] {
             let found = (0..20).any(|person| {
                 follow(&mut StuckState::default(), 0.0, 30.0, person).contains(&StuckAction::Step(wanted))
             });
@@ -183,7 +183,7 @@ mod tests {
         assert_eq!(said(3), said(3));
         assert!((0..10).any(|person| said(person) != said(10)));
         let mut state = StuckState::default();
-        (0..200).for_each(|_| state.follow(0.05, Vec2::ZERO, None, 7, 0));
+        (0..200).for_each(|_| state.follow(0.05, Vec2::zeros(), None, 7, 0));
         assert_eq!(state, StuckState::default());
     }
 }

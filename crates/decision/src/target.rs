@@ -2,7 +2,7 @@
 
 use crate::error::PlanError;
 use crate::field::{Field, Grid};
-use lemons_core::plane::{Ring, Vec2, nearest_on_segment, segments_touch, vec2};
+use lemons_core::plane::{InPlane, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use lemons_core::trial::is_open;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
@@ -124,7 +124,8 @@ impl Shape {
 pub fn nearest_exit(targets: &[Target], at: Vec2) -> Option<usize> {
     let far = |k: &usize| {
         let points = targets[*k].points();
-        let middle = points.iter().fold(Vec2::ZERO, |sum, point| sum + *point) * (1.0 / points.len() as f64);
+        let middle =
+            points.iter().fold(Vec2::zeros(), |sum, point| sum + *point) * (1.0 / points.len() as f64);
         let away = match targets[*k].area() {
             Some(ring) if ring.contains(at) => 0.0,
             Some(ring) => ring.nearest(at).distance,
@@ -306,7 +307,7 @@ impl Ways {
         let (rest, near) = match goal {
             Some(Shape::Area(ring, middle)) if ring.contains(at) => (*middle, f64::INFINITY),
             Some(line @ Shape::Line(_)) => (line.nearest(at), NEAR),
-            _ => (Vec2 { x: f64::INFINITY, y: 0.0 }, 0.0),
+            _ => (vec2(f64::INFINITY, 0.0), 0.0),
         };
         let last = match to {
             Destination::Target(k) if self.straight_last && !self.stay[k] => match &self.shapes[k] {

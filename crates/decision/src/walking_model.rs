@@ -17,7 +17,7 @@ pub use rotational::Rotational;
 
 use crate::cells::{Cells, nearest_points, sees};
 use crate::error::{PlanError, moderate, not_negative, positive};
-use lemons_core::plane::{Rotation, Vec2, vec2};
+use lemons_core::plane::{InPlane, Vec2, rotation, vec2};
 use serde::{Deserialize, Serialize};
 
 /// Constants of the collision-free speed model.
@@ -247,7 +247,7 @@ fn facing(goal: Vec2, velocity: Vec2) -> Vec2 {
 }
 
 fn straight(walking: &Walking<'_>) -> DesiredMotion {
-    let velocity = walking.direction.map_or(Vec2::ZERO, |direction| direction * walking.speed);
+    let velocity = walking.direction.map_or(Vec2::zeros(), |direction| direction * walking.speed);
     DesiredMotion { velocity, speed: velocity.norm(), facing: walking.direction, ..DesiredMotion::default() }
 }
 
@@ -272,7 +272,7 @@ fn faded(gap: f64, range: f64) -> f64 {
 /// Returns the sum of the repulsions by others or walls.
 fn repulsion<'a>(near: impl IntoIterator<Item = &'a Near<'a>>, strength: f64, range: f64) -> Vec2 {
     let all = near.into_iter().map(|near| near.away * (strength * faded(near.gap, range)));
-    all.fold(Vec2::ZERO, |sum, force| sum + force)
+    all.fold(Vec2::zeros(), |sum, force| sum + force)
 }
 
 /// Returns those who are in front of a person who walks in a direction.
@@ -281,11 +281,11 @@ fn in_front<'a>(
     direction: Vec2,
     others: &'a [Near<'a>],
 ) -> impl Iterator<Item = (&'a Near<'a>, &'a Walking<'a>)> {
-    let (across, own) = (direction.perp(), half_width(walking, direction.perp()));
+    let (across, own) = (direction.left(), half_width(walking, direction.left()));
     let known = others.iter().filter_map(|near| Some((near, near.other?)));
     known.filter(move |(near, other)| {
         let to = near.away * -near.distance;
-        direction.dot(to) > 0.0 && across.dot(to).abs() < LANE * (own + half_width(other, across))
+        direction.dot(&to) > 0.0 && across.dot(&to).abs() < LANE * (own + half_width(other, across))
     })
 }
 
@@ -313,9 +313,9 @@ impl CollisionFreeSpeed {
             velocity: direction * speed,
             speed,
             // The direction may jump from one side to the other: nobody spins with it.
-            facing: Some(goal.rotated(Rotation::by(walking.steering))),
+            facing: Some(rotation(walking.steering) * goal),
             queues,
-            steering: libm::atan2(goal.cross(facing), goal.dot(facing)),
+            steering: libm::atan2(goal.perp(&facing), goal.dot(&facing)),
             ..DesiredMotion::default()
         }
     }
@@ -334,9 +334,9 @@ fn reach(walking: &Walking<'_>, direction: Vec2) -> f64 {
     if walking.disks.is_empty() {
         return USUAL_RADIUS;
     }
-    let own = direction.rotated(Rotation::by(-walking.theta));
+    let own = rotation(-walking.theta) * direction;
     let far = walking.disks.iter().filter_map(|&[x, y, radius]| {
-        let (along, off) = (own.dot(vec2(x, y)), own.cross(vec2(x, y)));
+        let (along, off) = (own.dot(&vec2(x, y)), own.perp(&vec2(x, y)));
         (off.abs() < radius).then(|| along + (radius * radius - off * off).sqrt())
     });
     far.fold(0.0, f64::max)
@@ -347,8 +347,8 @@ fn half_width(walking: &Walking<'_>, line: Vec2) -> f64 {
     if walking.disks.is_empty() {
         return USUAL_RADIUS;
     }
-    let own = line.rotated(Rotation::by(-walking.theta));
-    let ends = walking.disks.iter().map(|&[x, y, radius]| (own.dot(vec2(x, y)), radius));
+    let own = rotation(-walking.theta) * line;
+    let ends = walking.disks.iter().map(|&[x, y, radius]| (own.dot(&vec2(x, y)), radius));
     ends.map(|(middle, radius)| middle.abs() + radius).fold(0.0, f64::max)
 }
 

@@ -36,7 +36,7 @@ fn plan(walls: &[Vec<Vec2>], people: &[Person], config: &str) -> Result<Plan, Pl
 
 /// The models here do not look at velocities.
 fn still(pose: Pose) -> (Pose, Vec2) {
-    (pose, Vec2::ZERO)
+    (pose, Vec2::zeros())
 }
 
 /// Everybody goes where the force leads in the end: v = F / (m / t). Returns the places at each step, while they are

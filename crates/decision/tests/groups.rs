@@ -31,7 +31,7 @@ fn plan(walls: &[Vec<Vec2>], people: &[Person], config: &str) -> Plan {
 /// Walks for some time \[s\]; the places of everybody at each step. A state is saved and restored on the way.
 fn walk(plan: Plan, seconds: f64) -> Vec<Vec<Vec2>> {
     let mut poses: Vec<Pose> = plan.agents.iter().map(|agent| agent.pose).collect();
-    let mut velocities = vec![Vec2::ZERO; poses.len()];
+    let mut velocities = vec![Vec2::zeros(); poses.len()];
     let mut decision = Decision::new(plan);
     let mut places = Vec::new();
     for step in 0..(seconds / STEP) as usize {

@@ -134,7 +134,7 @@ impl CrowdRequest {
 /// One disk of the same area.
 pub(crate) fn round(shape: &Shape) -> Shape {
     let radius = (shape.moments().area / PI).sqrt();
-    Shape { disks: vec![Disk { centre: Vec2::ZERO, radius }] }
+    Shape { disks: vec![Disk { centre: Vec2::zeros(), radius }] }
 }
 
 /// Draws people and places them without overlap, as `lemons crowd --seed` does.
@@ -190,7 +190,7 @@ pub fn crowd(wanted: &CrowdRequest, bytes: &[u8], watch: &mut Watch) -> Result<B
         for (agent, shape) in trial.agents.iter_mut().zip(&shapes) {
             agent.moment_of_inertia = shape.inertia(agent.mass);
             agent.shapes.truncate(1);
-            (agent.shapes[0].position, agent.shapes[0].radius) = (Vec2::ZERO, shape.disks[0].radius);
+            (agent.shapes[0].position, agent.shapes[0].radius) = (Vec2::zeros(), shape.disks[0].radius);
         }
         choose_mechanical_step(&mut trial);
     }

@@ -3,7 +3,7 @@
 use crate::{Refused, Reply, require};
 use crowd_mechanics::engine::{Pair, World};
 use crowd_mechanics::setup::Setup;
-use lemons_core::plane::{Motion, Pose, Twist, Vec2, vec2};
+use lemons_core::plane::{InPlane, Motion, Pose, Twist, Vec2, vec2};
 use lemons_core::trial::{Interactions, Trial};
 use lemons_people::placing::TOLERANCE;
 use lemons_results::Frame;

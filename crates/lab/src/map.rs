@@ -4,7 +4,7 @@ use crate::base::Driven;
 use crate::frame::numbers;
 use crate::run::Run;
 use crate::{Refused, Reply, require};
-use lemons_core::plane::{Bounds, Vec2, vec2};
+use lemons_core::plane::{Bounds, InPlane, Vec2, vec2};
 use lemons_picture::{DENSITY_KERNEL, DensityMap};
 use lemons_results::measure::SqueezeMap;
 use serde::Deserialize;

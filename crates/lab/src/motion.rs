@@ -69,7 +69,7 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
     }
     if matches!(motion, Motion::None {} | Motion::Walk { .. } | Motion::Go { .. }) {
         for here in &mut driven.trial.dynamics {
-            (here.fp, here.mp) = (Vec2::ZERO, 0.0);
+            (here.fp, here.mp) = (Vec2::zeros(), 0.0);
         }
     }
     match motion {

@@ -12,7 +12,7 @@ use crate::ssp::{Interface, Kind, Variable, entry};
 use crowd_mechanics::engine::Wrench;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use layered::Described;
-use lemons_core::plane::{Motion, Vec2};
+use lemons_core::plane::Motion;
 use lemons_sim::{Algorithm, Clock, Documents, Simulation};
 use std::collections::HashMap;
 use std::fs::File;
@@ -259,7 +259,7 @@ fn stimuli(documents: Documents, clock: Clock, tolerance: Option<f64>) -> Result
 fn seen(simulation: &Simulation) -> Vec<(String, f64)> {
     let motions = simulation.frame().agents.into_iter().enumerate();
     let of = |(i, Motion { pose, twist }): (usize, Motion)| {
-        let (Vec2 { x, y }, Vec2 { x: vx, y: vy }) = (pose.position, twist.velocity);
+        let [[x, y], [vx, vy]] = [pose.position, twist.velocity].map(Into::into);
         let theta = ("Theta", pose.orientation);
         [("Position.x", x), ("Position.y", y), theta, ("Velocity.x", vx), ("Velocity.y", vy)]
             .map(|(name, value)| (format!("agent[{i}].{name}"), value))

@@ -32,7 +32,7 @@ pub use slices::Polygon;
 
 use crate::error::{Result, require};
 use crate::person::{Measure, Person};
-use lemons_core::plane::Vec2;
+use lemons_core::plane::{Vec2, vec2};
 use skin::Ring;
 use slices::volume;
 use template::{Skins, Template, other_side};
@@ -197,8 +197,9 @@ impl Body3d {
     fn about_torso(mut self) -> Body3d {
         let torso = self.slice_at(self.torso_altitude());
         let area: f64 = torso.iter().map(Polygon::area).sum();
-        let moment = torso.iter().fold(Vec2::ZERO, |sum, polygon| sum + polygon.centroid() * polygon.area());
-        let ahead = Vec2 { x: moment.x / area, y: 0.0 };
+        let moment =
+            torso.iter().fold(Vec2::zeros(), |sum, polygon| sum + polygon.centroid() * polygon.area());
+        let ahead = vec2(moment.x / area, 0.0);
         for ring in self.rings.iter_mut().flatten() {
             ring.points = ring.points.map(|point| point - ahead);
         }

@@ -3,6 +3,7 @@
 use crate::error::{Result, require};
 use crate::random::Random;
 use lemons_core::distribution::{bisected, cumulative};
+use nalgebra::{Matrix4, Vector4};
 
 /// Number of correlated measures: those of [`crate::Measure::ALL`].
 const N: usize = 4;
@@ -14,34 +15,22 @@ pub type Correlations = [[f64; N]; N];
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Copula {
     /// Cholesky factor of the Pearson correlations of the normal variables.
-    lower: Correlations,
+    lower: Matrix4<f64>,
 }
 
 /// Returns the lower triangle L with L·Lᵀ = `matrix`, or `None` if it is not positive definite.
-fn cholesky(matrix: &Correlations) -> Option<Correlations> {
+fn cholesky(matrix: Matrix4<f64>) -> Option<Matrix4<f64>> {
     // Smaller pivots are rounding errors. A measure that follows from the others gets a standard deviation of 1e-6.
     const PIVOT: f64 = 1e-12;
-    let mut lower = [[0.0; N]; N];
-    for row in 0..N {
-        for column in 0..=row {
-            let done: f64 = (0..column).map(|k| lower[row][k] * lower[column][k]).sum();
-            let rest = matrix[row][column] - done;
-            lower[row][column] = if row != column {
-                rest / lower[column][column]
-            } else if rest > PIVOT {
-                rest.sqrt()
-            } else {
-                return None;
-            };
-        }
-    }
-    Some(lower)
+    let lower = matrix.cholesky()?.unpack();
+    lower.diagonal().iter().all(|root| root * root > PIVOT).then_some(lower)
 }
 
 /// Multiplies all correlations between two different measures by `part`.
-fn weakened(matrix: &Correlations, part: f64) -> Correlations {
-    let entry = |row: usize, column: usize| matrix[row][column] * if row == column { 1.0 } else { part };
-    std::array::from_fn(|row| std::array::from_fn(|column| entry(row, column)))
+fn weakened(matrix: &Matrix4<f64>, part: f64) -> Matrix4<f64> {
+    let mut weakened = matrix * part;
+    weakened.fill_diagonal(1.0);
+    weakened
 }
 
 impl Copula {
@@ -61,24 +50,22 @@ impl Copula {
                 format!("correlation ({row}, {column}) = {value}: must {must}")
             })?;
         }
-        let mut pearson = *spearman;
-        for value in pearson.as_flattened_mut() {
-            *value = if *value == 1.0 { 1.0 } else { 2.0 * libm::sin(std::f64::consts::PI * *value / 6.0) };
-        }
-        if let Some(lower) = cholesky(&pearson) {
+        let normal =
+            |rho: f64| if rho == 1.0 { 1.0 } else { 2.0 * libm::sin(std::f64::consts::PI * rho / 6.0) };
+        let pearson = Matrix4::from(*spearman).map(normal);
+        if let Some(lower) = cholesky(pearson) {
             return Ok(Copula { lower });
         }
-        let (part, _) = bisected([0.0, 1.0], 50, |part| cholesky(&weakened(&pearson, part)).is_some());
-        let lower = cholesky(&weakened(&pearson, part));
+        let (part, _) = bisected([0.0, 1.0], 50, |part| cholesky(weakened(&pearson, part)).is_some());
+        let lower = cholesky(weakened(&pearson, part));
         // No correlations are always possible.
-        Ok(Copula { lower: lower.unwrap_or(weakened(&pearson, 0.0)) })
+        Ok(Copula { lower: lower.unwrap_or_else(Matrix4::identity) })
     }
 
     /// Draws the ranks of one person, each evenly distributed between 0 and 1.
     pub(crate) fn ranks(&self, random: &mut Random) -> [f64; N] {
-        let mut free = [0.0; N];
-        free.fill_with(|| random.normal());
-        self.lower.map(|row| cumulative(row.iter().zip(free).map(|(part, z)| part * z).sum()))
+        let free = Vector4::from_fn(|_, _| random.normal());
+        (self.lower * free).map(cumulative).into()
     }
 }
 
@@ -99,9 +86,9 @@ mod tests {
         let spearman = matrix([0.7581, 0.3001, 0.8771, 0.2049, 0.8538, 0.448]);
         let lower = Copula::new(&spearman).unwrap().lower;
         for row in 0..N {
-            assert!(lower[row][row] > 0.0 && lower[row][row + 1..].iter().all(|above| *above == 0.0));
+            assert!(lower[(row, row)] > 0.0 && (row + 1..N).all(|above| lower[(row, above)] == 0.0));
             for column in 0..N {
-                let pearson: f64 = (0..N).map(|k| lower[row][k] * lower[column][k]).sum();
+                let pearson: f64 = (0..N).map(|k| lower[(row, k)] * lower[(column, k)]).sum();
                 let back = libm::asin(pearson / 2.0) * 6.0 / std::f64::consts::PI;
                 assert!((back - spearman[row][column]).abs() < 1e-14, "{row} {column}");
             }
@@ -112,9 +99,9 @@ mod tests {
     fn an_impossible_matrix_is_weakened_no_more_than_it_must() {
         // Three measures cannot all be opposed to each other: at most −1/2.
         let copula = Copula::new(&matrix([-0.9, -0.9, 0.0, -0.9, 0.0, 0.0])).unwrap();
-        let pearson: f64 = (0..N).map(|k| copula.lower[1][k] * copula.lower[0][k]).sum();
+        let pearson: f64 = (0..N).map(|k| copula.lower[(1, k)] * copula.lower[(0, k)]).sum();
         assert!((pearson + 0.5).abs() < 1e-9, "{pearson}");
-        assert!((pearson - copula.lower[1][0]).abs() < 1e-15);
+        assert!((pearson - copula.lower[(1, 0)]).abs() < 1e-15);
         // Measures that are one and the same.
         let copula = Copula::new(&matrix([1.0; 6])).unwrap();
         let ranks = copula.ranks(&mut Random::new(1));

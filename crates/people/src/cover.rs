@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     fn rectangle(length: f64, breadth: f64) -> Ring {
-        Ring::around(Bounds { low: Vec2::ZERO, high: vec2(length, breadth) })
+        Ring::around(Bounds { low: Vec2::zeros(), high: vec2(length, breadth) })
     }
 
     #[test]
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn impossible_covers_are_refused() {
         assert!(cover(&rectangle(1.0, 1.0), 0).unwrap_err().to_string().contains("must be 1 to 50"));
-        let flat = Ring::through(vec![Vec2::ZERO, vec2(1.0, 0.0), Vec2::ZERO]);
+        let flat = Ring::through(vec![Vec2::zeros(), vec2(1.0, 0.0), Vec2::zeros()]);
         assert!(flat.is_none_or(|flat| cover(&flat, 3).is_err()));
     }
 }

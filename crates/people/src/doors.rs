@@ -1,7 +1,7 @@
 //! Doors: gaps in walls where people can pass, and the lines behind them where people have left.
 
 use crate::error::{PeopleError, Result, require};
-use lemons_core::plane::{Foot, Ring, Vec2, nearest_on_line, vec2};
+use lemons_core::plane::{Foot, InPlane, Ring, Vec2, nearest_on_line, vec2};
 use lemons_core::trial::{Geometry, LATEST, TIMES, Wall, are_times};
 use serde::{Deserialize, Serialize};
 
@@ -116,7 +116,7 @@ fn refuse_walls_in_gaps(gaps: &[Gap<'_>], lines: &[Vec<Vec2>]) -> Result<()> {
 
 /// The door's place along the line that is nearest.
 fn gap<'a>(lines: &[Vec<Vec2>], number: usize, door: &'a Door, kind: &str) -> Result<Gap<'a>> {
-    let &Door { at: at @ Vec2 { x, y }, width, ref open } = door;
+    let &Door { at, width, ref open } = door;
     require(width > 0.0 && width.is_finite(), || {
         format!("door {number}: width = {width} m: must be positive and finite")
     })?;
@@ -126,7 +126,8 @@ fn gap<'a>(lines: &[Vec<Vec2>], number: usize, door: &'a Door, kind: &str) -> Re
     // A place that is not a number is infinitely far.
     let Some((line, foot)) = on.filter(|_| distance <= FARTHEST) else {
         return Err(PeopleError::new(format!(
-            "door {number} at ({x}, {y}) m is {distance:.2} m from the nearest {kind}; at most {FARTHEST} m is allowed"
+            "door {number} at ({}, {}) m is {distance:.2} m from the nearest {kind}; at most {FARTHEST} m is allowed",
+            at.x, at.y
         )));
     };
     require(width < length(&lines[line]), || {
@@ -229,19 +230,19 @@ impl Door {
         let is_left = |place: Vec2| match &ring {
             // The inside of a counter-clockwise ring is to the left of its sides.
             Some(ring) => ring.contains(place) == (ring.signed_area() > 0.0),
-            None => along.perp().dot(place - from) > 0.0,
+            None => along.left().dot(&(place - from)) > 0.0,
         };
         let mut left = 0i64;
         people.for_each(|place| left += if is_left(place) { 1 } else { -1 });
         // Of as many on both sides, those of a room are inside.
         let inside_left = ring.as_ref().is_none_or(|ring| ring.signed_area() > 0.0);
         let to_the_right = left > 0 || (left == 0 && inside_left);
-        let out = if to_the_right { -along.perp() } else { along.perp() };
+        let out = if to_the_right { -along.left() } else { along.left() };
         let middle = foot.place + out * BEHIND;
         let half = along * (0.5 * (self.width + LONGER));
         // The sum turns −0 into 0.
         let whole = |x: f64| libm::round(x * GRAINS) / GRAINS + 0.0;
-        Some([middle - half, middle + half].map(|end| Vec2 { x: whole(end.x), y: whole(end.y) }))
+        Some([middle - half, middle + half].map(|end| vec2(whole(end.x), whole(end.y))))
     }
 }
 
@@ -335,7 +336,7 @@ mod tests {
     }
 
     fn room() -> Vec<Ring> {
-        vec![box_of(Vec2::ZERO, vec2(4.0, 3.0)), box_of(vec2(1.0, 1.0), vec2(2.0, 2.0))]
+        vec![box_of(Vec2::zeros(), vec2(4.0, 3.0)), box_of(vec2(1.0, 1.0), vec2(2.0, 2.0))]
     }
 
     fn door(x: f64, y: f64, width: f64) -> Door {
@@ -384,7 +385,7 @@ mod tests {
         assert!(near(&course(1.5, 1.2, 0.4), &[vec2(1.3, 1.0), vec2(1.7, 1.0)]));
         // Round a corner, also the one where the ring begins.
         assert!(near(&course(3.9, 0.0, 1.0), &[vec2(3.4, 0.0), vec2(4.0, 0.0), vec2(4.0, 0.4)]));
-        assert!(near(&course(0.0, 0.1, 1.0), &[vec2(0.0, 0.6), Vec2::ZERO, vec2(0.4, 0.0)]));
+        assert!(near(&course(0.0, 0.1, 1.0), &[vec2(0.0, 0.6), Vec2::zeros(), vec2(0.4, 0.0)]));
         // Wider than can be; far away.
         assert!((long(&course(2.0, 0.0, 99.0)) - 14.0).abs() < 1e-12);
         assert!(near(&course(9.0, 1.5, 1.0), &[vec2(4.0, 1.0), vec2(4.0, 2.0)]));
@@ -431,11 +432,11 @@ mod tests {
     #[test]
     fn a_door_goes_along_with_its_wall() {
         let (outer, inner) = (door(4.1, 0.75, 0.8), door(1.5, 1.0, 0.2));
-        let moved = [box_of(Vec2::ZERO, vec2(6.0, 5.0)), room().remove(1)];
+        let moved = [box_of(Vec2::zeros(), vec2(6.0, 5.0)), room().remove(1)];
         // A quarter of the way up, as before.
         assert_eq!(outer.carried(&room(), &moved), door(6.0, 1.25, 0.8));
         assert_eq!(inner.carried(&room(), &moved), inner);
-        let fewer = Ring::through(vec![Vec2::ZERO, vec2(4.0, 0.0), vec2(4.0, 3.0)]).unwrap();
+        let fewer = Ring::through(vec![Vec2::zeros(), vec2(4.0, 0.0), vec2(4.0, 3.0)]).unwrap();
         for after in [&room()[..], &[], &[fewer]] {
             assert_eq!(outer.carried(&room(), after), outer);
         }
@@ -456,10 +457,10 @@ mod tests {
 
     #[test]
     fn walls_keep_their_ids_and_materials() {
-        let mut geometry = walls(&[box_of(Vec2::ZERO, vec2(8.0, 6.0))], "concrete");
+        let mut geometry = walls(&[box_of(Vec2::zeros(), vec2(8.0, 6.0))], "concrete");
         geometry.walls[0].id = "room".into();
         for (place, id) in [(0, "0"), (2, "1")] {
-            let corners = vec![Vec2::ZERO, vec2(8.0, 3.0)];
+            let corners = vec![Vec2::zeros(), vec2(8.0, 3.0)];
             geometry.walls.insert(place, Wall::new(id, "wood", corners));
         }
         let right = door(8.1, 3.0, 1.0);
@@ -492,7 +493,7 @@ mod tests {
             let [a, b] = door.exit(&[ring], people.iter().copied()).unwrap();
             if (a.x, a.y) <= (b.x, b.y) { [a, b] } else { [b, a] }
         };
-        let ring = box_of(Vec2::ZERO, vec2(8.0, 6.0));
+        let ring = box_of(Vec2::zeros(), vec2(8.0, 6.0));
         for ring in [ring.clone(), ring.reversed()] {
             let right = door(8.0, 3.0, 1.0);
             assert_eq!(exit(ring.clone(), right.clone(), &inside), [vec2(9.0, 1.5), vec2(9.0, 4.5)]);
@@ -500,7 +501,7 @@ mod tests {
             // Beside the wall: the gap is at the wall's nearest point.
             assert_eq!(exit(ring, door(2.0, -0.3, 2.0), &inside), [vec2(0.0, -1.0), vec2(4.0, -1.0)]);
         }
-        let slanted = Ring::through(vec![Vec2::ZERO, vec2(3.0, 4.0), vec2(-4.0, 3.0)]).unwrap();
+        let slanted = Ring::through(vec![Vec2::zeros(), vec2(3.0, 4.0), vec2(-4.0, 3.0)]).unwrap();
         let [a, b] = exit(slanted, door(1.5, 2.0, 3.0), &[vec2(-0.5, 2.5)]);
         // The outward normal of the first side is (4, −3)/5.
         let middle = vec2(1.5 + 0.8, 2.0 - 0.6);

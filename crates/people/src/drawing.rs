@@ -256,7 +256,7 @@ impl Tracer {
         let is_near = |corner: &&Vec2| corner.x.abs() <= FARTHEST && corner.y.abs() <= FARTHEST;
         // Without a unit, these are no metres.
         let far = line.corners.iter().find(|corner| !is_near(corner)).filter(|_| self.unit.is_some());
-        if let Some(Vec2 { x, y }) = far {
+        if let Some([x, y]) = far.map(|corner| <[f64; 2]>::from(*corner)) {
             return Err(PeopleError::new(format!(
                 "{}: a corner at ({x:?}, {y:?}) m is not within {FARTHEST} m of the origin",
                 line.named()

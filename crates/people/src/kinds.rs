@@ -262,7 +262,7 @@ impl Kind {
         let (front, back) = shape.ends();
         let mut pieces = Pieces::default();
         let own: &[Disk] = if self.seated { &[] } else { &shape.disks };
-        pieces.body(&shape, Vec2::ZERO, person.mass, own);
+        pieces.body(&shape, Vec2::zeros(), person.mass, own);
         for part in &self.parts {
             let from = match part.from {
                 Origin::Centre => 0.0,
@@ -414,13 +414,13 @@ impl Pieces {
 
     fn member(self, kind: Arc<Kind>, person: Person, beside: Option<(Person, Vec2)>, speed: f64) -> Member {
         let mass: f64 = self.masses.iter().map(|part| part.0).sum();
-        let centre = self.masses.iter().fold(Vec2::ZERO, |sum, part| sum + part.1 * part.0) * (1.0 / mass);
+        let centre = self.masses.iter().fold(Vec2::zeros(), |sum, part| sum + part.1 * part.0) * (1.0 / mass);
         let inertia = self.masses.iter().map(|part| part.2 + part.0 * (part.1 - centre).norm_squared()).sum();
         let moved = |part: BodyDisk| BodyDisk {
             disk: Disk { centre: part.disk.centre - centre, ..part.disk },
             ..part
         };
-        let people = std::iter::once((person, Vec2::ZERO)).chain(beside);
+        let people = std::iter::once((person, Vec2::zeros())).chain(beside);
         Member {
             kind,
             people: people.map(|(person, at)| (person, at - centre)).collect(),

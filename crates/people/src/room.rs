@@ -259,9 +259,10 @@ fn wall(id: String, material: &str) -> Wall {
 fn checked(corners: &[Vec2]) -> Result<Vec<Vec2>> {
     require(corners.len() > 1, || "a wall has fewer than two corners".into())?;
     match corners.windows(2).find(|side| side[0] == side[1]) {
-        Some(&[Vec2 { x, y }, _]) => {
-            Err(PeopleError::new(format!("a wall has two corners in a row at ({x}, {y}) m")))
-        }
+        Some(side) => Err(PeopleError::new(format!(
+            "a wall has two corners in a row at ({}, {}) m",
+            side[0].x, side[0].y
+        ))),
         _ => Ok(corners.to_vec()),
     }
 }
@@ -274,6 +275,7 @@ fn stretched(at: f64, [low, high]: [f64; 2], length: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lemons_core::plane::InPlane;
 
     fn corners<const N: usize>(of: [[f64; 2]; N]) -> Vec<Vec2> {
         of.map(Vec2::from).to_vec()

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::person::Person;
-use lemons_core::plane::{Bounds, Disk, Moments, Pose, Rotation, union, vec2};
+use lemons_core::plane::{Bounds, Disk, Moments, Pose, rotation, union, vec2};
 
 /// The union of some disks: a pedestrian seen from above, in its own frame. The origin is the centroid of the area, the
 /// gaze is along +x, left is +y.
@@ -87,8 +87,8 @@ impl Shape {
 
     /// Returns the disks at a pose of the body.
     pub fn placed(&self, pose: &Pose) -> impl Iterator<Item = Disk> + '_ {
-        let (position, turn) = (pose.position, Rotation::by(pose.orientation));
-        self.disks.iter().map(move |disk| Disk { centre: position + disk.centre.rotated(turn), ..*disk })
+        let (position, turn) = (pose.position, rotation(pose.orientation));
+        self.disks.iter().map(move |disk| Disk { centre: position + turn * disk.centre, ..*disk })
     }
 }
 
@@ -117,7 +117,7 @@ mod tests {
     }
 
     fn mean_centre(shape: &Shape) -> Vec2 {
-        let sum = shape.disks.iter().fold(Vec2::ZERO, |sum, disk| sum + disk.centre);
+        let sum = shape.disks.iter().fold(Vec2::zeros(), |sum, disk| sum + disk.centre);
         sum * (1.0 / shape.disks.len() as f64)
     }
 

@@ -10,7 +10,7 @@ use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
 use lemons_core::files::source::Memory;
 use lemons_core::files::{Staged, WriteError};
-use lemons_core::plane::{Motion, Pose, Ring, Rotation, Vec2, vec2};
+use lemons_core::plane::{Motion, Pose, Ring, Vec2, rotation, vec2};
 use lemons_core::trial::{
     Agent, AgentDynamics, Contact, Geometry, Interactions, Material, Materials, Parameters, Trial, Wall,
 };
@@ -40,7 +40,7 @@ pub struct TrialSettings {
 impl Default for TrialSettings {
     /// The paper's App. C: people without clothes, at rest, without propulsion; 10 ms between two decisions.
     fn default() -> TrialSettings {
-        TrialSettings { time_step: 0.01, people: "human_naked".into(), desired_velocity: Vec2::ZERO }
+        TrialSettings { time_step: 0.01, people: "human_naked".into(), desired_velocity: Vec2::zeros() }
     }
 }
 
@@ -120,7 +120,7 @@ pub fn heading(degrees: f64) -> Vec2 {
         90.0 => vec2(0.0, 1.0),
         180.0 => vec2(-1.0, 0.0),
         270.0 => vec2(0.0, -1.0),
-        _ => vec2(1.0, 0.0).rotated(Rotation::by(degrees.to_radians())),
+        _ => rotation(degrees.to_radians()) * vec2(1.0, 0.0),
     }
 }
 
@@ -327,7 +327,7 @@ mod tests {
             let person = Person { sex: Sex::Female, breadth, depth: 0.25, stature: 1.7, mass: 63.3 };
             (crate::Agent::Pedestrian(person), Pose { position: vec2(x, y), orientation })
         };
-        let square = Ring::around(Bounds { low: Vec2::ZERO, high: vec2(2.0, 2.0) });
+        let square = Ring::around(Bounds { low: Vec2::zeros(), high: vec2(2.0, 2.0) });
         let crowd = [placed(0.45, 0.5, 0.5, 0.1), placed(0.5, 1.5, 1.4, -2.0)];
         crowd_trial("two", &crowd, walls(&[square], "concrete"), settings)
     }

@@ -213,7 +213,7 @@ fn sections_of_a_crowd() {
     }
     // The gaze of the second: its toes lie that way from the axis.
     let feet = section(&crowd[1..2], 0.01);
-    let sum = feet.bodies[0].iter().fold(Vec2::ZERO, |sum, foot| sum + foot.centroid());
+    let sum = feet.bodies[0].iter().fold(Vec2::zeros(), |sum, foot| sum + foot.centroid());
     let ahead = sum * 0.5 - vec2(1.0, -0.5);
     assert!((libm::atan2(ahead.y, ahead.x) - 0.7).abs() < 1e-9, "{ahead:?}");
     // Two in the same place cover the ground once.

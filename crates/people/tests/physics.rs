@@ -4,7 +4,7 @@
 
 use crowd_mechanics::engine::World;
 use crowd_mechanics::setup::Setup;
-use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
+use lemons_core::plane::{Pose, Vec2, rotation, vec2};
 use lemons_core::trial::{Contact, Geometry, Material, Trial, Wall, stiffness};
 use lemons_people::{Agent, Person, Sex, Shape, TrialSettings, crowd_trial, paper_materials};
 use lemons_picture::{Chart, ChartPanel, ChartStyle, Line, chart_svg, titled};
@@ -108,7 +108,7 @@ fn collision() -> Collision {
 
 /// Times \[s\] and speeds \[m/s\] of a person who is alone, and is pushed from rest.
 fn pushed() -> Vec<(f64, f64)> {
-    let trial = trial(&[(at(0.0, 0.0, 0.0), Vec2::ZERO)], FLOOR);
+    let trial = trial(&[(at(0.0, 0.0, 0.0), Vec2::zeros())], FLOOR);
     let mut world = Setup::of(&trial).world().unwrap();
     let mut speeds = vec![(0.0, 0.0)];
     for k in 1..=240 {
@@ -121,9 +121,8 @@ fn pushed() -> Vec<(f64, f64)> {
 }
 
 fn passage() -> Trial {
-    let walker = |&(x, y, way, speed): &(f64, f64, f64, f64)| {
-        (at(x, y, way), vec2(speed, 0.0).rotated(Rotation::by(way)))
-    };
+    let walker =
+        |&(x, y, way, speed): &(f64, f64, f64, f64)| (at(x, y, way), rotation(way) * vec2(speed, 0.0));
     let mut trial = trial(&WALKERS.iter().map(walker).collect::<Vec<_>>(), FLOOR);
     let wall = |y: f64| {
         let corners = vec![vec2(0.0, y), vec2(PASSAGE.x, y)];

@@ -1,6 +1,6 @@
 //! The placers, looked at by brute force.
 
-use lemons_core::plane::{Bounds, Pose, Vec2, vec2};
+use lemons_core::plane::{Bounds, InPlane, Pose, Vec2, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use lemons_people::placing::{
     Ended, Method, Orientation, Packing, Progress, Region, Settings, Stage, TOLERANCE, dense, grid, paper,
@@ -192,7 +192,7 @@ fn as_dense_as_it_goes() {
     assert!(packing.complete && packing.density > 7.5, "{packing:?}");
     assert!(brute_force(&shapes, &region, &packing) <= TOLERANCE);
     // A disk alone is its own hull; two touch.
-    let disk = Shape { disks: vec![Disk { radius: 0.5, centre: Vec2::ZERO }] };
+    let disk = Shape { disks: vec![Disk { radius: 0.5, centre: Vec2::zeros() }] };
     let one = placed(std::slice::from_ref(&disk), &region, &Settings::default());
     assert!((one.density - 4.0 / std::f64::consts::PI).abs() < 1e-9, "{one:?}");
     let two = placed(&[disk.clone(), disk], &region, &settings);
@@ -342,7 +342,7 @@ fn grid_of_people_anywhere() {
 
 #[test]
 fn measure_counts_what_overlaps() {
-    let disk = Shape { disks: vec![Disk { radius: 0.5, centre: Vec2::ZERO }] };
+    let disk = Shape { disks: vec![Disk { radius: 0.5, centre: Vec2::zeros() }] };
     let shapes = vec![disk; 4];
     let pose = |x: f64| Pose { position: vec2(x, 0.6), orientation: 0.0 };
     let region = Region::rectangle(vec2(0.0, 0.0), vec2(10.0, 2.0)).unwrap();

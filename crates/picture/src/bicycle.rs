@@ -4,7 +4,7 @@
 use crate::body::{TENTH_OF_MM, begin_at, drawable, near};
 use crate::colour::{Colour, Palette};
 use crate::text::{escaped, text_of};
-use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
+use lemons_core::plane::{Pose, Vec2, rotation, vec2};
 use std::fmt::Write;
 
 /// \[m\] Thickness of the handlebar, seen from above.
@@ -48,9 +48,9 @@ impl Bicycle {
 
     /// \[m\] Corners of both rectangles, in the world.
     pub(crate) fn corners(&self) -> impl Iterator<Item = Vec2> {
-        let (turn, at) = (Rotation::by(self.pose.orientation), self.pose.position);
+        let (turn, at) = (rotation(self.pose.orientation), self.pose.position);
         [self.wheels, self.rider].into_iter().flat_map(move |(length, breadth)| {
-            let corner = move |(x, y): (f64, f64)| at + vec2(x * length, y * breadth).rotated(turn);
+            let corner = move |(x, y): (f64, f64)| at + turn * vec2(x * length, y * breadth);
             [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)].into_iter().map(corner)
         })
     }
@@ -74,9 +74,9 @@ impl Bicycle {
         let (pale, dark) = (shade(0.3), shade(0.85));
         // The wheels, and the frame between them below the rider.
         let wheels = format!("class=\"wheels\" fill=\"{}\"", palette.wall);
-        part(&wheels, Vec2::ZERO, vec2(along, across) * 0.5, 0.5 * across);
+        part(&wheels, Vec2::zeros(), vec2(along, across) * 0.5, 0.5 * across);
         let half = vec2(length, breadth) * 0.5;
-        part("class=\"rider\"", Vec2::ZERO, half, 0.0);
+        part("class=\"rider\"", Vec2::zeros(), half, 0.0);
         // Shoulders, arms to the handlebar, and the head above them.
         let bar = 0.5 * BAR.min(0.2 * length);
         let shoulders = vec2(SHOULDERS.0 * length, SHOULDERS.1 * breadth);

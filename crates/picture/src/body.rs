@@ -1,7 +1,7 @@
 //! Bodies in their own frame: facing +x, left shoulder towards +y, centre of mass at the origin.
 
 use crate::text::{number, pair};
-use lemons_core::plane::{Arc, Disk, Pose, Rotation, Vec2, boundary, union, vec2};
+use lemons_core::plane::{Arc, Disk, Pose, Vec2, boundary, rotation, union, vec2};
 use lemons_core::trial::Agent;
 use std::f64::consts::{PI, TAU};
 
@@ -51,7 +51,7 @@ impl Body {
             disks.filter(|d| near(d.centre) && near(vec2(d.radius, 0.0)) && d.radius > 0.0).collect();
         let inside = disks.iter().any(|d| d.centre.norm() < d.radius);
         let largest = disks.iter().copied().reduce(|a, b| if b.radius > a.radius { b } else { a });
-        let middle = largest.filter(|_| !inside).map_or(Vec2::ZERO, |disk| disk.centre);
+        let middle = largest.filter(|_| !inside).map_or(Vec2::zeros(), |disk| disk.centre);
         let ahead = |d: &Disk| {
             let aside = middle.y - d.centre.y;
             let half = d.radius * d.radius - aside * aside;
@@ -70,8 +70,8 @@ impl Body {
 
     /// Returns the disks in the plane.
     pub fn disks_at(&self, pose: &Pose) -> impl Iterator<Item = Disk> {
-        let (turn, at) = (Rotation::by(pose.orientation), pose.position);
-        self.disks.iter().map(move |d| Disk { centre: at + d.centre.rotated(turn), ..*d })
+        let (turn, at) = (rotation(pose.orientation), pose.position);
+        self.disks.iter().map(move |d| Disk { centre: at + turn * d.centre, ..*d })
     }
 }
 
@@ -92,7 +92,7 @@ fn outline(disks: &[Disk]) -> String {
     arcs.retain(|arc| arc.to - arc.from > SHORTEST_ARC);
     let at = |arc: &Arc, angle: f64| {
         let Disk { centre, radius } = disks[arc.disk];
-        centre + vec2(radius, 0.0).rotated(Rotation::by(angle))
+        centre + rotation(angle) * vec2(radius, 0.0)
     };
     let mut d = String::new();
     while let Some(mut arc) = arcs.pop() {
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_ring_of_disks_has_a_hole() {
-        let centre = |k: u32| vec2(1.0, 0.0).rotated(Rotation::by(f64::from(k) * TAU / 12.0));
+        let centre = |k: u32| rotation(f64::from(k) * TAU / 12.0) * vec2(1.0, 0.0);
         let ring: Vec<Disk> = (0..12).map(|k| Disk { radius: 0.3, centre: centre(k) }).collect();
         assert_eq!(outline(&ring).matches('M').count(), 2);
     }

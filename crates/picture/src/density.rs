@@ -162,7 +162,7 @@ impl DensityMap {
 /// wall is not hidden by it.
 fn shadow(p: Vec2, [a, b]: [Vec2; 2], y: f64) -> Option<(f64, f64)> {
     let (a, b) = (a - p, b - p);
-    let turn = a.cross(b);
+    let turn = a.perp(&b);
     if turn == 0.0 {
         return None;
     }
@@ -170,7 +170,7 @@ fn shadow(p: Vec2, [a, b]: [Vec2; 2], y: f64) -> Option<(f64, f64)> {
     let (a, b) = if turn > 0.0 { (a, b) } else { (b, a) };
     let side = b - a;
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-    for (along, from) in [(a, Vec2::ZERO), (-b, Vec2::ZERO), (-side, a)] {
+    for (along, from) in [(a, Vec2::zeros()), (-b, Vec2::zeros()), (-side, a)] {
         // For along × (x − from.x, y − from.y) ≥ 0: slope · x ≤ limit.
         let (slope, limit) = (along.y, along.x * (y - p.y - from.y) + along.y * from.x);
         if slope > 0.0 {

@@ -10,7 +10,7 @@ use crate::scene::{Force, Mark, MarkKind, Scene, Trail};
 use crate::sheet::Frame;
 use crate::style::{Colouring, Style};
 use crate::text::{PX, escaped, text_of};
-use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
+use lemons_core::plane::{Pose, Vec2, rotation, vec2};
 use lemons_core::trial::is_open;
 
 /// \[px\] Width of walls.
@@ -306,8 +306,8 @@ impl<'a> World<'a> {
             for (agent, pose, body) in world.seen() {
                 let id = world.scene.trial.agents.get(agent).map(|a| a.id.as_str());
                 let Some(id) = id.filter(|id| room(id, body) >= height) else { continue };
-                let turn = Rotation::by(pose.orientation);
-                let middle = pose.position + (body.middle - vec2(0.18 * body.front, 0.0)).rotated(turn);
+                let turn = rotation(pose.orientation);
+                let middle = pose.position + turn * (body.middle - vec2(0.18 * body.front, 0.0));
                 let (x, y) = (-(0.5 * glyphs::width(id, grid)).round(), -0.5 * grid);
                 let (anchor, up, decimals) = (START, 1.0, 1);
                 let mut d = String::new();

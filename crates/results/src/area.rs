@@ -216,7 +216,7 @@ fn parted(
 }
 
 fn bounding_box(points: impl Iterator<Item = Vec2>) -> Outline {
-    let nothing = Bounds { low: Vec2::ZERO, high: Vec2::ZERO };
+    let nothing = Bounds { low: Vec2::zeros(), high: Vec2::zeros() };
     Outline::new("the bounding box", Ring::around(Bounds::of(points).unwrap_or(nothing).grown(MARGIN)))
 }
 

@@ -34,7 +34,7 @@ pub use summary::{Crossings, MeanMax};
 pub use voronoi::Room;
 
 use crate::{Frame, OfStep};
-use lemons_core::plane::Motion;
+use lemons_core::plane::{InPlane, Motion};
 use serde::Deserialize;
 
 /// \[s\] Times are sums of steps: rounding does not leave a frame out.

@@ -2,7 +2,7 @@
 
 use crowd_mechanics::engine::{BodyId, ContactReport, PairForce, State, World};
 use crowd_mechanics::setup::{Setup, WorldError};
-use lemons_core::plane::Pose;
+use lemons_core::plane::{InPlane, Pose};
 use lemons_core::trial::Trial;
 use lemons_results::{Frame, Observed};
 

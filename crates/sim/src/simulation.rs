@@ -382,6 +382,6 @@ fn motions(world: &World) -> impl Iterator<Item = Motion> {
 
 /// Returns what Decision sees of somebody.
 fn seen(Motion { pose, twist }: &Motion) -> (SeenPose, Vec2) {
-    let Vec2 { x, y } = pose.position;
+    let [x, y] = pose.position.into();
     (SeenPose { x, y, theta: pose.orientation }, twist.velocity)
 }

@@ -230,7 +230,7 @@ impl Population {
     /// They do not fit, or cannot leave.
     pub fn documents(&self) -> Result<Documents> {
         let wrong = |error: lemons_people::PeopleError| Error::Spec(error.to_string());
-        let region = Region::rectangle(Vec2::ZERO, self.sides.into()).map_err(wrong)?;
+        let region = Region::rectangle(Vec2::zeros(), self.sides.into()).map_err(wrong)?;
         let uncut = walls(region.rings(), "concrete");
         let closed = closed_walls(&uncut);
         let doors: Vec<Door> = self.doors.iter().filter_map(|numbers| Door::of_numbers(numbers)).collect();

@@ -1,7 +1,7 @@
 //! Models of walking that are used where they are known to fail.
 
 use super::{NOTE, WARNING};
-use lemons_core::plane::{Vec2, segments_cross, vec2};
+use lemons_core::plane::{InPlane, Vec2, segments_cross, vec2};
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
 use lemons_decision::target::Ways;
@@ -86,9 +86,9 @@ impl<'a> Way<'a> {
     /// Returns whether both walk towards each other, and far enough to meet.
     fn meets(&self, other: &Way) -> bool {
         let between = other.at - self.at;
-        let ahead = between.dot(self.direction);
+        let ahead = between.dot(&self.direction);
         let aside = (between - self.direction * ahead).norm();
-        self.direction.dot(other.direction) < OPPOSITE
+        self.direction.dot(&other.direction) < OPPOSITE
             && aside <= BESIDE
             && (0.0..=self.length + other.length).contains(&ahead)
             && !self.same_end(other)
@@ -111,7 +111,7 @@ fn meeting<'a>(plan: &'a Plan) -> Option<[&'a str; 2]> {
     };
     let met: Vec<(Vec2, [&str; 2])> = people.iter().filter_map(met).collect();
     let &(along, first) = met.first()?;
-    let with = met.iter().filter(|(direction, _)| direction.dot(along) > 0.0).count();
+    let with = met.iter().filter(|(direction, _)| direction.dot(&along) > 0.0).count();
     let fewer = with.min(met.len() - with);
     (fewer as f64 >= MANY * people.len() as f64).then_some(first)
 }

@@ -3,7 +3,7 @@
 use super::outputs::Outputs;
 use crate::interrupt::Interrupt;
 use anyhow::Result;
-use lemons_core::plane::{Pose, Rotation, Vec2};
+use lemons_core::plane::{Pose, Vec2, rotation};
 use lemons_people::{
     Agent, Body3d, CrowdSection, Figure, Person, section, write_geojson, write_obj, write_stl, write_wkt,
 };
@@ -24,7 +24,7 @@ pub fn write(
         let wanted = crowd.iter().enumerate().take_while(|_| !interrupt.pressed());
         wanted.flat_map(|(place, (agent, pose))| {
             let placed = move |(person, at): (Person, Vec2)| {
-                let turned = at.rotated(Rotation::by(pose.orientation));
+                let turned = rotation(pose.orientation) * at;
                 let pose = Pose { position: pose.position + turned, ..*pose };
                 Some((place, Body3d::similar(&person).ok()?, pose))
             };

@@ -152,7 +152,7 @@ impl PlacingArguments {
         let mut drawn = None;
         let (geometry, name, whole) = match (self.sides, &self.geometry) {
             (Some(sides), _) => {
-                let region = Region::rectangle(Vec2::ZERO, sides).context("--box")?;
+                let region = Region::rectangle(Vec2::zeros(), sides).context("--box")?;
                 let name = format!("a box of {} m x {} m", sides.x, sides.y);
                 (walls(region.rings(), "concrete"), name, Ok(region))
             }
@@ -208,7 +208,7 @@ impl PlacingArguments {
                 && free().any(|free| free.obstacles.contains(id))
                 && !free().any(|free| free.rooms.contains(id))
             {
-                let Door { at: Vec2 { x, y }, width, .. } = door;
+                let ([x, y], width): ([f64; 2], f64) = (door.at.into(), door.width);
                 bail!(
                     "--door {x},{y},{width}: the nearest closed wall is {id}, an obstacle: nobody stands inside it; {DOORS}"
                 );

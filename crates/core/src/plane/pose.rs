@@ -60,7 +60,7 @@ impl Motion {
 /// to the line between them (paper, fig. 6c). Zero if the two coincide.
 pub fn shown_orientation(first: Vec2, last: Vec2) -> f64 {
     let line = last - first;
-    if line == Vec2::ZERO { 0.0 } else { libm::atan2(line.x, -line.y) }
+    if line == Vec2::zeros() { 0.0 } else { libm::atan2(line.x, -line.y) }
 }
 
 #[cfg(test)]

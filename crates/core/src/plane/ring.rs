@@ -115,7 +115,7 @@ impl Ring {
 /// Returns the place on a polyline through corners \[m\] that is nearest to a point, as [`Ring::nearest`]; infinitely far
 /// without sides.
 pub fn nearest_on_line(corners: &[Vec2], p: Vec2) -> Foot {
-    let first = corners.first().copied().unwrap_or(Vec2::ZERO);
+    let first = corners.first().copied().unwrap_or(Vec2::zeros());
     let far = Foot { side: 0, along: 0.0, place: first, distance: f64::INFINITY };
     corners.windows(2).enumerate().fold(far, |best, (side, ends)| {
         let place = nearest_on_segment(ends[0], ends[1], p);

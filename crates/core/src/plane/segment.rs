@@ -5,7 +5,7 @@ use crate::plane::Vec2;
 /// Returns twice the area of the triangle `a b c` \[m²\]: positive if `c` lies to the left of the line from `a` to `b`.
 #[inline]
 pub fn turn(a: Vec2, b: Vec2, c: Vec2) -> f64 {
-    (b - a).cross(c - a)
+    (b - a).perp(&(c - a))
 }
 
 /// Returns whether the segments `a b` and `c d` have a common point.
@@ -41,7 +41,7 @@ pub fn ray_crosses(p: Vec2, a: Vec2, b: Vec2) -> bool {
 pub fn nearest_on_segment(a: Vec2, b: Vec2, p: Vec2) -> Vec2 {
     let along = b - a;
     let square = along.norm_squared();
-    let share = if square > 0.0 { ((p - a).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let share = if square > 0.0 { ((p - a).dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 };
     a + along * share
 }
 

@@ -1,6 +1,6 @@
 //! Polygons that meet themselves nowhere.
 
-use crate::plane::{Bounds, Ring, Vec2, segments_touch, turn};
+use crate::plane::{Bounds, InPlane, Ring, Vec2, segments_touch, turn};
 
 type Side = (Vec2, Vec2);
 
@@ -29,7 +29,7 @@ pub fn sides_that_meet(rings: &[Ring]) -> Option<[(usize, usize); 2]> {
     // Who follows shares a corner, and more only if it goes back along the other.
     let back = |i: usize, j: usize| {
         let ((from, over), (_, to)) = (sides[i], sides[j]);
-        turn(from, over, to) == 0.0 && (from - over).dot(to - over) > 0.0
+        turn(from, over, to) == 0.0 && (from - over).dot(&(to - over)) > 0.0
     };
     let meet = |i: usize, j: usize| {
         let ((a, b), (c, d)) = (sides[i], sides[j]);
@@ -76,7 +76,7 @@ mod tests {
             let ((a, b), (c, d)) = (sides[i], sides[j]);
             if j == i + 1 || (i == 0 && j + 1 == n) {
                 let (from, over, to) = if j == i + 1 { (a, b, d) } else { (c, a, b) };
-                turn(from, over, to) == 0.0 && (from - over).dot(to - over) > 0.0
+                turn(from, over, to) == 0.0 && (from - over).dot(&(to - over)) > 0.0
             } else {
                 segments_touch(a, b, c, d)
             }

@@ -100,7 +100,7 @@ pub fn boundary(disks: &[Disk]) -> Vec<Arc> {
 
 /// Returns the area, its first moments and its second polar moment about the point `about`.
 fn integrals(disks: &[Disk], arcs: &[Arc], about: Vec2) -> (f64, Vec2, f64) {
-    let (mut area, mut first, mut polar) = (0.0, Vec2::ZERO, 0.0);
+    let (mut area, mut first, mut polar) = (0.0, Vec2::zeros(), 0.0);
     for arc in arcs {
         let r = disks[arc.disk].radius;
         let c = disks[arc.disk].centre - about;
@@ -129,10 +129,10 @@ fn integrals(disks: &[Disk], arcs: &[Arc], about: Vec2) -> (f64, Vec2, f64) {
 pub fn union(disks: &[Disk]) -> Moments {
     let arcs = boundary(disks);
     // Relative to a point near the centroid, so that no digits are lost far from the origin.
-    let near = arcs.first().map_or(Vec2::ZERO, |arc| disks[arc.disk].centre);
+    let near = arcs.first().map_or(Vec2::zeros(), |arc| disks[arc.disk].centre);
     let (area, first, _) = integrals(disks, &arcs, near);
     if area <= 0.0 {
-        return Moments { area: 0.0, centroid: Vec2::ZERO, polar: 0.0 };
+        return Moments { area: 0.0, centroid: Vec2::zeros(), polar: 0.0 };
     }
     let centroid = near + first * (1.0 / area);
     let (area, rest, polar) = integrals(disks, &arcs, centroid);
@@ -158,7 +158,7 @@ mod tests {
         let low = disks.iter().map(|disk| disk.centre.y - disk.radius).fold(f64::INFINITY, f64::min);
         let high = disks.iter().map(|disk| disk.centre.y + disk.radius).fold(f64::NEG_INFINITY, f64::max);
         let height = (high - low) / f64::from(count);
-        let (mut area, mut first, mut second) = (0.0, Vec2::ZERO, 0.0);
+        let (mut area, mut first, mut second) = (0.0, Vec2::zeros(), 0.0);
         for strip in 0..count {
             let y = low + (f64::from(strip) + 0.5) * height;
             let mut pieces: Vec<(f64, f64)> = Vec::new();

@@ -1,6 +1,6 @@
 //! `Agents.xml`.
 
-use crate::plane::{Rotation, Vec2, shown_orientation};
+use crate::plane::{Vec2, rotation, shown_orientation};
 use crate::trial::schema::{Schema, Value};
 use crate::trial::xml::{Element, Ids, document, empty, read_id, vector};
 use crate::xml::{number, quoted};
@@ -64,8 +64,8 @@ impl Agent {
     pub fn disks_facing_x(&self) -> Vec<(Vec2, f64)> {
         let ends = self.shapes.first().zip(self.shapes.last());
         let turn = ends.map_or(0.0, |(first, last)| shown_orientation(first.position, last.position));
-        let back = Rotation::by(-turn);
-        self.shapes.iter().map(|shape| (shape.position.rotated(back), shape.radius)).collect()
+        let back = rotation(-turn);
+        self.shapes.iter().map(|shape| (back * shape.position, shape.radius)).collect()
     }
 }
 

@@ -91,7 +91,7 @@ impl AgentDynamics {
             velocity: twist.velocity,
             theta: pose.orientation,
             omega: twist.angular_velocity,
-            fp: Vec2::ZERO,
+            fp: Vec2::zeros(),
             mp: 0.0,
         }
     }

@@ -35,7 +35,7 @@ impl Pulse {
     /// \[N\]
     fn at_time(&self, time: f64) -> Vec2 {
         let share = (time - self.start) / self.duration;
-        if (0.0..=1.0).contains(&share) { self.force * libm::sin(PI * share) } else { Vec2::ZERO }
+        if (0.0..=1.0).contains(&share) { self.force * libm::sin(PI * share) } else { Vec2::zeros() }
     }
 
     /// \[s\] Where its straight pieces begin and end.

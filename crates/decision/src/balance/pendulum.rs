@@ -13,7 +13,7 @@
 
 use super::{Legs, Motion, STILL, at_most};
 use crate::error::{PlanError, not_negative, number};
-use lemons_core::plane::Vec2;
+use lemons_core::plane::{InPlane, Vec2};
 use serde::{Deserialize, Serialize};
 
 /// \[m/s²\] Acceleration of gravity.
@@ -161,7 +161,7 @@ impl Pendulum {
     /// \[m/s\] Returns the velocity of walking back.
     fn way_back(&self, legs: &Legs, at: Vec2) -> Vec2 {
         let way = (legs.aim - at) * (1.0 / ARRIVING);
-        if legs.calm > self.return_after { at_most(way, self.return_speed) } else { Vec2::ZERO }
+        if legs.calm > self.return_after { at_most(way, self.return_speed) } else { Vec2::zeros() }
     }
 
     /// Moves the legs of somebody who stands by a step of time \[s\].
@@ -178,13 +178,13 @@ impl Pendulum {
         if legs.step.is_none() && !self.is_balanced(legs, motion) {
             legs.step = Some(self.step_time);
         }
-        let back = if legs.step.is_none() { self.way_back(legs, motion.at) } else { Vec2::ZERO };
-        if back != Vec2::ZERO {
+        let back = if legs.step.is_none() { self.way_back(legs, motion.at) } else { Vec2::zeros() };
+        if back != Vec2::zeros() {
             // The feet come under the body.
             legs.at += back * step + (motion.at - legs.at) * (step / ARRIVING).min(1.0);
         }
         // Who walks back is not faster by much.
-        let slow = STILL + if back == Vec2::ZERO { 0.0 } else { self.return_speed };
+        let slow = STILL + if back == Vec2::zeros() { 0.0 } else { self.return_speed };
         if let Some(left) = &mut legs.step {
             *left = (*left - step).max(0.0);
             legs.calm = 0.0;
@@ -212,7 +212,7 @@ impl Pendulum {
 
     fn land(&self, legs: &mut Legs, motion: &Motion, around: Around) {
         let to = self.extrapolated(legs, motion);
-        let ahead = to.unit(1e-9).unwrap_or(Vec2::ZERO) * self.step_margin;
+        let ahead = to.unit(1e-9).unwrap_or(Vec2::zeros()) * self.step_margin;
         let falls = to.norm() > self.step_length + self.support;
         // A body that nothing holds would be faster and faster.
         let step = if falls { to } else { at_most(to + ahead, self.step_length) };
@@ -237,13 +237,13 @@ impl Around<'_> {
         let length = step.norm().max(1e-9);
         let before_wall = |&[a, b]: &[Vec2; 2]| {
             let (wall, to) = (b - a, a - from);
-            let cross = step.cross(wall);
-            let (part, place) = (to.cross(wall) / cross, to.cross(step) / cross);
+            let cross = step.perp(&wall);
+            let (part, place) = (to.perp(&wall) / cross, to.perp(&step) / cross);
             (part >= 0.0 && (0.0..=1.0).contains(&place)).then_some(part - TOES / length)
         };
         let before_feet = |&feet: &Vec2| {
-            let ahead = (feet - from).dot(step) / length;
-            let aside = (feet - from).cross(step) / length;
+            let ahead = (feet - from).dot(&step) / length;
+            let aside = (feet - from).perp(&step) / length;
             let half = (distance * distance - aside * aside).sqrt();
             (ahead > 0.0 && half > 0.0).then_some((ahead - half) / length)
         };
@@ -265,7 +265,7 @@ mod tests {
     /// Returns who is hit, and does not feel it as a load.
     fn hit(velocity: f64) -> (Legs, Motion) {
         let motion =
-            Motion { at: Vec2::ZERO, velocity: vec2(velocity, 0.0), damping: DAMPING, stature: STATURE };
+            Motion { at: Vec2::zeros(), velocity: vec2(velocity, 0.0), damping: DAMPING, stature: STATURE };
         (Legs::default().under(&motion, true), motion)
     }
 
@@ -315,7 +315,7 @@ mod tests {
         let v = -edge * rate() * libm::sinh(rate() * time) + velocity * libm::cosh(rate() * time);
         let found = (motion.at.x, motion.velocity.x);
         assert!((found.0 - x).abs() < 1e-6 && (found.1 - v).abs() < 1e-6, "{found:?} {x} {v}");
-        assert!(!model.is_balanced(&legs, &motion) && legs.at == Vec2::ZERO);
+        assert!(!model.is_balanced(&legs, &motion) && legs.at == Vec2::zeros());
         for margin in [0.0, 0.1] {
             let ahead = Pendulum { step_margin: margin, ..model };
             let (after, _) = pass(&ahead, hit(velocity), time + STEP);
@@ -361,7 +361,7 @@ mod tests {
         let room =
             |from: Vec2, step: Vec2, faces: &[[Vec2; 2]]| Around { faces, feet: &[] }.room(from, step, 0.1);
         for (x, part) in [(0.8, 1.0), (0.43, 0.6), (0.1, 0.0), (-0.1, 1.0)] {
-            assert!((room(Vec2::ZERO, step, &[wall(2.0), wall(x)]) - part).abs() < 1e-12, "{x}");
+            assert!((room(Vec2::zeros(), step, &[wall(2.0), wall(x)]) - part).abs() < 1e-12, "{x}");
         }
         // Beside its end, and along it.
         assert_eq!(room(vec2(0.0, 1.1), step, &[wall(0.2)]), 1.0);
@@ -376,8 +376,8 @@ mod tests {
             (-0.05, 0.0, 1.0),
         ];
         for (x, y, part) in places {
-            let around = Around { faces: &[], feet: &[Vec2::ZERO, vec2(x, y)] };
-            assert!((around.room(Vec2::ZERO, step, 0.1) - part).abs() < 1e-12, "{x} {y}");
+            let around = Around { faces: &[], feet: &[Vec2::zeros(), vec2(x, y)] };
+            assert!((around.room(Vec2::zeros(), step, 0.1) - part).abs() < 1e-12, "{x} {y}");
         }
     }
 

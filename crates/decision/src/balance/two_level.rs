@@ -9,7 +9,7 @@
 use super::{Legs, Motion, at_most};
 use crate::cells::{Cells, nearest_points};
 use crate::error::{PlanError, moderate, number};
-use lemons_core::plane::Vec2;
+use lemons_core::plane::{InPlane, Vec2};
 use serde::{Deserialize, Serialize};
 
 /// \[s\] Longest step of the legs' motion.
@@ -119,18 +119,20 @@ impl TwoLevel {
     /// \[m/s²\] Returns by how much legs of others and walls accelerate everybody's legs.
     fn repulsions(&self, people: &[Option<(Legs, Motion)>], faces: &[[Vec2; 2]]) -> Vec<Vec2> {
         if self.legs_distance == 0.0 || self.repulsion == 0.0 {
-            return vec![Vec2::ZERO; people.len()];
+            return vec![Vec2::zeros(); people.len()];
         }
         let range = self.legs_distance.max(1e-3);
         let seen = |i: usize, (legs, _): &(Legs, Motion)| (i, legs.at);
         let cells = Cells::new(people, |(legs, _)| legs.at, faces, (range, range), seen);
         let of = |away: Vec2, range: f64| {
             let near = self.repulsion * (1.0 - away.norm() / range).max(0.0);
-            away.unit(1e-9).map_or(Vec2::ZERO, |direction| direction * near)
+            away.unit(1e-9).map_or(Vec2::zeros(), |direction| direction * near)
         };
         let one = |(i, person): (usize, &Option<(Legs, Motion)>)| {
-            let Some((legs, _)) = person.as_ref().filter(|(legs, _)| legs.stands) else { return Vec2::ZERO };
-            let (mut sum, cell) = (Vec2::ZERO, cells.cell(legs.at));
+            let Some((legs, _)) = person.as_ref().filter(|(legs, _)| legs.stands) else {
+                return Vec2::zeros();
+            };
+            let (mut sum, cell) = (Vec2::zeros(), cells.cell(legs.at));
             cells.block(cell, 1, |&(k, at)| {
                 if k != i {
                     sum += of(legs.at - at, range);
@@ -200,6 +202,6 @@ mod tests {
         let wall = [vec2(5.05, -1.0), vec2(5.05, 1.0)];
         let by = model.repulsions(&people, &[wall]);
         assert!((by[0].x + 10.0 / 3.0).abs() < 1e-12 && by[0] == by[1] * -1.0, "{by:?}");
-        assert!((by[3].x + 10.0 * (1.0 - 0.05 / 0.15)).abs() < 1e-9 && by[2] == Vec2::ZERO, "{by:?}");
+        assert!((by[3].x + 10.0 * (1.0 - 0.05 / 0.15)).abs() < 1e-9 && by[2] == Vec2::zeros(), "{by:?}");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Decision;
 use crate::target::{Arrival, Destination, Ways};
-use lemons_core::plane::{Rotation, Vec2, segments_cross, vec2};
+use lemons_core::plane::{InPlane, Vec2, rotation, segments_cross, vec2};
 use lemons_fmi::Answer;
 
 /// What somebody wants now. See [`Decision::arrival`], [`Decision::goes`] and [`Decision::to_go`].
@@ -119,7 +119,7 @@ impl Decision {
             matches!(destination, Destination::Target(k) if !self.plan.targets[k].is_open(self.time));
         let (leg, turn) = (ways.leg(destination, agent.at(), closed), agent.choice.turn);
         // Without a change of the exit, not even rounding.
-        let turned = |way: Vec2| if turn == 0.0 { way } else { way.rotated(Rotation::by(turn)) };
+        let turned = |way: Vec2| if turn == 0.0 { way } else { rotation(turn) * way };
         let before_door = leg.direction.and_then(|way| self.share_before_door(i, way, leg.distance));
         let share = before_door.map_or(leg.share, |share| share.min(leg.share));
         let goes = leg.direction.map(|way| (turned(way), share * agent.walker.desired_speed));

@@ -73,7 +73,7 @@ impl Decision {
         let choice = &mut self.agents[i].choice;
         (choice.exit, choice.turn) = (Some(exit), 0.0);
         if let (Some((before, _)), Some((after, _))) = (before, self.goes(i)) {
-            self.agents[i].choice.turn = libm::atan2(after.cross(before), after.dot(before));
+            self.agents[i].choice.turn = libm::atan2(after.perp(&before), after.dot(&before));
         }
     }
 

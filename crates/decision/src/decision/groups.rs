@@ -11,7 +11,7 @@
 use super::{Aim, Decision};
 use crate::cells::sees;
 use crate::target::Arrival;
-use lemons_core::plane::Vec2;
+use lemons_core::plane::{InPlane, Vec2};
 use std::f64::consts::FRAC_PI_2;
 
 /// \[s\] τ, relaxation time of the velocity in models of social forces (Helbing, Farkas, Vicsek 2000).
@@ -81,7 +81,7 @@ impl Decision {
         // In front of a goal or a closed exit, everybody walks with a part of the desired speed.
         let speed = own * (slowest / self.agents[i].walker.desired_speed);
         let at = self.agents[i].at();
-        let (mut sum, mut push) = (Vec2::ZERO, Vec2::ZERO);
+        let (mut sum, mut push) = (Vec2::zeros(), Vec2::zeros());
         for &j in there.iter().filter(|&&j| j != i) {
             let to = self.agents[j].at() - at;
             let distance = to.norm();
@@ -89,24 +89,24 @@ impl Decision {
             if distance <= SIGHT && sees(at, at + to, &self.faces) || !further.is_finite() {
                 sum += to;
                 let near = ((APART - distance) / SOFT[2]).clamp(0.0, 1.0);
-                push -= to.unit(1e-9).unwrap_or(Vec2::ZERO) * (REPULSION * near);
+                push -= to.unit(1e-9).unwrap_or(Vec2::zeros()) * (REPULSION * near);
             } else {
                 sum += way * further;
             }
         }
         let centre = sum * (1.0 / there.len() as f64);
         let distance = centre.norm();
-        let towards = centre.unit(1e-9).unwrap_or(Vec2::ZERO);
+        let towards = centre.unit(1e-9).unwrap_or(Vec2::zeros());
         // From the gaze, people see 90° to each side.
-        let angle = libm::asin((-way.dot(towards)).clamp(0.0, 1.0)).min(FRAC_PI_2);
+        let angle = libm::asin((-way.dot(&towards)).clamp(0.0, 1.0)).min(FRAC_PI_2);
         let angle = angle * (distance / SOFT[0]).min(1.0);
         let far = ((distance - 0.5 * (there.len() - 1) as f64) / SOFT[1]).clamp(0.0, 1.0);
         let pull = towards * (ATTRACTION * far) + push;
         let wanted = (way * speed + pull * RELAXATION) * (1.0 / (1.0 + RELAXATION * VISION * angle));
-        let ahead = wanted.dot(way).max(0.0).min(own);
+        let ahead = wanted.dot(&way).max(0.0).min(own);
         let ahead = if ahead < speed && self.holds_up(i, there, way, aims, by_x) { speed } else { ahead };
         let most = ASIDE * speed;
-        let velocity = way * ahead + way.perp() * wanted.dot(way.perp()).max(-most).min(most);
+        let velocity = way * ahead + way.left() * wanted.dot(&way.left()).max(-most).min(most);
         Some((velocity.unit(1e-9).unwrap_or(way), velocity.norm().min(own)))
     }
 
@@ -117,8 +117,8 @@ impl Decision {
         let mut near = by_x[first..].iter().take_while(|(x, _)| *x <= at.x + HELD_UP);
         let behind = |&(_, j): &(f64, usize)| {
             let to = self.agents[j].at() - at;
-            let same = aims[j].goes.is_some_and(|(direction, _)| direction.dot(way) > 0.0);
-            same && to.dot(way) < 0.0 && to.dot(to) < HELD_UP * HELD_UP && !group.contains(&j)
+            let same = aims[j].goes.is_some_and(|(direction, _)| direction.dot(&way) > 0.0);
+            same && to.dot(&way) < 0.0 && to.dot(&to) < HELD_UP * HELD_UP && !group.contains(&j)
         };
         near.any(behind)
     }

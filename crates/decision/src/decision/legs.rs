@@ -98,7 +98,7 @@ mod tests {
 
     /// Sees person 0 here with a velocity along x \[m/s\], and passes a step \[s\].
     fn step(decision: &mut Decision, x: f64, velocity: f64, step: f64) -> f64 {
-        let far = (Pose { x: 50.0, ..Pose::default() }, Vec2::ZERO);
+        let far = (Pose { x: 50.0, ..Pose::default() }, Vec2::zeros());
         decision.see([(Pose { x, ..Pose::default() }, vec2(velocity, 0.0)), far].into_iter());
         let force = decision.acts().unwrap()[0].drive.force[0];
         decision.pass(step).unwrap();
@@ -169,11 +169,11 @@ mod tests {
             "balance = \"pendulum\"\nexits = [{ line = [[1, -5], [1, 5]] }]\n[agents.0]\nwaypoints = []\n[agents.1]\ndesired_speed = 0",
         );
         let still = Pose::default();
-        decision.see([(still, vec2(1.0, 0.0)), (still, Vec2::ZERO)].into_iter());
+        decision.see([(still, vec2(1.0, 0.0)), (still, Vec2::zeros())].into_iter());
         assert_eq!([0, 1].map(|i| decision.number(Quantity::Balanced, i).unwrap()), [0.0, 1.0]);
         // Person 1 is pushed out.
         for x in [0.5, 0.9, 1.3, 1.5] {
-            decision.see([(still, Vec2::ZERO), (Pose { x, ..still }, vec2(2.0, 0.0))].into_iter());
+            decision.see([(still, Vec2::zeros()), (Pose { x, ..still }, vec2(2.0, 0.0))].into_iter());
             decision.acts().unwrap();
             decision.pass(0.1).unwrap();
         }
@@ -209,7 +209,7 @@ mod tests {
         );
         let mut balanced = |x: f64| {
             let other = Pose { x, y: 0.9, theta: 0.0 };
-            decision.see([(Pose::default(), vec2(1.0, 0.0)), (other, Vec2::ZERO)].into_iter());
+            decision.see([(Pose::default(), vec2(1.0, 0.0)), (other, Vec2::zeros())].into_iter());
             decision.number(Quantity::Balanced, 0).unwrap()
         };
         assert_eq!([0.0, -5.0].map(&mut balanced), [1.0, 0.0]);

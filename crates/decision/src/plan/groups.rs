@@ -5,7 +5,7 @@ use crate::config::{DecisionConfig, GroupsConfig};
 use crate::error::{MOST_MEMBERS, PlanError, not_negative, number, positive};
 use crate::person::Person;
 use crate::stuck::{draw, share};
-use lemons_core::plane::{Vec2, vec2};
+use lemons_core::plane::{InPlane, Vec2, vec2};
 use std::collections::HashMap;
 
 /// Relative numbers of groups of two, three and four: those of a Poisson distribution with a mean of 1.

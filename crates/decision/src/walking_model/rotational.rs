@@ -20,7 +20,7 @@
 
 use super::{CLOSE, DesiredMotion, FAR, Walking};
 use crate::cells::{Cells, nearest_points, sees};
-use lemons_core::plane::{Rotation, Vec2, vec2};
+use lemons_core::plane::{InPlane, Rotation, Vec2, rotation, vec2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
@@ -154,7 +154,7 @@ impl Surroundings {
                 faces,
                 (CELL, SIGHT),
                 |person, walking| {
-                    let direction = walking.direction.unwrap_or(Vec2::ZERO);
+                    let direction = walking.direction.unwrap_or(Vec2::zeros());
                     let Walking { at, velocity, breadth, depth, .. } = *walking;
                     Other { at, velocity, direction, person, breadth, depth }
                 },
@@ -215,7 +215,7 @@ impl<'a> View<'a> {
         let (at, cells) = (walking.at, &surroundings.cells);
         let faces = cells.faces(cells.cell(at));
         let reference = (goal + walls(at, faces)).unit(1e-9).unwrap_or(goal);
-        let direction = reference.rotated(Rotation::by(walking.steering));
+        let direction = rotation(walking.steering) * reference;
         let [here, soon] = widths(at, goal, faces);
         View {
             walking,
@@ -265,15 +265,15 @@ impl<'a> View<'a> {
     fn see(&self, other: &Other, seen: &mut Seen) {
         let walking = self.walking;
         let to = other.at - walking.at;
-        let square = to.dot(to);
-        let ahead = self.ways.map(|way| way.dot(to));
-        let along = self.reference.dot(to);
+        let square = to.dot(&to);
+        let ahead = self.ways.map(|way| way.dot(&to));
+        let along = self.reference.dot(&to);
         let is_ahead = along > 0.0 || ahead[0] > 0.0 || ahead[1] > 0.0;
         let close = square < TURNING.0 * TURNING.0 && ahead[1] > -2.0 * RADIUS;
         if !is_ahead && !close || square > SIGHT * SIGHT || square == 0.0 {
             return;
         }
-        let oncoming = other.direction.dot(self.ways[1]) < 0.0;
+        let oncoming = other.direction.dot(&self.ways[1]) < 0.0;
         if oncoming && close && !seen.passes_close {
             seen.passes_close = self.parts(other) && self.is_visible(other);
         }
@@ -281,11 +281,11 @@ impl<'a> View<'a> {
             return;
         }
         if !oncoming && along > 0.0 {
-            let side = self.reference.cross(to);
+            let side = self.reference.perp(&to);
             let far = along / AHEAD + side.abs() / ACROSS;
             if far < seen.leader.0 && self.is_visible(other) {
                 seen.leader = (far, side);
-                seen.leads_on = other.direction.dot(self.ways[1]) > 0.0;
+                seen.leads_on = other.direction.dot(&self.ways[1]) > 0.0;
             }
         }
         // Where two do not fit side by side, one goes after the other.
@@ -293,13 +293,13 @@ impl<'a> View<'a> {
         let single = self.corridor < both + ROOM;
         let gives_way = || self.narrowest < walking.depth + other.depth + ROOM && self.is_nearer(other);
         let half = if single || gives_way() { 0.5 * both } else { LANE };
-        let in_lane = [0, 1].map(|k| ahead[k] > 0.0 && self.ways[k].cross(to).abs() <= half);
+        let in_lane = [0, 1].map(|k| ahead[k] > 0.0 && self.ways[k].perp(&to).abs() <= half);
         if in_lane != [false; 2] {
             let relative = self.expected - other.velocity;
-            let passes = oncoming && !single && relative.cross(to).abs() > PASSING * relative.norm();
+            let passes = oncoming && !single && relative.perp(&to).abs() > PASSING * relative.norm();
             if !passes {
                 let distance = square.sqrt();
-                let approach = (walking.velocity - other.velocity).dot(to) / distance;
+                let approach = (walking.velocity - other.velocity).dot(&to) / distance;
                 let time = if approach < 0.0 { FOLLOWING[usize::from(single)] } else { walking.relaxation };
                 // The gap was seen before.
                 let time = time - walking.reaction_time;
@@ -310,7 +310,7 @@ impl<'a> View<'a> {
                     }
                 }
                 if in_lane[1] && distance < CLOSE + 2.0 * RADIUS && !seen.queues && self.is_visible(other) {
-                    let goes_on = other.direction != Vec2::ZERO;
+                    let goes_on = other.direction != Vec2::zeros();
                     seen.queues = single && !oncoming || goes_on && self.is_nearer(other);
                 }
             }
@@ -324,12 +324,12 @@ impl<'a> View<'a> {
     fn see_oncoming(&self, other: &Other, to: Vec2, ahead: f64, seen: &mut Seen) {
         let (early, least, extrapolated) = EARLY;
         let goal = self.ways[1];
-        let closing = goal.dot(self.walking.velocity - other.velocity).max(CLOSING);
+        let closing = goal.dot(&(self.walking.velocity - other.velocity)).max(CLOSING);
         let time = ((ahead - 2.0 * RADIUS) / closing).max(least);
         if time >= early {
             return;
         }
-        let offset = goal.cross(to + other.velocity * time.min(extrapolated));
+        let offset = goal.perp(&(to + other.velocity * time.min(extrapolated)));
         let left = usize::from(offset > 0.0);
         let missing = CLEARANCE - offset.abs();
         let is_more = missing / time > seen.demanded[left] || missing > -OVERTAKING && !seen.blocked[left];
@@ -350,7 +350,7 @@ impl<'a> View<'a> {
             walking.relaxation.max(walking.reaction_time) * (walking.velocity.norm() + fastest);
         // Oncoming people who are further ahead, or to the side, are not evaded.
         let evaded = surroundings.opposing(goal).then(|| {
-            let closing = (goal.dot(walking.velocity) + fastest).max(CLOSING);
+            let closing = (goal.dot(&walking.velocity) + fastest).max(CLOSING);
             (2.0 * RADIUS + EARLY.0 * closing, CLEARANCE + OVERTAKING + EARLY.2 * fastest)
         });
         // In a corridor, distances along the way count, which are shorter.
@@ -378,8 +378,8 @@ impl<'a> View<'a> {
                 evaded.is_some_and(|(far, aside)| {
                     most(goal) > -2.0 * RADIUS
                         && -most(-goal) < far
-                        && most(goal.perp()) > -aside
-                        && most(-goal.perp()) > -aside
+                        && most(goal.left()) > -aside
+                        && most(-goal.left()) > -aside
                 })
             };
             cells.ring(cell, ring, counts, |other| self.see(other, &mut seen));
@@ -431,10 +431,10 @@ fn of_one(
     let turned = turned.or_else(|| seen.passes_close.then(|| sideways(goal, TURNING.1, walking.theta)));
     let facing = turned.unwrap_or_else(|| super::facing(goal, direction * speed));
     DesiredMotion {
-        velocity: velocity + change * most.min(1.0) + goal.perp() * (slow * sway * libm::sin(walking.phase)),
+        velocity: velocity + change * most.min(1.0) + goal.left() * (slow * sway * libm::sin(walking.phase)),
         speed: if fits { quiet.clamp(0.0, walking.speed) } else { 0.0 },
-        force: Vec2::ZERO,
-        facing: Some(facing.rotated(Rotation::by(slow * turn * libm::cos(walking.phase)))),
+        force: Vec2::zeros(),
+        facing: Some(rotation(slow * turn * libm::cos(walking.phase)) * facing),
         queues: seen.queues,
         steering: steering.clamp(-FRAC_PI_2, FRAC_PI_2),
     }
@@ -451,18 +451,18 @@ fn walls(at: Vec2, faces: &[[Vec2; 2]]) -> Vec2 {
     let repulsion = near.map(|(point, distance)| {
         (at - point) * (WALL.0 * libm::exp((RADIUS - distance) / WALL.1) / distance)
     });
-    repulsion.fold(Vec2::ZERO, |sum, force| sum + force)
+    repulsion.fold(Vec2::zeros(), |sum, force| sum + force)
 }
 
 /// \[m\] Returns the free widths across the way, here and a little ahead; infinite if there is not a wall on either side.
 fn widths(at: Vec2, goal: Vec2, faces: &[[Vec2; 2]]) -> [f64; 2] {
-    let across = goal.perp();
+    let across = goal.left();
     let mut sides = [[f64::INFINITY; 2]; 2];
     for &[a, b] in faces {
         for (at, sides) in [at, at + goal * LOOK].into_iter().zip(&mut sides) {
-            let (from, to) = ((a - at).dot(goal), (b - at).dot(goal));
+            let (from, to) = ((a - at).dot(&goal), (b - at).dot(&goal));
             if (from > 0.0) != (to > 0.0) {
-                let offset = (a + (b - a) * (from / (from - to)) - at).dot(across);
+                let offset = (a + (b - a) * (from / (from - to)) - at).dot(&across);
                 let side = &mut sides[usize::from(offset > 0.0)];
                 *side = side.min(offset.abs());
             }
@@ -481,7 +481,7 @@ fn shoulders(walking: &Walking<'_>, goal: Vec2, width: f64) -> (Option<Vec2>, bo
     // The outline across the way of somebody whose gaze is turned from it.
     let breadth = |turn: Rotation| {
         let edges = walking.disks.iter().map(|&[x, y, radius]| {
-            let offset = vec2(x, y).rotated(turn).y;
+            let offset = (turn * vec2(x, y)).y;
             [offset - radius, offset + radius]
         });
         let [low, high] =
@@ -489,24 +489,24 @@ fn shoulders(walking: &Walking<'_>, goal: Vec2, width: f64) -> (Option<Vec2>, bo
         high - low
     };
     let turns = (1..TURNS).map(|k| FRAC_PI_2 * f64::from(k) / f64::from(TURNS));
-    let fitting = turns.into_iter().find(|&angle| !walking.stuck && breadth(Rotation::by(angle)) <= narrow);
+    let fitting = turns.into_iter().find(|&angle| !walking.stuck && breadth(rotation(angle)) <= narrow);
     let angle = fitting.unwrap_or(FRAC_PI_2);
-    let gaze = vec2(1.0, 0.0).rotated(Rotation::by(walking.theta));
-    let now = Rotation::by(libm::atan2(goal.cross(gaze), goal.dot(gaze)));
+    let gaze = rotation(walking.theta) * vec2(1.0, 0.0);
+    let now = rotation(libm::atan2(goal.perp(&gaze), goal.dot(&gaze)));
     let fits = breadth(now) <= width - TIGHT;
     (Some(sideways(goal, angle, walking.theta)), fits)
 }
 
 /// Returns a direction turned by an angle to the side that is nearer to a gaze at `theta`.
 fn sideways(way: Vec2, angle: f64, theta: f64) -> Vec2 {
-    let gaze = vec2(1.0, 0.0).rotated(Rotation::by(theta));
-    let [left, right] = [angle, -angle].map(|angle| way.rotated(Rotation::by(angle)));
-    if left.dot(gaze) >= right.dot(gaze) { left } else { right }
+    let gaze = rotation(theta) * vec2(1.0, 0.0);
+    let [left, right] = [angle, -angle].map(|angle| rotation(angle) * way);
+    if left.dot(&gaze) >= right.dot(&gaze) { left } else { right }
 }
 
 /// Returns the eighth of the circle in which a direction lies, from 0 to 7.
 fn eighth(direction: Vec2) -> u32 {
-    let Vec2 { x, y } = direction;
+    let [x, y] = direction.into();
     let second = (x < 0.0) != (y < 0.0);
     u32::from(y < 0.0) << 2 | u32::from(second) << 1 | u32::from((x.abs() < y.abs()) != second)
 }
@@ -563,7 +563,7 @@ mod tests {
     fn who_reacts_late_sees_an_earlier_gap() {
         for reaction_time in [0.0, 0.22, 0.5] {
             let ahead = vec2(1.0, 0.0);
-            let one = Walking { reaction_time, ..person(Vec2::ZERO, ahead * 0.7, ahead) };
+            let one = Walking { reaction_time, ..person(Vec2::zeros(), ahead * 0.7, ahead) };
             let people = [one, person(ahead, ahead * 0.3, ahead)].map(Some);
             let speed = desired(&Rotational::default(), &people, &[])[0].velocity.x;
             let gap = 1.0 - 0.3 - 0.4 * (0.22 - reaction_time);
@@ -575,7 +575,7 @@ mod tests {
     fn two_who_meet_both_step_aside_by_what_is_missing_and_those_with_one_destination_do_not() {
         let meet = |offset: f64, destination, waypoint| {
             let (there, back) = (vec2(1.0, 0.0), vec2(-1.0, 0.0));
-            let one = person(Vec2::ZERO, there, there);
+            let one = person(Vec2::zeros(), there, there);
             let other = Walking { destination, waypoint, ..person(vec2(3.3, offset), back, back) };
             let both = desired(&Rotational::default(), &[Some(one), Some(other)], &[]);
             [both[0].steering, both[1].steering]
@@ -602,7 +602,7 @@ mod tests {
         let steering = |y: f64| {
             let slow = person(vec2(0.8, -0.1), there * 0.3, there);
             let other = Walking { destination: 1, ..person(vec2(3.5, y), back, back) };
-            let people = [person(Vec2::ZERO, there, there), slow, other].map(Some);
+            let people = [person(Vec2::zeros(), there, there), slow, other].map(Some);
             desired(&Rotational::default(), &people, &[])[0].steering
         };
         // There, one walks behind the slow one: to the right.
@@ -638,10 +638,10 @@ mod tests {
             let mut people = crowd(seed, vec2(side, side), count);
             for (k, one) in people.iter_mut().enumerate() {
                 // All ways; some stand, some have a steering angle, and in dense crowds all are slow.
-                let turn = Rotation::by(seed as f64 + if seed.is_multiple_of(2) { 0.0 } else { k as f64 });
+                let turn = rotation(seed as f64 + if seed.is_multiple_of(2) { 0.0 } else { k as f64 });
                 let slow = if seed.is_multiple_of(3) { 0.1 } else { 1.0 };
-                one.direction = one.direction.filter(|_| !k.is_multiple_of(11)).map(|way| way.rotated(turn));
-                one.velocity = one.velocity.rotated(turn) * slow;
+                one.direction = one.direction.filter(|_| !k.is_multiple_of(11)).map(|way| turn * way);
+                one.velocity = turn * one.velocity * slow;
                 one.steering = if k.is_multiple_of(5) { 0.7 } else { 0.0 };
                 one.reaction_time = if k.is_multiple_of(7) { 2.5 } else { 0.0 };
             }
@@ -653,7 +653,7 @@ mod tests {
                 let mut all = view.nobody();
                 for (person, other) in people.iter().flatten().enumerate() {
                     let Walking { at, velocity, breadth, depth, .. } = *other;
-                    let direction = other.direction.unwrap_or(Vec2::ZERO);
+                    let direction = other.direction.unwrap_or(Vec2::zeros());
                     view.see(&Other { at, velocity, direction, person, breadth, depth }, &mut all);
                 }
                 assert_eq!(view.see_all(&surroundings), all, "{seed}: {:?}", walking.at);
@@ -667,9 +667,9 @@ mod tests {
     fn nobody_walks_behind_somebody_who_stands() {
         let (there, back) = (vec2(1.0, 0.0), vec2(-1.0, 0.0));
         let steering = |direction| {
-            let leader = Walking { direction, ..person(vec2(0.8, -0.1), Vec2::ZERO, there) };
+            let leader = Walking { direction, ..person(vec2(0.8, -0.1), Vec2::zeros(), there) };
             let other = Walking { destination: 1, ..person(vec2(3.5, 0.8), back, back) };
-            let people = [person(Vec2::ZERO, there, there), leader, other].map(Some);
+            let people = [person(Vec2::zeros(), there, there), leader, other].map(Some);
             desired(&Rotational::default(), &people, &[])[0].steering
         };
         assert!(steering(Some(there)) < -0.1);
@@ -700,7 +700,7 @@ mod tests {
         // Somebody far away makes the cells others.
         let mut others = crowd.clone();
         others.reverse();
-        others.push(person(vec2(-7.13, -9.31), Vec2::ZERO, vec2(1.0, 0.0)));
+        others.push(person(vec2(-7.13, -9.31), Vec2::zeros(), vec2(1.0, 0.0)));
         let other = of(&others, &walls);
         let mirror = |at: Vec2| vec2(at.x, -at.y);
         let mirrored: Vec<_> = crowd

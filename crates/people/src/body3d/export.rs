@@ -1,6 +1,7 @@
 //! Writes bodies for other tools: OBJ, STL, GeoJSON, WKT. In metres, z up.
 
 use super::{CrowdSection, MeshPart, Polygon};
+use nalgebra::Vector3;
 use std::io::{self, Error, ErrorKind, Write};
 
 /// Writes surfaces as Wavefront OBJ, one group for each part.
@@ -41,7 +42,7 @@ pub fn write_stl(parts: &[MeshPart], to: &mut impl Write) -> io::Result<()> {
     for part in parts {
         for &triangle in &part.triangles {
             let [a, b, c] = triangle.map(|index| part.vertices[index as usize]);
-            for corner in [normal(a, b, c), finite(a)?, finite(b)?, finite(c)?] {
+            for corner in [normal([a, b, c]), finite(a)?, finite(b)?, finite(c)?] {
                 to.write_all(&corner.map(|value| (value as f32).to_le_bytes()).concat())?;
             }
             to.write_all(&[0; 2])?;
@@ -60,11 +61,9 @@ fn finite(point: [f64; 3]) -> io::Result<[f64; 3]> {
 }
 
 /// Returns the unit normal of a triangle, zero if it has no area.
-fn normal(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
-    let [u, v] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
-    let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
-    if length > 0.0 { n.map(|x| x / length) } else { [0.0; 3] }
+fn normal(corners: [[f64; 3]; 3]) -> [f64; 3] {
+    let [a, b, c] = corners.map(Vector3::from);
+    (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default().into()
 }
 
 /// Writes sections as GeoJSON: a FeatureCollection with one feature for each outline. Its properties are `altitude`

@@ -11,7 +11,8 @@ use crate::person::{Person, Sex};
 use crate::population::Agent;
 use crate::shape::{Shape, bounds};
 use crate::trial::PART_MATERIALS;
-use lemons_core::plane::{Disk, Pose, Rotation, Vec2, vec2};
+use lemons_core::plane::{Disk, Pose, Vec2, rotation, vec2};
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::{Arc, LazyLock};
 
@@ -41,7 +42,7 @@ impl Figure {
     /// As those of [`Body3d::similar`].
     pub fn of(agent: &Agent) -> Result<Figure> {
         match agent {
-            Agent::Pedestrian(person) => Figure::new(None, &[(*person, Vec2::ZERO)]),
+            Agent::Pedestrian(person) => Figure::new(None, &[(*person, Vec2::zeros())]),
             Agent::Member(member) => Figure::new(Some(member.kind.clone()), &member.people),
             Agent::Bicycle(_) => Ok(Figure::default()),
         }
@@ -55,7 +56,7 @@ impl Figure {
     pub fn fitting(agent: &lemons_core::trial::Agent) -> Result<Figure> {
         match people_fitting(agent) {
             Some((kind, people)) => Figure::new(Some(kind), &people),
-            None => Figure::new(None, &[(Person::fitting(agent), Vec2::ZERO)]),
+            None => Figure::new(None, &[(Person::fitting(agent), Vec2::zeros())]),
         }
     }
 
@@ -120,10 +121,10 @@ impl Figure {
 
     /// Returns all parts at a pose, in world coordinates; the names begin with the agent's Id.
     pub fn surfaces(&self, id: &str, pose: &Pose) -> impl Iterator<Item = MeshPart> + use<> {
-        let (turn, position, id) = (Rotation::by(pose.orientation), pose.position, plain(id));
+        let (turn, position, id) = (rotation(pose.orientation), pose.position, plain(id));
         self.bodies(true).into_iter().chain(self.things()).map(move |mut part| {
             for [x, y, _] in &mut part.vertices {
-                let point = vec2(*x, *y).rotated(turn) + position;
+                let point = turn * vec2(*x, *y) + position;
                 (*x, *y) = (point.x, point.y);
             }
             MeshPart { name: format!("agent_{id}_{}", part.name), ..part }
@@ -263,7 +264,7 @@ impl Bend {
         } else {
             (vec2(1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0))
         };
-        let turned = |of: Vec2, by: f64| of.rotated(Rotation::by(if down { by } else { -by }));
+        let turned = |of: Vec2, by: f64| rotation(if down { by } else { -by }) * of;
         let first = (straight - 0.5 * radius * angle).max(0.0);
         let middle = start + along * first + inwards * radius;
         for place in &mut part.vertices {
@@ -282,8 +283,8 @@ fn solids(part: &Part) -> Vec<MeshPart> {
     let name = plain(&part.name);
     let [low, high] = part.height;
     let cylinder = |&[x, y, radius]: &[f64; 3]| {
-        let (middle, half) = ([x, y, 0.5 * (low + high)], 0.5 * (high - low));
-        prism(middle, [[radius, 0.0, 0.0], [0.0, radius, 0.0], [0.0, 0.0, half]], SIDES)
+        let size = Vector3::new(radius, radius, 0.5 * (high - low));
+        prism(Vector3::new(x, y, 0.5 * (low + high)), Matrix3::from_diagonal(&size), SIDES)
     };
     let made: Vec<MeshPart> = match &part.solids[..] {
         [] => part.disks.iter().map(cylinder).collect(),
@@ -299,33 +300,34 @@ fn solid(solid: &Solid) -> MeshPart {
             let [x, y, z] = sides.map(|[from, to]| 0.5 * (to - from));
             let middle = sides.map(|[from, to]| 0.5 * (to + from));
             let root = 2.0f64.sqrt();
-            prism(middle, [[x * root, 0.0, 0.0], [0.0, y * root, 0.0], [0.0, 0.0, z]], 4)
+            prism(middle.into(), Matrix3::from_diagonal(&Vector3::new(x * root, y * root, z)), 4)
         }
         Solid::Wheel([x, y, z, radius, width]) => {
-            prism([x, y, z], [[0.0, 0.0, radius], [radius, 0.0, 0.0], [0.0, 0.5 * width, 0.0]], SIDES)
+            let axes = [[0.0, 0.0, radius], [radius, 0.0, 0.0], [0.0, 0.5 * width, 0.0]];
+            prism(Vector3::new(x, y, z), axes.into(), SIDES)
         }
         Solid::Bar(from, to, thick) => {
-            let (middle, half) = (add(from, to, 0.5, 0.5), add(to, from, 0.5, -0.5));
+            let [from, to] = [from, to].map(Vector3::from);
+            let (middle, half) = ((from + to) * 0.5, (to - from) * 0.5);
             // Any direction that is not along the bar.
-            let helper = if half[2].abs() > 0.9 * length(half) { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] };
-            let across = cross(helper, half);
-            let across = scaled(across, 0.5 * thick / length(across));
-            let other = cross(half, across);
-            prism(middle, [across, scaled(other, 0.5 * thick / length(other)), half], 8)
+            let helper = if half.z.abs() > 0.9 * half.norm() { Vector3::x() } else { Vector3::z() };
+            let across = helper.cross(&half).normalize() * (0.5 * thick);
+            let other = half.cross(&across).normalize() * (0.5 * thick);
+            prism(middle, Matrix3::from_columns(&[across, other, half]), 8)
         }
     }
 }
 
-/// A closed prism about a point: a polygon in the plane of the first two axes, along both directions of the third one.
-/// The axes are right-handed. A polygon of four corners has its sides, not its corners, along them.
-fn prism(middle: [f64; 3], [a, b, c]: [[f64; 3]; 3], sides: usize) -> MeshPart {
+/// A closed prism about a point: a polygon in the plane of the first two axes (columns), along both directions of the
+/// third one. The axes are right-handed. A polygon of four corners has its sides, not its corners, along them.
+fn prism(middle: Vector3<f64>, axes: Matrix3<f64>, sides: usize) -> MeshPart {
     let mut part = MeshPart { name: String::new(), vertices: Vec::new(), triangles: Vec::new() };
     for end in [-1.0, 1.0] {
-        let centre = add(middle, c, 1.0, end);
-        part.vertices.push(centre);
+        let mut add = |x, y| part.vertices.push((middle + axes * Vector3::new(x, y, end)).into());
+        add(0.0, 0.0);
         for k in 0..sides {
-            let (sin, cos) = (TAU * (k as f64 + 0.5) / sides as f64).sin_cos();
-            part.vertices.push(add(add(centre, a, 1.0, cos), b, 1.0, sin));
+            let turn = rotation(TAU * (k as f64 + 0.5) / sides as f64);
+            add(turn.re, turn.im);
         }
     }
     let ring = sides as u32 + 1;
@@ -335,20 +337,4 @@ fn prism(middle: [f64; 3], [a, b, c]: [[f64; 3]; 3], sides: usize) -> MeshPart {
         part.triangles.extend([[one, next, ring + next], [one, ring + next, ring + one]]);
     }
     part
-}
-
-fn add(a: [f64; 3], b: [f64; 3], by_a: f64, by_b: f64) -> [f64; 3] {
-    std::array::from_fn(|k| by_a * a[k] + by_b * b[k])
-}
-
-fn scaled(a: [f64; 3], by: f64) -> [f64; 3] {
-    a.map(|value| by * value)
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn length(a: [f64; 3]) -> f64 {
-    a.iter().map(|value| value * value).sum::<f64>().sqrt()
 }

@@ -3,7 +3,7 @@
 use super::outline::POINTS;
 use super::skin::Ring;
 use super::{Body3d, Part};
-use lemons_core::plane::{Pose, Rotation, Vec2};
+use lemons_core::plane::{Pose, Vec2, rotation, vec2};
 
 /// A closed surface of one part of a body.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +77,7 @@ impl MeshPart {
 
     /// Closes a ring with a fan about the mean of its points. All of them are visible from there.
     fn cap(&mut self, ring: &Ring, indices: &[u32], is_top: bool) {
-        let sum = ring.points.iter().fold(Vec2::ZERO, |sum, &point| sum + point);
+        let sum = ring.points.iter().fold(Vec2::zeros(), |sum, &point| sum + point);
         let centre = self.vertex(sum * (1.0 / POINTS as f64), ring.z);
         for i in 0..indices.len() {
             let (a, b) = (indices[i], indices[(i + 1) % indices.len()]);
@@ -108,11 +108,11 @@ impl Body3d {
 
     /// Returns the same of an agent at a pose, in world coordinates; the parts' names begin with the agent's Id.
     pub fn surfaces(&self, id: &str, pose: &Pose) -> impl Iterator<Item = MeshPart> + use<> {
-        let turn = Rotation::by(pose.orientation);
+        let turn = rotation(pose.orientation);
         let (parts, id, position) = (self.mesh().into_iter(), id.to_owned(), pose.position);
         parts.map(move |mut part| {
             for [x, y, _] in &mut part.vertices {
-                let point = Vec2 { x: *x, y: *y }.rotated(turn) + position;
+                let point = turn * vec2(*x, *y) + position;
                 (*x, *y) = (point.x, point.y);
             }
             MeshPart { name: format!("agent_{id}_{}", part.name), ..part }

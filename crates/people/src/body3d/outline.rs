@@ -110,7 +110,7 @@ impl Oval {
     pub(super) fn far_side(self, from: Vec2, way: Vec2) -> Option<f64> {
         let scaled = |v: Vec2| vec2(v.x / self.depth, v.y / self.breadth);
         let (start, way) = (scaled(from - self.centre), scaled(way));
-        let (a, b, c) = (way.dot(way), start.dot(way), start.dot(start) - 1.0);
+        let (a, b, c) = (way.dot(&way), start.dot(&way), start.dot(&start) - 1.0);
         let discriminant = b * b - a * c;
         if discriminant < 0.0 {
             return None;
@@ -155,18 +155,18 @@ mod tests {
     #[test]
     fn girths_are_those_of_closed_forms() {
         let ways = directions(0.0);
-        let circle = Oval::new(0.0, Vec2::ZERO, 0.2, 0.2);
+        let circle = Oval::new(0.0, Vec2::zeros(), 0.2, 0.2);
         assert!((circle.girth(&ways) - PI * 0.2).abs() < 1e-3 * PI * 0.2);
         assert!((ellipse_girth(0.1, 0.1) - PI * 0.2).abs() < 1e-15);
         // 4 a E(e), a = 2, b = 1: 9.688448220547...
         assert!((ellipse_girth(2.0, 1.0) - 9.688_448_220_547).abs() < 1e-4);
         assert!((depth_of_girth(4.0, 9.688_448_220_547, 0.3, 2.0) - 2.0).abs() < 1e-4);
-        let girthed = Oval::of_girth(0.0, Vec2::ZERO, 0.5, 1.2);
+        let girthed = Oval::of_girth(0.0, Vec2::zeros(), 0.5, 1.2);
         assert!(
             (girthed.girth(&ways) - 0.5).abs() < 1e-3
                 && (girthed.depth / girthed.breadth - 1.2).abs() < 1e-12
         );
-        let full = Oval::new(0.0, Vec2::ZERO, 0.33, 0.24).with_girth(0.94);
+        let full = Oval::new(0.0, Vec2::zeros(), 0.33, 0.24).with_girth(0.94);
         assert!((full.girth(&ways) - 0.94).abs() < 1e-3 && full.fullness > 2.0, "{full:?}");
     }
 }

@@ -57,7 +57,7 @@ fn slopes(landmarks: &[Ring]) -> Vec<[Vec2; POINTS]> {
     (0..count)
         .map(|k| {
             std::array::from_fn(|i| match (k, count) {
-                (_, 0 | 1) => Vec2::ZERO,
+                (_, 0 | 1) => Vec2::zeros(),
                 (0, _) => secant(0, i),
                 (k, _) if k == count - 1 => secant(k - 1, i),
                 _ => {

@@ -3,7 +3,7 @@
 use super::outline::{POINTS, Points};
 use super::skin::Ring;
 use super::{Body3d, Part};
-use lemons_core::plane::{Pose, Rotation, Vec2};
+use lemons_core::plane::{Pose, Vec2, rotation};
 
 /// A slice of one part of a body.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,18 +24,18 @@ impl Polygon {
     pub fn centroid(&self) -> Vec2 {
         let start = self.points[0];
         let corners = self.points.iter().zip(self.points.iter().cycle().skip(1));
-        let (sum, twice) = corners.fold((Vec2::ZERO, 0.0), |(sum, twice), (&a, &b)| {
+        let (sum, twice) = corners.fold((Vec2::zeros(), 0.0), |(sum, twice), (&a, &b)| {
             let (a, b) = (a - start, b - start);
-            (sum + (a + b) * a.cross(b), twice + a.cross(b))
+            (sum + (a + b) * a.perp(&b), twice + a.perp(&b))
         });
         start + sum * (1.0 / (3.0 * twice))
     }
 
     /// Returns the outline of a body at a pose, in world coordinates.
     pub fn at(mut self, pose: &Pose) -> Polygon {
-        let turn = Rotation::by(pose.orientation);
+        let turn = rotation(pose.orientation);
         for point in &mut self.points {
-            *point = point.rotated(turn) + pose.position;
+            *point = turn * *point + pose.position;
         }
         self
     }
@@ -45,7 +45,7 @@ impl Polygon {
 fn area(points: &[Vec2]) -> f64 {
     let start = points[0];
     let pairs = points.iter().zip(&points[1..]);
-    0.5 * pairs.map(|(&a, &b)| (a - start).cross(b - start)).sum::<f64>()
+    0.5 * pairs.map(|(&a, &b)| (a - start).perp(&(b - start))).sum::<f64>()
 }
 
 /// \[m³\] Volume through rings. Between two of them the area is a quadratic of the altitude, which Simpson's rule

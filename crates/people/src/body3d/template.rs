@@ -67,7 +67,7 @@ impl Template {
         let measures = Measures::of(person);
         let m = |name| measures.get(name);
         let fullness =
-            |breadth, depth, girth| Oval::new(0.0, Vec2::ZERO, breadth, depth).with_girth(girth).fullness;
+            |breadth, depth, girth| Oval::new(0.0, Vec2::zeros(), breadth, depth).with_girth(girth).fullness;
         Template {
             heights: Heights::of(&measures),
             fullness: [

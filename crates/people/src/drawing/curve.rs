@@ -2,28 +2,29 @@
 
 use super::MOST;
 use crate::error::{Result, require};
-use lemons_core::plane::{Vec2, vec2};
+use lemons_core::plane::{InPlane, Vec2, vec2};
+use nalgebra::Matrix2;
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// More pieces of one curve are a mistake.
 const MOST_PIECES: f64 = 1e5;
 
-/// A map p -> origin + x p.x + y p.y.
+/// A map p -> origin + linear p.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Affine {
-    pub x: Vec2,
-    pub y: Vec2,
+    /// Maps a difference of two points.
+    pub linear: Matrix2<f64>,
     pub origin: Vec2,
 }
 
 impl Affine {
-    pub fn new(numbers: [f64; 6]) -> Affine {
-        let [a, b, c, d, e, f] = numbers;
-        Affine { x: vec2(a, b), y: vec2(c, d), origin: vec2(e, f) }
+    /// Numbers in the order of SVG: where (1, 0), (0, 1) and the origin go, the first two without the third.
+    pub fn new([a, b, c, d, e, f]: [f64; 6]) -> Affine {
+        Affine { linear: Matrix2::new(a, c, b, d), origin: vec2(e, f) }
     }
 
     pub fn scale(by: f64) -> Affine {
-        Affine::new([by, 0.0, 0.0, by, 0.0, 0.0])
+        Affine { linear: Matrix2::from_diagonal_element(by), origin: Vec2::zeros() }
     }
 
     pub fn shift(by: Vec2) -> Affine {
@@ -33,21 +34,16 @@ impl Affine {
     /// Returns the turn by an angle, counter-clockwise. Quarters of a turn are exact.
     pub fn turn(degrees: f64) -> Affine {
         let x = crate::heading(degrees);
-        Affine { x, y: x.perp(), origin: Vec2::ZERO }
+        Affine { linear: Matrix2::from_columns(&[x, x.left()]), origin: Vec2::zeros() }
     }
 
     pub fn of(&self, p: Vec2) -> Vec2 {
-        self.origin + self.direction(p)
-    }
-
-    /// Maps a difference of two points.
-    pub fn direction(&self, p: Vec2) -> Vec2 {
-        self.x * p.x + self.y * p.y
+        self.origin + self.linear * p
     }
 
     /// Returns the map that does `first`, then this one.
     pub fn after(&self, first: &Affine) -> Affine {
-        Affine { x: self.direction(first.x), y: self.direction(first.y), origin: self.of(first.origin) }
+        Affine { linear: self.linear * first.linear, origin: self.of(first.origin) }
     }
 }
 
@@ -68,13 +64,13 @@ impl Arc {
 
     /// Returns the arc from `a` to `b`; `bulge` is the tangent of a quarter of the angle, positive counter-clockwise.
     pub fn bulge(a: Vec2, b: Vec2, bulge: f64) -> Arc {
-        let centre = (a + b) * 0.5 + (b - a).perp() * ((1.0 - bulge * bulge) / (4.0 * bulge));
+        let centre = (a + b) * 0.5 + (b - a).left() * ((1.0 - bulge * bulge) / (4.0 * bulge));
         let u = a - centre;
-        Arc { centre, u, v: u.perp(), from: 0.0, to: 4.0 * libm::atan(bulge) }
+        Arc { centre, u, v: u.left(), from: 0.0, to: 4.0 * libm::atan(bulge) }
     }
 
     pub fn mapped(&self, by: &Affine) -> Arc {
-        Arc { centre: by.of(self.centre), u: by.direction(self.u), v: by.direction(self.v), ..*self }
+        Arc { centre: by.of(self.centre), u: by.linear * self.u, v: by.linear * self.v, ..*self }
     }
 
     fn at(&self, t: f64) -> Vec2 {
@@ -87,7 +83,7 @@ impl Arc {
     /// at most so much times the longer half axis.
     pub fn trace(&self, deviation: f64, to: &mut Vec<Vec2>) -> Result<()> {
         let (p, q) = (self.u.norm_squared(), self.v.norm_squared());
-        let longer = (0.5 * (p + q + libm::hypot(p - q, 2.0 * self.u.dot(self.v)))).sqrt();
+        let longer = (0.5 * (p + q + libm::hypot(p - q, 2.0 * self.u.dot(&self.v)))).sqrt();
         let step = (2.0 * libm::acos((1.0 - deviation / longer).max(-1.0))).clamp(0.0, FRAC_PI_4);
         require(longer.is_finite(), || "a curve is too large".to_owned())?;
         let pieces = pieces(((self.to - self.from).abs() / step).ceil(), longer, deviation)?;
@@ -202,7 +198,7 @@ impl Spline {
             if width > 0.0 {
                 (self.control[i + 1] - self.control[i]) * (p as f64 / width)
             } else {
-                Vec2::ZERO
+                Vec2::zeros()
             }
         };
         let second = |i: usize| {
@@ -268,10 +264,9 @@ pub(super) fn by_ends(
     if a == b || rx == 0.0 || ry == 0.0 {
         return None;
     }
-    let axes = Affine::turn(degrees);
+    let axes = Affine::turn(degrees).linear;
     // The ellipse becomes a circle of radius 1.
-    let half = (a - b) * 0.5;
-    let there = vec2(half.dot(axes.x) / rx, half.dot(axes.y) / ry);
+    let there = (axes.transpose() * (a - b) * 0.5).component_div(&vec2(rx, ry));
     let length = there.norm();
     // Radii that are too small grow until the ends are on the ellipse.
     let grown = length.max(1.0);
@@ -285,7 +280,7 @@ pub(super) fn by_ends(
     if !counter {
         sweep -= TAU;
     }
-    let (u, v) = (axes.x * (rx * grown), axes.y * (ry * grown));
+    let (u, v) = (axes.column(0) * (rx * grown), axes.column(1) * (ry * grown));
     let centre = (a + b) * 0.5 + u * centre.x + v * centre.y;
     Some(Arc { centre, u, v, from, to: from + sweep })
 }

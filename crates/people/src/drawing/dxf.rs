@@ -3,7 +3,7 @@
 use super::curve::{Affine, Arc, Spline, sweep};
 use super::{Line, MOST_LETTERS, Reading, Tracer, UnitFrom, check_name};
 use crate::error::{PeopleError, Result, require};
-use lemons_core::plane::{Vec2, vec2};
+use lemons_core::plane::{InPlane, Vec2, vec2};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 
@@ -143,7 +143,7 @@ impl<'a> File<'a> {
                     }
                 }
                 ("BLOCK", "BLOCKS") => {
-                    let base = entity.point(10)?.unwrap_or(Vec2::ZERO);
+                    let base = entity.point(10)?.unwrap_or(Vec2::zeros());
                     let name = entity.text(2).unwrap_or("").to_uppercase();
                     block = Some((name, Block { base, entities: Vec::new() }));
                 }
@@ -368,7 +368,7 @@ impl<'f> Walk<'f, '_> {
             return self.insert(entity, &into, &layer, depth);
         }
         let (deviation, mut corners) = (self.tracer.deviation, Vec::new());
-        let is_up = seen.x.x > 0.0;
+        let is_up = seen.linear.m11 > 0.0;
         let Some((closed, curved)) = trace(entity, parts, &into, is_up, deviation, &mut corners)
             .map_err(|error| entity.placed(error))?
         else {
@@ -524,7 +524,7 @@ fn ellipse(
     to: &mut Vec<Vec2>,
 ) -> Result<(bool, bool)> {
     let u = entity.needed_point(11)?;
-    let v = u.perp() * (entity.needed(40)? * if is_up { 1.0 } else { -1.0 });
+    let v = u.left() * (entity.needed(40)? * if is_up { 1.0 } else { -1.0 });
     let ends = [entity.number(41)?.unwrap_or(0.0), entity.number(42)?.unwrap_or(std::f64::consts::TAU)];
     let whole = ends[1] - ends[0] >= std::f64::consts::TAU - 1e-9;
     let [from, until] = if whole { [0.0, std::f64::consts::TAU] } else { sweep(ends[0], ends[1]) };
@@ -549,8 +549,8 @@ fn polyline(
     let ends = vertices.iter().skip(1).chain(closed.then_some(&vertices[0]));
     for (&(from, bulge), &(next, _)) in vertices.iter().zip(ends) {
         // How far the arc is from its chord; without a unit, only what is next to nothing is straight.
-        let height = into.direction((next - from).perp() * (0.5 * bulge)).norm();
-        let chord = into.direction(next - from).norm();
+        let height = (into.linear * (next - from).left() * (0.5 * bulge)).norm();
+        let chord = (into.linear * (next - from)).norm();
         let straight = if deviation.is_finite() { deviation } else { 1e-6 * chord };
         if from != next && height > straight {
             Arc::bulge(from, next, bulge).mapped(into).trace(deviation, to)?;

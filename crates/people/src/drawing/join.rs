@@ -55,7 +55,7 @@ impl Near {
 pub(super) fn join(lines: Vec<Line>, gap: Option<f64>) -> Result<(Vec<Line>, Joined)> {
     // End 2 k is the first corner of line k, end 2 k + 1 its last one.
     let ends: Vec<Option<Vec2>> = lines.iter().flat_map(ends_of).collect();
-    let at = |end: usize| ends[end].unwrap_or(Vec2::ZERO);
+    let at = |end: usize| ends[end].unwrap_or(Vec2::zeros());
     let there = || (0..ends.len()).filter_map(|end| Some((end, ends[end]?)));
     let mut links: Vec<Option<usize>> = vec![None; ends.len()];
     let mut crossing = vec![false; ends.len()];
@@ -125,7 +125,7 @@ fn may_close(lines: &[Line], a: usize, b: usize) -> bool {
 
 /// Returns all pairs that are at most `gap` apart, the nearest first.
 fn pairs(ends: &[Option<Vec2>], open: Vec<usize>, gap: f64) -> Result<Vec<Pair>> {
-    let at = |end: usize| ends[end].unwrap_or(Vec2::ZERO);
+    let at = |end: usize| ends[end].unwrap_or(Vec2::zeros());
     let near = Near::of(open.iter().map(|end| (*end, at(*end))), gap);
     let (mut pairs, mut looked_at) = (Vec::new(), 0);
     for &end in &open {

@@ -240,7 +240,7 @@ impl Plan {
             joined,
             doubles,
             on_others,
-            origin: Vec2::ZERO,
+            origin: Vec2::zeros(),
             left_out,
             united,
         };
@@ -306,7 +306,7 @@ impl Plan {
             joined: Joined::default(),
             doubles: 0,
             on_others: 0,
-            origin: Vec2::ZERO,
+            origin: Vec2::zeros(),
             left_out: BTreeMap::new(),
             united: false,
         };

@@ -65,14 +65,14 @@ impl Read {
         let mut said = vec![("drawing", format!("{name}: {}, unit {unit} m ({from})", format.name()))];
         if let Some(Bounds { low, high }) = plan.bounds() {
             let size = high - low;
-            let Vec2 { x, y } = low;
+            let [x, y] = low.into();
             said.push((
                 "size",
                 format!("{:.3} m x {:.3} m, lower left corner at {x:.3},{y:.3}", size.x, size.y),
             ));
         }
-        if plan.origin != Vec2::ZERO {
-            let Vec2 { x, y } = plan.origin;
+        if plan.origin != Vec2::zeros() {
+            let [x, y] = plan.origin.into();
             said.push(("moved", format!("by {:?},{:?} m", -x, -y)));
         }
         said.push(("walls", self.walls()));

@@ -184,7 +184,7 @@ impl<'a> Walk<'a, '_> {
             into,
             deviation: self.tracer.deviation,
             lines: Vec::new(),
-            last: Vec2::ZERO,
+            last: Vec2::zeros(),
             curved: false,
             corners: 0,
         };
@@ -271,13 +271,13 @@ fn rectangle(element: Element, trace: &mut Trace) -> Result<()> {
 
 fn path(element: Element, trace: &mut Trace) -> Result<()> {
     use PathSegment::*;
-    let (mut at, mut begin) = (Vec2::ZERO, Vec2::ZERO);
+    let (mut at, mut begin) = (Vec2::zeros(), Vec2::zeros());
     // What smooth curves continue: the control point before, of a cubic or of a quadratic one.
     let (mut cubic, mut quadratic) = (None, None);
     let mut is_open = false;
     for segment in PathParser::from(element.optional("d").unwrap_or("")) {
         let segment = segment.map_err(|error| said(element.wrong("d", format!("is not a path: {error}"))))?;
-        let origin = if segment.is_abs() { Vec2::ZERO } else { at };
+        let origin = if segment.is_abs() { Vec2::zeros() } else { at };
         let place = |x: f64, y: f64| origin + vec2(x, y);
         if !is_open && !matches!(segment, MoveTo { .. } | ClosePath { .. }) {
             trace.begin(at);

@@ -118,12 +118,12 @@ fn bulges_are_arcs() {
         "0 POLYLINE 8 A 66 1 70 1 0 VERTEX 10 0 20 0 42 -0.41421356237309503 0 VERTEX 10 2 20 0 0 VERTEX 10 2 20 2 0 VERTEX 10 0 20 2 0 SEQEND",
     );
     assert!((area(&quarter[0]) - (4.0 - (0.5 * PI - 1.0))).abs() < 0.02);
-    assert_eq!(quarter[0].corners[0], Vec2::ZERO);
+    assert_eq!(quarter[0].corners[0], Vec2::zeros());
     assert!(quarter[0].corners.contains(&vec2(2.0, 0.0)), "ends of arcs are exact");
     // What is as good as straight is so.
     for bulge in ["1e-12", "-1e-300", "0.0099"] {
         let flat = lines_of(&format!("0 LWPOLYLINE 8 A 10 0 20 0 42 {bulge} 10 2 20 0")).remove(0);
-        assert_eq!(flat.corners, [Vec2::ZERO, vec2(2.0, 0.0)]);
+        assert_eq!(flat.corners, [Vec2::zeros(), vec2(2.0, 0.0)]);
     }
 }
 
@@ -452,7 +452,7 @@ fn the_examples_have_their_areas() {
     assert_eq!((office.joined.gaps, office.joined.left), (2, 0));
     assert!((office.joined.largest - 0.03).abs() < 1e-9);
     assert!((office.area().unwrap() - 46.0).abs() < 8.0 * 0.015);
-    assert_eq!((office.walls.len(), office.bounds().unwrap().low), (3, Vec2::ZERO));
+    assert_eq!((office.walls.len(), office.bounds().unwrap().low), (3, Vec2::zeros()));
 
     let centimetres = Reading { unit: Some(0.01), ..fine };
     let platform = plan_of("platform.svg", Format::Svg, centimetres, None);

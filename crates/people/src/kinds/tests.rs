@@ -32,7 +32,7 @@ fn each_kind_of_the_table_is_a_body_that_looks_ahead() {
         let luggage = mass - people.iter().map(|(person, _)| person.mass).sum::<f64>();
         let of_part = disks.iter().filter(|part| part.material.is_some()).map(|part| part.disk);
         let of_part: Vec<Disk> = of_part.collect();
-        let at = if of_part.is_empty() { Vec2::ZERO } else { union(&of_part).centroid };
+        let at = if of_part.is_empty() { Vec2::zeros() } else { union(&of_part).centroid };
         let sum = people.iter().fold(at * luggage, |sum, (person, at)| sum + *at * person.mass);
         assert!(sum.norm() < 1e-9, "{}: {sum:?}", kind.name);
         assert_eq!(luggage.abs() > 1.0, !kind.parts.is_empty(), "{}", kind.name);

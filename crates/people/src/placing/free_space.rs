@@ -144,7 +144,7 @@ mod tests {
     use super::*;
     use crate::placing::{Settings, dense};
     use crate::shape::Shape;
-    use lemons_core::plane::{Disk, Rotation};
+    use lemons_core::plane::{Disk, rotation};
     use std::ops::ControlFlow;
 
     fn wall(id: &str, corners: &[(f64, f64)]) -> Wall {
@@ -235,9 +235,8 @@ mod tests {
         let packing = dense(&people, &region, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
         assert!(packing.complete, "{} {}", packing.largest_overlap, packing.clear_density);
         for pose in &packing.poses {
-            let turn = Rotation::by(pose.orientation);
-            let at: Vec<Vec2> =
-                people[0].disks.iter().map(|d| pose.position + d.centre.rotated(turn)).collect();
+            let turn = rotation(pose.orientation);
+            let at: Vec<Vec2> = people[0].disks.iter().map(|d| pose.position + turn * d.centre).collect();
             let lane = |place: &Vec2| (place.x / 0.7).floor().min(10.0);
             assert!(at[0].y > 5.4 || at[2].y > 5.4 || lane(&at[0]) == lane(&at[2]), "{at:?}");
         }

@@ -5,7 +5,7 @@ use super::{Ended, Orientation, Packing, Region, Settings, reach, wrapped};
 use crate::error::{Result, require};
 use crate::random::Random;
 use crate::shape::{Shape, bounds};
-use lemons_core::plane::{Bounds, Pose, Ring, Rotation, Vec2, segments_touch, vec2};
+use lemons_core::plane::{Bounds, Pose, Ring, Rotation, Vec2, rotation, segments_touch, vec2};
 use std::f64::consts::PI;
 
 /// Number of offsets of the grid along each axis that are tried in a region. The one with most places is used.
@@ -26,14 +26,14 @@ pub fn grid(shapes: &[Shape], region: &Region, settings: &Settings) -> Result<Pa
     let extents: Vec<Bounds> = shapes.iter().map(|s| extent(s, settings.orientation)).collect();
     // The largest bounding box of a shape or, where shapes face any direction, the largest bounding circle.
     let wider = |a: Vec2, b: Vec2| vec2(a.x.max(b.x + SLACK), a.y.max(b.y + SLACK));
-    let spacing = extents.iter().map(Bounds::size).fold(Vec2::ZERO, wider);
+    let spacing = extents.iter().map(Bounds::size).fold(Vec2::zeros(), wider);
     let (direction, mut random) = (settings.orientation.start().unwrap_or(0.0), Random::new(settings.seed));
-    let turn = Rotation::by(direction);
+    let turn = rotation(direction);
     let places = match region.bounds() {
         None => in_the_open(shapes.len(), spacing),
         Some(_) => in_region(region, spacing, turn, &extents, shapes.len()),
     };
-    let Vec2 { x: along, y: across } = spacing;
+    let [along, across] = spacing.into();
     require(places.len() >= shapes.len(), || {
         let (places, shapes) = (places.len(), shapes.len());
         format!(
@@ -44,7 +44,7 @@ pub fn grid(shapes: &[Shape], region: &Region, settings: &Settings) -> Result<Pa
         .iter()
         .zip(&places)
         .map(|(e, &place)| Pose {
-            position: (place - (e.low + e.high) * 0.5).rotated(turn),
+            position: turn * (place - (e.low + e.high) * 0.5),
             orientation: match settings.orientation {
                 Orientation::Free => random.within(PI),
                 _ => wrapped(direction),
@@ -79,18 +79,18 @@ fn in_the_open(count: usize, spacing: Vec2) -> Vec<Vec2> {
 /// Places, in the frame of the direction, at which every shape is inside the region; the front row first. Of several
 /// offsets of the grid it uses the one with most places, and as few rows as the shapes need.
 fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Bounds], wanted: usize) -> Vec<Vec2> {
-    let back = Rotation { sin: -turn.sin, cos: turn.cos };
-    let corners = region.rings().iter().flat_map(|ring| ring.corners()).map(|c| c.rotated(back));
+    let back = turn.inverse();
+    let corners = region.rings().iter().flat_map(|ring| ring.corners()).map(|c| back * c);
     let Some(Bounds { low, high }) = Bounds::of(corners) else { return Vec::new() };
     // The smallest box that contains every shape, each box centred at the origin.
-    let half = extents.iter().fold(Vec2::ZERO, |half, e| {
+    let half = extents.iter().fold(Vec2::zeros(), |half, e| {
         let own = (e.high - e.low) * 0.5;
         vec2(half.x.max(own.x), half.y.max(own.y))
     });
     let fits = |place: Vec2| {
         let box_corners = [vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, 1.0)];
         let at = |s: Vec2| place + vec2(s.x * half.x, s.y * half.y);
-        box_inside(region, &box_corners.map(|s| at(s).rotated(turn)))
+        box_inside(region, &box_corners.map(|s| turn * at(s)))
     };
     let room = vec2(high.x - low.x, high.y - low.y) - half * 2.0;
     if room.x < -EXACT || room.y < -EXACT {

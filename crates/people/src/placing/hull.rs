@@ -1,6 +1,6 @@
 //! The convex hull of disks: the area of a crowd in the open plane.
 
-use lemons_core::plane::{Disk, Rotation, Vec2, vec2};
+use lemons_core::plane::{Disk, Vec2, rotation, vec2};
 use std::f64::consts::{PI, TAU};
 
 /// \[m²\] Exact area of the convex hull of disks: its boundary consists of arcs and common tangents.
@@ -15,7 +15,7 @@ pub(super) fn hull_area(circles: &[Disk]) -> f64 {
     let begin = circles[at].centre + vec2(circles[at].radius, 0.0);
     // Go round once, from the direction +x: which disk reaches furthest in the direction `angle`?
     let (mut angle, mut twice_area) = (0.0, 0.0);
-    let normal = |angle: f64| vec2(1.0, 0.0).rotated(Rotation::by(angle));
+    let normal = |angle: f64| rotation(angle) * vec2(1.0, 0.0);
     // Each disk has at most as many arcs as there are other disks.
     for _ in 0..circles.len() * circles.len() + 1 {
         let circle = circles[at];
@@ -23,16 +23,16 @@ pub(super) fn hull_area(circles: &[Disk]) -> f64 {
         let end = (angle + turn).min(TAU);
         let (n0, n1) = (normal(angle), normal(end));
         // Green's theorem: ½∮(x dy − y dx) over the arc.
-        twice_area += circle.radius * (circle.radius * (end - angle) + circle.centre.cross(n1 - n0));
+        twice_area += circle.radius * (circle.radius * (end - angle) + circle.centre.perp(&(n1 - n0)));
         angle = end;
         if angle >= TAU {
             // If several disks reach equally far along +x, this may be another one than at the beginning.
-            twice_area += (circle.centre + vec2(circle.radius, 0.0)).cross(begin);
+            twice_area += (circle.centre + vec2(circle.radius, 0.0)).perp(&begin);
             break;
         }
         let n = normal(angle);
         let (from, to) = (circle.centre + n * circle.radius, circles[next].centre + n * circles[next].radius);
-        twice_area += from.cross(to);
+        twice_area += from.perp(&to);
         at = next;
     }
     0.5 * twice_area
@@ -65,8 +65,8 @@ fn on_the_rim(circles: &[Disk]) -> Vec<Disk> {
     const DIRECTIONS: usize = 64;
     let mut corners: Vec<Vec2> = Vec::new();
     for k in 0..DIRECTIONS {
-        let n = vec2(1.0, 0.0).rotated(Rotation::by(2.0 * PI * k as f64 / DIRECTIONS as f64));
-        let reach = |c: &Disk| c.centre.dot(n) + c.radius;
+        let n = rotation(2.0 * PI * k as f64 / DIRECTIONS as f64) * vec2(1.0, 0.0);
+        let reach = |c: &Disk| c.centre.dot(&n) + c.radius;
         if let Some(furthest) = circles.iter().max_by(|a, b| reach(a).total_cmp(&reach(b))) {
             corners.push(furthest.centre + n * furthest.radius);
         }
@@ -76,7 +76,7 @@ fn on_the_rim(circles: &[Disk]) -> Vec<Disk> {
         (0..corners.len()).all(|k| {
             let (from, to) = (corners[k], corners[(k + 1) % corners.len()]);
             let along = to - from;
-            along.cross(circle.centre - from) > (circle.radius + 1e-9) * along.norm()
+            along.perp(&(circle.centre - from)) > (circle.radius + 1e-9) * along.norm()
         })
     };
     circles.iter().filter(|c| !inside(c)).copied().collect()

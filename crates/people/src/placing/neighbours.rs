@@ -16,11 +16,11 @@ pub(super) struct CellGrid {
 impl CellGrid {
     /// Sorts finite points into cells of at least the width `distance` \[m\].
     pub fn new(points: &[Vec2], distance: f64) -> CellGrid {
-        let nowhere = Bounds { low: Vec2::ZERO, high: Vec2::ZERO };
+        let nowhere = Bounds { low: Vec2::zeros(), high: Vec2::zeros() };
         let bounds = Bounds::of(points.iter().copied()).unwrap_or(nowhere);
         // Cells are wider if the points are far apart. The order in which neighbours are met depends on it.
         let most = (4 * points.len() + 16) as f64;
-        let Vec2 { x: width, y: height } = bounds.size();
+        let [width, height] = bounds.size().into();
         let cell = distance.max(1e-9).max((width * height / most).sqrt()).max(width.max(height) / most);
         let mut grid = CellGrid { low: bounds.low, cells_per_length: 1.0 / cell, cells: HashMap::new() };
         for (k, &point) in points.iter().enumerate() {

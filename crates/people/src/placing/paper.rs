@@ -5,7 +5,7 @@ use super::neighbours::CellGrid;
 use super::{Ended, Packing, Progress, Region, Settings, Stage, TOLERANCE, Watch, reach, wrapped};
 use crate::random::Random;
 use crate::shape::Shape;
-use lemons_core::plane::{Disk, Pose, Rotation, Vec2, vec2};
+use lemons_core::plane::{Disk, Pose, Vec2, rotation, vec2};
 use std::f64::consts::PI;
 
 /// \[m\] λ: distance over which the repulsion of two agents falls to 1/e. The paper names this setting and the next ones
@@ -120,7 +120,7 @@ impl<'a> Crowd<'a> {
     /// The body of the paper's inner loop.
     fn step(&mut self, i: usize, temperature: f64) {
         let settings = self.settings;
-        let (mut force, mut turn) = (Vec2::ZERO, 0.0);
+        let (mut force, mut turn) = (Vec2::zeros(), 0.0);
         for j in self.near(i) {
             let apart = self.poses[i].position - self.poses[j].position;
             let distance = apart.norm();
@@ -163,7 +163,7 @@ impl<'a> Crowd<'a> {
         if distance > 0.0 {
             way * (strength / distance)
         } else {
-            vec2(strength, 0.0).rotated(Rotation::by(self.random.within(PI)))
+            rotation(self.random.within(PI)) * vec2(strength, 0.0)
         }
     }
 }
@@ -174,7 +174,7 @@ mod tests {
     use crate::placing::Orientation;
 
     fn disks(count: usize) -> Vec<Shape> {
-        vec![Shape { disks: vec![Disk { radius: 0.2, centre: Vec2::ZERO }] }; count]
+        vec![Shape { disks: vec![Disk { radius: 0.2, centre: Vec2::zeros() }] }; count]
     }
 
     /// The forces of appendix D on an agent that overlaps one, repels another and stands in contact with a wall.

@@ -48,7 +48,7 @@ impl Edge {
     #[inline]
     pub fn nearest(&self, point: Vec2) -> Vec2 {
         let along = self.end - self.start;
-        let t = (point - self.start).dot(along) * self.inverse_square;
+        let t = (point - self.start).dot(&along) * self.inverse_square;
         self.start + along * t.clamp(0.0, 1.0)
     }
 }
@@ -293,7 +293,8 @@ fn check_area(name: &str, area: f64) -> Result<()> {
 }
 
 fn checked_ring(name: &str, corners: &[Vec2]) -> Result<Ring> {
-    for (corner, Vec2 { x, y }) in corners.iter().enumerate() {
+    for (corner, place) in corners.iter().enumerate() {
+        let (x, y) = (place.x, place.y);
         // False for NaN, too.
         require(x.abs() <= FARTHEST && y.abs() <= FARTHEST, || {
             format!("{name}: corner {corner} at ({x:?}, {y:?}) m is not within {FARTHEST} m of the origin")
@@ -315,7 +316,7 @@ fn refuse_crossings(named: &[(String, &[Vec2])], rings: &[Ring]) -> Result<()> {
     let name = |(ring, side): (usize, usize)| format!("edge {side} of {}", named[ring].0);
     let ends = |(ring, side): (usize, usize)| (rings[ring].closed()[side], rings[ring].closed()[side + 1]);
     let ((a, b), (c, d)) = (ends(first), ends(second));
-    let Vec2 { x, y } = nearest_on_segment(a, b, nearest_on_segment(c, d, (a + b) * 0.5));
+    let [x, y] = nearest_on_segment(a, b, nearest_on_segment(c, d, (a + b) * 0.5)).into();
     let (first, second) = (name(first), name(second));
     Err(PeopleError::new(format!("{first} and {second} cross or touch near ({x}, {y}) m")))
 }

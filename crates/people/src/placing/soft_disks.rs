@@ -7,7 +7,7 @@ use super::region::Edge;
 use super::{Orientation, Region};
 use crate::random::Random;
 use crate::shape::Shape;
-use lemons_core::plane::{Disk, Pose, Rotation, Vec2, segments_cross, vec2};
+use lemons_core::plane::{Disk, Pose, Vec2, rotation, segments_cross, vec2};
 use std::f64::consts::TAU;
 
 /// \[m\] The list of near pairs is made again when something has moved by half of this. Results do not depend on it.
@@ -35,7 +35,7 @@ impl Boundary<'_> {
         match self {
             Boundary::Region(region) => region.point_at(u, v),
             // From the centre outwards, and around.
-            Boundary::Circle(radius) => vec2(radius * u.sqrt(), 0.0).rotated(Rotation::by(TAU * v)),
+            Boundary::Circle(radius) => rotation(TAU * v) * vec2(radius * u.sqrt(), 0.0),
         }
     }
 
@@ -120,7 +120,7 @@ impl<'a> SoftDisks<'a> {
             disks.extend(&shape.disks);
             let square = shape.disks.iter().map(|d| d.centre.norm_squared() + 0.5 * d.radius * d.radius);
             let lever = (square.sum::<f64>() / shape.disks.len() as f64).sqrt();
-            let (position, reach) = (Vec2::ZERO, super::reach(shape));
+            let (position, reach) = (Vec2::zeros(), super::reach(shape));
             bodies.push(Body { position, angle: 0.0, reach, lever, first, last: disks.len() });
         }
         SoftDisks {
@@ -147,10 +147,10 @@ impl<'a> SoftDisks<'a> {
 
     /// The disks of a body at an angle and a size, relative to its position.
     fn turned(&self, who: usize, angle: f64, scale: f64) -> impl Iterator<Item = Disk> {
-        let (body, turn) = (&self.bodies[who], Rotation::by(angle));
+        let (body, turn) = (&self.bodies[who], rotation(angle));
         self.disks[body.first..body.last]
             .iter()
-            .map(move |disk| Disk { centre: disk.centre.rotated(turn) * scale, radius: disk.radius * scale })
+            .map(move |disk| Disk { centre: turn * disk.centre * scale, radius: disk.radius * scale })
     }
 
     /// All disks at their present places and size.
@@ -284,10 +284,10 @@ impl<'a> SoftDisks<'a> {
     fn place_disks(&mut self) {
         let pad = 0.5 * self.pad;
         for body in &self.bodies {
-            let turn = Rotation::by(body.angle);
+            let turn = rotation(body.angle);
             let own = body.first..body.last;
             for (placed, disk) in self.placed[own.clone()].iter_mut().zip(&self.disks[own]) {
-                placed.centre = disk.centre.rotated(turn) * self.scale;
+                placed.centre = turn * disk.centre * self.scale;
                 placed.radius = disk.radius * self.scale + pad;
             }
         }
@@ -353,7 +353,7 @@ impl<'a> SoftDisks<'a> {
             if apart.norm_squared() >= reach * reach {
                 continue;
             }
-            let (mut push, mut torque_a, mut torque_b) = (Vec2::ZERO, 0.0, 0.0);
+            let (mut push, mut torque_a, mut torque_b) = (Vec2::zeros(), 0.0, 0.0);
             let others = &self.placed[other.first..other.last];
             for p in &self.placed[one.first..one.last] {
                 let from = apart - p.centre;
@@ -370,8 +370,8 @@ impl<'a> SoftDisks<'a> {
                     // The centres coincide: any direction is as good.
                     let f = if distance > 1e-12 { way * (overlap / distance) } else { vec2(overlap, 0.0) };
                     push += f;
-                    torque_a -= p.centre.cross(f);
-                    torque_b += q.centre.cross(f);
+                    torque_a -= p.centre.perp(&f);
+                    torque_b += q.centre.perp(&f);
                 }
             }
             add(&mut self.force[a], -push, torque_a);
@@ -393,8 +393,8 @@ impl<'a> SoftDisks<'a> {
                     pressure.energy += overlap * overlap;
                     pressure.overlap = pressure.overlap.max(overlap);
                     let distance = way.norm();
-                    let f = if distance > 1e-12 { way * (overlap / distance) } else { Vec2::ZERO };
-                    add(&mut self.force[*k as usize], f, disk.centre.cross(f));
+                    let f = if distance > 1e-12 { way * (overlap / distance) } else { Vec2::zeros() };
+                    add(&mut self.force[*k as usize], f, disk.centre.perp(&f));
                 };
                 if !inside {
                     let way = nearest - centre;
@@ -430,7 +430,7 @@ impl<'a> SoftDisks<'a> {
                     pressure.energy += overlap * overlap;
                     pressure.overlap = pressure.overlap.max(overlap);
                     let f = centre * (-overlap / distance);
-                    add(force, f, disk.centre.cross(f));
+                    add(force, f, disk.centre.perp(&f));
                 }
             }
         }
@@ -453,7 +453,7 @@ fn side_of(edges: &[Edge], point: Vec2, within: f64, origin_inside: bool) -> (bo
         let at = edge.nearest(point);
         let square = (point - at).norm_squared();
         let along = edge.end - edge.start;
-        let left = along.cross(point - edge.start) / along.norm();
+        let left = along.perp(&(point - edge.start)) / along.norm();
         if square < nearest.0 * (1.0 - 1e-12) {
             nearest = (square, at);
             left_of = left;

@@ -1,7 +1,7 @@
 //! What is in the pictures.
 
 use crate::common::{agent, disk, pedestrian, trial};
-use lemons_core::plane::{Rotation, Vec2, vec2};
+use lemons_core::plane::{Vec2, rotation, vec2};
 use lemons_picture::{Bounds, Colour, Fill, Pixels, Scene, Style, Theme, pixels, png, svg};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -30,7 +30,7 @@ fn on_page(pixels: &Pixels, p: Vec2) -> Colour {
 fn the_right_elements() {
     let wall = vec![vec2(3.0, 0.0), vec2(3.0, 1.0), vec2(4.0, 1.0)];
     let t = trial(
-        vec![(pedestrian("0"), Vec2::ZERO, 0.0), (pedestrian("<&\"\u{1}>"), vec2(1.0, 0.0), 1.0)],
+        vec![(pedestrian("0"), Vec2::zeros(), 0.0), (pedestrian("<&\"\u{1}>"), vec2(1.0, 0.0), 1.0)],
         vec![box_of(-2.0, 2.0), wall],
     );
     let style = Style { ids: true, time: Some(1.5), fill: Fill::BodyArea, ..Style::default() };
@@ -85,10 +85,10 @@ fn theta_turns_the_shoulders() {
     // Left shoulder small, right one large: at θ = 0 the left one is at +y. The offsets are written at
     // three different orientations: the picture must not depend on it.
     for own in [0.0, 1.0, PI] {
-        let at = |y: f64| vec2(0.0, y).rotated(Rotation::by(own));
+        let at = |y: f64| rotation(own) * vec2(0.0, y);
         let lopsided = agent("0", vec![disk(0.2, at(1.0)), disk(0.5, at(-1.0))]);
         for (theta, left) in [(0.0, vec2(0.0, 1.0)), (FRAC_PI_2, vec2(-1.0, 0.0)), (PI, vec2(0.0, -1.0))] {
-            let t = trial(vec![(lopsided.clone(), Vec2::ZERO, theta)], vec![box_of(-2.0, 2.0)]);
+            let t = trial(vec![(lopsided.clone(), Vec2::zeros(), theta)], vec![box_of(-2.0, 2.0)]);
             let text = svg(&Scene::at_start(&t), &Style { width: 428.0, ..plain() });
             let picture = pixels(&text, 428, 1).unwrap();
             let seen = |p: Vec2| on_page(&picture, p) == Colour::BODY;

@@ -180,7 +180,7 @@ fn the_integral_of_density_is_the_number_of_people() {
     }
     // Half a person where the map ends at them, and there the peak of the Gaussian.
     let mut map = DensityMap::new(Bounds { low: vec2(0.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
-    map.add([Vec2::ZERO]);
+    map.add([Vec2::zeros()]);
     let peak = map.values().into_iter().fold(0.0, f64::max);
     assert!((peak * std::f64::consts::TAU * 0.25 - 1.0).abs() < 0.03, "{peak}");
     let people: f64 = map.values().iter().sum::<f64>() * map.cell().x * map.cell().y;
@@ -429,24 +429,24 @@ fn a_clipped_scale_says_so_and_words_replace_a_bar_without_values() {
 fn nothing_panics() {
     let odd = [f64::NAN, f64::NEG_INFINITY, 1e300, f64::MIN_POSITIVE, 0.0, 1e6];
     for (v, w) in odd.into_iter().flat_map(|v| odd.map(|w| (v, w))) {
-        let wall = vec![vec![vec2(v, 0.0), Vec2::ZERO], vec![]];
+        let wall = vec![vec![vec2(v, 0.0), Vec2::zeros()], vec![]];
         let people = [agent("", vec![disk(v, vec2(v, w))]), pedestrian("1"), pedestrian("é\u{0}<")];
-        let t = trial(people.map(|agent| (agent, Vec2::ZERO, w)).to_vec(), wall);
+        let t = trial(people.map(|agent| (agent, Vec2::zeros(), w)).to_vec(), wall);
         let mut scene = Scene::at_start(&t);
         let view = Bounds { low: vec2(v, -1.0), high: vec2(1.0, w) };
         let all = [view, scene.extent(), Bounds { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }];
         scene.poses[1] = Pose { position: vec2(v, w), orientation: v };
         scene.forces = vec![
             Force { from: vec2(v, 0.0), to: vec2(w, 0.0), normal_force: 1.0 },
-            Force { from: Vec2::ZERO, to: Vec2::ZERO, normal_force: v },
+            Force { from: Vec2::zeros(), to: Vec2::zeros(), normal_force: v },
         ];
-        let points = vec![vec2(v, w), Vec2::ZERO, vec2(w, 1.0), vec2(0.1, v), vec2(0.2, 0.2)];
+        let points = vec![vec2(v, w), Vec2::zeros(), vec2(w, 1.0), vec2(0.1, v), vec2(0.2, 0.2)];
         for (k, view) in all.into_iter().enumerate() {
             scene.trails.push(Trail { agent: usize::MAX, measured: k == 1, points: points.clone() });
             scene.trails.push(Trail { agent: 0, measured: k == 2, points: vec![] });
             for (dense, range) in [(false, None), (true, Some((v, 1.0))), (false, Some((-1e308, w)))] {
                 let mut map = DensityMap::new(view, v, &t.geometry.walls);
-                map.add([vec2(0.5, v), Vec2::ZERO]);
+                map.add([vec2(0.5, v), Vec2::zeros()]);
                 (scene.view, scene.density) = ((k != 1).then_some(view), dense.then_some(map));
                 let fill = Fill::Values(Values::of(vec![v, w], "é\u{0}", "<"));
                 let style = Style { width: v, ids: true, time: Some(w), fill, range, ..Style::default() };

@@ -88,7 +88,7 @@ impl Room {
 
 /// The part of a convex polygon that is not beyond a line through a point, across a direction.
 fn halved(corners: &[Vec2], through: Vec2, away: Vec2) -> Vec<Vec2> {
-    let beyond = |p: Vec2| (p - through).dot(away);
+    let beyond = |p: Vec2| (p - through).dot(&away);
     let mut left = Vec::with_capacity(corners.len() + 1);
     for (k, &b) in corners.iter().enumerate() {
         let a = corners[(k + corners.len() - 1) % corners.len()];

@@ -119,7 +119,7 @@ fn times_must_be_even() {
     ] {
         assert_eq!(run(times).every(every).frame_rate().unwrap(), rate);
     }
-    let nowhere = walkable_area(&[], std::iter::once(Vec2::ZERO));
+    let nowhere = walkable_area(&[], std::iter::once(Vec2::zeros()));
     let path = directory.path().join("out");
     for said in [
         pedpy(&run(&uneven), Staged::beside(&path).unwrap(), &path).unwrap_err().to_string(),

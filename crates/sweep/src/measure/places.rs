@@ -4,7 +4,7 @@ use crate::error::{Place, Result};
 use crate::measure::{check_number, number_of};
 use crate::points::Points;
 use lemons_core::files::input;
-use lemons_core::plane::Vec2;
+use lemons_core::plane::{InPlane, Vec2};
 use lemons_core::trial::Wall;
 use lemons_master::ensure;
 use lemons_results::measure::{Crossings, Density, Line, MeanMax, MeasuringArea, Passages, Room, Way};

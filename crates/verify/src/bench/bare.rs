@@ -5,6 +5,7 @@
 //! threads and free bodies. The step is symplectic, of first order.
 
 use crowd_mechanics::engine::{BodyId, DiskId, FreeFlight, PairLaw, Rotation, Vec2, World, Wrench, vec2};
+use lemons_core::plane::{InPlane, further, rotation};
 
 /// The crowd of a world at one time.
 pub struct BareCrowd {
@@ -56,7 +57,7 @@ impl BareCrowd {
         let body = |(b, of): (usize, &crowd_mechanics::engine::Body)| Body {
             position: state.poses[b].position,
             orientation: state.poses[b].orientation,
-            turn: Rotation::by(state.poses[b].orientation),
+            turn: rotation(state.poses[b].orientation),
             velocity: state.twists[b].velocity,
             angular_velocity: state.twists[b].angular_velocity,
             load: Wrench::default(),
@@ -90,7 +91,7 @@ impl BareCrowd {
                 }
             }
             for face in &scene.faces {
-                if (centres[first] - face.start).dot(face.normal).abs() < one.radius + margin {
+                if (centres[first] - face.start).dot(&face.normal).abs() < one.radius + margin {
                     let (start, normal) = (face.start, face.normal);
                     let (body, offset, radius) = (one.body, one.offset, one.radius);
                     crowd.faces.push(FacePair { body, offset, radius, start, normal, elongation: 0.0 });
@@ -118,7 +119,7 @@ impl BareCrowd {
         for pair in pairs {
             let [i, j] = pair.bodies.map(BodyId::index);
             let (one, other) = (bodies[i], bodies[j]);
-            let [arm, other_arm] = [pair.offsets[0].rotated(one.turn), pair.offsets[1].rotated(other.turn)];
+            let [arm, other_arm] = [one.turn * pair.offsets[0], other.turn * pair.offsets[1]];
             let between = (one.position + arm) - (other.position + other_arm);
             let (squared, reach) = (between.norm_squared(), pair.radii[0] + pair.radii[1]);
             if squared >= reach * reach {
@@ -129,19 +130,19 @@ impl BareCrowd {
             let (depth, normal) = (reach - distance, between * (1.0 / distance));
             let arm = arm + normal * (0.5 * depth - pair.radii[0]);
             let other_arm = other_arm - normal * (0.5 * depth - pair.radii[1]);
-            let velocity = (one.velocity + arm.perp() * one.angular_velocity)
-                - (other.velocity + other_arm.perp() * other.angular_velocity);
+            let velocity = (one.velocity + arm.left() * one.angular_velocity)
+                - (other.velocity + other_arm.left() * other.angular_velocity);
             let force = force(law, depth, normal, velocity, *step, &mut pair.elongation);
             bodies[i].load.force += force;
-            bodies[i].load.torque += arm.cross(force);
+            bodies[i].load.torque += arm.perp(&force);
             bodies[j].load.force -= force;
-            bodies[j].load.torque -= other_arm.cross(force);
+            bodies[j].load.torque -= other_arm.perp(&force);
             contacts += 1;
         }
         for pair in faces {
             let body = &mut bodies[pair.body.index()];
-            let arm = pair.offset.rotated(body.turn);
-            let offset = (body.position + arm - pair.start).dot(pair.normal);
+            let arm = body.turn * pair.offset;
+            let offset = (body.position + arm - pair.start).dot(&pair.normal);
             let (depth, normal) =
                 (pair.radius - offset.abs(), if offset < 0.0 { -pair.normal } else { pair.normal });
             if depth <= 0.0 {
@@ -149,10 +150,10 @@ impl BareCrowd {
                 continue;
             }
             let arm = arm + normal * (0.5 * depth - pair.radius);
-            let velocity = body.velocity + arm.perp() * body.angular_velocity;
+            let velocity = body.velocity + arm.left() * body.angular_velocity;
             let force = force(law, depth, normal, velocity, *step, &mut pair.elongation);
             body.load.force += force;
-            body.load.torque += arm.cross(force);
+            body.load.torque += arm.perp(&force);
             contacts += 1;
         }
         for body in bodies {
@@ -161,7 +162,7 @@ impl BareCrowd {
             let turned = angular_velocity * flight.velocity_time + body.drive.torque * flight.drive_time;
             body.position += velocity * flight.velocity_time + body.drive.force * flight.drive_time;
             body.orientation += turned;
-            body.turn = body.turn.further(turned);
+            body.turn = further(body.turn, turned);
             body.velocity = velocity * flight.kept + body.drive.force * flight.velocity_time;
             body.angular_velocity = angular_velocity * flight.kept + body.drive.torque * flight.velocity_time;
             body.load = Wrench { force: vec2(0.0, 0.0), torque: 0.0 };
@@ -173,8 +174,8 @@ impl BareCrowd {
 /// \[N\] Returns the force on the first of a contact, and advances its spring.
 #[inline(always)]
 fn force(law: &PairLaw, depth: f64, normal: Vec2, velocity: Vec2, step: f64, elongation: &mut f64) -> Vec2 {
-    let slip = velocity.dot(normal.perp());
-    let pressure = law.normal_stiffness * depth - law.normal_damping * velocity.dot(normal);
+    let slip = velocity.dot(&normal.left());
+    let pressure = law.normal_stiffness * depth - law.normal_damping * velocity.dot(&normal);
     *elongation += slip * step;
     let trial = -law.tangential_stiffness * *elongation - law.tangential_damping * slip;
     let limit = law.friction * pressure.abs();
@@ -185,7 +186,7 @@ fn force(law: &PairLaw, depth: f64, normal: Vec2, velocity: Vec2, step: f64, elo
     } else {
         trial
     };
-    normal * pressure + normal.perp() * tangential
+    normal * pressure + normal.left() * tangential
 }
 
 #[cfg(test)]

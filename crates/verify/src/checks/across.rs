@@ -28,9 +28,9 @@ fn chair() -> Placed {
 fn in_a_line() -> Result<f64> {
     let start = chair();
     let (along, across) = (vec2(1.0, 0.0), vec2(0.0, 1.0));
-    let axes = [along, across].map(|axis| axis.rotated(Rotation::by(GAZE)));
+    let axes = [along, across].map(|axis| rotation(GAZE) * axis);
     let mut worst = 0.0;
-    for (growth, step) in [(Vec2::ZERO, 1e-4), (GROWTH.force, 1e-4), (GROWTH.force, 0.5)] {
+    for (growth, step) in [(Vec2::zeros(), 1e-4), (GROWTH.force, 1e-4), (GROWTH.force, 0.5)] {
         let mut world = world(std::slice::from_ref(&start), &[], BODIES, step);
         world.drive[0].force = DRIVE.force;
         world.drive_rate[0].force = growth;
@@ -38,10 +38,10 @@ fn in_a_line() -> Result<f64> {
         ensure!(world.work().shortlisted == 0, "it moves by mechanical steps");
         let mass = start.body.mass;
         let parts = axes.iter().zip([ALONG, ACROSS]).map(|(axis, rate)| {
-            let [a, j] = [DRIVE.force, growth].map(|force| force.dot(*axis) / mass);
-            under_ramp(rate, [0.0, start.twist.velocity.dot(*axis), a, j], 2.0).map(|value| *axis * value)
+            let [a, j] = [DRIVE.force, growth].map(|force| force.dot(axis) / mass);
+            under_ramp(rate, [0.0, start.twist.velocity.dot(axis), a, j], 2.0).map(|value| *axis * value)
         });
-        let [place, velocity] = parts.fold([Vec2::ZERO; 2], |[r, v], [dr, dv]| [r + dr, v + dv]);
+        let [place, velocity] = parts.fold([Vec2::zeros(); 2], |[r, v], [dr, dv]| [r + dr, v + dv]);
         let expected = motion(&[place.x, place.y, GAZE, velocity.x, velocity.y, 0.0]);
         worst = largest([worst, apart(&motions(&world), &[expected])]);
     }

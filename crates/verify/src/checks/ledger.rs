@@ -51,8 +51,8 @@ fn powers(world: &World) -> [f64; 3] {
     let [mut drive, mut floor, mut damping] = [0.0; 3];
     for ((body, motion), wrench) in scene.bodies.iter().zip(motions(world)).zip(&world.drive) {
         let (v, w) = (motion.twist.velocity, motion.twist.angular_velocity);
-        drive += wrench.force.dot(v) + wrench.torque * w;
-        floor -= body.by_floor(motion.pose.orientation, v).dot(v) * body.mass;
+        drive += wrench.force.dot(&v) + wrench.torque * w;
+        floor -= body.by_floor(motion.pose.orientation, v).dot(&v) * body.mass;
         floor += body.rotation_rate * body.inertia * w * w;
     }
     for contact in &world.contacts().contacts {

@@ -44,7 +44,7 @@ impl Standing {
     fn drive(&mut self, push: f64) -> Result<()> {
         let state = self.world.state();
         let seen = |(pose, twist): (&Pose, &Twist)| {
-            let Vec2 { x, y } = pose.position;
+            let [x, y] = pose.position.into();
             (SeenPose { x, y, theta: pose.orientation }, twist.velocity)
         };
         self.decision.see(state.poses.iter().zip(&state.twists).map(seen));
@@ -111,7 +111,7 @@ fn pushed_row() -> Result<[f64; 2]> {
                     b.angular_velocity,
                 );
                 impulse += drive.force.x * 1e-4 - MASS * DAMPING * moved.x;
-                work += drive.force.dot(moved) + drive.torque * turned;
+                work += drive.force.dot(&moved) + drive.torque * turned;
                 work -= DAMPING * (MASS * square + inertia * spin) * 1e-4;
             }
         }

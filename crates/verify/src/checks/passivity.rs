@@ -68,7 +68,7 @@ fn random_pairs(count: u32, share_of_longest: f64) -> Result<f64> {
         let direction = random.within(0.0, TAU);
         let away = vec2(libm::cos(direction), libm::sin(direction));
         let towards = away * -random.within(0.5, 4.0);
-        people[1].pose.position = away * 0.7 + away.perp() * random.within(-0.25, 0.25);
+        people[1].pose.position = away * 0.7 + away.left() * random.within(-0.25, 0.25);
         let share = random.share();
         for (person, velocity) in people.iter_mut().zip([towards * -share, towards * (1.0 - share)]) {
             person.pose.orientation = random.within(-PI, PI);

@@ -22,7 +22,7 @@ struct Seen {
 
 impl Seen {
     fn vector(&self, v: Vec2) -> Vec2 {
-        vec2(v.x, self.hand() * v.y).rotated(Rotation::by(self.turn))
+        rotation(self.turn) * vec2(v.x, self.hand() * v.y)
     }
 
     fn place(&self, place: Vec2) -> Vec2 {

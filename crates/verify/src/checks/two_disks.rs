@@ -1,6 +1,6 @@
 //! Two round bodies that touch, by Runge and Kutta's fourth-order method: formulas of their own.
 
-use crowd_mechanics::engine::{PairLaw, Vec2, Wrench};
+use crowd_mechanics::engine::{InPlane, PairLaw, Vec2, Wrench};
 use lemons_core::plane::vec2;
 
 /// Two round bodies, and what acts on them besides their contact.
@@ -26,19 +26,19 @@ impl TwoDisks {
         let arms = self.radii.map(|radius| radius - 0.5 * depth);
         let n = r * (1.0 / r.norm());
         // The contact point is in direction −n from the first and +n from the second.
-        let slip = v.dot(n.perp()) - w1 * arms[0] - w2 * arms[1];
-        let (mut force, mut tangential, mut stretching) = (Vec2::ZERO, 0.0, 0.0);
+        let slip = v.dot(&n.left()) - w1 * arms[0] - w2 * arms[1];
+        let (mut force, mut tangential, mut stretching) = (Vec2::zeros(), 0.0, 0.0);
         if depth > 0.0 {
             let law = &self.law;
             stretching = slip;
-            let normal = law.normal_stiffness * depth - law.normal_damping * v.dot(n);
+            let normal = law.normal_stiffness * depth - law.normal_damping * v.dot(&n);
             tangential = -law.tangential_stiffness * s - law.tangential_damping * slip;
             let limit = law.friction * normal.abs();
             if tangential.abs() > limit {
                 tangential = limit.copysign(tangential);
                 stretching = (-tangential - law.tangential_stiffness * s) / law.tangential_damping;
             }
-            force = n * normal + n.perp() * tangential;
+            force = n * normal + n.left() * tangential;
         }
         let driven = [0, 1].map(|i| self.drive_rates[i].force * (time / self.masses[i]));
         let lightness = 1.0 / self.masses[0] + 1.0 / self.masses[1];

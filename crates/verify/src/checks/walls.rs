@@ -71,7 +71,7 @@ fn released() -> Result<(f64, f64)> {
                 world.advance(0.01)?;
             }
             let held = 0.5 * ELASTIC.normal_stiffness * 0.2 * 0.2;
-            along = largest([along, world.state().twists[0].velocity.dot(direction).abs()]);
+            along = largest([along, world.state().twists[0].velocity.dot(&direction).abs()]);
             energy = largest([energy, (kinetic_energy(&world) / held - 1.0).abs()]);
         }
     }
