@@ -16,7 +16,7 @@ pub struct Build {
     changed: bool,
 }
 
-/// This one; the top-level `build.rs` has found it out.
+/// This one; `build.rs` has found it out.
 pub const BUILD: Build = Build {
     version: env!("CARGO_PKG_VERSION"),
     commit: env!("LEMONS_BUILD_COMMIT"),

@@ -4,6 +4,7 @@
 
 mod bounds;
 mod hull;
+pub mod overlay;
 mod polygon;
 mod pose;
 mod ring;

@@ -1,9 +1,8 @@
 //! The walkable area that walls enclose.
 
 use crate::outlines::{Outline, outlines};
-use crate::shapes::{Contour, Shape, check, contour, overlay, ring};
-use i_overlay::core::fill_rule::FillRule;
-use i_overlay::core::overlay_rule::OverlayRule;
+use crate::shapes::check;
+use lemons_core::plane::overlay::{Contour, Fill, Polygons, contour, difference, ring, union};
 use lemons_core::plane::{Bounds, Polygon, Ring, Vec2, convex_hull, segments_touch, vec2};
 use lemons_core::trial::Wall;
 
@@ -155,11 +154,10 @@ fn with_outside(
         places.extend([*a, *b]);
         convex_hull(places).iter().map(|p| [p.x, p.y]).collect()
     });
-    let mut shapes: Shape = hulls.collect();
+    let mut shapes: Vec<Contour> = hulls.collect();
     let openings = if shapes.len() == 1 { "the opening" } else { "each opening" };
     shapes.splice(..0, rooms.iter().map(|room| counter_clockwise(&room.ring)));
-    let union = overlay(&shapes, &Shape::new(), OverlayRule::Subject, FillRule::NonZero);
-    let polygon = of_people(union, positions)?;
+    let polygon = of_people(union(&shapes), positions)?;
     let mut all: Vec<String> = rooms.iter().map(|room| room.described()).collect();
     all.push(format!("beyond {openings} the convex hull of where people were and {MARGIN} m more"));
     said.push(format!("walkable area: inside of {}", all.join("; ")));
@@ -167,13 +165,13 @@ fn with_outside(
 }
 
 /// Returns the one polygon that has everybody in it.
-fn of_people(shapes: Vec<Shape>, mut positions: impl Iterator<Item = Vec2>) -> Option<Polygon> {
+fn of_people(polygons: Polygons, mut positions: impl Iterator<Item = Vec2>) -> Option<Polygon> {
     let rounded = |contour: Contour| {
         let whole = |x: f64| libm::round(x * GRAINS) / GRAINS;
         ring(&contour.iter().map(|point| point.map(whole)).collect())
     };
-    let polygons = shapes.into_iter().filter_map(|shape| {
-        let mut rings = shape.into_iter().filter_map(rounded);
+    let polygons = polygons.into_iter().filter_map(|polygon| {
+        let mut rings = polygon.into_iter().filter_map(rounded);
         Some(Polygon { outer: rings.next()?, holes: rings.collect() })
     });
     let polygons: Vec<Polygon> = polygons.collect();
@@ -203,7 +201,7 @@ fn parted(
     walls: &[(Vec2, Vec2)],
     positions: impl Iterator<Item = Vec2>,
 ) -> Option<Polygon> {
-    let mut subject: Shape = polygon.rings().map(counter_clockwise).collect();
+    let mut subject: Vec<Contour> = polygon.rings().map(counter_clockwise).collect();
     subject[1..].iter_mut().for_each(|hole| hole.reverse());
     let strip = |&(a, b): &(Vec2, Vec2)| {
         let along = (b - a) * (0.5 * THICKNESS / (b - a).norm());
@@ -211,8 +209,8 @@ fn parted(
         let (a, b) = (a - along, b + along);
         [a - aside, b - aside, b + aside, a + aside].map(|p| [p.x, p.y]).to_vec()
     };
-    let strips: Shape = walls.iter().filter(|(a, b)| a != b).map(strip).collect();
-    of_people(overlay(&subject, &strips, OverlayRule::Difference, FillRule::NonZero), positions)
+    let strips: Vec<Contour> = walls.iter().filter(|(a, b)| a != b).map(strip).collect();
+    of_people(difference(&subject, &strips, Fill::NonZero), positions)
 }
 
 fn bounding_box(points: impl Iterator<Item = Vec2>) -> Outline {

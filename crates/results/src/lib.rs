@@ -18,6 +18,7 @@ mod error;
 #[cfg(feature = "sqlite")]
 mod jupedsim;
 pub mod measure;
+mod number;
 mod outlines;
 mod record;
 mod recorder;

@@ -1,4 +1,4 @@
-//! What the top-level `build.rs` says of the sources: it is compiled here and run on repositories of its own.
+//! What `build.rs` says of the sources: it is compiled here and run on repositories of its own.
 
 use crate::common::{done, out};
 use std::fs;
@@ -11,7 +11,7 @@ use tempfile::TempDir;
 static SCRIPT: LazyLock<(TempDir, PathBuf)> = LazyLock::new(|| {
     let directory = TempDir::new().unwrap();
     let program = directory.path().join(format!("script{}", std::env::consts::EXE_SUFFIX));
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../build.rs");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("build.rs");
     let rustc = Path::new(env!("CARGO")).with_file_name(format!("rustc{}", std::env::consts::EXE_SUFFIX));
     let mut command = Command::new(rustc);
     command.args(["--edition", "2024", "--crate-name", "script", "-o"]).arg(&program).arg(source);
@@ -51,6 +51,7 @@ fn workspace(at: &Path) -> PathBuf {
     for (name, text) in [
         ("Cargo.toml", "[workspace]"),
         ("build.rs", ""),
+        ("crates/cli/build.rs", ""),
         ("src/lib.rs", "//! One."),
         ("crates/cli/src/lib.rs", "//! Two."),
         ("crates/cli/tests/all.rs", "//! Three."),

@@ -1,9 +1,8 @@
 //! Horizontal sections of a crowd of bodies.
 
 use super::{Body3d, Polygon};
-use i_overlay::core::fill_rule::FillRule;
-use i_overlay::float::simplify::SimplifyShape;
-use lemons_core::plane::{Pose, Ring, vec2};
+use lemons_core::plane::Pose;
+use lemons_core::plane::overlay::{Contour, area, union};
 
 /// The section of a crowd with a horizontal plane.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,26 +26,16 @@ impl CrowdSection {
     /// Returns the area of ground under the union of all outlines \[m²\]: overlaps of bodies count once. It is NaN if a
     /// pose is not finite.
     pub fn covered(&self) -> f64 {
-        let outlines: Vec<Vec<[f64; 2]>> = self
+        let outlines: Vec<Contour> = self
             .bodies
             .iter()
             .flatten()
             .map(|polygon| polygon.points.iter().map(|p| [p.x, p.y]).collect())
             .collect();
-        if outlines.is_empty() {
-            return 0.0;
-        }
         if !outlines.iter().flatten().flatten().all(|value| value.is_finite()) {
             return f64::NAN;
         }
-        // On a grid of 64-bit integers over the whole crowd: better than a nanometre, and the same on every machine.
-        let union = outlines.simplify_shape_as::<i64>(FillRule::NonZero);
-        let area = |contour: &Vec<[f64; 2]>| {
-            Ring::through(contour.iter().map(|[x, y]| vec2(*x, *y)).collect()).map_or(0.0, |ring| ring.area())
-        };
-        // The first contour of a shape is its outer boundary, the others are holes.
-        let shapes = union.iter().filter(|shape| !shape.is_empty());
-        shapes.map(|shape| area(&shape[0]) - shape[1..].iter().map(area).sum::<f64>()).sum()
+        union(&outlines).iter().map(|part| area(part)).sum()
     }
 
     /// Returns the number of bodies that the plane cuts.

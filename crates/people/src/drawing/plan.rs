@@ -5,9 +5,7 @@ use super::{Drawing, Line};
 use crate::error::{PeopleError, Result, require};
 use crate::placing::Region;
 use crate::{Door, closed_walls, is_closed};
-use i_overlay::core::fill_rule::FillRule;
-use i_overlay::core::overlay_rule::OverlayRule;
-use i_overlay::float::single::SingleFloatOverlay;
+use lemons_core::plane::overlay::{self, Contour, Fill, contour};
 use lemons_core::plane::{Bounds, Ring, Vec2, sides_that_meet, vec2};
 use lemons_core::trial::{Geometry, Wall};
 use std::collections::BTreeMap;
@@ -432,23 +430,23 @@ fn areas(lines: Vec<Line>) -> Result<(Vec<Vec<Vec2>>, bool)> {
         let turned = |k: usize, left: bool| {
             let ring = rings[k].clone();
             let ring = if (ring.signed_area() > 0.0) == left { ring } else { ring.reversed() };
-            vec![ring.corners().iter().map(|corner| [corner.x, corner.y]).collect::<Vec<[f64; 2]>>()]
+            contour(&ring)
         };
-        let areas: Vec<_> = (0..closed.len())
+        let areas: Vec<Contour> = (0..closed.len())
             .filter(|k| is_outline(&closed[*k]))
             .map(|k| turned(k, !closed[k].hole))
             .collect();
-        let obstacles: Vec<_> =
+        let obstacles: Vec<Contour> =
             (0..closed.len()).filter(|k| !is_outline(&closed[*k])).map(|k| turned(k, true)).collect();
-        let left = areas.overlay(&obstacles, OverlayRule::Difference, FillRule::NonZero);
+        let left = overlay::difference(&areas, &obstacles, Fill::NonZero);
         let made: usize = left.iter().flatten().map(Vec::len).sum();
         require(made <= 10 * MOST_CORNERS, || {
             format!(
                 "walkable areas without obstacles have {made} corners: too many; do they cross each other?"
             )
         })?;
-        let ring = |ring: &Vec<[f64; 2]>| Ring::through(ring.iter().map(|[x, y]| vec2(*x, *y)).collect());
-        let rings = left.iter().flatten().filter_map(ring).filter(|ring| ring.area() >= SMALLEST_AREA);
+        let rings =
+            left.iter().flatten().filter_map(overlay::ring).filter(|ring| ring.area() >= SMALLEST_AREA);
         rings.map(|ring| ring.closed().to_vec()).collect()
     };
     walls.extend(open.into_iter().map(corners));

@@ -3,10 +3,8 @@
 use super::region::{Region, SMALLEST_AREA};
 use crate::error::{PeopleError, Result, require};
 use crate::is_closed;
-use i_overlay::core::fill_rule::FillRule;
-use i_overlay::core::overlay_rule::OverlayRule;
-use i_overlay::float::single::SingleFloatOverlay;
-use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
+use lemons_core::plane::overlay::{self, Contour, Fill, Polygons, difference, intersection};
+use lemons_core::plane::{Bounds, Ring, Vec2};
 use lemons_core::trial::{Geometry, Wall};
 
 /// A closed wall that holds more than this part of a polygon is a room.
@@ -29,9 +27,6 @@ pub struct FreeSpace {
     pub walls: Vec<String>,
 }
 
-/// As i_overlay has them: polygons, each with its outer contour and its holes.
-type Shapes = Vec<Vec<Vec<[f64; 2]>>>;
-
 impl Region {
     /// Returns what walls leave of a simple polygon \[m\].
     ///
@@ -44,7 +39,8 @@ impl Region {
     /// The polygon does not bound a region, or nothing is left of it.
     pub fn free_space(outer: &[Vec2], walls: &Geometry, earlier: &[Region]) -> Result<FreeSpace> {
         let whole = Region::polygon(outer, &[])?;
-        let mut shapes: Shapes = vec![whole.rings().iter().map(contour).collect()];
+        let ground: Vec<Contour> = whole.rings().iter().map(contour).collect();
+        let mut left: Polygons = vec![ground.clone()];
         let (mut rooms, mut obstacles, mut open) = (Vec::new(), Vec::new(), Vec::new());
         let Some(bounds) = whole.bounds() else {
             return Err(PeopleError::new("no walls: nothing bounds the region"));
@@ -56,21 +52,20 @@ impl Region {
                 open.push(wall);
                 continue;
             };
-            let common =
-                cut(&vec![whole.rings().iter().map(contour).collect()], &ring, OverlayRule::Intersect);
-            let share = area(&common) / whole.area();
+            let ring = [contour(&ring)];
+            let share = area(&intersection(&ground, &ring, Fill::EvenOdd)) / whole.area();
             if share > MOST_OF_IT {
-                shapes = cut(&shapes, &ring, OverlayRule::Intersect);
+                left = intersection(&left.concat(), &ring, Fill::EvenOdd);
                 rooms.push(wall.id.clone());
             } else if share > ROUNDING {
-                shapes = cut(&shapes, &ring, OverlayRule::Difference);
+                left = difference(&left.concat(), &ring, Fill::EvenOdd);
                 obstacles.push(wall.id.clone());
             }
         }
         for ring in earlier.iter().flat_map(|region| region.rings()) {
-            shapes = cut(&shapes, ring, OverlayRule::Difference);
+            left = difference(&left.concat(), &[contour(ring)], Fill::EvenOdd);
         }
-        let rings: Vec<Ring> = shapes.iter().flat_map(|shape| rings(shape)).collect();
+        let rings: Vec<Ring> = left.iter().flat_map(|polygon| rings(polygon)).collect();
         let left: f64 = rings.iter().map(Ring::signed_area).sum();
         require(left >= SMALLEST_AREA, || {
             let why = match &obstacles[..] {
@@ -110,31 +105,27 @@ fn is_in(bounds: &Bounds, rings: &[Ring], a: Vec2, b: Vec2) -> bool {
     Bounds::of([a, b]).is_some_and(|side| bounds.meets(&side)) && !rings.iter().any(along)
 }
 
-fn contour(ring: &Ring) -> Vec<[f64; 2]> {
-    let mut corners: Vec<[f64; 2]> = ring.corners().iter().map(|corner| [corner.x, corner.y]).collect();
+fn contour(ring: &Ring) -> Contour {
+    let mut corners = overlay::contour(ring);
     if ring.signed_area() < 0.0 {
         corners.reverse();
     }
     corners
 }
 
-fn cut(shapes: &Shapes, ring: &Ring, rule: OverlayRule) -> Shapes {
-    shapes.overlay(&vec![vec![contour(ring)]], rule, FillRule::EvenOdd)
-}
-
 /// \[m²\]
-fn area(shapes: &Shapes) -> f64 {
-    shapes.iter().flat_map(|shape| rings(shape)).map(|ring| ring.signed_area()).sum()
+fn area(polygons: &Polygons) -> f64 {
+    polygons.iter().flat_map(|polygon| rings(polygon)).map(|ring| ring.signed_area()).sum()
 }
 
 /// The outer one counter-clockwise, its holes clockwise; without those that are rounding errors.
-fn rings(shape: &[Vec<[f64; 2]>]) -> impl Iterator<Item = Ring> {
-    let ring = |(place, contour): (usize, &Vec<[f64; 2]>)| {
-        let ring = Ring::through(contour.iter().map(|[x, y]| vec2(*x, *y)).collect())?;
+fn rings(polygon: &[Contour]) -> impl Iterator<Item = Ring> {
+    let ring = |(place, contour): (usize, &Contour)| {
+        let ring = overlay::ring(contour)?;
         let right = (ring.signed_area() > 0.0) == (place == 0);
         Some(if right { ring } else { ring.reversed() })
     };
-    let rings: Vec<Ring> = shape.iter().enumerate().filter_map(ring).collect();
+    let rings: Vec<Ring> = polygon.iter().enumerate().filter_map(ring).collect();
     let whole = rings.first().is_some_and(|outer| outer.area() >= SMALLEST_AREA);
     rings.into_iter().filter(move |ring| whole && ring.area() >= SMALLEST_AREA)
 }
@@ -144,7 +135,7 @@ mod tests {
     use super::*;
     use crate::placing::{Settings, dense};
     use crate::shape::Shape;
-    use lemons_core::plane::{Disk, rotation};
+    use lemons_core::plane::{Disk, rotation, vec2};
     use std::ops::ControlFlow;
 
     fn wall(id: &str, corners: &[(f64, f64)]) -> Wall {

@@ -2,8 +2,9 @@
 
 use crate::Frame;
 use crate::measure::present;
-use crate::measure::voronoi::{Room, area, intersection};
-use crate::shapes::{check, contour};
+use crate::measure::voronoi::Room;
+use crate::shapes::check;
+use lemons_core::plane::overlay::{Fill, area, contour, intersection};
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use serde::Serialize;
 
@@ -68,7 +69,8 @@ impl MeasuringArea {
             // A cell without area is that of somebody outside of the room, or squeezed into a corner of the polygon.
             let cells = cells.map(|cell| (area(&cell), cell)).filter(|(area, _)| *area > 0.0);
             let parts = cells.map(|(whole, cell)| {
-                let common: f64 = intersection(&cell, &shape).iter().map(area).sum();
+                let common: f64 =
+                    intersection(&cell, &shape, Fill::EvenOdd).iter().map(|part| area(part)).sum();
                 common / whole
             });
             // A sum of nothing is -0.

@@ -1,14 +1,12 @@
 //! The Voronoi cells of people in a room: of each place, whose it is, and walls hold cells back.
 
-use crate::shapes::{Shape, contour, overlay, ring};
-use i_overlay::core::fill_rule::FillRule;
-use i_overlay::core::overlay_rule::OverlayRule;
+use lemons_core::plane::overlay::{Contour, Fill, contour, intersection, ring};
 use lemons_core::plane::{Bounds, Polygon, Ring, Vec2};
 
 /// Where people can be: a polygon with holes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Room {
-    shape: Shape,
+    polygon: Vec<Contour>,
     bounds: Bounds,
     sides: Vec<Bounds>,
 }
@@ -17,14 +15,14 @@ impl Room {
     /// Makes the room of a polygon \[m\].
     pub fn of(polygon: &Polygon) -> Room {
         let sides = polygon.rings().flat_map(Ring::sides).filter_map(|(a, b)| Bounds::of([a, b])).collect();
-        Room { shape: polygon.rings().map(contour).collect(), bounds: polygon.outer.bounds(), sides }
+        Room { polygon: polygon.rings().map(contour).collect(), bounds: polygon.outer.bounds(), sides }
     }
 
     /// The cells of people at these places \[m\], in their order, where they may meet a rectangle; else `None`.
     ///
     /// A cell is what is nearer to its person than to all others. A wall may cut it into parts; the cell is the part that
     /// the person is in. People at the same place have the same cell.
-    pub(crate) fn cells(&self, people: &[Vec2], near: Bounds) -> Vec<Option<Shape>> {
+    pub(crate) fn cells(&self, people: &[Vec2], near: Bounds) -> Vec<Option<Vec<Contour>>> {
         let mut order: Vec<usize> = (0..people.len()).collect();
         order.sort_by(|a, b| people[*a].x.total_cmp(&people[*b].x));
         let mut cells = vec![None; people.len()];
@@ -70,14 +68,14 @@ impl Room {
     }
 
     /// The part of a cell that is in the room, with its person in it.
-    fn cut(&self, corners: Vec<Vec2>, bounds: Bounds, person: Vec2) -> Shape {
-        let whole = vec![corners.iter().map(|p| [p.x, p.y]).collect()];
+    fn cut(&self, corners: Vec<Vec2>, bounds: Bounds, person: Vec2) -> Vec<Contour> {
+        let whole: Vec<Contour> = vec![corners.iter().map(|p| [p.x, p.y]).collect()];
         if !self.sides.iter().any(|side| side.meets(&bounds)) {
             return whole;
         }
-        let parts = intersection(&whole, &self.shape);
-        let off = |shape: &Shape| {
-            let ring = shape.first().and_then(ring);
+        let parts = intersection(&whole, &self.polygon, Fill::EvenOdd);
+        let off = |polygon: &Vec<Contour>| {
+            let ring = polygon.first().and_then(ring);
             ring.map_or(f64::INFINITY, |ring| {
                 if ring.contains(person) { 0.0 } else { ring.nearest(person).distance }
             })
@@ -103,20 +101,10 @@ fn halved(corners: &[Vec2], through: Vec2, away: Vec2) -> Vec<Vec2> {
     left
 }
 
-/// The parts that two shapes have in common.
-pub(crate) fn intersection(one: &Shape, other: &Shape) -> Vec<Shape> {
-    overlay(one, other, OverlayRule::Intersect, FillRule::EvenOdd)
-}
-
-/// \[m²\] Without its holes.
-pub(crate) fn area(shape: &Shape) -> f64 {
-    let mut areas = shape.iter().map(|contour| ring(contour).map_or(0.0, |ring| ring.area()));
-    areas.next().unwrap_or(0.0) - areas.sum::<f64>()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lemons_core::plane::overlay::area;
     use lemons_core::plane::vec2;
 
     fn room_of<const N: usize>(holes: [Ring; N], outer: Ring) -> Room {

@@ -5,10 +5,11 @@ use super::write::Rows;
 use crate::cell::Cell;
 use crate::columns::{self, Column};
 use crate::error::RecordError;
+use crate::number;
 use crate::record::Each;
 use std::borrow::Cow;
 use std::fmt::Write as _;
-use std::io::{self, Read, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
 /// The name and the unit in the head of a column: `x`, or `x [m]`.
@@ -79,40 +80,75 @@ fn described(error: csv::Error) -> String {
     }
 }
 
+/// \[byte\] What is kept in memory before it goes to the file.
+const BUFFER: usize = 1 << 16;
+
 /// A table that is written.
 pub(super) struct Writer<W: Write> {
-    out: csv::Writer<W>,
-    text: String,
+    out: BufWriter<W>,
+    line: String,
 }
 
 impl<W: Write> Writer<W> {
     /// Begins a table, with the header only.
     pub fn create(file: W, columns: &[Column]) -> io::Result<Writer<W>> {
-        let mut out = csv::Writer::from_writer(file);
-        out.write_record(columns.iter().map(head_of))?;
-        Ok(Writer { out, text: String::new() })
+        let heads: Vec<String> = columns.iter().map(head_of).collect();
+        let mut writer = Writer { out: BufWriter::with_capacity(BUFFER, file), line: String::new() };
+        put(&mut writer.line, &mut heads.iter().map(|head| Cell::Text(head)));
+        writer.out.write_all(writer.line.as_bytes())?;
+        Ok(writer)
     }
 }
 
 impl<W: Write + Send> Rows<W> for Writer<W> {
     fn row(&mut self, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()> {
-        for cell in cells {
-            let text = &mut self.text;
-            text.clear();
-            let written = match cell {
-                // It reads back to the same double.
-                Cell::Real(value) => write!(text, "{value:?}"),
-                Cell::Integer(value) => write!(text, "{value}"),
-                Cell::Boolean(value) => write!(text, "{value}"),
-                Cell::Text(value) => text.write_str(value),
-            };
-            written.map_err(io::Error::other)?;
-            self.out.write_field(&*text)?;
-        }
-        Ok(self.out.write_record(None::<&[u8]>)?)
+        put(&mut self.line, cells);
+        self.out.write_all(self.line.as_bytes())
     }
 
     fn finish(self: Box<Self>) -> io::Result<W> {
-        self.out.into_inner().map_err(csv::IntoInnerError::into_error)
+        self.out.into_inner().map_err(io::IntoInnerError::into_error)
+    }
+}
+
+/// Puts a row in the place of the line before. It is not generic, so that it is compiled (and optimised) in this crate.
+fn put(line: &mut String, cells: &mut dyn Iterator<Item = Cell<'_>>) {
+    line.clear();
+    for cell in cells {
+        match cell {
+            Cell::Real(value) => number::put(line, value),
+            Cell::Integer(value) => _ = write!(line, "{value}"),
+            Cell::Boolean(value) => _ = write!(line, "{value}"),
+            Cell::Text(value) if value.contains([',', '"', '\r', '\n']) => {
+                line.extend(["\"", &value.replace('"', "\"\""), "\""]);
+            }
+            Cell::Text(value) => line.push_str(value),
+        }
+        line.push(',');
+    }
+    line.pop();
+    line.push('\n');
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_is_that_of_the_package_csv() {
+        let texts = ["7", "", "a, b", "\"", "say \"no\"", "two\nlines", "\r", " ß ", "#;\t'"];
+        let mut line = String::new();
+        let mut theirs = csv::Writer::from_writer(Vec::new());
+        for text in texts {
+            let (real, integer) = (0.25, -3);
+            put(
+                &mut line,
+                &mut [Cell::Text(text), Cell::Real(real), Cell::Integer(integer), Cell::Boolean(true)]
+                    .into_iter(),
+            );
+            theirs.write_record([text, "0.25", "-3", "true"]).unwrap();
+            theirs.flush().unwrap();
+            assert!(theirs.get_ref().ends_with(line.as_bytes()), "{line:?} {:?}", theirs.get_ref());
+        }
     }
 }

@@ -5,7 +5,7 @@ use super::format::{Content, Format};
 #[cfg(feature = "parquet")]
 use super::parquet;
 use crate::cell::{Cell, CellType};
-use crate::columns::Groups;
+use crate::columns::{Groups, Quantity, Row};
 use crate::error::RecordError;
 use crate::run::Frame;
 use lemons_core::files::WriteError;
@@ -55,8 +55,11 @@ impl<W: Write + Send + 'static> TableWriter<W> {
         time: f64,
         cells: impl IntoIterator<Item = Cell<'a>>,
     ) -> Result<(), RecordError> {
-        let written = self.rows.row(&mut std::iter::once(Cell::Real(time)).chain(cells));
-        Ok(written.map_err(WriteError::at(&self.path))?)
+        self.cells(&mut std::iter::once(Cell::Real(time)).chain(cells))
+    }
+
+    fn cells(&mut self, cells: &mut dyn Iterator<Item = Cell<'_>>) -> Result<(), RecordError> {
+        Ok(self.rows.row(cells).map_err(|error| WriteError::at(&self.path)(error))?)
     }
 
     /// Returns what messages call the file.
@@ -77,13 +80,13 @@ impl<W: Write + Send + 'static> TableWriter<W> {
 pub struct FrameWriter<W> {
     table: TableWriter<W>,
     ids: Vec<String>,
-    groups: Groups,
+    cells: RowCells,
 }
 
 impl<W: Write + Send + 'static> FrameWriter<W> {
     /// Writes frames of the agents with these Ids into a table whose columns are [`Groups::columns`].
     pub fn new(table: TableWriter<W>, ids: Vec<String>, groups: Groups) -> FrameWriter<W> {
-        FrameWriter { table, ids, groups }
+        FrameWriter { table, ids, cells: RowCells::of(groups) }
     }
 
     /// Writes a row for each agent.
@@ -92,12 +95,7 @@ impl<W: Write + Send + 'static> FrameWriter<W> {
     /// The file cannot be written.
     pub fn frame(&mut self, frame: &Frame) -> Result<(), RecordError> {
         for (k, id) in self.ids.iter().enumerate() {
-            let row = frame.row(k);
-            let cells = self.groups.quantities().map(|(place, quantity)| match quantity.kind() {
-                CellType::Real => Cell::Real(row[place]),
-                _ => Cell::Integer(row[place] as i32),
-            });
-            self.table.row(frame.time, std::iter::once(Cell::Text(id)).chain(cells))?;
+            self.cells.of_agent(frame.time, id, &frame.row(k), &mut |cells| self.table.cells(cells))?;
         }
         Ok(())
     }
@@ -108,5 +106,32 @@ impl<W: Write + Send + 'static> FrameWriter<W> {
     /// The file cannot be written.
     pub fn finish(self) -> Result<W, RecordError> {
         self.table.finish()
+    }
+}
+
+/// What the cells of an agent's row are. It is not generic, so that it is compiled (and optimised) in this crate.
+struct RowCells {
+    /// Places in a [`Row`], and whether the cell is a real number.
+    quantities: Vec<(usize, bool)>,
+}
+
+impl RowCells {
+    fn of(groups: Groups) -> RowCells {
+        let cell = |(place, quantity): (usize, &Quantity)| (place, quantity.kind() == CellType::Real);
+        RowCells { quantities: groups.quantities().map(cell).collect() }
+    }
+
+    fn of_agent(
+        &self,
+        time: f64,
+        id: &str,
+        row: &Row,
+        write: &mut dyn FnMut(&mut dyn Iterator<Item = Cell<'_>>) -> Result<(), RecordError>,
+    ) -> Result<(), RecordError> {
+        let cell = |&(place, real): &(usize, bool)| {
+            if real { Cell::Real(row[place]) } else { Cell::Integer(row[place] as i32) }
+        };
+        let first = [Cell::Real(time), Cell::Text(id)];
+        write(&mut first.into_iter().chain(self.quantities.iter().map(cell)))
     }
 }
