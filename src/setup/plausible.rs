@@ -351,7 +351,7 @@ mod tests {
         says(&lone, "");
         lone.dynamics[0].position = vec2(-3.0, 2.0);
         says(&lone, "agent \"0\" stands outside of the closed walls, and nobody inside: is this intended?");
-        lone.geometry.walls[0].corners.iter_mut().for_each(|corner| *corner = *corner * 0.3);
+        lone.geometry.walls[0].corners.iter_mut().for_each(|corner| *corner *= 0.3);
         says(&lone, "");
         // More outside than inside: the others are asked about.
         trial.dynamics[1].position = vec2(1.8, -1.0);
@@ -365,10 +365,10 @@ mod tests {
     #[test]
     fn places_rooms_and_bodies_in_centimetres_are_doubted() {
         let scale_places = |trial: &mut Trial| {
-            trial.dynamics.iter_mut().for_each(|dynamics| dynamics.position = dynamics.position * 100.0);
+            trial.dynamics.iter_mut().for_each(|dynamics| dynamics.position *= 100.0);
         };
         let scale_walls = |trial: &mut Trial, factor: f64| {
-            trial.geometry.walls[0].corners.iter_mut().for_each(|corner| *corner = *corner * factor);
+            trial.geometry.walls[0].corners.iter_mut().for_each(|corner| *corner *= factor);
         };
         let mut trial = room();
         scale_places(&mut trial);
@@ -392,7 +392,7 @@ mod tests {
             agent.moment_of_inertia *= 1e4;
             for shape in &mut agent.shapes {
                 shape.radius *= 100.0;
-                shape.position = shape.position * 100.0;
+                shape.position *= 100.0;
             }
             trial.dynamics[place].position = vec2(200.0 * place as f64, 0.0);
         }

@@ -19,7 +19,7 @@ pub trait InPlane: Sized {
     fn unit(self, least: f64) -> Option<Self>;
 
     /// Returns whether both components are finite.
-    fn is_finite(self) -> bool;
+    fn is_finite(&self) -> bool;
 }
 
 impl InPlane for Vec2 {
@@ -35,7 +35,7 @@ impl InPlane for Vec2 {
     }
 
     #[inline]
-    fn is_finite(self) -> bool {
+    fn is_finite(&self) -> bool {
         self.x.is_finite() && self.y.is_finite()
     }
 }

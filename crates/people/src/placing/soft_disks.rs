@@ -142,7 +142,7 @@ impl<'a> SoftDisks<'a> {
 
     /// Moves all positions towards the origin by a factor.
     pub fn draw_in(&mut self, factor: f64) {
-        self.bodies.iter_mut().for_each(|b| b.position = b.position * factor);
+        self.bodies.iter_mut().for_each(|b| b.position *= factor);
     }
 
     /// The disks of a body at an angle and a size, relative to its position.
