@@ -72,7 +72,7 @@ whole=(--locked --profile ci --workspace --all-features)
 
 rust_tests() {
     # Not by nextest: the tests of a program share what they pack.
-    stage "${signals[@]}" cargo test "${whole[@]}"
+    stage "${signals[@]}" cargo test "${whole[@]}" --no-fail-fast
     # Its table, optimised.
     stage "${CARGO_TARGET_DIR:-target}/ci/lemons" verify
 }
@@ -220,7 +220,12 @@ else
     if ((!failed)); then
         rest=(test)
         [[ $tier == all ]] && rest+=(doc)
-        again pytest lab >"$notes/second" 2>&1 &
+        {
+            second=0
+            again pytest || second=1
+            again lab || second=1
+            ((!second))
+        } >"$notes/second" 2>&1 &
         again "${rest[@]}" || failed=1
         wait $! || failed=1
         cat "$notes/second"

@@ -10,6 +10,7 @@ pub mod counted;
 pub mod fmu;
 
 use anyhow::{Result, ensure};
+use bare::BareCrowd;
 use cpu_time::ThreadTime;
 use crowd_mechanics::engine::{Shortlisting, World, Wrench};
 use crowd_mechanics::scenes::{BODIES, MASS, Placed, RATE, Random, in_a_box, pedestrian, world};
@@ -41,6 +42,8 @@ pub struct Case {
     pub make: fn(usize) -> Result<World>,
     /// Number of mechanical steps of one measurement.
     pub steps: u64,
+    /// Whether it is the bare loop ([`bare`]) that is measured, instead of the engine.
+    pub bare: bool,
     /// Times of other engines, if there are any.
     pub others: Option<Others>,
 }
@@ -48,17 +51,20 @@ pub struct Case {
 /// Returns all cases, small crowds first.
 pub fn cases() -> Vec<Case> {
     let others = |published, published_best, lammps| Some(Others { published, published_best, lammps });
-    let case = |name, agents, make, steps, others| Case { name, agents, make, steps, others };
+    let case = |name, agents, make, steps, others| Case { name, agents, make, steps, bare: false, others };
+    let bare = |name, make| Case { bare: true, ..case(name, 1_000, make, 1_000, None) };
     vec![
         case("push, step 2e-6 s", 5, |_| Ok(push()), 200_000, others(10_000.0, 1_600.0, None)),
         case("dense", 10, dense, 20_000, None),
         case("dense", 100, dense, 10_000, others(120_000.0, 34_000.0, Some(720.0))),
         case("dense", 1_000, dense, 1_000, others(180_000.0, 72_000.0, Some(750.0))),
+        bare("dense, bare loop", dense),
         case("dense", 10_000, dense, 1_000, None),
         case("dense", 100_000, dense, 200, None),
         case("sparse", 1_000, sparse, 2_000, others(5_500.0, 1_200.0, Some(590.0))),
         case("sparse, all stepped", 1_000, all_stepped, 2_000, others(5_500.0, 1_200.0, Some(590.0))),
         case("pressed on a wall", 1_000, pressed, 1_000, None),
+        bare("pressed, bare loop", pressed),
     ]
 }
 
@@ -152,6 +158,9 @@ pub fn measure(case: &Case, runs: usize, threads: usize) -> Result<Figures> {
     let mut world = (case.make)(case.agents)?;
     let step = world.mechanical_step * case.steps as f64;
     world.advance(step)?;
+    if case.bare {
+        return measure_bare(case, runs, world);
+    }
     let mut shared = world.clone();
     shared.set_threads(threads)?;
     let before = *world.work();
@@ -182,6 +191,34 @@ pub fn measure(case: &Case, runs: usize, threads: usize) -> Result<Figures> {
     })
 }
 
+/// Measures the bare loop on what the crowd passes through, in pieces that are so short that its list of pairs holds.
+fn measure_bare(case: &Case, runs: usize, mut world: World) -> Result<Figures> {
+    const PIECES: u64 = 10;
+    let piece = case.steps / PIECES;
+    let (mut times, mut pairs, mut contacts) = (Vec::new(), 0, 0);
+    for _ in 0..runs {
+        let mut time = 0.0;
+        for _ in 0..PIECES {
+            let mut crowd = BareCrowd::of(&world, 2e-3);
+            let start = ThreadTime::now();
+            contacts += crowd.advance(piece);
+            time += start.elapsed().as_secs_f64();
+            pairs += crowd.pairs() as u64 * piece;
+            world.advance(world.mechanical_step * piece as f64)?;
+        }
+        times.push(time);
+    }
+    let of_run = case.agents as f64 * (piece * PIECES) as f64;
+    Ok(Figures {
+        nanoseconds: median(&mut times) * 1e9 / of_run,
+        pairs: pairs as f64 / (of_run * runs as f64),
+        contacts: contacts as f64 / (of_run * runs as f64),
+        rebuilds: 0.0,
+        refreshes: 0.0,
+        speed_up: None,
+    })
+}
+
 /// The median of at least one number.
 fn median(numbers: &mut [f64]) -> f64 {
     numbers.sort_by(f64::total_cmp);
@@ -198,8 +235,8 @@ mod tests {
         for case in cases().into_iter().filter(|case| case.agents <= 1_000) {
             let figures = measure(&Case { steps: 500, ..case }, 1, 2).unwrap();
             let (pairs, contacts) = match case.name {
-                "dense" => (0.7..2.5, 0.3..2.0),
-                "pressed on a wall" => (1.5..3.5, 1.0..4.0),
+                "dense" | "dense, bare loop" => (0.7..2.5, 0.3..2.0),
+                "pressed on a wall" | "pressed, bare loop" => (1.5..3.5, 1.0..4.0),
                 "sparse" => (0.0..0.3, 0.01..0.2),
                 "sparse, all stepped" => (0.0..0.3, 0.01..0.2),
                 _ => (0.0..2.0, 0.0..2.0),

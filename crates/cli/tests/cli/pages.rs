@@ -59,9 +59,8 @@ fn run(step: &Step, place: &Path, shared: &Path) -> Vec<String> {
     bash.env("PATH", path).env("root", root().canonicalize().unwrap()).env("shared", shared);
     let output = bash.env("LC_ALL", "C.UTF-8").output().unwrap();
     let mut text = String::from_utf8_lossy(&output.stdout).into_owned();
-    for (long, short) in
-        [(place, "[HERE]"), (shared, "[SHARED]"), (&root().canonicalize().unwrap(), "[ROOT]")]
-    {
+    let (built, root) = (program.parent().unwrap(), root().canonicalize().unwrap());
+    for (long, short) in [(place, "[HERE]"), (shared, "[SHARED]"), (built, "[BUILT]"), (&root, "[ROOT]")] {
         text = text.replace(long.to_str().unwrap(), short);
     }
     text = text.replace(env!("CARGO_PKG_VERSION"), "[VERSION]");
