@@ -1,6 +1,8 @@
 //! Small scenes for tests, checks and benchmarks: people who are placed in a world or a Trial, and what is measured of
 //! them.
 
+pub mod bare;
+
 use crate::engine::*;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{Agent, AgentDynamics, Shape, Trial};

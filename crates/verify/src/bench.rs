@@ -5,14 +5,13 @@
 //! runs.
 
 pub mod accuracy;
-pub mod bare;
 pub mod counted;
 pub mod fmu;
 
 use anyhow::{Result, ensure};
-use bare::BareCrowd;
 use cpu_time::ThreadTime;
 use crowd_mechanics::engine::{Shortlisting, World, Wrench};
+use crowd_mechanics::scenes::bare::BareCrowd;
 use crowd_mechanics::scenes::{BODIES, MASS, Placed, RATE, Random, in_a_box, pedestrian, world};
 use lemons_core::plane::{Vec2, vec2};
 use std::time::Instant;
@@ -42,7 +41,7 @@ pub struct Case {
     pub make: fn(usize) -> Result<World>,
     /// Number of mechanical steps of one measurement.
     pub steps: u64,
-    /// Whether it is the bare loop ([`bare`]) that is measured, instead of the engine.
+    /// Whether it is the bare loop ([`BareCrowd`]) that is measured, instead of the engine.
     pub bare: bool,
     /// Times of other engines, if there are any.
     pub others: Option<Others>,
@@ -228,6 +227,25 @@ fn median(numbers: &mut [f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Over a short time the bare loop moves people as the engine does, but for an order of the step.
+    #[test]
+    fn the_bare_loop_moves_people_as_the_engine_does() {
+        for make in [dense, pressed] {
+            let mut world = make(100).unwrap();
+            let mut bare = BareCrowd::of(&world, 1e-3);
+            let start = world.state().clone();
+            world.advance(20.0 * world.mechanical_step).unwrap();
+            assert!(bare.advance(20) > 200);
+            let places = world.state().poses.iter().zip(&start.poses).zip(bare.positions());
+            let (mut moved, mut apart) = (0.0f64, 0.0f64);
+            for ((pose, before), bare) in places {
+                moved = moved.max((pose.position - before.position).norm());
+                apart = apart.max((pose.position - bare).norm());
+            }
+            assert!(apart < 0.02 * moved, "{apart:e} of {moved:e}");
+        }
+    }
 
     /// Crowds are what they are called, and they cost the work that they should; counts, never times.
     #[test]

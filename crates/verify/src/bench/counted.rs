@@ -1,10 +1,10 @@
 //! Runs whose instructions are counted (`benches/instructions.sh`): what everybody pays for a mechanical step, and for the
 //! decisions between steps.
 
-use crate::bench::bare::BareCrowd;
 use crate::bench::{DENSE, dense, pressed, push, pushing, settled};
 use anyhow::{Context, Result};
 use crowd_mechanics::engine::World;
+use crowd_mechanics::scenes::bare::BareCrowd;
 use crowd_mechanics::scenes::{Random, in_a_box};
 use lemons_core::plane::vec2;
 use lemons_core::trial::{DriveChoice, Wall};

@@ -4,7 +4,7 @@
 //! Missing are lists that are kept valid, contacts that begin or end within a step, corners of walls, exposures, blocks,
 //! threads and free bodies. The step is symplectic, of first order.
 
-use crowd_mechanics::engine::{BodyId, DiskId, FreeFlight, PairLaw, Rotation, Vec2, World, Wrench, vec2};
+use crate::engine::{BodyId, DiskId, FreeFlight, PairLaw, Rotation, Vec2, World, Wrench, vec2};
 use lemons_core::plane::{InPlane, further, rotation};
 
 /// The crowd of a world at one time.
@@ -54,7 +54,7 @@ impl BareCrowd {
     /// rate of the first one.
     pub fn of(world: &World, margin: f64) -> BareCrowd {
         let (scene, state) = (world.scene(), world.state());
-        let body = |(b, of): (usize, &crowd_mechanics::engine::Body)| Body {
+        let body = |(b, of): (usize, &crate::engine::Body)| Body {
             position: state.poses[b].position,
             orientation: state.poses[b].orientation,
             turn: rotation(state.poses[b].orientation),
@@ -104,6 +104,11 @@ impl BareCrowd {
     /// Number of pairs, with those at walls.
     pub fn pairs(&self) -> usize {
         self.pairs.len() + self.faces.len()
+    }
+
+    /// \[m\] Where the bodies are.
+    pub fn positions(&self) -> impl Iterator<Item = Vec2> {
+        self.bodies.iter().map(|body| body.position)
     }
 
     /// Does some mechanical steps, and returns the number of contacts in all of them.
@@ -187,29 +192,4 @@ fn force(law: &PairLaw, depth: f64, normal: Vec2, velocity: Vec2, step: f64, elo
         trial
     };
     normal * pressure + normal.left() * tangential
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::bench::{dense, pressed};
-
-    /// Over a short time it moves people as the engine does, but for an order of the step.
-    #[test]
-    fn it_moves_people_as_the_engine_does() {
-        for make in [dense, pressed] {
-            let mut world = make(100).unwrap();
-            let mut bare = BareCrowd::of(&world, 1e-3);
-            let start = world.state().clone();
-            world.advance(20.0 * world.mechanical_step).unwrap();
-            assert!(bare.advance(20) > 200);
-            let (mut moved, mut apart) = (0.0f64, 0.0f64);
-            for ((pose, before), bare) in world.state().poses.iter().zip(&start.poses).zip(&bare.bodies) {
-                moved = moved.max((pose.position - before.position).norm());
-                apart = apart.max((pose.position - bare.position).norm());
-                assert!((pose.orientation - bare.orientation).abs() < 1e-4);
-            }
-            assert!(apart < 0.02 * moved, "{apart:e} of {moved:e}");
-        }
-    }
 }
