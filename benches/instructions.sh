@@ -34,9 +34,18 @@ count() {
 export -f count
 export directory program
 
+names=$("$program" | cut -d ' ' -f 1)
+for name; do
+    [[ $name == write ]] || grep -qx -- "$name" <<<"$names" || {
+        printf 'benches/instructions.sh: no row %s; there are %s\n' "$name" "${names//$'\n'/ }" >&2
+        exit 1
+    }
+done
 wanted=" $* "
 "$program" | while read -r name people steps; do
-    [[ $# == 0 || $1 == write || $wanted == *" $name "* ]] && printf '%s %s %s\n' "$name" "$people" "$steps"
+    if [[ $# == 0 || $1 == write || $wanted == *" $name "* ]]; then
+        printf '%s %s %s\n' "$name" "$people" "$steps"
+    fi
 done | xargs -P "$(nproc)" -L 1 bash -c 'count "$@"' count >"$directory/counts"
 
 compiler=$(rustc --version | cut -d ' ' -f 1-2)
@@ -60,7 +69,7 @@ awk -F , -v most="$most" '
     {
         if (!($1 in before)) { printf "%-18s %8.1f  not in the table\n", $1, $2; failed = 1; next }
         change = 100 * ($2 / before[$1] - 1)
-        printf "%-18s %8.1f  %8.1f in the table  %+5.1f %%%s\n", $1, $2, before[$1], change, change > most ? "  TOO MANY" : ""
+        printf "%-18s %8.1f  %8.1f in the table  %+5.1f %%%s\n", $1, $2, before[$1], change, (change > most ? "  TOO MANY" : "")
         if (change > most) failed = 1
     }
-    END { exit failed }' "$table" <(sort "$directory/counts")
+    END { exit failed || NR == FNR }' "$table" <(sort "$directory/counts")

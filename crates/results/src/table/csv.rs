@@ -87,13 +87,16 @@ const BUFFER: usize = 1 << 16;
 pub(super) struct Writer<W: Write> {
     out: BufWriter<W>,
     line: String,
+    /// Number of columns.
+    columns: usize,
 }
 
 impl<W: Write> Writer<W> {
     /// Begins a table, with the header only.
     pub fn create(file: W, columns: &[Column]) -> io::Result<Writer<W>> {
         let heads: Vec<String> = columns.iter().map(head_of).collect();
-        let mut writer = Writer { out: BufWriter::with_capacity(BUFFER, file), line: String::new() };
+        let out = BufWriter::with_capacity(BUFFER, file);
+        let mut writer = Writer { out, line: String::new(), columns: columns.len() };
         put(&mut writer.line, &mut heads.iter().map(|head| Cell::Text(head)));
         writer.out.write_all(writer.line.as_bytes())?;
         Ok(writer)
@@ -102,7 +105,10 @@ impl<W: Write> Writer<W> {
 
 impl<W: Write + Send> Rows<W> for Writer<W> {
     fn row(&mut self, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()> {
-        put(&mut self.line, cells);
+        let cells = put(&mut self.line, cells);
+        if cells != self.columns {
+            return Err(io::Error::other(format!("a row of {cells} cells in {} columns", self.columns)));
+        }
         self.out.write_all(self.line.as_bytes())
     }
 
@@ -111,10 +117,13 @@ impl<W: Write + Send> Rows<W> for Writer<W> {
     }
 }
 
-/// Puts a row in the place of the line before. It is not generic, so that it is compiled (and optimised) in this crate.
-fn put(line: &mut String, cells: &mut dyn Iterator<Item = Cell<'_>>) {
+/// Puts a row in the place of the line before, and returns the number of its cells. It is not generic, so that it is
+/// compiled (and optimised) in this crate.
+fn put(line: &mut String, cells: &mut dyn Iterator<Item = Cell<'_>>) -> usize {
     line.clear();
+    let mut count = 0;
     for cell in cells {
+        count += 1;
         match cell {
             Cell::Real(value) => number::put(line, value),
             Cell::Integer(value) => _ = write!(line, "{value}"),
@@ -128,6 +137,7 @@ fn put(line: &mut String, cells: &mut dyn Iterator<Item = Cell<'_>>) {
     }
     line.pop();
     line.push('\n');
+    count
 }
 
 #[cfg(test)]
