@@ -14,6 +14,5 @@ LEMONS = Path(os.environ.get("LEMONS") or BUILT / "lemons").resolve()
 
 def missing(path):
     """What to do where a file is not there."""
-    # Other profiles are those of the whole script.
-    command = "./check.sh release" if PROFILE == "release" else "./check.sh"
-    return f"{path} is missing: {command} builds it (LEMONS_PROFILE is {PROFILE})"
+    build = f"cargo build --profile {PROFILE} --workspace --all-features --lib --bins"
+    return f"{path} is missing: ./check.sh builds it in the profile ci, `{build}` in this one"
