@@ -18,26 +18,12 @@ pub(crate) struct Copula {
     lower: Matrix4<f64>,
 }
 
-/// Returns the lower triangle L with L·Lᵀ = `matrix`, or `None` if it is not positive definite. `Matrix4::cholesky` adds
-/// in another order: its last digits, and with them the crowds of all seeds, would be others.
+/// Returns the lower triangle L with L·Lᵀ = `matrix`, or `None` if it is not positive definite.
 fn cholesky(matrix: Matrix4<f64>) -> Option<Matrix4<f64>> {
     // Smaller pivots are rounding errors. A measure that follows from the others gets a standard deviation of 1e-6.
     const PIVOT: f64 = 1e-12;
-    let mut lower = Matrix4::zeros();
-    for row in 0..N {
-        for column in 0..=row {
-            let done: f64 = (0..column).map(|k| lower[(row, k)] * lower[(column, k)]).sum();
-            let rest = matrix[(row, column)] - done;
-            lower[(row, column)] = if row != column {
-                rest / lower[(column, column)]
-            } else if rest > PIVOT {
-                rest.sqrt()
-            } else {
-                return None;
-            };
-        }
-    }
-    Some(lower)
+    let lower = matrix.cholesky()?.unpack();
+    lower.diagonal().iter().all(|root| root * root > PIVOT).then_some(lower)
 }
 
 /// Multiplies all correlations between two different measures by `part`.
