@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
 # Counts the instructions of a person and mechanical step with valgrind's callgrind, and compares them with
-# benches/instructions.csv: a row that needs 3 % more is an error. `benches/instructions.sh write` writes the table;
-# `benches/instructions.sh ROW...` counts only these.
+# benches/instructions.csv: a row that needs 3 % more is an error, and so is one of 10 % fewer, whose table is old.
+# `benches/instructions.sh write` writes the table; `benches/instructions.sh ROW...` counts only these.
 #
 # A count depends on compiler and processor (libc chooses its functions by it), not on load. Where the compiler is not that
 # of the table, the rows are printed and compared with 10 %.
 set -euo pipefail
+# Numbers with a decimal point.
+export LC_ALL=C
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 table=benches/instructions.csv
 target=${CARGO_TARGET_DIR:-target}
@@ -29,7 +31,10 @@ count() {
         return 1
     }
     awk -v name="$name" -v all=$((people * steps)) \
-        '/Collected/ { printf "%s,%.1f\n", name, $NF / all; found = 1 } END { exit !found }' "$log"
+        '/Collected/ && $NF > 0 { printf "%s,%.1f\n", name, $NF / all; found = 1 } END { exit !found }' "$log" || {
+        printf 'benches/instructions.sh: %s: nothing was counted\n' "$name" >&2
+        return 1
+    }
 }
 export -f count
 export directory program
@@ -64,12 +69,17 @@ grep -q "($compiler)" "$table" || {
     most=10
     printf 'Another compiler than that of %s (%s): at most %d %% more.\n' "$table" "$compiler" "$most"
 }
-awk -F , -v most="$most" '
-    NR == FNR { before[$1] = $2; next }
+awk -F , -v most="$most" -v all=$((!$#)) '
+    NR == FNR { if (FNR > 1) before[$1] = $2; next }
     {
+        seen[$1] = 1
         if (!($1 in before)) { printf "%-18s %8.1f  not in the table\n", $1, $2; failed = 1; next }
         change = 100 * ($2 / before[$1] - 1)
-        printf "%-18s %8.1f  %8.1f in the table  %+5.1f %%%s\n", $1, $2, before[$1], change, (change > most ? "  TOO MANY" : "")
-        if (change > most) failed = 1
+        said = change > most ? "  TOO MANY" : change < -10 ? "  FEWER: make the table again" : ""
+        printf "%-18s %8.1f  %8.1f in the table  %+5.1f %%%s\n", $1, $2, before[$1], change, said
+        if (said) failed = 1
     }
-    END { exit failed || NR == FNR }' "$table" <(sort "$directory/counts")
+    END {
+        if (all) for (row in before) if (!(row in seen)) { printf "%-18s is in the table and was not counted\n", row; failed = 1 }
+        exit failed || NR == FNR
+    }' "$table" <(sort "$directory/counts")

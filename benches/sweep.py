@@ -1,6 +1,6 @@
 """What a sweep adds to the engine: 1000 pushes through a row of five people by `lemons_fmu.sweep`.
 
-    pip install ./python
+    pip install './python[sweep]'
     cargo build --release --example engine_direct
     python benches/sweep.py [--points 1000]
 

@@ -7,7 +7,7 @@ need_time
 choose_compiler "${all[@]}" "$page"
 tools
 # Commands hold the page.
-lab/build.sh
+env -u LEMONS_PROFILE lab/build.sh
 for platform; do
     packages=(-p crowd-mechanics -p lemons-decision-fmu)
     program=$(program "$platform")

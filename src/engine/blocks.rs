@@ -244,6 +244,7 @@ impl Block {
     /// Sums the forces of its own pairs; forces on bodies of later blocks are kept for them.
     fn evaluate(&mut self, instant: &Instant, update: SpringUpdate, start: usize, loads: &mut [Load]) {
         let Block { pairs, walls, outgoing, impulses, outgoing_impulses, wall_forces, work, .. } = self;
+        debug_assert!(loads.iter().all(|load| load.squeeze == 0.0 && load.depth == 0.0), "not taken");
         impulses.clear();
         wall_forces.clear();
         let mut sums = Sums { start, loads, outgoing, impulses, outgoing_impulses, wall_forces, work };

@@ -58,7 +58,7 @@ pub(super) struct ExposureSum {
     peak_overlap: f64,
 }
 
-/// Returns the greater number, the first one if the second is none: one instruction, unlike [`f64::max`].
+/// Returns the greater number, the first one if the second is not a number: one instruction, unlike [`f64::max`].
 #[inline(always)]
 pub(super) fn greater(one: f64, other: f64) -> f64 {
     if other > one { other } else { one }

@@ -173,7 +173,7 @@ pub(super) trait Course: Copy + Send + Sync {
         scene.flyers.iter().map(|body| Self::flight(&scene.bodies[body.index()], duration)).collect()
     }
 
-    /// Returns pose and twist of a body at the end of a flight.
+    /// Returns pose and twist of a body at the end of a flight, without what wheels add ([`AcrossFlight`]).
     fn fly(self, flight: &Self::Flight, pose: Pose, twist: Twist) -> (Pose, Twist);
 
     /// Returns the drive after a time \[s\].

@@ -94,7 +94,7 @@ impl Shortlist {
         shortlist
     }
 
-    /// Computes the circles, without deciding.
+    /// Computes the circles, without deciding. Those of bodies with wheels are not used.
     fn swept<D: Course>(scene: &Scene, state: &State, drives: &[D], duration: f64) -> Shortlist {
         let flights = D::flights(scene, duration);
         let mut swept = Vec::with_capacity(scene.bodies.len());

@@ -4,7 +4,7 @@
 //! Missing are lists that are kept valid, contacts that begin or end within a step, corners of walls, exposures, blocks,
 //! threads and free bodies. The step is symplectic, of first order.
 
-use crate::engine::{BodyId, DiskId, FreeFlight, PairLaw, Rotation, Vec2, World, Wrench, vec2};
+use crate::engine::{BodyId, Disk, DiskId, FreeFlight, PairLaw, Rotation, Vec2, World, Wrench, vec2};
 use lemons_core::plane::{InPlane, further, rotation};
 
 /// The crowd of a world at one time.
@@ -78,18 +78,18 @@ impl BareCrowd {
         };
         let centres: Vec<Vec2> =
             (0..scene.disks.len()).map(|d| scene.centre(DiskId::from(d), &state.poses)).collect();
-        for (first, one) in scene.disks.iter().enumerate() {
-            for (second, other) in scene.disks.iter().enumerate().skip(first + 1) {
-                let near = one.radius + other.radius + margin;
-                if one.body != other.body && (centres[first] - centres[second]).norm_squared() < near * near {
-                    crowd.pairs.push(DiskPair {
-                        bodies: [one.body, other.body],
-                        offsets: [one.offset, other.offset],
-                        radii: [one.radius, other.radius],
-                        elongation: 0.0,
-                    });
-                }
+        for [first, second] in near(&centres, &scene.disks, margin) {
+            let (one, other) = (&scene.disks[first], &scene.disks[second]);
+            if one.body != other.body {
+                crowd.pairs.push(DiskPair {
+                    bodies: [one.body, other.body],
+                    offsets: [one.offset, other.offset],
+                    radii: [one.radius, other.radius],
+                    elongation: 0.0,
+                });
             }
+        }
+        for (first, one) in scene.disks.iter().enumerate() {
             for face in &scene.faces {
                 if (centres[first] - face.start).dot(&face.normal).abs() < one.radius + margin {
                     let (start, normal) = (face.start, face.normal);
@@ -174,6 +174,27 @@ impl BareCrowd {
         }
         contacts
     }
+}
+
+/// Returns the pairs of disks that are nearer than a margin \[m\], by their indices, sorted.
+fn near(centres: &[Vec2], disks: &[Disk], margin: f64) -> Vec<[usize; 2]> {
+    let mut by_x: Vec<usize> = (0..centres.len()).collect();
+    by_x.sort_by(|&a, &b| centres[a].x.total_cmp(&centres[b].x));
+    let widest = disks.iter().map(|disk| disk.radius).fold(0.0, f64::max);
+    let mut pairs = Vec::new();
+    for (k, &one) in by_x.iter().enumerate() {
+        for &other in &by_x[k + 1..] {
+            let between = centres[other] - centres[one];
+            if between.x > 2.0 * widest + margin {
+                break;
+            }
+            if between.norm() < disks[one].radius + disks[other].radius + margin {
+                pairs.push([one.min(other), one.max(other)]);
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs
 }
 
 /// \[N\] Returns the force on the first of a contact, and advances its spring.

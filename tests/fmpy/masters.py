@@ -15,6 +15,7 @@ import signal
 import subprocess
 import sys
 import sysconfig
+import warnings
 from dataclasses import asdict, dataclass, field
 from tempfile import TemporaryDirectory
 from zipfile import ZipFile
@@ -43,11 +44,15 @@ def run(tool, job):
     libraries = [os.path.join(sysconfig.get_path("data"), "lib"), os.environ.get("LD_LIBRARY_PATH")]
     environment = {**os.environ, "LD_LIBRARY_PATH": os.pathsep.join(filter(None, libraries))}
     command = [sys.executable, __file__, tool]
-    # Seen once, on a busy machine: ecos crashed at the end of its process, after all numbers. A crash that comes back fails.
-    for _ in range(2):
-        done = subprocess.run(command, input=json.dumps(asdict(job)), capture_output=True, text=True, env=environment)
-        if done.returncode != -signal.SIGSEGV:
-            break
+
+    def once():
+        return subprocess.run(command, input=json.dumps(asdict(job)), capture_output=True, text=True, env=environment)
+
+    done = once()
+    if tool == "ecos" and done.returncode == -signal.SIGSEGV and done.stdout.endswith("]\n"):
+        # One of some 300 runs of ecos crashed at the end of its process, after all numbers; two in turn fail.
+        warnings.warn("ecos crashed after its last number", stacklevel=1)
+        done = once()
     assert done.returncode == 0, f"{tool}: exit code {done.returncode}\n{done.stdout}\n{done.stderr}"
     *said, seen = done.stdout.splitlines()
     return json.loads(seen), "\n".join([*said, *done.stderr.splitlines()])

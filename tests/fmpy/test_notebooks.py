@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 
+import limited
 import nbformat
 import notebooks
 import pytest
@@ -16,6 +17,8 @@ PLACE = REPOSITORY / "examples" / "notebooks"
 NOTEBOOKS = sorted(PLACE.glob("*.ipynb"))
 NAMES = [path.stem for path in NOTEBOOKS]
 SCRIPT = REPOSITORY / "tests/fmpy/notebooks.py"
+#: [s] Of a notebook that takes half a minute: for one that hangs.
+LIMIT = 1200
 
 
 # By notebook: a cell with a claim, and a change of a text with which it does not hold.
@@ -39,7 +42,7 @@ def run(lemons, path, directory, to, *options):
     temporary.mkdir(parents=True)
     environment = {**os.environ, "LEMONS": str(lemons), "MPLBACKEND": "Agg", "TMPDIR": str(temporary)}
     command = [sys.executable, SCRIPT, "run", path, "--pictures", to / "pictures", *options]
-    done = subprocess.run(command, cwd=directory, env=environment, capture_output=True, text=True)
+    done = limited.run(command, LIMIT, cwd=directory, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     # Files only: empty directories are those of the package and of Dask, for the next process of this user.
     done.left = [str(each) for each in temporary.rglob("*") if each.is_file() and "dask" not in str(each)]
     done.pictures = {each.name: each.read_bytes() for each in (to / "pictures").glob("*")}

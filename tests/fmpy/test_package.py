@@ -439,12 +439,12 @@ def test_extras_are_named_where_they_are_missing(tmp_path):
         "<Run of 5 people from 0 s to 0.1 s, 3 communication points>",
         5,
         "<",
-        "frame: a table needs pandas: pip install lemons-fmu[tables]",
-        "simulate: a table needs pandas: pip install lemons-fmu[tables]",
-        "measure: a table needs pandas: pip install lemons-fmu[tables]",
-        "sweep: a sweep needs cloudpickle: pip install lemons-fmu[sweep]",
-        "cluster: a cluster needs cloudpickle: pip install lemons-fmu[sweep]",
-        "hdf5: HDF5 needs h5py: pip install lemons-fmu[hdf5]",
+        "frame: a table needs pandas: pip install 'lemons-fmu[tables]'",
+        "simulate: a table needs pandas: pip install 'lemons-fmu[tables]'",
+        "measure: a table needs pandas: pip install 'lemons-fmu[tables]'",
+        "sweep: a sweep needs pandas: pip install 'lemons-fmu[sweep]'",
+        "cluster: a cluster needs cloudpickle: pip install 'lemons-fmu[sweep]'",
+        "hdf5: HDF5 needs h5py: pip install 'lemons-fmu[hdf5]'",
     ]
     # What is named brings what is missing.
     extras = {name: {re.match(r"[\w-]+(\[\w+\])?", each)[0] for each in brought} for name, brought in project()["optional-dependencies"].items()}

@@ -4,10 +4,7 @@
 //!
 //! Without a row it prints each one's name, number of people and number of mechanical steps.
 
-use lemons_verify::bench::counted::{Call, rows};
-
-/// Number of calls that are counted: ten, so that what is done once per call counts as much as in a run.
-const CALLS: usize = 10;
+use lemons_verify::bench::counted::{CALLS, Call, rows};
 
 fn main() -> anyhow::Result<()> {
     let Some(name) = std::env::args().nth(1) else {

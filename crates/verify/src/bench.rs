@@ -190,24 +190,28 @@ pub fn measure(case: &Case, runs: usize, threads: usize) -> Result<Figures> {
     })
 }
 
+/// Number of mechanical steps for which the bare loop keeps its list of pairs, and \[m\] the margin of these. The engine
+/// makes such a list anew every 40 steps, for the fastest disk of the crowd.
+const BARE_STEPS: u64 = 40;
+const BARE_MARGIN: f64 = 2e-3;
+
 /// Measures the bare loop on what the crowd passes through, in pieces that are so short that its list of pairs holds.
 fn measure_bare(case: &Case, runs: usize, mut world: World) -> Result<Figures> {
-    const PIECES: u64 = 10;
-    let piece = case.steps / PIECES;
+    let pieces = case.steps / BARE_STEPS;
     let (mut times, mut pairs, mut contacts) = (Vec::new(), 0, 0);
     for _ in 0..runs {
         let mut time = 0.0;
-        for _ in 0..PIECES {
-            let mut crowd = BareCrowd::of(&world, 2e-3);
+        for _ in 0..pieces {
+            let mut crowd = BareCrowd::of(&world, BARE_MARGIN);
             let start = ThreadTime::now();
-            contacts += crowd.advance(piece);
+            contacts += crowd.advance(BARE_STEPS);
             time += start.elapsed().as_secs_f64();
-            pairs += crowd.pairs() as u64 * piece;
-            world.advance(world.mechanical_step * piece as f64)?;
+            pairs += crowd.pairs() as u64 * BARE_STEPS;
+            world.advance(world.mechanical_step * BARE_STEPS as f64)?;
         }
         times.push(time);
     }
-    let of_run = case.agents as f64 * (piece * PIECES) as f64;
+    let of_run = case.agents as f64 * (pieces * BARE_STEPS) as f64;
     Ok(Figures {
         nanoseconds: median(&mut times) * 1e9 / of_run,
         pairs: pairs as f64 / (of_run * runs as f64),

@@ -28,7 +28,7 @@ def export(
     other formats.
 
     `what` is the table of an earlier run, an OutputDirectory, a `Run`, or trajectories, as for `measure`. "hdf5" takes the options of
-    "jupedsim", and needs h5py: `pip install lemons-fmu[hdf5]`. `trial` is the Trial or FMU that was simulated; a Run
+    "jupedsim", and needs h5py: `pip install 'lemons-fmu[hdf5]'`. `trial` is the Trial or FMU that was simulated; a Run
     knows its own. All other options of the command have the same names here: `every=5`, `area="room.wkt"`. What exists is
     replaced with `force=True`.
 

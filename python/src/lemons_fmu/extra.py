@@ -15,5 +15,5 @@ def needed(extra: str, what: str) -> Iterator[None]:
     """
     try:
         yield
-    except ImportError as error:
-        raise ImportError(f"{what} needs {error.name}: pip install lemons-fmu[{extra}]", name=error.name) from error
+    except ModuleNotFoundError as error:
+        raise ImportError(f"{what} needs {error.name}: pip install 'lemons-fmu[{extra}]'", name=error.name) from error

@@ -1,6 +1,6 @@
 """Trajectories in HDF5, as the Pedestrian Dynamics Data Archive of Jülich has them, JuPedSim writes and PedPy reads them.
 
-Commands read and write JuPedSim's database; here it becomes HDF5, and back. That needs h5py: `pip install lemons-fmu[hdf5]`.
+Commands read and write JuPedSim's database; here it becomes HDF5, and back. That needs h5py: `pip install 'lemons-fmu[hdf5]'`.
 """
 
 from __future__ import annotations

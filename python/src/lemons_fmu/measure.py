@@ -80,7 +80,7 @@ def measure(
     """Measures a run.
 
     `what` is a Trial or an FMU, which is simulated first; the table of an earlier run; a `Run`; or trajectories of an experiment or of
-    another simulator: JuPedSim's SQLite, PedPy's text, HDF5 of the data archive (`pip install lemons-fmu[hdf5]`). `trial` is the Trial or
+    another simulator: JuPedSim's SQLite, PedPy's text, HDF5 of the data archive (`pip install 'lemons-fmu[hdf5]'`). `trial` is the Trial or
     FMU of a table: its walls bound Voronoi cells; a Run knows its own. `lines` are names and x1, y1, x2, y2 [m]; for who stands at the
     first point and looks at the second one, people cross to the right or to the left. `areas` are names and the lower left and the upper
     right corner of a rectangle, or three and more corners of a polygon [m]. `above` are squeezes [N]. All other
@@ -89,7 +89,7 @@ def measure(
 
     Raises:
         CommandError: something is refused; the message is that of the command.
-        ImportError: there is no pandas: `pip install lemons-fmu[tables]`.
+        ImportError: there is no pandas: `pip install 'lemons-fmu[tables]'`.
     """
     # Before a run.
     with needed("tables", "a table"):

@@ -135,7 +135,7 @@ class Run:
         """Returns the table that `lemons run` writes: a row for each agent at each communication point.
 
         Raises:
-            ImportError: there is no pandas: `pip install lemons-fmu[tables]`.
+            ImportError: there is no pandas: `pip install 'lemons-fmu[tables]'`.
         """
         with needed("tables", "a table"):
             import pandas as pd

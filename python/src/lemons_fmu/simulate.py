@@ -63,7 +63,7 @@ def simulate(
     total_agent_contacts, total_wall_contacts of the crowd. Units are s, m, rad, N.
 
     Raises:
-        ImportError: there is no pandas: `pip install lemons-fmu[tables]`. Other errors are those of `run`.
+        ImportError: there is no pandas: `pip install 'lemons-fmu[tables]'`. Other errors are those of `run`.
     """
     # Before the run.
     with needed("tables", "a table"):

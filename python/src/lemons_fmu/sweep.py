@@ -72,9 +72,11 @@ def sweep(
         ValueError: points, drive or times are not valid.
         OSError: the drive's file cannot be read.
         SweepError: the table is that of another sweep or cannot be written, or the scheduler is gone.
-        ImportError: there is no Dask, cloudpickle or pandas: `pip install lemons-fmu[sweep]`.
+        ImportError: there is no Dask, cloudpickle or pandas: `pip install 'lemons-fmu[sweep]'`.
     """
     with needed("sweep", "a sweep"):
+        import pandas  # noqa: F401 - for points and results
+
         from . import cluster
     study = Study(points, what, plan, algorithm, drive, until, step)
     work = cluster.pickled((drive if callable(drive) else None, measure, stop))
@@ -95,7 +97,7 @@ def local_cluster(workers: int | None = None, *, threads: int = 1, processes: bo
     """Starts workers on this machine, by default one for each core.
 
     Raises:
-        ImportError: there is no Dask: `pip install lemons-fmu[sweep]`.
+        ImportError: there is no Dask: `pip install 'lemons-fmu[sweep]'`.
     """
     with needed("sweep", "a cluster"):
         from . import cluster

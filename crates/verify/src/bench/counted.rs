@@ -1,8 +1,8 @@
 //! Runs whose instructions are counted (`benches/instructions.sh`): what everybody pays for a mechanical step, and for the
 //! decisions between steps.
 
-use crate::bench::{DENSE, dense, pressed, push, pushing, settled};
-use anyhow::{Context, Result};
+use crate::bench::{BARE_MARGIN, BARE_STEPS, DENSE, dense, pressed, push, pushing, settled};
+use anyhow::{Context, Result, ensure};
 use crowd_mechanics::engine::World;
 use crowd_mechanics::scenes::bare::BareCrowd;
 use crowd_mechanics::scenes::{Random, in_a_box};
@@ -12,6 +12,9 @@ use lemons_decision::{DecisionConfig, Plan};
 use lemons_master::{PlanChoice, TrialInput};
 use lemons_sim::{Algorithm, Simulation};
 use std::path::Path;
+
+/// Number of calls that are counted: ten, so that what is done once per call counts as much as in a run.
+pub const CALLS: usize = 10;
 
 /// A call that does the same number of steps each time.
 pub type Call = Box<dyn FnMut() -> Result<()>>;
@@ -28,6 +31,9 @@ pub struct Row {
     pub make: fn() -> Result<Call>,
 }
 
+/// Number of mechanical steps of a communication step of `resources/Trial_door`.
+const DOOR_STEPS: u64 = 2500;
+
 /// Returns all rows.
 pub fn rows() -> Vec<Row> {
     let row = |name, people, steps, make| Row { name, people, steps, make };
@@ -38,14 +44,13 @@ pub fn rows() -> Vec<Row> {
             Ok(stepping(world, 2000))
         }),
         row("dense_1000", 1000, 200, || Ok(stepping(dense(1000)?, 200))),
-        row("dense_1000_bare", 1000, 200, || bare(&dense(1000)?, 200)),
+        row("dense_1000_bare", 1000, BARE_STEPS, || bare(dense(1000)?)),
         row("pressed_1000", 1000, 200, || Ok(stepping(pressed(1000)?, 200))),
-        row("pressed_1000_bare", 1000, 200, || bare(&pressed(1000)?, 200)),
+        row("pressed_1000_bare", 1000, BARE_STEPS, || bare(pressed(1000)?)),
         row("wheels_1000", 1000, 200, || Ok(stepping(settled(on_wheels(), 0.5)?, 200))),
-        // TimeStep 0.05 s, TimeStepMechanical 2e-5 s.
-        row("walkers", 30, 2500, || walking("", false)),
-        row("legs", 30, 2500, || walking("balance = \"pendulum\"\n", false)),
-        row("doors", 30, 2500, || walking("", true)),
+        row("walkers", 30, DOOR_STEPS, || walking("", false)),
+        row("legs", 30, DOOR_STEPS, || walking("balance = \"pendulum\"\n", false)),
+        row("doors", 30, DOOR_STEPS, || walking("", true)),
     ]
 }
 
@@ -55,12 +60,16 @@ fn stepping(mut world: World, steps: u64) -> Call {
     Box::new(move || Ok(world.advance(duration)?))
 }
 
-/// The same of the bare loop.
-#[allow(clippy::unnecessary_wraps)] // as the others
-fn bare(world: &World, steps: u64) -> Result<Call> {
-    let mut crowd = BareCrowd::of(world, 1e-3);
+/// The same of the bare loop, each call with the crowd and the list of that time.
+fn bare(mut world: World) -> Result<Call> {
+    let mut crowds = Vec::new();
+    for _ in 0..CALLS {
+        crowds.push(BareCrowd::of(&world, BARE_MARGIN));
+        world.advance(world.mechanical_step * BARE_STEPS as f64)?;
+    }
+    let mut crowds = crowds.into_iter();
     Ok(Box::new(move || {
-        crowd.advance(steps);
+        crowds.next().context("one for each call")?.advance(BARE_STEPS);
         Ok(())
     }))
 }
@@ -88,6 +97,8 @@ fn walking(more: &str, closes: bool) -> Result<Call> {
     }
     documents.plan = Some(Plan::of(&documents.trial, &config)?);
     let step = documents.trial.parameters.time_step;
+    let mechanical = documents.trial.parameters.time_step_mechanical;
+    ensure!((step / mechanical).round() as u64 == DOOR_STEPS, "{step} s of {mechanical} s");
     let mut simulation = Simulation::new(documents, Algorithm::Jacobi)?;
     simulation.begin(0.0, None)?;
     let mut call = move || Ok(simulation.step_to(simulation.time() + step)?);
