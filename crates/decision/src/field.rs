@@ -175,7 +175,7 @@ impl Grid {
     }
 
     /// Returns whether no wall lies between two places that are near each other.
-    fn sees(&self, from: Vec2, to: Vec2) -> bool {
+    pub fn sees(&self, from: Vec2, to: Vec2) -> bool {
         let between = Bounds::of([from, to]).expect("two points").grown(self.step);
         let mut near = self.nodes_in(between).filter_map(|node| self.beside.get(&node)).flatten();
         !near.any(|&face| {

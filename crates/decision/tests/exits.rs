@@ -293,6 +293,58 @@ fn people_slow_down_in_front_of_a_closed_door() {
     assert_eq!(decision.going().unwrap(), [true; 4]);
 }
 
+/// The outside: the time is the distance over the speed. The line, or a thin area, lies anywhere on the grid of ways, at any
+/// angle; the velocity follows at once.
+#[test]
+fn who_is_slow_crosses_any_line_in_the_time_of_the_way() {
+    let mut worst = (0.0, String::new());
+    for k in 0..11 {
+        let turn = lemons_core::plane::rotation(0.29 * f64::from(k));
+        let middle = vec2(3.0 + 0.01 * f64::from(k), 2.0 + 0.017 * f64::from(k));
+        let corner = |x: f64, y: f64| <[f64; 2]>::from(middle + turn * vec2(x, y));
+        let from = middle + turn * vec2(-1.0, 0.3);
+        let ends = [corner(0.0, -1.5), corner(0.0, 1.5)];
+        let thin = [ends[0], ends[1], corner(0.04, 1.5), corner(0.04, -1.5)];
+        for (place, own) in [
+            (format!("line = {ends:?}"), ""),
+            (format!("line = {ends:?}"), "[agents.0]\nexit = \"out\""),
+            (format!("polygon = {thin:?}"), ""),
+        ] {
+            for (model, speed) in [
+                ("rotational", 0.1),
+                ("rotational", 0.3),
+                ("rotational", 0.45),
+                ("straight", 0.2),
+                ("collision-free-speed", 0.2),
+                ("straight", 1.34),
+            ] {
+                let config = format!(
+                    "model = \"{model}\"\ndesired_speed = {speed}\nexits = [{{ name = \"out\", {place} }}]\n{own}"
+                );
+                let steps = (3.0 / speed / STEP) as usize;
+                let plan = plan(&[], &[person(0, from.x, from.y)], &config).unwrap();
+                let way = alone(&walk(plan, steps), 0);
+                let late = (way.len() as f64 * STEP - 1.0 / speed).abs() - STEP;
+                if late * speed > worst.0 {
+                    worst = (late * speed, format!("{model}, {speed} m/s, {place} {own}: {late} s"));
+                }
+            }
+        }
+    }
+    assert!(worst.0 < 0.03, "{} m: {}", worst.0, worst.1);
+}
+
+/// The outside: by hand. A wall lies between somebody and the near line: the way to it is round the wall's end.
+#[test]
+fn the_last_step_to_a_line_is_not_through_a_wall() {
+    let wall = vec![vec2(2.0, -4.0), vec2(2.0, 2.0)];
+    let config = "desired_speed = 0.5\nexits = [{ line = [[2.1, 0], [2.1, 1]] }]";
+    let plan = plan(&[wall], &[person(0, 1.88, 0.5)], config).unwrap();
+    let way = alone(&walk(plan, 400), 0);
+    let high = way.iter().map(|at| at.y).fold(0.0, f64::max);
+    assert!(way.len() < 400 && high > 2.0, "{} steps, up to {high} m", way.len());
+}
+
 #[test]
 fn who_has_left_stays_away_and_is_not_seen() {
     let config = format!("model = \"collision-free-speed\"\n{DOOR}");
