@@ -249,7 +249,8 @@ impl Decision {
             *turn = if turn.abs() > LEAST_TURN { *turn * (1.0 - turned) } else { 0.0 };
             agent.steering += (wanted.steering - agent.steering) * turned;
             let frequency = SWAYING[0] + SWAYING[1] * share(seed, i as u64, u64::MAX);
-            agent.phase = (agent.phase + TAU * frequency * step) % TAU;
+            // Also of the longest step there is.
+            agent.phase = (agent.phase + (TAU * frequency * step).min(f64::MAX)) % TAU;
             if speed_noise > 0.0 {
                 let drawn = normal(seed, i as u64, agent.draws);
                 agent.noise = kept * agent.noise + speed_noise * (1.0 - kept * kept).sqrt() * drawn;

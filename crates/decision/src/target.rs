@@ -1,7 +1,7 @@
 //! Exits and goals: lines and areas to which people walk around walls.
 
 use crate::error::PlanError;
-use crate::field::{Field, Grid};
+use crate::field::{Field, Gates, Grid};
 use lemons_core::plane::{InPlane, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use lemons_core::trial::is_open;
 use serde::{Deserialize, Serialize};
@@ -181,6 +181,9 @@ pub struct Ways {
     to_nearest: Option<Field>,
     /// Free widths of the ways to each target, if they were measured.
     widths: Vec<Field>,
+    /// Doors that open and close, in straight pieces, and those on the ways to each target.
+    doors: Vec<Vec<[Vec2; 2]>>,
+    gates: Vec<Option<Gates>>,
 }
 
 /// Way that a destination asks of somebody.
@@ -219,7 +222,8 @@ impl Ways {
         let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
         let to_nearest = wanted.contains(&Destination::NearestExit).then(|| field(&exits));
         let stay = targets.iter().map(|target| target.stay).collect();
-        Ok(Ways { grid, shapes, stay, to_each, to_nearest, widths: Vec::new() })
+        let (widths, doors, gates) = Default::default();
+        Ok(Ways { grid, shapes, stay, to_each, to_nearest, widths, doors, gates })
     }
 
     /// Measures how wide the ways to each target are.
@@ -233,6 +237,26 @@ impl Ways {
             |field: &Option<Field>| field.as_ref().map_or(Field::new(), |field| self.grid.widths(field));
         self.widths = self.to_each.iter().map(widths).collect();
         Ok(self)
+    }
+
+    /// Finds which doors, each of straight pieces, are on the ways to each target.
+    ///
+    /// # Errors
+    /// The area is too large.
+    pub fn with_doors(mut self, doors: Vec<Vec<[Vec2; 2]>>) -> Result<Ways, PlanError> {
+        let fields = self.to_each.iter().chain([&self.to_nearest]).flatten().count();
+        self.grid.check_fields(3 * fields)?;
+        let gates = |field: &Option<Field>| field.as_ref().map(|field| self.grid.gates(field, &doors));
+        self.gates = self.to_each.iter().map(gates).collect();
+        self.doors = doors;
+        Ok(self)
+    }
+
+    /// Returns the doors on the way from a place to a target, with how far \[m\] it is from each to the target; none if they
+    /// were not looked for.
+    pub fn doors_to(&self, target: usize, at: Vec2) -> impl Iterator<Item = (usize, f64)> {
+        let gates = self.gates.get(target).and_then(Option::as_ref);
+        gates.into_iter().flat_map(move |gates| self.grid.gates_from(gates, &self.doors, at))
     }
 
     /// \[m\] Returns the width of a target for people at these places: of the free widths of the narrowest places on their
