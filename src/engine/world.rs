@@ -13,6 +13,7 @@ use super::{
     Body, BodyId, DiskId, Exposure, FaceExposure, InPlane, Pair, Scene, Shortlisting, State, Threads,
     ThreadsError, Vec2, WallId, Work, Wrench,
 };
+use lemons_core::plane::hull_meets;
 use thiserror::Error;
 
 /// Largest number of mechanical steps that is counted.
@@ -198,19 +199,24 @@ impl World {
         Ok(())
     }
 
-    /// Whether no body that is there touches a wall, or would touch it if it were there. Of each disk so large a part of the
-    /// radius counts.
+    /// Whether no body that is there is in a wall, or would be in it if it were there: none of its disks touches it, and it
+    /// does not pass between them. Of each disk so large a part of the radius counts.
     pub fn is_free(&self, wall: WallId, part: f64) -> bool {
         let (scene, poses) = (&self.scene, &self.state.poses);
         let faces = &scene.faces[scene.wall_faces[wall.index()].clone()];
         let near = |at: Vec2, radius: f64| {
             faces.iter().any(|face| (nearest_on_face(face, at).0 - at).norm() < radius)
         };
-        let touches = |(b, body): (usize, &Body)| {
-            let disk = |d: usize| near(scene.centre(DiskId::from(d), poses), part * scene.disks[d].radius);
-            self.present[b] && near(poses[b].position, body.bounding_radius) && body.disks.clone().any(disk)
+        let is_in = |(b, body): (usize, &Body)| {
+            if !self.present[b] || !near(poses[b].position, body.bounding_radius) {
+                return false;
+            }
+            let disk = |d: usize| (scene.centre(DiskId::from(d), poses), part * scene.disks[d].radius);
+            let disks: Vec<(Vec2, f64)> = body.disks.clone().map(disk).collect();
+            let touches = disks.iter().any(|&(centre, radius)| near(centre, radius));
+            touches || faces.iter().any(|face| hull_meets(&disks, face.start, face.end))
         };
-        !scene.bodies.iter().enumerate().any(touches)
+        !scene.bodies.iter().enumerate().any(is_in)
     }
 
     /// Shares the work among this number of threads, of a pool that belongs to this world and its clones. The results

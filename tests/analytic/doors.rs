@@ -86,3 +86,27 @@ fn a_door_that_opens_or_closes_gives_no_energy() {
     }
     assert!(opened > 300 && waited > 1000, "{opened} {waited}");
 }
+
+/// The outside: by hand. A body of two disks of 0.1 m, 0.5 m to the left and to the right of its centre, lies across the
+/// door at an angle: the door passes between them. It is out of it when both are beyond.
+#[test]
+fn who_lies_across_a_door_keeps_it_open() {
+    let mut across = disk(80.0, 0.1);
+    let [left, right] =
+        [0.5, -0.5].map(|y| DiskSpec { position: vec2(0.0, y), ..across.body.disks[0].clone() });
+    across.body.disks = vec![left, right];
+    // Facing up: the disks are at x − 0.5 and x + 0.5.
+    let free = |x: f64, y: f64, turn: f64| {
+        let people = [across.clone().at(x, y).turned(std::f64::consts::FRAC_PI_2 + turn)];
+        world(&people, &[DOOR, ROOM], ELASTIC, 1e-5).is_free(WallId(0), 1.0)
+    };
+    for turn in [0.0, 0.3, -0.7] {
+        for x in [3.7, 4.0, 4.2] {
+            assert!(!free(x, 1.5, turn), "{x} {turn}");
+        }
+        assert!(free(3.39, 1.5, turn) && free(4.61, 1.5, turn), "{turn}");
+    }
+    // Along the door, before it; above it, on the frame.
+    assert!(free(3.89, 1.5, std::f64::consts::FRAC_PI_2) && !free(3.91, 1.5, std::f64::consts::FRAC_PI_2));
+    assert!(free(4.0, 2.11, 0.0) && !free(4.0, 2.09, 0.0));
+}

@@ -16,7 +16,7 @@ mod vec2;
 mod wkt;
 
 pub use bounds::Bounds;
-pub use hull::convex_hull;
+pub use hull::{convex_hull, hull_meets};
 pub use polygon::Polygon;
 pub use pose::{Motion, Pose, Twist, shown_orientation};
 pub use ring::{Foot, Ring, nearest_on_line};

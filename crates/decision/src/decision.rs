@@ -36,6 +36,8 @@ const STEERING_TIME: f64 = 0.3;
 const LEAST_TURN: f64 = 1e-3;
 /// \[s\] Correlation time of the noise of speeds (Tordeux, Schadschneider, J. Phys. A 49 (2016) 185101: 1/(0.23 1/s)).
 const NOISE_TIME: f64 = 4.3;
+/// \[m/s\] Who never wants to be faster than this sways in proportion to the desired speed, and its noise is so, too.
+const UNHURRIED: f64 = 0.5;
 /// \[1/s\] Lowest frequency of swaying, and by how much it may be higher.
 const SWAYING: [f64; 2] = [0.7, 0.4];
 
@@ -247,7 +249,8 @@ impl Decision {
             *turn = if turn.abs() > LEAST_TURN { *turn * (1.0 - turned) } else { 0.0 };
             agent.steering += (wanted.steering - agent.steering) * turned;
             let frequency = SWAYING[0] + SWAYING[1] * share(seed, i as u64, u64::MAX);
-            agent.phase = (agent.phase + TAU * frequency * step) % TAU;
+            // Also of the longest step there is.
+            agent.phase = (agent.phase + (TAU * frequency * step).min(f64::MAX)) % TAU;
             if speed_noise > 0.0 {
                 let drawn = normal(seed, i as u64, agent.draws);
                 agent.noise = kept * agent.noise + speed_noise * (1.0 - kept * kept).sqrt() * drawn;
@@ -364,6 +367,7 @@ impl Decision {
             disks: &self.plan.agents[i].disks,
             direction,
             speed: speed.unwrap_or(0.0),
+            pace: (agent.walker.desired_speed / UNHURRIED).min(1.0),
             to_go: self.aims.as_ref().map_or_else(|| self.find_aim(i).to_go, |aims| aims[i].to_go),
             destination: match self.destination(i) {
                 Destination::None => usize::MAX,

@@ -2,7 +2,7 @@
 
 use crate::rule::Pose;
 use crate::target::share_before_closed;
-use lemons_core::plane::{Vec2, nearest_on_segment, rotation, vec2};
+use lemons_core::plane::{Vec2, hull_meets, nearest_on_segment, rotation, vec2};
 use lemons_core::trial::is_open;
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ impl Door {
         !is_open(&self.open, time)
     }
 
-    fn sides(&self) -> impl Iterator<Item = [Vec2; 2]> {
+    pub(crate) fn sides(&self) -> impl Iterator<Item = [Vec2; 2]> {
         self.corners.windows(2).map(|ends| [ends[0].into(), ends[1].into()])
     }
 
@@ -41,25 +41,22 @@ impl Door {
         meets.fold(f64::INFINITY, f64::min)
     }
 
-    /// \[m\] Returns how far a body of disks, each with its place and radius at a gaze along x, reaches into the door; not
-    /// positive if it does not touch it.
-    fn overlap(&self, pose: Pose, disks: &[[f64; 3]]) -> f64 {
-        let turned = rotation(pose.theta);
-        let of_disk = |&[x, y, radius]: &[f64; 3]| {
-            let centre = vec2(pose.x, pose.y) + turned * vec2(x, y);
-            let far = |[a, b]: [Vec2; 2]| (nearest_on_segment(a, b, centre) - centre).norm();
-            radius - self.sides().map(far).fold(f64::INFINITY, f64::min)
-        };
-        disks.iter().map(of_disk).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Returns the part of the desired speed with which somebody walks towards the door, which is closed. The wall waits for
-    /// who is in it: that one walks on.
+    /// Returns the part of the desired speed with which somebody, a body of disks each with its place and radius at a gaze
+    /// along x, walks towards the door, which is closed. The wall waits for who is in it, also between the disks: that one
+    /// walks on.
     pub(crate) fn share(&self, pose: Pose, disks: &[[f64; 3]]) -> f64 {
-        let overlap = self.overlap(pose, disks);
+        let (at, turned) = (vec2(pose.x, pose.y), rotation(pose.theta));
+        let disks = disks.iter().map(|&[x, y, radius]| (at + turned * vec2(x, y), radius));
+        let disks: Vec<(Vec2, f64)> = disks.collect();
+        let far = |place: Vec2| {
+            let all = self.sides().map(|[a, b]| (nearest_on_segment(a, b, place) - place).norm());
+            all.fold(f64::INFINITY, f64::min)
+        };
+        let depths = disks.iter().map(|&(centre, radius)| radius - far(centre));
+        let overlap = depths.fold(f64::NEG_INFINITY, f64::max);
         if overlap > 0.0 {
             return (overlap / IN_IT).clamp(OUT_OF_IT, 1.0);
         }
-        share_before_closed(-self.overlap(pose, &[[0.0; 3]]))
+        if self.sides().any(|[a, b]| hull_meets(&disks, a, b)) { 1.0 } else { share_before_closed(far(at)) }
     }
 }

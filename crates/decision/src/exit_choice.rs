@@ -11,7 +11,7 @@
 //! Seyfried, Holl, Adv. Complex Syst. 15 (2012) 1250029.
 //!
 //! If the exit is closed at times, the queue gets shorter only while it is open, and who is there waits until it is
-//! ([`passed`]). A person may prefer an exit: its time is multiplied by a factor.
+//! ([`passed`]). So it is at each door on the way that opens and closes; the later one counts. A person may prefer an exit: its time is multiplied by a factor.
 //!
 //! At first everybody has the nearest exit. Each reconsiders once a second, one after the other, and changes only if the
 //! gain is clear.
@@ -97,6 +97,8 @@ pub struct Offer<'a> {
     pub width: f64,
     /// See [`crate::target::Target`].
     pub open: &'a [[f64; 2]],
+    /// Doors on the way: when each is open \[s\], and how far it is from there \[m\].
+    pub doors: &'a [(&'a [[f64; 2]], f64)],
     /// See [`crate::target::Target`].
     pub time_factor: f64,
 }
@@ -122,9 +124,13 @@ impl Queues {
     /// \[m/s\] the desired speed, and it is `now` \[s\].
     pub fn change(&mut self, own: usize, speed: f64, now: f64, offers: &[Offer<'_>]) -> Option<usize> {
         let time = |offer: &Offer<'_>| {
-            let &Offer { target, distance, width, open, time_factor } = offer;
+            let &Offer { target, distance, width, open, doors, time_factor } = offer;
             let service = self.ahead(target, distance) as f64 / (FLOW * width);
-            time_factor * passed(open, now, distance / speed, service)
+            let by_door = |&(open, far): &(_, f64)| {
+                passed(open, now, (distance - far).max(0.0) / speed, service) + far / speed
+            };
+            let at_exit = passed(open, now, distance / speed, service);
+            time_factor * doors.iter().map(by_door).fold(at_exit, f64::max)
         };
         let present = offers.iter().find(|offer| offer.target == own)?;
         let best = offers.iter().min_by(|a, b| time(a).total_cmp(&time(b)))?;
@@ -157,7 +163,14 @@ mod tests {
     /// The outside: the rule by hand. 32 people are ahead at a door of 1 m: 20 s; it is 13.4 m to the other one: 10 s.
     #[test]
     fn who_gains_enough_changes_and_the_next_one_sees_it() {
-        let offer = |target, distance, width| Offer { target, distance, width, open: &[], time_factor: 1.0 };
+        let offer = |target, distance, width| Offer {
+            target,
+            distance,
+            width,
+            open: &[],
+            doors: &[],
+            time_factor: 1.0,
+        };
         let ways = [offer(0, 5.0, 1.0), offer(1, 13.4, 2.0)];
         let change = |ahead: usize, there: usize| {
             let people = [(0, 1.0, ahead), (1, 2.0, there), (0, 5.0, 1)].into_iter();
@@ -194,7 +207,7 @@ mod tests {
     /// The outside: by hand. 10 s on foot against an exit of 13.4 s that is preferred, and one that opens in 4 s.
     #[test]
     fn who_prefers_an_exit_or_waits_for_one_counts_it() {
-        let own = Offer { target: 0, distance: 13.4, width: 1.0, open: &[], time_factor: 1.0 };
+        let own = Offer { target: 0, distance: 13.4, width: 1.0, open: &[], doors: &[], time_factor: 1.0 };
         let change = |speed_of_other: f64, other: Offer<'_>| {
             let other = Offer { target: 1, distance: 1.34 * speed_of_other, ..other };
             Queues::new(2, [(0, 13.4)].into_iter()).change(0, 1.34, 6.0, &[own, other])
@@ -206,5 +219,9 @@ mod tests {
         );
         let opens = |at: f64| change(1.0, Offer { open: &[[at, 100.0]], ..own });
         assert_eq!((opens(12.0), opens(14.5), opens(5.0)), (Some(1), None, Some(1)));
+        // A door 0.67 m before it, which shuts 1 s from now, or after 0.3 s; the exit lets out for longer.
+        let shuts =
+            |at: f64| change(1.0, Offer { open: &[[0.0, 60.0]], doors: &[(&[[0.0, at]], 0.67)], ..own });
+        assert_eq!((shuts(7.0), shuts(6.3)), (Some(1), None));
     }
 }

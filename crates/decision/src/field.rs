@@ -61,6 +61,17 @@ pub struct Grid {
 /// Distances \[m\] from all nodes of a grid.
 pub type Field = Vec<f64>;
 
+/// Doors on the ways down a field.
+#[derive(Debug, Clone)]
+pub struct Gates {
+    /// Of each node, the first one; [`NO_GATE`] if there is none.
+    first: Vec<u32>,
+    /// Of each door: how far \[m\] it is from there, and the next one.
+    all: Vec<(f64, u32)>,
+}
+
+const NO_GATE: u32 = u32::MAX;
+
 impl Grid {
     /// Makes a grid that contains these places and walls, given as polylines.
     ///
@@ -175,7 +186,7 @@ impl Grid {
     }
 
     /// Returns whether no wall lies between two places that are near each other.
-    fn sees(&self, from: Vec2, to: Vec2) -> bool {
+    pub fn sees(&self, from: Vec2, to: Vec2) -> bool {
         let between = Bounds::of([from, to]).expect("two points").grown(self.step);
         let mut near = self.nodes_in(between).filter_map(|node| self.beside.get(&node)).flatten();
         !near.any(|&face| {
@@ -311,16 +322,64 @@ impl Grid {
                 }
             }
         }
-        let mut order: Vec<usize> = (0..field.len()).filter(|node| field[*node].is_finite()).collect();
-        order.sort_by(|a, b| field[*a].total_cmp(&field[*b]));
         let mut widths = vec![f64::INFINITY; field.len()];
-        for node in order {
-            let lower = self.neighbours(node).into_iter().flatten().filter(|next| field[*next] < field[node]);
-            let next = lower.min_by(|a, b| field[*a].total_cmp(&field[*b]));
-            let rest = next.map_or(f64::INFINITY, |next| widths[next]);
+        for node in from_near(field) {
+            let rest = self.next(field, node).map_or(f64::INFINITY, |next| widths[next]);
             widths[node] = rest.min(sides[node][0] + sides[node][1]);
         }
         widths
+    }
+
+    /// Returns the neighbour to which the distance falls most.
+    fn next(&self, field: &[f64], node: usize) -> Option<usize> {
+        let lower = self.neighbours(node).into_iter().flatten().filter(|next| field[*next] < field[node]);
+        lower.min_by(|a, b| field[*a].total_cmp(&field[*b]))
+    }
+
+    /// Finds which of some doors, each of straight pieces, the ways down a field lead through.
+    pub fn gates(&self, field: &[f64], doors: &[Vec<[Vec2; 2]>]) -> Gates {
+        let mut crossed: HashMap<usize, u32> = HashMap::new();
+        for (k, door) in doors.iter().enumerate() {
+            for &[a, b] in door {
+                let around = Bounds::of([a, b]).expect("two points").grown(self.step);
+                for node in self.nodes_in(around) {
+                    let next = self.next(field, node).map(|next| self.place(next));
+                    if next.is_some_and(|next| segments_touch(self.place(node), next, a, b)) {
+                        crossed.entry(node).or_insert(k as u32);
+                    }
+                }
+            }
+        }
+        let mut gates =
+            Gates { first: vec![NO_GATE; field.len()], all: vec![(f64::INFINITY, NO_GATE); doors.len()] };
+        for node in from_near(field) {
+            let rest = self.next(field, node).map_or(NO_GATE, |next| gates.first[next]);
+            gates.first[node] = crossed.get(&node).copied().unwrap_or(rest);
+            if let Some(gate) =
+                gates.all.get_mut(gates.first[node] as usize).filter(|gate| gate.0 > field[node])
+            {
+                *gate = (field[node], rest);
+            }
+        }
+        gates
+    }
+
+    /// Returns the doors on the way from a place, with how far \[m\] it is from each. Nodes behind one of the `doors` do not
+    /// count.
+    pub fn gates_from<'a>(
+        &self,
+        gates: &'a Gates,
+        doors: &[Vec<[Vec2; 2]>],
+        at: Vec2,
+    ) -> impl Iterator<Item = (usize, f64)> + use<'a> {
+        let parted =
+            |node: usize| doors.iter().flatten().any(|&[a, b]| segments_touch(at, self.place(node), a, b));
+        let near = self.around(at).into_iter().filter(|&(node, share)| share > 0.0 && !parted(node));
+        let nearest = near.max_by(|a, b| a.1.total_cmp(&b.1));
+        let first = nearest.map_or(NO_GATE, |(node, _)| gates.first[node]);
+        let known = |gate: u32| gates.all.get(gate as usize).map(|&(far, next)| (gate as usize, far, next));
+        let ways = std::iter::successors(known(first), move |&(.., next)| known(next));
+        ways.take(gates.all.len()).map(|(gate, far, _)| (gate, far))
     }
 
     /// \[m\] Returns the width of the way from the node that is nearest to a place; `None` where no wall makes it narrow.
@@ -374,6 +433,13 @@ impl Grid {
         };
         vec2(fall(left, right), fall(below, above)).unit(0.0)
     }
+}
+
+/// Returns the nodes from which a way leads, those with the shortest first.
+fn from_near(field: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..field.len()).filter(|node| field[*node].is_finite()).collect();
+    order.sort_by(|a, b| field[*a].total_cmp(&field[*b]));
+    order
 }
 
 /// Returns the mean of a field over nodes with shares; infinite if none of them is reached.

@@ -253,7 +253,10 @@ impl Plan {
 
     /// Returns whether those who choose do so before the first step.
     pub(crate) fn chooses_at_once(&self) -> bool {
-        !self.groups.is_empty() || self.targets.iter().any(|target| !target.open.is_empty())
+        let exits = self.targets.iter().filter(|target| !target.stay).count();
+        !self.groups.is_empty()
+            || exits > 1 && !self.doors.is_empty()
+            || self.targets.iter().any(|target| !target.open.is_empty())
     }
 
     /// Returns whether they leave in the end, of everybody.
@@ -297,16 +300,15 @@ impl Plan {
             let further = agent.walker.waypoints.iter().map(|w| vec2(w.x, w.y));
             std::iter::once(own).chain(further).map(|at| (at, agent.destination))
         });
-        let at_once =
-            |ways: Ways| if self.chooses_at_once() { ways.with_straight_last_steps() } else { ways };
         if !self.chooses() {
-            return Ways::new(&self.polylines(), &self.targets, places).map(|ways| Some(at_once(ways)));
+            return Ways::new(&self.polylines(), &self.targets, places).map(Some);
         }
         let exits = self.targets.iter().enumerate().filter(|(_, target)| !target.stay);
         let choices =
             exits.map(|(k, exit)| (vec2(exit.corners[0][0], exit.corners[0][1]), Destination::Target(k)));
         let ways = Ways::new(&self.polylines(), &self.targets, places.chain(choices))?;
         let ways = if self.exit_choice == ExitChoice::Time { ways.with_widths()? } else { ways };
-        Ok(Some(at_once(ways)))
+        let doors: Vec<Vec<[Vec2; 2]>> = self.doors.iter().map(|door| door.sides().collect()).collect();
+        Ok(Some(if doors.is_empty() { ways } else { ways.with_doors(doors)? }))
     }
 }

@@ -1,17 +1,21 @@
 //! Exits and goals: lines and areas to which people walk around walls.
 
 use crate::error::PlanError;
-use crate::field::{Field, Grid};
+use crate::field::{Field, Gates, Grid};
 use lemons_core::plane::{InPlane, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use lemons_core::trial::is_open;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
+/// \[m\] Whoever is this near to an exit, or the area of a goal, is there: on a line by rounding errors there is no way to it.
+const ROUNDING: f64 = 1e-6;
 /// \[m\] Whoever is this near to the line of a goal is there.
 const NEAR: f64 = 0.3;
 /// \[m\] Nearer than this to the line or the middle of a goal, people walk more and more slowly.
 const SLOW: f64 = 1.0;
+/// Steps of the grid from a line within which the way leads straight to it; and on foot, where metres may count four times.
+const LAST: (f64, f64) = (1.5, 8.0);
 /// \[m\] Distance on foot at which people stand in front of an exit or a door that is closed.
 const FRONT: f64 = 0.5;
 
@@ -108,13 +112,17 @@ impl Shape {
         }
     }
 
-    /// Returns whether somebody who walked from one place to the other is there, or was on the way: over a line, or at one
-    /// where people stay.
+    /// Returns whether somebody who walked from one place to the other is there, or was on the way: over a line, through an
+    /// area, or at one where people stay.
     fn holds(&self, from: Vec2, to: Vec2, stay: bool) -> bool {
+        let within = |far: f64| (self.nearest(to) - to).norm() <= far;
         match self {
-            Shape::Line(_) if stay => (self.nearest(to) - to).norm() <= NEAR,
-            Shape::Line([a, b]) => segments_touch(from, to, *a, *b),
-            Shape::Area(ring, _) => ring.contains(to),
+            Shape::Line(_) if stay => within(NEAR),
+            Shape::Line([a, b]) => segments_touch(from, to, *a, *b) || within(ROUNDING),
+            Shape::Area(ring, _) => {
+                let crosses = || ring.sides().any(|(a, b)| segments_touch(from, to, a, b));
+                within(ROUNDING) || !stay && crosses()
+            }
         }
     }
 }
@@ -173,8 +181,9 @@ pub struct Ways {
     to_nearest: Option<Field>,
     /// Free widths of the ways to each target, if they were measured.
     widths: Vec<Field>,
-    /// Whether the last steps to the line of an exit lead straight to it.
-    straight_last: bool,
+    /// Doors that open and close, in straight pieces, and those on the ways to each target.
+    doors: Vec<Vec<[Vec2; 2]>>,
+    gates: Vec<Option<Gates>>,
 }
 
 /// Way that a destination asks of somebody.
@@ -213,13 +222,8 @@ impl Ways {
         let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
         let to_nearest = wanted.contains(&Destination::NearestExit).then(|| field(&exits));
         let stay = targets.iter().map(|target| target.stay).collect();
-        Ok(Ways { grid, shapes, stay, to_each, to_nearest, widths: Vec::new(), straight_last: false })
-    }
-
-    /// Makes the last steps to the line of an exit lead straight to it. Distances fall from both sides of a line, so that in
-    /// the squares of the grid which it cuts, those who walk slowly would go to and fro.
-    pub fn with_straight_last_steps(self) -> Ways {
-        Ways { straight_last: true, ..self }
+        let (widths, doors, gates) = Default::default();
+        Ok(Ways { grid, shapes, stay, to_each, to_nearest, widths, doors, gates })
     }
 
     /// Measures how wide the ways to each target are.
@@ -233,6 +237,26 @@ impl Ways {
             |field: &Option<Field>| field.as_ref().map_or(Field::new(), |field| self.grid.widths(field));
         self.widths = self.to_each.iter().map(widths).collect();
         Ok(self)
+    }
+
+    /// Finds which doors, each of straight pieces, are on the ways to each target.
+    ///
+    /// # Errors
+    /// The area is too large.
+    pub fn with_doors(mut self, doors: Vec<Vec<[Vec2; 2]>>) -> Result<Ways, PlanError> {
+        let fields = self.to_each.iter().chain([&self.to_nearest]).flatten().count();
+        self.grid.check_fields(3 * fields)?;
+        let gates = |field: &Option<Field>| field.as_ref().map(|field| self.grid.gates(field, &doors));
+        self.gates = self.to_each.iter().map(gates).collect();
+        self.doors = doors;
+        Ok(self)
+    }
+
+    /// Returns the doors on the way from a place to a target, with how far \[m\] it is from each to the target; none if they
+    /// were not looked for.
+    pub fn doors_to(&self, target: usize, at: Vec2) -> impl Iterator<Item = (usize, f64)> {
+        let gates = self.gates.get(target).and_then(Option::as_ref);
+        gates.into_iter().flat_map(move |gates| self.grid.gates_from(gates, &self.doors, at))
     }
 
     /// \[m\] Returns the width of a target for people at these places: of the free widths of the narrowest places on their
@@ -309,14 +333,6 @@ impl Ways {
             Some(line @ Shape::Line(_)) => (line.nearest(at), NEAR),
             _ => (vec2(f64::INFINITY, 0.0), 0.0),
         };
-        let last = match to {
-            Destination::Target(k) if self.straight_last && !self.stay[k] => match &self.shapes[k] {
-                line @ Shape::Line(_) => Some(line.nearest(at)),
-                Shape::Area(..) => None,
-            },
-            _ => None,
-        };
-        let last = last.filter(|place| (*place - at).norm() < 1.5 * self.grid.step());
         let left = (rest - at).norm();
         let share = (left / SLOW).min(1.0);
         let way = self.field(to).map(|field| self.grid.way(field, at));
@@ -330,8 +346,23 @@ impl Ways {
             let nearest = nearest.min_by(|a, b| (*a - at).norm().total_cmp(&(*b - at).norm()))?;
             towards(nearest)
         };
+        let near = distance < LAST.1 * self.grid.step();
+        let last = if near { self.last_step(to, at) } else { None };
         let direction = last.and_then(towards).or(found).or_else(straight);
         Leg { direction, share, distance }
+    }
+}
+
+impl Ways {
+    /// Returns where the last step leads to an exit, or into the area of a goal. The distance falls from both sides of a
+    /// line, so that in the squares of the grid which it cuts no way down leads over it.
+    fn last_step(&self, to: Destination, at: Vec2) -> Option<Vec2> {
+        let is_line = |k: &usize| matches!(self.shapes[*k], Shape::Line(_));
+        let wanted = self.targets(to).filter(|k| !(self.stay[*k] && is_line(k)));
+        let near = wanted.map(|k| self.shapes[k].nearest(at)).map(|place| (place, (place - at).norm()));
+        let near = near.filter(|(_, far)| *far < LAST.0 * self.grid.step());
+        let (place, _) = near.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        self.grid.sees(at, place).then_some(place)
     }
 }
 

@@ -94,6 +94,8 @@ pub struct Walking<'a> {
     pub direction: Option<Vec2>,
     /// \[m/s\] desired speed.
     pub speed: f64,
+    /// Part of swaying and of noise: below 1 of who is slow also when nobody is in the way.
+    pub pace: f64,
     /// \[m\] How far it is.
     pub to_go: f64,
     /// People with the same destination have the same number.

@@ -293,6 +293,110 @@ fn people_slow_down_in_front_of_a_closed_door() {
     assert_eq!(decision.going().unwrap(), [true; 4]);
 }
 
+/// The outside: the time is the distance over the speed. The line, or a thin area, lies anywhere on the grid of ways, at any
+/// angle; the velocity follows at once.
+#[test]
+fn who_is_slow_crosses_any_line_in_the_time_of_the_way() {
+    let mut worst = (0.0, String::new());
+    for k in 0..11 {
+        let turn = lemons_core::plane::rotation(0.29 * f64::from(k));
+        let middle = vec2(3.0 + 0.01 * f64::from(k), 2.0 + 0.017 * f64::from(k));
+        let corner = |x: f64, y: f64| <[f64; 2]>::from(middle + turn * vec2(x, y));
+        let from = middle + turn * vec2(-1.0, 0.3);
+        let ends = [corner(0.0, -1.5), corner(0.0, 1.5)];
+        let thin = [ends[0], ends[1], corner(0.04, 1.5), corner(0.04, -1.5)];
+        for (place, own) in [
+            (format!("line = {ends:?}"), ""),
+            (format!("line = {ends:?}"), "[agents.0]\nexit = \"out\""),
+            (format!("polygon = {thin:?}"), ""),
+        ] {
+            for (model, speed) in [
+                ("rotational", 0.1),
+                ("rotational", 0.3),
+                ("rotational", 0.45),
+                ("straight", 0.2),
+                ("collision-free-speed", 0.2),
+                ("straight", 1.34),
+            ] {
+                let config = format!(
+                    "model = \"{model}\"\ndesired_speed = {speed}\nexits = [{{ name = \"out\", {place} }}]\n{own}"
+                );
+                let steps = (3.0 / speed / STEP) as usize;
+                let plan = plan(&[], &[person(0, from.x, from.y)], &config).unwrap();
+                let way = alone(&walk(plan, steps), 0);
+                let late = (way.len() as f64 * STEP - 1.0 / speed).abs() - STEP;
+                if late * speed > worst.0 {
+                    worst = (late * speed, format!("{model}, {speed} m/s, {place} {own}: {late} s"));
+                }
+            }
+        }
+    }
+    assert!(worst.0 < 0.03, "{} m: {}", worst.0, worst.1);
+}
+
+/// The outside: by hand. A wall lies between somebody and the near line: the way to it is round the wall's end.
+#[test]
+fn the_last_step_to_a_line_is_not_through_a_wall() {
+    let wall = vec![vec2(2.0, -4.0), vec2(2.0, 2.0)];
+    let config = "desired_speed = 0.5\nexits = [{ line = [[2.1, 0], [2.1, 1]] }]";
+    let plan = plan(&[wall], &[person(0, 1.88, 0.5)], config).unwrap();
+    let way = alone(&walk(plan, 400), 0);
+    let high = way.iter().map(|at| at.y).fold(0.0, f64::max);
+    assert!(way.len() < 400 && high > 2.0, "{} steps, up to {high} m", way.len());
+}
+
+/// The outside: by hand. The near exit lets out for 30 s more than its door, 1 m before it, is open. At 1.34 m/s, who is
+/// 2 m from the door is through before it shuts, and who is 6 m from it is not, and takes the other exit: at once by time,
+/// when it shuts by distance. The door is shut for good.
+#[test]
+fn who_cannot_pass_a_door_in_time_takes_another_exit() {
+    let line = |points: &[(f64, f64)]| points.iter().map(|&(x, y)| vec2(x, y)).collect::<Vec<Vec2>>();
+    let walls =
+        [line(&[(0.0, 0.0), (10.0, 0.0), (10.0, 1.0)]), line(&[(10.0, 2.0), (10.0, 3.0), (0.0, 3.0)])];
+    let door = |open: [f64; 2]| Door { corners: vec![[10.0, 1.0], [10.0, 2.0]], open: vec![open] };
+    let exits = "exits = [{ line = [[11, 0], [11, 3]], open = [[0, 32.5]] }, { line = [[-8, 0], [-8, 3]] }]";
+    for (choice, leaves_at) in [("time", 12.0 / 1.34), ("distance", 2.5 + (12.0 + 2.5 * 1.34) / 1.34)] {
+        let people = [person(0, 8.0, 1.5), person(1, 4.0, 1.5)];
+        let mut plan = plan(&walls, &people, &format!("exit_choice = \"{choice}\"\n{exits}")).unwrap();
+        plan.doors = vec![door([0.0, 2.5])];
+        let way = walk(plan, 800);
+        let (near, far) = (alone(&way, 0), alone(&way, 1));
+        let seconds = [&near, &far].map(|way| way.len() as f64 * STEP);
+        assert!(
+            near.last().unwrap().x > 10.5 && (seconds[0] - 3.0 / 1.34).abs() < 0.3,
+            "{choice}: {seconds:?}"
+        );
+        assert!(far.last().unwrap().x < -7.5, "{choice}: {:?}", far.last());
+        assert!((seconds[1] - leaves_at).abs() < 1.6, "{choice}: {seconds:?} instead of {leaves_at}");
+    }
+}
+
+/// The outside: by hand. A body of two disks, 0.5 m before and behind its centre, lies across the door without touching it.
+#[test]
+fn who_lies_across_a_door_that_closes_walks_on() {
+    let mut long = person(0, 6.0, 2.0);
+    long.disks = vec![[0.5, 0.0, 0.1], [-0.5, 0.0, 0.1]];
+    let share = |x: f64| {
+        let mut plan = plan(
+            &[room()],
+            &[Person { pose: Pose { x, y: 2.0, theta: 0.0 }, ..long.clone() }],
+            "exits = [{ line = [[9, 1], [9, 3]] }]",
+        )
+        .unwrap();
+        plan.agents[0].disks.clone_from(&long.disks);
+        plan.doors = vec![Door { corners: vec![[6.0, 1.5], [6.0, 2.5]], open: vec![[1e6, 2e6]] }];
+        Decision::new(plan).acts().unwrap()[0].drive.force[0] / (80.0 * 2.0 * 1.34)
+    };
+    assert!(
+        (share(5.9) - 1.0).abs() < 1e-9 && (share(6.0) - 1.0).abs() < 1e-9,
+        "{} {}",
+        share(5.9),
+        share(6.0)
+    );
+    // Before it: 0.7 m away it walks with 0.2 of the speed.
+    assert!((share(5.3) - 0.2).abs() < 1e-9, "{}", share(5.3));
+}
+
 #[test]
 fn who_has_left_stays_away_and_is_not_seen() {
     let config = format!("model = \"collision-free-speed\"\n{DOOR}");

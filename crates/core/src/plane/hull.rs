@@ -1,6 +1,12 @@
 //! Convex hulls.
 
-use crate::plane::{Vec2, turn};
+use crate::plane::{InPlane, Vec2, turn};
+use std::f64::consts::FRAC_PI_2;
+
+/// Steps in which the end of a hull on a line is looked for: to the last digits.
+const STEPS: u32 = 90;
+/// \[m\] A segment that reaches less far into a hull only touches it.
+const ROUNDING: f64 = 1e-9;
 
 /// Returns the corners \[m\] of the smallest convex set that contains some finite points (A. M. Andrew, Inf. Process.
 /// Lett. 9 (1979) 216): counter-clockwise from the leftmost one (the lowest of several), without repeating it; none lies
@@ -30,6 +36,34 @@ pub fn convex_hull(points: impl IntoIterator<Item = Vec2>) -> Vec<Vec2> {
     corners
 }
 
+/// Returns whether a segment from `a` to `b` \[m\] reaches into the convex hull of disks, given by centres and radii \[m\],
+/// also where it passes between them.
+pub fn hull_meets(disks: &[(Vec2, f64)], a: Vec2, b: Vec2) -> bool {
+    let Some(along) = (b - a).unit(0.0) else { return false };
+    let across = along.left();
+    let support = |way: Vec2| {
+        disks
+            .iter()
+            .map(|&(centre, radius)| (centre - a).dot(&way) + radius)
+            .fold(f64::NEG_INFINITY, f64::max)
+    };
+    // How far the hull reaches on the segment's line: as far as the nearest of the tangents that cut it. That is a function
+    // of the tangent's angle with one minimum.
+    let end = |along: Vec2| {
+        let at =
+            |angle: f64| support(along * libm::cos(angle) + across * libm::sin(angle)) / libm::cos(angle);
+        let (mut low, mut high) = (-FRAC_PI_2, FRAC_PI_2);
+        for _ in 0..STEPS {
+            let third = (high - low) / 3.0;
+            let [left, right] = [low + third, high - third];
+            if at(left) < at(right) { high = right } else { low = left }
+        }
+        at(0.5 * (low + high))
+    };
+    let both_sides = support(across).min(support(-across)) > 0.0;
+    both_sides && end(along) > ROUNDING && -end(-along) < (b - a).norm() - ROUNDING
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,8 +78,46 @@ mod tests {
         assert_eq!(convex_hull((0..5).map(|k| vec2(f64::from(k), 0.0))), [vec2(0.0, 0.0), vec2(4.0, 0.0)]);
     }
 
+    /// The outside: by hand. Of disks of 0.1 m that are 1 m apart the hull is 0.2 m wide.
+    #[test]
+    fn a_segment_between_disks_meets_their_hull() {
+        let disks = [(vec2(0.0, 0.0), 0.1), (vec2(1.0, 0.0), 0.1)];
+        let meets = |x: f64, from: f64, to: f64| hull_meets(&disks, vec2(x, from), vec2(x, to));
+        assert!(meets(0.5, -3.0, 3.0) && meets(0.5, -0.05, 0.05) && meets(0.5, 0.099, 3.0));
+        assert!(!meets(0.5, 0.101, 3.0) && !meets(1.101, -3.0, 3.0) && meets(1.099, -3.0, 3.0));
+        // Along it; beside its round end; touching; no length; nobody.
+        assert!(!hull_meets(&disks, vec2(-1.0, 0.11), vec2(2.0, 0.11)));
+        assert!(hull_meets(&disks, vec2(-1.0, 0.09), vec2(2.0, 0.09)));
+        assert!(!hull_meets(&disks, vec2(1.08, 0.08), vec2(2.0, 1.0)));
+        assert!(!hull_meets(&disks, vec2(0.3, 0.1), vec2(0.6, 0.1)) && !meets(0.5, 0.0, 0.0));
+        assert!(!hull_meets(&[], vec2(0.0, 0.0), vec2(1.0, 0.0)));
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() })]
+
+        /// The outside: the polygon through many points of the circles, which lies inside the hull by less than 0.2 mm.
+        #[test]
+        fn hulls_of_disks_are_those_of_their_points(
+            disks in prop::collection::vec((-1.0..1.0, -1.0..1.0, 0.02..0.3), 1..8),
+            ends in [(-2.0..2.0, -2.0..2.0), (-2.0..2.0, -2.0..2.0)],
+        ) {
+            let [a, b] = ends.map(|(x, y)| vec2(x, y));
+            let around = |by: f64| convex_hull(disks.iter().flat_map(|&(x, y, radius): &(f64, f64, f64)| {
+                (0..100).map(move |k| {
+                    let angle = f64::from(k) / 100.0 * std::f64::consts::TAU;
+                    vec2(x, y) + vec2(angle.cos(), angle.sin()) * (radius + by)
+                })
+            }));
+            let meets = |corners: Vec<Vec2>| {
+                let ring = crate::plane::Ring::through(corners).unwrap();
+                ring.contains(a) || ring.sides().any(|(c, d)| crate::plane::segments_touch(a, b, c, d))
+            };
+            let disks: Vec<(Vec2, f64)> = disks.iter().map(|&(x, y, radius)| (vec2(x, y), radius)).collect();
+            let (found, inner, outer) = (hull_meets(&disks, a, b), meets(around(-1e-6)), meets(around(2e-4)));
+            prop_assert!(!inner || found, "not found");
+            prop_assert!(outer || !found, "found {disks:?}");
+        }
 
         /// By the definition: all corners are points, each turns left, and all points are on the left of every side.
         #[test]

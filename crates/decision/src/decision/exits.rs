@@ -31,11 +31,7 @@ impl Decision {
             _ => None,
         };
         let mut queues = Queues::new(self.plan.targets.len(), here.iter().filter_map(heads));
-        let from = |i: &usize| {
-            let agent = &self.agents[*i];
-            let last = agent.walker.waypoints[agent.next()..].last();
-            agent.choice.exit.map(|_| last.map_or(agent.at(), |waypoint| vec2(waypoint.x, waypoint.y)))
-        };
+        let from = |i: &usize| self.agents[*i].choice.exit.map(|_| self.starts_from(*i));
         let from: Vec<Vec2> = here.iter().filter_map(from).collect();
         let widths: Vec<(usize, f64)> =
             self.exits().map(|k| (k, ways.width(k, from.iter().copied()))).collect();
@@ -44,12 +40,19 @@ impl Decision {
             if !self.agents[i].choice.is_due(step) {
                 continue;
             }
-            let offer = |&(target, width): &(usize, f64)| {
+            let doors: Vec<Vec<(&[[f64; 2]], f64)>> = widths
+                .iter()
+                .map(|(target, _)| {
+                    let doors = ways.doors_to(*target, self.starts_from(i));
+                    doors.map(|(k, far)| (&self.plan.doors[k].open[..], far)).collect()
+                })
+                .collect();
+            let offers = widths.iter().zip(&doors).map(|(&(target, width), doors)| {
                 let distance = self.to_go(i, Destination::Target(target));
                 let Target { open, time_factor, .. } = &self.plan.targets[target];
-                Offer { target, distance, width, open, time_factor: *time_factor }
-            };
-            let all: Vec<Offer<'_>> = widths.iter().map(offer).collect();
+                Offer { target, distance, width, open, doors, time_factor: *time_factor }
+            });
+            let all: Vec<Offer<'_>> = offers.collect();
             let Some(exit) = queues.change(own, self.agents[i].walker.desired_speed, now, &all) else {
                 continue;
             };
@@ -81,7 +84,7 @@ impl Decision {
         (0..self.plan.targets.len()).filter(|k| !self.plan.targets[*k].stay)
     }
 
-    /// Returns the exit that is nearest on foot, of those that are open at a time \[s\]; if none is, of all. A group has that
+    /// Returns the exit that is nearest on foot, of those that are open at a time \[s\], as are the doors before them; if none is, of all. A group has that
     /// of its first member.
     pub(super) fn nearest_exit(&self, i: usize, time: f64) -> Option<usize> {
         let i = self.leader(i);
@@ -89,6 +92,18 @@ impl Decision {
         let nearest = |wanted: &dyn Fn(&usize) -> bool| {
             self.exits().filter(wanted).min_by(|a, b| far(a).total_cmp(&far(b)))
         };
-        nearest(&|k| self.plan.targets[*k].is_open(time)).or_else(|| nearest(&|_| true))
+        let is_passable = |k: &usize| {
+            let mut doors = self.ways().into_iter().flat_map(|ways| ways.doors_to(*k, self.starts_from(i)));
+            self.plan.targets[*k].is_open(time)
+                && doors.all(|(door, _)| !self.plan.doors[door].is_closed(time))
+        };
+        nearest(&is_passable).or_else(|| nearest(&|_| true))
+    }
+
+    /// \[m\] Where the way of an agent to an exit begins: at its last way-point, if there is one ahead.
+    fn starts_from(&self, i: usize) -> Vec2 {
+        let agent = &self.agents[i];
+        let last = agent.walker.waypoints[agent.next()..].last();
+        last.map_or(agent.at(), |waypoint| vec2(waypoint.x, waypoint.y))
     }
 }

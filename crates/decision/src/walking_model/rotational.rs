@@ -12,7 +12,7 @@
 //! - Narrow places: who has little room beside the shoulders, or passes close to somebody oncoming, turns them.
 //!   Where two do not fit side by side for a while, people walk in single file.
 //! - Swaying: who is slow shifts the weight from one foot to the other (Hoogendoorn, Daamen, Transp. Sci. 39 (2005) 147).
-//!   This loosens arches in front of doors.
+//!   This loosens arches in front of doors. Who wants to be slow sways less.
 //! - Pushing: who is held up pushes with a limited force.
 //!
 //! People are seen as circles of one radius here; their bodies touch in the mechanics. The constants were chosen beside
@@ -418,7 +418,7 @@ fn of_one(
     let spacing = ALONG * seen.gaps[0] + (1.0 - ALONG) * seen.gaps[1];
     // Who is alone keeps the desired speed.
     let free = walking.speed * walking.time_gap + walking.standstill_gap;
-    let noise = if seen.gaps == [free; 2] { 0.0 } else { walking.noise };
+    let noise = if seen.gaps == [free; 2] { 0.0 } else { walking.pace * walking.noise };
     let quiet = (spacing - walking.standstill_gap) / walking.time_gap;
     let wanted = quiet + noise;
     let (turned, fits) = shoulders(walking, goal, view.narrowest);
@@ -427,7 +427,7 @@ fn of_one(
     let change = direction * speed - velocity;
     let most = model.acceleration * walking.relaxation / change.norm().max(1e-9);
     let (sway, turn, fast) = SWAY;
-    let slow = (1.0 - velocity.norm() / fast).max(0.0);
+    let slow = walking.pace * (1.0 - velocity.norm() / fast).max(0.0);
     let turned = turned.or_else(|| seen.passes_close.then(|| sideways(goal, TURNING.1, walking.theta)));
     let facing = turned.unwrap_or_else(|| super::facing(goal, direction * speed));
     DesiredMotion {
@@ -524,6 +524,7 @@ mod tests {
             disks: &[],
             direction: Some(direction),
             speed: 1.34,
+            pace: 1.0,
             to_go: 10.0 - at.x,
             destination: 0,
             waypoint: None,
