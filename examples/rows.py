@@ -24,7 +24,7 @@ import pathlib
 import tempfile
 
 import numpy as np
-from legs import HEAD, Heads
+from legs import LEAN, Heads
 from lemons_fmu import CommandError, Crowd, Drive, SimulationError
 from validation import lemons
 
@@ -35,14 +35,12 @@ MOVING = 0.1  # m/s
 FAR = 0.05  # m
 DEPTH, MASS = 0.25, 70.0
 PHASE = 20.0  # N
-#: Relaxation time of the head's lean [s], about that of the fit of examples/legs.py.
-LEAN = 0.25
-#: What the measured push of docs/calibration.md says (examples/legs.py).
-FITTED = "support = 0.2\nstep_time = 0.09\nreturn_after = 0.65\nreturn_speed = 0.16\n"
+#: What is measured of feet and reactions of people who stand alone (docs/balance.md).
+LITERATURE = "support = 0.12\nstep_time = 0.25\nreturn_after = 0.6\ndamping = 4.5\n"
 MODELS = {
     "none": "",
     "pendulum": 'balance = "pendulum"\n',
-    "pendulum, fitted": f'balance = "pendulum"\n[pendulum]\n{FITTED}',
+    "pendulum, alone": f'balance = "pendulum"\n[pendulum]\n{LITERATURE}',
     "two-level": 'balance = "two-level"\n',
 }
 

@@ -38,7 +38,7 @@ MODELS = {
     "none": "",
     "pendulum": 'balance = "pendulum"\n',
     "two-level": 'balance = "two-level"\n',
-    "two-level, slow legs": 'balance = "two-level"\n[two-level]\nspeed = 1.0\nlegs_rate = 1.0\n',
+    "two-level, slow legs": 'balance = "two-level"\n[two-level]\nspeed = 1.0\nlegs_speed = 1.2\nlegs_rate = 1.0\nbalanced = 0.12\n',
 }
 
 

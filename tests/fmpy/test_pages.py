@@ -86,6 +86,7 @@ ELSEWHERE = {
 # second one after it. In the block, texts are replaced, so that less is computed.
 ROOMS = "for width in 0.8 1.2; do for seed in 1 2; do lemons crowd --number 20 --box 8x6 --door 8,3,$width --leave --seed $seed -o room_${width}_$seed; done; done"
 FILES = {
+    ("docs/balance.md", 'balance = "pendulum"'): ("legs/decision.toml", "", "lemons check legs", {}),
     ("docs/people.md", "[mix]"): ("kinds.toml", "", "lemons crowd --number 20 --box 6x6 --custom kinds.toml", {}),
     ("docs/guide/first-half-hour.md", '<?xml version="1.0" encoding="UTF-8"?>'): ("Geometry.xml", "", "", {}),
     ("docs/guide/sweeps.md", 'trial = "resources/Trial_push"'): ("sweep.toml", "", "", {}),

@@ -1,12 +1,13 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
-mod walking;
+pub mod walking;
 
 use crate::error::{TrialHasErrors, full_message};
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{AgentDynamics, DRIVE_FILE, Parameters, Problems, Trial};
+use lemons_decision::balance::Balance;
 use lemons_decision::plan::Planned;
 use lemons_decision::target::Destination;
 use lemons_decision::{DECISION_FILE, Plan};
@@ -60,6 +61,7 @@ fn report(given: &TrialInput) -> (Vec<String>, Option<String>) {
     let plan = wishes.as_deref().map(plan_of).transpose();
     if let Ok(Some(plan)) = &plan {
         lines.extend(doubts_of_plan(plan, &trial).iter().map(|doubt| found(WARNING, &plan_file, doubt)));
+        lines.extend(walking::flat_push(plan).map(|text| found(NOTE, &plan_file, &format!("push: {text}"))));
         lines.extend(walking::doubts(plan).iter().map(|(kind, doubt)| found(kind, &plan_file, doubt)));
     }
     let Parameters { time_step, time_step_mechanical, .. } = trial.parameters;
@@ -164,7 +166,9 @@ fn doubts_of_plan(plan: &Plan, trial: &Trial) -> Vec<String> {
 
 /// Doubts legs of people who do not try to stand still, and communication steps in which legs act too late.
 fn doubts_of_legs(plan: &Plan, unmoved: &[&Planned]) -> Vec<String> {
-    let idle = unmoved.first().filter(|_| plan.balance.is_some()).map(|first| {
+    // The pendulum's ankles have a rate of their own.
+    let by_floor = matches!(plan.balance, Some(Balance::TwoLevel(_)));
+    let idle = unmoved.first().filter(|_| by_floor).map(|first| {
         let id = &first.id;
         format!("agent {id:?} has legs and FloorDamping=\"0\" in Agents.xml: it does not try to stand still")
     });

@@ -7,6 +7,7 @@ mod summary;
 mod tables;
 mod text;
 
+use crate::check::walking::flat_push;
 use crate::error::{Misused, and_then};
 use crate::export::area;
 use crate::files::{self, Force};
@@ -83,11 +84,14 @@ pub struct Arguments {
     _force: Force,
 }
 
+/// \[N/m\] Young modulus above which bodies are stiffer than chests (`human_soft` has 2.9e4).
+const STIFF: f64 = 1e5;
 /// Windows of the flow over time.
 const MOST_WINDOWS: f64 = 1e6;
 
 pub fn measure(mut arguments: Arguments) -> Result<()> {
-    text::print(&measured(&mut arguments)?.summary)?;
+    let Measured { summary, caveats, .. } = measured(&mut arguments)?;
+    text::print(&summary, &caveats)?;
     for path in arguments.output.iter().chain(&arguments.plot) {
         say!("{:<18} {}", "written", path.display())?;
     }
@@ -97,6 +101,8 @@ pub fn measure(mut arguments: Arguments) -> Result<()> {
 /// What was measured.
 pub struct Measured {
     summary: Summary,
+    /// What its squeezes can mean.
+    caveats: Vec<String>,
     /// The same as JSON.
     pub json: String,
     /// CSV, by the names of the tables.
@@ -138,6 +144,7 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
         bail!("--walls: {}: the results do not contain the forces on walls", source.path.display());
     }
     let summary = Summary::of(arguments, &record, pieces, &seen);
+    let caveats = if summary.exposure.is_some() { arguments.caveats(trial.as_ref()) } else { Vec::new() };
     let json = serde_json::to_string_pretty(&summary)? + "\n";
     let tables = tables::of(arguments, record.ids(), &summary, &seen)?;
     if let Some(directory) = output {
@@ -157,7 +164,7 @@ pub fn measured(arguments: &mut Arguments) -> Result<Measured> {
     });
     let written: Vec<Output> = written.collect::<Result<_>>()?;
     written.into_iter().map(Output::persist).fold(Ok(()), and_then)?;
-    Ok(Measured { summary, json, tables })
+    Ok(Measured { summary, caveats, json, tables })
 }
 
 impl Arguments {
@@ -175,6 +182,26 @@ impl Arguments {
             bail!(Misused(format!("--from {from} --until {until}: the beginning is not before the end")));
         }
         Ok(())
+    }
+
+    /// Returns what squeezes of the people of a Trial can mean, and what not.
+    fn caveats(&self, trial: Option<&Trial>) -> Vec<String> {
+        let Some(trial) = trial else { return Vec::new() };
+        let of_people = |id: &str| {
+            let mut shapes = trial.agents.iter().flat_map(|agent| &agent.shapes);
+            shapes.any(|shape| shape.material_id == id)
+        };
+        let mut stiff = trial.materials.intrinsic.iter().filter(|material| material.young_modulus > STIFF);
+        let stiff = stiff.find(|material| of_people(&material.id)).map(|material| {
+            format!(
+                "{} is stiffer than chests: of a single push, means over 0.1 s and more can be compared with \
+                 measurements, and peaks cannot; where many people press, stiff chests make larger means, too \
+                 (docs/guide/squeeze.md)",
+                material.id
+            )
+        });
+        let flat = self.source.plan(trial).as_ref().and_then(flat_push);
+        stiff.into_iter().chain(flat.map(|text| format!("push: {text}"))).collect()
     }
 
     /// Returns where people can be.

@@ -34,7 +34,7 @@ pub struct Motion {
     pub at: Vec2,
     /// \[m/s\]
     pub velocity: Vec2,
-    /// \[1/s\] 1/t_transl: the rate with which the ground takes the velocity of who keeps the balance.
+    /// \[1/s\] 1/t_transl: the rate with which the mechanics takes the velocity.
     pub damping: f64,
     /// \[m\]
     pub stature: f64,
@@ -121,7 +121,9 @@ impl Balance {
     /// takes velocities with at most a rate \[1/s\].
     pub fn longest_step(&self, damping: f64) -> f64 {
         let own = match self {
-            Balance::Pendulum(of) => (0.08 * of.step_time).max(0.005),
+            Balance::Pendulum(of) => {
+                (0.25 * of.step_time).clamp(0.005, 0.02).min(0.12 / of.damping.max(1e-9))
+            }
             Balance::TwoLevel(_) => 0.02,
         };
         own.min(0.1 / damping.max(1e-9))

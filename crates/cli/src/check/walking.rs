@@ -4,6 +4,7 @@ use super::{NOTE, WARNING};
 use lemons_core::plane::{InPlane, Vec2, segments_cross, vec2};
 use lemons_decision::Plan;
 use lemons_decision::plan::Planned;
+use lemons_decision::rule::UNLIMITED;
 use lemons_decision::target::Ways;
 use lemons_decision::walking_model::WalkingModel;
 
@@ -56,6 +57,18 @@ pub fn doubts(plan: &Plan) -> Vec<(&'static str, String)> {
         (kind, format!("{text} (model = \"rotational\" is for doors, corridors and counterflow)"))
     };
     doubts.map(advised).collect()
+}
+
+/// What a limit of pushes does in the model "rotational".
+pub const FLAT_PUSH: &str = "in the model \"rotational\" people queue with gaps: above about 150 N squeezes hardly grow with \
+    the push, and they are no estimate of a crowd that presses without gaps (docs/walking.md#how-hard-people-push)";
+
+/// Returns this of a plan in which somebody has such a limit.
+pub fn flat_push(plan: &Plan) -> Option<&'static str> {
+    let changed = || plan.motivation.iter().any(|change| change.push.is_some());
+    let limited = || plan.agents.iter().any(|agent| agent.walker.push < UNLIMITED);
+    let queues = matches!(plan.walking_model, WalkingModel::Rotational(_));
+    (queues && (limited() || changed())).then_some(FLAT_PUSH)
 }
 
 /// The first way of somebody.

@@ -6,7 +6,11 @@ use anyhow::Result;
 use lemons_results::measure::{By, Crossings, Left, MeanMax};
 use std::io::Write;
 
-pub fn print(summary: &Summary) -> Result<()> {
+/// Columns of a line.
+const WIDTH: usize = 80;
+
+/// Prints a summary, and below its squeezes what these can mean.
+pub fn print(summary: &Summary, caveats: &[String]) -> Result<()> {
     let mut out = print::out();
     let Summary { from, until, frames, people, .. } = summary;
     writeln!(out, "{:<18} {from:.3} to {until:.3} s, {frames} frames, {people} people", "measured")?;
@@ -17,6 +21,7 @@ pub fn print(summary: &Summary) -> Result<()> {
     summary.lines.iter().try_for_each(|line| of_line(&mut out, line, summary.left))?;
     summary.areas.iter().try_for_each(|area| of_area(&mut out, area))?;
     summary.exposure.iter().try_for_each(|squeeze| of_squeeze(&mut out, squeeze))?;
+    caveats.iter().try_for_each(|caveat| paragraph(&mut out, caveat))?;
     summary.walls.iter().try_for_each(|pieces| of_walls(&mut out, pieces))?;
     summary.balance.iter().try_for_each(|balance| of_balance(&mut out, balance, *people))
 }
@@ -33,6 +38,20 @@ fn row(
     let values: String = values.iter().map(|value| format!(" {:>10}", text(value))).collect();
     let line = format!("  {label:<18}{values} {unit:<width$} {more}");
     Ok(writeln!(out, "{}", line.trim_end())?)
+}
+
+/// Writes words in lines.
+fn paragraph(out: &mut impl Write, text: &str) -> Result<()> {
+    let mut line = String::from(" ");
+    for word in text.split(' ') {
+        if line.chars().count() + 1 + word.chars().count() > WIDTH {
+            writeln!(out, "{line}")?;
+            line = String::from(" ");
+        }
+        line.push(' ');
+        line += word;
+    }
+    Ok(writeln!(out, "{line}")?)
 }
 
 /// Points the way on paper: the direction is seen along the line.

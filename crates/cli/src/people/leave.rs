@@ -1,6 +1,7 @@
 //! `--leave` and the options that need it: the `decision.toml` of a crowd.
 
 use super::placing::WayOut;
+use crate::check::walking::FLAT_PUSH;
 use crate::error::Misused;
 use crate::numbers::{array, within};
 use anyhow::{Result, bail};
@@ -35,7 +36,8 @@ pub struct LeaveArguments {
     )]
     model: Option<String>,
     /// Greatest force with which people push ahead, in N: of everybody, or the mean and the standard
-    /// deviation of a normal distribution, as in 150,50. Default: no limit
+    /// deviation of a normal distribution, as in 150,50. With rotational, squeezes hardly grow with it above
+    /// 150 N (docs/walking.md). Default: no limit
     #[arg(long, value_name = "FORCE[,SD]", value_parser = push, requires = "leave")]
     push: Option<[f64; 2]>,
     /// Part of the people who walk in groups of two to four, as families do (docs/walking.md), from 0 to 1
@@ -118,6 +120,9 @@ impl LeaveArguments {
         let speed = speed.unwrap_or(lemons_decision::DEFAULT_SPEED);
         let mut text = format!("model = {model:?}\n{balance}desired_speed = {speed:?}          # [m/s]\n");
         if let Some([push, deviation]) = self.push {
+            if model == "rotational" {
+                note!("note: --push: {FLAT_PUSH}");
+            }
             let _ = writeln!(text, "push = {push:?}                 # [N]");
             if deviation > 0.0 {
                 let _ = writeln!(text, "push_sd = {deviation:?}               # [N]");

@@ -11,7 +11,8 @@ use anyhow::{Context, Result, bail};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
-use lemons_master::Settings;
+use lemons_decision::Plan;
+use lemons_master::{PlanChoice, Settings, TrialInput, plan_of};
 pub use lemons_results::KeptFrames;
 use lemons_results::{Frame, Record, Run};
 use lemons_sim::{Algorithm, Clock, Documents, Simulation};
@@ -207,6 +208,17 @@ impl Source {
             note!("people are drawn as circles of radius {} m (--radius)", self.others.radius());
         }
         Ok(TrialRun::new(trial, run, bodies)?)
+    }
+
+    /// Returns what the people of its Trial want, if that can be read.
+    pub fn plan(&self, trial: &Trial) -> Option<Plan> {
+        let path = if self.runs() { &self.path } else { self.trial.as_ref()? };
+        let own = || TrialInput::open(path).ok()?.wishes().and_then(|wishes| plan_of(trial, &wishes).ok());
+        match self.inputs.settings(path).plan {
+            PlanChoice::None => None,
+            PlanChoice::File(file) => plan_of(trial, &file).ok(),
+            PlanChoice::Own => own(),
+        }
     }
 
     /// Returns whether it is something to run.
