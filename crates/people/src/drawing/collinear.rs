@@ -27,14 +27,15 @@ struct Piece {
 }
 
 /// Returns the lines, but of those with two corners that overlap along each other only one, as long as they are together,
-/// and none that lies on longer lines; and the number of those that are left out.
+/// and none that lies on longer lines; and the number of those that are left out. With `areas`, closed lines are not looked
+/// at: what is between two of them is no wall.
 ///
 /// # Errors
 /// Pieces of longer lines lie on each other at too many places.
-pub(super) fn without_overlaps(mut lines: Vec<Line>) -> Result<(Vec<Line>, usize)> {
+pub(super) fn without_overlaps(mut lines: Vec<Line>, areas: bool) -> Result<(Vec<Line>, usize)> {
     let is_single = |line: &Line| !line.closed && line.corners.len() == 2;
     let (single, fixed): (Vec<Piece>, Vec<Piece>) =
-        pieces(&lines).into_iter().partition(|piece| is_single(&lines[piece.line]));
+        pieces(&lines, areas).into_iter().partition(|piece| is_single(&lines[piece.line]));
     refuse_many(&fixed)?;
     let mut keep = vec![true; lines.len()];
     let longer = together(fixed, |_, _| ());
@@ -57,7 +58,7 @@ pub(super) fn without_overlaps(mut lines: Vec<Line>) -> Result<(Vec<Line>, usize
 }
 
 /// Returns the pieces of all lines, by class and beginning.
-fn pieces(lines: &[Line]) -> Vec<Piece> {
+fn pieces(lines: &[Line], areas: bool) -> Vec<Piece> {
     let corners = || lines.iter().flat_map(|line| line.corners.iter().copied());
     let Some(Bounds { low, .. }) = Bounds::of(corners()) else { return Vec::new() };
     let class = |x: f64, width: f64| (x / width + RIM).floor() as i64;
@@ -75,7 +76,8 @@ fn pieces(lines: &[Line]) -> Vec<Piece> {
         let sides = line.corners.iter().copied().zip(next.copied());
         sides.filter_map(|side| piece(k, side)).collect::<Vec<_>>()
     };
-    let mut all: Vec<Piece> = lines.iter().enumerate().flat_map(of_line).collect();
+    let looked_at = lines.iter().enumerate().filter(|(_, line)| !(areas && line.closed));
+    let mut all: Vec<Piece> = looked_at.flat_map(of_line).collect();
     all.sort_by(|a, b| a.class.cmp(&b.class).then(a.from.total_cmp(&b.from)).then(a.line.cmp(&b.line)));
     all
 }
@@ -142,7 +144,7 @@ mod tests {
                 let ends = [vec2(from, 7.0), vec2(to, 7.0)].map(|end| turn * end);
                 line(&if k % 2.0 == 0.0 { ends } else { [ends[1], ends[0]] }.map(Into::into))
             };
-            let (left, out) = without_overlaps((0..30_000).map(of).collect()).unwrap();
+            let (left, out) = without_overlaps((0..30_000).map(of).collect(), false).unwrap();
             assert_eq!((left.len(), out), (1, 29_999), "{angle} {shift}");
             let ends = &left[0].corners;
             let expected = if shift > 0.0 { 100.0 + 29_999.0 * shift } else { 100.0 };
@@ -150,7 +152,7 @@ mod tests {
         }
         // Of longer lines it cannot be said which: so many are refused, with their number.
         let bent = |k: u32| line(&[[f64::from(k) * 1e-3, 0.0], [100.0, 0.0], [100.0 + f64::from(k), 5.0]]);
-        let refused = without_overlaps((0..2_000).map(bent).collect()).unwrap_err().to_string();
+        let refused = without_overlaps((0..2_000).map(bent).collect(), false).unwrap_err().to_string();
         assert!(refused.contains("in 1999000 pairs; at most 1000000"), "{refused}");
     }
 
@@ -167,7 +169,7 @@ mod tests {
             line(&[[4.0, 10.0], [4.0, 11.0]]),
             line(&[[4.0, 10.0], [4.0, 13.0]]),
         ];
-        let (left, out) = without_overlaps(all.to_vec()).unwrap();
+        let (left, out) = without_overlaps(all.to_vec(), false).unwrap();
         assert_eq!(out, 2);
         // The last two are one, which is longer than the line that it is on.
         let expected: Vec<Line> =

@@ -234,8 +234,13 @@ impl Plan {
             })?;
         }
         let (walls, doubles, on_others) = without_doubles(walls, has_areas);
-        let (walls, joined) = join(walls, settings.close)?;
-        let (walls, overlaps) = without_overlaps(walls)?;
+        let (walls, mut joined) = join(walls, settings.close)?;
+        let (mut walls, overlaps) = without_overlaps(walls, has_areas)?;
+        if overlaps > 0 {
+            // What was between the ends of others may meet now.
+            let (again, rest) = join(walls, None)?;
+            (walls, joined.left) = (again, rest.left);
+        }
         let doubles = doubles + overlaps;
         let named = |role: Role, enough: usize, closed: bool, leave_out: &mut dyn FnMut(&Line, &str)| {
             let lines = places.get(&role).into_iter().flatten();

@@ -1,7 +1,7 @@
 //! A plan -> GeoJSON, well-known text or DXF, as [`Drawing::read`](super::Drawing::read) reads them.
 
 use super::Format;
-use super::plan::{Place, Plan, Role};
+use super::plan::{MOST_CORNERS, Place, Plan, Role};
 use crate::is_closed;
 use lemons_core::plane::{Bounds, Ring, Vec2};
 use serde_json::{Value, json};
@@ -75,7 +75,8 @@ fn geojson(plan: &Plan) -> String {
     format!("{{\"type\": \"FeatureCollection\", \"features\": [\n{}\n]}}\n", features.join(",\n"))
 }
 
-/// Closed walls are polygons: those within others are holes of them, as other programs take them.
+/// Closed walls are polygons: those within others are holes of them, as other programs take them, unless there are more
+/// than are read again.
 fn wkt(plan: &Plan) -> String {
     let text = |wall: &[Vec2]| {
         let corners: Vec<String> = wall.iter().map(|corner| format!("{} {}", corner.x, corner.y)).collect();
@@ -90,7 +91,11 @@ fn wkt(plan: &Plan) -> String {
             |&other: &usize| other != k && bounds[other].contains(corner) && rings[other].contains(corner);
         (0..rings.len()).filter(holds).collect()
     };
-    let around: Vec<Vec<usize>> = (0..rings.len()).map(around).collect();
+    let around: Vec<Vec<usize>> = if rings.len() <= MOST_CORNERS {
+        (0..rings.len()).map(around).collect()
+    } else {
+        vec![Vec::new(); rings.len()]
+    };
     let mut polygons: Vec<Vec<String>> = vec![Vec::new(); rings.len()];
     let is_outer = |k: usize| around[k].len() % 2 == 0;
     for k in (0..rings.len()).filter(|k| is_outer(*k)) {
