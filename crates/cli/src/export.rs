@@ -159,6 +159,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
                 walls => walls.unwrap_or_default(),
             };
             let area = area(&run, ("--area", arguments.area.as_deref()), &walls)?;
+            files::check_still(out)?;
             jupedsim(&run, &area, out)?;
             notes = area.said;
         }
