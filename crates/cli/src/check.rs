@@ -5,6 +5,7 @@ pub mod walking;
 use crate::error::{TrialHasErrors, full_message};
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
+use lemons_core::files::words::shortened;
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{AgentDynamics, DRIVE_FILE, Parameters, Problems, Trial};
 use lemons_decision::balance::Balance;
@@ -31,7 +32,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
             Ok(given) => report(&given),
             Err(error) => (vec![full_message(&error.into())], None),
         };
-        lines.iter().try_for_each(|line| say!("{line}"))?;
+        lines.iter().try_for_each(|line| say!("{}", shortened(line)))?;
         match summary {
             Some(summary) => say!("{}: {summary}", path.display())?,
             None => sound = false,

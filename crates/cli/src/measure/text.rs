@@ -104,7 +104,7 @@ fn of_area(out: &mut impl Write, area: &OfArea) -> Result<()> {
     for (label, value, unit) in [
         ("people", Some(area.people), ""),
         ("density, N/A", Some(area.density), "1/m²"),
-        ("density, Voronoi", Some(area.voronoi_density), "1/m²"),
+        ("density, Voronoi", area.voronoi_density, "1/m²"),
         ("speed", area.speed, "m/s"),
     ] {
         let values = [value.map(|MeanMax { mean, .. }| mean), value.map(|MeanMax { max, .. }| max)];

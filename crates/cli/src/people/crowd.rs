@@ -326,12 +326,14 @@ impl TrialArguments {
         }
         interrupt.check()?;
         if let Some(file) = &self.zip {
-            wrote("zip", file, write_trial_zip(trial, beside, file).map_err(Into::into));
+            let free = files::check_still(file);
+            wrote("zip", file, free.and_then(|()| Ok(write_trial_zip(trial, beside, file)?)));
         }
         interrupt.check()?;
         if let Some(directory) = &self.output {
-            let written = write_trial(trial, beside, directory, self.force);
-            wrote("Trial", directory, written.map_err(Into::into));
+            let free = files::check_still(directory);
+            let written = free.and_then(|()| Ok(write_trial(trial, beside, directory, self.force)?));
+            wrote("Trial", directory, written);
         }
         Ok(done)
     }
