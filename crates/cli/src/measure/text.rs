@@ -155,7 +155,10 @@ fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
 fn of_balance(out: &mut impl Write, balance: &OfBalance, people: usize) -> Result<()> {
     let OfBalance { fallen, steps, time_unbalanced, lean } = balance;
     let noun = if *steps == 1 { "step" } else { "steps" };
-    writeln!(out, "\nbalance: {fallen} of {people} people fell; {steps} {noun} in all")?;
+    writeln!(
+        out,
+        "\nbalance: {fallen} of {people} people fell (who walks cannot fall); {steps} {noun} in all"
+    )?;
     writeln!(out, "{:>31} {:>10} {:>10}", "median", "90 %", "greatest")?;
     of_people(out, "time unbalanced", Some(time_unbalanced), "s", "")?;
     of_people(out, "largest lean", Some(lean), "m", "")

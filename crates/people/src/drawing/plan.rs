@@ -20,6 +20,8 @@ const MOST_PLACES: usize = 1000;
 pub(super) const MOST_CORNERS: usize = 10_000;
 /// \[m\] An exit that is nowhere further from a wall lies on it.
 const ON_A_WALL: f64 = 0.05;
+/// \[m\] Nor does anybody get to one that is nowhere further from it: no centre of a body does.
+const AT_A_WALL: f64 = 0.2;
 
 /// What is on a layer, as its name says: `walkablearea-…`, `obstacles-…`, `exits-…`, `distributions-…`, `waypoints-…`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -375,7 +377,7 @@ impl Plan {
                 let places = [a, (a + b) * 0.5, b];
                 closed
                     .iter()
-                    .any(|wall| places.iter().all(|place| wall.nearest(*place).distance <= ON_A_WALL))
+                    .any(|wall| places.iter().all(|place| wall.nearest(*place).distance <= AT_A_WALL))
             }
             _ => false,
         };

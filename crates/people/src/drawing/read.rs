@@ -106,7 +106,13 @@ impl Read {
         }
         for (exit, door) in plan.doors() {
             let name = &plan.exits[exit].name;
-            said.push(("door", format!("{} m wide where exit {name:?} lies on a closed wall", door.width)));
+            said.push((
+                "door",
+                format!(
+                    "{} m wide where exit {name:?} lies on a closed wall, or up to 0.2 m from it",
+                    door.width
+                ),
+            ));
         }
         for exit in plan.inner_exits() {
             let name = &plan.exits[exit].name;
@@ -118,6 +124,7 @@ impl Read {
                 ),
             ));
         }
+        said.extend(crate::places::doubts(plan).into_iter().map(|doubt| ("warning", doubt)));
         let kinds = plan.left_out.len();
         said.extend(plan.left_out.iter().take(MOST_LEFT_OUT).map(|kind| ("left out", left_out(kind))));
         if kinds > MOST_LEFT_OUT {
