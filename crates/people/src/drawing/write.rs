@@ -97,7 +97,7 @@ fn wkt(plan: &Plan) -> String {
         vec![Vec::new(); rings.len()]
     };
     let mut polygons: Vec<Vec<String>> = vec![Vec::new(); rings.len()];
-    let is_outer = |k: usize| around[k].len() % 2 == 0;
+    let is_outer = |k: usize| around[k].len().is_multiple_of(2);
     for k in (0..rings.len()).filter(|k| is_outer(*k)) {
         polygons[k].push(text(rings[k].closed()));
     }
