@@ -128,7 +128,7 @@ fn holes_are_apart(polygon: &Polygon) -> bool {
 
 /// Puts corners at one place that are nearer to each other than [`SAME`], and gives each side the corners on it: what is
 /// drawn as one side is one then, bit by bit.
-fn snap(rims: &mut Vec<Rim>, most: usize) -> Option<()> {
+fn snap(rims: &mut [Rim], most: usize) -> Option<()> {
     let mut places: HashMap<(i64, i64), Vec<Vec2>> = HashMap::new();
     let cell = |at: Vec2| ((at.x / SAME).floor() as i64, (at.y / SAME).floor() as i64);
     for corner in rims.iter_mut().flat_map(|rim| &mut rim.corners) {

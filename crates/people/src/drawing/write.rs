@@ -97,7 +97,7 @@ fn wkt(plan: &Plan) -> String {
         vec![Vec::new(); rings.len()]
     };
     let mut polygons: Vec<Vec<String>> = vec![Vec::new(); rings.len()];
-    let is_outer = |k: usize| around[k].len() % 2 == 0;
+    let is_outer = |k: usize| around[k].len().is_multiple_of(2);
     for k in (0..rings.len()).filter(|k| is_outer(*k)) {
         polygons[k].push(text(rings[k].closed()));
     }
@@ -108,8 +108,12 @@ fn wkt(plan: &Plan) -> String {
     }
     let polygons = polygons.into_iter().filter(|rings| !rings.is_empty());
     let polygons = polygons.map(|rings| format!("POLYGON ({})", rings.join(", ")));
-    let open =
-        plan.walls.iter().filter(|wall| !is_closed(wall)).map(|wall| format!("LINESTRING {}", text(wall)));
+    // Where doors open the outline, it is no polygon: then what stands in it is none, either.
+    let within = |wall: &Vec<Vec2>| bounds.iter().any(|of| wall.iter().all(|corner| of.contains(*corner)));
+    let all_are_lines = !plan.walls.iter().filter(|wall| !is_closed(wall)).all(within);
+    let polygons = polygons.filter(|_| !all_are_lines);
+    let lines = plan.walls.iter().filter(|wall| all_are_lines || !is_closed(wall));
+    let open = lines.map(|wall| format!("LINESTRING {}", text(wall)));
     let parts: Vec<String> = polygons.chain(open).collect();
     match &parts[..] {
         [one] => format!("{one}\n"),
