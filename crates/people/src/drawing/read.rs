@@ -73,7 +73,7 @@ impl Read {
         }
         if plan.origin != Vec2::zeros() {
             let [x, y] = plan.origin.into();
-            said.push(("moved", format!("by {:?},{:?} m", -x, -y)));
+            said.push(("moved", format!("by {:?},{:?} m", told(-x), told(-y))));
         }
         said.push(("walls", self.walls()));
         if let Some(area) = plan.area() {
@@ -95,7 +95,10 @@ impl Read {
         }
         for (exit, door) in plan.doors() {
             let name = &plan.exits[exit].name;
-            said.push(("door", format!("{} m wide where exit {name:?} lies on a closed wall", door.width)));
+            said.push((
+                "door",
+                format!("{} m wide where exit {name:?} lies on a closed wall", told(door.width)),
+            ));
         }
         for exit in plan.inner_exits() {
             let name = &plan.exits[exit].name;
@@ -168,4 +171,9 @@ impl Read {
             ));
         }
     }
+}
+
+/// \[m\] A length as it is told: without what rounding has added.
+fn told(length: f64) -> f64 {
+    (length * 1e6).round() / 1e6
 }
