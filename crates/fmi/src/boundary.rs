@@ -95,7 +95,7 @@ impl Log {
     pub fn write(&self, status: Status, message: &str) {
         let category = match (status, self.logger) {
             (Status::Fatal, _) => 2,
-            (Status::Error, _) | (Status::Discard, Logger::V3(_) | Logger::Component(_)) => 1,
+            (Status::Error | Status::Discard, _) => 1,
             _ => 0,
         };
         if !(self.wanted[category] || self.wanted[ALL]) {

@@ -217,7 +217,7 @@ impl PlacingArguments {
             if door.width < NARROW {
                 note!(
                     "note: --door: door {number} is {} m wide: people are about {NARROW} m broad, and may get stuck",
-                    door.width
+                    (door.width * 1e6).round() / 1e6
                 );
             }
             // A corner lies between the ends of the gap.

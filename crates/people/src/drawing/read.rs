@@ -80,7 +80,7 @@ impl Read {
         said.extend(self.doubtful());
         if plan.origin != Vec2::zeros() {
             let [x, y] = plan.origin.into();
-            said.push(("moved", format!("by {:?},{:?} m", -x, -y)));
+            said.push(("moved", format!("by {:?},{:?} m", told(-x), told(-y))));
         }
         said.push(("walls", self.walls()));
         if let Some(area) = plan.area() {
@@ -110,7 +110,7 @@ impl Read {
                 "door",
                 format!(
                     "{} m wide where exit {name:?} lies on a closed wall, or up to 0.2 m from it",
-                    door.width
+                    told(door.width)
                 ),
             ));
         }
@@ -204,4 +204,9 @@ impl Read {
             ));
         }
     }
+}
+
+/// \[m\] A length as it is told: without what rounding has added.
+fn told(length: f64) -> f64 {
+    (length * 1e6).round() / 1e6
 }
