@@ -1,5 +1,6 @@
 //! A drawing that was read, and what is said of it.
 
+use super::proposal;
 use super::{
     Drawing, Format, Place, Plan, PlanSettings, Reading, Role, UNITS, UnitFrom, WIDEST_GAP, left_out,
 };
@@ -18,6 +19,8 @@ pub struct Read {
     pub plan: Plan,
     /// Layers without a meaning, of which [`PlanSettings::walls`] can choose; none where others have one.
     pub layers: Vec<String>,
+    /// Why the outline may not be the room; none where nothing speaks against it, or somebody has said what it is.
+    pub doubt: Option<String>,
     format: Format,
     unit: f64,
     unit_from: UnitFrom,
@@ -45,13 +48,17 @@ impl Read {
         for line in &drawing.lines {
             layers.entry(line.layer.clone()).or_insert_with(|| Role::of(&line.layer).map(|(role, _)| role));
         }
-        if layers.values().any(|role| matches!(role, Some(Role::WalkableArea | Role::Obstacle))) {
+        let has_areas =
+            layers.values().any(|role| matches!(role, Some(Role::WalkableArea | Role::Obstacle)));
+        if has_areas {
             layers.clear();
         }
         let (deviation, close) = (reading.deviation, settings.close);
         let plan = Plan::of(drawing, settings)?;
+        let is_said = settings.enclosing.is_some() || has_areas;
+        let doubt = (!is_said).then(|| proposal::doubt(&plan)).flatten();
         let layers = layers.into_iter().filter(|(_, role)| role.is_none()).map(|(layer, _)| layer).collect();
-        Ok(Read { plan, layers, format, unit, unit_from, curves, deviation, close })
+        Ok(Read { plan, layers, doubt, format, unit, unit_from, curves, deviation, close })
     }
 
     /// Says what was understood, a line each: what, and how much of it. `name` is the drawing's.
@@ -79,6 +86,7 @@ impl Read {
         if let Some(area) = plan.area() {
             said.push(("ground", format!("{area:.3} m² within the outline, without obstacles")));
         }
+        said.extend(self.doubt.clone().map(|doubt| ("in doubt", doubt)));
         self.changes(&mut said);
         let named = |places: &[Place]| {
             // Names may hold anything.
