@@ -171,7 +171,8 @@ pub fn read(wanted: &DrawingRequest, bytes: &[u8]) -> Result<Reply, Refused> {
             format!("{name}: more than {} MB", LARGEST_DRAWING / 1_000_000)
         })?;
         let reading = Reading { unit: *unit, ..Reading::default() };
-        let settings = PlanSettings { close: *close, to_origin: *origin, walls: walls.clone(), enclosing: None };
+        let settings =
+            PlanSettings { close: *close, to_origin: *origin, walls: walls.clone(), enclosing: None };
         let read = Read::of(format, bytes, &reading, &settings).map_err(|error| wrong(explained(error)))?;
         let said = read.said(name).into_iter().map(|(what, how)| (what.to_owned(), how)).collect();
         (read.plan, said, read.layers)

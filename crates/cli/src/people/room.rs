@@ -14,8 +14,8 @@ use lemons_core::plane::Bounds;
 use lemons_core::trial::{Geometry, Trial, Wall};
 use lemons_people::PeopleError;
 use lemons_people::drawing::{
-    DEVIATION, Drawing, Enclosing, Format, Gap, LARGEST_DRAWING, Place, Plan, PlanSettings, Proposal, Read, Reading,
-    UNITS, WIDEST_DOOR, sizes, write_plan,
+    DEVIATION, Drawing, Enclosing, Format, Gap, LARGEST_DRAWING, Place, Plan, PlanSettings, Proposal, Read,
+    Reading, UNITS, WIDEST_DOOR, sizes, write_plan,
 };
 use lemons_people::{Door, TrialSettings, crowd_trial};
 use lemons_picture::{Mark, MarkKind, Scene, Style};
@@ -261,7 +261,8 @@ fn propose(arguments: &Arguments) -> Result<()> {
 fn units(format: Format, bytes: &[u8], reading: &DrawingArguments) -> String {
     let in_unit = |(name, metres): (&str, f64)| {
         let how = Reading { unit: Some(metres), ..reading.how() };
-        let found = Proposal::of(&Drawing::read(format, bytes, &how).ok()?, &reading.walls, None, None).ok()??;
+        let found =
+            Proposal::of(&Drawing::read(format, bytes, &how).ok()?, &reading.walls, None, None).ok()??;
         let (thickness, _) = *found.thicknesses.first()?;
         let area = found.areas[0];
         (area >= 4.0).then(|| format!("{:.0} cm thick in {name}, around {area:.0} m²", 100.0 * thickness))

@@ -126,9 +126,10 @@ fn ends_of(mended: &mut Mended, grid: &Grid) -> Vec<End> {
                 };
                 (far - at).unit(SNAP)
             };
-            grid.around(at, SNAP).filter(|other| *other != k).filter_map(|other| away(&pieces[other])).find(
-                |away| away.dot(&side) > 0.8 && away.dot(&across).abs() < 0.6,
-            )
+            grid.around(at, SNAP)
+                .filter(|other| *other != k)
+                .filter_map(|other| away(&pieces[other]))
+                .find(|away| away.dot(&side) > 0.8 && away.dot(&across).abs() < 0.6)
         };
         for side in [across.left(), -across.left()] {
             if let (Some(one), Some(other)) = (from(cap.a, side), from(cap.b, side))
@@ -308,13 +309,17 @@ pub(super) fn thicknesses(pieces: &[Piece]) -> Vec<(f64, f64)> {
             if other.direction().is_none_or(|way| way.perp(&along).abs() > 0.02) {
                 continue;
             }
-            let [a, b] = [other.a, other.b].map(|at| ((at - piece.a).dot(&along), along.perp(&(at - piece.a))));
+            let [a, b] =
+                [other.a, other.b].map(|at| ((at - piece.a).dot(&along), along.perp(&(at - piece.a))));
             let shared = a.0.max(b.0).min(piece.length()) - a.0.min(b.0).max(0.0);
             let apart = 0.5 * (a.1 + b.1).abs();
             let fits = is_thickness(apart) && shared > apart;
             if fits && best.is_none_or(|(least, _)| apart < least - SNAP) {
                 best = Some((apart, shared));
-            } else if fits && let Some((least, sum)) = &mut best && (apart - *least).abs() <= SNAP {
+            } else if fits
+                && let Some((least, sum)) = &mut best
+                && (apart - *least).abs() <= SNAP
+            {
                 *sum += shared;
             }
         }
@@ -322,7 +327,8 @@ pub(super) fn thicknesses(pieces: &[Piece]) -> Vec<(f64, f64)> {
             *found.entry((apart * 1000.0).round() as i64).or_default() += 0.5 * shared.min(piece.length());
         }
     }
-    let mut all: Vec<(f64, f64)> = found.into_iter().map(|(apart, length)| (apart as f64 / 1000.0, length)).collect();
+    let mut all: Vec<(f64, f64)> =
+        found.into_iter().map(|(apart, length)| (apart as f64 / 1000.0, length)).collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
     all
 }
@@ -338,15 +344,14 @@ pub(super) fn enclose(mut mended: Mended, swings: &[Swing], panes: &[Piece], wid
     let (narrow, wide): (Vec<Opening>, Vec<Opening>) =
         openings.into_iter().partition(|opening| width(&opening.quad) <= widest + SNAP);
     let closers = narrow.iter().flat_map(|Opening { quad: [a, b, c, d], .. }| [[*a, *d], [*b, *c]]);
-    let lines: Vec<Contour> = mended
-        .pieces
-        .iter()
-        .map(line)
-        .chain(closers.map(|ends| ends.map(Into::into).to_vec()))
-        .collect();
+    let lines: Vec<Contour> =
+        mended.pieces.iter().map(line).chain(closers.map(|ends| ends.map(Into::into).to_vec())).collect();
     let around = around(&mended.pieces);
-    let mut parts: Vec<Part> =
-        overlay::cut(&around, &lines).into_iter().filter_map(Part::of).filter(|part| part.area > SMALL).collect();
+    let mut parts: Vec<Part> = overlay::cut(&around, &lines)
+        .into_iter()
+        .filter_map(Part::of)
+        .filter(|part| part.area > SMALL)
+        .collect();
     let outside = parts.iter().position(|part| is_rim(&part.polygon[0], &around));
     let on = |at: Vec2| parts.iter().position(|part| part.contains(at));
     // What is beyond a wall on one side: the first part that is no wall.

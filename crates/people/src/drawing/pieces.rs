@@ -65,7 +65,9 @@ pub(super) fn pieces_of<'a>(lines: impl Iterator<Item = (usize, &'a Line)>) -> R
             }
         }
         require(pieces.len() <= MOST_PIECES, || {
-            format!("lines have more than {MOST_PIECES} straight pieces: too many to look for walls: choose layers")
+            format!(
+                "lines have more than {MOST_PIECES} straight pieces: too many to look for walls: choose layers"
+            )
         })?;
     }
     Ok(pieces)

@@ -356,7 +356,8 @@ impl Plan {
         let line = ends.filter(straight).ok_or_else(|| {
             PeopleError::new(format!("door {x},{y},{width}: it goes round a corner of its wall"))
         })?;
-        let name = (1..).map(|k| format!("door {k}")).find(|name| !self.exits.iter().any(|exit| exit.name == *name));
+        let name =
+            (1..).map(|k| format!("door {k}")).find(|name| !self.exits.iter().any(|exit| exit.name == *name));
         self.exits.push(Place { name: name.unwrap_or_default(), corners: line.to_vec() });
         Ok(())
     }

@@ -67,7 +67,8 @@ struct Taken {
 
 /// What a drawing is, before somebody chooses.
 fn seen(lines: &[Line]) -> Result<(Sorted, Vec<Swing>)> {
-    let all: Vec<Piece> = pieces_of(asked(lines).filter(|(_, line)| of_name(&line.layer) != Some(Sort::Note)))?;
+    let all: Vec<Piece> =
+        pieces_of(asked(lines).filter(|(_, line)| of_name(&line.layer) != Some(Sort::Note)))?;
     let swings = swings_of(lines, &all);
     Ok((sorted(lines, &swings, &all)?, swings))
 }
@@ -132,7 +133,8 @@ fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Option<f64>) -
 }
 
 fn has_areas(lines: &[Line]) -> bool {
-    let is_area = |line: &Line| matches!(Role::of(&line.layer), Some((Role::WalkableArea | Role::Obstacle, _)));
+    let is_area =
+        |line: &Line| matches!(Role::of(&line.layer), Some((Role::WalkableArea | Role::Obstacle, _)));
     lines.iter().any(is_area)
 }
 
@@ -156,7 +158,8 @@ pub(super) fn taken(
     how: &Enclosing,
 ) -> Result<(Vec<Line>, Vec<f64>)> {
     require(!has_areas(&lines), || {
-        "its layers say what is a walkable area or an obstacle: walls that enclose a room are not looked for".to_owned()
+        "its layers say what is a walkable area or an obstacle: walls that enclose a room are not looked for"
+            .to_owned()
     })?;
     for layer in walls.iter().chain(&how.obstacles) {
         require(lines.iter().any(|line| line.layer == *layer), || {
@@ -263,13 +266,19 @@ impl Proposal {
             own = steps.into_iter().find(|step| *step >= largest);
             taken = take(lines, &walls, &enclosing, own)?;
         }
-        enclosing.obstacles.retain(|layer| {
-            taken.blobs.iter().any(|(of, blobs)| of == layer && !blobs.is_empty())
-        });
+        enclosing
+            .obstacles
+            .retain(|layer| taken.blobs.iter().any(|(of, blobs)| of == layer && !blobs.is_empty()));
         Ok(Some(Proposal::from(taken, layers, walls, enclosing, own)))
     }
 
-    fn from(taken: Taken, layers: Vec<Layer>, walls: Vec<String>, enclosing: Enclosing, close: Option<f64>) -> Proposal {
+    fn from(
+        taken: Taken,
+        layers: Vec<Layer>,
+        walls: Vec<String>,
+        enclosing: Enclosing,
+        close: Option<f64>,
+    ) -> Proposal {
         let mut proposal = Proposal {
             questions: Vec::new(),
             layers,
@@ -297,7 +306,9 @@ impl Proposal {
             gaps: taken.gaps.clone(),
         };
         // In the order of the plan: from left to right, from low to high.
-        proposal.gaps.sort_by(|a, b| (a.at().x, a.at().y).partial_cmp(&(b.at().x, b.at().y)).unwrap_or(std::cmp::Ordering::Equal));
+        proposal.gaps.sort_by(|a, b| {
+            (a.at().x, a.at().y).partial_cmp(&(b.at().x, b.at().y)).unwrap_or(std::cmp::Ordering::Equal)
+        });
         proposal.questions = proposal.asked(&taken);
         proposal
     }
@@ -365,7 +376,9 @@ impl Proposal {
                 asked.push(format!("is the gap {at} a door? No swing is drawn"));
             }
         }
-        for Layer { name, lines, bounds, .. } in self.layers.iter().filter(|layer| layer.sort == Sort::Unclear) {
+        for Layer { name, lines, bounds, .. } in
+            self.layers.iter().filter(|layer| layer.sort == Sort::Unclear)
+        {
             let size = bounds.size();
             asked.push(format!(
                 "what is on layer {name:?}? {lines} lines, {} m x {} m from {}; they are left out: --walls or --obstacles \
@@ -497,7 +510,9 @@ impl Gap {
         };
         let what = match self.leads {
             _ if self.crossed && self.leaves == 0 => "lines run across it: shut",
-            Leads::Outside if self.is_door() && !self.open => "to the outside, drawn on a wall that runs through",
+            Leads::Outside if self.is_door() && !self.open => {
+                "to the outside, drawn on a wall that runs through"
+            }
             Leads::Outside if self.is_door() => "to the outside",
             Leads::Outside if self.width() < DOOR[0] => "too narrow for a door: shut",
             Leads::Outside => "too wide for a door: shut",

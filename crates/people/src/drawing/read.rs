@@ -48,8 +48,7 @@ impl Read {
         for line in &drawing.lines {
             layers.entry(line.layer.clone()).or_insert_with(|| Role::of(&line.layer).map(|(role, _)| role));
         }
-        let has_areas =
-            layers.values().any(|role| matches!(role, Some(Role::WalkableArea | Role::Obstacle)));
+        let has_areas = layers.values().any(|role| matches!(role, Some(Role::WalkableArea | Role::Obstacle)));
         if has_areas {
             layers.clear();
         }

@@ -59,15 +59,39 @@ const WORDS: [(Sort, &[&str]); 8] = [
     (
         Sort::Note,
         &[
-            "hatch", "schraff", "hachure", "-patt", "anno", "-text", "beschrift", "-dim", "bemass", "massk", "-cot",
-            "note", "defpoints", "-symb", "titel", "title", "-cart", "-leg", "viewport", "rahmen",
+            "hatch",
+            "schraff",
+            "hachure",
+            "-patt",
+            "anno",
+            "-text",
+            "beschrift",
+            "-dim",
+            "bemass",
+            "massk",
+            "-cot",
+            "note",
+            "defpoints",
+            "-symb",
+            "titel",
+            "title",
+            "-cart",
+            "-leg",
+            "viewport",
+            "rahmen",
         ],
     ),
     (Sort::Door, &["door", "tuer", "porte", "puerta", "-porta"]),
-    (Sort::Window, &["window", "-wind", "glaz", "fenster", "fenetre", "ventana", "finestr", "-vitr", "-baie"]),
+    (
+        Sort::Window,
+        &["window", "-wind", "glaz", "fenster", "fenetre", "ventana", "finestr", "-vitr", "-baie"],
+    ),
     (
         Sort::Stairs,
-        &["stair", "-strs", "trepp", "escalier", "-escal", "-scal", "-lift", "elevator", "-aufzug", "ascens", "ramp"],
+        &[
+            "stair", "-strs", "trepp", "escalier", "-escal", "-scal", "-lift", "elevator", "-aufzug",
+            "ascens", "ramp",
+        ],
     ),
     (
         Sort::Column,
@@ -76,8 +100,9 @@ const WORDS: [(Sort, &[&str]); 8] = [
     (
         Sort::Furniture,
         &[
-            "furn", "moebel", "mobil", "meuble", "einricht", "theke", "tresen", "tisch", "-bar", "comptoir", "table",
-            "-stuhl", "chair", "chaise", "equip", "-eqpm", "-fixt", "sanit", "counter", "ausstatt", "-mueb", "arred",
+            "furn", "moebel", "mobil", "meuble", "einricht", "theke", "tresen", "tisch", "-bar", "comptoir",
+            "table", "-stuhl", "chair", "chaise", "equip", "-eqpm", "-fixt", "sanit", "counter", "ausstatt",
+            "-mueb", "arred",
         ],
     ),
     (Sort::Grid, &["grid", "achse", "raster", "-axe", "-axis", "-trame", "-axen", "-eje", "-assi"]),
@@ -89,8 +114,13 @@ const WORDS: [(Sort, &[&str]); 8] = [
 
 /// Returns what the name of a layer says.
 pub(super) fn of_name(layer: &str) -> Option<Sort> {
-    let plain: String = layer.to_lowercase().chars().flat_map(|letter| without_accent(letter).chars().collect::<Vec<_>>()).collect();
-    let parts: Vec<&str> = plain.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty()).collect();
+    let plain: String = layer
+        .to_lowercase()
+        .chars()
+        .flat_map(|letter| without_accent(letter).chars().collect::<Vec<_>>())
+        .collect();
+    let parts: Vec<&str> =
+        plain.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty()).collect();
     let says = |word: &str| match word.strip_prefix('-') {
         Some(begin) => parts.iter().any(|part| part.starts_with(begin)),
         None => plain.contains(word),
@@ -180,7 +210,13 @@ pub(super) fn sorted(lines: &[Line], swings: &[Swing], all: &[Piece]) -> Result<
         };
         let corners = own.iter().flat_map(|k| lines[*k].corners.iter().copied());
         let bounds = Bounds::of(corners).unwrap_or(Bounds::UNIT);
-        layers.push(Layer { name: name.to_owned(), sort, by_name: by_name.is_some(), lines: own.len(), bounds });
+        layers.push(Layer {
+            name: name.to_owned(),
+            sort,
+            by_name: by_name.is_some(),
+            lines: own.len(),
+            bounds,
+        });
     }
     // Where nothing says what walls are, they are what encloses most; a room of single lines, too.
     if !layers.iter().any(|layer| layer.sort == Sort::Wall) {
@@ -215,7 +251,8 @@ fn by_shape(lines: &[Line], own: &[usize], aside: &BTreeMap<usize, Sort>) -> Res
     }
     // Of both lines.
     let double: f64 = bands::thicknesses(&mended.pieces).iter().map(|(_, length)| 2.0 * length).sum();
-    let is_large = rings.iter().any(|ring| size(ring).max() > 10.0 * THICKNESS[1]) || !mended.loose.is_empty();
+    let is_large =
+        rings.iter().any(|ring| size(ring).max() > 10.0 * THICKNESS[1]) || !mended.loose.is_empty();
     Ok(if double > 0.5 * length && length > 4.0 && is_large { Sort::Wall } else { Sort::Unclear })
 }
 
@@ -239,10 +276,8 @@ fn flights_of(lines: &[Line]) -> Vec<Flight> {
     for group in groups.into_values().filter(|group| group.len() >= FEWEST_STEPS) {
         let Some(way) = group[0].1.direction() else { continue };
         let middle = |piece: &Piece| (piece.a + piece.b) * 0.5;
-        let mut places: Vec<(f64, f64, usize)> = group
-            .iter()
-            .map(|(k, piece)| (way.perp(&middle(piece)), way.dot(&middle(piece)), *k))
-            .collect();
+        let mut places: Vec<(f64, f64, usize)> =
+            group.iter().map(|(k, piece)| (way.perp(&middle(piece)), way.dot(&middle(piece)), *k)).collect();
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut from = 0;
         while from + 1 < places.len() {
@@ -282,7 +317,8 @@ fn through(lines: &[Line], all: &[Piece], aside: &BTreeMap<usize, Sort>) -> BTre
         let length = piece.length();
         let near = grid.around((piece.a + piece.b) * 0.5, 0.5 * length).filter(|k| !is_free(*k));
         let places = near.filter_map(|k| all[k].met_by(piece.a, way)).filter(|t| (0.0..=length).contains(t));
-        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)));
+        let (low, high) =
+            places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)));
         high - low > 2.0 * THICKNESS[1] && low > 0.3 && high < length - 0.3
     };
     let axes = (0..all.len()).filter(|k| all[*k].length() > 3.0 && is_free(*k) && runs_through(&all[*k]));

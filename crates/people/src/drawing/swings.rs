@@ -81,10 +81,13 @@ fn arcs_of(number: usize, line: &Line) -> Vec<Arc> {
             continue;
         }
         let last = from + count - 1;
-        let turned: f64 = corners[from..=last].windows(2).map(|side| {
-            let (a, b) = (side[0] - centre, side[1] - centre);
-            libm::atan2(a.perp(&b), a.dot(&b))
-        }).sum();
+        let turned: f64 = corners[from..=last]
+            .windows(2)
+            .map(|side| {
+                let (a, b) = (side[0] - centre, side[1] - centre);
+                libm::atan2(a.perp(&b), a.dot(&b))
+            })
+            .sum();
         let fits = (LEAF[0]..=LEAF[1]).contains(&radius) && (TURNED[0]..=TURNED[1]).contains(&turned.abs());
         if fits && !(line.closed && count == corners.len()) {
             arcs.push(Arc { centre, radius, ends: [corners[from], corners[last]], line: number });
