@@ -10,7 +10,6 @@ use crate::print;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use lemons_core::files::input;
-use lemons_core::plane::Bounds;
 use lemons_core::trial::{Geometry, Trial, Wall};
 use lemons_people::PeopleError;
 use lemons_people::drawing::{
@@ -231,9 +230,8 @@ fn propose(arguments: &Arguments) -> Result<()> {
             named()
         )
     };
-    let low = Bounds::of(found.ground.iter().flatten().copied()).map(|bounds| bounds.low);
-    if let Some(low) = low.filter(|_| reading.origin) {
-        found = found.moved(-low);
+    if reading.origin {
+        found = found.at_origin();
     }
     let mut out = Vec::new();
     writeln!(out, "{:<18} {}: {}, unit {} m", "drawing", named(), drawing.format.name(), drawing.unit)?;
@@ -271,10 +269,11 @@ fn units(format: Format, bytes: &[u8], reading: &DrawingArguments) -> String {
     all.join("; or ")
 }
 
-/// The rims of the ground, as walls.
+/// The rims of the ground and what stands in it, as walls.
 fn walls_of(found: &Proposal) -> Geometry {
     let rims = found.ground.iter().map(|rim| rim.iter().chain(rim.first()).copied().collect());
-    let walls = rims.enumerate().map(|(id, corners)| Wall::new(id.to_string(), MATERIAL, corners)).collect();
+    let all = rims.chain(found.open.iter().map(|ends| ends.to_vec()));
+    let walls = all.enumerate().map(|(id, corners)| Wall::new(id.to_string(), MATERIAL, corners)).collect();
     Geometry { dimensions: None, walls }
 }
 

@@ -20,6 +20,8 @@ const ROUNDED: f64 = 5e-3;
 const OVERLAP: f64 = 1e-6;
 /// \[m²\] What is smaller is not mentioned.
 pub(super) const SMALL: f64 = 1e-4;
+/// Among more gaps, none is looked at closely.
+const MOST_JOINS: usize = 500;
 /// \[m\] How far a swing may be from its gap.
 const SWING_OFF: f64 = 0.45;
 
@@ -227,7 +229,7 @@ fn wall_before(pieces: &[Piece], grid: &Grid, end: &End) -> Option<(f64, [Vec2; 
     let sides = end.sides.map(|side| Some((ray(side)?, side)));
     let [Some(left), Some(right)] = sides else { return None };
     let middle = ray(end.middle())?;
-    let at = |(far, side): (f64, Vec2)| side + end.out * (far + OVERLAP);
+    let at = |(far, side): (f64, Vec2)| side + end.out * far;
     Some((middle, [at(left), at(right)]))
 }
 
@@ -343,7 +345,10 @@ pub(super) fn enclose(mut mended: Mended, swings: &[Swing], panes: &[Piece], wid
     let width = |quad: &[Vec2; 4]| ((quad[2] + quad[3] - quad[0] - quad[1]) * 0.5).norm();
     let (narrow, wide): (Vec<Opening>, Vec<Opening>) =
         openings.into_iter().partition(|opening| width(&opening.quad) <= widest + SNAP);
-    let closers = narrow.iter().flat_map(|Opening { quad: [a, b, c, d], .. }| [[*a, *d], [*b, *c]]);
+    // A little into what they meet.
+    let longer = |a: Vec2, b: Vec2| [a, b + (b - a).unit(0.0).unwrap_or(vec2(0.0, 0.0)) * OVERLAP];
+    let closers =
+        narrow.iter().flat_map(|Opening { quad: [a, b, c, d], .. }| [longer(*a, *d), longer(*b, *c)]);
     let lines: Vec<Contour> =
         mended.pieces.iter().map(line).chain(closers.map(|ends| ends.map(Into::into).to_vec())).collect();
     let around = around(&mended.pieces);
@@ -360,13 +365,6 @@ pub(super) fn enclose(mut mended: Mended, swings: &[Swing], panes: &[Piece], wid
         steps.filter_map(on).find(|part| Some(*part) == outside || !parts[*part].thin)
     };
     let mut room: Vec<usize> = (0..parts.len()).collect();
-    fn root(room: &mut [usize], mut part: usize) -> usize {
-        while room[part] != part {
-            room[part] = room[room[part]];
-            part = room[part];
-        }
-        part
-    }
     let mut sides = Vec::new();
     let drawn = narrow.iter().map(|Opening { quad, crossed }| (*quad, *crossed, true));
     let shut: Vec<([Vec2; 4], bool, bool)> =
@@ -402,9 +400,18 @@ pub(super) fn enclose(mut mended: Mended, swings: &[Swing], panes: &[Piece], wid
         .filter(|part| is_room(*part) && !own[*part])
         .map(|part| (inner(&parts[part]), parts[part].area))
         .collect();
+    let joins: Vec<Option<[usize; 2]>> = sides
+        .iter()
+        .map(|&(_, crossed, _, leaves, found)| match found {
+            [Some(one), Some(other)] if own[one] && own[other] && (!crossed || leaves > 0) => {
+                Some([one, other])
+            }
+            _ => None,
+        })
+        .collect();
     let mut gaps = Vec::new();
     let mut ground: Vec<Contour> = Vec::new();
-    for (quad, crossed, open, leaves, found) in sides {
+    for (k, (quad, crossed, open, leaves, found)) in sides.into_iter().enumerate() {
         let [left, right] = found.map(|part| part.is_some_and(|part| own[part]));
         let to_outside = found.iter().any(|part| part.is_none() || *part == outside);
         let leads = match (left, right) {
@@ -414,12 +421,12 @@ pub(super) fn enclose(mut mended: Mended, swings: &[Swing], panes: &[Piece], wid
             _ => Leads::Elsewhere,
         };
         let [a, b, c, d] = quad;
-        // The same room around a column is no gap.
-        let same = found[0] == found[1];
+        // What has no leaf and leads where others lead, too, is the room around a column.
+        let same = || found[0] == found[1] || joins.len() <= MOST_JOINS && is_spare(&joins, k, parts.len());
         if leads == Leads::Inside && (!crossed || leaves > 0) {
             ground.extend(grown(&quad));
         }
-        if !(leads == Leads::Inside && same && leaves == 0) {
+        if !(leads == Leads::Inside && leaves == 0 && same()) {
             let ends = if left { [a, d] } else { [b, c] };
             gaps.push(Gap { ends, leads, leaves, crossed, open, quad });
         }
@@ -432,6 +439,27 @@ pub(super) fn enclose(mut mended: Mended, swings: &[Swing], panes: &[Piece], wid
     let mut all: Vec<Vec<Contour>> = united.iter().map(|polygon| tidied(polygon)).collect();
     all.sort_by(|a, b| overlay::area(b).total_cmp(&overlay::area(a)));
     Enclosed { ground: all.into_iter().next().unwrap_or_default(), gaps, wide: ends_wide(&wide), others }
+}
+
+/// The number of the parts that are joined to a part.
+fn root(room: &mut [usize], mut part: usize) -> usize {
+    while room[part] != part {
+        room[part] = room[room[part]];
+        part = room[part];
+    }
+    part
+}
+
+/// Whether both sides of a gap are joined without it.
+fn is_spare(joins: &[Option<[usize; 2]>], gap: usize, parts: usize) -> bool {
+    let Some(sides) = joins[gap] else { return false };
+    let mut room: Vec<usize> = (0..parts).collect();
+    for [one, other] in joins.iter().enumerate().filter(|(k, _)| *k != gap).filter_map(|(_, join)| *join) {
+        let (one, other) = (root(&mut room, one), root(&mut room, other));
+        room[one] = other;
+    }
+    let [one, other] = sides.map(|side| root(&mut room, side));
+    one == other
 }
 
 fn ends_wide(wide: &[Opening]) -> Vec<[Vec2; 2]> {
@@ -476,7 +504,6 @@ fn on_walls<'a>(
             })
             .collect();
         levels.sort_by(f64::total_cmp);
-        levels.dedup_by(|a, b| (*a - *b).abs() < SNAP);
         let (low, high) = (*levels.first()?, *levels.last()?);
         let side = along.left();
         let [a, b] = [swing.hinge, swing.shut];

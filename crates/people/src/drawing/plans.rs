@@ -343,6 +343,8 @@ fn made(seed: u64) -> Known {
     known
 }
 
+const METRES: Reading = Reading { unit: Some(1.0), deviation: DEVIATION };
+
 fn drawing(dxf: &str) -> Drawing {
     Drawing::read(Format::Dxf, dxf.as_bytes(), &Reading::default()).unwrap()
 }
@@ -395,4 +397,152 @@ fn plans_of_architects_have_the_areas_and_doors_that_are_known() {
         let read = Read::of(Format::Dxf, known.dxf.as_bytes(), &Reading::default(), &PlanSettings::default());
         assert!(read.unwrap().doubt.is_some(), "{}", say());
     }
+}
+
+/// A DXF in m of closed and open lines on layers, and swings that hang at a place and are shut at another.
+fn drawn(lines: &[(&str, &[[f64; 2]], bool)], swings: &[([f64; 2], [f64; 2])]) -> String {
+    let mut plan = Made {
+        random: Random(1),
+        layers: ["", "Doors", "", "", "", "", "", "", ""],
+        unit: (1.0, 6),
+        turned: 0.0,
+        moved: Vec2::zeros(),
+        blocks: String::new(),
+        entities: String::new(),
+    };
+    for (layer, corners, closed) in lines {
+        let points: String = corners.iter().map(|corner| plan.point(10, Vec2::from(*corner))).collect();
+        let _ = write!(plan.entities, "0\nLWPOLYLINE\n8\n{layer}\n70\n{}\n{points}", u8::from(*closed));
+    }
+    for (hinge, shut) in swings {
+        let (hinge, shut) = (Vec2::from(*hinge), Vec2::from(*shut));
+        let way = (shut - hinge).normalize();
+        plan.swing(hinge, shut, vec2(-way.y, way.x));
+    }
+    plan.dxf()
+}
+
+/// Corners of a box, from its lower left and upper right ones.
+fn rect(left: f64, low: f64, right: f64, high: f64) -> [[f64; 2]; 4] {
+    [[left, low], [right, low], [right, high], [left, high]]
+}
+
+#[test]
+fn swings_on_walls_without_gaps_are_doors_and_passages() {
+    let wall = [[6.0, 0.0], [6.0, 8.0], [6.15, 8.0], [6.15, 0.0]];
+    let lines: [(&str, &[[f64; 2]], bool); 3] = [
+        ("Walls", &rect(0.0, 0.0, 10.0, 8.0), true),
+        ("Walls", &rect(-0.3, -0.3, 10.3, 8.3), true),
+        ("Walls", &wall, false),
+    ];
+    let found = proposal(&drawn(&lines, &[([2.0, 0.0], [3.0, 0.0]), ([6.0, 3.0], [6.0, 4.0])]));
+    assert!((found.areas[0] - (80.0 - 0.15 * 7.0)).abs() < 1e-3, "{:#?}", found.said());
+    assert_eq!(found.doors(), [Door::new(vec2(2.5, 0.0), 1.0)]);
+    assert_eq!(found.gaps.iter().map(Gap::kind).collect::<Vec<_>>(), ["door", "passage"]);
+}
+
+#[test]
+fn what_is_not_clear_is_asked_for() {
+    // A gap of 4 m, one without a leaf, a layer that says nothing.
+    let ring = [
+        [7.0, 0.0],
+        [10.0, 0.0],
+        [10.0, 8.0],
+        [0.0, 8.0],
+        [0.0, 0.0],
+        [3.0, 0.0],
+        [3.0, -0.24],
+        [-0.24, -0.24],
+        [-0.24, 8.24],
+        [10.24, 8.24],
+        [10.24, -0.24],
+        [7.0, -0.24],
+    ];
+    let strange = [[1.0, 5.0], [2.0, 6.0], [3.0, 5.0]];
+    let lines: [(&str, &[[f64; 2]], bool); 3] =
+        [("Walls", &ring, true), ("Q7", &strange, false), ("Furniture", &rect(4.0, 3.0, 6.0, 4.0), true)];
+    let dxf = drawn(&lines, &[]);
+    let found = proposal(&dxf);
+    let asks =
+        |found: &Proposal, words: &str| found.questions.iter().any(|question| question.contains(words));
+    assert!(found.ground.is_empty() && found.doors().is_empty());
+    for words in
+        ["The walls enclose nothing", "gap of 4 m from 3,-0.12 to 7,-0.12", "on layer \"Q7\"? 1 line"]
+    {
+        assert!(asks(&found, words), "{:?}", found.questions);
+    }
+    let settings = |widest| PlanSettings {
+        walls: found.walls.clone(),
+        enclosing: Some(Enclosing { obstacles: found.enclosing.obstacles.clone(), widest }),
+        ..PlanSettings::default()
+    };
+    let refused = Plan::of(drawing(&dxf), &settings(3.0)).unwrap_err().to_string();
+    assert!(refused.contains("the walls enclose nothing: gaps of more than 3 m are not closed"), "{refused}");
+    let plan = Plan::of(drawing(&dxf), &settings(4.0)).unwrap();
+    assert!((plan.area().unwrap() - 78.0).abs() < 1e-9);
+    let missing = PlanSettings { walls: vec!["Wall".into()], ..settings(4.0) };
+    let refused = Plan::of(drawing(&dxf), &missing).unwrap_err().to_string();
+    assert!(
+        refused.contains("there are no lines on layer \"Wall\"; layers are: Furniture, Q7, Walls"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn an_outline_of_single_lines_with_a_gap_is_not_the_table_in_it() {
+    let walls = [[5.6, 0.0], [10.0, 0.0], [10.0, 8.0], [0.0, 8.0], [0.0, 0.0], [4.4, 0.0]];
+    let table = rect(3.0, 3.0, 5.0, 4.0);
+    let lines: [(&str, &[[f64; 2]], bool); 2] = [("0", &walls, false), ("0", &table, true)];
+    let dxf = drawn(&lines, &[]);
+    let read = Read::of(Format::Dxf, dxf.as_bytes(), &METRES, &PlanSettings::default()).unwrap();
+    assert!(
+        read.doubt
+            .is_some_and(|doubt| doubt.contains("lies around 2.0 m², all walls together around 80.0 m²"))
+    );
+    let found = proposal(&dxf);
+    assert!((found.areas[0] - 78.0).abs() < 1e-9);
+    assert_eq!(found.doors(), [Door::new(vec2(5.0, 0.0), 1.2)]);
+    assert!(found.questions.iter().any(|question| question.contains("1.2 m wide at 5,0 a door")));
+    // Where nothing is in doubt, nobody is asked.
+    let closed: [(&str, &[[f64; 2]], bool); 2] =
+        [("0", &rect(0.0, 0.0, 10.0, 8.0), true), ("0", &table, true)];
+    let read =
+        Read::of(Format::Dxf, drawn(&closed, &[]).as_bytes(), &METRES, &PlanSettings::default()).unwrap();
+    assert_eq!(read.doubt, None);
+    // A partition of one line, with a gap in it, stays, and one that ends in the room.
+    let mut lines: Vec<(&str, &[[f64; 2]], bool)> = vec![("0", &walls, false)];
+    let parts = [[[7.0, 0.0], [7.0, 3.0]], [[7.0, 4.0], [7.0, 8.0]], [[2.0, 8.0], [2.0, 6.0]]];
+    lines.extend(parts.iter().map(|part| ("0", &part[..], false)));
+    let dxf = drawn(&lines, &[]);
+    let found = proposal(&dxf);
+    assert!((found.areas[0] - 80.0).abs() < 1e-6, "{:#?}", found.said());
+    let open: f64 = found.open.iter().map(|[a, b]| (b - a).norm()).sum();
+    assert!((open - 9.0).abs() < 1e-9, "{:?}", found.open);
+    let settings = PlanSettings { enclosing: Some(found.enclosing.clone()), ..PlanSettings::default() };
+    assert_eq!(Plan::of(drawing(&dxf), &settings).unwrap().walls.len(), 4);
+    // Column by column along the middle, no gap is a passage.
+    let columns: Vec<[[f64; 2]; 4]> =
+        (0..4).map(|k| 1.0 + 2.4 * f64::from(k)).map(|x| rect(x, 5.0, x + 0.4, 5.4)).collect();
+    let mut lines: Vec<(&str, &[[f64; 2]], bool)> = vec![("0", &walls, false)];
+    lines.extend(columns.iter().map(|column| ("0", &column[..], true)));
+    let found = proposal(&drawn(&lines, &[]));
+    assert_eq!(found.gaps.iter().map(Gap::kind).collect::<Vec<_>>(), ["door"], "{:#?}", found.said());
+    assert!((found.areas[0] - (80.0 - 0.64)).abs() < 1e-6);
+}
+
+#[test]
+fn the_plan_of_an_architect_has_384_square_metres() {
+    let path =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/cases/plan_dirty/plan.dxf");
+    let Ok(dxf) = std::fs::read_to_string(&path) else {
+        return eprintln!("{} is not here: nothing is tested", path.display());
+    };
+    let found = proposal(&dxf);
+    // 24 m by 16 m; a partition of 0.1 m by 5.2 m; six columns and a bar, of straight pieces.
+    assert!((found.areas[0] - (384.0 - 0.52)).abs() < 1e-6);
+    let obstacles =
+        3.0 * 0.16 + 3.0 * 0.09 * std::f64::consts::PI + (3.6 * 3.6 - 9.0) * std::f64::consts::PI / 3.0;
+    assert!((found.areas[0] - found.areas[1] - obstacles).abs() < 0.05);
+    assert_eq!(found.doors(), [Door::new(vec2(125.0, 45.0), 1.2), Door::new(vec2(144.0, 52.9), 1.8)]);
+    assert_eq!(found.closed.len(), 3);
 }

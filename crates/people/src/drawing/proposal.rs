@@ -5,7 +5,7 @@
 //! walls ([`taken`]); [`Proposal`] says what it would take, and asks.
 
 use super::bands::{self, DOOR, Gap, Leads, THICKNESS};
-use super::pieces::{Mended, Piece, mended, pieces_of};
+use super::pieces::{Mended, Piece, SNAP, mended, pieces_of};
 use super::sort::{Flight, Layer, Sort, Sorted, of_name, sorted};
 use super::swings::{Swing, swings_of};
 use super::{Drawing, Line, Plan, Role, WIDEST_GAP};
@@ -13,6 +13,7 @@ use crate::error::{Result, require};
 use crate::{Door, is_closed};
 use lemons_core::plane::overlay::{self, Contour};
 use lemons_core::plane::{Bounds, Ring, Vec2, convex_hull, vec2};
+use serde::Deserialize;
 use std::collections::BTreeSet;
 
 /// \[m\] Widest gap that is closed if nothing else is said.
@@ -27,7 +28,8 @@ const MOST: f64 = 0.7;
 const MOST_SAID: usize = 100;
 
 /// How walls enclose a room.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Enclosing {
     /// Layers whose closed lines are obstacles.
     pub obstacles: Vec<String>,
@@ -59,6 +61,8 @@ struct Taken {
     blobs: Vec<(String, Vec<Contour>)>,
     /// \[m²\] Of the convex hull of all walls.
     hull: f64,
+    /// Walls of one line that stand in the ground.
+    open: Vec<[Vec2; 2]>,
     /// Which lines were looked at as walls or obstacles.
     used: BTreeSet<usize>,
     sorted: Sorted,
@@ -88,7 +92,8 @@ fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Option<f64>) -
     let of_walls: Vec<(usize, &Line)> = asked(lines).filter(|(_, line)| is_wall(line)).collect();
     used.extend(of_walls.iter().map(|(k, _)| *k));
     let built = of_walls.iter().copied().filter(|(k, _)| !sorted.aside.contains_key(k));
-    let Mended { pieces, closed, loose } = mended(pieces_of(built)?, close);
+    let drawn = pieces_of(built)?;
+    let Mended { pieces, closed, loose } = mended(drawn.clone(), close);
     let thicknesses = bands::thicknesses(&pieces);
     let hull = convex_hull(pieces.iter().flat_map(|piece| [piece.a, piece.b]));
     let hull = Ring::through(hull).map_or(0.0, |ring| ring.area());
@@ -107,6 +112,7 @@ fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Option<f64>) -
     }
     let all: Vec<Contour> = blobs.iter().flat_map(|(_, blobs)| blobs.iter().map(left)).collect();
     let within = overlay::area(&found.ground);
+    let open = standing(&drawn, &found);
     let (ground, cut_off) = bands::without(&found.ground, &all);
     let place = |polygon: &Vec<Contour>| {
         let corners = polygon.first()?.iter().map(|corner| Vec2::from(*corner)).collect();
@@ -126,6 +132,7 @@ fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Option<f64>) -
         thicknesses,
         blobs,
         hull,
+        open,
         used,
         sorted,
         swings,
@@ -136,6 +143,19 @@ fn has_areas(lines: &[Line]) -> bool {
     let is_area =
         |line: &Line| matches!(Role::of(&line.layer), Some((Role::WalkableArea | Role::Obstacle, _)));
     lines.iter().any(is_area)
+}
+
+/// Pieces of walls within the ground, but not in a passage: they are no rim, and stay as they are.
+fn standing(pieces: &[Piece], found: &bands::Enclosed) -> Vec<[Vec2; 2]> {
+    let rims: Vec<Ring> = found.ground.iter().filter_map(overlay::ring).collect();
+    let passages: Vec<Ring> = found.gaps.iter().filter_map(|gap| Ring::through(gap.quad.to_vec())).collect();
+    let stands = |piece: &&Piece| {
+        let middle = (piece.a + piece.b) * 0.5;
+        let inside = rims.iter().filter(|rim| rim.contains(middle)).count() == 1;
+        let on = |ring: &Ring| ring.nearest(middle).distance <= SNAP;
+        inside && !rims.iter().any(on) && !passages.iter().any(|quad| quad.contains(middle) || on(quad))
+    };
+    pieces.iter().filter(stands).map(|piece| [piece.a, piece.b]).collect()
 }
 
 /// A contour counter-clockwise.
@@ -169,7 +189,7 @@ pub(super) fn taken(
             format!("there are no lines on layer {layer:?}; layers are: {}", there.join(", "))
         })?;
     }
-    let Taken { ground, used, within, hull, closed, .. } = take(&lines, walls, how, close)?;
+    let Taken { ground, used, within, hull, closed, open, .. } = take(&lines, walls, how, close)?;
     require(!ground.is_empty(), || {
         format!(
             "the walls enclose nothing: gaps of more than {} m are not closed, nor are small ones without a width to \
@@ -190,14 +210,13 @@ pub(super) fn taken(
         k += 1;
         !used.contains(&(k - 1))
     });
-    lines.extend(ground.iter().map(|contour| Line {
-        layer: layer.clone(),
-        name: None,
-        entity: "a rim of the ground".to_owned(),
-        corners: contour.iter().map(|corner| Vec2::from(*corner)).collect(),
-        closed: true,
-        hole: false,
-    }));
+    let line = |corners: Vec<Vec2>, closed: bool| {
+        let (layer, entity) = (layer.clone(), "a rim of the ground".to_owned());
+        Line { layer, name: None, entity, corners, closed, hole: false }
+    };
+    let rim = |contour: &Contour| contour.iter().map(|corner| Vec2::from(*corner)).collect();
+    lines.extend(ground.iter().map(|contour| line(rim(contour), true)));
+    lines.extend(open.iter().map(|ends| line(ends.to_vec(), false)));
     Ok((lines, closed))
 }
 
@@ -218,6 +237,8 @@ pub struct Proposal {
     pub thicknesses: Vec<(f64, f64)>,
     /// \[m\] The rim of the ground without obstacles, then its holes; none where walls enclose nothing.
     pub ground: Vec<Vec<Vec2>>,
+    /// \[m\] Walls of one line that stand in the ground.
+    pub open: Vec<[Vec2; 2]>,
     /// \[m²\] The area within walls, and that without obstacles.
     pub areas: [f64; 2],
     /// Gaps of its walls.
@@ -254,7 +275,7 @@ impl Proposal {
         };
         let walls = if walls.is_empty() { of(|sort| sort == Sort::Wall) } else { walls.to_vec() };
         let mut enclosing = given.cloned().unwrap_or_default();
-        if given.is_none_or(|given| given.obstacles.is_empty()) {
+        if given.is_none() {
             enclosing.obstacles = of(Sort::is_obstacle);
         }
         enclosing.obstacles.retain(|layer| !walls.contains(layer));
@@ -285,6 +306,7 @@ impl Proposal {
             walls,
             enclosing,
             close,
+            open: taken.open.clone(),
             areas: [taken.within, overlay::area(&taken.ground)],
             ground: taken
                 .ground
@@ -313,9 +335,23 @@ impl Proposal {
         proposal
     }
 
+    /// Returns the proposal with the lower left corner of the ground at the origin, where the room's would be.
+    #[must_use]
+    pub fn at_origin(self) -> Proposal {
+        let low = Bounds::of(self.ground.iter().flatten().copied()).map(|bounds| bounds.low);
+        match low {
+            Some(low) => self.moved(-low),
+            None => self,
+        }
+    }
+
     /// Moves everything by a vector \[m\].
-    pub fn moved(mut self, by: Vec2) -> Proposal {
-        self.ground.iter_mut().flatten().for_each(|corner| *corner += by);
+    fn moved(mut self, by: Vec2) -> Proposal {
+        self.ground
+            .iter_mut()
+            .flatten()
+            .chain(self.open.iter_mut().flatten())
+            .for_each(|corner| *corner += by);
         self.gaps.iter_mut().for_each(|gap| {
             gap.ends.iter_mut().chain(&mut gap.quad).for_each(|corner| *corner += by);
         });
@@ -368,9 +404,12 @@ impl Proposal {
                 place(*at)
             ));
         }
+        let has_windows = self.layers.iter().any(|layer| layer.sort == Sort::Window);
         for gap in self.gaps.iter().filter(|gap| gap.leads == Leads::Outside).take(MOST_SAID) {
             let at = format!("{} m wide at {}", number(gap.width()), place(gap.at()));
-            if gap.crossed && gap.leaves == 0 {
+            if gap.crossed && gap.leaves == 0 && has_windows {
+                continue;
+            } else if gap.crossed && gap.leaves == 0 {
                 asked.push(format!("is the gap {at} a window? Lines run across it, and it stays shut"));
             } else if gap.is_door() && gap.leaves == 0 {
                 asked.push(format!("is the gap {at} a door? No swing is drawn"));
@@ -421,6 +460,10 @@ impl Proposal {
                 format!("{} cm thick, {length:.1} m of it", number(100.0 * thickness)),
             ));
         }
+        if !self.open.is_empty() {
+            let length: f64 = self.open.iter().map(|[a, b]| (b - a).norm()).sum();
+            said.push(("walls of one line", format!("{length:.1} m of it stand in the ground")));
+        }
         for (layer, count, area) in &self.obstacles {
             said.push(("obstacles", format!("{count} on layer {layer:?}, {area:.3} m²")));
         }
@@ -455,7 +498,8 @@ impl Proposal {
         let from = if *by_name { "by its name" } else { "by how its lines lie" };
         let sort = if walls { Sort::Wall } else { *sort };
         let from = if sort == Sort::Unclear { String::new() } else { format!(" ({from})") };
-        format!("{name:?}: {}{from}, {lines} lines{does}", sort.name())
+        let plural = if *lines == 1 { "" } else { "s" };
+        format!("{name:?}: {}{from}, {lines} line{plural}{does}", sort.name())
     }
 
     /// Returns the options of the command that take what is proposed.
