@@ -5,6 +5,7 @@
 
 use super::pieces::{Grid, Mended, Piece, SNAP};
 use super::swings::Swing;
+use crate::error::{Result, require};
 use lemons_core::plane::overlay::{self, Contour, Fill};
 use lemons_core::plane::{Bounds, InPlane, Ring, Vec2, vec2};
 
@@ -20,6 +21,10 @@ const ROUNDED: f64 = 5e-3;
 const OVERLAP: f64 = 1e-6;
 /// \[m²\] What is smaller is not mentioned.
 pub(super) const SMALL: f64 = 1e-4;
+/// Largest number of ends of walls: gaps take the square of this.
+const MOST_ENDS: usize = 10_000;
+/// Largest number of gaps, times that of parts that they may lead to.
+const MOST_LOOKS: usize = 100_000_000;
 /// Among more gaps, none is looked at closely.
 const MOST_JOINS: usize = 500;
 /// \[m\] How far a swing may be from its gap.
@@ -337,9 +342,20 @@ pub(super) fn thicknesses(pieces: &[Piece]) -> Vec<(f64, f64)> {
 
 /// Returns what walls enclose: the largest rooms that gaps join. Gaps up to `widest` \[m\] are closed where they lead
 /// elsewhere.
-pub(super) fn enclose(mut mended: Mended, swings: &[Swing], panes: &[Piece], widest: f64) -> Enclosed {
+///
+/// # Errors
+/// There are too many ends of walls, or gaps.
+pub(super) fn enclose(
+    mut mended: Mended,
+    swings: &[Swing],
+    panes: &[Piece],
+    widest: f64,
+) -> Result<Enclosed> {
     let grid = Grid::of(&mended.pieces);
     let ends = ends_of(&mut mended, &grid);
+    require(ends.len() <= MOST_ENDS, || {
+        format!("walls end at more than {MOST_ENDS} places: too many to look for gaps: choose layers")
+    })?;
     let grid = Grid::of(&mended.pieces);
     let openings = openings(&mended.pieces, &grid, &ends, panes);
     let width = |quad: &[Vec2; 4]| ((quad[2] + quad[3] - quad[0] - quad[1]) * 0.5).norm();
@@ -357,6 +373,10 @@ pub(super) fn enclose(mut mended: Mended, swings: &[Swing], panes: &[Piece], wid
         .filter_map(Part::of)
         .filter(|part| part.area > SMALL)
         .collect();
+    require(narrow.len() * parts.len() <= MOST_LOOKS, || {
+        let (gaps, parts) = (narrow.len(), parts.len());
+        format!("walls have {gaps} gaps and cut the plane into {parts} parts: too many: choose layers")
+    })?;
     let outside = parts.iter().position(|part| is_rim(&part.polygon[0], &around));
     let on = |at: Vec2| parts.iter().position(|part| part.contains(at));
     // What is beyond a wall on one side: the first part that is no wall.
@@ -392,7 +412,12 @@ pub(super) fn enclose(mut mended: Mended, swings: &[Swing], panes: &[Piece], wid
     }
     let largest = (0..parts.len()).max_by(|a, b| areas[*a].total_cmp(&areas[*b]));
     let Some(largest) = largest.filter(|part| areas[*part] > 0.0) else {
-        return Enclosed { ground: Vec::new(), gaps: Vec::new(), wide: ends_wide(&wide), others: Vec::new() };
+        return Ok(Enclosed {
+            ground: Vec::new(),
+            gaps: Vec::new(),
+            wide: ends_wide(&wide),
+            others: Vec::new(),
+        });
     };
     let own: Vec<bool> =
         (0..parts.len()).map(|part| is_room(part) && root(&mut room, part) == largest).collect();
@@ -438,7 +463,7 @@ pub(super) fn enclose(mut mended: Mended, swings: &[Swing], panes: &[Piece], wid
     let united = overlay::union(&ground);
     let mut all: Vec<Vec<Contour>> = united.iter().map(|polygon| tidied(polygon)).collect();
     all.sort_by(|a, b| overlay::area(b).total_cmp(&overlay::area(a)));
-    Enclosed { ground: all.into_iter().next().unwrap_or_default(), gaps, wide: ends_wide(&wide), others }
+    Ok(Enclosed { ground: all.into_iter().next().unwrap_or_default(), gaps, wide: ends_wide(&wide), others })
 }
 
 /// The number of the parts that are joined to a part.

@@ -2,7 +2,7 @@
 
 use super::Line;
 use crate::error::{Result, require};
-use lemons_core::plane::{Bounds, InPlane, Vec2, nearest_on_segment};
+use lemons_core::plane::{Bounds, InPlane, Vec2, nearest_on_segment, segments_cross};
 use std::collections::HashMap;
 
 /// \[m\] Ends that are nearer to something than this meet it: drawings are rounded.
@@ -11,6 +11,11 @@ pub(super) const SNAP: f64 = 1e-3;
 const BEYOND: f64 = 1e-6;
 /// Largest number of pieces that are looked at: some of it takes the square of this.
 pub(super) const MOST_PIECES: usize = 20_000;
+
+/// Largest number of pairs of pieces that are near each other.
+const MOST_PAIRS: usize = 20_000_000;
+/// Largest number of places where pieces cross: each makes more of what they cut the plane into.
+const MOST_CROSSINGS: usize = 200_000;
 
 /// A straight piece of a line.
 #[derive(Debug, Clone, Copy)]
@@ -70,6 +75,7 @@ pub(super) fn pieces_of<'a>(lines: impl Iterator<Item = (usize, &'a Line)>) -> R
             )
         })?;
     }
+    Grid::of(&pieces).check(&pieces)?;
     Ok(pieces)
 }
 
@@ -95,6 +101,31 @@ impl Grid {
             }
         }
         Grid { size, cells }
+    }
+
+    /// Refuses pieces of which too many are beside each other, or cross.
+    fn check(&self, pieces: &[Piece]) -> Result<()> {
+        let pairs: usize = self.cells.values().map(|cell| cell.len() * cell.len()).sum();
+        require(pairs <= MOST_PAIRS, || {
+            "too many lines are near each other to look for walls: choose layers".to_owned()
+        })?;
+        let crosses = |one: u32, other: u32| {
+            let (one, other) = (&pieces[one as usize], &pieces[other as usize]);
+            segments_cross(one.a, one.b, other.a, other.b)
+        };
+        let count = |cell: &Vec<u32>| {
+            let pairs = cell
+                .iter()
+                .enumerate()
+                .flat_map(|(k, one)| cell[..k].iter().map(move |other| (*one, *other)));
+            pairs.filter(|(one, other)| crosses(*one, *other)).count()
+        };
+        let crossings: usize = self.cells.values().map(count).sum();
+        require(crossings <= MOST_CROSSINGS, || {
+            format!(
+                "lines cross each other at more than {MOST_CROSSINGS} places: too many to look for walls: choose layers"
+            )
+        })
     }
 
     fn cell(at: Vec2, size: f64) -> (i64, i64) {

@@ -546,3 +546,21 @@ fn the_plan_of_an_architect_has_384_square_metres() {
     assert_eq!(found.doors(), [Door::new(vec2(125.0, 45.0), 1.2), Door::new(vec2(144.0, 52.9), 1.8)]);
     assert_eq!(found.closed.len(), 3);
 }
+
+#[test]
+fn too_many_lines_are_refused_with_a_number() {
+    let refused = |lines: Vec<[[f64; 2]; 2]>| {
+        let lines: Vec<(&str, &[[f64; 2]], bool)> =
+            lines.iter().map(|line| ("0", &line[..], false)).collect();
+        Proposal::of(&drawing(&drawn(&lines, &[])), &[], None, None).unwrap_err().to_string()
+    };
+    let place = |k: u32| 0.2 * f64::from(k);
+    let crossing =
+        (0..500).flat_map(|k| [[[place(k), -1.0], [place(k), 101.0]], [[-1.0, place(k)], [101.0, place(k)]]]);
+    let said = refused(crossing.collect());
+    assert!(said.contains("cross each other at more than 200000 places"), "{said}");
+    let many = (0..20_001).map(|k| [[place(k), 0.0], [place(k), 0.1]]).collect();
+    assert!(refused(many).contains("more than 20000 straight pieces"));
+    let near = (0..5000).map(|k| [[0.001 * place(k), 0.0], [0.001 * place(k), 9.0]]).collect();
+    assert!(refused(near).contains("too many lines are near each other"));
+}

@@ -103,7 +103,7 @@ fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Option<f64>) -
     };
     let panes = asked(lines).filter(|(k, line)| may_shut(line) && !sorted.aside.contains_key(k));
     let panes = pieces_of(panes)?;
-    let found = bands::enclose(Mended { pieces, closed: Vec::new(), loose }, &swings, &panes, how.widest);
+    let found = bands::enclose(Mended { pieces, closed: Vec::new(), loose }, &swings, &panes, how.widest)?;
     let mut blobs = Vec::new();
     for layer in &how.obstacles {
         let own: Vec<(usize, &Line)> = asked(lines).filter(|(_, line)| line.layer == *layer).collect();
