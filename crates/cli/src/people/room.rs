@@ -244,12 +244,17 @@ fn propose(arguments: &Arguments) -> Result<()> {
         let words = words.chain(found.options()).chain(["-o".to_owned(), format!("{stem}.geojson")]);
         let words: Vec<String> = words.map(|word| quoted(&word)).collect();
         writeln!(out, "{:<18} {}", "command", words.join(" "))?;
-        let geometry = walls_of(&found);
-        let trial = bare(path, &geometry)?;
-        let mut scene = Scene::at_start(&trial);
-        scene.marks = found.gaps.iter().enumerate().map(|(k, gap)| gap_mark(k, gap)).collect();
-        outputs.draw(&scene, &style())?;
     }
+    let geometry = walls_of(&found);
+    let trial = bare(path, &geometry)?;
+    let mut scene = Scene::at_start(&trial);
+    let wide = found.wide.iter().map(|ends| Mark {
+        kind: MarkKind::Waypoint,
+        name: format!("gap: {:.2} m", (ends[1] - ends[0]).norm()),
+        corners: ends.to_vec(),
+    });
+    scene.marks = found.gaps.iter().enumerate().map(|(k, gap)| gap_mark(k, gap)).chain(wide).collect();
+    outputs.draw(&scene, &style())?;
     let done = outputs.persist(|| interrupt.check(), &mut out);
     let told = print::out().write_all(&out);
     and_then(done, told.map_err(Into::into))
@@ -269,10 +274,11 @@ fn units(format: Format, bytes: &[u8], reading: &DrawingArguments) -> String {
     all.join("; or ")
 }
 
-/// The rims of the ground and what stands in it, as walls.
+/// The rims of the ground and what stands in it, as walls; where there is none, walls as they are drawn.
 fn walls_of(found: &Proposal) -> Geometry {
     let rims = found.ground.iter().map(|rim| rim.iter().chain(rim.first()).copied().collect());
-    let all = rims.chain(found.open.iter().map(|ends| ends.to_vec()));
+    let open = if found.ground.is_empty() { &found.drawn } else { &found.open };
+    let all = rims.chain(open.iter().map(|ends| ends.to_vec()));
     let walls = all.enumerate().map(|(id, corners)| Wall::new(id.to_string(), MATERIAL, corners)).collect();
     Geometry { dimensions: None, walls }
 }

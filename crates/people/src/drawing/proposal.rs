@@ -63,6 +63,8 @@ struct Taken {
     hull: f64,
     /// Walls of one line that stand in the ground.
     open: Vec<[Vec2; 2]>,
+    /// Walls as they are drawn.
+    drawn: Vec<[Vec2; 2]>,
     /// Which lines were looked at as walls or obstacles.
     used: BTreeSet<usize>,
     sorted: Sorted,
@@ -133,6 +135,7 @@ fn take(lines: &[Line], walls: &[String], how: &Enclosing, close: Option<f64>) -
         blobs,
         hull,
         open,
+        drawn: drawn.iter().map(|piece| [piece.a, piece.b]).collect(),
         used,
         sorted,
         swings,
@@ -239,6 +242,10 @@ pub struct Proposal {
     pub ground: Vec<Vec<Vec2>>,
     /// \[m\] Walls of one line that stand in the ground.
     pub open: Vec<[Vec2; 2]>,
+    /// \[m\] Walls as they are drawn.
+    pub drawn: Vec<[Vec2; 2]>,
+    /// \[m\] Ends of gaps that are too wide to be closed.
+    pub wide: Vec<[Vec2; 2]>,
     /// \[m²\] The area within walls, and that without obstacles.
     pub areas: [f64; 2],
     /// Gaps of its walls.
@@ -307,6 +314,8 @@ impl Proposal {
             enclosing,
             close,
             open: taken.open.clone(),
+            drawn: taken.drawn.clone(),
+            wide: taken.wide.clone(),
             areas: [taken.within, overlay::area(&taken.ground)],
             ground: taken
                 .ground
@@ -347,11 +356,8 @@ impl Proposal {
 
     /// Moves everything by a vector \[m\].
     fn moved(mut self, by: Vec2) -> Proposal {
-        self.ground
-            .iter_mut()
-            .flatten()
-            .chain(self.open.iter_mut().flatten())
-            .for_each(|corner| *corner += by);
+        let pieces = [&mut self.open, &mut self.drawn, &mut self.wide].into_iter().flatten().flatten();
+        self.ground.iter_mut().flatten().chain(pieces).for_each(|corner| *corner += by);
         self.gaps.iter_mut().for_each(|gap| {
             gap.ends.iter_mut().chain(&mut gap.quad).for_each(|corner| *corner += by);
         });
